@@ -1,0 +1,45 @@
+"""The few exceptions pawnb raises on purpose.
+
+Each message is one sentence that says what was found, what was expected and
+how to mend it. The command line prints it and exits with status 2.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+
+class PawnbError(Exception):
+    """Base of every error that pawnb raises on purpose."""
+
+
+class InputError(PawnbError, ValueError):
+    """Something the user gave (a file, a setting, a click) cannot be used as it is."""
+
+
+class VideoError(InputError):
+    """A video cannot be opened, is damaged, or lacks the frame that was asked for."""
+
+
+class CalibrationError(InputError):
+    """Calibration is missing, or its points do not determine a camera."""
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """Return `` (did you mean 'x'?)`` for the nearest known name, or an empty string.
+
+    Parameters
+    ----------
+    name : str
+        What was found.
+    known : iterable of str
+        What is allowed.
+
+    Returns
+    -------
+    str
+        The hint with a leading blank, or ``""`` where nothing is near.
+    """
+    near = difflib.get_close_matches(name, list(known), n=1, cutoff=0.6)
+    return f" (did you mean {near[0]!r}?)" if near else ""
