@@ -1,0 +1,1 @@
+"""The engine: frames, calibration, filters and trackers; it knows no gait and no widget."""

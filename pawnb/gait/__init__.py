@@ -1,0 +1,1 @@
+"""Gait statistics on tracks or events from any source; this part knows no video."""

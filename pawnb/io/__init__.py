@@ -1,0 +1,1 @@
+"""Tracks in and out: our own files and other programs', one file each."""

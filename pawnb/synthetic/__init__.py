@@ -1,0 +1,1 @@
+"""Rendered scenes with exact truth: the built-in sample, tests and benchmarks."""

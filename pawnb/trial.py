@@ -1,0 +1,456 @@
+"""Trial: what was filmed and how; ``trial.toml`` in and out.
+
+A trial only describes. It opens no video and reads no table; it does check that
+what is written makes sense, so that a typing error is found before any work.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+import tomli_w
+
+from pawnb.errors import InputError, did_you_mean
+
+Kind = Literal["paws", "pose", "tracks"]
+BAYER_PATTERNS = ("rggb", "bggr", "grbg", "gbrg")
+
+
+@dataclass(frozen=True, kw_only=True)
+class View:
+    """One view: what a tracker sees, after decode, debayer, undistort, crop, mirror.
+
+    Parameters
+    ----------
+    name : str
+        Name used in every table.
+    video : str
+        A video file, a folder of pictures, or a glob, relative to the trial's folder.
+    crop : tuple of int, optional
+        ``u0, v0, u1, v1`` in px of the file's picture, half open.
+    mirror : bool
+        Whether the picture is flipped left to right after cropping.
+    bayer : str, optional
+        Bayer pattern of raw pictures: rggb, bggr, grbg or gbrg.
+    offset : int
+        This file's frame that belongs to frame 0 of the trial.
+    facing : int, optional
+        +1 where the animal faces right in this picture, -1 where it faces left.
+    background : str, optional
+        Picture without the animal (kind ``pose``).
+    background_frames : tuple of int, optional
+        Half-open range of frames without the animal (kind ``pose``).
+    points : tuple of str
+        Points that are tracked in this view; empty means every point.
+    """
+
+    name: str
+    video: str
+    crop: tuple[int, int, int, int] | None = None
+    mirror: bool = False
+    bayer: str | None = None
+    offset: int = 0
+    facing: int | None = None
+    background: str | None = None
+    background_frames: tuple[int, int] | None = None
+    points: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Calibration:
+    """How pixels become real units; the files are relative to the trial's folder.
+
+    Parameters
+    ----------
+    dlt : str, optional
+        ``DLTcoefs.csv``: 11 rows, one column a view.
+    px_per_unit : float, optional
+        Scale of a single view, px per unit.
+    unit : str
+        Name of the unit of length.
+    forward, up : tuple of float
+        Unit vectors in calibrated space.
+    lens : str, optional
+        ``lenses.toml`` with matrix and distortion of each view.
+    pixels : {"view", "file"}
+        Whether the coefficients belong to the resulting view or to the whole picture.
+    v : {"down", "up"}
+        Direction of v for which the coefficients were made.
+    """
+
+    dlt: str | None = None
+    px_per_unit: float | None = None
+    unit: str = "mm"
+    forward: tuple[float, ...] = (1.0, 0.0, 0.0)
+    up: tuple[float, ...] = (0.0, 0.0, 1.0)
+    lens: str | None = None
+    pixels: Literal["view", "file"] = "view"
+    v: Literal["down", "up"] = "down"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Animal:
+    """Who was filmed.
+
+    Parameters
+    ----------
+    id : str
+        The animal's id; strides of one animal are pooled under it.
+    species : str, optional
+        ``mouse``, a built-in species, or the path of a species file.
+    group : str, optional
+        Experimental group.
+    body : tuple of str
+        Points of the body, rear to front, that give origin and heading.
+    extra : mapping
+        Any further fields of the section, such as ``mass_g``.
+    """
+
+    id: str
+    species: str | None = None
+    group: str | None = None
+    body: tuple[str, ...] = ()
+    extra: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Trial:
+    """One recording of one animal: everything ``trial.toml`` says.
+
+    Parameters
+    ----------
+    kind : {"paws", "pose", "tracks"}
+        Points in one or more views, a jointed animal, or tracks made elsewhere.
+    name : str
+        Name used in every table.
+    fps : float
+        Frames per second of the recording (not of its play-back).
+    animal : Animal
+        Who was filmed.
+    folder : Path
+        Folder that the paths are relative to.
+    frames : tuple of int, optional
+        Half-open range of frames to use.
+    belt_speed : float or str, optional
+        Treadmill speed in unit / s, or a csv with columns frame, speed.
+    views : tuple of View
+        The views, in the order of the DLT columns.
+    calibration : Calibration, optional
+        None where nothing is calibrated.
+    start_points, start_pose : str, optional
+        Files with the clicked start.
+    tracks_file : str, optional
+        Tracks made elsewhere (kind ``tracks``).
+    tracks_legs : mapping
+        Leg names to the names of points in that file.
+    tracking : mapping
+        Settings of the tracker.
+    """
+
+    kind: Kind
+    name: str
+    fps: float
+    animal: Animal
+    folder: Path = field(default_factory=Path)
+    frames: tuple[int, int] | None = None
+    belt_speed: float | str | None = None
+    views: tuple[View, ...] = ()
+    calibration: Calibration | None = None
+    start_points: str | None = None
+    start_pose: str | None = None
+    tracks_file: str | None = None
+    tracks_legs: Mapping[str, str] = field(default_factory=dict)
+    tracking: Mapping[str, Any] = field(default_factory=dict)
+
+    def view(self, name: str) -> View:
+        """Return the view of that name; raises InputError if there is none."""
+        for view in self.views:
+            if view.name == name:
+                return view
+        names = [v.name for v in self.views]
+        raise InputError(
+            f"trial {self.name!r} has no view {name!r}{did_you_mean(name, names)}; "
+            f"its views are {', '.join(names)}."
+        )
+
+    def path(self, relative: str) -> Path:
+        """Return a path of the trial as a path that can be opened."""
+        return self.folder / relative
+
+
+def load_trial(path: str | Path) -> Trial:
+    """Read ``trial.toml``.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file, or the folder that holds it.
+
+    Returns
+    -------
+    Trial
+        The checked description.
+
+    Raises
+    ------
+    InputError
+        If the file is missing or is not TOML, if a section or field is unknown or has
+        the wrong type, or if a required one (such as ``fps``) is missing.
+    """
+    path = Path(path)
+    if path.is_dir():
+        path = path / "trial.toml"
+    try:
+        document = tomllib.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise InputError(
+            f"{path}: no such trial; expected a trial.toml or the folder that holds one."
+        ) from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: not a TOML file ({error}); mend that line.") from None
+    return _trial_from_document(document, path)
+
+
+_SECTIONS: dict[str, dict[str, Any]] = {
+    "trial": {"kind": str, "name": str, "fps": float, "frames": (int, 2)},
+    "animal": {},
+    "treadmill": {"belt_speed": (float, str)},
+    "views": {},
+    "calibration": {},
+    "start": {"points": str, "pose": str},
+    "tracks": {"file": str, "legs": dict},
+    "tracking": {},
+}
+
+
+def _trial_from_document(document: dict[str, Any], path: Path) -> Trial:
+    """Build a Trial from a parsed document, checking every section."""
+    where = path.name
+    for name in document:
+        if name not in _SECTIONS:
+            raise InputError(
+                f"{where}: unknown section [{name}]{did_you_mean(name, _SECTIONS)}; "
+                f"expected {', '.join(_SECTIONS)}."
+            )
+    head = _plain_section(document, "trial", where)
+    kind = head.get("kind", "paws")
+    if kind not in ("paws", "pose", "tracks"):
+        raise InputError(f"{where}: kind is {kind!r}; expected paws, pose or tracks.")
+    if "fps" not in head:
+        raise InputError(
+            f"{where}: [trial] fps is missing; give the frame rate of the recording in "
+            "frames per second, for instance fps = 250.0."
+        )
+    if not (math.isfinite(head["fps"]) and head["fps"] > 0):
+        raise InputError(f"{where}: [trial] fps is {head['fps']}; expected a number above 0.")
+    frames = head.get("frames")
+    if frames is not None and not 0 <= frames[0] < frames[1]:
+        raise InputError(
+            f"{where}: [trial] frames is {list(frames)}; expected first and one past last, "
+            "for instance [0, 1000]."
+        )
+    start = _plain_section(document, "start", where)
+    tracks = _plain_section(document, "tracks", where)
+    trial = Trial(
+        kind=kind,
+        name=head.get("name", path.parent.resolve().name),
+        fps=head["fps"],
+        frames=frames,
+        animal=_animal(document.get("animal", {}), where),
+        folder=path.parent,
+        belt_speed=_plain_section(document, "treadmill", where).get("belt_speed"),
+        views=_views(document.get("views", []), where),
+        calibration=_calibration(document, where),
+        start_points=start.get("points"),
+        start_pose=start.get("pose"),
+        tracks_file=tracks.get("file"),
+        tracks_legs=tracks.get("legs", {}),
+        tracking=document.get("tracking", {}),
+    )
+    if kind == "tracks" and trial.tracks_file is None:
+        raise InputError(f"{where}: kind is 'tracks' but [tracks] file is missing; name the file.")
+    if kind != "tracks" and not trial.views:
+        raise InputError(f"{where}: no [[views]]; a trial of kind {kind!r} needs at least one.")
+    return trial
+
+
+def _animal(section: dict[str, Any], where: str) -> Animal:
+    """Read [animal]; every field beyond the known ones is kept in ``extra``."""
+    known = {"id": str, "species": str, "group": str, "body": (str, None)}
+    named = {
+        k: _field(v, known[k], f"{where}: [animal] {k}") for k, v in section.items() if k in known
+    }
+    extra = {k: v for k, v in section.items() if k not in known}
+    named.setdefault("id", "animal")
+    return Animal(**named, extra=extra)
+
+
+_VIEW_FIELDS = {
+    "name": str, "video": str, "crop": (int, 4), "mirror": bool, "bayer": str,
+    "offset": int, "facing": int, "background": str, "background_frames": (int, 2),
+    "points": (str, None),
+}  # fmt: skip
+_CALIBRATION_FIELDS = {
+    "dlt": str, "px_per_unit": float, "unit": str, "forward": (float, 3), "up": (float, 3),
+    "lens": str, "pixels": str, "v": str,
+}  # fmt: skip
+
+
+def _views(sections: Any, where: str) -> tuple[View, ...]:
+    """Read every [[views]] and check names, crops and patterns."""
+    views = []
+    for number, section in enumerate(sections, start=1):
+        place = f"{where}: [[views]] number {number}"
+        values = _fields(section, _VIEW_FIELDS, place)
+        for needed in ("name", "video"):
+            if needed not in values:
+                raise InputError(f'{place}: {needed} is missing; add {needed} = "...".')
+        view = View(**values)
+        if view.crop and not (
+            0 <= view.crop[0] < view.crop[2] and 0 <= view.crop[1] < view.crop[3]
+        ):
+            raise InputError(
+                f"{place}: crop is {[u0, v0, u1, v1]}; expected u0, v0, u1, v1 with u0 < u1 and "
+                "v0 < v1, half open."
+            )
+        if view.bayer is not None and view.bayer not in BAYER_PATTERNS:
+            raise InputError(
+                f"{place}: bayer is {view.bayer!r}; expected {', '.join(BAYER_PATTERNS)}."
+            )
+        if view.facing not in (None, 1, -1):
+            raise InputError(f"{place}: facing is {view.facing}; expected 1 (right) or -1 (left).")
+        views.append(view)
+    names = [view.name for view in views]
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(f"{where}: two views are called {name!r}; give each its own name.")
+    return tuple(views)
+
+
+def _calibration(document: dict[str, Any], where: str) -> Calibration | None:
+    """Read [calibration], if there is one."""
+    if "calibration" not in document:
+        return None
+    place = f"{where}: [calibration]"
+    values = _fields(document["calibration"], _CALIBRATION_FIELDS, place)
+    for name, allowed in (("pixels", ("view", "file")), ("v", ("down", "up"))):
+        if name in values and values[name] not in allowed:
+            raise InputError(
+                f"{place} {name} is {values[name]!r}; expected {' or '.join(allowed)}."
+            )
+    for name in ("forward", "up"):
+        if name in values:
+            length = math.hypot(*values[name])
+            if not (math.isfinite(length) and length > 0):
+                raise InputError(
+                    f"{place} {name} is {list(values[name])}; expected a direction "
+                    "that is not zero."
+                )
+            values[name] = tuple(x / length for x in values[name])
+    if values.get("px_per_unit", 1.0) <= 0:
+        raise InputError(f"{place} px_per_unit is {values['px_per_unit']}; expected above 0.")
+    if "dlt" in values and "px_per_unit" in values:
+        raise InputError(f"{place} has both dlt and px_per_unit; keep the one that is meant.")
+    return Calibration(**values)
+
+
+def _plain_section(document: dict[str, Any], name: str, where: str) -> dict[str, Any]:
+    """Read a section whose fields are listed in ``_SECTIONS``."""
+    return _fields(document.get(name, {}), _SECTIONS[name], f"{where}: [{name}]")
+
+
+def _fields(section: Any, known: Mapping[str, Any], place: str) -> dict[str, Any]:
+    """Check the fields of one section against their types; refuse unknown ones."""
+    if not isinstance(section, dict):
+        raise InputError(f"{place}: expected a section with fields, found {section!r}.")
+    values = {}
+    for name, value in section.items():
+        if name not in known:
+            raise InputError(
+                f"{place}: unknown field {name!r}{did_you_mean(name, known)}; "
+                f"known are {', '.join(known)}."
+            )
+        values[name] = _field(value, known[name], f"{place} {name}")
+    return values
+
+
+_WORDS = {str: "text", float: "a number", int: "a whole number", bool: "true or false",
+          dict: "a table { name = \"...\" }"}  # fmt: skip
+
+
+def _field(value: Any, kind: Any, what: str) -> Any:
+    """Check one value: a type, (type, length or None) for a list, or (type, type) for either."""
+    if isinstance(kind, tuple) and (kind[1] is None or isinstance(kind[1], int)):
+        item, length = kind
+        if isinstance(value, list) and length in (None, len(value)):
+            return tuple(_field(v, item, what) for v in value)
+        count = "a list" if length is None else f"a list of {length}"
+        raise InputError(f"{what} is {value!r}; expected {count}, each {_WORDS[item]}.")
+    kinds = kind if isinstance(kind, tuple) else (kind,)
+    for k in kinds:
+        if k is float and isinstance(value, int | float) and not isinstance(value, bool):
+            return float(value)
+        if isinstance(value, k) and not (k is int and isinstance(value, bool)):
+            return value
+    raise InputError(f"{what} is {value!r}; expected {' or '.join(_WORDS[k] for k in kinds)}.")
+
+
+def save_trial(trial: Trial, path: str | Path) -> Path:
+    """Write a Trial as TOML so that :func:`load_trial` gives it back.
+
+    Parameters
+    ----------
+    trial : Trial
+        What to write; its paths stay relative to the file's folder.
+    path : str or Path
+        The file to write.
+
+    Returns
+    -------
+    Path
+        The file.
+    """
+    path = Path(path)
+    head: dict[str, Any] = {"kind": trial.kind, "name": trial.name, "fps": trial.fps}
+    if trial.frames is not None:
+        head["frames"] = list(trial.frames)
+    document: dict[str, Any] = {
+        "trial": head,
+        "animal": {**_changed(trial.animal, keep=("id",), skip=("extra",)), **trial.animal.extra},
+    }
+    if trial.belt_speed is not None:
+        document["treadmill"] = {"belt_speed": trial.belt_speed}
+    if trial.views:
+        document["views"] = [_changed(view, keep=("name", "video")) for view in trial.views]
+    if trial.calibration is not None:
+        document["calibration"] = _changed(trial.calibration, keep=("unit",))
+    start = {"points": trial.start_points, "pose": trial.start_pose}
+    if any(start.values()):
+        document["start"] = {k: v for k, v in start.items() if v}
+    if trial.tracks_file is not None:
+        document["tracks"] = {"file": trial.tracks_file}
+        if trial.tracks_legs:
+            document["tracks"]["legs"] = dict(trial.tracks_legs)
+    if trial.tracking:
+        document["tracking"] = dict(trial.tracking)
+    temporary = path.with_name(path.name + ".part")
+    temporary.write_text(tomli_w.dumps(document), encoding="utf-8")
+    temporary.replace(path)
+    return path
+
+
+def _changed(item: Any, *, keep: tuple[str, ...], skip: tuple[str, ...] = ()) -> dict[str, Any]:
+    """Return the fields that differ from their defaults, as TOML can write them."""
+    values = {}
+    for f in dataclasses.fields(item):
+        value = getattr(item, f.name)
+        if f.name in skip or value is None or (f.name not in keep and value == f.default):
+            continue
+        values[f.name] = list(value) if isinstance(value, tuple) else value
+    return values

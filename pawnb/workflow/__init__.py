@@ -1,0 +1,1 @@
+"""Trial to tracks to gait, each step one call."""
