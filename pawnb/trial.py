@@ -312,9 +312,8 @@ def _views(sections: Any, where: str) -> tuple[View, ...]:
             if needed not in values:
                 raise InputError(f'{place}: {needed} is missing; add {needed} = "...".')
         view = View(**values)
-        if view.crop and not (
-            0 <= view.crop[0] < view.crop[2] and 0 <= view.crop[1] < view.crop[3]
-        ):
+        u0, v0, u1, v1 = view.crop or (0, 0, 1, 1)
+        if not (0 <= u0 < u1 and 0 <= v0 < v1):
             raise InputError(
                 f"{place}: crop is {[u0, v0, u1, v1]}; expected u0, v0, u1, v1 with u0 < u1 and "
                 "v0 < v1, half open."
