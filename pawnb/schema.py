@@ -299,20 +299,27 @@ def build_settings(cls: type[SettingsT], values: Mapping[str, Any], *, where: st
     for name, value in values.items():
         if name not in fields:
             raise InputError(
-                f"{where}: unknown setting {name!r}{did_you_mean(name, fields)}; "
+                f"{where}: unknown name {name!r}{did_you_mean(name, fields)}; "
                 f"known are {', '.join(sorted(fields))}."
             )
-        clean[name] = _convert(value, hints[name], f"{where}: setting {name!r}")
+        clean[name] = _convert(value, hints[name], f"{where}: {name}")
     return cls(**clean)
+
+
+def _options(hint: Any) -> tuple[Any, ...]:
+    """Return the members of a union, or the single type."""
+    if typing.get_origin(hint) in (types.UnionType, typing.Union):
+        return typing.get_args(hint)
+    return (hint,)
 
 
 def _convert(value: Any, hint: Any, what: str) -> Any:
     """Convert one plain value to the annotated type, or say what was expected."""
-    options = typing.get_args(hint) if isinstance(hint, types.UnionType) else (hint,)
+    options = _options(hint)
     if (
         isinstance(value, str)
         and str not in options
-        and typing.get_origin(hint) is not (typing.Literal)
+        and not any(typing.get_origin(option) is typing.Literal for option in options)
     ):
         try:
             value = json.loads(value.lower() if value in {"True", "False", "None"} else value)
@@ -341,8 +348,8 @@ def _convert(value: Any, hint: Any, what: str) -> Any:
 def _describe(hint: Any) -> str:
     """Say in words what a type annotation allows."""
     origin, args = typing.get_origin(hint), typing.get_args(hint)
-    if isinstance(hint, types.UnionType):
-        return " or ".join(_describe(option) for option in args)
+    if len(_options(hint)) > 1:
+        return " or ".join(_describe(option) for option in args if option is not type(None))
     if origin is typing.Literal:
         return "one of " + ", ".join(repr(a) for a in args)
     if origin is tuple:
@@ -354,6 +361,5 @@ def _describe(hint: Any) -> str:
         int: "a whole number",
         bool: "true or false",
         str: "text",
-        type(None): "nothing",
     }
     return words.get(hint, str(hint))

@@ -17,9 +17,10 @@ from typing import Any, Literal
 import tomli_w
 
 from pawnb.errors import InputError, did_you_mean
+from pawnb.schema import build_settings
 
 Kind = Literal["paws", "pose", "tracks"]
-BAYER_PATTERNS = ("rggb", "bggr", "grbg", "gbrg")
+Bayer = Literal["rggb", "bggr", "grbg", "gbrg"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,7 +55,7 @@ class View:
     video: str
     crop: tuple[int, int, int, int] | None = None
     mirror: bool = False
-    bayer: str | None = None
+    bayer: Bayer | None = None
     offset: int = 0
     facing: int | None = None
     background: str | None = None
@@ -87,8 +88,8 @@ class Calibration:
     dlt: str | None = None
     px_per_unit: float | None = None
     unit: str = "mm"
-    forward: tuple[float, ...] = (1.0, 0.0, 0.0)
-    up: tuple[float, ...] = (0.0, 0.0, 1.0)
+    forward: tuple[float, float, float] = (1.0, 0.0, 0.0)
+    up: tuple[float, float, float] = (0.0, 0.0, 1.0)
     lens: str | None = None
     pixels: Literal["view", "file"] = "view"
     v: Literal["down", "up"] = "down"
@@ -217,110 +218,138 @@ def load_trial(path: str | Path) -> Trial:
     return _trial_from_document(document, path)
 
 
-_SECTIONS: dict[str, dict[str, Any]] = {
-    "trial": {"kind": str, "name": str, "fps": float, "frames": (int, 2)},
-    "animal": {},
-    "treadmill": {"belt_speed": (float, str)},
-    "views": {},
-    "calibration": {},
-    "start": {"points": str, "pose": str},
-    "tracks": {"file": str, "legs": dict},
-    "tracking": {},
+@dataclass(frozen=True)
+class _Head:
+    """Fields of [trial]."""
+
+    kind: Kind = "paws"
+    name: str | None = None
+    fps: float | None = None
+    frames: tuple[int, int] | None = None
+
+
+@dataclass(frozen=True)
+class _Files:
+    """Fields of the sections [treadmill], [start] and [tracks]."""
+
+    belt_speed: float | str | None = None
+    points: str | None = None
+    pose: str | None = None
+    file: str | None = None
+
+
+_SECTION_FIELDS = {
+    "trial": ("kind", "name", "fps", "frames"),
+    "treadmill": ("belt_speed",),
+    "start": ("points", "pose"),
+    "tracks": ("file", "legs"),
 }
+_SECTIONS = (*_SECTION_FIELDS, "animal", "views", "calibration", "tracking")
 
 
 def _trial_from_document(document: dict[str, Any], path: Path) -> Trial:
     """Build a Trial from a parsed document, checking every section."""
-    where = path.name
+    where = str(path)
     for name in document:
         if name not in _SECTIONS:
             raise InputError(
                 f"{where}: unknown section [{name}]{did_you_mean(name, _SECTIONS)}; "
                 f"expected {', '.join(_SECTIONS)}."
             )
-    head = _plain_section(document, "trial", where)
-    kind = head.get("kind", "paws")
-    if kind not in ("paws", "pose", "tracks"):
-        raise InputError(f"{where}: kind is {kind!r}; expected paws, pose or tracks.")
-    if "fps" not in head:
+    head = build_settings(_Head, _section(document, "trial", where), where=f"{where}: [trial]")
+    fps = _checked_fps(head.fps, where)
+    if head.frames is not None and not 0 <= head.frames[0] < head.frames[1]:
+        raise InputError(
+            f"{where}: [trial] frames is {list(head.frames)}; expected first and one past last, "
+            "for instance [0, 1000]."
+        )
+    tracks = _section(document, "tracks", where)
+    legs = tracks.pop("legs", {})
+    if not isinstance(legs, dict) or not all(isinstance(name, str) for name in legs.values()):
+        raise InputError(
+            f'{where}: [tracks] legs is {legs!r}; expected {{ leg = "name in the file" }}.'
+        )
+    sections = {name: _section(document, name, where) for name in ("treadmill", "start")}
+    files = build_settings(
+        _Files, {**sections["treadmill"], **sections["start"], **tracks}, where=where
+    )
+    trial = Trial(
+        kind=head.kind,
+        name=head.name or path.parent.resolve().name,
+        fps=fps,
+        frames=head.frames,
+        animal=_animal(document.get("animal", {}), where),
+        folder=path.parent,
+        belt_speed=files.belt_speed,
+        views=_views(document.get("views", []), where),
+        calibration=_calibration(document, where),
+        start_points=files.points,
+        start_pose=files.pose,
+        tracks_file=files.file,
+        tracks_legs=legs,
+        tracking=document.get("tracking", {}),
+    )
+    if trial.kind == "tracks" and trial.tracks_file is None:
+        raise InputError(f"{where}: kind is 'tracks' but [tracks] file is missing; name the file.")
+    if trial.kind != "tracks" and not trial.views:
+        raise InputError(
+            f"{where}: no [[views]]; a trial of kind {trial.kind!r} needs at least one."
+        )
+    return trial
+
+
+def _section(document: dict[str, Any], name: str, where: str) -> dict[str, Any]:
+    """Return a copy of one section after refusing fields that do not belong there."""
+    section = document.get(name, {})
+    if not isinstance(section, dict):
+        raise InputError(f"{where}: [{name}] is {section!r}; expected a section with fields.")
+    known = _SECTION_FIELDS[name]
+    for field_name in section:
+        if field_name not in known:
+            raise InputError(
+                f"{where}: [{name}] has an unknown field {field_name!r}"
+                f"{did_you_mean(field_name, known)}; known are {', '.join(known)}."
+            )
+    return dict(section)
+
+
+def _checked_fps(fps: float | None, where: str) -> float:
+    """Return the frame rate, or say that it is missing."""
+    if fps is None:
         raise InputError(
             f"{where}: [trial] fps is missing; give the frame rate of the recording in "
             "frames per second, for instance fps = 250.0."
         )
-    if not (math.isfinite(head["fps"]) and head["fps"] > 0):
-        raise InputError(f"{where}: [trial] fps is {head['fps']}; expected a number above 0.")
-    frames = head.get("frames")
-    if frames is not None and not 0 <= frames[0] < frames[1]:
-        raise InputError(
-            f"{where}: [trial] frames is {list(frames)}; expected first and one past last, "
-            "for instance [0, 1000]."
-        )
-    start = _plain_section(document, "start", where)
-    tracks = _plain_section(document, "tracks", where)
-    trial = Trial(
-        kind=kind,
-        name=head.get("name", path.parent.resolve().name),
-        fps=head["fps"],
-        frames=frames,
-        animal=_animal(document.get("animal", {}), where),
-        folder=path.parent,
-        belt_speed=_plain_section(document, "treadmill", where).get("belt_speed"),
-        views=_views(document.get("views", []), where),
-        calibration=_calibration(document, where),
-        start_points=start.get("points"),
-        start_pose=start.get("pose"),
-        tracks_file=tracks.get("file"),
-        tracks_legs=tracks.get("legs", {}),
-        tracking=document.get("tracking", {}),
-    )
-    if kind == "tracks" and trial.tracks_file is None:
-        raise InputError(f"{where}: kind is 'tracks' but [tracks] file is missing; name the file.")
-    if kind != "tracks" and not trial.views:
-        raise InputError(f"{where}: no [[views]]; a trial of kind {kind!r} needs at least one.")
-    return trial
+    if not (math.isfinite(fps) and fps > 0):
+        raise InputError(f"{where}: [trial] fps is {fps}; expected a number above 0.")
+    return fps
 
 
-def _animal(section: dict[str, Any], where: str) -> Animal:
+def _animal(section: Any, where: str) -> Animal:
     """Read [animal]; every field beyond the known ones is kept in ``extra``."""
-    known = {"id": str, "species": str, "group": str, "body": (str, None)}
-    named = {
-        k: _field(v, known[k], f"{where}: [animal] {k}") for k, v in section.items() if k in known
-    }
-    extra = {k: v for k, v in section.items() if k not in known}
-    named.setdefault("id", "animal")
-    return Animal(**named, extra=extra)
-
-
-_VIEW_FIELDS = {
-    "name": str, "video": str, "crop": (int, 4), "mirror": bool, "bayer": str,
-    "offset": int, "facing": int, "background": str, "background_frames": (int, 2),
-    "points": (str, None),
-}  # fmt: skip
-_CALIBRATION_FIELDS = {
-    "dlt": str, "px_per_unit": float, "unit": str, "forward": (float, 3), "up": (float, 3),
-    "lens": str, "pixels": str, "v": str,
-}  # fmt: skip
+    if not isinstance(section, dict):
+        raise InputError(f"{where}: [animal] is {section!r}; expected a section with fields.")
+    known = {k: v for k, v in section.items() if k in {"id", "species", "group", "body"}}
+    animal = build_settings(Animal, {"id": "animal", **known}, where=f"{where}: [animal]")
+    return dataclasses.replace(animal, extra={k: v for k, v in section.items() if k not in known})
 
 
 def _views(sections: Any, where: str) -> tuple[View, ...]:
     """Read every [[views]] and check names, crops and patterns."""
-    views = []
+    views: list[View] = []
+    if not (isinstance(sections, list) and all(isinstance(s, dict) for s in sections)):
+        raise InputError(f"{where}: views is {sections!r}; write each view under [[views]].")
     for number, section in enumerate(sections, start=1):
         place = f"{where}: [[views]] number {number}"
-        values = _fields(section, _VIEW_FIELDS, place)
         for needed in ("name", "video"):
-            if needed not in values:
+            if needed not in section:
                 raise InputError(f'{place}: {needed} is missing; add {needed} = "...".')
-        view = View(**values)
+        view = build_settings(View, section, where=place)
         u0, v0, u1, v1 = view.crop or (0, 0, 1, 1)
         if not (0 <= u0 < u1 and 0 <= v0 < v1):
             raise InputError(
                 f"{place}: crop is {[u0, v0, u1, v1]}; expected u0, v0, u1, v1 with u0 < u1 and "
                 "v0 < v1, half open."
-            )
-        if view.bayer is not None and view.bayer not in BAYER_PATTERNS:
-            raise InputError(
-                f"{place}: bayer is {view.bayer!r}; expected {', '.join(BAYER_PATTERNS)}."
             )
         if view.facing not in (None, 1, -1):
             raise InputError(f"{place}: facing is {view.facing}; expected 1 (right) or -1 (left).")
@@ -333,71 +362,29 @@ def _views(sections: Any, where: str) -> tuple[View, ...]:
 
 
 def _calibration(document: dict[str, Any], where: str) -> Calibration | None:
-    """Read [calibration], if there is one."""
+    """Read [calibration], if there is one; directions become unit vectors."""
     if "calibration" not in document:
         return None
     place = f"{where}: [calibration]"
-    values = _fields(document["calibration"], _CALIBRATION_FIELDS, place)
-    for name, allowed in (("pixels", ("view", "file")), ("v", ("down", "up"))):
-        if name in values and values[name] not in allowed:
-            raise InputError(
-                f"{place} {name} is {values[name]!r}; expected {' or '.join(allowed)}."
-            )
-    for name in ("forward", "up"):
-        if name in values:
-            length = math.hypot(*values[name])
-            if not (math.isfinite(length) and length > 0):
-                raise InputError(
-                    f"{place} {name} is {list(values[name])}; expected a direction "
-                    "that is not zero."
-                )
-            values[name] = tuple(x / length for x in values[name])
-    if values.get("px_per_unit", 1.0) <= 0:
-        raise InputError(f"{place} px_per_unit is {values['px_per_unit']}; expected above 0.")
-    if "dlt" in values and "px_per_unit" in values:
+    calibration = build_settings(Calibration, document["calibration"], where=place)
+    if calibration.px_per_unit is not None and calibration.px_per_unit <= 0:
+        raise InputError(f"{place} px_per_unit is {calibration.px_per_unit}; expected above 0.")
+    if calibration.dlt is not None and calibration.px_per_unit is not None:
         raise InputError(f"{place} has both dlt and px_per_unit; keep the one that is meant.")
-    return Calibration(**values)
+    return dataclasses.replace(
+        calibration,
+        forward=_unit_vector(calibration.forward, f"{place} forward"),
+        up=_unit_vector(calibration.up, f"{place} up"),
+    )
 
 
-def _plain_section(document: dict[str, Any], name: str, where: str) -> dict[str, Any]:
-    """Read a section whose fields are listed in ``_SECTIONS``."""
-    return _fields(document.get(name, {}), _SECTIONS[name], f"{where}: [{name}]")
-
-
-def _fields(section: Any, known: Mapping[str, Any], place: str) -> dict[str, Any]:
-    """Check the fields of one section against their types; refuse unknown ones."""
-    if not isinstance(section, dict):
-        raise InputError(f"{place}: expected a section with fields, found {section!r}.")
-    values = {}
-    for name, value in section.items():
-        if name not in known:
-            raise InputError(
-                f"{place}: unknown field {name!r}{did_you_mean(name, known)}; "
-                f"known are {', '.join(known)}."
-            )
-        values[name] = _field(value, known[name], f"{place} {name}")
-    return values
-
-
-_WORDS = {str: "text", float: "a number", int: "a whole number", bool: "true or false",
-          dict: "a table { name = \"...\" }"}  # fmt: skip
-
-
-def _field(value: Any, kind: Any, what: str) -> Any:
-    """Check one value: a type, (type, length or None) for a list, or (type, type) for either."""
-    if isinstance(kind, tuple) and (kind[1] is None or isinstance(kind[1], int)):
-        item, length = kind
-        if isinstance(value, list) and length in (None, len(value)):
-            return tuple(_field(v, item, what) for v in value)
-        count = "a list" if length is None else f"a list of {length}"
-        raise InputError(f"{what} is {value!r}; expected {count}, each {_WORDS[item]}.")
-    kinds = kind if isinstance(kind, tuple) else (kind,)
-    for k in kinds:
-        if k is float and isinstance(value, int | float) and not isinstance(value, bool):
-            return float(value)
-        if isinstance(value, k) and not (k is int and isinstance(value, bool)):
-            return value
-    raise InputError(f"{what} is {value!r}; expected {' or '.join(_WORDS[k] for k in kinds)}.")
+def _unit_vector(vector: tuple[float, float, float], what: str) -> tuple[float, float, float]:
+    """Return the direction with length 1, or say that it has none."""
+    length = math.hypot(*vector)
+    if not (math.isfinite(length) and length > 0):
+        raise InputError(f"{what} is {list(vector)}; expected a direction that is not zero.")
+    x, y, z = vector
+    return x / length, y / length, z / length
 
 
 def save_trial(trial: Trial, path: str | Path) -> Path:

@@ -1,0 +1,128 @@
+"""Tracks, table columns and settings: what is right passes, what is wrong is named."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from pawnb import schema
+from pawnb.errors import InputError
+
+
+def test_new_tracks_follow_their_own_schema():
+    tracks = schema.make_tracks([5, 6, 7], ["FR", "HR"], fps=250, views=["a", "b"], unit="mm")
+    assert schema.check_tracks(tracks) is tracks
+    assert tracks.sizes == {
+        "time": 3, "space": 3, "keypoint": 2, "individual": 1, "view": 2, "image_space": 2,
+    }  # fmt: skip
+    np.testing.assert_allclose(tracks.time, [0.020, 0.024, 0.028])
+    assert np.isnan(tracks.position).all()
+    assert (tracks.origin == schema.ORIGIN_CODE["missing"]).all()
+    assert tracks.origin.attrs["flag_meanings"].split() == list(schema.ORIGINS)
+
+
+def test_time_stamps_replace_frame_over_fps():
+    tracks = schema.make_tracks([0, 1], ["p"], fps=100, time_s=np.array([0.0, 0.013]))
+    assert tracks.time.to_numpy().tolist() == [0.0, 0.013]
+
+
+def test_every_fault_of_tracks_is_named_at_once():
+    tracks = schema.make_tracks([0], ["p"], fps=100).drop_vars(["origin", "frame"])
+    tracks["position"] = tracks["position"].transpose("space", "time", "keypoint", "individual")
+    tracks.attrs["fps"] = 0
+    with pytest.raises(InputError) as caught:
+        schema.check_tracks(tracks, where="x.nc")
+    assert str(caught.value) == (
+        "x.nc: not Tracks as pawnb writes them: no variable 'origin'; 'position' has dimensions "
+        "('space', 'time', 'keypoint', 'individual') instead of ('time', 'space', 'keypoint', "
+        "'individual'); attribute fps is 0 instead of a positive number; no coordinate 'frame' "
+        "along time. Make them with pawnb.schema.make_tracks or a reader of pawnb.io."
+    )
+    with pytest.raises(InputError, match=r"expected Tracks .* found dict"):
+        schema.check_tracks({})
+
+
+def test_provenance_grows_and_leaves_the_old_tracks_alone():
+    old = schema.make_tracks([0], ["p"], fps=100)
+    new = schema.add_provenance(
+        schema.add_provenance(old, step="track", method="paper"), step="edit"
+    )
+    steps = json.loads(new.attrs["provenance"])["steps"]
+    assert steps == [{"method": "paper", "step": "track"}, {"step": "edit"}]
+    assert old.attrs["provenance"] == "{}"
+
+
+def test_a_missing_column_names_the_likely_one():
+    table = pd.DataFrame({"frame": [0], "view": ["a"], "points": ["FR"], "u": [1], "v": [2]})
+    with pytest.raises(InputError) as caught:
+        schema.check_columns(table, schema.START_COLUMNS, where="start.csv")
+    assert str(caught.value) == (
+        "start.csv: column 'point' is missing (is it in column 'points'?); expected frame, view, "
+        "point, u, v, found frame, view, points, u, v."
+    )
+    assert schema.check_columns(table, ["u", "v"], where="x") is table
+
+
+def test_phase_summary_has_animals_first_then_strides():
+    # design, section 5: the second set of columns has the same names with _strides
+    first = schema.PHASE_SUMMARY_COLUMNS[4:12]
+    assert schema.PHASE_SUMMARY_COLUMNS[:4] == ("leg", "reference", "n", "n_animals")
+    assert schema.PHASE_SUMMARY_COLUMNS[12:] == tuple(f"{name}_strides" for name in first)
+
+
+@dataclass(frozen=True)
+class Example:
+    count: int = 1
+    weights: tuple[float, ...] = (1.0,)
+    window: tuple[int, int] = (70, 40)
+    limit: float | None = None
+    mode: str = "a"
+    on: bool = False
+
+
+@pytest.mark.parametrize(
+    ("values", "expected"),
+    [
+        ({}, Example()),
+        ({"count": "3"}, Example(count=3)),
+        ({"count": 3.0}, Example(count=3)),
+        ({"weights": "[2, 0, 4]"}, Example(weights=(2.0, 0.0, 4.0))),
+        ({"window": [1, 2]}, Example(window=(1, 2))),
+        ({"limit": "2.5", "mode": "b"}, Example(limit=2.5, mode="b")),
+        ({"limit": "none"}, None),
+        ({"limit": None, "on": "True"}, Example(on=True)),
+        ({"mode": "3"}, Example(mode="3")),
+    ],
+)
+def test_plain_values_become_settings(values, expected):
+    if expected is None:
+        with pytest.raises(InputError, match="limit is 'none'; expected a number"):
+            schema.build_settings(Example, values, where="--set")
+    else:
+        assert schema.build_settings(Example, values, where="--set") == expected
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        (
+            {"cout": 1},
+            "--set: unknown name 'cout' (did you mean 'count'?); known are count, limit, mode, "
+            "on, weights, window.",
+        ),
+        ({"count": 1.5}, "--set: count is 1.5; expected a whole number."),
+        ({"count": True}, "--set: count is True; expected a whole number."),
+        ({"weights": 3}, "--set: weights is 3; expected a list, each item a number."),
+        ({"window": [1]}, "--set: window is [1]; expected a list of 2, each a whole number."),
+        ({"on": 1}, "--set: on is 1; expected true or false."),
+        ({"mode": 3}, "--set: mode is 3; expected text."),
+    ],
+)
+def test_settings_that_make_no_sense_are_refused(values, message):
+    with pytest.raises(InputError) as caught:
+        schema.build_settings(Example, values, where="--set")
+    assert str(caught.value) == message

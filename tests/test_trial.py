@@ -1,0 +1,232 @@
+"""Trials: what is read is what was written, and typing errors are named."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pawnb.errors import InputError
+from pawnb.trial import Animal, Calibration, Trial, View, load_trial, save_trial
+
+TEXT = """
+[trial]
+kind = "paws"
+name = "m07-35cms-03"
+fps = 250
+frames = [0, 1000]
+[animal]
+id = "m07"
+group = "control"
+mass_g = 21.5
+body = ["tail", "nose"]
+[treadmill]
+belt_speed = 350
+[[views]]
+name = "cam1"
+video = "cam1.avi"
+crop = [0, 0, 2048, 700]
+bayer = "rggb"
+points = ["FR", "HR"]
+[[views]]
+name = "cam2"
+video = "cam2.avi"
+mirror = true
+facing = -1
+offset = 3
+[calibration]
+dlt = "DLTcoefs.csv"
+unit = "cm"
+forward = [0, 2, 0]
+[start]
+points = "start.csv"
+[tracking]
+median_px = 3
+"""
+
+
+def write(folder: Path, old: str = "", new: str = "") -> Path:
+    assert old in TEXT
+    path = folder / "trial.toml"
+    path.write_text(TEXT.replace(old, new) if old else TEXT)
+    return path
+
+
+def test_every_field_arrives(tmp_path):
+    trial = load_trial(write(tmp_path))
+    assert trial == Trial(
+        kind="paws",
+        name="m07-35cms-03",
+        fps=250.0,
+        frames=(0, 1000),
+        animal=Animal(id="m07", group="control", body=("tail", "nose"), extra={"mass_g": 21.5}),
+        folder=tmp_path,
+        belt_speed=350.0,
+        views=(
+            View(
+                name="cam1",
+                video="cam1.avi",
+                crop=(0, 0, 2048, 700),
+                bayer="rggb",
+                points=("FR", "HR"),
+            ),
+            View(name="cam2", video="cam2.avi", mirror=True, facing=-1, offset=3),
+        ),
+        # a direction of any length is made a unit vector
+        calibration=Calibration(dlt="DLTcoefs.csv", unit="cm", forward=(0.0, 1.0, 0.0)),
+        start_points="start.csv",
+        tracking={"median_px": 3},
+    )
+
+
+def test_the_folder_will_do(tmp_path):
+    assert load_trial(tmp_path if write(tmp_path) else "") == load_trial(tmp_path / "trial.toml")
+
+
+def test_name_defaults_to_the_folder(tmp_path):
+    trial = load_trial(write(tmp_path, 'name = "m07-35cms-03"', ""))
+    assert trial.name == tmp_path.name
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        (
+            "fps = 250",
+            "",
+            "[trial] fps is missing; give the frame rate of the recording in frames per second, "
+            "for instance fps = 250.0.",
+        ),
+        ("fps = 250", "fps = 0", "[trial] fps is 0.0; expected a number above 0."),
+        ("fps = 250", 'fps = "fast"', "[trial]: fps is 'fast'; expected a number."),
+        (
+            "frames = [0, 1000]",
+            "frames = [10, 10]",
+            "[trial] frames is [10, 10]; expected first and one past last, for instance [0, 1000].",
+        ),
+        (
+            'kind = "paws"',
+            'kind = "paw"',
+            "[trial]: kind is 'paw'; expected one of 'paws', 'pose', 'tracks'.",
+        ),
+        (
+            "[animal]",
+            "[animl]",
+            "unknown section [animl] (did you mean 'animal'?); expected trial, treadmill, start, "
+            "tracks, animal, views, calibration, tracking.",
+        ),
+        (
+            "belt_speed",
+            "belt_sped",
+            "[treadmill] has an unknown field 'belt_sped' (did you mean 'belt_speed'?); "
+            "known are belt_speed.",
+        ),
+        (
+            "crop = [0, 0, 2048, 700]",
+            "crop = [9, 0, 9, 700]",
+            "[[views]] number 1: crop is [9, 0, 9, 700]; expected u0, v0, u1, v1 with u0 < u1 and "
+            "v0 < v1, half open.",
+        ),
+        (
+            '"rggb"',
+            '"rgb"',
+            "[[views]] number 1: bayer is 'rgb'; expected one of 'rggb', 'bggr', 'grbg', 'gbrg'.",
+        ),
+        (
+            "facing = -1",
+            "facing = 2",
+            "[[views]] number 2: facing is 2; expected 1 (right) or -1 (left).",
+        ),
+        (
+            'name = "cam2"',
+            'name = "cam1"',
+            "two views are called 'cam1'; give each its own name.",
+        ),
+        (
+            'video = "cam2.avi"',
+            "",
+            '[[views]] number 2: video is missing; add video = "...".',
+        ),
+        (
+            "forward = [0, 2, 0]",
+            "forward = [0, 0, 0]",
+            "[calibration] forward is [0.0, 0.0, 0.0]; expected a direction that is not zero.",
+        ),
+        (
+            "forward = [0, 2, 0]",
+            "px_per_unit = 4.8",
+            "[calibration] has both dlt and px_per_unit; keep the one that is meant.",
+        ),
+    ],
+)
+def test_what_is_wrong_is_said_in_one_sentence(tmp_path, old, new, message):
+    path = write(tmp_path, old, new)
+    with pytest.raises(InputError) as caught:
+        load_trial(path)
+    assert str(caught.value) == f"{path}: {message}"
+
+
+def test_missing_file_and_text_that_is_no_toml(tmp_path):
+    with pytest.raises(InputError, match=r"no such trial; expected a trial\.toml or the folder"):
+        load_trial(tmp_path / "nowhere")
+    (tmp_path / "trial.toml").write_text("[trial\n")
+    with pytest.raises(InputError, match=r"not a TOML file .*mend that line"):
+        load_trial(tmp_path)
+
+
+def test_a_trial_without_views_or_tracks_is_refused(tmp_path):
+    path = tmp_path / "trial.toml"
+    path.write_text("[trial]\nfps = 100\n")
+    with pytest.raises(InputError, match=r"no \[\[views\]\]; a trial of kind 'paws'"):
+        load_trial(path)
+    path.write_text('[trial]\nkind = "tracks"\nfps = 100\n')
+    with pytest.raises(InputError, match=r"\[tracks\] file is missing"):
+        load_trial(path)
+
+
+def test_asking_for_an_unknown_view_suggests_the_near_one(tmp_path):
+    trial = load_trial(write(tmp_path))
+    assert trial.view("cam2").mirror
+    with pytest.raises(InputError, match=r"has no view 'cam3' \(did you mean 'cam"):
+        trial.view("cam3")
+
+
+names = st.text("abcdef_-", min_size=1, max_size=8)
+views = st.builds(
+    View,
+    name=names,
+    video=names,
+    crop=st.none() | st.tuples(st.integers(0, 5), st.integers(0, 5), *[st.integers(6, 99)] * 2),
+    mirror=st.booleans(),
+    bayer=st.sampled_from([None, "rggb", "gbrg"]),
+    offset=st.integers(-9, 9),
+    facing=st.sampled_from([None, 1, -1]),
+    points=st.lists(names, max_size=3).map(tuple),
+)
+
+
+@given(
+    views=st.lists(views, min_size=1, max_size=3, unique_by=lambda v: v.name).map(tuple),
+    fps=st.floats(0.1, 1e4),
+    belt=st.none() | st.floats(0, 1e3) | names,
+    frames=st.none() | st.tuples(st.integers(0, 9), st.integers(10, 99)),
+    legs=st.dictionaries(names, names, max_size=2),
+)
+def test_what_is_saved_is_what_is_loaded(tmp_path_factory, views, fps, belt, frames, legs):
+    folder = tmp_path_factory.mktemp("trial")
+    trial = Trial(
+        kind="paws",
+        name="t",
+        fps=fps,
+        animal=Animal(id="a", extra={"mass_g": 3}),
+        folder=folder,
+        belt_speed=belt,
+        frames=frames,
+        views=views,
+        tracks_file="x.csv",
+        tracks_legs=legs,
+    )
+    save_trial(trial, folder / "trial.toml")
+    assert load_trial(folder) == trial
