@@ -1,0 +1,145 @@
+"""What was done, with what, to what: the record that every result carries.
+
+The record holds no time of day and no absolute path, so that the same inputs and
+versions give the same bytes.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.metadata
+import json
+import platform
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from pawnb.errors import InputError
+from pawnb.trial import Trial
+
+_PACKAGES = ("pawnb", "numpy", "scipy", "pandas", "xarray", "scikit-image",
+             "opencv-python-headless", "av", "astropy", "matplotlib")  # fmt: skip
+
+
+def package_versions() -> dict[str, str]:
+    """Return the versions of Python and of the packages that shape a result."""
+    versions = {"python": platform.python_version()}
+    for name in _PACKAGES:
+        try:
+            versions[name] = importlib.metadata.version(name)
+        except importlib.metadata.PackageNotFoundError:
+            versions[name] = "not installed"
+    return versions
+
+
+def file_checksum(path: str | Path) -> str:
+    """Return the SHA-256 of a file, a folder of files, or the files of a glob.
+
+    Parameters
+    ----------
+    path : str or Path
+        A file; a folder, for the files directly in it; or a glob. Of several files
+        the names and contents are hashed in the order of their names.
+
+    Returns
+    -------
+    str
+        ``"sha256:..."``.
+
+    Raises
+    ------
+    InputError
+        If there is no such file.
+    """
+    path = Path(path)
+    if path.is_dir():
+        files = sorted(item for item in path.iterdir() if item.is_file())
+    elif path.is_file():
+        files = [path]
+    else:
+        files = sorted(path.parent.glob(path.name)) if path.parent.is_dir() else []
+    if not files:
+        raise InputError(f"{path}: no such file; check the path in the trial.")
+    digest = hashlib.sha256()
+    for file in files:
+        if len(files) > 1:
+            digest.update(file.name.encode())
+        with file.open("rb") as stream:
+            while block := stream.read(1 << 20):
+                digest.update(block)
+    return "sha256:" + digest.hexdigest()
+
+
+def trial_inputs(trial: Trial) -> list[str]:
+    """Return the paths, relative to the trial's folder, of every file the trial names."""
+    paths = [view.video for view in trial.views]
+    if trial.calibration is not None:
+        paths += [p for p in (trial.calibration.dlt, trial.calibration.lens) if p]
+    paths += [p for p in (trial.start_points, trial.start_pose, trial.tracks_file) if p]
+    if isinstance(trial.belt_speed, str):
+        paths.append(trial.belt_speed)
+    return list(dict.fromkeys(paths))
+
+
+def trial_checksums(trial: Trial) -> dict[str, str]:
+    """Return the checksum of every file the trial names, by its name in the trial."""
+    sums = {}
+    for path in trial_inputs(trial):
+        name = Path(path).name if Path(path).is_absolute() else path
+        sums[name] = file_checksum(trial.path(path))
+    return sums
+
+
+def plain_command(argv: Sequence[str]) -> str:
+    """Return a command line in which absolute paths are cut to their last part."""
+    words = []
+    for word in argv:
+        name, equals, value = word.partition("=")
+        if equals and Path(value).is_absolute():
+            word = f"{name}={Path(value).name}"
+        elif Path(word).is_absolute():
+            word = Path(word).name
+        words.append(f'"{word}"' if " " in word else word)
+    return " ".join(words)
+
+
+def build_provenance(
+    *,
+    command: Sequence[str] | None,
+    inputs: Mapping[str, str],
+    settings: Mapping[str, Any],
+    steps: Iterable[Mapping[str, Any]] = (),
+) -> dict[str, Any]:
+    """Return the record that is written beside results and into figures.
+
+    Parameters
+    ----------
+    command : sequence of str, optional
+        The command line, or None when called from Python.
+    inputs : mapping
+        Checksums by name of input.
+    settings : mapping
+        Every setting that was in force.
+    steps : iterable of mapping
+        Steps that led to the inputs, oldest first.
+
+    Returns
+    -------
+    dict
+        Keys ``command``, ``versions``, ``inputs``, ``settings``, ``steps``.
+    """
+    return {
+        "command": None if command is None else plain_command(command),
+        "versions": package_versions(),
+        "inputs": dict(sorted(inputs.items())),
+        "settings": dict(settings),
+        "steps": [dict(step) for step in steps],
+    }
+
+
+def write_provenance(record: Mapping[str, Any], path: str | Path) -> None:
+    """Write a record as ``provenance.json``, whole or not at all."""
+    path = Path(path)
+    temporary = path.with_name(path.name + ".part")
+    temporary.write_text(json.dumps(record, indent=1, sort_keys=True) + "\n", encoding="utf-8")
+    temporary.replace(path)

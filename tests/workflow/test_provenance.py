@@ -1,0 +1,73 @@
+"""The record of what was done names every input and nothing of the machine."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+
+import pytest
+
+from pawnb.errors import InputError
+from pawnb.trial import Animal, Calibration, Trial, View
+from pawnb.workflow import provenance
+
+
+def test_checksum_is_sha256_of_the_file(tmp_path):
+    (tmp_path / "a.bin").write_bytes(b"abc")
+    # FIPS 180-2, appendix B.1: SHA-256 of "abc"
+    known = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
+    assert provenance.file_checksum(tmp_path / "a.bin") == "sha256:" + known
+
+
+def test_checksum_of_pictures_changes_with_any_of_them(tmp_path):
+    folder = tmp_path / "frames"
+    folder.mkdir()
+    for number in range(3):
+        (folder / f"f{number}.png").write_bytes(bytes([number]))
+    first = provenance.file_checksum(folder)
+    assert first == provenance.file_checksum(folder / "f*.png")
+    (folder / "f1.png").write_bytes(b"other")
+    assert provenance.file_checksum(folder) != first
+    (folder / "f1.png").write_bytes(bytes([1]))
+    (folder / "f1.png").rename(folder / "f9.png")
+    assert provenance.file_checksum(folder) != first
+
+
+def test_missing_input_is_named(tmp_path):
+    with pytest.raises(InputError, match=r"cam1\.avi: no such file; check the path in the trial"):
+        provenance.file_checksum(tmp_path / "cam1.avi")
+
+
+def test_every_file_of_a_trial_is_listed_once(tmp_path):
+    for name in ("a.avi", "dlt.csv", "start.csv", "belt.csv"):
+        (tmp_path / name).write_text(name)
+    trial = Trial(
+        kind="paws",
+        name="t",
+        fps=100,
+        animal=Animal(id="a"),
+        folder=tmp_path,
+        belt_speed="belt.csv",
+        views=(View(name="top", video="a.avi"), View(name="side", video="a.avi")),
+        calibration=Calibration(dlt="dlt.csv"),
+        start_points="start.csv",
+    )
+    sums = provenance.trial_checksums(trial)
+    assert list(sums) == ["a.avi", "dlt.csv", "start.csv", "belt.csv"]
+    assert sums["belt.csv"] == "sha256:" + hashlib.sha256(b"belt.csv").hexdigest()
+
+
+def test_no_absolute_path_is_kept(tmp_path):
+    record = provenance.build_provenance(
+        command=["pawnb", "track", str(tmp_path / "m 1"), f"--out={tmp_path}/out", "--set", "a=1"],
+        inputs={"b": "2", "a": "1"},
+        settings={"median_px": 5},
+        steps=[{"step": "track"}],
+    )
+    assert record["command"] == 'pawnb track "m 1" --out=out --set a=1'
+    assert str(tmp_path) not in json.dumps(record)
+    assert record["versions"]["pawnb"]
+    path = tmp_path / "provenance.json"
+    provenance.write_provenance(record, path)
+    assert json.loads(path.read_text()) == record
+    assert [p.name for p in tmp_path.iterdir()] == ["provenance.json"]
