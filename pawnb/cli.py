@@ -1,0 +1,192 @@
+"""The commands: ``pawnb demo``, ``check``, ``track``, ``gait`` and ``lab``.
+
+Exit status 0 on success, 2 on bad input with one sentence on standard error.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NoReturn
+
+import pawnb
+from pawnb.errors import InputError, PawnbError
+
+EXIT_BAD_INPUT = 2
+EXIT_INTERRUPTED = 130
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command.
+
+    Parameters
+    ----------
+    argv : sequence of str, optional
+        Words after ``pawnb``; default those of the command line.
+
+    Returns
+    -------
+    int
+        0 on success, 2 on bad input, 130 when interrupted.
+    """
+    words = list(sys.argv[1:] if argv is None else argv)
+    options = _parser().parse_args(words)
+    try:
+        options.run(options, ["pawnb", *words])
+    except PawnbError as error:
+        print(f"pawnb: {error}", file=sys.stderr)
+        return EXIT_BAD_INPUT
+    except KeyboardInterrupt:
+        print("pawnb: interrupted", file=sys.stderr)
+        return EXIT_INTERRUPTED
+    return 0
+
+
+class _Parser(argparse.ArgumentParser):
+    """Says what is wrong in one sentence instead of printing the usage too."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(EXIT_BAD_INPUT, f"{self.prog}: {message}; see {self.prog} --help.\n")
+
+
+def _parser() -> argparse.ArgumentParser:
+    """Build the parser of all commands."""
+    parser = _Parser(prog="pawnb", description="Video of a running animal to gait statistics.")
+    parser.add_argument("--version", action="version", version=f"pawnb {pawnb.__version__}")
+    commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    _add_demo(commands)
+    _add_check(commands)
+    _add_track(commands)
+    _add_gait(commands)
+    _add_lab(commands)
+    return parser
+
+
+def _add_demo(commands: Any) -> None:
+    text = "render a synthetic trial with its truth, ready to track"
+    command = commands.add_parser("demo", help=text, description=text)
+    command.add_argument("scene", choices=["paws"], help="paws: a mouse on a treadmill")
+    command.add_argument("--out", default=None, help="folder to write (default: demo-paws)")
+    command.add_argument("--frames", type=int, default=120, help="how many (default: 120)")
+    command.add_argument(
+        "--scale", type=float, default=0.5, help="1 is 2048 x 700 px a view (default: 0.5)"
+    )
+    command.add_argument("--seed", type=int, default=0, help="another animal (default: 0)")
+    command.set_defaults(run=_demo)
+
+
+def _add_check(commands: Any) -> None:
+    text = "say what a trial has, what is missing, and what looks wrong"
+    command = commands.add_parser("check", help=text, description=text)
+    command.add_argument("trial", help="trial.toml, or the folder that holds it")
+    command.set_defaults(run=_check)
+
+
+def _add_track(commands: Any) -> None:
+    text = "track the points of a trial"
+    command = commands.add_parser("track", help=text, description=text)
+    command.add_argument("trial", help="trial.toml, or the folder that holds it")
+    command.add_argument("--out", help="folder to write (default: results beside the trial)")
+    command.add_argument("--method", default=None, help="paper: the method of 2019")
+    command.add_argument(
+        "--set", action="append", default=[], metavar="NAME=VALUE", help="a setting of the tracker"
+    )
+    command.set_defaults(run=_track)
+
+
+def _add_gait(commands: Any) -> None:
+    text = "events, strides, phases and figures; several inputs are pooled by animal"
+    command = commands.add_parser("gait", help=text, description=text)
+    command.add_argument(
+        "inputs",
+        nargs="+",
+        metavar="TRIAL|RESULTS|TRACKS|EVENTS",
+        help="a trial, its results folder, a tracks file, or an events.csv scored by hand",
+    )
+    command.add_argument("--out", help="folder to write (default: results beside the first input)")
+    command.add_argument("--fps", type=float, help="frame rate, where the input does not say")
+    command.add_argument("--legs", nargs="+", metavar="LEG", help="legs to use (default: all)")
+    command.set_defaults(run=_gait)
+
+
+def _add_lab(commands: Any) -> None:
+    text = "open JupyterLab on the notebooks, on 127.0.0.1"
+    command = commands.add_parser("lab", help=text, description=text)
+    command.add_argument("notebook", nargs="?", help="default: 00_quickstart.ipynb")
+    command.add_argument("--no-browser", action="store_true", help="print the address only")
+    command.add_argument("--port", type=int, help="default: a free one from 8888 on")
+    command.set_defaults(run=_lab)
+
+
+def _demo(options: argparse.Namespace, _argv: list[str]) -> None:
+    from pawnb.synthetic import render_mouse_trial
+    from pawnb.workflow.progress import progress_bar
+
+    out = Path(options.out or f"demo-{options.scene}")
+    with progress_bar("rendering") as progress:
+        path = render_mouse_trial(
+            out,
+            frames=options.frames,
+            scale=options.scale,
+            seed=options.seed,
+            progress=progress,
+        )
+    print(f"wrote {path}; next: pawnb track {path.parent}")
+
+
+def _check(options: argparse.Namespace, _argv: list[str]) -> None:
+    from pawnb.workflow.check import check_trial
+
+    report = check_trial(options.trial)
+    print(report.text())
+    if report.faults:
+        raise InputError(report.verdict())
+
+
+def _track(options: argparse.Namespace, argv: list[str]) -> None:
+    from pawnb.trial import load_trial
+    from pawnb.workflow.results import results_folder
+    from pawnb.workflow.track import METHODS, track
+
+    trial = load_trial(options.trial)
+    out = results_folder(trial, options.out)
+    tracks = track(
+        trial,
+        method=options.method or METHODS[0],
+        settings=_settings(options.set),
+        out=out,
+        command=argv,
+    )
+    print(f"tracked {tracks.sizes['time']} frames; wrote {out}; next: pawnb gait {out}")
+
+
+def _gait(options: argparse.Namespace, argv: list[str]) -> None:
+    from pawnb.workflow.gait import run_gait
+
+    done = run_gait(
+        options.inputs, out=options.out, fps=options.fps, legs=options.legs, command=argv
+    )
+    print(done.text())
+
+
+def _lab(options: argparse.Namespace, _argv: list[str]) -> None:
+    from pawnb.workflow.lab import open_lab
+
+    open_lab(options.notebook, browser=not options.no_browser, port=options.port)
+
+
+def _settings(words: Sequence[str]) -> dict[str, str]:
+    """Split NAME=VALUE words."""
+    settings = {}
+    for word in words:
+        name, equals, value = word.partition("=")
+        if not equals or not name:
+            raise InputError(f"--set {word}: expected NAME=VALUE, for instance --set median_px=3.")
+        settings[name.strip()] = value.strip()
+    return settings
+
+
+if __name__ == "__main__":
+    sys.exit(main())

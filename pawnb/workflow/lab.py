@@ -1,0 +1,100 @@
+"""Open JupyterLab on the notebooks."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+from pawnb.errors import InputError
+
+QUICKSTART = "00_quickstart.ipynb"
+_PACKAGE = Path(__file__).resolve().parents[1]
+
+
+def notebooks_folder() -> Path:
+    """Return the folder of the notebooks that belong to this pawnb.
+
+    Returns
+    -------
+    Path
+        ``notebooks`` of the checkout; for an installed package, ``pawnb-notebooks`` in
+        the current folder, into which those that are not there yet are copied, so
+        that an update never overwrites what somebody changed.
+    """
+    checkout = _PACKAGE.parent / "notebooks"
+    if (checkout / QUICKSTART).exists():
+        return checkout
+    own = Path.cwd() / "pawnb-notebooks"
+    own.mkdir(exist_ok=True)
+    for notebook in sorted((_PACKAGE / "notebooks").glob("*.ipynb")):
+        if not (own / notebook.name).exists():
+            shutil.copy(notebook, own / notebook.name)
+    return own
+
+
+def lab_command(
+    notebook: str | Path | None = None, *, browser: bool = True, port: int | None = None
+) -> list[str]:
+    """Return the command that starts JupyterLab on a notebook.
+
+    Parameters
+    ----------
+    notebook : str or Path, optional
+        A notebook, or the name of one of ours; default the quick start.
+    browser : bool
+        Whether to open a browser.
+    port : int, optional
+        Port on 127.0.0.1.
+
+    Returns
+    -------
+    list of str
+        The words of the command; it runs in the Python that runs pawnb.
+
+    Raises
+    ------
+    InputError
+        If there is no such notebook.
+    """
+    folder = notebooks_folder()
+    name = QUICKSTART if notebook is None else str(notebook)
+    path = next((p for p in (Path(name), folder / name) if p.is_file()), None)
+    if path is None:
+        ours = ", ".join(p.name for p in sorted(folder.glob("*.ipynb")))
+        raise InputError(f"{name}: no such notebook; ours are {ours}.")
+    words = [sys.executable, "-m", "jupyter", "lab", "--ip=127.0.0.1", str(path.resolve())]
+    if not browser:
+        words.append("--no-browser")
+    if port is not None:
+        words.append(f"--port={port}")
+    if hasattr(os, "geteuid") and os.geteuid() == 0:
+        # containers run as root; the server listens on this machine only
+        words.append("--allow-root")
+    return words
+
+
+def open_lab(
+    notebook: str | Path | None = None, *, browser: bool = True, port: int | None = None
+) -> None:
+    """Run JupyterLab until it is stopped.
+
+    Parameters
+    ----------
+    notebook, browser, port
+        As for :func:`lab_command`.
+
+    Raises
+    ------
+    InputError
+        If there is no such notebook, or JupyterLab could not start.
+    """
+    words = lab_command(notebook, browser=browser, port=port)
+    # a kernel of another environment that is called python3 must not be taken for ours
+    done = subprocess.run(words, env={**os.environ, "JUPYTER_PREFER_ENV_PATH": "1"}, check=False)
+    if done.returncode not in (0, -2):
+        raise InputError(
+            f"JupyterLab ended with status {done.returncode}; its message above says why."
+        )

@@ -1,0 +1,56 @@
+"""Progress bars: on a terminal, in a notebook, and nowhere else."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+Progress = Callable[[int, int], None]
+"""Called with what is done and what there is in all."""
+
+
+@contextmanager
+def progress_bar(label: str, *, unit: str = "frame") -> Iterator[Progress | None]:
+    """Show a bar with rate and time left while the block runs.
+
+    Parameters
+    ----------
+    label : str
+        Words before the bar.
+    unit : str
+        What is counted.
+
+    Yields
+    ------
+    callable or None
+        ``progress(done, total)``; None where nobody would see a bar.
+    """
+    bar = _make_bar(label, unit)
+    if bar is None:
+        yield None
+        return
+
+    def update(done: int, total: int) -> None:
+        if bar.total != total:
+            bar.reset(total=total)
+        bar.update(done - bar.n)
+
+    try:
+        yield update
+    finally:
+        bar.close()
+
+
+def _make_bar(label: str, unit: str) -> Any:
+    """Return a tqdm bar that suits where we run, or None."""
+    if "ipykernel" in sys.modules and "IPython" in sys.modules:
+        from tqdm.notebook import tqdm as notebook_bar
+
+        return notebook_bar(desc=label, unit=unit, total=1)
+    if sys.stderr.isatty():
+        from tqdm import tqdm
+
+        return tqdm(desc=label, unit=unit, total=1, file=sys.stderr)
+    return None

@@ -1,0 +1,296 @@
+"""Trial to Tracks in one call, and tracking again from a corrected frame."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from pawnb.core.paws import PaperSettings, track_paws
+from pawnb.core.rig import Rig, load_rig
+from pawnb.core.video import ViewSet, open_views
+from pawnb.errors import CalibrationError, InputError, did_you_mean
+from pawnb.io import native
+from pawnb.schema import Tracks, add_provenance, build_settings
+from pawnb.trial import Trial, load_trial
+from pawnb.workflow.progress import Progress, progress_bar
+from pawnb.workflow.results import describe_trial, write_track_results
+
+METHODS = ("paper",)
+"""Methods of the paw tracker; the first is the default."""
+
+
+def track(
+    trial: Trial | str | Path,
+    *,
+    method: str = METHODS[0],
+    settings: Mapping[str, Any] | None = None,
+    start: pd.DataFrame | None = None,
+    frames: tuple[int, int] | None = None,
+    out: str | Path | None = None,
+    progress: Progress | None = None,
+    stop: Callable[[], bool] | None = None,
+    command: Sequence[str] | None = None,
+) -> Tracks:
+    """Track the points of a trial through its recording.
+
+    Parameters
+    ----------
+    trial : Trial, str or Path
+        The trial, its ``trial.toml``, or the folder that holds it.
+    method : {"paper"}
+        ``"paper"``: superpixels and a 3D Kalman filter, after Haji Maghsoudi et al. 2019.
+    settings : mapping, optional
+        Settings of the tracker; they go before those of ``[tracking]`` in the trial.
+    start : pandas.DataFrame, optional
+        Clicks with columns frame, view, point, u, v (px); default the trial's ``start.csv``.
+    frames : tuple of int, optional
+        Half-open range of frames; default the trial's, else from the first clicked frame on.
+    out : str or Path, optional
+        Folder for ``tracks.nc``, ``tracks.csv``, ``points3d.csv`` and ``provenance.json``.
+    progress : callable, optional
+        ``progress(done, total)``; default a bar on a terminal or in a notebook.
+    stop : callable, optional
+        Asked before each frame; when it answers True, what is done is kept.
+    command : sequence of str, optional
+        The command line, for the provenance.
+
+    Returns
+    -------
+    xarray.Dataset
+        Tracks; see :mod:`pawnb.schema`.
+
+    Raises
+    ------
+    InputError
+        If anything the trial names is missing or does not fit.
+    """
+    if not isinstance(trial, Trial):
+        trial = load_trial(trial)
+    if trial.kind != "paws":
+        raise InputError(
+            f"trial {trial.name!r} is of kind {trial.kind!r}; tracking needs kind 'paws'."
+        )
+    chosen = tracker_settings(trial, method=method, settings=settings)
+    with open_views(trial) as views:
+        clicks = _start_clicks(trial, views, start)
+        rig = trial_rig(trial, views)
+        first, last = _frame_range(trial, views, clicks, frames)
+        with _progress(progress, "tracking") as report:
+            tracks = track_paws(
+                views,
+                clicks,
+                rig=rig,
+                settings=chosen,
+                points_by_view=points_by_view(trial, clicks),
+                facing=view_facing(trial, rig),
+                frames=(first, last),
+                fps=trial.fps,
+                individual=trial.animal.id,
+                unit=rig.unit if rig is not None else "px",
+                progress=report,
+                stop=stop,
+            )
+    tracks = describe_trial(tracks, trial)
+    tracks = add_provenance(
+        tracks, step="track", method=method, settings=dataclasses.asdict(chosen)
+    )
+    if out is not None:
+        write_track_results(tracks, trial, out, command=command)
+    return tracks
+
+
+def retrack(
+    trial: Trial,
+    tracks: Tracks,
+    frame: int,
+    *,
+    progress: Progress | None = None,
+    stop: Callable[[], bool] | None = None,
+) -> Tracks:
+    """Track on from a corrected frame, with every state of the tracker reset.
+
+    Features, Kalman states and 3D points are learnt again from the positions in
+    ``frame``; the rows before it stay as they are (2019 paper, section 3.1).
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial of these tracks.
+    tracks : xarray.Dataset
+        Tracks with the corrections already applied.
+    frame : int
+        The corrected frame.
+    progress, stop
+        As for :func:`track`.
+
+    Returns
+    -------
+    xarray.Dataset
+        Tracks of the same frames.
+
+    Raises
+    ------
+    InputError
+        If the frame is not among those of the tracks.
+    """
+    known = tracks["frame"].to_numpy()
+    if frame not in known:
+        raise InputError(
+            f"frame {frame} is not among the tracked frames {known[0]} to {known[-1]}."
+        )
+    step = next(
+        (s for s in reversed(json.loads(tracks.attrs["provenance"]).get("steps", []))
+         if s.get("step") == "track"),
+        {"method": METHODS[0], "settings": trial.tracking},
+    )  # fmt: skip
+    settings = build_settings(PaperSettings, step["settings"], where="settings of the tracks")
+    clicks = native.tracks_table(tracks.isel(time=known == frame)).dropna(subset=["u", "v"])
+    clicks = clicks[["frame", "view", "point", "u", "v"]].reset_index(drop=True)
+    with open_views(trial) as views:
+        rig = trial_rig(trial, views)
+        with _progress(progress, "tracking again") as report:
+            new = track_paws(
+                views,
+                clicks,
+                rig=rig,
+                settings=settings,
+                points_by_view=points_by_view(trial, clicks),
+                facing=view_facing(trial, rig),
+                frames=(int(frame), int(known[-1]) + 1),
+                fps=trial.fps,
+                individual=trial.animal.id,
+                unit=rig.unit if rig is not None else "px",
+                tracks=tracks,
+                progress=report,
+                stop=stop,
+            )
+    new.attrs = dict(tracks.attrs)
+    return add_provenance(new, step="retrack", frame=int(frame))
+
+
+def tracker_settings(
+    trial: Trial, *, method: str = METHODS[0], settings: Mapping[str, Any] | None = None
+) -> PaperSettings:
+    """Return the settings in force: the trial's ``[tracking]``, overridden by ``settings``.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    method : str
+        A method of the tracker.
+    settings : mapping, optional
+        Settings that go first; text is read as JSON where it can be.
+
+    Returns
+    -------
+    PaperSettings
+        The settings.
+
+    Raises
+    ------
+    InputError
+        For an unknown method, an unknown setting, or a value of the wrong type.
+    """
+    if method not in METHODS:
+        raise InputError(
+            f"unknown method {method!r}{did_you_mean(method, METHODS)}; "
+            f"expected {', '.join(METHODS)}."
+        )
+    build_settings(PaperSettings, trial.tracking, where="trial.toml: [tracking]")
+    return build_settings(
+        PaperSettings, {**trial.tracking, **(settings or {})}, where="settings of the tracker"
+    )
+
+
+def trial_rig(trial: Trial, views: ViewSet) -> Rig | None:
+    """Return the calibrated views of a trial, or None for a single uncalibrated one.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    views : ViewSet
+        Its open views, for the sizes of their pictures.
+
+    Returns
+    -------
+    Rig or None
+        None where there is one view without DLT coefficients.
+
+    Raises
+    ------
+    CalibrationError
+        If several views are to be tracked without a calibration.
+    """
+    sizes = {name: views.readers[name].file_size for name in views.names}
+    rig = load_rig(trial, sizes=sizes)
+    if rig is None and len(trial.views) > 1:
+        raise CalibrationError(
+            f"trial {trial.name!r} has {len(trial.views)} views and no calibration; "
+            'add [calibration] dlt = "DLTcoefs.csv" (11 rows, one column a view), '
+            "or keep a single view."
+        )
+    return rig
+
+
+def points_by_view(trial: Trial, clicks: pd.DataFrame) -> dict[str, tuple[str, ...]]:
+    """Return the points each view tracks: those it names, else every clicked point."""
+    every = tuple(dict.fromkeys(clicks["point"]))
+    return {view.name: view.points or every for view in trial.views}
+
+
+def view_facing(trial: Trial, rig: Rig | None) -> dict[str, int]:
+    """Return +1 or -1 for each view in which the animal's direction is known."""
+    facing = {view.name: view.facing for view in trial.views if view.facing is not None}
+    if rig is not None:
+        for name in rig.names:
+            facing.setdefault(name, rig.facing(name))
+    return facing
+
+
+def _start_clicks(trial: Trial, views: ViewSet, start: pd.DataFrame | None) -> pd.DataFrame:
+    """Return the checked start clicks."""
+    if start is None:
+        if trial.start_points is None:
+            raise InputError(
+                f"trial {trial.name!r} has no start points; click them with "
+                "pawnb.widgets.ClickInitialiser, or name a csv under [start] points."
+            )
+        start = native.read_start(trial.path(trial.start_points), trial)
+    sizes = {name: (r.width, r.height) for name, r in views.readers.items()}
+    native.check_start(start, trial, sizes)
+    return start
+
+
+def _frame_range(
+    trial: Trial, views: ViewSet, clicks: pd.DataFrame, frames: tuple[int, int] | None
+) -> tuple[int, int]:
+    """Return the half-open range of frames to track, checked against the recording."""
+    first, last = frames or trial.frames or (int(clicks["frame"].min()), views.n_frames)
+    first_click = int(clicks["frame"].min())
+    if not 0 <= first < last <= views.n_frames:
+        raise InputError(
+            f"frames {first} to {last - 1} were asked for; the recording has frames 0 to "
+            f"{views.n_frames - 1}: choose a range within."
+        )
+    if not first <= first_click < last:
+        raise InputError(
+            f"the start points were clicked in frame {first_click}, outside frames {first} to "
+            f"{last - 1}; click a frame within, or change the range."
+        )
+    return first_click, last
+
+
+def _progress(progress: Progress | None, label: str) -> Any:
+    """Return a context that gives the caller's progress, or a bar of our own."""
+    if progress is not None:
+        import contextlib
+
+        return contextlib.nullcontext(progress)
+    return progress_bar(label)
