@@ -1,0 +1,434 @@
+"""Direct linear transform: fit, project and triangulate, on plain arrays.
+
+A view is described by 11 coefficients, ``L1 .. L11``, with
+
+    u = (L1 X + L2 Y + L3 Z + L4) / (L9 X + L10 Y + L11 Z + 1)
+    v = (L5 X + L6 Y + L7 Z + L8) / (L9 X + L10 Y + L11 Z + 1)
+
+(Abdel-Aziz & Karara 1971; paper 2019, Eq. 1). Coefficients of several views are the
+columns of one array of shape (11, n_views). An affine view has L9 = L10 = L11 = 0.
+Missing image positions are NaN.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from pawnb.errors import CalibrationError
+
+MIN_POINTS = 6
+"""Six points give twelve equations for the eleven coefficients."""
+
+FLAT = 1e-3
+"""A point set is called flat if its depth is below this fraction of its length."""
+
+_UNDETERMINED = 1e-4
+"""Second smallest over largest singular value of the normalised equations below which
+more than one camera fits; a calibration frame of ordinary shape has 0.05 or more."""
+
+_PARALLEL = 1e-9
+"""Smallest over largest singular value below which rays do not cross."""
+
+
+class DltFit(NamedTuple):
+    """A fitted view: ``coefs`` (11,) and ``residual_px`` (n_points,), in px."""
+
+    coefs: np.ndarray
+    residual_px: np.ndarray
+
+
+class Triangulation(NamedTuple):
+    """Points in space and how well they fit; every array has the shape of the input.
+
+    ``xyz`` (..., 3) in the unit of the calibration; ``residual_px`` (...) the RMS distance
+    in px between image positions and reprojections over the views used; ``dltres`` (...)
+    DLTdv's algebraic residual, sqrt(sum((A x - b)^2) / (2 n_views - 3)); ``n_views`` (...)
+    the number of views in which the point is seen. Where fewer than two views see a
+    point, or their rays do not cross, ``xyz`` and the residuals are NaN.
+    """
+
+    xyz: np.ndarray
+    residual_px: np.ndarray
+    dltres: np.ndarray
+    n_views: np.ndarray
+
+
+def project(coefs: np.ndarray, xyz: np.ndarray) -> np.ndarray:
+    """Project points into every view.
+
+    Parameters
+    ----------
+    coefs : ndarray, shape (11, n_views)
+        DLT coefficients; (11,) is one view.
+    xyz : ndarray, shape (..., 3)
+        Points in the unit of the calibration; NaN where unknown.
+
+    Returns
+    -------
+    ndarray, shape (..., n_views, 2)
+        u and v in px; NaN where the point is unknown or lies in the plane through the
+        camera that has no image.
+    """
+    coefs = _as_coefs(coefs)
+    xyz = np.asarray(xyz, dtype=float)
+    weight = xyz @ coefs[8:11] + 1.0
+    with np.errstate(divide="ignore", invalid="ignore"):
+        u = (xyz @ coefs[0:3] + coefs[3]) / weight
+        v = (xyz @ coefs[4:7] + coefs[7]) / weight
+    uv = np.stack([u, v], axis=-1)
+    return np.where(np.isfinite(uv).all(axis=-1, keepdims=True), uv, np.nan)
+
+
+def reprojection_error(coefs: np.ndarray, xyz: np.ndarray, uv: np.ndarray) -> np.ndarray:
+    """Return the distance in px between image positions and reprojected points.
+
+    Parameters
+    ----------
+    coefs : ndarray, shape (11, n_views)
+        DLT coefficients.
+    xyz : ndarray, shape (..., 3)
+        Points in the unit of the calibration.
+    uv : ndarray, shape (..., n_views, 2)
+        Where they were seen, in px.
+
+    Returns
+    -------
+    ndarray, shape (..., n_views)
+        Distance in px; NaN where the point was not seen or is unknown.
+    """
+    return np.hypot(*np.moveaxis(project(coefs, xyz) - np.asarray(uv, dtype=float), -1, 0))
+
+
+def triangulate(coefs: np.ndarray, uv: np.ndarray, *, refine: bool = False) -> Triangulation:
+    """Find points in space from where two or more views see them.
+
+    Linear least squares on the DLT equations of all views that see the point, as DLTdv
+    does (Hedrick 2008). Equations of views that do not see it are set to zero, so that
+    points with any pattern of missing views are solved together.
+
+    The linear solution weighs a view by the inverse of its distance from the origin of
+    the calibration, which is harmless where all cameras are about equally far from it.
+    Where one is much nearer, or the origin lies outside the filmed space, ``refine``
+    goes on to the smallest reprojection error (Gauss-Newton).
+
+    Parameters
+    ----------
+    coefs : ndarray, shape (11, n_views)
+        DLT coefficients.
+    uv : ndarray, shape (..., n_views, 2)
+        Image positions in px, NaN where a view does not see the point.
+    refine : bool
+        Whether to minimise the reprojection error after the linear solution.
+
+    Returns
+    -------
+    Triangulation
+        ``xyz``, ``residual_px``, ``dltres`` and ``n_views``. A point seen by fewer than
+        two views has NaN for position and residuals.
+
+    Raises
+    ------
+    CalibrationError
+        If the number of views differs between ``coefs`` and ``uv``.
+    """
+    coefs = _as_coefs(coefs)
+    uv = np.asarray(uv, dtype=float)
+    n = coefs.shape[1]
+    if uv.ndim < 2 or uv.shape[-2:] != (n, 2):
+        raise CalibrationError(
+            f"image positions have shape {uv.shape}; expected (..., {n}, 2) for the {n} "
+            "views of the calibration."
+        )
+    shape = uv.shape[:-2]
+    uv = uv.reshape(-1, n, 2)
+    seen = np.isfinite(uv).all(axis=-1)
+    n_views = seen.sum(axis=-1)
+    # (L1 - u L9) X + (L2 - u L10) Y + (L3 - u L11) Z = u - L4, and the same for v
+    A = _rows(coefs) - np.where(seen[..., None], uv, 0.0)[..., None] * coefs[8:11].T[:, None]
+    b = uv - np.stack([coefs[3], coefs[7]], axis=-1)
+    A, b = _blank(A, b, seen)
+    xyz = _solve(A, b)
+    xyz[n_views < 2] = np.nan
+    if refine:
+        xyz = _refine_points(coefs, uv, seen, xyz)
+    squares = ((np.einsum("pri,pi->pr", A, xyz) - b) ** 2).sum(axis=-1)
+    dltres = np.sqrt(squares / np.maximum(2 * n_views - 3, 1))
+    residual_px = np.sqrt(_square_error(coefs, uv, seen, xyz) / np.maximum(n_views, 1))
+    return Triangulation(
+        xyz.reshape(*shape, 3),
+        residual_px.reshape(shape),
+        dltres.reshape(shape),
+        n_views.reshape(shape),
+    )
+
+
+def _rows(coefs: np.ndarray) -> np.ndarray:
+    """Return L1..L3 and L5..L7 of every view as (n_views, 2, 3)."""
+    return np.stack([coefs[0:3].T, coefs[4:7].T], axis=1)
+
+
+def _blank(A: np.ndarray, b: np.ndarray, seen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Zero the equations of views that do not see a point; return (p, 2n, 3) and (p, 2n)."""
+    p, n = seen.shape
+    A = np.where(seen[..., None, None], A, 0.0).reshape(p, 2 * n, 3)
+    return A, np.where(seen[..., None], b, 0.0).reshape(p, 2 * n)
+
+
+def _solve(A: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Solve A x = b for many points by least squares; NaN where rays do not cross."""
+    U, s, Vt = np.linalg.svd(A, full_matrices=False)
+    good = s[:, 2] > _PARALLEL * s[:, 0]
+    inverse = np.divide(1.0, s, out=np.full_like(s, np.nan), where=good[:, None])
+    return np.einsum("pji,pj->pi", Vt, inverse * np.einsum("pri,pr->pi", U, b))
+
+
+def _square_error(
+    coefs: np.ndarray, uv: np.ndarray, seen: np.ndarray, xyz: np.ndarray
+) -> np.ndarray:
+    """Return the summed square distance in px² of each point; NaN where it is unknown."""
+    squares = np.where(seen, reprojection_error(coefs, xyz, uv) ** 2, 0.0).sum(axis=-1)
+    return np.where(np.isfinite(xyz).all(axis=-1), squares, np.nan)
+
+
+def _refine_points(
+    coefs: np.ndarray, uv: np.ndarray, seen: np.ndarray, xyz: np.ndarray, steps: int = 10
+) -> np.ndarray:
+    """Lower the reprojection error of triangulated points; a step that raises it is undone."""
+    cost = _square_error(coefs, uv, seen, xyz)
+    for _ in range(steps):
+        uv_now = project(coefs, xyz)
+        weight = (xyz @ coefs[8:11] + 1.0)[..., None, None]
+        J = (_rows(coefs) - uv_now[..., None] * coefs[8:11].T[:, None]) / weight
+        known = seen & np.isfinite(uv_now).all(axis=-1)
+        trial = xyz + _solve(*_blank(J, uv - uv_now, known))
+        cost_new = _square_error(coefs, uv, seen, trial)
+        better = cost_new < cost  # NaN compares false
+        if not better.any():
+            break
+        xyz = np.where(better[:, None], trial, xyz)
+        cost = np.where(better, cost_new, cost)
+    return xyz
+
+
+def fit_dlt(xyz: np.ndarray, uv: np.ndarray, *, refine: bool = True) -> DltFit:
+    """Fit the coefficients of one view to points of known position.
+
+    World and image coordinates are centred and scaled first (Hartley & Zisserman 2004,
+    Alg. 7.1), so that the result does not depend on the unit or origin of the world. The
+    linear solution minimises an algebraic error; ``refine`` then minimises the
+    reprojection error in px by Gauss-Newton steps (Levenberg-Marquardt damping), which
+    is the maximum-likelihood fit for equal noise in u and v.
+
+    Parameters
+    ----------
+    xyz : ndarray, shape (n_points, 3)
+        Known positions, at least six and not all in one plane.
+    uv : ndarray, shape (n_points, 2)
+        Where the view sees them, in px.
+    refine : bool
+        Whether to minimise the reprojection error after the linear solution.
+
+    Returns
+    -------
+    DltFit
+        ``coefs`` (11,) and the reprojection error ``residual_px`` (n_points,) in px.
+
+    Raises
+    ------
+    CalibrationError
+        If the points do not determine the view, with the reason: too few, duplicated,
+        not a number, on one line, in one plane, or otherwise undetermined.
+    """
+    xyz, uv = np.asarray(xyz, dtype=float), np.asarray(uv, dtype=float)
+    _check_points(xyz, uv)
+    to_world, world = _normalise(xyz)
+    to_image, image = _normalise(uv)
+    P = _solve_linear(world, image)
+    if refine:
+        P = _refine(P, world, image)
+    depth = np.c_[world, np.ones(len(world))] @ P[2]
+    if depth.min() * depth.max() <= 0:
+        raise CalibrationError(
+            "the points do not fit any view (some would lie behind the camera); check that "
+            "each click belongs to its point, and give more points, spread in depth."
+        )
+    P = np.linalg.solve(to_image, P @ to_world)
+    # L12 is the depth of the world's origin: compare it with that of the points
+    depths = np.abs(np.c_[xyz, np.ones(len(xyz))] @ P[2])
+    if abs(P[2, 3]) < 1e-9 * depths.max():
+        raise CalibrationError(
+            "the origin of the points' coordinates lies beside the camera, where DLT "
+            "coefficients do not exist; move the origin into the filmed space."
+        )
+    coefs = (P / P[2, 3]).ravel()[:11]
+    return DltFit(coefs, reprojection_error(coefs, xyz, uv[:, None, :])[:, 0])
+
+
+def transform_image(coefs: np.ndarray, homography: np.ndarray) -> np.ndarray:
+    """Return coefficients for image positions that went through a homography.
+
+    Parameters
+    ----------
+    coefs : ndarray, shape (11,)
+        DLT coefficients of one view.
+    homography : ndarray, shape (3, 3)
+        Maps (u, v, 1) before to (u, v, 1) after, up to scale; for instance a crop or a
+        mirror.
+
+    Returns
+    -------
+    ndarray, shape (11,)
+        Coefficients whose projection is the homography of the former projection.
+
+    Raises
+    ------
+    CalibrationError
+        If the result cannot be written with L12 = 1.
+    """
+    P = np.asarray(homography, dtype=float) @ to_matrix(coefs)
+    if not np.isfinite(P).all() or abs(P[2, 3]) < 1e-12 * np.abs(P[2]).max():
+        raise CalibrationError(
+            "this change of pixels leaves no DLT coefficients with L12 = 1; check the coefficients."
+        )
+    return (P / P[2, 3]).ravel()[:11]
+
+
+def to_matrix(coefs: np.ndarray) -> np.ndarray:
+    """Return the 3 × 4 projection matrix of one view's 11 coefficients (L12 = 1)."""
+    return np.append(np.asarray(coefs, dtype=float), 1.0).reshape(3, 4)
+
+
+def _as_coefs(coefs: np.ndarray) -> np.ndarray:
+    """Return coefficients as (11, n_views)."""
+    coefs = np.asarray(coefs, dtype=float)
+    coefs = coefs[:, None] if coefs.ndim == 1 else coefs
+    if coefs.ndim != 2 or coefs.shape[0] != 11:
+        raise CalibrationError(
+            f"DLT coefficients have shape {coefs.shape}; expected 11 rows, one column a view."
+        )
+    return coefs
+
+
+def _check_points(xyz: np.ndarray, uv: np.ndarray) -> None:
+    """Refuse point sets that cannot determine a view, saying why."""
+    if xyz.ndim != 2 or xyz.shape[1:] != (3,) or uv.shape != (len(xyz), 2):
+        raise CalibrationError(
+            f"points have shape {xyz.shape} and image positions {uv.shape}; expected (n, 3) "
+            "and (n, 2)."
+        )
+    bad = np.flatnonzero(~(np.isfinite(xyz).all(axis=1) & np.isfinite(uv).all(axis=1)))
+    if bad.size:
+        raise CalibrationError(
+            f"calibration point {bad[0] + 1} has a coordinate that is not a number; leave out "
+            "points that are not seen."
+        )
+    if len(xyz) < MIN_POINTS:
+        raise CalibrationError(
+            f"{len(xyz)} calibration points; at least {MIN_POINTS} are needed, not all in one "
+            "plane."
+        )
+    different = len(np.unique(xyz, axis=0))
+    if different < MIN_POINTS:
+        raise CalibrationError(
+            f"{len(xyz)} calibration points, but only {different} different positions (the "
+            f"others are duplicated); at least {MIN_POINTS} different ones are needed."
+        )
+    depth = np.linalg.svd(xyz - xyz.mean(axis=0), compute_uv=False)
+    if depth[1] <= FLAT * depth[0]:
+        raise CalibrationError(
+            "the calibration points lie on one line; use points spread in all three directions."
+        )
+    if _is_flat(xyz):
+        raise CalibrationError(
+            "the calibration points lie in one plane; add points in front of or behind it."
+        )
+    if any(_is_flat(np.delete(xyz, i, axis=0)) for i in range(len(xyz))):
+        raise CalibrationError(
+            "all calibration points but one lie in one plane; add points in front of or behind it."
+        )
+    spread = np.linalg.svd(uv - uv.mean(axis=0), compute_uv=False)
+    if spread[1] <= FLAT * spread[0]:
+        raise CalibrationError(
+            "the clicks of the calibration points lie on one line in the picture; check them, "
+            "or use points spread over the picture."
+        )
+
+
+def _is_flat(xyz: np.ndarray) -> bool:
+    """Say whether points lie in one plane."""
+    depth = np.linalg.svd(xyz - xyz.mean(axis=0), compute_uv=False)
+    return bool(depth[2] <= FLAT * depth[0])
+
+
+def _normalise(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the similarity that centres points and scales them to unit RMS, and its result."""
+    n, d = points.shape
+    centre = points.mean(axis=0)
+    scale = 1.0 / np.sqrt(((points - centre) ** 2).sum() / (n * d))
+    T = np.eye(d + 1)
+    T[:d, :d] *= scale
+    T[:d, d] = -scale * centre
+    return T, (points - centre) * scale
+
+
+def _solve_linear(world: np.ndarray, image: np.ndarray) -> np.ndarray:
+    """Solve the homogeneous DLT equations of normalised points for the 3 × 4 matrix."""
+    n = len(world)
+    X = np.c_[world, np.ones(n)]
+    A = np.zeros((2 * n, 12))
+    A[0::2, 0:4] = X
+    A[1::2, 4:8] = X
+    A[0::2, 8:12] = -image[:, :1] * X
+    A[1::2, 8:12] = -image[:, 1:] * X
+    _, s, Vt = np.linalg.svd(A)
+    if s[10] < _UNDETERMINED * s[0]:
+        raise CalibrationError(
+            "the calibration points do not determine the view (more than one camera would see "
+            "them so); add points, spread in all three directions."
+        )
+    return Vt[11].reshape(3, 4)
+
+
+def _refine(P: np.ndarray, world: np.ndarray, image: np.ndarray, steps: int = 30) -> np.ndarray:
+    """Minimise the reprojection error of normalised points from a linear solution."""
+    X = np.c_[world, np.ones(len(world))]
+    p = (P / np.linalg.norm(P)).ravel()
+    damping = 1e-3
+    error, J = _residual_and_jacobian(p, X, image)
+    cost = error @ error
+    for _ in range(steps):
+        H = J.T @ J
+        # the scale of p has no effect on the image: hold it by the last row
+        A = np.r_[H + damping * np.diag(np.diag(H) + 1e-12), [p]]
+        step = np.linalg.lstsq(A, np.r_[-J.T @ error, 0.0], rcond=None)[0]
+        trial = (p + step) / np.linalg.norm(p + step)
+        error_new, J_new = _residual_and_jacobian(trial, X, image)
+        cost_new = error_new @ error_new
+        if np.isfinite(cost_new) and cost_new <= cost:
+            done = cost - cost_new <= 1e-14 * max(cost, 1e-30) or np.abs(step).max() < 1e-13
+            p, error, J, cost = trial, error_new, J_new, cost_new
+            damping = max(damping / 10, 1e-12)
+            if done:
+                break
+        else:
+            damping *= 10
+    return p.reshape(3, 4)
+
+
+def _residual_and_jacobian(
+    p: np.ndarray, X: np.ndarray, image: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return reprojection residuals (2n,) and their derivative (2n, 12) at matrix p."""
+    P = p.reshape(3, 4)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        inverse = 1.0 / (X @ P[2])
+        predicted = (X @ P[:2].T) * inverse[:, None]
+        scaled = X * inverse[:, None]
+    J = np.zeros((2 * len(X), 12))
+    J[0::2, 0:4] = scaled
+    J[1::2, 4:8] = scaled
+    J[0::2, 8:12] = -predicted[:, :1] * scaled
+    J[1::2, 8:12] = -predicted[:, 1:] * scaled
+    return (predicted - image).ravel(), J
