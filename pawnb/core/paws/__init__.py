@@ -1,1 +1,6 @@
-"""The 2019 system: points tracked by superpixels in one or more views."""
+"""The paw tracker after Haji Maghsoudi et al. 2019."""
+
+from pawnb.core.paws.settings import PaperSettings
+from pawnb.core.paws.tracker import track_paws
+
+__all__ = ["PaperSettings", "track_paws"]

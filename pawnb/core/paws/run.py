@@ -1,0 +1,379 @@
+"""One run of the paper's general tracker: its state, and the step from frame to frame.
+
+Haji Maghsoudi et al. 2019, Algorithms 1, 2 and 3 without the handling of
+collisions. Where the paper pairs the two cameras of a side, all views that track a
+point are used.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pawnb.core import kalman
+from pawnb.core.paws.appearance import (
+    Look,
+    Picture,
+    Superpixels,
+    measure_superpixels,
+    place_window,
+)
+from pawnb.core.paws.fusion import best_superpixels, compute_features, fuse, normalise
+from pawnb.core.paws.hidden import find_hidden
+from pawnb.core.paws.layout import Layout, Placement
+from pawnb.core.rig import Rig
+from pawnb.schema import ORIGIN_CODE
+
+_MISSING, _MEASURED, _PREDICTED = (
+    ORIGIN_CODE[name] for name in ("missing", "measured", "predicted")
+)
+
+
+@dataclass(frozen=True)
+class Detection:
+    """What was found for one point in one view and frame.
+
+    Parameters
+    ----------
+    superpixels : Superpixels
+        The superpixels of the sub-image.
+    best : ndarray of int, shape (k,)
+        The best of them, best first.
+    scores : ndarray, shape (k,)
+        Their fused scores.
+    """
+
+    superpixels: Superpixels
+    best: np.ndarray
+    scores: np.ndarray
+
+
+@dataclass
+class FrameResult:
+    """What one frame yields, for V views and P points.
+
+    Parameters
+    ----------
+    uv : ndarray, shape (V, P, 2)
+        Image positions, px; NaN where missing.
+    image_origin : ndarray of int, shape (V, P)
+        Codes of :data:`pawnb.schema.ORIGINS`.
+    image_confidence : ndarray, shape (V, P)
+        0 to 1.
+    position : ndarray, shape (P, d)
+        Positions in calibrated space, or in the picture where nothing is calibrated.
+    origin : ndarray of int, shape (P,)
+        Codes of the positions.
+    confidence : ndarray, shape (P,)
+        0 to 1.
+    residual : ndarray, shape (P,)
+        RMS reprojection error over the views used, px.
+    """
+
+    uv: np.ndarray
+    image_origin: np.ndarray
+    image_confidence: np.ndarray
+    position: np.ndarray
+    origin: np.ndarray
+    confidence: np.ndarray
+    residual: np.ndarray
+
+
+class Run:
+    """The state of one run: Kalman filters, and the colours that were learnt.
+
+    Parameters
+    ----------
+    layout : Layout
+        What stays the same.
+    """
+
+    def __init__(self, layout: Layout) -> None:
+        n_views, n_points = layout.tracked.shape
+        self.layout = layout
+        self.initial: dict[tuple[int, int], Look] = {}
+        self.previous: dict[tuple[int, int], Look] = {}
+        self.space = kalman.start(layout.in_space, np.full((n_points, 3), np.nan))
+        self.image = kalman.start(layout.in_image, np.full((n_views, n_points, 2), np.nan))
+        self.last_uv = np.full((n_views, n_points, 2), np.nan)
+        self.last_xyz = np.full((n_points, 3), np.nan)
+        self.detections: dict[tuple[int, int], Detection] = {}
+        # without a rig, the view whose picture gives a point its position
+        self.home: dict[int, int] = {}
+
+    def learn(self, pictures: Mapping[str, Picture], placed: Sequence[Placement]) -> None:
+        """Learn the colour of points from where they are known to be.
+
+        A point put there by hand (and one of which no colour is known yet) gives the
+        initial colour, and every point the colour of the frame before.
+        """
+        for place in sorted(placed, key=lambda place: (place.view, place.point)):
+            key = (place.view, place.point)
+            self.home.setdefault(place.point, place.view)
+            superpixels = self._measure(pictures, place.view, place.uv)
+            if superpixels is None:
+                continue
+            look = superpixels.look(superpixels.at(place.uv))
+            self.previous[key] = look
+            if place.origin == "edited" or key not in self.initial:
+                self.initial[key] = look
+
+    def step(self, pictures: Mapping[str, Picture], placed: Sequence[Placement]) -> FrameResult:
+        """Track one frame: predict, find, reconstruct, update.
+
+        Parameters
+        ----------
+        pictures : mapping
+            The frame of each view, by name.
+        placed : sequence of Placement
+            Points whose place in this frame is known.
+
+        Returns
+        -------
+        FrameResult
+            Positions, origins and confidences.
+        """
+        layout = self.layout
+        self.space = kalman.predict(layout.in_space, self.space)
+        self.image = kalman.predict(layout.in_image, self.image)
+        centres = self._predicted_uv()
+        result = self._empty_result()
+        self.detections = {}
+        self.learn(pictures, placed)
+        for place in placed:
+            key = (place.view, place.point)
+            result.uv[key] = place.uv
+            result.image_origin[key] = ORIGIN_CODE[place.origin]
+            result.image_confidence[key] = place.confidence
+        fixed = {(place.view, place.point) for place in placed}
+        for key in self.initial:
+            if key not in fixed:
+                self._find(pictures, key, centres[key], result)
+        if layout.rig is not None and layout.settings.hidden == "search":
+            self._find_hidden(pictures, fixed, result)
+        if layout.rig is not None:
+            self._triangulate(layout.rig, result)
+        self._update(result, {place.point for place in placed}, fixed)
+        self._fill_predicted(result, centres)
+        if layout.rig is None:
+            self._take_from_picture(result)
+        return result
+
+    def resume(self, xyz: np.ndarray, uv: np.ndarray) -> None:
+        """Set where the points were in the frame before the first one.
+
+        Points that are found in the first frame take their velocity from it; the others
+        are predicted to be there still.
+
+        Parameters
+        ----------
+        xyz : ndarray, shape (P, 3)
+            Calibrated positions, NaN where unknown.
+        uv : ndarray, shape (V, P, 2)
+            Image positions, NaN where unknown.
+        """
+        self.last_uv = uv
+        self.image = kalman.start(self.layout.in_image, uv)
+        if self.layout.rig is not None:
+            self.last_xyz = xyz
+            self.space = kalman.start(self.layout.in_space, xyz)
+
+    def _measure(
+        self, pictures: Mapping[str, Picture], view: int, centre: np.ndarray
+    ) -> Superpixels | None:
+        """Measure the superpixels around a position; None where it is outside the picture."""
+        layout = self.layout
+        width, height = layout.sizes[view]
+        lengths = layout.lengths[view]
+        window = place_window(centre, lengths, width=width, height=height)
+        if window is None:
+            return None
+        picture = pictures[layout.views[view]]
+        return measure_superpixels(picture, window, lengths, layout.settings)
+
+    def _predicted_uv(self) -> np.ndarray:
+        """Project the 3D prediction; where a point has none, take that in the picture."""
+        flat = self.image.position
+        if self.layout.rig is None:
+            return flat
+        projected = np.swapaxes(self.layout.rig.project(self.space.position), 0, 1)
+        return np.where(np.isfinite(projected), projected, flat)
+
+    def _empty_result(self) -> FrameResult:
+        n_views, n_points = self.layout.tracked.shape
+        n_space = 2 if self.layout.rig is None else 3
+        return FrameResult(
+            uv=np.full((n_views, n_points, 2), np.nan),
+            image_origin=np.full((n_views, n_points), _MISSING, dtype=np.int8),
+            image_confidence=np.zeros((n_views, n_points)),
+            position=np.full((n_points, n_space), np.nan),
+            origin=np.full(n_points, _MISSING, dtype=np.int8),
+            confidence=np.zeros(n_points),
+            residual=np.full(n_points, np.nan),
+        )
+
+    def _find(
+        self,
+        pictures: Mapping[str, Picture],
+        key: tuple[int, int],
+        centre: np.ndarray,
+        result: FrameResult,
+    ) -> None:
+        """Find a point in the sub-image around its predicted position."""
+        view, point = key
+        superpixels = self._measure(pictures, view, centre)
+        if superpixels is None:
+            return
+        layout = self.layout
+        features = compute_features(
+            superpixels, self.initial[key], self.previous[key], facing=layout.facing[view]
+        )
+        scores = fuse(normalise(features), layout.weights[point])
+        best = best_superpixels(scores, count=layout.settings.n_best)
+        self.detections[key] = Detection(superpixels, best, scores[best])
+        self._accept(key, superpixels, int(best[0]), float(scores[best[0]]), result)
+
+    def _accept(
+        self,
+        key: tuple[int, int],
+        superpixels: Superpixels,
+        number: int,
+        score: float,
+        result: FrameResult,
+    ) -> None:
+        """Take a superpixel as the point's image."""
+        result.uv[key] = superpixels.uv[number]
+        result.image_origin[key] = _MEASURED
+        result.image_confidence[key] = score
+        self.previous[key] = superpixels.look(number)
+
+    def _find_hidden(
+        self,
+        pictures: Mapping[str, Picture],
+        fixed: set[tuple[int, int]],
+        result: FrameResult,
+    ) -> None:
+        """Look for points in the views where they have not been seen yet."""
+        for view, point in np.argwhere(self.layout.tracked).tolist():
+            key = (view, point)
+            if key in self.initial or key in fixed:
+                continue
+            looks = self._looks_like(view, point)
+            found = find_hidden(self.layout, pictures, key, looks, result.uv)
+            if found is not None:
+                superpixels, number, score = found
+                self.initial[key] = superpixels.look(number)
+                self._accept(key, superpixels, number, score, result)
+
+    def _looks_like(self, view: int, point: int) -> list[Look]:
+        """Return what a point may look like in a view where it has not been seen.
+
+        Points of its kind (front or hind) in that view, in that light, tell more than the
+        point itself in another view; a point of no kind is compared with itself.
+        """
+        kinds = self.layout.kinds
+        alike = [
+            look
+            for (v, p), look in self.initial.items()
+            if v == view and kinds[p] == kinds[point] != "other"
+        ]
+        return alike or [look for (_, p), look in self.initial.items() if p == point]
+
+    def _triangulate(self, rig: Rig, result: FrameResult) -> None:
+        """Give every point that two views or more have found its place in space."""
+        solved = rig.triangulate(np.swapaxes(result.uv, 0, 1))
+        for point in np.flatnonzero(np.isfinite(solved.xyz[:, 0])).tolist():
+            used = np.isfinite(result.uv[:, point, 0])
+            by_hand = (result.image_origin[used, point] == ORIGIN_CODE["edited"]).all()
+            result.position[point] = solved.xyz[point]
+            result.residual[point] = solved.residual_px[point]
+            result.origin[point] = ORIGIN_CODE["edited"] if by_hand else _MEASURED
+            result.confidence[point] = result.image_confidence[used, point].mean()
+
+    def _take_from_picture(self, result: FrameResult) -> None:
+        """Without a rig, take each point's position from the view of its first click."""
+        for point, view in self.home.items():
+            result.position[point] = result.uv[view, point]
+            result.origin[point] = result.image_origin[view, point]
+            result.confidence[point] = result.image_confidence[view, point]
+
+    def _update(self, result: FrameResult, placed: set[int], fixed: set[tuple[int, int]]) -> None:
+        """Update the filters; those of points put in place by hand start anew there."""
+        layout = self.layout
+        slow, moved = self._is_slow(result.uv)
+        restart = np.zeros(layout.tracked.shape, dtype=bool)
+        for key in fixed:
+            restart[key] = True
+        self.image = _advance(layout.in_image, self.image, result.uv, restart, self.last_uv, slow)
+        self.last_uv = result.uv.copy()
+        if layout.rig is None:
+            return
+        xyz = result.position.copy()
+        for point in np.flatnonzero(np.isnan(xyz[:, 0])).tolist():
+            xyz[point] = self._nearest_on_ray(point, result.uv[:, point])
+        again = np.array([p in placed for p in range(len(layout.points))])
+        calm = (slow | ~moved).all(axis=0) & moved.any(axis=0)
+        self.space = _advance(layout.in_space, self.space, xyz, again, self.last_xyz, calm)
+        self.last_xyz = xyz
+
+    def _is_slow(self, uv: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Tell which points moved no more than half the sub-image's half size, and which moved.
+
+        That is about what the paper gives as the most between two frames (30 px and 15 px
+        in sub-images of ± 70 and ± 40 px). A larger step is a correction, no velocity.
+        """
+        limit = np.array([[x.half_u, x.half_v] for x in self.layout.lengths]) / 2.0
+        step = np.abs(uv - self.last_uv)
+        return (step <= limit[:, None, :]).all(axis=-1), np.isfinite(step).all(axis=-1)
+
+    def _nearest_on_ray(self, point: int, uv: np.ndarray) -> np.ndarray:
+        """Move a 3D prediction the least so that it projects to the one view that saw it."""
+        predicted = self.space.position[point]
+        seen = np.flatnonzero(np.isfinite(uv[:, 0]))
+        rig = self.layout.rig
+        if rig is None or len(seen) != 1 or not np.isfinite(predicted).all():
+            return np.full(3, np.nan)
+        view = int(seen[0])
+        step = 1e-3 * max(float(np.abs(predicted).max()), 1.0)
+        around = rig.project(np.vstack([predicted, predicted + step * np.eye(3)]))[:, view]
+        jacobian = (around[1:] - around[0]).T / step
+        return np.asarray(predicted + np.linalg.pinv(jacobian) @ (uv[view] - around[0]))
+
+    def _fill_predicted(self, result: FrameResult, centres: np.ndarray) -> None:
+        """Give the prediction where nothing was found, if it is inside the picture."""
+        layout = self.layout
+        for key in self.initial:
+            gone = result.image_origin[key] == _MISSING
+            if gone and np.isfinite(centres[key]).all() and layout.contains(key[0], centres[key]):
+                result.uv[key] = centres[key]
+                result.image_origin[key] = _PREDICTED
+        if layout.rig is not None:
+            lost = np.isnan(result.position[:, 0]) & np.isfinite(self.space.position[:, 0])
+            result.position[lost] = self.space.position[lost]
+            result.origin[lost] = _PREDICTED
+
+
+def _advance(
+    model: kalman.ConstantVelocity,
+    state: kalman.State,
+    measured: np.ndarray,
+    restart: np.ndarray,
+    last: np.ndarray,
+    slow: np.ndarray,
+) -> kalman.State:
+    """Update states; start those anew that are new or put in place.
+
+    A start takes its velocity from the step since the last frame where that is slow.
+    """
+    updated = kalman.update(model, state, measured)
+    known = np.isfinite(measured).all(axis=-1)
+    fresh = known & (restart | np.isnan(state.mean).any(axis=-1))
+    step = measured - last
+    use = slow & np.isfinite(step).all(axis=-1)
+    begun = kalman.start(model, measured, np.where(use[..., None], step, 0.0))
+    return kalman.State(
+        np.where(fresh[..., None], begun.mean, updated.mean),
+        np.where(fresh[..., None, None], begun.covariance, updated.covariance),
+    )

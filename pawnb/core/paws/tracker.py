@@ -1,0 +1,262 @@
+"""Tracking points through one or more views: from clicks to Tracks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+import pandas as pd
+
+from pawnb.core.paws.layout import (
+    Layout,
+    Placement,
+    Views,
+    check_every_point_started,
+    make_layout,
+    read_start,
+)
+from pawnb.core.paws.run import FrameResult, Run
+from pawnb.core.paws.settings import PaperSettings
+from pawnb.core.rig import Rig
+from pawnb.errors import InputError
+from pawnb.schema import ORIGIN_CODE, ORIGINS, START_COLUMNS, Tracks, check_columns, make_tracks
+
+_FOUND = [ORIGIN_CODE[name] for name in ("measured", "resolved", "edited")]
+
+
+def track_paws(
+    views: Views,
+    start: pd.DataFrame,
+    *,
+    rig: Rig | None,
+    settings: PaperSettings,
+    points_by_view: Mapping[str, Sequence[str]],
+    facing: Mapping[str, int] | None = None,
+    frames: tuple[int, int],
+    fps: float,
+    individual: str = "animal",
+    unit: str = "px",
+    tracks: Tracks | None = None,
+    progress: Callable[[int, int], None] | None = None,
+    stop: Callable[[], bool] | None = None,
+) -> Tracks:
+    """Track points by superpixels and Kalman filters, without handling collisions.
+
+    The method of Haji Maghsoudi et al. 2019 (Algorithms 1 to 3, Eq. 1 and 3 to 6; errata
+    1 to 4 and 7 heeded): in each frame the Kalman prediction is projected into each view,
+    a sub-image around it is divided into superpixels, and the one with the highest fused
+    score is the point. Two views or more give its 3D position, which updates the filter.
+    Without a rig, and for a point that one view alone has found, a 2D filter predicts in
+    the picture (the paper's SLIC + 2D). A point is never given up: where it is hidden, the
+    superpixel most like it is taken.
+
+    Parameters
+    ----------
+    views : ViewSet
+        The opened views.
+    start : DataFrame
+        Clicks with columns frame, view, point, u, v (px); one frame or more. A second
+        start frame gives new colours, and velocities where it is the next frame. A
+        point that is not clicked in a view is hidden there; see ``settings.hidden``.
+    rig : Rig, optional
+        The calibrated views. Without it each view is tracked by itself.
+    settings : PaperSettings
+        The settings.
+    points_by_view : mapping
+        Points that each view tracks; none listed means every point.
+    facing : mapping, optional
+        +1 or -1 where the animal faces right or left in a view; default by the rig's
+        forward direction, else by the clicks of front and hind points. Where it stays
+        unknown the seventh feature is left out.
+    frames : tuple of int
+        First frame and one past the last. Tracking begins with the first start frame;
+        frames before it stay missing.
+    fps : float
+        Frames per second.
+    individual : str
+        The animal's id.
+    unit : str
+        Unit of the rig's space; without a rig ``position`` is x = u, y = v, in px, of the
+        first view in which the point was clicked.
+    tracks : Tracks, optional
+        Tracks to go on from: rows before ``frames[0]`` are kept, every state is reset in
+        ``frames[0]`` and learnt again from the positions of ``tracks`` there, and positions
+        placed by hand in later frames hold. Colours of points that were not placed by
+        hand in that frame come from ``start``, where it has them.
+    progress : callable, optional
+        ``progress(done, total)`` after each frame.
+    stop : callable, optional
+        Asked before each frame; when it answers True, what is done is returned (and with
+        ``tracks``, later rows stay as they were).
+
+    Returns
+    -------
+    xarray.Dataset
+        Tracks of ``frames``. ``origin`` is ``edited`` for a clicked position, ``measured``
+        for a superpixel or a triangulated position, ``predicted`` where the filter alone
+        says it, else ``missing``. ``image_confidence`` is the fused score (Eq. 6) of the
+        superpixel taken: 1 means that it was the best of its sub-image in every feature
+        at once. It compares superpixels of one sub-image, so it falls when colour and
+        place disagree, not when the paw is absent. ``confidence`` is its mean over the
+        views used; predicted positions have 0, clicks 1. ``residual`` is the RMS
+        reprojection error, px.
+
+    Raises
+    ------
+    InputError
+        If a click does not fit the views, points or frames, or a point has no click.
+    CalibrationError
+        If the rig lacks a view.
+    """
+    check_columns(start, START_COLUMNS, where="the start points")
+    _check_frames(frames, views.n_frames)
+    layout = make_layout(
+        views,
+        start,
+        rig=rig,
+        settings=settings,
+        points_by_view=points_by_view,
+        facing=facing,
+    )
+    run = Run(layout)
+    if tracks is None:
+        check_every_point_started(start, layout)
+        placements = read_start(start, layout, frames)
+        first = min(placements)
+    else:
+        placements = _prepare_again(run, views, start, tracks, frames)
+        first = frames[0]
+    results = _run(run, views, placements, (first, frames[1]), progress=progress, stop=stop)
+    done = first + len(results)
+    rows = np.arange(frames[0], done)
+    if tracks is not None:
+        known = tracks["frame"].to_numpy()
+        rows = np.concatenate([known[known < frames[0]], rows, known[known >= done]])
+    new = make_tracks(
+        rows,
+        layout.points,
+        fps=fps,
+        views=layout.views,
+        space=("x", "y") if rig is None else ("x", "y", "z"),
+        individual=individual,
+        unit="px" if rig is None else unit,
+    )
+    _write(new, results, np.searchsorted(rows, first))
+    return new if tracks is None else _copy_rows(tracks, new, (first, done))
+
+
+def _check_frames(frames: tuple[int, int], n_frames: int) -> None:
+    """Check the range of frames against the recording."""
+    if not 0 <= frames[0] < frames[1] <= n_frames:
+        raise InputError(
+            f"frames {frames[0]} to {frames[1] - 1} are to be tracked, but the views have "
+            f"frames 0 to {n_frames - 1}; choose a range within."
+        )
+
+
+def _run(
+    run: Run,
+    views: Views,
+    placements: Mapping[int, list[Placement]],
+    frames: tuple[int, int],
+    *,
+    progress: Callable[[int, int], None] | None,
+    stop: Callable[[], bool] | None,
+) -> list[FrameResult]:
+    """Go through the frames; return a result for each one done."""
+    results: list[FrameResult] = []
+    for i, pictures in views.frames(*frames):
+        if stop is not None and stop():
+            break
+        results.append(run.step(pictures, placements.get(i, [])))
+        if progress is not None:
+            progress(len(results), frames[1] - frames[0])
+    return results
+
+
+def _prepare_again(
+    run: Run, views: Views, start: pd.DataFrame, tracks: Tracks, frames: tuple[int, int]
+) -> dict[int, list[Placement]]:
+    """Bring a fresh run to the frame from which tracks are made again.
+
+    Returns the placements: what the tracks have found in the first frame, and what was
+    placed by hand later.
+    """
+    layout = run.layout
+    known = tracks["frame"].to_numpy()
+    if frames[0] not in known:
+        raise InputError(
+            f"the tracks have no frame {frames[0]} to go on from; they have frames "
+            f"{known.min()} to {known.max()}."
+        )
+    aligned = tracks.reindex(
+        view=list(layout.views),
+        keypoint=list(layout.points),
+        fill_value={"image_origin": ORIGIN_CODE["missing"]},
+    ).isel(individual=0)
+    uv = aligned["image_position"].transpose("time", "view", "keypoint", "image_space").to_numpy()
+    origin = aligned["image_origin"].transpose("time", "view", "keypoint").to_numpy()
+    trust = aligned["image_confidence"].transpose("time", "view", "keypoint").to_numpy()
+    uv = np.where(np.isfinite(uv).all(axis=-1, keepdims=True), uv, np.nan)
+    found = np.isin(origin, _FOUND) & np.isfinite(uv[..., 0]) & layout.tracked
+    by_hand = found & (origin == ORIGIN_CODE["edited"])
+
+    placements = read_start(start, layout, (0, views.n_frames))
+    for frame in sorted(f for f in placements if f < frames[0]):
+        run.learn(views.frame(frame), placements.pop(frame))
+    here = int(np.flatnonzero(known == frames[0])[0])
+    # what the tracks say in this frame goes before the clicks
+    placements[frames[0]] = [
+        p for p in placements.get(frames[0], []) if np.isnan(uv[here, p.view, p.point, 0])
+    ]
+    for row in range(here, len(known)):
+        for v, p in np.argwhere(found[row] if row == here else by_hand[row]).tolist():
+            frame = int(known[row])
+            same = [x for x in placements.get(frame, []) if (x.view, x.point) != (v, p)]
+            name = ORIGINS[origin[row, v, p]]
+            placed = Placement(v, p, uv[row, v, p], name, float(trust[row, v, p]))
+            placements[frame] = [*same, placed]
+    if here > 0 and known[here - 1] == frames[0] - 1:
+        xyz = aligned["position"].transpose("time", "keypoint", "space").to_numpy()[here - 1]
+        seen = np.where(found[here - 1][..., None], uv[here - 1], np.nan)
+        run.resume(xyz, seen)
+    return placements
+
+
+def _write(tracks: Tracks, results: Sequence[FrameResult], first: int) -> None:
+    """Write the results of consecutive frames into Tracks, from row ``first`` on."""
+    if not results:
+        return
+    rows = slice(int(first), int(first) + len(results))
+
+    def stack(name: str) -> np.ndarray:
+        return np.stack([getattr(result, name) for result in results])
+
+    for name in ("origin", "confidence", "residual"):
+        tracks[name].values[rows, :, 0] = stack(name)
+    tracks["position"].values[rows, :, :, 0] = np.swapaxes(stack("position"), 1, 2)
+    tracks["image_position"].values[rows, ..., 0] = np.swapaxes(stack("uv"), 2, 3)
+    tracks["image_origin"].values[rows, ..., 0] = stack("image_origin")
+    tracks["image_confidence"].values[rows, ..., 0] = stack("image_confidence")
+
+
+def _copy_rows(old: Tracks, new: Tracks, done: tuple[int, int]) -> Tracks:
+    """Copy the rows of ``old`` outside the frames that were done, its times and attributes."""
+    frames = new["frame"].to_numpy()
+    keep = frames[(frames < done[0]) | (frames >= done[1])]
+    source = old.swap_dims(time="frame").sel(frame=keep)
+    rows = np.isin(frames, keep)
+    for name in new.data_vars:
+        if name not in source:
+            continue
+        there = [d for d in ("view", "keypoint", "space") if d in new[name].dims]
+        part = (
+            source[name]
+            .reindex({d: new[d] for d in there})
+            .fillna(0 if new[name].dtype.kind == "i" or "confidence" in str(name) else np.nan)
+        )
+        new[name].values[rows] = part.to_numpy()
+    time = new["time"].to_numpy().copy()
+    shared = np.isin(frames, old["frame"].to_numpy())
+    time[shared] = old.swap_dims(time="frame").sel(frame=frames[shared])["time"].to_numpy()
+    return new.assign_coords(time=time).assign_attrs(old.attrs)
