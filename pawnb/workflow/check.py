@@ -1,0 +1,195 @@
+"""What a trial has, what is missing, and what looks wrong, before any work is done."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from pawnb.core.video import ViewSet, open_views
+from pawnb.errors import InputError, PawnbError
+from pawnb.io import native
+from pawnb.trial import Trial, load_trial
+from pawnb.workflow.results import results_folder
+from pawnb.workflow.track import tracker_settings, trial_rig
+
+MAX_CLICK_RESIDUAL_PX = 10.0
+
+
+@dataclass
+class CheckReport:
+    """What :func:`check_trial` found, in words.
+
+    Parameters
+    ----------
+    trial : str
+        Name of the trial.
+    found : list of str
+        What is there.
+    doubts : list of str
+        What looks wrong but does not stop the work.
+    faults : list of str
+        What must be mended first.
+    """
+
+    trial: str
+    found: list[str] = field(default_factory=list)
+    doubts: list[str] = field(default_factory=list)
+    faults: list[str] = field(default_factory=list)
+
+    def text(self) -> str:
+        """Return the report, one finding a line."""
+        lines = [f"trial {self.trial}"]
+        for mark, findings in (("ok", self.found), ("look", self.doubts), ("MEND", self.faults)):
+            lines += [f"  {mark:4}  {finding}" for finding in findings]
+        return "\n".join(lines)
+
+    def verdict(self) -> str:
+        """Return the faults as one sentence."""
+        return f"trial {self.trial!r} cannot be worked on yet: " + "; ".join(
+            fault.rstrip(".") for fault in self.faults
+        )
+
+
+def check_trial(trial: Trial | str | Path) -> CheckReport:
+    """Look at everything a trial names.
+
+    Parameters
+    ----------
+    trial : Trial, str or Path
+        The trial, its ``trial.toml``, or the folder that holds it.
+
+    Returns
+    -------
+    CheckReport
+        Findings; work can start where ``faults`` is empty.
+
+    Raises
+    ------
+    InputError
+        If ``trial.toml`` itself cannot be read.
+    """
+    if not isinstance(trial, Trial):
+        trial = load_trial(trial)
+    report = CheckReport(trial.name)
+    report.found.append(
+        f"kind {trial.kind}, animal {trial.animal.id}, {trial.fps:g} frames per second"
+    )
+    _check_belt(trial, report)
+    if trial.kind == "tracks":
+        _check_tracks_file(trial, report)
+    else:
+        _check_views(trial, report)
+    results = results_folder(trial) / "tracks.nc"
+    if results.exists():
+        report.found.append(f"tracked already: {results.parent.name}/tracks.nc")
+    return report
+
+
+def _check_belt(trial: Trial, report: CheckReport) -> None:
+    """Say the belt's speed, and doubt it where it is not positive."""
+    if isinstance(trial.belt_speed, str):
+        try:
+            table = native.read_belt_speed(trial.path(trial.belt_speed))
+        except InputError as error:
+            report.faults.append(str(error))
+            return
+        speeds = table["speed"].to_numpy()
+        report.found.append(
+            f"belt speed from {trial.belt_speed}: {speeds.min():g} to {speeds.max():g} unit/s"
+        )
+    elif trial.belt_speed is not None:
+        report.found.append(f"belt speed {trial.belt_speed:g} unit/s")
+        if trial.belt_speed <= 0:
+            report.doubts.append(
+                f"belt speed is {trial.belt_speed:g}; a belt that carries the feet backwards "
+                "has a speed above 0"
+            )
+
+
+def _check_tracks_file(trial: Trial, report: CheckReport) -> None:
+    """Say whether the tracks made elsewhere are there."""
+    name = trial.tracks_file or ""
+    path = trial.path(name)
+    there = path.exists() or (path.parent.is_dir() and any(path.parent.glob(path.name)))
+    if there:
+        report.found.append(f"tracks in {name}")
+    else:
+        report.faults.append(f"{path}: no such tracks; check [tracks] file.")
+
+
+def _check_views(trial: Trial, report: CheckReport) -> None:
+    """Open the views, read their first and last frame, and check what depends on them."""
+    try:
+        tracker_settings(trial)
+    except PawnbError as error:
+        report.faults.append(str(error))
+    try:
+        views = open_views(trial)
+    except PawnbError as error:
+        report.faults.append(str(error))
+        return
+    with views:
+        for name in views.names:
+            reader = views.readers[name]
+            colour = "colour" if reader.is_colour else "grey"
+            report.found.append(
+                f"view {name}: {reader.n_frames} frames of {reader.width} x {reader.height} px, "
+                f"{colour}"
+            )
+        report.doubts += views.notes
+        for frame in (0, views.n_frames - 1):
+            try:
+                views.frame(frame)
+            except PawnbError as error:
+                report.faults.append(str(error))
+        if trial.frames is not None and trial.frames[1] > views.n_frames:
+            report.faults.append(
+                f"[trial] frames asks for frames up to {trial.frames[1] - 1}; the recording ends "
+                f"at {views.n_frames - 1}."
+            )
+        _check_calibration(trial, views, report)
+
+
+def _check_calibration(trial: Trial, views: ViewSet, report: CheckReport) -> None:
+    """Check the calibration, and the start clicks against it."""
+    try:
+        rig = trial_rig(trial, views)
+    except PawnbError as error:
+        report.faults.append(str(error))
+        rig = None
+    else:
+        if rig is not None:
+            report.found.append(f"DLT of {len(rig.names)} views, unit {rig.unit}")
+        else:
+            report.doubts.append("no calibration: positions will be in px")
+    if trial.start_points is None:
+        report.faults.append(
+            "no start points: click them with pawnb.widgets.ClickInitialiser, or name a csv "
+            "under [start] points."
+        )
+        return
+    sizes = {name: (r.width, r.height) for name, r in views.readers.items()}
+    try:
+        clicks = native.read_start(trial.path(trial.start_points), trial)
+        native.check_start(clicks, trial, sizes)
+    except PawnbError as error:
+        report.faults.append(str(error))
+        return
+    report.found.append(
+        f"start: {len(clicks)} clicks on {', '.join(dict.fromkeys(clicks['point']))} in frame "
+        f"{', '.join(str(f) for f in sorted(set(clicks['frame'])))}"
+    )
+    if rig is None:
+        return
+    for (frame, point), group in clicks.groupby(["frame", "point"], sort=True):
+        uv = np.full((len(rig.names), 2), np.nan)
+        for row in group.itertuples():
+            uv[rig.names.index(str(row.view))] = row.u, row.v
+        residual = float(rig.triangulate(uv).residual_px)
+        if residual > MAX_CLICK_RESIDUAL_PX:
+            report.doubts.append(
+                f"start clicks of {point} in frame {frame} disagree between the views by "
+                f"{residual:.0f} px: one of them is on another point, or the calibration is off"
+            )
