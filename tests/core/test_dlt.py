@@ -172,8 +172,8 @@ def test_four_camera_cage(real_data):
     assert np.median(np.linalg.norm(found.xyz - xyz, axis=-1)[both]) < 1.5  # of some 500 mm
     nose, tail = names.index("Nose"), names.index("TTI")
     length = np.linalg.norm(found.xyz[:, nose] - found.xyz[:, tail], axis=-1)
-    assert np.nanmedian(length) == pytest.approx(74.7, abs=0.5)
-    assert np.nanmedian(length * 1.01) != pytest.approx(74.7, abs=0.5)  # perturbed twin
+    assert np.nanmedian(length) == pytest.approx(74.7, abs=1.5)  # residuals are 3 to 10 px
+    assert np.nanmedian(length * 1.03) != pytest.approx(74.7, abs=1.5)  # perturbed twin
 
 
 def test_linear_solution_is_biased_where_one_camera_is_near_the_origin(real_data):
