@@ -1,1 +1,6 @@
 """Gait statistics on tracks or events from any source; this part knows no video."""
+
+from pawnb.gait.analysis import GaitTables, analyse, analyse_events, pool
+from pawnb.gait.events import EventSettings
+
+__all__ = ["EventSettings", "GaitTables", "analyse", "analyse_events", "pool"]

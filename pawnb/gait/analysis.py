@@ -1,0 +1,431 @@
+"""The gait analysis: from Tracks, or from events scored by hand, to the gait tables."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from pawnb.errors import InputError, did_you_mean
+from pawnb.gait.events import EventSettings
+from pawnb.gait.feet import (
+    EVENT_TABLE_COLUMNS,
+    analyse_space,
+    dropped_table,
+)
+from pawnb.gait.grid import Grid, put_on_grid
+from pawnb.gait.legs import default_pairs, find_leg_place, sort_legs
+from pawnb.gait.phases import build_phases, summarise_phases
+from pawnb.gait.strides import Motion, build_strides, choose_stride_event
+from pawnb.kinematics import get_foot_paths
+from pawnb.schema import EVENTS_COLUMNS, Tracks, build_settings, check_columns, check_tracks
+from pawnb.trial import Trial
+
+Pairs = Sequence[tuple[str, str]]
+_EVENTS = ("AEP", "PEP", "TD", "LO")
+_GAP_COLUMNS = ("leg", "start_s", "end_s")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class GaitTables:
+    """The tables of a gait analysis.
+
+    Parameters
+    ----------
+    events, strides, phases, phase_summary, dropped : pandas.DataFrame
+        Tables with the columns of :mod:`pawnb.schema`, some with further columns on the
+        right. Rows are ordered by trial, leg and time.
+    notes : tuple of str
+        What was assumed or estimated, one sentence each.
+    settings : EventSettings
+        The settings that were asked for.
+    """
+
+    events: pd.DataFrame
+    strides: pd.DataFrame
+    phases: pd.DataFrame
+    phase_summary: pd.DataFrame
+    dropped: pd.DataFrame
+    notes: tuple[str, ...] = ()
+    settings: EventSettings = field(default_factory=EventSettings)
+
+
+def analyse(
+    tracks: Tracks,
+    *,
+    trial: Trial | None = None,
+    legs: Sequence[str] | Mapping[str, str] | None = None,
+    pairs: Pairs | None = None,
+    belt_speed: float | pd.DataFrame | None = None,
+    forward: Sequence[float] | None = None,
+    settings: EventSettings | Mapping[str, Any] | None = None,
+) -> GaitTables:
+    """Analyse the gait of tracked feet.
+
+    AEP and PEP are the extremes of each foot's position along forward in the body frame;
+    TD and LO are told from its speed relative to the ground or belt, and its height in
+    3D. Strides, phase lags and their statistics follow.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks of one or more individuals.
+    trial : Trial, optional
+        Gives animal, name, belt speed, body points, direction and names of legs.
+    legs : sequence of str or mapping, optional
+        Points that are feet, or names of legs to names of points. Default: the trial's
+        ``[tracks] legs``, else every point with the name of a leg (FR, L1, RH, ...).
+    pairs : sequence of (leg, reference), optional
+        Pairs whose phase is measured; default
+        :func:`~pawnb.gait.legs.default_pairs`.
+    belt_speed : float or DataFrame, optional
+        Speed of a treadmill in unit/s, or a table frame, speed; default the trial's.
+    forward : sequence of float, optional
+        Direction towards the front, 2 or 3 numbers; default as the trial says, or
+        derived: from the travel on the ground, from the swing of the feet in pictures.
+    settings : EventSettings or mapping, optional
+        Settings; unknown names are refused.
+
+    Returns
+    -------
+    GaitTables
+        The tables.
+
+    Raises
+    ------
+    InputError
+        If the tracks do not follow the schema, a leg or setting is unknown, no leg is
+        ever seen, or the belt speed cannot be used.
+    """
+    where = f"trial {trial.name!r}" if trial is not None else "these tracks"
+    settings = _settings(settings)
+    check_tracks(tracks, where=where)
+    named = _choose_legs(tracks, trial, legs, where)
+    grid, dense = put_on_grid(tracks, where=where)
+    belt = _belt_on_grid(belt_speed, trial, grid)
+    individuals = [str(i) for i in tracks["individual"].to_numpy()]
+    parts = []
+    for individual in individuals:
+        animal = trial.animal.id if trial is not None and len(individuals) == 1 else individual
+        parts.append(
+            _analyse_one(
+                dense, grid, named, trial=trial, individual=individual, pairs=pairs, belt=belt,
+                forward=None if forward is None else np.asarray(forward, dtype=float),
+                settings=settings,
+                who={"animal": animal, "trial": trial.name if trial is not None else "trial"},
+            )
+        )  # fmt: skip
+    return pool(parts)
+
+
+def analyse_events(
+    events: pd.DataFrame,
+    *,
+    pairs: Pairs | None = None,
+    settings: EventSettings | Mapping[str, Any] | None = None,
+) -> GaitTables:
+    """Analyse events that were scored by hand or come from another program.
+
+    Parameters
+    ----------
+    events : pandas.DataFrame
+        Columns leg, event (AEP, PEP, TD, LO) and time_s; animal, trial, frame and
+        method are filled in where they are missing.
+    pairs : sequence of (leg, reference), optional
+        Pairs whose phase is measured; default
+        :func:`~pawnb.gait.legs.default_pairs`.
+    settings : EventSettings or mapping, optional
+        ``stride_events`` and ``max_stride_s`` are used.
+
+    Returns
+    -------
+    GaitTables
+        The tables; stride length and speed are NaN.
+
+    Raises
+    ------
+    InputError
+        If a column is missing, an event is unknown, or a time is not a number.
+    """
+    settings = _settings(settings)
+    events = _checked_events(events)
+    parts = []
+    for (animal, trial), own in events.groupby(["animal", "trial"], sort=False):
+        own = _in_order(own, sort_legs(own["leg"]))
+        who = {"animal": str(animal), "trial": str(trial)}
+        parts.append(_tables(own, who, pairs=pairs, settings=settings))
+    return pool(parts)
+
+
+def pool(parts: Sequence[GaitTables]) -> GaitTables:
+    """Put several analyses together; the phase summary is made anew over all of them.
+
+    Parameters
+    ----------
+    parts : sequence of GaitTables
+        Analyses of trials. Trials of one animal must carry the same animal's name.
+
+    Returns
+    -------
+    GaitTables
+        Tables one below the other, in the order given.
+
+    Raises
+    ------
+    InputError
+        If there is nothing to pool, two parts hold the same animal and trial, or their
+        settings differ.
+    """
+    if not parts:
+        raise InputError("nothing to pool: expected at least one analysis.")
+    seen: set[tuple[str, str]] = set()
+    for part in parts:
+        both = (part.events, part.dropped)
+        own = {pair for t in both for pair in zip(t["animal"], t["trial"], strict=True)}
+        double = sorted(seen & own)
+        if double:
+            raise InputError(
+                f"animal {double[0][0]!r}, trial {double[0][1]!r} is there twice; give every "
+                "trial its own name."
+            )
+        seen |= own
+        if part.settings != parts[0].settings:
+            raise InputError(
+                "the analyses were made with different settings; make them again with the same."
+            )
+    tables = {
+        name: _stack([getattr(part, name) for part in parts])
+        for name in ("events", "strides", "phases", "dropped")
+    }
+    return GaitTables(
+        **tables,
+        phase_summary=summarise_phases(tables["phases"]),
+        notes=tuple(dict.fromkeys(note for part in parts for note in part.notes)),
+        settings=parts[0].settings,
+    )
+
+
+def _stack(tables: list[pd.DataFrame]) -> pd.DataFrame:
+    """Put tables below each other; empty ones only lend their columns."""
+    full = [t for t in tables if len(t)]
+    return pd.concat(full, ignore_index=True) if full else tables[0].reset_index(drop=True)
+
+
+def _in_order(events: pd.DataFrame, legs: list[str]) -> pd.DataFrame:
+    """Sort events by leg, in the order given, and time."""
+    rank = events["leg"].map({leg: i for i, leg in enumerate(legs)}).to_numpy()
+    order = np.lexsort((events["time_s"].to_numpy(), rank))
+    return events.iloc[order].reset_index(drop=True)
+
+
+def _settings(settings: EventSettings | Mapping[str, Any] | None) -> EventSettings:
+    """Return settings as a checked dataclass."""
+    if isinstance(settings, EventSettings):
+        return settings
+    return build_settings(EventSettings, settings or {}, where="gait")
+
+
+def _choose_legs(
+    tracks: Tracks,
+    trial: Trial | None,
+    legs: Sequence[str] | Mapping[str, str] | None,
+    where: str,
+) -> dict[str, str]:
+    """Return names of legs to names of points, in anatomical order."""
+    points = [str(p) for p in tracks["keypoint"].to_numpy()]
+    if isinstance(legs, str):
+        raise InputError(f"legs is {legs!r}; expected a list such as ['FR', 'HR'].")
+    if isinstance(legs, Mapping):
+        named = dict(legs)
+    elif legs is not None:
+        named = {leg: leg for leg in legs}
+    elif trial is not None and trial.tracks_legs:
+        found = dict(trial.tracks_legs)
+        # readers may have given the points the names of the legs already
+        named = {leg: leg if leg in points else point for leg, point in found.items()}
+    else:
+        named = {p: p for p in points if find_leg_place(p) is not None}
+    if not named:
+        raise InputError(
+            f"{where}: none of the points {', '.join(points)} is named like a leg (FR, HR, FL, "
+            "HL; L1, R1, ...; LF, RH, ...); say which are with legs."
+        )
+    return {leg: named[leg] for leg in sort_legs(named)}
+
+
+def _belt_on_grid(
+    belt_speed: float | pd.DataFrame | None, trial: Trial | None, grid: Grid
+) -> np.ndarray | None:
+    """Return the belt speed at every sample, or None where none is stated."""
+    where = "belt_speed"
+    stated: float | str | pd.DataFrame | None = belt_speed
+    if stated is None and trial is not None:
+        stated = trial.belt_speed
+    if stated is None:
+        return None
+    if isinstance(stated, str) and trial is not None:
+        where = stated
+        path = trial.path(stated)
+        if not path.is_file():
+            raise InputError(f"{path}: no such table of belt speed; mend [treadmill] belt_speed.")
+        stated = pd.read_csv(path)
+    if isinstance(stated, pd.DataFrame):
+        check_columns(stated, ("frame", "speed"), where=where)
+        table = stated.sort_values("frame", kind="stable")
+        frame, speed = (table[c].to_numpy(dtype=float) for c in ("frame", "speed"))
+        if len(frame) == 0 or frame[0] > grid.frame[0] or frame[-1] < grid.frame[-1]:
+            have = f"{frame[0]:g} to {frame[-1]:g}" if len(frame) else "none"
+            raise InputError(
+                f"{where}: frames {have}; expected all from {grid.frame[0]:g} to "
+                f"{grid.frame[-1]:g}."
+            )
+        belt = np.interp(grid.frame, frame, speed)
+    else:
+        belt = np.full(len(grid.frame), float(stated))
+    if not np.isfinite(belt).all():
+        raise InputError(f"{where}: a speed is not a finite number; expected unit per second.")
+    return belt
+
+
+def _analyse_one(
+    dense: Tracks,
+    grid: Grid,
+    legs: Mapping[str, str],
+    *,
+    trial: Trial | None,
+    individual: str,
+    pairs: Pairs | None,
+    belt: np.ndarray | None,
+    forward: np.ndarray | None,
+    settings: EventSettings,
+    who: Mapping[str, str],
+) -> GaitTables:
+    """Analyse one individual on the grid."""
+    spaces = get_foot_paths(
+        dense, legs, individual=individual, min_confidence=settings.min_confidence
+    )
+    seen = [leg for space in spaces for leg in space.legs]
+    if not seen:
+        raise InputError(
+            f"animal {who['animal']!r}: none of the legs {', '.join(legs)} has a position in any "
+            "frame; track it first, or lower min_confidence."
+        )
+    events: list[dict[str, Any]] = []
+    gaps: list[dict[str, Any]] = []
+    dropped: list[dict[str, Any]] = []
+    motion: dict[str, Motion] = {}
+    notes: list[str] = []
+    for leg in legs:
+        if leg not in seen:
+            span = {"start_s": grid.time_s[0], "end_s": grid.time_s[-1]}
+            dropped.append({"leg": leg, **span, "what": "leg", "why": "never seen"})
+    for space in spaces:
+        body = _body_points(dense, trial, individual, space.source)
+        found = analyse_space(
+            space, grid, trial=trial, belt=belt, body=body, forward=forward, settings=settings
+        )
+        events += found.events
+        gaps += found.gaps
+        dropped += found.dropped
+        notes += found.notes
+        motion |= dict.fromkeys(space.legs, found.motion)
+    table = pd.DataFrame([{**who, **e} for e in events], columns=list(EVENT_TABLE_COLUMNS))
+    table = table.astype({"frame": float, "time_s": float, "position": float})
+    return _tables(
+        _in_order(table, list(legs)), who, pairs=pairs, settings=settings, motion=motion,
+        gaps=pd.DataFrame(gaps, columns=list(_GAP_COLUMNS)), legs=list(legs),
+        dropped=dropped_table(dropped, who), notes=notes,
+    )  # fmt: skip
+
+
+def _body_points(
+    dense: Tracks, trial: Trial | None, individual: str, source: str
+) -> np.ndarray | None:
+    """Return the points of the body (n, d, m) in one space, where the trial names them."""
+    if trial is None or not trial.animal.body:
+        return None
+    names = {p: p for p in trial.animal.body}
+    spaces = get_foot_paths(dense, names, individual=individual)
+    for space in spaces:
+        if space.source == source and len(space.legs) == len(names):
+            return space.positions
+    return None
+
+
+def _tables(
+    events: pd.DataFrame,
+    who: Mapping[str, str],
+    *,
+    pairs: Pairs | None,
+    settings: EventSettings,
+    motion: Mapping[str, Motion] | None = None,
+    gaps: pd.DataFrame | None = None,
+    legs: Sequence[str] | None = None,
+    dropped: pd.DataFrame | None = None,
+    notes: Sequence[str] = (),
+) -> GaitTables:
+    """Make every table of one animal and trial from its events."""
+    legs = sort_legs(events["leg"]) if legs is None else legs
+    chosen = default_pairs(legs) if pairs is None else _checked_pairs(pairs, legs)
+    start = choose_stride_event(events, settings.stride_events)
+    strides, no_strides = build_strides(
+        events, start_event=start, motion=motion, gaps=gaps, max_stride_s=settings.max_stride_s
+    )
+    phases, no_phases = build_phases(events, strides, chosen, start_event=start)
+    all_dropped = [t for t in (dropped, no_strides, no_phases) if t is not None]
+    remarks = list(notes)
+    if not chosen:
+        remarks.append(f"{who['trial']}: no pair of legs by name; name them with pairs for phases.")
+    return GaitTables(
+        events=events,
+        strides=strides,
+        phases=phases,
+        phase_summary=summarise_phases(phases),
+        dropped=_stack(all_dropped),
+        notes=tuple(f"{who['trial']}: {note}" if motion else note for note in remarks),
+        settings=settings,
+    )
+
+
+def _checked_pairs(pairs: Pairs, legs: Sequence[str]) -> list[tuple[str, str]]:
+    """Return the pairs; refuse a leg that is not there or is its own reference."""
+    for pair in pairs:
+        if len(pair) != 2 or pair[0] == pair[1]:
+            raise InputError(f"pairs: {tuple(pair)} is not a leg and another one as reference.")
+        for leg in pair:
+            if leg not in legs:
+                raise InputError(
+                    f"pairs: no leg {leg!r}{did_you_mean(leg, legs)}; there are {', '.join(legs)}."
+                )
+    return [(a, b) for a, b in pairs]
+
+
+def _checked_events(events: pd.DataFrame) -> pd.DataFrame:
+    """Return an events table with every column; refuse what cannot be meant."""
+    check_columns(events, ("leg", "event", "time_s"), where="events")
+    if len(events) == 0:
+        raise InputError("events: the table has no rows; expected at least one event.")
+    events = events.copy()
+    for name, default in (("animal", "animal"), ("trial", "trial"), ("method", "scored")):
+        if name not in events:
+            events[name] = default
+    if "frame" not in events:
+        events["frame"] = np.nan
+    unknown = sorted({str(e) for e in events["event"]} - set(_EVENTS))
+    if unknown:
+        raise InputError(
+            f"events: unknown event {unknown[0]!r}; expected {', '.join(_EVENTS)} (touch-down is "
+            "TD, lift-off LO)."
+        )
+    times = pd.to_numeric(events["time_s"], errors="coerce")
+    if not np.isfinite(times.to_numpy(dtype=float)).all():
+        row = int(np.flatnonzero(~np.isfinite(times.to_numpy(dtype=float)))[0])
+        raise InputError(
+            f"events: time_s in row {row + 1} is {events['time_s'].iloc[row]!r}; expected seconds."
+        )
+    events["time_s"] = times.astype(float)
+    extra = [c for c in events.columns if c not in EVENTS_COLUMNS]
+    return events[[*EVENTS_COLUMNS, *extra]]

@@ -1,0 +1,189 @@
+"""Phase lags between legs, and their summary over strides and over animals."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from pawnb.gait.circular import circular_sd, mean_interval, mean_vector, rayleigh_p, wrap
+from pawnb.schema import DROPPED_COLUMNS, PHASE_SUMMARY_COLUMNS, PHASES_COLUMNS
+
+RAYLEIGH_LEVEL = 0.05
+
+
+def phase_lags(times: np.ndarray, reference: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Compute phase lags of events relative to the strides of a reference (Eq. 3.21).
+
+    ``phase = (t - t') / P'`` for every event at t within the reference's stride from t'
+    to t' + P'. A stride may hold no event, or more than one.
+
+    Parameters
+    ----------
+    times : ndarray, shape (n,)
+        Times of one kind of event of the leg, rising.
+    reference : ndarray, shape (m, 2)
+        Start and end of each stride of the reference leg, in the same unit.
+
+    Returns
+    -------
+    stride : ndarray of int, shape (k,)
+        Which stride of the reference each phase belongs to, from 0.
+    phase : ndarray, shape (k,)
+        Phases in cycles, in [0, 1).
+    """
+    times = np.asarray(times, dtype=float)
+    strides: list[int] = []
+    phases: list[float] = []
+    for i, (start, end) in enumerate(np.asarray(reference, dtype=float).reshape(-1, 2)):
+        for t in times[(times >= start) & (times < end)]:
+            strides.append(i)
+            phases.append(wrap((t - start) / (end - start)))
+    return np.array(strides, dtype=int), np.array(phases, dtype=float)
+
+
+def build_phases(
+    events: pd.DataFrame,
+    strides: pd.DataFrame,
+    pairs: Sequence[tuple[str, str]],
+    *,
+    start_event: str,
+) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Build the phase table of one animal in one trial.
+
+    Parameters
+    ----------
+    events : pandas.DataFrame
+        Events of one animal and trial.
+    strides : pandas.DataFrame
+        Their strides; those that were dropped give no phase.
+    pairs : sequence of (leg, reference)
+        Pairs to compare.
+    start_event : {"AEP", "TD"}
+        Event that begins a stride and whose phase is measured.
+
+    Returns
+    -------
+    phases : pandas.DataFrame
+        ``PHASES_COLUMNS``; ``stride`` is the reference's.
+    dropped : pandas.DataFrame
+        ``DROPPED_COLUMNS``: strides of the reference in which the leg has no event.
+    """
+    rows: list[dict[str, Any]] = []
+    dropped: list[dict[str, Any]] = []
+    for leg, reference in pairs:
+        own = events[(events["leg"] == leg) & (events["event"] == start_event)]
+        times = np.sort(own["time_s"].to_numpy(dtype=float))
+        base = strides[strides["leg"] == reference].reset_index(drop=True)
+        start = base["start_s"].to_numpy()
+        spans = np.column_stack((start, start + base["period_s"].to_numpy()))
+        which, values = phase_lags(times, spans)
+        for i, stride in base.iterrows():
+            who = {"animal": stride["animal"], "trial": stride["trial"], "leg": leg}
+            for phase in values[which == i]:
+                row = {"reference": reference, "stride": stride["stride"], "phase": float(phase)}
+                rows.append({**who, **row})
+            if not (which == i).any():
+                why = f"no {start_event} of {leg} within stride {stride['stride']} of {reference}"
+                span = {"start_s": start[int(str(i))], "end_s": spans[int(str(i)), 1]}
+                dropped.append({**who, **span, "what": f"phase to {reference}", "why": why})
+    phases = pd.DataFrame(rows, columns=list(PHASES_COLUMNS)).astype({"phase": float})
+    return phases, pd.DataFrame(dropped, columns=list(DROPPED_COLUMNS))
+
+
+def summarise_phases(phases: pd.DataFrame) -> pd.DataFrame:
+    """Summarise phases by pair of legs, over animals and over strides.
+
+    The first set of statistics counts animals: each animal's mean phase is one unit
+    vector, whatever its number of strides. With one animal only its mean is given;
+    spread, interval, test and pattern say nothing about animals then and are blank.
+    The set named ``..._strides`` counts every stride as if it were independent of the
+    others, which strides of one animal are not: it describes, and its p is too small.
+
+    A pattern is **random** where Rayleigh's p is above 0.05, else **in-phase** for a mean
+    below 0.25 or above 0.75 of a cycle and **anti-phase** between (paper 2009, section 3.6).
+
+    Parameters
+    ----------
+    phases : pandas.DataFrame
+        ``PHASES_COLUMNS``.
+
+    Returns
+    -------
+    pandas.DataFrame
+        ``PHASE_SUMMARY_COLUMNS``, pairs in their order of appearance. Standard
+        deviation: :func:`~pawnb.gait.circular.circular_sd`; p: exact,
+        :func:`~pawnb.gait.circular.rayleigh_p`; interval of 95 %:
+        :func:`~pawnb.gait.circular.mean_interval`.
+    """
+    rows = []
+    for (leg, reference), group in phases.groupby(["leg", "reference"], sort=False):
+        animals = [
+            mean_vector(own["phase"].to_numpy()).mean
+            for _, own in group.groupby("animal", sort=True)
+        ]
+        by_animal = np.array([m for m in animals if math.isfinite(m)])
+        row: dict[str, Any] = {"leg": leg, "reference": reference, "n": len(group)}
+        row["n_animals"] = group["animal"].nunique()
+        row |= describe_phases(by_animal)
+        row |= {f"{k}_strides": v for k, v in describe_phases(group["phase"].to_numpy()).items()}
+        rows.append(row)
+    return pd.DataFrame(rows, columns=list(PHASE_SUMMARY_COLUMNS))
+
+
+def describe_phases(phases: np.ndarray) -> dict[str, Any]:
+    """Describe one sample of phases.
+
+    Parameters
+    ----------
+    phases : ndarray, shape (n,)
+        Phases in cycles.
+
+    Returns
+    -------
+    dict
+        mean, ci_low, ci_high, r, circular_sd, rayleigh_z, rayleigh_p and pattern. All
+        NaN (pattern None) for an empty sample, all but the mean for a sample of one.
+    """
+    names = ("mean", "ci_low", "ci_high", "r", "circular_sd", "rayleigh_z", "rayleigh_p")
+    blank: dict[str, Any] = {**dict.fromkeys(names, math.nan), "pattern": None}
+    if len(phases) == 0:
+        return blank
+    mean, r, n = mean_vector(phases)
+    if n == 1:
+        return {**blank, "mean": mean}
+    low, high = mean_interval(mean, r, n)
+    p = rayleigh_p(n, r)
+    return {
+        "mean": mean,
+        "ci_low": low,
+        "ci_high": high,
+        "r": r,
+        "circular_sd": circular_sd(r),
+        "rayleigh_z": n * r**2,
+        "rayleigh_p": p,
+        "pattern": name_pattern(mean, p),
+    }
+
+
+def name_pattern(mean: float, p: float) -> str:
+    """Name the pattern of a pair of legs; the rule is that of :func:`summarise_phases`.
+
+    Parameters
+    ----------
+    mean : float
+        Mean phase in cycles.
+    p : float
+        Rayleigh's p.
+
+    Returns
+    -------
+    str
+        ``"in-phase"``, ``"anti-phase"`` or ``"random"``.
+    """
+    if p > RAYLEIGH_LEVEL or not math.isfinite(mean):
+        return "random"
+    return "anti-phase" if 0.25 <= mean <= 0.75 else "in-phase"

@@ -1,0 +1,470 @@
+"""Paths of the feet, direction of travel, and the frame of the body they are seen from.
+
+Positions are arrays of shape (n, d, k): n samples, d = 2 or 3 coordinates, k feet;
+NaN where missing.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pawnb.errors import InputError, did_you_mean
+from pawnb.schema import Tracks
+from pawnb.signals import butterworth_lowpass, dominant_frequency, fill_gaps
+from pawnb.trial import Trial
+
+TRAVEL_FACTOR = 2.0
+"""An animal travels when it gets further than this many excursions of its feet."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FootPaths:
+    """Feet seen in one space: calibrated space, or the picture of one view.
+
+    Parameters
+    ----------
+    source : str
+        ``"position"``, or the name of the view whose image positions these are.
+    unit : str
+        Unit of the positions.
+    legs : tuple of str
+        The legs, in the order of the last axis.
+    positions : ndarray, shape (n, d, k)
+        Positions; NaN where missing.
+    """
+
+    source: str
+    unit: str
+    legs: tuple[str, ...]
+    positions: np.ndarray
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class BodyFrame:
+    """Origin and heading of the body, sample by sample.
+
+    Parameters
+    ----------
+    origin : ndarray, shape (n, d)
+        Origin from which positions of the feet are measured.
+    forward : ndarray, shape (n, d)
+        Unit vectors towards the front.
+    path : ndarray, shape (n, d)
+        Where the body is in the laboratory: its points, or the low-passed mean of the
+        feet. On a treadmill the origin stays and the path drifts.
+    method : str
+        ``"body points"``, ``"laboratory"`` or ``"mean of the feet"``.
+    """
+
+    origin: np.ndarray
+    forward: np.ndarray
+    path: np.ndarray
+    method: str
+
+    def fore_aft(self, positions: np.ndarray) -> np.ndarray:
+        """Return how far in front of the origin each foot is.
+
+        Parameters
+        ----------
+        positions : ndarray, shape (n, d, k)
+            Positions of the feet.
+
+        Returns
+        -------
+        ndarray, shape (n, k)
+            Position along forward, in the unit of the positions.
+        """
+        return along(positions - self.origin[:, :, None], self.forward)
+
+
+def along(positions: np.ndarray, forward: np.ndarray) -> np.ndarray:
+    """Project positions on a direction.
+
+    Parameters
+    ----------
+    positions : ndarray, shape (n, d, k)
+        Positions.
+    forward : ndarray, shape (n, d)
+        Unit vectors.
+
+    Returns
+    -------
+    ndarray, shape (n, k)
+        Components along ``forward``.
+    """
+    return np.einsum("ndk,nd->nk", positions, forward)
+
+
+def get_foot_paths(
+    tracks: Tracks,
+    legs: Mapping[str, str],
+    *,
+    individual: str | None = None,
+    min_confidence: float = 0.0,
+) -> list[FootPaths]:
+    """Take the feet out of Tracks, each from the space in which it was seen best.
+
+    ``position`` is used for every leg that has one in at least half as many frames as
+    its best view; without calibration a foot may have image positions only, and then
+    the view that saw it most is used.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks.
+    legs : mapping
+        Names of legs to names of points in the tracks.
+    individual : str, optional
+        Which animal; default the first.
+    min_confidence : float
+        Positions with a lower confidence count as missing.
+
+    Returns
+    -------
+    list of FootPaths
+        One for each space in use: ``position`` first, then views in their order. A leg
+        that was never seen is in none of them.
+
+    Raises
+    ------
+    InputError
+        If a point or the individual is not in the tracks.
+    """
+    names = [str(p) for p in tracks["keypoint"].values]
+    for leg, point in legs.items():
+        if point not in names:
+            raise InputError(
+                f"leg {leg!r}: the tracks have no point {point!r}{did_you_mean(point, names)}; "
+                f"they have {', '.join(names)}."
+            )
+    who = [str(i) for i in tracks["individual"].values]
+    if individual is not None and individual not in who:
+        raise InputError(f"no individual {individual!r}; the tracks have {', '.join(who)}.")
+    one = tracks.isel(individual=who.index(individual) if individual else 0)
+    spaces: dict[str, tuple[str, list[str], list[np.ndarray]]] = {}
+    for leg, point in legs.items():
+        found = _best_space(one.sel(keypoint=point), min_confidence)
+        if found is not None:
+            source, unit, path = found
+            spaces.setdefault(source, (unit, [], []))
+            spaces[source][1].append(leg)
+            spaces[source][2].append(path)
+    views = [str(v) for v in tracks["view"].values] if "view" in tracks.coords else []
+    return [
+        FootPaths(source=s, unit=u, legs=tuple(n), positions=np.stack(p, axis=-1))
+        for s, (u, n, p) in sorted(
+            spaces.items(), key=lambda item: ["position", *views].index(item[0])
+        )
+    ]
+
+
+def _best_space(point: Tracks, least: float) -> tuple[str, str, np.ndarray] | None:
+    """Choose between a point's position and its image positions; None if never seen."""
+    position = point["position"].transpose("time", "space").values.astype(float)
+    position = np.where(_sure(point["confidence"].values, least)[:, None], position, np.nan)
+    n_position = int(np.isfinite(position).all(axis=1).sum())
+    best: tuple[str, str, np.ndarray] | None = None
+    n_best = 0
+    if "image_position" in point:
+        for view in point["view"].values:
+            seen = point.sel(view=view)
+            path = seen["image_position"].transpose("time", "image_space").values.astype(float)
+            path = np.where(_sure(seen["image_confidence"].values, least)[:, None], path, np.nan)
+            n = int(np.isfinite(path).all(axis=1).sum())
+            if n > n_best:
+                n_best, best = n, (str(view), "px", path)
+    if n_position and 2 * n_position >= n_best:
+        return "position", str(point.attrs.get("unit", "px")), position
+    return best
+
+
+def _sure(confidence: np.ndarray, least: float) -> np.ndarray:
+    """Say where a confidence suffices; one that was not recorded (NaN) is no reason to doubt."""
+    return ~(confidence < least)
+
+
+def mean_path(positions: np.ndarray) -> np.ndarray:
+    """Average feet that come and go, without jumps where one comes or goes.
+
+    Each foot is the common path plus an offset of its own; both are fitted by
+    alternating least squares. With all feet present this is their mean, up to a constant.
+
+    Parameters
+    ----------
+    positions : ndarray, shape (n, d, k)
+        Positions; NaN where missing.
+
+    Returns
+    -------
+    ndarray, shape (n, d)
+        The common path; NaN where no foot was seen.
+    """
+    there = np.isfinite(positions)
+    count = there.sum(axis=2)
+    values = np.where(there, positions, 0.0)
+    offset = np.zeros(positions.shape[1:])
+    scale = float(np.nanmax(np.abs(positions))) if there.any() else 1.0
+    path = np.full(positions.shape[:2], np.nan)
+    for _ in range(200):
+        path = (values - np.where(there, offset, 0.0)).sum(axis=2) / np.where(count, count, np.nan)
+        residual = np.where(there, positions - path[:, :, None], 0.0)
+        new = residual.sum(axis=0) / np.maximum(there.sum(axis=0), 1)
+        moved = float(np.abs(new - offset).max()) if new.size else 0.0
+        offset = new
+        if moved <= 1e-9 * scale:
+            break
+    return path + offset.mean(axis=1)
+
+
+def stride_frequency(positions: np.ndarray, *, fs_hz: float) -> float:
+    """Estimate how often the feet step, roughly: it only sets scales of time.
+
+    Parameters
+    ----------
+    positions : ndarray, shape (n, d, k)
+        Positions of the feet in the laboratory.
+    fs_hz : float
+        Sampling rate, in Hz.
+
+    Returns
+    -------
+    float
+        Median over the feet of the dominant frequency along each foot's main axis of
+        motion, in Hz; NaN where nothing can be told.
+    """
+    axis = _main_axis(np.diff(positions, axis=0))
+    found = [
+        dominant_frequency(positions[:, :, k] @ axis, fs_hz=fs_hz)
+        for k in range(positions.shape[2])
+    ]
+    known = [f for f in found if math.isfinite(f)]
+    return float(np.median(known)) if known else math.nan
+
+
+def smooth_path(positions: np.ndarray, *, cutoff_hz: float, fs_hz: float) -> np.ndarray:
+    """Low-pass the common path of several points, for a body that moves with them.
+
+    Parameters
+    ----------
+    positions : ndarray, shape (n, d, k)
+        Positions; NaN where missing.
+    cutoff_hz : float
+        Cut-off. A recording shorter than its period gets a straight line instead.
+    fs_hz : float
+        Sampling rate, in Hz.
+
+    Returns
+    -------
+    ndarray, shape (n, d)
+        The path, bridged where no point was seen; NaN before the first and after the
+        last sighting.
+    """
+    path = fill_gaps(mean_path(positions), max_gap=len(positions))
+    known = np.flatnonzero(np.isfinite(path).all(axis=1))
+    if len(known) * cutoff_hz >= fs_hz:
+        return butterworth_lowpass(path, cutoff_hz=cutoff_hz, fs_hz=fs_hz)
+    if len(known) > 1:
+        path[known] = np.column_stack(
+            [np.polyval(np.polyfit(known, column, 1), known) for column in path[known].T]
+        )
+    return path
+
+
+def is_travelling(positions: np.ndarray, path: np.ndarray) -> bool:
+    """Say whether the animal gets anywhere, or steps in one place as on a treadmill.
+
+    Parameters
+    ----------
+    positions : ndarray, shape (n, d, k)
+        Positions of the feet in the laboratory.
+    path : ndarray, shape (n, d)
+        Low-passed path of the body.
+
+    Returns
+    -------
+    bool
+        True if the body ends further from where it began than ``TRAVEL_FACTOR`` times
+        the excursion (5th to 95th percentile) of a typical foot about it.
+    """
+    known = np.flatnonzero(np.isfinite(path).all(axis=1))
+    if len(known) < 2:
+        return False
+    tenth = max(1, len(known) // 10)
+    gone = path[known[-tenth:]].mean(axis=0) - path[known[:tenth]].mean(axis=0)
+    relative = positions - path[:, :, None]
+    axis = _main_axis(relative - np.nanmean(relative, axis=0))
+    feet = np.einsum("ndk,d->nk", relative, axis)
+    excursion = np.nanmedian(np.nanpercentile(feet, 95, axis=0) - np.nanpercentile(feet, 5, axis=0))
+    return bool(np.linalg.norm(gone) > TRAVEL_FACTOR * excursion)
+
+
+def travel_direction(path: np.ndarray, *, up: np.ndarray | None = None) -> tuple[np.ndarray, float]:
+    """Find the mean direction of travel.
+
+    Parameters
+    ----------
+    path : ndarray, shape (n, d)
+        Low-passed path of the body.
+    up : ndarray, shape (d,), optional
+        Direction to leave out, so that the result is level.
+
+    Returns
+    -------
+    forward : ndarray, shape (d,)
+        Unit vector from where the body began to where it ended.
+    straightness : float
+        That distance as a fraction of the length of the path: 1 for a straight run.
+    """
+    known = path[np.isfinite(path).all(axis=1)]
+    steps = np.diff(known, axis=0)
+    gone = known[-1] - known[0]
+    if up is not None:
+        gone = gone - (gone @ up) * up
+        steps = steps - np.outer(steps @ up, up)
+    length = float(np.linalg.norm(gone))
+    return gone / length, length / float(np.linalg.norm(steps, axis=1).sum())
+
+
+def swing_direction(positions: np.ndarray, *, fs_hz: float) -> np.ndarray:
+    """Find the front of an animal that steps in one place, from its feet alone.
+
+    The axis is the main axis of the feet's motion. Its front is where feet move to
+    fastest: a swinging foot starts and stops and so peaks at nearly twice its mean
+    speed, while a foot in stance goes with the belt. That holds for duty factors above
+    about 0.35; for faster gaits state the direction.
+
+    Parameters
+    ----------
+    positions : ndarray, shape (n, d, k)
+        Positions of the feet in the laboratory.
+    fs_hz : float
+        Sampling rate, in Hz.
+
+    Returns
+    -------
+    ndarray, shape (d,)
+        Unit vector.
+    """
+    axis = _main_axis(positions - np.nanmean(positions, axis=0))
+    frequency = stride_frequency(positions, fs_hz=fs_hz)
+    feet = np.einsum("ndk,d->nk", positions, axis)
+    if math.isfinite(frequency) and 8.0 * frequency < 0.4 * fs_hz:
+        feet = butterworth_lowpass(feet, cutoff_hz=8.0 * frequency, fs_hz=fs_hz, max_gap=2)
+    velocity = np.diff(feet, axis=0)
+    fastest = np.nanpercentile(velocity, 98), -np.nanpercentile(velocity, 2)
+    return axis if fastest[0] >= fastest[1] else -axis
+
+
+def _main_axis(deviations: np.ndarray) -> np.ndarray:
+    """Return the first principal axis of deviations (n, d, k) pooled over the feet."""
+    pooled = np.moveaxis(deviations, 1, 2).reshape(-1, deviations.shape[1])
+    pooled = pooled[np.isfinite(pooled).all(axis=1)]
+    if len(pooled) == 0:
+        return np.eye(deviations.shape[1])[0]
+    axis = np.linalg.eigh(pooled.T @ pooled)[1][:, -1]
+    return axis * np.sign(axis[np.argmax(np.abs(axis))])
+
+
+def body_frame_from_points(
+    body: np.ndarray, *, cutoff_hz: float | None, fs_hz: float, up: np.ndarray | None = None
+) -> BodyFrame:
+    """Make the body frame from two or more points along the body.
+
+    Parameters
+    ----------
+    body : ndarray, shape (n, d, k)
+        Points from rear to front; NaN where missing. Short and long gaps are bridged:
+        a body does not jump.
+    cutoff_hz : float or None
+        Low-pass for the points; None leaves them as they are.
+    fs_hz : float
+        Sampling rate, in Hz.
+    up : ndarray, shape (d,), optional
+        Direction to leave out, so that the heading is level.
+
+    Returns
+    -------
+    BodyFrame
+        Origin at the mean of the points, heading from the first to the last.
+
+    Raises
+    ------
+    InputError
+        If there are fewer than two points or none of their samples are complete.
+    """
+    if body.shape[2] < 2:
+        raise InputError(
+            f"[animal] body names {body.shape[2]} point; expected two or more, rear to front, "
+            "or none."
+        )
+    body = fill_gaps(body, max_gap=len(body))
+    if cutoff_hz is not None:
+        body = butterworth_lowpass(body, cutoff_hz=cutoff_hz, fs_hz=fs_hz)
+    if not np.isfinite(body).all(axis=(1, 2)).any():
+        raise InputError("the points of [animal] body are never seen together; name others.")
+    heading = body[:, :, -1] - body[:, :, 0]
+    if up is not None:
+        heading = heading - np.outer(heading @ up, up)
+    length = np.linalg.norm(heading, axis=1, keepdims=True)
+    origin = body.mean(axis=2)
+    return BodyFrame(
+        origin=origin,
+        forward=heading / np.where(length > 0, length, np.nan),
+        path=origin,
+        method="body points",
+    )
+
+
+def body_frame_of_feet(
+    path: np.ndarray, forward: Sequence[float] | np.ndarray, *, treadmill: bool
+) -> BodyFrame:
+    """Make the body frame where no point of the body is named.
+
+    Parameters
+    ----------
+    path : ndarray, shape (n, d)
+        Low-passed mean of the feet.
+    forward : array_like, shape (d,)
+        Direction towards the front.
+    treadmill : bool
+        True: the laboratory's axes, origin at rest. False: origin at ``path``.
+
+    Returns
+    -------
+    BodyFrame
+        The frame.
+    """
+    unit = np.asarray(forward, dtype=float)
+    unit = unit / np.linalg.norm(unit)
+    return BodyFrame(
+        origin=np.zeros_like(path) if treadmill else path,
+        forward=np.tile(unit, (len(path), 1)),
+        path=path,
+        method="laboratory" if treadmill else "mean of the feet",
+    )
+
+
+def image_facing(trial: Trial | None, source: str) -> int | None:
+    """Look up which way the animal faces in a picture.
+
+    Parameters
+    ----------
+    trial : Trial or None
+        Description of the trial.
+    source : str
+        Name of a view, or ``"position"`` for the only view of an uncalibrated trial.
+
+    Returns
+    -------
+    int or None
+        +1 right, -1 left, None where the trial does not say.
+    """
+    if trial is None:
+        return None
+    if source == "position":
+        return trial.views[0].facing if len(trial.views) == 1 else None
+    return next((v.facing for v in trial.views if v.name == source), None)
