@@ -215,7 +215,7 @@ def load_trial(path: str | Path) -> Trial:
         ) from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError(f"{path}: not a TOML file ({error}); mend that line.") from None
-    return _trial_from_document(document, path)
+    return trial_from_document(document, where=str(path), folder=path.parent)
 
 
 @dataclass(frozen=True)
@@ -247,9 +247,28 @@ _SECTION_FIELDS = {
 _SECTIONS = (*_SECTION_FIELDS, "animal", "views", "calibration", "tracking")
 
 
-def _trial_from_document(document: dict[str, Any], path: Path) -> Trial:
-    """Build a Trial from a parsed document, checking every section."""
-    where = str(path)
+def trial_from_document(document: dict[str, Any], *, where: str, folder: Path) -> Trial:
+    """Build a Trial from the parsed content of a ``trial.toml``.
+
+    Parameters
+    ----------
+    document : dict
+        Sections and their fields.
+    where : str
+        How messages name the file.
+    folder : Path
+        Folder that the paths in it are relative to.
+
+    Returns
+    -------
+    Trial
+        The checked description.
+
+    Raises
+    ------
+    InputError
+        As for :func:`load_trial`.
+    """
     for name in document:
         if name not in _SECTIONS:
             raise InputError(
@@ -275,11 +294,11 @@ def _trial_from_document(document: dict[str, Any], path: Path) -> Trial:
     )
     trial = Trial(
         kind=head.kind,
-        name=head.name or path.parent.resolve().name,
+        name=head.name or folder.resolve().name,
         fps=fps,
         frames=head.frames,
         animal=_animal(document.get("animal", {}), where),
-        folder=path.parent,
+        folder=folder,
         belt_speed=files.belt_speed,
         views=_views(document.get("views", []), where),
         calibration=_calibration(document, where),
@@ -403,6 +422,25 @@ def save_trial(trial: Trial, path: str | Path) -> Path:
         The file.
     """
     path = Path(path)
+    temporary = path.with_name(path.name + ".part")
+    temporary.write_text(tomli_w.dumps(trial_document(trial)), encoding="utf-8")
+    temporary.replace(path)
+    return path
+
+
+def trial_document(trial: Trial) -> dict[str, Any]:
+    """Return the content of a ``trial.toml``: sections of plain values.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+
+    Returns
+    -------
+    dict
+        What :func:`trial_from_document` reads.
+    """
     head: dict[str, Any] = {"kind": trial.kind, "name": trial.name, "fps": trial.fps}
     if trial.frames is not None:
         head["frames"] = list(trial.frames)
@@ -425,10 +463,7 @@ def save_trial(trial: Trial, path: str | Path) -> Path:
             document["tracks"]["legs"] = dict(trial.tracks_legs)
     if trial.tracking:
         document["tracking"] = dict(trial.tracking)
-    temporary = path.with_name(path.name + ".part")
-    temporary.write_text(tomli_w.dumps(document), encoding="utf-8")
-    temporary.replace(path)
-    return path
+    return document
 
 
 def _changed(item: Any, *, keep: tuple[str, ...], skip: tuple[str, ...] = ()) -> dict[str, Any]:

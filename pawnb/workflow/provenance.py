@@ -10,7 +10,7 @@ import hashlib
 import importlib.metadata
 import json
 import platform
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -103,43 +103,57 @@ def plain_command(argv: Sequence[str]) -> str:
     return " ".join(words)
 
 
-def build_provenance(
+def build_step(
+    name: str,
     *,
     command: Sequence[str] | None,
     inputs: Mapping[str, str],
     settings: Mapping[str, Any],
-    steps: Iterable[Mapping[str, Any]] = (),
+    **more: Any,
 ) -> dict[str, Any]:
-    """Return the record that is written beside results and into figures.
+    """Return the record of one step: what was done, with what, to what.
 
     Parameters
     ----------
+    name : str
+        ``track``, ``retrack``, ``gait``.
     command : sequence of str, optional
         The command line, or None when called from Python.
     inputs : mapping
         Checksums by name of input.
     settings : mapping
         Every setting that was in force.
-    steps : iterable of mapping
-        Steps that led to the inputs, oldest first.
+    **more
+        Further entries that can be written as JSON, such as the method, or under
+        ``sources`` the steps that made the inputs.
 
     Returns
     -------
     dict
-        Keys ``command``, ``versions``, ``inputs``, ``settings``, ``steps``.
+        Keys ``step``, ``command``, ``versions``, ``inputs``, ``settings`` and those of ``more``.
     """
     return {
+        "step": name,
         "command": None if command is None else plain_command(command),
         "versions": package_versions(),
         "inputs": dict(sorted(inputs.items())),
         "settings": dict(settings),
-        "steps": [dict(step) for step in steps],
+        **more,
     }
 
 
-def write_provenance(record: Mapping[str, Any], path: str | Path) -> None:
-    """Write a record as ``provenance.json``, whole or not at all."""
+def write_provenance(steps: Sequence[Mapping[str, Any]], path: str | Path) -> None:
+    """Write steps as ``provenance.json``, oldest first, whole or not at all.
+
+    Parameters
+    ----------
+    steps : sequence of mapping
+        Records of :func:`build_step`.
+    path : str or Path
+        The file.
+    """
     path = Path(path)
     temporary = path.with_name(path.name + ".part")
-    temporary.write_text(json.dumps(record, indent=1, sort_keys=True) + "\n", encoding="utf-8")
+    text = json.dumps({"steps": [dict(step) for step in steps]}, indent=1, sort_keys=True)
+    temporary.write_text(text + "\n", encoding="utf-8")
     temporary.replace(path)

@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from pawnb.errors import InputError
 from pawnb.io import native
 from pawnb.schema import Tracks
-from pawnb.trial import Trial
-from pawnb.workflow.provenance import build_provenance, trial_checksums, write_provenance
+from pawnb.trial import Trial, trial_document, trial_from_document
+from pawnb.workflow.provenance import write_provenance
 
 RESULTS_FOLDER = "results"
 
 
 def describe_trial(tracks: Tracks, trial: Trial) -> Tracks:
-    """Return Tracks that carry what gait needs to know of the trial.
+    """Return Tracks that carry what gait needs to know of their trial.
 
     Parameters
     ----------
@@ -29,29 +30,60 @@ def describe_trial(tracks: Tracks, trial: Trial) -> Tracks:
     Returns
     -------
     xarray.Dataset
-        Tracks with the attribute ``trial``: a JSON text with name, animal, belt speed,
-        forward, up and facing, so that a ``tracks.nc`` can be analysed without its trial.
+        Tracks with the attribute ``trial`` (name, animal, calibration and views as a JSON
+        text) and, where the belt's speed is known, the variable ``belt_speed`` (time) in
+        unit/s, so that a ``tracks.nc`` can be analysed without its trial.
     """
-    record: dict[str, Any] = {
-        "name": trial.name,
-        "animal": {
-            "id": trial.animal.id,
-            "species": trial.animal.species,
-            "group": trial.animal.group,
-            "body": list(trial.animal.body),
-            **trial.animal.extra,
-        },
-        "facing": {v.name: v.facing for v in trial.views if v.facing is not None},
-    }
-    if trial.calibration is not None:
-        record["forward"] = list(trial.calibration.forward)
-        record["up"] = list(trial.calibration.up)
-    if isinstance(trial.belt_speed, float):
-        record["belt_speed"] = trial.belt_speed
-    elif trial.belt_speed is not None:
+    document = trial_document(trial)
+    kept = {name: document[name] for name in ("trial", "animal", "calibration") if name in document}
+    kept["views"] = [
+        {name: view[name] for name in ("name", "facing", "mirror") if name in view}
+        for view in document.get("views", [])
+    ]
+    tracks = tracks.assign_attrs(trial=json.dumps(kept, sort_keys=True))
+    if trial.belt_speed is None:
+        return tracks
+    if isinstance(trial.belt_speed, str):
         table = native.read_belt_speed(trial.path(trial.belt_speed))
-        record["belt_speed"] = {name: table[name].tolist() for name in ("frame", "speed")}
-    return tracks.assign_attrs(trial=json.dumps(record, sort_keys=True))
+        frames = tracks["frame"].to_numpy()
+        known = table["frame"].to_numpy(dtype=float)
+        if known.min() > frames.min() or known.max() < frames.max():
+            raise InputError(
+                f"{trial.belt_speed}: belt speed of frames {known.min():g} to {known.max():g}; "
+                f"expected all from {frames.min()} to {frames.max()}."
+            )
+        speed = np.interp(frames, known, table["speed"].to_numpy(dtype=float))
+    else:
+        speed = np.full(tracks.sizes["time"], trial.belt_speed)
+    unit = tracks.attrs["unit"]
+    return tracks.assign(belt_speed=("time", speed, {"units": f"{unit}/s"}))
+
+
+def described_trial(tracks: Tracks, *, where: str, folder: Path) -> Trial | None:
+    """Return the trial that Tracks carry, or None where they carry none.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks, as :func:`describe_trial` leaves them.
+    where : str
+        How messages name them.
+    folder : Path
+        Where they lie.
+
+    Returns
+    -------
+    Trial or None
+        Of kind ``tracks``: it names no file that must be there.
+    """
+    if "trial" not in tracks.attrs:
+        return None
+    document = json.loads(tracks.attrs["trial"])
+    document["trial"]["kind"] = "tracks"
+    document["tracks"] = {"file": "tracks.nc"}
+    for view in document.get("views", []):
+        view["video"] = ""
+    return trial_from_document(document, where=where, folder=folder)
 
 
 def results_folder(trial: Trial, out: str | Path | None = None) -> Path:
@@ -59,21 +91,15 @@ def results_folder(trial: Trial, out: str | Path | None = None) -> Path:
     return Path(out) if out is not None else trial.folder / RESULTS_FOLDER
 
 
-def write_track_results(
-    tracks: Tracks, trial: Trial, out: str | Path, *, command: Sequence[str] | None = None
-) -> Path:
+def write_track_results(tracks: Tracks, out: str | Path) -> Path:
     """Write ``tracks.nc``, ``tracks.csv``, ``points3d.csv`` and ``provenance.json``.
 
     Parameters
     ----------
     tracks : xarray.Dataset
-        What was tracked.
-    trial : Trial
-        The trial, whose inputs are hashed into the provenance.
+        What was tracked, with its provenance.
     out : str or Path
         The folder; it is made where it is absent.
-    command : sequence of str, optional
-        The command line.
 
     Returns
     -------
@@ -85,15 +111,14 @@ def write_track_results(
     native.write_table(native.tracks_table(tracks), out / "tracks.csv")
     if tracks.sizes["space"] == 3:
         native.write_table(native.points3d_table(tracks), out / "points3d.csv")
-    steps = json.loads(tracks.attrs["provenance"]).get("steps", [])
-    record = build_provenance(
-        command=command,
-        inputs=trial_checksums(trial),
-        settings=next((s["settings"] for s in reversed(steps) if "settings" in s), {}),
-        steps=steps,
-    )
-    write_provenance(record, out / "provenance.json")
+    write_provenance(provenance_steps(tracks), out / "provenance.json")
     return out
+
+
+def provenance_steps(tracks: Tracks) -> list[dict[str, Any]]:
+    """Return the steps that made these Tracks, oldest first."""
+    steps: list[dict[str, Any]] = json.loads(tracks.attrs["provenance"]).get("steps", [])
+    return steps
 
 
 def make_folder(path: str | Path) -> Path:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import json
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -18,7 +17,8 @@ from pawnb.io import native
 from pawnb.schema import Tracks, add_provenance, build_settings
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.progress import Progress, progress_bar
-from pawnb.workflow.results import describe_trial, write_track_results
+from pawnb.workflow.provenance import build_step, trial_checksums
+from pawnb.workflow.results import describe_trial, provenance_steps, write_track_results
 
 METHODS = ("paper",)
 """Methods of the paw tracker; the first is the default."""
@@ -96,11 +96,18 @@ def track(
                 stop=stop,
             )
     tracks = describe_trial(tracks, trial)
-    tracks = add_provenance(
-        tracks, step="track", method=method, settings=dataclasses.asdict(chosen)
+    step = build_step(
+        "track",
+        command=command,
+        inputs=trial_checksums(trial),
+        settings=dataclasses.asdict(chosen),
+        method=method,
+        frames=[first, last],
+        start=clicks.to_dict(orient="records"),
     )
+    tracks = add_provenance(tracks, **step)
     if out is not None:
-        write_track_results(tracks, trial, out, command=command)
+        write_track_results(tracks, out)
     return tracks
 
 
@@ -143,12 +150,12 @@ def retrack(
         raise InputError(
             f"frame {frame} is not among the tracked frames {known[0]} to {known[-1]}."
         )
-    step = next(
-        (s for s in reversed(json.loads(tracks.attrs["provenance"]).get("steps", []))
-         if s.get("step") == "track"),
-        {"method": METHODS[0], "settings": trial.tracking},
-    )  # fmt: skip
-    settings = build_settings(PaperSettings, step["settings"], where="settings of the tracks")
+    made = [step for step in provenance_steps(tracks) if step["step"] == "track"]
+    settings = build_settings(
+        PaperSettings,
+        made[-1]["settings"] if made else trial.tracking,
+        where="settings of these tracks",
+    )
     clicks = native.tracks_table(tracks.isel(time=known == frame)).dropna(subset=["u", "v"])
     clicks = clicks[["frame", "view", "point", "u", "v"]].reset_index(drop=True)
     with open_views(trial) as views:
@@ -170,7 +177,15 @@ def retrack(
                 stop=stop,
             )
     new.attrs = dict(tracks.attrs)
-    return add_provenance(new, step="retrack", frame=int(frame))
+    step = build_step(
+        "retrack",
+        command=None,
+        inputs=trial_checksums(trial),
+        settings=dataclasses.asdict(settings),
+        frame=int(frame),
+        start=clicks.to_dict(orient="records"),
+    )
+    return add_provenance(new, **step)
 
 
 def tracker_settings(
@@ -228,7 +243,7 @@ def trial_rig(trial: Trial, views: ViewSet) -> Rig | None:
     CalibrationError
         If several views are to be tracked without a calibration.
     """
-    sizes = {name: views.readers[name].file_size for name in views.names}
+    sizes = {name: (r.source.width, r.source.height) for name, r in views.readers.items()}
     rig = load_rig(trial, sizes=sizes)
     if rig is None and len(trial.views) > 1:
         raise CalibrationError(

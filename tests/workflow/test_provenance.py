@@ -58,16 +58,18 @@ def test_every_file_of_a_trial_is_listed_once(tmp_path):
 
 
 def test_no_absolute_path_is_kept(tmp_path):
-    record = provenance.build_provenance(
+    record = provenance.build_step(
+        "track",
         command=["pawnb", "track", str(tmp_path / "m 1"), f"--out={tmp_path}/out", "--set", "a=1"],
         inputs={"b": "2", "a": "1"},
         settings={"median_px": 5},
-        steps=[{"step": "track"}],
+        method="paper",
     )
     assert record["command"] == 'pawnb track "m 1" --out=out --set a=1'
     assert str(tmp_path) not in json.dumps(record)
     assert record["versions"]["pawnb"]
     path = tmp_path / "provenance.json"
-    provenance.write_provenance(record, path)
-    assert json.loads(path.read_text()) == record
+    provenance.write_provenance([record], path)
+    assert json.loads(path.read_text()) == {"steps": [record]}
+    assert record["method"] == "paper"
     assert [p.name for p in tmp_path.iterdir()] == ["provenance.json"]

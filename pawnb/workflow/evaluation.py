@@ -1,0 +1,410 @@
+"""How good tracks are: errors against exact truth, or against tracks made by hand.
+
+The rule for major and minor errors follows Haji Maghsoudi et al. 2019, section 4.2,
+where a person judged; here it is written out so that a computer can count:
+
+1. A label (one point in one view and frame) is *judged* where the truth says that the
+   point is visible; hidden labels are never counted as errors. A judged label is
+   *wrong* if it is missing or farther than ``threshold_px`` from the truth.
+2. A point is wrong in a frame if any of its judged labels is wrong, right if none is, and
+   not judged where it is hidden in every view. Errors are counted per point, not per
+   view: a person corrects a paw, whatever the number of cameras it is seen in.
+3. An *error* begins with a wrong frame and ends once the point has then been right in
+   ``settled_frames`` judged frames in a row, so that a lost track that only crosses its paw
+   has not recovered, and a track that flickers makes one error.
+4. It is *minor* if it ended and its first and last wrong frame are fewer than
+   ``recovery_frames`` apart: the tracker came back by itself. It is *major* if it lasted
+   longer, or if the point was still wrong when it was last judged: a person had to step in.
+5. Rates are per 1000 frames of all views together (the paper's 1000 four-camera
+   frames; its 36,700 "frames" are single pictures).
+
+Without corrections, a paw that is lost for good makes one major error however long the
+recording is. The paper counts while a person corrects; :func:`track_with_corrections`
+does the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from pawnb.errors import InputError
+from pawnb.schema import ORIGIN_CODE, Tracks, check_columns, check_tracks
+
+TRUTH_COLUMNS = ("frame", "view", "point", "u", "v")
+ERROR_COLUMNS = ("point", "first_frame", "last_frame", "kind")
+
+THRESHOLD_PX = 20.0
+"""About half the length of a hind paw in the paper's pictures, 2048 px wide."""
+
+RECOVERY_FRAMES = 25
+"""One stride of the fastest mouse of the paper: 10 Hz at 250 frames per second."""
+
+SETTLED_FRAMES = 5
+HIDDEN_PX = 10.0
+
+
+@dataclass(frozen=True)
+class ErrorReport:
+    """Errors of tracks against truth.
+
+    Parameters
+    ----------
+    n_frames : int
+        Frames (of all views together) that tracks and truth share: the denominator.
+    n_labels : int
+        Judged labels: point, view and frame where the truth is visible.
+    n_hidden : int
+        Labels where the truth is hidden.
+    major, minor : int
+        Number of errors; the rule is that of :mod:`pawnb.workflow.evaluation`.
+    share_wrong : float
+        Share of judged labels that are wrong.
+    share_missing : float
+        Share of judged labels without any position.
+    median_px, p95_px : float
+        Median and 95th percentile of the distance of judged labels from the truth.
+    median_px_centred, p95_px_centred : float
+        The same after the median offset of each point in each view was taken away: a
+        tracker that follows the middle of a paw where the truth is its tip is not wrong.
+    share_hidden_bridged : float
+        Share of hidden labels with a position within ``hidden_px`` of the truth.
+    threshold_px, hidden_px : float
+        Limits that were used, px.
+    recovery_frames, settled_frames : int
+        Limits that were used.
+    errors : DataFrame
+        point, first_frame, last_frame, kind (``major`` or ``minor``).
+    """
+
+    n_frames: int
+    n_labels: int
+    n_hidden: int
+    major: int
+    minor: int
+    share_wrong: float
+    share_missing: float
+    median_px: float
+    p95_px: float
+    median_px_centred: float
+    p95_px_centred: float
+    share_hidden_bridged: float
+    threshold_px: float
+    hidden_px: float
+    recovery_frames: int
+    settled_frames: int
+    errors: pd.DataFrame
+
+    @property
+    def major_per_1000(self) -> float:
+        """Major errors per 1000 frames of all views together."""
+        return 1000.0 * self.major / self.n_frames
+
+    @property
+    def minor_per_1000(self) -> float:
+        """Minor errors per 1000 frames of all views together."""
+        return 1000.0 * self.minor / self.n_frames
+
+
+@dataclass(frozen=True)
+class _Judged:
+    """Tracks and truth side by side: n frames, V views, P points."""
+
+    frames: np.ndarray
+    points: tuple[str, ...]
+    step: np.ndarray  # (n, V, P, 2): tracked minus true, NaN where either is missing
+    visible: np.ndarray  # (n, V, P)
+    hidden: np.ndarray
+
+    @property
+    def distance(self) -> np.ndarray:
+        """Distance from the truth, px; infinite where nothing was tracked."""
+        away = np.hypot(self.step[..., 0], self.step[..., 1])
+        return np.where(np.isnan(away), np.inf, away)
+
+
+def count_errors(
+    tracks: Tracks,
+    truth: pd.DataFrame,
+    *,
+    points_by_view: Mapping[str, Sequence[str]] | None = None,
+    threshold_px: float = THRESHOLD_PX,
+    recovery_frames: int = RECOVERY_FRAMES,
+    settled_frames: int = SETTLED_FRAMES,
+    hidden_px: float = HIDDEN_PX,
+) -> ErrorReport:
+    """Count major and minor errors and measure distances from the truth.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks with image positions.
+    truth : DataFrame
+        frame, view, point, u, v (px) and, optionally, ``visible`` (1 or 0); without it
+        every row with a position is visible.
+    points_by_view : mapping, optional
+        Points that each view should have tracked; by default those of which it has a
+        position in any frame.
+    threshold_px : float
+        A judged label farther than this from the truth is wrong. The default suits
+        pictures 2048 px wide; give 20 × width / 2048 for others.
+    recovery_frames : int
+        An error whose first and last wrong frame are at least this far apart is major.
+    settled_frames : int
+        Judged frames in a row that a point must be right in to have recovered.
+    hidden_px : float
+        A hidden label is bridged if it is no farther than this from the truth.
+
+    Returns
+    -------
+    ErrorReport
+        Counts, rates, distances, and the list of errors.
+
+    Raises
+    ------
+    InputError
+        If the truth lacks a column, or shares no frame, view and point with the tracks.
+    """
+    for name, value in (
+        ("threshold_px", threshold_px),
+        ("recovery_frames", recovery_frames),
+        ("settled_frames", settled_frames),
+        ("hidden_px", hidden_px),
+    ):
+        if not value > 0:
+            raise InputError(f"{name} is {value}; expected a number above 0.")
+    judged = _side_by_side(tracks, truth, points_by_view)
+    away, visible = judged.distance, judged.visible
+    wrong = visible & (away > threshold_px)
+    errors = _list_errors(judged, wrong, recovery_frames, settled_frames)
+    found = visible & np.isfinite(away)
+    centred = _centred_distance(judged, found)
+    n_labels, n_hidden = int(visible.sum()), int(judged.hidden.sum())
+    bridged = judged.hidden & (away <= hidden_px)
+    return ErrorReport(
+        n_frames=len(judged.frames),
+        n_labels=n_labels,
+        n_hidden=n_hidden,
+        major=int((errors["kind"] == "major").sum()),
+        minor=int((errors["kind"] == "minor").sum()),
+        share_wrong=float(wrong.sum() / n_labels),
+        share_missing=float((visible & ~np.isfinite(away)).sum() / n_labels),
+        median_px=_percentile(away[found], 50),
+        p95_px=_percentile(away[found], 95),
+        median_px_centred=_percentile(centred, 50),
+        p95_px_centred=_percentile(centred, 95),
+        share_hidden_bridged=float(bridged.sum() / n_hidden) if n_hidden else float("nan"),
+        threshold_px=float(threshold_px),
+        hidden_px=float(hidden_px),
+        recovery_frames=int(recovery_frames),
+        settled_frames=int(settled_frames),
+        errors=errors,
+    )
+
+
+def _side_by_side(
+    tracks: Tracks, truth: pd.DataFrame, points_by_view: Mapping[str, Sequence[str]] | None
+) -> _Judged:
+    """Line up tracks and truth on the frames, views and points they share."""
+    check_tracks(tracks)
+    check_columns(truth, TRUTH_COLUMNS, where="the truth")
+    if "image_position" not in tracks:
+        raise InputError("these tracks have no image positions to compare with the truth.")
+    frames = np.intersect1d(tracks["frame"].to_numpy(), truth["frame"].to_numpy())
+    views = [v for v in tracks["view"].to_numpy().tolist() if v in set(truth["view"])]
+    points = [p for p in tracks["keypoint"].to_numpy().tolist() if p in set(truth["point"])]
+    tracked = (
+        tracks["image_position"]
+        .isel(individual=0)
+        .swap_dims(time="frame")
+        .sel(frame=frames, view=views, keypoint=points)
+        .transpose("frame", "view", "keypoint", "image_space")
+        .to_numpy()
+    )
+    rows = truth[
+        truth["frame"].isin(frames) & truth["view"].isin(views) & truth["point"].isin(points)
+    ]
+    key = (
+        np.searchsorted(frames, rows["frame"]),
+        rows["view"].map(views.index).to_numpy(dtype=int),
+        rows["point"].map(points.index).to_numpy(dtype=int),
+    )
+    true = np.full(tracked.shape, np.nan)
+    true[key] = rows[["u", "v"]].to_numpy(dtype=float)
+    seen = np.zeros(tracked.shape[:-1], dtype=bool)
+    seen[key] = rows["visible"].to_numpy(dtype=float) > 0 if "visible" in rows else True
+    if points_by_view is None:
+        expected = np.isfinite(tracked[..., 0]).any(axis=0)
+    else:
+        expected = np.array([[p in points_by_view.get(v, ()) for p in points] for v in views])
+    known = np.isfinite(true[..., 0]) & expected
+    if not (known & seen).any():
+        raise InputError(
+            "tracks and truth share no visible point; compare the names of views and points "
+            "and the frames of both."
+        )
+    return _Judged(frames, tuple(points), tracked - true, known & seen, known & ~seen)
+
+
+def _percentile(values: np.ndarray, percent: float) -> float:
+    """Return a percentile, or NaN of nothing."""
+    return float(np.percentile(values, percent)) if len(values) else float("nan")
+
+
+def _centred_distance(judged: _Judged, found: np.ndarray) -> np.ndarray:
+    """Return distances after the median offset of each point in each view is removed."""
+    distances = []
+    for view, point in np.argwhere(found.any(axis=0)).tolist():
+        step = judged.step[found[:, view, point], view, point]
+        distances.append(np.linalg.norm(step - np.median(step, axis=0), axis=-1))
+    return np.concatenate(distances) if distances else np.empty(0)
+
+
+def _list_errors(
+    judged: _Judged, wrong: np.ndarray, recovery_frames: int, settled_frames: int
+) -> pd.DataFrame:
+    """Find the errors of every point, in the order of their first frames."""
+    rows = []
+    for p, point in enumerate(judged.points):
+        known = judged.visible[:, :, p].any(axis=1)
+        frames = judged.frames[known]
+        bad = np.asarray(wrong[known][:, :, p].any(axis=1))
+        for first, last, ended in _runs(bad, settled_frames):
+            lasted = frames[last] - frames[first]
+            kind = "minor" if ended and lasted < recovery_frames else "major"
+            rows.append((point, int(frames[first]), int(frames[last]), kind))
+    rows.sort(key=lambda row: row[1])
+    return pd.DataFrame(rows, columns=list(ERROR_COLUMNS))
+
+
+def _runs(bad: np.ndarray, settled: int) -> list[tuple[int, int, bool]]:
+    """Join wrong frames, fewer than ``settled`` right ones apart, into runs.
+
+    Returns first and last index of each, and whether a right frame came after it.
+    """
+    where = np.flatnonzero(bad)
+    if len(where) == 0:
+        return []
+    cuts = np.flatnonzero(np.diff(where) > settled)
+    firsts = where[np.concatenate([[0], cuts + 1])]
+    lasts = where[np.concatenate([cuts, [len(where) - 1]])]
+    n = len(bad)
+    return [
+        (int(first), int(last), bool(last < n - 1))
+        for first, last in zip(firsts, lasts, strict=True)
+    ]
+
+
+@dataclass(frozen=True)
+class CorrectedRun:
+    """Tracks that were corrected with the truth wherever the tracker was lost.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        The corrected tracks.
+    interventions : DataFrame
+        frame, point: one row for each correction of one point.
+    report : ErrorReport
+        What is left; its major errors are those that corrections did not reach.
+    """
+
+    tracks: Tracks
+    interventions: pd.DataFrame
+    report: ErrorReport
+
+    @property
+    def interventions_per_1000(self) -> float:
+        """Corrections per 1000 frames of all views: the paper's major errors."""
+        return 1000.0 * len(self.interventions) / self.report.n_frames
+
+
+def track_with_corrections(
+    tracks: Tracks,
+    truth: pd.DataFrame,
+    retrack: Callable[[Tracks, int], Tracks],
+    *,
+    points_by_view: Mapping[str, Sequence[str]] | None = None,
+    threshold_px: float = THRESHOLD_PX,
+    recovery_frames: int = RECOVERY_FRAMES,
+    settled_frames: int = SETTLED_FRAMES,
+    max_interventions: int = 200,
+) -> CorrectedRun:
+    """Correct every major error as a person would, track on from there, and count.
+
+    Where a major error begins, the truth is put in place in that frame, for that point, in
+    the views where it is visible, and tracking goes on from there; that is one
+    intervention. Minor errors are left alone.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        What the tracker made by itself.
+    truth : DataFrame
+        As for :func:`count_errors`.
+    retrack : callable
+        ``retrack(tracks, frame)`` tracks on from a corrected frame and returns all
+        tracks, such as :func:`pawnb.workflow.track.retrack` for one trial.
+    points_by_view, threshold_px, recovery_frames, settled_frames
+        As for :func:`count_errors`.
+    max_interventions : int
+        Stop after so many.
+
+    Returns
+    -------
+    CorrectedRun
+        Corrected tracks, interventions, and the errors that are left.
+    """
+    limits: dict[str, Any] = {
+        "points_by_view": points_by_view,
+        "threshold_px": threshold_px,
+        "recovery_frames": recovery_frames,
+        "settled_frames": settled_frames,
+    }
+    done: list[tuple[int, str]] = []
+    while True:
+        report = count_errors(tracks, truth, **limits)
+        major = report.errors[report.errors["kind"] == "major"]
+        todo = [
+            (frame, point)
+            for frame, point in zip(major["first_frame"], major["point"], strict=True)
+            if (frame, point) not in done
+        ]
+        if not todo or len(done) >= max_interventions:
+            break
+        frame = todo[0][0]
+        points = [point for f, point in todo if f == frame]
+        tracks = retrack(_place_truth(tracks, truth, frame, points), frame)
+        done += [(frame, point) for point in points]
+    table = pd.DataFrame(done, columns=["frame", "point"])
+    return CorrectedRun(tracks, table, report)
+
+
+def _place_truth(tracks: Tracks, truth: pd.DataFrame, frame: int, points: Sequence[str]) -> Tracks:
+    """Put the visible truth of some points in place in one frame, as if by hand."""
+    tracks = tracks.copy(deep=True)
+    row = int(np.flatnonzero(tracks["frame"].to_numpy() == frame)[0])
+    views = tracks["view"].to_numpy().tolist()
+    names = tracks["keypoint"].to_numpy().tolist()
+    here = truth[(truth["frame"] == frame) & truth["point"].isin(points)]
+    if "visible" in here:
+        here = here[here["visible"] > 0]
+    for point in points:
+        p = names.index(point)
+        ever = np.isfinite(tracks["image_position"][:, :, 0, p, 0].to_numpy()).any(axis=0)
+        # where the truth is hidden, what was tracked is not known to be right
+        tracks["image_position"][row, :, :, p, 0] = np.nan
+        tracks["image_origin"][row, :, p, 0] = ORIGIN_CODE["missing"]
+        tracks["image_confidence"][row, :, p, 0] = 0.0
+        for label in here[here["point"] == point].itertuples(index=False):
+            if label.view not in views or not ever[views.index(label.view)]:
+                continue
+            v = views.index(label.view)
+            tracks["image_position"][row, v, :, p, 0] = [label.u, label.v]
+            tracks["image_origin"][row, v, p, 0] = ORIGIN_CODE["edited"]
+            tracks["image_confidence"][row, v, p, 0] = 1.0
+    return tracks

@@ -1,0 +1,268 @@
+"""Tracks or events to gait tables and figures; several inputs are pooled by animal."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from pawnb import gait
+from pawnb.errors import InputError
+from pawnb.gait import GaitTables
+from pawnb.io import authors2019, native
+from pawnb.schema import Tracks
+from pawnb.trial import Trial, load_trial
+from pawnb.workflow.provenance import build_step, file_checksum, write_provenance
+from pawnb.workflow.results import (
+    RESULTS_FOLDER,
+    described_trial,
+    make_folder,
+    provenance_steps,
+    results_folder,
+)
+from pawnb.workflow.save_figures import save_gait_figures
+
+TABLES = ("events", "strides", "phases", "phase_summary", "dropped")
+
+
+@dataclass(frozen=True)
+class GaitSource:
+    """One input of the gait analysis, ready to analyse.
+
+    Parameters
+    ----------
+    path : Path
+        The file that was read.
+    folder : Path
+        Where results go by default.
+    tracks : xarray.Dataset, optional
+        Tracks, or
+    events : pandas.DataFrame, optional
+        events scored elsewhere.
+    trial : Trial, optional
+        What is known of the recording.
+    """
+
+    path: Path
+    folder: Path
+    tracks: Tracks | None = None
+    events: pd.DataFrame | None = None
+    trial: Trial | None = None
+
+
+@dataclass(frozen=True)
+class GaitRun:
+    """What :func:`run_gait` made.
+
+    Parameters
+    ----------
+    tables : GaitTables
+        The tables.
+    out : Path
+        The folder they were written to.
+    files : tuple of Path
+        Every file written.
+    """
+
+    tables: GaitTables
+    out: Path
+    files: tuple[Path, ...] = field(default=())
+
+    def text(self) -> str:
+        """Return what was found and written, in a few lines."""
+        strides, dropped = self.tables.strides, self.tables.dropped
+        animals = strides["animal"].nunique()
+        legs = strides["leg"].nunique()
+        lines = [
+            f"{len(strides)} strides of {legs} legs of {animals} "
+            f"{'animal' if animals == 1 else 'animals'}; {len(dropped)} dropped (dropped.csv "
+            "says why)"
+        ]
+        if len(strides):
+            middle = strides[["frequency_hz", "duty_factor"]].median()
+            lines.append(
+                f"median stride frequency {middle['frequency_hz']:.2f} Hz, duty factor "
+                f"{middle['duty_factor']:.2f}"
+            )
+        lines += [f"note: {note}" for note in self.tables.notes]
+        lines.append(f"wrote {len(self.files)} files to {self.out}")
+        return "\n".join(lines)
+
+
+def run_gait(
+    inputs: Sequence[str | Path],
+    *,
+    out: str | Path | None = None,
+    fps: float | None = None,
+    legs: Sequence[str] | None = None,
+    settings: Mapping[str, Any] | None = None,
+    command: Sequence[str] | None = None,
+) -> GaitRun:
+    """Analyse the gait of one or more inputs; write tables and figures.
+
+    Parameters
+    ----------
+    inputs : sequence of str or Path
+        Trials (``trial.toml`` or its folder), results folders, files of tracks, or
+        ``events.csv`` scored by hand. They are pooled by the animal's id.
+    out : str or Path, optional
+        Folder to write; default ``results`` beside a single trial, the folder of a
+        single results or tracks file, and ``results`` in the current folder for several.
+    fps : float, optional
+        Frames per second, for inputs that do not say.
+    legs : sequence of str, optional
+        Legs to use; default every point that is named like a leg.
+    settings : mapping, optional
+        Settings of the event detection.
+    command : sequence of str, optional
+        The command line, for the provenance.
+
+    Returns
+    -------
+    GaitRun
+        The tables, and what was written.
+
+    Raises
+    ------
+    InputError
+        If an input is missing, is none of the above, or cannot be analysed.
+    """
+    sources = [read_source(path, fps=fps) for path in inputs]
+    parts = [_analyse(source, legs=legs, settings=settings) for source in sources]
+    tables = gait.pool(parts) if len(parts) > 1 else parts[0]
+    if out is None:
+        out = sources[0].folder if len(sources) == 1 else Path(RESULTS_FOLDER)
+    folder = make_folder(out)
+    step = build_step(
+        "gait",
+        command=command,
+        inputs={_label(source): file_checksum(source.path) for source in sources},
+        settings=dataclasses.asdict(tables.settings),
+        legs=list(legs) if legs else None,
+        sources={
+            _label(source): provenance_steps(source.tracks)
+            for source in sources
+            if source.tracks is not None
+        },
+    )
+    files = []
+    for name in TABLES:
+        path = folder / f"{name}.csv"
+        native.write_table(getattr(tables, name), path)
+        files.append(path)
+    files += save_gait_figures(tables, folder / "figures", record=step)
+    write_provenance([step], folder / "provenance.json")
+    files.append(folder / "provenance.json")
+    return GaitRun(tables, folder, tuple(files))
+
+
+def read_source(path: str | Path, *, fps: float | None = None) -> GaitSource:
+    """Read one input of the gait analysis, whatever kind it is.
+
+    Parameters
+    ----------
+    path : str or Path
+        A trial, a results folder, a file of tracks, or an ``events.csv``.
+    fps : float, optional
+        Frames per second, for files that do not say.
+
+    Returns
+    -------
+    GaitSource
+        What was read.
+
+    Raises
+    ------
+    InputError
+        If there is nothing at ``path``, or it is none of these.
+    """
+    path = Path(path)
+    if path.is_dir():
+        for name in ("trial.toml", "tracks.nc", "events.csv"):
+            if (path / name).exists():
+                return read_source(path / name, fps=fps)
+        raise InputError(
+            f"{path}: neither a trial nor results; expected a trial.toml, a tracks.nc or an "
+            "events.csv in it."
+        )
+    if not path.exists():
+        raise InputError(
+            f"{path}: no such file; expected a trial, a results folder, tracks or an events.csv."
+        )
+    if path.suffix == ".toml":
+        return _read_trial(load_trial(path))
+    if path.suffix in {".nc", ".h5"}:
+        tracks = native.read_tracks(path)
+        trial = described_trial(tracks, where=str(path), folder=path.parent)
+        return GaitSource(path, path.parent, tracks=tracks, trial=trial)
+    if path.suffix == ".csv":
+        return _read_csv(path, fps)
+    raise InputError(
+        f"{path}: expected trial.toml, tracks.nc, tracks.csv, points3d.csv or events.csv."
+    )
+
+
+def _read_trial(trial: Trial) -> GaitSource:
+    """Read the tracks of a trial: those made elsewhere, or those that pawnb made."""
+    out = results_folder(trial)
+    if trial.kind == "tracks" and trial.tracks_file is not None:
+        path = trial.path(trial.tracks_file)
+        if path.suffix == ".nc":
+            tracks = native.read_tracks(path)
+        else:
+            tracks = authors2019.read_trial_tracks(trial)
+        return GaitSource(path, out, tracks=tracks, trial=trial)
+    path = out / "tracks.nc"
+    if not path.exists():
+        raise InputError(f"{path}: trial {trial.name!r} is not tracked yet; run pawnb track first.")
+    return GaitSource(path, out, tracks=native.read_tracks(path), trial=trial)
+
+
+def _read_csv(path: Path, fps: float | None) -> GaitSource:
+    """Read a csv: events, or one of our tables of tracks."""
+    table = native.read_csv(path)
+    if "event" in table.columns:
+        if "time_s" not in table.columns and "frame" in table.columns:
+            table = table.assign(time_s=table["frame"] / _needed_fps(fps, path))
+        return GaitSource(path, path.parent / RESULTS_FOLDER, events=table)
+    tracks = native.read_tracks_table(path, fps=_needed_fps(fps, path))
+    return GaitSource(path, path.parent, tracks=tracks)
+
+
+def _needed_fps(fps: float | None, path: Path) -> float:
+    """Return the frame rate, or say that it is needed."""
+    if fps is None:
+        raise InputError(
+            f"{path}: this file does not say its frame rate; give it with --fps, for instance "
+            "--fps 250."
+        )
+    return fps
+
+
+def _analyse(
+    source: GaitSource, *, legs: Sequence[str] | None, settings: Mapping[str, Any] | None
+) -> GaitTables:
+    """Analyse one input."""
+    if source.events is not None:
+        events = source.events
+        if legs is not None:
+            events = events[events["leg"].isin(legs)]
+        if "trial" not in events:
+            events = events.assign(trial=source.path.stem)
+        return gait.analyse_events(events, settings=settings)
+    tracks, trial = source.tracks, source.trial
+    belt = None
+    if tracks is not None and "belt_speed" in tracks:
+        belt = tracks["belt_speed"].to_dataframe()[["frame", "belt_speed"]]
+        belt = belt.rename(columns={"belt_speed": "speed"})
+        trial = None if trial is None else dataclasses.replace(trial, belt_speed=None)
+    return gait.analyse(tracks, trial=trial, legs=legs, belt_speed=belt, settings=settings)
+
+
+def _label(source: GaitSource) -> str:
+    """Name an input in the provenance without its absolute path."""
+    return f"{source.path.parent.name}/{source.path.name}"
