@@ -63,7 +63,7 @@ def find_hidden(
     rig = layout.rig
     if rig is None or not looks:
         return None
-    path = _expected_path(layout, rig, key, uv)
+    path = _expected_path(rig, key, uv)
     window = _window_around(layout, view, path)
     if window is None:
         return None
@@ -85,7 +85,7 @@ def find_hidden(
     return superpixels, number, float(1.0 - difference[number])
 
 
-def _expected_path(layout: Layout, rig: Rig, key: tuple[int, int], uv: np.ndarray) -> np.ndarray:
+def _expected_path(rig: Rig, key: tuple[int, int], uv: np.ndarray) -> np.ndarray:
     """Return where the point may be in the view: one position, or several along a line."""
     view, point = key
     seen = np.flatnonzero(np.isfinite(uv[:, point, 0]))
@@ -135,10 +135,9 @@ def _window_around(layout: Layout, view: int, path: np.ndarray) -> Window | None
     lengths = layout.lengths[view]
     if len(path) == 1:
         return place_window(inside[0], lengths, width=width, height=height)
-    low = np.maximum(np.round(inside.min(axis=0) - [lengths.half_u, lengths.half_v]), 0)
-    high = np.minimum(
-        np.round(inside.max(axis=0) + [lengths.half_u, lengths.half_v]), [width, height]
-    )
+    reach = np.array([lengths.half_u, lengths.half_v])
+    low = np.maximum(np.round(inside.min(axis=0) - reach), 0)
+    high = np.minimum(np.round(inside.max(axis=0) + reach), [width, height])
     box = (int(low[0]), int(low[1]), int(high[0]), int(high[1]))
     half = (high - low) / 2
     return Window(low + half, float(half[0]), float(half[1]), box)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 import pandas as pd
@@ -14,6 +14,7 @@ from pawnb.core.paws.appearance import Picture
 from pawnb.core.paws.settings import Lengths, PaperSettings, lengths_in_view
 from pawnb.core.rig import Rig
 from pawnb.errors import CalibrationError, InputError, did_you_mean
+from pawnb.schema import START_COLUMNS
 
 
 class Sized(Protocol):
@@ -44,7 +45,7 @@ class Views(Protocol):
         ...
 
     @property
-    def readers(self) -> Mapping[str, Any]:
+    def readers(self) -> Mapping[str, Sized]:
         """Reader of each view, with its width and height."""
         ...
 
@@ -264,8 +265,8 @@ def read_start(
     """
     placements: dict[int, list[Placement]] = {}
     seen: set[tuple[int, str, str]] = set()
-    for row in start.itertuples(index=False):
-        frame, view, point = int(row.frame), str(row.view), str(row.point)
+    columns = (start[name].tolist() for name in START_COLUMNS)
+    for frame, view, point, u, v_px in zip(*columns, strict=True):
         what = f"the start has point {point!r} in view {view!r} in frame {frame}"
         if view not in layout.views:
             raise InputError(
@@ -284,11 +285,11 @@ def read_start(
                 f"{what}, but frames {frames[0]} to {frames[1] - 1} are tracked; "
                 "click in one of those or track others."
             )
-        uv = np.array([row.u, row.v], dtype=float)
+        uv = np.array([u, v_px], dtype=float)
         if not np.isfinite(uv).all() or not layout.contains(v, uv):
             width, height = layout.sizes[v]
             raise InputError(
-                f"{what} at ({row.u}, {row.v}), outside its picture of {width} x {height} px; "
+                f"{what} at ({u}, {v_px}), outside its picture of {width} x {height} px; "
                 "click inside it."
             )
         if (frame, view, point) in seen:

@@ -8,7 +8,6 @@ import numpy as np
 import pandas as pd
 
 from pawnb.core.paws.layout import (
-    Layout,
     Placement,
     Views,
     check_every_point_started,
@@ -141,7 +140,7 @@ def track_paws(
         individual=individual,
         unit="px" if rig is None else unit,
     )
-    _write(new, results, np.searchsorted(rows, first))
+    _write(new, results, int(np.searchsorted(rows, first)))
     return new if tracks is None else _copy_rows(tracks, new, (first, done))
 
 
@@ -227,17 +226,20 @@ def _write(tracks: Tracks, results: Sequence[FrameResult], first: int) -> None:
     """Write the results of consecutive frames into Tracks, from row ``first`` on."""
     if not results:
         return
-    rows = slice(int(first), int(first) + len(results))
+    rows = slice(first, first + len(results))
 
-    def stack(name: str) -> np.ndarray:
-        return np.stack([getattr(result, name) for result in results])
+    def write(name: str, field: str) -> None:
+        # (time, ..., space, keypoint, individual): coordinates go before the points
+        values = np.stack([getattr(result, field) for result in results])
+        if field in {"position", "uv"}:
+            values = np.swapaxes(values, -1, -2)
+        tracks[name][rows, ..., 0] = values
 
-    for name in ("origin", "confidence", "residual"):
-        tracks[name].values[rows, :, 0] = stack(name)
-    tracks["position"].values[rows, :, :, 0] = np.swapaxes(stack("position"), 1, 2)
-    tracks["image_position"].values[rows, ..., 0] = np.swapaxes(stack("uv"), 2, 3)
-    tracks["image_origin"].values[rows, ..., 0] = stack("image_origin")
-    tracks["image_confidence"].values[rows, ..., 0] = stack("image_confidence")
+    for name in ("position", "origin", "confidence", "residual"):
+        write(name, name)
+    for name in ("image_origin", "image_confidence"):
+        write(name, name)
+    write("image_position", "uv")
 
 
 def _copy_rows(old: Tracks, new: Tracks, done: tuple[int, int]) -> Tracks:
@@ -255,7 +257,7 @@ def _copy_rows(old: Tracks, new: Tracks, done: tuple[int, int]) -> Tracks:
             .reindex({d: new[d] for d in there})
             .fillna(0 if new[name].dtype.kind == "i" or "confidence" in str(name) else np.nan)
         )
-        new[name].values[rows] = part.to_numpy()
+        new[name][rows] = part.to_numpy()
     time = new["time"].to_numpy().copy()
     shared = np.isin(frames, old["frame"].to_numpy())
     time[shared] = old.swap_dims(time="frame").sel(frame=frames[shared])["time"].to_numpy()
