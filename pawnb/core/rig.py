@@ -1,0 +1,449 @@
+"""The calibrated views of a trial, by name.
+
+A :class:`Rig` holds DLT coefficients in the pixels of the resulting views (after crop
+and mirror; u right, v down, (0, 0) the centre of the top-left pixel) together with the
+directions of the calibrated space. It is read with :func:`load_rig` or fitted with
+:func:`fit_rig`, and never exists half made.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from pawnb.core import dlt
+from pawnb.core.sightlines import find_epipolar_line, find_look_point
+from pawnb.errors import CalibrationError, InputError, did_you_mean
+from pawnb.io.tables import write_text
+from pawnb.schema import check_columns
+from pawnb.trial import Calibration, Trial, View
+
+_AMBIGUOUS = 0.05
+"""Forward within about 3 degrees of where u does not change: neither right nor left."""
+
+
+@dataclass(frozen=True)
+class Rig:
+    """Calibrated views.
+
+    Parameters
+    ----------
+    names : tuple of str
+        Names of the views, in the order of the columns of ``coefs``.
+    coefs : ndarray, shape (11, n_views)
+        DLT coefficients in the pixels of the resulting views.
+    unit : str
+        Unit of length of the calibrated space.
+    forward, up : tuple of float
+        Unit vectors of travel and of up in calibrated space.
+
+    Raises
+    ------
+    CalibrationError
+        If shape, names or numbers do not make a calibration.
+    """
+
+    names: tuple[str, ...]
+    coefs: np.ndarray
+    unit: str = "mm"
+    forward: tuple[float, ...] = (1.0, 0.0, 0.0)
+    up: tuple[float, ...] = (0.0, 0.0, 1.0)
+
+    def __post_init__(self) -> None:
+        coefs = np.array(self.coefs, dtype=float)
+        if coefs.shape != (11, len(self.names)):
+            raise CalibrationError(
+                f"DLT coefficients have shape {coefs.shape}; expected 11 rows and one column for "
+                f"each of the {len(self.names)} views ({', '.join(self.names)})."
+            )
+        if not np.isfinite(coefs).all():
+            raise CalibrationError("a DLT coefficient is not a finite number; calibrate again.")
+        coefs.flags.writeable = False
+        object.__setattr__(self, "names", tuple(self.names))
+        object.__setattr__(self, "coefs", coefs)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Rig):
+            return NotImplemented
+        return (
+            (self.names, self.unit, self.forward, self.up)
+            == (other.names, other.unit, other.forward, other.up)
+        ) and np.array_equal(self.coefs, other.coefs)
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def project(self, xyz: np.ndarray) -> np.ndarray:
+        """Return where points (..., 3) appear in every view: (..., n_views, 2) in px."""
+        return dlt.project(self.coefs, xyz)
+
+    def triangulate(self, uv: np.ndarray, *, refine: bool = False) -> dlt.Triangulation:
+        """Find points in space from image positions.
+
+        Parameters
+        ----------
+        uv : ndarray, shape (..., n_views, 2)
+            Image positions in px in the order of ``names``, NaN where not seen.
+        refine : bool
+            Whether to minimise the reprojection error after the linear solution.
+
+        Returns
+        -------
+        pawnb.core.dlt.Triangulation
+            ``xyz`` (..., 3) in ``unit``, ``residual_px``, ``dltres``, ``n_views``.
+        """
+        return dlt.triangulate(self.coefs, uv, refine=refine)
+
+    def reprojection_error(self, xyz: np.ndarray, uv: np.ndarray) -> np.ndarray:
+        """Return the distance in px (..., n_views) of points (..., 3) from where seen."""
+        return dlt.reprojection_error(self.coefs, xyz, uv)
+
+    def index(self, name: str) -> int:
+        """Return the place of a view; raises CalibrationError if it is not in the rig."""
+        if name not in self.names:
+            raise CalibrationError(
+                f"view {name!r} is not calibrated{did_you_mean(name, self.names)}; calibrated "
+                f"are {', '.join(self.names)}."
+            )
+        return self.names.index(name)
+
+    def subset(self, names: Iterable[str]) -> Rig:
+        """Return the rig of some of its views, in the order given."""
+        names = tuple(names)
+        places = [self.index(name) for name in names]
+        return dataclasses.replace(self, names=names, coefs=self.coefs[:, places])
+
+    def facing(self, name: str, *, at: Sequence[float] | np.ndarray | None = None) -> int:
+        """Say which way an animal that moves along ``forward`` faces in one view.
+
+        The sign of the change of u for a small step along ``forward``. In a perspective
+        view it depends on where the animal is; without ``at`` it is taken where the
+        lines of sight of all views come closest (each line that of the view's optical
+        axis), which is the place the cameras were pointed at.
+
+        Parameters
+        ----------
+        name : str
+            The view.
+        at : array-like, shape (3,), optional
+            A point near the animal, in the unit of the rig.
+
+        Returns
+        -------
+        int
+            +1 if the animal faces right in that picture, -1 if left.
+
+        Raises
+        ------
+        CalibrationError
+            If the view looks along ``forward``, or forward is upright in the picture,
+            so that it is neither; give ``facing`` of that view in ``trial.toml`` then.
+        """
+        L = self.coefs[:, self.index(name)]
+        point = find_look_point(self.coefs) if at is None else np.asarray(at, dtype=float)
+        weight = L[8:11] @ point + 1.0
+        u = (L[0:3] @ point + L[3]) / weight
+        gradient = (L[0:3] - u * L[8:11]) / weight
+        cosine = gradient @ np.asarray(self.forward) / np.linalg.norm(gradient)
+        if not abs(cosine) >= _AMBIGUOUS:
+            raise CalibrationError(
+                f"view {name!r}: a step along forward {list(self.forward)} goes neither right nor "
+                "left in the picture; give facing = 1 (right) or -1 (left) for this view."
+            )
+        return 1 if cosine > 0 else -1
+
+    def epipolar_line(
+        self, view_from: str, uv: Sequence[float] | np.ndarray, view_to: str, *,
+        size: tuple[int, int],
+    ) -> np.ndarray:  # fmt: skip
+        """Return where a point seen in one view can be in another.
+
+        Parameters
+        ----------
+        view_from : str
+            The view in which the point was seen.
+        uv : array-like, shape (2,)
+            Its position there, px.
+        view_to : str
+            The view for which the line is wanted.
+        size : tuple of int
+            Width and height in px of the picture of ``view_to``.
+
+        Returns
+        -------
+        ndarray, shape (2, 2)
+            The two ends (u, v) of the straight line within the picture; NaN where it
+            misses the picture or there is none (both views are the same).
+        """
+        L_from, L_to = self.coefs[:, self.index(view_from)], self.coefs[:, self.index(view_to)]
+        return find_epipolar_line(L_from, np.asarray(uv, dtype=float), L_to, size=size)
+
+
+def load_rig(trial: Trial, *, sizes: Mapping[str, tuple[int, int]] | None = None) -> Rig | None:
+    """Read the calibration of a trial.
+
+    Parameters
+    ----------
+    trial : Trial
+        Its ``[calibration] dlt`` names a csv of 11 rows, one column a view in the order of
+        the views, without header.
+    sizes : mapping, optional
+        Width and height in px of the file's whole picture of each view. Needed only where
+        coefficients must be converted: for ``v = "up"``, and for ``pixels = "file"`` with a
+        mirrored view that is not cropped.
+
+    Returns
+    -------
+    Rig or None
+        The rig in the pixels of the resulting views; None where the trial has no DLT (no
+        ``[calibration]``, or one view with ``px_per_unit``).
+
+    Raises
+    ------
+    CalibrationError
+        If the file is missing, is not 11 rows of numbers, has another number of columns
+        than the trial has views, or a size is needed and not given.
+
+    Notes
+    -----
+    ``pixels = "file"``: coefficients of the whole, unmirrored picture are moved by the
+    crop offset and mirrored, exactly. ``v = "up"``: coefficients of DLTdv 7 and older,
+    whose pictures have (1, 1) at the centre of the bottom-left pixel (pixels counted from
+    1 as in MATLAB, v upwards): u = u_DLTdv - 1 and v = height - v_DLTdv.
+    """
+    calibration = trial.calibration
+    if calibration is None or calibration.dlt is None:
+        return None
+    names = tuple(view.name for view in trial.views)
+    coefs = read_coefs(trial.path(calibration.dlt), names)
+    columns = [
+        dlt.transform_image(coefs[:, i], _to_view(view, calibration, (sizes or {}).get(view.name)))
+        for i, view in enumerate(trial.views)
+    ]
+    return Rig(
+        names,
+        np.stack(columns, axis=1),
+        unit=calibration.unit,
+        forward=calibration.forward,
+        up=calibration.up,
+    )
+
+
+def require_rig(trial: Trial, *, sizes: Mapping[str, tuple[int, int]] | None = None) -> Rig:
+    """Read the calibration of a trial for a step that cannot do without.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    sizes : mapping, optional
+        As for :func:`load_rig`.
+
+    Returns
+    -------
+    Rig
+        The calibrated views.
+
+    Raises
+    ------
+    CalibrationError
+        If the trial has no DLT calibration, or it cannot be read.
+    """
+    rig = load_rig(trial, sizes=sizes)
+    if rig is None:
+        raise CalibrationError(
+            f"trial {trial.name!r} has no DLT calibration; add [calibration] dlt = "
+            '"DLTcoefs.csv" to trial.toml, or make that file with `pawnb calibrate`.'
+        )
+    return rig
+
+
+def read_coefs(path: Path, names: Sequence[str]) -> np.ndarray:
+    """Read ``DLTcoefs.csv``: 11 rows, one column a view, no header.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    names : sequence of str
+        The views its columns belong to.
+
+    Returns
+    -------
+    ndarray, shape (11, n_views)
+        The coefficients as they are written.
+
+    Raises
+    ------
+    CalibrationError
+        If the file is missing or is not that.
+    """
+    path = Path(path)
+    try:
+        table = pd.read_csv(path, header=None, dtype=str, skipinitialspace=True)
+    except FileNotFoundError:
+        raise CalibrationError(
+            f"{path}: no such file; [calibration] dlt must name the csv with the DLT coefficients."
+        ) from None
+    except (pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeDecodeError):
+        raise CalibrationError(
+            f"{path.name}: not a table of numbers; expected 11 rows, one column a view, no header."
+        ) from None
+    coefs = table.apply(pd.to_numeric, errors="coerce").to_numpy(float)
+    if coefs.shape != (11, len(names)):
+        raise CalibrationError(
+            f"{path.name}: {coefs.shape[0]} rows and {coefs.shape[1]} columns; expected 11 rows "
+            f"and {len(names)} columns, one for each view ({', '.join(names)}), and no header."
+        )
+    bad = np.argwhere(~np.isfinite(coefs))
+    if len(bad):
+        row, column = bad[0]
+        raise CalibrationError(
+            f"{path.name}: row {row + 1}, column {column + 1} is "
+            f"{_word(table.to_numpy()[row, column])}; expected a number."
+        )
+    return coefs
+
+
+def save_coefs(rig: Rig, path: str | Path) -> Path:
+    """Write the coefficients of a rig as ``DLTcoefs.csv``, whole or not at all.
+
+    Parameters
+    ----------
+    rig : Rig
+        The calibrated views.
+    path : str or Path
+        The file; numbers are written so that reading gives exactly the same ones.
+
+    Returns
+    -------
+    Path
+        The file.
+    """
+    lines = [",".join(repr(float(x)) for x in row) for row in rig.coefs]
+    return write_text("\n".join(lines) + "\n", path)
+
+
+def fit_rig(
+    points3d: pd.DataFrame,
+    clicks: pd.DataFrame,
+    *,
+    unit: str = "mm",
+    forward: Sequence[float] = (1.0, 0.0, 0.0),
+    up: Sequence[float] = (0.0, 0.0, 1.0),
+) -> tuple[Rig, pd.DataFrame]:
+    """Calibrate views from points of known position that were clicked in them.
+
+    Parameters
+    ----------
+    points3d : DataFrame
+        Columns ``point, x, y, z``: the known positions.
+    clicks : DataFrame
+        Columns ``view, point, u, v``: where each view sees them, in px. A point that a view
+        does not see is left out.
+    unit : str
+        Unit of x, y and z.
+    forward, up : sequence of float
+        Directions of travel and up; made unit vectors.
+
+    Returns
+    -------
+    rig : Rig
+        Views in the order in which they first appear in ``clicks``.
+    residuals : DataFrame
+        ``view, point, residual_px``: the reprojection error of each click.
+
+    Raises
+    ------
+    InputError
+        If a column is missing, or a point is given or clicked twice or is unknown.
+    CalibrationError
+        If the points seen by a view do not determine it; the view is named.
+    """
+    points3d = check_columns(points3d, ("point", "x", "y", "z"), where="points3d")
+    clicks = check_columns(clicks, ("view", "point", "u", "v"), where="clicks")
+    for table, keys, what in ((points3d, ["point"], "points3d"), (clicks, ["view", "point"], "clicks")):  # fmt: skip # noqa: E501
+        twice = table[table.duplicated(keys)]
+        if len(twice):
+            name = ", ".join(str(twice.iloc[0][key]) for key in keys)
+            raise InputError(f"{what}: {name} is there twice; keep one of them.")
+    known = {str(p): xyz for p, xyz in zip(points3d["point"], _numbers(points3d, "xyz"), strict=True)}  # fmt: skip # noqa: E501
+    for point in clicks["point"].astype(str):
+        if point not in known:
+            raise InputError(
+                f"clicks: point {point!r} has no known position{did_you_mean(point, known)}; add "
+                "it to points3d or remove the click."
+            )
+    columns, residuals, names = [], [], []
+    for view, rows in clicks.groupby("view", sort=False):
+        xyz = np.array([known[str(point)] for point in rows["point"]]).reshape(-1, 3)
+        try:
+            fit = dlt.fit_dlt(xyz, _numbers(rows, "uv"))
+        except CalibrationError as error:
+            raise CalibrationError(f"view {view!r}: {error}") from None
+        names.append(str(view))
+        columns.append(fit.coefs)
+        residuals.append(rows[["view", "point"]].assign(residual_px=fit.residual_px))
+    if not names:
+        raise CalibrationError(
+            "clicks: no click at all; click the calibration points in each view."
+        )
+    rig = Rig(tuple(names), np.stack(columns, axis=1), unit, _unit(forward), _unit(up))
+    return rig, pd.concat(residuals, ignore_index=True)
+
+
+def _to_view(view: View, calibration: Calibration, size: tuple[int, int] | None) -> np.ndarray:
+    """Return the homography from the pixels of the coefficients to those of the view."""
+    if calibration.pixels == "view" and view.crop is not None:
+        size = (view.crop[2] - view.crop[0], view.crop[3] - view.crop[1])
+    H = np.eye(3)
+    if calibration.v == "up":
+        if size is None:
+            raise _size_needed(view, 'v = "up"')
+        H = np.array([[1.0, 0.0, -1.0], [0.0, -1.0, size[1]], [0.0, 0.0, 1.0]])
+    if calibration.pixels == "view":
+        return H
+    if view.crop is not None:
+        u0, v0, u1, _ = view.crop
+        H = np.array([[1.0, 0.0, -u0], [0.0, 1.0, -v0], [0.0, 0.0, 1.0]]) @ H
+        width = u1 - u0
+    elif size is not None:
+        width = size[0]
+    elif view.mirror:
+        raise _size_needed(view, 'pixels = "file" and mirror = true')
+    if view.mirror:
+        H = np.array([[-1.0, 0.0, width - 1.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]) @ H
+    return H
+
+
+def _size_needed(view: View, why: str) -> CalibrationError:
+    """Make the error for a picture size that is needed and unknown."""
+    return CalibrationError(
+        f"view {view.name!r}: the size of its picture is needed to convert DLT coefficients with "
+        f"{why}; open the videos first and give their sizes."
+    )
+
+
+def _numbers(table: pd.DataFrame, columns: str) -> np.ndarray:
+    """Return columns as numbers; what is not one becomes NaN, which the fit refuses."""
+    return np.stack([pd.to_numeric(table[c], errors="coerce").to_numpy(float) for c in columns], axis=1)  # fmt: skip # noqa: E501
+
+
+def _unit(vector: Sequence[float]) -> tuple[float, ...]:
+    """Return a direction at length one."""
+    direction = np.asarray(vector, dtype=float)
+    length = np.linalg.norm(direction)
+    if direction.shape != (3,) or not np.isfinite(length) or length == 0:
+        raise CalibrationError(
+            f"direction {list(vector)}; expected three numbers, not all of them 0."
+        )
+    return tuple(float(x) for x in direction / length)
+
+
+def _word(value: object) -> str:
+    """Say what a cell holds."""
+    return "empty" if pd.isna(value) else repr(value)  # type: ignore[call-overload]

@@ -1,0 +1,90 @@
+"""Lines of sight of calibrated views: where cameras look, and epipolar lines."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pawnb.core import dlt
+
+
+def find_look_point(coefs: np.ndarray) -> np.ndarray:
+    """Return the point nearest in least squares to the optical axes of all views.
+
+    The optical axis of a view is the line through its principal point: along
+    (L9, L10, L11), or for an affine view, which has no centre, along the normal of both
+    image directions. A weak pull towards the origin decides where axes are parallel.
+
+    Parameters
+    ----------
+    coefs : ndarray, shape (11, n_views)
+        DLT coefficients.
+
+    Returns
+    -------
+    ndarray, shape (3,)
+        The point, in the unit of the calibration.
+    """
+    A, b = np.zeros((3, 3)), np.zeros(3)
+    for L in coefs.T:
+        axis = L[8:11]
+        size = axis @ axis
+        if size < 1e-18 * (L[0:3] @ L[0:3] + L[4:7] @ L[4:7]):
+            continue  # affine: u changes alike everywhere
+        centre_uv = np.array([L[0:3] @ axis, L[4:7] @ axis]) / size
+        planes = np.stack([L[0:3] - centre_uv[0] * axis, L[4:7] - centre_uv[1] * axis])
+        on_axis = np.linalg.lstsq(planes, centre_uv - L[[3, 7]], rcond=None)[0]
+        across = np.eye(3) - np.outer(axis, axis) / size
+        A += across
+        b += across @ on_axis
+    return np.linalg.solve(A + 1e-6 * np.eye(3), b)
+
+
+def find_epipolar_line(
+    L_from: np.ndarray, uv: np.ndarray, L_to: np.ndarray, *, size: tuple[int, int]
+) -> np.ndarray:
+    """Return the ends of the line in one view on which a point seen in another must lie.
+
+    Parameters
+    ----------
+    L_from, L_to : ndarray, shape (11,)
+        DLT coefficients of the view in which the point was seen, and of the other.
+    uv : ndarray, shape (2,)
+        Where it was seen, px.
+    size : tuple of int
+        Width and height in px of the other picture.
+
+    Returns
+    -------
+    ndarray, shape (2, 2)
+        Two ends (u, v) within the picture, NaN where the line misses it or there is none.
+    """
+    P_from, P_to = dlt.to_matrix(L_from), dlt.to_matrix(L_to)
+    u, v = np.asarray(uv, dtype=float)
+    # the planes through the camera that give u and that give v meet in the line of sight
+    planes = np.stack([P_from[0] - u * P_from[2], P_from[1] - v * P_from[2]])
+    along = np.cross(planes[0, :3], planes[1, :3])
+    near = np.linalg.lstsq(planes[:, :3], -planes[:, 3], rcond=None)[0]
+    ends = np.stack([P_to @ np.append(near, 1.0), P_to @ np.append(along, 0.0)])
+    ends /= np.linalg.norm(ends, axis=1, keepdims=True)
+    return _clip_line(np.cross(*ends), size)
+
+
+def _clip_line(line: np.ndarray, size: tuple[int, int]) -> np.ndarray:
+    """Return the ends within a picture of the line a u + b v + c = 0, or NaN."""
+    a, b, c = line
+    nothing = np.full((2, 2), np.nan)
+    scale = np.hypot(a, b)
+    if not np.isfinite(line).all() or scale <= 1e-12 * abs(c):
+        return nothing
+    low, high = np.array([-0.5, -0.5]), np.array([size[0] - 0.5, size[1] - 0.5])
+    foot = -c * np.array([a, b]) / scale**2
+    along = np.array([-b, a]) / scale
+    start, end = -np.inf, np.inf
+    for i in range(2):
+        if along[i] == 0:
+            if not low[i] <= foot[i] <= high[i]:
+                return nothing
+            continue
+        ends = sorted([(low[i] - foot[i]) / along[i], (high[i] - foot[i]) / along[i]])
+        start, end = max(start, ends[0]), min(end, ends[1])
+    return np.stack([foot + start * along, foot + end * along]) if start < end else nothing

@@ -1,0 +1,183 @@
+"""To and from datasets of movement (https://movement.neuroinformatics.dev).
+
+movement's releases differ in how they name two dimensions: ``keypoints`` and
+``individuals`` in some, ``keypoint`` and ``individual`` in others. Both are read, and
+either can be made. movement itself is not needed here.
+"""
+
+from __future__ import annotations
+
+import json
+from typing import Literal
+
+import numpy as np
+import xarray as xr
+
+from pawnb.errors import InputError
+from pawnb.schema import ORIGIN_CODE, Tracks, check_tracks, make_tracks
+
+_PLURAL = {"keypoint": "keypoints", "individual": "individuals"}
+_SINGULAR = {plural: singular for singular, plural in _PLURAL.items()}
+
+_OFF_FRAME = 0.01
+"""Times further than this part of a frame from a whole frame are no frame numbers."""
+
+
+def is_movement(dataset: xr.Dataset) -> bool:
+    """Say whether a dataset follows movement's schema rather than pawnb's own.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        Anything with named dimensions.
+
+    Returns
+    -------
+    bool
+        True for poses with movement's plural dimensions, or without pawnb's ``origin`` and
+        ``frame``.
+    """
+    if "position" not in dataset:
+        return False
+    if any(name in dataset.dims for name in _SINGULAR):
+        return True
+    return "origin" not in dataset and "frame" not in dataset.coords
+
+
+def to_movement(tracks: Tracks, *, dims: Literal["plural", "singular"] = "plural") -> xr.Dataset:
+    """Return Tracks as a poses dataset that movement takes.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks; not modified.
+    dims : {"plural", "singular"}
+        How the movement release at hand names keypoints and individuals: ``keypoints`` and
+        ``individuals`` (up to at least 0.15), or ``keypoint`` and ``individual``.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``position`` (time, space, keypoints, individuals) and ``confidence`` (time,
+        keypoints, individuals) with time in seconds, and everything else that the Tracks
+        hold, which movement leaves alone.
+    """
+    check_tracks(tracks)
+    if dims not in ("plural", "singular"):
+        raise InputError(f"dims is {dims!r}; expected 'plural' or 'singular'.")
+    dataset = tracks.rename(_PLURAL) if dims == "plural" else tracks.copy()
+    dataset.attrs = {**tracks.attrs, "ds_type": "poses", "time_unit": "seconds"}
+    return dataset
+
+
+def from_movement(
+    dataset: xr.Dataset, *, fps: float | None = None, where: str = "this dataset"
+) -> Tracks:
+    """Make Tracks from a poses dataset of movement, whatever its loader.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        ``position`` with dimensions time, space, keypoint(s), individual(s), and for several
+        views also view; ``confidence`` where there is one.
+    fps : float, optional
+        Frames per second, for a dataset that does not say (its time counts frames then).
+    where : str
+        How messages name the dataset, for instance the file.
+
+    Returns
+    -------
+    xarray.Dataset
+        Tracks. Points with a position are ``measured``, others ``missing``; frames are
+        counted from the times. A dataset with a view dimension gives image positions, its
+        positions in space are missing. Confidence stays NaN where it was not given.
+
+    Raises
+    ------
+    InputError
+        If it holds no poses, has no frame rate, or its times fall between frames.
+    """
+    names = {name: new for name, new in _SINGULAR.items() if name in dataset.dims}
+    dataset = dataset.rename(names)
+    needed = {"time", "space", "keypoint", "individual"}
+    if dataset.attrs.get("ds_type", "poses") != "poses" or "position" not in dataset:
+        raise InputError(
+            f"{where}: not a poses dataset of movement; bounding boxes have no points."
+        )
+    found = set(dataset["position"].dims)
+    if not needed <= found or found - needed - {"view"}:
+        raise InputError(
+            f"{where}: position has dimensions {tuple(dataset['position'].dims)}; expected time, "
+            "space, keypoint(s), individual(s), and view where there are several."
+        )
+    if "origin" in dataset and "frame" in dataset.coords:
+        return check_tracks(dataset, where=where)  # Tracks that went through movement
+    rate = _frame_rate(dataset, fps, where)
+    frames = _frames(dataset, rate, where)
+    views = [str(v) for v in dataset["view"].to_numpy()] if "view" in found else []
+    space = [str(s) for s in dataset["space"].to_numpy()]
+    tracks = make_tracks(
+        frames,
+        [str(k) for k in dataset["keypoint"].to_numpy()],
+        fps=rate,
+        views=views,
+        space=("x", "y", "z") if views else space,
+        source_software=str(dataset.attrs.get("source_software") or "movement"),
+        unit=str(dataset.attrs.get("unit") or "px"),
+    )
+    who = np.array([str(i) for i in dataset["individual"].to_numpy()], dtype=str)
+    if len(who) != 1:
+        tracks = tracks.isel(individual=np.zeros(len(who), dtype=int)).copy(deep=True)
+    tracks = tracks.assign_coords(individual=who)
+    _enter(tracks, dataset, views)
+    if "log" in dataset.attrs:
+        steps = [{"step": "movement", "log": dataset.attrs["log"]}]
+        tracks.attrs["provenance"] = json.dumps({"steps": steps}, sort_keys=True)
+    return check_tracks(tracks, where=where)
+
+
+def _enter(tracks: Tracks, dataset: xr.Dataset, views: list[str]) -> None:
+    """Copy positions and confidences, into the views where there are several."""
+    prefix = "image_" if views else ""
+    place = tracks[f"{prefix}position"]
+    order = ["space" if dim == "image_space" else dim for dim in map(str, place.dims)]
+    values = dataset["position"].transpose(*order).to_numpy()
+    if values.shape != place.shape:
+        raise InputError(
+            f"views hold u and v, but position has {dataset.sizes['space']} values for each point."
+        )
+    place.to_numpy()[:] = values
+    known = np.isfinite(values).all(axis=order.index("space"))
+    dims = [dim for dim in order if dim != "space"]
+    confidence = np.full(known.shape, np.nan)
+    if "confidence" in dataset:
+        confidence = dataset["confidence"].transpose(*dims).to_numpy()
+    tracks[f"{prefix}confidence"].to_numpy()[:] = np.where(known, confidence, 0.0)
+    tracks[f"{prefix}origin"].to_numpy()[:] = np.where(
+        known, ORIGIN_CODE["measured"], ORIGIN_CODE["missing"]
+    )
+
+
+def _frame_rate(dataset: xr.Dataset, fps: float | None, where: str) -> float:
+    """Return the frame rate, from the caller or the dataset."""
+    stored = dataset.attrs.get("fps")
+    rate = stored if fps is None else fps
+    if rate is None or not np.isfinite(rate) or rate <= 0:
+        raise InputError(
+            f"{where}: no frame rate; give fps, the frames per second of the recording."
+        )
+    return float(rate)
+
+
+def _frames(dataset: xr.Dataset, fps: float, where: str) -> np.ndarray:
+    """Return frame numbers from the time coordinate, in frames or in seconds."""
+    time = np.asarray(dataset["time"].to_numpy(), dtype=float)
+    exact = time if dataset.attrs.get("time_unit") == "frames" else time * fps
+    frames = np.rint(exact)
+    off = np.abs(exact - frames)
+    if off.size and not off.max() <= _OFF_FRAME:
+        raise InputError(
+            f"{where}: times fall between frames at {fps:g} frames per second (the first at "
+            f"{time[np.argmax(off)]:g}); give the fps of the recording."
+        )
+    return frames.astype(np.int64)

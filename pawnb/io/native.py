@@ -1,0 +1,405 @@
+"""pawnb's own files: ``tracks.nc``, its csv exports, and the belt's speed.
+
+``tracks.nc`` is the record and loses nothing; ``tracks.csv`` and ``points3d.csv`` are
+exports for other programs, with rounded numbers (see :mod:`pawnb.io.tables`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from pawnb.errors import InputError, did_you_mean
+from pawnb.io.movement import from_movement, is_movement
+from pawnb.io.start import check_start, read_start, write_start
+from pawnb.io.tables import read_cells, read_numbers, write_table, write_text
+from pawnb.schema import (
+    ORIGIN_CODE,
+    ORIGINS,
+    POINTS3D_COLUMNS,
+    TRACKS_COLUMNS,
+    Tracks,
+    check_tracks,
+    make_tracks,
+)
+
+__all__ = [
+    "check_start",
+    "points3d_table",
+    "read_belt_speed",
+    "read_start",
+    "read_tracks",
+    "read_tracks_table",
+    "tracks_table",
+    "write_start",
+    "write_table",
+    "write_text",
+    "write_tracks",
+]
+
+SINGLE_VIEW = "image"
+"""Name of the view in ``tracks.csv`` where Tracks in px name none."""
+
+_HDF5, _NETCDF3 = b"\x89HDF", b"CDF"
+
+
+def write_tracks(tracks: Tracks, path: str | Path) -> Path:
+    """Write Tracks as netCDF, whole or not at all.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        What to write; checked first.
+    path : str or Path
+        The file, usually ``tracks.nc``.
+
+    Returns
+    -------
+    Path
+        The file. The same Tracks give the same bytes.
+
+    Raises
+    ------
+    InputError
+        If these are not Tracks, if the folder does not exist, or if an attribute cannot be
+        stored in netCDF.
+    """
+    path = Path(path)
+    check_tracks(tracks)
+    if not path.parent.is_dir():
+        raise InputError(f"{path.parent}: no such folder; make it, or name another file.")
+    for name, value in tracks.attrs.items():
+        if not isinstance(value, str | int | float | np.number | np.ndarray) or isinstance(
+            value, bool
+        ):
+            raise InputError(
+                f"attribute {name!r} of the tracks is {value!r}; netCDF stores text and numbers."
+            )
+    part = path.with_name(path.name + ".part")
+    try:
+        tracks.to_netcdf(part, engine="h5netcdf", format="NETCDF4")
+        part.replace(path)
+    finally:
+        part.unlink(missing_ok=True)
+    return path
+
+
+def read_tracks(path: str | Path, *, fps: float | None = None) -> Tracks:
+    """Read Tracks from netCDF: pawnb's own, or a poses dataset that movement saved.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file; it is read whole and closed.
+    fps : float, optional
+        Frames per second, for a movement file that does not say.
+
+    Returns
+    -------
+    xarray.Dataset
+        Checked Tracks.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, is not netCDF, or does not hold tracks.
+    """
+    path = Path(path)
+    try:
+        with path.open("rb") as file:
+            head = file.read(4)
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file.") from None
+    except (IsADirectoryError, PermissionError) as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}).") from None
+    if not head.startswith((_HDF5, _NETCDF3)):
+        raise InputError(f"{path.name}: not a netCDF file; expected tracks.nc as pawnb writes it.")
+    try:
+        dataset = xr.load_dataset(path, engine="scipy" if head.startswith(_NETCDF3) else "h5netcdf")
+    except (OSError, ValueError, KeyError) as error:
+        raise InputError(f"{path.name}: damaged or not netCDF ({error}); make it again.") from None
+    dataset = _plain(dataset)
+    if is_movement(dataset):
+        return from_movement(dataset, fps=fps, where=path.name)
+    return check_tracks(dataset, where=path.name)
+
+
+def _plain(dataset: xr.Dataset) -> xr.Dataset:
+    """Return a dataset as it was before it was saved: text and numbers of plain types."""
+    for name in dataset.coords:
+        if dataset[name].dtype.kind in "OT" or isinstance(
+            dataset[name].dtype, pd.api.extensions.ExtensionDtype
+        ):
+            values = [
+                v.decode() if isinstance(v, bytes) else str(v) for v in dataset[name].to_numpy()
+            ]
+            dataset = dataset.assign_coords({name: (dataset[name].dims, np.array(values, str))})
+    dataset.attrs = _plain_values(dataset.attrs)
+    for variable in dataset.variables.values():
+        variable.attrs = _plain_values(variable.attrs)
+    return dataset.drop_encoding()
+
+
+def _plain_values(attrs: Mapping[Any, Any]) -> dict[Any, Any]:
+    """Return attributes with numbers of Python's own types."""
+    return {k: v.item() if isinstance(v, np.generic) else v for k, v in attrs.items()}
+
+
+def tracks_table(tracks: Tracks) -> pd.DataFrame:
+    """Return image positions as a table, the columns of ``tracks.csv``.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks; without views, positions in px are taken to be those of one view, "image".
+
+    Returns
+    -------
+    pandas.DataFrame
+        ``frame, view, point, u, v, confidence, origin``: a row for every frame, view and
+        point that the view tracks anywhere. Where a point is missing u and v are NaN and
+        ``origin`` says ``missing``. With several individuals, ``individual`` is added on
+        the right. Rows are ordered by frame, then view, then point.
+    """
+    check_tracks(tracks)
+    if "image_position" in tracks:
+        order: tuple[str, ...] = ("time", "view", "individual", "keypoint")
+        uv = tracks["image_position"].transpose(*order, "image_space").to_numpy()
+        confidence = tracks["image_confidence"].transpose(*order).to_numpy()
+        origin = tracks["image_origin"].transpose(*order).to_numpy()
+        views = _names(tracks, "view")
+    elif tracks.sizes["space"] == 2:
+        order = ("time", "individual", "keypoint")
+        uv = tracks["position"].transpose(*order, "space").to_numpy()[:, None]
+        confidence = tracks["confidence"].transpose(*order).to_numpy()[:, None]
+        origin = tracks["origin"].transpose(*order).to_numpy()[:, None]
+        views = [SINGLE_VIEW]
+    else:
+        return pd.DataFrame(columns=list(TRACKS_COLUMNS))
+    tracked = (origin != ORIGIN_CODE["missing"]).any(axis=0)  # view, individual, point
+    places = np.argwhere(tracked)
+    frame = tracks["frame"].to_numpy()
+    n, m = len(frame), len(places)
+    pick = (slice(None), *places.T)
+    table = pd.DataFrame(
+        {
+            "frame": np.repeat(frame, m),
+            "view": np.tile(np.array(views, dtype=object)[places[:, 0]], n),
+            "point": np.tile(np.array(_names(tracks, "keypoint"), dtype=object)[places[:, 2]], n),
+            "u": uv[pick][..., 0].ravel(),
+            "v": uv[pick][..., 1].ravel(),
+            "confidence": confidence[pick].ravel(),
+            "origin": np.array(ORIGINS, dtype=object)[origin[pick].ravel()],
+        }
+    )
+    if tracks.sizes["individual"] > 1:
+        who = np.array(_names(tracks, "individual"), dtype=object)
+        table["individual"] = np.tile(who[places[:, 1]], n)
+    return table
+
+
+def points3d_table(tracks: Tracks) -> pd.DataFrame:
+    """Return positions in space as a table, the columns of ``points3d.csv``.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks with space x, y, z.
+
+    Returns
+    -------
+    pandas.DataFrame
+        ``frame, point, x, y, z, residual_px, origin``: a row for every frame and point, by
+        frame and then point; NaN where the position is unknown. With several individuals,
+        ``individual`` is added on the right.
+
+    Raises
+    ------
+    InputError
+        If positions have two dimensions only.
+    """
+    check_tracks(tracks)
+    if tracks.sizes["space"] != 3:
+        raise InputError("these tracks have no z: points in space need a calibrated rig.")
+    order = ("time", "individual", "keypoint")
+    xyz = tracks["position"].transpose(*order, "space").to_numpy().reshape(-1, 3)
+    origin = tracks["origin"].transpose(*order).to_numpy().ravel()
+    n, k, m = (tracks.sizes[dim] for dim in order)
+    residual = np.full(n * k * m, np.nan)
+    if "residual" in tracks:
+        residual = tracks["residual"].transpose(*order).to_numpy().ravel()
+    table = pd.DataFrame(
+        {
+            "frame": np.repeat(tracks["frame"].to_numpy(), k * m),
+            "point": np.tile(np.array(_names(tracks, "keypoint"), dtype=object), n * k),
+            **{axis: xyz[:, i] for i, axis in enumerate("xyz")},
+            "residual_px": residual,
+            "origin": np.array(ORIGINS, dtype=object)[origin],
+        },
+        columns=list(POINTS3D_COLUMNS),
+    )
+    if k > 1:
+        who = np.repeat(np.array(_names(tracks, "individual"), dtype=object), m)
+        table["individual"] = np.tile(who, n)
+    return table
+
+
+def read_tracks_table(
+    path: str | Path,
+    *,
+    fps: float,
+    points3d: str | Path | None = None,
+    unit: str = "px",
+    individual: str = "animal",
+) -> Tracks:
+    """Read ``tracks.csv``, and ``points3d.csv`` where there is one, as Tracks.
+
+    Parameters
+    ----------
+    path : str or Path
+        A csv with the columns ``frame, view, point, u, v, confidence, origin``; others are
+        ignored.
+    fps : float
+        Frames per second.
+    points3d : str or Path, optional
+        A csv with ``frame, point, x, y, z, residual_px, origin``. Without it, the positions
+        of a single view are its image positions in px; those of several are missing.
+    unit : str
+        Unit of x, y, z.
+    individual : str
+        The animal's id.
+
+    Returns
+    -------
+    xarray.Dataset
+        Tracks of every frame from the first to the last in the file; what the file does
+        not hold is missing.
+
+    Raises
+    ------
+    InputError
+        For a missing column, a cell that is not what it should be, or a row given twice.
+    """
+    where = Path(path).name
+    table = _read_points(path, TRACKS_COLUMNS, ("view", "point"), ("u", "v", "confidence"))
+    views, points = (list(dict.fromkeys(table[name])) for name in ("view", "point"))
+    space_table = None
+    frames = table["frame"]
+    if points3d is not None:
+        space_table = _read_points(
+            points3d, POINTS3D_COLUMNS, ("point",), ("x", "y", "z", "residual_px")
+        )
+        points += [p for p in dict.fromkeys(space_table["point"]) if p not in points]
+        frames = pd.concat([frames, space_table["frame"]])
+    if frames.empty:
+        raise InputError(f"{where}: no rows; expected one for each frame, view and point.")
+    flat = points3d is None and len(views) == 1
+    tracks = make_tracks(
+        np.arange(frames.min(), frames.max() + 1),
+        points,
+        fps=fps,
+        views=views,
+        space=("x", "y") if flat else ("x", "y", "z"),
+        individual=individual,
+        unit="px" if points3d is None else unit,
+    )
+    at = table["frame"] - frames.min()
+    view, point = (table[n].map(names.index) for n, names in (("view", views), ("point", points)))
+    for axis, name in enumerate(("u", "v")):
+        tracks["image_position"].to_numpy()[at, view, axis, point, 0] = table[name]
+    tracks["image_confidence"].to_numpy()[at, view, point, 0] = table["confidence"]
+    tracks["image_origin"].to_numpy()[at, view, point, 0] = table["origin"]
+    if flat:
+        tracks["position"].to_numpy()[:] = tracks["image_position"].to_numpy()[:, 0]
+        tracks["confidence"].to_numpy()[:] = tracks["image_confidence"].to_numpy()[:, 0]
+        tracks["origin"].to_numpy()[:] = tracks["image_origin"].to_numpy()[:, 0]
+    if space_table is not None:
+        _fill_space(tracks, space_table, points)
+    return tracks
+
+
+def _fill_space(tracks: Tracks, table: pd.DataFrame, points: Sequence[str]) -> None:
+    """Enter the rows of ``points3d.csv``; confidence is the mean of the views that see it."""
+    at = table["frame"] - int(tracks["frame"].to_numpy()[0])
+    point = table["point"].map(list(points).index)
+    for axis, name in enumerate("xyz"):
+        tracks["position"].to_numpy()[at, axis, point, 0] = table[name]
+    tracks["residual"].to_numpy()[at, point, 0] = table["residual_px"]
+    tracks["origin"].to_numpy()[at, point, 0] = table["origin"]
+    seen = tracks["image_origin"].to_numpy() != ORIGIN_CODE["missing"]
+    total = np.where(seen, tracks["image_confidence"].to_numpy(), 0.0).sum(axis=1)
+    mean = total / np.maximum(seen.sum(axis=1), 1)
+    known = tracks["origin"].to_numpy() != ORIGIN_CODE["missing"]
+    tracks["confidence"].to_numpy()[:] = np.where(known, mean, 0.0)
+
+
+def _read_points(
+    path: str | Path, columns: Sequence[str], keys: Sequence[str], numbers: Sequence[str]
+) -> pd.DataFrame:
+    """Read one of the two exports: frames whole, numbers or empty, origins as codes."""
+    where = Path(path).name
+    table = read_cells(path, columns)
+    table["frame"] = read_numbers(table, "frame", where=where, whole=True)
+    for name in numbers:
+        table[name] = read_numbers(table, name, where=where, empty=True)
+    unknown = ~table["origin"].isin(ORIGINS)
+    if unknown.any():
+        line = int(np.argmax(unknown))
+        word = table["origin"].iloc[line]
+        raise InputError(
+            f"{where}: line {line + 2}, origin is {word!r}{did_you_mean(word, ORIGINS)}; expected "
+            f"{', '.join(ORIGINS)}."
+        )
+    table["origin"] = table["origin"].map(ORIGIN_CODE)
+    twice = table.duplicated(["frame", *keys])
+    if twice.any():
+        row = table[twice].iloc[0]
+        named = ", ".join(f"{key} {row[key]}" for key in ("frame", *keys))
+        raise InputError(f"{where}: {named} is there twice; keep one of them.")
+    return table
+
+
+def read_belt_speed(path: str | Path) -> pd.DataFrame:
+    """Read the speed of a treadmill's belt.
+
+    Parameters
+    ----------
+    path : str or Path
+        A csv with the columns ``frame, speed`` (unit of length / s).
+
+    Returns
+    -------
+    pandas.DataFrame
+        ``frame`` (whole numbers, rising) and ``speed``.
+
+    Raises
+    ------
+    InputError
+        For a missing column, a cell that is not a number, or a frame given twice.
+    """
+    where = Path(path).name
+    table = read_cells(path, ("frame", "speed"))
+    clean = pd.DataFrame(
+        {
+            "frame": read_numbers(table, "frame", where=where, whole=True),
+            "speed": read_numbers(table, "speed", where=where),
+        }
+    ).sort_values("frame", ignore_index=True)
+    if clean.empty:
+        raise InputError(f"{where}: no rows; expected frame and speed of at least one frame.")
+    twice = clean["frame"].duplicated()
+    if twice.any():
+        raise InputError(
+            f"{where}: frame {clean['frame'][twice].iloc[0]} is there twice; keep one of them."
+        )
+    return clean
+
+
+def _names(tracks: Tracks, dim: str) -> list[str]:
+    """Return the labels of a dimension as text."""
+    return [str(name) for name in tracks[dim].to_numpy()]

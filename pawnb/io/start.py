@@ -1,0 +1,184 @@
+"""Start clicks (``start.csv``): where every point is in the first frame, or the first two."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+import pandas as pd
+
+from pawnb.errors import InputError, did_you_mean
+from pawnb.io.tables import read_cells, read_numbers, write_table
+from pawnb.schema import START_COLUMNS, check_columns
+from pawnb.trial import Trial
+
+MAX_FRAMES = 2
+"""Start clicks in two frames give the first velocities; more frames would be corrections."""
+
+
+def read_start(path: str | Path, trial: Trial) -> pd.DataFrame:
+    """Read and check ``start.csv``.
+
+    Parameters
+    ----------
+    path : str or Path
+        A csv with the columns ``frame, view, point, u, v``, in px of the views. A point that
+        a view does not see is left out.
+    trial : Trial
+        The trial whose views and points these are.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Exactly those columns, in the order of the file.
+
+    Raises
+    ------
+    InputError
+        For a missing column, a cell that is not a number, an unknown view or point, the same
+        click twice, more than two frames, a frame outside the trial, or a point of the
+        trial that is clicked in no view.
+    """
+    where = Path(path).name
+    cells = read_cells(path, START_COLUMNS)
+    table = pd.DataFrame(
+        {
+            "frame": read_numbers(cells, "frame", where=where, whole=True),
+            "view": cells["view"],
+            "point": cells["point"],
+            "u": read_numbers(cells, "u", where=where),
+            "v": read_numbers(cells, "v", where=where),
+        }
+    )
+    _check_clicks(table, trial, where)
+    return table
+
+
+def check_start(
+    start: pd.DataFrame, trial: Trial, sizes: Mapping[str, tuple[int, int]]
+) -> pd.DataFrame:
+    """Check start clicks against the trial and the pictures.
+
+    Parameters
+    ----------
+    start : DataFrame
+        Columns ``frame, view, point, u, v``, from a file or from a widget.
+    trial : Trial
+        The trial.
+    sizes : mapping
+        Width and height in px of the resulting picture of each view.
+
+    Returns
+    -------
+    pandas.DataFrame
+        The same table.
+
+    Raises
+    ------
+    InputError
+        As :func:`read_start`, and for a click outside its picture.
+    """
+    check_columns(start, START_COLUMNS, where="start clicks")
+    _check_clicks(start, trial, "start clicks")
+    for row in start.to_dict("records"):
+        width, height = sizes[row["view"]]
+        if not (-0.5 <= row["u"] < width - 0.5 and -0.5 <= row["v"] < height - 0.5):
+            raise InputError(
+                f"start clicks: view {row['view']}, point {row['point']} is at u = {row['u']:g}, "
+                f"v = {row['v']:g}, outside the picture of {width} × {height} px; click it again, "
+                "or remove it where it is hidden."
+            )
+    return start
+
+
+def write_start(start: pd.DataFrame, path: str | Path) -> Path:
+    """Write start clicks as ``start.csv`` (u, v to 4 decimals), whole or not at all.
+
+    Parameters
+    ----------
+    start : DataFrame
+        Columns ``frame, view, point, u, v``.
+    path : str or Path
+        The file.
+
+    Returns
+    -------
+    Path
+        The file.
+    """
+    check_columns(start, START_COLUMNS, where="start clicks")
+    return write_table(start[list(START_COLUMNS)].reset_index(drop=True), path)
+
+
+def _check_clicks(table: pd.DataFrame, trial: Trial, where: str) -> None:
+    """Check everything about clicks that needs no picture."""
+    if table.empty:
+        raise InputError(f"{where}: no clicks; click every point in at least one view.")
+    lost = table[~table[["u", "v"]].apply(lambda c: c.between(-1e9, 1e9)).all(axis=1)]
+    if len(lost):
+        row = lost.iloc[0]
+        raise InputError(
+            f"{where}: view {row['view']}, point {row['point']} has u = {row['u']}, "
+            f"v = {row['v']}; expected numbers (leave out a point that the view does not see)."
+        )
+    for view, point in table[["view", "point"]].drop_duplicates().itertuples(index=False):
+        _check_names(str(view), str(point), trial, where)
+    twice = table.duplicated(["frame", "view", "point"])
+    if twice.any():
+        row = table[twice].iloc[0]
+        raise InputError(
+            f"{where}: point {row['point']} is clicked twice in view {row['view']}, frame "
+            f"{row['frame']}; keep one of them."
+        )
+    _check_frames(table, trial, where)
+    clicked = set(table["point"])
+    for point in _points(trial):
+        if point not in clicked:
+            raise InputError(
+                f"{where}: point {point!r} is clicked in no view; click it in at least one, or "
+                "take it out of the views' points in trial.toml."
+            )
+
+
+def _check_frames(table: pd.DataFrame, trial: Trial, where: str) -> None:
+    """Refuse more than two frames, and frames that the trial does not have."""
+    frames = sorted({int(frame) for frame in table["frame"]})
+    if len(frames) > MAX_FRAMES:
+        raise InputError(
+            f"{where}: clicks in {len(frames)} frames ({frames[0]} to {frames[-1]}); expected one "
+            "frame, or two to give the first velocities."
+        )
+    first, stop = trial.frames or (0, None)
+    for frame in frames:
+        if frame < first or (stop is not None and frame >= stop):
+            span = f"[{first}, {stop})" if stop is not None else f"{first} and later"
+            raise InputError(f"{where}: frame {frame} is not in the trial's frames, {span}.")
+
+
+def _check_names(view: str, point: str, trial: Trial, where: str) -> None:
+    """Refuse a view that the trial does not have, and a point that the view does not track."""
+    names = [v.name for v in trial.views]
+    if view not in names:
+        raise InputError(
+            f"{where}: unknown view {view!r}{did_you_mean(view, names)}; the trial's views are "
+            f"{', '.join(names)}."
+        )
+    points = trial.view(view).points
+    if points and point not in points:
+        everywhere = _points(trial)
+        if point not in everywhere:
+            raise InputError(
+                f"{where}: unknown point {point!r}{did_you_mean(point, everywhere)}; view {view!r} "
+                f"tracks {', '.join(points)}."
+            )
+        raise InputError(
+            f"{where}: point {point!r} is clicked in view {view!r}, which tracks "
+            f"{', '.join(points)}; remove the click, or add the point to that view in trial.toml."
+        )
+    if not point:
+        raise InputError(f"{where}: a click in view {view!r} has no point name; name it.")
+
+
+def _points(trial: Trial) -> Iterable[str]:
+    """Return every point that the trial's views name, in order."""
+    return dict.fromkeys(point for view in trial.views for point in view.points)
