@@ -1,0 +1,330 @@
+"""Decoded pictures, and RGB or grey made of only the region that is asked for.
+
+A decoder hands out planes (YUV, grey, RGB in one of several layouts). Every class
+here keeps them as they are and offers ``region(u0, v0, u1, v1)``: a fresh array of
+exactly that half-open region, ``(H, W, 3)`` RGB or ``(H, W)`` grey, uint8. What a
+region holds never depends on where its borders lie: all arithmetic is on integers,
+pixel by pixel, and chroma is spread over its block of luma pixels (nearest), so a
+crop is bit-identical to the same part of the whole picture on every machine.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Sequence
+from typing import Protocol
+
+import cv2
+import numpy as np
+
+_SHIFT = 6
+"""Binary digits kept behind the point while the three terms are added in int16."""
+_BAND_ROWS = 64
+"""Rows converted at once: the intermediate arrays stay in the processor's cache."""
+
+LUMA_WEIGHTS: dict[str, tuple[float, float]] = {
+    "bt601": (0.299, 0.114),
+    "bt709": (0.2126, 0.0722),
+    "smpte240m": (0.212, 0.087),
+    "bt2020": (0.2627, 0.0593),
+}
+"""Kr and Kb of each standard (ITU-R BT.601-7, BT.709-6, BT.2020-2; SMPTE 240M)."""
+
+
+_CHROMA_STEPS = {"444p": (1, 1), "422p": (2, 1), "420p": (2, 2), "440p": (1, 2), "411p": (4, 1),
+                 "410p": (4, 4)}  # fmt: skip
+_PACKED = {"rgb24": (0, 1, 2), "bgr24": (2, 1, 0), "rgba": (0, 1, 2), "bgra": (2, 1, 0),
+           "rgb0": (0, 1, 2), "bgr0": (2, 1, 0), "argb": (1, 2, 3), "abgr": (3, 2, 1),
+           "0rgb": (1, 2, 3), "0bgr": (3, 2, 1)}  # fmt: skip
+_GREY_BITS = {"gray10le": 10, "gray12le": 12, "gray14le": 14, "gray16le": 16}
+
+
+class Picture(Protocol):
+    """What every decoded picture offers: its size, and any region of it."""
+
+    @property
+    def width(self) -> int:
+        """Width in px."""
+
+    @property
+    def height(self) -> int:
+        """Height in px."""
+
+    @property
+    def is_colour(self) -> bool:
+        """Whether regions are RGB rather than grey."""
+
+    def region(self, u0: int, v0: int, u1: int, v1: int) -> np.ndarray:
+        """Return that half-open region, (H, W, 3) RGB or (H, W) grey, uint8."""
+
+
+class _ArrayBased:
+    """Size of a picture kept in an array whose first two axes are v and u."""
+
+    is_colour: bool
+
+    def __init__(self, pixels: np.ndarray) -> None:
+        self._pixels = pixels
+        self.height, self.width = pixels.shape[:2]
+
+
+class GreyPicture(_ArrayBased):
+    """One byte a pixel.
+
+    Parameters
+    ----------
+    pixels : ndarray, shape (H, W), uint8
+        Grey values.
+    """
+
+    is_colour = False
+
+    def region(self, u0: int, v0: int, u1: int, v1: int) -> np.ndarray:
+        """Return that half-open region as a fresh array."""
+        return self._pixels[v0:v1, u0:u1].copy()
+
+
+class PackedPicture(_ArrayBased):
+    """Three or four interleaved channels.
+
+    Parameters
+    ----------
+    pixels : ndarray, shape (H, W, 3 or 4), uint8
+        The channels as decoded.
+    channels : tuple of int
+        Where red, green and blue are found in the last axis.
+    """
+
+    is_colour = True
+
+    def __init__(self, pixels: np.ndarray, channels: tuple[int, int, int] = (0, 1, 2)) -> None:
+        super().__init__(pixels)
+        self._channels = list(channels)
+
+    def region(self, u0: int, v0: int, u1: int, v1: int) -> np.ndarray:
+        """Return that half-open region as a fresh RGB array."""
+        part = self._pixels[v0:v1, u0:u1]
+        if self._channels == [0, 1, 2]:
+            return part[..., :3].copy()
+        return cv2.merge([np.ascontiguousarray(part[..., c]) for c in self._channels])
+
+
+class PlanarPicture(_ArrayBased):
+    """Red, green and blue in a plane each.
+
+    Parameters
+    ----------
+    red, green, blue : ndarray, shape (H, W), uint8
+        The planes.
+    """
+
+    is_colour = True
+
+    def __init__(self, red: np.ndarray, green: np.ndarray, blue: np.ndarray) -> None:
+        super().__init__(red)
+        self._planes = (red, green, blue)
+
+    def region(self, u0: int, v0: int, u1: int, v1: int) -> np.ndarray:
+        """Return that half-open region as a fresh RGB array."""
+        return cv2.merge([plane[v0:v1, u0:u1] for plane in self._planes])
+
+
+class PalettePicture(_ArrayBased):
+    """Indices into 256 colours; many uncompressed AVI files of grey cameras are such.
+
+    Parameters
+    ----------
+    pixels : ndarray, shape (H, W), uint8
+        Indices.
+    palette : ndarray, shape (256, 3), uint8
+        RGB of each index. Where every entry is grey, so is the picture.
+    """
+
+    def __init__(self, pixels: np.ndarray, palette: np.ndarray) -> None:
+        super().__init__(pixels)
+        self.is_colour = bool((palette != palette[:, :1]).any())
+        self._palette = palette.copy() if self.is_colour else palette[:, 0].copy()
+
+    def region(self, u0: int, v0: int, u1: int, v1: int) -> np.ndarray:
+        """Return that half-open region as a fresh array."""
+        return self._palette[self._pixels[v0:v1, u0:u1]]
+
+
+class LazyPicture:
+    """A rare format, converted whole when its first region is asked for.
+
+    Parameters
+    ----------
+    width, height : int
+        Size in px.
+    load : callable
+        Returns the whole picture as (H, W, 3) RGB, uint8.
+    """
+
+    is_colour = True
+
+    def __init__(self, width: int, height: int, load: Callable[[], np.ndarray]) -> None:
+        self.width, self.height = width, height
+        self._load = load
+        self._pixels: np.ndarray | None = None
+
+    def region(self, u0: int, v0: int, u1: int, v1: int) -> np.ndarray:
+        """Return that half-open region as a fresh RGB array."""
+        if self._pixels is None:
+            self._pixels = self._load()
+        return self._pixels[v0:v1, u0:u1].copy()
+
+
+class YuvPicture(_ArrayBased):
+    """Planar YUV, 8 bit, with any whole-number chroma subsampling.
+
+    Parameters
+    ----------
+    luma : ndarray, shape (H, W), uint8
+        Y.
+    chroma_u, chroma_v : ndarray, shape (ceil(H / step_v), ceil(W / step_u)), uint8
+        U (Cb) and V (Cr).
+    steps : tuple of int
+        Luma pixels a chroma sample spans along u and along v.
+    standard : str
+        A key of ``LUMA_WEIGHTS``.
+    full_range : bool
+        Whether Y spans 0..255 (JPEG) or 16..235 (video).
+
+    Notes
+    -----
+    The conversion is the textbook one (Kr and Kb of the standard), rounded once at the
+    end; libswscale's fast path is within a few grey levels of it.
+    """
+
+    is_colour = True
+
+    def __init__(
+        self,
+        luma: np.ndarray,
+        chroma_u: np.ndarray,
+        chroma_v: np.ndarray,
+        *,
+        steps: tuple[int, int],
+        standard: str = "bt601",
+        full_range: bool = False,
+    ) -> None:
+        super().__init__(luma)
+        self._u, self._v = chroma_u, chroma_v
+        self._steps = steps
+        self._tables = _yuv_tables(standard, full_range)
+
+    def region(self, u0: int, v0: int, u1: int, v1: int) -> np.ndarray:
+        """Return that half-open region as a fresh RGB array."""
+        out = np.empty((v1 - v0, u1 - u0, 3), np.uint8)
+        for top in range(v0, v1, _BAND_ROWS):
+            bottom = min(top + _BAND_ROWS, v1)
+            out[top - v0 : bottom - v0] = self._band(u0, top, u1, bottom)
+        return out
+
+    def luma(self) -> GreyPicture:
+        """Return Y, stretched to 0..255, as a grey picture (a raw mosaic lies in Y)."""
+        table = np.clip(self._tables[0] >> _SHIFT, 0, 255).astype(np.uint8)
+        return GreyPicture(cv2.LUT(self._pixels, table))
+
+    def _band(self, u0: int, v0: int, u1: int, v1: int) -> np.ndarray:
+        """Convert a few rows: table look-ups at chroma size, one addition at full size."""
+        luma, red_v, green_u, green_v, blue_u = self._tables
+        step_u, step_v = self._steps
+        left, top = u0 // step_u, v0 // step_v
+        right, bottom = -(-u1 // step_u), -(-v1 // step_v)
+        cb, cr = self._u[top:bottom, left:right], self._v[top:bottom, left:right]
+        chroma = cv2.merge(
+            (
+                cv2.LUT(cr, red_v),
+                cv2.add(cv2.LUT(cb, green_u), cv2.LUT(cr, green_v)),
+                cv2.LUT(cb, blue_u),
+            )
+        )
+        if (step_u, step_v) != (1, 1):
+            size = ((right - left) * step_u, (bottom - top) * step_v)
+            chroma = cv2.resize(chroma, size, interpolation=cv2.INTER_NEAREST)
+        u_off, v_off = u0 - left * step_u, v0 - top * step_v
+        chroma = chroma[v_off : v_off + v1 - v0, u_off : u_off + u1 - u0]
+        grey = cv2.LUT(self._pixels[v0:v1, u0:u1], luma)
+        # cv2.add saturates in int16, far outside what the clip below lets through
+        total = np.asarray(cv2.add(cv2.merge((grey, grey, grey)), chroma))
+        np.right_shift(total, _SHIFT, out=total)
+        return np.clip(total, 0, 255, out=total).astype(np.uint8)
+
+
+@functools.cache
+def _yuv_tables(standard: str, full_range: bool) -> tuple[np.ndarray, ...]:
+    """Return int16 tables, shape (256,): Y, V to red, U and V to green, U to blue."""
+    kr, kb = LUMA_WEIGHTS[standard]
+    kg = 1.0 - kr - kb
+    y_gain, y_zero, c_gain = (1.0, 0, 1.0) if full_range else (255 / 219, 16, 255 / 224)
+    code = np.arange(256)
+    chroma = c_gain * (code - 128)
+    terms = (
+        y_gain * (code - y_zero) + 0.5,  # the half makes the final shift round
+        2 * (1 - kr) * chroma,
+        -2 * kb * (1 - kb) / kg * chroma,
+        -2 * kr * (1 - kr) / kg * chroma,
+        2 * (1 - kb) * chroma,
+    )
+    return tuple(np.rint(term * 2**_SHIFT).astype(np.int16) for term in terms)
+
+
+def picture_of_planes(
+    pixel_format: str,
+    planes: Sequence[np.ndarray],
+    *,
+    width: int,
+    height: int,
+    standard: str,
+    full_range: bool,
+) -> Picture | None:
+    """Return the picture that decoded planes hold, without copying them.
+
+    Parameters
+    ----------
+    pixel_format : str
+        ffmpeg's name, such as ``yuv420p``.
+    planes : sequence of ndarray, shape (rows, bytes), uint8
+        The planes with their padding on the right and below.
+    width, height : int
+        Size of the picture, px.
+    standard : str
+        A key of ``LUMA_WEIGHTS``.
+    full_range : bool
+        Whether Y spans 0..255.
+
+    Returns
+    -------
+    Picture or None
+        None for a format that is not known here.
+    """
+    steps = _CHROMA_STEPS.get(pixel_format.removeprefix("yuvj").removeprefix("yuv"))
+    if steps is not None:
+        columns, rows = -(-width // steps[0]), -(-height // steps[1])
+        return YuvPicture(
+            planes[0][:height, :width],
+            planes[1][:rows, :columns],
+            planes[2][:rows, :columns],
+            steps=steps,
+            standard=standard,
+            full_range=full_range or pixel_format.startswith("yuvj"),
+        )
+    first = planes[0][:height]
+    if pixel_format == "gray":
+        return GreyPicture(first[:, :width])
+    if pixel_format in _GREY_BITS:
+        wide = first[:, : 2 * width].view("<u2")
+        return GreyPicture(np.right_shift(wide, _GREY_BITS[pixel_format] - 8).astype(np.uint8))
+    if pixel_format in _PACKED:
+        channels = 3 if pixel_format in ("rgb24", "bgr24") else 4
+        packed = first[:, : width * channels].reshape(height, width, channels)
+        return PackedPicture(packed, _PACKED[pixel_format])
+    if pixel_format == "gbrp":
+        green, blue, red = (plane[:height, :width] for plane in planes)
+        return PlanarPicture(red, green, blue)
+    if pixel_format == "pal8":
+        palette = planes[1].reshape(-1)[:1024].reshape(256, 4)  # blue, green, red, alpha
+        return PalettePicture(first[:, :width], palette[:, 2::-1])
+    return None

@@ -1,0 +1,153 @@
+"""Lens distortion: read ``lenses.toml``, straighten the region asked for.
+
+The model is OpenCV's (Brown-Conrady: radial k1, k2, k3..k6, tangential p1, p2, thin
+prism, tilt). The straightened picture keeps the camera matrix and the size.
+"""
+
+from __future__ import annotations
+
+import functools
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+
+from pawnb.core.colour import Picture
+from pawnb.errors import InputError, did_you_mean
+
+_COUNTS = (4, 5, 8, 12, 14)
+_INT16 = (-(2**15), 2**15 - 1)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Lens:
+    """Matrix and distortion of one camera.
+
+    Parameters
+    ----------
+    matrix : tuple of tuple of float
+        3 x 3 camera matrix in px of the whole, unmirrored picture.
+    distortion : tuple of float
+        4, 5, 8, 12 or 14 coefficients in OpenCV's order k1, k2, p1, p2, k3, ...
+    """
+
+    matrix: tuple[tuple[float, ...], ...]
+    distortion: tuple[float, ...]
+
+
+def load_lenses(path: str | Path) -> dict[str, Lens]:
+    """Read ``lenses.toml``: a section per view with ``matrix`` and ``distortion``.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+
+    Returns
+    -------
+    dict of str to Lens
+        One lens a view.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, is not TOML, or a section is not a lens.
+    """
+    path = Path(path)
+    try:
+        document = tomllib.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file; [calibration] lens names it.") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: not a TOML file ({error}); mend that line.") from None
+    return {name: _lens(section, f"{path.name}: [{name}]") for name, section in document.items()}
+
+
+def _lens(section: Any, where: str) -> Lens:
+    """Check one section."""
+    if not isinstance(section, dict):
+        raise InputError(f"{where}: expected a section with matrix and distortion.")
+    for name in section:
+        if name not in ("matrix", "distortion"):
+            raise InputError(
+                f"{where}: unknown field {name!r}{did_you_mean(name, ('matrix', 'distortion'))}; "
+                "known are matrix, distortion."
+            )
+    matrix = _numbers(section.get("matrix"))
+    if matrix is None or matrix.shape != (3, 3):
+        raise InputError(f"{where}: matrix is {section.get('matrix')!r}; expected 3 rows of 3.")
+    if not (matrix[0, 0] > 0 and matrix[1, 1] > 0 and (matrix[2] == (0, 0, 1)).all()):
+        raise InputError(
+            f"{where}: matrix is {section['matrix']!r}; expected "
+            "[[fx, 0, cx], [0, fy, cy], [0, 0, 1]] with fx and fy above 0."
+        )
+    distortion = _numbers(section.get("distortion"))
+    if distortion is None or distortion.ndim != 1 or len(distortion) not in _COUNTS:
+        raise InputError(
+            f"{where}: distortion is {section.get('distortion')!r}; expected "
+            f"{', '.join(map(str, _COUNTS[:-1]))} or {_COUNTS[-1]} numbers."
+        )
+    rows = tuple(tuple(float(x) for x in row) for row in matrix)
+    return Lens(matrix=rows, distortion=tuple(float(x) for x in distortion))
+
+
+def _numbers(value: Any) -> np.ndarray | None:
+    """Return finite numbers as an array, or None where the value is anything else."""
+    try:
+        numbers = np.array(value, dtype=float)
+    except (TypeError, ValueError):
+        return None
+    return numbers if numbers.ndim and np.isfinite(numbers).all() else None
+
+
+class StraightPicture:
+    """A picture without its lens distortion (bilinear; black where nothing was filmed).
+
+    Parameters
+    ----------
+    picture : Picture
+        The picture as filmed.
+    lens : Lens
+        Its lens.
+    """
+
+    def __init__(self, picture: Picture, lens: Lens) -> None:
+        self._picture = picture
+        self._maps = _maps(lens, picture.width, picture.height)
+        self.width, self.height = picture.width, picture.height
+        self.is_colour = picture.is_colour
+
+    def region(self, u0: int, v0: int, u1: int, v1: int) -> np.ndarray:
+        """Return that half-open region as a fresh array."""
+        whole, fraction = (m[v0:v1, u0:u1] for m in self._maps)
+        # only what the region draws upon is converted; whole-pixel shifts keep it exact
+        left, right = _span(whole[..., 0], self.width)
+        top, bottom = _span(whole[..., 1], self.height)
+        shifted = np.clip(whole - np.array([left, top]), *_INT16).astype(np.int16)
+        return cv2.remap(
+            self._picture.region(left, top, right, bottom),
+            shifted,
+            np.ascontiguousarray(fraction),
+            cv2.INTER_LINEAR,
+            borderMode=cv2.BORDER_CONSTANT,
+            borderValue=0,
+        )
+
+
+def _span(positions: np.ndarray, size: int) -> tuple[int, int]:
+    """Return the half-open span of source pixels, inside the picture and not empty."""
+    low = min(max(int(positions.min()), 0), size - 1)
+    return low, max(min(int(positions.max()) + 2, size), low + 1)
+
+
+@functools.lru_cache(maxsize=16)
+def _maps(lens: Lens, width: int, height: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return where each straight pixel lies in the filmed picture, in fixed point."""
+    matrix = np.array(lens.matrix)
+    whole, fraction = cv2.initUndistortRectifyMap(
+        matrix, np.array(lens.distortion), None, matrix, (width, height), cv2.CV_16SC2
+    )
+    return whole, fraction

@@ -1,0 +1,416 @@
+"""Video files, exactly: the frame you ask for is the frame you get.
+
+Containers lie about where frames are: key frames of H.264 in AVI carry no usable
+display time, edit lists hide frames, time stamps are missing, repeated or uneven.
+So the packets of a file are listed once when it is opened (no decoding), every
+packet is fed to the decoder under its own number, and so every picture that comes
+out is known by the packet it came from. Seeking goes to a packet where decoding can
+begin, checks where it landed, and decodes on.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import threading
+from collections import OrderedDict
+from collections.abc import Iterator
+from pathlib import Path
+
+import av
+import numpy as np
+
+from pawnb.core.colour import LazyPicture, Picture, picture_of_planes
+from pawnb.core.lens import Lens, load_lenses
+from pawnb.core.packets import Packet, PacketIndex, begins_anew
+from pawnb.core.pictures import SUFFIXES, PictureFolder, is_glob
+from pawnb.core.views import Frame, Source, ViewReader
+from pawnb.core.viewset import ViewSet
+from pawnb.errors import VideoError, did_you_mean
+from pawnb.trial import Trial, View
+
+__all__ = ["Frame", "VideoFile", "ViewReader", "ViewSet", "open_view", "open_views"]
+
+_BLOCK_BYTES = 64 * 2**20
+"""Memory for pictures met on the way to the one asked for: stepping back needs them."""
+
+# AVColorSpace; what is not tagged is BT.601, as for ffmpeg
+_STANDARDS = {1: "bt709", 7: "smpte240m", 9: "bt2020", 10: "bt2020"}
+_FULL_RANGE = 2
+
+
+class VideoFile:
+    """The first video stream of a file.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+
+    Attributes
+    ----------
+    n_frames, width, height : int
+        Number and size of the frames, px.
+    stamps_s : ndarray, shape (n_frames,)
+        The container's time stamps, s.
+    is_variable_rate : bool
+        Whether they are not evenly spaced.
+    notes : list of str
+        What a user should know, in plain sentences: a file that is cut short.
+
+    Raises
+    ------
+    VideoError
+        If the file is missing, is not a video, or holds no frame that can be decoded.
+
+    Notes
+    -----
+    One codec thread a file: views are decoded side by side in threads of their own, and
+    an error can be told from the packet that caused it.
+    """
+
+    def __init__(self, path: str | Path) -> None:
+        self.path = Path(path)
+        self.name = str(path)
+        self.notes: list[str] = []
+        self._lock = threading.RLock()
+        self._is_open = True
+        self._container, self._stream = self._open()
+        self._decoded: Iterator[tuple[int, av.VideoFrame | None]] = iter(())
+        self._kept: OrderedDict[int, Picture] = OrderedDict()
+        try:
+            self._index = self._list_packets()
+            self.n_frames = self._index.n_frames
+            self.stamps_s: np.ndarray | None = self._index.stamps_s
+            self.is_variable_rate = self._index.is_variable_rate
+            self.width, self.height = self._stream.width, self._stream.height
+            size = max(self.width * self.height * 2, 1)
+            self._block = min(max(_BLOCK_BYTES // size, 4), 64)
+            self._at: int | None = None
+            self.grab(0)
+        except VideoError:
+            self.close()
+            raise
+
+    def grab(self, index: int) -> Picture:
+        """Return the picture of that number.
+
+        Parameters
+        ----------
+        index : int
+            Frame number, 0 for the first that the file shows.
+
+        Returns
+        -------
+        Picture
+            The decoded planes.
+
+        Raises
+        ------
+        VideoError
+            If that frame cannot be decoded, or the file is closed.
+        """
+        with self._lock:
+            if not self._is_open:
+                raise VideoError(f"{self.name} is closed; open it again to read frame {index}.")
+            if index in self._kept:
+                return self._kept[index]
+            restart, first = self._index.restart_for(index)
+            sought = self._at is None or not first - 1 <= self._at < index
+            if sought:
+                self._kept.clear()
+                self._begin_at(restart, first)
+            for number, frame in self._decoded:
+                self._at = number
+                if number > index:
+                    break
+                if frame is not None:
+                    self._kept[number] = self._picture(frame, number)
+                while len(self._kept) > (self._block if sought else 1):
+                    self._kept.popitem(last=False)
+                if number == index:
+                    if frame is None:
+                        break
+                    return self._kept[index]
+            raise VideoError(
+                f"{self.name}: frame {index} cannot be decoded; the file is damaged there."
+            )
+
+    def close(self) -> None:
+        """Close the file; reading after that is refused."""
+        with self._lock:
+            self._is_open = False
+            self._decoded = iter(())
+            self._kept.clear()
+            self._container.close()
+
+    def _open(self) -> tuple[av.container.InputContainer, av.video.stream.VideoStream]:
+        """Open the file and its first video stream."""
+        try:
+            container = av.open(self.name)
+        except (av.FFmpegError, OSError, ValueError) as error:
+            if not self.path.exists():
+                raise VideoError(_no_such_video(self.path)) from None
+            reason = getattr(error, "strerror", None) or error
+            raise VideoError(
+                f"{self.name}: not a video that can be read ({reason}); it may be cut short, "
+                "damaged or of another kind."
+            ) from None
+        if not container.streams.video:
+            container.close()
+            raise VideoError(f"{self.name}: holds no video; name another file.")
+        stream = container.streams.video[0]
+        stream.codec_context.thread_count = 1
+        return container, stream
+
+    def _list_packets(self) -> PacketIndex:
+        """Read through the file once without decoding, and note where it is cut short."""
+        stream, codec = self._stream, self._stream.codec_context
+        packets: list[Packet] = []
+        ends_whole = True
+        with contextlib.suppress(av.FFmpegError):  # what comes after a damaged place is lost
+            for packet in self._container.demux(stream):
+                if not packet.size:
+                    continue
+                fresh = packet.is_keyframe and begins_anew(
+                    bytes(packet), codec.name, codec.extradata
+                )
+                packets.append(
+                    Packet(packet.pts, packet.dts, packet.pos, packet.is_keyframe,
+                           packet.is_discard, fresh)
+                )  # fmt: skip
+                ends_whole = not packet.is_corrupt
+        if packets and not ends_whole:
+            packets.pop()
+        if not any(not p.is_hidden for p in packets):
+            raise VideoError(f"{self.name}: holds no frame; the file is empty or cut short.")
+        shown = [p.pts for p in packets if p.pts is not None and not p.is_hidden]
+        # H.264 and HEVC in AVI, and streams that reorder but show no sign of it, carry
+        # the order of decoding in the place of display times
+        mistrusted = ("avi" in self._container.format.name and codec.name in ("h264", "hevc")) or (
+            bool(codec.has_b_frames) and shown == sorted(shown)
+        )
+        index = PacketIndex(
+            packets,
+            tick_s=float(stream.time_base or 1),
+            intra_only=codec.codec.intra_only,
+            trusts_pts=not mistrusted,
+            rate_hz=float(stream.average_rate) if stream.average_rate else None,
+        )
+        if not ends_whole or stream.frames > len(packets):
+            promised = f" of {stream.frames}" if stream.frames > len(packets) else ""
+            self.notes.append(
+                f"{self.name} is cut short: it ends after frame {index.n_frames - 1}{promised}."
+            )
+        return index
+
+    def _begin_at(self, restart: int, first: int) -> None:
+        """Make ``self._decoded`` start with the picture ``first``, decoding from ``restart``."""
+        self._at = first - 1
+        self._decoded = self._decode(self._seek(restart), first)
+
+    def _seek(self, restart: int) -> Iterator[tuple[int, av.Packet | None]]:
+        """Return the packets from ``restart`` on, each with its number; None ends them."""
+        step = int(0.25 / float(self._stream.time_base or 1)) + 1
+        for ticks in self._index.seek_ticks(restart, step=step):
+            try:
+                self._container.seek(ticks, stream=self._stream, backward=True)
+            except av.FFmpegError:
+                continue
+            packets = self._packets()
+            head = next(packets, None)
+            landed = self._index.identify(head.pos, head.dts) if head is not None else None
+            if head is not None and landed is not None and landed <= restart:
+                return self._numbered(itertools.chain([head], packets), landed, restart)
+        self._container.close()
+        self._container, self._stream = self._open()
+        return self._numbered(self._packets(), 0, restart)
+
+    def _packets(self) -> Iterator[av.Packet]:
+        """Yield packets that hold data, up to the end or to where the file is damaged."""
+        with contextlib.suppress(av.FFmpegError):
+            for packet in self._container.demux(self._stream):
+                if packet.size:
+                    yield packet
+
+    def _numbered(
+        self, packets: Iterator[av.Packet], landed: int, restart: int
+    ) -> Iterator[tuple[int, av.Packet | None]]:
+        """Yield packets numbered from ``landed`` on, and leave out what lies before ``restart``."""
+        for number, packet in enumerate(packets, landed):
+            if restart <= number < self._index.n_packets:
+                packet.pts = packet.dts = number  # the picture carries it out of the decoder
+                yield number, packet
+        yield self._index.n_packets, None
+
+    def _decode(
+        self, packets: Iterator[tuple[int, av.Packet | None]], first: int
+    ) -> Iterator[tuple[int, av.VideoFrame | None]]:
+        """Yield pictures in the order of display from ``first`` on; None where damaged."""
+        index = self._index
+        numbers = index.numbers
+        count = first
+        spoilt = range(0)  # packets whose pictures cannot be relied upon
+        for at, packet in packets:
+            try:
+                frames = self._stream.codec_context.decode(packet)
+            except av.FFmpegError:
+                frames = []
+                # where frames are counted, one that is lost shifts all up to the next restart
+                spoilt = range(at if numbers is not None else 0, index.restart_after(at))
+            for frame in frames:
+                came_from = -1 if frame.pts is None else int(frame.pts)
+                if numbers is None:
+                    number = came_from if index.is_restart(came_from) else count
+                    count = number + 1
+                else:
+                    number = int(numbers[came_from]) if came_from >= 0 else -1
+                if number < first:  # hidden, or shown before the picture decoding began with
+                    continue
+                if frame.is_corrupt and came_from not in spoilt:
+                    spoilt = range(came_from, index.restart_after(came_from))
+                yield number, None if came_from in spoilt else frame
+
+    def _picture(self, frame: av.VideoFrame, number: int) -> Picture:
+        """Return the decoded planes in the shape that fits their format."""
+        if (frame.width, frame.height) != (self.width, self.height):
+            raise VideoError(
+                f"{self.name}: frame {number} is {frame.width} x {frame.height} px, but the video "
+                f"is {self.width} x {self.height}; all frames must be of one size."
+            )
+        return _picture_of(frame)
+
+
+def _picture_of(frame: av.VideoFrame) -> Picture:
+    """Return a decoded frame as one of the pictures of :mod:`pawnb.core.colour`."""
+    planes = [_plane(plane) for plane in frame.planes]
+    picture = None
+    if planes and all(plane is not None for plane in planes):
+        picture = picture_of_planes(
+            frame.format.name,
+            [plane for plane in planes if plane is not None],
+            width=frame.width,
+            height=frame.height,
+            standard=_STANDARDS.get(int(frame.colorspace), "bt601"),
+            full_range=int(frame.color_range) == _FULL_RANGE,
+        )
+    if picture is None:
+        return LazyPicture(frame.width, frame.height, lambda: frame.to_ndarray(format="rgb24"))
+    return picture
+
+
+def _plane(plane: av.video.plane.VideoPlane) -> np.ndarray | None:
+    """Return a plane's rows with their padding, without a copy; None if stored bottom up."""
+    if plane.line_size <= 0:
+        return None
+    data = np.frombuffer(plane, np.uint8)
+    rows = len(data) // plane.line_size
+    return data[: rows * plane.line_size].reshape(rows, plane.line_size)
+
+
+def open_view(
+    view: View, folder: Path, *, lens: Lens | None = None, fps: float | None = None
+) -> ViewReader:
+    """Open one view.
+
+    Parameters
+    ----------
+    view : View
+        What was filmed: a video file, a folder or a glob of pictures, and what to show.
+    folder : Path
+        Folder that ``view.video`` is relative to.
+    lens : Lens, optional
+        Distortion to remove.
+    fps : float, optional
+        Frames per second of the recording; without it ``time_s`` is the file's own time.
+
+    Returns
+    -------
+    ViewReader
+        The open view; frame 0 is the first of the file.
+
+    Raises
+    ------
+    VideoError
+        If the video is missing or damaged, or the crop reaches outside the picture.
+    """
+    return _reader(view, _open_source(view, Path(folder)), lens, fps)
+
+
+def open_views(trial: Trial) -> ViewSet:
+    """Open every view of a trial; views of one file share its decoder.
+
+    Parameters
+    ----------
+    trial : Trial
+        What was filmed.
+
+    Returns
+    -------
+    ViewSet
+        The open views, a context manager; its ``notes`` say what a user should know.
+
+    Raises
+    ------
+    VideoError
+        If a video is missing or damaged, a crop reaches outside its picture, or
+        ``trial.frames`` asks for frames that a view does not have.
+    InputError
+        If the lens file is wrong or lacks a view.
+    """
+    if not trial.views:
+        raise VideoError(f"trial {trial.name!r} has no views; add [[views]] to its trial.toml.")
+    lenses: dict[str, Lens] = {}
+    if trial.calibration is not None and trial.calibration.lens is not None:
+        lenses = load_lenses(trial.path(trial.calibration.lens))
+        for view in trial.views:
+            if view.name not in lenses:
+                raise VideoError(
+                    f"{trial.calibration.lens}: no section [{view.name}]"
+                    f"{did_you_mean(view.name, lenses)}; expected one for each view."
+                )
+    sources: dict[str, Source] = {}
+    with contextlib.ExitStack() as on_error:
+        readers = {}
+        for view in trial.views:
+            if view.video not in sources:
+                sources[view.video] = _open_source(view, trial.folder)
+                on_error.callback(sources[view.video].close)
+            source = sources[view.video]
+            readers[view.name] = _reader(view, source, lenses.get(view.name), trial.fps)
+        views = ViewSet(readers, fps=trial.fps, offsets={v.name: v.offset for v in trial.views})
+        if trial.frames is not None:
+            views.check_range(*trial.frames)
+        on_error.pop_all()
+    return views
+
+
+def _reader(view: View, source: Source, lens: Lens | None, fps: float | None) -> ViewReader:
+    """Make the reader of a view, and close its file if it does not fit the view."""
+    with contextlib.ExitStack() as on_error:
+        on_error.callback(source.close)
+        reader = ViewReader(view, source, lens=lens, fps=fps)
+        on_error.pop_all()
+    return reader
+
+
+def _open_source(view: View, folder: Path) -> Source:
+    """Open what a view names, by what it is; messages begin with the view's name."""
+    path = folder / view.video
+    try:
+        if path.is_dir() or (is_glob(view.video) and not path.exists()):
+            return PictureFolder(path)
+        if path.exists() and path.suffix.lower() in SUFFIXES:
+            return PictureFolder(path)
+        return VideoFile(path)
+    except VideoError as error:
+        raise VideoError(f"view {view.name!r}: {error}") from None
+
+
+def _no_such_video(path: Path) -> str:
+    """Say that a file is not there, with the nearest name that is."""
+    names = [p.name for p in path.parent.iterdir()] if path.parent.is_dir() else []
+    return (
+        f"{path}: no such video{did_you_mean(path.name, names)}; expected a video file, a folder "
+        "of pictures or a glob such as frames/*.png."
+    )
