@@ -233,16 +233,11 @@ def stride_frequency(positions: np.ndarray, *, fs_hz: float) -> float:
     Returns
     -------
     float
-        Median over the feet of the dominant frequency along each foot's main axis of
-        motion, in Hz; NaN where nothing can be told.
+        Dominant frequency along the feet's main axis of motion, in Hz; NaN where
+        nothing can be told.
     """
     axis = _main_axis(np.diff(positions, axis=0))
-    found = [
-        dominant_frequency(positions[:, :, k] @ axis, fs_hz=fs_hz)
-        for k in range(positions.shape[2])
-    ]
-    known = [f for f in found if math.isfinite(f)]
-    return float(np.median(known)) if known else math.nan
+    return dominant_frequency(np.einsum("ndk,d->nk", positions, axis), fs_hz=fs_hz)
 
 
 def smooth_path(positions: np.ndarray, *, cutoff_hz: float, fs_hz: float) -> np.ndarray:

@@ -263,16 +263,62 @@ def _turns_of_run(x: np.ndarray, least: float) -> list[tuple[int, int]]:
     return pivots
 
 
+def find_jumps(x: np.ndarray, *, factor: float, longest: int = 3) -> np.ndarray:
+    """Find samples that jump away and back, as where a tracker took a wrong thing for a moment.
+
+    A stretch of up to ``longest`` samples is a jump if the steps into and out of it go
+    opposite ways and both exceed ``factor`` times the 95th percentile of all steps.
+    A signal that moves away and stays, or comes back slowly, is left alone.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n, d)
+        Positions; NaN where missing.
+    factor : float
+        How much larger than usual steps must be.
+    longest : int
+        Longest stretch, in samples.
+
+    Returns
+    -------
+    ndarray of bool, shape (n,)
+        True where the sample belongs to a jump.
+
+    Raises
+    ------
+    InputError
+        If ``factor`` is not at least 1 or ``longest`` not at least 1.
+    """
+    if not factor >= 1 or longest < 1:
+        raise InputError(f"factor is {factor}, longest {longest}; expected 1 or more of both.")
+    out = np.zeros(len(x), dtype=bool)
+    steps = np.diff(x, axis=0)
+    size = np.linalg.norm(steps, axis=1)
+    if not np.isfinite(size).any():
+        return out
+    large = size > factor * np.nanpercentile(size, 95)
+    for i in np.flatnonzero(large):
+        for length in range(1, longest + 1):
+            back = i + length
+            if back < len(steps) and large[back] and steps[i] @ steps[back] < 0:
+                out[i + 1 : back + 1] = True
+                break
+    return out
+
+
 def dominant_frequency(x: np.ndarray, *, fs_hz: float) -> float:
     """Estimate the frequency of a repeated movement from its velocity.
 
     The spectrum is that of the first differences: it is flat where positions drift,
-    and the strides stand out of the wander. Gaps are bridged, for this purpose only.
+    and the strides stand out of the wander. A stride is short pulses, rich in
+    harmonics, so the frequency is that with the largest sum of the amplitude at
+    itself, half that at its double and a third of that at its triple, over all signals.
+    Gaps are bridged, for this purpose only.
 
     Parameters
     ----------
-    x : ndarray, shape (n,)
-        Position; NaN where missing.
+    x : ndarray, shape (n, k)
+        Positions of k feet that step at one frequency; NaN where missing.
     fs_hz : float
         Sampling rate, in Hz.
 
@@ -282,19 +328,21 @@ def dominant_frequency(x: np.ndarray, *, fs_hz: float) -> float:
         Frequency in Hz, between two cycles in the recording and a quarter of the
         sampling rate; NaN where there is too little to tell.
     """
-    known = np.flatnonzero(np.isfinite(x))
-    if len(known) < 8:
+    n = len(x)
+    n_fft = 8 * 2 ** math.ceil(math.log2(max(n, 2)))
+    amplitude = np.zeros(n_fft // 2 + 1)
+    for column in x.T:
+        known = np.flatnonzero(np.isfinite(column))
+        if len(known) >= max(8, n // 4):
+            velocity = np.diff(np.interp(np.arange(n), known, column[known]))
+            velocity = (velocity - velocity.mean()) * np.hanning(n - 1)
+            amplitude += np.abs(np.fft.rfft(velocity, n_fft))
+    bins = np.arange(math.ceil(2.0 * n_fft / n), n_fft // 4 + 1)
+    if len(bins) == 0 or amplitude[bins].max() == 0.0:
         return math.nan
-    filled = np.interp(np.arange(known[0], known[-1] + 1), known, x[known])
-    velocity = np.diff(filled)
-    velocity = (velocity - velocity.mean()) * np.hanning(len(velocity))
-    n_fft = 8 * 2 ** math.ceil(math.log2(len(velocity)))
-    power = np.abs(np.fft.rfft(velocity, n_fft)) ** 2
-    frequency = np.fft.rfftfreq(n_fft, 1.0 / fs_hz)
-    use = (frequency >= 2.0 * fs_hz / len(velocity)) & (frequency <= fs_hz / 4.0)
-    if not use.any() or power[use].max() == 0.0:
-        return math.nan
-    return float(frequency[use][np.argmax(power[use])])
+    padded = np.concatenate((amplitude, np.zeros(n_fft)))
+    together = padded[bins] + padded[2 * bins] / 2.0 + padded[3 * bins] / 3.0
+    return float(bins[np.argmax(together)] * fs_hz / n_fft)
 
 
 def _each_column(x: np.ndarray, apply: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:

@@ -23,7 +23,7 @@ class EventSettings:
     """Settings of the gait analysis.
 
     Times that are None follow the animal: they are set from its stride frequency,
-    estimated from the spectrum of the feet, and are written in the notes.
+    estimated from the feet, and are written in the notes.
 
     Parameters
     ----------
@@ -53,6 +53,9 @@ class EventSettings:
         Whether the height of the foot is asked too (3D).
     min_confidence : float
         Positions with a lower confidence count as missing.
+    jump_factor : float, optional
+        Positions that jump away and back within three frames, by steps this many times
+        the usual large step (95th percentile), count as missing; None keeps them.
     substrate : {"auto", "treadmill", "ground"}
         What the animal runs on; ``auto``: a treadmill where a belt speed is known or
         the animal gets nowhere, else the ground.
@@ -72,6 +75,7 @@ class EventSettings:
     contact_height_fraction: float = 0.25
     use_height: bool = True
     min_confidence: float = 0.0
+    jump_factor: float | None = 3.0
     substrate: Literal["auto", "treadmill", "ground"] = "auto"
     stride_events: Literal["auto", "AEP", "TD"] = "auto"
 
@@ -83,8 +87,11 @@ class EventSettings:
                 continue
             top = 1.0 if "fraction" in f.name or f.name == "min_confidence" else math.inf
             low_ok = value >= 0 if f.name in zero_allowed else value > 0
+            if f.name == "jump_factor":
+                low_ok = value >= 1
             if not (low_ok and value <= top and math.isfinite(value)):
                 least = "0 or more" if f.name in zero_allowed else "above 0"
+                least = "1 or more" if f.name == "jump_factor" else least
                 most = " and at most 1" if top == 1.0 else ""
                 raise InputError(f"setting {f.name!r} is {value}; expected {least}{most}.")
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -40,12 +40,19 @@ from pawnb.kinematics import (
     travel_direction,
 )
 from pawnb.schema import DROPPED_COLUMNS, EVENTS_COLUMNS
-from pawnb.signals import butterworth_lowpass, differentiate, fill_gaps, find_runs
+from pawnb.signals import (
+    butterworth_lowpass,
+    differentiate,
+    fill_gaps,
+    find_jumps,
+    find_runs,
+    find_turns,
+)
 from pawnb.trial import Trial
 
 EVENT_TABLE_COLUMNS = (*EVENTS_COLUMNS, "position")
 _UNFILTERED_ABOVE = 0.35
-_SLIP_ALLOWED = 0.3
+_SLIP_ALLOWED = 0.15
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -160,20 +167,26 @@ def analyse_space(
     """
     notes: list[str] = []
     fs = grid.fs_hz
+    feet, jumps = _without_jumps(feet, settings.jump_factor)
+    up = _up(trial, feet)
+    # first guess from the spectrum; it only has to find the path of the body
     frequency = stride_frequency(feet.positions, fs_hz=fs)
-    scales = choose_scales(settings, frequency, fs)
-    notes.append(_say_scales(feet, scales, frequency))
-    max_gap = round(scales.max_gap_s * fs)
-    path = smooth_path(feet.positions, cutoff_hz=scales.body_cutoff_hz, fs_hz=fs)
+    guess = choose_scales(settings, frequency, fs)
+    path = smooth_path(feet.positions, cutoff_hz=guess.body_cutoff_hz, fs_hz=fs)
     treadmill = settings.substrate == "treadmill"
     if settings.substrate == "auto":
         treadmill = belt is not None or not is_travelling(feet.positions, path)
-    up = _up(trial, feet)
     direction = _direction(feet, path, trial, forward, treadmill, fs, notes)
+    frame = body_frame_of_feet(path, direction, treadmill=treadmill)
+    frequency = _stepping_frequency(frame.fore_aft(feet.positions), settings, fs, frequency)
+    scales = choose_scales(settings, frequency, fs)
+    notes.append(_say_scales(feet, scales, frequency))
     if body is not None:
         frame = body_frame_from_points(body, cutoff_hz=scales.cutoff_hz, fs_hz=fs, up=up)
     else:
+        path = smooth_path(feet.positions, cutoff_hz=scales.body_cutoff_hz, fs_hz=fs)
         frame = body_frame_of_feet(path, direction, treadmill=treadmill)
+    max_gap = round(scales.max_gap_s * fs)
     raw = frame.fore_aft(feet.positions)
     position = _smooth(raw, scales.cutoff_hz, fs, max_gap)
     lab = _smooth(along(feet.positions, frame.forward), scales.cutoff_hz, fs, max_gap)
@@ -191,6 +204,7 @@ def analyse_space(
         how = f"fore-aft position ({frame.method})"
         _add_extremes(result, leg, extremes[k], bridged, grid, how)
         _add_rejected(result, leg, rejected[k], grid)
+        _add_jumps(result, leg, jumps[:, k], grid)
         _add_gaps(result, leg, position[:, k], grid, scales.max_gap_s)
         if belt_here is not None:
             foot_height = None if height is None else height[:, k]
@@ -198,6 +212,17 @@ def analyse_space(
             speed = velocity[:, k] + belt_here - slip
             _add_contacts(result, leg, speed, foot_height, extremes[k], grid, settings)
     return result
+
+
+def _without_jumps(feet: FootPaths, factor: float | None) -> tuple[FootPaths, np.ndarray]:
+    """Make positions missing that jump away and back; return also where they did."""
+    jumps = np.zeros((len(feet.positions), len(feet.legs)), dtype=bool)
+    if factor is None:
+        return feet, jumps
+    for k in range(len(feet.legs)):
+        jumps[:, k] = find_jumps(feet.positions[:, :, k], factor=factor)
+    kept = np.where(jumps[:, None, :], np.nan, feet.positions)
+    return replace(feet, positions=kept), jumps
 
 
 def _say_scales(feet: FootPaths, scales: Scales, frequency: float) -> str:
@@ -282,16 +307,34 @@ def _smooth(x: np.ndarray, cutoff_hz: float | None, fs: float, max_gap: int) -> 
     return butterworth_lowpass(x, cutoff_hz=cutoff_hz, fs_hz=fs, max_gap=max_gap)
 
 
+def _least_excursion(position: np.ndarray, settings: EventSettings) -> float:
+    """Return the least excursion between AEP and PEP of one foot; 0 if it was never seen."""
+    if settings.min_excursion is not None or not np.isfinite(position).any():
+        return settings.min_excursion or 0.0
+    low, high = np.nanpercentile(position, [5, 95])
+    return settings.min_excursion_fraction * float(high - low)
+
+
+def _stepping_frequency(
+    position: np.ndarray, settings: EventSettings, fs: float, guess: float
+) -> float:
+    """Count steps: the inverse of the median time between a foot's turns to the rear."""
+    periods: list[float] = []
+    for column in position.T:
+        least = _least_excursion(column, settings)
+        if least > 0.0:
+            turns = find_turns(fill_gaps(column, max_gap=len(column)), min_excursion=least)
+            periods += np.diff(turns[turns[:, 1] > 0, 0]).tolist()
+    return fs / float(np.median(periods)) if periods else guess
+
+
 def _extremes_of_feet(
     position: np.ndarray, fs: float, settings: EventSettings, scales: Scales
 ) -> tuple[list[list[Extreme]], list[list[Rejected]]]:
     """Find the extremes of every foot, each with its own least excursion."""
     extremes, rejected = [], []
     for column in position.T:
-        least = settings.min_excursion
-        if least is None and np.isfinite(column).any():
-            low, high = np.nanpercentile(column, [5, 95])
-            least = settings.min_excursion_fraction * float(high - low)
+        least = _least_excursion(column, settings)
         if not least:
             found: tuple[list[Extreme], list[Rejected]] = ([], [])  # never seen, or never moved
         else:
@@ -394,6 +437,14 @@ def _add_rejected(result: SpaceResult, leg: str, rejected: list[Rejected], grid:
     for start, end, why in rejected:
         span = {"start_s": grid.time_at(start), "end_s": grid.time_at(end)}
         result.dropped.append({"leg": leg, **span, "what": "AEP and PEP", "why": why})
+
+
+def _add_jumps(result: SpaceResult, leg: str, jumps: np.ndarray, grid: Grid) -> None:
+    """Write down positions that were left out because they jump."""
+    for start, stop in find_runs(jumps):
+        span = {"start_s": grid.time_at(start), "end_s": grid.time_at(stop - 1)}
+        why = "jumps away and back (jump_factor)"
+        result.dropped.append({"leg": leg, **span, "what": "position", "why": why})
 
 
 def _add_gaps(
