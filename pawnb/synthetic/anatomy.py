@@ -51,8 +51,10 @@ def trunk_profile() -> np.ndarray:
 class Limb:
     """Measures of one pair of limbs.
 
-    ``pitch_deg`` is the angle of the foot's back part above the belt and ``toe_deg``
-    that of the digits, as (phase, angle) with phase 0-1 in stance and 1-2 in swing.
+    The limb bends forwards (``bend`` +1, knee) or backwards (-1, elbow); the skin of the
+    flank keeps that joint within ``bend_height``. ``pitch_deg`` is the angle of the foot's
+    back part above the belt and ``toe_deg`` that of the digits, as (phase, angle) with
+    phase 0-1 in stance and 1-2 in swing.
     """
 
     joint: tuple[float, float, float]
@@ -62,6 +64,7 @@ class Limb:
     foot: float
     digits: float
     bend: float
+    bend_height: tuple[float, float]
     splay_deg: float
     pitch_deg: tuple[tuple[float, float], ...]
     toe_deg: tuple[tuple[float, float], ...]
@@ -84,6 +87,7 @@ FRONT = Limb(
     foot=4.5,
     digits=3.6,
     bend=-1.0,
+    bend_height=(0.0, 14.5),
     splay_deg=4.0,
     pitch_deg=(
         (0, 22), (0.35, 32), (0.7, 60), (1.0, 100), (1.15, 138), (1.38, 150), (1.62, 105),
@@ -103,13 +107,14 @@ FRONT = Limb(
 )  # fmt: skip
 
 HIND = Limb(
-    joint=(-21.0, 6.6, 22.5),
+    joint=(-21.0, 6.2, 22.5),
     slide=0.06,
     upper=15.5,
     lower=17.0,
     foot=12.0,
     digits=6.0,
     bend=1.0,
+    bend_height=(12.5, 40.0),
     splay_deg=7.0,
     pitch_deg=(
         (0, 18), (0.3, 23), (0.6, 36), (0.85, 54), (1.0, 74), (1.14, 108), (1.28, 114), (1.44, 88),
@@ -118,7 +123,7 @@ HIND = Limb(
     toe_deg=(
         (0, 0), (0.85, 0), (1.0, -12), (1.12, -55), (1.28, -52), (1.55, -15), (1.82, 8), (2.0, 0),
     ),
-    shaft_width=(5.2, 6.2, 6.4, 5.9, 5.0, 4.3, 3.1, 2.2, 1.7),
+    shaft_width=(3.4, 4.6, 5.3, 5.4, 4.9, 4.2, 3.1, 2.2, 1.7),
     shaft_depth=(8.5, 10.5, 10.0, 8.2, 6.6, 5.2, 3.6, 2.3, 1.9),
     foot_width=(1.4, 1.7, 1.7, 2.0, 2.3),
     foot_height=(1.7, 1.6, 1.4, 1.3, 1.0),

@@ -27,6 +27,7 @@ _BELT_LENGTH_MM = 720.0
 """Length after which the marks on the belt repeat."""
 
 Quad = np.ndarray
+_Panel = tuple[Quad, tuple[float, float, float], float]
 
 
 @dataclass(frozen=True)
@@ -202,11 +203,12 @@ def _curtain(
     return settings.light * brightness[..., None] * np.array(settings.backdrop_rgb)
 
 
-def _box_edges(side: int) -> tuple[list[tuple], list[tuple]]:
+def _box_edges(side: int) -> tuple[list[_Panel], list[_Panel]]:
     """Return (quad, rgb, opacity) of the plexiglass behind the animal and before it."""
     length, width, top = BOX_HALF_LENGTH_MM, BELT_HALF_WIDTH_MM + 2.0, _BOX_HEIGHT_MM
     pale, line, shade = (150.0, 160.0, 150.0), (205.0, 214.0, 200.0), (70.0, 92.0, 72.0)
-    far, near = [], []
+    far: list[_Panel] = []
+    near: list[_Panel] = []
     for where, wall in ((far, -side), (near, side)):
         y = wall * width
         for end in (-1, 1):
@@ -216,7 +218,7 @@ def _box_edges(side: int) -> tuple[list[tuple], list[tuple]]:
             where.append((_upright(x + end * 2.4, y, 0.7, top), line, 0.45))
         foot = [[-length, y, 0.2], [length, y, 0.2], [length, y, 1.6], [-length, y, 1.6]]
         where.append((np.array(foot), line, 0.75))
-        slot = np.array(foot) + [0.0, wall * 1.5, 0.0]
+        slot = np.array(foot) + np.array([0.0, wall * 1.5, 0.0])
         slot[:, 2] = [-0.6, -0.6, 0.2, 0.2]
         where.append((slot, shade, 0.6))
     for end in (-1, 1):  # the end walls: a bright line on the belt and a slight veil

@@ -77,7 +77,7 @@ def make_cameras(settings: SceneSettings) -> list[Camera]:
                 np.sin(height),
             ]
         )
-        target = _LOOK_AT + [turn[2], 0.0, 0.0]
+        target = _LOOK_AT + np.array([turn[2], 0.0, 0.0])
         roll = np.radians(0.25 * turn[3])
         matrix = _projection(target + distance * away, -away, roll, focal)
         s = settings.scale

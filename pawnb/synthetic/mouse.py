@@ -9,6 +9,7 @@ import numpy as np
 from pawnb.synthetic import anatomy
 from pawnb.synthetic.anatomy import Limb
 from pawnb.synthetic.gait_model import Gait
+from pawnb.synthetic.hair import Hairs, draw_hairs, hair_triangles
 from pawnb.synthetic.scene import LEGS, SceneSettings
 from pawnb.synthetic.surfaces import (
     Mesh,
@@ -28,7 +29,6 @@ the hind paw from the distal part of the metatarsus, each with its digits."""
 
 TWO_SIDED = (HAIR,)
 
-_KNEE_FLOOR_MM = 12.5
 _TAIL_RINGS, _TAIL_SEGMENTS, _TAIL_LENGTH = 36, 10, 82.0
 _SHAFT_RINGS, _SHAFT_SEGMENTS = 27, 16
 _HAIRS, _LIMB_HAIRS, _WHISKERS = 3600, 350, 12
@@ -45,18 +45,6 @@ class _Pose:
     def place(self, points: np.ndarray) -> np.ndarray:
         """Return laboratory (forward, left, up) of points in the body frame."""
         return points @ self.turn.T + self.origin
-
-
-@dataclass
-class _Hairs:
-    """Hairs of one part: place on its rings, length in mm, lift, sideways stray, brightness."""
-
-    ring: np.ndarray
-    segment: np.ndarray
-    length: np.ndarray
-    lift: np.ndarray
-    stray: np.ndarray
-    shade: np.ndarray
 
 
 class Mouse:
@@ -81,12 +69,18 @@ class Mouse:
         }
         self._fur = np.array(settings.fur_rgb)
         self._skin = np.array(settings.paw_rgb)
-        self._rng = np.random.default_rng([settings.seed, 3])
-        self._hairs = self._draw_hairs(
-            _HAIRS, (2.0, anatomy.TRUNK_RINGS - 12.0), anatomy.TRUNK_SEGMENTS
+        size = settings.size
+        rng = np.random.default_rng([settings.seed, 3])
+        self._hairs = draw_hairs(
+            rng,
+            _HAIRS,
+            rings=(2.0, anatomy.TRUNK_RINGS - 12.0),
+            segments=anatomy.TRUNK_SEGMENTS,
+            size=size,
         )
+        furred = (1.0, 0.6 * _SHAFT_RINGS)
         self._limb_hairs = {
-            leg: self._draw_hairs(_LIMB_HAIRS, (1.0, 0.6 * _SHAFT_RINGS), _SHAFT_SEGMENTS)
+            leg: draw_hairs(rng, _LIMB_HAIRS, rings=furred, segments=_SHAFT_SEGMENTS, size=size)
             for leg in LEGS
         }
 
@@ -163,50 +157,18 @@ class Mouse:
         self._builder.add(BODY, vertices, normals.reshape(-1, 3), fixed)
         return grid, normals
 
-    def _draw_hairs(self, count: int, rings: tuple[float, float], segments: int) -> _Hairs:
-        """Draw where hairs stand on a part and how long, bright and wayward each is."""
-        rng = self._rng
-        return _Hairs(
-            ring=rng.uniform(*rings, count),
-            segment=rng.uniform(0.0, segments, count),
-            length=rng.uniform(1.6, 3.4, count) * self._settings.size,
-            lift=rng.uniform(0.15, 0.55, count),
-            stray=rng.normal(0.0, 0.18, count),
-            shade=rng.uniform(0.8, 1.3, count),
+    def _add_hairs(self, grid: np.ndarray, normals: np.ndarray, hairs: Hairs, way: float) -> None:
+        """Add the hairs of a part with rings of corners ``grid`` (rings, segments, 3)."""
+        vertices, lit = hair_triangles(
+            grid, normals.reshape(grid.shape), hairs, way=way, width=0.34 * self._settings.size
         )
 
-    def _add_hairs(self, grid: np.ndarray, normals: np.ndarray, hairs: _Hairs, way: float) -> None:
-        """Add hairs that lie along a part: a fringe of thin triangles.
-
-        ``way`` is -1 for hairs that point to the first ring and +1 to the last.
-        """
-        segments = grid.shape[1]
-        ring, part = np.divmod(hairs.ring, 1.0)
-        seg, rest = np.divmod(hairs.segment, 1.0)
-        i, j = ring.astype(int), seg.astype(int)
-        k = (j + 1) % segments
-        part, rest = part[:, None], rest[:, None]
-
-        def between(a: np.ndarray) -> np.ndarray:
-            near = a[i, j] + part * (a[i + 1, j] - a[i, j])
-            far = a[i, k] + part * (a[i + 1, k] - a[i, k])
-            return near + rest * (far - near)
-
-        root, normal = between(grid), unit(between(normals.reshape(grid.shape)))
-        along = way * unit(grid[i + 1, j] - grid[i, j])
-        across = np.cross(normal, along)
-        lie = unit(along + hairs.lift[:, None] * normal + hairs.stray[:, None] * across)
-        tip = root + hairs.length[:, None] * lie
-        half = 0.17 * self._settings.size * across
-        root = root - 0.15 * self._settings.size * normal
-        vertices = np.stack([root - half, root + half, tip], axis=1).reshape(-1, 3)
-
         def fixed() -> tuple[np.ndarray, ...]:
-            n = len(root)
+            n = len(vertices)
             colour = np.repeat(self._fur * hairs.shade[:, None], 3, axis=0)
-            return np.arange(3 * n).reshape(n, 3), colour, np.zeros((3 * n, 2)), np.zeros(3 * n)
+            return np.arange(n).reshape(-1, 3), colour, np.zeros((n, 2)), np.zeros(n)
 
-        self._builder.add(HAIR, vertices, np.repeat(normal, 3, axis=0), fixed)
+        self._builder.add(HAIR, vertices, lit, fixed)
 
     def _add_head(self, pose: _Pose) -> None:
         """Add ears, eyes and whiskers."""
@@ -221,9 +183,11 @@ class Mouse:
                 axis=outward,
             )  # fmt: skip
             inner = np.repeat(np.linspace(0.0, 1.0, 8) > 0.5, 18)[:, None]
-            edge = np.repeat(radius / 5.6, 18)[:, None]
+            # darker towards the opening at the foot of the cup, paler to the rim
+            around = np.cos(np.arange(18) * (2 * np.pi / 18))
+            rim = 0.5 + 0.5 * np.outer(radius / 5.6, around).reshape(-1, 1)
             skin = 0.55 * self._skin + 0.45 * self._skin.mean()
-            colour = skin * np.where(inner, 0.55 + 0.37 * edge, 0.8)
+            colour = skin * np.where(inner, 0.58 + 0.42 * rim, 0.65 + 0.3 * rim)
             self._add_tube(EAR, pose.place(vertices), normals @ pose.turn.T, colour, 18)
             middle = np.array([38.4, side * 6.6, 23.2])
             ball = np.linspace(-1.0, 1.0, 8)
@@ -276,7 +240,7 @@ class Mouse:
             line, np.array([0.0, 1.0, 0.0]), (radius, radius), segments=_TAIL_SEGMENTS
         )
         shade = np.repeat(0.72 + 0.12 * s, _TAIL_SEGMENTS)[:, None]
-        colour = shade * (0.75 * self._skin + 0.25 * self._skin.mean())
+        colour = shade * (0.6 * self._skin + 0.4 * self._skin.mean())
         placed = pose.place(vertices)
         placed[:, 2] = np.maximum(placed[:, 2], 1.0)  # it may lie on the belt, not below it
         self._add_tube(TAIL, placed, normals @ pose.turn.T, colour, _TAIL_SEGMENTS)
@@ -301,8 +265,8 @@ class Mouse:
         top = pose.place(joint[None])[0]
         top = top + limb.slide * ((point - top) @ forward) * forward
         knee = _two_links(top, ankle, (limb.upper * size, limb.lower * size), limb.bend * forward)
-        # the skin of the flank holds the knee up when the limb is folded
-        knee[2] = max(knee[2], _KNEE_FLOOR_MM * size)
+        # where the limb is folded the skin of the flank holds the joint
+        knee[2] = np.clip(knee[2], size * limb.bend_height[0], size * limb.bend_height[1])
         knee = knee + side * left * (1.5 if limb is anatomy.HIND else 1.0) * size
         self._add_shaft(leg, limb, (top, knee, ankle), left, pose)
         self._add_paw(leg, limb, (ankle, pad, point), digit, left)
@@ -321,7 +285,7 @@ class Mouse:
         t = np.linspace(0.0, 1.0, rings)
         u = np.clip(2 * t[:, None], 0, 1), np.clip(2 * t[:, None] - 1, 0, 1)
         line = top + u[0] * (knee - top) + u[1] * (ankle - knee)
-        for _ in range(10):  # round the knee
+        for _ in range(14):  # round the knee
             line[1:-1] = 0.25 * line[:-2] + 0.5 * line[1:-1] + 0.25 * line[2:]
         nodes = np.linspace(0.0, 1.0, len(limb.shaft_width))
         wide, deep = (
@@ -337,7 +301,7 @@ class Mouse:
         colour = self._fur + bare * (0.78 * self._skin - self._fur)
         self._add_tube(
             LIMB, vertices, normals, colour, segments,
-            fur=1.0 - bare[:, 0], lengths=(limb.upper + limb.lower) * t,
+            fur=0.45 * (1.0 - bare[:, 0]), lengths=(limb.upper + limb.lower) * t,
         )  # fmt: skip
         grid = vertices.reshape(rings, segments, 3)
         self._add_hairs(grid, normals, self._limb_hairs[leg], 1.0)
