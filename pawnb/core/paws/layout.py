@@ -206,13 +206,21 @@ def _facings(
             sides.append(int(given[name]))
             continue
         if rig is not None:
-            sides.append(rig.facing(name))
+            sides.append(_facing_by_rig(rig, name))
             continue
         rows = start[start["view"] == name]
         kind = rows["point"].map(kinds)
         front, hind = (rows.loc[kind == k, "u"].mean() for k in ("front", "hind"))
         sides.append(int(np.sign(front - hind)) if np.isfinite(front - hind) else 0)
     return tuple(sides)
+
+
+def _facing_by_rig(rig: Rig, name: str) -> int:
+    """Say where the animal faces in a view; 0 in one that looks along its way."""
+    try:
+        return rig.facing(name)
+    except CalibrationError:
+        return 0
 
 
 @dataclass(frozen=True)
