@@ -142,7 +142,7 @@ class PalettePicture(_ArrayBased):
 
     def __init__(self, pixels: np.ndarray, palette: np.ndarray) -> None:
         super().__init__(pixels)
-        self.is_colour = bool((palette != palette[:, :1]).any())
+        self.is_colour = not is_grey(palette)
         self._palette = palette.copy() if self.is_colour else palette[:, 0].copy()
 
     def region(self, u0: int, v0: int, u1: int, v1: int) -> np.ndarray:
@@ -158,18 +158,21 @@ class LazyPicture:
     width, height : int
         Size in px.
     load : callable
-        Returns the whole picture as (H, W, 3) RGB, uint8.
+        Returns the whole picture as (H, W, 3) RGB or (H, W) grey, uint8.
+    is_colour : bool
+        Whether that is RGB.
     """
 
-    is_colour = True
-
-    def __init__(self, width: int, height: int, load: Callable[[], np.ndarray]) -> None:
+    def __init__(
+        self, width: int, height: int, load: Callable[[], np.ndarray], *, is_colour: bool = True
+    ) -> None:
         self.width, self.height = width, height
+        self.is_colour = is_colour
         self._load = load
         self._pixels: np.ndarray | None = None
 
     def region(self, u0: int, v0: int, u1: int, v1: int) -> np.ndarray:
-        """Return that half-open region as a fresh RGB array."""
+        """Return that half-open region as a fresh array."""
         if self._pixels is None:
             self._pixels = self._load()
         return self._pixels[v0:v1, u0:u1].copy()
@@ -271,6 +274,11 @@ def _yuv_tables(standard: str, full_range: bool) -> tuple[np.ndarray, ...]:
     return tuple(np.rint(term * 2**_SHIFT).astype(np.int16) for term in terms)
 
 
+def is_grey(palette: np.ndarray) -> bool:
+    """Tell whether every colour of a palette, shape (n, 3), is a grey."""
+    return bool((palette == palette[:, :1]).all())
+
+
 def picture_of_planes(
     pixel_format: str,
     planes: Sequence[np.ndarray],
@@ -279,6 +287,7 @@ def picture_of_planes(
     height: int,
     standard: str,
     full_range: bool,
+    palette: np.ndarray | None = None,
 ) -> Picture | None:
     """Return the picture that decoded planes hold, without copying them.
 
@@ -294,6 +303,8 @@ def picture_of_planes(
         A key of ``LUMA_WEIGHTS``.
     full_range : bool
         Whether Y spans 0..255.
+    palette : ndarray, shape (256, 3), uint8, optional
+        RGB of each index, for ``pal8``.
 
     Returns
     -------
@@ -324,7 +335,6 @@ def picture_of_planes(
     if pixel_format == "gbrp":
         green, blue, red = (plane[:height, :width] for plane in planes)
         return PlanarPicture(red, green, blue)
-    if pixel_format == "pal8":
-        palette = planes[1].reshape(-1)[:1024].reshape(256, 4)  # blue, green, red, alpha
-        return PalettePicture(first[:, :width], palette[:, 2::-1])
+    if pixel_format == "pal8" and palette is not None:
+        return PalettePicture(first[:, :width], palette)
     return None

@@ -114,10 +114,24 @@ class PacketIndex:
         at = max(bisect.bisect_right(self._firsts, index) - 1, 0)
         return self._restarts[at], self._firsts[at]
 
-    def restart_after(self, packet: int) -> int:
-        """Return the next packet at which decoding can begin (or ``n_packets``)."""
+    def spoilt_by(self, packet: int) -> set[int]:
+        """Return the packets whose pictures cannot be relied upon where one is damaged.
+
+        Those up to the next packet at which decoding can begin, and those after it that are
+        shown before it, as they may rest on what came before. Where pictures are counted,
+        one that is lost shifts the numbers of all that come out later, too.
+        """
         at = bisect.bisect_right(self._in_order, packet)
-        return self._in_order[at] if at < len(self._in_order) else self.n_packets
+        ends = [*self._in_order[at : at + 2], self.n_packets, self.n_packets]
+        if self.numbers is None:
+            return set(range(self._in_order[at - 1], ends[0]))
+        spoilt = set(range(packet, ends[0]))
+        leading = range(ends[0], ends[1])
+        return spoilt.union(k for k in leading if self.numbers[k] < self.numbers[ends[0]])
+
+    def is_shown(self, packet: int, first: int) -> bool:
+        """Tell whether a packet gives a picture from frame ``first`` on."""
+        return self.numbers is None or bool(self.numbers[packet] >= first)
 
     def is_restart(self, packet: int) -> bool:
         """Tell whether decoding can begin at a packet."""

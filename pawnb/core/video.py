@@ -13,14 +13,14 @@ from __future__ import annotations
 import contextlib
 import itertools
 import threading
-from collections import OrderedDict
+from collections import OrderedDict, deque
 from collections.abc import Iterator
 from pathlib import Path
 
 import av
 import numpy as np
 
-from pawnb.core.colour import LazyPicture, Picture, picture_of_planes
+from pawnb.core.colour import LazyPicture, Picture, is_grey, picture_of_planes
 from pawnb.core.lens import Lens, load_lenses
 from pawnb.core.packets import Packet, PacketIndex, begins_anew
 from pawnb.core.pictures import SUFFIXES, PictureFolder, is_glob
@@ -33,6 +33,9 @@ __all__ = ["Frame", "VideoFile", "ViewReader", "ViewSet", "open_view", "open_vie
 
 _BLOCK_BYTES = 64 * 2**20
 """Memory for pictures met on the way to the one asked for: stepping back needs them."""
+
+_MOST_REORDERED = 32
+"""Packets after which a picture that has not come out never will (H.264 allows 16)."""
 
 # AVColorSpace; what is not tagged is BT.601, as for ffmpeg
 _STANDARDS = {1: "bt709", 7: "smpte240m", 9: "bt2020", 10: "bt2020"}
@@ -133,7 +136,8 @@ class VideoFile:
                         break
                     return self._kept[index]
             raise VideoError(
-                f"{self.name}: frame {index} cannot be decoded; the file is damaged there."
+                f"{self.name}: frame {index} cannot be decoded; the file is damaged there or "
+                "shortly before."
             )
 
     def close(self) -> None:
@@ -198,9 +202,9 @@ class VideoFile:
             rate_hz=float(stream.average_rate) if stream.average_rate else None,
         )
         if not ends_whole or stream.frames > len(packets):
-            promised = f" of {stream.frames}" if stream.frames > len(packets) else ""
+            promised = f"it promises {stream.frames} frames and " * (stream.frames > len(packets))
             self.notes.append(
-                f"{self.name} is cut short: it ends after frame {index.n_frames - 1}{promised}."
+                f"{self.name} is cut short: {promised}ends with frame {index.n_frames - 1}."
             )
         return index
 
@@ -246,29 +250,42 @@ class VideoFile:
     def _decode(
         self, packets: Iterator[tuple[int, av.Packet | None]], first: int
     ) -> Iterator[tuple[int, av.VideoFrame | None]]:
-        """Yield pictures in the order of display from ``first`` on; None where damaged."""
+        """Yield pictures in the order of display from ``first`` on; None where damaged.
+
+        A picture may rest on one that was decoded before it and is shown after it. So each
+        is held back until all that were decoded before it have come out and proved sound.
+        """
         index = self._index
-        numbers = index.numbers
+        spoilt: set[int] = set()  # packets whose pictures cannot be relied upon
+        inside: set[int] = set()  # packets whose pictures have not come out yet
+        held: deque[tuple[int, int, av.VideoFrame]] = deque()
         count = first
-        spoilt = range(0)  # packets whose pictures cannot be relied upon
         for at, packet in packets:
+            if packet is not None and index.is_shown(at, first):
+                inside.add(at)
             try:
                 frames = self._stream.codec_context.decode(packet)
             except av.FFmpegError:
                 frames = []
-                # where frames are counted, one that is lost shifts all up to the next restart
-                spoilt = range(at if numbers is not None else 0, index.restart_after(at))
+                inside.discard(at)
+                spoilt.update(index.spoilt_by(at))
             for frame in frames:
                 came_from = -1 if frame.pts is None else int(frame.pts)
-                if numbers is None:
+                inside.discard(came_from)
+                if index.numbers is None:
                     number = came_from if index.is_restart(came_from) else count
                     count = number + 1
                 else:
-                    number = int(numbers[came_from]) if came_from >= 0 else -1
+                    number = int(index.numbers[came_from]) if came_from >= 0 else -1
                 if number < first:  # hidden, or shown before the picture decoding began with
                     continue
                 if frame.is_corrupt and came_from not in spoilt:
-                    spoilt = range(came_from, index.restart_after(came_from))
+                    spoilt.update(index.spoilt_by(came_from))
+                held.append((number, came_from, frame))
+            late = packet is None  # the decoder is empty: nothing is inside any more
+            inside = set() if late else {p for p in inside if p > at - _MOST_REORDERED}
+            while held and (not inside or min(inside) > held[0][1]):
+                number, came_from, frame = held.popleft()
                 yield number, None if came_from in spoilt else frame
 
     def _picture(self, frame: av.VideoFrame, number: int) -> Picture:
@@ -283,23 +300,34 @@ class VideoFile:
 
 def _picture_of(frame: av.VideoFrame) -> Picture:
     """Return a decoded frame as one of the pictures of :mod:`pawnb.core.colour`."""
-    planes = [_plane(plane) for plane in frame.planes]
+    name = frame.format.name
+    palette = None
+    if name == "pal8":  # blue, green, red, alpha
+        palette = np.frombuffer(frame.planes[1], np.uint8)[:1024].reshape(256, 4)[:, 2::-1]
+    images = [_rows(plane) for plane in frame.planes[: 1 if name == "pal8" else None]]
     picture = None
-    if planes and all(plane is not None for plane in planes):
+    if images and all(image is not None for image in images):
         picture = picture_of_planes(
-            frame.format.name,
-            [plane for plane in planes if plane is not None],
+            name,
+            [image for image in images if image is not None],
             width=frame.width,
             height=frame.height,
             standard=_STANDARDS.get(int(frame.colorspace), "bt601"),
             full_range=int(frame.color_range) == _FULL_RANGE,
+            palette=palette,
         )
     if picture is None:
-        return LazyPicture(frame.width, frame.height, lambda: frame.to_ndarray(format="rgb24"))
+        grey = name.startswith("gray") or (palette is not None and is_grey(palette))
+        return LazyPicture(
+            frame.width,
+            frame.height,
+            lambda: frame.to_ndarray(format="rgb24")[..., slice(None) if not grey else 0],
+            is_colour=not grey,
+        )
     return picture
 
 
-def _plane(plane: av.video.plane.VideoPlane) -> np.ndarray | None:
+def _rows(plane: av.video.plane.VideoPlane) -> np.ndarray | None:
     """Return a plane's rows with their padding, without a copy; None if stored bottom up."""
     if plane.line_size <= 0:
         return None
