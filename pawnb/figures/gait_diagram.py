@@ -1,0 +1,169 @@
+"""Gait diagram: when each foot is in stance (paper 2019, Fig. 4)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.transforms import blended_transform_factory
+
+from pawnb.errors import InputError
+from pawnb.figures.style import COLUMN_MM, colour_legs, size_mm, style
+from pawnb.gait.legs import sort_legs
+from pawnb.gait.strides import PARTNER, choose_stride_event
+from pawnb.schema import check_columns
+
+COLUMNS = ("leg", "start_s", "end_s", "phase", "cut")
+
+
+def build_gait_diagram_table(
+    events: pd.DataFrame,
+    *,
+    stance_from: str = "auto",
+    dropped: pd.DataFrame | None = None,
+    span_s: tuple[float, float] | None = None,
+) -> pd.DataFrame:
+    """Build the bars of a gait diagram from the events of one trial.
+
+    Parameters
+    ----------
+    events : pandas.DataFrame
+        Events of one animal and trial: leg, event, time_s.
+    stance_from : {"auto", "AEP", "TD"}
+        Stance is AEP to PEP or TD to LO; ``auto``: AEP where there is any.
+    dropped : pandas.DataFrame, optional
+        The table of what was dropped; stretches without track are shown as unknown.
+    span_s : tuple of float, optional
+        Start and end of the recording; default first and last event of any leg.
+
+    Returns
+    -------
+    pandas.DataFrame
+        ``leg, start_s, end_s, phase, cut``: legs in anatomical order. ``phase`` is
+        ``stance`` or ``unknown`` (an event is missing, or the foot was not tracked);
+        ``cut`` is ``start`` or ``end`` where a stance goes on beyond the span, else
+        empty.
+
+    Raises
+    ------
+    InputError
+        If a column is missing, there is no event, or there are several trials.
+    """
+    check_columns(events, ("leg", "event", "time_s"), where="events")
+    if len(events) == 0:
+        raise InputError("gait diagram: no events; expected those of one trial.")
+    for name in ("animal", "trial"):
+        several = events[name].unique() if name in events else ()
+        if len(several) > 1:
+            raise InputError(
+                f"gait diagram: events of {len(several)} {name}s; choose one, for "
+                f"instance events[events[{name!r}] == {events[name].iloc[0]!r}]."
+            )
+    begin = choose_stride_event(events, stance_from)
+    used = events[events["event"].isin([begin, PARTNER[begin]])]
+    first, last = span_s if span_s is not None else (events["time_s"].min(), events["time_s"].max())
+    rows: list[dict[str, Any]] = []
+    for leg in sort_legs(events["leg"]):
+        own = used[used["leg"] == leg].sort_values("time_s", kind="stable")
+        bars = _bars(own["time_s"].to_numpy(), (own["event"] == begin).to_numpy(), first, last)
+        unseen = _unseen(dropped, leg)
+        for start, end, phase, cut in bars:
+            hidden = ((unseen[:, 1] > start) & (unseen[:, 0] < end)).any()
+            rows.append(
+                dict(zip(COLUMNS, (leg, start, end, "unknown" if hidden else phase, cut),
+                         strict=True))
+            )  # fmt: skip
+    return pd.DataFrame(rows, columns=list(COLUMNS))
+
+
+def _bars(
+    times: np.ndarray, begins: np.ndarray, first: float, last: float
+) -> list[tuple[float, float, str, str]]:
+    """Pair the events of one leg; what has no partner is cut by the edge or unknown."""
+    bars: list[tuple[float, float, str, str]] = []
+    if len(times) == 0:
+        return [(first, last, "unknown", "")]
+    if not begins[0] and times[0] > first:
+        bars.append((first, float(times[0]), "stance", "start"))
+    for i in range(len(times) - 1):
+        a, b = float(times[i]), float(times[i + 1])
+        if begins[i] == begins[i + 1]:
+            bars.append((a, b, "unknown", ""))
+        elif begins[i]:
+            bars.append((a, b, "stance", ""))
+    if begins[-1] and times[-1] < last:
+        bars.append((float(times[-1]), last, "stance", "end"))
+    return bars
+
+
+def _unseen(dropped: pd.DataFrame | None, leg: str) -> np.ndarray:
+    """Return start and end of each stretch in which a leg was not tracked."""
+    if dropped is None:
+        return np.empty((0, 2))
+    own = dropped[(dropped["leg"] == leg) & (dropped["what"] == "track")]
+    return own[["start_s", "end_s"]].to_numpy(dtype=float)
+
+
+def plot_gait_diagram(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
+    """Draw a gait diagram: one row a leg, a bar for each stance.
+
+    Bars of stances that begin or end outside the recording are pale and open on that
+    side; unknown stretches are hatched.
+
+    Parameters
+    ----------
+    table : pandas.DataFrame
+        From :func:`build_gait_diagram_table`.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw; default a new figure, one column wide.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes.
+
+    Raises
+    ------
+    InputError
+        If a column is missing or the table is empty.
+    """
+    check_columns(table, COLUMNS, where="gait diagram")
+    if len(table) == 0:
+        raise InputError("gait diagram: the table has no bars.")
+    legs = list(dict.fromkeys(table["leg"]))
+    with style():
+        if ax is None:
+            _, ax = plt.subplots(figsize=size_mm(COLUMN_MM, 20.0 + 5.0 * len(legs)))
+        colours = colour_legs(legs)
+        for bar in table.itertuples():
+            _draw_bar(ax, bar, legs.index(str(bar.leg)), colours[str(bar.leg)])
+        ax.set_yticks(range(len(legs)), legs)
+        ax.set_ylim(len(legs) - 0.4, -0.6)
+        ax.set_xlim(table["start_s"].min(), table["end_s"].max())
+        ax.tick_params(axis="y", length=0)
+        ax.spines["left"].set_visible(False)
+        ax.set_xlabel("Time (s)")
+        ax.set_ylabel("Foot in stance")
+        said = []
+        if (table["cut"] != "").any():
+            said.append("pale: stance reaches beyond the recording")
+        if (table["phase"] == "unknown").any():
+            said.append("hatched: not known")
+        if said:
+            place = blended_transform_factory(ax.transAxes, ax.transAxes)
+            ax.text(1.0, 1.02, "; ".join(said), transform=place, ha="right", va="bottom")
+    return ax
+
+
+def _draw_bar(ax: Axes, bar: Any, row: int, colour: str) -> None:
+    """Draw one bar; what is not known for certain looks different."""
+    width = bar.end_s - bar.start_s
+    if bar.phase == "unknown":
+        ax.barh(row, width, left=bar.start_s, height=0.7, facecolor="white",
+                edgecolor="0.55", hatch="////", linewidth=0.4)  # fmt: skip
+    else:
+        ax.barh(row, width, left=bar.start_s, height=0.7, facecolor=colour, linewidth=0.0,
+                alpha=0.4 if bar.cut else 1.0)  # fmt: skip
