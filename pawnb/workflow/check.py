@@ -10,6 +10,7 @@ import numpy as np
 from pawnb.core.video import ViewSet, open_views
 from pawnb.errors import InputError, PawnbError
 from pawnb.io import native
+from pawnb.io.start import check_start, read_start
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.results import results_folder
 from pawnb.workflow.track import tracker_settings, trial_rig
@@ -172,8 +173,8 @@ def _check_calibration(trial: Trial, views: ViewSet, report: CheckReport) -> Non
         return
     sizes = {name: (r.width, r.height) for name, r in views.readers.items()}
     try:
-        clicks = native.read_start(trial.path(trial.start_points), trial)
-        native.check_start(clicks, trial, sizes)
+        clicks = read_start(trial.path(trial.start_points), trial)
+        check_start(clicks, trial, sizes)
     except PawnbError as error:
         report.faults.append(str(error))
         return

@@ -13,8 +13,9 @@ import pandas as pd
 from pawnb import gait
 from pawnb.errors import InputError
 from pawnb.gait import GaitTables
-from pawnb.io import authors2019, native
-from pawnb.schema import Tracks
+from pawnb.io import native
+from pawnb.io.tables import read_cells, read_numbers, write_table
+from pawnb.schema import Tracks, check_columns
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.provenance import build_step, file_checksum, write_provenance
 from pawnb.workflow.results import (
@@ -152,7 +153,7 @@ def run_gait(
     files = []
     for name in TABLES:
         path = folder / f"{name}.csv"
-        native.write_table(getattr(tables, name), path)
+        write_table(getattr(tables, name), path)
         files.append(path)
     files += save_gait_figures(tables, folder / "figures", record=step)
     write_provenance([step], folder / "provenance.json")
@@ -224,11 +225,17 @@ def _read_trial(trial: Trial) -> GaitSource:
 
 def _read_csv(path: Path, fps: float | None) -> GaitSource:
     """Read a csv: events, or one of our tables of tracks."""
-    table = native.read_csv(path)
-    if "event" in table.columns:
-        if "time_s" not in table.columns and "frame" in table.columns:
-            table = table.assign(time_s=table["frame"] / _needed_fps(fps, path))
-        return GaitSource(path, path.parent / RESULTS_FOLDER, events=table)
+    cells = read_cells(path, ())
+    if "event" in cells:
+        check_columns(cells, ("leg", "event"), where=str(path))
+        events = cells.copy()
+        for name in ("frame", "time_s"):
+            if name in events:
+                events[name] = read_numbers(cells, name, where=str(path), empty=True)
+        if "time_s" not in events:
+            check_columns(cells, ("frame",), where=f"{path} (without time_s)")
+            events["time_s"] = events["frame"] / _needed_fps(fps, path)
+        return GaitSource(path, path.parent / RESULTS_FOLDER, events=events)
     tracks = native.read_tracks_table(path, fps=_needed_fps(fps, path))
     return GaitSource(path, path.parent, tracks=tracks)
 
@@ -254,9 +261,10 @@ def _analyse(
         if "trial" not in events:
             events = events.assign(trial=source.path.stem)
         return gait.analyse_events(events, settings=settings)
-    tracks, trial = source.tracks, source.trial
-    belt = None
-    if tracks is not None and "belt_speed" in tracks:
+    tracks, trial, belt = source.tracks, source.trial, None
+    if tracks is None:
+        raise InputError(f"{source.path}: neither tracks nor events.")
+    if "belt_speed" in tracks:
         belt = tracks["belt_speed"].to_dataframe()[["frame", "belt_speed"]]
         belt = belt.rename(columns={"belt_speed": "speed"})
         trial = None if trial is None else dataclasses.replace(trial, belt_speed=None)

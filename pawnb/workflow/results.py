@@ -10,6 +10,7 @@ import numpy as np
 
 from pawnb.errors import InputError
 from pawnb.io import native
+from pawnb.io.tables import write_table
 from pawnb.schema import Tracks
 from pawnb.trial import Trial, trial_document, trial_from_document
 from pawnb.workflow.provenance import write_provenance
@@ -35,7 +36,9 @@ def describe_trial(tracks: Tracks, trial: Trial) -> Tracks:
         unit/s, so that a ``tracks.nc`` can be analysed without its trial.
     """
     document = trial_document(trial)
-    kept = {name: document[name] for name in ("trial", "animal", "calibration") if name in document}
+    kept: dict[str, Any] = {
+        name: document[name] for name in ("trial", "animal", "calibration") if name in document
+    }
     kept["views"] = [
         {name: view[name] for name in ("name", "facing", "mirror") if name in view}
         for view in document.get("views", [])
@@ -108,9 +111,9 @@ def write_track_results(tracks: Tracks, out: str | Path) -> Path:
     """
     out = make_folder(out)
     native.write_tracks(tracks, out / "tracks.nc")
-    native.write_table(native.tracks_table(tracks), out / "tracks.csv")
+    write_table(native.tracks_table(tracks), out / "tracks.csv")
     if tracks.sizes["space"] == 3:
-        native.write_table(native.points3d_table(tracks), out / "points3d.csv")
+        write_table(native.points3d_table(tracks), out / "points3d.csv")
     write_provenance(provenance_steps(tracks), out / "provenance.json")
     return out
 

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from pawnb import figures
 from pawnb.gait import GaitTables
+from pawnb.io.tables import write_table
 
 FORMATS = ("png", "pdf", "svg")
 DPI = 300
@@ -35,8 +36,6 @@ def save_gait_figures(
     list of Path
         The files: png, pdf and svg of each figure, and the csv of what it draws.
     """
-    from pawnb.io import native
-
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     files = []
@@ -51,7 +50,7 @@ def save_gait_figures(
         with figures.style():
             ax = getattr(figures, f"plot_{kind}")(table)
         files += save_figure(ax, folder / name, record={**record, "figure": kind})
-        native.write_table(table, folder / f"{name}.csv")
+        write_table(table, folder / f"{name}.csv")
         files.append(folder / f"{name}.csv")
     return files
 

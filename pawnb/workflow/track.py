@@ -14,6 +14,7 @@ from pawnb.core.rig import Rig, load_rig
 from pawnb.core.video import ViewSet, open_views
 from pawnb.errors import CalibrationError, InputError, did_you_mean
 from pawnb.io import native
+from pawnb.io.start import check_start, read_start
 from pawnb.schema import Tracks, add_provenance, build_settings
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.progress import Progress, progress_bar
@@ -78,6 +79,8 @@ def track(
     chosen = tracker_settings(trial, method=method, settings=settings)
     with open_views(trial) as views:
         clicks = _start_clicks(trial, views, start)
+        # clicks that were handed over stand in the provenance themselves
+        read = trial if start is None else dataclasses.replace(trial, start_points=None)
         rig = trial_rig(trial, views)
         first, last = _frame_range(trial, views, clicks, frames)
         with _progress(progress, "tracking") as report:
@@ -99,7 +102,7 @@ def track(
     step = build_step(
         "track",
         command=command,
-        inputs=trial_checksums(trial),
+        inputs=trial_checksums(read),
         settings=dataclasses.asdict(chosen),
         method=method,
         frames=[first, last],
@@ -180,7 +183,7 @@ def retrack(
     step = build_step(
         "retrack",
         command=None,
-        inputs=trial_checksums(trial),
+        inputs=trial_checksums(dataclasses.replace(trial, start_points=None)),
         settings=dataclasses.asdict(settings),
         frame=int(frame),
         start=clicks.to_dict(orient="records"),
@@ -277,9 +280,9 @@ def _start_clicks(trial: Trial, views: ViewSet, start: pd.DataFrame | None) -> p
                 f"trial {trial.name!r} has no start points; click them with "
                 "pawnb.widgets.ClickInitialiser, or name a csv under [start] points."
             )
-        start = native.read_start(trial.path(trial.start_points), trial)
+        start = read_start(trial.path(trial.start_points), trial)
     sizes = {name: (r.width, r.height) for name, r in views.readers.items()}
-    native.check_start(start, trial, sizes)
+    check_start(start, trial, sizes)
     return start
 
 
