@@ -11,7 +11,7 @@ crop is bit-identical to the same part of the whole picture on every machine.
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Protocol
 
 import cv2
@@ -29,14 +29,6 @@ LUMA_WEIGHTS: dict[str, tuple[float, float]] = {
     "bt2020": (0.2627, 0.0593),
 }
 """Kr and Kb of each standard (ITU-R BT.601-7, BT.709-6, BT.2020-2; SMPTE 240M)."""
-
-
-_CHROMA_STEPS = {"444p": (1, 1), "422p": (2, 1), "420p": (2, 2), "440p": (1, 2), "411p": (4, 1),
-                 "410p": (4, 4)}  # fmt: skip
-_PACKED = {"rgb24": (0, 1, 2), "bgr24": (2, 1, 0), "rgba": (0, 1, 2), "bgra": (2, 1, 0),
-           "rgb0": (0, 1, 2), "bgr0": (2, 1, 0), "argb": (1, 2, 3), "abgr": (3, 2, 1),
-           "0rgb": (1, 2, 3), "0bgr": (3, 2, 1)}  # fmt: skip
-_GREY_BITS = {"gray10le": 10, "gray12le": 12, "gray14le": 14, "gray16le": 16}
 
 
 class Picture(Protocol):
@@ -277,64 +269,3 @@ def _yuv_tables(standard: str, full_range: bool) -> tuple[np.ndarray, ...]:
 def is_grey(palette: np.ndarray) -> bool:
     """Tell whether every colour of a palette, shape (n, 3), is a grey."""
     return bool((palette == palette[:, :1]).all())
-
-
-def picture_of_planes(
-    pixel_format: str,
-    planes: Sequence[np.ndarray],
-    *,
-    width: int,
-    height: int,
-    standard: str,
-    full_range: bool,
-    palette: np.ndarray | None = None,
-) -> Picture | None:
-    """Return the picture that decoded planes hold, without copying them.
-
-    Parameters
-    ----------
-    pixel_format : str
-        ffmpeg's name, such as ``yuv420p``.
-    planes : sequence of ndarray, shape (rows, bytes), uint8
-        The planes with their padding on the right and below.
-    width, height : int
-        Size of the picture, px.
-    standard : str
-        A key of ``LUMA_WEIGHTS``.
-    full_range : bool
-        Whether Y spans 0..255.
-    palette : ndarray, shape (256, 3), uint8, optional
-        RGB of each index, for ``pal8``.
-
-    Returns
-    -------
-    Picture or None
-        None for a format that is not known here.
-    """
-    steps = _CHROMA_STEPS.get(pixel_format.removeprefix("yuvj").removeprefix("yuv"))
-    if steps is not None:
-        columns, rows = -(-width // steps[0]), -(-height // steps[1])
-        return YuvPicture(
-            planes[0][:height, :width],
-            planes[1][:rows, :columns],
-            planes[2][:rows, :columns],
-            steps=steps,
-            standard=standard,
-            full_range=full_range or pixel_format.startswith("yuvj"),
-        )
-    first = planes[0][:height]
-    if pixel_format == "gray":
-        return GreyPicture(first[:, :width])
-    if pixel_format in _GREY_BITS:
-        wide = first[:, : 2 * width].view("<u2")
-        return GreyPicture(np.right_shift(wide, _GREY_BITS[pixel_format] - 8).astype(np.uint8))
-    if pixel_format in _PACKED:
-        channels = 3 if pixel_format in ("rgb24", "bgr24") else 4
-        packed = first[:, : width * channels].reshape(height, width, channels)
-        return PackedPicture(packed, _PACKED[pixel_format])
-    if pixel_format == "gbrp":
-        green, blue, red = (plane[:height, :width] for plane in planes)
-        return PlanarPicture(red, green, blue)
-    if pixel_format == "pal8" and palette is not None:
-        return PalettePicture(first[:, :width], palette)
-    return None

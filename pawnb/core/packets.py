@@ -12,6 +12,8 @@ from typing import NamedTuple
 import numpy as np
 
 _UNKNOWN = np.iinfo(np.int64).min
+_MOST_REORDERED = 16
+"""Pictures that H.264 and HEVC allow to be decoded before one that is shown first."""
 _IDR = {"h264": {5}, "hevc": {19, 20}}
 
 
@@ -55,6 +57,9 @@ class PacketIndex:
         Whether the container's display times can be believed where they are unique.
     rate_hz : float, optional
         The container's frame rate, used where the time stamps are of no use.
+    is_cut : bool
+        Whether packets are missing at the end. Then the last frames in the order of display
+        are left out, as a frame shown before them may be among the missing.
 
     Attributes
     ----------
@@ -77,11 +82,15 @@ class PacketIndex:
         intra_only: bool,
         trusts_pts: bool,
         rate_hz: float | None = None,
+        is_cut: bool = False,
     ) -> None:
         pts, dts, self._positions = (_column(packets, k) for k in range(3))
         self._dts = dts
         self._seek_ticks = np.where(dts != _UNKNOWN, dts, pts)
         hidden = np.array([p.is_hidden for p in packets], bool)
+        trusted = intra_only or trusts_pts
+        if is_cut and trusted and not intra_only and _UNKNOWN not in dts:
+            hidden |= pts > dts[-1]  # a packet is never shown before it is decoded
         keys = np.array([p.is_key or intra_only for p in packets], bool)
         # a file may begin between key frames; sequential reading begins there all the same
         keys[:1] = True
@@ -91,7 +100,7 @@ class PacketIndex:
         unique = len(np.unique(shown)) == len(shown) and _UNKNOWN not in shown
         self.numbers: np.ndarray | None = None
         ticks = np.sort(dts[~hidden])
-        if unique and (trusts_pts or intra_only):
+        if unique and trusted:
             ticks = np.sort(shown)
             self.numbers = np.where(hidden, -1, np.searchsorted(ticks, pts))
             begins = [(int(np.searchsorted(ticks, pts[k])), int(k)) for k in np.flatnonzero(keys)]
@@ -103,11 +112,13 @@ class PacketIndex:
                 keys[:1] = True
             before = np.cumsum(~hidden) - ~hidden
             begins = [(int(before[k]), int(k)) for k in np.flatnonzero(keys)]
+            if is_cut and not intra_only:
+                self.n_frames = max(self.n_frames - _MOST_REORDERED, 0)
         begins.sort()
         self._firsts = [first for first, _ in begins]
         self._restarts = [packet for _, packet in begins]
         self._in_order = sorted(self._restarts)
-        self.stamps_s, self.is_variable_rate = _stamps(ticks, tick_s, rate_hz)
+        self.stamps_s, self.is_variable_rate = _stamps(ticks[: self.n_frames], tick_s, rate_hz)
 
     def restart_for(self, index: int) -> tuple[int, int]:
         """Return the packet to decode from for a frame, and the first frame it gives."""

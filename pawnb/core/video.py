@@ -20,10 +20,11 @@ from pathlib import Path
 import av
 import numpy as np
 
-from pawnb.core.colour import LazyPicture, Picture, is_grey, picture_of_planes
+from pawnb.core.colour import Picture
 from pawnb.core.lens import Lens, load_lenses
 from pawnb.core.packets import Packet, PacketIndex, begins_anew
 from pawnb.core.pictures import SUFFIXES, PictureFolder, is_glob
+from pawnb.core.planes import picture_of_frame
 from pawnb.core.views import Frame, Source, ViewReader
 from pawnb.core.viewset import ViewSet
 from pawnb.errors import VideoError, did_you_mean
@@ -36,10 +37,6 @@ _BLOCK_BYTES = 64 * 2**20
 
 _MOST_REORDERED = 32
 """Packets after which a picture that has not come out never will (H.264 allows 16)."""
-
-# AVColorSpace; what is not tagged is BT.601, as for ffmpeg
-_STANDARDS = {1: "bt709", 7: "smpte240m", 9: "bt2020", 10: "bt2020"}
-_FULL_RANGE = 2
 
 
 class VideoFile:
@@ -171,7 +168,7 @@ class VideoFile:
         """Read through the file once without decoding, and note where it is cut short."""
         stream, codec = self._stream, self._stream.codec_context
         packets: list[Packet] = []
-        ends_whole = True
+        is_cut, end = False, 0
         with contextlib.suppress(av.FFmpegError):  # what comes after a damaged place is lost
             for packet in self._container.demux(stream):
                 if not packet.size:
@@ -183,11 +180,11 @@ class VideoFile:
                     Packet(packet.pts, packet.dts, packet.pos, packet.is_keyframe,
                            packet.is_discard, fresh)
                 )  # fmt: skip
-                ends_whole = not packet.is_corrupt
-        if packets and not ends_whole:
+                is_cut = packet.is_corrupt
+                end = max(end, (packet.pts or 0) + (packet.duration or 0))
+        if packets and is_cut:
             packets.pop()
-        if not any(not p.is_hidden for p in packets):
-            raise VideoError(f"{self.name}: holds no frame; the file is empty or cut short.")
+        is_cut = is_cut or self._lacks_packets(len(packets), end)
         shown = [p.pts for p in packets if p.pts is not None and not p.is_hidden]
         # H.264 and HEVC in AVI, and streams that reorder but show no sign of it, carry
         # the order of decoding in the place of display times
@@ -200,13 +197,27 @@ class VideoFile:
             intra_only=codec.codec.intra_only,
             trusts_pts=not mistrusted,
             rate_hz=float(stream.average_rate) if stream.average_rate else None,
+            is_cut=is_cut,
         )
-        if not ends_whole or stream.frames > len(packets):
+        if not index.n_frames:
+            raise VideoError(f"{self.name}: holds no whole frame; the file is empty or cut short.")
+        if is_cut:
             promised = f"it promises {stream.frames} frames and " * (stream.frames > len(packets))
             self.notes.append(
                 f"{self.name} is cut short: {promised}ends with frame {index.n_frames - 1}."
             )
         return index
+
+    def _lacks_packets(self, n_packets: int, end: int) -> bool:
+        """Tell whether the file's header promises more packets than there are."""
+        stream = self._stream
+        if stream.frames <= n_packets:
+            return False
+        if "mov" not in self._container.format.name or not stream.duration:
+            return True
+        # an edit list may leave frames out: then the duration agrees with what is there
+        missing = (stream.start_time or 0) + stream.duration - end
+        return missing * 2 > stream.duration / stream.frames
 
     def _begin_at(self, restart: int, first: int) -> None:
         """Make ``self._decoded`` start with the picture ``first``, decoding from ``restart``."""
@@ -295,45 +306,7 @@ class VideoFile:
                 f"{self.name}: frame {number} is {frame.width} x {frame.height} px, but the video "
                 f"is {self.width} x {self.height}; all frames must be of one size."
             )
-        return _picture_of(frame)
-
-
-def _picture_of(frame: av.VideoFrame) -> Picture:
-    """Return a decoded frame as one of the pictures of :mod:`pawnb.core.colour`."""
-    name = frame.format.name
-    palette = None
-    if name == "pal8":  # blue, green, red, alpha
-        palette = np.frombuffer(frame.planes[1], np.uint8)[:1024].reshape(256, 4)[:, 2::-1]
-    images = [_rows(plane) for plane in frame.planes[: 1 if name == "pal8" else None]]
-    picture = None
-    if images and all(image is not None for image in images):
-        picture = picture_of_planes(
-            name,
-            [image for image in images if image is not None],
-            width=frame.width,
-            height=frame.height,
-            standard=_STANDARDS.get(int(frame.colorspace), "bt601"),
-            full_range=int(frame.color_range) == _FULL_RANGE,
-            palette=palette,
-        )
-    if picture is None:
-        grey = name.startswith("gray") or (palette is not None and is_grey(palette))
-        return LazyPicture(
-            frame.width,
-            frame.height,
-            lambda: frame.to_ndarray(format="rgb24")[..., slice(None) if not grey else 0],
-            is_colour=not grey,
-        )
-    return picture
-
-
-def _rows(plane: av.video.plane.VideoPlane) -> np.ndarray | None:
-    """Return a plane's rows with their padding, without a copy; None if stored bottom up."""
-    if plane.line_size <= 0:
-        return None
-    data = np.frombuffer(plane, np.uint8)
-    rows = len(data) // plane.line_size
-    return data[: rows * plane.line_size].reshape(rows, plane.line_size)
+        return picture_of_frame(frame)
 
 
 def open_view(
