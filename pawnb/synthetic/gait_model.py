@@ -20,7 +20,7 @@ PAW_HEIGHT_MM = 1.2
 _GAIT_PHASE = {"FR": 0.0, "HL": 0.03, "FL": 0.5, "HR": 0.53}
 """Touch-down of each leg in the stride of FR, cycles: a trot in which the hind paw follows."""
 
-_CENTRE_MM = {"F": 17.0, "H": -21.0}
+_CENTRE_MM = {"F": 15.5, "H": -18.5}
 """Middle of a stance forward of the middle of the body (nose-tail 87 mm)."""
 
 _TRACK_MM = {"F": 8.5, "H": 12.0}
@@ -151,7 +151,7 @@ def mean_gait(settings: SceneSettings) -> tuple[float, float]:
     """
     speed = settings.belt_speed_mm_s / 1000.0
     frequency = settings.stride_frequency_hz or (2.6 + 8.0 * speed) / settings.size**0.5
-    duty = settings.duty_factor or float(np.clip(0.75 - 0.5 * speed, 0.5, 0.8))
+    duty = settings.duty_factor or float(np.clip(0.75 - 0.5 * speed, 0.55, 0.75))
     return frequency, duty
 
 

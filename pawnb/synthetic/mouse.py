@@ -176,7 +176,7 @@ class Mouse:
             outward = unit(np.array([0.42, side * 0.80, 0.42]))
             centre = np.array([29.5, side * 7.6, 33.0])
             offset = np.array([-1.3, -1.1, -0.7, 0.3, 0.5, 0.0, -0.5, -0.7])
-            radius = np.array([0.2, 2.8, 4.6, 5.6, 5.4, 4.2, 2.4, 0.2])
+            radius = np.array([0.02, 2.8, 4.6, 5.6, 5.4, 4.2, 2.4, 0.02])
             line = self._flex(centre + offset[:, None] * outward, pose)
             vertices, normals = swept_tube(
                 line, np.array([-0.5, 0.0, 1.0]), (radius * 1.15, radius), segments=18,

@@ -37,7 +37,7 @@ _QUALITY = 2
 _AHEAD = 3
 """Frames that may be under way at once: keeps memory flat."""
 _START_SCALE = 0.2
-_START_CANDIDATES = 32
+_START_CANDIDATES = 24
 
 
 def render_mouse_trial(
