@@ -69,8 +69,9 @@ class ErrorReport:
     median_px, p95_px : float
         Median and 95th percentile of the distance of judged labels from the truth.
     median_px_centred, p95_px_centred : float
-        The same after the median offset of each point in each view was taken away: a
-        tracker that follows the middle of a paw where the truth is its tip is not wrong.
+        The same after the constant offset of each point in each view was taken away (the
+        median of its labels that are not wrong): a tracker may well follow the middle of a
+        paw where the truth is its tip.
     share_hidden_bridged : float
         Share of hidden labels with a position within ``hidden_px`` of the truth.
     threshold_px, hidden_px : float
@@ -182,7 +183,7 @@ def count_errors(
     wrong = visible & (away > threshold_px)
     errors = _list_errors(judged, wrong, recovery_frames, settled_frames)
     found = visible & np.isfinite(away)
-    centred = _centred_distance(judged, found)
+    centred = _centred_distance(judged, found, found & ~wrong)
     n_labels, n_hidden = int(visible.sum()), int(judged.hidden.sum())
     bridged = judged.hidden & (away <= hidden_px)
     return ErrorReport(
@@ -255,12 +256,13 @@ def _percentile(values: np.ndarray, percent: float) -> float:
     return float(np.percentile(values, percent)) if len(values) else float("nan")
 
 
-def _centred_distance(judged: _Judged, found: np.ndarray) -> np.ndarray:
-    """Return distances after the median offset of each point in each view is removed."""
+def _centred_distance(judged: _Judged, found: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """Return distances after the median offset of each track's right labels is removed."""
     distances = []
-    for view, point in np.argwhere(found.any(axis=0)).tolist():
+    for view, point in np.argwhere(right.any(axis=0)).tolist():
+        offset = np.median(judged.step[right[:, view, point], view, point], axis=0)
         step = judged.step[found[:, view, point], view, point]
-        distances.append(np.linalg.norm(step - np.median(step, axis=0), axis=-1))
+        distances.append(np.linalg.norm(step - offset, axis=-1))
     return np.concatenate(distances) if distances else np.empty(0)
 
 
