@@ -93,8 +93,8 @@ def butterworth_lowpass(
     sampling rate and by 7 % at a fifth.
 
     Runs between gaps are filtered one by one. At both ends of a run the signal is
-    continued by point reflection (odd extension) over one period of the cut-off, or as
-    far as the run is long, so that a trend goes on and the ends are not pulled
+    continued by point reflection (odd extension) over three periods of the cut-off, or
+    as far as the run is long, so that a trend goes on and the ends are not pulled
     anywhere. Values within about half a period of the cut-off from an end still lean
     on that assumption. A run of one sample stays as it is.
 
@@ -127,10 +127,10 @@ def butterworth_lowpass(
             f"sampling rate of {fs_hz:g} Hz."
         )
     b, a = butter(2, cutoff_hz / TWO_PASS_CORRECTION, fs=fs_hz)
-    period = max(9, math.ceil(fs_hz / cutoff_hz))
+    reach = max(9, math.ceil(3.0 * fs_hz / cutoff_hz))
 
     def smooth(run: np.ndarray) -> np.ndarray:
-        return filtfilt(b, a, run, padtype="odd", padlen=min(period, len(run) - 1))
+        return filtfilt(b, a, run, padtype="odd", padlen=min(reach, len(run) - 1))
 
     return _each_run(fill_gaps(x, max_gap=max_gap), smooth)
 

@@ -15,7 +15,8 @@ from scipy.stats import chi2
 
 from pawnb.errors import InputError
 
-_LARGEST_R = 1.0 - 1e-12
+_NEARLY_ONE = 1.0 - 1e-5
+_TINY = float(np.finfo(float).tiny)
 
 
 class MeanVector(NamedTuple):
@@ -166,12 +167,13 @@ def rayleigh_p(n: int, r: float) -> float:
     n : int
         Number of phases.
     r : float
-        Length of their mean vector, 0 to 1. Beyond 1 - 1e-12 the p of that is given.
+        Length of their mean vector, 0 to 1.
 
     Returns
     -------
     float
-        p, above 0 and at most 1; 1 for a single phase, which tells nothing.
+        p, above 0 (2e-308 where it would be less) and at most 1; 1 for a single phase,
+        which tells nothing.
 
     Raises
     ------
@@ -183,18 +185,29 @@ def rayleigh_p(n: int, r: float) -> float:
     _check_r(r)
     if n == 1 or r < 1e-6:
         return 1.0
-    r = min(r, _LARGEST_R)
     if n == 2:  # r = |cos(half the difference)|; the integral converges too slowly
-        return 2.0 / math.pi * math.acos(r)
+        return max(2.0 / math.pi * math.acos(r), _TINY)
+    if r > _NEARLY_ONE:  # p goes as (1 - r)^((n - 1) / 2)
+        shrink = ((1.0 - r) / (1.0 - _NEARLY_ONE)) ** ((n - 1) / 2.0)
+        return max(_rayleigh_integral(n, _NEARLY_ONE) * shrink, _TINY)
+    return _rayleigh_integral(n, r)
+
+
+def _rayleigh_integral(n: int, r: float) -> float:
+    """Evaluate the shifted integral of :func:`rayleigh_p` by the trapezoid rule."""
     total = n * r
     height = max(r * (2.0 - r**2) / (1.0 - r**2), n**-0.5)
-    u = height / 8.0 * np.arange(8001)
+    width = math.sqrt(2.0 / n) * max(1.0, 0.7 * height)  # of the peak at u = 0
+    step = min(height / 8.0, width / 2.0)
+    # beyond the peak the integrand falls at least as (height / u)^((n + 1) / 2)
+    reach = height * min(1000.0, 10.0 ** (60.0 / (n + 1))) + 12.0 * width
+    t = step * np.arange(math.ceil(reach / step)) + 1j * height
     # logarithms with the growth of both factors taken out: ive and hankel1e are scaled
-    log_j0 = np.log(ive(0, height - 1j * u)) + height
-    log_h1 = np.log(hankel1e(1, total * (u + 1j * height))) + 1j * total * (u + 1j * height)
+    log_j0 = np.log(ive(0, -1j * t)) + height
+    log_h1 = np.log(hankel1e(1, total * t)) + 1j * total * t
     values = np.exp(n * log_j0 + log_h1).real  # the value at -u is the complex conjugate
-    integral = height / 8.0 * (2.0 * values.sum() - values[0])
-    return float(np.clip(-total / 2.0 * integral, np.finfo(float).tiny, 1.0))
+    integral = step * (2.0 * values.sum() - values[0])
+    return float(np.clip(-total / 2.0 * integral, _TINY, 1.0))
 
 
 def mean_interval(mean: float, r: float, n: int, *, level: float = 0.95) -> tuple[float, float]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Literal, NamedTuple
 
@@ -16,6 +16,25 @@ import numpy as np
 
 from pawnb.errors import InputError
 from pawnb.signals import find_turns, refine_extremum
+
+
+_POSITIVE = (math.ulp(0.0), math.nextafter(math.inf, 0.0), "a number above 0")
+_NOT_NEGATIVE = (0.0, math.nextafter(math.inf, 0.0), "0 or more")
+_SHARE = (math.ulp(0.0), 1.0, "above 0 and at most 1")
+_LIMITS = {
+    "cutoff_hz": _POSITIVE,
+    "body_cutoff_hz": _POSITIVE,
+    "max_gap_s": _NOT_NEGATIVE,
+    "min_excursion": _POSITIVE,
+    "min_excursion_fraction": _SHARE,
+    "min_stance_s": _NOT_NEGATIVE,
+    "min_swing_s": _NOT_NEGATIVE,
+    "max_stride_s": _POSITIVE,
+    "contact_speed_fraction": (math.ulp(0.0), 0.45, "above 0 and at most 0.45"),
+    "contact_height_fraction": _SHARE,
+    "min_confidence": (0.0, 1.0, "0 to 1"),
+    "jump_factor": (1.0, math.nextafter(math.inf, 0.0), "1 or more, or null to keep jumps"),
+}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,7 +47,7 @@ class EventSettings:
     Parameters
     ----------
     cutoff_hz : float, optional
-        Low-pass for the feet; default 8 times the stride frequency, and no filter where
+        Low-pass for the feet; default 10 times the stride frequency, and no filter where
         that is beyond 0.35 of the sampling rate.
     body_cutoff_hz : float, optional
         Low-pass for the mean of the feet as the path of the body; default a third of
@@ -80,20 +99,10 @@ class EventSettings:
     stride_events: Literal["auto", "AEP", "TD"] = "auto"
 
     def __post_init__(self) -> None:
-        zero_allowed = {"max_gap_s", "min_stance_s", "min_swing_s", "min_confidence"}
-        for f in fields(self):
-            value = getattr(self, f.name)
-            if isinstance(value, bool) or not isinstance(value, int | float):
-                continue
-            top = 1.0 if "fraction" in f.name or f.name == "min_confidence" else math.inf
-            low_ok = value >= 0 if f.name in zero_allowed else value > 0
-            if f.name == "jump_factor":
-                low_ok = value >= 1
-            if not (low_ok and value <= top and math.isfinite(value)):
-                least = "0 or more" if f.name in zero_allowed else "above 0"
-                least = "1 or more" if f.name == "jump_factor" else least
-                most = " and at most 1" if top == 1.0 else ""
-                raise InputError(f"setting {f.name!r} is {value}; expected {least}{most}.")
+        for name, (low, high, words) in _LIMITS.items():
+            value = getattr(self, name)
+            if value is not None and not (low <= value <= high):
+                raise InputError(f"setting {name!r} is {value}; expected {words}.")
 
 
 class Extreme(NamedTuple):
@@ -241,14 +250,32 @@ def stance_velocity(velocity: np.ndarray, extremes: Sequence[Extreme]) -> float:
     return float(np.median(known)) if len(known) else math.nan
 
 
-def height_threshold(
-    height: np.ndarray, extremes: Sequence[Extreme], *, fraction: float
-) -> float | None:
+class Height(NamedTuple):
+    """Height of a foot and what it means.
+
+    Attributes
+    ----------
+    up : ndarray, shape (n,)
+        Height.
+    ground : float
+        Its level in stance.
+    limit : float
+        How far above that level a foot can still be in contact.
+    """
+
+    up: np.ndarray
+    ground: float
+    limit: float
+
+
+def measure_height(
+    up: np.ndarray, extremes: Sequence[Extreme], *, fraction: float
+) -> Height | None:
     """Find the height below which a foot can touch the ground.
 
     Parameters
     ----------
-    height : ndarray, shape (n,)
+    up : ndarray, shape (n,)
         Height of the foot.
     extremes : sequence of Extreme
         AEP and PEP in order.
@@ -257,15 +284,15 @@ def height_threshold(
 
     Returns
     -------
-    float or None
-        Level of the foot in stance (median) plus ``fraction`` of the median rise in
-        swing, at least two standard deviations of the height in stance above it. None
+    Height or None
+        Ground is the median height in stance. The limit is ``fraction`` of the median
+        rise in swing, at least two standard deviations of the height in stance. None
         where the feet do not rise clear of that scatter (four standard deviations).
     """
     low: list[float] = []
     tops: list[float] = []
     for a, b in pairwise(extremes):
-        part = height[math.ceil(a.sample) : math.floor(b.sample) + 1]
+        part = up[math.ceil(a.sample) : math.floor(b.sample) + 1]
         part = part[np.isfinite(part)]
         if a.kind > 0:
             low += part.tolist()
@@ -273,10 +300,12 @@ def height_threshold(
             tops.append(float(part.max()))
     if len(low) < 4 or not tops:
         return None
-    level = float(np.median(low))
-    scatter = 1.4826 * float(np.median(np.abs(np.array(low) - level)))
-    rise = float(np.median(tops)) - level
-    return level + max(fraction * rise, 2.0 * scatter) if rise > 4.0 * scatter else None
+    ground = float(np.median(low))
+    scatter = 1.4826 * float(np.median(np.abs(np.array(low) - ground)))
+    rise = float(np.median(tops)) - ground
+    if not rise > 4.0 * scatter:
+        return None
+    return Height(up, ground, max(fraction * rise, 2.0 * scatter))
 
 
 def find_contacts(
@@ -284,15 +313,18 @@ def find_contacts(
     extremes: Sequence[Extreme],
     *,
     fraction: float,
-    height: np.ndarray | None = None,
-    max_height: float = math.inf,
+    rise: float = 2.0,
+    height: Height | None = None,
 ) -> list[Contact]:
     """Find lift-off and touch-down about each swing from the foot's speed.
 
-    From the fastest moment of a swing (PEP to AEP) one goes forwards to the first
-    sample at which the foot is slow (and low), and backwards likewise; the time is
-    interpolated between samples. A stance therefore never holds a swing, and the events
-    alternate.
+    From the fastest moment of a swing (PEP to AEP) one goes forwards to where the foot
+    is slow (and low), and backwards likewise. A threshold alone would come early before
+    landing and late after lift-off, because a foot slows down before it lands; so the
+    passage of ``fraction`` and of twice that are both found, between samples, and the
+    straight line through them is followed to zero. What differentiating and filtering
+    alone would put between the two passages, were the landing abrupt, is taken off
+    first. A stance never holds a swing, and the events alternate.
 
     Parameters
     ----------
@@ -301,11 +333,12 @@ def find_contacts(
     extremes : sequence of Extreme
         AEP and PEP in order.
     fraction : float
-        Slow means below this share of the swing's peak.
-    height : ndarray, shape (n,), optional
-        Height of the foot.
-    max_height : float
-        Low means below this.
+        Share of the swing's peak speed, below one half.
+    rise : float
+        How many samples an abrupt change of speed is spread over; two for central
+        differences.
+    height : Height, optional
+        Height of the foot; the same is done with its limit.
 
     Returns
     -------
@@ -319,15 +352,21 @@ def find_contacts(
         if a.kind > 0 or len(swing) == 0 or not np.isfinite(swing).all():
             continue  # a gap lies between the two, or it is a stance
         peak = math.ceil(a.sample) + int(np.argmax(swing))
-        over = [speed - fraction * speed[peak]]
-        if height is not None:
-            over.append(height - max_height)
-        first = math.floor(extremes[i - 1].sample) if i > 0 else 0
-        last = math.ceil(extremes[i + 2].sample) if i + 2 < len(extremes) else len(speed) - 1
-        lift = _first_below(over, peak, first, -1)
-        land = _first_below(over, peak, last, 1)
-        contacts += [Contact(lift, "LO")] if lift is not None else []
-        contacts += [Contact(land, "TD")] if land is not None else []
+        if not speed[peak] > 0.0:
+            continue
+        before = extremes[i - 1].sample if i > 0 else 0.0
+        after = extremes[i + 2].sample if i + 2 < len(extremes) else len(speed) - 1.0
+        for kind, stop, step in (("LO", math.floor(before), -1), ("TD", math.ceil(after), 1)):
+            passages = []
+            for share in (1.0, 2.0):
+                over = [speed - share * fraction * speed[peak]]
+                if height is not None:
+                    over.append(height.up - height.ground - share * height.limit)
+                passages.append(_first_below(over, peak, stop, step))
+            near, far = passages
+            if near is not None and far is not None:
+                zero = near + step * max(0.0, abs(near - far) - fraction * rise)
+                contacts.append(Contact(float(np.clip(zero, before, after)), kind))
     return contacts
 
 

@@ -16,12 +16,13 @@ import pandas as pd
 
 from pawnb.errors import InputError
 from pawnb.gait.events import (
+    Contact,
     EventSettings,
     Extreme,
     Rejected,
     find_contacts,
     find_extremes,
-    height_threshold,
+    measure_height,
     stance_velocity,
 )
 from pawnb.gait.grid import Grid
@@ -99,8 +100,8 @@ def choose_scales(settings: EventSettings, frequency_hz: float, fs_hz: float) ->
         return default if value is None else value
 
     cutoff = settings.cutoff_hz
-    if cutoff is None and 8.0 * stride <= _UNFILTERED_ABOVE * fs_hz:
-        cutoff = 8.0 * stride
+    if cutoff is None and 10.0 * stride <= _UNFILTERED_ABOVE * fs_hz:
+        cutoff = 10.0 * stride
     return Scales(
         cutoff_hz=cutoff,
         body_cutoff_hz=asked(settings.body_cutoff_hz, stride / 3.0),
@@ -210,7 +211,8 @@ def analyse_space(
             foot_height = None if height is None else height[:, k]
             slip = _own_slip(velocity[:, k] + belt_here, extremes[k], belt_here)
             speed = velocity[:, k] + belt_here - slip
-            _add_contacts(result, leg, speed, foot_height, extremes[k], grid, settings)
+            found = _find_contacts(speed, foot_height, extremes[k], settings, _rise(scales, fs))
+            _add_contacts(result, leg, *found, grid)
     return result
 
 
@@ -463,27 +465,36 @@ def _add_gaps(
         result.dropped.append({"leg": leg, **span, "what": "track", "why": why})
 
 
-def _add_contacts(
-    result: SpaceResult,
-    leg: str,
+def _rise(scales: Scales, fs: float) -> float:
+    """Return how many samples filter and differences spread a step of the speed over.
+
+    The inverse of the steepest slope of the step response: that of the filter is
+    2.77 times its cut-off, that of central differences half a sample.
+    """
+    return max(2.0, 0.36 * fs / scales.cutoff_hz if scales.cutoff_hz is not None else 0.0)
+
+
+def _find_contacts(
     speed: np.ndarray,
     height: np.ndarray | None,
     extremes: list[Extreme],
-    grid: Grid,
     settings: EventSettings,
+    rise: float,
+) -> tuple[list[Contact], str]:
+    """Find TD and LO of a leg, and say by what."""
+    known = None
+    if height is not None:
+        known = measure_height(height, extremes, fraction=settings.contact_height_fraction)
+    contacts = find_contacts(
+        speed, extremes, fraction=settings.contact_speed_fraction, rise=rise, height=known
+    )
+    return contacts, "foot speed" if known is None else "foot speed and height"
+
+
+def _add_contacts(
+    result: SpaceResult, leg: str, contacts: list[Contact], method: str, grid: Grid
 ) -> None:
     """Add the TD and LO of a leg to the events."""
-    limit = None
-    if height is not None:
-        limit = height_threshold(height, extremes, fraction=settings.contact_height_fraction)
-    contacts = find_contacts(
-        speed,
-        extremes,
-        fraction=settings.contact_speed_fraction,
-        height=None if limit is None else height,
-        max_height=math.inf if limit is None else limit,
-    )
-    method = "foot speed" if limit is None else "foot speed and height"
     for sample, kind in contacts:
         result.events.append(
             {
