@@ -80,6 +80,8 @@ class VideoFile:
         self._kept: OrderedDict[int, Picture] = OrderedDict()
         try:
             self._index = self._list_packets()
+            # only the first packet that is ever read carries a palette
+            self._has_palette = self._stream.pix_fmt == "pal8"
             self.n_frames = self._index.n_frames
             self.stamps_s: np.ndarray | None = self._index.stamps_s
             self.is_variable_rate = self._index.is_variable_rate
@@ -221,13 +223,17 @@ class VideoFile:
 
     def _begin_at(self, restart: int, first: int) -> None:
         """Make ``self._decoded`` start with the picture ``first``, decoding from ``restart``."""
+        packets = self._seek(restart)
         self._at = first - 1
-        self._decoded = self._decode(self._seek(restart), first)
+        self._decoded = self._decode(packets, first)
 
     def _seek(self, restart: int) -> Iterator[tuple[int, av.Packet | None]]:
         """Return the packets from ``restart`` on, each with its number; None ends them."""
         step = int(0.25 / float(self._stream.time_base or 1)) + 1
-        for ticks in self._index.seek_ticks(restart, step=step):
+        ticks_to_try = self._index.seek_ticks(restart, step=step)
+        if self._has_palette and self._at is None:
+            ticks_to_try = []
+        for ticks in ticks_to_try:
             try:
                 self._container.seek(ticks, stream=self._stream, backward=True)
             except av.FFmpegError:
@@ -239,7 +245,7 @@ class VideoFile:
                 return self._numbered(itertools.chain([head], packets), landed, restart)
         self._container.close()
         self._container, self._stream = self._open()
-        return self._numbered(self._packets(), 0, restart)
+        return self._numbered(self._packets(), 0, 0 if self._has_palette else restart)
 
     def _packets(self) -> Iterator[av.Packet]:
         """Yield packets that hold data, up to the end or to where the file is damaged."""
