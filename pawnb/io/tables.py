@@ -76,7 +76,7 @@ def write_table(table: pd.DataFrame, path: str | Path) -> Path:
     return write_text(rounded.to_csv(index=False, lineterminator="\n"), path)
 
 
-def read_cells(path: str | Path, columns: Sequence[str]) -> pd.DataFrame:
+def read_cells(path: str | Path, columns: Sequence[str], *, skip_lines: int = 0) -> pd.DataFrame:
     """Read a csv as text cells and check that it has the expected columns.
 
     Parameters
@@ -85,6 +85,8 @@ def read_cells(path: str | Path, columns: Sequence[str]) -> pd.DataFrame:
         The file.
     columns : sequence of str
         Columns that must be there.
+    skip_lines : int
+        Lines before the names of the columns.
 
     Returns
     -------
@@ -99,7 +101,10 @@ def read_cells(path: str | Path, columns: Sequence[str]) -> pd.DataFrame:
     path = Path(path)
     try:
         table = pd.read_csv(
-            io.StringIO(path.read_text(encoding="utf-8-sig")), dtype=str, keep_default_na=False
+            io.StringIO(path.read_text(encoding="utf-8-sig")),
+            dtype=str,
+            keep_default_na=False,
+            skiprows=skip_lines,
         )
     except FileNotFoundError:
         raise InputError(f"{path}: no such file.") from None
