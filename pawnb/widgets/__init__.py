@@ -1,1 +1,21 @@
 """Thin faces over the workflow, for notebooks."""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+_HOME = {
+    "ClickInitialiser": "pawnb.widgets.click_initialiser",
+    "FrameCanvas": "pawnb.widgets.frame_canvas",
+    "TrackReviewer": "pawnb.widgets.track_reviewer",
+}
+
+__all__ = ["ClickInitialiser", "FrameCanvas", "TrackReviewer"]
+
+
+def __getattr__(name: str) -> Any:
+    """Import a widget on first use: they need Jupyter, which the rest of pawnb does not."""
+    if name in _HOME:
+        return getattr(importlib.import_module(_HOME[name]), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -220,7 +220,9 @@ def test_tracking_again_keeps_what_a_person_corrected_from_there_on():
     assert origin(new, 6, "P", "a") == "edited"
     assert np.isnan(uv_of(new, 7, "b", "P")).all()
     assert np.isfinite(uv_of(new, 7, "b", "Q")).all()
-    np.testing.assert_array_equal(uv_of(new, 5, "a", "P"), uv_of(before, 5, "a", "P") + (100, 0))
+    np.testing.assert_array_equal(
+        uv_of(new, 5, "a", "P"), np.add(uv_of(before, 5, "a", "P"), [100, 0])
+    )
     xr.testing.assert_identical(new.isel(time=[0]), before.isel(time=[0]))
     log.undo()
     xr.testing.assert_identical(log.tracks, before)

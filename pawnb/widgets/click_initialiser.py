@@ -1,0 +1,165 @@
+"""*ClickInitialiser*: click every point in one frame, and tracking can begin."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from pawnb.core.rig import Rig, load_rig
+from pawnb.core.video import open_views
+from pawnb.trial import Trial, load_trial
+from pawnb.widgets.frame_canvas import MOUSE_AND_KEYS, FrameCanvas, Overlay, Views
+from pawnb.widgets.start_session import StartSession
+
+_KEYS = (
+    ("Click", "place the point that is asked for; the next is asked for by itself"),
+    ("Drag a point", "adjust it"),
+    ("H", "the point that is asked for is hidden in this view"),
+    ("Right click, Delete", "take a point away: it is hidden here"),
+    ("Ctrl+Z, Ctrl+Y", "undo, redo"),
+)
+
+
+class ClickInitialiser(FrameCanvas):
+    """Click the start points of a trial in all its views.
+
+    The next point is asked for by itself, view by view. Where the views are calibrated, a
+    dashed line shows where a point clicked in one other view must lie, and a hollow
+    diamond where two others say it is. Every change is written to ``start.csv`` at once.
+
+    Parameters
+    ----------
+    trial : Trial, str or Path
+        The trial, its ``trial.toml``, or the folder that holds it.
+    frame : int, optional
+        Frame to begin with; default the first that has clicks, else the first.
+    start : pandas.DataFrame, optional
+        Clicks to begin with (frame, view, point, u, v in px); default those in the file.
+    **options
+        ``path`` (file for the clicks; default the trial's ``[start] points``, else
+        ``start.csv`` beside the trial), ``views`` and ``rig`` (when they are open already),
+        and the options of :class:`FrameCanvas`.
+
+    Attributes
+    ----------
+    session : StartSession
+        The clicks; works without a browser.
+
+    Raises
+    ------
+    InputError
+        If the trial, its videos or the clicks there are cannot be used.
+    """
+
+    def __init__(
+        self,
+        trial: Trial | str | Path,
+        *,
+        frame: int | None = None,
+        start: pd.DataFrame | None = None,
+        path: str | Path | None = None,
+        views: Views | None = None,
+        rig: Rig | None = None,
+        **options: Any,
+    ) -> None:
+        trial = trial if isinstance(trial, Trial) else load_trial(trial)
+        self._own_views = open_views(trial) if views is None else None
+        shown: Views = self._own_views if self._own_views is not None else views  # type: ignore[assignment]
+        self.session = StartSession(
+            trial,
+            sizes={name: (r.width, r.height) for name, r in shown.readers.items()},
+            span=trial_span(trial, shown),
+            frame=frame,
+            start=start,
+            rig=view_rig(trial, shown) if rig is None else rig,
+            path=path,
+        )
+        super().__init__(shown, frame=self.session.frame, span=self.session.span, **options)
+        self.label = "Click the start points"
+        self.keys_help = [list(line) for line in (*_KEYS, *MOUSE_AND_KEYS)]
+        self.tell_selected = True
+        self._show_state()
+        self.observe(self._look_at, names="frame")
+
+    @property
+    def start(self) -> pd.DataFrame:
+        """The clicks so far, as :func:`pawnb.track` takes them for ``start``."""
+        return self.session.table()
+
+    def overlay(self, frame: int) -> Overlay:
+        """Return what is drawn over a frame."""
+        return self.session.overlay(frame)
+
+    def edit(self, what: str, message: Mapping[str, Any]) -> int | None:
+        """Do what a person did; see :meth:`FrameCanvas.edit`."""
+        session = self.session
+        session.go(int(message["frame"]))
+        view, point = message.get("view"), message.get("point")
+        before = session.frame
+        if what == "click":
+            session.click(str(view), float(message["u"]), float(message["v"]))
+        elif what == "moved":
+            session.place(str(view), str(point), float(message["u"]), float(message["v"]))
+        elif what == "select":
+            session.select(str(view), str(point))
+        elif what == "hide":
+            session.hide(str(view), str(point))
+        elif what == "action":
+            self._act(message["action"])
+        self._show_state()
+        return session.frame if session.frame != before else None
+
+    def close(self) -> None:
+        """Take the widget away and close the videos it opened."""
+        super().close()
+        if self._own_views is not None:
+            self._own_views.close()
+
+    def _act(self, action: str) -> None:
+        """Do what a button or its key asks for."""
+        if action == "undo":
+            self.session.undo()
+        elif action == "redo":
+            self.session.redo()
+        elif action == "skip":
+            self.session.hide()
+
+    def _look_at(self, change: Mapping[str, Any]) -> None:
+        """Ask for the points of the frame that a person went to."""
+        with self._edit_lock:
+            if change["new"] != self.session.frame:
+                self.session.go(int(change["new"]))
+                self._show_state()
+                self.refresh()
+
+    def _show_state(self) -> None:
+        session = self.session
+        file = (
+            f"Saved in {session.path.name}." if session.saved else "Every click is saved at once."
+        )
+        self.status = f"{session.prompt()}\n{session.missing()} {file}"
+        self.actions = [
+            {"id": "skip", "text": "Hidden here", "keys": ["h"],
+             "title": "The point that is asked for cannot be seen in this view (H)",
+             "enabled": session.current is not None},
+            {"id": "undo", "text": "Undo", "title": "Take back the last change (Ctrl+Z)",
+             "keys": ["Ctrl+z"], "enabled": session.can_undo},
+            {"id": "redo", "text": "Redo", "title": "Make it again (Ctrl+Y)",
+             "keys": ["Ctrl+y", "Ctrl+Shift+Z"], "enabled": session.can_redo},
+        ]  # fmt: skip
+
+
+def trial_span(trial: Trial, views: Views) -> tuple[int, int]:
+    """Return the first and last frame of a trial that every view has."""
+    first, stop = trial.frames or (getattr(views, "first_frame", 0), views.n_frames)
+    return max(first, getattr(views, "first_frame", 0)), min(stop, views.n_frames) - 1
+
+
+def view_rig(trial: Trial, views: Views) -> Rig | None:
+    """Return the calibrated views of a trial, or None where nothing is calibrated."""
+    readers = views.readers.items()
+    sizes = {n: (r.source.width, r.source.height) for n, r in readers if hasattr(r, "source")}
+    return load_rig(trial, sizes=sizes)

@@ -1,0 +1,268 @@
+"""The one canvas that shows video in a notebook; every widget stands on it.
+
+All views of a trial are shown at the same frame. Pictures travel as JPEG in binary
+messages, as small as the screen can show; points, trails and lines are drawn in the
+browser. ``static/stage.js`` is one view, ``static/frames.js`` the traffic of frames,
+``static/frame_canvas.js`` the page; they are joined here, without any build step.
+"""
+
+from __future__ import annotations
+
+import base64
+import os
+import threading
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any, Literal, Protocol
+
+import anywidget
+import cv2
+import numpy as np
+import traitlets
+
+from pawnb.errors import InputError, PawnbError
+
+_STATIC = Path(__file__).parent / "static"
+
+Overlay = dict[str, Any]
+"""``{"views": {name: {"points", "hollow", "lines", "chips"}}, "caption", "current"}``, plain
+JSON. Points and hollow marks have id, u, v, colour (and origin); lines have at (a list of
+[u, v], None for a gap), colour, and dash or fade; chips have id, state, title, colour."""
+
+MOUSE_AND_KEYS = (
+    ("Wheel", "zoom in and out about the mouse"),
+    ("Shift and drag", "zoom into a rectangle (Z, then drag, does the same)"),
+    ("Drag the picture", "move a zoomed picture"),
+    ("0", "show every view whole again"),
+    ("Left, Right", "one frame back or on; ten with Shift"),
+    ("Home, End", "first and last frame"),
+    ("Space", "play or stop"),
+    ("Esc", "let go of a point: it stays where it was"),
+)
+
+
+class Picture(Protocol):
+    """A frame of a view; :class:`pawnb.core.video.Frame` is one."""
+
+    def image(self) -> np.ndarray:
+        """Return the whole view, (H, W, 3) RGB or (H, W) grey, uint8."""
+
+
+class Views(Protocol):
+    """What is asked of views; :class:`pawnb.core.video.ViewSet` has it."""
+
+    @property
+    def names(self) -> Sequence[str]:
+        """Names of the views."""
+
+    @property
+    def readers(self) -> Mapping[str, Any]:
+        """Reader of each view, with ``width`` and ``height`` in px."""
+
+    @property
+    def n_frames(self) -> int:
+        """One past the last frame."""
+
+    def frame(self, index: int, /) -> Mapping[str, Picture]:
+        """Return one frame of every view."""
+
+
+class FrameCanvas(anywidget.AnyWidget):
+    """All views of a trial at one frame, with zoom, play and what is drawn over them.
+
+    Parameters
+    ----------
+    views : ViewSet
+        Open views, for instance of :func:`pawnb.core.video.open_views`. They must stay open.
+    overlay : callable, optional
+        ``overlay(frame)`` gives what is drawn over a frame; see :data:`Overlay`.
+    **options
+        ``frame`` (first frame to show), ``span`` (first and last frame that can be shown),
+        ``quality`` (of JPEG, 1 to 100), ``transport`` (``"binary"``, or ``"base64"`` for
+        front ends that lose binary messages; the browser changes to it by itself when a
+        picture arrives empty), ``max_height`` (of all views together, CSS px).
+
+    Raises
+    ------
+    InputError
+        If the frame is not in the recording, or an option is unknown.
+    """
+
+    _esm = "\n".join(
+        (_STATIC / name).read_text(encoding="utf-8")
+        for name in ("stage.js", "frames.js", "frame_canvas.js")
+    )
+    _css = _STATIC / "frame_canvas.css"
+
+    stages: traitlets.List = traitlets.List().tag(sync=True)
+    span: traitlets.List = traitlets.List().tag(sync=True)
+    frame = traitlets.Int(0).tag(sync=True)
+    status = traitlets.Unicode("").tag(sync=True)
+    alarm = traitlets.Unicode("").tag(sync=True)
+    actions: traitlets.List = traitlets.List().tag(sync=True)
+    keys_help: traitlets.List = traitlets.List().tag(sync=True)
+    label = traitlets.Unicode("Video frames").tag(sync=True)
+    transport = traitlets.Unicode("binary").tag(sync=True)
+    max_height = traitlets.Int(720).tag(sync=True)
+    tell_selected = traitlets.Bool(default_value=False).tag(sync=True)
+
+    def __init__(
+        self,
+        views: Views,
+        *,
+        overlay: Callable[[int], Overlay] | None = None,
+        frame: int | None = None,
+        span: tuple[int, int] | None = None,
+        quality: int = 85,
+        transport: Literal["binary", "base64"] = "binary",
+        max_height: int = 720,
+    ) -> None:
+        self._views = views
+        self._overlay = overlay
+        self._quality = quality
+        self._version = 0
+        # callbacks may run off the main thread, and two may run at once
+        self._video_lock = threading.Lock()
+        self._edit_lock = threading.RLock()
+        workers = min(4, os.cpu_count() or 1)
+        self._pool = ThreadPoolExecutor(workers, thread_name_prefix="pawnb-jpeg")
+        first, last = span or (getattr(views, "first_frame", 0), views.n_frames - 1)
+        frame = first if frame is None else frame
+        if not first <= frame <= last:
+            raise InputError(f"frame {frame} is not in the recording ({first} to {last}).")
+        sizes = {name: views.readers[name] for name in views.names}
+        super().__init__(
+            stages=[{"name": n, "width": r.width, "height": r.height} for n, r in sizes.items()],
+            span=[int(first), int(last)],
+            frame=int(frame),
+            transport=transport,
+            max_height=max_height,
+            keys_help=[list(line) for line in MOUSE_AND_KEYS],
+        )
+        self.on_msg(self._receive)
+
+    # --- for the widgets that stand on this one -----------------------------------------
+
+    def overlay(self, frame: int) -> Overlay:
+        """Return what is drawn over a frame; see :data:`Overlay`."""
+        return self._overlay(frame) if self._overlay is not None else {"views": {}}
+
+    def edit(self, what: str, message: Mapping[str, Any]) -> int | None:
+        """Do what a person asked for; nothing in a canvas that only shows.
+
+        Parameters
+        ----------
+        what : str
+            click, moved, hide, select or action.
+        message : mapping
+            ``frame`` and, as it applies, ``view``, ``point``, ``u``, ``v``, ``action``,
+            ``value``, ``selected`` ([view, point] or None).
+
+        Returns
+        -------
+        int or None
+            A frame that the browser should show next.
+        """
+
+    def refresh(self, go: int | None = None) -> None:
+        """Let the browser ask again for what is drawn, and go to a frame."""
+        with self._edit_lock:
+            self._version += 1
+            self.send({"type": "refresh", "version": self._version, "go": go})
+
+    def close(self) -> None:
+        """Take the widget away and end its threads; the views stay open."""
+        self._pool.shutdown(wait=False, cancel_futures=True)
+        super().close()
+
+    # --- messages -----------------------------------------------------------------------
+
+    def _receive(self, _widget: Any, message: dict[str, Any], _buffers: Any) -> None:
+        """Answer one message of the browser."""
+        if message.get("type") == "want":
+            self._answer_want(message)
+        elif message.get("type") == "edit":
+            self._answer_edit(message)
+
+    def _answer_want(self, message: dict[str, Any]) -> None:
+        """Send a frame: its pictures, unless the browser has them, and its overlay."""
+        frame = int(message["frame"])
+        answer: dict[str, Any] = {"type": "frame", "who": message["who"], "frame": frame}
+        pictures: list[bytes] = []
+        try:
+            if message["pixels"]:
+                pictures = self._encode(frame, message["shrink"])
+            with self._edit_lock:
+                answer |= {"version": self._version, "overlay": self.overlay(frame)}
+        except PawnbError as error:
+            self.alarm = str(error)
+            answer["error"] = str(error)
+            pictures = []
+        answer |= {"sent": bool(pictures), "shrink": message["shrink"]}
+        if pictures and message.get("plain"):
+            answer["pictures"] = [base64.b64encode(data).decode("ascii") for data in pictures]
+            self.send(answer)
+        else:
+            self.send(answer, buffers=pictures)
+
+    def _answer_edit(self, message: dict[str, Any]) -> None:
+        """Do what was asked and say that it is done; the browser waits for that."""
+        frame, go = int(message["frame"]), None
+        with self._edit_lock:
+            try:
+                self.alarm = ""
+                go = self.edit(message["what"], message)
+            except (PawnbError, OSError) as error:
+                self.alarm = str(error)
+            finally:
+                self._version += 1
+                answer = {"type": "done", "who": message["who"], "n": message["n"], "go": go}
+                answer |= {"version": self._version, "frame": frame}
+                self.send(answer | {"overlay": self.overlay(frame)})
+
+    def _encode(self, frame: int, shrink: Sequence[int]) -> list[bytes]:
+        """Return one JPEG a view, each made ``shrink`` times smaller, in the order of views."""
+        with self._video_lock:
+            frames = self._views.frame(frame)
+        names = self._views.names
+        jobs = [
+            self._pool.submit(encode_jpeg, frames[name], shrink=int(k), quality=self._quality)
+            for name, k in zip(names, shrink, strict=True)
+        ]
+        return [job.result() for job in jobs]
+
+
+def encode_jpeg(picture: Picture, *, shrink: int = 1, quality: int = 85) -> bytes:
+    """Encode a frame as JPEG.
+
+    Parameters
+    ----------
+    picture : Frame
+        Anything with ``image()`` that gives (H, W, 3) RGB or (H, W) grey, uint8.
+    shrink : int
+        How many pixels are averaged into one along each side.
+    quality : int
+        1 to 100.
+
+    Returns
+    -------
+    bytes
+        The JPEG file.
+
+    Raises
+    ------
+    InputError
+        If the picture cannot be encoded.
+    """
+    image = picture.image()
+    height, width = image.shape[:2]
+    if shrink > 1:
+        size = (max(1, round(width / shrink)), max(1, round(height / shrink)))
+        image = cv2.resize(image, size, interpolation=cv2.INTER_AREA)
+    if image.ndim == 3:
+        image = cv2.cvtColor(image, cv2.COLOR_RGB2BGR)
+    done, data = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, quality])
+    if not done:
+        raise InputError(f"a picture of {width} x {height} px cannot be encoded as JPEG.")
+    return data.tobytes()

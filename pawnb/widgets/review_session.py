@@ -1,0 +1,380 @@
+"""Reviewing and correcting tracks: everything the widget does, without the widget."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from pawnb.core.edit_effects import Retracker, triangulate_views, usable_views
+from pawnb.core.edits import (
+    Accept,
+    Edit,
+    EditLog,
+    Hide,
+    Move,
+    Retrack,
+    Swap,
+    describe_edit,
+)
+from pawnb.core.rig import Rig
+from pawnb.errors import InputError
+from pawnb.schema import ORIGIN_CODE, ORIGINS, Tracks
+from pawnb.trial import Trial
+from pawnb.widgets.colours import point_colours
+
+TRAIL = 20
+"""Frames of the past that a trail shows."""
+
+_WAIT = "the trial is being tracked again; wait until that is done, or stop it."
+
+
+class ReviewSession:
+    """Tracks under review: corrections, undo, tracking again, and what is drawn.
+
+    Safe to use from several threads.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial of the tracks.
+    tracks : xarray.Dataset
+        Its tracks; not modified.
+    rig : Rig, optional
+        The calibrated views.
+    edits : str or Path, optional
+        ``edits.jsonl``; what it holds already is applied. None keeps nothing.
+    retrack : callable, optional
+        ``retrack(tracks, frame) -> Tracks`` tracks again from a frame on.
+    save : callable, optional
+        ``save(tracks)`` writes the tracks.
+
+    Attributes
+    ----------
+    tracks : xarray.Dataset
+        The present state, its corrections listed in its provenance.
+    notes : list of str
+        What a person should know about ``edits.jsonl``.
+
+    Raises
+    ------
+    InputError
+        If the tracks have no image positions, or ``edits.jsonl`` does not fit them.
+    """
+
+    def __init__(
+        self,
+        trial: Trial,
+        tracks: Tracks,
+        *,
+        rig: Rig | None = None,
+        edits: str | Path | None = None,
+        retrack: Retracker | None = None,
+        save: Callable[[Tracks], object] | None = None,
+    ) -> None:
+        self.trial, self.rig = trial, rig
+        self.edits = Path(edits) if edits is not None else None
+        self._lock = threading.RLock()
+        self._tracker, self._save = retrack, save
+        self._ready: Tracks | None = None  # made outside the lock, for the log to take over
+        self.busy = False
+        calibration = trial.calibration
+        self._log = EditLog(
+            tracks,
+            edits,
+            rig=rig,
+            px_per_unit=calibration.px_per_unit if calibration is not None else None,
+            retrack=self._retracked if retrack is not None else None,
+        )
+        self.notes = list(self._log.notes)
+        self._n_saved: int | None = None
+        self.views = [str(name) for name in tracks["view"].to_numpy()]
+        self.points = [str(name) for name in tracks["keypoint"].to_numpy()]
+        self.colours = point_colours(self.points)
+        self.points_by_view = self._points_by_view()
+
+    # --- what there is ------------------------------------------------------------------
+
+    @property
+    def tracks(self) -> Tracks:
+        """The present state, its corrections listed in its provenance."""
+        with self._lock:
+            return self._log.stamped()
+
+    @property
+    def corrections(self) -> tuple[Edit, ...]:
+        """Every correction in force."""
+        with self._lock:
+            return self._log.active
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is a correction to undo."""
+        return self._log.can_undo
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether an undone correction can be made again."""
+        return self._log.can_redo
+
+    @property
+    def span(self) -> tuple[int, int]:
+        """First and last frame of the tracks."""
+        frames = self._log.tracks["frame"].to_numpy()
+        return int(frames[0]), int(frames[-1])
+
+    def pairs(self) -> list[tuple[str, str]]:
+        """Return the pairs of points that some view tracks both of: those one can mistake."""
+        return [
+            (first, second)
+            for i, first in enumerate(self.points)
+            for second in self.points[i + 1 :]
+            if any({first, second} <= set(points) for points in self.points_by_view.values())
+        ]
+
+    # --- what a person does -------------------------------------------------------------
+
+    def move(self, frame: int, view: str, point: str, *, u: float, v: float) -> str:
+        """Put a point at (u, v) px of a view; returns what was done, in words."""
+        return self._apply(Move(frame=frame, view=view, point=point, u=round(u, 3), v=round(v, 3)))
+
+    def hide(self, frame: int, view: str, point: str) -> str:
+        """Mark a point as not visible in a view; returns what was done, in words."""
+        return self._apply(Hide(frame=frame, view=view, point=point))
+
+    def accept(self, frame: int, view: str, point: str) -> str:
+        """Say that a point is right as it is; returns what was done, in words.
+
+        Raises
+        ------
+        InputError
+            If there is no position to accept.
+        """
+        uv = self.position(frame, view, point)
+        if uv is None:
+            raise InputError(f"{point} has no position in {view}, frame {frame}; click it first.")
+        return self._apply(Accept(frame=frame, view=view, point=point, u=uv[0], v=uv[1]))
+
+    def swap(self, frame: int, first: str, second: str) -> str:
+        """Exchange two points from a frame on; returns what was done, in words."""
+        return self._apply(Swap(frame=frame, first=first, second=second))
+
+    def undo(self) -> Edit | None:
+        """Take back the last correction; returns it, or None where there was none."""
+        return self._step(self._log.undo)
+
+    def redo(self) -> Edit | None:
+        """Make the correction that was undone last again; returns it, or None."""
+        return self._step(self._log.redo)
+
+    def retrack(self, frame: int) -> str:
+        """Track again from a frame on; returns what was done, in words.
+
+        Pictures and points can be looked at meanwhile, but not corrected.
+
+        Raises
+        ------
+        InputError
+            If no tracker was given, it is running already, or it fails.
+        """
+        if self._tracker is None:
+            raise InputError("no tracker was given; open the review with retrack=.")
+        with self._lock:
+            self._check_idle()
+            before = self._log.tracks
+            self.busy = True
+        try:
+            ready = self._tracker(before.copy(deep=True), frame)
+            with self._lock:
+                self._ready = ready
+                self._log.apply(Retrack(frame=frame))
+        finally:
+            self._ready, self.busy = None, False
+        return describe_edit(Retrack(frame=frame))
+
+    def save(self) -> None:
+        """Write the tracks with the ``save`` that was given.
+
+        Raises
+        ------
+        InputError
+            If none was given, or it fails.
+        """
+        if self._save is None:
+            raise InputError("no place to save was given; open the review with save=.")
+        with self._lock:
+            self._save(self._log.stamped())
+            self._n_saved = len(self._log.active)
+
+    def position(self, frame: int, view: str, point: str) -> tuple[float, float] | None:
+        """Return where a point is in px of a view, or None where it is missing."""
+        with self._lock:
+            tracks = self._log.tracks
+            uv = tracks["image_position"].to_numpy()[
+                self._row(frame), self.views.index(view), :, self.points.index(point), 0
+            ]
+        return (float(uv[0]), float(uv[1])) if np.isfinite(uv).all() else None
+
+    # --- what is drawn ------------------------------------------------------------------
+
+    def overlay(self, frame: int) -> dict[str, Any]:
+        """Return what is drawn over a frame; see ``frame_canvas.Overlay``."""
+        with self._lock:
+            tracks = self._log.tracks
+            row = self._row(frame)
+            past = slice(max(0, row - TRAIL), row + 1)
+            trail = tracks["image_position"].to_numpy()[past, ..., 0]  # (n, V, 2, P)
+            origin = tracks["image_origin"].to_numpy()[row, ..., 0]  # (V, P)
+            confidence = tracks["image_confidence"].to_numpy()[row, ..., 0]
+            residual = tracks["residual"].to_numpy()[row, :, 0]
+            xyz = tracks["position"].to_numpy()[row, ..., 0].T  # (P, 2 or 3)
+            expected, alone = self._reproject(tracks, trail[-1], origin, xyz)
+        views = {}
+        for k, view in enumerate(self.views):
+            marks: dict[str, list[Any]] = {"points": [], "hollow": [], "lines": [], "chips": []}
+            for p, point in enumerate(self.points):
+                own = {"id": point, "colour": self.colours[point]}
+                uv, from_others = trail[-1, k, :, p], expected[k, p]
+                word = ORIGINS[origin[k, p]]
+                shown = np.isfinite(uv).all()
+                if shown and word != "reprojected":
+                    marks["points"].append(own | _uv(uv) | {"origin": word})
+                if np.isfinite(from_others).all():
+                    marks["hollow"].append(own | _uv(from_others))
+                if np.isfinite(trail[:, k, :, p]).all(axis=1).sum() > 1:
+                    at = [_pair(q) for q in trail[:, k, :, p]]
+                    marks["lines"].append({"at": at, "colour": own["colour"], "fade": True})
+                if point in self.points_by_view[view] or shown:
+                    words = _describe_point(
+                        word, confidence[k, p], residual[p],
+                        float(np.hypot(*(uv - from_others))) if alone[k, p] else np.nan,
+                    )  # fmt: skip
+                    state = {"measured": "ok", "resolved": "ok"}.get(word, word)
+                    marks["chips"].append(own | {"state": state, "title": f"{point}: {words}"})
+            views[view] = marks
+        return {"views": views}
+
+    def _reproject(
+        self, tracks: Tracks, uv: np.ndarray, origin: np.ndarray, xyz: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return where the other views see each point (V, P, 2), and where none was left in.
+
+        Each view is left out in turn, so that a point that is wrong in one view shows up
+        there. Where fewer than two others see the point, its 3D position is shown.
+        """
+        n_views, n_points = origin.shape
+        expected = np.full((n_views, n_points, 2), np.nan)
+        alone = np.zeros((n_views, n_points), dtype=bool)
+        if self.rig is None or xyz.shape[-1] != 3:
+            return expected, alone
+        uv_points = np.moveaxis(uv, 2, 0)  # (P, V, 2)
+        used = usable_views(uv_points, origin.T)  # (P, V)
+        others = used[None] & ~np.eye(n_views, dtype=bool)[:, None]  # (left out, P, V)
+        stack = np.broadcast_to(uv_points, (n_views, *uv_points.shape))
+        apart, _, _ = triangulate_views(tracks, self.rig, stack, others)  # (left out, P, 3)
+        alone = np.isfinite(apart).all(axis=-1)
+        projected = self.rig.project(np.where(alone[..., None], apart, xyz[None]))
+        for place, name in enumerate(self.rig.names):
+            if name in self.views:
+                k = self.views.index(name)
+                expected[k] = projected[k, :, place]
+        return expected, alone & np.isfinite(np.moveaxis(uv, 1, 2)).all(axis=-1)
+
+    # --- inside -------------------------------------------------------------------------
+
+    def _apply(self, edit: Edit) -> str:
+        with self._lock:
+            self._check_idle()
+            self._log.apply(edit)
+        return describe_edit(edit)
+
+    def _step(self, action: Callable[[], Edit | None]) -> Edit | None:
+        """Undo or redo; a file saved with what is now undone is written again."""
+        with self._lock:
+            self._check_idle()
+            edit = action()
+            if self._n_saved is not None and len(self._log.active) < self._n_saved:
+                self.save()
+            return edit
+
+    def _check_idle(self) -> None:
+        if self.busy:
+            raise InputError(_WAIT)
+
+    def _retracked(self, tracks: Tracks, frame: int) -> Tracks:
+        """Hand over what was tracked outside the lock; on opening, track now."""
+        if self._ready is not None:
+            return self._ready
+        if self._tracker is None:
+            raise InputError("no tracker was given; open the review with retrack=.")
+        return self._tracker(tracks, frame)
+
+    def _row(self, frame: int) -> int:
+        frames = self._log.tracks["frame"].to_numpy()
+        rows = np.flatnonzero(frames == frame)
+        if not len(rows):
+            raise InputError(f"frame {frame} is not in the tracks ({frames[0]} to {frames[-1]}).")
+        return int(rows[0])
+
+    def _points_by_view(self) -> dict[str, tuple[str, ...]]:
+        """Return what each view tracks: what the trial says, else what was found in it."""
+        listed: Mapping[str, Sequence[str]] = {v.name: v.points for v in self.trial.views}
+        origin = self._log.tracks["image_origin"].to_numpy()[..., 0]
+        own = (origin != ORIGIN_CODE["missing"]) & (origin != ORIGIN_CODE["reprojected"])
+        found = own.any(axis=0)  # (V, P)
+        return {
+            view: tuple(listed.get(view, ()))
+            or tuple(p for p, there in zip(self.points, found[k], strict=True) if there)
+            for k, view in enumerate(self.views)
+        }
+
+
+def suspect_options(suspects: pd.DataFrame | None, *, most: int = 200) -> list[list[str]]:
+    """Return the frames to look at as choices of a menu, most doubtful first.
+
+    Parameters
+    ----------
+    suspects : pandas.DataFrame or None
+        Columns frame, view, point, reason, score.
+    most : int
+        How many are listed.
+
+    Returns
+    -------
+    list of [value, text]
+        The value is the frame number.
+    """
+    if suspects is None:
+        return []
+    return [
+        [
+            str(row["frame"]),
+            f"frame {row['frame']}: {row['point']} in {row['view']}, {row['reason']}",
+        ]
+        for row in suspects.head(most).to_dict("records")
+    ]
+
+
+def _uv(uv: np.ndarray) -> dict[str, float]:
+    return {"u": round(float(uv[0]), 2), "v": round(float(uv[1]), 2)}
+
+
+def _pair(uv: np.ndarray) -> list[float] | None:
+    return [round(float(x), 1) for x in uv] if np.isfinite(uv).all() else None
+
+
+def _describe_point(origin: str, confidence: float, residual: float, off: float) -> str:
+    """Say in words how sure a point is; distances in px, NaN where not known."""
+    if origin == "missing":
+        return "not visible here; click in this view to place it"
+    words = {"edited": "placed by hand", "reprojected": "shown from the 3D position"}
+    parts = [words.get(origin, f"{origin}, confidence {confidence:.2f}")]
+    if np.isfinite(residual):
+        parts.append(f"residual {residual:.1f} px")
+    if np.isfinite(off):
+        parts.append(f"{off:.1f} px from where the other views put it")
+    return ", ".join(parts)

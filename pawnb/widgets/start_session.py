@@ -1,0 +1,490 @@
+"""Clicking the start points: everything the widget does, without the widget.
+
+Each change is written to ``start.csv`` at once, so nothing a person clicked is lost
+when the browser or the kernel ends.
+"""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from pawnb.core.rig import Rig
+from pawnb.errors import InputError
+from pawnb.io.start import MAX_FRAMES, write_start
+from pawnb.io.tables import read_cells, read_numbers
+from pawnb.schema import START_COLUMNS, check_columns
+from pawnb.trial import Trial
+from pawnb.widgets.colours import point_colours
+
+MOUSE_PAWS = {
+    "FR": "right front paw",
+    "HR": "right hind paw",
+    "FL": "left front paw",
+    "HL": "left hind paw",
+}
+Slot = tuple[int, str, str]
+"""Frame, view and point."""
+
+
+@dataclass(frozen=True)
+class _State:
+    """What undo goes back to."""
+
+    clicks: Mapping[Slot, tuple[float, float]] = field(default_factory=dict)
+    hidden: frozenset[Slot] = frozenset()
+    frame: int = 0
+
+
+class StartSession:
+    """The clicks of one trial, and which one is asked for next.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial; its views name their points.
+    sizes : mapping of str to tuple of int
+        Width and height of each view, px.
+    span : tuple of int
+        First and last frame that can be clicked.
+    frame : int, optional
+        Frame to begin with; default the first that has clicks, else the first of ``span``.
+    start : pandas.DataFrame, optional
+        Clicks there are already, columns frame, view, point, u, v; default those of the
+        file, if it exists.
+    rig : Rig, optional
+        The calibrated views; with it, clicks in other views help to place the next.
+    path : str or Path, optional
+        Where the clicks go; default the trial's ``[start] points``, else ``start.csv``
+        beside the trial.
+
+    Attributes
+    ----------
+    frame : int
+        The frame looked at.
+    current : tuple of str or None
+        View and point asked for next; None where all are placed or marked as hidden.
+    clicks : dict
+        (frame, view, point) to (u, v) in px.
+    hidden : frozenset
+        (frame, view, point) marked as hidden.
+
+    Raises
+    ------
+    InputError
+        If no view names its points and the animal is not a mouse, or the clicks there
+        are do not fit the trial.
+    """
+
+    def __init__(
+        self,
+        trial: Trial,
+        *,
+        sizes: Mapping[str, tuple[int, int]],
+        span: tuple[int, int],
+        frame: int | None = None,
+        start: pd.DataFrame | None = None,
+        rig: Rig | None = None,
+        path: str | Path | None = None,
+    ) -> None:
+        self.trial, self.rig = trial, rig
+        self.sizes, self.span = dict(sizes), span
+        self.path = Path(path) if path else trial.path(trial.start_points or "start.csv")
+        self._kept_before = not self.path.exists()
+        if start is None and self.path.exists():
+            start = _read_unfinished(self.path)
+        self.points_by_view = _points_by_view(trial, start)
+        every = dict.fromkeys(p for points in self.points_by_view.values() for p in points)
+        self.points = tuple(every)
+        self.colours = point_colours(self.points)
+        clicks = {} if start is None else self._clicks_of(start)
+        if frame is None:
+            frame = min((f for f, _, _ in clicks), default=span[0])
+        self._state = _State(clicks=clicks, frame=self._checked_frame(frame))
+        self._past: list[_State] = []
+        self._future: list[_State] = []
+        self.current: tuple[str, str] | None = None
+        self.saved = False
+        self._offer_next()
+
+    # --- what there is ------------------------------------------------------------------
+
+    @property
+    def frame(self) -> int:
+        """The frame looked at."""
+        return self._state.frame
+
+    @property
+    def clicks(self) -> dict[Slot, tuple[float, float]]:
+        """Every click: (frame, view, point) to (u, v) in px."""
+        return dict(self._state.clicks)
+
+    @property
+    def hidden(self) -> frozenset[Slot]:
+        """Every (frame, view, point) marked as hidden."""
+        return self._state.hidden
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is something to undo."""
+        return bool(self._past)
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether something undone can be made again."""
+        return bool(self._future)
+
+    def table(self) -> pd.DataFrame:
+        """Return the clicks as they are saved: frame, view, point, u, v, in a fixed order."""
+        views = list(self.points_by_view)
+        order = {
+            (view, point): (views.index(view), number)
+            for view, points in self.points_by_view.items()
+            for number, point in enumerate(points)
+        }
+        rows = sorted(
+            ((*slot, *uv) for slot, uv in self._state.clicks.items()),
+            key=lambda row: (row[0], order[row[1], row[2]]),
+        )
+        return pd.DataFrame(rows, columns=list(START_COLUMNS))
+
+    # --- what a person does -------------------------------------------------------------
+
+    def go(self, frame: int) -> None:
+        """Look at another frame; the first point that is still open there is asked for."""
+        if frame != self.frame:
+            self._state = replace(self._state, frame=self._checked_frame(frame))
+            self._offer_next()
+
+    def select(self, view: str, point: str) -> None:
+        """Ask for this point next."""
+        self._check(view, point)
+        self.current = (view, point)
+
+    def click(self, view: str, u: float, v: float) -> str:
+        """Place the point that is asked for; the next is then asked for by itself.
+
+        A click in another view than the one asked for places the same point there if it
+        is still open, else the first point that is.
+
+        Parameters
+        ----------
+        view : str
+            Where the click was.
+        u, v : float
+            Its position in px of the view.
+
+        Returns
+        -------
+        str
+            The point that was placed.
+
+        Raises
+        ------
+        InputError
+            If every point of that view is placed, the click is outside the picture, or
+            two other frames have clicks already.
+        """
+        open_here = [p for v_, p in self._open_slots() if v_ == view]
+        asked_in, asked = self.current or (None, None)
+        if asked is not None and (asked_in == view or asked in open_here):
+            point = asked
+        elif open_here:
+            point = open_here[0]
+        else:
+            raise InputError(
+                f"every point of {view} is placed or hidden in frame {self.frame}; drag one to "
+                "move it, or choose one above the picture to place it again."
+            )
+        self.place(view, point, u, v)
+        return point
+
+    def place(self, view: str, point: str, u: float, v: float) -> None:
+        """Put a point at (u, v) in px of a view: a click, or the end of a drag.
+
+        Parameters
+        ----------
+        view, point : str
+            Which point in which view.
+        u, v : float
+            Position in px of the view.
+
+        Raises
+        ------
+        InputError
+            If the position is outside the picture, or two other frames have clicks.
+        """
+        self._check(view, point)
+        width, height = self.sizes[view]
+        if not (-0.5 <= u < width - 0.5 and -0.5 <= v < height - 0.5):
+            raise InputError(
+                f"{point} at ({u:.1f}, {v:.1f}) is outside the picture of {view} "
+                f"({width} x {height} px); click inside it."
+            )
+        others = {f for f, _, _ in self._state.clicks} - {self.frame}
+        if len(others) >= MAX_FRAMES:
+            first, second = sorted(others)
+            raise InputError(
+                f"frames {first} and {second} have clicks already, and tracking starts from one "
+                "frame or two; click in one of these, or undo the clicks there first."
+            )
+        slot = (self.frame, view, point)
+        clicks = {**self._state.clicks, slot: (round(float(u), 3), round(float(v), 3))}
+        self._change(replace(self._state, clicks=clicks, hidden=self._state.hidden - {slot}))
+
+    def hide(self, view: str | None = None, point: str | None = None) -> None:
+        """Mark a point as hidden in a view; without names, the one that is asked for.
+
+        Parameters
+        ----------
+        view, point : str, optional
+            Which point in which view.
+
+        Raises
+        ------
+        InputError
+            If there is no such point, or none is asked for.
+        """
+        if view is None or point is None:
+            if self.current is None:
+                raise InputError("no point is asked for; choose one above a picture first.")
+            view, point = self.current
+        self._check(view, point)
+        slot = (self.frame, view, point)
+        clicks = {key: uv for key, uv in self._state.clicks.items() if key != slot}
+        self._change(replace(self._state, clicks=clicks, hidden=self._state.hidden | {slot}))
+
+    def undo(self) -> bool:
+        """Take back the last change; say whether there was one."""
+        return self._step(self._past, self._future)
+
+    def redo(self) -> bool:
+        """Make the change that was undone last again; say whether there was one."""
+        return self._step(self._future, self._past)
+
+    def save(self) -> Path:
+        """Write the clicks to the file, whole or not at all.
+
+        A file that was there before this session is kept beside it as ``*.before.csv``.
+
+        Returns
+        -------
+        Path
+            The file.
+        """
+        if not self._kept_before:
+            before = self.path.with_name(f"{self.path.stem}.before{self.path.suffix}")
+            shutil.copyfile(self.path, before)
+            self._kept_before = True
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        write_start(self.table(), self.path)
+        self.saved = True
+        return self.path
+
+    # --- in words -----------------------------------------------------------------------
+
+    def prompt(self) -> str:
+        """Say what to do next."""
+        here = any(f == self.frame for f, _, _ in self._state.clicks)
+        others = sorted({f for f, _, _ in self._state.clicks} - {self.frame})
+        if not here and len(others) == MAX_FRAMES:
+            return f"Frames {others[0]} and {others[1]} have the clicks; go there to change them."
+        if not here and others:
+            return (
+                f"Frame {others[0]} has the clicks. Clicking the points here too is optional: two "
+                "frames give the tracker the first velocities."
+            )
+        if self.current is None:
+            return "All points are placed or marked as hidden. Drag a point to adjust it."
+        view, point = self.current
+        more = f" ({MOUSE_PAWS[point]})" if point in MOUSE_PAWS else ""
+        return f"Click {point}{more} in {view}, or press H if it is hidden there."
+
+    def missing(self) -> str:
+        """Say what a tracker would still lack, or that nothing is missing."""
+        nowhere, alone = [], []
+        for point in self.points:
+            views = {v for _, v, p in self._state.clicks if p == point}
+            tracked = [v for v, points in self.points_by_view.items() if point in points]
+            if not views:
+                nowhere.append(point)
+            elif len(views) == 1 and len(tracked) > 1:
+                alone.append(f"{point} ({views.pop()})")
+        parts = []
+        if nowhere:
+            parts.append(f"Not clicked in any view yet: {', '.join(nowhere)}.")
+        if alone:
+            parts.append(f"Clicked in one view only, two are needed in 3D: {', '.join(alone)}.")
+        return " ".join(parts) or "Nothing is missing."
+
+    # --- what is drawn ------------------------------------------------------------------
+
+    def overlay(self, frame: int) -> dict[str, Any]:
+        """Return what is drawn over a frame; see ``frame_canvas.Overlay``."""
+        here = frame == self.frame
+        views = {view: self._view_overlay(frame, view) for view in self.points_by_view}
+        current = list(self.current) if here and self.current else None
+        return {"views": views, "current": current}
+
+    def _view_overlay(self, frame: int, view: str) -> dict[str, Any]:
+        points, hollow, lines, chips = [], [], [], []
+        for point in self.points_by_view[view]:
+            colour = self.colours[point]
+            slot = (frame, view, point)
+            uv = self._state.clicks.get(slot)
+            if uv is not None:
+                points.append({"id": point, "u": uv[0], "v": uv[1], "colour": colour})
+            guide = self.guide(frame, view, point)
+            if guide is not None and len(guide) == 1:
+                hollow.append({"id": point, "u": guide[0][0], "v": guide[0][1], "colour": colour})
+            elif guide is not None and self.current is not None and self.current[1] == point:
+                lines.append({"at": guide, "colour": colour, "dash": True})
+            state = "done" if uv else "hidden" if slot in self._state.hidden else "open"
+            words = {
+                "done": "" if uv is None else f"clicked at ({uv[0]:.1f}, {uv[1]:.1f})",
+                "hidden": "hidden here",
+                "open": "not clicked yet",
+            }[state]
+            title = f"{point}: {words}"
+            chips.append({"id": point, "state": state, "title": title, "colour": colour})
+        return {"points": points, "hollow": hollow, "lines": lines, "chips": chips}
+
+    def guide(self, frame: int, view: str, point: str) -> list[list[float]] | None:
+        """Return where the clicks in other views say a point is.
+
+        Parameters
+        ----------
+        frame : int
+            Frame number.
+        view, point : str
+            Which point in which view.
+
+        Returns
+        -------
+        list of [u, v] or None
+            One position from two or more other views; the two ends of the epipolar line
+            from one; None without a calibration or a click in another view.
+        """
+        if self.rig is None or view not in self.rig.names:
+            return None
+        others = {
+            v: uv for (f, v, p), uv in self._state.clicks.items()
+            if f == frame and p == point and v != view and v in self.rig.names
+        }  # fmt: skip
+        if not others:
+            return None
+        if len(others) == 1:
+            (name, uv), = others.items()  # fmt: skip
+            guide = self.rig.epipolar_line(name, uv, view, size=self.sizes[view])
+        else:
+            seen = self.rig.subset(others)
+            xyz = seen.triangulate(np.array(list(others.values()))).xyz
+            guide = self.rig.project(xyz)[None, self.rig.names.index(view)]
+        if not np.isfinite(guide).all():
+            return None
+        return np.round(guide, 2).tolist()
+
+    # --- inside -------------------------------------------------------------------------
+
+    def _open_slots(self) -> list[tuple[str, str]]:
+        """Return views and points neither clicked nor hidden in this frame, in order."""
+        settled = {*self._state.clicks, *self.hidden}
+        return [
+            (view, point)
+            for view, points in self.points_by_view.items()
+            for point in points
+            if (self.frame, view, point) not in settled
+        ]
+
+    def _offer_next(self) -> None:
+        """Ask for the next open point after the one asked for last, going round."""
+        slots = self._open_slots()
+        order = [(v, p) for v, points in self.points_by_view.items() for p in points]
+        if self.current in order:
+            place = order.index(self.current)
+            slots.sort(key=lambda slot: (order.index(slot) - place - 1) % len(order))
+        self.current = slots[0] if slots else None
+
+    def _change(self, state: _State) -> None:
+        """Take over a new state, save it, and ask for the next point."""
+        before = self._state
+        self._state = state
+        try:
+            self.save()
+        except (InputError, OSError):
+            self._state = before
+            raise
+        self._past.append(before)
+        self._future.clear()
+        self._offer_next()
+
+    def _step(self, source: list[_State], target: list[_State]) -> bool:
+        """Move one state from one pile to the other; used by undo and redo."""
+        if not source:
+            return False
+        before, self._state = self._state, source[-1]
+        try:
+            self.save()
+        except (InputError, OSError):
+            self._state = before
+            raise
+        target.append(before)
+        source.pop()
+        # look at the frame where something changed, and ask for what is open again
+        was, now = before.clicks, self._state.clicks
+        changed = {slot for slot in {*was, *now} if was.get(slot) != now.get(slot)}
+        for frame, view, point in changed | (before.hidden ^ self.hidden):
+            self._state = replace(self._state, frame=frame)
+            self.current = (view, point)
+        if self.current not in self._open_slots():
+            self._offer_next()
+        return True
+
+    def _checked_frame(self, frame: int) -> int:
+        first, last = self.span
+        if not first <= frame <= last:
+            raise InputError(f"frame {frame} is not in the trial ({first} to {last}).")
+        return int(frame)
+
+    def _check(self, view: str, point: str) -> None:
+        if point not in self.points_by_view.get(view, ()):
+            known = ", ".join(f"{v}: {' '.join(p)}" for v, p in self.points_by_view.items())
+            raise InputError(f"{view} does not track a point {point!r}; points are {known}.")
+
+    def _clicks_of(self, start: pd.DataFrame) -> dict[Slot, tuple[float, float]]:
+        """Read clicks from a table, checking that they fit the trial."""
+        check_columns(start, START_COLUMNS, where="start points")
+        clicks = {}
+        for frame, view, point, u, v in start[list(START_COLUMNS)].itertuples(index=False):
+            self._check(view, point)
+            clicks[self._checked_frame(int(frame)), view, point] = (float(u), float(v))
+        return clicks
+
+
+def _read_unfinished(path: Path) -> pd.DataFrame:
+    """Read clicks that may be incomplete; a tracker would refuse them, here they go on."""
+    cells = read_cells(path, START_COLUMNS)
+    numbers = {name: read_numbers(cells, name, where=path.name) for name in ("u", "v")}
+    return cells.assign(frame=read_numbers(cells, "frame", where=path.name, whole=True), **numbers)
+
+
+def _points_by_view(trial: Trial, start: pd.DataFrame | None) -> dict[str, tuple[str, ...]]:
+    """Return the points each view tracks; a view that names none tracks every point."""
+    named = [p for view in trial.views for p in view.points]
+    if start is not None and "point" in start:
+        named += list(start["point"])
+    every = tuple(dict.fromkeys(named))
+    if not every and trial.animal.species == "mouse":
+        every = tuple(MOUSE_PAWS)
+    if not every:
+        raise InputError(
+            f"trial {trial.name!r} does not say which points to click; add "
+            'points = ["FR", "HR"] to its [[views]].'
+        )
+    return {view.name: view.points or every for view in trial.views}

@@ -1,0 +1,219 @@
+// Which frame is wanted, which is shown, and how frames come from the kernel.
+//
+// kernel -> browser: {type: "frame", who, frame, sent, shrink, overlay, version, error?} + a JPEG a view
+// browser -> kernel: {type: "want", who, frame, shrink, pixels, plain}
+// One request is in flight at a time and the newest wins, so no queue builds up while
+// somebody holds a key down; frames are fetched beforehand only when nothing else is asked.
+
+const BITMAP_BYTES = 256e6; // decoded pictures kept in the browser
+const AHEAD = 6; // frames fetched beforehand, in the direction of travel
+const PLAY_FPS = 25;
+
+// The pictures of recent frames, oldest out first.
+class Pictures {
+  constructor() {
+    this.kept = new Map();
+    this.bytes = 0;
+  }
+  get(frame) {
+    return this.kept.get(frame);
+  }
+  put(frame, entry, spare) {
+    this.drop(frame);
+    entry.bytes = entry.bitmaps.reduce((sum, b) => sum + b.width * b.height * 4, 0);
+    this.kept.set(frame, entry);
+    this.bytes += entry.bytes;
+    for (const old of [...this.kept.keys()]) {
+      if (this.bytes <= BITMAP_BYTES) break;
+      if (old !== frame && !spare.includes(old)) this.drop(old);
+    }
+  }
+  use(frame) {
+    const entry = this.kept.get(frame);
+    this.kept.delete(frame);
+    this.kept.set(frame, entry);
+  }
+  drop(frame) {
+    const entry = this.kept.get(frame);
+    if (!entry) return;
+    this.kept.delete(frame);
+    this.bytes -= entry.bytes;
+    for (const bitmap of entry.bitmaps) bitmap.close();
+  }
+  clear() {
+    for (const frame of [...this.kept.keys()]) this.drop(frame);
+  }
+}
+
+class Frames {
+  // `host` has stages, and is told: show(bitmaps, overlay, isNew), moved(), playing(on).
+  constructor(model, host) {
+    this.model = model;
+    this.host = host;
+    this.who = Math.random().toString(36).slice(2); // the same widget may be shown twice
+    this.pictures = new Pictures();
+    this.overlays = new Map(); // what is drawn over each frame, of the present version only
+    this.version = -1;
+    this.want = model.get("frame");
+    this.shown = null;
+    this.overlay = null;
+    this.bitmaps = null;
+    this.direction = 1;
+    this.inFlight = null;
+    this.decoding = new Set();
+    this.failed = new Set(); // frames that cannot be read are not asked for again and again
+    this.playing = false;
+    this.plain = model.get("transport") === "base64";
+  }
+
+  get span() {
+    return this.model.get("span");
+  }
+
+  get loading() {
+    return this.want !== this.shown && !this.failed.has(this.want);
+  }
+
+  go(frame) {
+    const [first, last] = this.span;
+    frame = Math.max(first, Math.min(last, frame));
+    if (frame !== this.want) this.direction = frame > this.want ? 1 : -1;
+    this.want = frame;
+    this.failed.delete(frame);
+    this.step();
+  }
+
+  // Pictures are fine enough when no view asks for smaller pixels than they have.
+  fine(frame) {
+    const entry = this.pictures.get(frame);
+    return entry && this.host.stages.every((stage, k) => entry.shrink[k] <= stage.shrink);
+  }
+
+  // Do the next thing there is to do: show the frame, ask for it, or fetch one beforehand.
+  step() {
+    const frame = this.want;
+    // while an edit is being written or a point is in the hand, this frame stays
+    if (!this.host.held || frame === this.shown) {
+      const there = this.pictures.get(frame) && this.overlays.has(frame);
+      if (there) this.display(frame);
+      if ((there && this.fine(frame)) || this.decoding.has(frame)) this.prefetch();
+      else if (!this.failed.has(frame)) this.request(frame);
+    }
+    this.host.moved();
+  }
+
+  request(frame) {
+    if (this.inFlight !== null) return; // step() runs again when the answer comes
+    this.inFlight = frame;
+    const shrink = this.host.stages.map((stage) => stage.shrink);
+    const { who, plain } = this;
+    this.model.send({ type: "want", who, frame, shrink, pixels: !this.fine(frame), plain });
+  }
+
+  prefetch() {
+    const [first, last] = this.span;
+    const entry = this.pictures.get(this.shown);
+    const room = entry ? Math.floor(BITMAP_BYTES / entry.bytes) - 3 : 1;
+    for (let i = 1; i <= Math.min(AHEAD, room); i++) {
+      const frame = this.want + i * this.direction;
+      if (frame < first || frame > last || this.failed.has(frame)) return;
+      if (this.decoding.has(frame) || (this.fine(frame) && this.overlays.has(frame))) continue;
+      this.request(frame);
+      return;
+    }
+  }
+
+  async received(message, buffers) {
+    const { frame, error, sent, shrink, overlay, version } = message;
+    this.inFlight = null;
+    if (error) {
+      this.failed.add(frame);
+      if (frame === this.want) this.play(false);
+    } else {
+      if (this.version < 0) this.version = version;
+      // an answer from before the last edit brings its pictures, but not its overlay
+      if (version === this.version) this.overlays.set(frame, overlay);
+      const data = message.pictures ? message.pictures.map(fromBase64) : [...buffers];
+      if (sent && data.length) {
+        await this.decode(frame, shrink, data);
+        if (this.closed) return;
+      } else if (sent) this.plain = true; // binary buffers get lost on the way: ask for text
+    }
+    this.step();
+  }
+
+  async decode(frame, shrink, data) {
+    this.decoding.add(frame);
+    this.step(); // the next request goes out meanwhile
+    const jpeg = (bytes) => createImageBitmap(new Blob([bytes], { type: "image/jpeg" }));
+    const bitmaps = await Promise.all(data.map(jpeg));
+    this.decoding.delete(frame);
+    if (this.closed) {
+      for (const bitmap of bitmaps) bitmap.close();
+      return;
+    }
+    if (frame === this.shown) this.host.show((this.bitmaps = bitmaps), this.overlay, false);
+    this.pictures.put(frame, { bitmaps, shrink }, [this.shown, this.want]);
+  }
+
+  display(frame) {
+    const { bitmaps } = this.pictures.get(frame);
+    const overlay = this.overlays.get(frame);
+    this.pictures.use(frame);
+    if (frame === this.shown && overlay === this.overlay && bitmaps === this.bitmaps) return;
+    const isNew = overlay !== this.overlay;
+    Object.assign(this, { shown: frame, overlay, bitmaps });
+    this.host.show(bitmaps, overlay, isNew);
+    clearTimeout(this.telling);
+    this.telling = setTimeout(() => this.tell(), 150);
+  }
+
+  // Python learns which frame is looked at once the person stays there.
+  tell() {
+    if (this.closed || this.model.get("frame") === this.shown) return;
+    this.told = this.shown;
+    this.model.set("frame", this.shown);
+    this.model.save_changes();
+  }
+
+  // Python chose another frame (and not only heard of this one).
+  follow() {
+    const frame = this.model.get("frame");
+    if (frame !== this.told) this.go(frame);
+  }
+
+  // What is drawn over the frames has changed: it is asked for again when they are shown.
+  renew(version) {
+    if (version === this.version) return;
+    this.version = version;
+    this.overlays.clear();
+  }
+
+  play(on) {
+    if (on === this.playing) return;
+    this.playing = on;
+    this.host.playing(on);
+    if (!on) return;
+    let last = -Infinity;
+    const tick = (now) => {
+      if (!this.playing || this.closed) return;
+      if (this.shown === this.want && now - last >= 1000 / PLAY_FPS - 4) {
+        last = now;
+        this.go(this.want + 1); // no frame is skipped: playing waits for each
+      }
+      if (this.shown === this.span[1]) return this.play(false);
+      requestAnimationFrame(tick); // not called in a hidden tab, so playing waits there
+    };
+    requestAnimationFrame(tick);
+  }
+
+  close() {
+    this.closed = true;
+    clearTimeout(this.telling);
+    this.pictures.clear();
+  }
+}
+
+function fromBase64(text) {
+  return Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+}

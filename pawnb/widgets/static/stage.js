@@ -1,0 +1,360 @@
+// One view of a trial: its picture, what is drawn over it, zoom, and the mouse.
+//
+// Image coordinates: u right, v down, (0, 0) is the centre of the top-left pixel.
+// Canvas coordinates are device pixels: x = (u + 0.5) * scale + tx, likewise y.
+// stage.js, frames.js and frame_canvas.js are joined into one module by frame_canvas.py.
+
+const GRAB_PX = 14; // how near, in CSS pixels, the mouse must be to take a point
+const CLICK_PX = 4; // a press that moves further than this is a pan, not a click
+const MAX_ZOOM = 40; // device pixels per image pixel
+
+class Stage {
+  // `host` is told what the mouse does: edit, select, released, rezoomed, redraw, focus.
+  constructor(spec, host) {
+    Object.assign(this, { name: spec.name, W: spec.width, H: spec.height, host });
+    this.bitmap = null;
+    this.overlay = {};
+    this.drag = null;
+    this.over = null; // the point under the mouse
+    this.zoom = { scale: 1, tx: 0, ty: 0 };
+    this.fitted = true;
+    this.el = document.createElement("div");
+    this.el.className = "pawnb-view";
+    this.el.dataset.view = spec.name;
+    this.head = document.createElement("div");
+    this.head.className = "pawnb-head";
+    this.frame = document.createElement("div");
+    this.frame.className = "pawnb-frame";
+    this.image = document.createElement("canvas");
+    this.image.className = "pawnb-image";
+    this.marks = document.createElement("canvas");
+    this.marks.className = "pawnb-marks";
+    this.frame.append(this.image, this.marks);
+    this.el.append(this.head, this.frame);
+    this.listen();
+  }
+
+  // --- size and zoom ---------------------------------------------------------------
+
+  // Lay the picture out `width` CSS pixels wide; the part that was looked at stays in view.
+  resize(width) {
+    const dpr = window.devicePixelRatio || 1;
+    const w = Math.max(1, Math.round(width * dpr));
+    const h = Math.max(1, Math.round((w * this.H) / this.W));
+    if (this.image.width === w && this.image.height === h) return;
+    const factor = w / this.image.width;
+    for (const canvas of [this.image, this.marks]) {
+      canvas.width = w;
+      canvas.height = h;
+      canvas.style.width = `${w / dpr}px`;
+      canvas.style.height = `${h / dpr}px`;
+    }
+    this.frame.style.width = `${w / dpr}px`;
+    const z = this.zoom;
+    if (this.fitted) this.fit();
+    else this.setZoom(z.scale * factor, z.tx * factor, z.ty * factor);
+  }
+
+  get fitScale() {
+    return this.image.width / this.W;
+  }
+
+  fit() {
+    this.setZoom(this.fitScale, 0, 0);
+  }
+
+  // The picture always covers the canvas, so it cannot get lost outside.
+  setZoom(scale, tx, ty) {
+    scale = Math.min(Math.max(scale, this.fitScale), Math.max(MAX_ZOOM, this.fitScale));
+    const clamp = (t, size, canvas) => Math.min(0, Math.max(t, canvas - size * scale));
+    this.zoom = {
+      scale,
+      tx: clamp(tx, this.W, this.image.width),
+      ty: clamp(ty, this.H, this.image.height),
+    };
+    this.fitted = scale <= this.fitScale * 1.0001;
+    this.host.rezoomed();
+  }
+
+  zoomAbout(x, y, factor) {
+    const { scale, tx, ty } = this.zoom;
+    const to = Math.min(Math.max(scale * factor, this.fitScale), MAX_ZOOM);
+    const k = to / scale;
+    this.setZoom(to, x - (x - tx) * k, y - (y - ty) * k);
+  }
+
+  zoomToRectangle(x0, y0, x1, y1) {
+    const w = Math.abs(x1 - x0);
+    const h = Math.abs(y1 - y0);
+    if (w < 5 || h < 5) return;
+    const { scale, tx, ty } = this.zoom;
+    const factor = Math.min(this.image.width / w, this.image.height / h);
+    const to = Math.min(scale * factor, MAX_ZOOM);
+    const u = ((x0 + x1) / 2 - tx) / scale;
+    const v = ((y0 + y1) / 2 - ty) / scale;
+    this.setZoom(to, this.image.width / 2 - u * to, this.image.height / 2 - v * to);
+  }
+
+  // How many image pixels may be merged into one before it can be seen: 1, 2 or 4.
+  get shrink() {
+    const merged = 1 / this.zoom.scale;
+    return merged >= 4 ? 4 : merged >= 2 ? 2 : 1;
+  }
+
+  toCanvas(u, v) {
+    const { scale, tx, ty } = this.zoom;
+    return [(u + 0.5) * scale + tx, (v + 0.5) * scale + ty];
+  }
+
+  // Where the mouse is: canvas pixels x, y and image pixels u, v.
+  locate(event) {
+    const box = this.marks.getBoundingClientRect();
+    const x = ((event.clientX - box.left) * this.marks.width) / box.width;
+    const y = ((event.clientY - box.top) * this.marks.height) / box.height;
+    const { scale, tx, ty } = this.zoom;
+    return { x, y, u: (x - tx) / scale - 0.5, v: (y - ty) / scale - 0.5 };
+  }
+
+  inside({ u, v }) {
+    return u >= -0.5 && v >= -0.5 && u < this.W - 0.5 && v < this.H - 0.5;
+  }
+
+  setOverlay(overlay) {
+    this.overlay = overlay;
+    this.over = null;
+    // a point in the hand stays there
+    const held = this.drag && this.drag.kind === "point" ? this.drag.point : null;
+    const same = held && (overlay.points || []).find((point) => point.id === held.id);
+    if (same) this.drag.point = Object.assign(same, { u: held.u, v: held.v });
+  }
+
+  nearest({ x, y }) {
+    let best = null;
+    let least = GRAB_PX * (window.devicePixelRatio || 1);
+    for (const point of this.overlay.points || []) {
+      const [px, py] = this.toCanvas(point.u, point.v);
+      const distance = Math.hypot(px - x, py - y);
+      if (distance < least) [least, best] = [distance, point];
+    }
+    return best;
+  }
+
+  // --- mouse -----------------------------------------------------------------------
+
+  listen() {
+    const on = (type, handler, options) => this.marks.addEventListener(type, handler, options);
+    on("wheel", (e) => {
+      e.preventDefault();
+      const { x, y } = this.locate(e);
+      const lines = e.deltaMode === 1 ? 30 : 1; // Firefox counts lines, not pixels
+      this.zoomAbout(x, y, Math.exp(-e.deltaY * lines * 0.0015));
+    }, { passive: false });
+    on("contextmenu", (e) => { e.preventDefault(); e.stopPropagation(); });
+    on("pointerdown", (e) => this.press(e));
+    on("pointermove", (e) => this.move(e));
+    on("pointerup", (e) => this.release(e));
+    on("pointercancel", () => this.cancel());
+    on("pointerleave", () => { if (this.over) { this.over = null; this.host.redraw(); } });
+  }
+
+  press(e) {
+    this.host.focus();
+    if (this.drag) return;
+    const at = this.locate(e);
+    const point = this.nearest(at);
+    if (e.button === 2) {
+      if (point) this.host.edit({ what: "hide", view: this.name, point: point.id });
+      return;
+    }
+    this.marks.setPointerCapture(e.pointerId);
+    const start = { ...at, x1: at.x, y1: at.y, pointer: e.pointerId };
+    if (e.button === 1 || e.altKey) this.drag = { ...start, kind: "pan" };
+    else if (e.button !== 0) return;
+    else if (e.shiftKey || this.host.rectangle) this.drag = { ...start, kind: "rectangle" };
+    else if (point) {
+      this.host.select(this, point.id);
+      const off = { du: point.u - at.u, dv: point.v - at.v };
+      this.drag = { ...start, ...off, kind: "point", point, was: [point.u, point.v] };
+    } else this.drag = { ...start, kind: "press" };
+    e.preventDefault(); // no text selection, no autoscroll
+  }
+
+  move(e) {
+    const at = this.locate(e);
+    const drag = this.drag;
+    if (!drag) {
+      const over = this.nearest(at);
+      if (over !== this.over) { this.over = over; this.host.redraw(); }
+      this.marks.style.cursor = over ? "grab" : "crosshair";
+      return;
+    }
+    const far = Math.hypot(at.x - drag.x, at.y - drag.y);
+    if (far > CLICK_PX * (window.devicePixelRatio || 1)) {
+      drag.moved = true;
+      if (drag.kind === "press") drag.kind = "pan";
+    }
+    if (drag.kind === "pan") {
+      const { scale, tx, ty } = this.zoom;
+      this.setZoom(scale, tx + at.x - drag.x1, ty + at.y - drag.y1);
+    } else if (drag.kind === "point" && drag.moved) {
+      drag.point.u = Math.min(Math.max(at.u + drag.du, -0.49), this.W - 0.51);
+      drag.point.v = Math.min(Math.max(at.v + drag.dv, -0.49), this.H - 0.51);
+    }
+    [drag.x1, drag.y1] = [at.x, at.y];
+    this.marks.style.cursor = { point: "grabbing", pan: "move" }[drag.kind] || "crosshair";
+    this.host.redraw();
+  }
+
+  release(e) {
+    const drag = this.drag;
+    this.drag = null;
+    if (!drag) return;
+    const at = this.locate(e);
+    if (drag.kind === "rectangle") {
+      this.zoomToRectangle(drag.x, drag.y, at.x, at.y);
+      this.host.setRectangle(false);
+    } else if (drag.kind === "point" && drag.moved) {
+      const { id, u, v } = drag.point;
+      this.host.edit({ what: "moved", view: this.name, point: id, u, v });
+    } else if (drag.kind === "press" && this.inside(drag)) {
+      this.host.edit({ what: "click", view: this.name, u: drag.u, v: drag.v });
+    }
+    this.host.released();
+  }
+
+  // Esc: the point goes back to where it was.
+  cancel() {
+    const drag = this.drag;
+    if (!drag) return false;
+    this.drag = null;
+    if (drag.kind === "point") [drag.point.u, drag.point.v] = drag.was;
+    if (this.marks.hasPointerCapture(drag.pointer)) this.marks.releasePointerCapture(drag.pointer);
+    this.host.released();
+    return true;
+  }
+
+  // --- drawing ---------------------------------------------------------------------
+
+  drawImage() {
+    const g = this.image.getContext("2d", { willReadFrequently: true });
+    const { scale, tx, ty } = this.zoom;
+    g.setTransform(1, 0, 0, 1, 0, 0);
+    if (!this.bitmap) {
+      g.clearRect(0, 0, this.image.width, this.image.height);
+      return;
+    }
+    // enlarged pixels stay squares: what the camera saw, nothing in between
+    g.imageSmoothingEnabled = scale < 2;
+    g.setTransform(scale, 0, 0, scale, tx, ty);
+    g.drawImage(this.bitmap, 0, 0, this.W, this.H);
+  }
+
+  drawMarks(selected) {
+    const g = this.marks.getContext("2d");
+    const k = window.devicePixelRatio || 1;
+    g.setTransform(1, 0, 0, 1, 0, 0);
+    g.clearRect(0, 0, this.marks.width, this.marks.height);
+    g.lineJoin = g.lineCap = "round";
+    const { lines = [], hollow = [], points = [] } = this.overlay;
+    for (const line of lines) this.drawLine(g, k, line);
+    for (const mark of hollow) this.drawHollow(g, k, mark);
+    for (const point of points) this.drawPoint(g, k, point, point.id === selected);
+    const named = new Set(points.map((point) => point.id));
+    this.drawNames(g, k, [...points, ...hollow.filter((mark) => !named.has(mark.id))], points);
+    const drag = this.drag;
+    if (drag && drag.kind === "rectangle") {
+      const box = [drag.x, drag.y, drag.x1 - drag.x, drag.y1 - drag.y];
+      g.setLineDash([6 * k, 4 * k]);
+      this.outlined(g, k, 1.5, "#fff", () => g.strokeRect(...box));
+      g.setLineDash([]);
+    }
+  }
+
+  // Every mark has a dark rim, so it can be told from light and from dark fur.
+  outlined(g, k, width, colour, stroke, rim = 2) {
+    g.lineWidth = (width + rim) * k;
+    g.strokeStyle = "rgba(0, 0, 0, 0.65)";
+    stroke();
+    g.lineWidth = width * k;
+    g.strokeStyle = colour;
+    stroke();
+  }
+
+  // Trails (fading towards the past), sticks, and dashed epipolar lines.
+  drawLine(g, k, { at, colour, dash, fade }) {
+    g.setLineDash(dash ? [8 * k, 6 * k] : []);
+    for (let i = 1; i < at.length; i++) {
+      if (!at[i] || !at[i - 1]) continue; // a gap in the track
+      g.globalAlpha = fade ? 0.25 + (0.75 * i) / at.length : 1;
+      this.outlined(g, k, 1.8, colour, () => {
+        g.beginPath();
+        g.moveTo(...this.toCanvas(...at[i - 1]));
+        g.lineTo(...this.toCanvas(...at[i]));
+        g.stroke();
+      }, fade ? 0.7 : 2);
+    }
+    g.globalAlpha = 1;
+    g.setLineDash([]);
+  }
+
+  // Where the other views say the point is: a hollow diamond.
+  drawHollow(g, k, { u, v, colour }) {
+    const [x, y] = this.toCanvas(u, v);
+    const r = 9 * k;
+    this.outlined(g, k, 1.5, colour, () => {
+      g.beginPath();
+      g.moveTo(x, y - r);
+      g.lineTo(x + r, y);
+      g.lineTo(x, y + r);
+      g.lineTo(x - r, y);
+      g.closePath();
+      g.stroke();
+    });
+  }
+
+  // A ring that leaves its middle free, so that the pixel under it can be seen:
+  // dashed where predicted, doubled where a person placed it.
+  drawPoint(g, k, point, selected) {
+    const { id, u, v, colour, origin } = point;
+    const [x, y] = this.toCanvas(u, v);
+    const ring = (r) => () => { g.beginPath(); g.arc(x, y, r * k, 0, 2 * Math.PI); g.stroke(); };
+    g.setLineDash(origin === "predicted" || origin === "reprojected" ? [3 * k, 4 * k] : []);
+    this.outlined(g, k, 2.2, colour, ring(7));
+    g.setLineDash([]);
+    if (origin === "edited") this.outlined(g, k, 1.4, colour, ring(11));
+    if (selected || (this.over && this.over.id === id)) {
+      g.lineWidth = 1.5 * k;
+      g.strokeStyle = "#fff";
+      ring(14)();
+    }
+    this.outlined(g, k, 1, colour, () => { g.beginPath(); g.arc(x, y, 0.6 * k, 0, 7); g.stroke(); });
+  }
+
+  // The name beside each mark, where it covers neither a mark nor another name.
+  drawNames(g, k, marks, points) {
+    const dragged = this.drag && this.drag.kind === "point" && this.drag.moved;
+    const size = 13 * k;
+    const taken = points.map(({ u, v }) => {
+      const [x, y] = this.toCanvas(u, v);
+      return [x - 8 * k, y - 8 * k, x + 8 * k, y + 8 * k];
+    });
+    const free = (box) => taken.every((t) => box[2] < t[0] || box[0] > t[2] || box[3] < t[1] || box[1] > t[3]);
+    g.font = `600 ${size}px system-ui, sans-serif`;
+    for (const mark of marks) {
+      if (dragged && this.drag.point === mark) continue; // must not hide what is aimed at
+      const [x, y] = this.toCanvas(mark.u, mark.v);
+      const w = g.measureText(mark.id).width;
+      const boxes = [[10, -20], [10, 6], [-10, -20], [-10, 6], [14, -36], [-14, 22]].map(([dx, dy]) => {
+        const left = dx > 0 ? x + dx * k : x + dx * k - w;
+        return [left, y + dy * k, left + w, y + dy * k + size];
+      });
+      const box = boxes.find(free) || boxes[0];
+      taken.push(box);
+      g.lineWidth = 3.5 * k;
+      g.strokeStyle = "rgba(0, 0, 0, 0.75)";
+      g.strokeText(mark.id, box[0], box[3] - 2 * k);
+      g.fillStyle = mark.colour;
+      g.fillText(mark.id, box[0], box[3] - 2 * k);
+    }
+  }
+}

@@ -1,0 +1,261 @@
+"""*TrackReviewer*: look at tracks over the video, correct them, and track on."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from pawnb.core.edits import Edit, describe_edit
+from pawnb.core.rig import Rig
+from pawnb.core.video import open_views
+from pawnb.errors import InputError, PawnbError
+from pawnb.schema import Tracks
+from pawnb.trial import Trial, load_trial
+from pawnb.widgets.click_initialiser import view_rig
+from pawnb.widgets.frame_canvas import MOUSE_AND_KEYS, FrameCanvas, Overlay, Views
+from pawnb.widgets.review_session import ReviewSession, suspect_options
+from pawnb.workflow.results import results_folder, write_track_results
+from pawnb.workflow.track import retrack as workflow_retrack
+
+_KEYS = (
+    ("Drag a point", "correct it; it is written to edits.jsonl before the next frame shows"),
+    ("Click", "place a missing point, after choosing it above the picture"),
+    ("Right click, Delete", "the point is not visible here"),
+    ("A", "the chosen point is right as it is"),
+    ("R", "track again from this frame on"),
+    ("Ctrl+Z, Ctrl+Y", "undo, redo"),
+    ("Ctrl+S", "save the tracks"),
+)
+_MARKS = (
+    "Ring: tracked point (dashed: predicted; double: placed by hand). "
+    "Hollow diamond: where the other views put it."
+)
+
+RetrackTrial = Callable[[Trial, Tracks, int], Tracks]
+
+
+class TrackReviewer(FrameCanvas):
+    """Review tracks over the video: all views at once, correct, track again, undo.
+
+    Rings are the tracked points, with a trail of the last 20 frames; hollow diamonds show
+    where the other views put each point. Every correction is in ``edits.jsonl``, on disk,
+    before another frame is shown, and is applied again when the review is opened again.
+
+    Parameters
+    ----------
+    trial : Trial, str or Path
+        The trial, its ``trial.toml``, or the folder that holds it.
+    tracks : xarray.Dataset
+        Its tracks, for instance of :func:`pawnb.track`; not modified.
+    edits : str or Path, optional
+        The file of corrections; default ``results/edits.jsonl`` beside the trial.
+    retrack : callable, optional
+        ``retrack(trial, tracks, frame) -> Tracks``; default :func:`pawnb.workflow.track.retrack`.
+    suspects : pandas.DataFrame, optional
+        Frames to look at (frame, view, point, reason, score), offered as a menu.
+    **options
+        ``out`` (folder for *Save*; default the folder of ``edits``), ``views`` and ``rig``
+        (when they are open already), and the options of :class:`FrameCanvas`.
+
+    Attributes
+    ----------
+    session : ReviewSession
+        The tracks under review; works without a browser.
+
+    Raises
+    ------
+    InputError
+        If the trial, its videos, the tracks or ``edits.jsonl`` cannot be used.
+    """
+
+    def __init__(
+        self,
+        trial: Trial | str | Path,
+        tracks: Tracks,
+        *,
+        edits: str | Path | None = None,
+        retrack: RetrackTrial | None = None,
+        suspects: pd.DataFrame | None = None,
+        out: str | Path | None = None,
+        views: Views | None = None,
+        rig: Rig | None = None,
+        **options: Any,
+    ) -> None:
+        trial = trial if isinstance(trial, Trial) else load_trial(trial)
+        self._trial = trial
+        self._own_views = open_views(trial) if views is None else None
+        shown: Views = self._own_views if self._own_views is not None else views  # type: ignore[assignment]
+        edits = Path(edits) if edits is not None else results_folder(trial) / "edits.jsonl"
+        folder = Path(out) if out is not None else edits.parent
+        self._retrack_trial = retrack
+        self._stop = threading.Event()
+        self._worker: threading.Thread | None = None
+        self._suspects = suspect_options(suspects)
+        self._said = ""
+        self.session = ReviewSession(
+            trial,
+            tracks,
+            rig=view_rig(trial, shown) if rig is None else rig,
+            edits=edits,
+            retrack=self._track_again,
+            save=lambda present: write_track_results(present, folder),
+        )
+        first, last = self.session.span
+        self._times = np.asarray(getattr(shown, "time_s", np.arange(shown.n_frames) / trial.fps))
+        span = (first, min(last, shown.n_frames - 1))
+        super().__init__(shown, **{"frame": first, "span": span, **options})
+        self.label = "Review tracks"
+        self.keys_help = [list(line) for line in (("Marks", _MARKS), *_KEYS, *MOUSE_AND_KEYS)]
+        self._show_state(" ".join(self.session.notes))
+
+    @property
+    def tracks(self) -> Tracks:
+        """The tracks as corrected so far."""
+        return self.session.tracks
+
+    def overlay(self, frame: int) -> Overlay:
+        """Return what is drawn over a frame."""
+        return self.session.overlay(frame) | {"caption": f"{self._times[frame]:.3f} s"}
+
+    def edit(self, what: str, message: Mapping[str, Any]) -> int | None:
+        """Do what a person did; see :meth:`FrameCanvas.edit`."""
+        frame = int(message["frame"])
+        view, point = str(message.get("view")), str(message.get("point"))
+        if what == "moved":
+            u, v = float(message["u"]), float(message["v"])
+            self._show_state(self.session.move(frame, view, point, u=u, v=v))
+        elif what == "hide":
+            self._show_state(self.session.hide(frame, view, point))
+        elif what == "click":
+            self._place_missing(frame, view, message)
+        elif what == "action":
+            return self._act(str(message["action"]), frame, message)
+        return None
+
+    def retrack(self, frame: int) -> None:
+        """Begin to track again from a frame on, in a thread of its own."""
+        if self.session.busy:
+            raise InputError("the trial is being tracked again already; wait, or stop it.")
+        self._stop.clear()
+        self._worker = threading.Thread(target=self._retrack_now, args=(frame,), daemon=True)
+        self._worker.start()
+
+    def close(self) -> None:
+        """Take the widget away, stop the tracker, and close the videos it opened."""
+        self._stop.set()
+        if self._worker is not None and self._worker is not threading.current_thread():
+            self._worker.join()
+        super().close()
+        if self._own_views is not None:
+            self._own_views.close()
+
+    # --- inside -------------------------------------------------------------------------
+
+    def _place_missing(self, frame: int, view: str, message: Mapping[str, Any]) -> None:
+        """Place the chosen point if it is missing; otherwise a click means nothing."""
+        chosen = message.get("selected")
+        if chosen and chosen[0] == view and self.session.position(frame, *chosen) is None:
+            u, v = float(message["u"]), float(message["v"])
+            self._show_state(self.session.move(frame, *chosen, u=u, v=v))
+
+    def _act(self, action: str, frame: int, message: Mapping[str, Any]) -> int | None:
+        """Do what a button, menu or its key asks for; may say which frame to show."""
+        value, chosen = message.get("value"), message.get("selected")
+        if action in ("undo", "redo"):
+            edit = self.session.undo() if action == "undo" else self.session.redo()
+            self._show_state(_taken(action, edit))
+            return edit.frame if edit is not None else None
+        if action == "accept":
+            if not chosen:
+                raise InputError("choose a point first: click it, or its name above the picture.")
+            self._show_state(self.session.accept(frame, *chosen))
+        elif action == "swap" and value:
+            self._show_state(self.session.swap(frame, *self.session.pairs()[int(value)]))
+        elif action == "retrack":
+            self.retrack(frame)
+        elif action == "stop":
+            self._stop.set()
+        elif action == "save":
+            self.session.save()
+            self._show_state("tracks saved")
+        elif action == "suspect" and value:
+            return int(value)
+        return None
+
+    def _retrack_now(self, frame: int) -> None:
+        """Track again and show the result; runs in its own thread."""
+        go = None
+        try:
+            self._show_state(f"tracking again from frame {frame} on", busy=True)
+            said, go = self.session.retrack(frame), frame
+        except (PawnbError, OSError) as error:
+            self.alarm, said = str(error), "the tracks are as they were"
+        except BaseException:
+            self.alarm = f"tracking again from frame {frame} failed; see the kernel's messages."
+            self._show_state("the tracks are as they were")
+            raise
+        self._show_state(said)
+        self.refresh(go)
+
+    def _track_again(self, tracks: Tracks, frame: int) -> Tracks:
+        """Call the tracker; a person who stops it keeps the tracks as they were."""
+        if self._retrack_trial is not None:
+            return self._retrack_trial(self._trial, tracks, frame)
+        new = workflow_retrack(
+            self._trial, tracks, frame, progress=self._show_progress, stop=self._stop.is_set
+        )
+        if self._stop.is_set():
+            raise InputError(f"tracking again from frame {frame} was stopped.")
+        return new
+
+    def _show_progress(self, done: int, total: int) -> None:
+        if done % 10 == 0 or done == total:
+            self._show_state(f"tracking again: {done} of {total} frames", busy=True)
+
+    def _show_state(self, said: str, *, busy: bool = False) -> None:
+        """Say what was done, and which buttons can be pressed."""
+        session = self.session
+        n = len(session.corrections)
+        kept = "" if session.edits is None else f" in {session.edits.name}"
+        said = said or "step through the frames and drag a point that is wrong"
+        stop = "" if said.endswith(".") else "."
+        count = f"{n} correction{'' if n == 1 else 's'}{kept}."
+        self.status = f"{said[:1].upper()}{said[1:]}{stop}\n{count}"
+        pairs = [[str(i), f"{a} and {b}"] for i, (a, b) in enumerate(session.pairs())]
+        actions: list[dict[str, Any]] = [
+            {"id": "retrack", "text": "Re-track from here", "keys": ["r"],
+             "title": "Track again from this frame on, every state of the tracker reset (R)"},
+            {"id": "accept", "text": "Accept", "keys": ["a"],
+             "title": "The chosen point is right as it is (A)"},
+            {"id": "swap", "text": "Exchange from here on", "options": pairs,
+             "title": "Two points were mistaken for one another from this frame on"},
+            {"id": "undo", "text": "Undo", "keys": ["Ctrl+z"],
+             "title": "Take back the last correction (Ctrl+Z)", "enabled": session.can_undo},
+            {"id": "redo", "text": "Redo", "keys": ["Ctrl+y", "Ctrl+Shift+Z"],
+             "title": "Make it again (Ctrl+Y)", "enabled": session.can_redo},
+            {"id": "save", "text": "Save tracks", "keys": ["Ctrl+s"],
+             "title": "Write tracks.nc and its tables; corrections are kept anyway (Ctrl+S)"},
+        ]  # fmt: skip
+        for action in actions:
+            action["enabled"] = action.get("enabled", True) and not busy
+        if not pairs:
+            actions = [action for action in actions if action["id"] != "swap"]
+        if self._suspects:
+            title = "Frames that the tracker doubts, the most doubtful first"
+            menu = {"id": "suspect", "text": "Jump to a doubtful frame", "title": title}
+            actions.append(menu | {"options": self._suspects})
+        if busy:
+            actions.append({"id": "stop", "text": "Stop", "title": "Stop tracking again"})
+        self.actions = actions
+
+
+def _taken(action: str, edit: Edit | None) -> str:
+    """Say what undo or redo did."""
+    if edit is None:
+        return f"nothing to {action}"
+    return f"{'undone' if action == 'undo' else 'made again'}: {describe_edit(edit)}"
