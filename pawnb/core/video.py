@@ -161,7 +161,10 @@ class VideoFile:
             ) from None
         if not container.streams.video:
             container.close()
-            raise VideoError(f"{self.name}: holds no video; name another file.")
+            raise VideoError(
+                f"{self.name}: holds no video that can be read; it may be cut short, damaged or "
+                "hold sound only."
+            )
         stream = container.streams.video[0]
         stream.codec_context.thread_count = 1
         return container, stream
