@@ -12,11 +12,22 @@ from typing import Any
 __version__ = "0.1.0"
 
 _HOME = {
+    "Animal": "pawnb.trial",
+    "Calibration": "pawnb.trial",
     "InputError": "pawnb.errors",
     "PawnbError": "pawnb.errors",
     "Trial": "pawnb.trial",
+    "View": "pawnb.trial",
+    "check_trial": "pawnb.workflow.check",
+    "count_errors": "pawnb.workflow.evaluation",
     "load_trial": "pawnb.trial",
+    "read_tracks": "pawnb.io.native",
+    "retrack": "pawnb.workflow.track",
+    "run_gait": "pawnb.workflow.gait",
+    "sample_trial": "pawnb.workflow.sample",
     "save_trial": "pawnb.trial",
+    "track": "pawnb.workflow.track",
+    "tracks_table": "pawnb.io.native",
 }
 _MODULES = ("core", "figures", "gait", "io", "synthetic", "widgets", "workflow")
 
