@@ -96,7 +96,7 @@ def test_two_phases_have_a_closed_form():
 
 
 def test_three_phases_against_monte_carlo():
-    # 2e6 draws with numpy's default_rng(0): 0.48786 +- 0.00035 at r = 0.5, 0.04192 +- 0.00014 at .95
+    # 2e6 draws: 0.48786 +- 0.00035 at r = 0.5, 0.04192 +- 0.00014 at r = 0.95
     assert rayleigh_p(3, 0.5) == pytest.approx(0.4883, abs=0.001)
     assert rayleigh_p(3, 0.95) == pytest.approx(0.0419, abs=0.0004)
 
@@ -169,7 +169,7 @@ def test_wrapped_phases_are_in_the_cycle(phase):
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: mean_vector(np.array([])), "^phases: none was given; expected at least one finite"),
+        (lambda: mean_vector(np.array([])), "^phases: none was given; expected at least"),
         (lambda: mean_vector(np.array([0.1, np.nan])), "^phases: 1 of 2 are not finite; expected"),
         (lambda: circular_sd(1.2), r"^r is 1\.2; expected the length of a mean vector, 0 to 1\.$"),
         (lambda: rayleigh_p(0, 0.5), "^n is 0; expected at least one phase"),

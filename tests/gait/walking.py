@@ -97,7 +97,7 @@ class Walk:
             side = np.cross([0.0, 0.0, 1.0], ahead) * (15.0 if "L" in leg else -15.0)
             path = along[:, None] * ahead + z[:, None] * [0.0, 0.0, 1.0] + hip + side + origin
             path = scale * (path + noise * rng.standard_normal(path.shape))
-            tracks["position"].values[:, :, n, 0] = path
-        tracks["confidence"].values[:] = 1.0
-        tracks["origin"].values[:] = ORIGIN_CODE["measured"]
+            tracks["position"].data[:, :, n, 0] = path
+        tracks["confidence"].data[:] = 1.0
+        tracks["origin"].data[:] = ORIGIN_CODE["measured"]
         return tracks

@@ -1,0 +1,116 @@
+"""Phase rose: counts by hand, sectors whose area is the count, the mean vector."""
+
+from __future__ import annotations
+
+import matplotlib as mpl
+import matplotlib.pyplot as plt
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pawnb.errors import InputError
+from pawnb.figures import build_phase_rose_table, plot_phase_rose
+
+mpl.use("Agg")
+
+
+@pytest.fixture(autouse=True)
+def _close():
+    yield
+    plt.close("all")
+
+
+def phases(values, leg="FL", reference="FR", animals=None):
+    return pd.DataFrame(
+        {
+            "animal": animals or ["m"] * len(values),
+            "trial": "t",
+            "leg": leg,
+            "reference": reference,
+            "stride": np.arange(len(values)),
+            "phase": values,
+        }
+    )
+
+
+VALUES = [0.0, 0.26, 0.3, 0.49, 0.5, 0.99]
+
+
+def test_counts_by_hand():
+    table = build_phase_rose_table(phases(VALUES, animals=list("aabbbb")), bins=4)
+    assert table["count"].tolist() == [1, 3, 1, 1]
+    assert table["bin_start"].tolist() == [0.0, 0.25, 0.5, 0.75]
+    assert table["bin_end"].tolist() == [0.25, 0.5, 0.75, 1.0]
+    assert (table["n"] == 6).all()
+    assert (table["n_animals"] == 2).all()
+    # mean vector by hand
+    vector = np.exp(2j * np.pi * np.array(VALUES)).mean()
+    np.testing.assert_allclose(table["r"], abs(vector))
+    np.testing.assert_allclose(table["mean"], np.angle(vector) / 2 / np.pi % 1)
+
+
+@given(st.lists(st.floats(0, 1, exclude_max=True), min_size=1, max_size=50), st.integers(4, 72))
+def test_every_phase_is_counted_once(values, bins):
+    table = build_phase_rose_table(phases(values), bins=bins)
+    assert table["count"].sum() == len(values) == table["n"].iloc[0]
+    assert len(table) == bins
+
+
+def test_area_is_the_count_and_the_arrow_the_mean_vector():
+    table = build_phase_rose_table(phases([0.3] * 4 + [0.6]), bins=10)
+    ax = plot_phase_rose(table)
+    heights = np.array([bar.get_height() for bar in ax.patches])
+    np.testing.assert_allclose(heights**2, table["count"] / 4)
+    arrow = next(t for t in ax.texts if getattr(t, "arrow_patch", None) is not None)
+    np.testing.assert_allclose(arrow.xy, (2 * np.pi * table["mean"].iloc[0], table["r"].iloc[0]))
+    assert ax.get_ylim() == (0.0, 1.0)
+    assert ax.get_title() == "FL relative to FR"
+    lines = ax.get_xlabel().split("\n")
+    assert lines[0] == f"mean {table['mean'].iloc[0]:.2f} cycle, r {table['r'].iloc[0]:.2f}"
+    assert lines[1:] == ["5 strides, 1 animal", "fullest sector: 4"]
+
+
+def test_phase_zero_is_on_top_and_runs_clockwise():
+    ax = plot_phase_rose(build_phase_rose_table(phases([0.3])))
+    assert ax.get_theta_offset() == pytest.approx(np.pi / 2)
+    assert ax.get_theta_direction() == -1
+    assert [t.get_text() for t in ax.get_xticklabels()] == ["0", "0.25", "0.5", "0.75"]
+
+
+def test_opposite_phases_have_no_arrow():
+    ax = plot_phase_rose(build_phase_rose_table(phases([0.1, 0.6])))
+    assert not any(getattr(t, "arrow_patch", None) for t in ax.texts)
+    assert ax.get_xlabel().startswith("r 0.00\n2 strides")
+
+
+def test_several_pairs_have_a_panel_each():
+    both = pd.concat([phases(VALUES), phases([0.1], "HL", "HR"), phases([0.2], "FR", "HR")])
+    first = plot_phase_rose(build_phase_rose_table(both))
+    panels = first.figure.axes
+    assert [p.get_title() for p in panels] == [
+        "FL relative to FR", "HL relative to HR", "FR relative to HR",
+    ]  # fmt: skip
+    assert panels[0] is first
+    assert first.figure.get_size_inches()[0] * 25.4 == pytest.approx(174.0)
+    one = plot_phase_rose(build_phase_rose_table(phases(VALUES)))
+    assert one.figure.get_size_inches()[0] * 25.4 == pytest.approx(85.0)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: build_phase_rose_table(phases([])), r"^phase rose: no phases"),
+        (lambda: build_phase_rose_table(phases([0.2]), bins=3), r"^bins is 3; expected 4 or more"),
+        (lambda: build_phase_rose_table(phases([120.0])), r"give phases in cycles\.$"),
+        (lambda: plot_phase_rose(build_phase_rose_table(phases([0.1])).iloc[:0]),
+         r"^phase rose: the table is empty\.$"),
+        (lambda: plot_phase_rose(
+            build_phase_rose_table(pd.concat([phases([0.1]), phases([0.1], "HL")])),
+            ax=plt.subplot(projection="polar")), r"^phase rose: 2 pairs of legs for one axes"),
+    ],
+)  # fmt: skip
+def test_bad_input_is_refused(call, message):
+    with pytest.raises(InputError, match=message):
+        call()
