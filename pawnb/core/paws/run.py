@@ -136,8 +136,7 @@ class Run:
             Positions, origins and confidences.
         """
         layout = self.layout
-        self.space = kalman.predict(layout.in_space, self.space)
-        self.image = kalman.predict(layout.in_image, self.image)
+        self._predict()
         centres = self._predicted_uv()
         result = self._empty_result()
         self.detections = {}
@@ -155,30 +154,28 @@ class Run:
             self._find_hidden(pictures, fixed, result)
         if layout.rig is not None:
             self._triangulate(layout.rig, result)
-        self._update(result, {place.point for place in placed}, fixed)
+        self._update(result, result.image_origin == ORIGIN_CODE["edited"])
         self._fill_predicted(result, centres)
         if layout.rig is None:
             self._take_from_picture(result)
         return result
 
-    def resume(self, xyz: np.ndarray, uv: np.ndarray) -> None:
-        """Set where the points were in the frame before the first one.
-
-        Points that are found in the first frame take their velocity from it; the others
-        are predicted to be there still.
+    def follow(self, uv: np.ndarray, by_hand: np.ndarray) -> None:
+        """Take the filters over a frame that has been tracked already.
 
         Parameters
         ----------
-        xyz : ndarray, shape (P, 3)
-            Calibrated positions, NaN where unknown.
         uv : ndarray, shape (V, P, 2)
-            Image positions, NaN where unknown.
+            Where the points were found, px; NaN where they were not.
+        by_hand : ndarray of bool, shape (V, P)
+            Which of them a person put in place.
         """
-        self.last_uv = uv
-        self.image = kalman.start(self.layout.in_image, uv)
+        self._predict()
+        result = self._empty_result()
+        result.uv[:] = uv
         if self.layout.rig is not None:
-            self.last_xyz = xyz
-            self.space = kalman.start(self.layout.in_space, xyz)
+            self._triangulate(self.layout.rig, result)
+        self._update(result, by_hand)
 
     def _measure(
         self, pictures: Mapping[str, Picture], view: int, centre: np.ndarray
@@ -192,6 +189,11 @@ class Run:
             return None
         picture = pictures[layout.views[view]]
         return measure_superpixels(picture, window, lengths, layout.settings)
+
+    def _predict(self) -> None:
+        """Take the filters one frame on."""
+        self.space = kalman.predict(self.layout.in_space, self.space)
+        self.image = kalman.predict(self.layout.in_image, self.image)
 
     def _predicted_uv(self) -> np.ndarray:
         """Project the 3D prediction; where a point has none, take that in the picture."""
@@ -299,23 +301,21 @@ class Run:
             result.origin[point] = result.image_origin[view, point]
             result.confidence[point] = result.image_confidence[view, point]
 
-    def _update(self, result: FrameResult, placed: set[int], fixed: set[tuple[int, int]]) -> None:
+    def _update(self, result: FrameResult, by_hand: np.ndarray) -> None:
         """Update the filters; those of points put in place by hand start anew there."""
         layout = self.layout
         slow, moved = self._is_slow(result.uv)
-        restart = np.zeros(layout.tracked.shape, dtype=bool)
-        for key in fixed:
-            restart[key] = True
-        self.image = _advance(layout.in_image, self.image, result.uv, restart, self.last_uv, slow)
+        self.image = _advance(layout.in_image, self.image, result.uv, by_hand, self.last_uv, slow)
         self.last_uv = result.uv.copy()
         if layout.rig is None:
             return
         xyz = result.position.copy()
         for point in np.flatnonzero(np.isnan(xyz[:, 0])).tolist():
             xyz[point] = self._nearest_on_ray(point, result.uv[:, point])
-        again = np.array([p in placed for p in range(len(layout.points))])
         calm = (slow | ~moved).all(axis=0) & moved.any(axis=0)
-        self.space = _advance(layout.in_space, self.space, xyz, again, self.last_xyz, calm)
+        self.space = _advance(
+            layout.in_space, self.space, xyz, np.asarray(by_hand.any(axis=0)), self.last_xyz, calm
+        )
         self.last_xyz = xyz
 
     def _is_slow(self, uv: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 import pandas as pd
 
+from pawnb.core.paws.again import prepare_again
 from pawnb.core.paws.layout import (
     Placement,
     Views,
@@ -18,9 +19,7 @@ from pawnb.core.paws.run import FrameResult, Run
 from pawnb.core.paws.settings import PaperSettings
 from pawnb.core.rig import Rig
 from pawnb.errors import InputError
-from pawnb.schema import ORIGIN_CODE, ORIGINS, START_COLUMNS, Tracks, check_columns, make_tracks
-
-_FOUND = [ORIGIN_CODE[name] for name in ("measured", "resolved", "edited")]
+from pawnb.schema import START_COLUMNS, Tracks, check_columns, make_tracks
 
 
 def track_paws(
@@ -78,10 +77,12 @@ def track_paws(
         Unit of the rig's space; without a rig ``position`` is x = u, y = v, in px, of the
         first view in which the point was clicked.
     tracks : Tracks, optional
-        Tracks to go on from: rows before ``frames[0]`` are kept, every state is reset in
-        ``frames[0]`` and learnt again from the positions of ``tracks`` there, and positions
-        placed by hand in later frames hold. Colours of points that were not placed by
-        hand in that frame come from ``start``, where it has them.
+        Tracks to go on from: rows before ``frames[0]`` are kept, and every state is made
+        anew from them and from the positions in ``frames[0]``. A point put in place by
+        hand there has its colour learnt and its filter started there; the others have
+        theirs from where they were last put in place, which the start clicks are as well.
+        Positions placed by hand in later frames hold. ``start`` need only have points that
+        ``tracks`` lack.
     progress : callable, optional
         ``progress(done, total)`` after each frame.
     stop : callable, optional
@@ -123,7 +124,7 @@ def track_paws(
         placements = read_start(start, layout, frames)
         first = min(placements)
     else:
-        placements = _prepare_again(run, views, start, tracks, frames)
+        placements = prepare_again(run, views, start, tracks, frames[0])
         first = frames[0]
     results = _run(run, views, placements, (first, frames[1]), progress=progress, stop=stop)
     done = first + len(results)
@@ -171,55 +172,6 @@ def _run(
         if progress is not None:
             progress(len(results), frames[1] - frames[0])
     return results
-
-
-def _prepare_again(
-    run: Run, views: Views, start: pd.DataFrame, tracks: Tracks, frames: tuple[int, int]
-) -> dict[int, list[Placement]]:
-    """Bring a fresh run to the frame from which tracks are made again.
-
-    Returns the placements: what the tracks have found in the first frame, and what was
-    placed by hand later.
-    """
-    layout = run.layout
-    known = tracks["frame"].to_numpy()
-    if frames[0] not in known:
-        raise InputError(
-            f"the tracks have no frame {frames[0]} to go on from; they have frames "
-            f"{known.min()} to {known.max()}."
-        )
-    aligned = tracks.reindex(
-        view=list(layout.views),
-        keypoint=list(layout.points),
-        fill_value={"image_origin": ORIGIN_CODE["missing"]},
-    ).isel(individual=0)
-    uv = aligned["image_position"].transpose("time", "view", "keypoint", "image_space").to_numpy()
-    origin = aligned["image_origin"].transpose("time", "view", "keypoint").to_numpy()
-    trust = aligned["image_confidence"].transpose("time", "view", "keypoint").to_numpy()
-    uv = np.where(np.isfinite(uv).all(axis=-1, keepdims=True), uv, np.nan)
-    found = np.isin(origin, _FOUND) & np.isfinite(uv[..., 0]) & layout.tracked
-    by_hand = found & (origin == ORIGIN_CODE["edited"])
-
-    placements = read_start(start, layout, (0, views.n_frames))
-    for frame in sorted(f for f in placements if f < frames[0]):
-        run.learn(views.frame(frame), placements.pop(frame))
-    here = int(np.flatnonzero(known == frames[0])[0])
-    # what the tracks say in this frame goes before the clicks
-    placements[frames[0]] = [
-        p for p in placements.get(frames[0], []) if np.isnan(uv[here, p.view, p.point, 0])
-    ]
-    for row in range(here, len(known)):
-        for v, p in np.argwhere(found[row] if row == here else by_hand[row]).tolist():
-            frame = int(known[row])
-            same = [x for x in placements.get(frame, []) if (x.view, x.point) != (v, p)]
-            name = ORIGINS[origin[row, v, p]]
-            placed = Placement(v, p, uv[row, v, p], name, float(trust[row, v, p]))
-            placements[frame] = [*same, placed]
-    if here > 0 and known[here - 1] == frames[0] - 1:
-        xyz = aligned["position"].transpose("time", "keypoint", "space").to_numpy()[here - 1]
-        seen = np.where(found[here - 1][..., None], uv[here - 1], np.nan)
-        run.resume(xyz, seen)
-    return placements
 
 
 def _write(tracks: Tracks, results: Sequence[FrameResult], first: int) -> None:

@@ -203,6 +203,29 @@ def test_retracking_keeps_what_is_before_and_resets_what_follows(make_scene):
     assert image_error(again, scene)[10:14, :, 1].min() > 20.0
 
 
+def test_retracking_without_a_correction_changes_next_to_nothing(make_scene):
+    """The filters are taken over the rows before, so that points left alone go on as before."""
+    scene = make_scene(n_frames=30)
+    tracks = track(scene)
+    again = track(scene, tracks=tracks, frames=(15, 30))
+    np.testing.assert_array_equal(again["image_position"][:16], tracks["image_position"][:16])
+    apart = np.abs((again["image_position"] - tracks["image_position"]).to_numpy())
+    assert np.median(apart) < 0.01
+    assert apart.max() < 7.0
+
+
+def test_retracking_learns_colours_where_points_were_last_placed_by_hand(make_scene):
+    scene = make_scene(n_frames=20)
+    scene.colours = scene.colours.copy()
+    tracks = track(scene)
+    learnt = []
+    scene.frame = lambda i, whole=scene.frame: learnt.append(i) or whole(i)
+    scene.frames = lambda a, b: ((i, type(scene).frame(scene, i)) for i in range(a, b))
+    tracks["image_origin"][5, 0, 0, 0] = EDITED
+    track(scene, tracks=tracks, frames=(12, 20))
+    assert learnt == [0, 5]
+
+
 def test_retracking_holds_positions_placed_by_hand_later_on(make_scene):
     scene = make_scene()
     tracks = track(scene)
