@@ -215,6 +215,12 @@ def list_authors_trials(folder: str | Path) -> list[str]:
     return sorted({match["stamp"] for match in found if match})
 
 
+def trial_stamp(name: str) -> str | None:
+    """Return the stamp in the name of one of the authors' files, or None for other names."""
+    matched = _NAME.fullmatch(name)
+    return matched["stamp"] if matched else None
+
+
 def _find_files(folder: Path, stamp: str | None) -> dict[tuple[int, str], Path]:
     """Return the four files of a trial by camera (1, 3) and part (f, h)."""
     stamps = list_authors_trials(folder)

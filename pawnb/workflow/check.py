@@ -9,9 +9,9 @@ import numpy as np
 
 from pawnb.core.video import ViewSet, open_views
 from pawnb.errors import InputError, PawnbError
-from pawnb.io import native
 from pawnb.io.start import check_start, read_start
 from pawnb.trial import Trial, load_trial
+from pawnb.workflow.foreign_tracks import read_belt
 from pawnb.workflow.results import results_folder
 from pawnb.workflow.track import tracker_settings, trial_rig
 
@@ -92,7 +92,7 @@ def _check_belt(trial: Trial, report: CheckReport) -> None:
     """Say the belt's speed, and doubt it where it is not positive."""
     if isinstance(trial.belt_speed, str):
         try:
-            table = native.read_belt_speed(trial.path(trial.belt_speed))
+            table = read_belt(trial.path(trial.belt_speed))
         except InputError as error:
             report.faults.append(str(error))
             return

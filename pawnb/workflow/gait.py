@@ -17,9 +17,11 @@ from pawnb.io import native
 from pawnb.io.tables import read_cells, read_numbers, write_table
 from pawnb.schema import Tracks, check_columns
 from pawnb.trial import Trial, load_trial
+from pawnb.workflow.foreign_tracks import read_foreign_tracks
 from pawnb.workflow.provenance import build_step, file_checksum, write_provenance
 from pawnb.workflow.results import (
     RESULTS_FOLDER,
+    describe_trial,
     described_trial,
     make_folder,
     provenance_steps,
@@ -211,12 +213,8 @@ def _read_trial(trial: Trial) -> GaitSource:
     """Read the tracks of a trial: those made elsewhere, or those that pawnb made."""
     out = results_folder(trial)
     if trial.kind == "tracks" and trial.tracks_file is not None:
-        path = trial.path(trial.tracks_file)
-        if path.suffix == ".nc":
-            tracks = native.read_tracks(path)
-        else:
-            tracks = authors2019.read_trial_tracks(trial)
-        return GaitSource(path, out, tracks=tracks, trial=trial)
+        tracks = describe_trial(read_foreign_tracks(trial), trial)
+        return GaitSource(trial.path(trial.tracks_file), out, tracks=tracks, trial=trial)
     path = out / "tracks.nc"
     if not path.exists():
         raise InputError(f"{path}: trial {trial.name!r} is not tracked yet; run pawnb track first.")

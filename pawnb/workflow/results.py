@@ -13,6 +13,7 @@ from pawnb.io import native
 from pawnb.io.tables import write_table
 from pawnb.schema import Tracks
 from pawnb.trial import Trial, trial_document, trial_from_document
+from pawnb.workflow.foreign_tracks import read_belt
 from pawnb.workflow.provenance import write_provenance
 
 RESULTS_FOLDER = "results"
@@ -43,11 +44,19 @@ def describe_trial(tracks: Tracks, trial: Trial) -> Tracks:
         {name: view[name] for name in ("name", "facing", "mirror") if name in view}
         for view in document.get("views", [])
     ]
+    # files may be named by absolute paths, and are not there where these Tracks go
+    kept["calibration"] = {
+        name: value
+        for name, value in document.get("calibration", {}).items()
+        if name not in ("dlt", "lens")
+    }
+    if not kept["calibration"]:
+        del kept["calibration"]
     tracks = tracks.assign_attrs(trial=json.dumps(kept, sort_keys=True))
     if trial.belt_speed is None:
         return tracks
     if isinstance(trial.belt_speed, str):
-        table = native.read_belt_speed(trial.path(trial.belt_speed))
+        table = read_belt(trial.path(trial.belt_speed))
         frames = tracks["frame"].to_numpy()
         known = table["frame"].to_numpy(dtype=float)
         if known.min() > frames.min() or known.max() < frames.max():
