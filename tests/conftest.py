@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 from pathlib import Path
 
 import pytest
@@ -22,3 +23,23 @@ def real_data():
         return folder
 
     return find
+
+
+@pytest.fixture(scope="session")
+def rendered_trial(tmp_path_factory):
+    """Folder of a small synthetic trial: a mouse runs for 40 frames before four cameras.
+
+    At 300 mm/s it makes about five strides a second, so 40 frames at 250 per second hold
+    most of one stride of each leg. Do not write into it: copy it first.
+    """
+    from pawnb.synthetic import render_mouse_trial
+
+    folder = tmp_path_factory.mktemp("rendered") / "mouse"
+    render_mouse_trial(folder, frames=40, scale=0.2, seed=1)
+    return folder
+
+
+@pytest.fixture
+def small_trial(rendered_trial, tmp_path):
+    """Return a copy of the small synthetic trial that the test may change."""
+    return Path(shutil.copytree(rendered_trial, tmp_path / "mouse"))

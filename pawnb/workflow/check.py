@@ -145,11 +145,6 @@ def _check_views(trial: Trial, report: CheckReport) -> None:
                 views.frame(frame)
             except PawnbError as error:
                 report.faults.append(str(error))
-        if trial.frames is not None and trial.frames[1] > views.n_frames:
-            report.faults.append(
-                f"[trial] frames asks for frames up to {trial.frames[1] - 1}; the recording ends "
-                f"at {views.n_frames - 1}."
-            )
         _check_calibration(trial, views, report)
 
 

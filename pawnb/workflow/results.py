@@ -37,21 +37,18 @@ def describe_trial(tracks: Tracks, trial: Trial) -> Tracks:
         unit/s, so that a ``tracks.nc`` can be analysed without its trial.
     """
     document = trial_document(trial)
-    kept: dict[str, Any] = {
-        name: document[name] for name in ("trial", "animal", "calibration") if name in document
-    }
+    kept: dict[str, Any] = {name: document[name] for name in ("trial", "animal")}
     kept["views"] = [
         {name: view[name] for name in ("name", "facing", "mirror") if name in view}
         for view in document.get("views", [])
     ]
-    # files may be named by absolute paths, and are not there where these Tracks go
-    kept["calibration"] = {
-        name: value
-        for name, value in document.get("calibration", {}).items()
-        if name not in ("dlt", "lens")
-    }
-    if not kept["calibration"]:
-        del kept["calibration"]
+    if "calibration" in document:
+        # files may be named by absolute paths, and are not there where these Tracks go
+        kept["calibration"] = {
+            name: value
+            for name, value in document["calibration"].items()
+            if name not in ("dlt", "lens")
+        }
     tracks = tracks.assign_attrs(trial=json.dumps(kept, sort_keys=True))
     if trial.belt_speed is None:
         return tracks

@@ -179,7 +179,7 @@ def retrack(
                 progress=report,
                 stop=stop,
             )
-    new.attrs = dict(tracks.attrs)
+    new = describe_trial(new.assign_attrs(tracks.attrs), trial)
     step = build_step(
         "retrack",
         command=None,

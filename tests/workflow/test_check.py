@@ -1,0 +1,75 @@
+"""``pawnb check`` finds what is missing or wrong before any work is done."""
+
+from __future__ import annotations
+
+import pytest
+
+from pawnb.workflow.check import check_trial
+
+
+def test_a_whole_trial_has_no_faults(rendered_trial):
+    report = check_trial(rendered_trial)
+    assert report.faults == []
+    assert report.doubts == []
+    text = report.text()
+    for words in (
+        "kind paws, animal synthetic-01, 250 frames per second",
+        "belt speed 300 unit/s",
+        "view cam4: 40 frames of 410 x 140 px, colour",
+        "DLT of 4 views, unit mm",
+        "start: 8 clicks on FR, HR, FL, HL in frame 0",
+    ):
+        assert f"ok    {words}" in text
+
+
+def change(folder, file, old, new):
+    path = folder / file
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new, 1))
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "fault"),
+    [
+        ("trial.toml", 'video = "cam2.avi"', 'video = "cam9.avi"', "cam9.avi"),
+        ("trial.toml", 'dlt = "DLTcoefs.csv"', 'dlt = "DLT.csv"', "DLT.csv"),
+        ("trial.toml", "[start]", "[tracking]\nwindw = 1\n[start]", "unknown name 'windw'"),
+        ("trial.toml", "fps = 250.0", "fps = 250.0\nframes = [0, 50]", "has no frame 49"),
+        ("start.csv", "frame,view,point,u,v", "frame,view,paw,u,v", "column 'point' is missing"),
+        ("start.csv", "0,cam1,FR,", "0,cam1,FR,9", "outside the picture"),
+    ],
+)
+def test_each_fault_is_found(small_trial, file, old, new, fault):
+    change(small_trial, file, old, new)
+    report = check_trial(small_trial)
+    assert len(report.faults) == 1
+    assert fault in report.faults[0]
+    assert "MEND" in report.text()
+    assert report.verdict().startswith("trial 'synthetic-normal-01' cannot be worked on yet: ")
+
+
+def test_a_click_on_another_point_is_doubted(small_trial):
+    lines = (small_trial / "start.csv").read_text().splitlines()
+    row = next(k for k, line in enumerate(lines) if line.startswith("0,cam1,FR"))
+    frame, view, point, u, v = lines[row].split(",")
+    lines[row] = ",".join([frame, view, point, u, str(float(v) - 60)])
+    (small_trial / "start.csv").write_text("\n".join(lines) + "\n")
+    (doubt,) = check_trial(small_trial).doubts
+    assert doubt.startswith("start clicks of FR in frame 0 disagree between the views by ")
+
+
+def test_a_belt_that_runs_forwards_is_doubted(small_trial):
+    change(small_trial, "trial.toml", "belt_speed = 300.0", "belt_speed = -300.0")
+    assert any("belt speed is -300" in doubt for doubt in check_trial(small_trial).doubts)
+
+
+def test_missing_tracks_and_belt_of_a_trial_made_elsewhere(tmp_path):
+    (tmp_path / "trial.toml").write_text(
+        '[trial]\nkind = "tracks"\nfps = 100\n[treadmill]\nbelt_speed = "belt.csv"\n'
+        '[tracks]\nfile = "x.nc"\n'
+    )
+    report = check_trial(tmp_path)
+    assert len(report.faults) == 2
+    assert "belt.csv: no such file" in report.faults[0]
+    assert "x.nc: no such tracks" in report.faults[1]

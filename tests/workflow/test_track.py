@@ -1,0 +1,168 @@
+"""Tracking in one call: what it writes, what it refuses, and tracking again from a frame."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from pawnb.errors import CalibrationError, InputError
+from pawnb.io.native import read_tracks
+from pawnb.schema import ORIGIN_CODE, POINTS3D_COLUMNS, TRACKS_COLUMNS
+from pawnb.trial import load_trial
+from pawnb.workflow.results import described_trial
+from pawnb.workflow.track import retrack, track
+
+FRAMES = (0, 12)
+
+
+@pytest.fixture(scope="module")
+def tracked(rendered_trial, tmp_path_factory):
+    out = tmp_path_factory.mktemp("results")
+    tracks = track(rendered_trial, frames=FRAMES, out=out, command=["pawnb", "track", "x"])
+    return tracks, out
+
+
+def test_files_and_columns_are_those_of_the_contract(tracked):
+    _, out = tracked
+    assert sorted(path.name for path in out.iterdir()) == [
+        "points3d.csv",
+        "provenance.json",
+        "tracks.csv",
+        "tracks.nc",
+    ]
+    assert tuple(pd.read_csv(out / "tracks.csv").columns) == TRACKS_COLUMNS
+    assert tuple(pd.read_csv(out / "points3d.csv").columns) == POINTS3D_COLUMNS
+
+
+def test_points_stay_near_the_truth_at_first(tracked, rendered_trial):
+    """The paws are clicked in frame 0; two frames later every label is still on its paw.
+
+    A hind paw is about 40 px long at full scale (8 px at this one).
+    """
+    _, out = tracked
+    truth = pd.read_csv(rendered_trial / "truth" / "tracks.csv")
+    both = pd.read_csv(out / "tracks.csv").merge(truth, on=["frame", "view", "point"])
+    both = both[(both["frame"] <= 2) & (both["visible"] == 1)]
+    away = np.hypot(both["u_x"] - both["u_y"], both["v_x"] - both["v_y"])
+    assert len(both) == 24
+    assert away.max() < 8
+
+
+def test_provenance_names_every_input_and_no_place(tracked, rendered_trial):
+    _, out = tracked
+    text = (out / "provenance.json").read_text()
+    (step,) = json.loads(text)["steps"]
+    assert step["step"] == "track"
+    assert step["method"] == "paper"
+    assert step["command"] == "pawnb track x"
+    assert sorted(step["inputs"]) == [
+        "DLTcoefs.csv", "cam1.avi", "cam2.avi", "cam3.avi", "cam4.avi", "start.csv",
+    ]  # fmt: skip
+    assert step["settings"]["window_u_px"] == 70.0
+    assert str(rendered_trial.parent) not in text
+
+
+def test_the_same_run_writes_the_same_bytes(tracked, rendered_trial, tmp_path):
+    _, out = tracked
+    track(rendered_trial, frames=FRAMES, out=tmp_path, command=["pawnb", "track", "x"])
+    for path in out.iterdir():
+        assert (tmp_path / path.name).read_bytes() == path.read_bytes(), path.name
+
+
+def test_tracks_carry_their_trial_and_belt(tracked, tmp_path):
+    tracks = read_tracks(tracked[1] / "tracks.nc")
+    assert (tracks["belt_speed"] == 300.0).all()
+    trial = described_trial(tracks, where="tracks.nc", folder=tmp_path)
+    assert trial.animal.species == "mouse"
+    assert trial.fps == 250.0
+
+
+def test_settings_of_the_call_go_before_those_of_the_trial(small_trial):
+    with (small_trial / "trial.toml").open("a") as file:
+        file.write("\n[tracking]\nmedian_px = 3\nwindow_u_px = 60\n")
+    tracks = track(small_trial, frames=(0, 2), settings={"median_px": "7"})
+    settings = json.loads(tracks.attrs["provenance"])["steps"][0]["settings"]
+    assert (settings["median_px"], settings["window_u_px"]) == (7.0, 60.0)
+
+
+def test_retracking_keeps_what_was_before_and_starts_from_the_correction(tracked, small_trial):
+    tracks = tracked[0]
+    trial = load_trial(small_trial)
+    row, frame = 6, 6
+    truth = pd.read_csv(small_trial / "truth" / "tracks.csv")
+    fixed = tracks.copy(deep=True)
+    place = {"time": row, "individual": 0}
+    for label in truth[(truth["frame"] == frame) & (truth["point"] == "FR")].itertuples():
+        if label.view in ("cam1", "cam2"):
+            view = trial.views.index(trial.view(label.view))
+            at = {**place, "view": view, "keypoint": 0}
+            fixed["image_position"][at] = [label.u, label.v]
+            fixed["image_origin"][at] = ORIGIN_CODE["edited"]
+    again = retrack(trial, fixed, frame)
+    before = {"time": slice(0, row)}
+    assert again.isel(before).equals(tracks.isel(before))
+    np.testing.assert_allclose(
+        again["image_position"].isel(place).sel(view="cam1", keypoint="FR"),
+        fixed["image_position"].isel(place).sel(view="cam1", keypoint="FR"),
+    )
+    assert again.sizes == tracks.sizes
+    last = json.loads(again.attrs["provenance"])["steps"][-1]
+    assert (last["step"], last["frame"]) == ("retrack", frame)
+    with pytest.raises(InputError, match="frame 99 is not among the tracked frames 0 to 11"):
+        retrack(trial, tracks, 99)
+
+
+def change(folder, old, new, *, file="trial.toml"):
+    path = folder / file
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new, 1))
+
+
+def test_bad_input_is_one_sentence(small_trial):
+    def refuse(kind=InputError, **options):
+        with pytest.raises(kind) as caught:
+            track(small_trial, **options)
+        return str(caught.value)
+
+    assert refuse(method="papr") == (
+        "unknown method 'papr' (did you mean 'paper'?); expected paper."
+    )
+    assert "unknown name 'medan_px' (did you mean 'median_px'?)" in refuse(
+        settings={"medan_px": "3"}
+    )
+    assert refuse(frames=(0, 41)) == (
+        "frames 0 to 40 were asked for; the recording has frames 0 to 39: choose a range within."
+    )
+    assert refuse(frames=(5, 9)) == (
+        "the start points were clicked in frame 0, outside frames 5 to 8; click a frame within, "
+        "or change the range."
+    )
+    change(small_trial, 'points = "start.csv"', 'pose = "pose.csv"')
+    assert "has no start points; click them with pawnb.widgets.ClickInitialiser" in refuse()
+
+
+def test_several_views_without_calibration_are_refused(small_trial):
+    text = (small_trial / "trial.toml").read_text()
+    head, _, rest = text.partition("[calibration]")
+    (small_trial / "trial.toml").write_text(head + rest[rest.index("[start]") :])
+    with pytest.raises(CalibrationError, match="has 4 views and no calibration; add"):
+        track(small_trial)
+
+
+def test_one_view_needs_no_calibration(small_trial):
+    text = (small_trial / "trial.toml").read_text()
+    document, _, rest = text.partition("[[views]]")
+    first = "[[views]]" + rest.partition("[[views]]")[0]
+    tail = text[text.index("[start]") :]
+    (small_trial / "trial.toml").write_text(document + first + tail)
+    clicks = pd.read_csv(small_trial / "start.csv")
+    clicks[clicks["view"] == "cam1"].to_csv(small_trial / "start.csv", index=False)
+    tracks = track(small_trial, frames=(0, 3), out=small_trial / "results")
+    assert tracks.sizes["space"] == 2
+    assert tracks.attrs["unit"] == "px"
+    assert np.isfinite(tracks["position"]).all()
+    assert not (small_trial / "results" / "points3d.csv").exists()
