@@ -115,8 +115,8 @@ class ClickInitialiser(FrameCanvas):
     def close(self) -> None:
         """Take the widget away and close the videos it opened."""
         super().close()
-        if self._own_views is not None:
-            self._own_views.close()
+        if (own := getattr(self, "_own_views", None)) is not None:
+            own.close()
 
     def _act(self, action: str) -> None:
         """Do what a button or its key asks for."""

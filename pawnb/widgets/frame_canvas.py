@@ -125,12 +125,12 @@ class FrameCanvas(anywidget.AnyWidget):
         # callbacks may run off the main thread, and two may run at once
         self._video_lock = threading.Lock()
         self._edit_lock = threading.RLock()
-        workers = min(4, os.cpu_count() or 1)
-        self._pool = ThreadPoolExecutor(workers, thread_name_prefix="pawnb-jpeg")
         first, last = span or (getattr(views, "first_frame", 0), views.n_frames - 1)
         frame = first if frame is None else frame
         if not first <= frame <= last:
             raise InputError(f"frame {frame} is not in the recording ({first} to {last}).")
+        workers = min(4, os.cpu_count() or 1)
+        self._pool = ThreadPoolExecutor(workers, thread_name_prefix="pawnb-jpeg")
         sizes = {name: views.readers[name] for name in views.names}
         super().__init__(
             stages=[{"name": n, "width": r.width, "height": r.height} for n, r in sizes.items()],
@@ -173,7 +173,8 @@ class FrameCanvas(anywidget.AnyWidget):
 
     def close(self) -> None:
         """Take the widget away and end its threads; the views stay open."""
-        self._pool.shutdown(wait=False, cancel_futures=True)
+        if hasattr(self, "_pool"):  # also called for a widget that was refused half made
+            self._pool.shutdown(wait=False, cancel_futures=True)
         super().close()
 
     # --- messages -----------------------------------------------------------------------

@@ -160,6 +160,7 @@ class StartSession:
         """Look at another frame; the first point that is still open there is asked for."""
         if frame != self.frame:
             self._state = replace(self._state, frame=self._checked_frame(frame))
+            self.current = None
             self._offer_next()
 
     def select(self, view: str, point: str) -> None:
@@ -403,8 +404,10 @@ class StartSession:
         ]
 
     def _offer_next(self) -> None:
-        """Ask for the next open point after the one asked for last, going round."""
+        """Ask for the next open point after the one asked for last, which is kept if open."""
         slots = self._open_slots()
+        if self.current in slots:
+            return
         order = [(v, p) for v, points in self.points_by_view.items() for p in points]
         if self.current in order:
             place = order.index(self.current)
@@ -442,8 +445,7 @@ class StartSession:
         for frame, view, point in changed | (before.hidden ^ self.hidden):
             self._state = replace(self._state, frame=frame)
             self.current = (view, point)
-        if self.current not in self._open_slots():
-            self._offer_next()
+        self._offer_next()
         return True
 
     def _checked_frame(self, frame: int) -> int:

@@ -147,12 +147,13 @@ class TrackReviewer(FrameCanvas):
 
     def close(self) -> None:
         """Take the widget away, stop the tracker, and close the videos it opened."""
-        self._stop.set()
-        if self._worker is not None and self._worker is not threading.current_thread():
-            self._worker.join()
+        worker = getattr(self, "_worker", None)
+        if worker is not None and worker is not threading.current_thread():
+            self._stop.set()
+            worker.join()
         super().close()
-        if self._own_views is not None:
-            self._own_views.close()
+        if (own := getattr(self, "_own_views", None)) is not None:
+            own.close()
 
     # --- inside -------------------------------------------------------------------------
 

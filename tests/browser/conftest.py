@@ -3,10 +3,17 @@
 from __future__ import annotations
 
 import os
+import shutil
+import sys
 from pathlib import Path
 
 import pytest
+
+# the small trial is shared with the tests that need no browser
+sys.path.append(str(Path(__file__).resolve().parents[1] / "widgets"))
+
 from jupyter_page import ARGS, NotebookPage, find_browser, jupyter
+from small_trial import write_trial
 
 
 @pytest.fixture(scope="session")
@@ -36,21 +43,33 @@ def server(request, browser, tmp_path_factory):
         yield root, url, request.param
 
 
-@pytest.fixture
-def open_notebook(server, browser, request):
-    """Return a function that opens a notebook with these cells and runs them all."""
+@pytest.fixture(scope="session")
+def open_page(server, browser):
+    """Open one notebook; its kernel serves all tests of this server, each with its own widget."""
     root, url, app = server
-    pages = []
+    page = browser.new_page(viewport={"width": 1500, "height": 1000})
+    yield NotebookPage(page, url, app, root)
+    page.evaluate("window.jupyterapp.shell.currentWidget.sessionContext.shutdown()")
+    page.close()
 
-    def opened(*cells):
-        page = browser.new_page(viewport={"width": 1500, "height": 1000})
-        pages.append(page)
-        name = f"{request.node.originalname}-{len(pages)}.ipynb"
-        return NotebookPage(page, url, app, root / name, cells)
 
-    yield opened
-    for page in pages:
-        if folder := os.environ.get("PAWNB_SCREENSHOTS"):
-            page.screenshot(path=f"{folder}/{request.node.originalname}-{app}.png")
-        page.evaluate("window.jupyterapp?.shell?.currentWidget?.sessionContext?.shutdown()")
-        page.close()
+@pytest.fixture
+def notebook(open_page, server, request):
+    """Give the notebook, and close the widget ``w`` after the test."""
+    yield open_page
+    if folder := os.environ.get("PAWNB_SCREENSHOTS"):
+        name = f"{request.node.originalname}-{server[2]}.png"
+        open_page.page.screenshot(path=str(Path(folder) / name))
+    open_page.kernel_runs("w.close()")
+
+
+@pytest.fixture(scope="session")
+def rendered(tmp_path_factory):
+    """Render the small trial once."""
+    return write_trial(tmp_path_factory.mktemp("small") / "trial").parent
+
+
+@pytest.fixture
+def trial_file(rendered, tmp_path):
+    """Give a copy of the small trial that a test may write into: the path of its trial.toml."""
+    return Path(shutil.copytree(rendered, tmp_path / "trial")) / "trial.toml"

@@ -14,6 +14,8 @@ import time
 import urllib.request
 from pathlib import Path
 
+import numpy as np
+
 HERE = Path(__file__).resolve().parent
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome",
          "microsoft-edge", "microsoft-edge-stable", "msedge")  # fmt: skip
@@ -101,24 +103,35 @@ def _answers(url):
 class NotebookPage:
     """One notebook open in a page; ``py`` evaluates an expression in its kernel, without a cell."""
 
-    def __init__(self, page, url, app, path, cells):
+    def __init__(self, page, url, app, folder):
         cells = [
             {"cell_type": "code", "id": f"c{i}", "metadata": {}, "source": source, "outputs": [],
              "execution_count": None}
-            for i, source in enumerate(cells)
+            for i, source in enumerate(["", "1 + 1"])
         ]  # fmt: skip
         kernel = {"name": "python3", "display_name": "Python 3", "language": "python"}
         document = {"nbformat": 4, "nbformat_minor": 5, "metadata": {"kernelspec": kernel}}
-        path.write_text(json.dumps(document | {"cells": cells}))
+        (folder / "test.ipynb").write_text(json.dumps(document | {"cells": cells}))
         self.page, self.errors = page, []
         page.on("pageerror", lambda error: self.errors.append(str(error)))
-        page.goto(
-            url + (f"/lab/tree/{path.name}?reset" if app == "lab" else f"/notebooks/{path.name}")
-        )
+        page.goto(url + ("/lab/tree/test.ipynb?reset" if app == "lab" else "/notebooks/test.ipynb"))
         self.wait_idle()
-        page.evaluate("window.jupyterapp.commands.execute('notebook:run-all-cells')")
-        page.locator(".pawnb-root").first.wait_for(timeout=60_000)
-        self.wait("!!c && c.painted !== undefined && c.painted !== null")
+
+    def show(self, source):
+        """Run the source in the first cell and wait for the canvas ``w`` that it shows."""
+        self.errors.clear()
+        self.page.evaluate(
+            """async (source) => {
+            const app = window.jupyterapp, book = app.shell.currentWidget.content;
+            document.querySelectorAll('.pawnb-root').forEach((root) => root.remove());
+            book.activeCellIndex = 0;
+            book.activeCell.model.sharedModel.setSource(source);
+            await app.commands.execute('notebook:run-cell'); }""",
+            source,
+        )
+        self.page.locator(".pawnb-root").first.wait_for(timeout=60_000)
+        self.wait("!!c && c.painted !== undefined && c.painted !== null && c.stages[0].fitted")
+        self.settle()
 
     def wait_idle(self):
         self.page.wait_for_function(
@@ -199,6 +212,15 @@ class NotebookPage:
             return [box.left + x * box.width / s.marks.width,
                     box.top + y * box.height / s.marks.height]; }""",
             [view, u, v],
+        )
+
+    def under(self, view, x, y):
+        """Which image position of a view is at (x, y) CSS px of the page."""
+        u, v = (np.array(self.at(view, *uv)) for uv in ((1, 0), (0, 1)))
+        origin = np.array(self.at(view, 0, 0))
+        return (
+            float((x - origin[0]) / (u - origin)[0]),
+            float((y - origin[1]) / (v - origin)[1]),
         )
 
     def click(self, view, u, v, **options):

@@ -56,13 +56,23 @@ def picture(frame, view):
     return image
 
 
-def write_trial(folder):
-    """Write videos, calibration and trial.toml; return the path of trial.toml."""
+def describe_trial(folder):
+    """Write calibration and trial.toml, without videos; return the path of trial.toml."""
     folder.mkdir(parents=True, exist_ok=True)
-    sections = [
-        f'[trial]\nkind = "paws"\nname = "small"\nfps = {FPS}\n[animal]\nspecies = "mouse"\n'
-    ]
-    for k, (name, points) in enumerate(POINTS.items()):
+    sections = [f'[trial]\nname = "small"\nfps = {FPS}\n[animal]\nspecies = "mouse"\n']
+    for name, points in POINTS.items():
+        listed = ", ".join(f'"{p}"' for p in points)
+        sections.append(f'[[views]]\nname = "{name}"\nvideo = "{name}.avi"\npoints = [{listed}]\n')
+    sections.append('[calibration]\ndlt = "DLTcoefs.csv"\n[start]\npoints = "start.csv"\n')
+    np.savetxt(folder / "DLTcoefs.csv", COEFS, delimiter=",")
+    (folder / "trial.toml").write_text("\n".join(sections))
+    return folder / "trial.toml"
+
+
+def write_trial(folder):
+    """Write the whole trial with its videos; return the path of trial.toml."""
+    path = describe_trial(folder)
+    for k, name in enumerate(POINTS):
         with av.open(str(folder / f"{name}.avi"), "w") as file:
             stream = file.add_stream("mjpeg", rate=25)
             stream.width, stream.height, stream.pix_fmt = WIDTH, HEIGHT, "yuvj420p"
@@ -70,13 +80,7 @@ def write_trial(folder):
             for frame in range(N_FRAMES):
                 file.mux(stream.encode(av.VideoFrame.from_ndarray(picture(frame, k), "rgb24")))
             file.mux(stream.encode())
-        listed = ", ".join(f'"{p}"' for p in points)
-        sections.append(f'[[views]]\nname = "{name}"\nvideo = "{name}.avi"\npoints = [{listed}]\n')
-    sections.append('[calibration]\ndlt = "DLTcoefs.csv"\n')
-    sections.append('[start]\npoints = "start.csv"\n')
-    np.savetxt(folder / "DLTcoefs.csv", COEFS, delimiter=",")
-    (folder / "trial.toml").write_text("\n".join(sections))
-    return folder / "trial.toml"
+    return path
 
 
 def true_tracks():

@@ -1,0 +1,215 @@
+"""TrackReviewer in a real browser: what the screen shows, and what reached Python and disk."""
+
+import json
+
+import numpy as np
+import pytest
+import small_trial as scene
+
+pytestmark = pytest.mark.browser
+
+
+@pytest.fixture
+def reviewing(notebook, trial_file):
+    """Open the widget on true tracks, with a tracker that moves cam1 by 5 px."""
+    notebook.show(f"""import small_trial as scene
+from pawnb.widgets import TrackReviewer
+asked = []
+def retrack(trial, tracks, frame):
+    asked.append(frame)
+    new = tracks.copy(deep=True)
+    new["image_position"].values[new["frame"].values >= frame, 0, 0] += 5
+    return new
+w = TrackReviewer({str(trial_file)!r}, scene.true_tracks(), retrack=retrack)
+w""")
+    return notebook, trial_file.parent / "results" / "edits.jsonl"
+
+
+def seen_frame(notebook, view="cam1"):
+    return notebook.bar_code(view, scene.BITS, scene.SQUARE)
+
+
+def lines(file):
+    return [json.loads(line) for line in file.read_text().splitlines()] if file.exists() else []
+
+
+def truth(frame, view=0, point=0):
+    return tuple(scene.seen(frame)[view, point])
+
+
+def test_keys_slider_and_play_show_the_pixels_of_that_frame(reviewing):
+    notebook, _ = reviewing
+    notebook.focus()
+    last = scene.N_FRAMES - 1
+    steps = [("ArrowRight", 1), ("ArrowRight", 2), ("Shift+ArrowRight", 12), ("ArrowLeft", 11)]
+    steps += [("End", last), ("Shift+ArrowLeft", last - 10), ("Home", 0), ("ArrowLeft", 0)]
+    for key, frame in steps:
+        notebook.press(key)
+        notebook.wait(f"c.painted === {frame} && f.want === {frame} && !c.dirty")
+        assert [seen_frame(notebook, view) for view in scene.POINTS] == [frame] * 3
+        # what is drawn belongs to the same frame
+        point = notebook.js("c.stages[0].overlay.points.find((p) => p.id === 'FR')")
+        np.testing.assert_allclose((point["u"], point["v"]), truth(frame), atol=0.01)
+    notebook.until("w.frame", 0)
+    # many presses at once: the newest wins, and it is the right one
+    for _ in range(25):
+        notebook.press("ArrowRight")
+    notebook.settle()
+    assert seen_frame(notebook) == 25
+    text = notebook.page.locator(".pawnb-caption").inner_text()
+    assert text == "frame 25 of 39, 0.100 s"
+    # Space plays on to the end and stops there
+    notebook.press(" ")
+    assert notebook.page.get_by_role("button", name="Stop").is_visible()
+    notebook.wait(f"f.shown === {last} && !f.playing")
+    notebook.settle()
+    assert seen_frame(notebook) == last
+    # scrubbing
+    notebook.page.locator(".pawnb-slider").fill("17")
+    notebook.settle()
+    assert seen_frame(notebook) == 17
+    # Python can choose the frame as well
+    notebook.kernel_runs("w.frame = 3")
+    notebook.wait("c.painted === 3")
+    notebook.settle()
+    assert seen_frame(notebook) == 3
+    notebook.assert_no_errors()
+
+
+def test_a_drag_is_on_disk_before_another_frame_shows(reviewing):
+    notebook, file = reviewing
+    notebook.focus()
+    notebook.press("ArrowRight")
+    notebook.press("ArrowLeft")
+    notebook.settle()
+    notebook.wait("f.pictures.get(1) && f.overlays.has(1)")  # frame 1 could be shown at once
+    # writing takes long now: the next frame must wait for it
+    notebook.kernel_runs(
+        "import os, time, pawnb.core.edit_records as r\n"
+        "sync = os.fsync\n"
+        "def slow(fd):\n"
+        "    time.sleep(1.0)\n"
+        "    sync(fd)\n"
+        "r.os.fsync = slow"
+    )
+    notebook.page.evaluate(
+        """() => { const c = document.querySelector('.pawnb-root')._pawnb;
+        window.seen = [];
+        (function look() { seen.push([c.painted, c.pending]); requestAnimationFrame(look); })();
+        }"""
+    )
+    notebook.drag("cam1", truth(0), (truth(0)[0] + 40, truth(0)[1] - 30))
+    notebook.press("ArrowRight")
+    notebook.wait("c.painted === 1")
+    (line,) = lines(file)
+    assert {k: line[k] for k in ("edit", "frame", "view", "point")} == {
+        "edit": "move", "frame": 0, "view": "cam1", "point": "FR",
+    }  # fmt: skip
+    np.testing.assert_allclose(
+        (line["u"], line["v"]), (truth(0)[0] + 40, truth(0)[1] - 30), atol=1.1
+    )
+    notebook.kernel_runs("r.os.fsync = sync")
+    history = notebook.page.evaluate("window.seen")
+    assert [0, 1] in history  # frame 0 stood while the line was being written
+    assert [1, 1] not in history  # and frame 1 was never on the screen meanwhile
+    assert notebook.py("w.session.position(0, 'cam1', 'FR')") == [line["u"], line["v"]]
+
+
+def test_undo_redo_go_to_the_frame_they_change(reviewing):
+    notebook, file = reviewing
+    notebook.drag("cam1", truth(0), (200, 100))
+    notebook.settle()
+    moved = notebook.py("w.session.position(0, 'cam1', 'FR')")
+    notebook.focus()
+    notebook.press("End")
+    notebook.settle()
+    notebook.press("Control+z")
+    notebook.wait("c.painted === 0 && c.pending === 0")
+    notebook.settle()
+    assert notebook.py("w.session.position(0, 'cam1', 'FR')") == list(truth(0))
+    assert notebook.page.locator("[data-action=undo]").is_disabled()
+    point = notebook.js("c.stages[0].overlay.points.find((p) => p.id === 'FR')")
+    np.testing.assert_allclose((point["u"], point["v"]), truth(0), atol=0.01)
+    notebook.press("Control+Shift+Z")
+    notebook.settle()
+    assert notebook.py("w.session.position(0, 'cam1', 'FR')") == moved
+    assert [line["edit"] for line in lines(file)] == ["move", "undo", "redo"]
+    text = notebook.page.locator(".pawnb-status").inner_text()
+    assert text.splitlines() == [
+        "Made again: FR in cam1 moved in frame 0.", "1 correction in edits.jsonl.",
+    ]  # fmt: skip
+
+
+def test_hide_place_accept_and_exchange(reviewing):
+    notebook, file = reviewing
+    notebook.click("cam2", *truth(0, 1, 1), button="right")
+    notebook.settle()
+    assert lines(file)[-1] == {"edit": "hide", "frame": 0, "view": "cam2", "point": "HR"}
+    # a click on the picture means nothing until the missing point is chosen
+    notebook.click("cam2", 400, 300)
+    notebook.settle()
+    assert len(lines(file)) == 1
+    notebook.page.locator("[data-view=cam2] [data-point=HR]").click()
+    notebook.click("cam2", 400, 300)
+    notebook.settle()
+    assert lines(file)[-1]["edit"] == "move"
+    np.testing.assert_allclose(
+        notebook.py("w.session.position(0, 'cam2', 'HR')"), (400, 300), atol=1.1
+    )
+    notebook.page.locator("[data-view=cam1] [data-point=FR]").click()
+    notebook.press("a")
+    notebook.settle()
+    assert lines(file)[-1]["edit"] == "accept"
+    detail = notebook.page.locator(".pawnb-detail").inner_text()
+    assert detail.startswith("cam1, FR: placed by hand, residual 0.0 px")
+    notebook.page.locator("[data-action=swap]").select_option(label="FR and HR")
+    notebook.settle()
+    assert lines(file)[-1] == {
+        "edit": "swap",
+        "frame": 0,
+        "first": "FR",
+        "second": "HR",
+        "view": None,
+    }
+    assert notebook.py("w.session.position(5, 'cam1', 'HR')") == list(truth(5))
+
+
+def test_tracking_again_from_here_and_keys_that_stay_in_the_widget(reviewing):
+    notebook, file = reviewing
+    notebook.focus()
+    cells = notebook.n_cells()
+    notebook.press("Shift+ArrowRight")
+    notebook.settle()
+    notebook.press("r")
+    notebook.until("asked", [10])
+    notebook.wait("c.status.innerText.startsWith('Tracked again from frame 10 on')")
+    notebook.settle()
+    assert lines(file) == [{"edit": "retrack", "frame": 10}]
+    # the screen shows the new place without any further key
+    notebook.wait("c.stages[0].overlay.points.find((p) => p.id === 'FR').u > "
+                  f"{truth(10)[0] + 4.9}")  # fmt: skip
+    assert notebook.py("w.session.position(9, 'cam1', 'FR')") == list(truth(9))
+    assert notebook.py("w.session.position(11, 'cam1', 'FR')") == [truth(11)[0] + 5, truth(11)[1]]
+    notebook.press("Control+z")
+    notebook.settle()
+    assert notebook.py("w.session.position(11, 'cam1', 'FR')") == list(truth(11))
+    for key in ("b", "d", "d", "x", "v", "m", "Enter", "ArrowDown", "ArrowUp"):
+        notebook.press(key)
+    notebook.press("Home")
+    notebook.wait("c.painted === 0")
+    assert notebook.n_cells() == cells
+    notebook.assert_no_errors()
+
+
+def test_pictures_arrive_as_text_where_binary_messages_get_lost(reviewing):
+    notebook, _ = reviewing
+    # a front end that drops the buffers on their way to the browser
+    notebook.kernel_runs(
+        "send = type(w).send\nw.send = lambda content, buffers=None: send(w, content)"
+    )
+    notebook.page.evaluate("document.querySelector('.pawnb-root')._pawnb.frames.pictures.clear()")
+    notebook.focus()
+    notebook.press("End")
+    notebook.wait(f"c.painted === {scene.N_FRAMES - 1} && f.plain")
+    notebook.settle()
+    assert seen_frame(notebook) == scene.N_FRAMES - 1

@@ -1,0 +1,175 @@
+"""What the canvas sends, without a browser: messages in, messages out."""
+
+import base64
+import threading
+from types import SimpleNamespace
+
+import cv2
+import numpy as np
+import pytest
+import small_trial as scene
+
+from pawnb.errors import InputError, VideoError
+from pawnb.widgets.colours import PALETTE, point_colours
+from pawnb.widgets.frame_canvas import FrameCanvas, encode_jpeg
+
+
+class FakeViews:
+    """Views that draw their pictures; the first frame is 2, and frame 9 is damaged."""
+
+    names = tuple(scene.POINTS)
+    first_frame, n_frames = 2, 20
+    readers = dict.fromkeys(names, SimpleNamespace(width=scene.WIDTH, height=scene.HEIGHT))
+
+    def frame(self, index):
+        if index == 9:
+            raise VideoError("frame 9 cannot be decoded; the file is damaged there.")
+        return {
+            name: SimpleNamespace(image=lambda k=k: scene.picture(index, k))
+            for k, name in enumerate(self.names)
+        }
+
+
+class Recorded(FrameCanvas):
+    """A canvas whose messages are kept, and whose edits fail when asked to."""
+
+    def __init__(self, **options):
+        self.sent, self.edits = [], []
+        super().__init__(FakeViews(), **options)
+
+    def send(self, content, buffers=None):
+        self.sent.append((content, buffers or []))
+
+    def edit(self, what, message):
+        self.edits.append((what, message["frame"]))
+        if what == "hide":
+            raise InputError("not that one.")
+        if what == "moved":
+            raise ZeroDivisionError
+        return 7
+
+    def overlay(self, frame):
+        return {"views": {}, "caption": f"version {self._version}"}
+
+
+@pytest.fixture
+def canvas():
+    made = Recorded()
+    yield made
+    made.close()
+
+
+def want(canvas, frame, **more):
+    message = {"type": "want", "who": "me", "frame": frame, "shrink": [1, 2, 4], "pixels": True}
+    canvas._receive(canvas, message | {"plain": False} | more, [])
+    return canvas.sent[-1]
+
+
+def edit(canvas, what, frame=5):
+    canvas._receive(canvas, {"type": "edit", "what": what, "who": "me", "n": 1, "frame": frame}, [])
+
+
+def decoded(data):
+    return cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_COLOR_RGB)
+
+
+def test_a_frame_comes_as_one_jpeg_a_view_as_small_as_asked(canvas):
+    answer, pictures = want(canvas, 5)
+    assert (answer["type"], answer["who"], answer["frame"], answer["sent"]) == (
+        "frame", "me", 5, True,
+    )  # fmt: skip
+    assert answer["shrink"] == [1, 2, 4]
+    assert [decoded(p).shape for p in pictures] == [(360, 640, 3), (180, 320, 3), (90, 160, 3)]
+    # red disc of FR in cam1, in RGB order, and the bar code of frame 5
+    image = decoded(pictures[0]).astype(int)
+    u, v = scene.seen(5)[0, 0].astype(int)
+    np.testing.assert_allclose(image[v, u], [230, 60, 60], atol=12)
+    assert [image[10, 10 + 20 * bit, 0] > 128 for bit in range(3)] == [True, False, True]
+
+
+def test_pixels_that_the_browser_has_are_not_sent_again(canvas):
+    answer, pictures = want(canvas, 5, pixels=False)
+    assert (answer["sent"], pictures) == (False, [])
+    assert answer["overlay"]["caption"] == "version 0"
+
+
+def test_text_instead_of_binary_messages_on_request(canvas):
+    answer, pictures = want(canvas, 5, plain=True)
+    assert pictures == []
+    assert decoded(base64.b64decode(answer["pictures"][1])).shape == (180, 320, 3)
+
+
+def test_a_damaged_frame_is_answered_in_words(canvas):
+    answer, pictures = want(canvas, 9)
+    assert pictures == []
+    assert answer["error"] == "frame 9 cannot be decoded; the file is damaged there."
+    assert canvas.alarm == answer["error"]
+    assert not answer["sent"]
+
+
+def test_every_edit_is_answered_when_it_is_done_and_makes_a_new_version(canvas):
+    edit(canvas, "click")
+    answer, _ = canvas.sent[-1]
+    assert canvas.edits == [("click", 5)]
+    assert answer == {
+        "type": "done", "who": "me", "n": 1, "go": 7, "version": 1, "frame": 5,
+        "overlay": {"views": {}, "caption": "version 1"},
+    }  # fmt: skip
+    assert want(canvas, 5)[0]["version"] == 1
+
+
+def test_an_edit_that_is_refused_is_answered_too_and_said(canvas):
+    edit(canvas, "hide")
+    assert canvas.sent[-1][0]["type"] == "done"
+    assert canvas.alarm == "not that one."
+    edit(canvas, "click")
+    assert canvas.alarm == ""
+
+
+def test_the_browser_is_not_left_waiting_by_a_fault(canvas):
+    with pytest.raises(ZeroDivisionError):
+        edit(canvas, "moved")
+    assert canvas.sent[-1][0]["type"] == "done"
+
+
+def test_refresh_tells_every_view_that_overlays_changed(canvas):
+    canvas.refresh(go=6)
+    assert canvas.sent[-1][0] == {"type": "refresh", "version": 1, "go": 6}
+
+
+def test_stages_and_span_follow_the_views(canvas):
+    assert canvas.stages[1] == {"name": "cam2", "width": 640, "height": 360}
+    assert (canvas.span, canvas.frame) == ([2, 19], 2)
+    with pytest.raises(InputError, match=r"^frame 1 is not in the recording \(2 to 19\)\.$"):
+        FrameCanvas(FakeViews(), frame=1)
+
+
+def test_frames_asked_for_from_several_threads_are_not_mixed(canvas):
+    def many(start):
+        for frame in range(start, start + 4):
+            want(canvas, frame)
+
+    threads = [threading.Thread(target=many, args=(start,)) for start in (2, 12)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join(30)
+    assert len(canvas.sent) == 8
+    for answer, pictures in canvas.sent:
+        image = decoded(pictures[0])
+        bits = [image[10, 10 + 20 * bit, 0] > 128 for bit in range(scene.BITS)]
+        assert sum(1 << place for place, on in enumerate(bits) if on) == answer["frame"]
+
+
+def test_grey_pictures_stay_grey():
+    grey = np.tile(np.arange(0, 240, 4, np.uint8), (40, 1))
+    data = encode_jpeg(SimpleNamespace(image=lambda: grey))
+    back = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
+    assert back.shape == (40, 60)
+    np.testing.assert_allclose(back.astype(int), grey.astype(int), atol=6)
+
+
+def test_colours_differ_for_the_points_of_a_mouse_and_repeat_after_the_palette():
+    assert len(set(point_colours(["FR", "HR", "FL", "HL"]).values())) == 4
+    many = list(point_colours([f"p{i}" for i in range(9)]).values())
+    assert many[8] == many[0] == PALETTE[0]

@@ -1,0 +1,291 @@
+"""Clicking the start points without a browser; the scene is that of small_trial.py."""
+
+import numpy as np
+import pandas as pd
+import pytest
+import small_trial as scene
+
+from pawnb import load_trial
+from pawnb.core.rig import load_rig
+from pawnb.errors import InputError
+from pawnb.io.start import check_start, read_start
+from pawnb.widgets.start_session import StartSession
+
+SIZES = dict.fromkeys(scene.POINTS, (scene.WIDTH, scene.HEIGHT))
+ORDER = [("cam1", "FR"), ("cam1", "HR"), ("cam2", "FR"), ("cam2", "HR"), ("cam3", "FR")]
+
+
+@pytest.fixture
+def trial(tmp_path):
+    """The trial described in a folder of its own; no video is needed here."""
+    return load_trial(scene.describe_trial(tmp_path))
+
+
+def session_of(trial, **options):
+    options = {"sizes": SIZES, "span": (0, 39), "rig": load_rig(trial)} | options
+    return StartSession(trial, **options)
+
+
+def truth(frame, view, point):
+    return scene.seen(frame)[list(scene.POINTS).index(view), ["FR", "HR"].index(point)]
+
+
+def click_all(session, frame=0):
+    for view, point in ORDER:
+        session.click(view, *truth(frame, view, point))
+
+
+def test_the_next_point_is_asked_for_view_by_view(trial):
+    session = session_of(trial)
+    asked = []
+    while session.current is not None:
+        asked.append(session.current)
+        session.click(session.current[0], *truth(0, *session.current))
+    assert asked == ORDER
+    assert session.prompt() == (
+        "All points are placed or marked as hidden. Drag a point to adjust it."
+    )
+
+
+def test_the_prompt_names_the_paw_in_words(trial):
+    session = session_of(trial)
+    assert session.prompt() == (
+        "Click FR (right front paw) in cam1, or press H if it is hidden there."
+    )
+
+
+def test_every_click_is_in_the_file_at_once_and_the_tracker_accepts_the_whole(trial):
+    session = session_of(trial)
+    session.click("cam1", 110.25, 270.5)
+    lines = session.path.read_text().split()
+    assert lines == ["frame,view,point,u,v", "0,cam1,FR,110.25,270.5"]
+    for view, point in ORDER[1:]:
+        session.click(view, *truth(0, view, point))
+    start = read_start(trial.path("start.csv"), trial)
+    check_start(start, trial, SIZES)
+    assert list(zip(start["view"], start["point"], strict=True)) == ORDER
+    pd.testing.assert_frame_equal(start, session.table(), check_dtype=False)
+
+
+def test_a_click_in_another_view_places_the_same_point_there(trial):
+    session = session_of(trial)
+    session.click("cam1", 100, 100)  # FR; HR in cam1 is asked for now
+    assert session.current == ("cam1", "HR")
+    assert session.click("cam2", 50, 60) == "HR"
+    assert session.clicks[0, "cam2", "HR"] == (50, 60)
+    # HR is not tracked by cam3: the first open point of that view is placed
+    session.select("cam1", "HR")
+    assert session.click("cam3", 20, 30) == "FR"
+    assert session.current == ("cam1", "HR")
+
+
+def test_a_click_where_all_is_placed_says_so_and_changes_nothing(trial):
+    session = session_of(trial)
+    session.click("cam3", 20, 30)
+    before = session.clicks
+    session.select("cam1", "HR")
+    with pytest.raises(InputError) as error:
+        session.click("cam3", 40, 50)
+    assert str(error.value) == (
+        "every point of cam3 is placed or hidden in frame 0; drag one to move it, or choose one "
+        "above the picture to place it again."
+    )
+    assert session.clicks == before
+
+
+def test_choosing_a_placed_point_places_it_again(trial):
+    session = session_of(trial)
+    click_all(session)
+    session.select("cam2", "HR")
+    session.click("cam2", 5, 6)
+    assert session.clicks[0, "cam2", "HR"] == (5, 6)
+    assert len(session.clicks) == 5
+
+
+def test_hidden_points_are_left_out_of_the_file_and_not_asked_for_again(trial):
+    session = session_of(trial)
+    session.hide()
+    assert session.current == ("cam1", "HR")
+    for view, point in ORDER[1:]:
+        session.click(view, *truth(0, view, point))
+    assert session.current is None
+    assert (0, "cam1", "FR") in session.hidden
+    assert "cam1,FR" not in session.path.read_text()
+    session.hide("cam2", "HR")  # taking a placed point away
+    assert "cam2,HR" not in session.path.read_text()
+    with pytest.raises(InputError, match="no point is asked for"):
+        session.hide()
+
+
+def test_undo_and_redo_follow_in_the_file_and_ask_for_the_point_again(trial):
+    session = session_of(trial)
+    session.click("cam1", 100, 100)
+    session.click("cam1", 200, 200)
+    session.place("cam1", "FR", 101, 99)
+    assert session.undo()
+    assert session.clicks[0, "cam1", "FR"] == (100, 100)
+    assert session.undo()
+    assert session.current == ("cam1", "HR")
+    assert session.path.read_text().split()[1:] == ["0,cam1,FR,100.0,100.0"]
+    assert session.redo()
+    assert session.clicks[0, "cam1", "HR"] == (200, 200)
+    assert session.undo()
+    session.hide()
+    assert not session.redo()  # a new change forgets what was undone
+    for _ in range(2):
+        assert session.undo()
+    assert not session.undo()
+    assert session.clicks == {}
+    assert session.current == ("cam1", "FR")
+
+
+def test_undo_goes_back_to_the_frame_where_it_was_made(trial):
+    session = session_of(trial)
+    session.click("cam1", 100, 100)
+    session.go(7)
+    session.undo()
+    assert session.frame == 0
+    assert session.current == ("cam1", "FR")
+
+
+def test_points_may_be_clicked_in_two_frames_and_no_more(trial):
+    session = session_of(trial)
+    click_all(session)
+    session.go(3)
+    assert session.prompt() == (
+        "Frame 0 has the clicks. Clicking the points here too is optional: two frames give the "
+        "tracker the first velocities."
+    )
+    click_all(session, frame=3)
+    assert set(session.table()["frame"]) == {0, 3}
+    session.go(5)
+    assert session.prompt() == "Frames 0 and 3 have the clicks; go there to change them."
+    with pytest.raises(InputError) as error:
+        session.click("cam1", 5, 5)
+    assert str(error.value) == (
+        "frames 0 and 3 have clicks already, and tracking starts from one frame or two; click in "
+        "one of these, or undo the clicks there first."
+    )
+    with pytest.raises(InputError, match=r"frame 40 is not in the trial \(0 to 39\)"):
+        session.go(40)
+    check_start(session.table(), trial, SIZES)
+
+
+def test_what_is_missing_in_words(trial):
+    session = session_of(trial)
+    assert session.missing() == "Not clicked in any view yet: FR, HR."
+    session.click("cam1", 100, 100)
+    assert session.missing() == (
+        "Not clicked in any view yet: HR. Clicked in one view only, two are needed in 3D: "
+        "FR (cam1)."
+    )
+    for view, point in ORDER[1:]:
+        session.click(view, *truth(0, view, point))
+    assert session.missing() == "Nothing is missing."
+
+
+@pytest.mark.parametrize(("u", "v"), [(-0.6, 5), (5, 359.6), (640, 5)])
+def test_a_click_outside_the_picture_is_refused(trial, u, v):
+    session = session_of(trial)
+    with pytest.raises(InputError, match=r"outside the picture of cam1 \(640 x 360 px\)"):
+        session.click("cam1", u, v)
+    assert not session.path.exists()
+
+
+def test_a_start_there_already_is_taken_up_and_kept_before_it_is_changed(trial):
+    first = session_of(trial)
+    first.go(2)
+    click_all(first, frame=2)
+    before = first.path.read_bytes()
+    again = session_of(trial)
+    assert again.frame == 2
+    assert again.clicks == first.clicks
+    assert again.current is None
+    assert first.path.read_bytes() == before  # opening alone changes nothing
+    again.place("cam1", "FR", 7, 8)
+    assert trial.path("start.before.csv").read_bytes() == before
+    again.place("cam1", "FR", 9, 8)
+    assert trial.path("start.before.csv").read_bytes() == before
+
+
+def test_an_unfinished_start_is_gone_on_with(trial):
+    session_of(trial).click("cam1", 100, 100)
+    again = session_of(trial)
+    assert again.current == ("cam1", "HR")
+    assert again.clicks == {(0, "cam1", "FR"): (100, 100)}
+
+
+def test_a_start_can_be_given(trial):
+    start = pd.DataFrame(
+        [[4, "cam2", "HR", 10.0, 20.0]], columns=["frame", "view", "point", "u", "v"]
+    )
+    session = session_of(trial, start=start, path=trial.folder / "other.csv")
+    assert session.frame == 4
+    assert session.clicks == {(4, "cam2", "HR"): (10, 20)}
+    assert session.path.name == "other.csv"
+    with pytest.raises(InputError, match="cam3 does not track a point 'HR'"):
+        session_of(trial, start=start.assign(view="cam3"))
+
+
+def test_one_other_view_gives_the_epipolar_line_two_the_point(trial):
+    session = session_of(trial)
+    session.click("cam1", *truth(0, "cam1", "FR"))
+    (u0, v0), (u1, v1) = session.guide(0, "cam2", "FR")
+    # cam1 sees u = x + 60 and v = 300 - z whatever y is; in cam2 v = 280 - z is 20 px higher
+    assert v0 == pytest.approx(truth(0, "cam1", "FR")[1] - 20)
+    assert v1 == pytest.approx(v0)
+    assert {u0, u1} == {-0.5, 639.5}
+    session.place("cam2", "FR", *truth(0, "cam2", "FR"))
+    ((u, v),) = session.guide(0, "cam3", "FR")
+    np.testing.assert_allclose([u, v], truth(0, "cam3", "FR"), atol=0.01)
+    assert session.guide(0, "cam1", "HR") is None
+    assert session.guide(1, "cam3", "FR") is None  # clicks of another frame say nothing
+
+
+def test_without_a_calibration_there_is_no_guide(trial):
+    session = session_of(trial, rig=None)
+    session.click("cam1", 100, 100)
+    assert session.guide(0, "cam2", "FR") is None
+
+
+def test_what_is_drawn(trial):
+    session = session_of(trial)
+    session.click("cam1", 110, 270)
+    session.hide()
+    overlay = session.overlay(0)
+    assert overlay["current"] == ["cam2", "FR"]
+    cam1, cam2 = overlay["views"]["cam1"], overlay["views"]["cam2"]
+    assert [(p["id"], p["u"], p["v"]) for p in cam1["points"]] == [("FR", 110, 270)]
+    assert [(c["id"], c["state"]) for c in cam1["chips"]] == [("FR", "done"), ("HR", "hidden")]
+    assert [c["title"] for c in cam1["chips"]] == [
+        "FR: clicked at (110.0, 270.0)", "HR: hidden here",
+    ]  # fmt: skip
+    assert len(cam2["lines"]) == 1
+    assert session.overlay(1)["current"] is None
+    assert session.overlay(1)["views"]["cam1"]["points"] == []
+
+
+def test_a_click_that_cannot_be_saved_is_not_made(trial):
+    (trial.folder / "file").write_text("")
+    session = session_of(trial, path=trial.folder / "file" / "start.csv")
+    with pytest.raises((InputError, OSError)):
+        session.click("cam1", 100, 100)
+    assert session.clicks == {}
+    assert session.current == ("cam1", "FR")
+    assert not session.can_undo
+
+
+def test_a_trial_that_names_no_points_asks_for_a_mouses_paws_or_says_so(tmp_path):
+    for species, message in (("mouse", None), ("rat", "does not say which points to click")):
+        path = tmp_path / species / "trial.toml"
+        path.parent.mkdir()
+        path.write_text(
+            f'[trial]\nfps = 100.0\n[animal]\nspecies = "{species}"\n'
+            '[[views]]\nname = "side"\nvideo = "side.avi"\n'
+        )
+        options = {"sizes": {"side": (100, 50)}, "span": (0, 9), "rig": None}
+        if message is None:
+            assert session_of(load_trial(path), **options).points == ("FR", "HR", "FL", "HL")
+        else:
+            with pytest.raises(InputError, match=message):
+                session_of(load_trial(path), **options)
