@@ -68,6 +68,16 @@ def test_chroma_belongs_to_its_block(name):
     assert np.array_equal(whole(picture), whole(plain))
 
 
+def test_yuvj_formats_are_full_range_by_name():
+    planes = random_planes(20, 10, (2, 2))
+    size = {"width": 20, "height": 10, "standard": "bt601"}
+    by_name = picture_of_planes("yuvj420p", planes, full_range=False, **size)
+    by_tag = picture_of_planes("yuv420p", planes, full_range=True, **size)
+    video = picture_of_planes("yuv420p", planes, full_range=False, **size)
+    assert np.array_equal(whole(by_name), whole(by_tag))
+    assert not np.array_equal(whole(by_name), whole(video))
+
+
 @settings(max_examples=60, deadline=None)
 @given(data=st.data())
 def test_any_crop_is_that_part_of_the_whole(data):

@@ -21,6 +21,7 @@ from video_clips import (
     write_mjpeg,
 )
 
+from pawnb.core.packets import PacketIndex
 from pawnb.core.video import VideoFile, open_view
 from pawnb.trial import View
 
@@ -154,6 +155,27 @@ def count_decoding(monkeypatch):
 
     monkeypatch.setattr(VideoFile, "_begin_at", counted)
     return begun
+
+
+@pytest.mark.parametrize("suffix", ["mp4", "avi", "mkv"])
+def test_a_seek_that_lands_too_late_is_noticed(tmp_path, monkeypatch, suffix):
+    """Demuxers overshoot in some files: then the seek is tried further back."""
+    path = write_h264(tmp_path / f"clip.{suffix}")
+    original = PacketIndex.seek_ticks
+
+    def overshooting(self, packet, *, step):
+        return [original(self, 40, step=step)[0], *original(self, packet, step=step)]
+
+    monkeypatch.setattr(PacketIndex, "seek_ticks", overshooting)
+    with opened(path) as reader:
+        assert [barcode(reader.read(k)) for k in (25, 3, 45, 20)] == [25, 3, 45, 20]
+
+
+def test_where_no_seek_succeeds_reading_begins_at_the_start(tmp_path, monkeypatch):
+    path = write_h264(tmp_path / "clip.avi")
+    monkeypatch.setattr(PacketIndex, "seek_ticks", lambda self, packet, *, step: [])
+    with opened(path) as reader:
+        assert [barcode(reader.read(k)) for k in (25, 3, 45, 20)] == [25, 3, 45, 20]
 
 
 @pytest.mark.parametrize("suffix", ["mp4", "avi"])

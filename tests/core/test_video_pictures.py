@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from video_clips import barcode, picture
 
-from pawnb.core.pictures import PictureFolder, natural_key
+from pawnb.core.pictures import PictureFolder, _is_whole, natural_key
 from pawnb.core.video import open_view
 from pawnb.errors import VideoError
 from pawnb.trial import View
@@ -130,6 +130,15 @@ def test_a_picture_cut_short_is_refused(tmp_path, suffix):
         f"{file}: frame 2 cannot be read as a picture; the file is damaged, cut short or of "
         "another kind."
     )
+
+
+@pytest.mark.parametrize("suffix", [".png", ".jpg", ".bmp"])
+def test_is_whole(suffix):
+    """Not left to cv2: some versions decode what is there and say nothing."""
+    data = cv2.imencode(suffix, picture(3))[1].tobytes()
+    assert _is_whole(data)
+    assert not _is_whole(data[:-20])
+    assert not _is_whole(data[: len(data) // 2])
 
 
 def test_pictures_of_another_size_or_kind_are_refused(tmp_path):
