@@ -194,6 +194,11 @@ def test_fit_with_published_coefficients(real_data):
     for i in range(4):
         fit = dlt.fit_dlt(xyz, dlt.project(truth, xyz)[:, i])
         np.testing.assert_allclose(fit.coefs, truth[:, i], rtol=1e-6)
+        # perturbed twin: one click that is 0.1 px off is noticed
+        uv = dlt.project(truth, xyz)[:, i]
+        uv[3, 0] += 0.1
+        off = np.abs(dlt.fit_dlt(xyz, uv).coefs / truth[:, i] - 1)
+        assert off.max() > 1e-6
 
 
 # --- properties ------------------------------------------------------------------------

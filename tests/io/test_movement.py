@@ -108,6 +108,7 @@ def test_we_read_what_movement_saves(movement, tmp_path):
     missing = tracks["origin"].to_numpy() == ORIGIN_CODE["missing"]
     assert np.argwhere(missing).tolist() == [[4, 1, 0]]
     np.testing.assert_array_equal(tracks["confidence"].to_numpy()[~missing], confidence[~missing])
+    assert (tracks["confidence"].to_numpy()[missing] == 0).all()
     assert tracks.attrs["source_software"] == "numpy"
     write_tracks(tracks, tmp_path / "tracks.nc")
     xr.testing.assert_identical(read_tracks(tmp_path / "tracks.nc"), tracks)
