@@ -11,7 +11,6 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -19,7 +18,7 @@ import pandas as pd
 from pawnb.core import dlt
 from pawnb.core.sightlines import find_epipolar_line, find_look_point
 from pawnb.errors import CalibrationError, InputError, did_you_mean
-from pawnb.io.tables import write_text
+from pawnb.io.coefs import read_coefs
 from pawnb.schema import check_columns
 from pawnb.trial import Calibration, Trial, View
 
@@ -262,72 +261,6 @@ def require_rig(trial: Trial, *, sizes: Mapping[str, tuple[int, int]] | None = N
     return rig
 
 
-def read_coefs(path: Path, names: Sequence[str]) -> np.ndarray:
-    """Read ``DLTcoefs.csv``: 11 rows, one column a view, no header.
-
-    Parameters
-    ----------
-    path : Path
-        The file.
-    names : sequence of str
-        The views its columns belong to.
-
-    Returns
-    -------
-    ndarray, shape (11, n_views)
-        The coefficients as they are written.
-
-    Raises
-    ------
-    CalibrationError
-        If the file is missing or is not that.
-    """
-    path = Path(path)
-    try:
-        table = pd.read_csv(path, header=None, dtype=str, skipinitialspace=True)
-    except FileNotFoundError:
-        raise CalibrationError(
-            f"{path}: no such file; [calibration] dlt must name the csv with the DLT coefficients."
-        ) from None
-    except (pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeDecodeError):
-        raise CalibrationError(
-            f"{path.name}: not a table of numbers; expected 11 rows, one column a view, no header."
-        ) from None
-    coefs = table.apply(pd.to_numeric, errors="coerce").to_numpy(float)
-    if coefs.shape != (11, len(names)):
-        raise CalibrationError(
-            f"{path.name}: {coefs.shape[0]} rows and {coefs.shape[1]} columns; expected 11 rows "
-            f"and {len(names)} columns, one for each view ({', '.join(names)}), and no header."
-        )
-    bad = np.argwhere(~np.isfinite(coefs))
-    if len(bad):
-        row, column = bad[0]
-        raise CalibrationError(
-            f"{path.name}: row {row + 1}, column {column + 1} is "
-            f"{_word(table.to_numpy()[row, column])}; expected a number."
-        )
-    return coefs
-
-
-def save_coefs(rig: Rig, path: str | Path) -> Path:
-    """Write the coefficients of a rig as ``DLTcoefs.csv``, whole or not at all.
-
-    Parameters
-    ----------
-    rig : Rig
-        The calibrated views.
-    path : str or Path
-        The file; numbers are written so that reading gives exactly the same ones.
-
-    Returns
-    -------
-    Path
-        The file.
-    """
-    lines = [",".join(repr(float(x)) for x in row) for row in rig.coefs]
-    return write_text("\n".join(lines) + "\n", path)
-
-
 def fit_rig(
     points3d: pd.DataFrame,
     clicks: pd.DataFrame,
@@ -442,8 +375,3 @@ def _unit(vector: Sequence[float]) -> tuple[float, ...]:
             f"direction {list(vector)}; expected three numbers, not all of them 0."
         )
     return tuple(float(x) for x in direction / length)
-
-
-def _word(value: object) -> str:
-    """Say what a cell holds."""
-    return "empty" if pd.isna(value) else repr(value)  # type: ignore[call-overload]

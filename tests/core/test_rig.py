@@ -10,8 +10,9 @@ import pytest
 
 from pawnb.core import dlt
 from pawnb.core.reconstruct import triangulate_tracks
-from pawnb.core.rig import Rig, fit_rig, load_rig, require_rig, save_coefs
+from pawnb.core.rig import Rig, fit_rig, load_rig, require_rig
 from pawnb.errors import CalibrationError, InputError
+from pawnb.io.coefs import write_coefs
 from pawnb.schema import ORIGIN_CODE, make_tracks
 from pawnb.trial import Animal, Calibration, Trial, View
 
@@ -69,9 +70,11 @@ def test_coefficients_are_read_in_the_order_of_the_views(tmp_path, treadmill):
 
 def test_saved_coefficients_are_the_same_to_the_last_bit(tmp_path, treadmill):
     trial = write_trial(tmp_path, np.zeros((11, 4)), plain_views(treadmill))
-    save_coefs(treadmill, tmp_path / "DLTcoefs.csv")
+    write_coefs(treadmill.coefs, tmp_path / "DLTcoefs.csv")
     assert load_rig(trial) == treadmill
     assert sorted(p.name for p in tmp_path.iterdir()) == ["DLTcoefs.csv"]
+    with pytest.raises(CalibrationError, match=r"shape \(10, 4\); expected 11 rows of finite"):
+        write_coefs(treadmill.coefs[:10], tmp_path / "DLTcoefs.csv")
 
 
 @pytest.mark.parametrize("calibration", [None, Calibration(px_per_unit=4.8)])

@@ -1,0 +1,94 @@
+"""``DLTcoefs.csv``: 11 rows, one column a view in the order of the views, no header."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from pawnb.errors import CalibrationError
+from pawnb.io.tables import write_text
+
+
+def read_coefs(path: Path, names: Sequence[str]) -> np.ndarray:
+    """Read ``DLTcoefs.csv``: 11 rows, one column a view, no header.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    names : sequence of str
+        The views its columns belong to.
+
+    Returns
+    -------
+    ndarray, shape (11, n_views)
+        The coefficients as they are written.
+
+    Raises
+    ------
+    CalibrationError
+        If the file is missing or is not that.
+    """
+    path = Path(path)
+    try:
+        table = pd.read_csv(path, header=None, dtype=str, skipinitialspace=True)
+    except FileNotFoundError:
+        raise CalibrationError(
+            f"{path}: no such file; [calibration] dlt must name the csv with the DLT coefficients."
+        ) from None
+    except (pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeDecodeError):
+        raise CalibrationError(
+            f"{path.name}: not a table of numbers; expected 11 rows, one column a view, no header."
+        ) from None
+    coefs = table.apply(pd.to_numeric, errors="coerce").to_numpy(float)
+    if coefs.shape != (11, len(names)):
+        raise CalibrationError(
+            f"{path.name}: {coefs.shape[0]} rows and {coefs.shape[1]} columns; expected 11 rows "
+            f"and {len(names)} columns, one for each view ({', '.join(names)}), and no header."
+        )
+    bad = np.argwhere(~np.isfinite(coefs))
+    if len(bad):
+        row, column = bad[0]
+        raise CalibrationError(
+            f"{path.name}: row {row + 1}, column {column + 1} is "
+            f"{_word(table.to_numpy()[row, column])}; expected a number."
+        )
+    return coefs
+
+
+def write_coefs(coefs: np.ndarray, path: str | Path) -> Path:
+    """Write DLT coefficients, whole or not at all.
+
+    Parameters
+    ----------
+    coefs : ndarray, shape (11, n_views)
+        The coefficients; reading gives exactly the same numbers.
+    path : str or Path
+        The file, usually ``DLTcoefs.csv``.
+
+    Returns
+    -------
+    Path
+        The file.
+
+    Raises
+    ------
+    CalibrationError
+        If there are not 11 rows of finite numbers.
+    """
+    coefs = np.asarray(coefs, dtype=float)
+    if coefs.ndim != 2 or coefs.shape[0] != 11 or not np.isfinite(coefs).all():
+        raise CalibrationError(
+            f"DLT coefficients have shape {coefs.shape}; expected 11 rows of finite numbers, one "
+            "column a view."
+        )
+    lines = [",".join(repr(float(x)) for x in row) for row in coefs]
+    return write_text("\n".join(lines) + "\n", path)
+
+
+def _word(value: object) -> str:
+    """Say what a cell holds."""
+    return "empty" if pd.isna(value) else repr(value)  # type: ignore[call-overload]
