@@ -110,7 +110,7 @@ def get_foot_paths(
 
     ``position`` is used for every leg that has one in at least half as many frames as
     its best view; without calibration a foot may have image positions only, and then
-    the view that saw it most is used.
+    the first view is used that saw it at least nine tenths as often as the best.
 
     Parameters
     ----------
@@ -167,19 +167,18 @@ def _best_space(point: Tracks, least: float) -> tuple[str, str, np.ndarray] | No
     position = point["position"].transpose("time", "space").values.astype(float)
     position = np.where(_sure(point["confidence"].values, least)[:, None], position, np.nan)
     n_position = int(np.isfinite(position).all(axis=1).sum())
-    best: tuple[str, str, np.ndarray] | None = None
-    n_best = 0
+    seen: list[tuple[int, str, np.ndarray]] = []
     if "image_position" in point:
         for view in point["view"].values:
-            seen = point.sel(view=view)
-            path = seen["image_position"].transpose("time", "image_space").values.astype(float)
-            path = np.where(_sure(seen["image_confidence"].values, least)[:, None], path, np.nan)
-            n = int(np.isfinite(path).all(axis=1).sum())
-            if n > n_best:
-                n_best, best = n, (str(view), "px", path)
-    if n_position and 2 * n_position >= n_best:
+            one = point.sel(view=view)
+            path = one["image_position"].transpose("time", "image_space").values.astype(float)
+            path = np.where(_sure(one["image_confidence"].values, least)[:, None], path, np.nan)
+            seen.append((int(np.isfinite(path).all(axis=1).sum()), str(view), path))
+    most = max((n for n, _, _ in seen), default=0)
+    if n_position and 2 * n_position >= most:
         return "position", str(point.attrs.get("unit", "px")), position
-    return best
+    # the first of the views that are about as good, so that feet stay together
+    return next(((view, "px", path) for n, view, path in seen if n and n >= 0.9 * most), None)
 
 
 def _sure(confidence: np.ndarray, least: float) -> np.ndarray:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pawnb.errors import InputError
@@ -53,6 +53,7 @@ def test_mean_path_of_complete_feet_is_their_mean():
     assert np.isnan(mean_path(np.full((5, 2, 3), np.nan))).all()
 
 
+@settings(deadline=None)
 @given(st.floats(-180, 180), st.floats(-1e3, 1e3))
 def test_body_frame_turns_with_the_body(angle, place):
     # the same animal, turned and moved: fore-aft positions stay

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pandas as pd
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pawnb.errors import InputError
@@ -145,6 +145,7 @@ def test_derivative_stops_at_gaps():
     assert np.isfinite(differentiate(x, dt=1.0, order=2)).tolist() == [False] * 5 + [True] * 3
 
 
+@settings(deadline=None)
 @given(
     vertex=st.floats(3.0, 8.0),
     height=st.floats(-100, 100),
@@ -176,6 +177,7 @@ def test_turns_of_a_sine_are_where_they_must_be():
     assert all_turns[:, 0].tolist() == [25, 75, 125, 175, 225, 275, 325]
 
 
+@settings(deadline=None)
 @given(st.lists(st.floats(-10, 10), min_size=3, max_size=60), st.floats(0.1, 5))
 def test_turns_alternate_and_move_far_enough(values, least):
     x = np.array(values)

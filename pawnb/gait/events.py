@@ -17,7 +17,6 @@ import numpy as np
 from pawnb.errors import InputError
 from pawnb.signals import find_turns, refine_extremum
 
-
 _POSITIVE = (math.ulp(0.0), math.nextafter(math.inf, 0.0), "a number above 0")
 _NOT_NEGATIVE = (0.0, math.nextafter(math.inf, 0.0), "0 or more")
 _SHARE = (math.ulp(0.0), 1.0, "above 0 and at most 1")
@@ -324,7 +323,8 @@ def find_contacts(
     passage of ``fraction`` and of twice that are both found, between samples, and the
     straight line through them is followed to zero. What differentiating and filtering
     alone would put between the two passages, were the landing abrupt, is taken off
-    first. A stance never holds a swing, and the events alternate.
+    first, and the line is not followed beyond where the foot has come to rest (a
+    quarter of ``fraction``). A stance never holds a swing, and the events alternate.
 
     Parameters
     ----------
@@ -357,17 +357,28 @@ def find_contacts(
         before = extremes[i - 1].sample if i > 0 else 0.0
         after = extremes[i + 2].sample if i + 2 < len(extremes) else len(speed) - 1.0
         for kind, stop, step in (("LO", math.floor(before), -1), ("TD", math.ceil(after), 1)):
-            passages = []
-            for share in (1.0, 2.0):
-                over = [speed - share * fraction * speed[peak]]
-                if height is not None:
-                    over.append(height.up - height.ground - share * height.limit)
-                passages.append(_first_below(over, peak, stop, step))
-            near, far = passages
-            if near is not None and far is not None:
-                zero = near + step * max(0.0, abs(near - far) - fraction * rise)
-                contacts.append(Contact(float(np.clip(zero, before, after)), kind))
+            far, near, rest = (
+                _first_below(_excess(speed, share * fraction * speed[peak], height, share),
+                             peak, stop, step)
+                for share in (2.0, 1.0, 0.25)
+            )  # fmt: skip
+            if near is None or far is None:
+                continue
+            further = max(0.0, abs(near - far) - fraction * rise)
+            if rest is not None:
+                further = min(further, abs(rest - near))
+            contacts.append(Contact(float(np.clip(near + step * further, before, after)), kind))
     return contacts
+
+
+def _excess(
+    speed: np.ndarray, threshold: float, height: Height | None, share: float
+) -> list[np.ndarray]:
+    """Return how far speed and height are above their thresholds."""
+    over = [speed - threshold]
+    if height is not None:
+        over.append(height.up - height.ground - share * height.limit)
+    return over
 
 
 def _first_below(over: list[np.ndarray], start: int, stop: int, step: int) -> float | None:

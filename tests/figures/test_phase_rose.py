@@ -7,7 +7,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pawnb.errors import InputError
@@ -51,6 +51,7 @@ def test_counts_by_hand():
     np.testing.assert_allclose(table["mean"], np.angle(vector) / 2 / np.pi % 1)
 
 
+@settings(deadline=None)
 @given(st.lists(st.floats(0, 1, exclude_max=True), min_size=1, max_size=50), st.integers(4, 72))
 def test_every_phase_is_counted_once(values, bins):
     table = build_phase_rose_table(phases(values), bins=bins)

@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pawnb.errors import InputError
@@ -106,6 +106,7 @@ def test_many_phases_approach_exp_minus_z():
     assert rayleigh_p(5000, 0.03) == pytest.approx(math.exp(-5000 * 0.03**2), rel=0.01)
 
 
+@settings(deadline=None)
 @given(st.integers(3, 60), st.floats(0.0, 1.0), st.floats(0.0, 0.2))
 def test_p_is_a_probability_and_falls_with_r(n, r, more):
     p = rayleigh_p(n, r)
@@ -143,6 +144,7 @@ def test_interval_that_does_not_exist_is_nan(r, n):
     assert all(math.isnan(v) for v in mean_interval(0.2, r, n))
 
 
+@settings(deadline=None)
 @given(phases, st.floats(0, 1))
 def test_mean_turns_with_the_phases(values, turn):
     values = np.array(values)
@@ -153,6 +155,7 @@ def test_mean_turns_with_the_phases(values, turn):
         assert difference == pytest.approx(0.0, abs=1e-9)
 
 
+@settings(deadline=None)
 @given(phases)
 def test_mean_mirrors_with_the_phases(values):
     values = np.array(values)
@@ -161,6 +164,7 @@ def test_mean_mirrors_with_the_phases(values):
         assert (after.mean + before.mean + 0.5) % 1.0 - 0.5 == pytest.approx(0.0, abs=1e-9)
 
 
+@settings(deadline=None)
 @given(st.floats(-5, 5))
 def test_wrapped_phases_are_in_the_cycle(phase):
     assert 0.0 <= wrap(phase) < 1.0

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pandas as pd
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pawnb.gait.phases import (
@@ -38,6 +38,7 @@ def test_an_event_at_the_start_of_a_stride_is_phase_zero():
     assert phase.tolist() == [0.0, 0.0]
 
 
+@settings(deadline=None)
 @given(
     st.lists(st.floats(0, 100), max_size=30), st.lists(st.floats(0, 100), min_size=2, max_size=20)
 )
@@ -157,6 +158,7 @@ def test_one_animal_says_nothing_about_animals():
     assert summary["r_strides"] > 0.9
 
 
+@settings(deadline=None)
 @given(st.floats(0, 1, exclude_max=True), st.integers(1, 4))
 def test_repeating_an_animals_strides_changes_no_animal_statistic(phase, times):
     base = {"a": [phase, phase + 0.05], "b": [phase + 0.1], "c": [phase - 0.02, phase]}
