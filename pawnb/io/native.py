@@ -323,14 +323,59 @@ def read_tracks_table(
     return tracks
 
 
-def _fill_space(tracks: Tracks, table: pd.DataFrame, points: Sequence[str]) -> None:
-    """Enter the rows of ``points3d.csv``; confidence is the mean of the views that see it."""
-    at = table["frame"] - int(tracks["frame"].to_numpy()[0])
-    point = table["point"].map(list(points).index)
+def read_points3d_table(
+    path: str | Path, *, fps: float, unit: str = "mm", individual: str = "animal"
+) -> Tracks:
+    """Read ``points3d.csv`` alone as Tracks without image positions.
+
+    Parameters
+    ----------
+    path : str or Path
+        A csv with ``frame, point, x, y, z, residual_px, origin``.
+    fps : float
+        Frames per second.
+    unit : str
+        Unit of x, y, z.
+    individual : str
+        The animal's id.
+
+    Returns
+    -------
+    xarray.Dataset
+        Tracks; confidence is 1 where a point is known.
+
+    Raises
+    ------
+    InputError
+        For a missing column, a cell that is not what it should be, or a row given twice.
+    """
+    table = _read_points(path, POINTS3D_COLUMNS, ("point",), ("x", "y", "z", "residual_px"))
+    if table.empty:
+        raise InputError(f"{Path(path).name}: no rows; expected one for each frame and point.")
+    points = list(dict.fromkeys(table["point"]))
+    first, last = table["frame"].min(), table["frame"].max()
+    tracks = make_tracks(
+        np.arange(first, last + 1), points, fps=fps, individual=individual, unit=unit
+    )
+    at, point = table["frame"] - first, table["point"].map(points.index)
+    _enter_space(tracks, table, at, point)
+    known = tracks["origin"].to_numpy() != ORIGIN_CODE["missing"]
+    tracks["confidence"].to_numpy()[:] = known
+    return tracks
+
+
+def _enter_space(tracks: Tracks, table: pd.DataFrame, at: pd.Series, point: pd.Series) -> None:
+    """Enter positions, residuals and origins at rows ``at`` of the points ``point``."""
     for axis, name in enumerate("xyz"):
         tracks["position"].to_numpy()[at, axis, point, 0] = table[name]
     tracks["residual"].to_numpy()[at, point, 0] = table["residual_px"]
     tracks["origin"].to_numpy()[at, point, 0] = table["origin"]
+
+
+def _fill_space(tracks: Tracks, table: pd.DataFrame, points: Sequence[str]) -> None:
+    """Enter the rows of ``points3d.csv``; confidence is the mean of the views that see it."""
+    at = table["frame"] - int(tracks["frame"].to_numpy()[0])
+    _enter_space(tracks, table, at, table["point"].map(list(points).index))
     seen = tracks["image_origin"].to_numpy() != ORIGIN_CODE["missing"]
     total = np.where(seen, tracks["image_confidence"].to_numpy(), 0.0).sum(axis=1)
     mean = total / np.maximum(seen.sum(axis=1), 1)

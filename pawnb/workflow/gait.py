@@ -234,7 +234,8 @@ def _read_csv(path: Path, fps: float | None) -> GaitSource:
             check_columns(cells, ("frame",), where=f"{path} (without time_s)")
             events["time_s"] = events["frame"] / _needed_fps(fps, path)
         return GaitSource(path, path.parent / RESULTS_FOLDER, events=events)
-    tracks = native.read_tracks_table(path, fps=_needed_fps(fps, path))
+    read = native.read_points3d_table if "x" in cells else native.read_tracks_table
+    tracks = read(path, fps=_needed_fps(fps, path))
     return GaitSource(path, path.parent, tracks=tracks)
 
 

@@ -49,7 +49,7 @@ def save_gait_figures(
     for name, table, kind in drawings:
         with figures.style():
             ax = getattr(figures, f"plot_{kind}")(table)
-        files += save_figure(ax, folder / name, record={**record, "figure": kind})
+            files += save_figure(ax, folder / name, record={**record, "figure": kind})
         write_table(table, folder / f"{name}.csv")
         files.append(folder / f"{name}.csv")
     return files

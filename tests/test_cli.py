@@ -1,0 +1,139 @@
+"""The commands as a user types them: output, files, exit status, one sentence on errors."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pandas as pd
+import pytest
+
+from pawnb import cli
+from pawnb.workflow import lab
+
+
+def run(capsys, *words):
+    status = cli.main([str(word) for word in words])
+    captured = capsys.readouterr()
+    return status, captured.out, captured.err
+
+
+def test_demo_check_track_gait_in_a_row(tmp_path, capsys):
+    out = tmp_path / "demo"
+    status, said, _ = run(
+        capsys, "demo", "paws", "--out", out, "--frames", 60, "--scale", 0.15, "--seed", 3
+    )
+    assert status == 0
+    assert f"pawnb track {out}" in said
+    assert len(pd.read_csv(out / "truth" / "points3d.csv")) == 60 * 4
+    status, said, _ = run(capsys, "check", out)
+    assert status == 0
+    assert "view cam1: 60 frames" in said
+    status, said, err = run(capsys, "track", out, "--set", "median_px=3")
+    assert (status, err) == (0, "")
+    assert "tracked 60 frames" in said
+    assert (out / "results" / "tracks.nc").exists()
+    status, said, _ = run(capsys, "gait", out)
+    assert status == 0
+    assert (out / "results" / "strides.csv").exists()
+    assert (
+        out / "results" / "figures" / "gait_diagram_synthetic-03_synthetic-normal-03.png"
+    ).exists()
+
+
+def change(folder, file, old, new):
+    path = folder / file
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new, 1))
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "options", "sentence"),
+    [
+        ("trial.toml", "cam2.avi", "none.avi", (), "no such video"),
+        ("trial.toml", '[calibration]\ndlt = "DLTcoefs.csv"\nunit = "mm"\n', "", (),
+         "has 4 views and no calibration"),
+        ("start.csv", "0,cam1,FR,", "0,cam1,FR,5", (), "outside the picture"),
+        ("start.csv", "0,cam1,FR,", "0,cam3,FL,", (), "is clicked twice"),
+        ("start.csv", "frame,view,point", "frame,camera,point", (), "column 'view' is missing"),
+        ("start.csv", "", "", ("--set", "windw_u_px=3"), "unknown name 'windw_u_px'"),
+        ("start.csv", "", "", ("--set", "median_px"), "expected NAME=VALUE"),
+        ("start.csv", "", "", ("--method", "best"), "unknown method 'best'"),
+        ("trial.toml", "fps = 250.0", "", (), "fps is missing"),
+    ],
+)  # fmt: skip
+def test_bad_input_ends_with_status_2_and_one_sentence(
+    small_trial, capsys, file, old, new, options, sentence
+):
+    if old:
+        change(small_trial, file, old, new)
+    status, said, err = run(capsys, "track", small_trial, *options)
+    assert status == 2
+    assert said == ""
+    assert err.startswith("pawnb: ")
+    assert err.count("\n") == 1
+    assert "Traceback" not in err
+    assert not (small_trial / "results").exists()
+
+
+def test_a_point_clicked_in_no_view_is_refused(small_trial, capsys):
+    clicks = pd.read_csv(small_trial / "start.csv")
+    clicks[clicks["point"] != "FR"].to_csv(small_trial / "start.csv", index=False)
+    status, _, err = run(capsys, "track", small_trial)
+    assert status == 2
+    assert "FR" in err
+    assert "no view" in err
+
+
+def test_check_of_a_broken_trial_has_status_2(small_trial, capsys):
+    change(small_trial, "trial.toml", "cam2.avi", "none.avi")
+    status, said, err = run(capsys, "check", small_trial)
+    assert status == 2
+    assert "MEND" in said
+    assert err.count("\n") == 1
+
+
+def test_words_that_make_no_command(capsys):
+    with pytest.raises(SystemExit) as caught:
+        cli.main(["trak", "x"])
+    assert caught.value.code == 2
+    err = capsys.readouterr().err
+    assert err.startswith("pawnb: ")
+    assert err.count("\n") == 1
+
+
+def test_python_m_pawnb_is_the_command():
+    done = subprocess.run(
+        [sys.executable, "-m", "pawnb", "--version"], capture_output=True, text=True, check=True
+    )
+    assert done.stdout.startswith("pawnb 0.")
+
+
+def test_lab_opens_the_quick_start_on_this_machine_only():
+    words = lab.lab_command(browser=False, port=8899)
+    assert words[:4] == [sys.executable, "-m", "jupyter", "lab"]
+    assert "--ip=127.0.0.1" in words
+    assert "--no-browser" in words
+    assert "--port=8899" in words
+    assert any(word.endswith("00_quickstart.ipynb") for word in words)
+
+
+def test_lab_knows_our_notebooks_by_name(capsys):
+    assert any(word.endswith("01_real_mouse_two_views.ipynb")
+               for word in lab.lab_command("01_real_mouse_two_views.ipynb"))  # fmt: skip
+    status, _, err = run(capsys, "lab", "02_nothing.ipynb")
+    assert status == 2
+    assert "02_nothing.ipynb: no such notebook; ours are 00_quickstart.ipynb" in err
+
+
+def test_an_installed_pawnb_copies_its_notebooks_once(tmp_path, monkeypatch):
+    package = tmp_path / "site-packages" / "pawnb"
+    (package / "notebooks").mkdir(parents=True)
+    (package / "notebooks" / "00_quickstart.ipynb").write_text("ours")
+    monkeypatch.setattr(lab, "_PACKAGE", package)
+    monkeypatch.chdir(tmp_path)
+    folder = lab.notebooks_folder()
+    assert (folder / "00_quickstart.ipynb").read_text() == "ours"
+    (folder / "00_quickstart.ipynb").write_text("mine")
+    assert (lab.notebooks_folder() / "00_quickstart.ipynb").read_text() == "mine"

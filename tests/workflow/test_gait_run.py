@@ -1,0 +1,187 @@
+"""Gait from any input: tables, figures and provenance; several inputs pooled by animal."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from pawnb import schema
+from pawnb.errors import InputError
+from pawnb.io.native import points3d_table, write_tracks
+from pawnb.io.tables import write_table
+from pawnb.trial import Animal, Calibration, Trial
+from pawnb.workflow.gait import run_gait
+from pawnb.workflow.results import describe_trial
+
+LEGS = ("FR", "HR", "FL", "HL")
+FPS, PERIOD_S, DUTY, BELT = 250.0, 0.2, 0.6, 300.0
+LAGS = {"FR": 0.0, "HL": 0.05, "FL": 0.5, "HR": 0.55}
+
+
+def walking_tracks(trial: str, animal: str) -> schema.Tracks:
+    """Two seconds of a trot on a belt: five strides a second, duty factor 0.6.
+
+    In stance a foot goes back with the belt, in swing forward on a raised cosine. Diagonal
+    legs step almost together (0.05 cycle apart), left and right half a cycle apart.
+    """
+    frames = np.arange(500)
+    tracks = schema.make_tracks(frames, LEGS, fps=FPS, individual=animal, unit="mm")
+    for k, leg in enumerate(LEGS):
+        phase = (frames / FPS / PERIOD_S - LAGS[leg]) % 1.0
+        reach = BELT * DUTY * PERIOD_S
+        swing = np.clip((phase - DUTY) / (1 - DUTY), 0, 1)
+        x = np.where(phase < DUTY, reach * (0.5 - phase / DUTY), -reach / 2 * np.cos(np.pi * swing))
+        tracks["position"][:, 0, k, 0] = x
+        tracks["position"][:, 1, k, 0] = 10.0 if leg.endswith("L") else -10.0
+        tracks["position"][:, 2, k, 0] = np.where(phase < DUTY, 0, 8 * np.sin(np.pi * swing))
+    tracks["origin"][:] = schema.ORIGIN_CODE["measured"]
+    tracks["confidence"][:] = 1.0
+    description = Trial(
+        kind="tracks", name=trial, fps=FPS, animal=Animal(id=animal), belt_speed=BELT,
+        calibration=Calibration(unit="mm"), tracks_file="tracks.nc",
+    )  # fmt: skip
+    return describe_trial(tracks, description)
+
+
+@pytest.fixture
+def results(tmp_path):
+    folder = tmp_path / "results"
+    folder.mkdir()
+    write_tracks(walking_tracks("t1", "m1"), folder / "tracks.nc")
+    return folder
+
+
+def test_tables_have_the_columns_of_the_contract(results):
+    run = run_gait([results])
+    assert run.out == results
+    for name in ("events", "strides", "phases", "phase_summary", "dropped"):
+        columns = getattr(schema, f"{name.upper()}_COLUMNS")
+        table = pd.read_csv(results / f"{name}.csv")
+        assert tuple(table.columns[: len(columns)]) == columns, name
+    strides = pd.read_csv(results / "strides.csv")
+    assert set(strides["animal"]) == {"m1"}
+    assert set(strides["trial"]) == {"t1"}
+    # the motion is known: see walking_tracks
+    assert strides["frequency_hz"].median() == pytest.approx(5.0, rel=0.01)
+    # a low-pass filter moves the corner between stance and swing towards the flat swing
+    assert strides["duty_factor"].median() == pytest.approx(DUTY, abs=0.03)
+    assert strides["stride_length"].median() == pytest.approx(BELT * PERIOD_S, rel=0.02)
+    summary = pd.read_csv(results / "phase_summary.csv").set_index(["leg", "reference"])
+    assert summary.loc[("FL", "FR"), "mean_strides"] == pytest.approx(0.5, abs=0.01)
+    # one animal: nothing to test between animals
+    assert summary["n_animals"].eq(1).all()
+    assert summary[["ci_low", "ci_high", "rayleigh_p"]].isna().all(axis=None)
+    assert "median stride frequency 5.00 Hz, duty factor 0.6" in run.text()
+
+
+def test_figures_carry_the_recipe_and_are_the_same_each_time(results, tmp_path):
+    from PIL import Image
+
+    run = run_gait([results], command=["pawnb", "gait", str(results)])
+    figures = sorted(p.name for p in (results / "figures").iterdir())
+    assert figures == [
+        "gait_diagram_m1_t1.csv",
+        "gait_diagram_m1_t1.pdf",
+        "gait_diagram_m1_t1.png",
+        "gait_diagram_m1_t1.svg",
+        "phase_rose.csv",
+        "phase_rose.pdf",
+        "phase_rose.png",
+        "phase_rose.svg",
+    ]
+    with Image.open(results / "figures" / "phase_rose.png") as picture:
+        recipe = json.loads(picture.text["Description"])
+    assert recipe["figure"] == "phase_rose"
+    assert recipe["command"] == "pawnb gait results"
+    assert recipe["inputs"]["results/tracks.nc"].startswith("sha256:")
+    again = run_gait([results], out=tmp_path / "again", command=["pawnb", "gait", str(results)])
+    for path in run.files:
+        twin = again.out / path.relative_to(run.out)
+        assert twin.read_bytes() == path.read_bytes(), path.name
+    assert str(tmp_path) not in (results / "figures" / "phase_rose.svg").read_text()
+
+
+def test_inputs_are_pooled_by_animal(tmp_path):
+    paths = []
+    for trial, animal in (("t1", "m1"), ("t2", "m1"), ("t3", "m2")):
+        path = tmp_path / trial / "tracks.nc"
+        path.parent.mkdir()
+        write_tracks(walking_tracks(trial, animal), path)
+        paths.append(path)
+    run = run_gait(paths, out=tmp_path / "pooled")
+    summary = run.tables.phase_summary.set_index(["leg", "reference"])
+    assert (summary["n_animals"] == 2).all()
+    assert run.tables.strides["animal"].nunique() == 2
+    sources = json.loads((tmp_path / "pooled" / "provenance.json").read_text())["steps"][0]
+    assert sorted(sources["inputs"]) == ["t1/tracks.nc", "t2/tracks.nc", "t3/tracks.nc"]
+
+
+def test_events_scored_by_hand_will_do(tmp_path):
+    """A foot lands every 50 frames and lifts 30 later: 5 Hz at 250 per second, duty 0.6."""
+    rows = [
+        (leg, event, 50 * k + shift + late)
+        for leg, late in (("L1", 0), ("R1", 25))
+        for k in range(6)
+        for event, shift in (("TD", 0), ("LO", 30))
+    ]
+    path = tmp_path / "events.csv"
+    pd.DataFrame(rows, columns=["leg", "event", "frame"]).to_csv(path, index=False)
+    run = run_gait([path], fps=250.0)
+    assert run.out == tmp_path / "results"
+    strides = run.tables.strides
+    np.testing.assert_allclose(strides["period_s"], 0.2)
+    np.testing.assert_allclose(strides["duty_factor"], 0.6)
+    with pytest.raises(InputError, match=r"does not say its frame rate; give it with --fps"):
+        run_gait([path])
+
+
+def test_points3d_of_another_program_need_only_a_frame_rate(tmp_path):
+    write_table(points3d_table(walking_tracks("t1", "m1")), tmp_path / "points3d.csv")
+    run = run_gait([tmp_path / "points3d.csv"], fps=FPS, out=tmp_path / "out")
+    assert run.tables.strides["frequency_hz"].median() == pytest.approx(5.0, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("nowhere", "no such file; expected a trial, a results folder, tracks or an events.csv."),
+        ("empty", "neither a trial nor results; expected a trial.toml, a tracks.nc or an "
+                  "events.csv in it."),
+        ("x.avi", "expected trial.toml, tracks.nc, tracks.csv, points3d.csv or events.csv."),
+    ],
+)  # fmt: skip
+def test_what_is_no_input_is_refused(tmp_path, name, message):
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "x.avi").write_bytes(b"")
+    with pytest.raises(InputError) as caught:
+        run_gait([tmp_path / name])
+    assert str(caught.value) == f"{tmp_path / name}: {message}"
+
+
+def test_an_untracked_trial_says_so(rendered_trial):
+    with pytest.raises(InputError, match=r"is not tracked yet; run pawnb track first"):
+        run_gait([rendered_trial])
+
+
+def test_real_rats_trot(real_data, tmp_path):
+    """The 2019 authors' tracks of a rat at 0.16 m/s: a few hertz, duty factor above a half,
+    left and right half a cycle apart, diagonal legs together (Hildebrand 1965: trot)."""
+    folder = real_data("rat-4cam-tracks")
+    name = "rat2.Week0.2018-06-08_13_30_12.csv"
+    (tmp_path / "trial.toml").write_text(
+        f'[trial]\nkind = "tracks"\nname = "rat"\nfps = 250\n[animal]\nid = "rat2"\n'
+        f'[treadmill]\nbelt_speed = "{(folder / f"Speed_Time.{name}").resolve()}"\n'
+        f'[tracks]\nfile = "{(folder / f"cam1.f.{name}").resolve()}"\n'
+        f'[calibration]\ndlt = "{(folder / f"DLT.{name}").resolve()}"\nunit = "mm"\n'
+    )
+    run = run_gait([tmp_path])
+    middle = run.tables.strides.groupby("leg")[["frequency_hz", "duty_factor"]].median()
+    assert middle["frequency_hz"].between(1, 3).all()
+    assert middle["duty_factor"].between(0.5, 0.8).all()
+    mean = run.tables.phase_summary.set_index(["leg", "reference"])["mean_strides"]
+    assert mean[("FL", "FR")] == pytest.approx(0.5, abs=0.1)
+    assert mean[("HL", "HR")] == pytest.approx(0.5, abs=0.1)
+    assert (mean[("FR", "HL")] + 0.5) % 1 == pytest.approx(0.5, abs=0.15)
