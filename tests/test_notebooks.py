@@ -1,0 +1,78 @@
+"""Every notebook runs from top to bottom without a person, and is stored without outputs."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import nbformat
+import pytest
+from nbclient import NotebookClient
+
+ROOT = Path(__file__).resolve().parents[1]
+NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
+
+
+def execute(path, folder, **environment):
+    """Run a notebook with ``folder`` as its working folder; return it with its outputs."""
+    notebook = nbformat.read(path, as_version=4)
+    client = NotebookClient(
+        notebook, timeout=600, kernel_name="python3", resources={"metadata": {"path": str(folder)}}
+    )
+    with client.setup_kernel(env={**os.environ, **environment}):
+        for number, cell in enumerate(notebook.cells):
+            client.execute_cell(cell, number)
+    return notebook
+
+
+def printed(notebook):
+    """Return the text of all outputs of a notebook."""
+    outputs = [o for cell in notebook.cells for o in cell.get("outputs", [])]
+    return "\n".join(o.get("text", "") or o.get("data", {}).get("text/plain", "") for o in outputs)
+
+
+def shown(notebook, mime):
+    """Count the outputs of a kind."""
+    outputs = [o for cell in notebook.cells for o in cell.get("outputs", [])]
+    return sum(mime in o.get("data", {}) for o in outputs)
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.name)
+def test_stored_without_outputs(path):
+    notebook = nbformat.read(path, as_version=4)
+    nbformat.validate(notebook)
+    for cell in notebook.cells:
+        assert not cell.get("outputs")
+        assert cell.get("execution_count") is None
+
+
+@pytest.mark.slow
+def test_quickstart_goes_from_video_to_gait_diagram(tmp_path):
+    notebook = execute(ROOT / "notebooks" / "00_quickstart.ipynb", tmp_path)
+    text = printed(notebook)
+    assert "DLT of 4 views, unit mm" in text
+    assert "median distance" in text
+    assert shown(notebook, "application/vnd.jupyter.widget-view+json") >= 2
+    assert shown(notebook, "image/png") == 2
+    results = tmp_path / "sample" / "paws" / "results"
+    assert (results / "tracks.nc").exists()
+
+
+@pytest.mark.slow
+def test_real_mouse_notebook_runs_on_the_real_clip(tmp_path, real_data):
+    home = real_data("mouse-side-bottom").parent.resolve()
+    notebook = execute(
+        ROOT / "notebooks" / "01_real_mouse_two_views.ipynb", tmp_path, PAWNB_TEST_DATA=str(home)
+    )
+    assert "marked paws are within 15 px" in printed(notebook)
+    assert shown(notebook, "image/png") == 2
+
+
+def test_real_mouse_notebook_says_so_where_there_is_no_clip(tmp_path):
+    notebook = execute(
+        ROOT / "notebooks" / "01_real_mouse_two_views.ipynb",
+        tmp_path,
+        PAWNB_TEST_DATA=str(tmp_path),
+    )
+    assert "Set PAWNB_TEST_DATA to run this notebook" in printed(notebook)
+    assert shown(notebook, "image/png") == 0
