@@ -18,9 +18,9 @@ from pawnb.gait.feet import (
 )
 from pawnb.gait.grid import Grid, put_on_grid
 from pawnb.gait.legs import default_pairs, find_leg_place, sort_legs
+from pawnb.gait.paths import get_foot_paths
 from pawnb.gait.phases import build_phases, summarise_phases
 from pawnb.gait.strides import Motion, build_strides, choose_stride_event
-from pawnb.kinematics import get_foot_paths
 from pawnb.schema import EVENTS_COLUMNS, Tracks, build_settings, check_columns, check_tracks
 from pawnb.trial import Trial
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pawnb.errors import InputError
+from pawnb.gait.direction import choose_direction, find_up
 from pawnb.gait.events import (
     Contact,
     EventSettings,
@@ -26,89 +26,30 @@ from pawnb.gait.events import (
     stance_velocity,
 )
 from pawnb.gait.grid import Grid
+from pawnb.gait.paths import FootPaths
+from pawnb.gait.scales import (
+    Scales,
+    choose_scales,
+    least_excursion,
+    say_scales,
+    stepping_frequency,
+)
 from pawnb.gait.strides import Motion
 from pawnb.kinematics import (
     BodyFrame,
-    FootPaths,
     along,
     body_frame_from_points,
     body_frame_of_feet,
-    image_facing,
     is_travelling,
     smooth_path,
     stride_frequency,
-    swing_direction,
-    travel_direction,
 )
 from pawnb.schema import DROPPED_COLUMNS, EVENTS_COLUMNS
-from pawnb.signals import (
-    butterworth_lowpass,
-    differentiate,
-    fill_gaps,
-    find_jumps,
-    find_runs,
-    find_turns,
-)
+from pawnb.signals import butterworth_lowpass, differentiate, fill_gaps, find_jumps, find_runs
 from pawnb.trial import Trial
 
 EVENT_TABLE_COLUMNS = (*EVENTS_COLUMNS, "position")
-_UNFILTERED_ABOVE = 0.35
 _SLIP_ALLOWED = 0.15
-
-
-@dataclass(frozen=True, kw_only=True)
-class Scales:
-    """Cut-offs and times in use: as asked for, or set from the stride frequency.
-
-    Parameters
-    ----------
-    cutoff_hz : float or None
-        Low-pass for the feet; None for no filter.
-    body_cutoff_hz : float
-        Low-pass for the mean of the feet.
-    max_gap_s, min_stance_s, min_swing_s : float
-        Longest bridged gap, shortest stance and swing.
-    """
-
-    cutoff_hz: float | None
-    body_cutoff_hz: float
-    max_gap_s: float
-    min_stance_s: float
-    min_swing_s: float
-
-
-def choose_scales(settings: EventSettings, frequency_hz: float, fs_hz: float) -> Scales:
-    """Set every scale of time that the settings leave to the animal.
-
-    Parameters
-    ----------
-    settings : EventSettings
-        What was asked for.
-    frequency_hz : float
-        Stride frequency; NaN where unknown, and then 1 Hz is assumed.
-    fs_hz : float
-        Sampling rate.
-
-    Returns
-    -------
-    Scales
-        The scales.
-    """
-    stride = frequency_hz if math.isfinite(frequency_hz) else 1.0
-
-    def asked(value: float | None, default: float) -> float:
-        return default if value is None else value
-
-    cutoff = settings.cutoff_hz
-    if cutoff is None and 10.0 * stride <= _UNFILTERED_ABOVE * fs_hz:
-        cutoff = 10.0 * stride
-    return Scales(
-        cutoff_hz=cutoff,
-        body_cutoff_hz=asked(settings.body_cutoff_hz, stride / 3.0),
-        max_gap_s=asked(settings.max_gap_s, 0.1 / stride),
-        min_stance_s=asked(settings.min_stance_s, 0.06 / stride),
-        min_swing_s=asked(settings.min_swing_s, 0.06 / stride),
-    )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -166,27 +107,12 @@ def analyse_space(
     SpaceResult
         Everything found, leg by leg.
     """
-    notes: list[str] = []
     fs = grid.fs_hz
     feet, jumps = _without_jumps(feet, settings.jump_factor)
-    up = _up(trial, feet)
-    # first guess from the spectrum; it only has to find the path of the body
-    frequency = stride_frequency(feet.positions, fs_hz=fs)
-    guess = choose_scales(settings, frequency, fs)
-    path = smooth_path(feet.positions, cutoff_hz=guess.body_cutoff_hz, fs_hz=fs)
-    treadmill = settings.substrate == "treadmill"
-    if settings.substrate == "auto":
-        treadmill = belt is not None or not is_travelling(feet.positions, path)
-    direction = _direction(feet, path, trial, forward, treadmill, fs, notes)
-    frame = body_frame_of_feet(path, direction, treadmill=treadmill)
-    frequency = _stepping_frequency(frame.fore_aft(feet.positions), settings, fs, frequency)
-    scales = choose_scales(settings, frequency, fs)
-    notes.append(_say_scales(feet, scales, frequency))
-    if body is not None:
-        frame = body_frame_from_points(body, cutoff_hz=scales.cutoff_hz, fs_hz=fs, up=up)
-    else:
-        path = smooth_path(feet.positions, cutoff_hz=scales.body_cutoff_hz, fs_hz=fs)
-        frame = body_frame_of_feet(path, direction, treadmill=treadmill)
+    up = find_up(trial, feet)
+    treadmill, frame, scales, notes = _find_body(
+        feet, fs, trial=trial, belt=belt, body=body, forward=forward, settings=settings
+    )
     max_gap = round(scales.max_gap_s * fs)
     raw = frame.fore_aft(feet.positions)
     position = _smooth(raw, scales.cutoff_hz, fs, max_gap)
@@ -194,11 +120,11 @@ def analyse_space(
     extremes, rejected = _extremes_of_feet(position, fs, settings, scales)
     velocity = differentiate(lab, dt=1.0 / fs)
     belt_here = _belt(feet, velocity, extremes, belt, treadmill, notes)
-    motion = _motion(feet, frame, lab, belt_here, grid)
     height = None
     if up is not None and settings.use_height:
         level = np.tile(up, (len(raw), 1))
         height = _smooth(along(feet.positions, level), scales.cutoff_hz, fs, max_gap)
+    motion = _motion(feet, frame, lab, belt_here, grid)
     result = SpaceResult(events=[], dropped=[], gaps=[], motion=motion, notes=notes)
     for k, leg in enumerate(feet.legs):
         bridged = ~np.isfinite(raw[:, k])
@@ -216,6 +142,44 @@ def analyse_space(
     return result
 
 
+def _find_body(
+    feet: FootPaths,
+    fs: float,
+    *,
+    trial: Trial | None,
+    belt: np.ndarray | None,
+    body: np.ndarray | None,
+    forward: np.ndarray | None,
+    settings: EventSettings,
+) -> tuple[bool, BodyFrame, Scales, list[str]]:
+    """Find whether the animal is on a treadmill, its body frame, and the scales of time.
+
+    The stride frequency is guessed from the spectrum first, which suffices for the path
+    of the body; in the body's frame the steps can be counted.
+    """
+    guess = stride_frequency(feet.positions, fs_hz=fs)
+    scales = choose_scales(settings, guess, fs)
+    path = smooth_path(feet.positions, cutoff_hz=scales.body_cutoff_hz, fs_hz=fs)
+    treadmill = settings.substrate == "treadmill"
+    if settings.substrate == "auto":
+        treadmill = belt is not None or not is_travelling(feet.positions, path)
+    direction, notes = choose_direction(
+        feet, path, trial=trial, forward=forward, treadmill=treadmill, fs_hz=fs
+    )
+    frame = body_frame_of_feet(path, direction, treadmill=treadmill)
+    fore_aft = frame.fore_aft(feet.positions)
+    frequency = stepping_frequency(fore_aft, settings, fs_hz=fs, guess=guess)
+    scales = choose_scales(settings, frequency, fs)
+    notes.append(say_scales(feet, scales, frequency))
+    if body is not None:
+        up = find_up(trial, feet)
+        frame = body_frame_from_points(body, cutoff_hz=scales.cutoff_hz, fs_hz=fs, up=up)
+    else:
+        path = smooth_path(feet.positions, cutoff_hz=scales.body_cutoff_hz, fs_hz=fs)
+        frame = body_frame_of_feet(path, direction, treadmill=treadmill)
+    return treadmill, frame, scales, notes
+
+
 def _without_jumps(feet: FootPaths, factor: float | None) -> tuple[FootPaths, np.ndarray]:
     """Make positions missing that jump away and back; return also where they did."""
     jumps = np.zeros((len(feet.positions), len(feet.legs)), dtype=bool)
@@ -227,107 +191,11 @@ def _without_jumps(feet: FootPaths, factor: float | None) -> tuple[FootPaths, np
     return replace(feet, positions=kept), jumps
 
 
-def _say_scales(feet: FootPaths, scales: Scales, frequency: float) -> str:
-    """Put the scales of time in one sentence."""
-    who = f"{', '.join(feet.legs)} ({feet.source})"
-    if not math.isfinite(frequency):
-        return f"{who}: no stride frequency found; times are set as for 1 Hz."
-    low_pass = "unfiltered" if scales.cutoff_hz is None else f"low-pass {scales.cutoff_hz:.3g} Hz"
-    return (
-        f"{who}: about {frequency:.3g} strides a second; {low_pass}, gaps bridged up to "
-        f"{scales.max_gap_s:.3g} s, stance at least {scales.min_stance_s:.3g} s, swing at "
-        f"least {scales.min_swing_s:.3g} s."
-    )
-
-
-def _up(trial: Trial | None, feet: FootPaths) -> np.ndarray | None:
-    """Return the unit vector upwards in calibrated space, None in a picture."""
-    if feet.positions.shape[1] != 3:
-        return None
-    if trial is not None and trial.calibration is not None:
-        return np.array(trial.calibration.up)
-    return np.array([0.0, 0.0, 1.0])
-
-
-def _direction(
-    feet: FootPaths,
-    path: np.ndarray,
-    trial: Trial | None,
-    forward: np.ndarray | None,
-    treadmill: bool,
-    fs: float,
-    notes: list[str],
-) -> np.ndarray:
-    """Choose the direction towards the front, and say where it comes from."""
-    n_dims = feet.positions.shape[1]
-    who = f"{', '.join(feet.legs)} ({feet.source})"
-    if forward is not None:
-        if forward.shape != (n_dims,) or not np.linalg.norm(forward) > 0:
-            raise InputError(
-                f"forward is {forward.tolist()}; expected {n_dims} numbers that are not all zero."
-            )
-        return forward
-    if not treadmill:
-        direction, straight = travel_direction(path, up=_up(trial, feet))
-        if straight < 0.9:
-            notes.append(
-                f"{who}: the path is not straight ({straight:.0%} of its length is progress); "
-                "name points of the body in [animal] body for a heading that turns."
-            )
-        return direction
-    from_feet = swing_direction(feet.positions, fs_hz=fs)
-    facing = image_facing(trial, feet.source) if n_dims == 2 else None
-    if n_dims == 3:
-        calibration = trial.calibration if trial is not None else None
-        stated = np.array(calibration.forward if calibration else (1.0, 0.0, 0.0))
-    elif facing is not None:
-        stated = np.array([float(facing), 0.0])
-    else:
-        notes.append(
-            f"{who}: the animal faces {_say_direction(from_feet)}, told from the swing of its feet."
-        )
-        return from_feet
-    if stated @ from_feet < -0.5:
-        notes.append(
-            f"{who}: the feet swing fastest backwards; is forward = {stated.tolist()} "
-            "(or facing) the wrong way round?"
-        )
-    return stated
-
-
-def _say_direction(direction: np.ndarray) -> str:
-    """Name a direction in a picture."""
-    if abs(direction[0]) >= abs(direction[1]):
-        return "right" if direction[0] > 0 else "left"
-    return "down" if direction[1] > 0 else "up"
-
-
 def _smooth(x: np.ndarray, cutoff_hz: float | None, fs: float, max_gap: int) -> np.ndarray:
     """Bridge short gaps and, where there is a cut-off, low-pass."""
     if cutoff_hz is None:
         return fill_gaps(x, max_gap=max_gap)
     return butterworth_lowpass(x, cutoff_hz=cutoff_hz, fs_hz=fs, max_gap=max_gap)
-
-
-def _least_excursion(position: np.ndarray, settings: EventSettings) -> float:
-    """Return the least excursion between AEP and PEP of one foot; 0 if it was never seen."""
-    if settings.min_excursion is not None or not np.isfinite(position).any():
-        return settings.min_excursion or 0.0
-    low, high = np.nanpercentile(position, [5, 95])
-    return settings.min_excursion_fraction * float(high - low)
-
-
-def _stepping_frequency(
-    position: np.ndarray, settings: EventSettings, fs: float, guess: float
-) -> float:
-    """Count steps: the inverse of the median time between a foot's turns to the rear."""
-    periods: list[float] = []
-    for column in position.T:
-        least = _least_excursion(column, settings)
-        if least > 0.0:
-            turns = find_turns(fill_gaps(column, max_gap=len(column)), min_excursion=least)
-            periods += np.diff(turns[turns[:, 1] > 0, 0]).tolist()
-    return fs / float(np.median(periods)) if periods else guess
 
 
 def _extremes_of_feet(
@@ -336,7 +204,7 @@ def _extremes_of_feet(
     """Find the extremes of every foot, each with its own least excursion."""
     extremes, rejected = [], []
     for column in position.T:
-        least = _least_excursion(column, settings)
+        least = least_excursion(column, settings)
         if not least:
             found: tuple[list[Extreme], list[Rejected]] = ([], [])  # never seen, or never moved
         else:
@@ -363,7 +231,7 @@ def _belt(
     n = len(velocity)
     if not treadmill:
         return np.zeros(n)
-    who = f"{', '.join(feet.legs)} ({feet.source})"
+    who = feet.label
     stance = [stance_velocity(v, e) for v, e in zip(velocity.T, extremes, strict=True)]
     known = [s for s in stance if math.isfinite(s)]
     own = -float(np.median(known)) if known else math.nan
