@@ -200,10 +200,12 @@ def test_uncalibrated_position_is_that_of_the_first_view_that_has_the_point():
 
 
 def shift_by_100(tracks, frame):
-    """A tracker that finds everything 100 px further right from a frame on."""
+    """A tracker that finds everything 100 px further right from a frame on, hidden or not."""
     new = tracks.copy(deep=True)
     later = new["frame"].values >= frame
-    new["image_position"].values[later, :, 0] += 100
+    found = np.nan_to_num(new["image_position"].values[later], nan=7.0)
+    found[:, :, 0] += 100
+    new["image_position"].values[later] = found
     new["image_origin"].values[later] = ORIGIN_CODE["measured"]
     return new
 
@@ -333,6 +335,17 @@ def test_every_line_is_on_disk_when_apply_returns(tmp_path):
     log.undo()
     kinds = [json.loads(line)["edit"] for line in path.read_text().splitlines()]
     assert kinds == ["move", "undo", "redo", "undo"]
+
+
+def test_a_line_is_forced_to_the_disk_whole_before_the_tracks_change(tmp_path, monkeypatch):
+    path = tmp_path / "edits.jsonl"
+    log = EditLog(wand(), path, rig=FlatRig())
+    forced = []
+    monkeypatch.setattr("os.fsync", lambda descriptor: forced.append(path.read_text()))
+    log.apply(Hide(frame=4, view="a", point="P"))
+    assert forced == ['{"edit": "hide", "frame": 4, "view": "a", "point": "P"}\n']
+    log.undo()
+    assert len(forced) == 2
 
 
 def test_undo_with_nothing_to_undo_writes_nothing(tmp_path):
