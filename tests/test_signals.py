@@ -211,6 +211,7 @@ def test_jumps_there_and_back_are_found_and_steps_are_not():
     x[50] += [25, 0]
     x[120:122] += [0, -25]
     x[300:] += [40, 0]  # moves away and stays
+    x[302:] += [40, 0]
     found = np.flatnonzero(find_jumps(x, factor=3.0))
     assert found.tolist() == [50, 120, 121]
     assert not find_jumps(clean, factor=3.0).any()
@@ -222,6 +223,13 @@ def test_frequency_of_pulses_is_not_their_harmonic():
     x = np.floor(5.0 * t) + np.clip((np.mod(5.0 * t, 1.0) - 0.8) / 0.2, 0, 1)
     x = np.column_stack((x, x + 0.3)) + 0.2 * np.sin(2 * np.pi * 0.3 * t)[:, None]
     assert dominant_frequency(x, fs_hz=100.0) == pytest.approx(5.0, rel=0.05)
+
+
+def test_a_louder_second_harmonic_does_not_win():
+    # velocity with amplitude 1 at 5 Hz and 1.2 at 10 Hz: 1 + 1.2 / 2 against 1.2
+    t = np.arange(600) / 100.0
+    x = np.sin(2 * np.pi * 5 * t) / 5 + 1.2 * np.sin(2 * np.pi * 10 * t) / 10
+    assert dominant_frequency(x[:, None], fs_hz=100.0) == pytest.approx(5.0, rel=0.02)
 
 
 def test_frequency_of_nothing_is_nan():

@@ -29,11 +29,13 @@ def draw():
 
 
 def test_nothing_stays_changed():
-    before = mpl.rcParams.copy()
-    with style():
-        assert mpl.rcParams["pdf.fonttype"] == 42
-    draw()
-    assert mpl.rcParams == before
+    with mpl.rc_context():
+        mpl.rcdefaults()
+        before = mpl.rcParams.copy()
+        with style():
+            assert mpl.rcParams["pdf.fonttype"] == 42
+        draw()
+        assert mpl.rcParams == before
 
 
 def test_text_has_its_size():

@@ -68,6 +68,21 @@ def test_short_swing_is_taken_out_and_reported():
     assert not none
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_of_two_extremes_in_one_place_the_further_stays(sign):
+    # a slow fall from 60 to 40, then within three samples up to 70: too fast for a swing, so
+    # the fall was no stance, and the AEP is the one at 70 (mirrored: the PEP at -70)
+    corners = {0: 0, 40: 60, 60: 40, 63: 70, 120: 0, 160: 60, 200: 0}
+    x = sign * np.interp(np.arange(201), list(corners), list(corners.values()))
+    found, rejected = find_extremes(x, min_excursion=15, min_stance=8, min_swing=8)
+    assert [round(e.sample) for e in found] == [63, 120, 160]
+    assert [e.kind * sign for e in found] == [1, -1, 1]
+    assert len(rejected) == 1
+    # and the other way round in time
+    found, _ = find_extremes(x[::-1].copy(), min_excursion=15, min_stance=8, min_swing=8)
+    assert [200 - round(e.sample) for e in found] == [160, 120, 63]
+
+
 @settings(max_examples=60, deadline=None)
 @given(st.integers(0, 10_000), st.floats(0, 6), st.floats(0, 20), st.floats(0, 20))
 def test_events_alternate_and_keep_their_distance(seed, noise, min_stance, min_swing):
