@@ -223,7 +223,7 @@ class _Solver:
         if self.rig is None:
             xyz, residual, used = self._first_view(uv, used)
         else:
-            xyz, residual, used = triangulate_views(t, self.rig, uv, used)
+            xyz, residual, used = triangulate_views(t, self.rig, uv, used=used)
         there = np.isfinite(xyz).all(axis=-1)
         t["position"].values[at[0], :, at[1], 0] = xyz
         t["residual"].values[at[0], at[1], 0] = residual
@@ -287,7 +287,7 @@ def usable_views(uv: np.ndarray, origin: np.ndarray) -> np.ndarray:
 
 
 def triangulate_views(
-    tracks: Tracks, rig: RigLike, uv: np.ndarray, used: np.ndarray
+    tracks: Tracks, rig: RigLike, uv: np.ndarray, *, used: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Triangulate image positions that are in the order of the views of the tracks.
 

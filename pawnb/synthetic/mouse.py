@@ -154,7 +154,7 @@ class Mouse:
                 tube_faces(rings, segments), colour, tube_surface(forward, girth, segments), fur,
             )  # fmt: skip
 
-        self._builder.add(BODY, vertices, normals.reshape(-1, 3), fixed)
+        self._builder.add(BODY, vertices, normals.reshape(-1, 3), fixed=fixed)
         return grid, normals
 
     def _add_hairs(self, grid: np.ndarray, normals: np.ndarray, hairs: Hairs, way: float) -> None:
@@ -168,7 +168,7 @@ class Mouse:
             colour = np.repeat(self._fur * hairs.shade[:, None], 3, axis=0)
             return np.arange(n).reshape(-1, 3), colour, np.zeros((n, 2)), np.zeros(n)
 
-        self._builder.add(HAIR, vertices, lit, fixed)
+        self._builder.add(HAIR, vertices, lit, fixed=fixed)
 
     def _add_head(self, pose: _Pose) -> None:
         """Add ears, eyes and whiskers."""
@@ -219,7 +219,7 @@ class Mouse:
             pale = np.tile([105.0, 102.0, 96.0], (n, 1))
             return np.arange(n).reshape(-1, 3), pale, np.zeros((n, 2)), np.zeros(n)
 
-        self._builder.add(HAIR, pose.place(vertices), normals, fixed)
+        self._builder.add(HAIR, pose.place(vertices), normals, fixed=fixed)
 
     def _add_tail(self, pose: _Pose, time_s: float) -> None:
         """Add a tail that rises behind and sways with a lag along its length."""
@@ -366,7 +366,7 @@ class Mouse:
             bare = np.zeros(rings * segments) if fur is None else fur
             return tube_faces(rings, segments), np.minimum(colour, 255.0), skin, bare
 
-        self._builder.add(part, vertices, unit(normals), fixed)
+        self._builder.add(part, vertices, unit(normals), fixed=fixed)
 
 
 def _two_links(

@@ -54,6 +54,7 @@ class MeshBuilder:
         part: int,
         vertices: np.ndarray,
         normals: np.ndarray,
+        *,
         fixed: Callable[[], tuple[np.ndarray, ...]],
     ) -> None:
         """Add a part.

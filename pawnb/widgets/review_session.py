@@ -275,7 +275,7 @@ class ReviewSession:
         used = usable_views(uv_points, origin.T)  # (P, V)
         others = used[None] & ~np.eye(n_views, dtype=bool)[:, None]  # (left out, P, V)
         stack = np.broadcast_to(uv_points, (n_views, *uv_points.shape))
-        apart, _, _ = triangulate_views(tracks, self.rig, stack, others)  # (left out, P, 3)
+        apart, _, _ = triangulate_views(tracks, self.rig, stack, used=others)  # (left out, P, 3)
         alone = np.isfinite(apart).all(axis=-1)
         projected = self.rig.project(np.where(alone[..., None], apart, xyz[None]))
         for place, name in enumerate(self.rig.names):

@@ -55,7 +55,7 @@ def test_builder_joins_parts_and_asks_for_what_is_fixed_once():
     builder = MeshBuilder()
     for frame in range(2):
         for part in (4, 7):
-            builder.add(part, np.full((3, 3), float(frame)), np.zeros((3, 3)), fixed)
+            builder.add(part, np.full((3, 3), float(frame)), np.zeros((3, 3)), fixed=fixed)
         mesh = builder.mesh()
         np.testing.assert_array_equal(mesh.faces, [[0, 1, 2], [3, 4, 5]])
         np.testing.assert_array_equal(mesh.part, [4, 7])

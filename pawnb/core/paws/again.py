@@ -48,7 +48,7 @@ class _Rows:
 
 
 def prepare_again(
-    run: Run, views: Views, start: pd.DataFrame, tracks: Tracks, first: int
+    run: Run, views: Views, start: pd.DataFrame, *, tracks: Tracks, first: int
 ) -> dict[int, list[Placement]]:
     """Bring a fresh run to the frame from which tracks are made again.
 

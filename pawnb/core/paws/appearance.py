@@ -178,7 +178,7 @@ def count_superpixels(window: Window, lengths: Lengths, settings: PaperSettings)
 
 
 def measure_superpixels(
-    picture: Picture, window: Window, lengths: Lengths, settings: PaperSettings
+    picture: Picture, window: Window, lengths: Lengths, *, settings: PaperSettings
 ) -> Superpixels:
     """Cut out a sub-image, filter it, segment it and measure its superpixels.
 

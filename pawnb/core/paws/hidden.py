@@ -35,6 +35,7 @@ def find_hidden(
     layout: Layout,
     pictures: Mapping[str, Picture],
     key: tuple[int, int],
+    *,
     looks: Sequence[Look],
     uv: np.ndarray,
 ) -> tuple[Superpixels, int, float] | None:
@@ -69,7 +70,7 @@ def find_hidden(
         return None
     lengths = layout.lengths[view]
     superpixels = measure_superpixels(
-        pictures[layout.views[view]], window, lengths, layout.settings
+        pictures[layout.views[view]], window, lengths, settings=layout.settings
     )
     away = np.linalg.norm(superpixels.uv[:, None] - path, axis=-1).min(axis=1)
     difference = np.min([colour_difference(superpixels, look) for look in looks], axis=0)

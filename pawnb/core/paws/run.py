@@ -188,7 +188,7 @@ class Run:
         if window is None:
             return None
         picture = pictures[layout.views[view]]
-        return measure_superpixels(picture, window, lengths, layout.settings)
+        return measure_superpixels(picture, window, lengths, settings=layout.settings)
 
     def _predict(self) -> None:
         """Take the filters one frame on."""
@@ -263,7 +263,7 @@ class Run:
             if key in self.initial or key in fixed:
                 continue
             looks = self._looks_like(view, point)
-            found = find_hidden(self.layout, pictures, key, looks, result.uv)
+            found = find_hidden(self.layout, pictures, key, looks=looks, uv=result.uv)
             if found is not None:
                 superpixels, number, score = found
                 self.initial[key] = superpixels.look(number)

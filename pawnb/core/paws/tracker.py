@@ -124,7 +124,7 @@ def track_paws(
         placements = read_start(start, layout, frames)
         first = min(placements)
     else:
-        placements = prepare_again(run, views, start, tracks, frames[0])
+        placements = prepare_again(run, views, start, tracks=tracks, first=frames[0])
         first = frames[0]
     results = _run(run, views, placements, (first, frames[1]), progress=progress, stop=stop)
     done = first + len(results)
