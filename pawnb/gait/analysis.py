@@ -69,6 +69,10 @@ def analyse(
     TD and LO are told from its speed relative to the ground or belt, and its height in
     3D. Strides, phase lags and their statistics follow.
 
+    TD and LO are those of the tracked point: one on the wrist or ankle leaves the ground
+    before the toes do, and its contact is shorter than theirs. A foot that creeps into
+    contact without any jolt lands, by this measure, a little early.
+
     Parameters
     ----------
     tracks : xarray.Dataset
