@@ -111,6 +111,20 @@ class ErrorReport:
         return 1000.0 * self.minor / self.n_frames
 
 
+    def text(self) -> str:
+        """Return the report in a few lines."""
+        return "\n".join(
+            (
+                f"{self.n_frames} frames of all views together, {self.n_labels} visible labels",
+                f"major errors {self.major} ({self.major_per_1000:.1f} per 1000 frames), minor "
+                f"{self.minor} ({self.minor_per_1000:.1f} per 1000); wrong means missing or more "
+                f"than {self.threshold_px:g} px off",
+                f"median distance {self.median_px:.2f} px, 95th percentile {self.p95_px:.2f} px",
+                f"hidden labels within {self.hidden_px:g} px: {self.share_hidden_bridged:.0%}",
+            )
+        )
+
+
 @dataclass(frozen=True)
 class _Judged:
     """Tracks and truth side by side: n frames, V views, P points."""
