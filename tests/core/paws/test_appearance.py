@@ -29,7 +29,7 @@ def measure(pixels, settings=SETTINGS, centre=None):
     lengths = lengths_in_view(settings, 2048)
     centre = np.array([width / 2, height / 2]) if centre is None else centre
     window = appearance.place_window(centre, lengths, width=width, height=height)
-    return appearance.measure_superpixels(Whole(pixels), window, lengths, settings)
+    return appearance.measure_superpixels(Whole(pixels), window, lengths, settings=settings)
 
 
 def rgb(hue_deg, saturation=0.5, value=0.8):
@@ -115,6 +115,7 @@ def test_grey_picture_has_its_level_as_green_and_red_and_no_hue():
     # a grey scene in a colour video, its channels apart by rounding, is the same
     stored = np.stack([level, level, np.maximum(level, 1) - 1], axis=-1)
     np.testing.assert_array_equal(measure(stored).green, grey.green)
+    assert not measure(stored).hue.any()
     coloured = np.stack([level, level, np.maximum(level, 20) - 20], axis=-1)
     assert measure(coloured).hue.any()
 

@@ -9,6 +9,10 @@ import pandas as pd
 import pytest
 
 from pawnb.core.paws import PaperSettings, track_paws
+from pawnb.core.paws.again import prepare_again
+from pawnb.core.paws.hidden import find_hidden
+from pawnb.core.paws.layout import make_layout, read_start
+from pawnb.core.paws.run import Run
 from pawnb.errors import CalibrationError, InputError
 from pawnb.schema import ORIGIN_CODE, check_tracks
 
@@ -61,6 +65,7 @@ def test_two_views_follow_every_point_in_colour_and_grey(make_scene, grey, affin
     assert tracks["residual"].max() < 7.0
     assert tracks["image_confidence"].min() > 0.5
     assert tracks["image_confidence"][1:].max() <= 1.0
+    np.testing.assert_allclose(tracks["confidence"], tracks["image_confidence"].mean("view"))
     assert tracks.attrs["unit"] == "mm"
     np.testing.assert_allclose(tracks["time"], np.arange(scene.n_frames) / 250.0)
 
@@ -159,22 +164,78 @@ def test_point_seen_by_one_view_is_found_along_its_line_of_sight(make_scene):
     assert np.median(space_error(tracks, scene)[8:, 1]) < 3.0
 
 
-def test_second_start_frame_gives_velocity_and_colour(make_scene):
-    """At 14 px a frame the discs leave the sub-image unless their velocity is known."""
+@pytest.mark.parametrize(("jump", "expected"), [(1, True), (12, False)])
+def test_second_start_frame_gives_a_velocity_unless_it_is_a_jump(make_scene, jump, expected):
+    """1.6 px a frame is a velocity; twelve times that, beyond half a half window, is not."""
+    scene = make_scene()
+    clicks = scene.clicks()
+    layout = make_layout(
+        scene, clicks, rig=scene.rig, settings=SETTINGS, points_by_view={}, facing=None
+    )
+    run = Run(layout)
+    for i, frame in enumerate((0, jump)):
+        placed = read_start(scene.clicks(frame), layout, (0, 25))[frame]
+        run.step(scene.frame(frame), placed)
+        np.testing.assert_allclose(run.space.position, scene.xyz[frame], atol=1e-6)
+        if i == 0:
+            assert not run.space.velocity.any()
+    moved = scene.xyz[jump] - scene.xyz[0] if expected else np.zeros((2, 3))
+    np.testing.assert_allclose(run.space.velocity, moved, atol=1e-6)
+    np.testing.assert_allclose(
+        run.image.velocity, np.diff(scene.uv[[0, jump]], axis=0)[0] if expected else 0, atol=1e-6
+    )
+
+
+def test_filters_are_taken_over_the_rows_before_a_corrected_frame(make_scene):
+    scene = make_scene()
+    clicks = scene.clicks()
+    layout = make_layout(
+        scene, clicks, rig=scene.rig, settings=SETTINGS, points_by_view={}, facing=None
+    )
+    first, second = Run(layout), Run(layout)
+    for i in range(12):
+        first.step(scene.frame(i), read_start(clicks, layout, (0, 25))[0] if i == 0 else [])
+    prepare_again(second, scene, clicks.iloc[:0], tracks=track(scene), first=12)
+    for one, other in ((first.space, second.space), (first.image, second.image)):
+        np.testing.assert_allclose(other.mean, one.mean, atol=1e-6)
+        np.testing.assert_allclose(other.covariance, one.covariance, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("reach_px", "other_known", "found"), [(60, False, True), (60, True, False), (20, False, False)]
+)
+def test_a_hidden_point_is_not_taken_for_its_neighbour(make_scene, reach_px, other_known, found):
+    """HR is absent in cam3; FR, of the same colour, is drawn 15 px beside its place."""
+    scene = make_scene(("HR", "FR"), angles=(-30, 0, 30))
+    scene.uv[0, 2, 1] = scene.uv[0, 2, 0] + [15.0, 0.0]
+    scene.hidden = {(0, "cam3", "HR")}
+    layout = make_layout(
+        scene, scene.clicks(), rig=scene.rig, points_by_view={}, facing=None,
+        settings=dataclasses.replace(SETTINGS, hidden_distance_px=reach_px),
+    )  # fmt: skip
+    run, pictures = Run(layout), scene.frame(0)
+    run.learn(pictures, read_start(scene.clicks(), layout, (0, 1))[0])
+    uv = scene.uv[0].copy()
+    uv[2, 0] = np.nan
+    if not other_known:
+        uv[2, 1] = np.nan
+    answer = find_hidden(layout, pictures, (2, 0), looks=[run.initial[0, 0]], uv=uv)
+    assert (answer is not None) is found
+    if answer is not None:
+        superpixels, number, likeness = answer
+        assert np.linalg.norm(superpixels.uv[number] - scene.uv[0, 2, 1]) < 7.0
+        assert 0.9 < likeness <= 1.0
+
+
+def test_second_start_frame_is_followed(make_scene):
+    """At 13 px a frame the first prediction from one click alone is far off."""
     scene = make_scene(("FR",), n_frames=12, speed=6.5)
-    small = dataclasses.replace(SETTINGS, window_u_px=50.0, window_v_px=40.0)
-    step = np.abs(np.diff(scene.uv[:, :, 0, 0], axis=0))
-    assert step.max() > 11
-    both = pd.concat([scene.clicks(0), scene.clicks(1)])
-    # half of the window's half width, 10 px, is the most that counts as a velocity
-    wide = dataclasses.replace(small, window_u_px=80.0)
-    assert image_error(track(scene, start=both, settings=wide), scene).max() < 7.0
-    tracks = track(scene, start=both, settings=wide)
+    assert np.abs(np.diff(scene.uv[:, :, 0, 0], axis=0)).max() > 11
+    wide = dataclasses.replace(SETTINGS, window_u_px=80.0)
+    tracks = track(scene, start=pd.concat([scene.clicks(0), scene.clicks(1)]), settings=wide)
+    assert image_error(tracks, scene).max() < 7.0
     assert (tracks["image_origin"][:2] == EDITED).all()
     assert not (tracks["image_origin"][2:] == EDITED).any()
-    # from one click the first prediction is the click itself
-    alone = track(scene, settings=small)
-    assert image_error(alone, scene)[1:].max() > image_error(tracks, scene)[1:].max()
 
 
 def test_retracking_keeps_what_is_before_and_resets_what_follows(make_scene):
