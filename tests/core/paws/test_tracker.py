@@ -434,3 +434,21 @@ def test_retracking_from_a_frame_without_tracks_is_refused(make_scene):
     assert str(error.value) == (
         "the tracks have no frame 12 to go on from; they have frames 0 to 9."
     )
+
+
+def test_three_best_superpixels_are_kept_best_first(make_scene):
+    scene = make_scene()
+    clicks = scene.clicks()
+    layout = make_layout(
+        scene, clicks, rig=scene.rig, settings=SETTINGS, points_by_view={}, facing=None
+    )
+    run = Run(layout)
+    run.step(scene.frame(0), read_start(clicks, layout, (0, 1))[0])
+    assert run.detections == {}
+    result = run.step(scene.frame(1), [])
+    assert sorted(run.detections) == [(0, 0), (0, 1), (1, 0), (1, 1)]
+    for key, found in run.detections.items():
+        assert len(found.best) == 3
+        assert (np.diff(found.scores) <= 0).all()
+        np.testing.assert_array_equal(found.superpixels.uv[found.best[0]], result.uv[key])
+        assert result.image_confidence[key] == found.scores[0]
