@@ -80,7 +80,7 @@ def jupyter(root, state, app):
     with (state / "server.log").open("w") as log:
         server = subprocess.Popen(command, env=env, stdout=log, stderr=log)
         try:
-            end = time.monotonic() + 60
+            end = time.monotonic() + 120
             while not _answers(url + "/api/status"):
                 text = (state / "server.log").read_text()[-3000:]
                 assert server.poll() is None, text
@@ -137,10 +137,10 @@ class NotebookPage:
         self.page.wait_for_function(
             "window.jupyterapp?.shell?.currentWidget?.sessionContext?.session?.kernel?.status"
             " === 'idle'",
-            timeout=90_000,
+            timeout=120_000,
         )
 
-    def wait(self, condition, seconds=20):
+    def wait(self, condition, seconds=30):
         """Wait until a condition on the canvas ``c`` and its frames ``f`` holds."""
         self.page.wait_for_function(
             "(() => { const c = document.querySelector('.pawnb-root')?._pawnb, f = c?.frames;"

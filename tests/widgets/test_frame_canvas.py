@@ -2,6 +2,7 @@
 
 import base64
 import threading
+import time
 from types import SimpleNamespace
 
 import cv2
@@ -15,7 +16,10 @@ from pawnb.widgets.frame_canvas import FrameCanvas, encode_jpeg
 
 
 class FakeViews:
-    """Views that draw their pictures; the first frame is 2, and frame 9 is damaged."""
+    """Views that draw their pictures; the first frame is 2, and frame 9 is damaged.
+
+    Like a decoder they have a place in the file: two callers at once would mix it up.
+    """
 
     names = tuple(scene.POINTS)
     first_frame, n_frames = 2, 20
@@ -24,8 +28,10 @@ class FakeViews:
     def frame(self, index):
         if index == 9:
             raise VideoError("frame 9 cannot be decoded; the file is damaged there.")
+        self.at = index
+        time.sleep(0.005)
         return {
-            name: SimpleNamespace(image=lambda k=k: scene.picture(index, k))
+            name: SimpleNamespace(image=lambda k=k, at=self.at: scene.picture(at, k))
             for k, name in enumerate(self.names)
         }
 
