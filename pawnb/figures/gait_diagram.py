@@ -142,7 +142,8 @@ def plot_gait_diagram(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
             _draw_bar(ax, bar, legs.index(str(bar.leg)), colours[str(bar.leg)])
         ax.set_yticks(range(len(legs)), legs)
         ax.set_ylim(len(legs) - 0.4, -0.6)
-        ax.set_xlim(table["start_s"].min(), table["end_s"].max())
+        if table["start_s"].min() < table["end_s"].max():
+            ax.set_xlim(table["start_s"].min(), table["end_s"].max())
         ax.tick_params(axis="y", length=0)
         ax.spines["left"].set_visible(False)
         ax.set_xlabel("Time (s)")

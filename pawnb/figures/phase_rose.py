@@ -105,13 +105,16 @@ def plot_phase_rose(table: pd.DataFrame, *, ax: PolarAxes | None = None) -> Pola
         lines = math.ceil(len(pairs) / columns)
         width = COLUMN_MM if columns <= 2 else PAGE_MM
         height = 0.7 * width / columns + 22.0
-        figure = plt.figure(figsize=size_mm(width, height * lines))
-        axes = []
-        for i, own in enumerate(pairs):
-            panel: Any = figure.add_subplot(lines, columns, i + 1, projection="polar")
+        _, grid = plt.subplots(
+            lines, columns, figsize=size_mm(width, height * lines), squeeze=False,
+            subplot_kw={"projection": "polar"},
+        )  # fmt: skip
+        panels: list[Any] = list(grid.flat)
+        for panel, own in zip(panels, pairs, strict=False):
             _draw_rose(panel, own)
-            axes.append(panel)
-    return axes[0]
+        for spare in panels[len(pairs) :]:
+            spare.remove()
+    return panels[0]
 
 
 def _draw_rose(ax: PolarAxes, own: pd.DataFrame) -> None:

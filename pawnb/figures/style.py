@@ -67,6 +67,10 @@ def style() -> Iterator[None]:
     """Apply the style inside a ``with`` block; nothing stays changed after it."""
     with mpl.rc_context(_STYLE):
         yield
+        # the first figure loads the notebook's backend, which turns interactive mode on: that
+        # must outlive the block, or no later figure of the notebook is shown
+        interactive = mpl.is_interactive()
+    mpl.interactive(interactive)
 
 
 def size_mm(width: float, height: float) -> tuple[float, float]:

@@ -110,7 +110,6 @@ class ErrorReport:
         """Minor errors per 1000 frames of all views together."""
         return 1000.0 * self.minor / self.n_frames
 
-
     def text(self) -> str:
         """Return the report in a few lines."""
         return "\n".join(

@@ -8,7 +8,7 @@ from pawnb.synthetic import render_mouse_trial
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.progress import Progress, progress_bar
 
-SAMPLE_FRAMES = 120
+SAMPLE_FRAMES = 200
 SAMPLE_SCALE = 0.5
 
 

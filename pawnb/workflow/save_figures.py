@@ -41,7 +41,9 @@ def save_gait_figures(
     files = []
     drawings = []
     for (animal, trial), events in tables.events.groupby(["animal", "trial"], sort=False):
-        table = figures.build_gait_diagram_table(events.reset_index(drop=True))
+        own = tables.dropped
+        own = own[(own["animal"] == animal) & (own["trial"] == trial)]
+        table = figures.build_gait_diagram_table(events.reset_index(drop=True), dropped=own)
         drawings.append((f"gait_diagram_{_safe(f'{animal}_{trial}')}", table, "gait_diagram"))
     if len(tables.phases):
         table = figures.build_phase_rose_table(tables.phases)
