@@ -88,7 +88,7 @@ def report_scene(trial: Trial, settings: dict[str, str], *, corrections: bool) -
         )
         print(f"  corrected: {len(run.interventions)} interventions, "
               f"{run.interventions_per_1000:.1f} per 1000 frames of all views; then")  # fmt: skip
-        print_report(run.report)
+        print_report(count_errors(run.tracks, truth, hidden_px=threshold / 2, **limits))
 
 
 def print_report(report: ErrorReport) -> None:
