@@ -315,7 +315,7 @@ class StartSession:
             tracked = [v for v, points in self.points_by_view.items() if point in points]
             if not views:
                 nowhere.append(point)
-            elif len(views) == 1 and len(tracked) > 1:
+            elif len(views) == 1 and len(tracked) > 1 and self.rig is not None:
                 alone.append(f"{point} ({views.pop()})")
         parts = []
         if nowhere:

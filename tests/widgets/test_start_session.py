@@ -289,3 +289,10 @@ def test_a_trial_that_names_no_points_asks_for_a_mouses_paws_or_says_so(tmp_path
         else:
             with pytest.raises(InputError, match=message):
                 session_of(load_trial(path), **options)
+
+
+def test_without_a_calibration_one_view_is_enough(trial):
+    session = session_of(trial, rig=None)
+    session.click("cam1", 100, 100)
+    session.click("cam1", 200, 100)
+    assert session.missing() == "Nothing is missing."

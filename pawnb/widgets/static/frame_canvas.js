@@ -91,7 +91,7 @@ class Canvas {
     help.append(element("summary", "", { textContent: "Mouse and keys" }));
     for (const [key, text] of this.model.get("keys_help")) {
       const line = element("div", "");
-      line.append(element("kbd", "", { textContent: key }), ` ${text}`);
+      line.append(element("span", "pawnb-key", { textContent: key }), text);
       help.append(line);
     }
     this.root.append(help);
@@ -124,12 +124,13 @@ class Canvas {
     this.alarm.hidden = !this.model.get("alarm");
   }
 
-  // As many views side by side as make the pictures largest in the height there is.
+  // Views stand side by side unless fewer columns make the pictures clearly larger in the
+  // height there is.
   layout() {
     const width = this.grid.clientWidth;
     if (!width) return; // in a hidden tab; the observer calls again
-    let best = { size: 0, columns: 1 };
-    for (let columns = 1; columns <= this.stages.length; columns++) {
+    let best = { size: 0 };
+    for (let columns = this.stages.length; columns >= 1; columns--) {
       const each = (width - GAP * (columns - 1)) / columns;
       let pictures = 0;
       let heads = 0;
@@ -140,7 +141,7 @@ class Canvas {
       }
       const room = Math.max(100, this.model.get("max_height") - heads);
       const size = Math.floor(each * Math.min(1, room / pictures));
-      if (size > best.size) best = { size, columns };
+      if (size > 1.25 * best.size) best = { size, columns };
     }
     this.grid.style.gridTemplateColumns = `repeat(${best.columns}, max-content)`;
     for (const stage of this.stages)
