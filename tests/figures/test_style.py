@@ -72,3 +72,15 @@ def test_legs_have_colours_of_okabe_and_ito():
 
 def test_sizes_are_in_mm():
     assert size_mm(25.4, 50.8) == (1.0, 2.0)
+
+
+def test_interactive_mode_that_a_backend_turns_on_outlives_the_style():
+    # notebooks show a figure at the end of its cell only in interactive mode
+    before = mpl.is_interactive()
+    try:
+        mpl.interactive(False)
+        with style():
+            mpl.interactive(True)
+        assert mpl.is_interactive()
+    finally:
+        mpl.interactive(before)
