@@ -12,25 +12,16 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from pawnb.core.rig import Rig
 from pawnb.errors import InputError
 from pawnb.io.start import MAX_FRAMES, write_start
-from pawnb.io.tables import read_cells, read_numbers
 from pawnb.schema import START_COLUMNS, check_columns
 from pawnb.trial import Trial
 from pawnb.widgets.colours import point_colours
-
-MOUSE_PAWS = {
-    "FR": "right front paw",
-    "HR": "right hind paw",
-    "FL": "left front paw",
-    "HL": "left hind paw",
-}
-Slot = tuple[int, str, str]
-"""Frame, view and point."""
+from pawnb.widgets.start_marks import Slot, draw_view
+from pawnb.widgets.start_points import MOUSE_PAWS, points_by_view, read_unfinished
 
 
 @dataclass(frozen=True)
@@ -98,8 +89,8 @@ class StartSession:
         self.path = Path(path) if path else trial.path(trial.start_points or "start.csv")
         self._kept_before = not self.path.exists()
         if start is None and self.path.exists():
-            start = _read_unfinished(self.path)
-        self.points_by_view = _points_by_view(trial, start)
+            start = read_unfinished(self.path)
+        self.points_by_view = points_by_view(trial, start)
         every = dict.fromkeys(p for points in self.points_by_view.values() for p in points)
         self.points = tuple(every)
         self.colours = point_colours(self.points)
@@ -329,67 +320,9 @@ class StartSession:
     def overlay(self, frame: int) -> dict[str, Any]:
         """Return what is drawn over a frame; see ``frame_canvas.Overlay``."""
         here = frame == self.frame
-        views = {view: self._view_overlay(frame, view) for view in self.points_by_view}
+        views = {view: draw_view(self, frame, view) for view in self.points_by_view}
         current = list(self.current) if here and self.current else None
         return {"views": views, "current": current}
-
-    def _view_overlay(self, frame: int, view: str) -> dict[str, Any]:
-        points, hollow, lines, chips = [], [], [], []
-        for point in self.points_by_view[view]:
-            colour = self.colours[point]
-            slot = (frame, view, point)
-            uv = self._state.clicks.get(slot)
-            if uv is not None:
-                points.append({"id": point, "u": uv[0], "v": uv[1], "colour": colour})
-            guide = self.guide(frame, view, point)
-            if guide is not None and len(guide) == 1:
-                hollow.append({"id": point, "u": guide[0][0], "v": guide[0][1], "colour": colour})
-            elif guide is not None and self.current is not None and self.current[1] == point:
-                lines.append({"at": guide, "colour": colour, "dash": True})
-            state = "done" if uv else "hidden" if slot in self._state.hidden else "open"
-            words = {
-                "done": "" if uv is None else f"clicked at ({uv[0]:.1f}, {uv[1]:.1f})",
-                "hidden": "hidden here",
-                "open": "not clicked yet",
-            }[state]
-            title = f"{point}: {words}"
-            chips.append({"id": point, "state": state, "title": title, "colour": colour})
-        return {"points": points, "hollow": hollow, "lines": lines, "chips": chips}
-
-    def guide(self, frame: int, view: str, point: str) -> list[list[float]] | None:
-        """Return where the clicks in other views say a point is.
-
-        Parameters
-        ----------
-        frame : int
-            Frame number.
-        view, point : str
-            Which point in which view.
-
-        Returns
-        -------
-        list of [u, v] or None
-            One position from two or more other views; the two ends of the epipolar line
-            from one; None without a calibration or a click in another view.
-        """
-        if self.rig is None or view not in self.rig.names:
-            return None
-        others = {
-            v: uv for (f, v, p), uv in self._state.clicks.items()
-            if f == frame and p == point and v != view and v in self.rig.names
-        }  # fmt: skip
-        if not others:
-            return None
-        if len(others) == 1:
-            (name, uv), = others.items()  # fmt: skip
-            guide = self.rig.epipolar_line(name, uv, view, size=self.sizes[view])
-        else:
-            seen = self.rig.subset(others)
-            xyz = seen.triangulate(np.array(list(others.values()))).xyz
-            guide = self.rig.project(xyz)[None, self.rig.names.index(view)]
-        if not np.isfinite(guide).all():
-            return None
-        return np.round(guide, 2).tolist()
 
     # --- inside -------------------------------------------------------------------------
 
@@ -467,26 +400,3 @@ class StartSession:
             self._check(view, point)
             clicks[self._checked_frame(int(frame)), view, point] = (float(u), float(v))
         return clicks
-
-
-def _read_unfinished(path: Path) -> pd.DataFrame:
-    """Read clicks that may be incomplete; a tracker would refuse them, here they go on."""
-    cells = read_cells(path, START_COLUMNS)
-    numbers = {name: read_numbers(cells, name, where=path.name) for name in ("u", "v")}
-    return cells.assign(frame=read_numbers(cells, "frame", where=path.name, whole=True), **numbers)
-
-
-def _points_by_view(trial: Trial, start: pd.DataFrame | None) -> dict[str, tuple[str, ...]]:
-    """Return the points each view tracks; a view that names none tracks every point."""
-    named = [p for view in trial.views for p in view.points]
-    if start is not None and "point" in start:
-        named += list(start["point"])
-    every = tuple(dict.fromkeys(named))
-    if not every and trial.animal.species == "mouse":
-        every = tuple(MOUSE_PAWS)
-    if not every:
-        raise InputError(
-            f"trial {trial.name!r} does not say which points to click; add "
-            'points = ["FR", "HR"] to its [[views]].'
-        )
-    return {view.name: view.points or every for view in trial.views}

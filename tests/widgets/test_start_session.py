@@ -9,6 +9,7 @@ from pawnb import load_trial
 from pawnb.core.rig import load_rig
 from pawnb.errors import InputError
 from pawnb.io.start import check_start, read_start
+from pawnb.widgets.start_marks import find_guide
 from pawnb.widgets.start_session import StartSession
 
 SIZES = dict.fromkeys(scene.POINTS, (scene.WIDTH, scene.HEIGHT))
@@ -230,22 +231,22 @@ def test_a_start_can_be_given(trial):
 def test_one_other_view_gives_the_epipolar_line_two_the_point(trial):
     session = session_of(trial)
     session.click("cam1", *truth(0, "cam1", "FR"))
-    (u0, v0), (u1, v1) = session.guide(0, "cam2", "FR")
+    (u0, v0), (u1, v1) = find_guide(session, 0, "cam2", "FR")
     # cam1 sees u = x + 60 and v = 300 - z whatever y is; in cam2 v = 280 - z is 20 px higher
     assert v0 == pytest.approx(truth(0, "cam1", "FR")[1] - 20)
     assert v1 == pytest.approx(v0)
     assert {u0, u1} == {-0.5, 639.5}
     session.place("cam2", "FR", *truth(0, "cam2", "FR"))
-    ((u, v),) = session.guide(0, "cam3", "FR")
+    ((u, v),) = find_guide(session, 0, "cam3", "FR")
     np.testing.assert_allclose([u, v], truth(0, "cam3", "FR"), atol=0.01)
-    assert session.guide(0, "cam1", "HR") is None
-    assert session.guide(1, "cam3", "FR") is None  # clicks of another frame say nothing
+    assert find_guide(session, 0, "cam1", "HR") is None
+    assert find_guide(session, 1, "cam3", "FR") is None  # clicks of another frame say nothing
 
 
 def test_without_a_calibration_there_is_no_guide(trial):
     session = session_of(trial, rig=None)
     session.click("cam1", 100, 100)
-    assert session.guide(0, "cam2", "FR") is None
+    assert find_guide(session, 0, "cam2", "FR") is None
 
 
 def test_what_is_drawn(trial):
