@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -98,7 +99,9 @@ def track(
                 progress=report,
                 stop=stop,
             )
-    tracks = describe_trial(tracks, trial)
+        # where the rate varies these are the file's own time stamps
+        times = views.time_s[tracks["frame"].to_numpy()]
+    tracks = describe_trial(tracks.assign_coords(time=times), trial)
     step = build_step(
         "track",
         command=command,
@@ -179,7 +182,7 @@ def retrack(
                 progress=report,
                 stop=stop,
             )
-    new = describe_trial(new.assign_attrs(tracks.attrs), trial)
+    new = describe_trial(new.assign_attrs(tracks.attrs).assign_coords(time=tracks["time"]), trial)
     step = build_step(
         "retrack",
         command=None,
@@ -268,7 +271,9 @@ def view_facing(trial: Trial, rig: Rig | None) -> dict[str, int]:
     facing = {view.name: view.facing for view in trial.views if view.facing is not None}
     if rig is not None:
         for name in rig.names:
-            facing.setdefault(name, rig.facing(name))
+            # a camera that looks along the animal's path sees it face neither way
+            with contextlib.suppress(CalibrationError):
+                facing.setdefault(name, rig.facing(name))
     return facing
 
 
@@ -308,7 +313,5 @@ def _frame_range(
 def _progress(progress: Progress | None, label: str) -> Any:
     """Return a context that gives the caller's progress, or a bar of our own."""
     if progress is not None:
-        import contextlib
-
         return contextlib.nullcontext(progress)
     return progress_bar(label)

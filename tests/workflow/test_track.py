@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import json
+from fractions import Fraction
 
 import numpy as np
 import pandas as pd
 import pytest
 
+from pawnb.core.rig import Rig
 from pawnb.errors import CalibrationError, InputError
 from pawnb.io.native import read_tracks
 from pawnb.schema import ORIGIN_CODE, POINTS3D_COLUMNS, TRACKS_COLUMNS
 from pawnb.trial import load_trial
 from pawnb.workflow.results import described_trial
-from pawnb.workflow.track import retrack, track
+from pawnb.workflow.track import retrack, track, view_facing
 
 FRAMES = (0, 12)
 
@@ -166,3 +168,36 @@ def test_one_view_needs_no_calibration(small_trial):
     assert tracks.attrs["unit"] == "px"
     assert np.isfinite(tracks["position"]).all()
     assert not (small_trial / "results" / "points3d.csv").exists()
+
+
+def test_a_camera_along_the_path_tells_no_direction(rendered_trial):
+    """A camera on the belt's axis sees the animal face neither left nor right."""
+    along = np.array([0, 1, 0, 0, 0, 0, -1, 0, 0, 0, 0.0])  # u = y, v = -z
+    side = np.array([1, 0, 0, 0, 0, 0, -1, 0, 0, 0, 0.0])  # u = x, v = -z
+    rig = Rig(("side", "along"), np.stack([side, along], axis=1))
+    assert view_facing(load_trial(rendered_trial), rig) == {"side": 1}
+
+
+def test_time_follows_the_stamps_of_a_variable_rate(tmp_path):
+    """Ten grey pictures, the fifth shown three times as long: a gap of 3 frames in time."""
+    import av
+
+    stamps = [0, 1, 2, 3, 4, 7, 8, 9, 10, 11]
+    with av.open(str(tmp_path / "v.mkv"), "w") as container:
+        stream = container.add_stream("ffv1", rate=100)
+        stream.width, stream.height, stream.pix_fmt = 64, 48, "gray"
+        stream.codec_context.time_base = Fraction(1, 100)
+        for stamp in stamps:
+            picture = np.zeros((48, 64), np.uint8)
+            picture[20:28, 20 + stamp : 28 + stamp] = 255
+            frame = av.VideoFrame.from_ndarray(picture, format="gray")
+            frame.pts, frame.time_base = stamp, Fraction(1, 100)
+            container.mux(stream.encode(frame))
+        container.mux(stream.encode())
+    (tmp_path / "start.csv").write_text("frame,view,point,u,v\n0,v,spot,24,24\n")
+    (tmp_path / "trial.toml").write_text(
+        '[trial]\nfps = 100\n[[views]]\nname = "v"\nvideo = "v.mkv"\n'
+        '[start]\npoints = "start.csv"\n[tracking]\nscale = 0.2\nmedian_px = 1\n'
+    )
+    tracks = track(tmp_path)
+    np.testing.assert_allclose(tracks["time"], np.array(stamps) / 100, atol=1e-9)
