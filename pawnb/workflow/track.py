@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from pawnb.core.paws import PaperSettings, track_paws
@@ -101,6 +102,7 @@ def track(
             )
         # where the rate varies these are the file's own time stamps
         times = views.time_s[tracks["frame"].to_numpy()]
+    tracks = _in_real_units(tracks, trial, rig)
     tracks = describe_trial(tracks.assign_coords(time=times), trial)
     step = build_step(
         "track",
@@ -182,6 +184,7 @@ def retrack(
                 progress=report,
                 stop=stop,
             )
+    new = _in_real_units(new, trial, rig, since=int(np.flatnonzero(known == frame)[0]))
     new = describe_trial(new.assign_attrs(tracks.attrs).assign_coords(time=tracks["time"]), trial)
     step = build_step(
         "retrack",
@@ -258,6 +261,17 @@ def trial_rig(trial: Trial, views: ViewSet) -> Rig | None:
             "or keep a single view."
         )
     return rig
+
+
+def _in_real_units(tracks: Tracks, trial: Trial, rig: Rig | None, *, since: int = 0) -> Tracks:
+    """Bring positions of a single view from px to the calibrated unit, from row ``since`` on."""
+    calibration = trial.calibration
+    if rig is not None or calibration is None or calibration.px_per_unit is None:
+        return tracks
+    scaled = tracks.assign_attrs(unit=calibration.unit)
+    scaled["position"] = tracks["position"].copy(deep=True).assign_attrs(units=calibration.unit)
+    scaled["position"].to_numpy()[since:] /= calibration.px_per_unit
+    return scaled
 
 
 def points_by_view(trial: Trial, clicks: pd.DataFrame) -> dict[str, tuple[str, ...]]:

@@ -167,6 +167,14 @@ def test_one_view_needs_no_calibration(small_trial):
     assert tracks.sizes["space"] == 2
     assert tracks.attrs["unit"] == "px"
     assert np.isfinite(tracks["position"]).all()
+    # with a scale, the same positions in mm, also after tracking again
+    with (small_trial / "trial.toml").open("a") as file:
+        file.write('[calibration]\npx_per_unit = 2.0\nunit = "mm"\n')
+    scaled = track(small_trial, frames=(0, 3))
+    assert scaled.attrs["unit"] == "mm"
+    np.testing.assert_allclose(scaled["position"], tracks["position"] / 2)
+    again = retrack(load_trial(small_trial), scaled, 1)
+    np.testing.assert_allclose(again["position"][:2], scaled["position"][:2])
     assert not (small_trial / "results" / "points3d.csv").exists()
 
 
