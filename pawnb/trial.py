@@ -180,6 +180,12 @@ class Trial:
             f"its views are {', '.join(names)}."
         )
 
+    def start_file(self) -> str | None:
+        """Return the csv of start clicks: the one named, else ``start.csv`` where it exists."""
+        if self.start_points is None and self.path("start.csv").is_file():
+            return "start.csv"
+        return self.start_points
+
     def path(self, relative: str) -> Path:
         """Return a path of the trial as a path that can be opened."""
         return self.folder / relative

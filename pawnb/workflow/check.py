@@ -160,7 +160,8 @@ def _check_calibration(trial: Trial, views: ViewSet, report: CheckReport) -> Non
             report.found.append(f"DLT of {len(rig.names)} views, unit {rig.unit}")
         else:
             report.doubts.append("no calibration: positions will be in px")
-    if trial.start_points is None:
+    file = trial.start_file()
+    if file is None:
         report.faults.append(
             "no start points: click them with pawnb.widgets.ClickInitialiser, or name a csv "
             "under [start] points."
@@ -168,7 +169,7 @@ def _check_calibration(trial: Trial, views: ViewSet, report: CheckReport) -> Non
         return
     sizes = {name: (r.width, r.height) for name, r in views.readers.items()}
     try:
-        clicks = read_start(trial.path(trial.start_points), trial)
+        clicks = read_start(trial.path(file), trial)
         check_start(clicks, trial, sizes)
     except PawnbError as error:
         report.faults.append(str(error))

@@ -70,21 +70,49 @@ def file_checksum(path: str | Path) -> str:
     return "sha256:" + digest.hexdigest()
 
 
-def trial_inputs(trial: Trial) -> list[str]:
-    """Return the paths, relative to the trial's folder, of every file the trial names."""
+def trial_inputs(trial: Trial, *, start: bool = True) -> list[str]:
+    """Return the paths, relative to the trial's folder, of the files that a trial names.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    start : bool
+        Whether the start clicks count: not where they were given otherwise.
+
+    Returns
+    -------
+    list of str
+        Videos, calibration, start, tracks, belt speed.
+    """
     paths = [view.video for view in trial.views]
     if trial.calibration is not None:
         paths += [p for p in (trial.calibration.dlt, trial.calibration.lens) if p]
-    paths += [p for p in (trial.start_points, trial.start_pose, trial.tracks_file) if p]
+    if start:
+        paths += [p for p in (trial.start_file(), trial.start_pose) if p]
+    paths += [p for p in (trial.tracks_file,) if p]
     if isinstance(trial.belt_speed, str):
         paths.append(trial.belt_speed)
     return list(dict.fromkeys(paths))
 
 
-def trial_checksums(trial: Trial) -> dict[str, str]:
-    """Return the checksum of every file the trial names, by its name in the trial."""
+def trial_checksums(trial: Trial, *, start: bool = True) -> dict[str, str]:
+    """Return the checksum of every file the trial names, by its name in the trial.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    start : bool
+        As for :func:`trial_inputs`.
+
+    Returns
+    -------
+    dict
+        ``"sha256:..."`` by name.
+    """
     sums = {}
-    for path in trial_inputs(trial):
+    for path in trial_inputs(trial, start=start):
         name = Path(path).name if Path(path).is_absolute() else path
         sums[name] = file_checksum(trial.path(path))
     return sums

@@ -81,8 +81,6 @@ def track(
     chosen = tracker_settings(trial, method=method, settings=settings)
     with open_views(trial) as views:
         clicks = _start_clicks(trial, views, start)
-        # clicks that were handed over stand in the provenance themselves
-        read = trial if start is None else dataclasses.replace(trial, start_points=None)
         rig = trial_rig(trial, views)
         first, last = _frame_range(trial, views, clicks, frames)
         with _progress(progress, "tracking") as report:
@@ -107,7 +105,8 @@ def track(
     step = build_step(
         "track",
         command=command,
-        inputs=trial_checksums(read),
+        # clicks that were handed over stand in the record themselves
+        inputs=trial_checksums(trial, start=start is None),
         settings=dataclasses.asdict(chosen),
         method=method,
         frames=[first, last],
@@ -189,7 +188,7 @@ def retrack(
     step = build_step(
         "retrack",
         command=None,
-        inputs=trial_checksums(dataclasses.replace(trial, start_points=None)),
+        inputs=trial_checksums(trial, start=False),
         settings=dataclasses.asdict(settings),
         frame=int(frame),
         start=clicks.to_dict(orient="records"),
@@ -294,12 +293,13 @@ def view_facing(trial: Trial, rig: Rig | None) -> dict[str, int]:
 def _start_clicks(trial: Trial, views: ViewSet, start: pd.DataFrame | None) -> pd.DataFrame:
     """Return the checked start clicks."""
     if start is None:
-        if trial.start_points is None:
+        file = trial.start_file()
+        if file is None:
             raise InputError(
                 f"trial {trial.name!r} has no start points; click them with "
                 "pawnb.widgets.ClickInitialiser, or name a csv under [start] points."
             )
-        start = read_start(trial.path(trial.start_points), trial)
+        start = read_start(trial.path(file), trial)
     sizes = {name: (r.width, r.height) for name, r in views.readers.items()}
     check_start(start, trial, sizes)
     return start

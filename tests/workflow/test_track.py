@@ -144,6 +144,7 @@ def test_bad_input_is_one_sentence(small_trial):
         "or change the range."
     )
     change(small_trial, 'points = "start.csv"', 'pose = "pose.csv"')
+    (small_trial / "start.csv").rename(small_trial / "other.csv")
     assert "has no start points; click them with pawnb.widgets.ClickInitialiser" in refuse()
 
 
@@ -209,3 +210,10 @@ def test_time_follows_the_stamps_of_a_variable_rate(tmp_path):
     )
     tracks = track(tmp_path)
     np.testing.assert_allclose(tracks["time"], np.array(stamps) / 100, atol=1e-9)
+
+
+def test_start_csv_beside_the_trial_is_found(small_trial):
+    """The ClickInitialiser writes it there where the trial names no other file."""
+    change(small_trial, '[start]\npoints = "start.csv"', "")
+    tracks = track(small_trial, frames=(0, 2))
+    assert "start.csv" in json.loads(tracks.attrs["provenance"])["steps"][0]["inputs"]
