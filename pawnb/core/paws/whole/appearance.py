@@ -1,0 +1,187 @@
+"""What a paw looks like in one view, learnt from the clicks: a table of log-likelihood ratios.
+
+A colour is looked up in a table of 32 x 32 x 32 bins (in a grey picture: of brightness and
+brightness of the surroundings). Its entry is the logarithm of how much likelier the colour
+is on a paw than in the rest of the picture around the animal. The paw's density is one
+Gaussian, grown from the clicks: pixels that belong to it and hang together with a click
+are taken in, and the Gaussian is fitted again. The rest is a smoothed histogram.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+from scipy.ndimage import gaussian_filter
+
+_BINS = 32
+_SHIFT = 3
+_ROUNDS = 4
+_REACH = 0.03
+"""A paw reaches this far from its click, as a share of the picture's width."""
+_WIDE = 0.06
+_LIMIT = 6.0
+"""Largest log-likelihood ratio either way: one pixel never decides alone."""
+
+
+@dataclass(frozen=True)
+class Appearance:
+    """The look of the paws in one view.
+
+    Parameters
+    ----------
+    table : ndarray, shape (32768,), float32
+        Log-likelihood ratio of each bin.
+    thickness_px : float
+        Thickness of a paw's picture at the clicks, px of the view.
+    around_px : int
+        Side of the square over which a grey picture's surroundings are averaged.
+    """
+
+    table: np.ndarray
+    thickness_px: float
+    around_px: int
+
+    def score(self, pixels: np.ndarray) -> np.ndarray:
+        """Return the log-likelihood ratio (h, w) float32 of pixels (h, w, 3) or (h, w)."""
+        return self.table[bin_numbers(pixels, self.around_px)]
+
+
+def bin_numbers(pixels: np.ndarray, around_px: int) -> np.ndarray:
+    """Return the bin (h, w) of each pixel of an RGB or a grey picture."""
+    pixels = cv2.GaussianBlur(pixels, (3, 3), 0.8)
+    if pixels.ndim == 2:
+        around = cv2.blur(pixels, (around_px, around_px))
+        return ((pixels.astype(np.int32) >> 1) << 7) | (around.astype(np.int32) >> 1)
+    p = (pixels >> _SHIFT).astype(np.int32)
+    return (p[..., 0] << 10) | (p[..., 1] << 5) | p[..., 2]
+
+
+def _features(is_colour: bool) -> np.ndarray:
+    """Return the features of the middle of every bin: CIE Lab, or two grey levels."""
+    n = np.arange(_BINS**3)
+    if not is_colour:
+        return np.stack([(n >> 7) * 2.0 + 0.5, (n & 127) * 2.0 + 0.5], axis=1)
+    rgb = np.stack([n >> 10, (n >> 5) & 31, n & 31], axis=1) * 8.0 + 3.5
+    lab = cv2.cvtColor((rgb[None] / 255.0).astype(np.float32), cv2.COLOR_RGB2LAB)
+    return lab[0].astype(float)
+
+
+def learn(
+    pictures: Sequence[np.ndarray],
+    clicks: Sequence[np.ndarray],
+    *,
+    around_px: int,
+) -> Appearance:
+    """Learn the look of the paws in one view.
+
+    Parameters
+    ----------
+    pictures : sequence of ndarray
+        The surroundings of the animal in each clicked frame, RGB or grey, uint8.
+    clicks : sequence of ndarray, shape (n, 2)
+        Clicks in each of them, px of that picture.
+    around_px : int
+        See :class:`Appearance`.
+
+    Returns
+    -------
+    Appearance
+        The learnt look.
+    """
+    is_colour = pictures[0].ndim == 3
+    features = _features(is_colour)
+    numbers = [bin_numbers(picture, around_px) for picture in pictures]
+    width = max(picture.shape[1] for picture in pictures)
+    reach = [
+        _patch(n.shape, uv, round(_REACH * width)) for n, uv in zip(numbers, clicks, strict=True)
+    ]
+    wide = [
+        _patch(n.shape, uv, round(_WIDE * width)) for n, uv in zip(numbers, clicks, strict=True)
+    ]
+    seeds = [_patch(shape.shape, uv, 1) for shape, uv in zip(numbers, clicks, strict=True)]
+    floor = np.diag([5.0, 2.0, 2.0] if is_colour else [6.0, 6.0]) ** 2
+    members = np.concatenate([number[seed] for number, seed in zip(numbers, seeds, strict=True)])
+    grown = seeds
+    for _ in range(_ROUNDS):
+        positive = _gaussian(features, features[members], floor)
+        outside = np.concatenate(
+            [n[w & ~_spread(g)] for n, w, g in zip(numbers, wide, grown, strict=True)]
+        )
+        negative = _histogram(outside, is_colour)
+        table = np.log(positive + 1e-12) - np.log(negative + 1e-12)
+        limit = 1.5
+        grown = [
+            _grow((_even(table[n]) > limit) & r, seed)
+            for n, r, seed in zip(numbers, reach, seeds, strict=True)
+        ]
+        taken = np.concatenate([n[g] for n, g in zip(numbers, grown, strict=True)])
+        if len(taken) > 9:
+            members = taken
+    table = np.clip(table - limit, -_LIMIT, _LIMIT).astype(np.float32)
+    return Appearance(table, _thickness(numbers, table, clicks), around_px)
+
+
+def _even(score: np.ndarray) -> np.ndarray:
+    """Take the noise of single pixels out of a score."""
+    return cv2.GaussianBlur(score.astype(np.float32), (3, 3), 0.6)
+
+
+def _patch(shape: tuple[int, ...], uv: np.ndarray, reach: int) -> np.ndarray:
+    """Mark the pixels within ``reach`` of some positions."""
+    mark = np.zeros(shape[:2], bool)
+    for u, v in np.round(np.atleast_2d(uv)).astype(int):
+        mark[max(v - reach, 0) : v + reach + 1, max(u - reach, 0) : u + reach + 1] = True
+    return mark
+
+
+def _spread(mask: np.ndarray) -> np.ndarray:
+    """Widen a mask by two pixels: edges of a paw are neither paw nor surroundings."""
+    return cv2.dilate(mask.astype(np.uint8), np.ones((5, 5), np.uint8)) > 0
+
+
+def _gaussian(features: np.ndarray, members: np.ndarray, floor: np.ndarray) -> np.ndarray:
+    """Return the probability of each bin under a Gaussian fitted to some members."""
+    middle = np.median(members, axis=0)
+    step = members - middle
+    covariance = step.T @ step / max(len(members) - 1, 1) * 1.3 + floor
+    away = features - middle
+    power = np.einsum("ij,jk,ik->i", away, np.linalg.inv(covariance), away)
+    weight = np.exp(-0.5 * power)
+    return np.asarray(weight / weight.sum())
+
+
+def _histogram(numbers: np.ndarray, is_colour: bool) -> np.ndarray:
+    """Return the smoothed frequency of each bin."""
+    count = np.bincount(numbers, minlength=_BINS**3).astype(float)
+    if is_colour:
+        count = gaussian_filter(count.reshape(_BINS, _BINS, _BINS), 0.7).ravel()
+    else:
+        count = gaussian_filter(count.reshape(256, 128), 2.0).ravel()
+    return count / count.sum() * 0.99 + 0.01 / _BINS**3
+
+
+def _grow(mask: np.ndarray, seed: np.ndarray) -> np.ndarray:
+    """Return the connected parts of a mask that touch a seed."""
+    _, labels = cv2.connectedComponents(mask.astype(np.uint8), connectivity=8)
+    touched = np.unique(labels[seed & mask])
+    return np.isin(labels, touched[touched > 0])
+
+
+def _thickness(
+    numbers: Sequence[np.ndarray], table: np.ndarray, clicks: Sequence[np.ndarray]
+) -> float:
+    """Measure how thick the paws are at the clicks: twice the distance to their edge."""
+    found = []
+    for number, uv in zip(numbers, clicks, strict=True):
+        mask = (cv2.GaussianBlur(table[number], (3, 3), 0.6) > 0).astype(np.uint8)
+        depth = cv2.distanceTransform(mask, cv2.DIST_L2, 5)
+        for u, v in np.round(uv).astype(int):
+            for reach in (1, 2, 3, 5):
+                near = depth[max(v - reach, 0) : v + reach + 1, max(u - reach, 0) : u + reach + 1]
+                if near.max() > 1:
+                    found.append(2.0 * float(near.max()))
+                    break
+    return float(np.median(found)) if found else 6.0

@@ -1,0 +1,155 @@
+"""Where a paw may be in one picture: the ends of paw-coloured parts.
+
+Pixels whose colour is likelier on a paw make a mask. At the end of a limb the share of
+mask in a square about a pixel is about half of what it is further along, whatever the
+limb's direction, so ends are the mask's local minima of that share. The position is
+the centre of the mask's pixels near the end, and the direction in which the limb ends is
+that from the centre of a wider neighbourhood to it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from pawnb.core.paws.whole.appearance import Appearance
+
+_SHARE = 0.34
+"""Share of mask about a pixel that is neither an end nor further along a limb."""
+
+MOST = 16
+"""Candidates kept in one picture."""
+
+
+@dataclass(frozen=True)
+class Look:
+    """How the pictures of one view are searched.
+
+    Parameters
+    ----------
+    appearance : Appearance
+        What paws look like.
+    shrink : int
+        Pictures are reduced by this factor first.
+    reach : int
+        Half the side of the square, in reduced pixels, in which an end is looked for.
+    distal : tuple of float
+        Unit vector in the picture in which limbs tend to end: forward and down.
+    limits : ndarray, shape (m, 3), optional
+        Lines with ``a u + b v + c >= 0`` on the side where paws can be.
+    """
+
+    appearance: Appearance
+    shrink: int
+    reach: int
+    distal: tuple[float, float] = (0.0, 1.0)
+    limits: np.ndarray | None = None
+
+
+def find_candidates(pixels: np.ndarray, origin: tuple[int, int], look: Look) -> np.ndarray:
+    """Find the ends of paw-coloured parts.
+
+    Parameters
+    ----------
+    pixels : ndarray
+        Part of a view, RGB or grey, uint8.
+    origin : tuple of int
+        Its left and top in the view, px.
+    look : Look
+        How to search.
+
+    Returns
+    -------
+    ndarray, shape (n, 8), float32
+        u, v of the end (centre of the mask near it), direction du, dv in px (from the
+        wider centre to the near one), share of mask, mean score, and u, v of the end
+        pixel itself.
+    """
+    if look.shrink > 1:
+        h, w = pixels.shape[:2]
+        pixels = cv2.resize(
+            pixels, (w // look.shrink, h // look.shrink), interpolation=cv2.INTER_AREA
+        )
+    score = look.appearance.score(pixels)
+    score = cv2.GaussianBlur(score, (3, 3), 0.6)
+    weight = np.clip(score * 0.5 + 0.5, 0.0, 1.0)
+    mask = score > 0
+    if not mask.any():
+        return np.empty((0, 8), np.float32)
+    r = look.reach
+    side = 2 * r + 1
+    share = cv2.blur(weight, (side, side), borderType=cv2.BORDER_REPLICATE)
+    guarded = np.where(mask, share, 1.0).astype(np.float32)
+    lowest = cv2.erode(guarded, np.ones((2 * (r // 2) + 1,) * 2, np.uint8))
+    v, u = np.nonzero(mask & (guarded <= lowest))
+    if not len(u):
+        return np.empty((0, 8), np.float32)
+    # specks are not ends: there must be mask behind
+    order = np.argsort(share[v, u])
+    keep = order[share[v[order], u[order]] * side * side > 0.25 * r * r]
+    u, v = u[keep][:60], v[keep][:60]
+    near, mass = _centres(weight, u, v, r)
+    wide, _ = _centres(weight, u, v, 2 * r)
+    mean = _mean_score(score, weight, near, r)
+    table = np.column_stack(
+        [near, near - wide, share[v, u][:, None], mean[:, None], np.column_stack([u, v])]
+    )
+    table = _distinct(table, float(r) * 0.7)
+    table[:, [0, 1, 6, 7]] = (table[:, [0, 1, 6, 7]] + 0.5) * look.shrink - 0.5
+    table[:, 2:4] *= look.shrink
+    table[:, [0, 6]] += origin[0]
+    table[:, [1, 7]] += origin[1]
+    if look.limits is not None:
+        inside = table[:, :2] @ look.limits[:, :2].T + look.limits[:, 2] >= 0
+        table = table[inside.all(axis=1)]
+    table = table[np.argsort(-worth(table, look.distal), kind="stable")[:MOST]]
+    return table.astype(np.float32)
+
+
+def worth(rows: np.ndarray, distal: tuple[float, float]) -> np.ndarray:
+    """Return how much each candidate of one view looks like the end of a paw, 0 to 1."""
+    length = np.hypot(rows[:, 2], rows[:, 3])
+    cosine = (rows[:, 2:4] @ np.asarray(distal)) / np.maximum(length, 1e-6)
+    # an end that points back or up is a heel, an elbow or the tail's
+    ahead = np.clip(0.8 + 0.6 * cosine, 0.05, 1.0)
+    # further along a limb the share is twice that at its end
+    end = 1.0 / (1.0 + np.exp((rows[:, 4] - _SHARE) / 0.03))
+    return np.asarray(np.clip(0.5 * (rows[:, 5] - 0.5), 0.05, 1.0) * ahead * end)
+
+
+def _centres(
+    weight: np.ndarray, u: np.ndarray, v: np.ndarray, reach: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the weighted centres (n, 2) of squares about some pixels, and their mass (n,)."""
+    padded = cv2.copyMakeBorder(weight, reach, reach, reach, reach, cv2.BORDER_CONSTANT)
+    step = np.arange(2 * reach + 1)
+    part = padded[v[:, None, None] + step[:, None], u[:, None, None] + step]
+    disc = (step - reach) ** 2
+    part = part * ((disc[:, None] + disc) <= (reach + 0.5) ** 2)
+    mass = part.sum(axis=(1, 2))
+    safe = np.maximum(mass, 1e-6)
+    cu = (part.sum(axis=1) * (step - reach)).sum(axis=1) / safe
+    cv_ = (part.sum(axis=2) * (step - reach)).sum(axis=1) / safe
+    return np.column_stack([u + cu, v + cv_]), mass
+
+
+def _mean_score(
+    score: np.ndarray, weight: np.ndarray, centre: np.ndarray, reach: int
+) -> np.ndarray:
+    """Return the mean score of the mask's pixels about some positions."""
+    h, w = score.shape
+    u = np.clip(np.round(centre[:, 0]).astype(int), 1, w - 2)
+    v = np.clip(np.round(centre[:, 1]).astype(int), 1, h - 2)
+    step = np.arange(-1, 2)
+    return score[v[:, None, None] + step[:, None], u[:, None, None] + step].mean(axis=(1, 2))
+
+
+def _distinct(table: np.ndarray, apart: float) -> np.ndarray:
+    """Keep rows in order, leaving out those that lie within ``apart`` of one kept."""
+    kept: list[int] = []
+    for i in range(len(table)):
+        if all(np.hypot(*(table[i, :2] - table[j, :2])) >= apart for j in kept):
+            kept.append(i)
+    return table[kept]

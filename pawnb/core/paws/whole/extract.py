@@ -1,0 +1,118 @@
+"""The one pass over the video: candidates of every frame and view, and nothing else, are kept."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from pawnb.core.paws.appearance import Picture
+from pawnb.core.paws.layout import Views
+from pawnb.core.paws.whole.appearance import Appearance
+from pawnb.core.paws.whole.candidates import Look, find_candidates
+
+FOLLOW = 0.06
+"""Share by which the searched region follows the candidates from frame to frame."""
+
+
+@dataclass
+class Region:
+    """The part of one view that is searched; it follows the animal.
+
+    Parameters
+    ----------
+    centre : ndarray, shape (2,)
+        Its middle, px.
+    half : ndarray, shape (2,)
+        Half its width and height, px.
+    size : tuple of int
+        Width and height of the view.
+    """
+
+    centre: np.ndarray
+    half: np.ndarray
+    size: tuple[int, int]
+    offset: float | None = field(default=None)
+
+    def box(self) -> tuple[int, int, int, int]:
+        """Return left, top, right, bottom within the view."""
+        u0, v0 = np.floor(self.centre - self.half).astype(int)
+        u1, v1 = np.ceil(self.centre + self.half).astype(int)
+        w, h = self.size
+        u0, v0 = min(max(u0, 0), w - 8), min(max(v0, 0), h - 8)
+        return int(u0), int(v0), int(max(min(u1, w), u0 + 8)), int(max(min(v1, h), v0 + 8))
+
+    def follow(self, found: np.ndarray) -> None:
+        """Move with the mean of the candidates."""
+        if len(found) < 2:
+            return
+        mean = float(found[:, 0].mean())
+        if self.offset is None:
+            self.offset = mean - float(self.centre[0])
+        step = mean - self.offset - self.centre[0]
+        limit = 0.1 * self.half[0]
+        self.centre = self.centre + np.array([FOLLOW * np.clip(step, -limit, limit), 0.0])
+
+
+def make_look(
+    appearance: Appearance, distal: tuple[float, float], limits: np.ndarray | None = None
+) -> Look:
+    """Choose the scale of the search: a paw is about six reduced pixels thick."""
+    shrink = max(1, round(appearance.thickness_px / 6.0))
+    reach = max(3, round(0.85 * appearance.thickness_px / shrink))
+    return Look(appearance, shrink, reach, distal, limits)
+
+
+def extract(
+    views: Views,
+    frames: tuple[int, int],
+    *,
+    looks: Sequence[Look],
+    regions: Sequence[Region],
+    progress: Callable[[int], None] | None = None,
+    stop: Callable[[], bool] | None = None,
+) -> list[list[np.ndarray]]:
+    """Find the candidates of every view in consecutive frames.
+
+    Parameters
+    ----------
+    views : Views
+        The opened views.
+    frames : tuple of int
+        First frame and one past the last.
+    looks, regions : sequence
+        How and where to search, one a view; regions are moved.
+    progress : callable, optional
+        Called with the number of frames done.
+    stop : callable, optional
+        Asked before each frame.
+
+    Returns
+    -------
+    list of list of ndarray
+        For each frame done, the candidates of each view (see
+        :func:`~pawnb.core.paws.whole.candidates.find_candidates`).
+    """
+    found: list[list[np.ndarray]] = []
+
+    def search(v: int, picture: Picture) -> np.ndarray:
+        u0, v0, u1, v1 = regions[v].box()
+        rows = find_candidates(picture.crop(u0, v0, u1, v1), (u0, v0), looks[v])
+        regions[v].follow(rows)
+        return rows
+
+    with ThreadPoolExecutor(2) as pool:
+        for _, pictures in views.frames(*frames):
+            if stop is not None and stop():
+                break
+            found.append(list(pool.map(search, range(len(looks)), _in_order(views, pictures))))
+            if progress is not None:
+                progress(len(found))
+    return found
+
+
+def _in_order(views: Views, pictures: Mapping[str, Picture]) -> list[Picture]:
+    """Return the pictures in the order of the views."""
+    return [pictures[name] for name in views.names]

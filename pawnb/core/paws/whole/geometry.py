@@ -1,0 +1,43 @@
+"""From space to pictures: a calibrated rig, or one view by itself."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pawnb.core import dlt
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """Projection of positions into the views.
+
+    Parameters
+    ----------
+    coefs : ndarray, shape (11, V), optional
+        DLT coefficients; without them there is one view and positions are its pixels.
+    """
+
+    coefs: np.ndarray | None
+
+    @property
+    def n_coordinates(self) -> int:
+        """3 in calibrated space, 2 in a picture."""
+        return 2 if self.coefs is None else 3
+
+    def project(self, x: np.ndarray) -> np.ndarray:
+        """Return image positions (..., V, 2) of positions (..., d)."""
+        if self.coefs is None:
+            return np.asarray(x, dtype=float)[..., None, :]
+        return dlt.project(self.coefs, x)
+
+    def jacobian(self, x: np.ndarray) -> np.ndarray:
+        """Return the derivative (..., V, 2, d) of :meth:`project`."""
+        if self.coefs is None:
+            return np.broadcast_to(np.eye(2), (*x.shape[:-1], 1, 2, 2))
+        L = self.coefs
+        uv = dlt.project(L, x)
+        weight = (x @ L[8:11] + 1.0)[..., None, None]
+        rows = np.stack([L[0:3].T, L[4:7].T], axis=1)
+        return np.asarray((rows - uv[..., None] * L[8:11].T[:, None]) / weight)

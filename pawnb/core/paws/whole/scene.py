@@ -1,0 +1,210 @@
+"""What the clicks say about a recording: sizes, colours, where to search and how."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from pawnb.core.paws.layout import Layout, Placement, Views
+from pawnb.core.paws.whole.appearance import learn
+from pawnb.core.paws.whole.candidates import Look
+from pawnb.core.paws.whole.extract import Region, make_look
+from pawnb.core.paws.whole.geometry import Geometry
+from pawnb.core.paws.whole.hypotheses import Volume
+from pawnb.core.paws.whole.settings import WholeSettings
+
+_LEAST_SPAN = 14.0
+"""Least distance of front from hind paws, in thicknesses of a paw."""
+_BELOW = 0.15
+"""Paws may be this much lower than the lowest click, in spans."""
+_AROUND_SHARE = 0.06
+"""Side of the square that tells a grey paw's surroundings, as a share of the picture's width."""
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What the clicks say.
+
+    Parameters
+    ----------
+    geometry : Geometry
+        The views.
+    anchors : dict
+        Frame to point number to position (d,).
+    span : float
+        Distance of front from hind paws, in the unit of space.
+    thickness : float
+        Thickness of a paw there.
+    thickness_px : ndarray, shape (V,)
+        The same in each view.
+    looks, regions : list
+        How and where each view is searched.
+    distal : list of (float, float)
+        Direction in each picture in which limbs tend to end.
+    volume : Volume, optional
+        Where paws can be; None for one view by itself.
+    """
+
+    geometry: Geometry
+    anchors: dict[int, dict[int, np.ndarray]]
+    span: float
+    thickness: float
+    thickness_px: np.ndarray
+    looks: list[Look]
+    regions: list[Region]
+    distal: list[tuple[float, float]]
+    volume: Volume | None
+
+
+def read_scene(
+    views: Views,
+    layout: Layout,
+    clicks: Mapping[int, Sequence[Placement]],
+    anchors: Mapping[int, Sequence[Placement]],
+    settings: WholeSettings,
+) -> Scene:
+    """Work out what the clicks say.
+
+    Parameters
+    ----------
+    views : Views
+        The opened views.
+    layout : Layout
+        Which point is tracked in which view.
+    clicks : mapping
+        Frame to positions placed by hand, from which the look of the paws is learnt.
+    anchors : mapping
+        Frame to positions that tracks pass through.
+    settings : WholeSettings
+        The settings.
+
+    Returns
+    -------
+    Scene
+        What they say.
+    """
+    geometry = Geometry(None if layout.rig is None else layout.rig.coefs)
+    up, forward = _directions(layout)
+    placed = {t: _positions(here, layout, up) for t, here in sorted(anchors.items())}
+    first = np.stack(list(placed[min(placed)].values()))
+    everyone = np.stack([x for here in placed.values() for x in here.values()])
+    middle = first.mean(axis=0)
+    per_unit = np.linalg.norm(geometry.jacobian(middle), axis=(-2, -1)) / np.sqrt(2.0)
+    pictures, places = _clicked_pictures(views, layout, clicks)
+    width = max(size[0] for size in layout.sizes)
+    appearance = learn(pictures, places, around_px=2 * round(_AROUND_SHARE * width / 2) + 1)
+    thickness = appearance.thickness_px / float(np.mean(per_unit))
+    thickness_px = thickness * per_unit
+    span = max(
+        float(np.linalg.norm(first[:, None] - first[None], axis=-1).max()), _LEAST_SPAN * thickness
+    )
+    ground = float((everyone @ up).min())
+    box = _box(middle, forward, up, ground, span, settings.height)
+    tip = middle + (forward - up) * thickness
+    step = geometry.project(tip) - geometry.project(middle)
+    step = step / np.maximum(np.linalg.norm(step, axis=-1, keepdims=True), 1e-9)
+    distal = [(float(a), float(b)) for a, b in step]
+    looks, regions = [], []
+    for v, size in enumerate(layout.sizes):
+        corners = geometry.project(box)[:, v]
+        wide = geometry.project(_box(middle, forward, up, ground, span, settings.height, long=2.5))[
+            :, v
+        ]
+        low, high = corners.min(axis=0), corners.max(axis=0)
+        regions.append(Region((low + high) / 2, (high - low) / 2, size))
+        looks.append(make_look(appearance, distal[v], _hull(wide)))
+    volume = None
+    if layout.rig is not None:
+        across = np.cross(up, forward)
+        beside = everyone @ across
+        margin = 0.35 * span
+        volume = Volume(
+            up, across, (ground - _BELOW * span, ground + settings.height * span),
+            (float(beside.min()) - margin, float(beside.max()) + margin),
+        )  # fmt: skip
+    return Scene(geometry, placed, span, thickness, thickness_px, looks, regions, distal, volume)
+
+
+def _directions(layout: Layout) -> tuple[np.ndarray, np.ndarray]:
+    """Return up and forward in space, or in the picture of a single view."""
+    if layout.rig is not None:
+        return np.array(layout.rig.up), np.array(layout.rig.forward)
+    return np.array([0.0, -1.0]), np.array([float(layout.facing[0]), 0.0])
+
+
+def _positions(here: Sequence[Placement], layout: Layout, up: np.ndarray) -> dict[int, np.ndarray]:
+    """Return the position of every point placed in one frame."""
+    uv = np.full((len(layout.points), len(layout.views), 2), np.nan)
+    for place in here:
+        uv[place.point, place.view] = place.uv
+    n_views = np.isfinite(uv[..., 0]).sum(axis=1)
+    if layout.rig is None:
+        return {p: uv[p, 0] for p in np.flatnonzero(n_views)}
+    xyz = layout.rig.triangulate(uv, refine=True).xyz
+    known = xyz[n_views >= 2]
+    height = float(np.median(known @ up)) if len(known) else 0.0
+    for p in np.flatnonzero(n_views == 1):
+        v = int(np.flatnonzero(np.isfinite(uv[p, :, 0]))[0])
+        xyz[p] = _on_plane(layout.rig.coefs[:, v], uv[p, v], up, height)
+    return {int(p): xyz[p] for p in np.flatnonzero(n_views)}
+
+
+def _on_plane(L: np.ndarray, uv: np.ndarray, up: np.ndarray, height: float) -> np.ndarray:
+    """Return the point of a plane at some height that one view sees at ``uv``."""
+    A = np.stack([L[0:3] - uv[0] * L[8:11], L[4:7] - uv[1] * L[8:11], up])
+    b = np.array([uv[0] - L[3], uv[1] - L[7], height])
+    return np.linalg.lstsq(A, b, rcond=None)[0]
+
+
+def _clicked_pictures(
+    views: Views, layout: Layout, clicks: Mapping[int, Sequence[Placement]]
+) -> tuple[list[np.ndarray], list[np.ndarray]]:
+    """Return pictures of the views with clicks, and the clicks in each (n, 2)."""
+    pictures, places = [], []
+    for frame, here in clicks.items():
+        opened = views.frame(frame)
+        for v, name in enumerate(layout.views):
+            own = [place.uv for place in here if place.view == v]
+            if own:
+                width, height = layout.sizes[v]
+                pictures.append(opened[name].crop(0, 0, width, height))
+                places.append(np.stack(own))
+    return pictures, places
+
+
+def _box(
+    middle: np.ndarray,
+    forward: np.ndarray,
+    up: np.ndarray,
+    ground: float,
+    span: float,
+    height: float,
+    *,
+    long: float = 1.15,
+) -> np.ndarray:
+    """Return the corners of the box in which paws are searched."""
+    base = middle + (ground - middle @ up) * up
+    sides = [np.zeros_like(up)]
+    if len(up) == 3:
+        across = 0.4 * span * np.cross(up, forward)
+        sides = [across, -across]
+    return np.stack(
+        [
+            base + a * long * span * forward + s + c * span * up
+            for a in (-1.0, 1.0) for s in sides for c in (-_BELOW, height)
+        ]
+    )  # fmt: skip
+
+
+def _hull(corners: np.ndarray) -> np.ndarray:
+    """Return the lines (m, 3) of the convex hull of points, positive inside."""
+    hull = cv2.convexHull(corners.astype(np.float32))[:, 0].astype(float)
+    edge = np.roll(hull, -1, axis=0) - hull
+    normal = np.column_stack([-edge[:, 1], edge[:, 0]])
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-9)
+    lines = np.column_stack([normal, -(normal * hull).sum(axis=1)])
+    inside = lines[:, :2] @ hull.mean(axis=0) + lines[:, 2]
+    return np.asarray(lines * np.sign(inside)[:, None])

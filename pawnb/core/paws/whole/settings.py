@@ -1,0 +1,43 @@
+"""Settings of the whole-recording tracker; lengths are relative to what the clicks show."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class WholeSettings:
+    """Settings of :func:`pawnb.core.paws.whole.track_whole`.
+
+    Nothing here is in pixels: sizes come from the clicks. The *span* is the largest
+    distance between two points clicked in the first frame, about the distance of front
+    from hind paws; a *thickness* is that of a paw's picture at the clicks.
+
+    Parameters
+    ----------
+    acceleration : float
+        Standard deviation of a paw's acceleration in spans per second squared. A swing
+        reaches about twice this.
+    noise : float
+        Standard deviation of a place in space, in thicknesses.
+    height : float
+        Paws are not lifted higher than this above the lowest click, in spans.
+    hide_cost, stay_cost : float
+        Cost of becoming hidden and of each frame of it, in units of half a squared
+        standard deviation.
+    longest_gap_s : float
+        Longest time, s, for which a point may be hidden.
+    places : int
+        Places in space considered in each frame.
+    links : int
+        Pieces of path considered after each.
+    """
+
+    acceleration: float = 500.0
+    noise: float = 0.25
+    height: float = 0.3
+    hide_cost: float = 3.0
+    stay_cost: float = 2.0
+    longest_gap_s: float = 0.24
+    places: int = 16
+    links: int = 10

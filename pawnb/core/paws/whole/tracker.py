@@ -1,0 +1,394 @@
+"""Tracking points through a whole recording at once: from clicks to Tracks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+import pandas as pd
+
+from pawnb.core.paws.layout import (
+    Layout,
+    Placement,
+    Views,
+    check_every_point_started,
+    make_layout,
+    read_start,
+)
+from pawnb.core.paws.settings import PaperSettings
+from pawnb.core.paws.whole.candidates import worth
+from pawnb.core.paws.whole.extract import extract
+from pawnb.core.paws.whole.flow import FlowCosts, assign
+from pawnb.core.paws.whole.hypotheses import Pairing, Places
+from pawnb.core.paws.whole.refine import Refined, Refinement, learn_offsets, refine
+from pawnb.core.paws.whole.scene import Scene, read_scene
+from pawnb.core.paws.whole.settings import WholeSettings
+from pawnb.core.paws.whole.tracklets import Linking, Tracklet, build_tracklets
+from pawnb.core.rig import Rig
+from pawnb.errors import InputError
+from pawnb.schema import ORIGIN_CODE, START_COLUMNS, Tracks, check_columns, make_tracks
+
+
+def track_whole(
+    views: Views,
+    start: pd.DataFrame,
+    *,
+    rig: Rig | None,
+    settings: WholeSettings,
+    points_by_view: Mapping[str, Sequence[str]],
+    facing: Mapping[str, int] | None = None,
+    frames: tuple[int, int],
+    fps: float,
+    individual: str = "animal",
+    unit: str = "px",
+    tracks: Tracks | None = None,
+    progress: Callable[[int, int], None] | None = None,
+    stop: Callable[[], bool] | None = None,
+) -> Tracks:
+    """Track points by deciding over the whole recording.
+
+    One pass over the video keeps only candidates: the ends of parts that have the colour
+    of the clicked paws. Candidates of two views that meet make places in space; places
+    that follow each other without doubt make pieces of path; which pieces belong to which
+    point is decided for all points and all frames at once, with gaps where a point is
+    hidden; then every view's candidates are taken in again and the tracks are smoothed.
+
+    Parameters
+    ----------
+    views : ViewSet
+        The opened views.
+    start : DataFrame
+        Clicks with columns frame, view, point, u, v (px); one frame or more.
+    rig : Rig, optional
+        The calibrated views. Without it there must be one view.
+    settings : WholeSettings
+        The settings.
+    points_by_view : mapping
+        Points that each view tracks; none listed means every point.
+    facing : mapping, optional
+        +1 or -1 where the animal faces right or left in a view.
+    frames : tuple of int
+        First frame and one past the last. Tracking begins with the first start frame;
+        frames before it stay missing.
+    fps : float
+        Frames per second.
+    individual : str
+        The animal's id.
+    unit : str
+        Unit of the rig's space.
+    tracks : Tracks, optional
+        Tracks to go on from: rows before ``frames[0]`` are kept; positions in
+        ``frames[0]``, and positions placed by hand in it or later, are certain.
+    progress : callable, optional
+        ``progress(done, total)`` after each frame.
+    stop : callable, optional
+        Asked before each frame; when it answers True, the frames done so far are tracked.
+
+    Returns
+    -------
+    xarray.Dataset
+        Tracks. ``position`` is smoothed and ``image_position`` is its projection into
+        every view, also those that do not track the point; at clicks it is the click.
+        ``image_origin`` is ``measured`` where a candidate of that view was used,
+        ``reprojected`` where only others saw the point, ``predicted`` where none did.
+        ``origin`` is ``measured`` with two views or more (one without a rig), ``resolved``
+        with one, else ``predicted``. ``image_confidence`` says how much the candidate looks
+        like the end of a paw, 0 to 1; ``sd`` is the standard deviation of ``position``.
+
+    Raises
+    ------
+    InputError
+        If a click does not fit the views, points or frames, or a point has no click, or
+        there are several views and no rig.
+    CalibrationError
+        If the rig lacks a view.
+    """
+    check_columns(start, START_COLUMNS, where="the start points")
+    if not 0 <= frames[0] < frames[1] <= views.n_frames:
+        raise InputError(
+            f"frames {frames[0]} to {frames[1] - 1} are to be tracked, but the views have "
+            f"frames 0 to {views.n_frames - 1}; choose a range within."
+        )
+    if rig is None and len(views.names) > 1:
+        raise InputError(
+            f"{len(views.names)} views and no calibration; this method joins views in space: "
+            "calibrate them, or keep one view."
+        )
+    layout = make_layout(
+        views, start, rig=rig, settings=PaperSettings(), points_by_view=points_by_view,
+        facing=facing,
+    )  # fmt: skip
+    clicks, anchors = _placements(start, layout, frames, tracks)
+    first = min(anchors)
+    scene = read_scene(views, layout, clicks, anchors, settings)
+    total = frames[1] - first
+    found = extract(
+        views, (first, frames[1]), looks=scene.looks, regions=scene.regions,
+        progress=None if progress is None else lambda done: progress(done, total), stop=stop,
+    )  # fmt: skip
+    rows = np.arange(frames[0], first + len(found))
+    kept = np.empty(0, int)
+    if tracks is not None:
+        known = tracks["frame"].to_numpy()
+        kept = known[(known < frames[0]) | (known >= first + len(found))]
+        rows = np.sort(np.concatenate([kept, rows]))
+    new = make_tracks(
+        rows, layout.points, fps=fps, views=layout.views,
+        space=("x", "y") if rig is None else ("x", "y", "z"), individual=individual,
+        unit="px" if rig is None else unit,
+    )  # fmt: skip
+    new["sd"] = new["position"].copy()
+    if found:
+        begin = int(np.searchsorted(rows, first))
+        _solve(new, begin, found, scene, layout, anchors, first, fps, settings)
+    if tracks is not None:
+        new = _keep_rows(tracks, new, kept)
+    return new
+
+
+def _placements(
+    start: pd.DataFrame, layout: Layout, frames: tuple[int, int], tracks: Tracks | None
+) -> tuple[dict[int, list[Placement]], dict[int, list[Placement]]]:
+    """Return what was placed by hand, and what tracks must pass through, by frame."""
+    if tracks is None:
+        check_every_point_started(start, layout)
+        placements = read_start(start, layout, frames)
+        return placements, placements
+    by_hand: dict[int, list[Placement]] = {}
+    anchors: dict[int, list[Placement]] = {}
+    known = tracks["frame"].to_numpy()
+    uv = tracks["image_position"].isel(individual=0)
+    uv = uv.transpose("time", "view", "keypoint", "image_space").to_numpy()
+    origin = tracks["image_origin"].isel(individual=0)
+    origin = origin.transpose("time", "view", "keypoint").to_numpy()
+    view_names = tracks["view"].to_numpy().tolist()
+    point_names = tracks["keypoint"].to_numpy().tolist()
+    edited = origin == ORIGIN_CODE["edited"]
+    here = known == frames[0]
+    wanted = np.isfinite(uv[..., 0]) & (edited | here[:, None, None])
+    for i, v, p in np.argwhere(wanted):
+        if view_names[v] not in layout.views or point_names[p] not in layout.points:
+            continue
+        view, point = layout.views.index(view_names[v]), layout.points.index(point_names[p])
+        if not layout.tracked[view, point]:
+            continue
+        sure = bool(edited[i, v, p])
+        place = Placement(view, point, uv[i, v, p], "edited" if sure else "measured")
+        t = int(known[i])
+        if sure:
+            by_hand.setdefault(t, []).append(place)
+        if frames[0] <= t < frames[1]:
+            anchors.setdefault(t, []).append(place)
+    for t, extra in read_start(start, layout, frames).items():
+        have = {(p.view, p.point) for p in anchors.get(t, [])}
+        anchors.setdefault(t, []).extend(p for p in extra if (p.view, p.point) not in have)
+    return by_hand or anchors, anchors
+
+
+def _solve(
+    new: Tracks,
+    begin: int,
+    found: list[list[np.ndarray]],
+    scene: Scene,
+    layout: Layout,
+    anchors: Mapping[int, Sequence[Placement]],
+    first: int,
+    fps: float,
+    settings: WholeSettings,
+) -> None:
+    """Track the points through the candidates and write them from row ``begin`` on."""
+    n, n_points, n_views = len(found), len(layout.points), len(layout.views)
+    inside = {t - first: here for t, here in anchors.items() if t - first < n}
+    fixed = {t - first: here for t, here in scene.anchors.items() if t - first < n}
+    chosen = choose_paths(found, fixed, scene, fps, settings, n_points)
+    certain = np.full((n, n_points, n_views, 2), np.nan)
+    for t, here in inside.items():
+        for place in here:
+            certain[t, place.point, place.view] = place.uv
+    clicked = sorted(inside)
+    offsets = learn_offsets(
+        certain[clicked], {t: found[t] for t in clicked}, scene.thickness_px, layout.facing
+    )
+    acceleration = settings.acceleration * scene.span / fps**2
+    what = Refinement(
+        scene.geometry, scene.thickness_px, scene.thickness, layout.facing, scene.distal, offsets,
+        acceleration, layout.tracked.T,
+    )  # fmt: skip
+    result = refine(chosen, found, certain, what)
+    started = np.array([min(t for t, h in fixed.items() if p in h) for p in range(n_points)])
+    result.x[np.arange(n)[:, None] < started] = np.nan
+    _write(new, begin, result, inside, scene)
+
+
+def choose_paths(
+    found: Sequence[Sequence[np.ndarray]],
+    fixed: Mapping[int, Mapping[int, np.ndarray]],
+    scene: Scene,
+    fps: float,
+    settings: WholeSettings,
+    n_points: int,
+) -> np.ndarray:
+    """Choose the places of every point: positions (n, P, d), NaN where hidden.
+
+    Parameters
+    ----------
+    found : sequence
+        Candidates of every frame and view.
+    fixed : mapping
+        Frame to point number to position, certain.
+    scene : Scene
+        What the clicks say.
+    fps : float
+        Frames per second.
+    settings : WholeSettings
+        The settings.
+    n_points : int
+        Number of points.
+
+    Returns
+    -------
+    ndarray
+        The chosen places.
+    """
+    places = _find_places(found, scene, settings)
+    d = scene.geometry.n_coordinates
+    for t, here in fixed.items():
+        away = np.min(
+            np.linalg.norm(places[t].at[:, None] - np.stack(list(here.values()))[None], axis=-1),
+            axis=1, initial=np.inf,
+        )  # fmt: skip
+        free = away > 1.2 * scene.thickness
+        if t == min(fixed):
+            free[:] = False
+        places[t] = Places(places[t].at[free], places[t].cost[free])
+    acceleration = settings.acceleration * scene.span / fps**2
+    noise = settings.noise * scene.thickness
+    speed = 12.0 * scene.span / fps
+    linking = Linking(acceleration, noise, speed, 1.6)
+    pieces = [
+        piece for piece in build_tracklets(places, linking)
+        if len(piece.picks) > 1 or piece.cost[0] < 0.5
+    ]  # fmt: skip
+    costs = FlowCosts(
+        acceleration, noise, speed, settings.hide_cost, settings.stay_cost,
+        max(4, round(settings.longest_gap_s * fps)), settings.links,
+    )  # fmt: skip
+    prior = _side_prior(pieces, fixed, scene, n_points)
+    chains = assign(pieces, fixed, len(found), costs, prior=prior)
+    x = np.full((len(found), n_points, d), np.nan)
+    for p, chain in enumerate(chains):
+        for i in chain:
+            x[pieces[i].first : pieces[i].last + 1, p] = pieces[i].at
+    for t, here in fixed.items():
+        for p, at in here.items():
+            x[t, p] = at
+    return x
+
+
+def _find_places(
+    found: Sequence[Sequence[np.ndarray]], scene: Scene, settings: WholeSettings
+) -> list[Places]:
+    """Return the places of every frame."""
+    coefs = scene.geometry.coefs
+    if coefs is None or scene.volume is None:
+        return [_flat_places(rows[0], scene.distal[0]) for rows in found]
+    pairing = Pairing(
+        coefs, scene.volume, tolerance_px=0.8 * scene.thickness_px, distal=scene.distal,
+        apart=scene.thickness, most=settings.places,
+    )  # fmt: skip
+    return [pairing.places(list(rows)) for rows in found]
+
+
+def _flat_places(rows: np.ndarray, distal: tuple[float, float]) -> Places:
+    """Return the candidates of a single view as places."""
+    return Places(rows[:, :2].astype(float), 1.5 * (1.0 - worth(rows, distal)))
+
+
+def _side_prior(
+    pieces: Sequence[Tracklet],
+    fixed: Mapping[int, Mapping[int, np.ndarray]],
+    scene: Scene,
+    n_points: int,
+) -> np.ndarray | None:
+    """Return the cost (P, pieces) of being far beside where a point was clicked."""
+    if scene.volume is None:
+        return None
+    across = scene.volume.across
+    beside = np.array(
+        [
+            np.mean([here[p] @ across for here in fixed.values() if p in here])
+            for p in range(n_points)
+        ]
+    )
+    cost = np.zeros((n_points, len(pieces)))
+    for i, piece in enumerate(pieces):
+        step = (piece.at @ across)[None] - beside[:, None]
+        cost[:, i] = 0.15 * np.minimum((step / (0.1 * scene.span)) ** 2, 4.0).sum(axis=1)
+    return cost
+
+
+def _write(
+    new: Tracks,
+    begin: int,
+    result: Refined,
+    anchors: Mapping[int, Sequence[Placement]],
+    scene: Scene,
+) -> None:
+    """Write refined tracks into Tracks."""
+    n, _, d = result.x.shape
+    rows = slice(begin, begin + n)
+    uv = scene.geometry.project(result.x)
+    seen = np.isfinite(result.measured[..., 0])
+    known = np.isfinite(result.x[..., 0])
+    count = seen.sum(axis=-1)
+    enough = 1 if d == 2 else 2
+    origin = np.where(
+        count >= enough,
+        ORIGIN_CODE["measured"],
+        np.where(count == 1, ORIGIN_CODE["resolved"], ORIGIN_CODE["predicted"]),
+    )
+    image_origin = np.where(
+        seen,
+        ORIGIN_CODE["measured"],
+        np.where((count > 0)[..., None], ORIGIN_CODE["reprojected"], ORIGIN_CODE["predicted"]),
+    )
+    quality = np.where(seen, result.quality, 0.0)
+    confidence = quality.sum(axis=-1) / np.maximum(count, 1)
+    square = np.where(seen, ((result.measured - uv) ** 2).sum(axis=-1), 0.0).sum(axis=-1)
+    residual = np.where(count > 0, np.sqrt(square / np.maximum(count, 1)), np.nan)
+    for t, here in anchors.items():
+        for place in here:
+            if place.origin != "edited":
+                continue
+            uv[t, place.point, place.view] = place.uv
+            image_origin[t, place.point, place.view] = ORIGIN_CODE["edited"]
+            origin[t, place.point] = ORIGIN_CODE["edited"]
+            confidence[t, place.point] = 1.0
+    origin = np.where(known, origin, ORIGIN_CODE["missing"])
+    image_origin = np.where(known[..., None], image_origin, ORIGIN_CODE["missing"])
+    new["position"][rows, ..., 0] = np.swapaxes(result.x, 1, 2)
+    new["sd"][rows, ..., 0] = np.where(known[:, None], np.swapaxes(result.sd, 1, 2), np.nan)
+    new["origin"][rows, ..., 0] = origin
+    new["confidence"][rows, ..., 0] = np.where(known, confidence, 0.0)
+    new["residual"][rows, ..., 0] = residual
+    new["image_position"][rows, ..., 0] = uv.transpose(0, 2, 3, 1)
+    new["image_origin"][rows, ..., 0] = image_origin.transpose(0, 2, 1)
+    new["image_confidence"][rows, ..., 0] = quality.transpose(0, 2, 1)
+
+
+def _keep_rows(old: Tracks, new: Tracks, kept: np.ndarray) -> Tracks:
+    """Copy the rows of ``old`` that were not tracked again, and its times and attributes."""
+    frames = new["frame"].to_numpy()
+    source = old.swap_dims(time="frame").sel(frame=kept)
+    rows = np.isin(frames, kept)
+    for name in new.data_vars:
+        if name not in source:
+            continue
+        there = [dim for dim in ("view", "keypoint", "space") if dim in new[name].dims]
+        part = source[name].reindex({dim: new[dim] for dim in there})
+        whole = new[name].dtype.kind == "i" or "confidence" in str(name)
+        new[name][rows] = part.fillna(0 if whole else np.nan).to_numpy()
+    time = new["time"].to_numpy().copy()
+    shared = np.isin(frames, old["frame"].to_numpy())
+    time[shared] = old.swap_dims(time="frame").sel(frame=frames[shared])["time"].to_numpy()
+    return new.assign_coords(time=time).assign_attrs(old.attrs)

@@ -1,0 +1,169 @@
+"""Short certain pieces of paths: places that follow each other without any doubt."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pawnb.core.paws.whole.hypotheses import Places
+
+_ENDS = 6
+"""Frames at each end from which position and speed there are taken."""
+
+
+@dataclass(frozen=True)
+class Linking:
+    """When places of consecutive frames belong together.
+
+    Parameters
+    ----------
+    acceleration : float
+        Standard deviation of the acceleration, length per frame squared.
+    noise : float
+        Standard deviation of a place.
+    speed : float
+        Standard deviation of an unknown speed, length per frame.
+    best_cost : float
+        Places dearer than this are left out.
+    """
+
+    acceleration: float
+    noise: float
+    speed: float
+    best_cost: float
+
+
+@dataclass
+class Tracklet:
+    """One piece: the places ``picks[i]`` of frames ``first + i``.
+
+    Parameters
+    ----------
+    first : int
+        Its first frame.
+    picks : list of int
+        Numbers of the places.
+    at : ndarray, shape (n, d)
+        Their positions.
+    cost : ndarray, shape (n,)
+        Their costs.
+    """
+
+    first: int
+    picks: list[int]
+    at: np.ndarray
+    cost: np.ndarray
+
+    @property
+    def last(self) -> int:
+        """Its last frame."""
+        return self.first + len(self.picks) - 1
+
+    def end(self, *, head: bool) -> tuple[np.ndarray, np.ndarray, int]:
+        """Return position and speed at the first or last frame, and how many frames told."""
+        part = self.at[:_ENDS] if head else self.at[-_ENDS:]
+        n = len(part)
+        if n == 1:
+            return part[0], np.zeros_like(part[0]), 1
+        time = np.arange(n) - (0 if head else n - 1)
+        order = 2 if n >= 5 else 1
+        fit = np.polyfit(time, part, order)
+        return fit[-1], fit[-2], n
+
+
+def build_tracklets(places: Sequence[Places], linking: Linking) -> list[Tracklet]:
+    """Join places of consecutive frames wherever each is the other's only choice.
+
+    Parameters
+    ----------
+    places : sequence of Places
+        Hypotheses of each frame.
+    linking : Linking
+        What belongs together.
+
+    Returns
+    -------
+    list of Tracklet
+        Pieces in the order of their first frames; no place is in two of them.
+    """
+    done: list[Tracklet] = []
+    open_: list[_Chain] = []
+    r, q = linking.noise**2, linking.acceleration**2
+    for t, here in enumerate(places):
+        good = np.flatnonzero(here.cost <= linking.best_cost)
+        at = here.at[good]
+        taken = np.full(len(good), -1)
+        if open_ and len(good):
+            ahead = np.stack([c.at + c.speed for c in open_])
+            var = np.array([c.var for c in open_])
+            p0 = var[:, 0] + 2 * var[:, 1] + var[:, 2] + q / 4
+            square = ((at[None] - ahead[:, None]) ** 2).sum(axis=-1) / (p0 + r)[:, None]
+            square = square + 2.0 * here.cost[good][None]
+            taken = _mutual(square)
+        matched = {int(c): g for g, c in enumerate(taken) if c >= 0}
+        following = []
+        for c, chain in enumerate(open_):
+            if c in matched:
+                g = matched[c]
+                chain.add(int(good[g]), at[g], float(here.cost[good[g]]), r, q)
+                following.append(chain)
+            else:
+                done.append(chain.close())
+        for g in np.flatnonzero(taken < 0):
+            following.append(
+                _Chain(t, int(good[g]), at[g], float(here.cost[good[g]]), r, linking.speed**2)
+            )
+        open_ = following
+    done += [chain.close() for chain in open_]
+    return sorted(done, key=lambda piece: piece.first)
+
+
+def _mutual(square: np.ndarray, gate: float = 16.0, clear: float = 5.0) -> np.ndarray:
+    """Return for each column the row that it alone belongs to, or -1.
+
+    A pair belongs together if each is the other's nearest within ``gate`` and the next
+    nearest of either is clearly farther.
+    """
+    rows, columns = square.shape
+    taken = np.full(columns, -1)
+    wide = np.pad(square, ((0, 1), (0, 1)), constant_values=np.inf)
+    for c in range(columns):
+        r = int(np.argmin(square[:, c]))
+        best = square[r, c]
+        if best > gate or int(np.argmin(square[r])) != c:
+            continue
+        beside = np.partition(np.delete(wide[r], c), 0)[0]
+        above = np.partition(np.delete(wide[:, c], r), 0)[0]
+        if min(beside, above) >= min(best + clear, 4.0 * best + 0.3):
+            taken[c] = r
+    return taken
+
+
+class _Chain:
+    """A piece that still grows, with the state of a constant-velocity filter."""
+
+    def __init__(
+        self, first: int, pick: int, at: np.ndarray, cost: float, r: float, speed2: float
+    ) -> None:
+        self.first, self.picks, self.places, self.costs = first, [pick], [at], [cost]
+        self.at, self.speed = at.astype(float), np.zeros(len(at))
+        self.var = (r, 0.0, speed2)
+
+    def add(self, pick: int, at: np.ndarray, cost: float, r: float, q: float) -> None:
+        """Take in the place of the next frame."""
+        v0, v1, v2 = self.var
+        p0, p1, p2 = v0 + 2 * v1 + v2 + q / 4, v1 + v2 + q / 2, v2 + q
+        g0, g1 = p0 / (p0 + r), p1 / (p0 + r)
+        ahead = self.at + self.speed
+        step = at - ahead
+        self.at, self.speed = ahead + g0 * step, self.speed + g1 * step
+        self.var = (p0 * (1 - g0), p1 * (1 - g0), p2 - g1 * p1)
+        self.picks.append(pick)
+        self.places.append(at)
+        self.costs.append(cost)
+
+    def close(self) -> Tracklet:
+        """Return the piece as it is."""
+        return Tracklet(self.first, self.picks, np.stack(self.places), np.array(self.costs))
