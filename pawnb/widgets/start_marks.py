@@ -56,7 +56,7 @@ def draw_view(session: Clicked, frame: int, view: str) -> dict[str, Any]:
         uv = clicks.get(slot)
         if uv is not None:
             points.append({"id": point, "u": uv[0], "v": uv[1], "colour": colour})
-        guide = find_guide(session, frame, view, point)
+        guide = find_guide(session, frame, view=view, point=point)
         if guide is not None and len(guide) == 1:
             hollow.append({"id": point, "u": guide[0][0], "v": guide[0][1], "colour": colour})
         elif guide is not None and session.current is not None and session.current[1] == point:
@@ -72,7 +72,7 @@ def draw_view(session: Clicked, frame: int, view: str) -> dict[str, Any]:
     return {"points": points, "hollow": hollow, "lines": lines, "chips": chips}
 
 
-def find_guide(session: Clicked, frame: int, view: str, point: str) -> list[list[float]] | None:
+def find_guide(session: Clicked, frame: int, *, view: str, point: str) -> list[list[float]] | None:
     """Return where the clicks in other views say a point is.
 
     Parameters

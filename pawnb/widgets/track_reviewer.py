@@ -12,6 +12,7 @@ import pandas as pd
 
 from pawnb.core.edits import Edit, describe_edit
 from pawnb.core.rig import Rig
+from pawnb.core.suspects import find_suspects
 from pawnb.core.video import open_views
 from pawnb.errors import InputError, PawnbError
 from pawnb.schema import Tracks
@@ -57,7 +58,8 @@ class TrackReviewer(FrameCanvas):
     retrack : callable, optional
         ``retrack(trial, tracks, frame) -> Tracks``; default :func:`pawnb.workflow.track.retrack`.
     suspects : pandas.DataFrame, optional
-        Frames to look at (frame, view, point, reason, score), offered as a menu.
+        Frames to look at (frame, view, point, reason, score), offered as a menu; default
+        those of :func:`pawnb.core.suspects.find_suspects`, found again after tracking again.
     **options
         ``out`` (folder for *Save*; default the folder of ``edits``), ``views`` and ``rig``
         (when they are open already), and the options of :class:`FrameCanvas`.
@@ -95,16 +97,19 @@ class TrackReviewer(FrameCanvas):
         self._retrack_trial = retrack
         self._stop = threading.Event()
         self._worker: threading.Thread | None = None
+        rig = view_rig(trial, shown) if rig is None else rig
+        self._finds_suspects = suspects is None
         self._suspects = suspect_options(suspects)
         self._said = ""
         self.session = ReviewSession(
             trial,
             tracks,
-            rig=view_rig(trial, shown) if rig is None else rig,
+            rig=rig,
             edits=edits,
             retrack=self._track_again,
-            save=lambda present: write_track_results(present, folder),
+            save=lambda present: write_track_results(present, folder, rig=rig),
         )
+        self._find_suspects()
         first, last = self.session.span
         self._times = np.asarray(getattr(shown, "time_s", np.arange(shown.n_frames) / trial.fps))
         span = (first, min(last, shown.n_frames - 1))
@@ -194,6 +199,7 @@ class TrackReviewer(FrameCanvas):
         try:
             self._show_state(f"tracking again from frame {frame} on", busy=True)
             said, go = self.session.retrack(frame), frame
+            self._find_suspects()
         except (PawnbError, OSError) as error:
             self.alarm, said = str(error), "the tracks are as they were"
         except BaseException:
@@ -202,6 +208,12 @@ class TrackReviewer(FrameCanvas):
             raise
         self._show_state(said)
         self.refresh(go)
+
+    def _find_suspects(self) -> None:
+        """List the frames to look at anew, unless they were given."""
+        if self._finds_suspects:
+            found = find_suspects(self.session.tracks, rig=self.session.rig)
+            self._suspects = suspect_options(found)
 
     def _track_again(self, tracks: Tracks, frame: int) -> Tracks:
         """Call the tracker; a person who stops it keeps the tracks as they were."""

@@ -65,7 +65,10 @@ def lab_command(
     if path is None:
         ours = ", ".join(p.name for p in sorted(folder.glob("*.ipynb")))
         raise InputError(f"{name}: no such notebook; ours are {ours}.")
-    words = [sys.executable, "-m", "jupyter", "lab", "--ip=127.0.0.1", str(path.resolve())]
+    path = path.resolve()
+    words = [sys.executable, "-m", "jupyter", "lab", "--ip=127.0.0.1"]
+    # the address that is printed leads to the notebook too, not only the browser that is opened
+    words += [f"--ServerApp.root_dir={path.parent}", f"--LabApp.default_url=/lab/tree/{path.name}"]
     if not browser:
         words.append("--no-browser")
     if port is not None:

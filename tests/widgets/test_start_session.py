@@ -231,22 +231,24 @@ def test_a_start_can_be_given(trial):
 def test_one_other_view_gives_the_epipolar_line_two_the_point(trial):
     session = session_of(trial)
     session.click("cam1", *truth(0, "cam1", "FR"))
-    (u0, v0), (u1, v1) = find_guide(session, 0, "cam2", "FR")
+    (u0, v0), (u1, v1) = find_guide(session, 0, view="cam2", point="FR")
     # cam1 sees u = x + 60 and v = 300 - z whatever y is; in cam2 v = 280 - z is 20 px higher
     assert v0 == pytest.approx(truth(0, "cam1", "FR")[1] - 20)
     assert v1 == pytest.approx(v0)
     assert {u0, u1} == {-0.5, 639.5}
     session.place("cam2", "FR", *truth(0, "cam2", "FR"))
-    ((u, v),) = find_guide(session, 0, "cam3", "FR")
+    ((u, v),) = find_guide(session, 0, view="cam3", point="FR")
     np.testing.assert_allclose([u, v], truth(0, "cam3", "FR"), atol=0.01)
-    assert find_guide(session, 0, "cam1", "HR") is None
-    assert find_guide(session, 1, "cam3", "FR") is None  # clicks of another frame say nothing
+    assert find_guide(session, 0, view="cam1", point="HR") is None
+    assert (
+        find_guide(session, 1, view="cam3", point="FR") is None
+    )  # clicks of another frame say nothing
 
 
 def test_without_a_calibration_there_is_no_guide(trial):
     session = session_of(trial, rig=None)
     session.click("cam1", 100, 100)
-    assert find_guide(session, 0, "cam2", "FR") is None
+    assert find_guide(session, 0, view="cam2", point="FR") is None
 
 
 def test_what_is_drawn(trial):
