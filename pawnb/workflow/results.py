@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from pawnb.core.rig import Rig
+from pawnb.core.suspects import find_suspects
 from pawnb.errors import InputError
 from pawnb.io import native
 from pawnb.io.tables import write_table
@@ -100,8 +102,8 @@ def results_folder(trial: Trial, out: str | Path | None = None) -> Path:
     return Path(out) if out is not None else trial.folder / RESULTS_FOLDER
 
 
-def write_track_results(tracks: Tracks, out: str | Path) -> Path:
-    """Write ``tracks.nc``, ``tracks.csv``, ``points3d.csv`` and ``provenance.json``.
+def write_track_results(tracks: Tracks, out: str | Path, *, rig: Rig | None = None) -> Path:
+    """Write ``tracks.nc``, its tables, ``suspects.csv`` and ``provenance.json``.
 
     Parameters
     ----------
@@ -109,6 +111,8 @@ def write_track_results(tracks: Tracks, out: str | Path) -> Path:
         What was tracked, with its provenance.
     out : str or Path
         The folder; it is made where it is absent.
+    rig : Rig, optional
+        The calibrated views: suspects are then told view by view.
 
     Returns
     -------
@@ -120,6 +124,8 @@ def write_track_results(tracks: Tracks, out: str | Path) -> Path:
     write_table(native.tracks_table(tracks), out / "tracks.csv")
     if tracks.sizes["space"] == 3:
         write_table(native.points3d_table(tracks), out / "points3d.csv")
+    if "image_position" in tracks:
+        write_table(find_suspects(tracks, rig=rig), out / "suspects.csv")
     write_provenance(provenance_steps(tracks), out / "provenance.json")
     return out
 

@@ -54,7 +54,7 @@ def track(
     frames : tuple of int, optional
         Half-open range of frames; default the trial's, else from the first clicked frame on.
     out : str or Path, optional
-        Folder for ``tracks.nc``, ``tracks.csv``, ``points3d.csv`` and ``provenance.json``.
+        Folder for ``tracks.nc``, its tables, ``suspects.csv`` and ``provenance.json``.
     progress : callable, optional
         ``progress(done, total)``; default a bar on a terminal or in a notebook.
     stop : callable, optional
@@ -114,7 +114,7 @@ def track(
     )
     tracks = add_provenance(tracks, **step)
     if out is not None:
-        write_track_results(tracks, out)
+        write_track_results(tracks, out, rig=rig)
     return tracks
 
 

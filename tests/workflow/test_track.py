@@ -12,7 +12,7 @@ import pytest
 from pawnb.core.rig import Rig
 from pawnb.errors import CalibrationError, InputError
 from pawnb.io.native import read_tracks
-from pawnb.schema import ORIGIN_CODE, POINTS3D_COLUMNS, TRACKS_COLUMNS
+from pawnb.schema import ORIGIN_CODE, POINTS3D_COLUMNS, SUSPECTS_COLUMNS, TRACKS_COLUMNS
 from pawnb.trial import load_trial
 from pawnb.workflow.results import described_trial
 from pawnb.workflow.track import retrack, track, view_facing
@@ -32,11 +32,13 @@ def test_files_and_columns_are_those_of_the_contract(tracked):
     assert sorted(path.name for path in out.iterdir()) == [
         "points3d.csv",
         "provenance.json",
+        "suspects.csv",
         "tracks.csv",
         "tracks.nc",
     ]
     assert tuple(pd.read_csv(out / "tracks.csv").columns) == TRACKS_COLUMNS
     assert tuple(pd.read_csv(out / "points3d.csv").columns) == POINTS3D_COLUMNS
+    assert tuple(pd.read_csv(out / "suspects.csv").columns) == SUSPECTS_COLUMNS
 
 
 def test_points_stay_near_the_truth_at_first(tracked, rendered_trial):
@@ -131,7 +133,7 @@ def test_bad_input_is_one_sentence(small_trial):
         return str(caught.value)
 
     assert refuse(method="papr") == (
-        "unknown method 'papr' (did you mean 'paper'?); expected paper."
+        "unknown method 'papr' (did you mean 'paper'?); expected paper, slic-3d, slic-2d."
     )
     assert "unknown name 'medan_px' (did you mean 'median_px'?)" in refuse(
         settings={"medan_px": "3"}

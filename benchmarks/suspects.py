@@ -1,0 +1,113 @@
+"""How many of a tracker's errors are in the frames that the suspects point at.
+
+Every trial (a folder with ``truth/tracks.csv`` beside its videos; without any, scenes are
+rendered) is tracked with ``method="paper"``. Errors are runs of wrong frames by the rule of
+:mod:`pawnb.workflow.evaluation`; an error counts as found if one of the frames that were
+looked at, the first 2 % or 5 % of the list, lies within the run or 5 frames of it. Beside
+the suspects stand frames drawn at random, and the most that any choice of as many frames
+could find (each time the frame with the most errors not found yet), which is the limit
+where a trial has more errors than frames may be looked at.
+
+    python benchmarks/suspects.py [TRIAL ...] [--frames N] [--scale S] [--seeds K]
+"""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+from collections.abc import Collection, Iterator
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from pawnb.core.rig import load_rig
+from pawnb.core.suspects import find_suspects
+from pawnb.core.video import open_views
+from pawnb.synthetic import render_mouse_trial
+from pawnb.trial import Trial, load_trial
+from pawnb.workflow.evaluation import THRESHOLD_PX, count_errors
+from pawnb.workflow.track import track
+
+SHARES = (0.02, 0.05)
+AROUND_FRAMES = 5
+DRAWS = 50
+REFERENCE_WIDTH_PX = 2048
+COLUMNS = ("errors", "found", "major", "major_found", "random", "limit")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("trials", nargs="*", type=Path, metavar="TRIAL")
+    parser.add_argument("--frames", type=int, default=300, help="to render (%(default)s)")
+    parser.add_argument("--scale", type=float, default=0.5, help="of 2048 x 700 (%(default)s)")
+    parser.add_argument("--seeds", type=int, default=2, help="scenes of each kind (%(default)s)")
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        trials = options.trials or render(Path(folder), options)
+        measured = pd.concat([measure(load_trial(path)) for path in trials])
+    total = measured.groupby("looked_at")[list(COLUMNS)].sum()
+    for share, row in total.iterrows():
+        print(
+            f"all trials, {share:.0%} of frames: {row.found:.0f} of {row.errors:.0f} errors found "
+            f"({row.found / row.errors:.0%}), major {row.major_found:.0f} of {row.major:.0f} "
+            f"({row.major_found / row.major:.0%}); at random {row.random / row.errors:.0%}, "
+            f"the most that can be found {row.limit / row.errors:.0%}"
+        )
+
+
+def render(folder: Path, options: argparse.Namespace) -> Iterator[Path]:
+    """Render scenes of each difficulty, one at a time."""
+    for difficulty in ("easy", "normal", "hard"):
+        for seed in range(options.seeds):
+            yield render_mouse_trial(
+                folder / f"{difficulty}{seed}", frames=options.frames, scale=options.scale,
+                seed=seed, difficulty=difficulty,
+            )  # fmt: skip
+
+
+def measure(trial: Trial) -> pd.DataFrame:
+    """Track one trial and count its errors, all and found, for each share of frames."""
+    truth = pd.read_csv(trial.folder / "truth" / "tracks.csv")
+    with open_views(trial) as views:
+        width = views.readers[views.names[0]].width
+    tracks = track(trial, method="paper", progress=lambda *_: None)
+    errors = count_errors(
+        tracks, truth, threshold_px=THRESHOLD_PX * width / REFERENCE_WIDTH_PX,
+        points_by_view={view.name: view.points for view in trial.views},
+    ).errors  # fmt: skip
+    suspects = find_suspects(tracks, rig=load_rig(trial))
+    order = list(dict.fromkeys(suspects["frame"]))
+    frames = tracks["frame"].to_numpy()
+    major = errors[errors["kind"] == "major"]
+    rng = np.random.default_rng(0)
+    rows = []
+    for share in SHARES:
+        k = max(1, round(share * len(frames)))
+        drawn = [found(rng.choice(frames, k, replace=False), errors) for _ in range(DRAWS)]
+        rows.append((trial.name, share, len(errors), found(order[:k], errors), len(major),
+                     found(order[:k], major), np.mean(drawn), most(frames, errors, k)))  # fmt: skip
+        print(dict(zip(("trial", "looked_at", *COLUMNS), rows[-1], strict=True)), flush=True)
+    return pd.DataFrame(rows, columns=["trial", "looked_at", *COLUMNS])
+
+
+def found(frames: Collection[int], errors: pd.DataFrame) -> int:
+    """Return how many errors lie at, or near, one of the frames."""
+    return sum(
+        any(e.first_frame - AROUND_FRAMES <= f <= e.last_frame + AROUND_FRAMES for f in frames)
+        for e in errors.itertuples()
+    )
+
+
+def most(frames: np.ndarray, errors: pd.DataFrame, k: int) -> int:
+    """Return how many errors k frames can find when each is chosen by the truth."""
+    first, last = errors["first_frame"].to_numpy(), errors["last_frame"].to_numpy()
+    near = (first - AROUND_FRAMES <= frames[:, None]) & (frames[:, None] <= last + AROUND_FRAMES)
+    left = np.ones(len(errors), dtype=bool)
+    for _ in range(k):
+        left &= ~near[(near & left).sum(axis=1).argmax()]
+    return int((~left).sum())
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,55 @@
+"""TrackReviewer without a browser: what it offers to look at."""
+
+import pandas as pd
+import pytest
+import small_trial as scene
+
+from pawnb.widgets import TrackReviewer
+
+
+@pytest.fixture(scope="module")
+def trial_file(tmp_path_factory):
+    return scene.write_trial(tmp_path_factory.mktemp("small") / "trial")
+
+
+def offered(widget):
+    """Return the frames in the menu of doubtful frames."""
+    menus = [action for action in widget.actions if action["id"] == "suspect"]
+    return [int(value) for value, _ in menus[0]["options"]] if menus else []
+
+
+def mend(_trial, tracks, _frame):
+    return tracks.copy(data=scene.true_tracks())
+
+
+@pytest.fixture
+def review(trial_file):
+    """Open a review of tracks that are 30 px off in one frame, with a tracker that mends it."""
+    tracks = scene.true_tracks()
+    tracks["image_position"][20, 0, 1, 0, 0] += 30.0
+    opened = []
+
+    def open_it(**options):
+        opened.append(TrackReviewer(trial_file, tracks, retrack=mend, **options))
+        return opened[-1]
+
+    yield open_it
+    for widget in opened:
+        widget.close()
+
+
+def test_doubtful_frames_are_found_by_themselves_and_again_after_tracking_again(review):
+    widget = review()
+    assert offered(widget)[0] == 20
+    widget.retrack(19)
+    widget._worker.join(60)
+    assert widget.alarm == ""
+    assert offered(widget) == []
+
+
+def test_frames_to_look_at_can_be_given(review):
+    table = pd.DataFrame(
+        [[7, "cam1", "HR", "to try", 1.0]], columns=["frame", "view", "point", "reason", "score"]
+    )
+    assert offered(review(suspects=table)) == [7]
+    assert offered(review(suspects=table.iloc[:0])) == []
