@@ -67,6 +67,8 @@ def lab_command(
         raise InputError(f"{name}: no such notebook; ours are {ours}.")
     path = path.resolve()
     words = [sys.executable, "-m", "jupyter", "lab", "--ip=127.0.0.1"]
+    # no question about news from the network over the notebook's corner
+    words.append("--LabApp.news_url=None")
     # the address that is printed leads to the notebook too, not only the browser that is opened
     words += [f"--ServerApp.root_dir={path.parent}", f"--LabApp.default_url=/lab/tree/{path.name}"]
     if not browser:
