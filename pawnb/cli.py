@@ -7,12 +7,13 @@ from __future__ import annotations
 
 import argparse
 import sys
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
 import pawnb
-from pawnb.errors import InputError, PawnbError
+from pawnb.errors import InputError, InputWarning, PawnbError
 
 EXIT_BAD_INPUT = 2
 EXIT_INTERRUPTED = 130
@@ -33,8 +34,23 @@ def main(argv: Sequence[str] | None = None) -> int:
     """
     words = list(sys.argv[1:] if argv is None else argv)
     options = _parser().parse_args(words)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", InputWarning)
+        status = _run(options, ["pawnb", *words])
+    for warning in caught:
+        if issubclass(warning.category, InputWarning):
+            print(f"pawnb: note: {warning.message}", file=sys.stderr)
+        else:
+            warnings.warn_explicit(
+                warning.message, warning.category, warning.filename, warning.lineno
+            )
+    return status
+
+
+def _run(options: argparse.Namespace, argv: list[str]) -> int:
+    """Run the chosen command and turn what it raises into an exit status."""
     try:
-        options.run(options, ["pawnb", *words])
+        options.run(options, argv)
     except PawnbError as error:
         print(f"pawnb: {error}", file=sys.stderr)
         return EXIT_BAD_INPUT

@@ -26,6 +26,10 @@ class CalibrationError(InputError):
     """Calibration is missing, or its points do not determine a camera."""
 
 
+class InputWarning(UserWarning):
+    """Something the user gave is used, but not as it was probably meant (a file cut short)."""
+
+
 def did_you_mean(name: str, known: Iterable[str]) -> str:
     """Return `` (did you mean 'x'?)`` for the nearest known name, or an empty string.
 

@@ -137,3 +137,14 @@ def test_an_installed_pawnb_copies_its_notebooks_once(tmp_path, monkeypatch):
     assert (folder / "00_quickstart.ipynb").read_text() == "ours"
     (folder / "00_quickstart.ipynb").write_text("mine")
     assert (lab.notebooks_folder() / "00_quickstart.ipynb").read_text() == "mine"
+
+
+def test_a_video_that_is_cut_short_is_used_and_said(small_trial, capsys):
+    video = small_trial / "cam1.avi"
+    video.write_bytes(video.read_bytes()[: video.stat().st_size // 2])
+    status, said, err = run(capsys, "track", small_trial)
+    assert status == 0
+    assert "tracked 40 frames" not in said
+    assert "pawnb: note: " in err
+    assert "cam1.avi is cut short: it promises 40 frames and ends with frame " in err
+    assert "are left out" in err

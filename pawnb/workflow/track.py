@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,7 @@ import pandas as pd
 from pawnb.core.paws import PaperSettings, track_paws
 from pawnb.core.rig import Rig, load_rig
 from pawnb.core.video import ViewSet, open_views
-from pawnb.errors import CalibrationError, InputError, did_you_mean
+from pawnb.errors import CalibrationError, InputError, InputWarning, did_you_mean
 from pawnb.io import native
 from pawnb.io.start import check_start, read_start
 from pawnb.schema import Tracks, add_provenance, build_settings
@@ -80,6 +81,8 @@ def track(
         )
     chosen = tracker_settings(trial, method=method, settings=settings)
     with open_views(trial) as views:
+        for note in views.notes:
+            warnings.warn(note, InputWarning, stacklevel=2)
         clicks = _start_clicks(trial, views, start)
         rig = trial_rig(trial, views)
         first, last = _frame_range(trial, views, clicks, frames)
