@@ -24,7 +24,7 @@ from pawnb.workflow.progress import Progress, progress_bar
 from pawnb.workflow.provenance import build_step, trial_checksums
 from pawnb.workflow.results import describe_trial, provenance_steps, write_track_results
 
-METHODS = ("paper",)
+METHODS = ("paper", "slic-3d", "slic-2d")
 """Methods of the paw tracker; the first is the default."""
 
 
@@ -46,8 +46,10 @@ def track(
     ----------
     trial : Trial, str or Path
         The trial, its ``trial.toml``, or the folder that holds it.
-    method : {"paper"}
-        ``"paper"``: superpixels and a 3D Kalman filter, after Haji Maghsoudi et al. 2019.
+    method : {"paper", "slic-3d", "slic-2d"}
+        ``"paper"``: superpixels, a 3D Kalman filter and a stride template, after Haji
+        Maghsoudi et al. 2019; ``"slic-3d"`` and ``"slic-2d"`` are the lesser variants it is
+        compared with: no template, and a 2D filter in each view.
     settings : mapping, optional
         Settings of the tracker; they go before those of ``[tracking]`` in the trial.
     start : pandas.DataFrame, optional
@@ -92,6 +94,7 @@ def track(
                 clicks,
                 rig=rig,
                 settings=chosen,
+                method=method,
                 points_by_view=points_by_view(trial, clicks),
                 facing=view_facing(trial, rig),
                 frames=(first, last),
@@ -176,6 +179,7 @@ def retrack(
                 clicks,
                 rig=rig,
                 settings=settings,
+                method=made[-1]["method"] if made else METHODS[0],
                 points_by_view=points_by_view(trial, clicks),
                 facing=view_facing(trial, rig),
                 frames=(int(frame), int(known[-1]) + 1),

@@ -84,6 +84,9 @@ class Layout:
         The settings.
     rig : Rig, optional
         The calibrated views, in the order of ``views``.
+    uses_space : bool
+        Whether points are predicted in space; without a rig, and by method ``slic-2d``,
+        each view predicts by itself.
     in_space, in_image : ConstantVelocity
         Kalman models in 3D and in a picture.
     """
@@ -98,6 +101,7 @@ class Layout:
     kinds: tuple[str, ...]
     settings: PaperSettings
     rig: Rig | None
+    uses_space: bool
     in_space: kalman.ConstantVelocity
     in_image: kalman.ConstantVelocity
 
@@ -115,6 +119,7 @@ def make_layout(
     settings: PaperSettings,
     points_by_view: Mapping[str, Sequence[str]],
     facing: Mapping[str, int] | None,
+    in_space: bool = True,
 ) -> Layout:
     """Work out the layout of a run from the opened views and the start clicks.
 
@@ -132,6 +137,8 @@ def make_layout(
         Points that each view tracks; a view that is absent or has none tracks every point.
     facing : mapping, optional
         +1 or -1 for views where it is known.
+    in_space : bool
+        Whether to predict in space where there is a rig.
 
     Returns
     -------
@@ -185,6 +192,7 @@ def make_layout(
         kinds=tuple(settings.kind(p) for p in points),
         settings=settings,
         rig=rig,
+        uses_space=in_space and rig is not None,
         in_space=kalman.make_model(3, **noise),
         in_image=kalman.make_model(2, **noise),
     )

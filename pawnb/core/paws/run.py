@@ -1,8 +1,8 @@
 """One run of the paper's general tracker: its state, and the step from frame to frame.
 
-Haji Maghsoudi et al. 2019, Algorithms 1, 2 and 3 without the handling of
-collisions. Where the paper pairs the two cameras of a side, all views that track a
-point are used.
+Haji Maghsoudi et al. 2019, Algorithms 1, 2 and 3; what is done about collisions is in
+:mod:`pawnb.core.paws.collisions`. Where the paper pairs the two cameras of a side, all
+views that track a point are used.
 """
 
 from __future__ import annotations
@@ -20,14 +20,15 @@ from pawnb.core.paws.appearance import (
     measure_superpixels,
     place_window,
 )
+from pawnb.core.paws.collisions import Collisions
 from pawnb.core.paws.fusion import best_superpixels, compute_features, fuse, normalise
 from pawnb.core.paws.hidden import find_hidden
 from pawnb.core.paws.layout import Layout, Placement
 from pawnb.core.rig import Rig
 from pawnb.schema import ORIGIN_CODE
 
-_MISSING, _MEASURED, _PREDICTED = (
-    ORIGIN_CODE[name] for name in ("missing", "measured", "predicted")
+_MISSING, _MEASURED, _PREDICTED, _RESOLVED = (
+    ORIGIN_CODE[name] for name in ("missing", "measured", "predicted", "resolved")
 )
 
 
@@ -48,6 +49,11 @@ class Detection:
     superpixels: Superpixels
     best: np.ndarray
     scores: np.ndarray
+
+    @property
+    def places(self) -> np.ndarray:
+        """Positions of the best superpixels, px, shape (k, 2)."""
+        return self.superpixels.uv[self.best]
 
 
 @dataclass
@@ -88,11 +94,14 @@ class Run:
     ----------
     layout : Layout
         What stays the same.
+    collisions : Collisions, optional
+        What handles collisions; without it nothing is done about them.
     """
 
-    def __init__(self, layout: Layout) -> None:
+    def __init__(self, layout: Layout, *, collisions: Collisions | None = None) -> None:
         n_views, n_points = layout.tracked.shape
         self.layout = layout
+        self.collisions = collisions
         self.initial: dict[tuple[int, int], Look] = {}
         self.previous: dict[tuple[int, int], Look] = {}
         self.space = kalman.start(layout.in_space, np.full((n_points, 3), np.nan))
@@ -138,6 +147,8 @@ class Run:
         layout = self.layout
         self._predict()
         centres = self._predicted_uv()
+        if self.collisions is not None:
+            self.collisions.predict(centres)
         result = self._empty_result()
         self.detections = {}
         self.learn(pictures, placed)
@@ -150,11 +161,15 @@ class Run:
         for key in self.initial:
             if key not in fixed:
                 self._find(pictures, key, centres[key], result)
-        if layout.rig is not None and layout.settings.hidden == "search":
+        if layout.uses_space and layout.settings.hidden == "search":
             self._find_hidden(pictures, fixed, result)
+        if self.collisions is not None:
+            self._undo_jumps(self.collisions, result)
         if layout.rig is not None:
             self._triangulate(layout.rig, result)
         self._update(result, result.image_origin == ORIGIN_CODE["edited"])
+        if self.collisions is not None:
+            self.collisions.record(result.uv)
         self._fill_predicted(result, centres)
         if layout.rig is None:
             self._take_from_picture(result)
@@ -176,6 +191,8 @@ class Run:
         if self.layout.rig is not None:
             self._triangulate(self.layout.rig, result)
         self._update(result, by_hand)
+        if self.collisions is not None:
+            self.collisions.remember(result.uv)
 
     def _measure(
         self, pictures: Mapping[str, Picture], view: int, centre: np.ndarray
@@ -197,8 +214,8 @@ class Run:
 
     def _predicted_uv(self) -> np.ndarray:
         """Project the 3D prediction; where a point has none, take that in the picture."""
-        flat = self.image.position
-        if self.layout.rig is None:
+        flat = self.image.position.copy()
+        if self.layout.rig is None or not self.layout.uses_space:
             return flat
         projected = np.swapaxes(self.layout.rig.project(self.space.position), 0, 1)
         return np.where(np.isfinite(projected), projected, flat)
@@ -232,10 +249,25 @@ class Run:
         features = compute_features(
             superpixels, self.initial[key], self.previous[key], facing=layout.facing[view]
         )
-        scores = fuse(normalise(features), layout.weights[point])
+        weights = layout.weights[point]
+        colliding = False
+        if self.collisions is not None:
+            weights = self.collisions.weights(key)
+            colliding = self.collisions.is_colliding(key)
+        scores = fuse(normalise(features), weights)
         best = best_superpixels(scores, count=layout.settings.n_best)
         self.detections[key] = Detection(superpixels, best, scores[best])
         self._accept(key, superpixels, int(best[0]), float(scores[best[0]]), result)
+        if colliding:
+            result.image_origin[key] = _RESOLVED
+
+    def _undo_jumps(self, collisions: Collisions, result: FrameResult) -> None:
+        """Take another of the best superpixels where a paw has jumped to another one."""
+        for undone in collisions.undo_jumps(self.detections, result.uv, last_uv=self.last_uv):
+            found = self.detections[undone.key]
+            number, score = int(found.best[undone.rank]), float(found.scores[undone.rank])
+            self._accept(undone.key, found.superpixels, number, score, result)
+            result.image_origin[undone.key] = _RESOLVED
 
     def _accept(
         self,

@@ -69,6 +69,23 @@ class PaperSettings:
         ``"search"`` accepts a superpixel whose colour differs from the point's by no more
         than this: root mean square of the differences in green, red (of 255) and hue (of
         180°).
+    collision_threshold_px : float
+        Front and hind paw of a side nearer to each other than this collide, type II
+        (Collision_Threshold, 60).
+    start_frame_collision : int
+        Frames that must have been tracked before a collision of type II is looked for, as
+        the template cannot be fitted to fewer (Start_Frame_Collision, 20).
+    adjust_weights : bool
+        Change the weights during a collision of type II (Algorithm 4, an optional step).
+    template : str, optional
+        File of the stride template, made by :mod:`pawnb.workflow.stride_template`; default
+        the one that comes with pawnb.
+    template_cutoff_hz : float
+        Cut-off of the low-pass filter before the template is fitted. The paper sets it by
+        the highest frequency of the paws, 10 Hz, and gives no number.
+    jump_residual_px : float
+        A front paw whose reprojection error exceeds this after a collision of type II has
+        jumped to another paw, type III. The paper speaks of a significant error.
 
     Raises
     ------
@@ -96,16 +113,25 @@ class PaperSettings:
     hidden: Literal["search", "wait"] = "search"
     hidden_distance_px: float = 20.0
     hidden_difference: float = 0.1
+    collision_threshold_px: float = 60.0
+    start_frame_collision: int = 20
+    adjust_weights: bool = True
+    template: str | None = None
+    template_cutoff_hz: float = 30.0
+    jump_residual_px: float = 10.0
 
     def __post_init__(self) -> None:
         """Check the ranges."""
         for name in (
             "window_u_px", "window_v_px", "min_paw_area_px", "slic_compactness",
-            "slic_iterations", "n_best", "measurement_var",
+            "slic_iterations", "n_best", "measurement_var", "start_frame_collision",
+            "template_cutoff_hz", "jump_residual_px",
         ):  # fmt: skip
             self._check(name, above=0.0)
-        for name in ("process_var", "initial_var", "slic_sigma_px", "median_px",
-                     "hidden_distance_px", "hidden_difference"):  # fmt: skip
+        for name in (
+            "process_var", "initial_var", "slic_sigma_px", "median_px", "hidden_distance_px",
+            "hidden_difference", "collision_threshold_px",
+        ):  # fmt: skip
             self._check(name, least=0.0)
         for name in ("scale", "n_superpixels"):
             if getattr(self, name) is not None:
@@ -167,6 +193,10 @@ class Lengths:
         Fewest pixels that a paw covers.
     hidden_distance : float
         Distance within which a hidden point is accepted.
+    collision : float
+        Distance within which paws of a side collide.
+    jump_residual : float
+        Reprojection error beyond which a paw has jumped.
     """
 
     half_u: float
@@ -174,6 +204,8 @@ class Lengths:
     median: int
     paw_area: float
     hidden_distance: float
+    collision: float
+    jump_residual: float
 
 
 def lengths_in_view(settings: PaperSettings, width: int) -> Lengths:
@@ -199,4 +231,6 @@ def lengths_in_view(settings: PaperSettings, width: int) -> Lengths:
         median=max(median, 1),
         paw_area=settings.min_paw_area_px * scale**2,
         hidden_distance=settings.hidden_distance_px * scale,
+        collision=settings.collision_threshold_px * scale,
+        jump_residual=settings.jump_residual_px * scale,
     )

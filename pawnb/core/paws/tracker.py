@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from pawnb.core.paws.again import prepare_again
+from pawnb.core.paws.collisions import Collisions
 from pawnb.core.paws.layout import (
     Placement,
     Views,
@@ -17,9 +18,13 @@ from pawnb.core.paws.layout import (
 )
 from pawnb.core.paws.run import FrameResult, Run
 from pawnb.core.paws.settings import PaperSettings
+from pawnb.core.paws.template import DEFAULT_TEMPLATE, load_template
 from pawnb.core.rig import Rig
 from pawnb.errors import InputError
 from pawnb.schema import START_COLUMNS, Tracks, check_columns, make_tracks
+
+PAPER_METHODS = ("slic-2d", "slic-3d", "paper")
+"""The method of 2019 (``paper``) and the two lesser variants it is compared with."""
 
 
 def track_paws(
@@ -28,6 +33,7 @@ def track_paws(
     *,
     rig: Rig | None,
     settings: PaperSettings,
+    method: str = "paper",
     points_by_view: Mapping[str, Sequence[str]],
     facing: Mapping[str, int] | None = None,
     frames: tuple[int, int],
@@ -38,15 +44,15 @@ def track_paws(
     progress: Callable[[int, int], None] | None = None,
     stop: Callable[[], bool] | None = None,
 ) -> Tracks:
-    """Track points by superpixels and Kalman filters, without handling collisions.
+    """Track points by superpixels and Kalman filters, and through collisions by a template.
 
-    The method of Haji Maghsoudi et al. 2019 (Algorithms 1 to 3, Eq. 1 and 3 to 6; errata
-    1 to 4 and 7 heeded): in each frame the Kalman prediction is projected into each view,
-    a sub-image around it is divided into superpixels, and the one with the highest fused
-    score is the point. Two views or more give its 3D position, which updates the filter.
-    Without a rig, and for a point that one view alone has found, a 2D filter predicts in
-    the picture (the paper's SLIC + 2D). A point is never given up: where it is hidden, the
-    superpixel most like it is taken.
+    The method of Haji Maghsoudi et al. 2019 (Algorithms 1 to 4, Eq. 1 to 9): in each frame
+    the Kalman prediction is projected into each view, a sub-image around it is divided
+    into superpixels, and the one with the highest fused score is the point. Two views or
+    more give its 3D position, which updates the filter. Without a rig, and for a point
+    that one view alone has found, a 2D filter predicts in the picture. Collisions are the
+    matter of :mod:`pawnb.core.paws.collisions`. A point is never given up: where it is
+    hidden, the superpixel most like it is taken.
 
     Parameters
     ----------
@@ -60,6 +66,10 @@ def track_paws(
         The calibrated views. Without it each view is tracked by itself.
     settings : PaperSettings
         The settings.
+    method : {"paper", "slic-3d", "slic-2d"}
+        ``"slic-3d"`` does nothing about collisions (the paper's SLIC + 3D); ``"slic-2d"``
+        predicts in each view by itself as well (SLIC + 2D), and the rig only gives the
+        positions in space afterwards.
     points_by_view : mapping
         Points that each view tracks; none listed means every point.
     facing : mapping, optional
@@ -93,7 +103,8 @@ def track_paws(
     -------
     xarray.Dataset
         Tracks of ``frames``. ``origin`` is ``edited`` for a clicked position, ``measured``
-        for a superpixel or a triangulated position, ``predicted`` where the filter alone
+        for a superpixel or a triangulated position, ``resolved`` for a superpixel that was
+        found during a collision or taken to undo a jump, ``predicted`` where the filter alone
         says it, else ``missing``. ``image_confidence`` is the fused score (Eq. 6) of the
         superpixel taken: 1 means that it was the best of its sub-image in every feature
         at once. It compares superpixels of one sub-image, so it falls when colour and
@@ -104,10 +115,13 @@ def track_paws(
     Raises
     ------
     InputError
-        If a click does not fit the views, points or frames, or a point has no click.
+        If a click does not fit the views, points or frames, a point has no click, or there
+        is no such method.
     CalibrationError
         If the rig lacks a view.
     """
+    if method not in PAPER_METHODS:
+        raise InputError(f"unknown method {method!r}; expected {', '.join(PAPER_METHODS)}.")
     check_columns(start, START_COLUMNS, where="the start points")
     _check_frames(frames, views.n_frames)
     layout = make_layout(
@@ -117,8 +131,13 @@ def track_paws(
         settings=settings,
         points_by_view=points_by_view,
         facing=facing,
+        in_space=method != "slic-2d",
     )
-    run = Run(layout)
+    collisions = None
+    if method == "paper":
+        template = load_template(settings.template or DEFAULT_TEMPLATE)
+        collisions = Collisions(layout, template, fps=fps)
+    run = Run(layout, collisions=collisions)
     if tracks is None:
         check_every_point_started(start, layout)
         placements = read_start(start, layout, frames)

@@ -1,0 +1,119 @@
+"""Build the stride template of the 2019 method from tracks.
+
+    python -m pawnb.workflow.stride_template TRIAL ... [--tracks NAME] -o FILE
+
+The template that comes with pawnb was made by this command from the truth of rendered
+scenes. Give your own file to the tracker as the setting ``template``.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import pandas as pd
+
+from pawnb.core.paws import PaperSettings
+from pawnb.core.paws.template import StrideTemplate, average_strides, cut_strides
+from pawnb.core.rig import load_rig
+from pawnb.errors import InputError, PawnbError
+from pawnb.io.native import read_tracks, read_tracks_table
+from pawnb.schema import Tracks, build_settings
+from pawnb.trial import Trial, load_trial
+from pawnb.workflow.track import points_by_view, view_facing
+
+TRACKS = "results/tracks.nc"
+
+
+def build_template(
+    trials: Sequence[Trial | str | Path], *, tracks: str | Path | Sequence[Tracks] = TRACKS
+) -> StrideTemplate:
+    """Build a stride template from the tracks of one or more trials.
+
+    Parameters
+    ----------
+    trials : sequence of Trial, str or Path
+        The trials: they say which view tracks which point, and where the animal faces.
+    tracks : str, Path, or sequence of xarray.Dataset
+        The tracks of each trial, or the name of their file (``tracks.nc`` or ``tracks.csv``)
+        relative to the folder of each trial.
+
+    Returns
+    -------
+    StrideTemplate
+        Mean strides of front and hind paws; write it with its ``save``.
+
+    Raises
+    ------
+    InputError
+        If a trial or its tracks cannot be read, or they hold no complete stride.
+    """
+    opened = [t if isinstance(t, Trial) else load_trial(t) for t in trials]
+    if isinstance(tracks, str | Path):
+        given = [_read(trial, trial.folder / tracks) for trial in opened]
+    else:
+        given = list(tracks)
+    if len(given) != len(opened):
+        raise InputError(f"{len(opened)} trials and {len(given)} tracks; expected as many.")
+    strides = []
+    for trial, own in zip(opened, given, strict=True):
+        settings = build_settings(PaperSettings, trial.tracking, where="trial.toml: [tracking]")
+        names = own["keypoint"].to_numpy().tolist()
+        strides.append(
+            cut_strides(
+                own,
+                points={name: settings.kind(name) for name in names
+                        if settings.kind(name) != "other"},
+                facing=view_facing(trial, load_rig(trial)),
+                points_by_view=points_by_view(trial, pd.DataFrame({"point": names})),
+                cutoff_hz=settings.template_cutoff_hz,
+            )
+        )  # fmt: skip
+    return average_strides(strides)
+
+
+def _read(trial: Trial, path: Path) -> Tracks:
+    """Read tracks, netCDF or csv."""
+    if path.suffix == ".csv":
+        return read_tracks_table(path, fps=trial.fps, individual=trial.animal.id)
+    return read_tracks(path)
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command; return 0, or 2 on bad input.
+
+    Parameters
+    ----------
+    argv : sequence of str, optional
+        Words of the command; default those of the command line.
+
+    Returns
+    -------
+    int
+        Exit status.
+    """
+    parser = argparse.ArgumentParser(
+        prog="python -m pawnb.workflow.stride_template",
+        description="Build the stride template of the 2019 method from tracks.",
+    )
+    parser.add_argument("trials", nargs="+", metavar="TRIAL", help="trial.toml, or its folder")
+    parser.add_argument(
+        "--tracks", default=TRACKS, help="file of each trial's tracks (default: %(default)s)"
+    )
+    parser.add_argument("-o", "--out", required=True, metavar="FILE", help="the JSON to write")
+    options = parser.parse_args(argv)
+    try:
+        template = build_template(options.trials, tracks=options.tracks)
+        template.save(options.out)
+    except PawnbError as error:
+        sys.stderr.write(f"{parser.prog}: {error}\n")
+        return 2
+    for kind, own in template.kinds.items():
+        sys.stdout.write(f"{kind}: {own.n_strides} strides, mean {own.period_s:.3f} s\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,269 @@
+"""Collisions: flags from frame to frame, the template's prediction, weights, jumps undone."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from pawnb.core.paws import PaperSettings, track_paws
+from pawnb.core.paws.collisions import Collisions
+from pawnb.core.paws.layout import make_layout
+from pawnb.core.paws.template import KindTemplate, StrideTemplate
+from pawnb.errors import InputError
+from pawnb.schema import ORIGIN_CODE
+
+FPS = 250.0
+PERIOD = 40.0
+SHARE = np.arange(50) / 50
+SETTINGS = PaperSettings(scale=0.4, min_paw_area_px=300)
+
+
+def shape(phase):
+    """A stride: u is the cosine, v lifts while u rises."""
+    angle = 2 * np.pi * np.asarray(phase)
+    return np.stack([np.cos(angle) / 2, -0.3 * np.maximum(np.sin(-angle), 0.0) ** 2], axis=-1)
+
+
+TEMPLATE = StrideTemplate(
+    {kind: KindTemplate(shape(SHARE), PERIOD / FPS, 10) for kind in ("front", "hind")}
+)
+
+
+@dataclasses.dataclass
+class Places:
+    """What is asked of a detection."""
+
+    places: np.ndarray
+
+
+def walk(scene, n=90, *, apart=45.0, amplitude=30.0):
+    """Paths (n, V, P, 2) in both views; the paws are nearest every 40 frames."""
+    t = np.arange(n)
+    paths = np.empty((n, len(scene.names), 2, 2))
+    for v in range(len(scene.names)):
+        paths[:, v, 0] = [160 + apart / 2, 80] + amplitude * shape(t / PERIOD + 0.5)
+        paths[:, v, 1] = [160 - apart / 2, 80] + amplitude * shape(t / PERIOD)
+    return paths
+
+
+def collisions_of(scene, *, settings=SETTINGS, facing=1, points=None):
+    layout = make_layout(
+        scene,
+        scene.clicks(),
+        rig=scene.rig,
+        settings=settings,
+        points_by_view=points or {},
+        facing={"cam1": facing, "cam2": facing},
+    )
+    return Collisions(layout, TEMPLATE, fps=FPS)
+
+
+def test_the_flag_is_set_by_nearness_lasts_and_is_cleared_when_they_part(make_scene):
+    """Collision_Threshold is 60 px of the paper's pictures: 24 px at a scale of 0.4."""
+    scene = make_scene()
+    collisions = collisions_of(scene)
+    paths = walk(scene)
+    gap = np.linalg.norm(paths[:, 0, 0] - paths[:, 0, 1], axis=-1)
+    flagged = []
+    for uv in paths:
+        collisions.record(uv)
+        flagged.append(collisions.is_colliding((0, 0)))
+    expected = gap < 24.0
+    assert expected[:20].any()
+    # Start_Frame_Collision: 20 frames must have been tracked before the first
+    expected[:20] = False
+    assert expected[20:].any()
+    assert not expected[20:].all()
+    np.testing.assert_array_equal(flagged, expected)
+    assert collisions.is_colliding((1, 1)) == expected[-1]
+
+
+def test_prediction_comes_from_the_frames_before_the_collision_only(make_scene):
+    """What is found during a collision is wrong here, and the prediction stays right."""
+    scene = make_scene()
+    collisions = collisions_of(scene)
+    paths = walk(scene)
+    gap = np.linalg.norm(paths[:, 0, 0] - paths[:, 0, 1], axis=-1)
+    first = 20 + int(np.flatnonzero(gap[20:] < 24.0)[0])
+    for uv in paths[: first + 1]:
+        collisions.record(uv)
+    for frame in range(first + 1, first + 8):
+        centres = np.full(paths.shape[1:], 7.0)
+        collisions.predict(centres)
+        away = np.linalg.norm(centres - paths[frame], axis=-1)
+        assert away.max() < 4.0, frame
+        collisions.record(np.repeat(paths[first][:, 1:], 2, axis=1))  # both found on the hind paw
+    # the paws part: the filter predicts again
+    collisions.record(paths[20])
+    centres = np.full(paths.shape[1:], 7.0)
+    collisions.predict(centres)
+    assert (centres == 7.0).all()
+
+
+def test_history_of_a_kept_stretch_sets_no_flag(make_scene):
+    scene = make_scene()
+    collisions = collisions_of(scene)
+    for uv in walk(scene)[:38]:
+        collisions.remember(uv)
+    assert not collisions.flags
+    collisions.record(walk(scene)[38])
+    assert collisions.flags  # and it is enough to fit the template to
+
+
+def test_weights_are_those_of_algorithm_4(make_scene):
+    """Worked from the paper: Weights_F [2,0,4,2,2,0,1,4] and Weights_H [2,0,4,1,2,0,2,4]."""
+    scene = make_scene()
+    for adjust in (True, False):
+        collisions = collisions_of(
+            scene, settings=dataclasses.replace(SETTINGS, adjust_weights=adjust)
+        )
+        assert collisions.weights((0, 0)) == (2, 0, 4, 2, 2, 0, 1, 4)
+        for uv in walk(scene)[:41]:
+            collisions.record(uv)
+        assert collisions.is_colliding((0, 0))
+        front = (3, 0, 4, 1, 2, 0, 0, 4) if adjust else (2, 0, 4, 2, 2, 0, 1, 4)
+        hind = (2, 0, 6, 1, 2, 0, 2, 4) if adjust else (2, 0, 4, 1, 2, 0, 2, 4)
+        assert collisions.weights((0, 0)) == front
+        assert collisions.weights((0, 1)) == hind
+
+
+def test_front_and_hind_paw_of_one_side_only(make_scene):
+    """FR with HR and FL with HL; a view that does not know its direction has no pair."""
+    scene = make_scene(("FR", "HR", "FL", "HL"))
+    assert collisions_of(scene).pairs == ((0, 0, 1), (0, 2, 3), (1, 0, 1), (1, 2, 3))
+    own = {"cam1": ("FR", "HR"), "cam2": ("FL", "HL")}
+    clicks = scene.clicks(
+        leave_out=[("cam1", "FL"), ("cam1", "HL"), ("cam2", "FR"), ("cam2", "HR")]
+    )
+    layout = make_layout(
+        scene, clicks, rig=None, settings=SETTINGS, points_by_view=own,
+        facing={"cam1": 1, "cam2": 0},
+    )  # fmt: skip
+    assert Collisions(layout, TEMPLATE, fps=FPS).pairs == ((0, 0, 1),)
+    alone = make_scene(("front", "hindleft"))
+    assert collisions_of(alone).pairs == ((0, 0, 1), (1, 0, 1))
+
+
+def jump_scene(make_scene, facing=1):
+    """A run in collision, and a true place of the front paw that cam1 has lost by a jump."""
+    scene = make_scene()
+    collisions = collisions_of(scene, facing=facing)
+    for uv in walk(scene)[:41]:
+        collisions.record(uv)
+    true = scene.uv[10].copy()
+    return collisions, true
+
+
+def test_a_jump_is_undone_by_direction_and_reprojection_error(make_scene):
+    collisions, true = jump_scene(make_scene)
+    found = true.copy()
+    found[0, 0] += [30, -20]  # far off the line of sight of cam2
+    last = true - [3.0, 0.0]
+    behind, right = true[0, 0] - [4.0, 0.0], true[0, 0] + [0.5, 0.5]
+    detections = {
+        (0, 0): Places(np.array([found[0, 0], behind, right])),
+        (1, 0): Places(np.array([found[1, 0], found[1, 0] + [9, 9]])),
+    }
+    (undone,) = collisions.undo_jumps(detections, found, last_uv=last)
+    assert (undone.key, undone.rank) == ((0, 0), 2)
+    # without a significant error nothing is done
+    assert collisions.undo_jumps(detections, true, last_uv=last) == []
+
+
+def test_only_forwards_and_the_second_time_only_between_the_last_place_and_the_best(make_scene):
+    """Algorithm 3, lines 31 to 35; u grows forwards where the animal faces right."""
+    for facing in (1, -1):
+        collisions, true = jump_scene(make_scene, facing)
+        found = true.copy()
+        found[0, 0] += [facing * 30, -20]
+        last = true - [facing * 3.0, 0.0]
+        backwards = true[0, 0] - [facing * 4.0, 0.0]
+        beyond = true[0, 0] + [facing * 31.0, 0.0]
+        between = true[0, 0] + [facing * 2.0, 0.0]
+
+        def undo(*places, collisions=collisions, found=found, last=last):
+            detections = {(0, 0): Places(np.array([found[0, 0], *places]))}
+            undone = collisions.undo_jumps(detections, found, last_uv=last)
+            return [one.rank for one in undone]
+
+        assert undo(backwards) == []
+        assert undo(beyond, backwards) == [1]  # the first time
+        assert undo(beyond, backwards) == []
+        assert undo(beyond, between) == [2]
+
+
+def test_a_stride_after_its_collision_a_jump_is_looked_for_no_more(make_scene):
+    collisions, true = jump_scene(make_scene)
+    found = true.copy()
+    found[0, 0] += [30, -20]
+    detections = {(0, 0): Places(np.array([found[0, 0], true[0, 0]]))}
+    far = walk(make_scene())[20]
+    for _ in range(45):
+        collisions.record(far)
+    assert collisions.undo_jumps(detections, found, last_uv=true - [3.0, 0.0]) == []
+
+
+def crossing_scene(make_scene, n=110):
+    """Two discs that walk in strides; when nearest, the front one is hidden for 10 frames."""
+    scene = make_scene(n_frames=n)
+    t = np.arange(n)
+    # 2 px a mm; nothing drifts
+    for p, (x, phase) in enumerate([(14.0, 0.5), (-14.0, 0.0)]):
+        path = 19.0 * shape(t / PERIOD + phase)
+        scene.xyz[:, p] = np.stack([x + path[:, 0], np.zeros(n), -5 - path[:, 1]], axis=-1)
+    scene.uv = np.swapaxes(scene.rig.project(scene.xyz), 1, 2)
+    gap = np.linalg.norm(scene.uv[:, 0, 0] - scene.uv[:, 0, 1], axis=-1)
+    hidden = [i for i in range(25, n) if gap[i] < 20]
+    scene.hidden = {(i, view, "FR") for i in hidden for view in scene.names}
+    return scene, gap, ~np.isin(t, hidden)
+
+
+def run(scene, *, rig="own", **options):
+    return track_paws(
+        scene, scene.clicks(), rig=scene.rig if rig == "own" else rig, settings=SETTINGS,
+        points_by_view={}, frames=(0, scene.n_frames), fps=FPS, unit="mm", **options,
+    )  # fmt: skip
+
+
+def image_path(tracks):
+    return np.swapaxes(tracks["image_position"].isel(individual=0).to_numpy(), 2, 3)
+
+
+def test_the_template_brings_a_hidden_paw_through_a_collision(make_scene):
+    """Without it the tracker takes the other paw, and stays with it."""
+    scene, gap, seen = crossing_scene(make_scene)
+    assert (~seen).sum() >= 10
+    tracks = run(scene)
+    away = np.linalg.norm(image_path(tracks) - scene.uv, axis=-1)
+    # discs of 6 px radius
+    assert away[seen].max() < 8.0
+    origin = tracks["image_origin"].isel(individual=0).to_numpy()
+    resolved = origin[:, 0, 0] == ORIGIN_CODE["resolved"]
+    assert 10 < resolved.sum() < 60
+    assert (gap[resolved] < 35).all()
+    plain = run(scene, method="slic-3d")
+    assert not (plain["image_origin"] == ORIGIN_CODE["resolved"]).any()
+    lost = np.linalg.norm(image_path(plain) - scene.uv, axis=-1)[seen, :, 0] > 10
+    assert lost.mean() > 0.2
+
+
+def test_each_view_by_itself_and_space_afterwards(make_scene):
+    """slic-2d finds what a run without a rig finds, and has the 3D positions of it."""
+    scene, _, _ = crossing_scene(make_scene, n=50)
+    scene.hidden = {(i, "cam1", "FR") for i in range(5, 25)}
+    flat = run(scene, method="slic-2d")
+    blind = run(scene, method="slic-3d", rig=None)
+    found = image_path(flat)
+    np.testing.assert_array_equal(found, image_path(blind))
+    assert flat.sizes["space"] == 3
+    solved = scene.rig.triangulate(np.swapaxes(found, 1, 2)).xyz
+    measured = flat["origin"].isel(individual=0).to_numpy() == ORIGIN_CODE["measured"]
+    assert measured.mean() > 0.5
+    position = np.swapaxes(flat["position"].isel(individual=0).to_numpy(), 1, 2)
+    np.testing.assert_allclose(position[measured], solved[measured])
+    # and the prediction in space does find something else here
+    assert not np.array_equal(found, image_path(run(scene, method="slic-3d")), equal_nan=True)
+    with pytest.raises(InputError, match="unknown method 'slic-4d'; expected slic-2d, slic-3d"):
+        run(scene, method="slic-4d")
