@@ -30,6 +30,8 @@ class FlowCosts:
         Standard deviation of a place.
     speed : float
         Standard deviation of an unknown speed, length per frame.
+    drift : ndarray, shape (d,)
+        What an unknown speed is on average.
     hide, stay : float
         Cost of each gap, and of each frame in it.
     longest_gap : int
@@ -41,37 +43,53 @@ class FlowCosts:
     acceleration: float
     noise: float
     speed: float
+    drift: np.ndarray
     hide: float
     stay: float
     longest_gap: int
     links: int
 
 
-def link_cost(before: Tracklet, after: Tracklet, costs: FlowCosts) -> float:
-    """Return the cost of going from one piece to a later one.
+@dataclass(frozen=True)
+class _Ends:
+    """Position, speed and its variance at one end of every piece."""
+
+    frame: np.ndarray  # (n,)
+    x: np.ndarray  # (n, d)
+    v: np.ndarray  # (n, d)
+    var: np.ndarray  # (n,)
+
+    @classmethod
+    def of(cls, nodes: Sequence[Tracklet], costs: FlowCosts, *, head: bool) -> _Ends:
+        """Take the first or the last end of every piece."""
+        ends = [node.end(costs.drift, head=head) for node in nodes]
+        return cls(
+            np.array([node.first if head else node.last for node in nodes]),
+            np.stack([end[0] for end in ends]),
+            np.stack([end[1] for end in ends]),
+            np.array([_speed_variance(end[2], costs) for end in ends]),
+        )
+
+
+def link_costs(tails: _Ends, i: int, heads: _Ends, j: np.ndarray, costs: FlowCosts) -> np.ndarray:
+    """Return the costs of going from the end of piece i to the beginnings of pieces j.
 
     The least squared acceleration that joins the two ends, in units of its variance: for
     a gap of g frames, ``12 |dx|^2 / g^3 + |dv|^2 / g`` with ``dx`` what the mean of both
     speeds does not explain.
     """
-    gap = after.first - before.last
-    x0, v0, n0 = before.end(head=False)
-    x1, v1, n1 = after.end(head=True)
-    q, r = costs.acceleration**2, costs.noise**2
-    rv0, rv1 = (_speed_variance(n, costs) for n in (n0, n1))
-    if n0 == 1:
-        v0 = v1 * (n1 > 1)
-    if n1 == 1:
-        v1 = v0
-    dx = x1 - x0 - 0.5 * (v0 + v1) * gap
+    gap = (heads.frame[j] - tails.frame[i])[:, None].astype(float)
+    v0, v1 = tails.v[i], heads.v[j]
+    dx = heads.x[j] - tails.x[i] - 0.5 * (v0 + v1) * gap
     dv = v1 - v0
-    var_x = q * gap**3 / 12 + 2 * r + (rv0 + rv1) * gap**2 / 4
-    var_v = q * gap + rv0 + rv1
-    d = len(dx)
-    mismatch = 0.5 * (dx @ dx / var_x + dv @ dv / var_v)
-    volume = 0.25 * d * np.log(var_x / (2 * r))
-    hidden = (costs.hide + costs.stay * (gap - 1)) if gap > 1 else 0.0
-    return float(mismatch + volume + hidden)
+    gap = gap[:, 0]
+    q, r = costs.acceleration**2, costs.noise**2
+    var_v = q * gap + tails.var[i] + heads.var[j]
+    var_x = q * gap**3 / 12 + 2 * r + (tails.var[i] + heads.var[j]) * gap**2 / 4
+    mismatch = 0.5 * ((dx**2).sum(axis=1) / var_x + (dv**2).sum(axis=1) / var_v)
+    volume = 0.15 * dx.shape[1] * np.log(var_x / (2 * r))
+    hidden = np.where(gap > 1, costs.hide + costs.stay * (gap - 1), 0.0)
+    return np.asarray(mismatch + volume + hidden)
 
 
 def _speed_variance(n: int, costs: FlowCosts) -> float:
@@ -81,15 +99,8 @@ def _speed_variance(n: int, costs: FlowCosts) -> float:
     return min(12 * costs.noise**2 / (n * (n**2 - 1)) * (2.0 if n >= 5 else 1.0), costs.speed**2)
 
 
-def assign(
-    pieces: Sequence[Tracklet],
-    anchors: Mapping[int, Mapping[int, np.ndarray]],
-    n_frames: int,
-    costs: FlowCosts,
-    *,
-    prior: np.ndarray | None = None,
-) -> list[list[int]]:
-    """Choose the pieces of every point.
+class Flow:
+    """The choice of pieces; it can be made again with other costs of pieces.
 
     Parameters
     ----------
@@ -101,46 +112,64 @@ def assign(
         Number of frames.
     costs : FlowCosts
         What paths cost.
-    prior : ndarray, shape (n_points, n_pieces), optional
-        Further cost of each piece for each point.
-
-    Returns
-    -------
-    list of list of int
-        For each point the numbers of its pieces, in the order of time.
     """
-    n_points = 1 + max(p for here in anchors.values() for p in here)
-    fixed = [
-        (t, p, Tracklet(t, [-2], np.asarray(at, float)[None], np.zeros(1)))
-        for t, here in sorted(anchors.items()) for p, at in here.items()
-    ]  # fmt: skip
-    nodes = list(pieces) + [piece for _, _, piece in fixed]
-    owner = np.full(len(nodes), -1)
-    owner[len(pieces) :] = [p for _, p, _ in fixed]
-    edges = _edges(nodes, owner, n_frames, costs)
-    chosen = _solve(nodes, owner, edges, n_points, (n_frames, len(pieces)), costs, prior)
-    return chosen
+
+    def __init__(
+        self,
+        pieces: Sequence[Tracklet],
+        anchors: Mapping[int, Mapping[int, np.ndarray]],
+        n_frames: int,
+        costs: FlowCosts,
+    ) -> None:
+        self.n_points = 1 + max(p for here in anchors.values() for p in here)
+        fixed = [
+            (p, Tracklet(t, [-2], np.asarray(at, float)[None], np.zeros(1)))
+            for t, here in sorted(anchors.items()) for p, at in here.items()
+        ]  # fmt: skip
+        self.nodes = [*pieces, *(piece for _, piece in fixed)]
+        self.owner = np.full(len(self.nodes), -1)
+        self.owner[len(pieces) :] = [p for p, _ in fixed]
+        self.edges = _edges(self.nodes, self.owner, n_frames, costs)
+        self.size, self.costs = (n_frames, len(pieces)), costs
+
+    def assign(self, prior: np.ndarray | None = None) -> list[list[int]]:
+        """Choose the pieces of every point.
+
+        Parameters
+        ----------
+        prior : ndarray, shape (n_points, n_pieces), optional
+            Further cost of each piece for each point.
+
+        Returns
+        -------
+        list of list of int
+            For each point the numbers of its pieces, in the order of time.
+        """
+        return _solve(
+            self.nodes, self.owner, self.edges, self.n_points, self.size, self.costs, prior
+        )
 
 
 def _edges(
     nodes: Sequence[Tracklet], owner: np.ndarray, n_frames: int, costs: FlowCosts
 ) -> list[tuple[int, int, float]]:
     """Return the links (from, to, cost) worth considering."""
-    first = np.array([node.first for node in nodes])
-    order = np.argsort(first, kind="stable")
-    starts = first[order]
+    heads, tails = _Ends.of(nodes, costs, head=True), _Ends.of(nodes, costs, head=False)
+    order = np.argsort(heads.frame, kind="stable")
+    starts = heads.frame[order]
     edges = []
     for i, node in enumerate(nodes):
         low = np.searchsorted(starts, node.last + 1)
         high = np.searchsorted(starts, node.last + costs.longest_gap, side="right")
-        options = []
-        for j in order[low:high]:
-            if owner[i] >= 0 and owner[j] >= 0 and owner[i] != owner[j]:
-                continue
-            options.append((link_cost(node, nodes[j], costs), int(j)))
-        options.sort()
-        keep = options[: costs.links] + [o for o in options[costs.links :] if owner[o[1]] >= 0]
-        edges += [(i, j, cost) for cost, j in keep]
+        j = order[low:high]
+        if owner[i] >= 0:
+            j = j[(owner[j] < 0) | (owner[j] == owner[i])]
+        if not len(j):
+            continue
+        cost = link_costs(tails, i, heads, j, costs)
+        keep = np.argsort(cost)
+        keep = keep[(np.arange(len(j)) < costs.links) | (owner[j[keep]] >= 0)]
+        edges += [(i, int(j[o]), float(cost[o])) for o in keep]
     return edges
 
 

@@ -50,6 +50,7 @@ def learn_offsets(
     found: Mapping[int, Sequence[np.ndarray]],
     thickness_px: np.ndarray,
     facing: Sequence[int],
+    kinds: Sequence[str],
 ) -> Offsets:
     """Learn the offsets from the clicked frames.
 
@@ -63,6 +64,8 @@ def learn_offsets(
         Thickness of a paw in each view.
     facing : sequence of int
         +1 or -1 for each view.
+    kinds : sequence of str
+        Kind of each point; points of one kind share their offsets.
 
     Returns
     -------
@@ -84,7 +87,11 @@ def learn_offsets(
             side = np.array([-e[1], e[0]]) * (facing[v] or 1)
             seen[p].append((step[i] @ e / thickness_px[v], step[i] @ side / thickness_px[v]))
     every = [s for own in seen for s in own] or [(0.0, 0.0)]
-    means = np.array([np.mean(own or every, axis=0) for own in seen])
+    alike = [
+        [s for other, own in zip(kinds, seen, strict=True) if other == kind for s in own]
+        for kind in kinds
+    ]
+    means = np.array([np.median(own or every, axis=0) for own in alike])
     return Offsets(means[:, 0], means[:, 1])
 
 

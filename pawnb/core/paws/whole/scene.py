@@ -44,6 +44,8 @@ class Scene:
         How and where each view is searched.
     distal : list of (float, float)
         Direction in each picture in which limbs tend to end.
+    up, forward : ndarray, shape (d,)
+        Unit vectors.
     volume : Volume, optional
         Where paws can be; None for one view by itself.
     """
@@ -56,6 +58,8 @@ class Scene:
     looks: list[Look]
     regions: list[Region]
     distal: list[tuple[float, float]]
+    up: np.ndarray
+    forward: np.ndarray
     volume: Volume | None
 
 
@@ -125,7 +129,7 @@ def read_scene(
             up, across, (ground - _BELOW * span, ground + settings.height * span),
             (float(beside.min()) - margin, float(beside.max()) + margin),
         )  # fmt: skip
-    return Scene(geometry, placed, span, thickness, thickness_px, looks, regions, distal, volume)
+    return Scene(geometry, placed, span, thickness, thickness_px, looks, regions, distal, up, forward, volume)
 
 
 def _directions(layout: Layout) -> tuple[np.ndarray, np.ndarray]:

@@ -18,15 +18,21 @@ from pawnb.core.paws.layout import (
 from pawnb.core.paws.settings import PaperSettings
 from pawnb.core.paws.whole.candidates import worth
 from pawnb.core.paws.whole.extract import extract
-from pawnb.core.paws.whole.flow import FlowCosts, assign
+from pawnb.core.paws.whole.flow import Flow, FlowCosts
+from pawnb.core.paws.whole.habit import follow_body, habit_cost, learn_habits
 from pawnb.core.paws.whole.hypotheses import Pairing, Places
 from pawnb.core.paws.whole.refine import Refined, Refinement, learn_offsets, refine
 from pawnb.core.paws.whole.scene import Scene, read_scene
 from pawnb.core.paws.whole.settings import WholeSettings
-from pawnb.core.paws.whole.tracklets import Linking, Tracklet, build_tracklets
+from pawnb.core.paws.whole.tracklets import Linking, Tracklet, build_tracklets, find_drift
 from pawnb.core.rig import Rig
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE, START_COLUMNS, Tracks, check_columns, make_tracks
+
+_LOOKS = 2
+"""Times that paths are chosen again with the habits learnt from the last choice."""
+_HABIT = 0.5
+_BODY_S = 0.4
 
 
 def track_whole(
@@ -200,14 +206,15 @@ def _solve(
     n, n_points, n_views = len(found), len(layout.points), len(layout.views)
     inside = {t - first: here for t, here in anchors.items() if t - first < n}
     fixed = {t - first: here for t, here in scene.anchors.items() if t - first < n}
-    chosen = choose_paths(found, fixed, scene, fps, settings, n_points)
+    chosen = choose_paths(found, fixed, scene, fps, settings, layout.kinds)
     certain = np.full((n, n_points, n_views, 2), np.nan)
     for t, here in inside.items():
         for place in here:
             certain[t, place.point, place.view] = place.uv
     clicked = sorted(inside)
     offsets = learn_offsets(
-        certain[clicked], {t: found[t] for t in clicked}, scene.thickness_px, layout.facing
+        certain[clicked], {t: found[t] for t in clicked}, scene.thickness_px, layout.facing,
+        layout.kinds,
     )
     acceleration = settings.acceleration * scene.span / fps**2
     what = Refinement(
@@ -226,7 +233,7 @@ def choose_paths(
     scene: Scene,
     fps: float,
     settings: WholeSettings,
-    n_points: int,
+    kinds: Sequence[str],
 ) -> np.ndarray:
     """Choose the places of every point: positions (n, P, d), NaN where hidden.
 
@@ -242,14 +249,15 @@ def choose_paths(
         Frames per second.
     settings : WholeSettings
         The settings.
-    n_points : int
-        Number of points.
+    kinds : sequence of str
+        Kind of each point: "front", "hind" or "other".
 
     Returns
     -------
     ndarray
         The chosen places.
     """
+    n_points = len(kinds)
     places = _find_places(found, scene, settings)
     d = scene.geometry.n_coordinates
     for t, here in fixed.items():
@@ -264,18 +272,40 @@ def choose_paths(
     acceleration = settings.acceleration * scene.span / fps**2
     noise = settings.noise * scene.thickness
     speed = 12.0 * scene.span / fps
-    linking = Linking(acceleration, noise, speed, 1.6)
+    drift = find_drift(places, within=0.3 * scene.thickness, longest=2.0 * speed)
+    linking = Linking(acceleration, noise, 0.4 * speed, drift, 1.6)
     pieces = [
         piece for piece in build_tracklets(places, linking)
         if len(piece.picks) > 1 or piece.cost[0] < 0.5
     ]  # fmt: skip
     costs = FlowCosts(
-        acceleration, noise, speed, settings.hide_cost, settings.stay_cost,
+        acceleration, noise, 0.4 * speed, drift, settings.hide_cost, settings.stay_cost,
         max(4, round(settings.longest_gap_s * fps)), settings.links,
     )  # fmt: skip
-    prior = _side_prior(pieces, fixed, scene, n_points)
-    chains = assign(pieces, fixed, len(found), costs, prior=prior)
-    x = np.full((len(found), n_points, d), np.nan)
+    start = min(fixed)
+    pieces = [piece for piece in pieces if piece.first > start]
+    problem = Flow(pieces, fixed, len(found), costs)
+    prior = _start_prior(pieces, fixed, scene, kinds)
+    x = _positions_of(problem.assign(prior), pieces, fixed, (len(found), n_points, d))
+    axes = [scene.forward] if d == 2 else [scene.forward, np.cross(scene.up, scene.forward)]
+    groups = [kinds, [str(p) for p in range(n_points)]][: len(axes)]
+    for _ in range(_LOOKS):
+        body = follow_body(x[start:], max(3, round(_BODY_S * fps)))
+        body = np.concatenate([np.repeat(body[:1], start, axis=0), body])
+        habits = learn_habits(x, body, axes, groups, scene.span)
+        prior = _HABIT * habit_cost(pieces, body, axes, habits, scene.span)
+        x = _positions_of(problem.assign(prior), pieces, fixed, (len(found), n_points, d))
+    return x
+
+
+def _positions_of(
+    chains: Sequence[Sequence[int]],
+    pieces: Sequence[Tracklet],
+    fixed: Mapping[int, Mapping[int, np.ndarray]],
+    shape: tuple[int, int, int],
+) -> np.ndarray:
+    """Return where chains of pieces lead, (n, P, d), NaN where hidden."""
+    x = np.full(shape, np.nan)
     for p, chain in enumerate(chains):
         for i in chain:
             x[pieces[i].first : pieces[i].last + 1, p] = pieces[i].at
@@ -304,26 +334,30 @@ def _flat_places(rows: np.ndarray, distal: tuple[float, float]) -> Places:
     return Places(rows[:, :2].astype(float), 1.5 * (1.0 - worth(rows, distal)))
 
 
-def _side_prior(
+def _start_prior(
     pieces: Sequence[Tracklet],
     fixed: Mapping[int, Mapping[int, np.ndarray]],
     scene: Scene,
-    n_points: int,
-) -> np.ndarray | None:
-    """Return the cost (P, pieces) of being far beside where a point was clicked."""
-    if scene.volume is None:
-        return None
-    across = scene.volume.across
-    beside = np.array(
-        [
-            np.mean([here[p] @ across for here in fixed.values() if p in here])
-            for p in range(n_points)
-        ]
-    )
+    kinds: Sequence[str],
+) -> np.ndarray:
+    """Return the cost (P, pieces) of being far from where a point of its kind was clicked."""
+    n_points = len(kinds)
     cost = np.zeros((n_points, len(pieces)))
+    clicked = [np.stack([h[p] for h in fixed.values() if p in h]) for p in range(n_points)]
+    alike = [
+        np.concatenate([clicked[o] for o in range(n_points) if kinds[o] == kinds[p]]).mean(axis=0)
+        for p in range(n_points)
+    ]
+    across = None if scene.volume is None else scene.volume.across
     for i, piece in enumerate(pieces):
-        step = (piece.at @ across)[None] - beside[:, None]
-        cost[:, i] = 0.15 * np.minimum((step / (0.1 * scene.span)) ** 2, 4.0).sum(axis=1)
+        for p in range(n_points):
+            if kinds[p] != "other":
+                ahead = np.abs((piece.at - alike[p]) @ scene.forward) / scene.span
+                far = np.maximum(ahead - 0.33, 0.0) / 0.1
+                cost[p, i] += 0.5 * np.minimum(far**2, 6.0).sum()
+            if across is not None:
+                step = (piece.at - clicked[p].mean(axis=0)) @ across
+                cost[p, i] += 0.5 * np.minimum((step / (0.1 * scene.span)) ** 2, 6.0).sum()
     return cost
 
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from pawnb.core.paws.whole.hypotheses import Places
 
@@ -25,6 +26,8 @@ class Linking:
         Standard deviation of a place.
     speed : float
         Standard deviation of an unknown speed, length per frame.
+    drift : ndarray, shape (d,)
+        The commonest speed, length per frame: that of paws on the ground.
     best_cost : float
         Places dearer than this are left out.
     """
@@ -32,6 +35,7 @@ class Linking:
     acceleration: float
     noise: float
     speed: float
+    drift: np.ndarray
     best_cost: float
 
 
@@ -61,16 +65,49 @@ class Tracklet:
         """Its last frame."""
         return self.first + len(self.picks) - 1
 
-    def end(self, *, head: bool) -> tuple[np.ndarray, np.ndarray, int]:
+    def end(self, drift: np.ndarray, *, head: bool) -> tuple[np.ndarray, np.ndarray, int]:
         """Return position and speed at the first or last frame, and how many frames told."""
         part = self.at[:_ENDS] if head else self.at[-_ENDS:]
         n = len(part)
         if n == 1:
-            return part[0], np.zeros_like(part[0]), 1
+            return part[0], drift, 1
         time = np.arange(n) - (0 if head else n - 1)
         order = 2 if n >= 5 else 1
         fit = np.polyfit(time, part, order)
         return fit[-1], fit[-2], n
+
+
+def find_drift(places: Sequence[Places], *, within: float, longest: float) -> np.ndarray:
+    """Return the commonest step of good places from one frame to the next, (d,).
+
+    Paws on the ground all move with it, so their steps pile up.
+
+    Parameters
+    ----------
+    places : sequence of Places
+        Hypotheses of each frame.
+    within : float
+        Steps closer than this count as the same.
+    longest : float
+        Longest step considered.
+
+    Returns
+    -------
+    ndarray
+        The mean of the steps where they are densest; 0 where there are none.
+    """
+    steps = []
+    for t in range(0, len(places) - 1, max(1, len(places) // 400)):
+        here, after = (p.at[p.cost < 0.3] for p in (places[t], places[t + 1]))
+        if len(here) and len(after):
+            steps.append((after[None] - here[:, None]).reshape(-1, here.shape[1]))
+    every = np.concatenate(steps) if steps else np.empty((0, places[0].at.shape[1]))
+    every = every[np.linalg.norm(every, axis=1) < longest]
+    if not len(every):
+        return np.zeros(every.shape[1])
+    tree = cKDTree(every)
+    count = tree.query_ball_point(every, within, return_length=True)
+    return np.asarray(every[tree.query_ball_point(every[int(np.argmax(count))], within)].mean(axis=0))
 
 
 def build_tracklets(places: Sequence[Places], linking: Linking) -> list[Tracklet]:
@@ -113,7 +150,7 @@ def build_tracklets(places: Sequence[Places], linking: Linking) -> list[Tracklet
                 done.append(chain.close())
         for g in np.flatnonzero(taken < 0):
             following.append(
-                _Chain(t, int(good[g]), at[g], float(here.cost[good[g]]), r, linking.speed**2)
+                _Chain(t, int(good[g]), at[g], float(here.cost[good[g]]), r, linking)
             )
         open_ = following
     done += [chain.close() for chain in open_]
@@ -145,11 +182,11 @@ class _Chain:
     """A piece that still grows, with the state of a constant-velocity filter."""
 
     def __init__(
-        self, first: int, pick: int, at: np.ndarray, cost: float, r: float, speed2: float
+        self, first: int, pick: int, at: np.ndarray, cost: float, r: float, linking: Linking
     ) -> None:
         self.first, self.picks, self.places, self.costs = first, [pick], [at], [cost]
-        self.at, self.speed = at.astype(float), np.zeros(len(at))
-        self.var = (r, 0.0, speed2)
+        self.at, self.speed = at.astype(float), np.asarray(linking.drift, dtype=float)
+        self.var = (r, 0.0, linking.speed**2)
 
     def add(self, pick: int, at: np.ndarray, cost: float, r: float, q: float) -> None:
         """Take in the place of the next frame."""
