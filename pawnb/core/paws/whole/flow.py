@@ -157,6 +157,7 @@ def _edges(
     heads, tails = _Ends.of(nodes, costs, head=True), _Ends.of(nodes, costs, head=False)
     order = np.argsort(heads.frame, kind="stable")
     starts = heads.frame[order]
+    worth = np.array([min(costs.stay * len(n.picks) - n.cost.sum(), 30.0) for n in nodes])
     edges = []
     for i, node in enumerate(nodes):
         low = np.searchsorted(starts, node.last + 1)
@@ -167,7 +168,8 @@ def _edges(
         if not len(j):
             continue
         cost = link_costs(tails, i, heads, j, costs)
-        keep = np.argsort(cost)
+        # long good pieces first: a place nearby is worth little if it leads nowhere
+        keep = np.argsort(cost - worth[j])
         keep = keep[(np.arange(len(j)) < costs.links) | (owner[j[keep]] >= 0)]
         edges += [(i, int(j[o]), float(cost[o])) for o in keep]
     return edges

@@ -40,4 +40,4 @@ class WholeSettings:
     stay_cost: float = 2.5
     longest_gap_s: float = 0.24
     places: int = 16
-    links: int = 10
+    links: int = 16

@@ -276,7 +276,7 @@ def choose_paths(
     linking = Linking(acceleration, noise, 0.4 * speed, drift, 1.6)
     pieces = [
         piece for piece in build_tracklets(places, linking)
-        if len(piece.picks) > 1 or piece.cost[0] < 0.5
+        if piece.cost.mean() < (0.9 if len(piece.picks) > 1 else 0.5)
     ]  # fmt: skip
     costs = FlowCosts(
         acceleration, noise, 0.4 * speed, drift, settings.hide_cost, settings.stay_cost,
