@@ -18,6 +18,8 @@ from pawnb.core.paws.whole.geometry import Geometry
 from pawnb.core.paws.whole.smoothing import smooth, variances
 
 _ROUNDS = 3
+_JERK = 0.35
+"""Usual change of the acceleration from frame to frame, in accelerations."""
 _TAIL = 3.0
 """Residuals beyond this many standard deviations count less and less."""
 
@@ -175,7 +177,7 @@ def refine(
     """
     n, n_points, d = start.shape
     x = np.empty_like(start)
-    q = np.full((n, n_points), what.acceleration**2)
+    q = np.full((n, n_points), (_JERK * what.acceleration) ** 2)
     spread = np.full((n, n_points), what.thickness)
     noise = 0.3 * what.thickness
     for p in range(n_points):
@@ -183,7 +185,7 @@ def refine(
         W = seen[:, None, None] * np.eye(d) / noise**2
         x[:, p], factor = smooth(W, np.nan_to_num(start[:, p]) / noise**2, q[:, p])
         spread[:, p] = np.sqrt(np.minimum(variances(factor, d), 1e6).mean(axis=1))
-        q[:, p] = _acceleration2(x[:, p], what.acceleration)
+        q[:, p] = _jerk2(x[:, p], what.acceleration)
     sigma = 0.18
     sd = np.empty_like(start)
     for turn in range(_ROUNDS):
@@ -205,7 +207,7 @@ def refine(
             x[:, p], factor = smooth(W[:, p], z[:, p], q[:, p])
             if turn == _ROUNDS - 1:
                 sd[:, p] = np.sqrt(variances(factor, d))
-            q[:, p] = _acceleration2(x[:, p], what.acceleration)
+            q[:, p] = _jerk2(x[:, p], what.acceleration)
         spread = np.minimum(spread, 0.5 * what.thickness)
         sigma = _sigma(x, measured, what, by_hand)
     # what is alike from frame to frame does not average out
@@ -213,15 +215,15 @@ def refine(
     return Refined(x, sd, measured, quality)
 
 
-def _acceleration2(x: np.ndarray, usual: float) -> np.ndarray:
-    """Return the variance of the acceleration about each frame, from the track itself."""
+def _jerk2(x: np.ndarray, acceleration: float) -> np.ndarray:
+    """Return the variance of the jerk about each frame, from the track itself."""
     n = len(x)
     square = np.zeros(n)
-    if n >= 3:
-        square[1:-1] = (np.diff(x, n=2, axis=0) ** 2).mean(axis=1)
-    kernel = np.ones(5) / 5
-    local = np.convolve(np.pad(square, 2, mode="edge"), kernel, mode="valid")
-    return np.asarray(np.clip(2.0 * local, (0.12 * usual) ** 2, (3.0 * usual) ** 2))
+    if n > 3:
+        square[1:-2] = (np.diff(x, n=3, axis=0) ** 2).mean(axis=1)
+    local = np.convolve(np.pad(square, 3, mode="edge"), np.ones(7) / 7, mode="valid")
+    usual = _JERK * acceleration
+    return np.asarray(np.clip(2.0 * local, (0.1 * usual) ** 2, (3.0 * usual) ** 2))
 
 
 def _associate(

@@ -37,7 +37,7 @@ class WholeSettings:
     noise: float = 0.25
     height: float = 0.3
     hide_cost: float = 3.0
-    stay_cost: float = 2.5
+    stay_cost: float = 8.0
     longest_gap_s: float = 0.24
     places: int = 16
     links: int = 16

@@ -1,10 +1,12 @@
-"""Smoothing of whole tracks: the path of least acceleration through what was measured.
+"""Smoothing of whole tracks: the path of least jerk through what was measured.
 
 For positions x_t, measurements z_t with information (inverse covariance) W_t, and the
-variance q_t of the acceleration, the sum of ``(x_t - z_t)' W_t (x_t - z_t)`` and
-``|x_{t+1} - 2 x_t + x_{t-1}|^2 / q_t`` is lowest at the solution of a banded system, which
-is the same as a Kalman filter and smoother of a constant-velocity model whose first
-state is unknown. Variances are the diagonal of the inverse (Takahashi's recursion).
+variance q_t of the change of acceleration from frame to frame, the sum of
+``(x_t - z_t)' W_t (x_t - z_t)`` and ``|x_{t+2} - 3 x_{t+1} + 3 x_t - x_{t-1}|^2 / q_t`` is
+lowest at the solution of a banded system, which is the same as a Kalman filter and
+smoother of a constant-acceleration model whose first state is unknown. Limbs move about
+so (Flash & Hogan 1985), and a gap is bridged with the speeds and accelerations of its
+ends. Variances are the diagonal of the inverse (Takahashi's recursion).
 """
 
 from __future__ import annotations
@@ -13,8 +15,11 @@ import numpy as np
 from scipy.linalg import cho_solve_banded, cholesky_banded
 
 
+_THIRD = (-1.0, 3.0, -3.0, 1.0)
+
+
 def smooth(
-    information: np.ndarray, target: np.ndarray, acceleration2: np.ndarray
+    information: np.ndarray, target: np.ndarray, jerk2: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Smooth one track.
 
@@ -24,33 +29,30 @@ def smooth(
         Information of each frame's measurement; 0 where there is none.
     target : ndarray, shape (n, d)
         ``W_t z_t`` of each frame.
-    acceleration2 : ndarray, shape (n,)
-        Variance of the acceleration at each frame.
+    jerk2 : ndarray, shape (n,)
+        Variance of the change of acceleration at each frame.
 
     Returns
     -------
     x : ndarray, shape (n, d)
         Smoothed positions.
-    factor : ndarray, shape (3 d, n d)
+    factor : ndarray, shape (3 d + 1, n d)
         Banded Cholesky factor, for :func:`variances`.
     """
     n, d = target.shape
-    band = np.zeros((2 * d + 1, n, d))
+    band = np.zeros((3 * d + 1, n, d))
     for i in range(d):
         for j in range(i + 1):
             # lower form: band[row - column] at the column
             band[i - j, :, j] += information[:, i, j]
-    if n >= 3:
-        w = 1.0 / acceleration2[1:-1]
-        band[0, :-2] += w[:, None]
-        band[0, 1:-1] += 4 * w[:, None]
-        band[0, 2:] += w[:, None]
-        band[d, :-2] += -2 * w[:, None]
-        band[d, 1:-1] += -2 * w[:, None]
-        band[2 * d, :-2] += w[:, None]
+    if n > 3:
+        w = (1.0 / jerk2[1:-2])[:, None]
+        for k, own in enumerate(_THIRD):
+            for later in range(k, 4):
+                band[(later - k) * d, k : n - 3 + k] += own * _THIRD[later] * w
     # a trace of prior keeps tracks with hardly any measurement solvable
     band[0] += 1e-9 * band[0].max()
-    factor = cholesky_banded(band.reshape(2 * d + 1, n * d), lower=True)
+    factor = cholesky_banded(band.reshape(3 * d + 1, n * d), lower=True)
     x = cho_solve_banded((factor, True), target.ravel()).reshape(n, d)
     return x, factor
 
