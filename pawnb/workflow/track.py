@@ -13,6 +13,7 @@ import numpy as np
 import pandas as pd
 
 from pawnb.core.paws import PaperSettings, track_paws
+from pawnb.core.paws.whole import WholeSettings, track_whole
 from pawnb.core.rig import Rig, load_rig
 from pawnb.core.video import ViewSet, open_views
 from pawnb.errors import CalibrationError, InputError, InputWarning, did_you_mean
@@ -24,8 +25,13 @@ from pawnb.workflow.progress import Progress, progress_bar
 from pawnb.workflow.provenance import build_step, trial_checksums
 from pawnb.workflow.results import describe_trial, provenance_steps, write_track_results
 
-METHODS = ("paper", "slic-3d", "slic-2d")
+METHODS = ("pawnb", "paper", "slic-3d", "slic-2d")
 """Methods of the paw tracker; the first is the default."""
+
+TrackerSettings = WholeSettings | PaperSettings
+_SETTINGS: dict[str, type[TrackerSettings]] = {
+    method: WholeSettings if method == "pawnb" else PaperSettings for method in METHODS
+}
 
 
 def track(
@@ -46,10 +52,11 @@ def track(
     ----------
     trial : Trial, str or Path
         The trial, its ``trial.toml``, or the folder that holds it.
-    method : {"paper", "slic-3d", "slic-2d"}
-        ``"paper"``: superpixels, a 3D Kalman filter and a stride template, after Haji
-        Maghsoudi et al. 2019; ``"slic-3d"`` and ``"slic-2d"`` are the lesser variants it is
-        compared with: no template, and a 2D filter in each view.
+    method : {"pawnb", "paper", "slic-3d", "slic-2d"}
+        ``"pawnb"`` decides over the whole recording. ``"paper"``: superpixels, a 3D Kalman
+        filter and a stride template, after Haji Maghsoudi et al. 2019; ``"slic-3d"`` and
+        ``"slic-2d"`` are the lesser variants it is compared with: no template, and a 2D
+        filter in each view.
     settings : mapping, optional
         Settings of the tracker; they go before those of ``[tracking]`` in the trial.
     start : pandas.DataFrame, optional
@@ -89,12 +96,12 @@ def track(
         rig = trial_rig(trial, views)
         first, last = _frame_range(trial, views, clicks, frames)
         with _progress(progress, "tracking") as report:
-            tracks = track_paws(
+            tracks = _run_tracker(
+                method,
                 views,
                 clicks,
                 rig=rig,
                 settings=chosen,
-                method=method,
                 points_by_view=points_by_view(trial, clicks),
                 facing=view_facing(trial, rig),
                 frames=(first, last),
@@ -164,22 +171,24 @@ def retrack(
             f"frame {frame} is not among the tracked frames {known[0]} to {known[-1]}."
         )
     made = [step for step in provenance_steps(tracks) if step["step"] == "track"]
-    settings = build_settings(
-        PaperSettings,
-        made[-1]["settings"] if made else trial.tracking,
-        where="settings of these tracks",
+    method = made[-1]["method"] if made else METHODS[0]
+    settings = (
+        tracker_settings(trial, method=method)
+        if not made
+        else build_settings(
+            _SETTINGS[method], made[-1]["settings"], where="settings of these tracks"
+        )
     )
-    clicks = native.tracks_table(tracks.isel(time=known == frame)).dropna(subset=["u", "v"])
-    clicks = clicks[["frame", "view", "point", "u", "v"]].reset_index(drop=True)
+    clicks = _clicks_of_frame(trial, tracks, frame)
     with open_views(trial) as views:
         rig = trial_rig(trial, views)
         with _progress(progress, "tracking again") as report:
-            new = track_paws(
+            new = _run_tracker(
+                method,
                 views,
                 clicks,
                 rig=rig,
                 settings=settings,
-                method=made[-1]["method"] if made else METHODS[0],
                 points_by_view=points_by_view(trial, clicks),
                 facing=view_facing(trial, rig),
                 frames=(int(frame), int(known[-1]) + 1),
@@ -205,21 +214,21 @@ def retrack(
 
 def tracker_settings(
     trial: Trial, *, method: str = METHODS[0], settings: Mapping[str, Any] | None = None
-) -> PaperSettings:
+) -> TrackerSettings:
     """Return the settings in force: the trial's ``[tracking]``, overridden by ``settings``.
 
     Parameters
     ----------
     trial : Trial
-        The trial.
+        The trial. Its ``[tracking]`` may hold settings of several methods.
     method : str
         A method of the tracker.
     settings : mapping, optional
-        Settings that go first; text is read as JSON where it can be.
+        Settings of this method that go first; text is read as JSON where it can be.
 
     Returns
     -------
-    PaperSettings
+    WholeSettings or PaperSettings
         The settings.
 
     Raises
@@ -232,10 +241,34 @@ def tracker_settings(
             f"unknown method {method!r}{did_you_mean(method, METHODS)}; "
             f"expected {', '.join(METHODS)}."
         )
-    build_settings(PaperSettings, trial.tracking, where="trial.toml: [tracking]")
+    kind = _SETTINGS[method]
+    own = _setting_names(kind)
+    others = set().union(*(_setting_names(other) for other in _SETTINGS.values())) - own
+    given = {name: value for name, value in trial.tracking.items() if name not in others}
+    build_settings(kind, given, where="trial.toml: [tracking]")
+    for name in sorted(set(settings or {}) & others):
+        owners = [other for other in METHODS if name in _setting_names(_SETTINGS[other])]
+        raise InputError(
+            f"setting {name!r} belongs to method {owners[0]!r}, not to {method!r}; leave it out, "
+            f"or choose that method."
+        )
     return build_settings(
-        PaperSettings, {**trial.tracking, **(settings or {})}, where="settings of the tracker"
+        kind, {**given, **(settings or {})}, where=f"settings of method {method!r}"
     )
+
+
+def _setting_names(kind: type[TrackerSettings]) -> set[str]:
+    """Return the names of a method's settings."""
+    return {f.name for f in dataclasses.fields(kind)}
+
+
+def _run_tracker(
+    method: str, views: ViewSet, clicks: pd.DataFrame, *, settings: TrackerSettings, **options: Any
+) -> Tracks:
+    """Track with one of the methods."""
+    if isinstance(settings, WholeSettings):
+        return track_whole(views, clicks, settings=settings, **options)
+    return track_paws(views, clicks, settings=settings, method=method, **options)
 
 
 def trial_rig(trial: Trial, views: ViewSet) -> Rig | None:
@@ -278,6 +311,21 @@ def _in_real_units(tracks: Tracks, trial: Trial, rig: Rig | None, *, since: int 
     scaled["position"] = tracks["position"].copy(deep=True).assign_attrs(units=calibration.unit)
     scaled["position"].to_numpy()[since:] /= calibration.px_per_unit
     return scaled
+
+
+def _clicks_of_frame(trial: Trial, tracks: Tracks, frame: int) -> pd.DataFrame:
+    """Return a frame of Tracks as start clicks: what each view tracks and has a position for."""
+    table = native.tracks_table(tracks.isel(time=tracks["frame"].to_numpy() == frame))
+    tracked = np.array(
+        [
+            not view.points or point in view.points
+            for view, point in zip(map(trial.view, table["view"]), table["point"], strict=True)
+        ],
+        dtype=bool,
+    )
+    known = table["u"].notna() & (table["origin"] != "reprojected")
+    columns = ["frame", "view", "point", "u", "v"]
+    return table.loc[known & tracked, columns].reset_index(drop=True)
 
 
 def points_by_view(trial: Trial, clicks: pd.DataFrame) -> dict[str, tuple[str, ...]]:

@@ -10,10 +10,11 @@ import pandas as pd
 import pytest
 
 from pawnb.core.rig import Rig
-from pawnb.errors import CalibrationError, InputError
+from pawnb.errors import CalibrationError, InputError, InputWarning
 from pawnb.io.native import read_tracks
 from pawnb.schema import ORIGIN_CODE, POINTS3D_COLUMNS, SUSPECTS_COLUMNS, TRACKS_COLUMNS
 from pawnb.trial import load_trial
+from pawnb.workflow.evaluation import count_errors
 from pawnb.workflow.results import described_trial
 from pawnb.workflow.track import retrack, track, view_facing
 
@@ -23,7 +24,9 @@ FRAMES = (0, 12)
 @pytest.fixture(scope="module")
 def tracked(rendered_trial, tmp_path_factory):
     out = tmp_path_factory.mktemp("results")
-    tracks = track(rendered_trial, frames=FRAMES, out=out, command=["pawnb", "track", "x"])
+    tracks = track(
+        rendered_trial, method="paper", frames=FRAMES, out=out, command=["pawnb", "track", "x"]
+    )
     return tracks, out
 
 
@@ -41,6 +44,27 @@ def test_files_and_columns_are_those_of_the_contract(tracked):
     assert tuple(pd.read_csv(out / "suspects.csv").columns) == SUSPECTS_COLUMNS
 
 
+def test_the_default_follows_every_paw_through_the_recording(rendered_trial):
+    """A front paw is 8 px long here; hidden paws are bridged, so nothing is missing."""
+    tracks = track(rendered_trial)
+    truth = pd.read_csv(rendered_trial / "truth" / "tracks.csv")
+    report = count_errors(tracks, truth, threshold_px=4.0)
+    assert report.share_wrong < 0.1
+    assert report.share_missing == 0
+    assert report.median_px < 0.6
+
+
+@pytest.mark.parametrize("method", ["pawnb", "slic-3d", "slic-2d"])
+def test_every_method_tracks_again_from_a_frame(small_trial, method):
+    trial = load_trial(small_trial)
+    tracks = track(trial, method=method, frames=(0, 12))
+    again = retrack(trial, tracks, 6)
+    assert again.sizes == tracks.sizes
+    before = {"time": slice(0, 6)}
+    assert again.isel(before).equals(tracks.isel(before))
+    assert json.loads(again.attrs["provenance"])["steps"][-1]["frame"] == 6
+
+
 def test_points_stay_near_the_truth_at_first(tracked, rendered_trial):
     """The paws are clicked in frame 0; two frames later every label is still on its paw.
 
@@ -51,7 +75,7 @@ def test_points_stay_near_the_truth_at_first(tracked, rendered_trial):
     both = pd.read_csv(out / "tracks.csv").merge(truth, on=["frame", "view", "point"])
     both = both[(both["frame"] <= 2) & (both["visible"] == 1)]
     away = np.hypot(both["u_x"] - both["u_y"], both["v_x"] - both["v_y"])
-    assert len(both) == 24
+    assert len(both) >= 24
     assert away.max() < 8
 
 
@@ -71,7 +95,8 @@ def test_provenance_names_every_input_and_no_place(tracked, rendered_trial):
 
 def test_the_same_run_writes_the_same_bytes(tracked, rendered_trial, tmp_path):
     _, out = tracked
-    track(rendered_trial, frames=FRAMES, out=tmp_path, command=["pawnb", "track", "x"])
+    again = {"frames": FRAMES, "out": tmp_path, "command": ["pawnb", "track", "x"]}
+    track(rendered_trial, method="paper", **again)
     for path in out.iterdir():
         assert (tmp_path / path.name).read_bytes() == path.read_bytes(), path.name
 
@@ -87,7 +112,7 @@ def test_tracks_carry_their_trial_and_belt(tracked, tmp_path):
 def test_settings_of_the_call_go_before_those_of_the_trial(small_trial):
     with (small_trial / "trial.toml").open("a") as file:
         file.write("\n[tracking]\nmedian_px = 3\nwindow_u_px = 60\n")
-    tracks = track(small_trial, frames=(0, 2), settings={"median_px": "7"})
+    tracks = track(small_trial, method="paper", frames=(0, 2), settings={"median_px": "7"})
     settings = json.loads(tracks.attrs["provenance"])["steps"][0]["settings"]
     assert (settings["median_px"], settings["window_u_px"]) == (7.0, 60.0)
 
@@ -133,10 +158,14 @@ def test_bad_input_is_one_sentence(small_trial):
         return str(caught.value)
 
     assert refuse(method="papr") == (
-        "unknown method 'papr' (did you mean 'paper'?); expected paper, slic-3d, slic-2d."
+        "unknown method 'papr' (did you mean 'paper'?); expected pawnb, paper, slic-3d, slic-2d."
     )
     assert "unknown name 'medan_px' (did you mean 'median_px'?)" in refuse(
-        settings={"medan_px": "3"}
+        method="paper", settings={"medan_px": "3"}
+    )
+    assert refuse(settings={"median_px": "3"}) == (
+        "setting 'median_px' belongs to method 'paper', not to 'pawnb'; leave it out, or choose "
+        "that method."
     )
     assert refuse(frames=(0, 41)) == (
         "frames 0 to 40 were asked for; the recording has frames 0 to 39: choose a range within."
@@ -210,7 +239,8 @@ def test_time_follows_the_stamps_of_a_variable_rate(tmp_path):
         '[trial]\nfps = 100\n[[views]]\nname = "v"\nvideo = "v.mkv"\n'
         '[start]\npoints = "start.csv"\n[tracking]\nscale = 0.2\nmedian_px = 1\n'
     )
-    tracks = track(tmp_path)
+    with pytest.warns(InputWarning, match=r"the frame rate varies"):
+        tracks = track(tmp_path, method="paper")
     np.testing.assert_allclose(tracks["time"], np.array(stamps) / 100, atol=1e-9)
 
 
