@@ -17,6 +17,9 @@ from scipy.sparse import coo_array, csr_array
 
 from pawnb.core.paws.whole.tracklets import Tracklet
 
+_AT_END = 0.3
+"""Share of the cost of a frame hidden at the end of the recording."""
+
 
 @dataclass(frozen=True)
 class FlowCosts:
@@ -217,7 +220,9 @@ def _solve(
         columns.append(index)
         values.append(np.ones(len(ends)))
         left = np.array([n_frames - 1 - nodes[i].last for i in ends])
-        objective.append(np.where(left > 0, costs.hide + costs.stay * left, 0.0))
+        # the end of the recording may well fall into a gap
+        toll = costs.stay * (left - (1.0 - _AT_END) * np.minimum(left, costs.longest_gap / 4))
+        objective.append(np.where(left > 0, costs.hide + toll, 0.0))
         meaning.append(np.column_stack([np.full(len(ends), p), ends, np.full(len(ends), -1)]))
         count += len(ends)
     A = coo_array(

@@ -205,10 +205,9 @@ def refine(
         z = np.einsum("npv,npvik,npvi->npk", weight, J, wanted)
         for p in range(n_points):
             x[:, p], factor = smooth(W[:, p], z[:, p], q[:, p])
-            if turn == _ROUNDS - 1:
-                sd[:, p] = np.sqrt(variances(factor, d))
+            sd[:, p] = np.sqrt(variances(factor, d))
             q[:, p] = _jerk2(x[:, p], what.acceleration)
-        spread = np.minimum(spread, 0.5 * what.thickness)
+        spread = sd.mean(axis=-1)
         sigma = _sigma(x, measured, what, by_hand)
     # what is alike from frame to frame does not average out
     sd = np.sqrt(sd**2 * 2.0 + (0.06 * what.thickness) ** 2)
@@ -249,7 +248,7 @@ def _associate(
                 [what.offsets.apply(rows, p, scale, what.facing[v] or 1) for p in range(n_points)]
             )
             away = np.linalg.norm(at - uv[t, :, v, None], axis=-1) / scale
-            gate = 0.6 + 1.5 * spread[t] / what.thickness
+            gate = np.minimum(0.7 + 4.0 * spread[t] / what.thickness, 2.5)
             cost = away + 0.5 * (1.0 - good)[None]
             cost[away > gate[:, None]] = np.inf
             while True:
