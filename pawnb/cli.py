@@ -1,4 +1,4 @@
-"""The commands: ``pawnb demo``, ``check``, ``track``, ``gait`` and ``lab``.
+"""The commands: ``pawnb demo``, ``check``, ``track``, ``gait``, ``compare`` and ``lab``.
 
 Exit status 0 on success, 2 on bad input with one sentence on standard error.
 """
@@ -76,6 +76,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_check(commands)
     _add_track(commands)
     _add_gait(commands)
+    _add_compare(commands)
     _add_lab(commands)
     return parser
 
@@ -125,6 +126,28 @@ def _add_gait(commands: Any) -> None:
     command.add_argument("--fps", type=float, help="frame rate, where the input does not say")
     command.add_argument("--legs", nargs="+", metavar="LEG", help="legs to use (default: all)")
     command.set_defaults(run=_gait)
+
+
+def _add_compare(commands: Any) -> None:
+    text = "compare methods of the tracker on trials with truth, as the 2019 paper does"
+    command = commands.add_parser("compare", help=text, description=text)
+    command.add_argument(
+        "trials", nargs="+", metavar="TRIAL", help="trial with truth/tracks.csv beside it"
+    )
+    command.add_argument("--methods", help="names with commas between (default: all)")
+    command.add_argument(
+        "--out", default="comparison", help="folder to write (default: %(default)s)"
+    )
+    command.add_argument("--frames", type=int, help="track only so many frames of each trial")
+    command.add_argument(
+        "--no-corrections",
+        action="store_true",
+        help="do not count with corrections, which tracks again after each",
+    )
+    command.add_argument(
+        "--set", action="append", default=[], metavar="NAME=VALUE", help="a setting of the tracker"
+    )
+    command.set_defaults(run=_compare)
 
 
 def _add_lab(commands: Any) -> None:
@@ -185,6 +208,24 @@ def _gait(options: argparse.Namespace, argv: list[str]) -> None:
         options.inputs, out=options.out, fps=options.fps, legs=options.legs, command=argv
     )
     print(done.text())
+
+
+def _compare(options: argparse.Namespace, _argv: list[str]) -> None:
+    from pawnb.workflow.compare import compare_methods
+    from pawnb.workflow.track import METHODS
+
+    methods = options.methods.split(",") if options.methods else METHODS
+    comparison = compare_methods(
+        options.trials,
+        methods=[name.strip() for name in methods],
+        settings=_settings(options.set),
+        frames=None if options.frames is None else (0, options.frames),
+        corrections=not options.no_corrections,
+        out=options.out,
+        report=print,
+    )
+    print(comparison.text())
+    print(f"wrote {options.out}")
 
 
 def _lab(options: argparse.Namespace, _argv: list[str]) -> None:

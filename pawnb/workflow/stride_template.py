@@ -25,6 +25,7 @@ from pawnb.trial import Trial, load_trial
 from pawnb.workflow.track import points_by_view, view_facing
 
 TRACKS = "results/tracks.nc"
+_SETTINGS = ("front", "hind", "template_cutoff_hz")
 
 
 def build_template(
@@ -59,7 +60,9 @@ def build_template(
         raise InputError(f"{len(opened)} trials and {len(given)} tracks; expected as many.")
     strides = []
     for trial, own in zip(opened, given, strict=True):
-        settings = build_settings(PaperSettings, trial.tracking, where="trial.toml: [tracking]")
+        # [tracking] may hold settings of other methods
+        known = {name: trial.tracking[name] for name in _SETTINGS if name in trial.tracking}
+        settings = build_settings(PaperSettings, known, where="trial.toml: [tracking]")
         names = own["keypoint"].to_numpy().tolist()
         strides.append(
             cut_strides(

@@ -24,7 +24,8 @@ from typing import Protocol
 import numpy as np
 
 from pawnb.core.paws.layout import Layout
-from pawnb.core.paws.template import StrideTemplate, TemplateFit, fit_template
+from pawnb.core.paws.template import StrideTemplate
+from pawnb.core.paws.template_fit import TemplateFit, fit_template
 
 _KEPT_STRIDES = 3
 """Strides of history that are kept for a fit, which uses the last one of them."""
@@ -212,7 +213,7 @@ class Collisions:
                 self.flags.pop(pair, None)
             elif pair not in self.flags:
                 fits = self._fit(view, (front, hind))
-                if fits is not None:
+                if fits:
                     self.flags[pair] = fits
                     self._watch[view, front] = self._now + self._stride_frames
                     self._undone.pop((view, front), None)
@@ -221,18 +222,31 @@ class Collisions:
             if not self.is_colliding(key):
                 del self._watch[key]
 
+    def reset(self, key: tuple[int, int]) -> None:
+        """Forget what was found of a point in a view that a person has corrected.
+
+        What was found before may have been wrong, so the template is fitted to later frames
+        only; a collision of the point ends.
+        """
+        view, point = key
+        for uv in self._history:
+            uv[view, point] = np.nan
+        for pair in [p for p in self.flags if p[0] == view and point in p[1:]]:
+            del self.flags[pair]
+        self._watch.pop(key, None)
+
     def remember(self, uv: np.ndarray) -> None:
         """Take in the positions of a frame that has been tracked already; set no flag."""
         self._history.append(uv.copy())
         del self._history[: -self._kept]
         self._now += 1
 
-    def _fit(self, view: int, points: tuple[int, int]) -> dict[int, TemplateFit] | None:
-        """Fit the template to the frames before; None where there are too few of them."""
+    def _fit(self, view: int, points: tuple[int, int]) -> dict[int, TemplateFit]:
+        """Fit the template to the frames before, for each paw that has enough of them."""
         settings = self.layout.settings
+        fits: dict[int, TemplateFit] = {}
         if len(self._history) < settings.start_frame_collision:
-            return None
-        fits = {}
+            return fits
         for point in points:
             path = np.array([uv[view, point] for uv in self._history])
             fit = fit_template(

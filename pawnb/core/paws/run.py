@@ -8,7 +8,6 @@ views that track a point are used.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -21,6 +20,7 @@ from pawnb.core.paws.appearance import (
     place_window,
 )
 from pawnb.core.paws.collisions import Collisions
+from pawnb.core.paws.found import Detection, FrameResult
 from pawnb.core.paws.fusion import best_superpixels, compute_features, fuse, normalise
 from pawnb.core.paws.hidden import find_hidden
 from pawnb.core.paws.layout import Layout, Placement
@@ -30,61 +30,6 @@ from pawnb.schema import ORIGIN_CODE
 _MISSING, _MEASURED, _PREDICTED, _RESOLVED = (
     ORIGIN_CODE[name] for name in ("missing", "measured", "predicted", "resolved")
 )
-
-
-@dataclass(frozen=True)
-class Detection:
-    """What was found for one point in one view and frame.
-
-    Parameters
-    ----------
-    superpixels : Superpixels
-        The superpixels of the sub-image.
-    best : ndarray of int, shape (k,)
-        The best of them, best first.
-    scores : ndarray, shape (k,)
-        Their fused scores.
-    """
-
-    superpixels: Superpixels
-    best: np.ndarray
-    scores: np.ndarray
-
-    @property
-    def places(self) -> np.ndarray:
-        """Positions of the best superpixels, px, shape (k, 2)."""
-        return self.superpixels.uv[self.best]
-
-
-@dataclass
-class FrameResult:
-    """What one frame yields, for V views and P points.
-
-    Parameters
-    ----------
-    uv : ndarray, shape (V, P, 2)
-        Image positions, px; NaN where missing.
-    image_origin : ndarray of int, shape (V, P)
-        Codes of :data:`pawnb.schema.ORIGINS`.
-    image_confidence : ndarray, shape (V, P)
-        0 to 1.
-    position : ndarray, shape (P, d)
-        Positions in calibrated space, or in the picture where nothing is calibrated.
-    origin : ndarray of int, shape (P,)
-        Codes of the positions.
-    confidence : ndarray, shape (P,)
-        0 to 1.
-    residual : ndarray, shape (P,)
-        RMS reprojection error over the views used, px.
-    """
-
-    uv: np.ndarray
-    image_origin: np.ndarray
-    image_confidence: np.ndarray
-    position: np.ndarray
-    origin: np.ndarray
-    confidence: np.ndarray
-    residual: np.ndarray
 
 
 class Run:
@@ -154,6 +99,8 @@ class Run:
         self.learn(pictures, placed)
         for place in placed:
             key = (place.view, place.point)
+            if self.collisions is not None and place.origin == "edited":
+                self.collisions.reset(key)
             result.uv[key] = place.uv
             result.image_origin[key] = ORIGIN_CODE[place.origin]
             result.image_confidence[key] = place.confidence

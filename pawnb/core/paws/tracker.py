@@ -9,6 +9,7 @@ import pandas as pd
 
 from pawnb.core.paws.again import prepare_again
 from pawnb.core.paws.collisions import Collisions
+from pawnb.core.paws.found import FrameResult
 from pawnb.core.paws.layout import (
     Placement,
     Views,
@@ -16,7 +17,7 @@ from pawnb.core.paws.layout import (
     make_layout,
     read_start,
 )
-from pawnb.core.paws.run import FrameResult, Run
+from pawnb.core.paws.run import Run
 from pawnb.core.paws.settings import PaperSettings
 from pawnb.core.paws.template import DEFAULT_TEMPLATE, load_template
 from pawnb.core.rig import Rig

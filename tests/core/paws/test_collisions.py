@@ -112,6 +112,24 @@ def test_history_of_a_kept_stretch_sets_no_flag(make_scene):
     assert collisions.flags  # and it is enough to fit the template to
 
 
+def test_a_correction_ends_the_collision_and_its_paw_is_fitted_to_later_frames_only(make_scene):
+    scene = make_scene()
+    collisions = collisions_of(scene)
+    paths = walk(scene)
+    for uv in paths[:41]:
+        collisions.record(uv)
+    assert collisions.is_colliding((0, 0))
+    collisions.reset((0, 0))
+    assert not collisions.is_colliding((0, 0))
+    assert collisions.is_colliding((1, 0))  # the other view goes on
+    collisions.record(paths[41])
+    # one frame is not enough for the corrected paw; the other one has all of its frames
+    centres = np.full(paths.shape[1:], 7.0)
+    collisions.predict(centres)
+    assert (centres[0, 0] == 7.0).all()
+    assert np.linalg.norm(centres[0, 1] - paths[42][0, 1]) < 4.0
+
+
 def test_weights_are_those_of_algorithm_4(make_scene):
     """Worked from the paper: Weights_F [2,0,4,2,2,0,1,4] and Weights_H [2,0,4,1,2,0,2,4]."""
     scene = make_scene()

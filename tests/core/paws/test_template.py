@@ -12,9 +12,9 @@ from pawnb.core.paws.template import (
     StrideTemplate,
     average_strides,
     cut_strides,
-    fit_template,
     load_template,
 )
+from pawnb.core.paws.template_fit import fit_template
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE, make_tracks
 

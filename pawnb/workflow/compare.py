@@ -1,0 +1,346 @@
+"""The comparison of methods on trials with truth (Haji Maghsoudi et al. 2019, section 4).
+
+Errors as in :mod:`pawnb.workflow.evaluation`, with corrections (as the paper counts) and
+without; the time of tracking; reprojection errors by camera and paw, and the t-tests
+between cameras (Table 1, Table 2, Fig. 7). Trials are the unit: means and SDs are
+those of the trials' values.
+"""
+
+from __future__ import annotations
+
+import itertools
+import json
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy import stats
+
+from pawnb import figures
+from pawnb.core.paws import PaperSettings
+from pawnb.core.rig import Rig, load_rig
+from pawnb.core.video import open_views
+from pawnb.errors import InputError, did_you_mean
+from pawnb.io.tables import write_table
+from pawnb.schema import ORIGIN_CODE, Tracks
+from pawnb.trial import Trial, load_trial
+from pawnb.workflow.evaluation import THRESHOLD_PX, count_errors, track_with_corrections
+from pawnb.workflow.results import make_folder
+from pawnb.workflow.save_figures import save_figure
+from pawnb.workflow.track import METHODS, retrack, track
+
+TRUTH = Path("truth") / "tracks.csv"
+REFERENCE_WIDTH_PX = 2048
+
+COMPARISON_COLUMNS = (
+    "trial", "method", "n_frames", "time_s_per_1000", "major_per_1000", "minor_per_1000",
+    "major_alone_per_1000", "minor_alone_per_1000", "share_wrong_alone", "median_px", "p95_px",
+)  # fmt: skip
+SUMMARY_COLUMNS = ("method", "n_trials", "n_frames", "measure", "mean", "sd")
+REPROJECTION_COLUMNS = ("trial", "method", "view", "point", "kind", "n", "mean_px", "sd_px")
+TESTS_COLUMNS = (
+    "method", "kind", "view_a", "view_b", "n_frames_a", "n_frames_b", "t", "p",
+    "n_trials_a", "n_trials_b", "t_trials", "p_trials",
+)  # fmt: skip
+_Key = tuple[str, str, str, str, str]  # trial, method, view, point, kind
+_MEASURES = ("time_s_per_1000", "major_per_1000", "minor_per_1000",
+             "major_alone_per_1000", "minor_alone_per_1000")  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """What a comparison yields.
+
+    Parameters
+    ----------
+    trials : DataFrame
+        One row a trial and method. ``major_per_1000`` counts corrections and
+        ``minor_per_1000`` what is left after them, both per 1000 frames of all views
+        together; ``..._alone`` is without corrections. ``time_s_per_1000``: seconds of
+        tracking for 1000 frames, decoding included, corrections left out; the paper's
+        time includes those of its user. ``median_px`` and ``p95_px`` are the distances of
+        visible labels from the truth, without corrections.
+    summary : DataFrame
+        Table 2: mean and SD over trials of each measure; SD blank with one trial.
+    reprojection : DataFrame
+        Reprojection error, px, of each trial, method, view and point.
+    tests : DataFrame
+        Table 1: Welch's t-test of the reprojection error between every two cameras, for
+        front and hind paws. ``t`` and ``p`` count frames as if they were independent,
+        as the paper seems to; ``t_trials`` and ``p_trials`` count trials (their means) and
+        are blank with fewer than two.
+    """
+
+    trials: pd.DataFrame
+    summary: pd.DataFrame
+    reprojection: pd.DataFrame
+    tests: pd.DataFrame
+
+    def text(self) -> str:
+        """Return Table 2 in plain text."""
+        lines = []
+        for method, own in self.summary.groupby("method", sort=False):
+            first = own.iloc[0]
+            lines.append(f"{method}: {first['n_trials']} trials, {first['n_frames']} frames")
+            for measure, mean, sd in own[["measure", "mean", "sd"]].to_numpy().tolist():
+                spread = f" (SD {sd:.2f})" if np.isfinite(sd) else ""
+                lines.append(f"  {measure:<22} {mean:8.2f}{spread}")
+        return "\n".join(lines)
+
+
+def compare_methods(
+    trials: Sequence[Trial | str | Path],
+    *,
+    methods: Sequence[str] = METHODS,
+    settings: Mapping[str, Any] | None = None,
+    frames: tuple[int, int] | None = None,
+    corrections: bool = True,
+    out: str | Path | None = None,
+    progress: Callable[[int, int], None] | None = None,
+    report: Callable[[str], None] | None = None,
+) -> Comparison:
+    """Track trials with truth by several methods, and compare them as the 2019 paper does.
+
+    Parameters
+    ----------
+    trials : sequence of Trial, str or Path
+        Trials with the truth in ``truth/tracks.csv``.
+    methods : sequence of str
+        Methods of :func:`pawnb.track`; default all.
+    settings : mapping, optional
+        Settings of the tracker, the same for all.
+    frames : tuple of int, optional
+        Half-open range of frames; default all.
+    corrections : bool
+        Whether to count with corrections as well, which tracks again after each; without,
+        ``major_per_1000`` and ``minor_per_1000`` are blank.
+    out : str or Path, optional
+        Folder for ``comparison.csv``, ``comparison_summary.csv``, ``reprojection.csv``,
+        ``reprojection_tests.csv`` and the figure ``compare_methods``.
+    progress : callable, optional
+        ``progress(done, total)`` while a trial is tracked; default a bar on a terminal.
+    report : callable, optional
+        Told in one line what was done, after each trial and method.
+
+    Returns
+    -------
+    Comparison
+        The tables.
+
+    Raises
+    ------
+    InputError
+        If a trial has no truth or two have the same name, or a method is unknown.
+    """
+    opened = [t if isinstance(t, Trial) else load_trial(t) for t in trials]
+    _check(opened, methods)
+    rows, errors = [], []
+    samples: dict[_Key, np.ndarray] = {}
+    for trial in opened:
+        truth = pd.read_csv(trial.folder / TRUTH)
+        limits = _limits(trial)
+        for method in methods:
+            row, tracks = _run(
+                trial, truth, limits, method=method, settings=settings, frames=frames,
+                corrections=corrections, progress=progress,
+            )  # fmt: skip
+            rows.append(row)
+            if report is not None:
+                report(_line(row))
+            own = _reprojection(trial, tracks)
+            for (view, point, kind), values in own.items():
+                errors.append((trial.name, method, view, point, kind, len(values),
+                               float(values.mean()), _sd(values)))  # fmt: skip
+                samples[trial.name, method, view, point, kind] = values
+    table = pd.DataFrame(rows, columns=list(COMPARISON_COLUMNS))
+    comparison = Comparison(
+        trials=table,
+        summary=_summarise(table),
+        reprojection=pd.DataFrame(errors, columns=list(REPROJECTION_COLUMNS)),
+        tests=_test_cameras(samples),
+    )
+    if out is not None:
+        _write(comparison, make_folder(out), settings or {})
+    return comparison
+
+
+def _check(trials: Sequence[Trial], methods: Sequence[str]) -> None:
+    """Check that methods and truths are there, before the first trial is tracked."""
+    for method in methods:
+        if method not in METHODS:
+            raise InputError(
+                f"unknown method {method!r}{did_you_mean(method, METHODS)}; "
+                f"expected {', '.join(METHODS)}."
+            )
+    names = [trial.name for trial in trials]
+    for trial in trials:
+        if not (trial.folder / TRUTH).is_file():
+            raise InputError(
+                f"trial {trial.name!r} has no {TRUTH.as_posix()}; a comparison needs the truth: "
+                "positions made by hand (frame, view, point, u, v) or those of pawnb demo."
+            )
+        if names.count(trial.name) > 1:
+            raise InputError(f"two trials are named {trial.name!r}; give each its own name.")
+
+
+def _limits(trial: Trial) -> dict[str, Any]:
+    """Return the limits of an error in the pixels of a trial."""
+    with open_views(trial) as views:
+        width = max(reader.width for reader in views.readers.values())
+    points = {view.name: view.points for view in trial.views if view.points}
+    return {
+        "points_by_view": points or None,
+        "threshold_px": THRESHOLD_PX * width / REFERENCE_WIDTH_PX,
+    }
+
+
+def _run(
+    trial: Trial,
+    truth: pd.DataFrame,
+    limits: Mapping[str, Any],
+    *,
+    method: str,
+    settings: Mapping[str, Any] | None,
+    frames: tuple[int, int] | None,
+    corrections: bool,
+    progress: Callable[[int, int], None] | None,
+) -> tuple[dict[str, Any], Tracks]:
+    """Track one trial by one method; return its row, and the tracks after corrections."""
+    begun = time.perf_counter()
+    tracks = track(trial, method=method, settings=settings, frames=frames, progress=progress)
+    took = time.perf_counter() - begun
+    alone = count_errors(tracks, truth, **limits)
+    row = {
+        "trial": trial.name,
+        "method": method,
+        "n_frames": alone.n_frames,
+        "time_s_per_1000": 1000.0 * took / tracks.sizes["time"],
+        "major_per_1000": np.nan,
+        "minor_per_1000": np.nan,
+        "major_alone_per_1000": alone.major_per_1000,
+        "minor_alone_per_1000": alone.minor_per_1000,
+        "share_wrong_alone": alone.share_wrong,
+        "median_px": alone.median_px,
+        "p95_px": alone.p95_px,
+    }
+    if corrections:
+        run = track_with_corrections(
+            tracks,
+            truth,
+            lambda tracks, frame: retrack(trial, tracks, frame, progress=lambda _done, _of: None),
+            **limits,
+        )
+        tracks = run.tracks
+        row["major_per_1000"] = run.interventions_per_1000
+        row["minor_per_1000"] = run.report.minor_per_1000
+    return row, tracks
+
+
+def _line(row: Mapping[str, Any]) -> str:
+    """Return one line about one trial and method."""
+    counted = "" if np.isnan(row["major_per_1000"]) else (
+        f"{row['major_per_1000']:.1f} corrections and {row['minor_per_1000']:.1f} minor errors "
+        "per 1000 frames; "
+    )  # fmt: skip
+    return (
+        f"{row['trial']}, {row['method']}: {counted}without corrections "
+        f"{row['major_alone_per_1000']:.1f} major, {row['minor_alone_per_1000']:.1f} minor, "
+        f"{row['share_wrong_alone']:.1%} of labels wrong; "
+        f"{row['time_s_per_1000'] / 1000.0:.3f} s a frame"
+    )
+
+
+def _reprojection(trial: Trial, tracks: Tracks) -> dict[tuple[str, str, str], np.ndarray]:
+    """Return the reprojection errors, px, of each view, point and kind, one a frame.
+
+    Where a point was found by two views or more: the distance of each from the projection
+    of the triangulated position (section 4.4). Empty without a calibration of two views.
+    """
+    with open_views(trial) as views:
+        sizes = {name: (r.source.width, r.source.height) for name, r in views.readers.items()}
+    rig: Rig | None = load_rig(trial, sizes=sizes)
+    found: dict[tuple[str, str, str], np.ndarray] = {}
+    if rig is None:
+        return found
+    rig = rig.subset(tracks["view"].to_numpy().tolist())
+    labels = tracks.isel(individual=0).transpose("time", "keypoint", "view", "image_space", ...)
+    origin = labels["image_origin"].to_numpy()
+    seen = np.isin(origin, [ORIGIN_CODE[name] for name in ("measured", "resolved", "edited")])
+    uv = np.where(seen[..., None], labels["image_position"].to_numpy(), np.nan)
+    solved = rig.triangulate(uv)
+    error = rig.reprojection_error(solved.xyz, uv)
+    settings = PaperSettings()
+    for p, point in enumerate(tracks["keypoint"].to_numpy().tolist()):
+        for v, view in enumerate(rig.names):
+            values = error[:, p, v]
+            values = values[np.isfinite(values)]
+            if len(values):
+                found[view, point, settings.kind(point)] = values
+    return found
+
+
+def _summarise(table: pd.DataFrame) -> pd.DataFrame:
+    """Mean and SD over trials of each method and measure (Table 2)."""
+    rows = []
+    for method, own in table.groupby("method", sort=False):
+        for measure in _MEASURES:
+            values = own[measure].dropna().to_numpy()
+            if len(values):
+                rows.append((method, len(own), int(own["n_frames"].sum()), measure,
+                             float(values.mean()), _sd(values)))  # fmt: skip
+    return pd.DataFrame(rows, columns=list(SUMMARY_COLUMNS))
+
+
+def _test_cameras(samples: Mapping[_Key, np.ndarray]) -> pd.DataFrame:
+    """Compare the reprojection error between every two cameras, front and hind (Table 1)."""
+    rows = []
+    methods = dict.fromkeys(key[1] for key in samples)
+    kinds = sorted({key[4] for key in samples})
+    for method, kind in itertools.product(methods, kinds):
+        own = {key: x for key, x in samples.items() if key[1] == method and key[4] == kind}
+        for pair in itertools.combinations(sorted({key[2] for key in own}), 2):
+            of_frames, of_trials = [], []
+            for view in pair:
+                here = {key: x for key, x in own.items() if key[2] == view}
+                of_frames.append(np.concatenate(list(here.values())))
+                trials = dict.fromkeys(key[0] for key in here)
+                of_trials.append(
+                    np.array([np.concatenate([x for key, x in here.items() if key[0] == t]).mean()
+                              for t in trials])
+                )  # fmt: skip
+            rows.append((method, kind, *pair, *_welch(*of_frames), *_welch(*of_trials)))
+    return pd.DataFrame(rows, columns=list(TESTS_COLUMNS))
+
+
+def _welch(a: np.ndarray, b: np.ndarray) -> tuple[int, int, float, float]:
+    """Return the sizes of two samples, and t and p of Welch's test; NaN where it has none."""
+    if min(len(a), len(b)) < 2 or np.ptp(a) + np.ptp(b) == 0:
+        return len(a), len(b), float("nan"), float("nan")
+    t, p = stats.ttest_ind(a, b, equal_var=False)
+    return len(a), len(b), float(t), float(p)
+
+
+def _sd(values: np.ndarray) -> float:
+    """Return the sample's standard deviation; NaN of one value."""
+    return float(np.std(values, ddof=1)) if len(values) > 1 else float("nan")
+
+
+def _write(comparison: Comparison, out: Path, settings: Mapping[str, Any]) -> None:
+    """Write the tables and the figure."""
+    for name, table in (
+        ("comparison", comparison.trials),
+        ("comparison_summary", comparison.summary),
+        ("reprojection", comparison.reprojection),
+        ("reprojection_tests", comparison.tests),
+    ):
+        write_table(table, out / f"{name}.csv")
+    drawn = figures.build_compare_methods_table(comparison.trials, comparison.reprojection)
+    record = {"figure": "compare_methods", "settings": json.loads(json.dumps(dict(settings)))}
+    with figures.style():
+        axes = figures.plot_compare_methods(drawn)
+        save_figure(axes, out / "compare_methods", record=record)
+    write_table(drawn, out / "compare_methods.csv")

@@ -1,0 +1,126 @@
+"""The comparison of methods on a small rendered trial, and its tests between cameras."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy import stats
+
+from pawnb import cli
+from pawnb.core.rig import load_rig
+from pawnb.errors import InputError
+from pawnb.io.native import read_tracks
+from pawnb.trial import load_trial
+from pawnb.workflow.compare import (
+    COMPARISON_COLUMNS,
+    REPROJECTION_COLUMNS,
+    SUMMARY_COLUMNS,
+    TESTS_COLUMNS,
+    compare_methods,
+)
+from pawnb.workflow.evaluation import count_errors
+from pawnb.workflow.track import track
+
+FRAMES = (0, 10)
+
+
+@pytest.fixture(scope="module")
+def compared(rendered_trial, tmp_path_factory):
+    out = tmp_path_factory.mktemp("comparison")
+    made = compare_methods(
+        [rendered_trial], methods=["slic-3d", "slic-2d"], frames=FRAMES, out=out,
+        progress=lambda done, total: None,
+    )  # fmt: skip
+    return made, out
+
+
+def test_files_and_columns(compared):
+    made, out = compared
+    for name, columns in (
+        ("comparison", COMPARISON_COLUMNS),
+        ("comparison_summary", SUMMARY_COLUMNS),
+        ("reprojection", REPROJECTION_COLUMNS),
+        ("reprojection_tests", TESTS_COLUMNS),
+    ):
+        assert tuple(pd.read_csv(out / f"{name}.csv").columns) == columns, name
+    for ending in ("png", "pdf", "svg", "csv"):
+        assert (out / f"compare_methods.{ending}").stat().st_size > 0
+    assert made.trials["method"].tolist() == ["slic-3d", "slic-2d"]
+    assert "slic-2d: 1 trials, 10 frames" in made.text()
+
+
+def test_rows_are_those_of_tracking_and_counting_by_hand(compared, rendered_trial):
+    made, _ = compared
+    truth = pd.read_csv(rendered_trial / "truth" / "tracks.csv")
+    trial = load_trial(rendered_trial)
+    tracks = track(trial, method="slic-2d", frames=FRAMES, progress=lambda done, total: None)
+    # 20 px at 2048 px of width; these pictures are a fifth of that
+    points = {view.name: view.points for view in trial.views}
+    by_hand = count_errors(tracks, truth, points_by_view=points, threshold_px=20 * 410 / 2048)
+    row = made.trials.iloc[1]
+    assert row["n_frames"] == 10
+    assert row["major_alone_per_1000"] == by_hand.major_per_1000
+    assert row["minor_alone_per_1000"] == by_hand.minor_per_1000
+    assert row["median_px"] == pytest.approx(by_hand.median_px)
+    assert row["time_s_per_1000"] > 0
+
+
+def test_reprojection_errors_are_distances_from_the_projected_position(rendered_trial, tmp_path):
+    made = compare_methods(
+        [rendered_trial], methods=["paper"], frames=FRAMES, corrections=False,
+        progress=lambda done, total: None,
+    )  # fmt: skip
+    tracks = track(
+        rendered_trial, frames=FRAMES, method="paper", out=tmp_path,
+        progress=lambda done, total: None,
+    )  # fmt: skip
+    tracks = read_tracks(tmp_path / "tracks.nc")
+    rig = load_rig(load_trial(rendered_trial))
+    xyz = tracks["position"].sel(keypoint="FR").isel(individual=0).to_numpy()
+    uv = tracks["image_position"].sel(view="cam1", keypoint="FR").isel(individual=0).to_numpy()
+    away = np.linalg.norm(rig.project(xyz)[:, rig.index("cam1")] - uv, axis=-1)
+    row = made.reprojection.set_index(["view", "point"]).loc[("cam1", "FR")]
+    assert row["n"] == 10
+    assert row["mean_px"] == pytest.approx(away.mean())
+    assert row["sd_px"] == pytest.approx(away.std(ddof=1))
+    assert made.trials["major_per_1000"].isna().all()
+
+
+def test_cameras_are_compared_by_welchs_test(compared):
+    """Its t from the means, SDs and numbers alone (scipy's other route to it)."""
+    made, _ = compared
+    errors = made.reprojection.set_index(["method", "view", "point"])
+    row = made.tests[
+        (made.tests["method"] == "slic-3d") & (made.tests["kind"] == "front")
+        & (made.tests["view_a"] == "cam1") & (made.tests["view_b"] == "cam3")
+    ].iloc[0]  # fmt: skip
+    a, b = errors.loc[("slic-3d", "cam1", "FR")], errors.loc[("slic-3d", "cam3", "FL")]
+    t, p = stats.ttest_ind_from_stats(
+        a["mean_px"], a["sd_px"], a["n"], b["mean_px"], b["sd_px"], b["n"], equal_var=False
+    )
+    assert (row["t"], row["p"]) == pytest.approx((t, p))
+    assert (row["n_trials_a"], row["n_trials_b"]) == (1, 1)
+    assert np.isnan(row["p_trials"])
+    # six pairs of four cameras, front and hind
+    assert len(made.tests) == 2 * 2 * 6
+
+
+def test_bad_input_is_one_sentence(small_trial):
+    with pytest.raises(InputError, match=r"unknown method 'slic-3' \(did you mean 'slic-3d'"):
+        compare_methods([small_trial], methods=["slic-3"])
+    with pytest.raises(InputError, match="two trials are named"):
+        compare_methods([small_trial, small_trial])
+    (small_trial / "truth" / "tracks.csv").unlink()
+    with pytest.raises(InputError, match=r"has no truth/tracks\.csv; a comparison needs the truth"):
+        compare_methods([small_trial])
+
+
+def test_command(rendered_trial, tmp_path, capsys):
+    out = tmp_path / "c"
+    words = ["compare", str(rendered_trial), "--methods", "slic-2d", "--frames", "4"]
+    assert cli.main([*words, "--no-corrections", "--out", str(out)]) == 0
+    said = capsys.readouterr().out
+    assert "slic-2d: 1 trials, 4 frames" in said
+    assert len(pd.read_csv(out / "comparison.csv")) == 1
+    assert cli.main([*words[:3], "x", "--out", str(out)]) == 2
