@@ -31,13 +31,14 @@ from pawnb.workflow.evaluation import (
     count_errors,
     track_with_corrections,
 )
-from pawnb.workflow.track import retrack, track
+from pawnb.workflow.track import METHODS, retrack, track
 
 REFERENCE_WIDTH_PX = 2048
 
 CLIP_LEGS = {"LH": "HL", "LF": "FL", "RF": "FR", "RH": "HR"}
 CLIP_FRAMES = 300
 CLIP_SETTINGS = {
+    # of the 2019 method; method pawnb takes its sizes from the clicks
     # the paws move up to about 22 px a frame, 30 px in the paper's pictures
     "scale": 0.75,
     # the smallest paw covers about 50 px here; a median filter of 3 px
@@ -59,6 +60,7 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0, help="of the scene (%(default)s)")
     parser.add_argument("--set", action="append", default=[], metavar="NAME=VALUE",
                         help="a setting of the tracker")  # fmt: skip
+    parser.add_argument("--method", default=METHODS[0], choices=METHODS, help="(%(default)s)")
     parser.add_argument("--corrections", action="store_true",
                         help="also count interventions (tracks again after each)")  # fmt: skip
     arguments = parser.parse_args()
@@ -67,11 +69,13 @@ def main() -> None:
         path = arguments.trial or render_mouse_trial(
             folder, frames=arguments.frames, scale=arguments.scale, seed=arguments.seed
         )
-        report_scene(load_trial(path), settings, corrections=arguments.corrections)
-    report_clip(settings)
+        report_scene(
+            load_trial(path), arguments.method, settings, corrections=arguments.corrections
+        )
+    report_clip(arguments.method, settings)
 
 
-def report_scene(trial: Trial, settings: dict[str, str], *, corrections: bool) -> None:
+def report_scene(trial: Trial, method: str, settings: dict[str, str], *, corrections: bool) -> None:
     """Track a trial with exact truth and print its errors."""
     truth = pd.read_csv(trial.folder / "truth" / "tracks.csv")
     with open_views(trial) as views:
@@ -79,8 +83,8 @@ def report_scene(trial: Trial, settings: dict[str, str], *, corrections: bool) -
     threshold = THRESHOLD_PX * width / REFERENCE_WIDTH_PX
     points = {view.name: view.points for view in trial.views if view.points}
     limits = {"points_by_view": points or None, "threshold_px": threshold}
-    tracks = track(trial, settings=settings, progress=silent)
-    print(f"{trial.name}: {width} px wide, wrong beyond {threshold:g} px")
+    tracks = track(trial, method=method, settings=settings, progress=silent)
+    print(f"{trial.name}: method {method}, {width} px wide, wrong beyond {threshold:g} px")
     print_report(count_errors(tracks, truth, hidden_px=threshold / 2, **limits))
     if corrections:
         run = track_with_corrections(
@@ -106,7 +110,7 @@ def print_report(report: ErrorReport) -> None:
     )
 
 
-def report_clip(settings: dict[str, str]) -> None:
+def report_clip(method: str, settings: dict[str, str]) -> None:
     """Track the real clip from its hand-marked first frame and compare later marks."""
     home = os.environ.get("PAWNB_TEST_DATA", Path(__file__).parents[2] / "shared" / "data")
     folder = Path(home) / "mouse-side-bottom"
@@ -114,15 +118,19 @@ def report_clip(settings: dict[str, str]) -> None:
         print(f"real clip: not in {folder.parent} (set PAWNB_TEST_DATA)")
         return
     marks = read_marks(folder / "manual_paws.csv")
-    chosen = {**CLIP_SETTINGS, **settings}
+    chosen = {**({} if method == "pawnb" else CLIP_SETTINGS), **settings}
     tracks = track(
         real_clip(folder),
+        method=method,
         settings=chosen,
         start=marks[marks["frame"] == 0],
         frames=(0, CLIP_FRAMES),
         progress=silent,
     )
-    print(f"real clip {folder.name}: {CLIP_FRAMES} frames, settings {json.dumps(chosen)}")
+    print(
+        f"real clip {folder.name}: method {method}, {CLIP_FRAMES} frames, settings "
+        f"{json.dumps(chosen)}"
+    )
     for (frame, view), rows in marks[marks["frame"] > 0].groupby(["frame", "view"]):
         away = {row.point: distance(tracks, row) for row in rows.itertuples(index=False)}
         near = sum(px <= NEAR_PX for px in away.values())

@@ -20,12 +20,17 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from pawnb.core.paws import track_paws
 from pawnb.core.video import open_views
 from pawnb.io.native import read_start
 from pawnb.synthetic import render_mouse_trial
 from pawnb.trial import Trial, load_trial
-from pawnb.workflow.track import points_by_view, tracker_settings, trial_rig
+from pawnb.workflow.track import (
+    METHODS,
+    points_by_view,
+    run_tracker,
+    tracker_settings,
+    trial_rig,
+)
 
 
 class Decoded:
@@ -49,19 +54,20 @@ def main() -> None:
     parser.add_argument("--trial", type=Path, help="a trial to use instead of rendering one")
     parser.add_argument("--frames", type=int, default=40, help="frames to use (%(default)s)")
     parser.add_argument("--scale", type=float, default=1.0, help="of 2048 x 700 (%(default)s)")
+    parser.add_argument("--method", default=METHODS[0], choices=METHODS, help="(%(default)s)")
     parser.add_argument("--repeats", type=int, default=5, help="(%(default)s)")
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         path = arguments.trial or render_mouse_trial(
             folder, frames=arguments.frames, scale=arguments.scale
         )
-        measure(load_trial(path), arguments.frames, arguments.repeats)
+        measure(load_trial(path), arguments.method, arguments.frames, arguments.repeats)
 
 
-def measure(trial: Trial, n_frames: int, repeats: int) -> None:
+def measure(trial: Trial, method: str, n_frames: int, repeats: int) -> None:
     """Measure one trial and print the times."""
     start = read_start(trial.path(trial.start_points), trial)
-    settings = tracker_settings(trial)
+    settings = tracker_settings(trial, method=method)
     with open_views(trial) as views:
         n_frames = min(n_frames, views.n_frames)
         rig = trial_rig(trial, views)
@@ -72,10 +78,16 @@ def measure(trial: Trial, n_frames: int, repeats: int) -> None:
                 pass
 
         def run(source: Any) -> None:
-            track_paws(
-                source, start, rig=rig, settings=settings, frames=(0, n_frames), fps=trial.fps,
+            run_tracker(
+                method,
+                source,
+                start,
+                rig=rig,
+                settings=settings,
+                frames=(0, n_frames),
+                fps=trial.fps,
                 points_by_view=points_by_view(trial, start),
-            )  # fmt: skip
+            )
 
         times = {
             "decoded": median_ms(decode, n_frames, repeats),
@@ -84,7 +96,8 @@ def measure(trial: Trial, n_frames: int, repeats: int) -> None:
         }
         sizes = {f"{r.width} x {r.height}" for r in views.readers.values()}
     print(
-        f"{trial.name}: {len(views.names)} views of {', '.join(sorted(sizes))}, {n_frames} frames"
+        f"{trial.name}: method {method}, {len(views.names)} views of "
+        f"{', '.join(sorted(sizes))}, {n_frames} frames"
     )
     for name, ms in times.items():
         ratio = ms / times["decoded"]

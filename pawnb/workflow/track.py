@@ -96,7 +96,7 @@ def track(
         rig = trial_rig(trial, views)
         first, last = _frame_range(trial, views, clicks, frames)
         with _progress(progress, "tracking") as report:
-            tracks = _run_tracker(
+            tracks = run_tracker(
                 method,
                 views,
                 clicks,
@@ -183,7 +183,7 @@ def retrack(
     with open_views(trial) as views:
         rig = trial_rig(trial, views)
         with _progress(progress, "tracking again") as report:
-            new = _run_tracker(
+            new = run_tracker(
                 method,
                 views,
                 clicks,
@@ -262,10 +262,29 @@ def _setting_names(kind: type[TrackerSettings]) -> set[str]:
     return {f.name for f in dataclasses.fields(kind)}
 
 
-def _run_tracker(
+def run_tracker(
     method: str, views: ViewSet, clicks: pd.DataFrame, *, settings: TrackerSettings, **options: Any
 ) -> Tracks:
-    """Track with one of the methods."""
+    """Track with one of the methods.
+
+    Parameters
+    ----------
+    method : str
+        One of :data:`METHODS`.
+    views : ViewSet
+        The open views.
+    clicks : pandas.DataFrame
+        Start clicks.
+    settings : WholeSettings or PaperSettings
+        Settings of that method.
+    **options
+        The rest of what :func:`pawnb.core.paws.track_paws` takes.
+
+    Returns
+    -------
+    xarray.Dataset
+        Tracks.
+    """
     if isinstance(settings, WholeSettings):
         return track_whole(views, clicks, settings=settings, **options)
     return track_paws(views, clicks, settings=settings, method=method, **options)
