@@ -44,9 +44,13 @@ class Appearance:
     thickness_px: float
     around_px: int
 
-    def score(self, pixels: np.ndarray) -> np.ndarray:
-        """Return the log-likelihood ratio (h, w) float32 of pixels (h, w, 3) or (h, w)."""
-        return self.table[bin_numbers(pixels, self.around_px)]
+    def score(self, pixels: np.ndarray, *, shrink: int = 1) -> np.ndarray:
+        """Return the log-likelihood ratio (h, w) float32 of pixels (h, w, 3) or (h, w).
+
+        ``shrink`` is the factor by which the picture was reduced.
+        """
+        around = 2 * round(self.around_px / shrink / 2) + 1
+        return np.asarray(self.table[bin_numbers(pixels, around)])
 
 
 def bin_numbers(pixels: np.ndarray, around_px: int) -> np.ndarray:
@@ -55,7 +59,7 @@ def bin_numbers(pixels: np.ndarray, around_px: int) -> np.ndarray:
     if pixels.ndim == 2:
         around = cv2.blur(pixels, (around_px, around_px))
         return ((pixels.astype(np.int32) >> 1) << 7) | (around.astype(np.int32) >> 1)
-    p = (pixels >> _SHIFT).astype(np.int32)
+    p = pixels.astype(np.int32) >> _SHIFT
     return (p[..., 0] << 10) | (p[..., 1] << 5) | p[..., 2]
 
 

@@ -72,7 +72,7 @@ def find_candidates(pixels: np.ndarray, origin: tuple[int, int], look: Look) -> 
         pixels = cv2.resize(
             pixels, (w // look.shrink, h // look.shrink), interpolation=cv2.INTER_AREA
         )
-    score = look.appearance.score(pixels)
+    score = look.appearance.score(pixels, shrink=look.shrink)
     score = cv2.GaussianBlur(score, (3, 3), 0.6)
     weight = np.clip(score * 0.5 + 0.5, 0.0, 1.0)
     mask = score > 0
@@ -90,9 +90,9 @@ def find_candidates(pixels: np.ndarray, origin: tuple[int, int], look: Look) -> 
     order = np.argsort(share[v, u])
     keep = order[share[v[order], u[order]] * side * side > 0.25 * r * r]
     u, v = u[keep][:60], v[keep][:60]
-    near, mass = _centres(weight, u, v, r)
-    wide, _ = _centres(weight, u, v, 2 * r)
-    mean = _mean_score(score, weight, near, r)
+    near = _centres(weight, u, v, r)
+    wide = _centres(weight, u, v, 2 * r)
+    mean = _mean_score(score, near)
     table = np.column_stack(
         [near, near - wide, share[v, u][:, None], mean[:, None], np.column_stack([u, v])]
     )
@@ -119,10 +119,8 @@ def worth(rows: np.ndarray, distal: tuple[float, float]) -> np.ndarray:
     return np.asarray(np.clip(0.5 * (rows[:, 5] - 0.5), 0.05, 1.0) * ahead * end)
 
 
-def _centres(
-    weight: np.ndarray, u: np.ndarray, v: np.ndarray, reach: int
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return the weighted centres (n, 2) of squares about some pixels, and their mass (n,)."""
+def _centres(weight: np.ndarray, u: np.ndarray, v: np.ndarray, reach: int) -> np.ndarray:
+    """Return the weighted centres (n, 2) of discs about some pixels."""
     padded = cv2.copyMakeBorder(weight, reach, reach, reach, reach, cv2.BORDER_CONSTANT)
     step = np.arange(2 * reach + 1)
     part = padded[v[:, None, None] + step[:, None], u[:, None, None] + step]
@@ -132,13 +130,11 @@ def _centres(
     safe = np.maximum(mass, 1e-6)
     cu = (part.sum(axis=1) * (step - reach)).sum(axis=1) / safe
     cv_ = (part.sum(axis=2) * (step - reach)).sum(axis=1) / safe
-    return np.column_stack([u + cu, v + cv_]), mass
+    return np.column_stack([u + cu, v + cv_])
 
 
-def _mean_score(
-    score: np.ndarray, weight: np.ndarray, centre: np.ndarray, reach: int
-) -> np.ndarray:
-    """Return the mean score of the mask's pixels about some positions."""
+def _mean_score(score: np.ndarray, centre: np.ndarray) -> np.ndarray:
+    """Return the mean score (n,) of the pixels about some positions."""
     h, w = score.shape
     u = np.clip(np.round(centre[:, 0]).astype(int), 1, w - 2)
     v = np.clip(np.round(centre[:, 1]).astype(int), 1, h - 2)
@@ -148,8 +144,12 @@ def _mean_score(
 
 def _distinct(table: np.ndarray, apart: float) -> np.ndarray:
     """Keep rows in order, leaving out those that lie within ``apart`` of one kept."""
+    u, v = table[:, 0], table[:, 1]
+    close = (u[:, None] - u) ** 2 + (v[:, None] - v) ** 2 < apart**2
+    free = np.ones(len(table), bool)
     kept: list[int] = []
     for i in range(len(table)):
-        if all(np.hypot(*(table[i, :2] - table[j, :2])) >= apart for j in kept):
+        if free[i]:
             kept.append(i)
+            free &= ~close[i]
     return table[kept]

@@ -132,7 +132,7 @@ class Flow:
         self.nodes = [*pieces, *(piece for _, piece in fixed)]
         self.owner = np.full(len(self.nodes), -1)
         self.owner[len(pieces) :] = [p for p, _ in fixed]
-        self.edges = _edges(self.nodes, self.owner, n_frames, costs)
+        self.edges = _edges(self.nodes, self.owner, costs)
         self.size, self.costs = (n_frames, len(pieces)), costs
 
     def assign(self, prior: np.ndarray | None = None) -> list[list[int]]:
@@ -154,7 +154,7 @@ class Flow:
 
 
 def _edges(
-    nodes: Sequence[Tracklet], owner: np.ndarray, n_frames: int, costs: FlowCosts
+    nodes: Sequence[Tracklet], owner: np.ndarray, costs: FlowCosts
 ) -> list[tuple[int, int, float]]:
     """Return the links (from, to, cost) worth considering."""
     heads, tails = _Ends.of(nodes, costs, head=True), _Ends.of(nodes, costs, head=False)
@@ -194,7 +194,7 @@ def _solve(
     tail = np.array([e[0] for e in edges], int)
     head = np.array([e[1] for e in edges], int)
     link = np.array([e[2] for e in edges])
-    begins = {}
+    begins: dict[int, int] = {}
     for i in range(n_pieces, n_nodes):
         begins.setdefault(int(owner[i]), i)
     columns, rows, values, objective, meaning = [], [], [], [], []
@@ -219,7 +219,7 @@ def _solve(
         rows.append(p * n_nodes + ends)
         columns.append(index)
         values.append(np.ones(len(ends)))
-        left = np.array([n_frames - 1 - nodes[i].last for i in ends])
+        left = np.array([n_frames - 1 - nodes[i].last for i in ends.tolist()])
         # the end of the recording may well fall into a gap
         toll = costs.stay * (left - (1.0 - _AT_END) * np.minimum(left, costs.longest_gap / 4))
         objective.append(np.where(left > 0, costs.hide + toll, 0.0))

@@ -41,7 +41,10 @@ def follow_body(x: np.ndarray, frames: int) -> np.ndarray:
 
 
 def learn_habits(
-    x: np.ndarray, body: np.ndarray, axes: Sequence[np.ndarray], groups: Sequence[Sequence[str]],
+    x: np.ndarray,
+    body: np.ndarray,
+    axes: Sequence[np.ndarray],
+    groups: Sequence[Sequence[str]],
     span: float,
 ) -> list[list[np.ndarray]]:
     """Learn how often each point is where, along some axes.

@@ -55,6 +55,15 @@ class Places:
     at: np.ndarray
     cost: np.ndarray
 
+    def take(self, which: np.ndarray) -> Places:
+        """Return some of the hypotheses."""
+        return Places(self.at[which], self.cost[which])
+
+    def distance(self, points: np.ndarray) -> np.ndarray:
+        """Return the distance (k,) of each from the nearest of some points (m, d)."""
+        away = np.linalg.norm(self.at[:, None] - points[None], axis=-1)
+        return np.asarray(away.min(axis=1, initial=np.inf))
+
 
 class Pairing:
     """Makes hypotheses of candidates; holds what depends on the rig alone.

@@ -188,7 +188,7 @@ def refine(
         q[:, p] = _jerk2(x[:, p], what.acceleration)
     sigma = 0.18
     sd = np.empty_like(start)
-    for turn in range(_ROUNDS):
+    for _ in range(_ROUNDS):
         measured, quality = _associate(x, spread, found, what)
         by_hand = np.isfinite(certain[..., 0])
         measured[by_hand] = certain[by_hand]

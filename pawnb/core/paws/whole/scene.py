@@ -129,7 +129,9 @@ def read_scene(
             up, across, (ground - _BELOW * span, ground + settings.height * span),
             (float(beside.min()) - margin, float(beside.max()) + margin),
         )  # fmt: skip
-    return Scene(geometry, placed, span, thickness, thickness_px, looks, regions, distal, up, forward, volume)
+    return Scene(
+        geometry, placed, span, thickness, thickness_px, looks, regions, distal, up, forward, volume
+    )
 
 
 def _directions(layout: Layout) -> tuple[np.ndarray, np.ndarray]:
@@ -146,7 +148,7 @@ def _positions(here: Sequence[Placement], layout: Layout, up: np.ndarray) -> dic
         uv[place.point, place.view] = place.uv
     n_views = np.isfinite(uv[..., 0]).sum(axis=1)
     if layout.rig is None:
-        return {p: uv[p, 0] for p in np.flatnonzero(n_views)}
+        return {int(p): uv[p, 0] for p in np.flatnonzero(n_views)}
     xyz = layout.rig.triangulate(uv, refine=True).xyz
     known = xyz[n_views >= 2]
     height = float(np.median(known @ up)) if len(known) else 0.0

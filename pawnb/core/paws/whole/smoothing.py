@@ -14,7 +14,6 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import cho_solve_banded, cholesky_banded
 
-
 _THIRD = (-1.0, 3.0, -3.0, 1.0)
 
 

@@ -163,10 +163,10 @@ def _placements(
     by_hand: dict[int, list[Placement]] = {}
     anchors: dict[int, list[Placement]] = {}
     known = tracks["frame"].to_numpy()
-    uv = tracks["image_position"].isel(individual=0)
-    uv = uv.transpose("time", "view", "keypoint", "image_space").to_numpy()
-    origin = tracks["image_origin"].isel(individual=0)
-    origin = origin.transpose("time", "view", "keypoint").to_numpy()
+    image = tracks["image_position"].isel(individual=0)
+    uv = image.transpose("time", "view", "keypoint", "image_space").to_numpy()
+    image = tracks["image_origin"].isel(individual=0)
+    origin = image.transpose("time", "view", "keypoint").to_numpy()
     view_names = tracks["view"].to_numpy().tolist()
     point_names = tracks["keypoint"].to_numpy().tolist()
     edited = origin == ORIGIN_CODE["edited"]
@@ -213,7 +213,10 @@ def _solve(
             certain[t, place.point, place.view] = place.uv
     clicked = sorted(inside)
     offsets = learn_offsets(
-        certain[clicked], {t: found[t] for t in clicked}, scene.thickness_px, layout.facing,
+        certain[clicked],
+        {t: found[t] for t in clicked},
+        scene.thickness_px,
+        layout.facing,
         layout.kinds,
     )
     acceleration = settings.acceleration * scene.span / fps**2
@@ -261,14 +264,11 @@ def choose_paths(
     places = _find_places(found, scene, settings)
     d = scene.geometry.n_coordinates
     for t, here in fixed.items():
-        away = np.min(
-            np.linalg.norm(places[t].at[:, None] - np.stack(list(here.values()))[None], axis=-1),
-            axis=1, initial=np.inf,
-        )  # fmt: skip
+        away = places[t].distance(np.stack(list(here.values())))
         free = away > 1.2 * scene.thickness
         if t == min(fixed):
             free[:] = False
-        places[t] = Places(places[t].at[free], places[t].cost[free])
+        places[t] = places[t].take(free)
     acceleration = settings.acceleration * scene.span / fps**2
     noise = settings.noise * scene.thickness
     speed = 12.0 * scene.span / fps

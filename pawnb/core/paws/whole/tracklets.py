@@ -107,7 +107,9 @@ def find_drift(places: Sequence[Places], *, within: float, longest: float) -> np
         return np.zeros(every.shape[1])
     tree = cKDTree(every)
     count = tree.query_ball_point(every, within, return_length=True)
-    return np.asarray(every[tree.query_ball_point(every[int(np.argmax(count))], within)].mean(axis=0))
+    return np.asarray(
+        every[tree.query_ball_point(every[int(np.argmax(count))], within)].mean(axis=0)
+    )
 
 
 def build_tracklets(places: Sequence[Places], linking: Linking) -> list[Tracklet]:
@@ -139,7 +141,7 @@ def build_tracklets(places: Sequence[Places], linking: Linking) -> list[Tracklet
             square = ((at[None] - ahead[:, None]) ** 2).sum(axis=-1) / (p0 + r)[:, None]
             square = square + 2.0 * here.cost[good][None]
             taken = _mutual(square)
-        matched = {int(c): g for g, c in enumerate(taken) if c >= 0}
+        matched = {int(c): g for g, c in enumerate(taken.tolist()) if c >= 0}
         following = []
         for c, chain in enumerate(open_):
             if c in matched:
@@ -148,10 +150,8 @@ def build_tracklets(places: Sequence[Places], linking: Linking) -> list[Tracklet
                 following.append(chain)
             else:
                 done.append(chain.close())
-        for g in np.flatnonzero(taken < 0):
-            following.append(
-                _Chain(t, int(good[g]), at[g], float(here.cost[good[g]]), r, linking)
-            )
+        for g in np.flatnonzero(taken < 0).tolist():
+            following.append(_Chain(t, int(good[g]), at[g], float(here.cost[good[g]]), r, linking))
         open_ = following
     done += [chain.close() for chain in open_]
     return sorted(done, key=lambda piece: piece.first)
@@ -163,7 +163,7 @@ def _mutual(square: np.ndarray, gate: float = 16.0, clear: float = 5.0) -> np.nd
     A pair belongs together if each is the other's nearest within ``gate`` and the next
     nearest of either is clearly farther.
     """
-    rows, columns = square.shape
+    columns = square.shape[1]
     taken = np.full(columns, -1)
     wide = np.pad(square, ((0, 1), (0, 1)), constant_values=np.inf)
     for c in range(columns):
