@@ -1,0 +1,59 @@
+"""Candidates: the ends of drawn limbs, and the look of paws learnt from clicks."""
+
+import cv2
+import numpy as np
+import pytest
+
+from pawnb.core.paws.whole.appearance import learn
+from pawnb.core.paws.whole.candidates import Look, find_candidates, worth
+
+PINK, GREEN, FUR = (200, 130, 120), (70, 130, 70), (50, 48, 46)
+
+
+def picture(*, grey=False, seed=0):
+    """Two limbs 8 px thick, ending at (80, 100) and (150, 95), under a dark body."""
+    rng = np.random.default_rng(seed)
+    image = np.full((240, 700, 3), GREEN, np.uint8)
+    cv2.rectangle(image, (30, 10), (190, 60), FUR, -1)
+    for top, end in (((60, 70), (80, 100)), ((150, 62), (150, 95))):
+        cv2.line(image, top, end, PINK, 8)
+    noisy = np.clip(image + rng.normal(scale=3.0, size=image.shape), 0, 255).astype(np.uint8)
+    return noisy if not grey else cv2.cvtColor(noisy, cv2.COLOR_RGB2GRAY)
+
+
+@pytest.mark.parametrize("grey", [False, True])
+def test_ends_of_limbs_are_the_best_candidates(grey):
+    image = picture(grey=grey)
+    ends = np.array([[79.0, 97.0], [150.0, 92.0]])
+    look = learn([image], [ends], around_px=15)
+    assert 6.0 <= look.thickness_px <= 11.0
+    rows = find_candidates(image, (0, 0), Look(look, 1, 7, (0.0, 1.0)))
+    best = rows[np.argsort(-worth(rows, (0.0, 1.0)))[:2], :2]
+    for end in ends:
+        assert np.linalg.norm(best - end, axis=1).min() < 6.0
+
+
+def test_the_direction_points_to_the_end_and_origin_and_scale_are_undone():
+    image = picture()
+    ends = np.array([[79.0, 97.0], [150.0, 92.0]])
+    look = learn([image], [ends], around_px=15)
+    plain = find_candidates(image, (0, 0), Look(look, 1, 7, (0.0, 1.0)))
+    moved = find_candidates(image, (1000, 500), Look(look, 1, 7, (0.0, 1.0)))
+    np.testing.assert_allclose(moved[:, :2] - plain[:, :2], [[1000, 500]] * len(plain), atol=1e-3)
+    nearest = plain[np.argmin(np.linalg.norm(plain[:, :2] - ends[1], axis=1))]
+    assert nearest[3] > 2.0 * abs(nearest[2])
+    big = cv2.resize(image, None, fx=2, fy=2, interpolation=cv2.INTER_LINEAR)
+    halved = find_candidates(big, (0, 0), Look(look, 2, 7, (0.0, 1.0)))
+    away = np.linalg.norm((halved[:, None, :2] + 0.5) / 2 - 0.5 - plain[None, :, :2], axis=-1)
+    assert np.median(away.min(axis=1)) < 1.0
+
+
+def test_nothing_is_found_where_there_is_no_paw_or_beyond_the_limits():
+    image = picture()
+    look = learn([image], [np.array([[79.0, 97.0], [150.0, 92.0]])], around_px=15)
+    empty = np.full((60, 60, 3), GREEN, np.uint8)
+    assert len(find_candidates(empty, (0, 0), Look(look, 1, 7))) == 0
+    left_only = np.array([[-1.0, 0.0, 110.0]])
+    rows = find_candidates(image, (0, 0), Look(look, 1, 7, (0.0, 1.0), left_only))
+    assert len(rows) > 0
+    assert rows[:, 0].max() <= 110.0

@@ -1,0 +1,80 @@
+"""Pieces of path and their choice: who goes where through crossings and gaps."""
+
+import numpy as np
+
+from pawnb.core.paws.whole.flow import Flow, FlowCosts
+from pawnb.core.paws.whole.hypotheses import Places
+from pawnb.core.paws.whole.tracklets import Linking, Tracklet, build_tracklets, find_drift
+
+COSTS = FlowCosts(0.5, 0.3, 2.0, np.zeros(2), 3.0, 2.0, 30, 16)
+N = 40
+
+
+def piece(path, first, last, cost=0.0):
+    frames = np.arange(first, last + 1)
+    return Tracklet(first, list(frames), path[first : last + 1], np.full(len(frames), cost))
+
+
+def crossing():
+    """Two points that run towards each other and go on, both hidden in frames 15 to 24."""
+    t = np.arange(N, dtype=float)
+    right = np.column_stack([t, np.zeros(N)])
+    left = np.column_stack([39.0 - t, np.ones(N)])
+    return right, left
+
+
+def test_points_keep_their_way_through_a_hidden_crossing():
+    right, left = crossing()
+    pieces = [piece(p, a, b) for p in (right, left) for a, b in ((1, 14), (25, 39))]
+    flow = Flow(pieces, {0: {0: right[0], 1: left[0]}}, N, COSTS)
+    assert flow.assign() == [[0, 1], [2, 3]]
+
+
+def test_a_later_anchor_decides_otherwise():
+    right, left = crossing()
+    pieces = [piece(p, a, b) for p in (right, left) for a, b in ((1, 14), (25, 38))]
+    anchors = {0: {0: right[0], 1: left[0]}, 39: {0: left[39], 1: right[39]}}
+    assert Flow(pieces, anchors, N, COSTS).assign() == [[0, 3], [2, 1]]
+
+
+def test_no_piece_belongs_to_two_points():
+    right, left = crossing()
+    flow = Flow([piece(right, 1, 39)], {0: {0: right[0], 1: right[0] + 0.5}}, N, COSTS)
+    chains = flow.assign()
+    assert sorted(len(chain) for chain in chains) == [0, 1]
+
+
+def test_a_dear_piece_is_left_out_and_a_prior_moves_the_choice():
+    right, _ = crossing()
+    dear = piece(right, 1, 39, cost=5.0)
+    assert Flow([dear], {0: {0: right[0]}}, N, COSTS).assign() == [[]]
+    good = piece(right, 1, 39)
+    flow = Flow([good], {0: {0: right[0], 1: right[0]}}, N, COSTS)
+    assert flow.assign(np.array([[50.0], [0.0]])) == [[], [0]]
+    assert flow.assign(np.array([[0.0], [50.0]])) == [[0], []]
+
+
+def test_tracklets_follow_lone_points_and_break_where_two_come_close():
+    rng = np.random.default_rng(0)
+    right, left = crossing()
+    left[:, 1] = 0.2
+    places = [
+        Places(np.stack([right[t], left[t]]) + rng.normal(scale=0.02, size=(2, 2)), np.zeros(2))
+        for t in range(N)
+    ]
+    pieces = build_tracklets(places, Linking(0.1, 0.3, 2.0, np.zeros(2), 1.0))
+    taken = [(p.first + i, pick) for p in pieces for i, pick in enumerate(p.picks)]
+    assert sorted(taken) == [(t, k) for t in range(N) for k in range(2)]
+    # each piece stays with one point: their places come in a fixed order
+    assert all(len(set(p.picks)) == 1 for p in pieces)
+    assert max(len(p.picks) for p in pieces) >= 15
+
+
+def test_the_drift_is_the_commonest_step():
+    rng = np.random.default_rng(1)
+    places = []
+    for t in range(60):
+        ground = np.array([[100.0, 0.0], [60.0, 5.0], [20.0, -3.0]]) - [1.5 * t, 0.0]
+        places.append(Places(np.vstack([ground, rng.uniform(-50, 50, (2, 2))]), np.zeros(5)))
+    drift = find_drift(places, within=0.3, longest=10.0)
+    np.testing.assert_allclose(drift, [-1.5, 0.0], atol=0.05)

@@ -1,0 +1,47 @@
+"""Smoothing by a banded system against the same problem written out densely."""
+
+import numpy as np
+import pytest
+
+from pawnb.core.paws.whole.smoothing import smooth, variances
+
+
+def dense(information, target, jerk2):
+    """Solve with plain matrices: the definition, term by term."""
+    n, d = target.shape
+    A = np.zeros((n * d, n * d))
+    for t in range(n):
+        A[t * d : t * d + d, t * d : t * d + d] += information[t]
+    for t in range(1, n - 2):
+        for c in range(d):
+            row = np.zeros(n * d)
+            row[[(t - 1) * d + c, t * d + c, (t + 1) * d + c, (t + 2) * d + c]] = [-1, 3, -3, 1]
+            A += np.outer(row, row) / jerk2[t]
+    x = np.linalg.solve(A, target.ravel()).reshape(n, d)
+    return x, np.diag(np.linalg.inv(A)).reshape(n, d)
+
+
+@pytest.mark.parametrize("d", [2, 3])
+def test_agrees_with_the_dense_solution(d):
+    rng = np.random.default_rng(d)
+    n = 25
+    J = rng.normal(size=(n, 4, d))
+    information = np.einsum("nki,nkj->nij", J, J)
+    information[8:14] = 0.0
+    target = np.einsum("nij,nj->ni", information, rng.normal(size=(n, d)))
+    jerk2 = rng.uniform(0.01, 1.0, n)
+    x, factor = smooth(information, target, jerk2)
+    expected_x, expected_var = dense(information, target, jerk2)
+    np.testing.assert_allclose(x, expected_x, rtol=1e-5, atol=1e-5)
+    np.testing.assert_allclose(variances(factor, d), expected_var, rtol=1e-4)
+
+
+def test_a_parabola_crosses_a_gap_unchanged():
+    t = np.arange(30.0)
+    path = np.column_stack([0.1 * t**2 - t, 3.0 - 0.05 * t**2])
+    seen = (t < 10) | (t > 20)
+    information = seen[:, None, None] * np.eye(2) * 4.0
+    x, factor = smooth(information, np.einsum("nij,nj->ni", information, path), np.full(30, 0.1))
+    np.testing.assert_allclose(x, path, atol=1e-3)
+    sd = np.sqrt(variances(factor, 2))
+    assert sd[15, 0] > 2 * sd[5, 0]
