@@ -21,6 +21,7 @@ _HOME = {
     "check_trial": "pawnb.workflow.check",
     "count_errors": "pawnb.workflow.evaluation",
     "load_trial": "pawnb.trial",
+    "propose_start": "pawnb.workflow.propose",
     "read_tracks": "pawnb.io.native",
     "retrack": "pawnb.workflow.track",
     "run_gait": "pawnb.workflow.gait",

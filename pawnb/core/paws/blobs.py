@@ -1,0 +1,152 @@
+"""Small bright or pinkish spots in a picture that could be paws, and where their digits are.
+
+A bare paw is redder than belt, fur and backdrop: in CIELAB its a* is among the highest of
+the picture, whatever the light and the colour of the belt. In a grey picture a paw is
+lighter than what is around it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+PAW_SHARE = 0.02
+"""Length of a hind paw as a share of the picture's width: 40 of 2048 px in the 2019 rig."""
+
+MOST_BLOBS = 24
+_GREY_SPREAD = 3
+_TOP_HAT = 2.0
+_EDGE = 0.25
+"""A paw's pixels are no less like a paw than its middle by more than this share of what
+lies between its middle and the least paw-like fifth around it: fur often lies half way."""
+
+
+@dataclass(frozen=True)
+class Blobs:
+    """Spots of one picture, the most paw-like first.
+
+    Parameters
+    ----------
+    uv : ndarray, shape (n, 2)
+        Positions, px.
+    strength : ndarray, shape (n,)
+        How far each stands out, 1 for what stands out most in an ordinary picture.
+    """
+
+    uv: np.ndarray
+    strength: np.ndarray
+
+
+def paw_likeness(image: np.ndarray, paw_px: float) -> np.ndarray:
+    """Return how paw-like each pixel is: redness, or in a grey picture local brightness.
+
+    Parameters
+    ----------
+    image : ndarray, shape (H, W, 3) or (H, W)
+        RGB or grey, uint8.
+    paw_px : float
+        Length of a hind paw, px.
+
+    Returns
+    -------
+    ndarray, shape (H, W)
+        a* of CIELAB above its median in the picture, or the white top-hat of grey levels.
+    """
+    if image.ndim == 3:
+        red, green, blue = cv2.split(image)
+        spread = max(int(cv2.absdiff(red, green).max()), int(cv2.absdiff(green, blue).max()))
+        if spread > _GREY_SPREAD:
+            lab = cv2.cvtColor(image.astype(np.float32) / 255.0, cv2.COLOR_RGB2LAB)
+            return np.asarray(lab[..., 1] - np.median(lab[::4, ::4, 1]), dtype=float)
+        image = green
+    return np.asarray(_top_hat(image.astype(np.float32), paw_px), dtype=float)
+
+
+def _top_hat(image: np.ndarray, paw_px: float) -> np.ndarray:
+    """Return by how much pixels exceed what is left when all that is small is taken away."""
+    size = max(3, round(_TOP_HAT * paw_px)) | 1
+    kernel = cv2.getStructuringElement(cv2.MORPH_RECT, (size, size))
+    return np.asarray(cv2.morphologyEx(image, cv2.MORPH_TOPHAT, kernel))
+
+
+def find_blobs(likeness: np.ndarray, paw_px: float, *, most: int = MOST_BLOBS) -> Blobs:
+    """Find the spots of paw size that stand out.
+
+    Parameters
+    ----------
+    likeness : ndarray, shape (H, W)
+        As of :func:`paw_likeness`.
+    paw_px : float
+        Length of a hind paw, px.
+    most : int
+        How many spots are returned at most.
+
+    Returns
+    -------
+    Blobs
+        Local maxima of the smoothed likeness and its contrast with what is around, no two
+        nearer than a third of a paw.
+    """
+    smooth = cv2.GaussianBlur(likeness.astype(np.float32), (0, 0), max(0.12 * paw_px, 0.8))
+    smooth += _top_hat(smooth, paw_px)
+    radius = max(1, round(0.3 * paw_px))
+    kernel = np.ones((2 * radius + 1, 2 * radius + 1), np.uint8)
+    peaks = (smooth == cv2.dilate(smooth, kernel)) & (smooth > 0)
+    rows, columns = np.nonzero(peaks)
+    value = smooth[rows, columns]
+    order = np.argsort(-value, kind="stable")[:most]
+    scale = float(np.percentile(smooth, 99.9)) or 1.0
+    uv = np.stack([columns[order], rows[order]], axis=-1).astype(float)
+    return Blobs(uv, np.asarray(np.clip(value[order] / scale, 0.0, 1.0), dtype=float))
+
+
+def find_digits(
+    likeness: np.ndarray, uv: np.ndarray, direction: np.ndarray, *, reach_px: float, pad_px: float
+) -> np.ndarray:
+    """Find the middle of the digits of the paw at a spot.
+
+    Parameters
+    ----------
+    likeness : ndarray, shape (H, W)
+        As of :func:`paw_likeness`, in the same pixels as ``uv``.
+    uv : ndarray, shape (2,)
+        A position on the paw.
+    direction : ndarray, shape (2,)
+        Unit vector in the picture towards the tips of the digits.
+    reach_px : float
+        How far from ``uv`` the paw may reach.
+    pad_px : float
+        Length of the digits, from which the mean is taken.
+
+    Returns
+    -------
+    ndarray, shape (2,)
+        Mean of the paw's pixels no farther than ``pad_px`` behind its foremost ones.
+    """
+    height, width = likeness.shape
+    u0, v0 = np.maximum(np.floor(uv - reach_px).astype(int), 0)
+    u1 = min(int(np.ceil(uv[0] + reach_px)) + 1, width)
+    v1 = min(int(np.ceil(uv[1] + reach_px)) + 1, height)
+    if u0 >= u1 or v0 >= v1:
+        return uv
+    part = likeness[v0:v1, u0:u1].astype(np.float32)
+    window = cv2.GaussianBlur(part, (0, 0), max(0.1 * pad_px, 0.5))
+    column, row = round(float(uv[0])) - int(u0), round(float(uv[1])) - int(v0)
+    near = window[max(row - 1, 0) : row + 2, max(column - 1, 0) : column + 2]
+    if near.size == 0:
+        return uv
+    peak, ground = float(near.max()), float(np.percentile(window, 20.0))
+    mask = (window > peak - _EDGE * (peak - ground)).astype(np.uint8)
+    _, labels = cv2.connectedComponents(mask)
+    here = labels[max(row - 1, 0) : row + 2, max(column - 1, 0) : column + 2]
+    own = labels == np.bincount(here.ravel(), minlength=2)[1:].argmax() + 1
+    rows, columns = np.nonzero(own)
+    place = np.stack([columns + u0, rows + v0], axis=-1).astype(float)
+    place = place[np.linalg.norm(place - uv, axis=-1) <= reach_px]
+    if len(place) == 0:
+        return uv
+    along = place @ direction
+    tip = float(np.percentile(along, 98.0))
+    return np.asarray(place[along >= tip - pad_px].mean(axis=0))
