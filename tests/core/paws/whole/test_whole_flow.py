@@ -38,7 +38,7 @@ def test_a_later_anchor_decides_otherwise():
 
 
 def test_no_piece_belongs_to_two_points():
-    right, left = crossing()
+    right, _ = crossing()
     flow = Flow([piece(right, 1, 39)], {0: {0: right[0], 1: right[0] + 0.5}}, N, COSTS)
     chains = flow.assign()
     assert sorted(len(chain) for chain in chains) == [0, 1]
