@@ -13,6 +13,7 @@ from pawnb.core.video import open_views
 from pawnb.trial import Trial, load_trial
 from pawnb.widgets.frame_canvas import MOUSE_AND_KEYS, FrameCanvas, Overlay, Views
 from pawnb.widgets.start_session import StartSession
+from pawnb.workflow.propose import StartProposal, propose_start
 
 _KEYS = (
     ("Click", "place the point that is asked for; the next is asked for by itself"),
@@ -38,6 +39,9 @@ class ClickInitialiser(FrameCanvas):
         Frame to begin with; default the first that has clicks, else the first.
     start : pandas.DataFrame, optional
         Clicks to begin with (frame, view, point, u, v in px); default those in the file.
+    propose : bool or StartProposal
+        Whether to offer points to accept or drag, drawn dashed, those of
+        :func:`pawnb.propose_start`, or a proposal that was made before.
     **options
         ``path`` (file for the clicks; default the trial's ``[start] points``, else
         ``start.csv`` beside the trial), ``views`` and ``rig`` (when they are open already),
@@ -60,6 +64,7 @@ class ClickInitialiser(FrameCanvas):
         *,
         frame: int | None = None,
         start: pd.DataFrame | None = None,
+        propose: bool | StartProposal = False,
         path: str | Path | None = None,
         views: Views | None = None,
         rig: Rig | None = None,
@@ -77,6 +82,9 @@ class ClickInitialiser(FrameCanvas):
             rig=view_rig(trial, shown) if rig is None else rig,
             path=path,
         )
+        self._proposal = ""
+        if propose:
+            self._propose(trial, propose)
         super().__init__(shown, frame=self.session.frame, span=self.session.span, **options)
         self.label = "Click the start points"
         self.keys_help = [list(line) for line in (*_KEYS, *MOUSE_AND_KEYS)]
@@ -118,9 +126,18 @@ class ClickInitialiser(FrameCanvas):
         if (own := getattr(self, "_own_views", None)) is not None:
             own.close()
 
+    def _propose(self, trial: Trial, propose: bool | StartProposal) -> None:
+        """Offer a proposal, and say in words how sure it is."""
+        proposal = propose if isinstance(propose, StartProposal) else propose_start(trial)
+        self.session.propose(proposal.start)
+        each = ", ".join(f"{row.point} {row.words}" for row in proposal.points.itertuples())
+        self._proposal = f"Proposed points are dashed ({each}): press Enter, or drag them. "
+
     def _act(self, action: str) -> None:
         """Do what a button or its key asks for."""
-        if action == "undo":
+        if action == "accept":
+            self.session.accept_all()
+        elif action == "undo":
             self.session.undo()
         elif action == "redo":
             self.session.redo()
@@ -140,7 +157,10 @@ class ClickInitialiser(FrameCanvas):
         file = (
             f"Saved in {session.path.name}." if session.saved else "Every click is saved at once."
         )
-        self.status = f"{session.prompt()}\n{session.missing()} {file}"
+        offered = any(slot[0] == session.frame for slot in session.proposed)
+        offered = offered and session.current is not None
+        said = self._proposal if offered else ""
+        self.status = f"{said}{session.prompt()}\n{session.missing()} {file}"
         self.actions = [
             {"id": "skip", "text": "Hidden here", "keys": ["h"],
              "title": "The point that is asked for cannot be seen in this view (H)",
@@ -150,6 +170,10 @@ class ClickInitialiser(FrameCanvas):
             {"id": "redo", "text": "Redo", "title": "Make it again (Ctrl+Y)",
              "keys": ["Ctrl+y", "Ctrl+Shift+Z"], "enabled": session.can_redo},
         ]  # fmt: skip
+        if offered:
+            accept = {"id": "accept", "text": "Accept all", "keys": ["Enter"]}
+            title = "Take every proposed point of this frame as it is (Enter)"
+            self.actions = [accept | {"title": title}, *self.actions]
 
 
 def trial_span(trial: Trial, views: Views) -> tuple[int, int]:

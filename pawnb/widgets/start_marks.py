@@ -21,6 +21,7 @@ class Clicked(Protocol):
     colours: dict[str, str]
     points_by_view: dict[str, tuple[str, ...]]
     current: tuple[str, str] | None
+    proposed: dict[Slot, tuple[float, float]]
 
     @property
     def clicks(self) -> Mapping[Slot, tuple[float, float]]:
@@ -56,6 +57,10 @@ def draw_view(session: Clicked, frame: int, view: str) -> dict[str, Any]:
         uv = clicks.get(slot)
         if uv is not None:
             points.append({"id": point, "u": uv[0], "v": uv[1], "colour": colour})
+        elif slot in session.proposed and slot not in session.hidden:
+            u, v = session.proposed[slot]
+            mark = {"id": point, "u": u, "v": v, "colour": colour, "origin": "predicted"}
+            points.append(mark)  # drawn dashed
         guide = find_guide(session, frame, view=view, point=point)
         if guide is not None and len(guide) == 1:
             hollow.append({"id": point, "u": guide[0][0], "v": guide[0][1], "colour": colour})

@@ -65,6 +65,8 @@ class StartSession:
         (frame, view, point) to (u, v) in px.
     hidden : frozenset
         (frame, view, point) marked as hidden.
+    proposed : dict
+        (frame, view, point) to (u, v) in px of points that nobody has clicked or accepted.
 
     Raises
     ------
@@ -98,6 +100,7 @@ class StartSession:
         if frame is None:
             frame = min((f for f, _, _ in clicks), default=span[0])
         self._state = _State(clicks=clicks, frame=self._checked_frame(frame))
+        self.proposed: dict[Slot, tuple[float, float]] = {}
         self._past: list[_State] = []
         self._future: list[_State] = []
         self.current: tuple[str, str] | None = None
@@ -251,6 +254,18 @@ class StartSession:
         slot = (self.frame, view, point)
         clicks = {key: uv for key, uv in self._state.clicks.items() if key != slot}
         self._change(replace(self._state, clicks=clicks, hidden=self._state.hidden | {slot}))
+
+    def propose(self, start: pd.DataFrame) -> None:
+        """Offer points (frame, view, point, u, v in px) to accept or drag, and look at them."""
+        self.proposed = self._clicks_of(start)
+        if self.proposed:
+            self.go(min(frame for frame, _, _ in self.proposed))
+
+    def accept_all(self) -> None:
+        """Take every proposed point of this frame that is neither clicked nor hidden."""
+        for (frame, view, point), uv in self.proposed.items():
+            if frame == self.frame and (view, point) in self._open_slots():
+                self.place(view, point, *uv)
 
     def undo(self) -> bool:
         """Take back the last change; say whether there was one."""

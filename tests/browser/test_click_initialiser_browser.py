@@ -158,6 +158,41 @@ def test_hidden_points_the_epipolar_line_and_another_frame(clicking):
     assert list(rows(file)) == [(2, "cam1", "FR")]
 
 
+def test_a_proposal_is_accepted_with_enter_or_dragged(notebook, trial_file):
+    file = trial_file.parent / "start.csv"
+    notebook.show(f"""import numpy as np, pandas as pd
+import small_trial as scene
+from pawnb.widgets import ClickInitialiser
+from pawnb.workflow.propose import StartProposal
+rows = [(3, view, point, *scene.seen(3)[k, "FR HR".split().index(point)])
+        for k, (view, points) in enumerate(scene.POINTS.items()) for point in points]
+points = pd.DataFrame([("FR", 0.9, "sure"), ("HR", 0.1, "unsure, check it")],
+                      columns=["point", "sure", "words"])
+start = pd.DataFrame(rows, columns=["frame", "view", "point", "u", "v"])
+w = ClickInitialiser({str(trial_file)!r}, propose=StartProposal(3, start, points))
+w""")
+    assert notebook.py("w.frame") == 3
+    assert not file.exists()  # nothing is a start before it is accepted
+    text = notebook.page.locator(".pawnb-status").inner_text()
+    assert "FR sure, HR unsure, check it" in text
+    origins = notebook.js("c.stages[0].overlay.points.map((p) => p.origin)")
+    assert origins == ["predicted", "predicted"]  # dashed
+    u, v = truth("cam1", "HR", frame=3)
+    notebook.drag("cam1", (u, v), (u + 40, v + 30))
+    notebook.settle()
+    assert list(rows(file)) == [(3, "cam1", "HR")]
+    notebook.focus()
+    notebook.press("Enter")
+    notebook.settle()
+    found = rows(file)
+    assert sorted(key[1:] for key in found) == sorted(ORDER)
+    np.testing.assert_allclose(found.pop((3, "cam1", "HR")), (u + 40, v + 30), atol=1.1)
+    for (_, view, point), uv in found.items():
+        np.testing.assert_allclose(uv, truth(view, point, frame=3), atol=1e-3)
+    assert notebook.page.locator("[data-action=accept]").count() == 0
+    notebook.assert_no_errors()
+
+
 def test_keys_stay_in_the_widget(clicking):
     notebook, _ = clicking
     notebook.focus()

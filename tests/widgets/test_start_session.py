@@ -299,3 +299,34 @@ def test_without_a_calibration_one_view_is_enough(trial):
     session.click("cam1", 100, 100)
     session.click("cam1", 200, 100)
     assert session.missing() == "Nothing is missing."
+
+
+def test_a_proposal_is_no_click_until_it_is_accepted(trial):
+    session = session_of(trial)
+    rows = [(7, v, p, *truth(7, v, p)) for v, p in ORDER]
+    session.propose(pd.DataFrame(rows, columns=["frame", "view", "point", "u", "v"]))
+    assert session.frame == 7
+    assert session.clicks == {}
+    assert not session.path.exists()
+    drawn = session.overlay(7)["views"]["cam1"]["points"]
+    assert [(p["id"], p["origin"]) for p in drawn] == [("FR", "predicted"), ("HR", "predicted")]
+    session.place("cam1", "HR", 11.0, 12.0)  # dragged: accepted where it was put
+    session.hide("cam3", "FR")
+    assert session.overlay(7)["views"]["cam3"]["points"] == []
+    session.accept_all()
+    assert session.clicks == {
+        (7, v, p): (11.0, 12.0) if (v, p) == ("cam1", "HR") else pytest.approx(truth(7, v, p))
+        for v, p in ORDER
+        if (v, p) != ("cam3", "FR")
+    }
+    assert "origin" not in session.overlay(7)["views"]["cam1"]["points"][0]
+    assert session.current is None
+    assert len(read_start(session.path, trial)) == 4
+    session.undo()
+    assert len(session.clicks) == 3
+
+
+def test_a_proposal_that_does_not_fit_the_trial_is_refused(trial):
+    row = [[7, "cam3", "HR", 1.0, 2.0]]
+    with pytest.raises(InputError, match="cam3 does not track a point 'HR'"):
+        session_of(trial).propose(pd.DataFrame(row, columns=["frame", "view", "point", "u", "v"]))
