@@ -162,7 +162,7 @@ def count_errors(
         every row with a position is visible.
     points_by_view : mapping, optional
         Points that each view should have tracked; by default those of which it has a
-        position in any frame.
+        position of its own, not a reprojected one, in any frame.
     threshold_px : float
         A judged label farther than this from the truth is wrong. The default suits
         pictures 2048 px wide; give 20 × width / 2048 for others.
@@ -252,7 +252,9 @@ def _side_by_side(
     seen = np.zeros(tracked.shape[:-1], dtype=bool)
     seen[key] = rows["visible"].to_numpy(dtype=float) > 0 if "visible" in rows else True
     if points_by_view is None:
-        expected = np.isfinite(tracked[..., 0]).any(axis=0)
+        origin = _origins(tracks, frames, views, points)
+        found = np.isfinite(tracked[..., 0]) & (origin != ORIGIN_CODE["reprojected"])
+        expected = found.any(axis=0)
     else:
         expected = np.array([[p in points_by_view.get(v, ()) for p in points] for v in views])
     known = np.isfinite(true[..., 0]) & expected
@@ -262,6 +264,20 @@ def _side_by_side(
             "and the frames of both."
         )
     return _Judged(frames, tuple(points), tracked - true, known & seen, known & ~seen)
+
+
+def _origins(
+    tracks: Tracks, frames: np.ndarray, views: Sequence[str], points: Sequence[str]
+) -> np.ndarray:
+    """Return the origins of image positions, shape (n, V, P)."""
+    return (
+        tracks["image_origin"]
+        .isel(individual=0)
+        .swap_dims(time="frame")
+        .sel(frame=frames, view=views, keypoint=points)
+        .transpose("frame", "view", "keypoint")
+        .to_numpy()
+    )
 
 
 def _percentile(values: np.ndarray, percent: float) -> float:
@@ -410,7 +426,10 @@ def _place_truth(tracks: Tracks, truth: pd.DataFrame, frame: int, points: Sequen
         here = here[here["visible"] > 0]
     for point in points:
         p = names.index(point)
-        ever = np.isfinite(tracks["image_position"][:, :, 0, p, 0].to_numpy()).any(axis=0)
+        shown = tracks["image_origin"][:, :, p, 0].to_numpy() == ORIGIN_CODE["reprojected"]
+        ever = (np.isfinite(tracks["image_position"][:, :, 0, p, 0].to_numpy()) & ~shown).any(
+            axis=0
+        )
         # where the truth is hidden, what was tracked is not known to be right
         tracks["image_position"][row, :, :, p, 0] = np.nan
         tracks["image_origin"][row, :, p, 0] = ORIGIN_CODE["missing"]

@@ -1,0 +1,42 @@
+"""Reprojected paws of a rendered trial lie where the truth is, and disturb no evaluation."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+
+from pawnb.io.native import read_tracks
+from pawnb.schema import ORIGIN_CODE
+from pawnb.trial import load_trial
+from pawnb.workflow.evaluation import count_errors, track_with_corrections
+from pawnb.workflow.reproject import reproject
+from pawnb.workflow.track import retrack, track
+
+
+def silent(done, total):
+    """Show no progress."""
+
+
+def test_far_paws_appear_in_the_other_views_and_are_not_judged(rendered_trial, tmp_path):
+    tracks = track(rendered_trial, method="slic-3d", frames=(0, 3), progress=silent)
+    shown = reproject(rendered_trial, tracks, out=tmp_path)
+    again = read_tracks(tmp_path / "tracks.nc")
+    assert (again["image_origin"] == shown["image_origin"]).all()
+    label = {"view": "cam1", "keypoint": "FL"}
+    assert (shown["image_origin"].sel(label) == ORIGIN_CODE["reprojected"]).all()
+    truth = pd.read_csv(rendered_trial / "truth" / "tracks.csv")
+    rows = truth[(truth["view"] == "cam1") & (truth["point"] == "FL") & (truth["frame"] < 3)]
+    place = shown["image_position"].sel(label).isel(individual=0).to_numpy()
+    # a paw is 8 px long at this scale
+    assert np.linalg.norm(place - rows[["u", "v"]].to_numpy(), axis=1).max() < 8
+    # nor does an evaluation count what no view tracked, or correct it there
+    before, after = (count_errors(x, truth, threshold_px=2.0) for x in (tracks, shown))
+    assert after.n_labels == before.n_labels
+    assert after.median_px == before.median_px
+    trial = load_trial(rendered_trial)
+    run = track_with_corrections(
+        shown, truth, lambda t, frame: retrack(trial, t, frame, progress=silent), threshold_px=2.0
+    )
+    assert len(run.interventions)
+    edited = run.tracks["image_origin"].sel(label) == ORIGIN_CODE["edited"]
+    assert not edited.any()
