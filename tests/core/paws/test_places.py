@@ -78,11 +78,11 @@ def test_views_that_do_not_agree_make_no_place():
     assert len(pair_blobs(RIG, blobs, paw_px=PAW_PX).xyz) == 0
 
 
-def stand(rng, *, tilt=None, clutter=400):
+def stand(rng, *, tilt=None, clutter=400, tail_sd=5.0):
     """Paws about (+-20, +-10, 2), a tail about 25 high with more places, and clutter all over."""
     corners = [(x, y, 2.0) for x in (-20, 20) for y in (-10, 10)]
     paws = np.concatenate([c + rng.normal(0, (6, 2, 0.5), (120, 3)) for c in corners])
-    tail = rng.normal((-45, 0, 25), (10, 3, 5), (900, 3))
+    tail = rng.normal((-45, 0, 25), (10, 3, tail_sd), (900, 3))
     rest = rng.uniform(-90, 90, (clutter, 3))
     xyz = np.concatenate([paws, tail, rest])
     if tilt is not None:
@@ -98,6 +98,12 @@ def test_ground_middle_and_span_are_told_from_tail_and_clutter():
     assert stage.ground == pytest.approx(2.0, abs=1.5)
     assert stage.middle == pytest.approx(0.0, abs=2.0)
     assert (stage.hind, stage.front) == pytest.approx((-20, 20), abs=4)
+
+
+def test_the_ground_is_the_lowest_height_where_places_gather():
+    """A tail held level gathers more places than the paws, but higher."""
+    stage = find_stage(stand(np.random.default_rng(0), tail_sd=0.7), RIG)
+    assert stage.ground == pytest.approx(2.0, abs=1.5)
 
 
 def test_directions_of_the_rig_are_kept_to():
