@@ -19,7 +19,7 @@ COLUMNS = ("panel", "method", "view", "kind", "trial", "value", "n", "mean", "sd
 PANELS = {
     "major": "Major errors\nper 1000 frames",
     "minor": "Minor errors\nper 1000 frames",
-    "time": "Time per 1000 frames (s)",
+    "time": "Time per 1000\nframes (s)",
     "reprojection": "Reprojection error (px)",
 }
 _MEASURES = {
@@ -105,7 +105,7 @@ def plot_compare_methods(table: pd.DataFrame) -> Axes:
     with style():
         # the last panel holds a group for each camera and kind of paw
         figure, axes = plt.subplots(
-            1, 4, figsize=size_mm(PAGE_MM, 62.0), width_ratios=[1.0, 1.0, 1.0, 2.6]
+            1, 4, figsize=size_mm(PAGE_MM, 75.0), width_ratios=[1.0, 1.0, 1.0, 2.6]
         )
         for letter, ax, panel in zip("abcd", axes, PANELS, strict=True):
             own = table[table["panel"] == panel]
@@ -118,7 +118,9 @@ def plot_compare_methods(table: pd.DataFrame) -> Axes:
             ax.set_title(letter, loc="left", fontweight="bold")
             ax.set_ylim(bottom=0.0)
             if panel == "reprojection":
-                ax.set_xticks(range(len(groups)), [f"{view}\n{kind}" for view, kind in groups])
+                # eight groups share half a page: upright names would run into each other
+                names = [f"{view} {kind}" for view, kind in groups]
+                ax.set_xticks(range(len(groups)), names, rotation=90)
             else:
                 ax.set_xticks([])
         handles = [Patch(color=colours[m]) for m in methods]

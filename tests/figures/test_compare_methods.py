@@ -66,7 +66,7 @@ def test_bars_are_the_means_and_dots_the_trials():
     assert [round(bar.get_height(), 6) for bar in axes[3].patches] == [3.5, 1.0]
     dots = [line.get_ydata().tolist() for line in axes[0].lines if line.get_marker() == "o"]
     assert dots == [[10.0, 14.0], [3.0]]
-    assert [t.get_text() for t in axes[3].get_xticklabels()] == ["cam1\nfront", "cam1\nhind"]
+    assert [t.get_text() for t in axes[3].get_xticklabels()] == ["cam1 front", "cam1 hind"]
     legend = [t.get_text() for t in ax.figure.legends[0].get_texts()]
     assert legend == ["slic-3d (2 trials)", "paper (1 trial)"]
 
