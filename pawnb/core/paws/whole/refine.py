@@ -18,7 +18,7 @@ from pawnb.core.paws.whole.geometry import Geometry
 from pawnb.core.paws.whole.smoothing import smooth, variances
 
 _ROUNDS = 3
-_JERK = 0.35
+_JERK = 2.5
 """Usual change of the acceleration from frame to frame, in accelerations."""
 _TAIL = 3.0
 """Residuals beyond this many standard deviations count less and less."""
