@@ -11,6 +11,7 @@ crop is bit-identical to the same part of the whole picture on every machine.
 from __future__ import annotations
 
 import functools
+import threading
 from collections.abc import Callable
 from typing import Protocol
 
@@ -162,11 +163,15 @@ class LazyPicture:
         self.is_colour = is_colour
         self._load = load
         self._pixels: np.ndarray | None = None
+        # a picture kept by the reader is handed to several threads, and converting one
+        # frame twice at the same time crashes libswscale
+        self._lock = threading.Lock()
 
     def region(self, u0: int, v0: int, u1: int, v1: int) -> np.ndarray:
         """Return that half-open region as a fresh array."""
-        if self._pixels is None:
-            self._pixels = self._load()
+        with self._lock:
+            if self._pixels is None:
+                self._pixels = self._load()
         return self._pixels[v0:v1, u0:u1].copy()
 
 

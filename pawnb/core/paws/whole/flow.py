@@ -74,7 +74,9 @@ class _Ends:
         )
 
 
-def link_costs(tails: _Ends, i: int, heads: _Ends, j: np.ndarray, costs: FlowCosts) -> np.ndarray:
+def link_costs(
+    tails: _Ends, heads: _Ends, *, i: int, j: np.ndarray, costs: FlowCosts
+) -> np.ndarray:
     """Return the costs of going from the end of piece i to the beginnings of pieces j.
 
     The least squared acceleration that joins the two ends, in units of its variance: for
@@ -170,7 +172,7 @@ def _edges(
             j = j[(owner[j] < 0) | (owner[j] == owner[i])]
         if not len(j):
             continue
-        cost = link_costs(tails, i, heads, j, costs)
+        cost = link_costs(tails, heads, i=i, j=j, costs=costs)
         # long good pieces first: a place nearby is worth little if it leads nowhere
         keep = np.argsort(cost - worth[j])
         keep = keep[(np.arange(len(j)) < costs.links) | (owner[j[keep]] >= 0)]

@@ -43,6 +43,7 @@ def follow_body(x: np.ndarray, frames: int) -> np.ndarray:
 def learn_habits(
     x: np.ndarray,
     body: np.ndarray,
+    *,
     axes: Sequence[np.ndarray],
     groups: Sequence[Sequence[str]],
     span: float,
@@ -83,6 +84,7 @@ def learn_habits(
 def habit_cost(
     pieces: Sequence[Tracklet],
     body: np.ndarray,
+    *,
     axes: Sequence[np.ndarray],
     habits: Sequence[Sequence[np.ndarray]],
     span: float,

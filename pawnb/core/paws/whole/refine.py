@@ -38,7 +38,9 @@ class Offsets:
     along: np.ndarray
     across: np.ndarray
 
-    def apply(self, rows: np.ndarray, point: int, thickness_px: float, facing: int) -> np.ndarray:
+    def apply(
+        self, rows: np.ndarray, point: int, *, thickness_px: float, facing: int
+    ) -> np.ndarray:
         """Return the tracked point's position (n, 2) for candidates of one view."""
         e = rows[:, 2:4].astype(float)
         e /= np.maximum(np.hypot(e[:, 0], e[:, 1]), 1e-6)[:, None]
@@ -50,6 +52,7 @@ class Offsets:
 def learn_offsets(
     clicks: np.ndarray,
     found: Mapping[int, Sequence[np.ndarray]],
+    *,
     thickness_px: np.ndarray,
     facing: Sequence[int],
     kinds: Sequence[str],
@@ -154,6 +157,7 @@ class Refinement:
 def refine(
     start: np.ndarray,
     found: Sequence[Sequence[np.ndarray]],
+    *,
     certain: np.ndarray,
     what: Refinement,
 ) -> Refined:
@@ -245,7 +249,10 @@ def _associate(
             good = worth(rows, what.distal[v])
             scale = what.thickness_px[v]
             at = np.stack(
-                [what.offsets.apply(rows, p, scale, what.facing[v] or 1) for p in range(n_points)]
+                [
+                    what.offsets.apply(rows, p, thickness_px=scale, facing=what.facing[v] or 1)
+                    for p in range(n_points)
+                ]
             )
             away = np.linalg.norm(at - uv[t, :, v, None], axis=-1) / scale
             gate = np.minimum(0.7 + 4.0 * spread[t] / what.thickness, 2.5)

@@ -67,6 +67,7 @@ def read_scene(
     views: Views,
     layout: Layout,
     clicks: Mapping[int, Sequence[Placement]],
+    *,
     anchors: Mapping[int, Sequence[Placement]],
     settings: WholeSettings,
 ) -> Scene:

@@ -126,7 +126,7 @@ def track_whole(
     )  # fmt: skip
     clicks, anchors = _placements(start, layout, frames, tracks)
     first = min(anchors)
-    scene = read_scene(views, layout, clicks, anchors, settings)
+    scene = read_scene(views, layout, clicks, anchors=anchors, settings=settings)
     total = frames[1] - first
     found = extract(
         views, (first, frames[1]), looks=scene.looks, regions=scene.regions,
@@ -206,7 +206,7 @@ def _solve(
     n, n_points, n_views = len(found), len(layout.points), len(layout.views)
     inside = {t - first: here for t, here in anchors.items() if t - first < n}
     fixed = {t - first: here for t, here in scene.anchors.items() if t - first < n}
-    chosen = choose_paths(found, fixed, scene, fps, settings, layout.kinds)
+    chosen = choose_paths(found, fixed, scene, fps=fps, settings=settings, kinds=layout.kinds)
     certain = np.full((n, n_points, n_views, 2), np.nan)
     for t, here in inside.items():
         for place in here:
@@ -215,16 +215,16 @@ def _solve(
     offsets = learn_offsets(
         certain[clicked],
         {t: found[t] for t in clicked},
-        scene.thickness_px,
-        layout.facing,
-        layout.kinds,
+        thickness_px=scene.thickness_px,
+        facing=layout.facing,
+        kinds=layout.kinds,
     )
     acceleration = settings.acceleration * scene.span / fps**2
     what = Refinement(
         scene.geometry, scene.thickness_px, scene.thickness, layout.facing, scene.distal, offsets,
         acceleration, layout.tracked.T,
     )  # fmt: skip
-    result = refine(chosen, found, certain, what)
+    result = refine(chosen, found, certain=certain, what=what)
     started = np.array([min(t for t, h in fixed.items() if p in h) for p in range(n_points)])
     result.x[np.arange(n)[:, None] < started] = np.nan
     _write(new, begin, result, inside, scene)
@@ -234,6 +234,7 @@ def choose_paths(
     found: Sequence[Sequence[np.ndarray]],
     fixed: Mapping[int, Mapping[int, np.ndarray]],
     scene: Scene,
+    *,
     fps: float,
     settings: WholeSettings,
     kinds: Sequence[str],
@@ -292,8 +293,8 @@ def choose_paths(
     for _ in range(_LOOKS):
         body = follow_body(x[start:], max(3, round(_BODY_S * fps)))
         body = np.concatenate([np.repeat(body[:1], start, axis=0), body])
-        habits = learn_habits(x, body, axes, groups, scene.span)
-        prior = _HABIT * habit_cost(pieces, body, axes, habits, scene.span)
+        habits = learn_habits(x, body, axes=axes, groups=groups, span=scene.span)
+        prior = _HABIT * habit_cost(pieces, body, axes=axes, habits=habits, span=scene.span)
         x = _positions_of(problem.assign(prior), pieces, fixed, (len(found), n_points, d))
     return x
 
