@@ -182,16 +182,15 @@ def refine(
     n, n_points, d = start.shape
     x = np.empty_like(start)
     q = np.full((n, n_points), (_JERK * what.acceleration) ** 2)
-    spread = np.full((n, n_points), what.thickness)
     noise = 0.3 * what.thickness
+    factors = np.empty((n_points, 3 * d + 1, n * d))
     for p in range(n_points):
         seen = np.isfinite(start[:, p, 0])
         W = seen[:, None, None] * np.eye(d) / noise**2
-        x[:, p], factor = smooth(W, np.nan_to_num(start[:, p]) / noise**2, q[:, p])
-        spread[:, p] = np.sqrt(np.minimum(variances(factor, d), 1e6).mean(axis=1))
+        x[:, p], factors[p] = smooth(W, np.nan_to_num(start[:, p]) / noise**2, q[:, p])
         q[:, p] = _jerk2(x[:, p], what.acceleration)
+    spread = np.sqrt(np.minimum(variances(factors, d), 1e6).mean(axis=-1)).T
     sigma = 0.18
-    sd = np.empty_like(start)
     for _ in range(_ROUNDS):
         measured, quality = _associate(x, spread, found, what)
         by_hand = np.isfinite(certain[..., 0])
@@ -208,9 +207,9 @@ def refine(
         W = np.einsum("npv,npvik,npvil->npkl", weight, J, J)
         z = np.einsum("npv,npvik,npvi->npk", weight, J, wanted)
         for p in range(n_points):
-            x[:, p], factor = smooth(W[:, p], z[:, p], q[:, p])
-            sd[:, p] = np.sqrt(variances(factor, d))
+            x[:, p], factors[p] = smooth(W[:, p], z[:, p], q[:, p])
             q[:, p] = _jerk2(x[:, p], what.acceleration)
+        sd = np.sqrt(variances(factors, d)).swapaxes(0, 1)
         spread = sd.mean(axis=-1)
         sigma = _sigma(x, measured, what, by_hand)
     # what is alike from frame to frame does not average out
@@ -239,32 +238,50 @@ def _associate(
     n, n_points, _ = x.shape
     uv = what.geometry.project(x)
     n_views = uv.shape[2]
+    rows, number = _side_by_side(found)
+    good = np.empty(rows.shape[:3])
+    at = np.empty((n, n_points, n_views, rows.shape[2], 2))
+    for v in range(n_views):
+        flat = rows[:, v].reshape(-1, rows.shape[-1])
+        good[:, v] = worth(flat, what.distal[v]).reshape(n, -1)
+        for p in range(n_points):
+            scale, facing = what.thickness_px[v], what.facing[v] or 1
+            moved = what.offsets.apply(flat, p, thickness_px=scale, facing=facing)
+            at[:, p, v] = moved.reshape(n, -1, 2)
+    away = np.linalg.norm(at - uv[..., None, :], axis=-1) / what.thickness_px[:, None]
+    gate = np.minimum(0.7 + 4.0 * spread / what.thickness, 2.5)
+    cost = away + 0.5 * (1.0 - good[:, None])
+    is_there = np.arange(rows.shape[2]) < number[:, None, :, None]
+    cost[(away > gate[:, :, None, None]) | ~is_there] = np.inf
+    return _take_nearest(cost, at, good)
+
+
+def _side_by_side(found: Sequence[Sequence[np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
+    """Return the candidates as one array (n, V, most, 8), and their numbers (n, V)."""
+    number = np.array([[len(rows) for rows in here] for here in found])
+    filled = np.arange(max(1, number.max())) < number[..., None]
+    every = np.concatenate([rows for here in found for rows in here])
+    table = np.zeros((*filled.shape, every.shape[1]), every.dtype)
+    table[filled] = every
+    return table, number
+
+
+def _take_nearest(
+    cost: np.ndarray, at: np.ndarray, good: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Give candidates to points, the cheapest pair (n, P, V, most) first, each only once."""
+    n, n_points, n_views, most = cost.shape
     measured = np.full((n, n_points, n_views, 2), np.nan)
     quality = np.zeros((n, n_points, n_views))
-    for t in range(n):
-        for v in range(n_views):
-            rows = found[t][v]
-            if not len(rows):
-                continue
-            good = worth(rows, what.distal[v])
-            scale = what.thickness_px[v]
-            at = np.stack(
-                [
-                    what.offsets.apply(rows, p, thickness_px=scale, facing=what.facing[v] or 1)
-                    for p in range(n_points)
-                ]
-            )
-            away = np.linalg.norm(at - uv[t, :, v, None], axis=-1) / scale
-            gate = np.minimum(0.7 + 4.0 * spread[t] / what.thickness, 2.5)
-            cost = away + 0.5 * (1.0 - good)[None]
-            cost[away > gate[:, None]] = np.inf
-            while True:
-                p, i = np.unravel_index(np.argmin(cost), cost.shape)
-                if not np.isfinite(cost[p, i]):
-                    break
-                measured[t, p, v], quality[t, p, v] = at[p, i], good[i]
-                cost[p] = np.inf
-                cost[:, i] = np.inf
+    cost = np.moveaxis(cost, 2, 1).copy()
+    for _ in range(min(n_points, most)):
+        pairs = cost.reshape(n, n_views, -1)
+        best = pairs.argmin(axis=-1)
+        t, v = np.nonzero(np.isfinite(pairs.min(axis=-1)))
+        p, i = np.divmod(best[t, v], most)
+        measured[t, p, v], quality[t, p, v] = at[t, p, v, i], good[t, v, i]
+        cost[t, v, p] = np.inf
+        cost[t, v, :, i] = np.inf
     return measured, quality
 
 

@@ -57,18 +57,44 @@ def smooth(
 
 
 def variances(factor: np.ndarray, d: int) -> np.ndarray:
-    """Return the variance (n, d) of every coordinate from the factor of :func:`smooth`."""
-    width, size = factor.shape
-    w = width - 1
-    inverse = np.zeros((size, width))  # inverse[i, k] = Z[i + k, i]
-    for i in range(size - 1, -1, -1):
-        m = min(w, size - 1 - i)
-        column = factor[1 : m + 1, i] / factor[0, i]
-        block = np.empty((m, m))
-        for a in range(m):
-            block[a:, a] = inverse[i + 1 + a, : m - a]
-            block[a, a:] = inverse[i + 1 + a, : m - a]
-        z = -block @ column
-        inverse[i, 1 : m + 1] = z
-        inverse[i, 0] = 1.0 / factor[0, i] ** 2 - column @ z
-    return inverse[:, 0].reshape(-1, d)
+    """Return the variance of every coordinate from factors of :func:`smooth`.
+
+    Parameters
+    ----------
+    factor : ndarray, shape (..., 3 d + 1, n d)
+        Factors of one track or of several.
+    d : int
+        Number of coordinates.
+
+    Returns
+    -------
+    ndarray, shape (..., n, d)
+        The variances.
+    """
+    *several, width, size = factor.shape
+    n = size // d
+    # blocks of the factor below the diagonal, of frames t to t + 3: (..., n, 4 d, d)
+    row, column = np.mgrid[: 4 * d, :d]
+    at = np.arange(n)[:, None, None] * d + column
+    part = row - column
+    inside = (part >= 0) & (part < width) & (at - column + row < size)
+    block = np.where(inside, factor[..., np.clip(part, 0, width - 1), at], 0.0)
+    own = np.linalg.inv(block[..., :d, :])
+    gain = block[..., d:, :] @ own
+    first = np.swapaxes(own, -1, -2) @ own
+    # covariance of the three frames after the one in hand
+    after = np.zeros((*several, 3 * d, 3 * d))
+    whole = np.zeros((*several, 4 * d, 4 * d))
+    found = np.empty((*several, n, d))
+    for t in range(n - 1, -1, -1):
+        here = gain[..., t, :, :]
+        cross = -after @ here
+        whole[..., d:, d:] = after
+        whole[..., d:, :d] = cross
+        whole[..., :d, d:] = np.swapaxes(cross, -1, -2)
+        corner = first[..., t, :, :] - np.swapaxes(here, -1, -2) @ cross
+        # rounding that is not symmetric would grow from frame to frame
+        whole[..., :d, :d] = 0.5 * (corner + np.swapaxes(corner, -1, -2))
+        found[..., t, :] = np.diagonal(whole[..., :d, :d], axis1=-2, axis2=-1)
+        after = whole[..., : 3 * d, : 3 * d].copy()
+    return found

@@ -45,3 +45,18 @@ def test_a_parabola_crosses_a_gap_unchanged():
     np.testing.assert_allclose(x, path, atol=1e-3)
     sd = np.sqrt(variances(factor, 2))
     assert sd[15, 0] > 2 * sd[5, 0]
+
+
+def test_variances_of_several_long_tracks_do_not_drift():
+    # one rounding error that grows from frame to frame would show after 100 of them
+    rng = np.random.default_rng(5)
+    n, d = 150, 3
+    factors, expected = [], []
+    for _ in range(2):
+        J = rng.normal(size=(n, 4, d))
+        information = np.einsum("nki,nkj->nij", J, J)
+        information[40:46] = 0.0
+        jerk2 = rng.uniform(0.01, 1.0, n)
+        factors.append(smooth(information, np.zeros((n, d)), jerk2)[1])
+        expected.append(dense(information, np.zeros((n, d)), jerk2)[1])
+    np.testing.assert_allclose(variances(np.stack(factors), d), expected, rtol=1e-4)
