@@ -10,6 +10,10 @@ import numpy as np
 
 from pawnb.core import dlt
 from pawnb.core.paws.whole.candidates import worth
+from pawnb.core.paws.whole.side_by_side import side_by_side
+
+_AT_ONCE = 200
+"""Frames worked on together: enough to save loops, and little memory."""
 
 
 @dataclass(frozen=True)
@@ -103,55 +107,87 @@ class Pairing:
             for a, b in itertools.combinations(range(len(matrices)), 2)
         ]
 
-    def places(self, found: list[np.ndarray]) -> Places:
-        """Return the hypotheses of one frame from the candidates of its views."""
-        uv = self._meeting(found)
-        if not len(uv):
-            return Places(np.empty((0, 3)), np.empty(0))
+    def places(self, found: Sequence[Sequence[np.ndarray]]) -> list[Places]:
+        """Return the hypotheses of every frame from the candidates of its views."""
+        every: list[Places] = []
+        for first in range(0, len(found), _AT_ONCE):
+            every += self._places_of(found[first : first + _AT_ONCE])
+        return every
+
+    def _places_of(self, found: Sequence[Sequence[np.ndarray]]) -> list[Places]:
+        """Return the hypotheses of some frames, all at once."""
+        rows, is_there = side_by_side(found)
+        frame, uv = self._meeting(rows, is_there)
         xyz = triangulate(self.coefs, uv)
-        xyz = xyz[self.volume.holds(xyz)]
-        if not len(xyz):
-            return Places(np.empty((0, 3)), np.empty(0))
-        support = self._support(xyz, found)
-        order = np.argsort(-support)
-        kept: list[int] = []
-        for i in order:
-            if len(kept) == self.most:
+        inside = self.volume.holds(xyz)
+        frame, xyz = frame[inside], xyz[inside]
+        support = self._support(frame, xyz, rows, is_there)
+        # best first, frame by frame
+        order = np.lexsort((-support, frame))
+        frame, xyz, support = frame[order], xyz[order], support[order]
+        first = np.searchsorted(frame, np.arange(len(found) + 1))
+        kept = self._distinct(xyz, first)
+        cost = 1.5 * np.maximum(0.0, 2.0 - support)
+        return [Places(xyz[own], cost[own]) for own in kept]
+
+    def _distinct(self, xyz: np.ndarray, first: np.ndarray) -> list[np.ndarray]:
+        """Return which hypotheses of each frame are kept: the best ones that lie apart.
+
+        ``first`` (n + 1,) says where in ``xyz`` each frame begins.
+        """
+        count = np.diff(first)
+        free = np.arange(max(1, int(count.max(initial=0)))) < count[:, None]
+        at = np.full((*free.shape, 3), np.inf)
+        at[free] = xyz
+        kept: list[list[int]] = [[] for _ in count]
+        for _ in range(self.most):
+            open_ = np.flatnonzero(free.any(axis=1))
+            if not len(open_):
                 break
-            if not kept or np.min(np.linalg.norm(xyz[kept] - xyz[i], axis=1)) >= self.apart:
-                kept.append(int(i))
-        return Places(xyz[kept], 1.5 * np.maximum(0.0, 2.0 - support[kept]))
+            best = free[open_].argmax(axis=1)
+            for t, b in zip(open_.tolist(), best.tolist(), strict=True):
+                kept[t].append(b)
+            step = at[open_] - at[open_, best][:, None]
+            far = np.sqrt(np.einsum("nki,nki->nk", step, step)) >= self.apart
+            free[open_] &= far
+            free[open_, best] = False
+        return [np.array(own, int) + f for own, f in zip(kept, first[:-1].tolist(), strict=True)]
 
-    def _meeting(self, found: list[np.ndarray]) -> np.ndarray:
-        """Return image positions (n, V, 2), NaN but for two views, of rays that meet."""
-        rows = []
-        n = self.coefs.shape[1]
+    def _meeting(self, rows: np.ndarray, is_there: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return frames (k,) and image positions (k, V, 2) of rays that meet.
+
+        Positions are NaN but for two views.
+        """
+        n_views = self.coefs.shape[1]
+        frames, positions = [np.empty(0, int)], [np.empty((0, n_views, 2))]
+        point = np.concatenate([rows[..., :2], np.ones_like(rows[..., :1])], axis=-1).astype(float)
         for a, b, F in self.pairs:
-            ca, cb = found[a], found[b]
-            if not len(ca) or not len(cb):
-                continue
-            pa = np.column_stack([ca[:, :2], np.ones(len(ca))]).astype(float)
-            pb = np.column_stack([cb[:, :2], np.ones(len(cb))]).astype(float)
+            pa, pb = point[:, a], point[:, b]
             line_b, line_a = pa @ F.T, pb @ F
-            value = np.abs(line_b @ pb.T)
-            away_b = value / np.hypot(line_b[:, 0], line_b[:, 1])[:, None]
-            away_a = value / np.hypot(line_a[:, 0], line_a[:, 1])[None]
-            i, j = np.nonzero((away_b < self.tolerance_px[b]) & (away_a < self.tolerance_px[a]))
-            uv = np.full((len(i), n, 2), np.nan)
-            uv[:, a], uv[:, b] = pa[i, :2], pb[j, :2]
-            rows.append(uv)
-        return np.concatenate(rows) if rows else np.empty((0, n, 2))
+            value = np.abs(line_b @ pb.transpose(0, 2, 1))
+            away_b = value / np.hypot(line_b[..., 0], line_b[..., 1])[:, :, None]
+            away_a = value / np.hypot(line_a[..., 0], line_a[..., 1])[:, None]
+            meet = (away_b < self.tolerance_px[b]) & (away_a < self.tolerance_px[a])
+            t, i, j = np.nonzero(meet & is_there[:, a, :, None] & is_there[:, b, None])
+            uv = np.full((len(t), n_views, 2), np.nan)
+            uv[:, a], uv[:, b] = pa[t, i, :2], pb[t, j, :2]
+            frames.append(t)
+            positions.append(uv)
+        return np.concatenate(frames), np.concatenate(positions)
 
-    def _support(self, xyz: np.ndarray, found: list[np.ndarray]) -> np.ndarray:
+    def _support(
+        self, frame: np.ndarray, xyz: np.ndarray, rows: np.ndarray, is_there: np.ndarray
+    ) -> np.ndarray:
         """Return in how many views, softly counted, a candidate lies at each point (k,)."""
         uv = dlt.project(self.coefs, xyz)
         total = np.zeros(len(xyz))
-        for v, rows in enumerate(found):
-            if not len(rows):
-                continue
-            step = uv[:, v, None, :] - rows[None, :, :2]
+        for v in range(uv.shape[1]):
+            own = rows[:, v]
+            good = worth(own.reshape(-1, own.shape[-1]), self.distal[v]).reshape(own.shape[:2])
+            good = np.where(is_there[:, v], good, 0.0)
+            step = uv[:, v, None, :] - own[frame, :, :2]
             square = (step**2).sum(axis=-1) / (0.6 * self.tolerance_px[v]) ** 2
-            total += (np.exp(-square) * worth(rows, self.distal[v])[None]).max(axis=1)
+            total += (np.exp(-square) * good[frame]).max(axis=1)
         return total
 
 

@@ -15,6 +15,7 @@ import numpy as np
 
 from pawnb.core.paws.whole.candidates import worth
 from pawnb.core.paws.whole.geometry import Geometry
+from pawnb.core.paws.whole.side_by_side import side_by_side
 from pawnb.core.paws.whole.smoothing import smooth, variances
 
 _ROUNDS = 3
@@ -238,7 +239,7 @@ def _associate(
     n, n_points, _ = x.shape
     uv = what.geometry.project(x)
     n_views = uv.shape[2]
-    rows, number = _side_by_side(found)
+    rows, is_there = side_by_side(found)
     good = np.empty(rows.shape[:3])
     at = np.empty((n, n_points, n_views, rows.shape[2], 2))
     for v in range(n_views):
@@ -251,19 +252,8 @@ def _associate(
     away = np.linalg.norm(at - uv[..., None, :], axis=-1) / what.thickness_px[:, None]
     gate = np.minimum(0.7 + 4.0 * spread / what.thickness, 2.5)
     cost = away + 0.5 * (1.0 - good[:, None])
-    is_there = np.arange(rows.shape[2]) < number[:, None, :, None]
-    cost[(away > gate[:, :, None, None]) | ~is_there] = np.inf
+    cost[(away > gate[:, :, None, None]) | ~is_there[:, None]] = np.inf
     return _take_nearest(cost, at, good)
-
-
-def _side_by_side(found: Sequence[Sequence[np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
-    """Return the candidates as one array (n, V, most, 8), and their numbers (n, V)."""
-    number = np.array([[len(rows) for rows in here] for here in found])
-    filled = np.arange(max(1, number.max())) < number[..., None]
-    every = np.concatenate([rows for here in found for rows in here])
-    table = np.zeros((*filled.shape, every.shape[1]), every.dtype)
-    table[filled] = every
-    return table, number
 
 
 def _take_nearest(

@@ -327,7 +327,7 @@ def _find_places(
         coefs, scene.volume, tolerance_px=0.8 * scene.thickness_px, distal=scene.distal,
         apart=scene.thickness, most=settings.places,
     )  # fmt: skip
-    return [pairing.places(list(rows)) for rows in found]
+    return pairing.places(found)
 
 
 def _flat_places(rows: np.ndarray, distal: tuple[float, float]) -> Places:
