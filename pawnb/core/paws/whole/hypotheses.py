@@ -117,8 +117,7 @@ class Pairing:
     def _places_of(self, found: Sequence[Sequence[np.ndarray]]) -> list[Places]:
         """Return the hypotheses of some frames, all at once."""
         rows, is_there = side_by_side(found)
-        frame, uv = self._meeting(rows, is_there)
-        xyz = triangulate(self.coefs, uv)
+        frame, xyz = self._meeting(rows, is_there)
         inside = self.volume.holds(xyz)
         frame, xyz = frame[inside], xyz[inside]
         support = self._support(frame, xyz, rows, is_there)
@@ -154,12 +153,8 @@ class Pairing:
         return [np.array(own, int) + f for own, f in zip(kept, first[:-1].tolist(), strict=True)]
 
     def _meeting(self, rows: np.ndarray, is_there: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return frames (k,) and image positions (k, V, 2) of rays that meet.
-
-        Positions are NaN but for two views.
-        """
-        n_views = self.coefs.shape[1]
-        frames, positions = [np.empty(0, int)], [np.empty((0, n_views, 2))]
+        """Return frames (k,) and positions (k, 3) where rays of two views meet."""
+        frames, positions = [np.empty(0, int)], [np.empty((0, 3))]
         point = np.concatenate([rows[..., :2], np.ones_like(rows[..., :1])], axis=-1).astype(float)
         for a, b, F in self.pairs:
             pa, pb = point[:, a], point[:, b]
@@ -169,10 +164,9 @@ class Pairing:
             away_a = value / np.hypot(line_a[..., 0], line_a[..., 1])[:, None]
             meet = (away_b < self.tolerance_px[b]) & (away_a < self.tolerance_px[a])
             t, i, j = np.nonzero(meet & is_there[:, a, :, None] & is_there[:, b, None])
-            uv = np.full((len(t), n_views, 2), np.nan)
-            uv[:, a], uv[:, b] = pa[t, i, :2], pb[t, j, :2]
+            uv = np.stack([pa[t, i, :2], pb[t, j, :2]], axis=1)
             frames.append(t)
-            positions.append(uv)
+            positions.append(triangulate(self.coefs[:, [a, b]], uv))
         return np.concatenate(frames), np.concatenate(positions)
 
     def _support(
@@ -184,27 +178,24 @@ class Pairing:
         for v in range(uv.shape[1]):
             own = rows[:, v]
             good = worth(own.reshape(-1, own.shape[-1]), self.distal[v]).reshape(own.shape[:2])
-            good = np.where(is_there[:, v], good, 0.0)
-            step = uv[:, v, None, :] - own[frame, :, :2]
-            square = (step**2).sum(axis=-1) / (0.6 * self.tolerance_px[v]) ** 2
-            total += (np.exp(-square) * good[frame]).max(axis=1)
+            best = np.where(is_there[:, v], np.log(good), -np.inf)[frame]
+            scale = 0.6 * self.tolerance_px[v]
+            for c in range(2):
+                best -= ((uv[:, v, c, None] - own[frame, :, c]) / scale) ** 2
+            total += np.exp(best.max(axis=1))
         return total
 
 
 def triangulate(coefs: np.ndarray, uv: np.ndarray) -> np.ndarray:
     """Triangulate (n, V, 2) by the normal equations: quick, for hypotheses only."""
-    seen = np.isfinite(uv[..., 0])
-    w = seen.astype(float)[..., None]
-    uv0 = np.where(seen[..., None], uv, 0.0)
     L = coefs.T
-    Au = (L[None, :, 0:3] - uv0[..., :1] * L[None, :, 8:11]) * w
-    Av = (L[None, :, 4:7] - uv0[..., 1:] * L[None, :, 8:11]) * w
-    bu = (uv0[..., 0] - L[None, :, 3]) * w[..., 0]
-    bv = (uv0[..., 1] - L[None, :, 7]) * w[..., 0]
-    N = np.einsum("nvi,nvj->nij", Au, Au) + np.einsum("nvi,nvj->nij", Av, Av)
-    r = np.einsum("nvi,nv->ni", Au, bu) + np.einsum("nvi,nv->ni", Av, bv)
+    rows = np.concatenate([L[:, 0:3] - uv[..., :1] * L[:, 8:11],
+                           L[:, 4:7] - uv[..., 1:] * L[:, 8:11]], axis=1)  # fmt: skip
+    right = np.concatenate([uv[..., 0] - L[:, 3], uv[..., 1] - L[:, 7]], axis=1)
+    across = rows.transpose(0, 2, 1)
+    N = across @ rows
     N += np.eye(3) * 1e-12 * np.trace(N, axis1=1, axis2=2)[:, None, None]
-    return np.asarray(np.linalg.solve(N, r[..., None])[..., 0])
+    return np.asarray(np.linalg.solve(N, across @ right[..., None])[..., 0])
 
 
 def _fundamental(A: np.ndarray, B: np.ndarray) -> np.ndarray:
