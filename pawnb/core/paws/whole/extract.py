@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+import contextlib
+from collections import deque
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -12,9 +14,14 @@ from pawnb.core.paws.appearance import Picture
 from pawnb.core.paws.layout import Views
 from pawnb.core.paws.whole.appearance import Appearance
 from pawnb.core.paws.whole.candidates import Look, find_candidates
+from pawnb.core.paws.whole.store import CandidateStore
 
 FOLLOW = 0.06
 """Share by which the searched region follows the candidates from frame to frame."""
+
+_THREADS = 2
+_IN_HAND = 2
+"""Frames that may wait to be searched: no thread stands idle for the slowest view."""
 
 
 @dataclass
@@ -71,6 +78,7 @@ def extract(
     *,
     looks: Sequence[Look],
     regions: Sequence[Region],
+    store: CandidateStore | None = None,
     progress: Callable[[int], None] | None = None,
     stop: Callable[[], bool] | None = None,
 ) -> list[list[np.ndarray]]:
@@ -84,6 +92,8 @@ def extract(
         First frame and one past the last.
     looks, regions : sequence
         How and where to search, one a view; regions are moved.
+    store : CandidateStore, optional
+        What an earlier run found is taken from it, and the rest is kept in it.
     progress : callable, optional
         Called with the number of frames done.
     stop : callable, optional
@@ -95,7 +105,16 @@ def extract(
         For each frame done, the candidates of each view (see
         :func:`~pawnb.core.paws.whole.candidates.find_candidates`).
     """
-    found: list[list[np.ndarray]] = []
+    store = store or CandidateStore()
+    found = store.begin(len(looks), frames[0], looks, regions)[: frames[1] - frames[0]]
+    for here in found:
+        for region, rows in zip(regions, here, strict=True):
+            region.follow(rows)
+    if found and progress is not None:
+        progress(len(found))
+    begin = frames[0] + len(found)
+    if begin == frames[1]:
+        return found
 
     def search(v: int, picture: Picture) -> np.ndarray:
         u0, v0, u1, v1 = regions[v].box()
@@ -103,16 +122,27 @@ def extract(
         regions[v].follow(rows)
         return rows
 
-    with ThreadPoolExecutor(2) as pool:
-        for _, pictures in views.frames(*frames):
-            if stop is not None and stop():
-                break
-            found.append(list(pool.map(search, range(len(looks)), _in_order(views, pictures))))
+    waiting: deque[list[Future[np.ndarray]]] = deque()
+    with contextlib.ExitStack() as stack:
+        stack.callback(store.close)
+        # a view stays with its thread: its region follows what the frame before has shown
+        pools = [stack.enter_context(ThreadPoolExecutor(1)) for _ in range(_THREADS)]
+
+        def finish() -> None:
+            found.append([future.result() for future in waiting.popleft()])
+            store.add(found[-1])
             if progress is not None:
                 progress(len(found))
+
+        for _, pictures in views.frames(begin, frames[1]):
+            if stop is not None and stop():
+                break
+            waiting.append(
+                [pools[v % _THREADS].submit(search, v, pictures[name])
+                 for v, name in enumerate(views.names)]
+            )  # fmt: skip
+            if len(waiting) > _IN_HAND:
+                finish()
+        while waiting:
+            finish()
     return found
-
-
-def _in_order(views: Views, pictures: Mapping[str, Picture]) -> list[Picture]:
-    """Return the pictures in the order of the views."""
-    return [pictures[name] for name in views.names]

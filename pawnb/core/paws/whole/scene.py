@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -133,6 +133,12 @@ def read_scene(
     return Scene(
         geometry, placed, span, thickness, thickness_px, looks, regions, distal, up, forward, volume
     )
+
+
+def move_anchors(scene: Scene, layout: Layout, anchors: Mapping[int, Sequence[Placement]]) -> Scene:
+    """Return the same scene with other positions that tracks pass through."""
+    placed = {t: _positions(here, layout, scene.up) for t, here in sorted(anchors.items())}
+    return replace(scene, anchors=placed)
 
 
 def _directions(layout: Layout) -> tuple[np.ndarray, np.ndarray]:

@@ -22,8 +22,9 @@ from pawnb.core.paws.whole.flow import Flow, FlowCosts
 from pawnb.core.paws.whole.habit import follow_body, habit_cost, learn_habits
 from pawnb.core.paws.whole.hypotheses import Pairing, Places
 from pawnb.core.paws.whole.refine import Refined, Refinement, learn_offsets, refine
-from pawnb.core.paws.whole.scene import Scene, read_scene
+from pawnb.core.paws.whole.scene import Scene, move_anchors, read_scene
 from pawnb.core.paws.whole.settings import WholeSettings
+from pawnb.core.paws.whole.store import CandidateStore
 from pawnb.core.paws.whole.tracklets import Linking, Tracklet, build_tracklets, find_drift
 from pawnb.core.rig import Rig
 from pawnb.errors import InputError
@@ -48,6 +49,8 @@ def track_whole(
     individual: str = "animal",
     unit: str = "px",
     tracks: Tracks | None = None,
+    looked: pd.DataFrame | None = None,
+    store: CandidateStore | None = None,
     progress: Callable[[int, int], None] | None = None,
     stop: Callable[[], bool] | None = None,
 ) -> Tracks:
@@ -85,6 +88,12 @@ def track_whole(
     tracks : Tracks, optional
         Tracks to go on from: rows before ``frames[0]`` are kept; positions in
         ``frames[0]``, and positions placed by hand in it or later, are certain.
+    looked : DataFrame, optional
+        Earlier clicks, columns as ``start``, that say what paws look like and how large
+        the animal is: where tracks are gone on from, those that they were begun with.
+        Candidates are then the same as theirs, from the first of these frames on.
+    store : CandidateStore, optional
+        Where candidates are kept: frames found there are not decoded again.
     progress : callable, optional
         ``progress(done, total)`` after each frame.
     stop : callable, optional
@@ -126,12 +135,19 @@ def track_whole(
     )  # fmt: skip
     clicks, anchors = _placements(start, layout, frames, tracks)
     first = min(anchors)
-    scene = read_scene(views, layout, clicks, anchors=anchors, settings=settings)
-    total = frames[1] - first
+    begin = first
+    if looked is not None and len(looked):
+        clicks = read_start(looked, layout, (0, frames[1]))
+        begin = min(first, *clicks)
+        scene = read_scene(views, layout, clicks, anchors=clicks, settings=settings)
+        scene = move_anchors(scene, layout, anchors)
+    else:
+        scene = read_scene(views, layout, clicks, anchors=anchors, settings=settings)
+    total = frames[1] - begin
     found = extract(
-        views, (first, frames[1]), looks=scene.looks, regions=scene.regions,
+        views, (begin, frames[1]), looks=scene.looks, regions=scene.regions, store=store,
         progress=None if progress is None else lambda done: progress(done, total), stop=stop,
-    )  # fmt: skip
+    )[first - begin :]  # fmt: skip
     rows = np.arange(frames[0], first + len(found))
     kept = np.empty(0, int)
     if tracks is not None:
@@ -145,8 +161,8 @@ def track_whole(
     )  # fmt: skip
     new["sd"] = new["position"].copy()
     if found:
-        begin = int(np.searchsorted(rows, first))
-        _solve(new, begin, found, scene, layout, anchors, first, fps, settings)
+        row = int(np.searchsorted(rows, first))
+        _solve(new, row, found, scene, layout, anchors, first, fps, settings)
     if tracks is not None:
         new = _keep_rows(tracks, new, kept)
     return new
