@@ -186,8 +186,9 @@ def _check(options: argparse.Namespace, _argv: list[str]) -> None:
 
 def _track(options: argparse.Namespace, argv: list[str]) -> None:
     from pawnb.trial import load_trial
+    from pawnb.workflow.methods import METHODS
     from pawnb.workflow.results import results_folder
-    from pawnb.workflow.track import METHODS, track
+    from pawnb.workflow.track import track
 
     trial = load_trial(options.trial)
     out = results_folder(trial, options.out)
@@ -212,7 +213,7 @@ def _gait(options: argparse.Namespace, argv: list[str]) -> None:
 
 def _compare(options: argparse.Namespace, _argv: list[str]) -> None:
     from pawnb.workflow.compare import compare_methods
-    from pawnb.workflow.track import METHODS
+    from pawnb.workflow.methods import METHODS
 
     methods = options.methods.split(",") if options.methods else METHODS
     comparison = compare_methods(

@@ -12,8 +12,9 @@ from pawnb.errors import InputError, PawnbError
 from pawnb.io.start import check_start, read_start
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.foreign_tracks import read_belt
+from pawnb.workflow.methods import tracker_settings
 from pawnb.workflow.results import results_folder
-from pawnb.workflow.track import tracker_settings, trial_rig
+from pawnb.workflow.track import trial_rig
 
 MAX_CLICK_RESIDUAL_PX = 10.0
 

@@ -29,9 +29,10 @@ from pawnb.io.tables import write_table
 from pawnb.schema import ORIGIN_CODE, Tracks
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.evaluation import THRESHOLD_PX, count_errors, track_with_corrections
+from pawnb.workflow.methods import METHODS
 from pawnb.workflow.results import make_folder
 from pawnb.workflow.save_figures import save_figure
-from pawnb.workflow.track import METHODS, retrack, track
+from pawnb.workflow.track import retrack, track
 
 TRUTH = Path("truth") / "tracks.csv"
 REFERENCE_WIDTH_PX = 2048

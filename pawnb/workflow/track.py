@@ -12,26 +12,24 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pawnb.core.paws import PaperSettings, track_paws
-from pawnb.core.paws.whole import WholeSettings, track_whole
+from pawnb.core.paws.settings import REFERENCE_WIDTH_PX
+from pawnb.core.paws.stretch import TOLERANCE_PX, keep_untouched
 from pawnb.core.rig import Rig, load_rig
 from pawnb.core.video import ViewSet, open_views
-from pawnb.errors import CalibrationError, InputError, InputWarning, did_you_mean
+from pawnb.errors import CalibrationError, InputError, InputWarning
 from pawnb.io import native
 from pawnb.io.start import check_start, read_start
-from pawnb.schema import Tracks, add_provenance, build_settings
+from pawnb.schema import ORIGIN_CODE, Tracks, add_provenance
 from pawnb.trial import Trial, load_trial
+from pawnb.workflow.methods import (
+    METHODS,
+    method_of_tracks,
+    run_tracker,
+    tracker_settings,
+)
 from pawnb.workflow.progress import Progress, progress_bar
 from pawnb.workflow.provenance import build_step, trial_checksums
 from pawnb.workflow.results import describe_trial, provenance_steps, write_track_results
-
-METHODS = ("pawnb", "paper", "slic-3d", "slic-2d")
-"""Methods of the paw tracker; the first is the default."""
-
-TrackerSettings = WholeSettings | PaperSettings
-_SETTINGS: dict[str, type[TrackerSettings]] = {
-    method: WholeSettings if method == "pawnb" else PaperSettings for method in METHODS
-}
 
 
 def track(
@@ -136,13 +134,19 @@ def retrack(
     tracks: Tracks,
     frame: int,
     *,
+    learn: bool = False,
     progress: Progress | None = None,
     stop: Callable[[], bool] | None = None,
 ) -> Tracks:
     """Track on from a corrected frame, with every state of the tracker reset.
 
-    Features, Kalman states and 3D points are learnt again from the positions in
-    ``frame``; the rows before it stay as they are (2019 paper, section 3.1).
+    Features, Kalman states, 3D points, template fits and collision flags start anew
+    from the positions in ``frame`` (2019 paper, section 3.1). Only the stretch that the
+    correction touches is tracked again: each point put in place by hand in ``frame``, to
+    the next frame in which that was done, or to where the new track has met the old one
+    (within 2 px of the paper's pictures in every view, 10 frames in a row). Other points
+    and all other rows stay as they are. Where nothing was put in place in ``frame``, all
+    points are tracked again to the end.
 
     Parameters
     ----------
@@ -152,6 +156,10 @@ def retrack(
         Tracks with the corrections already applied.
     frame : int
         The corrected frame.
+    learn : bool
+        Learn the initial colours of the corrected points anew, from this frame on, as the
+        paper's user may ask for. Without, they stay those of the start. Method ``pawnb``
+        learns from every position that was put in place by hand.
     progress, stop
         As for :func:`track`.
 
@@ -170,15 +178,9 @@ def retrack(
         raise InputError(
             f"frame {frame} is not among the tracked frames {known[0]} to {known[-1]}."
         )
-    made = [step for step in provenance_steps(tracks) if step["step"] == "track"]
-    method = made[-1]["method"] if made else METHODS[0]
-    settings = (
-        tracker_settings(trial, method=method)
-        if not made
-        else build_settings(
-            _SETTINGS[method], made[-1]["settings"], where="settings of these tracks"
-        )
-    )
+    method, settings = method_of_tracks(trial, tracks)
+    placed = corrected_points(tracks, frame)
+    learnt = _frames_learnt_in(tracks) | (dict.fromkeys(placed, frame) if learn else {})
     clicks = _clicks_of_frame(trial, tracks, frame)
     with open_views(trial) as views:
         rig = trial_rig(trial, views)
@@ -196,10 +198,16 @@ def retrack(
                 individual=trial.animal.id,
                 unit=rig.unit if rig is not None else "px",
                 tracks=tracks,
+                learn_at=learnt,
                 progress=report,
                 stop=stop,
             )
-    new = _in_real_units(new, trial, rig, since=int(np.flatnonzero(known == frame)[0]))
+        tolerance = {
+            name: TOLERANCE_PX * reader.width / REFERENCE_WIDTH_PX
+            for name, reader in views.readers.items()
+        }
+    new = _in_real_units(new, trial, rig)
+    new = keep_untouched(tracks, new, frame, tolerance_px=tolerance)
     new = describe_trial(new.assign_attrs(tracks.attrs).assign_coords(time=tracks["time"]), trial)
     step = build_step(
         "retrack",
@@ -207,87 +215,24 @@ def retrack(
         inputs=trial_checksums(trial, start=False),
         settings=dataclasses.asdict(settings),
         frame=int(frame),
+        points=placed,
+        learn=learn,
         start=clicks.to_dict(orient="records"),
     )
     return add_provenance(new, **step)
 
 
-def tracker_settings(
-    trial: Trial, *, method: str = METHODS[0], settings: Mapping[str, Any] | None = None
-) -> TrackerSettings:
-    """Return the settings in force: the trial's ``[tracking]``, overridden by ``settings``.
-
-    Parameters
-    ----------
-    trial : Trial
-        The trial. Its ``[tracking]`` may hold settings of several methods.
-    method : str
-        A method of the tracker.
-    settings : mapping, optional
-        Settings of this method that go first; text is read as JSON where it can be.
-
-    Returns
-    -------
-    WholeSettings or PaperSettings
-        The settings.
-
-    Raises
-    ------
-    InputError
-        For an unknown method, an unknown setting, or a value of the wrong type.
-    """
-    if method not in METHODS:
-        raise InputError(
-            f"unknown method {method!r}{did_you_mean(method, METHODS)}; "
-            f"expected {', '.join(METHODS)}."
-        )
-    kind = _SETTINGS[method]
-    own = _setting_names(kind)
-    others = set().union(*(_setting_names(other) for other in _SETTINGS.values())) - own
-    given = {name: value for name, value in trial.tracking.items() if name not in others}
-    build_settings(kind, given, where="trial.toml: [tracking]")
-    for name in sorted(set(settings or {}) & others):
-        owners = [other for other in METHODS if name in _setting_names(_SETTINGS[other])]
-        raise InputError(
-            f"setting {name!r} belongs to method {owners[0]!r}, not to {method!r}; leave it out, "
-            f"or choose that method."
-        )
-    return build_settings(
-        kind, {**given, **(settings or {})}, where=f"settings of method {method!r}"
-    )
+def corrected_points(tracks: Tracks, frame: int) -> list[str]:
+    """Return the points that were put in place by hand in a frame, in any view."""
+    here = tracks.isel(time=tracks["frame"].to_numpy() == frame)
+    placed = (here["image_origin"] == ORIGIN_CODE["edited"]).any(("time", "view", "individual"))
+    return [str(point) for point in here["keypoint"].to_numpy()[placed.to_numpy()]]
 
 
-def _setting_names(kind: type[TrackerSettings]) -> set[str]:
-    """Return the names of a method's settings."""
-    return {f.name for f in dataclasses.fields(kind)}
-
-
-def run_tracker(
-    method: str, views: ViewSet, clicks: pd.DataFrame, *, settings: TrackerSettings, **options: Any
-) -> Tracks:
-    """Track with one of the methods.
-
-    Parameters
-    ----------
-    method : str
-        One of :data:`METHODS`.
-    views : ViewSet
-        The open views.
-    clicks : pandas.DataFrame
-        Start clicks.
-    settings : WholeSettings or PaperSettings
-        Settings of that method.
-    **options
-        The rest of what :func:`pawnb.core.paws.track_paws` takes.
-
-    Returns
-    -------
-    xarray.Dataset
-        Tracks.
-    """
-    if isinstance(settings, WholeSettings):
-        return track_whole(views, clicks, settings=settings, **options)
-    return track_paws(views, clicks, settings=settings, method=method, **options)
+def _frames_learnt_in(tracks: Tracks) -> dict[str, int]:
+    """Return the frame in which colours of points were last learnt anew."""
+    steps = [step for step in provenance_steps(tracks) if step["step"] == "retrack"]
+    return {point: step["frame"] for step in steps if step.get("learn") for point in step["points"]}
 
 
 def trial_rig(trial: Trial, views: ViewSet) -> Rig | None:
@@ -321,15 +266,20 @@ def trial_rig(trial: Trial, views: ViewSet) -> Rig | None:
     return rig
 
 
-def _in_real_units(tracks: Tracks, trial: Trial, rig: Rig | None, *, since: int = 0) -> Tracks:
-    """Bring positions of a single view from px to the calibrated unit, from row ``since`` on."""
+def _px_per_unit(trial: Trial, rig: Rig | None) -> float | None:
+    """Return the scale of a single view whose positions are in real units."""
     calibration = trial.calibration
-    if rig is not None or calibration is None or calibration.px_per_unit is None:
+    return None if rig is not None or calibration is None else calibration.px_per_unit
+
+
+def _in_real_units(tracks: Tracks, trial: Trial, rig: Rig | None) -> Tracks:
+    """Bring positions of a single view from px to the calibrated unit."""
+    scale = _px_per_unit(trial, rig)
+    if scale is None or trial.calibration is None:
         return tracks
-    scaled = tracks.assign_attrs(unit=calibration.unit)
-    scaled["position"] = tracks["position"].copy(deep=True).assign_attrs(units=calibration.unit)
-    scaled["position"].to_numpy()[since:] /= calibration.px_per_unit
-    return scaled
+    unit = trial.calibration.unit
+    scaled = (tracks["position"] / scale).assign_attrs(units=unit)
+    return tracks.assign(position=scaled).assign_attrs(unit=unit)
 
 
 def _clicks_of_frame(trial: Trial, tracks: Tracks, frame: int) -> pd.DataFrame:

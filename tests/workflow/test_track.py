@@ -16,7 +16,7 @@ from pawnb.schema import ORIGIN_CODE, POINTS3D_COLUMNS, SUSPECTS_COLUMNS, TRACKS
 from pawnb.trial import load_trial
 from pawnb.workflow.evaluation import count_errors
 from pawnb.workflow.results import described_trial
-from pawnb.workflow.track import retrack, track, view_facing
+from pawnb.workflow.track import _frames_learnt_in, retrack, track, view_facing
 
 FRAMES = (0, 12)
 
@@ -142,6 +142,34 @@ def test_retracking_keeps_what_was_before_and_starts_from_the_correction(tracked
     assert (last["step"], last["frame"]) == ("retrack", frame)
     with pytest.raises(InputError, match="frame 99 is not among the tracked frames 0 to 11"):
         retrack(trial, tracks, 99)
+
+
+@pytest.mark.parametrize("method", ["paper", "pawnb"])
+def test_tracking_again_changes_the_corrected_points_only(method, small_trial):
+    """FR is put right in frame 4 and in frame 8: rows 4 to 7 of FR are tracked again."""
+    trial = load_trial(small_trial)
+    tracks = track(trial, method=method, frames=(0, 12))
+    lost = tracks.copy(deep=True)
+    place = {"keypoint": "FR", "view": ["cam1", "cam2"]}
+    lost["image_position"].loc[place][4:] += 15.0
+    for frame in (4, 8):
+        for view in ("cam1", "cam2"):
+            here = {"view": view, "keypoint": "FR", "individual": trial.animal.id}
+            lost["image_position"].loc[here][frame] = tracks["image_position"].loc[here][frame]
+            lost["image_origin"].loc[here][frame] = ORIGIN_CODE["edited"]
+    again = retrack(trial, lost, 4, learn=True)
+    others = ["HR", "FL", "HL"]
+    for name in ("position", "image_position", "image_origin", "confidence"):
+        np.testing.assert_array_equal(again[name].sel(keypoint=others),
+                                      lost[name].sel(keypoint=others), err_msg=name)  # fmt: skip
+        own, was = again[name].sel(keypoint="FR"), lost[name].sel(keypoint="FR")
+        np.testing.assert_array_equal(own[:4], was[:4])
+        np.testing.assert_array_equal(own[8:], was[8:])
+    away = np.abs(again["image_position"].loc[place] - tracks["image_position"].loc[place])
+    assert away[4:8].max() < 8.0
+    last = json.loads(again.attrs["provenance"])["steps"][-1]
+    assert (last["points"], last["learn"]) == (["FR"], True)
+    assert _frames_learnt_in(again) == {"FR": 4}
 
 
 def change(folder, old, new, *, file="trial.toml"):

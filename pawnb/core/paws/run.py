@@ -49,6 +49,9 @@ class Run:
         self.collisions = collisions
         self.initial: dict[tuple[int, int], Look] = {}
         self.previous: dict[tuple[int, int], Look] = {}
+        self._settled: set[tuple[int, int]] = set()
+        self.idle = np.zeros(n_points, dtype=bool)
+        """Points that are only followed where they were placed, and not looked for."""
         self.space = kalman.start(layout.in_space, np.full((n_points, 3), np.nan))
         self.image = kalman.start(layout.in_image, np.full((n_views, n_points, 2), np.nan))
         self.last_uv = np.full((n_views, n_points, 2), np.nan)
@@ -61,18 +64,26 @@ class Run:
         """Learn the colour of points from where they are known to be.
 
         A point put there by hand (and one of which no colour is known yet) gives the
-        initial colour, and every point the colour of the frame before.
+        initial colour, unless that is settled, and every point the colour of the frame
+        before.
         """
         for place in sorted(placed, key=lambda place: (place.view, place.point)):
             key = (place.view, place.point)
             self.home.setdefault(place.point, place.view)
+            if self.idle[place.point]:
+                continue
             superpixels = self._measure(pictures, place.view, place.uv)
             if superpixels is None:
                 continue
             look = superpixels.look(superpixels.at(place.uv))
             self.previous[key] = look
-            if place.origin == "edited" or key not in self.initial:
+            anew = place.origin == "edited" and key not in self._settled
+            if anew or key not in self.initial:
                 self.initial[key] = look
+
+    def settle(self) -> None:
+        """Keep the initial colours that are known: what is placed later changes none."""
+        self._settled |= set(self.initial)
 
     def step(self, pictures: Mapping[str, Picture], placed: Sequence[Placement]) -> FrameResult:
         """Track one frame: predict, find, reconstruct, update.
@@ -106,7 +117,7 @@ class Run:
             result.image_confidence[key] = place.confidence
         fixed = {(place.view, place.point) for place in placed}
         for key in self.initial:
-            if key not in fixed:
+            if key not in fixed and not self.idle[key[1]]:
                 self._find(pictures, key, centres[key], result)
         if layout.uses_space and layout.settings.hidden == "search":
             self._find_hidden(pictures, fixed, result)
@@ -239,7 +250,7 @@ class Run:
         """Look for points in the views where they have not been seen yet."""
         for view, point in np.argwhere(self.layout.tracked).tolist():
             key = (view, point)
-            if key in self.initial or key in fixed:
+            if key in self.initial or key in fixed or self.idle[point]:
                 continue
             looks = self._looks_like(view, point)
             found = find_hidden(self.layout, pictures, key, looks=looks, uv=result.uv)

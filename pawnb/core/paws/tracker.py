@@ -7,11 +7,10 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 import pandas as pd
 
-from pawnb.core.paws.again import prepare_again
+from pawnb.core.paws.again import Plan, prepare_again
 from pawnb.core.paws.collisions import Collisions
 from pawnb.core.paws.found import FrameResult
 from pawnb.core.paws.layout import (
-    Placement,
     Views,
     check_every_point_started,
     make_layout,
@@ -19,6 +18,7 @@ from pawnb.core.paws.layout import (
 )
 from pawnb.core.paws.run import Run
 from pawnb.core.paws.settings import PaperSettings
+from pawnb.core.paws.stretch import keep_rows
 from pawnb.core.paws.template import DEFAULT_TEMPLATE, load_template
 from pawnb.core.rig import Rig
 from pawnb.errors import InputError
@@ -42,6 +42,7 @@ def track_paws(
     individual: str = "animal",
     unit: str = "px",
     tracks: Tracks | None = None,
+    learn_at: Mapping[str, int] | None = None,
     progress: Callable[[int, int], None] | None = None,
     stop: Callable[[], bool] | None = None,
 ) -> Tracks:
@@ -89,11 +90,16 @@ def track_paws(
         first view in which the point was clicked.
     tracks : Tracks, optional
         Tracks to go on from: rows before ``frames[0]`` are kept, and every state is made
-        anew from them and from the positions in ``frames[0]``. A point put in place by
-        hand there has its colour learnt and its filter started there; the others have
-        theirs from where they were last put in place, which the start clicks are as well.
-        Positions placed by hand in later frames hold. ``start`` need only have points that
+        anew from them and from the positions in ``frames[0]``. Points put in place by hand
+        there are tracked on, each to the next frame in which it was put in place by hand,
+        or to where it has met the old track; other points and all other rows stay as they
+        are. Where none was put in place there, all are tracked to the end, and positions
+        placed by hand in later frames hold. ``start`` need only have points that
         ``tracks`` lack.
+    learn_at : mapping, optional
+        With ``tracks``: point to the frame, in which it was put in place by hand, whose
+        colour is its initial colour from then on. The paper keeps that of the start
+        unless the user asks for a new one.
     progress : callable, optional
         ``progress(done, total)`` after each frame.
     stop : callable, optional
@@ -141,12 +147,12 @@ def track_paws(
     run = Run(layout, collisions=collisions)
     if tracks is None:
         check_every_point_started(start, layout)
-        placements = read_start(start, layout, frames)
-        first = min(placements)
+        plan = Plan(read_start(start, layout, frames))
+        first = min(plan.placements)
     else:
-        placements = prepare_again(run, views, start, tracks=tracks, first=frames[0])
         first = frames[0]
-    results = _run(run, views, placements, (first, frames[1]), progress=progress, stop=stop)
+        plan = prepare_again(run, views, start, tracks=tracks, first=first, learn_at=learn_at)
+    results = _run(run, views, plan, (first, frames[1]), progress=progress, stop=stop)
     done = first + len(results)
     rows = np.arange(frames[0], done)
     if tracks is not None:
@@ -161,8 +167,14 @@ def track_paws(
         individual=individual,
         unit="px" if rig is None else unit,
     )
-    _write(new, results, int(np.searchsorted(rows, first)))
-    return new if tracks is None else _copy_rows(tracks, new, (first, done))
+    begin = int(np.searchsorted(rows, first))
+    _write(new, results, begin)
+    if tracks is None or plan.stretch is None:
+        return new
+    # the last row of each point that was tracked again, as a frame
+    last = tracks["frame"].to_numpy()[np.maximum(plan.stretch.until - 1, 0)]
+    again = (rows[:, None] >= first) & (rows[:, None] <= np.where(plan.stretch.until, last, -1))
+    return keep_rows(tracks, new, ~again)
 
 
 def _check_frames(frames: tuple[int, int], n_frames: int) -> None:
@@ -177,7 +189,7 @@ def _check_frames(frames: tuple[int, int], n_frames: int) -> None:
 def _run(
     run: Run,
     views: Views,
-    placements: Mapping[int, list[Placement]],
+    plan: Plan,
     frames: tuple[int, int],
     *,
     progress: Callable[[int, int], None] | None,
@@ -185,12 +197,19 @@ def _run(
 ) -> list[FrameResult]:
     """Go through the frames; return a result for each one done."""
     results: list[FrameResult] = []
+    total = frames[1] - frames[0]
     for i, pictures in views.frames(*frames):
         if stop is not None and stop():
             break
-        results.append(run.step(pictures, placements.get(i, [])))
+        known = plan.enter(run, i)
+        if known is None:
+            if progress is not None:
+                progress(total, total)
+            break
+        results.append(run.step(pictures, known))
+        plan.leave(i, results[-1].uv)
         if progress is not None:
-            progress(len(results), frames[1] - frames[0])
+            progress(len(results), total)
     return results
 
 
@@ -212,25 +231,3 @@ def _write(tracks: Tracks, results: Sequence[FrameResult], first: int) -> None:
     for name in ("image_origin", "image_confidence"):
         write(name, name)
     write("image_position", "uv")
-
-
-def _copy_rows(old: Tracks, new: Tracks, done: tuple[int, int]) -> Tracks:
-    """Copy the rows of ``old`` outside the frames that were done, its times and attributes."""
-    frames = new["frame"].to_numpy()
-    keep = frames[(frames < done[0]) | (frames >= done[1])]
-    source = old.swap_dims(time="frame").sel(frame=keep)
-    rows = np.isin(frames, keep)
-    for name in new.data_vars:
-        if name not in source:
-            continue
-        there = [d for d in ("view", "keypoint", "space") if d in new[name].dims]
-        part = (
-            source[name]
-            .reindex({d: new[d] for d in there})
-            .fillna(0 if new[name].dtype.kind == "i" or "confidence" in str(name) else np.nan)
-        )
-        new[name][rows] = part.to_numpy()
-    time = new["time"].to_numpy().copy()
-    shared = np.isin(frames, old["frame"].to_numpy())
-    time[shared] = old.swap_dims(time="frame").sel(frame=frames[shared])["time"].to_numpy()
-    return new.assign_coords(time=time).assign_attrs(old.attrs)

@@ -1,0 +1,172 @@
+"""The stretch that a correction touches: what is tracked again, and what stays.
+
+A correction of some points in a frame touches these points only, from that frame on to the
+next frame in which a person put the point in place, or to where the new track has met the
+old one. Other points and all other frames keep their rows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from pawnb.schema import ORIGIN_CODE, Tracks
+
+TOLERANCE_PX = 2.0
+"""Tracks as near as this in every view are the same, in pictures 2048 px wide."""
+
+MET_FRAMES = 10
+"""The new track has met the old one after so many frames in a row on it."""
+
+
+class Stretch:
+    """Which points are still being tracked again, told row by row.
+
+    Parameters
+    ----------
+    uv : ndarray, shape (n, V, P, 2)
+        The old tracks, px; NaN where missing.
+    by_hand : ndarray of bool, shape (n, V, P)
+        Where a person put a point in place.
+    here : int
+        The corrected row. Where nothing was put in place in it, every point is tracked
+        again to the end.
+    tolerance_px : ndarray, shape (V,)
+        Distance within which tracks are the same.
+
+    Attributes
+    ----------
+    idle : ndarray of bool, shape (P,)
+        Points that keep their rows from the current one on.
+    until : ndarray of int, shape (P,)
+        One past the last row that each point was tracked again in.
+    """
+
+    def __init__(
+        self, uv: np.ndarray, by_hand: np.ndarray, here: int, *, tolerance_px: np.ndarray
+    ) -> None:
+        self._uv, self._tolerance = uv, tolerance_px
+        self._placed: np.ndarray = np.asarray(by_hand.any(axis=1))
+        touched = np.asarray(self._placed[here])
+        self._ends = bool(touched.any())
+        self.idle = ~touched if self._ends else np.zeros(len(touched), dtype=bool)
+        self.until = np.full(len(touched), here)
+        # corrections in the frames right after this one belong to it
+        self._opening = touched.copy()
+        self._met = np.zeros(len(touched), dtype=int)
+
+    @property
+    def is_over(self) -> bool:
+        """Whether no point is left to track again."""
+        return bool(self.idle.all())
+
+    def enter(self, row: int) -> None:
+        """Let points rest from a row on where a person has put them in place by hand."""
+        if self._ends:
+            placed = self._placed[row]
+            self.idle |= placed & ~self._opening
+            self._opening &= placed
+
+    def leave(self, row: int, uv: np.ndarray) -> None:
+        """Take in where the points are now, (V, P, 2): those back on the old track rest."""
+        self.until[~self.idle] = row + 1
+        if not self._ends:
+            return
+        old = self._uv[row]
+        there = np.isfinite(uv).all(axis=-1), np.isfinite(old).all(axis=-1)
+        with np.errstate(invalid="ignore"):
+            near = np.linalg.norm(uv - old, axis=-1) <= self._tolerance[:, None]
+        same = np.where(there[0] & there[1], near, ~there[0] & ~there[1]).all(axis=0)
+        seen = there[1].any(axis=0)
+        self._met = np.where(same, self._met + seen, 0)
+        self.idle |= self._met >= MET_FRAMES
+
+
+def keep_rows(old: Tracks, new: Tracks, keep: np.ndarray) -> Tracks:
+    """Copy rows of single points from old tracks, and all their times and attributes.
+
+    Parameters
+    ----------
+    old : Tracks
+        What there was. Frames, views and points that it lacks are left as they are new.
+    new : Tracks
+        The new tracks; changed in place.
+    keep : ndarray of bool, shape (n, P)
+        Which rows of which points of ``new`` are to be as in ``old``.
+
+    Returns
+    -------
+    Tracks
+        The new tracks with the old rows.
+    """
+    frames = new["frame"].to_numpy()
+    shared = np.isin(frames, old["frame"].to_numpy())
+    by_frame = old.swap_dims(time="frame")
+    source = by_frame.sel(frame=frames[shared])
+    keep = keep & shared[:, None]
+    for name in new.data_vars:
+        if name not in source or "keypoint" not in new[name].dims:
+            continue
+        there = [d for d in ("view", "keypoint", "space") if d in new[name].dims]
+        part = (
+            source[name]
+            .reindex({d: new[d] for d in there})
+            .fillna(0 if new[name].dtype.kind == "i" or "confidence" in str(name) else np.nan)
+            .transpose("frame", *new[name].dims[1:])
+        )
+        order = ("time", "keypoint", *(d for d in new[name].dims if d not in ("time", "keypoint")))
+        target = new[name].transpose(*order)
+        values = np.array(target.to_numpy())
+        was = part.transpose("frame", *order[1:]).to_numpy()
+        values[shared] = np.where(
+            keep[shared].reshape(*keep[shared].shape, *[1] * (was.ndim - 2)), was, values[shared]
+        )
+        new[name] = target.copy(data=values).transpose(*new[name].dims)
+    time = new["time"].to_numpy().copy()
+    time[shared] = by_frame.sel(frame=frames[shared])["time"].to_numpy()
+    return new.assign_coords(time=time).assign_attrs(old.attrs)
+
+
+def keep_untouched(
+    old: Tracks, new: Tracks, frame: int, *, tolerance_px: Mapping[str, float]
+) -> Tracks:
+    """Keep of new tracks only the stretch that the corrections in a frame touch.
+
+    Parameters
+    ----------
+    old : Tracks
+        Tracks with the corrections applied.
+    new : Tracks
+        The same frames tracked again from ``frame`` on; changed in place.
+    frame : int
+        The corrected frame.
+    tolerance_px : mapping
+        For each view, the distance within which tracks are the same.
+
+    Returns
+    -------
+    Tracks
+        New where the correction touches it, else old.
+    """
+    views = new["view"].to_numpy().tolist()
+    axes = ("time", "view", "keypoint")
+    was = old.isel(individual=0).swap_dims(time="frame").reindex(
+        frame=new["frame"].to_numpy(), view=views, keypoint=new["keypoint"].to_numpy(),
+        fill_value={"image_origin": ORIGIN_CODE["missing"]},
+    )  # fmt: skip
+    axes_was = ("frame", *axes[1:])
+    uv = was["image_position"].transpose(*axes_was, "image_space").to_numpy()
+    by_hand = was["image_origin"].transpose(*axes_was).to_numpy() == ORIGIN_CODE["edited"]
+    now = new["image_position"].isel(individual=0).transpose(*axes, "image_space").to_numpy()
+    here = int(np.flatnonzero(new["frame"].to_numpy() == frame)[0])
+    stretch = Stretch(
+        uv, by_hand, here, tolerance_px=np.array([tolerance_px[view] for view in views])
+    )
+    for row in range(here, len(now)):
+        stretch.enter(row)
+        if stretch.is_over:
+            break
+        stretch.leave(row, now[row])
+    rows = np.arange(len(now))[:, None]
+    return keep_rows(old, new, (rows < here) | (rows >= stretch.until))
