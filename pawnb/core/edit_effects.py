@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from functools import partial
 from typing import Any, Protocol
 
 import numpy as np
@@ -15,7 +16,7 @@ MISSING, PREDICTED = ORIGIN_CODE["missing"], ORIGIN_CODE["predicted"]
 EDITED, REPROJECTED = ORIGIN_CODE["edited"], ORIGIN_CODE["reprojected"]
 MEASURED, RESOLVED = ORIGIN_CODE["measured"], ORIGIN_CODE["resolved"]
 
-Retracker = Callable[[Tracks, int], Tracks]
+Retracker = Callable[..., Tracks]
 
 
 class RigLike(Protocol):
@@ -60,7 +61,8 @@ def apply_edit(
     px_per_unit : float, optional
         Scale of a single view whose ``position`` is in real units, px per unit.
     retrack : callable, optional
-        ``retrack(tracks, frame)`` tracks again from a frame on; needed for ``Retrack``.
+        ``retrack(tracks, frame)`` tracks again from a frame on; needed for ``Retrack``. It is
+        called with ``learn=True`` as well where colours are to be learnt anew.
         What a person corrected in that frame and after it is put back into its result.
     hidden : iterable of Hide
         Points a person marked as not visible; those of later frames are marked again
@@ -79,6 +81,8 @@ def apply_edit(
     check_editable(tracks)
     row = _row(tracks, edit.frame)
     if isinstance(edit, Retrack):
+        if retrack is not None and edit.learn:
+            retrack = partial(retrack, learn=True)
         return _retracked(tracks, edit.frame, retrack, rig, px_per_unit, hidden)
     new = tracks.copy(deep=True)
     solve = _Solver(new, rig, px_per_unit)

@@ -104,9 +104,12 @@ class Retrack:
     ----------
     frame : int
         The frame it was started from.
+    learn : bool
+        Whether the colours of the corrected points were learnt anew there.
     """
 
     frame: int
+    learn: bool = False
 
 
 Edit: TypeAlias = Move | Accept | Hide | Swap | Retrack
@@ -116,7 +119,7 @@ _KINDS: dict[str, type[Edit]] = {
     "move": Move, "accept": Accept, "hide": Hide, "swap": Swap, "retrack": Retrack,
 }  # fmt: skip
 _NAMES = {cls: name for name, cls in _KINDS.items()}
-_WORDS = {"frame": "a whole number", "u": "a number", "v": "a number"}
+_WORDS = {"frame": "a whole number", "u": "a number", "v": "a number", "learn": "true or false"}
 # what a crash left of a line is kept under this name, so that the file stays readable
 _FRAGMENT = "unfinished"
 
@@ -136,7 +139,10 @@ def edit_to_line(entry: Entry) -> str:
     """
     if isinstance(entry, str):
         return json.dumps({"edit": entry})
-    return json.dumps({"edit": _NAMES[type(entry)], **dataclasses.asdict(entry)})
+    record = dataclasses.asdict(entry)
+    if not record.get("learn", True):
+        del record["learn"]
+    return json.dumps({"edit": _NAMES[type(entry)], **record})
 
 
 def edit_from_line(line: str, *, where: str = "edits.jsonl") -> Entry | None:
@@ -186,7 +192,7 @@ def edit_from_line(line: str, *, where: str = "edits.jsonl") -> Entry | None:
     for name, field in fields.items():
         if name not in record and field.default is dataclasses.MISSING:
             raise InputError(f"{where}: a {kind} needs {name!r}; mend or remove that line.")
-        if not _fits(name, record.get(name)):
+        if name in record and not _fits(name, record[name]):
             raise InputError(
                 f"{where}: {name} is {record.get(name)!r}; expected {_WORDS.get(name, 'text')}."
             )
@@ -197,6 +203,8 @@ def _fits(name: str, value: Any) -> bool:
     """Whether a value of a line has the type of its field."""
     if name == "frame":
         return isinstance(value, int) and not isinstance(value, bool)
+    if name == "learn":
+        return isinstance(value, bool)
     if name in ("u", "v"):
         return (
             isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)

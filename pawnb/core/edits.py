@@ -65,7 +65,8 @@ class EditLog:
     px_per_unit : float, optional
         Scale of a single view whose ``position`` is in real units, px per unit.
     retrack : callable, optional
-        ``retrack(tracks, frame) -> Tracks`` tracks again from a frame on.
+        ``retrack(tracks, frame) -> Tracks`` tracks again from a frame on; it is given
+        ``learn=True`` as well where colours are to be learnt anew.
 
     Attributes
     ----------
@@ -313,7 +314,8 @@ def describe_edit(edit: Edit) -> str:
             place = "" if edit.view is None else f" in {edit.view}"
             return f"{edit.first} and {edit.second} exchanged{place} from frame {edit.frame} on"
         case Retrack():
-            return f"tracked again from frame {edit.frame} on"
+            learnt = ", colours learnt there" if edit.learn else ""
+            return f"tracked again from frame {edit.frame} on{learnt}"
 
 
 def _settle(

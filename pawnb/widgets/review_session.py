@@ -49,7 +49,8 @@ class ReviewSession:
     edits : str or Path, optional
         ``edits.jsonl``; what it holds already is applied. None keeps nothing.
     retrack : callable, optional
-        ``retrack(tracks, frame) -> Tracks`` tracks again from a frame on.
+        ``retrack(tracks, frame) -> Tracks`` tracks again from a frame on; it is given
+        ``learn=True`` as well where colours are to be learnt anew.
     save : callable, optional
         ``save(tracks)`` writes the tracks.
 
@@ -171,10 +172,22 @@ class ReviewSession:
         """Make the correction that was undone last again; returns it, or None."""
         return self._step(self._log.redo)
 
-    def retrack(self, frame: int) -> str:
+    def retrack(self, frame: int, *, learn: bool = False) -> str:
         """Track again from a frame on; returns what was done, in words.
 
         Pictures and points can be looked at meanwhile, but not corrected.
+
+        Parameters
+        ----------
+        frame : int
+            The corrected frame.
+        learn : bool
+            Learn the colours of the corrected points anew there.
+
+        Returns
+        -------
+        str
+            What was done.
 
         Raises
         ------
@@ -188,13 +201,15 @@ class ReviewSession:
             before = self._log.tracks
             self.busy = True
         try:
-            ready = self._tracker(before.copy(deep=True), frame)
+            options = {"learn": True} if learn else {}
+            ready = self._tracker(before.copy(deep=True), frame, **options)
+            edit = Retrack(frame=frame, learn=learn)
             with self._lock:
                 self._ready = ready
-                self._log.apply(Retrack(frame=frame))
+                self._log.apply(edit)
         finally:
             self._ready, self.busy = None, False
-        return describe_edit(Retrack(frame=frame))
+        return describe_edit(edit)
 
     def save(self) -> None:
         """Write the tracks with the ``save`` that was given.
@@ -305,13 +320,13 @@ class ReviewSession:
         if self.busy:
             raise InputError(_WAIT)
 
-    def _retracked(self, tracks: Tracks, frame: int) -> Tracks:
+    def _retracked(self, tracks: Tracks, frame: int, **options: bool) -> Tracks:
         """Hand over what was tracked outside the lock; on opening, track now."""
         if self._ready is not None:
             return self._ready
         if self._tracker is None:
             raise InputError("no tracker was given; open the review with retrack=.")
-        return self._tracker(tracks, frame)
+        return self._tracker(tracks, frame, **options)
 
     def _row(self, frame: int) -> int:
         frames = self._log.tracks["frame"].to_numpy()

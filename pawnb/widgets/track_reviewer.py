@@ -28,7 +28,8 @@ _KEYS = (
     ("Click", "place a missing point, after choosing it above the picture"),
     ("Right click, Delete", "the point is not visible here"),
     ("A", "the chosen point is right as it is"),
-    ("R", "track again from this frame on"),
+    ("R", "track the corrected points again from this frame on"),
+    ("L", "the same, with their colours learnt in this frame"),
     ("Ctrl+Z, Ctrl+Y", "undo, redo"),
     ("Ctrl+S", "save the tracks"),
 )
@@ -37,7 +38,7 @@ _MARKS = (
     "Hollow diamond: where the other views put it."
 )
 
-RetrackTrial = Callable[[Trial, Tracks, int], Tracks]
+RetrackTrial = Callable[..., Tracks]
 
 
 class TrackReviewer(FrameCanvas):
@@ -56,7 +57,8 @@ class TrackReviewer(FrameCanvas):
     edits : str or Path, optional
         The file of corrections; default ``results/edits.jsonl`` beside the trial.
     retrack : callable, optional
-        ``retrack(trial, tracks, frame) -> Tracks``; default :func:`pawnb.workflow.track.retrack`.
+        ``retrack(trial, tracks, frame) -> Tracks``, given ``learn=True`` as well where colours
+        are to be learnt anew; default :func:`pawnb.workflow.track.retrack`.
     suspects : pandas.DataFrame, optional
         Frames to look at (frame, view, point, reason, score), offered as a menu; default
         those of :func:`pawnb.core.suspects.find_suspects`, found again after tracking again.
@@ -142,12 +144,25 @@ class TrackReviewer(FrameCanvas):
             return self._act(str(message["action"]), frame, message)
         return None
 
-    def retrack(self, frame: int) -> None:
-        """Begin to track again from a frame on, in a thread of its own."""
+    def retrack(self, frame: int, *, learn: bool = False) -> None:
+        """Begin to track again from a frame on, in a thread of its own.
+
+        Parameters
+        ----------
+        frame : int
+            The corrected frame: the points put in place there are tracked on.
+        learn : bool
+            Learn their colours anew in that frame.
+
+        Raises
+        ------
+        InputError
+            If that is being done already.
+        """
         if self.session.busy:
             raise InputError("the trial is being tracked again already; wait, or stop it.")
         self._stop.clear()
-        self._worker = threading.Thread(target=self._retrack_now, args=(frame,), daemon=True)
+        self._worker = threading.Thread(target=self._retrack_now, args=(frame, learn), daemon=True)
         self._worker.start()
 
     def close(self) -> None:
@@ -182,8 +197,8 @@ class TrackReviewer(FrameCanvas):
             self._show_state(self.session.accept(frame, *chosen))
         elif action == "swap" and value:
             self._show_state(self.session.swap(frame, *self.session.pairs()[int(value)]))
-        elif action == "retrack":
-            self.retrack(frame)
+        elif action in ("retrack", "learn"):
+            self.retrack(frame, learn=action == "learn")
         elif action == "stop":
             self._stop.set()
         elif action == "save":
@@ -193,12 +208,12 @@ class TrackReviewer(FrameCanvas):
             return int(value)
         return None
 
-    def _retrack_now(self, frame: int) -> None:
+    def _retrack_now(self, frame: int, learn: bool) -> None:
         """Track again and show the result; runs in its own thread."""
         go = None
         try:
             self._show_state(f"tracking again from frame {frame} on", busy=True)
-            said, go = self.session.retrack(frame), frame
+            said, go = self.session.retrack(frame, learn=learn), frame
             self._find_suspects()
         except (PawnbError, OSError) as error:
             self.alarm, said = str(error), "the tracks are as they were"
@@ -215,12 +230,17 @@ class TrackReviewer(FrameCanvas):
             found = find_suspects(self.session.tracks, rig=self.session.rig)
             self._suspects = suspect_options(found)
 
-    def _track_again(self, tracks: Tracks, frame: int) -> Tracks:
+    def _track_again(self, tracks: Tracks, frame: int, **options: bool) -> Tracks:
         """Call the tracker; a person who stops it keeps the tracks as they were."""
         if self._retrack_trial is not None:
-            return self._retrack_trial(self._trial, tracks, frame)
+            return self._retrack_trial(self._trial, tracks, frame, **options)
         new = workflow_retrack(
-            self._trial, tracks, frame, progress=self._show_progress, stop=self._stop.is_set
+            self._trial,
+            tracks,
+            frame,
+            progress=self._show_progress,
+            stop=self._stop.is_set,
+            **options,
         )
         if self._stop.is_set():
             raise InputError(f"tracking again from frame {frame} was stopped.")
@@ -242,7 +262,10 @@ class TrackReviewer(FrameCanvas):
         pairs = [[str(i), f"{a} and {b}"] for i, (a, b) in enumerate(session.pairs())]
         actions: list[dict[str, Any]] = [
             {"id": "retrack", "text": "Re-track from here", "keys": ["r"],
-             "title": "Track again from this frame on, every state of the tracker reset (R)"},
+             "title": "Track the points corrected in this frame again from here on, every state "
+                      "of the tracker reset (R)"},
+            {"id": "learn", "text": "… with new colours", "keys": ["l"],
+             "title": "The same, and learn the colours of the corrected points in this frame (L)"},
             {"id": "accept", "text": "Accept", "keys": ["a"],
              "title": "The chosen point is right as it is (A)"},
             {"id": "swap", "text": "Exchange from here on", "options": pairs,

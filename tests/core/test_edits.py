@@ -430,7 +430,7 @@ def test_every_cut_of_the_file_can_be_opened_and_gone_on_with(tmp_path):
         ),
         (
             '{"edit": "retrack", "frame": 1, "veiw": "a"}',
-            "edits.jsonl, line 1: unknown field 'veiw'; a retrack has frame.",
+            "edits.jsonl, line 1: unknown field 'veiw'; a retrack has frame, learn.",
         ),
         (
             "[1]",
@@ -445,6 +445,29 @@ def test_a_damaged_line_in_the_middle_is_named(tmp_path, line, text):
     with pytest.raises(InputError) as error:
         EditLog(wand(), path, rig=FlatRig())
     assert str(error.value) == text
+
+
+def test_tracking_again_with_new_colours_is_kept_and_done_again(tmp_path):
+    path = tmp_path / "edits.jsonl"
+    asked = []
+
+    def tracker(tracks, frame, **options):
+        asked.append((frame, options))
+        return tracks
+
+    log = EditLog(wand(), path, rig=FlatRig(), retrack=tracker)
+    log.apply(Retrack(frame=4))
+    log.apply(Retrack(frame=5, learn=True))
+    assert path.read_text().splitlines() == [
+        '{"edit": "retrack", "frame": 4}',
+        '{"edit": "retrack", "frame": 5, "learn": true}',
+    ]
+    again = EditLog(wand(), path, rig=FlatRig(), retrack=tracker)
+    assert again.active == (Retrack(frame=4), Retrack(frame=5, learn=True))
+    assert asked == [(4, {}), (5, {"learn": True})] * 2
+    path.write_text('{"edit": "retrack", "frame": 5, "learn": 1}\n{"edit": "undo"}\n')
+    with pytest.raises(InputError, match="learn is 1; expected true or false"):
+        EditLog(wand(), path, rig=FlatRig(), retrack=tracker)
 
 
 def test_two_windows_on_one_file_do_not_mix_their_lines(tmp_path):
@@ -532,6 +555,7 @@ def test_replay_of_no_file_says_which():
         (Swap(frame=4, first="P", second="Q"), "P and Q exchanged from frame 4 on"),
         (Swap(frame=4, first="P", second="Q", view="a"), "P and Q exchanged in a from frame 4 on"),
         (Retrack(frame=4), "tracked again from frame 4 on"),
+        (Retrack(frame=4, learn=True), "tracked again from frame 4 on, colours learnt there"),
     ],
 )
 def test_edits_in_words(edit, words):

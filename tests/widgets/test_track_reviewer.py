@@ -47,6 +47,25 @@ def test_doubtful_frames_are_found_by_themselves_and_again_after_tracking_again(
     assert offered(widget) == []
 
 
+def test_colours_are_learnt_anew_where_a_person_asks(trial_file, tmp_path):
+    asked = []
+
+    def tracker(_trial, tracks, frame, **options):
+        asked.append((frame, options))
+        return tracks
+
+    edits = tmp_path / "edits.jsonl"
+    widget = TrackReviewer(trial_file, scene.true_tracks(), retrack=tracker, edits=edits)
+    for action in ("learn", "retrack"):
+        assert action in [offer["id"] for offer in widget.actions]
+        widget.edit("action", {"action": action, "frame": 12})
+        widget._worker.join(60)
+        assert widget.alarm == ""
+    assert asked == [(12, {"learn": True}), (12, {})]
+    assert [edit.learn for edit in widget.session.corrections] == [True, False]
+    widget.close()
+
+
 def test_frames_to_look_at_can_be_given(review):
     table = pd.DataFrame(
         [[7, "cam1", "HR", "to try", 1.0]], columns=["frame", "view", "point", "reason", "score"]
