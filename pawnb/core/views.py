@@ -12,7 +12,7 @@ from typing import Protocol, Self
 import numpy as np
 
 from pawnb.core.bayer import debayered
-from pawnb.core.colour import Picture
+from pawnb.core.colour import Picture, reduce_region
 from pawnb.core.lens import Lens, StraightPicture
 from pawnb.errors import VideoError
 from pawnb.trial import View
@@ -90,15 +90,43 @@ class Frame:
         VideoError
             If the region is empty or reaches outside the view.
         """
+        return self.reduced(u0, v0, u1, v1, factor=1)
+
+    def reduced(self, u0: int, v0: int, u1: int, v1: int, *, factor: int) -> np.ndarray:
+        """Return the half-open region reduced by a whole factor, quicker than :meth:`crop`.
+
+        Parameters
+        ----------
+        u0, v0, u1, v1 : int
+            As for :meth:`crop`; width and height are multiples of ``factor``.
+        factor : int
+            Pixels of the view along each side of a pixel of the result.
+
+        Returns
+        -------
+        ndarray, shape (H / factor, W / factor, 3) RGB or (H / factor, W / factor) grey, uint8
+            A fresh array; each pixel is the mean of a square of the region's, to rounding.
+
+        Raises
+        ------
+        VideoError
+            If the region is empty, reaches outside the view, or is no multiple of ``factor``.
+        """
         if not (0 <= u0 < u1 <= self.width and 0 <= v0 < v1 <= self.height):
             raise VideoError(
                 f"frame {self.index}: the region {[u0, v0, u1, v1]} is empty or reaches outside "
                 f"the view of {self.width} x {self.height} px."
             )
+        if (u1 - u0) % factor or (v1 - v0) % factor:
+            raise VideoError(
+                f"frame {self.index}: the region {[u0, v0, u1, v1]} cannot be reduced by {factor}: "
+                f"its width and height are no multiples of it."
+            )
         if self._mirror:
             u0, u1 = self.width - u1, self.width - u0
         left, top = self._origin
-        pixels = self._picture.region(left + u0, top + v0, left + u1, top + v1)
+        box = (left + u0, top + v0, left + u1, top + v1)
+        pixels = reduce_region(self._picture, box, factor)
         return np.ascontiguousarray(pixels[:, ::-1]) if self._mirror else pixels
 
 

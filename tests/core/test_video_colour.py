@@ -10,7 +10,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pawnb.core.colour import GreyPicture, LazyPicture, PackedPicture, YuvPicture
+from pawnb.core.colour import (
+    GreyPicture,
+    LazyPicture,
+    PackedPicture,
+    YuvPicture,
+    reduce_region,
+)
 from pawnb.core.planes import picture_of_frame, picture_of_planes
 
 STEPS = {"yuv444p": (1, 1), "yuv422p": (2, 1), "yuv420p": (2, 2), "yuv440p": (1, 2),
@@ -91,6 +97,21 @@ def test_any_crop_is_that_part_of_the_whole(data):
     v0 = data.draw(st.integers(0, height - 1))
     u1, v1 = data.draw(st.integers(u0 + 1, width)), data.draw(st.integers(v0 + 1, height))
     assert np.array_equal(picture.region(u0, v0, u1, v1), whole(picture)[v0:v1, u0:u1])
+
+
+@pytest.mark.parametrize("factor", [1, 2, 3, 4])
+@pytest.mark.parametrize("name", sorted(STEPS))
+def test_a_reduced_region_is_the_mean_of_squares(name, factor):
+    u0, v0, u1, v1 = 8, 4, 8 + 12 * factor, 4 + 8 * factor
+    # middling colours: what RGB cannot show is cut off before or after averaging
+    planes = [p // 8 + 112 for p in random_planes(80, 60, STEPS[name])]
+    picture = picture_of_planes(
+        name, planes, width=80, height=60, standard="bt601", full_range=True
+    )
+    squares = picture.region(u0, v0, u1, v1).reshape(8, factor, 12, factor, 3)
+    reduced = reduce_region(picture, (u0, v0, u1, v1), factor)
+    # rounded twice: the planes by half a level, of which blue takes 1.77 times that of U
+    np.testing.assert_allclose(reduced, squares.mean(axis=(1, 3)), atol=2.5)
 
 
 def smooth(width, height):
