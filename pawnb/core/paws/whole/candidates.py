@@ -9,6 +9,7 @@ that from the centre of a wider neighbourhood to it.
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass
 
 import cv2
@@ -75,35 +76,27 @@ def find_candidates(pixels: np.ndarray, origin: tuple[int, int], look: Look) -> 
     score = look.appearance.score(pixels, shrink=look.shrink)
     score = cv2.GaussianBlur(score, (3, 3), 0.6)
     weight = np.clip(score * 0.5 + 0.5, 0.0, 1.0)
-    mask = score > 0
-    if not mask.any():
-        return np.empty((0, 8), np.float32)
     r = look.reach
     side = 2 * r + 1
     share = cv2.blur(weight, (side, side), borderType=cv2.BORDER_REPLICATE)
-    guarded = np.where(mask, share, 1.0).astype(np.float32)
+    mask = score > 0
+    guarded = np.where(mask, share, np.float32(1.0))
     lowest = cv2.erode(guarded, np.ones((2 * (r // 2) + 1,) * 2, np.uint8))
-    v, u = np.nonzero(mask & (guarded <= lowest))
-    if not len(u):
-        return np.empty((0, 8), np.float32)
+    v, u = np.divmod(np.flatnonzero(mask & (guarded <= lowest)), score.shape[1])
     # specks are not ends: there must be mask behind
     order = np.argsort(share[v, u])
-    keep = order[share[v[order], u[order]] * side * side > 0.25 * r * r]
-    u, v = u[keep][:60], v[keep][:60]
+    order = order[share[v[order], u[order]] * side * side > 0.25 * r * r][:60]
+    u, v = u[order], v[order]
     near = _centres(weight, u, v, r)
-    wide = _centres(weight, u, v, 2 * r)
-    mean = _mean_score(score, near)
-    table = np.column_stack(
-        [near, near - wide, share[v, u][:, None], mean[:, None], np.column_stack([u, v])]
-    )
-    table = _distinct(table, float(r) * 0.7)
-    table[:, [0, 1, 6, 7]] = (table[:, [0, 1, 6, 7]] + 0.5) * look.shrink - 0.5
-    table[:, 2:4] *= look.shrink
-    table[:, [0, 6]] += origin[0]
-    table[:, [1, 7]] += origin[1]
+    kept = _distinct(near, float(r) * 0.7)
+    ends = (near + 0.5) * look.shrink - 0.5 + origin
     if look.limits is not None:
-        inside = table[:, :2] @ look.limits[:, :2].T + look.limits[:, 2] >= 0
-        table = table[inside.all(axis=1)]
+        inside = ends[kept] @ look.limits[:, :2].T + look.limits[:, 2] >= 0
+        kept = kept[inside.all(axis=1)]
+    u, v, near = u[kept], v[kept], near[kept]
+    direction = (near - _centres(weight, u, v, 2 * r)) * look.shrink
+    pixel = (np.column_stack([u, v]) + 0.5) * look.shrink - 0.5 + origin
+    table = np.column_stack([ends[kept], direction, share[v, u], _mean_score(score, near), pixel])
     table = table[np.argsort(-worth(table, look.distal), kind="stable")[:MOST]]
     return table.astype(np.float32)
 
@@ -122,15 +115,18 @@ def worth(rows: np.ndarray, distal: tuple[float, float]) -> np.ndarray:
 def _centres(weight: np.ndarray, u: np.ndarray, v: np.ndarray, reach: int) -> np.ndarray:
     """Return the weighted centres (n, 2) of discs about some pixels."""
     padded = cv2.copyMakeBorder(weight, reach, reach, reach, reach, cv2.BORDER_CONSTANT)
-    step = np.arange(2 * reach + 1)
-    part = padded[v[:, None, None] + step[:, None], u[:, None, None] + step]
-    disc = (step - reach) ** 2
-    part = part * ((disc[:, None] + disc) <= (reach + 0.5) ** 2)
-    mass = part.sum(axis=(1, 2))
-    safe = np.maximum(mass, 1e-6)
-    cu = (part.sum(axis=1) * (step - reach)).sum(axis=1) / safe
-    cv_ = (part.sum(axis=2) * (step - reach)).sum(axis=1) / safe
-    return np.column_stack([u + cu, v + cv_])
+    side = 2 * reach + 1
+    squares = np.lib.stride_tricks.sliding_window_view(padded, (side, side))
+    moments = squares[v, u].reshape(len(u), side * side) @ _disc(reach)
+    return np.column_stack([u, v]) + moments[:, 1:] / np.maximum(moments[:, :1], 1e-6)
+
+
+@functools.cache
+def _disc(reach: int) -> np.ndarray:
+    """Return what sums up mass and first moments over a disc, (side squared, 3)."""
+    v, u = np.mgrid[-reach : reach + 1, -reach : reach + 1].astype(np.float32)
+    inside = u**2 + v**2 <= (reach + 0.5) ** 2
+    return np.stack([inside, inside * u, inside * v], axis=-1).reshape(-1, 3).astype(np.float32)
 
 
 def _mean_score(score: np.ndarray, centre: np.ndarray) -> np.ndarray:
@@ -142,14 +138,14 @@ def _mean_score(score: np.ndarray, centre: np.ndarray) -> np.ndarray:
     return score[v[:, None, None] + step[:, None], u[:, None, None] + step].mean(axis=(1, 2))
 
 
-def _distinct(table: np.ndarray, apart: float) -> np.ndarray:
-    """Keep rows in order, leaving out those that lie within ``apart`` of one kept."""
-    u, v = table[:, 0], table[:, 1]
+def _distinct(at: np.ndarray, apart: float) -> np.ndarray:
+    """Return the rows to keep: in order, without those within ``apart`` of one kept."""
+    u, v = at[:, 0], at[:, 1]
     close = (u[:, None] - u) ** 2 + (v[:, None] - v) ** 2 < apart**2
-    free = np.ones(len(table), bool)
+    free = np.ones(len(at), bool)
     kept: list[int] = []
-    for i in range(len(table)):
+    for i in range(len(at)):
         if free[i]:
             kept.append(i)
             free &= ~close[i]
-    return table[kept]
+    return np.array(kept, int)
