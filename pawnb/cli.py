@@ -186,19 +186,25 @@ def _check(options: argparse.Namespace, _argv: list[str]) -> None:
 
 def _track(options: argparse.Namespace, argv: list[str]) -> None:
     from pawnb.trial import load_trial
+    from pawnb.workflow.interrupt import interruptible
     from pawnb.workflow.methods import METHODS
     from pawnb.workflow.results import results_folder
     from pawnb.workflow.track import track
 
     trial = load_trial(options.trial)
     out = results_folder(trial, options.out)
-    tracks = track(
-        trial,
-        method=options.method or METHODS[0],
-        settings=_settings(options.set),
-        out=out,
-        command=argv,
-    )
+    with interruptible() as interrupted:
+        tracks = track(
+            trial,
+            method=options.method or METHODS[0],
+            settings=_settings(options.set),
+            out=out,
+            stop=interrupted,
+            command=argv,
+        )
+    if interrupted():
+        print(f"tracked {tracks.sizes['time']} frames and wrote {out}; run it again to go on")
+        raise KeyboardInterrupt
     print(f"tracked {tracks.sizes['time']} frames; wrote {out}; next: pawnb gait {out}")
 
 

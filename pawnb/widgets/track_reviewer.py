@@ -230,7 +230,7 @@ class TrackReviewer(FrameCanvas):
             found = find_suspects(self.session.tracks, rig=self.session.rig)
             self._suspects = suspect_options(found)
 
-    def _track_again(self, tracks: Tracks, frame: int, **options: bool) -> Tracks:
+    def _track_again(self, tracks: Tracks, frame: int, **options: Any) -> Tracks:
         """Call the tracker; a person who stops it keeps the tracks as they were."""
         if self._retrack_trial is not None:
             return self._retrack_trial(self._trial, tracks, frame, **options)

@@ -10,6 +10,7 @@ import pandas as pd
 
 from pawnb.core.paws import PaperSettings, track_paws
 from pawnb.core.paws.whole import WholeSettings, track_whole
+from pawnb.core.paws.whole.store import CandidateStore
 from pawnb.core.video import ViewSet
 from pawnb.errors import InputError, did_you_mean
 from pawnb.schema import Tracks, build_settings
@@ -107,6 +108,8 @@ def run_tracker(
     *,
     settings: TrackerSettings,
     learn_at: Mapping[str, int] | None = None,
+    looked: pd.DataFrame | None = None,
+    store: CandidateStore | None = None,
     **options: Any,
 ) -> Tracks:
     """Track with one of the methods.
@@ -124,6 +127,8 @@ def run_tracker(
     learn_at : mapping, optional
         See :func:`pawnb.core.paws.track_paws`; method ``pawnb`` has no use for it, as it
         learns from every position placed by hand.
+    looked, store
+        See :func:`pawnb.core.paws.whole.track_whole`; the other methods have no use for them.
     **options
         The rest of what :func:`pawnb.core.paws.track_paws` takes.
 
@@ -133,5 +138,5 @@ def run_tracker(
         Tracks.
     """
     if isinstance(settings, WholeSettings):
-        return track_whole(views, clicks, settings=settings, **options)
+        return track_whole(views, clicks, settings=settings, looked=looked, store=store, **options)
     return track_paws(views, clicks, settings=settings, method=method, learn_at=learn_at, **options)

@@ -35,6 +35,8 @@ def progress_bar(label: str, *, unit: str = "frame") -> Iterator[Progress | None
     def update(done: int, total: int) -> None:
         if bar.total != total:
             bar.reset(total=total)
+            # what an earlier run has done tells nothing of the rate of this one
+            bar.initial = bar.n = done - 1
         bar.update(done - bar.n)
 
     try:

@@ -6,6 +6,7 @@ versions give the same bytes.
 
 from __future__ import annotations
 
+import functools
 import hashlib
 import importlib.metadata
 import json
@@ -60,8 +61,15 @@ def file_checksum(path: str | Path) -> str:
         files = sorted(path.parent.glob(path.name)) if path.parent.is_dir() else []
     if not files:
         raise InputError(f"{path}: no such file; check the path in the trial.")
+    states = [(file, file.stat()) for file in files]
+    return _checksum(tuple((file, state.st_size, state.st_mtime_ns) for file, state in states))
+
+
+@functools.lru_cache(maxsize=256)
+def _checksum(files: tuple[tuple[Path, int, int], ...]) -> str:
+    """Return the checksum of files, read once as long as size and time of change stay."""
     digest = hashlib.sha256()
-    for file in files:
+    for file, _, _ in files:
         if len(files) > 1:
             digest.update(file.name.encode())
         with file.open("rb") as stream:

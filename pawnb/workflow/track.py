@@ -14,6 +14,7 @@ import pandas as pd
 
 from pawnb.core.paws.settings import REFERENCE_WIDTH_PX
 from pawnb.core.paws.stretch import TOLERANCE_PX, keep_untouched
+from pawnb.core.paws.whole.store import CandidateStore
 from pawnb.core.rig import Rig, load_rig
 from pawnb.core.video import ViewSet, open_views
 from pawnb.errors import CalibrationError, InputError, InputWarning
@@ -21,6 +22,8 @@ from pawnb.io import native
 from pawnb.io.start import check_start, read_start
 from pawnb.schema import ORIGIN_CODE, Tracks, add_provenance
 from pawnb.trial import Trial, load_trial
+from pawnb.workflow.interrupt import interruptible
+from pawnb.workflow.kept_candidates import keep_store, open_store, reopen_store
 from pawnb.workflow.methods import (
     METHODS,
     method_of_tracks,
@@ -29,7 +32,12 @@ from pawnb.workflow.methods import (
 )
 from pawnb.workflow.progress import Progress, progress_bar
 from pawnb.workflow.provenance import build_step, trial_checksums
-from pawnb.workflow.results import describe_trial, provenance_steps, write_track_results
+from pawnb.workflow.results import (
+    describe_trial,
+    provenance_steps,
+    results_folder,
+    write_track_results,
+)
 
 
 def track(
@@ -62,11 +70,13 @@ def track(
     frames : tuple of int, optional
         Half-open range of frames; default the trial's, else from the first clicked frame on.
     out : str or Path, optional
-        Folder for ``tracks.nc``, its tables, ``suspects.csv`` and ``provenance.json``.
+        Folder for ``tracks.nc``, its tables, ``suspects.csv``, ``provenance.json`` and
+        ``candidates.bin``, from which method ``pawnb`` goes on after an interruption.
     progress : callable, optional
         ``progress(done, total)``; default a bar on a terminal or in a notebook.
     stop : callable, optional
-        Asked before each frame; when it answers True, what is done is kept.
+        Asked before each frame; when it answers True, what is done is kept. By default an
+        interrupt (Ctrl-C) does that. Called again, method ``pawnb`` goes on from there.
     command : sequence of str, optional
         The command line, for the provenance.
 
@@ -87,12 +97,15 @@ def track(
             f"trial {trial.name!r} is of kind {trial.kind!r}; tracking needs kind 'paws'."
         )
     chosen = tracker_settings(trial, method=method, settings=settings)
-    with open_views(trial) as views:
+    with contextlib.ExitStack() as stack:
+        asked = stack.enter_context(interruptible()) if stop is None else stop
+        views = stack.enter_context(open_views(trial))
         for note in views.notes:
             warnings.warn(note, InputWarning, stacklevel=2)
         clicks = _start_clicks(trial, views, start)
         rig = trial_rig(trial, views)
         first, last = _frame_range(trial, views, clicks, frames)
+        store = _store(trial, method, out, stack)
         with _progress(progress, "tracking") as report:
             tracks = run_tracker(
                 method,
@@ -100,6 +113,7 @@ def track(
                 clicks,
                 rig=rig,
                 settings=chosen,
+                store=store,
                 points_by_view=points_by_view(trial, clicks),
                 facing=view_facing(trial, rig),
                 frames=(first, last),
@@ -107,8 +121,10 @@ def track(
                 individual=trial.animal.id,
                 unit=rig.unit if rig is not None else "px",
                 progress=report,
-                stop=stop,
+                stop=asked,
             )
+        if stop is None and tracks.sizes["time"] < last - first:
+            _tell_interrupted(tracks, first, last)
         # where the rate varies these are the file's own time stamps
         times = views.time_s[tracks["frame"].to_numpy()]
     tracks = _in_real_units(tracks, trial, rig)
@@ -135,6 +151,7 @@ def retrack(
     frame: int,
     *,
     learn: bool = False,
+    out: str | Path | None = None,
     progress: Progress | None = None,
     stop: Callable[[], bool] | None = None,
 ) -> Tracks:
@@ -158,8 +175,12 @@ def retrack(
         The corrected frame.
     learn : bool
         Learn the initial colours of the corrected points anew, from this frame on, as the
-        paper's user may ask for. Without, they stay those of the start. Method ``pawnb``
-        learns from every position that was put in place by hand.
+        paper's user may ask for. Without, they stay those of the start, and method
+        ``pawnb`` decodes nothing that an earlier run has searched. With it, method
+        ``pawnb`` learns from every position that was put in place by hand and searches
+        the recording anew.
+    out : str or Path, optional
+        Folder with the results of the earlier run; default ``results`` beside the trial.
     progress, stop
         As for :func:`track`.
 
@@ -182,8 +203,13 @@ def retrack(
     placed = corrected_points(tracks, frame)
     learnt = _frames_learnt_in(tracks) | (dict.fromkeys(placed, frame) if learn else {})
     clicks = _clicks_of_frame(trial, tracks, frame)
-    with open_views(trial) as views:
+    with contextlib.ExitStack() as stack:
+        views = stack.enter_context(open_views(trial))
         rig = trial_rig(trial, views)
+        store = None
+        if method == METHODS[0] and not learn:
+            store = reopen_store(trial, results_folder(trial, out))
+            stack.callback(keep_store, store)
         with _progress(progress, "tracking again") as report:
             new = run_tracker(
                 method,
@@ -199,6 +225,8 @@ def retrack(
                 unit=rig.unit if rig is not None else "px",
                 tracks=tracks,
                 learn_at=learnt,
+                looked=None if learn else _clicks_begun_with(tracks, int(known[-1]) + 1),
+                store=store,
                 progress=report,
                 stop=stop,
             )
@@ -220,6 +248,38 @@ def retrack(
         start=clicks.to_dict(orient="records"),
     )
     return add_provenance(new, **step)
+
+
+def _store(
+    trial: Trial, method: str, out: str | Path | None, stack: contextlib.ExitStack
+) -> CandidateStore | None:
+    """Return where candidates are kept, for the method that keeps them."""
+    if method != METHODS[0]:
+        return None
+    store = open_store(trial, None if out is None else Path(out))
+    stack.callback(keep_store, store)
+    return store
+
+
+def _tell_interrupted(tracks: Tracks, first: int, last: int) -> None:
+    """Warn that a person stopped the run, or stop where nothing was done."""
+    frames = tracks["frame"].to_numpy()
+    if not len(frames):
+        raise KeyboardInterrupt
+    warnings.warn(
+        f"interrupted: frames {frames[0]} to {frames[-1]} of {first} to {last - 1} are tracked.",
+        InputWarning,
+        stacklevel=3,
+    )
+
+
+def _clicks_begun_with(tracks: Tracks, end: int) -> pd.DataFrame | None:
+    """Return the clicks that tracks were begun with, as far as they lie before ``end``."""
+    made = [step for step in provenance_steps(tracks) if step["step"] == "track"]
+    if not made:
+        return None
+    clicks = pd.DataFrame(made[-1]["start"])
+    return clicks[clicks["frame"] < end]
 
 
 def corrected_points(tracks: Tracks, frame: int) -> list[str]:

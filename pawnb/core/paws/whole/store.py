@@ -26,6 +26,8 @@ from typing import Any, BinaryIO, Self
 
 import numpy as np
 
+from pawnb.errors import InputError
+
 _FIRST_LINE = "pawnb candidates 1 {key}\n"
 _HEAD = struct.Struct("<II")
 _COLUMNS = 8
@@ -45,8 +47,7 @@ class CandidateStore:
     """
 
     def __init__(self, path: Path | None = None, *, source: str = "") -> None:
-        self.path = path
-        self._source = source
+        self.path, self.source = path, source
         self._key = ""
         self._found: list[list[np.ndarray]] = []
         self._file: BinaryIO | None = None
@@ -66,16 +67,28 @@ class CandidateStore:
         -------
         list of list of ndarray
             For each frame in turn, the candidates of each view.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be read or written.
         """
         digest = hashlib.sha256()
-        for item in (_code_checksum(), self._source, n_views, *depends_on):
+        for item in (_code_checksum(), self.source, n_views, *depends_on):
             _feed(digest, item)
         key = digest.hexdigest()
         if key != self._key:
             self.close()
             self._key, self._found = key, []
             if self.path is not None:
-                self._open(self.path, n_views)
+                try:
+                    self.path.parent.mkdir(parents=True, exist_ok=True)
+                    self._open(self.path, n_views)
+                except OSError as error:
+                    raise InputError(
+                        f"{self.path}: cannot keep candidates here ({error.strerror}); choose "
+                        "another folder for the results."
+                    ) from None
         return list(self._found)
 
     def add(self, candidates: Sequence[np.ndarray]) -> None:

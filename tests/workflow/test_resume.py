@@ -1,0 +1,127 @@
+"""Going on after an interruption, and correcting, without decoding anything twice."""
+
+from __future__ import annotations
+
+import shutil
+import signal
+
+import pytest
+import xarray as xr
+
+from pawnb import cli
+from pawnb.core.viewset import ViewSet
+from pawnb.errors import InputWarning
+from pawnb.io.native import read_tracks
+from pawnb.trial import load_trial
+from pawnb.workflow import kept_candidates
+from pawnb.workflow.kept_candidates import FILE_NAME
+from pawnb.workflow.track import retrack, track
+
+N = 12
+
+
+@pytest.fixture(autouse=True)
+def nothing_in_memory(monkeypatch):
+    monkeypatch.setattr(kept_candidates, "_in_memory", type(kept_candidates._in_memory)())
+
+
+@pytest.fixture
+def decoded(monkeypatch):
+    """Ranges of frames that were gone through."""
+    ranges, plain = [], ViewSet.frames
+
+    def frames(self, start, stop, **options):
+        ranges.append((start, stop))
+        return plain(self, start, stop, **options)
+
+    monkeypatch.setattr(ViewSet, "frames", frames)
+    return ranges
+
+
+def interrupt_at(k):
+    """Send an interrupt, as Ctrl-C does, once k frames are done."""
+
+    def progress(done, _total):
+        if done == k:
+            signal.raise_signal(signal.SIGINT)
+
+    return progress
+
+
+def test_a_second_run_goes_on_and_ends_as_one_run_would(small_trial, tmp_path, decoded):
+    trial = load_trial(small_trial)
+    whole = track(trial, frames=(0, N), out=tmp_path / "whole")
+    with pytest.warns(InputWarning, match=f"interrupted: frames 0 to .* of 0 to {N - 1}"):
+        part = track(trial, frames=(0, N), out=tmp_path / "parts", progress=interrupt_at(5))
+    done = part.sizes["time"]
+    assert 5 <= done < N
+    assert read_tracks(tmp_path / "parts" / "tracks.nc").sizes["time"] == done
+    decoded.clear()
+    again = track(trial, frames=(0, N), out=tmp_path / "parts")
+    assert decoded == [(done, N)]
+    xr.testing.assert_identical(again, whole)
+    files = sorted(path.name for path in (tmp_path / "whole").iterdir())
+    assert FILE_NAME in files
+    for name in files:
+        if name != "tracks.nc":  # HDF5 writes the same data, not always the same bytes
+            left, right = (tmp_path / folder / name for folder in ("whole", "parts"))
+            assert left.read_bytes() == right.read_bytes(), name
+
+
+def test_another_video_is_searched_anew(small_trial, tmp_path, decoded):
+    trial = load_trial(small_trial)
+    track(trial, frames=(0, 4), out=tmp_path / "out")
+    shutil.copy(small_trial / "cam1.avi", small_trial / "cam2.avi")
+    decoded.clear()
+    track(trial, frames=(0, 4), out=tmp_path / "out")
+    assert decoded == [(0, 4)]
+
+
+@pytest.mark.parametrize("where", ["folder", "memory"])
+def test_tracking_again_decodes_nothing_and_is_the_same_as_if_it_had(
+    small_trial, tmp_path, decoded, where
+):
+    trial = load_trial(small_trial)
+    out = tmp_path / "out" if where == "folder" else None
+    tracks = track(trial, frames=(0, N), out=out)
+    if where == "folder":
+        kept_candidates._in_memory.clear()
+    decoded.clear()
+    quick = retrack(trial, tracks, 6, out=out)
+    assert decoded == []
+    kept_candidates._in_memory.clear()
+    slow = retrack(trial, tracks, 6)
+    assert decoded == [(0, N)]
+    xr.testing.assert_identical(quick, slow)
+
+
+def test_an_interrupted_command_says_so_and_keeps_what_is_done(
+    small_trial, tmp_path, capsys, monkeypatch
+):
+    out = tmp_path / "out"
+    plain = ViewSet.frames
+
+    def frames(self, start, stop, **options):
+        for i, pictures in plain(self, start, stop, **options):
+            if i == 6:
+                signal.raise_signal(signal.SIGINT)
+            yield i, pictures
+
+    monkeypatch.setattr(ViewSet, "frames", frames)
+    assert cli.main(["track", str(small_trial), "--out", str(out)]) == cli.EXIT_INTERRUPTED
+    said = capsys.readouterr()
+    assert "tracked 6 frames" in said.out
+    assert "interrupted" in said.err
+    assert read_tracks(out / "tracks.nc").sizes["time"] == 6
+
+
+def test_interrupted_before_the_first_frame_there_is_nothing_to_keep(small_trial, monkeypatch):
+    plain = ViewSet.frames
+
+    def frames(self, start, stop, **options):
+        signal.raise_signal(signal.SIGINT)
+        return plain(self, start, stop, **options)
+
+    monkeypatch.setattr(ViewSet, "frames", frames)
+    with pytest.raises(KeyboardInterrupt):
+        track(load_trial(small_trial))
