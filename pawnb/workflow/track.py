@@ -30,6 +30,7 @@ from pawnb.workflow.methods import (
     run_tracker,
     tracker_settings,
 )
+from pawnb.workflow.placed import clicks_begun_with, clicks_by_hand
 from pawnb.workflow.progress import Progress, progress_bar
 from pawnb.workflow.provenance import build_step, trial_checksums
 from pawnb.workflow.results import (
@@ -165,6 +166,10 @@ def retrack(
     and all other rows stay as they are. Where nothing was put in place in ``frame``, all
     points are tracked again to the end.
 
+    Method ``pawnb`` decides over the whole recording again, with everything that was put
+    in place by hand as certain. Other points then take their new rows, too, about where
+    they have moved: where one paw was taken for another, both are set right.
+
     Parameters
     ----------
     trial : Trial
@@ -203,13 +208,18 @@ def retrack(
     placed = corrected_points(tracks, frame)
     learnt = _frames_learnt_in(tracks) | (dict.fromkeys(placed, frame) if learn else {})
     clicks = _clicks_of_frame(trial, tracks, frame)
+    options: dict[str, Any] = {"frames": (int(frame), int(known[-1]) + 1), "tracks": tracks}
     with contextlib.ExitStack() as stack:
         views = stack.enter_context(open_views(trial))
         rig = trial_rig(trial, views)
-        store = None
-        if method == METHODS[0] and not learn:
-            store = reopen_store(trial, results_folder(trial, out))
-            stack.callback(keep_store, store)
+        begun = clicks_begun_with(tracks)
+        if method == METHODS[0] and begun is not None:
+            clicks = clicks_by_hand(trial, tracks)
+            options = {"frames": (int(known[0]), int(known[-1]) + 1)}
+            if not learn:
+                store = reopen_store(trial, results_folder(trial, out))
+                stack.callback(keep_store, store)
+                options |= {"looked": begun, "store": store}
         with _progress(progress, "tracking again") as report:
             new = run_tracker(
                 method,
@@ -219,23 +229,24 @@ def retrack(
                 settings=settings,
                 points_by_view=points_by_view(trial, clicks),
                 facing=view_facing(trial, rig),
-                frames=(int(frame), int(known[-1]) + 1),
                 fps=trial.fps,
                 individual=trial.animal.id,
                 unit=rig.unit if rig is not None else "px",
-                tracks=tracks,
                 learn_at=learnt,
-                looked=None if learn else _clicks_begun_with(tracks, int(known[-1]) + 1),
-                store=store,
                 progress=report,
                 stop=stop,
+                **options,
             )
         tolerance = {
             name: TOLERANCE_PX * reader.width / REFERENCE_WIDTH_PX
             for name, reader in views.readers.items()
         }
     new = _in_real_units(new, trial, rig)
-    new = keep_untouched(tracks, new, frame, tolerance_px=tolerance)
+    joint = "tracks" not in options
+    if joint and new.sizes["time"] < known[-1] + 1 - known[0]:
+        return tracks  # stopped: a part of the recording does not decide over the whole
+    new = new.isel(time=np.isin(new["frame"], known))
+    new = keep_untouched(tracks, new, frame, tolerance_px=tolerance, joint=joint)
     new = describe_trial(new.assign_attrs(tracks.attrs).assign_coords(time=tracks["time"]), trial)
     step = build_step(
         "retrack",
@@ -271,15 +282,6 @@ def _tell_interrupted(tracks: Tracks, first: int, last: int) -> None:
         InputWarning,
         stacklevel=3,
     )
-
-
-def _clicks_begun_with(tracks: Tracks, end: int) -> pd.DataFrame | None:
-    """Return the clicks that tracks were begun with, as far as they lie before ``end``."""
-    made = [step for step in provenance_steps(tracks) if step["step"] == "track"]
-    if not made:
-        return None
-    clicks = pd.DataFrame(made[-1]["start"])
-    return clicks[clicks["frame"] < end]
 
 
 def corrected_points(tracks: Tracks, frame: int) -> list[str]:

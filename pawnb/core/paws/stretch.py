@@ -10,11 +10,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
+from scipy.ndimage import binary_dilation
 
 from pawnb.schema import ORIGIN_CODE, Tracks
 
 TOLERANCE_PX = 2.0
 """Tracks as near as this in every view are the same, in pictures 2048 px wide."""
+
+_FAR = 10.0
 
 MET_FRAMES = 10
 """The new track has met the old one after so many frames in a row on it."""
@@ -129,7 +132,12 @@ def keep_rows(old: Tracks, new: Tracks, keep: np.ndarray) -> Tracks:
 
 
 def keep_untouched(
-    old: Tracks, new: Tracks, frame: int, *, tolerance_px: Mapping[str, float]
+    old: Tracks,
+    new: Tracks,
+    frame: int,
+    *,
+    tolerance_px: Mapping[str, float],
+    joint: bool = False,
 ) -> Tracks:
     """Keep of new tracks only the stretch that the corrections in a frame touch.
 
@@ -143,6 +151,11 @@ def keep_untouched(
         The corrected frame.
     tolerance_px : mapping
         For each view, the distance within which tracks are the same.
+    joint : bool
+        Whether all points were decided together: then other points take their new rows,
+        too, about where they have moved by more than ten times the tolerance, up to the
+        next frame in which they were put in place. Where one paw was taken for another,
+        setting one right sets the other right.
 
     Returns
     -------
@@ -160,13 +173,29 @@ def keep_untouched(
     by_hand = was["image_origin"].transpose(*axes_was).to_numpy() == ORIGIN_CODE["edited"]
     now = new["image_position"].isel(individual=0).transpose(*axes, "image_space").to_numpy()
     here = int(np.flatnonzero(new["frame"].to_numpy() == frame)[0])
-    stretch = Stretch(
-        uv, by_hand, here, tolerance_px=np.array([tolerance_px[view] for view in views])
-    )
+    tolerance = np.array([tolerance_px[view] for view in views])
+    stretch = Stretch(uv, by_hand, here, tolerance_px=tolerance)
     for row in range(here, len(now)):
         stretch.enter(row)
         if stretch.is_over:
             break
         stretch.leave(row, now[row])
     rows = np.arange(len(now))[:, None]
-    return keep_rows(old, new, (rows < here) | (rows >= stretch.until))
+    keep = (rows < here) | (rows >= stretch.until)
+    if joint:
+        keep &= ~_moved(uv, now, by_hand.any(axis=1), here, limit=_FAR * tolerance)
+    return keep_rows(old, new, keep)
+
+
+def _moved(
+    uv: np.ndarray, now: np.ndarray, placed: np.ndarray, here: int, *, limit: np.ndarray
+) -> np.ndarray:
+    """Tell about which rows (n, P) points have moved farther than a limit (V,)."""
+    with np.errstate(invalid="ignore"):
+        far = (np.linalg.norm(now - uv, axis=-1) > limit[:, None]).any(axis=1)
+    far[:here] = False
+    far = binary_dilation(far, np.ones((2 * MET_FRAMES + 1, 1), bool))
+    far[:here] = False
+    later = placed.copy()
+    later[: here + 1] = False
+    return np.asarray(far & ~np.logical_or.accumulate(later, axis=0))

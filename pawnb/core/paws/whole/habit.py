@@ -90,6 +90,8 @@ def habit_cost(
     span: float,
 ) -> np.ndarray:
     """Return the cost (P, pieces) of each piece for each point."""
+    if not pieces:
+        return np.zeros((len(habits[0]), 0))
     first = np.concatenate([[0], np.cumsum([len(piece.picks) for piece in pieces])[:-1]])
     frame = np.concatenate([piece.first + np.arange(len(piece.picks)) for piece in pieces])
     at = np.concatenate([piece.at for piece in pieces]) - body[frame]
