@@ -17,7 +17,6 @@ import numpy as np
 from scipy.ndimage import gaussian_filter
 
 _BINS = 32
-_SHIFT = 3
 _ROUNDS = 4
 _REACH = 0.03
 """A paw reaches this far from its click, as a share of the picture's width."""
@@ -50,7 +49,16 @@ class Appearance:
         ``shrink`` is the factor by which the picture was reduced.
         """
         around = 2 * round(self.around_px / shrink / 2) + 1
-        return np.asarray(self.table[bin_numbers(pixels, around)])
+        return np.asarray(self.table.take(bin_numbers(pixels, around)))
+
+
+def reduce(pixels: np.ndarray, shrink: int) -> np.ndarray:
+    """Return a picture reduced by a whole factor."""
+    if shrink == 1:
+        return pixels
+    h, w = pixels.shape[:2]
+    size = (w // shrink, h // shrink)
+    return np.asarray(cv2.resize(pixels, size, interpolation=cv2.INTER_AREA))
 
 
 def bin_numbers(pixels: np.ndarray, around_px: int) -> np.ndarray:
@@ -59,8 +67,8 @@ def bin_numbers(pixels: np.ndarray, around_px: int) -> np.ndarray:
     if pixels.ndim == 2:
         around = cv2.blur(pixels, (around_px, around_px))
         return ((pixels.astype(np.int32) >> 1) << 7) | (around.astype(np.int32) >> 1)
-    p = pixels.astype(np.int32) >> _SHIFT
-    return (p[..., 0] << 10) | (p[..., 1] << 5) | p[..., 2]
+    # five bits each of red, green and blue, in one number
+    return cv2.cvtColor(pixels, cv2.COLOR_RGB2BGR555).view(np.uint16)[..., 0]
 
 
 def _features(is_colour: bool) -> np.ndarray:
@@ -97,8 +105,11 @@ def learn(
     """
     is_colour = pictures[0].ndim == 3
     features = _features(is_colour)
-    numbers = [bin_numbers(picture, around_px) for picture in pictures]
     width = max(picture.shape[1] for picture in pictures)
+    if is_colour:
+        parts = [_about(*one, round(_WIDE * width)) for one in zip(pictures, clicks, strict=True)]
+        pictures, clicks = [part[0] for part in parts], [part[1] for part in parts]
+    numbers = [bin_numbers(picture, around_px) for picture in pictures]
     reach = [
         _patch(n.shape, uv, round(_REACH * width)) for n, uv in zip(numbers, clicks, strict=True)
     ]
@@ -126,6 +137,14 @@ def learn(
             members = taken
     table = np.clip(table - limit, -_LIMIT, _LIMIT).astype(np.float32)
     return Appearance(table, _thickness(numbers, table, clicks), around_px)
+
+
+def _about(picture: np.ndarray, clicks: np.ndarray, reach: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the part of a picture that the clicks' surroundings cover, and clicks in it."""
+    margin = reach + 8  # filters see a little farther
+    low = np.maximum(np.floor(clicks.min(axis=0)).astype(int) - margin, 0)
+    high = np.ceil(clicks.max(axis=0)).astype(int) + margin + 1
+    return picture[low[1] : high[1], low[0] : high[0]], clicks - low
 
 
 def _even(score: np.ndarray) -> np.ndarray:

@@ -55,7 +55,7 @@ def find_candidates(pixels: np.ndarray, origin: tuple[int, int], look: Look) -> 
     Parameters
     ----------
     pixels : ndarray
-        Part of a view, RGB or grey, uint8.
+        Part of a view, RGB or grey, uint8, reduced by ``look.shrink``.
     origin : tuple of int
         Its left and top in the view, px.
     look : Look
@@ -68,11 +68,6 @@ def find_candidates(pixels: np.ndarray, origin: tuple[int, int], look: Look) -> 
         wider centre to the near one), share of mask, mean score, and u, v of the end
         pixel itself.
     """
-    if look.shrink > 1:
-        h, w = pixels.shape[:2]
-        pixels = cv2.resize(
-            pixels, (w // look.shrink, h // look.shrink), interpolation=cv2.INTER_AREA
-        )
     score = look.appearance.score(pixels, shrink=look.shrink)
     score = cv2.GaussianBlur(score, (3, 3), 0.6)
     weight = np.clip(score * 0.5 + 0.5, 0.0, 1.0)

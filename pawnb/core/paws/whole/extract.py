@@ -12,9 +12,10 @@ import numpy as np
 
 from pawnb.core.paws.appearance import Picture
 from pawnb.core.paws.layout import Views
-from pawnb.core.paws.whole.appearance import Appearance
+from pawnb.core.paws.whole.appearance import Appearance, reduce
 from pawnb.core.paws.whole.candidates import Look, find_candidates
 from pawnb.core.paws.whole.store import CandidateStore
+from pawnb.core.views import Frame
 
 FOLLOW = 0.06
 """Share by which the searched region follows the candidates from frame to frame."""
@@ -43,13 +44,17 @@ class Region:
     size: tuple[int, int]
     offset: float | None = field(default=None)
 
-    def box(self) -> tuple[int, int, int, int]:
-        """Return left, top, right, bottom within the view."""
-        u0, v0 = np.floor(self.centre - self.half).astype(int)
-        u1, v1 = np.ceil(self.centre + self.half).astype(int)
-        w, h = self.size
-        u0, v0 = min(max(u0, 0), w - 8), min(max(v0, 0), h - 8)
-        return int(u0), int(v0), int(max(min(u1, w), u0 + 8)), int(max(min(v1, h), v0 + 8))
+    def box(self, step: int = 1) -> tuple[int, int, int, int]:
+        """Return left, top, right, bottom within the view, multiples of ``step``."""
+        ends = []
+        for centre, half, size in zip(self.centre, self.half, self.size, strict=True):
+            least = step * -(-8 // step)
+            last = size // step * step
+            low = min(max(int(np.floor((centre - half) / step)) * step, 0), last - least)
+            high = int(np.ceil((centre + half) / step)) * step
+            ends.append((low, max(min(high, last), low + least)))
+        (u0, u1), (v0, v1) = ends
+        return u0, v0, u1, v1
 
     def follow(self, found: np.ndarray) -> None:
         """Move with the mean of the candidates."""
@@ -117,8 +122,10 @@ def extract(
         return found
 
     def search(v: int, picture: Picture) -> np.ndarray:
-        u0, v0, u1, v1 = regions[v].box()
-        rows = find_candidates(picture.crop(u0, v0, u1, v1), (u0, v0), looks[v])
+        shrink = looks[v].shrink
+        # chroma has half the resolution: reduced, its planes need an even grid
+        box = regions[v].box(1 if shrink == 1 else 2 * shrink)
+        rows = find_candidates(_reduced(picture, box, shrink), box[:2], looks[v])
         regions[v].follow(rows)
         return rows
 
@@ -146,3 +153,10 @@ def extract(
         while waiting:
             finish()
     return found
+
+
+def _reduced(picture: Picture, box: tuple[int, int, int, int], factor: int) -> np.ndarray:
+    """Return a part of a picture, reduced; frames of a video do so as they are decoded."""
+    if isinstance(picture, Frame):
+        return picture.reduced(*box, factor=factor)
+    return reduce(picture.crop(*box), factor)
