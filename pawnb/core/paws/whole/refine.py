@@ -56,9 +56,13 @@ def learn_offsets(
     *,
     thickness_px: np.ndarray,
     facing: Sequence[int],
+    distal: Sequence[tuple[float, float]],
     kinds: Sequence[str],
 ) -> Offsets:
     """Learn the offsets from the clicked frames.
+
+    The candidate of a click is the nearest one that looks like the end of a paw, and
+    counts as much as it does: what else is near, such as a heel, has its own direction.
 
     Parameters
     ----------
@@ -70,6 +74,8 @@ def learn_offsets(
         Thickness of a paw in each view.
     facing : sequence of int
         +1 or -1 for each view.
+    distal : sequence of (float, float)
+        See :class:`~pawnb.core.paws.whole.candidates.Look`.
     kinds : sequence of str
         Kind of each point; points of one kind share their offsets.
 
@@ -79,26 +85,42 @@ def learn_offsets(
         Offsets; of a point without a candidate near its clicks, the mean of the others.
     """
     n_points = clicks.shape[1]
-    seen: list[list[tuple[float, float]]] = [[] for _ in range(n_points)]
+    seen: list[list[tuple[float, float, float]]] = [[] for _ in range(n_points)]
     for click, rows_by_view in zip(clicks, found.values(), strict=True):
         for p, v in np.argwhere(np.isfinite(click[..., 0])):
             rows = rows_by_view[v]
             if not len(rows):
                 continue
             step = click[p, v] - rows[:, :2]
-            i = int(np.argmin(np.hypot(step[:, 0], step[:, 1])))
-            if np.hypot(*step[i]) > 1.2 * thickness_px[v]:
+            away = np.hypot(step[:, 0], step[:, 1]) / thickness_px[v]
+            good = worth(rows, distal[v])
+            i = int(np.argmin(np.where(away > 1.2, np.inf, away + 0.5 * (1.0 - good))))
+            if away[i] > 1.2:
                 continue
             e = rows[i, 2:4] / max(float(np.hypot(*rows[i, 2:4])), 1e-6)
             side = np.array([-e[1], e[0]]) * (facing[v] or 1)
-            seen[p].append((step[i] @ e / thickness_px[v], step[i] @ side / thickness_px[v]))
-    every = [s for own in seen for s in own] or [(0.0, 0.0)]
+            seen[p].append(
+                (step[i] @ e / thickness_px[v], step[i] @ side / thickness_px[v], float(good[i]))
+            )
+    every = [s for own in seen for s in own] or [(0.0, 0.0, 1.0)]
     alike = [
         [s for other, own in zip(kinds, seen, strict=True) if other == kind for s in own]
         for kind in kinds
     ]
-    means = np.array([np.median(own or every, axis=0) for own in alike])
+    means = np.array([_weighted_median(np.array(own or every)) for own in alike])
     return Offsets(means[:, 0], means[:, 1])
+
+
+def _weighted_median(rows: np.ndarray) -> np.ndarray:
+    """Return the median of each column but the last, which holds the weights."""
+    middle = []
+    for column in rows[:, :-1].T:
+        order = np.argsort(column)
+        share = np.cumsum(rows[order, -1]) / rows[:, -1].sum()
+        # half of the weight lies on either side; between two rows where it falls there
+        low, high = np.searchsorted(share, [0.5 - 1e-9, 0.5 + 1e-9])
+        middle.append(0.5 * (column[order[low]] + column[order[min(high, len(order) - 1)]]))
+    return np.array(middle)
 
 
 @dataclass

@@ -233,6 +233,7 @@ def _solve(
         {t: found[t] for t in clicked},
         thickness_px=scene.thickness_px,
         facing=layout.facing,
+        distal=scene.distal,
         kinds=layout.kinds,
     )
     acceleration = settings.acceleration * scene.span / fps**2
