@@ -1,118 +1,217 @@
-"""Time per frame of all views: the paw tracker against decoding the same frames.
+"""Time per frame of all views, and memory: the paw tracker against decoding the same frames.
 
 Run it from the project's root:
 
-    python benchmarks/tracking_speed.py --frames 40 --scale 1     # renders 2048 x 700
-    python benchmarks/tracking_speed.py --trial my/trial.toml
+    python benchmarks/tracking_speed.py --frames 300 --scale 1     # renders 2048 x 700
+    python benchmarks/tracking_speed.py --trial my/trial.toml --memory 100 600
 
-"decoded" reads every frame of every view and leaves the pixels alone; "tracked" is the
-whole tracker on the same views, decoding included; "tracker alone" works on frames that
-are decoded already. Each is the median of its repetitions.
+*decoding* is PyAV alone: every frame of every file, planes only, files shared by two
+threads of one codec thread each. *reading* is pawnb's own reader, which hands out the same
+frames side by side. *tracking* is the whole call on freshly opened files, decoding
+included: from clicks to tracks in memory; nothing is taken from an earlier run. The ways
+take turns, and the ratio is formed within each turn, so that what else the machine does
+falls on all of them; the range over the turns says how much that was. On a busy machine
+the clock favours whoever has more threads: then the ratio of processor times, of all
+threads, tells more. Memory is the peak of a fresh process.
 """
 
 from __future__ import annotations
 
 import argparse
+import contextlib
+import os
+import resource
 import statistics
+import subprocess
+import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any
+from typing import NamedTuple
 
+import av
+import numpy as np
+
+from pawnb.core.paws.whole import tracker as whole_tracker
 from pawnb.core.video import open_views
-from pawnb.io.native import read_start
+from pawnb.io.start import read_start
 from pawnb.synthetic import render_mouse_trial
 from pawnb.trial import Trial, load_trial
-from pawnb.workflow.track import (
-    METHODS,
-    points_by_view,
-    run_tracker,
-    tracker_settings,
-    trial_rig,
-)
+from pawnb.workflow.methods import METHODS, run_tracker, tracker_settings
+from pawnb.workflow.track import points_by_view, trial_rig, view_facing
+
+STAGES = {"read_scene": "learn from clicks", "extract": "candidates, decoding included",
+          "choose_paths": "choose paths", "refine": "refine"}  # fmt: skip
+"""Steps of method ``pawnb``, by the names they have in its module."""
 
 
-class Decoded:
-    """Views whose frames are held in memory."""
+class Timing(NamedTuple):
+    """Milliseconds a frame of all views: by the clock, and of processor time."""
 
-    def __init__(self, views: Any, n_frames: int) -> None:
-        self.names, self.readers, self.n_frames = views.names, views.readers, n_frames
-        self._held = [pictures for _, pictures in views.frames(0, n_frames)]
-
-    def frame(self, i: int) -> Mapping[str, Any]:
-        """Return one frame of every view."""
-        return self._held[i]
-
-    def frames(self, start: int, stop: int) -> Iterator[tuple[int, Mapping[str, Any]]]:
-        """Go through frames of every view."""
-        return ((i, self._held[i]) for i in range(start, stop))
+    clock: float
+    cpu: float
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--trial", type=Path, help="a trial to use instead of rendering one")
-    parser.add_argument("--frames", type=int, default=40, help="frames to use (%(default)s)")
+    parser.add_argument("--frames", type=int, default=300, help="frames to use (%(default)s)")
     parser.add_argument("--scale", type=float, default=1.0, help="of 2048 x 700 (%(default)s)")
     parser.add_argument("--method", default=METHODS[0], choices=METHODS, help="(%(default)s)")
     parser.add_argument("--repeats", type=int, default=5, help="(%(default)s)")
+    parser.add_argument("--memory", type=int, nargs="*", default=[], metavar="FRAMES",
+                        help="also print the peak memory of tracking so many frames")  # fmt: skip
+    parser.add_argument("--peak-of", type=int, help=argparse.SUPPRESS)
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        path = arguments.trial or render_mouse_trial(
-            folder, frames=arguments.frames, scale=arguments.scale
-        )
+        frames = max([arguments.frames, *arguments.memory])
+        path = arguments.trial or render_mouse_trial(folder, frames=frames, scale=arguments.scale)
+        if arguments.peak_of:
+            run(load_trial(path), arguments.method, arguments.peak_of)
+            print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+            return
         measure(load_trial(path), arguments.method, arguments.frames, arguments.repeats)
+        for n_frames in arguments.memory:
+            print(f"  peak memory, {n_frames} frames: "
+                  f"{peak_mb(path, arguments.method, n_frames):.0f} MB")  # fmt: skip
 
 
 def measure(trial: Trial, method: str, n_frames: int, repeats: int) -> None:
     """Measure one trial and print the times."""
-    start = read_start(trial.path(trial.start_points), trial)
-    settings = tracker_settings(trial, method=method)
     with open_views(trial) as views:
         n_frames = min(n_frames, views.n_frames)
-        rig = trial_rig(trial, views)
-        held = Decoded(views, n_frames)
-
-        def decode() -> None:
-            for _ in views.frames(0, n_frames):
-                pass
-
-        def run(source: Any) -> None:
-            run_tracker(
-                method,
-                source,
-                start,
-                rig=rig,
-                settings=settings,
-                frames=(0, n_frames),
-                fps=trial.fps,
-                points_by_view=points_by_view(trial, start),
-            )
-
-        times = {
-            "decoded": median_ms(decode, n_frames, repeats),
-            "tracked": median_ms(lambda: run(views), n_frames, repeats),
-            "tracker alone": median_ms(lambda: run(held), n_frames, repeats),
-        }
         sizes = {f"{r.width} x {r.height}" for r in views.readers.values()}
-    print(
-        f"{trial.name}: method {method}, {len(views.names)} views of "
-        f"{', '.join(sorted(sizes))}, {n_frames} frames"
-    )
-    for name, ms in times.items():
-        ratio = ms / times["decoded"]
-        print(f"  {name:14s} {ms:7.1f} ms a frame of all views, {ratio:.1f} x decoding")
+    stages: dict[str, list[float]] = {}
+
+    def track() -> None:
+        with timed_stages(stages, n_frames):
+            run(trial, method, n_frames)
+
+    ways: dict[str, Callable[[], None]] = {
+        "decoding": lambda: decode(trial, n_frames),
+        "reading": lambda: read(trial, n_frames),
+        "tracking": track,
+    }
+    found: dict[str, list[Timing]] = {name: [] for name in ways}
+    for turn in range(repeats):
+        for name, work in ways.items():
+            found[name].append(timed(work, n_frames))
+        ratio = found["tracking"][turn].clock / found["decoding"][turn].clock
+        print(f"turn {turn + 1}: {ratio:.2f} x decoding", file=sys.stderr, flush=True)
+    print(f"{trial.name}: method {method}, {len(trial.views)} views of {', '.join(sorted(sizes))}, "
+          f"{n_frames} frames, {os.cpu_count()} processors, {repeats} turns")  # fmt: skip
+    print(f"  import of the tracker in a fresh process: {import_s():.1f} s")
+    base = found["decoding"]
+    for name, own in found.items():
+        ratios = [a.clock / b.clock for a, b in zip(own, base, strict=True)]
+        cpu = [a.cpu / b.cpu for a, b in zip(own, base, strict=True)]
+        print(
+            f"  {name:9s} {statistics.median(t.clock for t in own):6.1f} ms a frame of all views: "
+            f"{statistics.median(ratios):.2f} x decoding ({min(ratios):.2f} to {max(ratios):.2f}); "
+            f"processor time {statistics.median(t.cpu for t in own):.1f} ms, "
+            f"{statistics.median(cpu):.2f} x"
+        )
+    for name, times in stages.items():
+        print(f"    {STAGES[name]:30s} {statistics.median(times):6.2f} ms a frame")
 
 
-def median_ms(work: Callable[[], None], n_frames: int, repeats: int) -> float:
-    """Return the median time of some work, ms a frame; a first run is not counted."""
+def timed(work: Callable[[], None], n_frames: int) -> Timing:
+    """Return the time that some work took, a frame."""
+    clock, cpu = time.perf_counter(), time.process_time()
     work()
+    clock, cpu = time.perf_counter() - clock, time.process_time() - cpu
+    return Timing(1000.0 * clock / n_frames, 1000.0 * cpu / n_frames)
+
+
+def decode(trial: Trial, n_frames: int) -> None:
+    """Decode every file with PyAV: planes only, two threads."""
+
+    def one(path: Path) -> int:
+        total = 0
+        with av.open(str(path)) as container:
+            container.streams.video[0].codec_context.thread_count = 1
+            for number, frame in enumerate(container.decode(video=0)):
+                total += sum(int(np.frombuffer(plane, np.uint8)[0]) for plane in frame.planes)
+                if number == n_frames - 1:
+                    break
+        return total
+
+    with ThreadPoolExecutor(2) as pool:
+        list(pool.map(one, [trial.path(view.video) for view in trial.views]))
+
+
+def read(trial: Trial, n_frames: int) -> None:
+    """Read every frame of every view side by side."""
+    with open_views(trial) as views:
+        for _ in views.frames(0, n_frames):
+            pass
+
+
+def run(trial: Trial, method: str, n_frames: int) -> None:
+    """Track a trial from its clicks."""
+    file = trial.start_file()
+    if file is None:
+        raise SystemExit(f"trial {trial.name!r} has no start points.")
+    start = read_start(trial.path(file), trial)
+    with open_views(trial) as views:
+        rig = trial_rig(trial, views)
+        run_tracker(
+            method,
+            views,
+            start,
+            rig=rig,
+            settings=tracker_settings(trial, method=method),
+            frames=(0, min(n_frames, views.n_frames)),
+            fps=trial.fps,
+            points_by_view=points_by_view(trial, start),
+            facing=view_facing(trial, rig),
+        )
+
+
+@contextlib.contextmanager
+def timed_stages(stages: dict[str, list[float]], n_frames: int) -> Iterator[None]:
+    """Note how long each step of method ``pawnb`` takes while the block runs, ms a frame."""
+    plain = {name: getattr(whole_tracker, name) for name in STAGES}
+
+    def wrap(name: str) -> Callable[..., object]:
+        def step(*args: object, **options: object) -> object:
+            begun = time.perf_counter()
+            result = plain[name](*args, **options)
+            took = 1000.0 * (time.perf_counter() - begun) / n_frames
+            stages.setdefault(name, []).append(took)
+            return result
+
+        return step
+
+    for name in STAGES:
+        setattr(whole_tracker, name, wrap(name))
+    try:
+        yield
+    finally:
+        for name, function in plain.items():
+            setattr(whole_tracker, name, function)
+
+
+def import_s() -> float:
+    """Return the time that a fresh process takes to import the tracker."""
     times = []
-    for _ in range(repeats):
+    for words in ("import pawnb.workflow.track", "pass"):
         begun = time.perf_counter()
-        work()
-        times.append(1000.0 * (time.perf_counter() - begun) / n_frames)
-    return statistics.median(times)
+        subprocess.run([sys.executable, "-c", words], check=True)
+        times.append(time.perf_counter() - begun)
+    return times[0] - times[1]
+
+
+def peak_mb(path: Path, method: str, n_frames: int) -> float:
+    """Return the peak memory of a process that tracks so many frames."""
+    words = [sys.executable, __file__, "--trial", str(path), "--method", method]
+    done = subprocess.run(
+        [*words, "--peak-of", str(n_frames)], check=True, capture_output=True, text=True
+    )
+    # kilobytes, but bytes on macOS
+    return int(done.stdout) / (2**20 if sys.platform == "darwin" else 2**10)
 
 
 if __name__ == "__main__":

@@ -13,9 +13,9 @@ picture 2048 px wide, and a hidden one is bridged within half of that.
 
 Rates are per 1000 frames of all views together; "<" is the upper end of the exact 95 %
 interval of a Poisson count (Garwood 1936). Intervals of shares are exact, too (Clopper and
-Pearson 1934), as if labels were independent, which those of one run are not. Distances are px of the
-picture as it is. Time is of the whole call, decoding and the checksums of the record
-included, and of one correction.
+Pearson 1934), as if labels were independent, which those of one run are not. Distances
+are px of the picture as it is. Time is of the whole call, decoding and the checksums of
+the record included, and of one correction.
 """
 
 from __future__ import annotations
