@@ -111,17 +111,19 @@ class Run:
         for place in placed:
             key = (place.view, place.point)
             if self.collisions is not None and place.origin == "edited":
-                self.collisions.reset(key)
+                self.collisions.reset(key, place.uv)
             result.uv[key] = place.uv
             result.image_origin[key] = ORIGIN_CODE[place.origin]
             result.image_confidence[key] = place.confidence
         fixed = {(place.view, place.point) for place in placed}
+        before = dict(self.previous)
         for key in self.initial:
             if key not in fixed and not self.idle[key[1]]:
                 self._find(pictures, key, centres[key], result)
         if layout.uses_space and layout.settings.hidden == "search":
             self._find_hidden(pictures, fixed, result)
         if self.collisions is not None:
+            self._resolve(self.collisions, result, centres=centres, before=before)
             self._undo_jumps(self.collisions, result)
         if layout.rig is not None:
             self._triangulate(layout.rig, result)
@@ -219,6 +221,29 @@ class Run:
         if colliding:
             result.image_origin[key] = _RESOLVED
 
+    def _resolve(
+        self,
+        collisions: Collisions,
+        result: FrameResult,
+        *,
+        centres: np.ndarray,
+        before: Mapping[tuple[int, int], Look],
+    ) -> None:
+        """Put lost paws where the template has them; let others take another superpixel."""
+        for resolved in collisions.resolve(self.detections, result.uv, centres=centres):
+            key = resolved.key
+            found = self.detections[key]
+            if resolved.rank is None:
+                result.uv[key] = resolved.place
+                result.image_origin[key] = _PREDICTED
+                result.image_confidence[key] = 0.0
+                self.previous[key] = before[key]
+                del self.detections[key]
+                continue
+            number, score = int(found.best[resolved.rank]), float(found.scores[resolved.rank])
+            self._accept(key, found.superpixels, number, score, result)
+            result.image_origin[key] = _RESOLVED
+
     def _undo_jumps(self, collisions: Collisions, result: FrameResult) -> None:
         """Take another of the best superpixels where a paw has jumped to another one."""
         for undone in collisions.undo_jumps(self.detections, result.uv, last_uv=self.last_uv):
@@ -281,7 +306,9 @@ class Run:
             by_hand = (result.image_origin[used, point] == ORIGIN_CODE["edited"]).all()
             result.position[point] = solved.xyz[point]
             result.residual[point] = solved.residual_px[point]
-            result.origin[point] = ORIGIN_CODE["edited"] if by_hand else _MEASURED
+            found = (result.image_origin[used, point] != _PREDICTED).any()
+            code = _MEASURED if found else _PREDICTED
+            result.origin[point] = ORIGIN_CODE["edited"] if by_hand else code
             result.confidence[point] = result.image_confidence[used, point].mean()
 
     def _take_from_picture(self, result: FrameResult) -> None:

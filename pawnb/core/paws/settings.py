@@ -71,7 +71,8 @@ class PaperSettings:
         180°).
     collision_threshold_px : float
         Front and hind paw of a side nearer to each other than this collide, type II
-        (Collision_Threshold, 60).
+        (Collision_Threshold, 60). How far a paw may be from its prediction during a
+        collision goes with it.
     start_frame_collision : int
         Frames that must have been tracked before a collision of type II is looked for, as
         the template cannot be fitted to fewer (Start_Frame_Collision, 20).

@@ -53,8 +53,8 @@ def track_paws(
     into superpixels, and the one with the highest fused score is the point. Two views or
     more give its 3D position, which updates the filter. Without a rig, and for a point
     that one view alone has found, a 2D filter predicts in the picture. Collisions are the
-    matter of :mod:`pawnb.core.paws.collisions`. A point is never given up: where it is
-    hidden, the superpixel most like it is taken.
+    matter of :mod:`pawnb.core.paws.collisions`. Outside of collisions a point
+    is never given up: where it is hidden, the superpixel most like it is taken.
 
     Parameters
     ----------
@@ -111,8 +111,8 @@ def track_paws(
     xarray.Dataset
         Tracks of ``frames``. ``origin`` is ``edited`` for a clicked position, ``measured``
         for a superpixel or a triangulated position, ``resolved`` for a superpixel that was
-        found during a collision or taken to undo a jump, ``predicted`` where the filter alone
-        says it, else ``missing``. ``image_confidence`` is the fused score (Eq. 6) of the
+        found during a collision or taken to undo a jump, ``predicted`` where the filter or
+        the template alone says it, else ``missing``. ``image_confidence`` is the fused score (Eq. 6) of the
         superpixel taken: 1 means that it was the best of its sub-image in every feature
         at once. It compares superpixels of one sub-image, so it falls when colour and
         place disagree, not when the paw is absent. ``confidence`` is its mean over the
