@@ -152,9 +152,9 @@ def keep_untouched(
     tolerance_px : mapping
         For each view, the distance within which tracks are the same.
     joint : bool
-        Whether all points were decided together: then other points take their new rows,
-        too, about where they have moved by more than ten times the tolerance, up to the
-        next frame in which they were put in place. Where one paw was taken for another,
+        Whether all points were decided together: then a point that was where a corrected
+        one is now takes its new rows, too, about where it has moved away from there, up to
+        the next frame in which it was put in place. Where one paw was taken for another,
         setting one right sets the other right.
 
     Returns
@@ -170,8 +170,14 @@ def keep_untouched(
     )  # fmt: skip
     axes_was = ("frame", *axes[1:])
     uv = was["image_position"].transpose(*axes_was, "image_space").to_numpy()
-    by_hand = was["image_origin"].transpose(*axes_was).to_numpy() == ORIGIN_CODE["edited"]
-    now = new["image_position"].isel(individual=0).transpose(*axes, "image_space").to_numpy()
+    origin = was["image_origin"].transpose(*axes_was).to_numpy()
+    by_hand = origin == ORIGIN_CODE["edited"]
+    flat = new.isel(individual=0)
+    now = flat["image_position"].transpose(*axes, "image_space").to_numpy()
+    # what only shows a position in space tells nothing of its own
+    shown = origin == ORIGIN_CODE["reprojected"]
+    shown |= flat["image_origin"].transpose(*axes).to_numpy() == ORIGIN_CODE["reprojected"]
+    uv, now = (np.where(shown[..., None], np.nan, x) for x in (uv, now))
     here = int(np.flatnonzero(new["frame"].to_numpy() == frame)[0])
     tolerance = np.array([tolerance_px[view] for view in views])
     stretch = Stretch(uv, by_hand, here, tolerance_px=tolerance)
@@ -183,19 +189,28 @@ def keep_untouched(
     rows = np.arange(len(now))[:, None]
     keep = (rows < here) | (rows >= stretch.until)
     if joint:
-        keep &= ~_moved(uv, now, by_hand.any(axis=1), here, limit=_FAR * tolerance)
+        keep &= ~_made_way(uv, now, by_hand.any(axis=1), here, limit=_FAR * tolerance)
     return keep_rows(old, new, keep)
 
 
-def _moved(
+def _made_way(
     uv: np.ndarray, now: np.ndarray, placed: np.ndarray, here: int, *, limit: np.ndarray
 ) -> np.ndarray:
-    """Tell about which rows (n, P) points have moved farther than a limit (V,)."""
+    """Tell about which rows (n, P) points have left a place that a corrected point has taken.
+
+    ``limit`` (V,) is the distance within which two places are the same.
+    """
     with np.errstate(invalid="ignore"):
-        far = (np.linalg.norm(now - uv, axis=-1) > limit[:, None]).any(axis=1)
-    far[:here] = False
-    far = binary_dilation(far, np.ones((2 * MET_FRAMES + 1, 1), bool))
-    far[:here] = False
+        left = (np.linalg.norm(now - uv, axis=-1) > limit[:, None]).any(axis=1)
+        taken = np.zeros_like(left)
+        for point in np.flatnonzero(placed[here]):
+            away = np.linalg.norm(now[:, :, [point]] - uv, axis=-1)
+            near = (away <= limit[:, None]) | np.isnan(away)
+            taken |= near.all(axis=1) & np.isfinite(away).any(axis=1)
+    made_way = left & taken
+    made_way[:here] = False
+    made_way = binary_dilation(made_way, np.ones((2 * MET_FRAMES + 1, 1), bool))
+    made_way[:here] = False
     later = placed.copy()
     later[: here + 1] = False
-    return np.asarray(far & ~np.logical_or.accumulate(later, axis=0))
+    return np.asarray(made_way & ~np.logical_or.accumulate(later, axis=0))

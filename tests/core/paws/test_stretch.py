@@ -159,16 +159,24 @@ def test_meeting_needs_rows_in_succession_and_every_view():
     assert stretch.until.tolist() == [8 + MET_FRAMES]
 
 
-def test_decided_together_another_point_that_moved_is_taken_anew_where_it_did():
-    old = flat(np.zeros(60), by_hand=[5])
+def test_decided_together_a_point_that_made_way_is_taken_anew_where_it_did():
+    """HR sat on FR's paw in rows 20 to 30 and 45 to 59; FR, put right, is there now."""
+    rows = np.arange(60)
+    swapped = ((rows >= 20) & (rows <= 30)) | (rows >= 45)
+    old, new = flat(np.zeros(60), by_hand=[5]), flat(np.zeros(60))
+    old["image_position"][:, 0, 0, 1, 0] = np.where(swapped, 0.0, 100.0)
     old["image_origin"][50, 0, 1, 0] = EDITED
-    new = flat(np.zeros(60))
-    moved = np.full(60, 0.5)  # half a pixel is no move
-    moved[[2, 25, 26, 45, 52]] = 40.0
+    moved = np.full(60, 100.5)
+    moved[10] = 300.0  # moved as well, but from where no corrected point is
     new["image_position"][:, 0, 0, 1, 0] = moved
     apart = keep_untouched(old, new.copy(deep=True), 5, tolerance_px={"cam1": 1.0})
-    np.testing.assert_array_equal(apart["image_position"][:, 0, 0, 1, 0], np.zeros(60))
+    np.testing.assert_array_equal(
+        apart["image_position"][:, 0, 0, 1, 0], old["image_position"][:, 0, 0, 1, 0]
+    )
     both = keep_untouched(old, new, 5, tolerance_px={"cam1": 1.0}, joint=True)
-    # ten rows about each move, not before the correction, nor from where HR was placed on
-    fresh = (np.arange(60) >= 15) & (np.arange(60) < 50)
-    np.testing.assert_array_equal(both["image_position"][:, 0, 0, 1, 0], np.where(fresh, moved, 0))
+    # ten rows about each swap, but not from where a person has placed HR
+    fresh = (rows >= 10) & (rows < 50)
+    np.testing.assert_array_equal(
+        both["image_position"][:, 0, 0, 1, 0],
+        np.where(fresh, moved, old["image_position"][:, 0, 0, 1, 0]),
+    )
