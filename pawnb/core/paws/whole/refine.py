@@ -21,6 +21,8 @@ from pawnb.core.paws.whole.smoothing import smooth, variances
 _ROUNDS = 3
 _JERK = 2.5
 """Usual change of the acceleration from frame to frame, in accelerations."""
+_WORSE = 0.3
+"""Candidates at clicks that look less like the end of a paw than this share of the best."""
 _TAIL = 3.0
 """Residuals beyond this many standard deviations count less and less."""
 
@@ -61,8 +63,8 @@ def learn_offsets(
 ) -> Offsets:
     """Learn the offsets from the clicked frames.
 
-    The candidate of a click is the nearest one that looks like the end of a paw, and
-    counts as much as it does: what else is near, such as a heel, has its own direction.
+    The candidate of a click is the nearest one that looks like the end of a paw. Clicks
+    where only something else is near, such as a heel, say nothing if others say more.
 
     Parameters
     ----------
@@ -107,20 +109,14 @@ def learn_offsets(
         [s for other, own in zip(kinds, seen, strict=True) if other == kind for s in own]
         for kind in kinds
     ]
-    means = np.array([_weighted_median(np.array(own or every)) for own in alike])
+    means = np.array([_usual(np.array(own or every)) for own in alike])
     return Offsets(means[:, 0], means[:, 1])
 
 
-def _weighted_median(rows: np.ndarray) -> np.ndarray:
-    """Return the median of each column but the last, which holds the weights."""
-    middle = []
-    for column in rows[:, :-1].T:
-        order = np.argsort(column)
-        share = np.cumsum(rows[order, -1]) / rows[:, -1].sum()
-        # half of the weight lies on either side; between two rows where it falls there
-        low, high = np.searchsorted(share, [0.5 - 1e-9, 0.5 + 1e-9])
-        middle.append(0.5 * (column[order[low]] + column[order[min(high, len(order) - 1)]]))
-    return np.array(middle)
+def _usual(rows: np.ndarray) -> np.ndarray:
+    """Return the median of each column but the last, which says how good each row is."""
+    good = rows[:, -1] >= _WORSE * rows[:, -1].max()
+    return np.asarray(np.median(rows[good, :-1], axis=0))
 
 
 @dataclass

@@ -1,0 +1,47 @@
+"""Where a tracked point lies relative to candidates, learnt from clicks put at a known offset."""
+
+import numpy as np
+import pytest
+
+from pawnb.core.paws.whole.refine import learn_offsets
+
+THICKNESS = 10.0
+
+
+def end(u, v, *, share=0.22, direction=(5.0, 2.0)):
+    """A candidate; 0.22 is the share of mask at an end, 0.45 that along a limb."""
+    row = np.zeros(8, np.float32)
+    row[:6] = u, v, *direction, share, 4.0
+    return row
+
+
+def learn(clicks, rows):
+    return learn_offsets(
+        np.asarray(clicks, float)[None], {0: rows}, thickness_px=np.full(len(rows), THICKNESS),
+        facing=[1] * len(rows), distal=[(0.8, 0.6)] * len(rows), kinds=["front"],
+    )  # fmt: skip
+
+
+def test_the_offset_put_in_comes_out_though_a_heel_is_nearer():
+    along, across = 0.4, 0.1
+    e = np.array([5.0, 2.0]) / np.hypot(5.0, 2.0)
+    shift = THICKNESS * (along * e + across * np.array([-e[1], e[0]]))
+    rows = [np.stack([end(100, 50), end(*(np.array([100, 50]) + shift + 1.0), share=0.45)])]
+    found = learn([[shift + 100.0 * np.array([1.0, 0.5])]], rows)
+    np.testing.assert_allclose([found.along[0], found.across[0]], [along, across], atol=1e-6)
+
+
+def test_a_view_that_sees_no_end_does_not_count():
+    rows = [
+        np.stack([end(100, 50)]),
+        np.stack([end(200, 80, share=0.5, direction=(-1.0, 0.2))]),
+    ]
+    found = learn([[[102, 51], [207, 80]]], rows)
+    alone = learn([[[102, 51]]], rows[:1])
+    assert found.along[0] == pytest.approx(alone.along[0])
+    assert found.across[0] == pytest.approx(alone.across[0])
+
+
+def test_without_a_candidate_near_the_click_there_is_no_offset():
+    found = learn([[[100, 50]]], [np.stack([end(130, 50)])])
+    assert (found.along[0], found.across[0]) == (0.0, 0.0)
