@@ -45,6 +45,33 @@ def reproject_tracks(
     InputError
         If the tracks have no image positions or no positions in space.
     """
+    new, filled = fill_reprojected(tracks, rig, sizes=sizes)
+    views = [str(v) for v in tracks["view"].to_numpy() if str(v) in rig.names]
+    return add_provenance(new, step="reproject", views=views, filled=filled)
+
+
+def fill_reprojected(
+    tracks: Tracks, rig: Rig, *, sizes: Mapping[str, tuple[int, int]] | None = None
+) -> tuple[Tracks, int]:
+    """Do as :func:`reproject_tracks`, without a record of it in the provenance.
+
+    Parameters
+    ----------
+    tracks, rig, sizes
+        See there.
+
+    Returns
+    -------
+    tracks : xarray.Dataset
+        New Tracks.
+    filled : int
+        Number of image positions that were filled.
+
+    Raises
+    ------
+    InputError
+        See there.
+    """
     check_tracks(tracks)
     if "image_position" not in tracks or tracks.sizes["space"] != 3:
         raise InputError(
@@ -80,4 +107,4 @@ def reproject_tracks(
         ):
             new[name][here] = xr.Variable(dims, values)
         filled += int((free & shown).sum())
-    return add_provenance(new, step="reproject", views=views, filled=filled)
+    return new, filled

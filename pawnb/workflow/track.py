@@ -15,6 +15,7 @@ import pandas as pd
 from pawnb.core.paws.settings import REFERENCE_WIDTH_PX
 from pawnb.core.paws.stretch import TOLERANCE_PX, keep_untouched
 from pawnb.core.paws.whole.store import CandidateStore
+from pawnb.core.reproject import fill_reprojected
 from pawnb.core.rig import Rig, load_rig
 from pawnb.core.video import ViewSet, open_views
 from pawnb.errors import CalibrationError, InputError, InputWarning
@@ -84,7 +85,8 @@ def track(
     Returns
     -------
     xarray.Dataset
-        Tracks; see :mod:`pawnb.schema`.
+        Tracks; see :mod:`pawnb.schema`. With a calibration, points are shown also in the views
+        that do not track them, re-projected from their place in space.
 
     Raises
     ------
@@ -126,6 +128,8 @@ def track(
             )
         if stop is None and tracks.sizes["time"] < last - first:
             _tell_interrupted(tracks, first, last)
+        if method != METHODS[0]:
+            tracks = _shown_in_every_view(tracks, rig, _sizes(views))
         # where the rate varies these are the file's own time stamps
         times = views.time_s[tracks["frame"].to_numpy()]
     tracks = _in_real_units(tracks, trial, rig)
@@ -237,6 +241,7 @@ def retrack(
                 stop=stop,
                 **options,
             )
+        sizes = _sizes(views)
         tolerance = {
             name: TOLERANCE_PX * reader.width / REFERENCE_WIDTH_PX
             for name, reader in views.readers.items()
@@ -247,6 +252,8 @@ def retrack(
         return tracks  # stopped: a part of the recording does not decide over the whole
     new = new.isel(time=np.isin(new["frame"], known))
     new = keep_untouched(tracks, new, frame, tolerance_px=tolerance, joint=joint)
+    if method != METHODS[0]:
+        new = _shown_in_every_view(new, rig, sizes)
     new = describe_trial(new.assign_attrs(tracks.attrs).assign_coords(time=tracks["time"]), trial)
     step = build_step(
         "retrack",
@@ -326,6 +333,18 @@ def trial_rig(trial: Trial, views: ViewSet) -> Rig | None:
             "or keep a single view."
         )
     return rig
+
+
+def _sizes(views: ViewSet) -> dict[str, tuple[int, int]]:
+    """Return width and height of each view's picture, px."""
+    return {name: (r.width, r.height) for name, r in views.readers.items()}
+
+
+def _shown_in_every_view(
+    tracks: Tracks, rig: Rig | None, sizes: Mapping[str, tuple[int, int]]
+) -> Tracks:
+    """Show points also in the views that do not track them (2019 paper, Fig. 8)."""
+    return tracks if rig is None else fill_reprojected(tracks, rig, sizes=sizes)[0]
 
 
 def _px_per_unit(trial: Trial, rig: Rig | None) -> float | None:

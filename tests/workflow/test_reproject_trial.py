@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pandas as pd
 
@@ -17,8 +19,41 @@ def silent(done, total):
     """Show no progress."""
 
 
+def without_reprojected(tracks):
+    """Tracks as they are before points are shown in the other views."""
+    shown = tracks["image_origin"] == ORIGIN_CODE["reprojected"]
+    return tracks.assign(
+        image_position=tracks["image_position"].where(~shown),
+        image_origin=tracks["image_origin"].where(~shown, ORIGIN_CODE["missing"]),
+        image_confidence=tracks["image_confidence"].where(~shown, 0.0),
+    )
+
+
+def test_tracking_shows_paws_in_the_views_of_the_other_side(rendered_trial):
+    """Fig. 8 of the paper is what the tracker gives, also after tracking again."""
+    tracks = track(rendered_trial, method="paper", frames=(0, 4), progress=silent)
+    far = tracks.sel(view=["cam1", "cam2"], keypoint=["FL", "HL"])
+    assert (far["image_origin"] == ORIGIN_CODE["reprojected"]).all()
+    assert np.isfinite(far["image_position"]).all()
+    steps = [step["step"] for step in json.loads(tracks.attrs["provenance"])["steps"]]
+    assert steps == ["track"]
+    moved = tracks.copy(deep=True)
+    for view in ("cam3", "cam4"):
+        label = {"view": view, "keypoint": "FL", "individual": tracks["individual"].item()}
+        moved["image_origin"].loc[label][2] = ORIGIN_CODE["edited"]
+        moved["image_position"].loc[label][2:] += 3.0
+    again = retrack(load_trial(rendered_trial), moved, 2, progress=silent)
+    own = {"view": "cam1", "keypoint": "FL"}
+    step = (again["image_position"] - tracks["image_position"]).sel(own).to_numpy()
+    assert (step[:2] == 0).all()
+    assert np.abs(step[2]).max() > 1.0
+    assert (again["image_origin"].sel(own) == ORIGIN_CODE["reprojected"]).all()
+
+
 def test_far_paws_appear_in_the_other_views_and_are_not_judged(rendered_trial, tmp_path):
-    tracks = track(rendered_trial, method="slic-3d", frames=(0, 3), progress=silent)
+    tracks = without_reprojected(
+        track(rendered_trial, method="slic-3d", frames=(0, 3), progress=silent)
+    )
     shown = reproject(rendered_trial, tracks, out=tmp_path)
     again = read_tracks(tmp_path / "tracks.nc")
     assert (again["image_origin"] == shown["image_origin"]).all()

@@ -151,7 +151,10 @@ def test_tracking_again_changes_the_corrected_points_only(method, small_trial):
     tracks = track(trial, method=method, frames=(0, 12))
     lost = tracks.copy(deep=True)
     place = {"keypoint": "FR", "view": ["cam1", "cam2"]}
-    lost["image_position"].loc[place][4:] += 15.0
+    late = lost["frame"] >= 4
+    astray = (lost["keypoint"] == "FR") & lost["view"].isin(place["view"]) & late
+    lost["image_position"] = lost["image_position"] + 15.0 * astray
+    lost["image_position"] = lost["image_position"].transpose(*tracks["image_position"].dims)
     for frame in (4, 8):
         for view in ("cam1", "cam2"):
             here = {"view": view, "keypoint": "FR", "individual": trial.animal.id}

@@ -37,6 +37,7 @@ N_POINTS = 50
 _FORMAT = "pawnb stride template 1"
 _MOST_DIFFERENT_PERIOD = 1.5
 _GAP_FRAMES = 5
+_FOUND = [ORIGIN_CODE[name] for name in ("measured", "resolved", "edited")]
 
 
 @dataclass(frozen=True)
@@ -157,7 +158,7 @@ def cut_strides(
                 continue
             own = tracks.sel(view=view, keypoint=point).isel(individual=0)
             uv = own["image_position"].to_numpy() * [facing[view], 1.0]
-            uv[own["image_origin"].to_numpy() == ORIGIN_CODE["predicted"]] = np.nan
+            uv[~np.isin(own["image_origin"].to_numpy(), _FOUND)] = np.nan
             smooth = lowpass_path(uv, cutoff_hz=cutoff_hz, fps=fps)
             found[kind] += _closed_strides(smooth, n_points, fps)
     return {

@@ -112,9 +112,9 @@ def track_paws(
         Tracks of ``frames``. ``origin`` is ``edited`` for a clicked position, ``measured``
         for a superpixel or a triangulated position, ``resolved`` for a superpixel that was
         found during a collision or taken to undo a jump, ``predicted`` where the filter or
-        the template alone says it, else ``missing``. ``image_confidence`` is the fused score (Eq. 6) of the
-        superpixel taken: 1 means that it was the best of its sub-image in every feature
-        at once. It compares superpixels of one sub-image, so it falls when colour and
+        the template alone says it, else ``missing``. ``image_confidence`` is the fused score
+        (Eq. 6) of the superpixel taken: 1 means that it was the best of its sub-image in
+        every feature at once. It compares superpixels of one sub-image, so it falls when colour and
         place disagree, not when the paw is absent. ``confidence`` is its mean over the
         views used; predicted positions have 0, clicks 1. ``residual`` is the RMS
         reprojection error, px.

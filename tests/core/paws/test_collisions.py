@@ -178,7 +178,7 @@ def test_a_fit_that_misses_a_paw_still_seen_is_given_up(make_scene):
         here = paths[first + 1].copy()
         collisions.predict(here.copy())
         expected = collisions._expected[0, 0]
-        here[:, 0] = expected + [off, 0.0]
+        here[:, 0] = expected + np.array([off, 0.0])
         collisions.record(here)
         assert ((0, 0, 1) in collisions.flags) == kept
 
