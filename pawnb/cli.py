@@ -145,7 +145,11 @@ def _add_compare(commands: Any) -> None:
         help="do not count with corrections, which tracks again after each",
     )
     command.add_argument(
-        "--set", action="append", default=[], metavar="NAME=VALUE", help="a setting of the tracker"
+        "--set",
+        action="append",
+        default=[],
+        metavar="[METHOD.]NAME=VALUE",
+        help="a setting of every method that has it, or of one, as paper.n_superpixels=150",
     )
     command.set_defaults(run=_compare)
 

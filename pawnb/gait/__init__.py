@@ -1,6 +1,7 @@
 """Gait statistics on tracks or events from any source; this part knows no video."""
 
 from pawnb.gait.analysis import GaitTables, analyse, analyse_events, pool
+from pawnb.gait.body_angles import body_angles
 from pawnb.gait.events import EventSettings
 
-__all__ = ["EventSettings", "GaitTables", "analyse", "analyse_events", "pool"]
+__all__ = ["EventSettings", "GaitTables", "analyse", "analyse_events", "body_angles", "pool"]

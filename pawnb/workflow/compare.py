@@ -29,7 +29,7 @@ from pawnb.io.tables import write_table
 from pawnb.schema import ORIGIN_CODE, Tracks
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.evaluation import THRESHOLD_PX, count_errors, track_with_corrections
-from pawnb.workflow.methods import METHODS
+from pawnb.workflow.methods import METHODS, setting_names
 from pawnb.workflow.results import make_folder
 from pawnb.workflow.save_figures import save_figure
 from pawnb.workflow.track import retrack, track
@@ -113,7 +113,8 @@ def compare_methods(
     methods : sequence of str
         Methods of :func:`pawnb.track`; default all.
     settings : mapping, optional
-        Settings of the tracker, the same for all.
+        Settings of the tracker, given to every method that has one of that name. A name
+        with a method before it, as in ``"paper.n_superpixels"``, is for that method only.
     frames : tuple of int, optional
         Half-open range of frames; default all.
     corrections : bool
@@ -139,6 +140,7 @@ def compare_methods(
     """
     opened = [t if isinstance(t, Trial) else load_trial(t) for t in trials]
     _check(opened, methods)
+    own_settings = settings_by_method(settings or {}, methods)
     rows, errors = [], []
     samples: dict[_Key, np.ndarray] = {}
     for trial in opened:
@@ -146,7 +148,7 @@ def compare_methods(
         limits = _limits(trial)
         for method in methods:
             row, tracks = _run(
-                trial, truth, limits, method=method, settings=settings, frames=frames,
+                trial, truth, limits, method=method, settings=own_settings[method], frames=frames,
                 corrections=corrections, progress=progress,
             )  # fmt: skip
             rows.append(row)
@@ -167,6 +169,48 @@ def compare_methods(
     if out is not None:
         _write(comparison, make_folder(out), settings or {})
     return comparison
+
+
+def settings_by_method(
+    settings: Mapping[str, Any], methods: Sequence[str]
+) -> dict[str, dict[str, Any]]:
+    """Sort settings by the methods that they are for.
+
+    Parameters
+    ----------
+    settings : mapping
+        Names, or ``method.name``, to values.
+    methods : sequence of str
+        The methods that are compared.
+
+    Returns
+    -------
+    dict
+        Each method to its settings; those addressed to it go first.
+
+    Raises
+    ------
+    InputError
+        If a setting is for a method that is not compared, or none of them has it.
+    """
+    found: dict[str, dict[str, Any]] = {method: {} for method in methods}
+    for word, value in settings.items():
+        method, dot, name = word.rpartition(".")
+        if dot and method not in methods:
+            raise InputError(
+                f"setting {word!r} is for method {method!r}{did_you_mean(method, methods)}, which "
+                f"is not compared; the methods are {', '.join(methods)}."
+            )
+        owners = [m for m in methods if name in setting_names(m) and (not dot or m == method)]
+        if not owners:
+            every = {n for m in ([method] if dot else methods) for n in setting_names(m)}
+            who = f"method {method}" if dot else "none of the methods compared"
+            has = "has no setting" if dot else "has a setting"
+            raise InputError(f"{who} {has} {name!r}{did_you_mean(name, sorted(every))}.")
+        for owner in owners:
+            if dot or f"{owner}.{name}" not in settings:
+                found[owner][name] = value
+    return found
 
 
 def _check(trials: Sequence[Trial], methods: Sequence[str]) -> None:

@@ -56,12 +56,12 @@ def tracker_settings(
             f"expected {', '.join(METHODS)}."
         )
     kind = _SETTINGS[method]
-    own = _setting_names(kind)
-    others = set().union(*(_setting_names(other) for other in _SETTINGS.values())) - own
+    own = setting_names(method)
+    others = set().union(*(setting_names(other) for other in METHODS)) - own
     given = {name: value for name, value in trial.tracking.items() if name not in others}
     build_settings(kind, given, where="trial.toml: [tracking]")
     for name in sorted(set(settings or {}) & others):
-        owners = [other for other in METHODS if name in _setting_names(_SETTINGS[other])]
+        owners = [other for other in METHODS if name in setting_names(other)]
         raise InputError(
             f"setting {name!r} belongs to method {owners[0]!r}, not to {method!r}; leave it out, "
             f"or choose that method."
@@ -96,9 +96,9 @@ def method_of_tracks(trial: Trial, tracks: Tracks) -> tuple[str, TrackerSettings
     return method, build_settings(_SETTINGS[method], made[-1]["settings"], where=where)
 
 
-def _setting_names(kind: type[TrackerSettings]) -> set[str]:
+def setting_names(method: str) -> set[str]:
     """Return the names of a method's settings."""
-    return {f.name for f in dataclasses.fields(kind)}
+    return {field.name for field in dataclasses.fields(_SETTINGS[method])}
 
 
 def run_tracker(

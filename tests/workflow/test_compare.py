@@ -18,6 +18,7 @@ from pawnb.workflow.compare import (
     SUMMARY_COLUMNS,
     TESTS_COLUMNS,
     compare_methods,
+    settings_by_method,
 )
 from pawnb.workflow.evaluation import count_errors
 from pawnb.workflow.track import track
@@ -104,6 +105,33 @@ def test_cameras_are_compared_by_welchs_test(compared):
     assert np.isnan(row["p_trials"])
     # six pairs of four cameras, front and hind
     assert len(made.tests) == 2 * 2 * 6
+
+
+def test_settings_go_to_the_methods_that_have_them_or_to_the_one_named():
+    given = {
+        "n_superpixels": "150", "slic-2d.n_superpixels": "90", "pawnb.noise": "0.1",
+        "paper.adjust_weights": "false",
+    }  # fmt: skip
+    methods = ("pawnb", "paper", "slic-2d")
+    assert settings_by_method(given, methods) == {
+        "pawnb": {"noise": "0.1"},
+        "paper": {"n_superpixels": "150", "adjust_weights": "false"},
+        "slic-2d": {"n_superpixels": "90"},
+    }
+
+    def refuse(name, methods=methods):
+        with pytest.raises(InputError) as caught:
+            settings_by_method({name: 1}, methods)
+        return str(caught.value)
+
+    assert refuse("slic-3d.scale").startswith(
+        "setting 'slic-3d.scale' is for method 'slic-3d' (did you mean 'slic-2d'?), which is not "
+        "compared; the methods are"
+    )
+    assert refuse("pawnb.n_superpixels").startswith("method pawnb has no setting 'n_superpixels'")
+    assert refuse("scael") == (
+        "none of the methods compared has a setting 'scael' (did you mean 'scale'?)."
+    )
 
 
 def test_bad_input_is_one_sentence(small_trial):
