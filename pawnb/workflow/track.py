@@ -64,7 +64,9 @@ def track(
         ``"pawnb"`` decides over the whole recording. ``"paper"``: superpixels, a 3D Kalman
         filter and a stride template, after Haji Maghsoudi et al. 2019; ``"slic-3d"`` and
         ``"slic-2d"`` are the lesser variants it is compared with: no template, and a 2D
-        filter in each view.
+        filter in each view. ``"slic-2d"`` alone tracks several views without a calibration:
+        ``image_position`` has every view, and ``position`` is that in the first view in which
+        the point was clicked, px.
     settings : mapping, optional
         Settings of the tracker; they go before those of ``[tracking]`` in the trial.
     start : pandas.DataFrame, optional
@@ -106,7 +108,7 @@ def track(
         for note in views.notes:
             warnings.warn(note, InputWarning, stacklevel=2)
         clicks = _start_clicks(trial, views, start)
-        rig = trial_rig(trial, views)
+        rig = trial_rig(trial, views, method=method)
         first, last = _frame_range(trial, views, clicks, frames)
         store = _store(trial, method, out, stack)
         with _progress(progress, "tracking") as report:
@@ -215,7 +217,7 @@ def retrack(
     options: dict[str, Any] = {"frames": (int(frame), int(known[-1]) + 1), "tracks": tracks}
     with contextlib.ExitStack() as stack:
         views = stack.enter_context(open_views(trial))
-        rig = trial_rig(trial, views)
+        rig = trial_rig(trial, views, method=method)
         begun = clicks_begun_with(tracks)
         if method == METHODS[0] and begun is not None:
             clicks = clicks_by_hand(trial, tracks)
@@ -304,8 +306,8 @@ def _frames_learnt_in(tracks: Tracks) -> dict[str, int]:
     return {point: step["frame"] for step in steps if step.get("learn") for point in step["points"]}
 
 
-def trial_rig(trial: Trial, views: ViewSet) -> Rig | None:
-    """Return the calibrated views of a trial, or None for a single uncalibrated one.
+def trial_rig(trial: Trial, views: ViewSet, *, method: str = METHODS[0]) -> Rig | None:
+    """Return the calibrated views of a trial, or None where nothing is calibrated.
 
     Parameters
     ----------
@@ -313,24 +315,27 @@ def trial_rig(trial: Trial, views: ViewSet) -> Rig | None:
         The trial.
     views : ViewSet
         Its open views, for the sizes of their pictures.
+    method : str
+        The method of the tracker. Only ``slic-2d`` needs no calibration of several views:
+        it tracks each by itself.
 
     Returns
     -------
     Rig or None
-        None where there is one view without DLT coefficients.
+        None where there are no DLT coefficients.
 
     Raises
     ------
     CalibrationError
-        If several views are to be tracked without a calibration.
+        If several views are to be tracked together without a calibration.
     """
     sizes = {name: (r.source.width, r.source.height) for name, r in views.readers.items()}
     rig = load_rig(trial, sizes=sizes)
-    if rig is None and len(trial.views) > 1:
+    if rig is None and len(trial.views) > 1 and method != "slic-2d":
         raise CalibrationError(
             f"trial {trial.name!r} has {len(trial.views)} views and no calibration; "
             'add [calibration] dlt = "DLTcoefs.csv" (11 rows, one column a view), '
-            "or keep a single view."
+            "keep a single view, or track each view by itself with method slic-2d."
         )
     return rig
 

@@ -218,6 +218,33 @@ def test_several_views_without_calibration_are_refused(small_trial):
         track(small_trial)
 
 
+def test_each_of_several_views_is_tracked_by_itself_without_calibration(small_trial):
+    """What slic-2d finds in the pictures does not depend on the calibration."""
+    known = track(small_trial, method="slic-2d", frames=(0, 8))
+    text = (small_trial / "trial.toml").read_text()
+    head, _, rest = text.partition("[calibration]")
+    (small_trial / "trial.toml").write_text(head + rest[rest.index("[start]") :])
+    out = small_trial / "results"
+    tracks = track(small_trial, method="slic-2d", frames=(0, 8), out=out)
+    assert (tracks.sizes["space"], tracks.attrs["unit"]) == (2, "px")
+    for view, points in (("cam1", ["FR", "HR"]), ("cam4", ["FL", "HL"])):
+        own = {"view": view, "keypoint": points}
+        np.testing.assert_array_equal(
+            tracks["image_position"].sel(own), known["image_position"].sel(own)
+        )
+    # the first view in which each point was clicked
+    for view, point in (("cam1", "HR"), ("cam3", "FL")):
+        np.testing.assert_array_equal(
+            tracks["position"].sel(keypoint=point).to_numpy(),
+            tracks["image_position"].sel(view=view, keypoint=point).to_numpy(),
+        )
+    again = retrack(load_trial(small_trial), tracks, 4)
+    assert again.sizes == tracks.sizes
+    assert read_tracks(out / "tracks.nc").sizes == tracks.sizes
+    with pytest.raises(CalibrationError, match="track each view by itself with method slic-2d"):
+        track(small_trial, method="paper")
+
+
 def test_one_view_needs_no_calibration(small_trial):
     text = (small_trial / "trial.toml").read_text()
     document, _, rest = text.partition("[[views]]")
