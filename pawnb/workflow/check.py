@@ -14,7 +14,7 @@ from pawnb.trial import Trial, load_trial
 from pawnb.workflow.foreign_tracks import read_belt
 from pawnb.workflow.methods import tracker_settings
 from pawnb.workflow.results import results_folder
-from pawnb.workflow.track import trial_rig
+from pawnb.workflow.trial_views import trial_rig
 
 MAX_CLICK_RESIDUAL_PX = 10.0
 

@@ -22,7 +22,7 @@ from pawnb.errors import InputError, PawnbError
 from pawnb.io.native import read_tracks, read_tracks_table
 from pawnb.schema import Tracks, build_settings
 from pawnb.trial import Trial, load_trial
-from pawnb.workflow.track import points_by_view, view_facing
+from pawnb.workflow.trial_views import points_by_view, view_facing
 
 TRACKS = "results/tracks.nc"
 _SETTINGS = ("front", "hind", "template_cutoff_hz")

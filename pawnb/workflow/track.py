@@ -16,9 +16,9 @@ from pawnb.core.paws.settings import REFERENCE_WIDTH_PX
 from pawnb.core.paws.stretch import TOLERANCE_PX, keep_untouched
 from pawnb.core.paws.whole.store import CandidateStore
 from pawnb.core.reproject import fill_reprojected
-from pawnb.core.rig import Rig, load_rig
+from pawnb.core.rig import Rig
 from pawnb.core.video import ViewSet, open_views
-from pawnb.errors import CalibrationError, InputError, InputWarning
+from pawnb.errors import InputError, InputWarning
 from pawnb.io import native
 from pawnb.io.start import check_start, read_start
 from pawnb.schema import ORIGIN_CODE, Tracks, add_provenance
@@ -40,6 +40,7 @@ from pawnb.workflow.results import (
     results_folder,
     write_track_results,
 )
+from pawnb.workflow.trial_views import points_by_view, trial_rig, view_facing
 
 
 def track(
@@ -306,40 +307,6 @@ def _frames_learnt_in(tracks: Tracks) -> dict[str, int]:
     return {point: step["frame"] for step in steps if step.get("learn") for point in step["points"]}
 
 
-def trial_rig(trial: Trial, views: ViewSet, *, method: str = METHODS[0]) -> Rig | None:
-    """Return the calibrated views of a trial, or None where nothing is calibrated.
-
-    Parameters
-    ----------
-    trial : Trial
-        The trial.
-    views : ViewSet
-        Its open views, for the sizes of their pictures.
-    method : str
-        The method of the tracker. Only ``slic-2d`` needs no calibration of several views:
-        it tracks each by itself.
-
-    Returns
-    -------
-    Rig or None
-        None where there are no DLT coefficients.
-
-    Raises
-    ------
-    CalibrationError
-        If several views are to be tracked together without a calibration.
-    """
-    sizes = {name: (r.source.width, r.source.height) for name, r in views.readers.items()}
-    rig = load_rig(trial, sizes=sizes)
-    if rig is None and len(trial.views) > 1 and method != "slic-2d":
-        raise CalibrationError(
-            f"trial {trial.name!r} has {len(trial.views)} views and no calibration; "
-            'add [calibration] dlt = "DLTcoefs.csv" (11 rows, one column a view), '
-            "keep a single view, or track each view by itself with method slic-2d."
-        )
-    return rig
-
-
 def _sizes(views: ViewSet) -> dict[str, tuple[int, int]]:
     """Return width and height of each view's picture, px."""
     return {name: (r.width, r.height) for name, r in views.readers.items()}
@@ -381,23 +348,6 @@ def _clicks_of_frame(trial: Trial, tracks: Tracks, frame: int) -> pd.DataFrame:
     known = table["u"].notna() & (table["origin"] != "reprojected")
     columns = ["frame", "view", "point", "u", "v"]
     return table.loc[known & tracked, columns].reset_index(drop=True)
-
-
-def points_by_view(trial: Trial, clicks: pd.DataFrame) -> dict[str, tuple[str, ...]]:
-    """Return the points each view tracks: those it names, else every clicked point."""
-    every = tuple(dict.fromkeys(clicks["point"]))
-    return {view.name: view.points or every for view in trial.views}
-
-
-def view_facing(trial: Trial, rig: Rig | None) -> dict[str, int]:
-    """Return +1 or -1 for each view in which the animal's direction is known."""
-    facing = {view.name: view.facing for view in trial.views if view.facing is not None}
-    if rig is not None:
-        for name in rig.names:
-            # a camera that looks along the animal's path sees it face neither way
-            with contextlib.suppress(CalibrationError):
-                facing.setdefault(name, rig.facing(name))
-    return facing
 
 
 def _start_clicks(trial: Trial, views: ViewSet, start: pd.DataFrame | None) -> pd.DataFrame:

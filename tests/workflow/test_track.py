@@ -16,7 +16,8 @@ from pawnb.schema import ORIGIN_CODE, POINTS3D_COLUMNS, SUSPECTS_COLUMNS, TRACKS
 from pawnb.trial import load_trial
 from pawnb.workflow.evaluation import count_errors
 from pawnb.workflow.results import described_trial
-from pawnb.workflow.track import _frames_learnt_in, retrack, track, view_facing
+from pawnb.workflow.track import _frames_learnt_in, retrack, track
+from pawnb.workflow.trial_views import view_facing
 
 FRAMES = (0, 12)
 

@@ -1,0 +1,64 @@
+"""What is known of the views of a trial: their rig, their points, where the animal faces."""
+
+from __future__ import annotations
+
+import contextlib
+
+import pandas as pd
+
+from pawnb.core.rig import Rig, load_rig
+from pawnb.core.video import ViewSet
+from pawnb.errors import CalibrationError
+from pawnb.trial import Trial
+from pawnb.workflow.methods import METHODS
+
+
+def trial_rig(trial: Trial, views: ViewSet, *, method: str = METHODS[0]) -> Rig | None:
+    """Return the calibrated views of a trial, or None where nothing is calibrated.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    views : ViewSet
+        Its open views, for the sizes of their pictures.
+    method : str
+        The method of the tracker. Only ``slic-2d`` needs no calibration of several views:
+        it tracks each by itself.
+
+    Returns
+    -------
+    Rig or None
+        None where there are no DLT coefficients.
+
+    Raises
+    ------
+    CalibrationError
+        If several views are to be tracked together without a calibration.
+    """
+    sizes = {name: (r.source.width, r.source.height) for name, r in views.readers.items()}
+    rig = load_rig(trial, sizes=sizes)
+    if rig is None and len(trial.views) > 1 and method != "slic-2d":
+        raise CalibrationError(
+            f"trial {trial.name!r} has {len(trial.views)} views and no calibration; "
+            'add [calibration] dlt = "DLTcoefs.csv" (11 rows, one column a view), '
+            "keep a single view, or track each view by itself with method slic-2d."
+        )
+    return rig
+
+
+def points_by_view(trial: Trial, clicks: pd.DataFrame) -> dict[str, tuple[str, ...]]:
+    """Return the points each view tracks: those it names, else every clicked point."""
+    every = tuple(dict.fromkeys(clicks["point"]))
+    return {view.name: view.points or every for view in trial.views}
+
+
+def view_facing(trial: Trial, rig: Rig | None) -> dict[str, int]:
+    """Return +1 or -1 for each view in which the animal's direction is known."""
+    facing = {view.name: view.facing for view in trial.views if view.facing is not None}
+    if rig is not None:
+        for name in rig.names:
+            # a camera that looks along the animal's path sees it face neither way
+            with contextlib.suppress(CalibrationError):
+                facing.setdefault(name, rig.facing(name))
+    return facing
