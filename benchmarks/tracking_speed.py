@@ -43,7 +43,7 @@ from pawnb.workflow.methods import METHODS, run_tracker, tracker_settings
 from pawnb.workflow.track import points_by_view, trial_rig, view_facing
 
 STAGES = {"read_scene": "learn from clicks", "extract": "candidates, decoding included",
-          "choose_paths": "choose paths", "refine": "refine"}  # fmt: skip
+          "decide": "deciding"}  # fmt: skip
 """Steps of method ``pawnb``, by the names they have in its module."""
 
 

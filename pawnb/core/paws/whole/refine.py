@@ -2,121 +2,33 @@
 
 A path says which places a point took. Smoothed, it says where the point must be in every
 view and frame, also where no two views met; the candidates there are taken in, view by
-view, and the track is smoothed again through them. What a click says about
-where the tracked point lies relative to the end of a paw is added to each candidate.
+view, and the track is smoothed again through them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from pawnb.core.paws.whole.candidates import worth
+from pawnb.core.paws.whole.cycle import Cycle
+from pawnb.core.paws.whole.gaps import Bridged
 from pawnb.core.paws.whole.geometry import Geometry
-from pawnb.core.paws.whole.side_by_side import side_by_side
+from pawnb.core.paws.whole.sights import Sights
 from pawnb.core.paws.whole.smoothing import smooth, variances
 
-_ROUNDS = 3
-_JERK = 2.5
+_ROUNDS = 5
+_BRIDGED = 3
+"""Rounds in which open frames keep what was chosen there; then everything is open to all."""
+_STEPS = 2
+_JERK = 0.7
 """Usual change of the acceleration from frame to frame, in accelerations."""
-_WORSE = 0.3
-"""Candidates at clicks that look less like the end of a paw than this share of the best."""
+_SIGMA = 0.12
+"""Standard deviation of a good candidate, in thicknesses."""
 _TAIL = 3.0
 """Residuals beyond this many standard deviations count less and less."""
-
-
-@dataclass(frozen=True)
-class Offsets:
-    """Where the tracked points lie relative to candidates, in thicknesses of a paw.
-
-    Parameters
-    ----------
-    along, across : ndarray, shape (P,)
-        Along the direction in which the limb ends, and to the right of it (down in a view
-        in which the animal faces right).
-    """
-
-    along: np.ndarray
-    across: np.ndarray
-
-    def apply(
-        self, rows: np.ndarray, point: int, *, thickness_px: float, facing: int
-    ) -> np.ndarray:
-        """Return the tracked point's position (n, 2) for candidates of one view."""
-        e = rows[:, 2:4].astype(float)
-        e /= np.maximum(np.hypot(e[:, 0], e[:, 1]), 1e-6)[:, None]
-        side = np.column_stack([-e[:, 1], e[:, 0]]) * facing
-        shift = self.along[point] * e + self.across[point] * side
-        return rows[:, :2] + thickness_px * shift
-
-
-def learn_offsets(
-    clicks: np.ndarray,
-    found: Mapping[int, Sequence[np.ndarray]],
-    *,
-    thickness_px: np.ndarray,
-    facing: Sequence[int],
-    distal: Sequence[tuple[float, float]],
-    kinds: Sequence[str],
-) -> Offsets:
-    """Learn the offsets from the clicked frames.
-
-    The candidate of a click is the nearest one that looks like the end of a paw. Clicks
-    where only something else is near, such as a heel, say nothing if others say more.
-
-    Parameters
-    ----------
-    clicks : ndarray, shape (frames, P, V, 2)
-        Clicks, NaN where there is none, in the order of ``found``.
-    found : mapping
-        Clicked frame to the candidates of every view.
-    thickness_px : ndarray, shape (V,)
-        Thickness of a paw in each view.
-    facing : sequence of int
-        +1 or -1 for each view.
-    distal : sequence of (float, float)
-        See :class:`~pawnb.core.paws.whole.candidates.Look`.
-    kinds : sequence of str
-        Kind of each point; points of one kind share their offsets.
-
-    Returns
-    -------
-    Offsets
-        Offsets; of a point without a candidate near its clicks, the mean of the others.
-    """
-    n_points = clicks.shape[1]
-    seen: list[list[tuple[float, float, float]]] = [[] for _ in range(n_points)]
-    for click, rows_by_view in zip(clicks, found.values(), strict=True):
-        for p, v in np.argwhere(np.isfinite(click[..., 0])):
-            rows = rows_by_view[v]
-            if not len(rows):
-                continue
-            step = click[p, v] - rows[:, :2]
-            away = np.hypot(step[:, 0], step[:, 1]) / thickness_px[v]
-            good = worth(rows, distal[v])
-            i = int(np.argmin(np.where(away > 1.2, np.inf, away + 0.5 * (1.0 - good))))
-            if away[i] > 1.2:
-                continue
-            e = rows[i, 2:4] / max(float(np.hypot(*rows[i, 2:4])), 1e-6)
-            side = np.array([-e[1], e[0]]) * (facing[v] or 1)
-            seen[p].append(
-                (step[i] @ e / thickness_px[v], step[i] @ side / thickness_px[v], float(good[i]))
-            )
-    every = [s for own in seen for s in own] or [(0.0, 0.0, 1.0)]
-    alike = [
-        [s for other, own in zip(kinds, seen, strict=True) if other == kind for s in own]
-        for kind in kinds
-    ]
-    means = np.array([_usual(np.array(own or every)) for own in alike])
-    return Offsets(means[:, 0], means[:, 1])
-
-
-def _usual(rows: np.ndarray) -> np.ndarray:
-    """Return the median of each column but the last, which says how good each row is."""
-    good = rows[:, -1] >= _WORSE * rows[:, -1].max()
-    return np.asarray(np.median(rows[good, :-1], axis=0))
+_PULL = 0.05
+"""Information, in that of one expectation, that the cycle gives a frame without candidates."""
 
 
 @dataclass
@@ -151,34 +63,30 @@ class Refinement:
         Thickness of a paw in each view.
     thickness : float
         The same in space.
-    facing : sequence of int
-        +1 or -1 for each view.
-    distal : sequence of (float, float)
-        See :class:`~pawnb.core.paws.whole.candidates.Look`.
-    offsets : Offsets
-        Where the tracked points lie.
     acceleration : float
         Standard deviation of the acceleration, length per frame squared.
     own : ndarray of bool, shape (P, V)
         Which view tracks which point.
+    unsure : ndarray, shape (P,)
+        Standard error of the offsets of the tracked points, in thicknesses.
     """
 
     geometry: Geometry
     thickness_px: np.ndarray
     thickness: float
-    facing: Sequence[int]
-    distal: Sequence[tuple[float, float]]
-    offsets: Offsets
     acceleration: float
     own: np.ndarray
+    unsure: np.ndarray
 
 
 def refine(
     start: np.ndarray,
-    found: Sequence[Sequence[np.ndarray]],
+    sights: Sights,
+    bridged: Bridged,
     *,
     certain: np.ndarray,
     what: Refinement,
+    cycle: Cycle | None = None,
 ) -> Refined:
     """Refine tracks.
 
@@ -186,12 +94,16 @@ def refine(
     ----------
     start : ndarray, shape (n, P, d)
         Chosen places, NaN where hidden.
-    found : sequence
-        Candidates of every frame and view.
+    sights : Sights
+        What every view shows.
+    bridged : Bridged
+        What was taken where paths are not certain.
     certain : ndarray, shape (n, P, V, 2)
         Image positions placed by hand, NaN elsewhere.
     what : Refinement
         The rest.
+    cycle : Cycle, optional
+        Where points are expected.
 
     Returns
     -------
@@ -199,79 +111,73 @@ def refine(
         The tracks.
     """
     n, n_points, d = start.shape
+    jerk2 = np.full(n, (_JERK * what.acceleration) ** 2)
+    x, factors = _through_places(start, bridged, what, jerk2)
+    spread = np.full((n, n_points), 0.05 * what.thickness)
+    by_hand = np.isfinite(certain[..., 0])
+    taken = _taken(bridged, sights)
+    for k in range(_ROUNDS):
+        measured, quality = _associate(x, spread, sights, what)
+        if k < _BRIDGED:
+            measured[bridged.is_open], quality[bridged.is_open] = (
+                part[bridged.is_open] for part in taken
+            )
+        measured[by_hand], quality[by_hand] = certain[by_hand], 1.0
+        for step in range(_STEPS):
+            weight = _weights(x, measured, quality, what, robust=k + step > 0)
+            weight[by_hand] = np.broadcast_to(
+                1.0 / (0.05 * what.thickness_px + 0.3) ** 2, weight.shape
+            )[by_hand]
+            W, z = _normal(x, measured, weight, what)
+            if cycle is not None:
+                _pull(W, z, ~np.isfinite(measured[..., 0]).any(axis=-1), cycle)
+            for p in range(n_points):
+                x[:, p], factors[p] = smooth(W[:, p], z[:, p], jerk2)
+    sd = np.sqrt(variances(factors, d)).swapaxes(0, 1)
+    # what is alike from frame to frame does not average out
+    alike = (0.06**2 + what.unsure**2) * what.thickness**2
+    return Refined(x, np.sqrt(2.0 * sd**2 + alike[:, None]), measured, quality)
+
+
+def _through_places(
+    start: np.ndarray, bridged: Bridged, what: Refinement, jerk2: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the smoothest path through the certain places, and room for its factors."""
+    n, n_points, d = start.shape
+    places = np.where(bridged.is_open[..., None], np.nan, start)
+    information = 1.0 / (0.3 * what.thickness) ** 2
     x = np.empty_like(start)
-    q = np.full((n, n_points), (_JERK * what.acceleration) ** 2)
-    noise = 0.3 * what.thickness
     factors = np.empty((n_points, 3 * d + 1, n * d))
     for p in range(n_points):
-        seen = np.isfinite(start[:, p, 0])
-        W = seen[:, None, None] * np.eye(d) / noise**2
-        x[:, p], factors[p] = smooth(W, np.nan_to_num(start[:, p]) / noise**2, q[:, p])
-        q[:, p] = _jerk2(x[:, p], what.acceleration)
-    spread = np.sqrt(np.minimum(variances(factors, d), 1e6).mean(axis=-1)).T
-    sigma = 0.18
-    for _ in range(_ROUNDS):
-        measured, quality = _associate(x, spread, found, what)
-        by_hand = np.isfinite(certain[..., 0])
-        measured[by_hand] = certain[by_hand]
-        quality[by_hand] = 1.0
-        weight = _weights(x, measured, quality, sigma, what)
-        weight[by_hand] = (
-            1.0 / np.broadcast_to((0.05 * what.thickness_px + 0.3) ** 2, weight.shape)[by_hand]
-        )
-        J = what.geometry.jacobian(x)
-        wanted = np.nan_to_num(measured - what.geometry.project(x)) + np.einsum(
-            "npvij,npj->npvi", J, x
-        )
-        W = np.einsum("npv,npvik,npvil->npkl", weight, J, J)
-        z = np.einsum("npv,npvik,npvi->npk", weight, J, wanted)
-        for p in range(n_points):
-            x[:, p], factors[p] = smooth(W[:, p], z[:, p], q[:, p])
-            q[:, p] = _jerk2(x[:, p], what.acceleration)
-        sd = np.sqrt(variances(factors, d)).swapaxes(0, 1)
-        spread = sd.mean(axis=-1)
-        sigma = _sigma(x, measured, what, by_hand)
-    # what is alike from frame to frame does not average out
-    sd = np.sqrt(sd**2 * 2.0 + (0.06 * what.thickness) ** 2)
-    return Refined(x, sd, measured, quality)
+        seen = np.isfinite(places[:, p, 0])
+        W = seen[:, None, None] * np.eye(d) * information
+        x[:, p], factors[p] = smooth(W, np.nan_to_num(places[:, p]) * information, jerk2)
+    return x, factors
 
 
-def _jerk2(x: np.ndarray, acceleration: float) -> np.ndarray:
-    """Return the variance of the jerk about each frame, from the track itself."""
-    n = len(x)
-    square = np.zeros(n)
-    if n > 3:
-        square[1:-2] = (np.diff(x, n=3, axis=0) ** 2).mean(axis=1)
-    local = np.convolve(np.pad(square, 3, mode="edge"), np.ones(7) / 7, mode="valid")
-    usual = _JERK * acceleration
-    return np.asarray(np.clip(2.0 * local, (0.1 * usual) ** 2, (3.0 * usual) ** 2))
+def _taken(bridged: Bridged, sights: Sights) -> tuple[np.ndarray, np.ndarray]:
+    """Return positions (n, P, V, 2) and qualities (n, P, V) of the candidates chosen."""
+    n, n_points, n_views = bridged.choice.shape
+    measured = np.full((n, n_points, n_views, 2), np.nan)
+    quality = np.zeros((n, n_points, n_views))
+    t, p, v = np.nonzero(bridged.choice >= 0)
+    number = bridged.choice[t, p, v]
+    # the choice counts only the candidates that are there, and those come first
+    measured[t, p, v] = sights.at[t, p, v, number]
+    quality[t, p, v] = sights.quality[t, v, number]
+    return measured, quality
 
 
 def _associate(
-    x: np.ndarray,
-    spread: np.ndarray,
-    found: Sequence[Sequence[np.ndarray]],
-    what: Refinement,
+    x: np.ndarray, spread: np.ndarray, sights: Sights, what: Refinement
 ) -> tuple[np.ndarray, np.ndarray]:
     """Take for each point and view the candidate where it must be."""
-    n, n_points, _ = x.shape
     uv = what.geometry.project(x)
-    n_views = uv.shape[2]
-    rows, is_there = side_by_side(found)
-    good = np.empty(rows.shape[:3])
-    at = np.empty((n, n_points, n_views, rows.shape[2], 2))
-    for v in range(n_views):
-        flat = rows[:, v].reshape(-1, rows.shape[-1])
-        good[:, v] = worth(flat, what.distal[v]).reshape(n, -1)
-        for p in range(n_points):
-            scale, facing = what.thickness_px[v], what.facing[v] or 1
-            moved = what.offsets.apply(flat, p, thickness_px=scale, facing=facing)
-            at[:, p, v] = moved.reshape(n, -1, 2)
-    away = np.linalg.norm(at - uv[..., None, :], axis=-1) / what.thickness_px[:, None]
+    away = np.linalg.norm(sights.at - uv[..., None, :], axis=-1) / what.thickness_px[:, None]
     gate = np.minimum(0.7 + 4.0 * spread / what.thickness, 2.5)
-    cost = away + 0.5 * (1.0 - good[:, None])
-    cost[(away > gate[:, :, None, None]) | ~is_there[:, None]] = np.inf
-    return _take_nearest(cost, at, good)
+    cost = away + 0.5 * (1.0 - sights.quality[:, None])
+    cost[(away > gate[:, :, None, None]) | ~sights.is_there[:, None]] = np.inf
+    return _take_nearest(cost, sights.at, sights.quality)
 
 
 def _take_nearest(
@@ -294,23 +200,33 @@ def _take_nearest(
 
 
 def _weights(
-    x: np.ndarray, measured: np.ndarray, quality: np.ndarray, sigma: float, what: Refinement
+    x: np.ndarray, measured: np.ndarray, quality: np.ndarray, what: Refinement, *, robust: bool
 ) -> np.ndarray:
     """Return the weight (n, P, V), px^-2, of each measurement: less for doubtful ones."""
-    away = np.linalg.norm(measured - what.geometry.project(x), axis=-1) / what.thickness_px
-    base = sigma / np.clip(quality, 0.15, 1.0)
+    base = _SIGMA / np.clip(quality, 0.3, 1.0)
     # a view from the other side sees less of the paw
     base = base * np.where(what.own[None], 1.0, 1.5)
-    ratio = away / base
-    robust = (_TAIL + 1.0) / (_TAIL + ratio**2)
-    weight = np.minimum(robust, 1.0) / (base * what.thickness_px) ** 2
-    return np.where(np.isfinite(weight), weight, 0.0)
+    weight = 1.0 / (base * what.thickness_px) ** 2
+    away = np.linalg.norm(measured - what.geometry.project(x), axis=-1) / what.thickness_px
+    if robust:
+        weight = weight * np.minimum((_TAIL + 1.0) / (_TAIL + (away / base) ** 2), 1.0)
+    return np.where(np.isfinite(away), weight, 0.0)
 
 
-def _sigma(x: np.ndarray, measured: np.ndarray, what: Refinement, by_hand: np.ndarray) -> float:
-    """Return the standard deviation of measurements in thicknesses, from the median residual."""
-    step = (measured - what.geometry.project(x)) / what.thickness_px[:, None]
-    step = step[np.isfinite(step[..., 0]) & ~by_hand]
-    if len(step) < 20:
-        return 0.18
-    return float(np.clip(1.4826 * np.median(np.abs(step)), 0.05, 0.4))
+def _normal(
+    x: np.ndarray, measured: np.ndarray, weight: np.ndarray, what: Refinement
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return information (n, P, d, d) and target (n, P, d) of the measurements."""
+    J = what.geometry.jacobian(x)
+    wanted = np.nan_to_num(measured - what.geometry.project(x)) + np.einsum("npvij,npj->npvi", J, x)
+    weighted = weight[..., None, None] * J
+    W = np.einsum("npvik,npvil->npkl", weighted, J, optimize=True)
+    return W, np.einsum("npvik,npvi->npk", weighted, wanted, optimize=True)
+
+
+def _pull(W: np.ndarray, z: np.ndarray, hidden: np.ndarray, cycle: Cycle) -> None:
+    """Draw hidden points weakly towards where they are expected."""
+    information = np.where(hidden[..., None], _PULL / cycle.sd**2, 0.0)
+    extra = np.einsum("ki,npk,kj->npij", cycle.axes, information, cycle.axes, optimize=True)
+    W += extra
+    z += np.einsum("npij,npj->npi", extra, cycle.mean)

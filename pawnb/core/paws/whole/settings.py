@@ -27,6 +27,12 @@ class WholeSettings:
         standard deviation.
     longest_gap_s : float
         Longest time, s, for which a point may be hidden.
+    body_s : float
+        Time, s, over which the middle of the body is followed: about two strides.
+    shortest_stride_s, longest_stride_s : float
+        Strides are looked for between these, s.
+    looks : int
+        Times that everything is decided again with the stride learnt from the last time.
     places : int
         Places in space considered in each frame.
     links : int
@@ -39,5 +45,9 @@ class WholeSettings:
     hide_cost: float = 3.0
     stay_cost: float = 8.0
     longest_gap_s: float = 0.24
+    body_s: float = 0.4
+    shortest_stride_s: float = 1.0 / 15.0
+    longest_stride_s: float = 1.0
+    looks: int = 2
     places: int = 16
     links: int = 16

@@ -16,24 +16,15 @@ from pawnb.core.paws.layout import (
     read_start,
 )
 from pawnb.core.paws.settings import PaperSettings
-from pawnb.core.paws.whole.candidates import worth
+from pawnb.core.paws.whole.decide import decide
 from pawnb.core.paws.whole.extract import extract
-from pawnb.core.paws.whole.flow import Flow, FlowCosts
-from pawnb.core.paws.whole.habit import follow_body, habit_cost, learn_habits
-from pawnb.core.paws.whole.hypotheses import Pairing, Places
-from pawnb.core.paws.whole.refine import Refined, Refinement, learn_offsets, refine
+from pawnb.core.paws.whole.refine import Refined
 from pawnb.core.paws.whole.scene import Scene, move_anchors, read_scene
 from pawnb.core.paws.whole.settings import WholeSettings
 from pawnb.core.paws.whole.store import CandidateStore
-from pawnb.core.paws.whole.tracklets import Linking, Tracklet, build_tracklets, find_drift
 from pawnb.core.rig import Rig
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE, START_COLUMNS, Tracks, check_columns, make_tracks
-
-_LOOKS = 2
-"""Times that paths are chosen again with the habits learnt from the last choice."""
-_HABIT = 0.5
-_BODY_S = 0.4
 
 
 def track_whole(
@@ -222,161 +213,14 @@ def _solve(
     n, n_points, n_views = len(found), len(layout.points), len(layout.views)
     inside = {t - first: here for t, here in anchors.items() if t - first < n}
     fixed = {t - first: here for t, here in scene.anchors.items() if t - first < n}
-    chosen = choose_paths(found, fixed, scene, fps=fps, settings=settings, kinds=layout.kinds)
     certain = np.full((n, n_points, n_views, 2), np.nan)
     for t, here in inside.items():
         for place in here:
             certain[t, place.point, place.view] = place.uv
-    clicked = sorted(inside)
-    offsets = learn_offsets(
-        certain[clicked],
-        {t: found[t] for t in clicked},
-        thickness_px=scene.thickness_px,
-        facing=layout.facing,
-        distal=scene.distal,
-        kinds=layout.kinds,
-    )
-    acceleration = settings.acceleration * scene.span / fps**2
-    what = Refinement(
-        scene.geometry, scene.thickness_px, scene.thickness, layout.facing, scene.distal, offsets,
-        acceleration, layout.tracked.T,
-    )  # fmt: skip
-    result = refine(chosen, found, certain=certain, what=what)
+    result = decide(found, fixed, certain, scene, layout, fps=fps, settings=settings)
     started = np.array([min(t for t, h in fixed.items() if p in h) for p in range(n_points)])
     result.x[np.arange(n)[:, None] < started] = np.nan
     _write(new, begin, result, inside, scene)
-
-
-def choose_paths(
-    found: Sequence[Sequence[np.ndarray]],
-    fixed: Mapping[int, Mapping[int, np.ndarray]],
-    scene: Scene,
-    *,
-    fps: float,
-    settings: WholeSettings,
-    kinds: Sequence[str],
-) -> np.ndarray:
-    """Choose the places of every point: positions (n, P, d), NaN where hidden.
-
-    Parameters
-    ----------
-    found : sequence
-        Candidates of every frame and view.
-    fixed : mapping
-        Frame to point number to position, certain.
-    scene : Scene
-        What the clicks say.
-    fps : float
-        Frames per second.
-    settings : WholeSettings
-        The settings.
-    kinds : sequence of str
-        Kind of each point: "front", "hind" or "other".
-
-    Returns
-    -------
-    ndarray
-        The chosen places.
-    """
-    n_points = len(kinds)
-    places = _find_places(found, scene, settings)
-    d = scene.geometry.n_coordinates
-    for t, here in fixed.items():
-        away = places[t].distance(np.stack(list(here.values())))
-        free = away > 1.2 * scene.thickness
-        if t == min(fixed):
-            free[:] = False
-        places[t] = places[t].take(free)
-    acceleration = settings.acceleration * scene.span / fps**2
-    noise = settings.noise * scene.thickness
-    speed = 12.0 * scene.span / fps
-    drift = find_drift(places, within=0.3 * scene.thickness, longest=2.0 * speed)
-    linking = Linking(acceleration, noise, 0.4 * speed, drift, 1.6)
-    pieces = [
-        piece for piece in build_tracklets(places, linking)
-        if piece.cost.mean() < (0.9 if len(piece.picks) > 1 else 0.5)
-    ]  # fmt: skip
-    costs = FlowCosts(
-        acceleration, noise, 0.4 * speed, drift, settings.hide_cost, settings.stay_cost,
-        max(4, round(settings.longest_gap_s * fps)), settings.links,
-    )  # fmt: skip
-    start = min(fixed)
-    pieces = [piece for piece in pieces if piece.first > start]
-    problem = Flow(pieces, fixed, len(found), costs)
-    prior = _start_prior(pieces, fixed, scene, kinds)
-    x = _positions_of(problem.assign(prior), pieces, fixed, (len(found), n_points, d))
-    axes = [scene.forward] if d == 2 else [scene.forward, np.cross(scene.up, scene.forward)]
-    groups = [kinds, [str(p) for p in range(n_points)]][: len(axes)]
-    for _ in range(_LOOKS):
-        body = follow_body(x[start:], max(3, round(_BODY_S * fps)))
-        body = np.concatenate([np.repeat(body[:1], start, axis=0), body])
-        habits = learn_habits(x, body, axes=axes, groups=groups, span=scene.span)
-        prior = _HABIT * habit_cost(pieces, body, axes=axes, habits=habits, span=scene.span)
-        x = _positions_of(problem.assign(prior), pieces, fixed, (len(found), n_points, d))
-    return x
-
-
-def _positions_of(
-    chains: Sequence[Sequence[int]],
-    pieces: Sequence[Tracklet],
-    fixed: Mapping[int, Mapping[int, np.ndarray]],
-    shape: tuple[int, int, int],
-) -> np.ndarray:
-    """Return where chains of pieces lead, (n, P, d), NaN where hidden."""
-    x = np.full(shape, np.nan)
-    for p, chain in enumerate(chains):
-        for i in chain:
-            x[pieces[i].first : pieces[i].last + 1, p] = pieces[i].at
-    for t, here in fixed.items():
-        for p, at in here.items():
-            x[t, p] = at
-    return x
-
-
-def _find_places(
-    found: Sequence[Sequence[np.ndarray]], scene: Scene, settings: WholeSettings
-) -> list[Places]:
-    """Return the places of every frame."""
-    coefs = scene.geometry.coefs
-    if coefs is None or scene.volume is None:
-        return [_flat_places(rows[0], scene.distal[0]) for rows in found]
-    pairing = Pairing(
-        coefs, scene.volume, tolerance_px=0.8 * scene.thickness_px, distal=scene.distal,
-        apart=scene.thickness, most=settings.places,
-    )  # fmt: skip
-    return pairing.places(found)
-
-
-def _flat_places(rows: np.ndarray, distal: tuple[float, float]) -> Places:
-    """Return the candidates of a single view as places."""
-    return Places(rows[:, :2].astype(float), 1.5 * (1.0 - worth(rows, distal)))
-
-
-def _start_prior(
-    pieces: Sequence[Tracklet],
-    fixed: Mapping[int, Mapping[int, np.ndarray]],
-    scene: Scene,
-    kinds: Sequence[str],
-) -> np.ndarray:
-    """Return the cost (P, pieces) of being far from where a point of its kind was clicked."""
-    n_points = len(kinds)
-    cost = np.zeros((n_points, len(pieces)))
-    clicked = [np.stack([h[p] for h in fixed.values() if p in h]) for p in range(n_points)]
-    alike = [
-        np.concatenate([clicked[o] for o in range(n_points) if kinds[o] == kinds[p]]).mean(axis=0)
-        for p in range(n_points)
-    ]
-    across = None if scene.volume is None else scene.volume.across
-    for i, piece in enumerate(pieces):
-        for p in range(n_points):
-            if kinds[p] != "other":
-                ahead = np.abs((piece.at - alike[p]) @ scene.forward) / scene.span
-                far = np.maximum(ahead - 0.33, 0.0) / 0.1
-                cost[p, i] += 0.5 * np.minimum(far**2, 6.0).sum()
-            if across is not None:
-                step = (piece.at - clicked[p].mean(axis=0)) @ across
-                cost[p, i] += 0.5 * np.minimum((step / (0.1 * scene.span)) ** 2, 6.0).sum()
-    return cost
 
 
 def _write(

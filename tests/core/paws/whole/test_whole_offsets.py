@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pawnb.core.paws.whole.refine import learn_offsets
+from pawnb.core.paws.whole.offsets import learn_offsets
 
 THICKNESS = 10.0
 

@@ -1,0 +1,237 @@
+"""The stride as a cycle: where each point is expected at each moment of the animal's stride.
+
+Learnt from the recording itself. The phase of the stride is common to all points and is
+read from their motion along the animal (complex demodulation, then correction against the
+learnt cycle); the cycle of each point is the smoothest closed curve through where it was
+seen, relative to the slowly moving body. A point that is hidden, or whose pieces could
+belong to another, is expected where it is in other strides.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
+
+_BINS = 48
+_WINDOW = 0.6
+"""Standard deviation, in strides, of the window in which a phase is told."""
+_ROUNDS = 3
+_LEAST_SHARE = 0.6
+"""Less of the motion than this explained by the cycle means that there is none."""
+_LEAST_STRIDES = 3.0
+_ALIKE = 5.0
+"""Neighbouring frames of a stride that err alike."""
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """Where points are expected.
+
+    Parameters
+    ----------
+    mean : ndarray, shape (n, P, d)
+        Expected positions.
+    sd : ndarray, shape (n, P, d)
+        Their standard deviations along the axes.
+    axes : ndarray, shape (d, d)
+        Unit vectors: forward, across, up.
+    phase : ndarray, shape (n,)
+        Phase of the stride in cycles; it grows by one with every stride.
+    stride : float
+        Mean length of a stride in frames.
+    """
+
+    mean: np.ndarray
+    sd: np.ndarray
+    phase: np.ndarray
+    axes: np.ndarray
+    stride: float
+
+    def square(self, frames: np.ndarray | int, point: int, x: np.ndarray) -> np.ndarray:
+        """Return the squared distance of positions (..., d), in standard deviations."""
+        step = (x - self.mean[frames, point]) @ self.axes.T
+        return np.asarray(((step / self.sd[frames, point]) ** 2).sum(axis=-1))
+
+
+def learn_cycle(
+    x: np.ndarray,
+    body: np.ndarray,
+    *,
+    axes: np.ndarray,
+    frames: tuple[float, float],
+    noise: float,
+    trust: np.ndarray,
+) -> Cycle | None:
+    """Learn the cycle of every point.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n, P, d)
+        Tracks, NaN where hidden.
+    body : ndarray, shape (n, d)
+        The slowly moving middle of the body.
+    axes : ndarray, shape (d, d)
+        Unit vectors: forward, across, up.
+    frames : tuple of float
+        Shortest and longest stride considered, frames.
+    noise : float
+        Standard deviation of a place: expectations are never surer.
+    trust : ndarray, shape (n, P)
+        How much each place counts, 0 to 1.
+
+    Returns
+    -------
+    Cycle or None
+        None where the points do not move in cycles or the recording is too short.
+    """
+    relative = (x - body[:, None]) @ axes.T
+    along = relative[..., 0]
+    seen = np.isfinite(along)
+    if (seen.sum(axis=0) < 2 * _BINS).any():
+        return None
+    along = np.where(seen, along - np.nanmean(along, axis=0), 0.0)
+    stride = _stride(along, seen, frames)
+    if stride is None or len(x) < _LEAST_STRIDES * stride:
+        return None
+    phase = _common_phase(along, seen, stride)
+    for k in range(_ROUNDS):
+        curves = [
+            _closed_curve(phase, relative[:, p], seen[:, p], trust[:, p]) for p in range(x.shape[1])
+        ]
+        if k < _ROUNDS - 1:
+            phase = phase + _correction(phase, curves, relative, seen, stride)
+    mean = np.stack([_at(curve, phase) for curve, _ in curves], axis=1)
+    away = np.where(seen[..., None], (relative - mean) ** 2, 0.0)
+    total = np.where(seen, along**2, 0.0).sum()
+    left = away[..., 0]
+    # medians: a few wrong pieces do not unmake a cycle
+    explained = 1.0 - np.median(left[seen]) / max(np.median(along[seen] ** 2), 1e-12)
+    if total <= 0 or explained < _LEAST_SHARE:
+        return None
+    sd = np.stack(
+        [_spread(phase, away[:, p], seen[:, p], curves[p][1], noise) for p in range(x.shape[1])],
+        axis=1,
+    )
+    return Cycle(mean @ axes + body[:, None], sd, phase, axes, stride)
+
+
+def _stride(along: np.ndarray, seen: np.ndarray, frames: tuple[float, float]) -> float | None:
+    """Return the commonest length of a stride, frames, from the periodogram of all points."""
+    n = len(along)
+    low, high = 1.0 / min(frames[1], n / 2.0), 1.0 / frames[0]
+    if low >= high:
+        return None
+    frequency = np.arange(low, high, 0.2 / n)
+    wave = np.exp(-2j * np.pi * np.outer(frequency, np.arange(n)))
+    power = (np.abs(wave @ np.where(seen, along, 0.0)) ** 2 / seen.sum(axis=0)).sum(axis=1)
+    return float(1.0 / frequency[int(np.argmax(power))])
+
+
+def _common_phase(along: np.ndarray, seen: np.ndarray, stride: float) -> np.ndarray:
+    """Return the phase (n,) of the stride, cycles, by demodulation at its mean frequency."""
+    time = np.arange(len(along))
+    carrier = np.exp(-2j * np.pi * time / stride)[:, None]
+    width = _WINDOW * stride
+    part = np.where(seen, along, 0.0) * carrier
+    weight = gaussian_filter1d(seen.astype(float), width, axis=0, mode="constant") + 1e-9
+    real = gaussian_filter1d(part.real, width, axis=0, mode="constant") / weight
+    imaginary = gaussian_filter1d(part.imag, width, axis=0, mode="constant") / weight
+    own = (real + 1j * imaginary) * np.minimum(weight * 3.0, 1.0)
+    common = own[:, :1]
+    for _ in range(5):
+        lag = (own * common.conj()).sum(axis=0)
+        common = (own * np.exp(-1j * np.angle(lag))).sum(axis=1, keepdims=True)
+    return np.asarray(time / stride + np.unwrap(np.angle(common[:, 0])) / (2 * np.pi))
+
+
+def _weights(phase: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the two bins beside each phase and the weight of the second."""
+    at = (phase % 1.0) * _BINS
+    first = np.floor(at).astype(int) % _BINS
+    return first, (first + 1) % _BINS, at - np.floor(at)
+
+
+def _at(curve: np.ndarray, phase: np.ndarray) -> np.ndarray:
+    """Return a closed curve (bins, d) at some phases."""
+    a, b, w = _weights(phase)
+    return np.asarray(curve[a] * (1 - w[:, None]) + curve[b] * w[:, None])
+
+
+def _closed_curve(
+    phase: np.ndarray, x: np.ndarray, seen: np.ndarray, trust: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the smoothest closed curve (bins, d) through places, and how unsure it is (bins, d).
+
+    The third differences along the curve are kept small; places far from the curve count
+    less and less.
+    """
+    a, b, w = _weights(phase[seen])
+    places = x[seen]
+    basis = np.zeros((len(a), _BINS))
+    rows = np.arange(len(a))
+    basis[rows, a] += 1 - w
+    basis[rows, b] += w
+    eye = np.eye(_BINS)
+    third = np.roll(eye, -2, 1) - 3 * np.roll(eye, -1, 1) + 3 * eye - np.roll(eye, 1, 1)
+    trust = trust[seen]
+    weight = trust
+    stiff = 0.005 * len(a)
+    for _ in range(4):
+        N = basis.T @ (basis * weight[:, None]) + stiff * (third.T @ third) + 1e-6 * eye
+        curve = np.linalg.solve(N, basis.T @ (places * weight[:, None]))
+        square = ((places - basis @ curve) ** 2).mean(axis=1)
+        scale = max(float(np.median(square)), 1e-12)
+        weight = trust / (1.0 + square / (6.0 * scale))
+    scale = np.median((places - basis @ curve) ** 2, axis=0) + 1e-12
+    # where nothing was seen the curve is only as sure as its usual bends are small
+    told = gaussian_filter1d(basis.sum(axis=0), 1.0, mode="wrap") > 1.0
+    bend = ((third @ curve) ** 2)[told].mean(axis=0) + 1e-12
+    unsure = []
+    for s2, j2 in zip(scale, bend, strict=True):
+        N = basis.T @ (basis * weight[:, None]) / (_ALIKE * s2) + third.T @ third / j2
+        unsure.append(np.sqrt(np.diag(np.linalg.inv(N + 1e-9 * eye * N.max()))))
+    return curve, np.stack(unsure, axis=1)
+
+
+def _correction(
+    phase: np.ndarray,
+    curves: list[tuple[np.ndarray, np.ndarray]],
+    relative: np.ndarray,
+    seen: np.ndarray,
+    stride: float,
+) -> np.ndarray:
+    """Return how much the phase must change for the points to lie on their cycles."""
+    top = np.zeros(len(phase))
+    bottom = np.zeros(len(phase))
+    for p, (curve, _) in enumerate(curves):
+        slope = (np.roll(curve, -1, 0) - np.roll(curve, 1, 0)) * (_BINS / 2.0)
+        velocity = _at(slope, phase)
+        step = np.where(seen[:, p, None], relative[:, p] - _at(curve, phase), 0.0)
+        square = (step**2).sum(axis=1)
+        scale = np.median(square[seen[:, p]]) + 1e-12
+        weight = seen[:, p] / (1.0 + square / (6.0 * scale))
+        top += weight * (step * velocity).sum(axis=1)
+        bottom += weight * (velocity**2).sum(axis=1)
+    width = _WINDOW * stride
+    top = gaussian_filter1d(top, width, mode="constant")
+    bottom = gaussian_filter1d(bottom, width, mode="constant")
+    return np.asarray(np.clip(top / (bottom + 0.05 * bottom.mean()), -0.1, 0.1))
+
+
+def _spread(
+    phase: np.ndarray, away: np.ndarray, seen: np.ndarray, unsure: np.ndarray, noise: float
+) -> np.ndarray:
+    """Return the standard deviations (n, d) of expectations, by phase."""
+    a, _, _ = _weights(phase[seen])
+    # a few wrong pieces must not make every expectation vague
+    part = np.minimum(away[seen], 16.0 * np.median(away[seen], axis=0))
+    total = np.stack([np.bincount(a, column, _BINS) for column in part.T], axis=1)
+    count = np.bincount(a, minlength=_BINS).astype(float)[:, None]
+    total = gaussian_filter1d(total, 1.5, axis=0, mode="wrap")
+    count = gaussian_filter1d(count, 1.5, axis=0, mode="wrap")
+    typical = total.sum(axis=0) / max(count.sum(), 1e-9)
+    square = (total + 2.0 * typical) / (count + 2.0)
+    square = square + unsure**2 + noise**2
+    return np.sqrt(_at(square, phase))

@@ -1,0 +1,101 @@
+"""Deciding over the whole recording: paths, gaps and the stride, each from the others."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from pawnb.core.paws.layout import Layout
+from pawnb.core.paws.whole.cycle import learn_cycle
+from pawnb.core.paws.whole.gaps import Known, bridge_gaps
+from pawnb.core.paws.whole.offsets import learn_offsets
+from pawnb.core.paws.whole.paths import PathChoice
+from pawnb.core.paws.whole.refine import Refined, Refinement, refine
+from pawnb.core.paws.whole.scene import Scene
+from pawnb.core.paws.whole.settings import WholeSettings
+from pawnb.core.paws.whole.sights import read_sights, tracked_points
+
+_BELIEVED = 0.25
+"""Standard deviation, in thicknesses, at which a track is half believed."""
+_LEARNT_FROM = 0.3
+"""The same for learning the stride from it."""
+
+
+def decide(
+    found: Sequence[Sequence[np.ndarray]],
+    fixed: Mapping[int, Mapping[int, np.ndarray]],
+    certain: np.ndarray,
+    scene: Scene,
+    layout: Layout,
+    *,
+    fps: float,
+    settings: WholeSettings,
+) -> Refined:
+    """Decide where every point was in every frame.
+
+    Paths are chosen among certain pieces and the gaps between them bridged; the stride is
+    learnt from the tracks that this gives, and both are done again with it.
+
+    Parameters
+    ----------
+    found : sequence
+        Candidates of every frame and view.
+    fixed : mapping
+        Frame to point number to position, certain.
+    certain : ndarray, shape (n, P, V, 2)
+        Image positions placed by hand, NaN elsewhere.
+    scene : Scene
+        What the clicks say.
+    layout : Layout
+        Which point is tracked in which view.
+    fps : float
+        Frames per second.
+    settings : WholeSettings
+        The settings.
+
+    Returns
+    -------
+    Refined
+        The tracks.
+    """
+    thickness_px, facing, distal = scene.thickness_px, layout.facing, scene.distal
+    clicked = sorted(np.flatnonzero(np.isfinite(certain[..., 0]).any(axis=(1, 2))).tolist())
+    offsets = learn_offsets(
+        certain[clicked], {t: found[t] for t in clicked}, thickness_px=thickness_px,
+        facing=facing, distal=distal, kinds=layout.kinds,
+    )  # fmt: skip
+    sights = read_sights(found, offsets, thickness_px=thickness_px, facing=facing, distal=distal)
+    paths = PathChoice(found, fixed, scene, fps=fps, settings=settings, kinds=layout.kinds)
+    own = layout.tracked.T
+    what = Refinement(
+        scene.geometry, thickness_px, scene.thickness, paths.manner.acceleration, own,
+        offsets.unsure,
+    )  # fmt: skip
+    by_hand = np.isfinite(certain[..., 0]).any(axis=-1)
+    strides = (settings.shortest_stride_s * fps, settings.longest_stride_s * fps)
+
+    def settle(known: Known) -> Refined:
+        bridged = bridge_gaps(
+            known, sights, geometry=scene.geometry, thickness_px=thickness_px, own=own,
+            manner=paths.manner,
+        )  # fmt: skip
+        return refine(known.chosen, sights, bridged, certain=certain, what=what, cycle=known.cycle)
+
+    def tracked(places: np.ndarray) -> np.ndarray:
+        moved = tracked_points(places, sights, geometry=scene.geometry, thickness_px=thickness_px)
+        # what was placed by hand is the tracked point already
+        return np.where(by_hand[..., None], places, moved)
+
+    result = settle(Known(tracked(paths.first()), by_hand))
+    for _ in range(settings.looks):
+        sd = result.sd.mean(axis=-1) / scene.thickness
+        cycle = learn_cycle(
+            result.x, paths.body(result.x), axes=paths.manner.axes, frames=strides,
+            noise=0.25 * scene.thickness, trust=1.0 / (1.0 + (sd / _LEARNT_FROM) ** 2),
+        )  # fmt: skip
+        if cycle is None:
+            break
+        trust = 1.0 / (1.0 + (sd / _BELIEVED) ** 2)
+        result = settle(Known(tracked(paths.again(cycle)), by_hand, result.x, trust, cycle))
+    return result

@@ -1,0 +1,224 @@
+"""Which candidates a point took where its path is not certain."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pawnb.core.paws.whole.bridging import Stories, Telling, state_after
+from pawnb.core.paws.whole.cycle import Cycle
+from pawnb.core.paws.whole.geometry import Geometry
+from pawnb.core.paws.whole.manner import Manner
+from pawnb.core.paws.whole.sights import Sights
+
+_LEAST = 4
+"""Certain stretches shorter than this are told anew too."""
+_BEFORE, _AFTER = 10, 6
+"""Certain frames that tell how a stretch begins, and how it ends."""
+_LOOK = 1.2
+_OTHER = 5.0
+"""Cost of a candidate that lies where another point is."""
+_BESIDE = 0.5
+"""Distance, in thicknesses, at which it does."""
+_EXPECTED = 0.2
+"""Weight of a frame's distance from where the cycle has the point: frames err alike."""
+_FARTHEST = 16.0
+
+
+@dataclass(frozen=True)
+class Bridged:
+    """What was taken where paths are not certain.
+
+    Parameters
+    ----------
+    is_open : ndarray of bool, shape (n, P)
+        Frames whose candidates were chosen here.
+    choice : ndarray of int, shape (n, P, V)
+        Number of the candidate taken, -1 where none.
+    """
+
+    is_open: np.ndarray
+    choice: np.ndarray
+
+
+@dataclass(frozen=True)
+class Known:
+    """What is known of the points so far.
+
+    Parameters
+    ----------
+    chosen : ndarray, shape (n, P, d)
+        Certain places, NaN elsewhere.
+    fixed : ndarray of bool, shape (n, P)
+        Placed by hand.
+    before : ndarray, shape (n, P, d), optional
+        Tracks of an earlier round, and
+    trust : ndarray, shape (n, P), optional
+        how much they are to be believed, 0 to 1.
+    cycle : Cycle, optional
+        Where points are expected.
+    """
+
+    chosen: np.ndarray
+    fixed: np.ndarray
+    before: np.ndarray | None = None
+    trust: np.ndarray | None = None
+    cycle: Cycle | None = None
+
+
+def bridge_gaps(
+    known: Known,
+    sights: Sights,
+    *,
+    geometry: Geometry,
+    thickness_px: np.ndarray,
+    own: np.ndarray,
+    manner: Manner,
+) -> Bridged:
+    """Choose candidates for every point where its path is not certain.
+
+    Parameters
+    ----------
+    known : Known
+        What is known so far.
+    sights : Sights
+        What every view shows.
+    geometry : Geometry
+        The views.
+    thickness_px : ndarray, shape (V,)
+        Thickness of a paw in each view.
+    own : ndarray of bool, shape (P, V)
+        Which view tracks which point.
+    manner : Manner
+        How points move.
+
+    Returns
+    -------
+    Bridged
+        The choice.
+    """
+    n, n_points, _ = known.chosen.shape
+    certain = np.isfinite(known.chosen[..., 0])
+    is_open = np.stack(
+        [open_frames(certain[:, p], known.fixed[:, p]) for p in range(n_points)], axis=1
+    )
+    cost = _candidate_costs(known, is_open, sights, geometry, thickness_px)
+    choice = np.full((n, n_points, len(thickness_px)), -1)
+    telling = Telling(
+        jerk=0.6 * manner.acceleration, kick=0.4 * manner.speed,
+        noise=0.25 * manner.thickness, reach=1.5 * manner.span,
+    )  # fmt: skip
+    for p in range(n_points):
+        for first, stop in runs(is_open[:, p]):
+            if first == 0:
+                continue
+            begin = _edge(is_open[:, p], first, -_BEFORE)
+            state, covariance = state_after(
+                known.chosen[begin:first, p], manner.drift, telling=telling,
+                speed=0.4 * manner.speed,
+            )  # fmt: skip
+            stories = Stories(
+                state, covariance, geometry=geometry, thickness_px=thickness_px, own=own[p],
+                telling=telling,
+            )  # fmt: skip
+            _tell(stories, p, (first, stop), known, is_open, sights, cost, manner)
+            choice[first:stop, p] = stories.best()[: stop - first]
+    return Bridged(is_open, choice)
+
+
+def _tell(
+    stories: Stories,
+    point: int,
+    stretch: tuple[int, int],
+    known: Known,
+    is_open: np.ndarray,
+    sights: Sights,
+    cost: np.ndarray,
+    manner: Manner,
+) -> None:
+    """Lead stories through a stretch and the certain places after it."""
+    end = _edge(is_open[:, point], stretch[1], _AFTER)
+    for t in range(stretch[0], end):
+
+        def doubt(x: np.ndarray, speed: np.ndarray, t: int = t) -> np.ndarray:
+            strange = manner.strangeness(x, speed)
+            if known.cycle is None:
+                return strange
+            square = np.minimum(known.cycle.square(t, point, x), _FARTHEST)
+            return np.asarray(strange + 0.5 * _EXPECTED * square)
+
+        stories.advance()
+        if t < stretch[1]:
+            for v in range(sights.is_there.shape[1]):
+                here = sights.is_there[t, v]
+                stories.see(v, sights.at[t, point, v, here], cost[t, point, v, here])
+        else:
+            stories.stand(known.chosen[t, point])
+        stories.settle(doubt, certain=t >= stretch[1])
+
+
+def _candidate_costs(
+    known: Known,
+    is_open: np.ndarray,
+    sights: Sights,
+    geometry: Geometry,
+    thickness_px: np.ndarray,
+) -> np.ndarray:
+    """Return what speaks against each candidate (n, P, V, C) being each point."""
+    n, n_points, _ = known.chosen.shape
+    x = np.where(is_open[..., None], np.nan, known.chosen)
+    trust = np.ones((n, n_points))
+    if known.before is not None and known.trust is not None:
+        x = np.where(np.isfinite(x), x, known.before)
+        trust = np.where(is_open, known.trust, 1.0)
+    there = np.isfinite(x[..., 0])
+    uv = geometry.project(np.nan_to_num(x))
+    poor = -_LOOK * np.log(np.clip(sights.quality, 0.02, 1.0))
+    cost = np.repeat(poor[:, None], n_points, axis=1)
+    explained = np.zeros((n, n_points, *poor.shape[1:]))
+    for p in range(n_points):
+        away = np.linalg.norm(sights.at[:, p] - uv[:, p, :, None], axis=-1)
+        near = np.exp(-((away / (_BESIDE * thickness_px[:, None])) ** 2))
+        explained[:, p] = np.where(there[:, p], trust[:, p], 0.0)[:, None, None] * near
+    for p in range(n_points):
+        others = np.delete(explained, p, axis=1)
+        if others.shape[1]:
+            cost[:, p] += _OTHER * others.max(axis=1)
+    return cost
+
+
+def open_frames(certain: np.ndarray, fixed: np.ndarray) -> np.ndarray:
+    """Return the frames (n,) of one point whose candidates are to be chosen.
+
+    Parameters
+    ----------
+    certain : ndarray of bool, shape (n,)
+        Frames with a certain place.
+    fixed : ndarray of bool, shape (n,)
+        Those placed by hand; they stay.
+    """
+    is_open = ~certain
+    for first, stop in runs(certain):
+        if stop - first < _LEAST:
+            is_open[first:stop] = True
+    return np.asarray(is_open & ~(fixed & certain))
+
+
+def runs(mask: np.ndarray) -> list[tuple[int, int]]:
+    """Return first frame and one past the last of every run of True."""
+    edge = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(int)))
+    return [(int(a), int(b)) for a, b in edge.reshape(-1, 2)]
+
+
+def _edge(is_open: np.ndarray, at: int, most: int) -> int:
+    """Return how far frames are certain from ``at``: forward, or back if ``most`` is negative."""
+    if most > 0:
+        end = at
+        while end < len(is_open) and end - at < most and not is_open[end]:
+            end += 1
+        return end
+    begin = at
+    while begin > 0 and at - begin < -most and not is_open[begin - 1]:
+        begin -= 1
+    return begin

@@ -1,0 +1,55 @@
+"""How points move in a recording: what is known of it before they are tracked."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+FASTEST = 12.0
+"""Speed of the fastest swings, in spans per second."""
+
+
+@dataclass(frozen=True)
+class Manner:
+    """How points move; lengths in the unit of space, times in frames.
+
+    Parameters
+    ----------
+    acceleration : float
+        Standard deviation of the acceleration.
+    speed : float
+        Speed of the fastest swings.
+    drift : ndarray, shape (d,)
+        Speed of paws that stand.
+    axes : ndarray, shape (d, d)
+        Unit vectors: forward, across (in space only), up.
+    ground : float
+        Height of the lowest click.
+    span : float
+        Distance of front from hind paws.
+    thickness : float
+        Thickness of a paw.
+    """
+
+    acceleration: float
+    speed: float
+    drift: np.ndarray
+    axes: np.ndarray
+    ground: float
+    span: float
+    thickness: float
+
+    def strangeness(self, x: np.ndarray, speed: np.ndarray) -> np.ndarray:
+        """Return what speaks against positions and speeds (..., d) of a point.
+
+        No paw moves back faster than the ground does, and none goes below it.
+        """
+        forward, up = self.axes[0], self.axes[-1]
+        limit = min(0.0, float(self.drift @ forward))
+        back = np.maximum(limit - speed @ forward, 0.0) / (
+            0.25 * abs(limit) + 0.5 * self.acceleration
+        )
+        below = np.maximum(self.ground - 0.7 * self.thickness - x @ up, 0.0)
+        low = below / (0.5 * self.thickness)
+        return np.asarray(0.5 * np.minimum(back**2, 9.0) + 0.5 * low**2)

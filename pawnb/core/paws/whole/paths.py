@@ -1,0 +1,201 @@
+"""Which pieces of path each point took: the choice over the whole recording."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from pawnb.core.paws.whole.candidates import worth
+from pawnb.core.paws.whole.cycle import Cycle
+from pawnb.core.paws.whole.flow import Flow, FlowCosts
+from pawnb.core.paws.whole.habit import follow_body, habit_cost, learn_habits
+from pawnb.core.paws.whole.hypotheses import Pairing, Places
+from pawnb.core.paws.whole.manner import FASTEST, Manner
+from pawnb.core.paws.whole.scene import Scene
+from pawnb.core.paws.whole.settings import WholeSettings
+from pawnb.core.paws.whole.tracklets import Linking, Tracklet, build_tracklets, find_drift
+
+_LOOKS = 2
+"""Times that paths are chosen again with the habits learnt from the last choice."""
+_HABIT = 0.5
+_EXPECTED = 0.15
+"""Half a squared standard deviation from where the cycle has a point, for frames that err alike."""
+_FARTHEST = 16.0
+
+Fixed = Mapping[int, Mapping[int, np.ndarray]]
+"""Frame to point number to position, certain."""
+
+
+class PathChoice:
+    """The pieces of a recording and the choice among them.
+
+    Parameters
+    ----------
+    found : sequence
+        Candidates of every frame and view.
+    fixed : mapping
+        Frame to point number to position, certain.
+    scene : Scene
+        What the clicks say.
+    fps : float
+        Frames per second.
+    settings : WholeSettings
+        The settings.
+    kinds : sequence of str
+        Kind of each point: "front", "hind" or "other".
+
+    Attributes
+    ----------
+    manner : Manner
+        How points move.
+    body_frames : int
+        Frames over which the body is followed: about two strides.
+    """
+
+    def __init__(
+        self,
+        found: Sequence[Sequence[np.ndarray]],
+        fixed: Fixed,
+        scene: Scene,
+        *,
+        fps: float,
+        settings: WholeSettings,
+        kinds: Sequence[str],
+    ) -> None:
+        self.scene, self.fixed, self.kinds = scene, fixed, kinds
+        self.shape = (len(found), len(kinds), scene.geometry.n_coordinates)
+        self.body_frames = max(3, round(settings.body_s * fps))
+        places = find_places(found, scene, settings)
+        for t, here in fixed.items():
+            away = places[t].distance(np.stack(list(here.values())))
+            free = away > 1.2 * scene.thickness
+            if t == min(fixed):
+                free[:] = False
+            places[t] = places[t].take(free)
+        self.manner = _manner(places, scene, fps, settings)
+        noise, speed = settings.noise * scene.thickness, 0.4 * self.manner.speed
+        drift = self.manner.drift
+        linking = Linking(self.manner.acceleration, noise, speed, drift, 1.6)
+        self.pieces = [
+            piece for piece in build_tracklets(places, linking)
+            if piece.cost.mean() < (0.9 if len(piece.picks) > 1 else 0.5)
+            and piece.first > min(fixed)
+        ]  # fmt: skip
+        costs = FlowCosts(
+            self.manner.acceleration, noise, speed, drift, settings.hide_cost, settings.stay_cost,
+            max(4, round(settings.longest_gap_s * fps)), settings.links,
+        )  # fmt: skip
+        self._flow = Flow(self.pieces, fixed, len(found), costs)
+
+    def first(self) -> np.ndarray:
+        """Choose by the clicks, then by where points usually are.
+
+        Returns
+        -------
+        ndarray, shape (n, P, d)
+            The chosen places, NaN where hidden.
+        """
+        x = self._choose(_start_prior(self.pieces, self.fixed, self.scene, self.kinds))
+        axes = list(self.manner.axes[:-1])
+        groups = [self.kinds, [str(p) for p in range(self.shape[1])]][: len(axes)]
+        for _ in range(_LOOKS):
+            body, span = self.body(x), self.scene.span
+            habits = learn_habits(x, body, axes=axes, groups=groups, span=span)
+            prior = habit_cost(self.pieces, body, axes=axes, habits=habits, span=span)
+            x = self._choose(_HABIT * prior)
+        return x
+
+    def again(self, cycle: Cycle) -> np.ndarray:
+        """Choose by where each point is expected at each moment of the stride.
+
+        Returns
+        -------
+        ndarray, shape (n, P, d)
+            The chosen places, NaN where hidden.
+        """
+        if not self.pieces:
+            return self._choose(None)
+        first = np.concatenate([[0], np.cumsum([len(q.picks) for q in self.pieces])[:-1]])
+        frame = np.concatenate([q.first + np.arange(len(q.picks)) for q in self.pieces])
+        at = np.concatenate([q.at for q in self.pieces])
+        square = np.stack([cycle.square(frame, p, at) for p in range(self.shape[1])])
+        cost = _EXPECTED * np.minimum(square, _FARTHEST)
+        return self._choose(np.add.reduceat(cost, first, axis=1))
+
+    def body(self, x: np.ndarray) -> np.ndarray:
+        """Return the slowly moving middle (n, d) of tracks (n, P, d) with NaN where hidden."""
+        start = min(self.fixed)
+        body = follow_body(x[start:], self.body_frames)
+        return np.concatenate([np.repeat(body[:1], start, axis=0), body])
+
+    def _choose(self, prior: np.ndarray | None) -> np.ndarray:
+        """Return where the cheapest chains of pieces lead."""
+        x = np.full(self.shape, np.nan)
+        for p, chain in enumerate(self._flow.assign(prior)):
+            for i in chain:
+                x[self.pieces[i].first : self.pieces[i].last + 1, p] = self.pieces[i].at
+        for t, here in self.fixed.items():
+            for p, at in here.items():
+                x[t, p] = at
+        return x
+
+
+def _manner(places: Sequence[Places], scene: Scene, fps: float, settings: WholeSettings) -> Manner:
+    """Return how points move."""
+    speed = FASTEST * scene.span / fps
+    drift = find_drift(places, within=0.3 * scene.thickness, longest=2.0 * speed)
+    axes = [scene.forward, scene.up]
+    if scene.geometry.n_coordinates == 3:
+        axes.insert(1, np.cross(scene.up, scene.forward))
+    clicks = np.stack([x for here in scene.anchors.values() for x in here.values()])
+    return Manner(
+        settings.acceleration * scene.span / fps**2, speed, drift, np.stack(axes),
+        float((clicks @ scene.up).min()), scene.span, scene.thickness,
+    )  # fmt: skip
+
+
+def find_places(
+    found: Sequence[Sequence[np.ndarray]], scene: Scene, settings: WholeSettings
+) -> list[Places]:
+    """Return the places of every frame."""
+    coefs = scene.geometry.coefs
+    if coefs is None or scene.volume is None:
+        return [_flat_places(rows[0], scene.distal[0]) for rows in found]
+    pairing = Pairing(
+        coefs, scene.volume, tolerance_px=0.8 * scene.thickness_px, distal=scene.distal,
+        apart=scene.thickness, most=settings.places,
+    )  # fmt: skip
+    return pairing.places(found)
+
+
+def _flat_places(rows: np.ndarray, distal: tuple[float, float]) -> Places:
+    """Return the candidates of a single view as places."""
+    return Places(rows[:, :2].astype(float), 1.5 * (1.0 - worth(rows, distal)))
+
+
+def _start_prior(
+    pieces: Sequence[Tracklet],
+    fixed: Mapping[int, Mapping[int, np.ndarray]],
+    scene: Scene,
+    kinds: Sequence[str],
+) -> np.ndarray:
+    """Return the cost (P, pieces) of being far from where a point of its kind was clicked."""
+    n_points = len(kinds)
+    cost = np.zeros((n_points, len(pieces)))
+    clicked = [np.stack([h[p] for h in fixed.values() if p in h]) for p in range(n_points)]
+    alike = [
+        np.concatenate([clicked[o] for o in range(n_points) if kinds[o] == kinds[p]]).mean(axis=0)
+        for p in range(n_points)
+    ]
+    across = None if scene.volume is None else scene.volume.across
+    for i, piece in enumerate(pieces):
+        for p in range(n_points):
+            if kinds[p] != "other":
+                ahead = np.abs((piece.at - alike[p]) @ scene.forward) / scene.span
+                far = np.maximum(ahead - 0.33, 0.0) / 0.1
+                cost[p, i] += 0.5 * np.minimum(far**2, 6.0).sum()
+            if across is not None:
+                step = (piece.at - clicked[p].mean(axis=0)) @ across
+                cost[p, i] += 0.5 * np.minimum((step / (0.1 * scene.span)) ** 2, 6.0).sum()
+    return cost
