@@ -106,7 +106,11 @@ def _add_track(commands: Any) -> None:
     command = commands.add_parser("track", help=text, description=text)
     command.add_argument("trial", help="trial.toml, or the folder that holds it")
     command.add_argument("--out", help="folder to write (default: results beside the trial)")
-    command.add_argument("--method", default=None, help="paper: the method of 2019")
+    command.add_argument(
+        "--method",
+        default=None,
+        help="pawnb (default); paper: the method of 2019; slic-3d, slic-2d: its lesser variants",
+    )
     command.add_argument(
         "--set", action="append", default=[], metavar="NAME=VALUE", help="a setting of the tracker"
     )

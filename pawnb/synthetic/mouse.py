@@ -34,6 +34,12 @@ _SHAFT_RINGS, _SHAFT_SEGMENTS = 27, 16
 _HAIRS, _LIMB_HAIRS, _WHISKERS = 3600, 350, 12
 
 
+LANDMARKS = ("nose", "ear_L", "ear_R", "tail_base", "tail_tip")
+"""Points of the body whose places are known, besides the paws."""
+
+_EAR = np.array([29.5, 7.6, 33.0])
+
+
 @dataclass
 class _Pose:
     """The body frame at one moment: ``place`` takes body coordinates to the laboratory."""
@@ -99,6 +105,19 @@ class Mouse:
         mesh.vertices = mesh.vertices * facing
         mesh.normals = mesh.normals * facing
         return mesh
+
+    def landmarks(self, time_s: float) -> np.ndarray:
+        """Return the landmarks at a time, shape (5, 3), mm, in the order of LANDMARKS.
+
+        The tip of the nose, the middle of each ear, and the base and the tip of the tail.
+        """
+        pose = self._pose(time_s)
+        forward, height, *_ = self._profile[-1]
+        head = np.array([[forward, 0.0, height], *(_EAR * [1.0, side, 1.0] for side in (1, -1))])
+        tail = self._tail_line(pose, time_s)[[0, -1]]
+        placed = pose.place(np.vstack([self._flex(head, pose), tail]))
+        placed[3:, 2] = np.maximum(placed[3:, 2], 1.0)  # as the tail is drawn
+        return placed * [self._settings.direction, self._settings.direction, 1.0]
 
     def _pose(self, time_s: float) -> _Pose:
         """Read the body's place from the gait; it turns about a point amid the trunk."""
@@ -174,7 +193,7 @@ class Mouse:
         """Add ears, eyes and whiskers."""
         for side in (1.0, -1.0):
             outward = unit(np.array([0.42, side * 0.80, 0.42]))
-            centre = np.array([29.5, side * 7.6, 33.0])
+            centre = _EAR * [1.0, side, 1.0]
             offset = np.array([-1.3, -1.1, -0.7, 0.3, 0.5, 0.0, -0.5, -0.7])
             radius = np.array([0.02, 2.8, 4.6, 5.6, 5.4, 4.2, 2.4, 0.02])
             line = self._flex(centre + offset[:, None] * outward, pose)
@@ -222,7 +241,24 @@ class Mouse:
         self._builder.add(HAIR, pose.place(vertices), normals, fixed=fixed)
 
     def _add_tail(self, pose: _Pose, time_s: float) -> None:
-        """Add a tail that rises behind and sways with a lag along its length."""
+        """Add the tail."""
+        s = np.linspace(0.0, 1.0, _TAIL_RINGS)
+        line = self._tail_line(pose, time_s)
+        radius = rounded(2.2 * (1.0 - s) ** 0.8 + 0.8)
+        vertices, normals = swept_tube(
+            line, np.array([0.0, 1.0, 0.0]), (radius, radius), segments=_TAIL_SEGMENTS
+        )
+        shade = np.repeat(0.72 + 0.12 * s, _TAIL_SEGMENTS)[:, None]
+        colour = shade * (0.6 * self._skin + 0.4 * self._skin.mean())
+        placed = pose.place(vertices)
+        placed[:, 2] = np.maximum(placed[:, 2], 1.0)  # it may lie on the belt, not below it
+        self._add_tube(TAIL, placed, normals @ pose.turn.T, colour, _TAIL_SEGMENTS)
+
+    def _tail_line(self, pose: _Pose, time_s: float) -> np.ndarray:
+        """Return the middle of the tail, base to tip (body frame).
+
+        It rises behind and sways with a lag along its length.
+        """
         s = np.linspace(0.0, 1.0, _TAIL_RINGS)
         lift = np.radians(self._settings.tail_lift_deg)
         sway = float(self._gait.body.value("yaw", np.array(time_s)))
@@ -234,16 +270,7 @@ class Mouse:
         )
         length = _TAIL_LENGTH / (_TAIL_RINGS - 1)
         start = np.array([-36.0, 0.0, 26.2])
-        line = start + np.vstack([np.zeros(3), np.cumsum(step[1:] * length, axis=0)])
-        radius = rounded(2.2 * (1.0 - s) ** 0.8 + 0.8)
-        vertices, normals = swept_tube(
-            line, np.array([0.0, 1.0, 0.0]), (radius, radius), segments=_TAIL_SEGMENTS
-        )
-        shade = np.repeat(0.72 + 0.12 * s, _TAIL_SEGMENTS)[:, None]
-        colour = shade * (0.6 * self._skin + 0.4 * self._skin.mean())
-        placed = pose.place(vertices)
-        placed[:, 2] = np.maximum(placed[:, 2], 1.0)  # it may lie on the belt, not below it
-        self._add_tube(TAIL, placed, normals @ pose.turn.T, colour, _TAIL_SEGMENTS)
+        return np.asarray(start + np.vstack([np.zeros(3), np.cumsum(step[1:] * length, axis=0)]))
 
     def _add_limb(self, leg: str, pose: _Pose, time_s: float) -> None:
         """Add a limb from its girdle to the digits; the tracked point is where the gait has it."""

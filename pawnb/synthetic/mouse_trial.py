@@ -23,6 +23,7 @@ from pawnb.synthetic.render import ViewRenderer, cast_shadow, cover, paw_fractio
 from pawnb.synthetic.scene import LEGS, SceneSettings, scene_settings
 from pawnb.synthetic.truth import (
     events_truth,
+    landmarks_truth,
     paw_positions,
     points3d_truth,
     start_clicks,
@@ -89,7 +90,8 @@ def render_mouse_trial(
     Files: ``cam1.avi`` ... (MJPEG), ``DLTcoefs.csv``, ``start.csv``, ``trial.toml``, and in
     ``truth/`` the tables ``tracks.csv`` (every paw in every view; ``visible_fraction`` is the
     share of the paw's picture that nothing hides, ``visible`` is 1 above 0.3),
-    ``points3d.csv`` and ``events.csv``. A view on the animal's right tracks FR and HR, one
+    ``points3d.csv``, ``landmarks3d.csv`` (nose, ears, base and tip of the tail: frame, point,
+    x, y, z) and ``events.csv``. A view on the animal's right tracks FR and HR, one
     on its left FL and HL. Recordings begin where all paws are well seen, as a person would
     choose. The same arguments give the same bytes with the same versions of the libraries.
     """
@@ -107,7 +109,8 @@ def render_mouse_trial(
     begin_s = find_start(mouse, gait, scene)
     fractions = _render_videos(folder, mouse, cameras, (scene, begin_s, frames, progress))
     trial = _describe(folder, scene, cameras, difficulty)
-    positions = paw_positions(gait, scene, begin_s + np.arange(frames) / scene.fps)
+    times_s = np.arange(frames) / scene.fps
+    positions = paw_positions(gait, scene, begin_s + times_s)
     tracks = tracks_truth(positions, fractions, cameras)
     events = events_truth(
         gait, scene, begin_s=begin_s, frames=frames, animal=trial.animal.id, trial=trial.name
@@ -116,6 +119,7 @@ def render_mouse_trial(
     for name, table in (
         ("truth/tracks.csv", tracks),
         ("truth/points3d.csv", points3d_truth(positions)),
+        ("truth/landmarks3d.csv", landmarks_truth(mouse, begin_s + times_s)),
         ("truth/events.csv", events),
         ("start.csv", clicks),
     ):

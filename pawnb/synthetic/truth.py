@@ -10,6 +10,7 @@ import pandas as pd
 from pawnb.schema import EVENTS_COLUMNS, POINTS3D_COLUMNS, START_COLUMNS, TRACKS_COLUMNS
 from pawnb.synthetic.camera import Camera
 from pawnb.synthetic.gait_model import Gait
+from pawnb.synthetic.mouse import LANDMARKS, Mouse
 from pawnb.synthetic.scene import LEGS, SceneSettings
 
 VISIBLE_FROM = 0.3
@@ -38,6 +39,16 @@ def points3d_truth(positions: np.ndarray) -> pd.DataFrame:
         },
         columns=list(POINTS3D_COLUMNS),
     )
+
+
+def landmarks_truth(mouse: Mouse, time_s: np.ndarray) -> pd.DataFrame:
+    """Return frame, point, x, y, z (mm) of nose, ears and tail at times (t,)."""
+    xyz = np.stack([mouse.landmarks(float(t)) for t in time_s])
+    frames = np.repeat(np.arange(len(time_s)), len(LANDMARKS))
+    table = pd.DataFrame(xyz.reshape(-1, 3), columns=["x", "y", "z"])
+    table.insert(0, "frame", frames)
+    table.insert(1, "point", np.tile(LANDMARKS, len(time_s)))
+    return table
 
 
 def tracks_truth(

@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 from pawnb.synthetic.gait_model import plan_gait
-from pawnb.synthetic.mouse import BODY, LIMB, PAW, Mouse
+from pawnb.synthetic.mouse import BODY, EAR, LANDMARKS, LIMB, PAW, TAIL, Mouse
 from pawnb.synthetic.scene import LEGS, scene_settings
 from pawnb.synthetic.truth import paw_positions
 
@@ -34,6 +34,25 @@ def test_the_tracked_point_lies_inside_its_paw(run):
             assert (paw.min(axis=0) < point).all()
             assert (point < paw.max(axis=0)).all()
             assert cKDTree(paw).query(point)[0] < 2.5 * settings.size
+
+
+def test_landmarks_lie_on_what_is_drawn(run):
+    """The nose is the foremost of the body; the tail begins at the body and ends at its tip."""
+    settings, gait, meshes = run
+    mouse = Mouse(settings, gait)
+    ahead = np.array([settings.direction, 0.0, 0.0])
+    for mesh, time_s in zip(meshes, TIMES, strict=True):
+        at = dict(zip(LANDMARKS, mouse.landmarks(time_s), strict=True))
+        body, tail, ear = (vertices_of(mesh, part) for part in (BODY, TAIL, EAR))
+        assert np.linalg.norm(body[np.argmax(body @ ahead)] - at["nose"]) < 2.0 * settings.size
+        near = [cKDTree(tail).query(at[name])[0] for name in ("tail_base", "tail_tip")]
+        assert max(near) < 4.0 * settings.size
+        assert (tail @ ahead).max() - at["tail_base"] @ ahead < 4.0 * settings.size
+        far = np.linalg.norm(tail - at["tail_base"], axis=1).max()
+        assert far - np.linalg.norm(at["tail_tip"] - at["tail_base"]) < 3.0 * settings.size
+        for name, side in (("ear_L", 1.0), ("ear_R", -1.0)):
+            own = ear[side * settings.direction * (ear[:, 1] - at["nose"][1]) > 0]
+            assert np.linalg.norm(own.mean(axis=0) - at[name]) < 3.0 * settings.size
 
 
 def test_nothing_sinks_into_the_belt_and_standing_paws_touch_it(run):

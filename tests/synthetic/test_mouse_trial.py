@@ -61,6 +61,7 @@ def test_files_tables_and_trial_are_those_of_the_contract(folder):
     assert names == {
         "cam1.avi", "cam2.avi", "cam3.avi", "cam4.avi", "DLTcoefs.csv", "start.csv",
         "trial.toml", "truth/tracks.csv", "truth/points3d.csv", "truth/events.csv",
+        "truth/landmarks3d.csv",
     }  # fmt: skip
     trial = load_trial(folder)
     assert trial.kind == "paws"
@@ -209,7 +210,7 @@ def test_the_same_seed_gives_the_same_bytes_and_another_does_not(tmp_path):
     for name, seed in (("a", 5), ("b", 5), ("c", 6)):
         render_mouse_trial(tmp_path / name, frames=3, scale=0.1, seed=seed, difficulty="hard")
     files = [p.relative_to(tmp_path / "a") for p in (tmp_path / "a").rglob("*") if p.is_file()]
-    assert len(files) == 10
+    assert len(files) == 11
     for file in files:
         first = (tmp_path / "a" / file).read_bytes()
         assert first == (tmp_path / "b" / file).read_bytes(), file

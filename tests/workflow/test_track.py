@@ -9,8 +9,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pawnb.core.rig import Rig
+from pawnb.core.rig import Rig, load_rig
 from pawnb.errors import CalibrationError, InputError, InputWarning
+from pawnb.gait import body_angles
 from pawnb.io.native import read_tracks
 from pawnb.schema import ORIGIN_CODE, POINTS3D_COLUMNS, SUSPECTS_COLUMNS, TRACKS_COLUMNS
 from pawnb.trial import load_trial
@@ -217,6 +218,43 @@ def test_several_views_without_calibration_are_refused(small_trial):
     (small_trial / "trial.toml").write_text(head + rest[rest.index("[start]") :])
     with pytest.raises(CalibrationError, match="has 4 views and no calibration; add"):
         track(small_trial)
+
+
+def test_landmarks_are_tracked_by_the_same_engine_and_give_the_bodys_angles(small_trial):
+    """Nose and ear besides the paws; truth is where the scene was drawn from."""
+    names = ["ear_R", "nose"]
+    text = (small_trial / "trial.toml").read_text()
+    for leg in ("HR", "HL"):
+        text = text.replace(f'"{leg}",', f'"{leg}", "ear_R", "nose",')
+    (small_trial / "trial.toml").write_text(text)
+    truth = pd.read_csv(small_trial / "truth" / "landmarks3d.csv").set_index(["frame", "point"])
+    rig = load_rig(load_trial(small_trial))
+    rows = [
+        (0, view, name, *rig.project(truth.loc[(0, name)].to_numpy()[None])[0, v])
+        for name, views in (("nose", rig.names), ("ear_R", ("cam1", "cam2")))
+        for v, view in enumerate(rig.names)
+        if view in views
+    ]
+    clicks = pd.DataFrame(rows, columns=["frame", "view", "point", "u", "v"])
+    start = pd.concat([pd.read_csv(small_trial / "start.csv"), clicks])
+    tracks = track(small_trial, method="paper", frames=(0, 8), start=start)
+    for name in names:
+        xyz = np.stack([truth.loc[(frame, name)].to_numpy() for frame in range(8)])
+        place = tracks["position"].sel(keypoint=name).isel(individual=0).to_numpy()
+        # the animal is 87 mm from the nose to the base of the tail, an ear 11 mm wide
+        assert np.linalg.norm(place - xyz, axis=1).max() < 11.0, name
+    true = body_angles(_with_positions(tracks, truth), along=names)
+    found = body_angles(tracks, along=names)
+    assert (found["yaw_deg"] - true["yaw_deg"]).abs().median() < 15.0
+
+
+def _with_positions(tracks, truth):
+    """Tracks with the true positions of landmarks."""
+    tracks = tracks.copy(deep=True)
+    for name in ("ear_R", "nose"):
+        xyz = [truth.loc[(frame, name)].to_numpy() for frame in tracks["frame"].to_numpy()]
+        tracks["position"].loc[{"keypoint": name}] = np.array(xyz)[:, :, None]
+    return tracks
 
 
 def test_each_of_several_views_is_tracked_by_itself_without_calibration(small_trial):

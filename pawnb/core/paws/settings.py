@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import Literal
 
@@ -11,6 +12,8 @@ REFERENCE_WIDTH_PX = 2048
 """Width of the paper's pictures, for which the lengths in px are given."""
 
 N_FEATURES = 8
+
+_PAW = re.compile(r"[FH][RL]|[fh][rl]?(?![A-Za-z])|[FH](?![A-Za-z])|(?i:front|fore(?!head)|hind)")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,6 +53,10 @@ class PaperSettings:
         Weights of the eight features (Weights_F and Weights_H, Eq. 5): green at the
         start and in the frame before, hue likewise, red likewise, distance from the
         bottom corner towards the direction of travel, distance from the prediction.
+    weights_other : tuple of 8 float
+        Those of landmarks that are no paws (nose, ears, tail, marks on the back), of which the
+        paper says nothing: the front paws', but no pull towards the corner, which is
+        where the tip of a paw is.
     front, hind : tuple of str
         Points that use each set of weights. Points named in neither are sorted by
         :meth:`kind`.
@@ -105,6 +112,7 @@ class PaperSettings:
     slic_iterations: int = 10
     weights_front: tuple[float, ...] = (2, 0, 4, 2, 2, 0, 1, 4)
     weights_hind: tuple[float, ...] = (2, 0, 4, 1, 2, 0, 2, 4)
+    weights_other: tuple[float, ...] = (2, 0, 4, 2, 2, 0, 0, 4)
     front: tuple[str, ...] = ()
     hind: tuple[str, ...] = ()
     n_best: int = 3
@@ -137,7 +145,7 @@ class PaperSettings:
         for name in ("scale", "n_superpixels"):
             if getattr(self, name) is not None:
                 self._check(name, above=0.0)
-        for name in ("weights_front", "weights_hind"):
+        for name in ("weights_front", "weights_hind", "weights_other"):
             weights = getattr(self, name)
             if len(weights) != N_FEATURES or min(weights) < 0 or not sum(weights) > 0:
                 raise InputError(
@@ -160,24 +168,23 @@ class PaperSettings:
             raise InputError(f"setting {name!r} is {value}; expected a number, {least:g} or more.")
 
     def weights(self, point: str) -> tuple[float, ...]:
-        """Return the eight weights of a point: those of hind paws, else those of front paws.
-
-        A point that is neither is tracked as front paws are: their weights follow a change
-        of colour sooner, and pull less towards the corner of the sub-image.
-        """
-        return self.weights_hind if self.kind(point) == "hind" else self.weights_front
+        """Return the eight weights of a point, by its kind."""
+        weights = {"front": self.weights_front, "hind": self.weights_hind}
+        return weights.get(self.kind(point), self.weights_other)
 
     def kind(self, point: str) -> str:
         """Return ``"front"``, ``"hind"`` or ``"other"`` for a point.
 
-        What ``front`` and ``hind`` name comes first; else a name that starts with F is at
-        the front and one that starts with H is hind, as in the mouse's FR, FL, HR, HL.
+        What ``front`` and ``hind`` name comes first; else F or H alone or with R or L, as in
+        the mouse's FR, FL, HR, HL, and names that begin with front, fore or hind. Others,
+        such as head, forehead, hip or flank, are landmarks.
         """
         if point in self.front:
             return "front"
         if point in self.hind:
             return "hind"
-        return {"F": "front", "H": "hind"}.get(point[:1].upper(), "other")
+        found = _PAW.match(point)
+        return "other" if found is None else {"f": "front", "h": "hind"}[found[0][0].lower()]
 
 
 @dataclass(frozen=True)

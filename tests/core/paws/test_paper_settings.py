@@ -31,7 +31,17 @@ def test_names_decide_between_front_and_hind_unless_they_are_listed():
         "Fluke": "hind",
         "hand": "front",
     }
-    assert settings.weights("nose") == settings.weights_front
+    assert settings.weights("nose") == (2, 0, 4, 2, 2, 0, 0, 4)
+
+
+def test_landmarks_are_no_paws():
+    """Only names of paws are; a paw that was named otherwise is listed."""
+    settings = PaperSettings()
+    paws = {"fr": "front", "HL": "hind", "FR_paw": "front", "HRtoe": "hind", "F": "front",
+            "h2": "hind", "frontleft": "front", "forepaw": "front", "Hind_R": "hind"}  # fmt: skip
+    assert {name: settings.kind(name) for name in paws} == paws
+    for name in ("head", "forehead", "hip", "flank", "fluke", "ear_L", "tail_base", "Hump"):
+        assert settings.kind(name) == "other", name
 
 
 @pytest.mark.parametrize(
