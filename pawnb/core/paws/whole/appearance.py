@@ -1,10 +1,11 @@
 """What a paw looks like in one view, learnt from the clicks: a table of log-likelihood ratios.
 
-A colour is looked up in a table of 32 x 32 x 32 bins (in a grey picture: of brightness and
-brightness of the surroundings). Its entry is the logarithm of how much likelier the colour
-is on a paw than in the rest of the picture around the animal. The paw's density is one
-Gaussian, grown from the clicks: pixels that belong to it and hang together with a click
-are taken in, and the Gaussian is fitted again. The rest is a smoothed histogram.
+A colour is looked up in a table of 32 x 32 x 32 bins (in a grey picture: of brightness, of
+what it exceeds the still background by, and of what it exceeds the surroundings by). Its
+entry is the logarithm of how much likelier the colour is on a paw than in the rest of the
+picture around the animal. The paw's density is one Gaussian, grown from the clicks: pixels
+that belong to it and hang together with a click are taken in, and the Gaussian is fitted
+again. The rest is a smoothed histogram.
 """
 
 from __future__ import annotations
@@ -16,7 +17,10 @@ import cv2
 import numpy as np
 from scipy.ndimage import gaussian_filter
 
+from pawnb.core.paws.whole.still import to_grey
+
 _BINS = 32
+_SHIFT = 3
 _ROUNDS = 4
 _REACH = 0.03
 """A paw reaches this far from its click, as a share of the picture's width."""
@@ -37,19 +41,42 @@ class Appearance:
         Thickness of a paw's picture at the clicks, px of the view.
     around_px : int
         Side of the square over which a grey picture's surroundings are averaged.
+    background : ndarray, optional
+        What stands still in a whole grey picture of the view, uint8.
     """
 
     table: np.ndarray
     thickness_px: float
     around_px: int
+    background: np.ndarray | None = None
 
-    def score(self, pixels: np.ndarray, *, shrink: int = 1) -> np.ndarray:
-        """Return the log-likelihood ratio (h, w) float32 of pixels (h, w, 3) or (h, w).
+    def score(
+        self, pixels: np.ndarray, origin: tuple[int, int] = (0, 0), *, shrink: int = 1
+    ) -> np.ndarray:
+        """Return the log-likelihood ratio (h, w) float32 of a part of the view.
 
-        ``shrink`` is the factor by which the picture was reduced.
+        Parameters
+        ----------
+        pixels : ndarray, shape (h, w, 3) or (h, w)
+            The part, reduced, uint8.
+        origin : tuple of int
+            Its left and top in the view, px.
+        shrink : int
+            Factor by which the part was reduced.
+
+        Returns
+        -------
+        ndarray, shape (h, w)
+            The ratio.
         """
+        still = None
+        if self.background is not None:
+            (u0, v0), (h, w) = origin, pixels.shape[:2]
+            pixels = to_grey(pixels)
+            part = self.background[v0 : v0 + h * shrink, u0 : u0 + w * shrink]
+            still = reduce(part, shrink)
         around = 2 * round(self.around_px / shrink / 2) + 1
-        return np.asarray(self.table.take(bin_numbers(pixels, around)))
+        return np.asarray(self.table.take(bin_numbers(pixels, around, still)))
 
 
 def reduce(pixels: np.ndarray, shrink: int) -> np.ndarray:
@@ -61,23 +88,33 @@ def reduce(pixels: np.ndarray, shrink: int) -> np.ndarray:
     return np.asarray(cv2.resize(pixels, size, interpolation=cv2.INTER_AREA))
 
 
-def bin_numbers(pixels: np.ndarray, around_px: int) -> np.ndarray:
+def bin_numbers(
+    pixels: np.ndarray, around_px: int, background: np.ndarray | None = None
+) -> np.ndarray:
     """Return the bin (h, w) of each pixel of an RGB or a grey picture."""
     pixels = cv2.GaussianBlur(pixels, (3, 3), 0.8)
     if pixels.ndim == 2:
-        around = cv2.blur(pixels, (around_px, around_px))
-        return ((pixels.astype(np.int32) >> 1) << 7) | (around.astype(np.int32) >> 1)
+        p = pixels.astype(np.int32)
+        over_around = _over(p, cv2.blur(pixels, (around_px, around_px)))
+        # the same where nothing is known to stand still: it then says nothing
+        over_still = np.zeros_like(p) if background is None else _over(p, background)
+        return ((p >> _SHIFT) << 10) | (over_still << 5) | over_around
     # five bits each of red, green and blue, in one number
     return cv2.cvtColor(pixels, cv2.COLOR_RGB2BGR555).view(np.uint16)[..., 0]
 
 
+def _over(pixels: np.ndarray, base: np.ndarray) -> np.ndarray:
+    """Return by how many steps of 8 grey levels pixels exceed others, from -8 as 0 to 31."""
+    return np.asarray(np.clip((pixels - base + (8 << _SHIFT)) >> _SHIFT, 0, _BINS - 1))
+
+
 def _features(is_colour: bool) -> np.ndarray:
-    """Return the features of the middle of every bin: CIE Lab, or two grey levels."""
+    """Return the features of the middle of every bin: CIE Lab, or three grey levels."""
     n = np.arange(_BINS**3)
+    levels = np.stack([n >> 10, (n >> 5) & 31, n & 31], axis=1) * 8.0 + 3.5
     if not is_colour:
-        return np.stack([(n >> 7) * 2.0 + 0.5, (n & 127) * 2.0 + 0.5], axis=1)
-    rgb = np.stack([n >> 10, (n >> 5) & 31, n & 31], axis=1) * 8.0 + 3.5
-    lab = cv2.cvtColor((rgb[None] / 255.0).astype(np.float32), cv2.COLOR_RGB2LAB)
+        return levels
+    lab = cv2.cvtColor((levels[None] / 255.0).astype(np.float32), cv2.COLOR_RGB2LAB)
     return lab[0].astype(float)
 
 
@@ -86,6 +123,7 @@ def learn(
     clicks: Sequence[np.ndarray],
     *,
     around_px: int,
+    backgrounds: Sequence[np.ndarray | None] | None = None,
 ) -> Appearance:
     """Learn the look of the paws in one view.
 
@@ -97,11 +135,13 @@ def learn(
         Clicks in each of them, px of that picture.
     around_px : int
         See :class:`Appearance`.
+    backgrounds : sequence of ndarray, optional
+        What stands still in each of them.
 
     Returns
     -------
     Appearance
-        The learnt look.
+        The learnt look, without a background.
     """
     is_colour = pictures[0].ndim == 3
     features = _features(is_colour)
@@ -109,15 +149,16 @@ def learn(
     if is_colour:
         parts = [_about(*one, round(_WIDE * width)) for one in zip(pictures, clicks, strict=True)]
         pictures, clicks = [part[0] for part in parts], [part[1] for part in parts]
-    numbers = [bin_numbers(picture, around_px) for picture in pictures]
+    still = backgrounds or [None] * len(pictures)
+    numbers = [bin_numbers(p, around_px, b) for p, b in zip(pictures, still, strict=True)]
     reach = [
         _patch(n.shape, uv, round(_REACH * width)) for n, uv in zip(numbers, clicks, strict=True)
     ]
-    wide = [
-        _patch(n.shape, uv, round(_WIDE * width)) for n, uv in zip(numbers, clicks, strict=True)
-    ]
+    # a grey animal has other parts as bright as its paws: the whole picture tells against them
+    far = _WIDE if is_colour else 1.0
+    wide = [_patch(n.shape, uv, round(far * width)) for n, uv in zip(numbers, clicks, strict=True)]
     seeds = [_patch(shape.shape, uv, 1) for shape, uv in zip(numbers, clicks, strict=True)]
-    floor = np.diag([5.0, 2.0, 2.0] if is_colour else [6.0, 6.0]) ** 2
+    floor = np.diag([5.0, 2.0, 2.0] if is_colour else [12.0, 12.0, 12.0]) ** 2
     members = np.concatenate([number[seed] for number, seed in zip(numbers, seeds, strict=True)])
     grown = seeds
     for _ in range(_ROUNDS):
@@ -125,7 +166,7 @@ def learn(
         outside = np.concatenate(
             [n[w & ~_spread(g)] for n, w, g in zip(numbers, wide, grown, strict=True)]
         )
-        negative = _histogram(outside, is_colour)
+        negative = _histogram(outside)
         table = np.log(positive + 1e-12) - np.log(negative + 1e-12)
         limit = 1.5
         grown = [
@@ -176,13 +217,10 @@ def _gaussian(features: np.ndarray, members: np.ndarray, floor: np.ndarray) -> n
     return np.asarray(weight / weight.sum())
 
 
-def _histogram(numbers: np.ndarray, is_colour: bool) -> np.ndarray:
+def _histogram(numbers: np.ndarray) -> np.ndarray:
     """Return the smoothed frequency of each bin."""
     count = np.bincount(numbers, minlength=_BINS**3).astype(float)
-    if is_colour:
-        count = gaussian_filter(count.reshape(_BINS, _BINS, _BINS), 0.7).ravel()
-    else:
-        count = gaussian_filter(count.reshape(256, 128), 2.0).ravel()
+    count = gaussian_filter(count.reshape(_BINS, _BINS, _BINS), 0.7).ravel()
     return count / count.sum() * 0.99 + 0.01 / _BINS**3
 
 

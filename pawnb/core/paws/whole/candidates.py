@@ -68,7 +68,7 @@ def find_candidates(pixels: np.ndarray, origin: tuple[int, int], look: Look) -> 
         wider centre to the near one), share of mask, mean score, and u, v of the end
         pixel itself.
     """
-    score = look.appearance.score(pixels, shrink=look.shrink)
+    score = look.appearance.score(pixels, origin, shrink=look.shrink)
     score = cv2.GaussianBlur(score, (3, 3), 0.6)
     weight = np.clip(score * 0.5 + 0.5, 0.0, 1.0)
     r = look.reach

@@ -69,11 +69,14 @@ class Region:
 
 
 def make_look(
-    appearance: Appearance, distal: tuple[float, float], limits: np.ndarray | None = None
+    appearance: Appearance,
+    thickness_px: float,
+    distal: tuple[float, float],
+    limits: np.ndarray | None = None,
 ) -> Look:
     """Choose the scale of the search: a paw is about six reduced pixels thick."""
-    shrink = max(1, round(appearance.thickness_px / 6.0))
-    reach = max(3, round(0.85 * appearance.thickness_px / shrink))
+    shrink = max(1, round(thickness_px / 6.0))
+    reach = max(3, round(0.85 * thickness_px / shrink))
     return Look(appearance, shrink, reach, distal, limits)
 
 

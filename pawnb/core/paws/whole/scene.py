@@ -9,12 +9,13 @@ import cv2
 import numpy as np
 
 from pawnb.core.paws.layout import Layout, Placement, Views
-from pawnb.core.paws.whole.appearance import learn
+from pawnb.core.paws.whole.appearance import Appearance, learn
 from pawnb.core.paws.whole.candidates import Look
 from pawnb.core.paws.whole.extract import Region, make_look
 from pawnb.core.paws.whole.geometry import Geometry
 from pawnb.core.paws.whole.hypotheses import Volume
 from pawnb.core.paws.whole.settings import WholeSettings
+from pawnb.core.paws.whole.still import find_still, to_grey
 
 _LEAST_SPAN = 14.0
 """Least distance of front from hind paws, in thicknesses of a paw."""
@@ -98,10 +99,8 @@ def read_scene(
     everyone = np.stack([x for here in placed.values() for x in here.values()])
     middle = first.mean(axis=0)
     per_unit = np.linalg.norm(geometry.jacobian(middle), axis=(-2, -1)) / np.sqrt(2.0)
-    pictures, places = _clicked_pictures(views, layout, clicks)
-    width = max(size[0] for size in layout.sizes)
-    appearance = learn(pictures, places, around_px=2 * round(_AROUND_SHARE * width / 2) + 1)
-    thickness = appearance.thickness_px / float(np.mean(per_unit))
+    appearances = _learn_looks(views, layout, clicks)
+    thickness = float(np.median([a.thickness_px for a in appearances]) / np.mean(per_unit))
     thickness_px = thickness * per_unit
     span = max(
         float(np.linalg.norm(first[:, None] - first[None], axis=-1).max()), _LEAST_SPAN * thickness
@@ -120,7 +119,7 @@ def read_scene(
         ]
         low, high = corners.min(axis=0), corners.max(axis=0)
         regions.append(Region((low + high) / 2, (high - low) / 2, size))
-        looks.append(make_look(appearance, distal[v], _hull(wide)))
+        looks.append(make_look(appearances[v], thickness_px[v], distal[v], _hull(wide)))
     volume = None
     if layout.rig is not None:
         across = np.cross(up, forward)
@@ -172,20 +171,43 @@ def _on_plane(L: np.ndarray, uv: np.ndarray, up: np.ndarray, height: float) -> n
     return np.linalg.lstsq(A, b, rcond=None)[0]
 
 
-def _clicked_pictures(
+def _learn_looks(
     views: Views, layout: Layout, clicks: Mapping[int, Sequence[Placement]]
-) -> tuple[list[np.ndarray], list[np.ndarray]]:
-    """Return pictures of the views with clicks, and the clicks in each (n, 2)."""
-    pictures, places = [], []
+) -> list[Appearance]:
+    """Learn the look of the paws in every view.
+
+    Colours are the same in all views, so one look is learnt from all clicks. Grey levels are
+    not: light comes from one side, and a mirror or a glass floor dims. There each view
+    learns from its own clicks if it has some.
+    """
+    still = find_still(views, layout.sizes)
+    pictures, places, owners = [], [], []
     for frame, here in clicks.items():
         opened = views.frame(frame)
         for v, name in enumerate(layout.views):
             own = [place.uv for place in here if place.view == v]
             if own:
                 width, height = layout.sizes[v]
-                pictures.append(opened[name].crop(0, 0, width, height))
+                picture = opened[name].crop(0, 0, width, height)
+                pictures.append(picture if still[v] is None else to_grey(picture))
                 places.append(np.stack(own))
-    return pictures, places
+                owners.append(v)
+    around = 2 * round(_AROUND_SHARE * max(size[0] for size in layout.sizes) / 2) + 1
+
+    def learn_from(which: Sequence[int]) -> Appearance:
+        return learn(
+            [pictures[i] for i in which], [places[i] for i in which], around_px=around,
+            backgrounds=[still[owners[i]] for i in which],
+        )  # fmt: skip
+
+    everywhere = learn_from(range(len(pictures)))
+    looks = []
+    for v, background in enumerate(still):
+        own_pictures = [i for i, owner in enumerate(owners) if owner == v]
+        alone = background is not None and len(own_pictures) > 0
+        look = learn_from(own_pictures) if alone else everywhere
+        looks.append(replace(look, background=background))
+    return looks
 
 
 def _box(

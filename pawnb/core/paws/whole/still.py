@@ -1,0 +1,61 @@
+"""What stands still in a grey picture: the rig behind the moving animal."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+
+from pawnb.core.paws.layout import Views
+
+_SAMPLES = 32
+_TINT = 4
+"""Channels of a grey picture saved in colour differ by no more than this."""
+
+
+def is_grey(pixels: np.ndarray) -> bool:
+    """Tell whether a picture has no colour: grey video is often saved as colour video."""
+    if pixels.ndim == 2:
+        return True
+    red, green, blue = cv2.split(pixels)
+    most, least = cv2.max(cv2.max(red, green), blue), cv2.min(cv2.min(red, green), blue)
+    return int(cv2.subtract(most, least).max()) <= _TINT
+
+
+def to_grey(pixels: np.ndarray) -> np.ndarray:
+    """Return the grey levels of a picture without colour."""
+    return pixels if pixels.ndim == 2 else pixels[..., 1]
+
+
+def find_still(views: Views, sizes: Sequence[tuple[int, int]]) -> list[np.ndarray | None]:
+    """Return what stands still in each view: the median of frames from all over the recording.
+
+    Legs are never long at one place, so the median shows what is behind them, and of a wheel
+    or a belt its average look.
+
+    Parameters
+    ----------
+    views : Views
+        The opened views.
+    sizes : sequence of (int, int)
+        Width and height of each.
+
+    Returns
+    -------
+    list of ndarray
+        One grey picture a view, uint8; None for a view in colour, where colours tell more.
+    """
+    first = views.frame(0)
+    grey = [v for v, name in enumerate(views.names) if is_grey(first[name].crop(0, 0, *sizes[v]))]
+    kept: dict[int, list[np.ndarray]] = {v: [] for v in grey}
+    if grey:
+        count = min(_SAMPLES, views.n_frames)
+        for frame in np.linspace(0, views.n_frames - 1, count).round().astype(int).tolist():
+            opened = views.frame(frame)
+            for v in grey:
+                kept[v].append(to_grey(opened[views.names[v]].crop(0, 0, *sizes[v])))
+    return [
+        np.median(kept[v], axis=0).astype(np.uint8) if v in kept else None
+        for v in range(len(views.names))
+    ]
