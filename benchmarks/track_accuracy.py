@@ -36,7 +36,6 @@ from pawnb.workflow.track import METHODS, retrack, track
 REFERENCE_WIDTH_PX = 2048
 
 CLIP_LEGS = {"LH": "HL", "LF": "FL", "RF": "FR", "RH": "HR"}
-CLIP_FRAMES = 300
 CLIP_SETTINGS = {
     # of the 2019 method; method pawnb takes its sizes from the clicks
     # the paws move up to about 22 px a frame, 30 px in the paper's pictures
@@ -45,7 +44,7 @@ CLIP_SETTINGS = {
     "min_paw_area_px": 90.0,
     "median_px": 4.0,
 }
-NEAR_PX = 15.0
+NEAR_PX = 12.0
 
 
 def silent(done: int, total: int) -> None:
@@ -112,8 +111,7 @@ def print_report(report: ErrorReport) -> None:
 
 def report_clip(method: str, settings: dict[str, str]) -> None:
     """Track the real clip from its hand-marked first frame and compare later marks."""
-    home = os.environ.get("PAWNB_TEST_DATA", Path(__file__).parents[2] / "shared" / "data")
-    folder = Path(home) / "mouse-side-bottom"
+    folder = clip_folder()
     if not folder.exists():
         print(f"real clip: not in {folder.parent} (set PAWNB_TEST_DATA)")
         return
@@ -124,11 +122,10 @@ def report_clip(method: str, settings: dict[str, str]) -> None:
         method=method,
         settings=chosen,
         start=marks[marks["frame"] == 0],
-        frames=(0, CLIP_FRAMES),
         progress=silent,
     )
     print(
-        f"real clip {folder.name}: method {method}, {CLIP_FRAMES} frames, settings "
+        f"real clip {folder.name}: method {method}, {tracks.sizes['time']} frames, settings "
         f"{json.dumps(chosen)}"
     )
     for (frame, view), rows in marks[marks["frame"] > 0].groupby(["frame", "view"]):
@@ -136,6 +133,12 @@ def report_clip(method: str, settings: dict[str, str]) -> None:
         near = sum(px <= NEAR_PX for px in away.values())
         each = ", ".join(f"{point} {px:.0f}" for point, px in away.items())
         print(f"  frame {frame} {view}: {near} of {len(away)} within {NEAR_PX:g} px ({each})")
+
+
+def clip_folder() -> Path:
+    """Return where the real clip is, or would be."""
+    home = os.environ.get("PAWNB_TEST_DATA", Path(__file__).parents[2] / "shared" / "data")
+    return Path(home) / "mouse-side-bottom"
 
 
 def real_clip(folder: Path) -> Trial:
