@@ -3,6 +3,7 @@
 Run it from the project's root:
 
     python benchmarks/whole_accuracy.py --render scenes --seeds 0 1 2 3 4 --scales 0.5 1
+    python benchmarks/whole_accuracy.py --render scenes --vary --seeds 21 22 23 24 25
     python benchmarks/whole_accuracy.py --trials my/a/trial.toml my/b/trial.toml
 
 Errors are counted twice. *Alone*: each scene is tracked once from its start clicks; what
@@ -55,6 +56,8 @@ def main() -> None:
     parser.add_argument("--frames", type=int, default=300, help="(%(default)s)")
     parser.add_argument("--scales", type=float, nargs="*", default=[0.5],
                         help="of 2048 x 700 (%(default)s)")  # fmt: skip
+    parser.add_argument("--vary", action="store_true",
+                        help="vary frame rate, views, speed, colours, light")  # fmt: skip
     parser.add_argument("--alone", action="store_true", help="leave out the corrections")
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
@@ -74,13 +77,31 @@ def trials(arguments: argparse.Namespace, folder: Path) -> Iterator[Path]:
         for difficulty in arguments.difficulty:
             for seed in arguments.seeds:
                 place = folder / f"{difficulty}-{seed:02d}-{scale:g}-{arguments.frames}"
+                changes = variation(seed) if arguments.vary else None
                 if (place / "trial.toml").exists():  # the last file that is written
                     yield place / "trial.toml"
                 else:
                     yield render_mouse_trial(
                         place, frames=arguments.frames, scale=scale, seed=seed,
-                        difficulty=difficulty,
+                        difficulty=difficulty, settings=changes,
                     )  # fmt: skip
+
+
+def variation(seed: int) -> dict[str, Any]:
+    """Return scene settings that differ as rigs and animals do, the same for the same seed."""
+    rng = np.random.default_rng([seed, 17])
+    dark = float(rng.uniform(20, 90))
+    return {
+        "fps": float(rng.choice([150.0, 200.0, 250.0, 250.0, 300.0, 400.0])),
+        "n_views": int(rng.choice([2, 3, 4, 4, 4, 4])),
+        "direction": int(rng.choice([1, -1])),
+        "belt_speed_mm_s": float(rng.uniform(200, 500)),
+        "belt_rgb": tuple(float(c) for c in rng.uniform(60, 160, 3)),
+        "fur_rgb": tuple(float(np.clip(dark + d, 5, 130)) for d in rng.uniform(-12, 12, 3)),
+        "light": float(rng.uniform(0.7, 1.2)),
+        "light_azimuth_deg": float(rng.uniform(-180, 180)),
+        "size": float(rng.uniform(0.85, 1.15)),
+    }
 
 
 def silent(_done: int, _total: int) -> None:
