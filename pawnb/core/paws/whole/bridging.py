@@ -73,7 +73,7 @@ class Telling:
     hide: float = 2.0
     stay: float = 0.6
     show: float = 1.0
-    half: float = 0.5
+    half: float = 0.2
     most: int = 40
 
 

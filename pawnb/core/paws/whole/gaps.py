@@ -16,10 +16,10 @@ _LEAST = 4
 """Certain stretches shorter than this are told anew too."""
 _BEFORE, _AFTER = 10, 6
 """Certain frames that tell how a stretch begins, and how it ends."""
-_LOOK = 1.2
-_OTHER = 5.0
+_LOOK = 1.6
+_OTHER = 8.0
 """Cost of a candidate that lies where another point is."""
-_BESIDE = 0.5
+_BESIDE = 0.35
 """Distance, in thicknesses, at which it does."""
 _EXPECTED = 0.2
 """Weight of a frame's distance from where the cycle has the point: frames err alike."""

@@ -12,6 +12,7 @@ from pawnb.core.paws.whole.flow import Flow, FlowCosts
 from pawnb.core.paws.whole.habit import follow_body, habit_cost, learn_habits
 from pawnb.core.paws.whole.hypotheses import Pairing, Places
 from pawnb.core.paws.whole.manner import FASTEST, Manner
+from pawnb.core.paws.whole.meetings import cut_meetings
 from pawnb.core.paws.whole.scene import Scene
 from pawnb.core.paws.whole.settings import WholeSettings
 from pawnb.core.paws.whole.tracklets import Linking, Tracklet, build_tracklets, find_drift
@@ -19,9 +20,11 @@ from pawnb.core.paws.whole.tracklets import Linking, Tracklet, build_tracklets, 
 _LOOKS = 2
 """Times that paths are chosen again with the habits learnt from the last choice."""
 _HABIT = 0.5
-_EXPECTED = 0.15
+_EXPECTED = 0.3
 """Half a squared standard deviation from where the cycle has a point, for frames that err alike."""
 _FARTHEST = 16.0
+_MEETING = 3.0
+"""Distance, in thicknesses, at which points meet in a picture."""
 
 Fixed = Mapping[int, Mapping[int, np.ndarray]]
 """Frame to point number to position, certain."""
@@ -63,7 +66,11 @@ class PathChoice:
         settings: WholeSettings,
         kinds: Sequence[str],
     ) -> None:
-        self.scene, self.fixed, self.kinds = scene, fixed, kinds
+        self.scene, self.kinds, self._found, self._anchors = scene, kinds, found, fixed
+        lead = scene.lead
+        if lead is not None:
+            fixed = {t: {p: lead.flat(x) for p, x in here.items()} for t, here in fixed.items()}
+        self.fixed = fixed
         self.shape = (len(found), len(kinds), scene.geometry.n_coordinates)
         self.body_frames = max(3, round(settings.body_s * fps))
         places = find_places(found, scene, settings)
@@ -82,6 +89,9 @@ class PathChoice:
             if piece.cost.mean() < (0.9 if len(piece.picks) > 1 else 0.5)
             and piece.first > min(fixed)
         ]  # fmt: skip
+        if lead is not None or self.shape[2] == 2:
+            # in one picture points meet that do not meet in space
+            self.pieces = cut_meetings(self.pieces, _MEETING * scene.thickness)
         costs = FlowCosts(
             self.manner.acceleration, noise, speed, drift, settings.hide_cost, settings.stay_cost,
             max(4, round(settings.longest_gap_s * fps)), settings.links,
@@ -104,7 +114,7 @@ class PathChoice:
             habits = learn_habits(x, body, axes=axes, groups=groups, span=span)
             prior = habit_cost(self.pieces, body, axes=axes, habits=habits, span=span)
             x = self._choose(_HABIT * prior)
-        return x
+        return self._in_space(x)
 
     def again(self, cycle: Cycle) -> np.ndarray:
         """Choose by where each point is expected at each moment of the stride.
@@ -115,13 +125,16 @@ class PathChoice:
             The chosen places, NaN where hidden.
         """
         if not self.pieces:
-            return self._choose(None)
+            return self._in_space(self._choose(None))
         first = np.concatenate([[0], np.cumsum([len(q.picks) for q in self.pieces])[:-1]])
         frame = np.concatenate([q.first + np.arange(len(q.picks)) for q in self.pieces])
         at = np.concatenate([q.at for q in self.pieces])
-        square = np.stack([cycle.square(frame, p, at) for p in range(self.shape[1])])
+        square = np.stack(
+            [cycle.square(frame, p, self._as_high(at, cycle.mean[frame, p]))
+             for p in range(self.shape[1])]
+        )  # fmt: skip
         cost = _EXPECTED * np.minimum(square, _FARTHEST)
-        return self._choose(np.add.reduceat(cost, first, axis=1))
+        return self._in_space(self._choose(np.add.reduceat(cost, first, axis=1)))
 
     def body(self, x: np.ndarray) -> np.ndarray:
         """Return the slowly moving middle (n, d) of tracks (n, P, d) with NaN where hidden."""
@@ -130,7 +143,7 @@ class PathChoice:
         return np.concatenate([np.repeat(body[:1], start, axis=0), body])
 
     def _choose(self, prior: np.ndarray | None) -> np.ndarray:
-        """Return where the cheapest chains of pieces lead."""
+        """Return where the cheapest chains of pieces go."""
         x = np.full(self.shape, np.nan)
         for p, chain in enumerate(self._flow.assign(prior)):
             for i in chain:
@@ -139,6 +152,22 @@ class PathChoice:
             for p, at in here.items():
                 x[t, p] = at
         return x
+
+    def _in_space(self, x: np.ndarray) -> np.ndarray:
+        """Give places (n, P, d) that a leading view chose on its plane their heights."""
+        if self.scene.lead is None:
+            return x
+        x = self.scene.lead.lift(x, self._found, self.manner.acceleration)
+        for t, here in self._anchors.items():
+            for p, at in here.items():
+                x[t, p] = at
+        return x
+
+    def _as_high(self, at: np.ndarray, expected: np.ndarray) -> np.ndarray:
+        """Raise places on the plane of a leading view as high as expected ones (n, d)."""
+        if self.scene.lead is None:
+            return at
+        return self.scene.lead.at_height(at, expected @ self.scene.up)
 
 
 def _manner(places: Sequence[Places], scene: Scene, fps: float, settings: WholeSettings) -> Manner:
@@ -160,6 +189,8 @@ def find_places(
 ) -> list[Places]:
     """Return the places of every frame."""
     coefs = scene.geometry.coefs
+    if scene.lead is not None:
+        return scene.lead.places(found, settings.places)
     if coefs is None or scene.volume is None:
         return [_flat_places(rows[0], scene.distal[0]) for rows in found]
     pairing = Pairing(

@@ -21,7 +21,7 @@ _ROUNDS = 5
 _BRIDGED = 3
 """Rounds in which open frames keep what was chosen there; then everything is open to all."""
 _STEPS = 2
-_JERK = 0.7
+_JERK = 0.5
 """Usual change of the acceleration from frame to frame, in accelerations."""
 _SIGMA = 0.12
 """Standard deviation of a good candidate, in thicknesses."""
