@@ -16,6 +16,7 @@ import cv2
 import numpy as np
 
 from pawnb.core.paws.whole.appearance import Appearance
+from pawnb.core.paws.whole.spots import find_spots
 
 _SHARE = 0.34
 """Share of mask about a pixel that is neither an end nor further along a limb."""
@@ -40,6 +41,8 @@ class Look:
         Unit vector in the picture in which limbs tend to end: forward and down.
     limits : ndarray, shape (m, 3), optional
         Lines with ``a u + b v + c >= 0`` on the side where paws can be.
+    is_below : bool
+        Whether the view is from below: paws are spots there, not ends of limbs.
     """
 
     appearance: Appearance
@@ -47,6 +50,7 @@ class Look:
     reach: int
     distal: tuple[float, float] = (0.0, 1.0)
     limits: np.ndarray | None = None
+    is_below: bool = False
 
 
 def find_candidates(pixels: np.ndarray, origin: tuple[int, int], look: Look) -> np.ndarray:
@@ -69,6 +73,8 @@ def find_candidates(pixels: np.ndarray, origin: tuple[int, int], look: Look) -> 
         pixel itself.
     """
     score = look.appearance.score(pixels, origin, shrink=look.shrink)
+    if look.is_below:
+        return _spots(score, origin, look)
     score = cv2.GaussianBlur(score, (3, 3), 0.6)
     weight = np.clip(score * 0.5 + 0.5, 0.0, 1.0)
     r = look.reach
@@ -94,6 +100,20 @@ def find_candidates(pixels: np.ndarray, origin: tuple[int, int], look: Look) -> 
     table = np.column_stack([ends[kept], direction, share[v, u], _mean_score(score, near), pixel])
     table = table[np.argsort(-worth(table, look.distal), kind="stable")[:MOST]]
     return table.astype(np.float32)
+
+
+def _spots(score: np.ndarray, origin: tuple[int, int], look: Look) -> np.ndarray:
+    """Return the candidates of a view from below: each points where limbs tend to end."""
+    at, likeness = find_spots(score, look.reach)
+    at = (at + 0.5) * look.shrink - 0.5 + origin
+    if look.limits is not None:
+        inside = (at @ look.limits[:, :2].T + look.limits[:, 2] >= 0).all(axis=1)
+        at, likeness = at[inside], likeness[inside]
+    direction = np.broadcast_to(np.asarray(look.distal) * look.reach * look.shrink, at.shape)
+    # worth() is their likeness
+    mean_score = 0.5 + 2.0 * likeness
+    table = np.column_stack([at, direction, np.zeros(len(at)), mean_score, at])
+    return table[np.argsort(-likeness, kind="stable")[:MOST]].astype(np.float32)
 
 
 def worth(rows: np.ndarray, distal: tuple[float, float]) -> np.ndarray:

@@ -73,11 +73,13 @@ def make_look(
     thickness_px: float,
     distal: tuple[float, float],
     limits: np.ndarray | None = None,
+    *,
+    is_below: bool = False,
 ) -> Look:
     """Choose the scale of the search: a paw is about six reduced pixels thick."""
     shrink = max(1, round(thickness_px / 6.0))
     reach = max(3, round(0.85 * thickness_px / shrink))
-    return Look(appearance, shrink, reach, distal, limits)
+    return Look(appearance, shrink, reach, distal, limits, is_below)
 
 
 def extract(

@@ -14,6 +14,7 @@ from pawnb.core.paws.whole.candidates import Look
 from pawnb.core.paws.whole.extract import Region, make_look
 from pawnb.core.paws.whole.geometry import Geometry
 from pawnb.core.paws.whole.hypotheses import Volume
+from pawnb.core.paws.whole.lead import Lead, find_lead
 from pawnb.core.paws.whole.settings import WholeSettings
 from pawnb.core.paws.whole.still import find_still, to_grey
 
@@ -21,6 +22,8 @@ _LEAST_SPAN = 14.0
 """Least distance of front from hind paws, in thicknesses of a paw."""
 _BELOW = 0.15
 """Paws may be this much lower than the lowest click, in spans."""
+_BROAD, _BROAD_BELOW = 0.4, 0.7
+"""Paws are searched this far to either side, in spans; and in a view from below."""
 _AROUND_SHARE = 0.06
 """Side of the square that tells a grey paw's surroundings, as a share of the picture's width."""
 
@@ -49,6 +52,8 @@ class Scene:
         Unit vectors.
     volume : Volume, optional
         Where paws can be; None for one view by itself.
+    lead : Lead, optional
+        The view from below, where there is one.
     """
 
     geometry: Geometry
@@ -62,6 +67,7 @@ class Scene:
     up: np.ndarray
     forward: np.ndarray
     volume: Volume | None
+    lead: Lead | None = None
 
 
 def read_scene(
@@ -106,21 +112,19 @@ def read_scene(
         float(np.linalg.norm(first[:, None] - first[None], axis=-1).max()), _LEAST_SPAN * thickness
     )
     ground = float((everyone @ up).min())
-    box = _box(middle, forward, up, ground, span, settings.height)
-    tip = middle + (forward - up) * thickness
-    step = geometry.project(tip) - geometry.project(middle)
-    step = step / np.maximum(np.linalg.norm(step, axis=-1, keepdims=True), 1e-9)
-    distal = [(float(a), float(b)) for a, b in step]
-    looks, regions = [], []
-    for v, size in enumerate(layout.sizes):
-        corners = geometry.project(box)[:, v]
-        wide = geometry.project(_box(middle, forward, up, ground, span, settings.height, long=2.5))[
-            :, v
-        ]
-        low, high = corners.min(axis=0), corners.max(axis=0)
-        regions.append(Region((low + high) / 2, (high - low) / 2, size))
-        looks.append(make_look(appearances[v], thickness_px[v], distal[v], _hull(wide)))
-    volume = None
+    stage = _Stage(middle, forward, up, ground, span, settings.height)
+    leading = None
+    if layout.rig is not None:
+        leading = find_lead(
+            geometry.jacobian(middle), up, anchors[min(anchors)], len(layout.points)
+        )
+    distal = stage.distal(geometry, thickness)
+    regions, hulls = stage.search(geometry, layout.sizes, leading)
+    looks = [
+        make_look(appearances[v], thickness_px[v], distal[v], hulls[v], is_below=v == leading)
+        for v in range(len(layout.sizes))
+    ]
+    volume = lead = None
     if layout.rig is not None:
         across = np.cross(up, forward)
         beside = everyone @ across
@@ -129,9 +133,12 @@ def read_scene(
             up, across, (ground - _BELOW * span, ground + settings.height * span),
             (float(beside.min()) - margin, float(beside.max()) + margin),
         )  # fmt: skip
+        if leading is not None:
+            lead = Lead(leading, layout.rig.coefs, volume, ground, thickness, thickness_px, distal)
     return Scene(
-        geometry, placed, span, thickness, thickness_px, looks, regions, distal, up, forward, volume
-    )
+        geometry, placed, span, thickness, thickness_px, looks, regions, distal, up, forward,
+        volume, lead,
+    )  # fmt: skip
 
 
 def move_anchors(scene: Scene, layout: Layout, anchors: Mapping[int, Sequence[Placement]]) -> Scene:
@@ -210,28 +217,51 @@ def _learn_looks(
     return looks
 
 
-def _box(
-    middle: np.ndarray,
-    forward: np.ndarray,
-    up: np.ndarray,
-    ground: float,
-    span: float,
-    height: float,
-    *,
-    long: float = 1.15,
-) -> np.ndarray:
-    """Return the corners of the box in which paws are searched."""
-    base = middle + (ground - middle @ up) * up
-    sides = [np.zeros_like(up)]
-    if len(up) == 3:
-        across = 0.4 * span * np.cross(up, forward)
-        sides = [across, -across]
-    return np.stack(
-        [
-            base + a * long * span * forward + s + c * span * up
-            for a in (-1.0, 1.0) for s in sides for c in (-_BELOW, height)
-        ]
-    )  # fmt: skip
+@dataclass(frozen=True)
+class _Stage:
+    """Where the animal is and how large; see :class:`Scene`."""
+
+    middle: np.ndarray
+    forward: np.ndarray
+    up: np.ndarray
+    ground: float
+    span: float
+    height: float
+
+    def distal(self, geometry: Geometry, thickness: float) -> list[tuple[float, float]]:
+        """Return the direction in each picture in which limbs tend to end."""
+        tip = self.middle + (self.forward - self.up) * thickness
+        step = geometry.project(tip) - geometry.project(self.middle)
+        step = step / np.maximum(np.linalg.norm(step, axis=-1, keepdims=True), 1e-9)
+        return [(float(a), float(b)) for a, b in step]
+
+    def search(
+        self, geometry: Geometry, sizes: Sequence[tuple[int, int]], leading: int | None
+    ) -> tuple[list[Region], list[np.ndarray]]:
+        """Return the region of each view, and the limits within which paws can be."""
+        regions, hulls = [], []
+        for v, size in enumerate(sizes):
+            # what is far to the side is not hidden from below
+            broad = _BROAD_BELOW if v == leading else _BROAD
+            corners = geometry.project(self._box(1.15, broad))[:, v]
+            low, high = corners.min(axis=0), corners.max(axis=0)
+            regions.append(Region((low + high) / 2, (high - low) / 2, size))
+            hulls.append(_hull(geometry.project(self._box(2.5, broad))[:, v]))
+        return regions, hulls
+
+    def _box(self, long: float, broad: float) -> np.ndarray:
+        """Return the corners of the box in which paws are searched."""
+        base = self.middle + (self.ground - self.middle @ self.up) * self.up
+        sides = [np.zeros_like(self.up)]
+        if len(self.up) == 3:
+            across = broad * self.span * np.cross(self.up, self.forward)
+            sides = [across, -across]
+        return np.stack(
+            [
+                base + a * long * self.span * self.forward + s + c * self.span * self.up
+                for a in (-1.0, 1.0) for s in sides for c in (-_BELOW, self.height)
+            ]
+        )  # fmt: skip
 
 
 def _hull(corners: np.ndarray) -> np.ndarray:

@@ -32,7 +32,7 @@ _FIRST_LINE = "pawnb candidates 1 {key}\n"
 _HEAD = struct.Struct("<II")
 _COLUMNS = 8
 _FLUSH_FRAMES = 50
-_CODE = ("appearance.py", "candidates.py", "extract.py", "still.py")
+_CODE = ("appearance.py", "candidates.py", "extract.py", "spots.py", "still.py")
 
 
 class CandidateStore:

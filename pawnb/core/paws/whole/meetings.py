@@ -1,0 +1,73 @@
+"""Where points meet, pieces of path are cut: who went on which way is decided later.
+
+A hind paw that lands where a front paw lifts off takes over its place, and the front paw
+its speed: the smoothest paths there are those of changed identities. So no piece leads
+through a meeting, and where each point usually is decides between the ways on.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+
+import numpy as np
+
+from pawnb.core.paws.whole.tracklets import Tracklet
+
+
+def cut_meetings(pieces: Sequence[Tracklet], apart: float) -> list[Tracklet]:
+    """Cut pieces where they come near each other, or near where another begins or ends.
+
+    Parameters
+    ----------
+    pieces : sequence of Tracklet
+        Pieces of path.
+    apart : float
+        Distance at which points meet.
+
+    Returns
+    -------
+    list of Tracklet
+        The parts, in the order of their first frames.
+    """
+    cuts: list[set[int]] = [set() for _ in pieces]
+    order = sorted(range(len(pieces)), key=lambda i: pieces[i].first)
+    for place, i in enumerate(order):
+        for j in order[place + 1 :]:
+            if pieces[j].first > pieces[i].last + 1:
+                break
+            for one, other in ((i, j), (j, i)):
+                cuts[one].update(_cuts(pieces[one], pieces[other], apart))
+    parts = [part for piece, own in zip(pieces, cuts, strict=True) for part in _split(piece, own)]
+    return sorted(parts, key=lambda piece: piece.first)
+
+
+def _cuts(one: Tracklet, other: Tracklet, apart: float) -> set[int]:
+    """Return the frames with which new parts of ``one`` begin because of ``other``."""
+    first, last = max(one.first, other.first), min(one.last, other.last)
+    cuts = set()
+    if first <= last:
+        step = one.at[first - one.first : last - one.first + 1]
+        step = step - other.at[first - other.first : last - other.first + 1]
+        away = np.linalg.norm(step, axis=1)
+        near = np.concatenate([[False], away < apart, [False]])
+        starts, ends = np.flatnonzero(np.diff(near.astype(int))).reshape(-1, 2).T
+        for start, end in zip(starts.tolist(), ends.tolist(), strict=True):
+            nearest = start + int(away[start:end].argmin())
+            cuts |= {first + start, first + nearest, first + end}
+    for frame, at in ((other.first, other.at[0]), (other.last + 1, other.at[-1])):
+        if one.first < frame <= one.last:
+            away_there = float(np.linalg.norm(one.at[frame - one.first] - at))
+            if away_there < apart:
+                cuts.add(frame)
+    return cuts
+
+
+def _split(piece: Tracklet, cuts: set[int]) -> list[Tracklet]:
+    """Return the parts of a piece; new ones begin with the frames of the cuts."""
+    inside = sorted(cut - piece.first for cut in cuts if piece.first < cut <= piece.last)
+    bounds = [0, *inside, len(piece.picks)]
+    return [
+        Tracklet(piece.first + a, piece.picks[a:b], piece.at[a:b], piece.cost[a:b])
+        for a, b in itertools.pairwise(bounds)
+    ]
