@@ -61,16 +61,23 @@ def decide(
     """
     thickness_px, facing, distal = scene.thickness_px, layout.facing, scene.distal
     clicked = sorted(np.flatnonzero(np.isfinite(certain[..., 0]).any(axis=(1, 2))).tolist())
-    offsets = learn_offsets(
-        certain[clicked], {t: found[t] for t in clicked}, thickness_px=thickness_px,
-        facing=facing, distal=distal, kinds=layout.kinds,
-    )  # fmt: skip
+    said = {t: found[t] for t in clicked}
+    # a view from below shows middles of paws, the others their ends
+    below = np.arange(len(facing)) == (-1 if scene.lead is None else scene.lead.view)
+    kinds_of_view = [
+        learn_offsets(
+            np.where(alike[:, None], certain[clicked], np.nan), said, thickness_px=thickness_px,
+            facing=facing, distal=distal, kinds=layout.kinds,
+        )
+        for alike in (~below, below)
+    ]  # fmt: skip
+    offsets = [kinds_of_view[int(one)] for one in below]
     sights = read_sights(found, offsets, thickness_px=thickness_px, facing=facing, distal=distal)
     paths = PathChoice(found, fixed, scene, fps=fps, settings=settings, kinds=layout.kinds)
     own = layout.tracked.T
     what = Refinement(
         scene.geometry, thickness_px, scene.thickness, paths.manner.acceleration, own,
-        offsets.unsure,
+        np.max([one.unsure for one in offsets], axis=0),
     )  # fmt: skip
     by_hand = np.isfinite(certain[..., 0]).any(axis=-1)
     strides = (settings.shortest_stride_s * fps, settings.longest_stride_s * fps)
@@ -83,6 +90,11 @@ def decide(
         return refine(known.chosen, sights, bridged, certain=certain, what=what, cycle=known.cycle)
 
     def tracked(places: np.ndarray) -> np.ndarray:
+        if scene.lead is not None:
+            places = scene.lead.lift(places, sights, paths.manner.acceleration)
+            for t, here in fixed.items():
+                for p, at in here.items():
+                    places[t, p] = at
         moved = tracked_points(places, sights, geometry=scene.geometry, thickness_px=thickness_px)
         # what was placed by hand is the tracked point already
         return np.where(by_hand[..., None], places, moved)

@@ -17,6 +17,7 @@ from pawnb.core import dlt
 from pawnb.core.paws.layout import Placement
 from pawnb.core.paws.whole.candidates import worth
 from pawnb.core.paws.whole.hypotheses import Places, Volume, triangulate
+from pawnb.core.paws.whole.sights import Sights
 
 _UPRIGHT = 0.8
 """Cosine between the line of sight and up from which a view counts as one from below."""
@@ -95,27 +96,31 @@ class Lead:
         if not len(own):
             return Places(np.empty((0, 3)), np.empty(0))
         uv = own[:, :2].astype(float)
-        heights, price = self.heights(uv, found)
-        confirmed = (price < _REWARD).any(axis=1) if heights.size else np.zeros(len(own), bool)
-        cost = 1.5 * (1.0 - worth(own, self.distal[self.view])) + np.where(confirmed, 0.0, _ALONE)
-        order = np.argsort(cost, kind="stable")
+        good = [worth(rows, self.distal[v]) for v, rows in enumerate(found)]
+        _, price = self.heights(uv, [rows[:, :2] for rows in found], good)
+        confirmed = (price < _REWARD).any(axis=1)
+        cost = 1.5 * (1.0 - good[self.view]) + np.where(confirmed, 0.0, _ALONE)
         at = self.on_plane(uv, np.full(len(uv), self.ground))
         kept: list[int] = []
-        for i in order.tolist():
+        for i in np.argsort(cost, kind="stable").tolist():
             away = np.linalg.norm(at[kept] - at[i], axis=1)
             if len(kept) < most and away.min(initial=np.inf) >= self.thickness:
                 kept.append(i)
         return Places(at[kept], cost[kept])
 
-    def heights(self, uv: np.ndarray, found: Sequence[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    def heights(
+        self, uv: np.ndarray, seen: Sequence[np.ndarray], good: Sequence[np.ndarray]
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Return what the other views say of the height of points.
 
         Parameters
         ----------
         uv : ndarray, shape (k, 2)
             Where the view sees them, px.
-        found : sequence of ndarray
-            Candidates of every view in that frame.
+        seen : sequence of ndarray, shape (c, 2)
+            Candidates of every view in that frame, px.
+        good : sequence of ndarray, shape (c,)
+            How much each looks like the end of a paw, 0 to 1.
 
         Returns
         -------
@@ -124,18 +129,18 @@ class Lead:
             how badly it fits: from 0, infinite where it does not meet.
         """
         heights, price = [np.empty((len(uv), 0))], [np.empty((len(uv), 0))]
-        for v, rows in enumerate(found):
-            if v == self.view or not len(rows):
+        for v, other in enumerate(seen):
+            if v == self.view or not len(other):
                 continue
-            pair = np.full((len(uv), len(rows), self.coefs.shape[1], 2), np.nan)
+            pair = np.full((len(uv), len(other), self.coefs.shape[1], 2), np.nan)
             pair[:, :, self.view] = uv[:, None]
-            pair[:, :, v] = rows[None, :, :2]
+            pair[:, :, v] = other
             flat = pair.reshape(-1, *pair.shape[2:])
             xyz = triangulate(self.coefs, flat)
             step = dlt.project(self.coefs, xyz) - flat
             away = np.nanmax(np.linalg.norm(step, axis=-1) / self.thickness_px, axis=1)
             # both views bear half of the distance
-            cost = (away / 0.4) ** 2 + np.tile(1.0 - worth(rows, self.distal[v]), len(uv))
+            cost = (away / 0.4) ** 2 + np.tile(1.0 - good[v], len(uv))
             height = xyz @ self.volume.up
             # what a paw stands on may look like one
             low = np.maximum(self.ground - _SUNK * self.thickness - height, 0.0)
@@ -145,17 +150,15 @@ class Lead:
             price.append(cost.reshape(pair.shape[:2]))
         return np.concatenate(heights, axis=1), np.concatenate(price, axis=1)
 
-    def lift(
-        self, flat: np.ndarray, found: Sequence[Sequence[np.ndarray]], acceleration: float
-    ) -> np.ndarray:
+    def lift(self, flat: np.ndarray, sights: Sights, acceleration: float) -> np.ndarray:
         """Give paths on the plane their heights.
 
         Parameters
         ----------
         flat : ndarray, shape (n, P, 3)
             Places on the plane, NaN where hidden.
-        found : sequence
-            Candidates of every frame and view.
+        sights : Sights
+            What every view shows.
         acceleration : float
             Standard deviation of the acceleration of a paw, length per frame squared.
 
@@ -169,8 +172,7 @@ class Lead:
         lifted = np.full_like(flat, np.nan)
         for p in range(flat.shape[1]):
             seen = np.flatnonzero(np.isfinite(uv[:, p, 0]))
-            told = {t: self.heights(uv[t, p][None], found[t]) for t in seen.tolist()}
-            choices = {t: (h[0], c[0]) for t, (h, c) in told.items()}
+            choices = {t: self._told(uv[t, p], t, p, sights) for t in seen.tolist()}
             known = _likeliest(choices, max(2.0 * acceleration, 0.15 * self.thickness))
             at = np.array(sorted(known), int)
             height = np.full(len(seen), self.ground)
@@ -178,6 +180,21 @@ class Lead:
                 height = np.interp(seen, at, [known[t] for t in at.tolist()])
             lifted[seen, p] = self.on_plane(uv[seen, p], height)
         return lifted
+
+    def _told(
+        self, uv: np.ndarray, t: int, point: int, sights: Sights
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return the heights that views tell of one place, and what each costs."""
+        there = sights.is_there[t]
+        # all spots are moved alike
+        shift = (sights.at[t, point, self.view] - sights.raw[t, self.view])[there[self.view]]
+        moved = uv + shift.mean(axis=0) if len(shift) else uv
+        heights, price = self.heights(
+            moved[None],
+            [sights.at[t, point, v, there[v]] for v in range(len(there))],
+            [sights.quality[t, v, there[v]] for v in range(len(there))],
+        )
+        return heights[0], price[0]
 
 
 def _likeliest(

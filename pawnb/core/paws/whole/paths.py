@@ -48,6 +48,8 @@ class PathChoice:
     kinds : sequence of str
         Kind of each point: "front", "hind" or "other".
 
+    Where a view leads, places lie on its plane and have no heights.
+
     Attributes
     ----------
     manner : Manner
@@ -66,7 +68,7 @@ class PathChoice:
         settings: WholeSettings,
         kinds: Sequence[str],
     ) -> None:
-        self.scene, self.kinds, self._found, self._anchors = scene, kinds, found, fixed
+        self.scene, self.kinds = scene, kinds
         lead = scene.lead
         if lead is not None:
             fixed = {t: {p: lead.flat(x) for p, x in here.items()} for t, here in fixed.items()}
@@ -114,7 +116,7 @@ class PathChoice:
             habits = learn_habits(x, body, axes=axes, groups=groups, span=span)
             prior = habit_cost(self.pieces, body, axes=axes, habits=habits, span=span)
             x = self._choose(_HABIT * prior)
-        return self._in_space(x)
+        return x
 
     def again(self, cycle: Cycle) -> np.ndarray:
         """Choose by where each point is expected at each moment of the stride.
@@ -125,7 +127,7 @@ class PathChoice:
             The chosen places, NaN where hidden.
         """
         if not self.pieces:
-            return self._in_space(self._choose(None))
+            return self._choose(None)
         first = np.concatenate([[0], np.cumsum([len(q.picks) for q in self.pieces])[:-1]])
         frame = np.concatenate([q.first + np.arange(len(q.picks)) for q in self.pieces])
         at = np.concatenate([q.at for q in self.pieces])
@@ -134,7 +136,7 @@ class PathChoice:
              for p in range(self.shape[1])]
         )  # fmt: skip
         cost = _EXPECTED * np.minimum(square, _FARTHEST)
-        return self._in_space(self._choose(np.add.reduceat(cost, first, axis=1)))
+        return self._choose(np.add.reduceat(cost, first, axis=1))
 
     def body(self, x: np.ndarray) -> np.ndarray:
         """Return the slowly moving middle (n, d) of tracks (n, P, d) with NaN where hidden."""
@@ -149,16 +151,6 @@ class PathChoice:
             for i in chain:
                 x[self.pieces[i].first : self.pieces[i].last + 1, p] = self.pieces[i].at
         for t, here in self.fixed.items():
-            for p, at in here.items():
-                x[t, p] = at
-        return x
-
-    def _in_space(self, x: np.ndarray) -> np.ndarray:
-        """Give places (n, P, d) that a leading view chose on its plane their heights."""
-        if self.scene.lead is None:
-            return x
-        x = self.scene.lead.lift(x, self._found, self.manner.acceleration)
-        for t, here in self._anchors.items():
             for p, at in here.items():
                 x[t, p] = at
         return x

@@ -37,7 +37,7 @@ class Sights:
 
 def read_sights(
     found: Sequence[Sequence[np.ndarray]],
-    offsets: Offsets,
+    offsets: Offsets | Sequence[Offsets],
     *,
     thickness_px: np.ndarray,
     facing: Sequence[int],
@@ -49,8 +49,8 @@ def read_sights(
     ----------
     found : sequence
         Candidates of every frame and view.
-    offsets : Offsets
-        Where the tracked points lie relative to them.
+    offsets : Offsets or sequence of Offsets
+        Where the tracked points lie relative to them, in all views or in each.
     thickness_px : ndarray, shape (V,)
         Thickness of a paw in each view.
     facing : sequence of int
@@ -65,14 +65,15 @@ def read_sights(
     """
     rows, is_there = side_by_side(found)
     n, n_views, most = is_there.shape
-    n_points = len(offsets.along)
+    by_view = [offsets] * n_views if isinstance(offsets, Offsets) else offsets
+    n_points = len(by_view[0].along)
     quality = np.empty((n, n_views, most))
     at = np.empty((n, n_points, n_views, most, 2))
     for v in range(n_views):
         flat = rows[:, v].reshape(-1, rows.shape[-1])
         quality[:, v] = worth(flat, distal[v]).reshape(n, -1)
         for p in range(n_points):
-            moved = offsets.apply(flat, p, thickness_px=thickness_px[v], facing=facing[v] or 1)
+            moved = by_view[v].apply(flat, p, thickness_px=thickness_px[v], facing=facing[v] or 1)
             at[:, p, v] = moved.reshape(n, -1, 2)
     return Sights(rows[..., :2].astype(float), at, quality, is_there)
 
