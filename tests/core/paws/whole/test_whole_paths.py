@@ -1,0 +1,129 @@
+"""Paths chosen among places of a made-up walk of four paws, with what is no paw between them."""
+
+import numpy as np
+import pytest
+
+from pawnb.core.paws.whole.cycle import learn_cycle
+from pawnb.core.paws.whole.geometry import Geometry
+from pawnb.core.paws.whole.hypotheses import Volume
+from pawnb.core.paws.whole.paths import PathChoice
+from pawnb.core.paws.whole.scene import Scene
+from pawnb.core.paws.whole.settings import WholeSettings
+
+LINEAR = np.zeros((11, 3))
+LINEAR[:8] = np.array(
+    [[4, 0, 0, 300, 0, 0, -4, 100], [2.8, 2.8, 0, 300, 0, 0, -4, 200], [3, -2, 1, 300, 1, 0, -4, 9]]
+).T
+RIG = Geometry(LINEAR)
+SPAN, THICKNESS, N, STRIDE = 60.0, 4.0, 160, 32.0
+HOME = np.array([[20, 10, 0], [-20, 10, 0], [20, -10, 0], [-20, -10, 0.0]])
+LAG = np.array([0.0, 0.5, 0.5, 0.0])
+KINDS = ("front", "hind", "front", "hind")
+FPS = 250.0
+
+
+def walk():
+    """Truth (n, 4, 3): stance at the belt's speed, swing forward and up."""
+    phase = (np.arange(N)[:, None] / STRIDE + LAG) % 1.0
+    s = np.clip((phase - 0.65) / 0.35, 0.0, 1.0)
+    swing = 10 * s**3 - 15 * s**4 + 6 * s**5
+    ahead = np.where(phase < 0.65, 12 - 24 * phase / 0.65, -12 + 24 * swing)
+    up = 16 * s**2 * (1 - s) ** 2 * 4.0
+    return HOME + np.stack([ahead, 0 * ahead, up], axis=-1)
+
+
+def scene(truth):
+    anchors = {0: dict(enumerate(truth[0]))}
+    return Scene(
+        RIG, anchors, SPAN, THICKNESS, np.full(3, 16.0), [], [], [(0.6, 0.8)] * 3,
+        np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0]),
+        Volume(np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0]), (-10.0, 20.0), (-40.0, 40.0)),
+    )  # fmt: skip
+
+
+def candidates(truth, hidden, seed=0):
+    """Candidates of every frame and view: the paws, and things that come and go."""
+    rng = np.random.default_rng(seed)
+    uv = RIG.project(truth)
+    found = []
+    for t in range(N):
+        here = []
+        for v in range(3):
+            at = [uv[t, p, v] for p in range(4) if not hidden[t, p]]
+            at = np.array([*at, *rng.uniform([150, 50], [450, 250], (3, 2))])
+            rows = np.zeros((len(at), 8), np.float32)
+            rows[:, :2] = at + 0.8 * rng.normal(size=at.shape)
+            rows[:, 2:6] = 3.0, 4.0, 0.22, 4.0
+            rng.shuffle(rows)
+            here.append(rows)
+        found.append(here)
+    return found
+
+
+def choice(truth, hidden):
+    return PathChoice(
+        candidates(truth, hidden), {0: dict(enumerate(truth[0]))}, scene(truth), fps=FPS,
+        settings=WholeSettings(), kinds=KINDS,
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def walked():
+    truth = walk()
+    hidden = np.zeros((N, 4), bool)
+    hidden[40:48, 0] = hidden[90:101, 1] = hidden[92:97, 2] = True
+    paths = choice(truth, hidden)
+    return truth, hidden, paths, paths.first()
+
+
+def agreement(x, truth, hidden):
+    """Share of places chosen where paws are seen, and the farthest of all chosen from its paw."""
+    chosen = np.isfinite(x[..., 0])
+    away = np.linalg.norm(x - truth, axis=-1)
+    return chosen[~hidden].mean(), away[chosen].max()
+
+
+def test_every_paw_keeps_its_own_path(walked):
+    truth, hidden, _, x = walked
+    share, farthest = agreement(x, truth, hidden)
+    assert share > 0.9
+    # a paw is 4 thick, and no other is nearer than 20
+    assert farthest < 2.5
+    np.testing.assert_array_equal(x[0], truth[0])
+
+
+def test_paths_are_chosen_again_by_the_stride(walked):
+    truth, hidden, paths, _ = walked
+    cycle = learn_cycle(
+        np.where(hidden[..., None], np.nan, truth), paths.body(truth), axes=paths.manner.axes,
+        frames=(16.0, 100.0), noise=1.0, trust=np.ones((N, 4)),
+    )  # fmt: skip
+    assert cycle.stride == pytest.approx(STRIDE, rel=0.03)
+    share, farthest = agreement(paths.again(cycle), truth, hidden)
+    assert share > 0.9
+    assert farthest < 2.5
+
+
+def test_the_manner_is_that_of_the_walk(walked):
+    _, _, paths, _ = walked
+    # the belt carries paws back by 24 in 0.65 strides
+    np.testing.assert_allclose(paths.manner.drift, [-24 / (0.65 * STRIDE), 0, 0], atol=0.15)
+    np.testing.assert_allclose(paths.manner.axes, [[1, 0, 0], [0, 1, 0], [0, 0, 1]])
+
+
+def test_the_body_is_the_middle_of_the_paws(walked):
+    truth, _, paths, x = walked
+    body = paths.body(x)
+    assert body.shape == (N, 3)
+    np.testing.assert_allclose(
+        body[40:120, :2], truth.mean(axis=(0, 1))[:2] * np.ones((80, 2)), atol=2
+    )
+
+
+def test_places_seen_by_nobody_stay_open():
+    truth = walk()
+    hidden = np.zeros((N, 4), bool)
+    hidden[60:75] = True
+    x = choice(truth, hidden).first()
+    assert np.isnan(x[60:75]).mean() > 0.95
+    assert agreement(x, truth, hidden)[1] < 2.5

@@ -1,0 +1,131 @@
+"""Refining of tracks: a made-up swing of least jerk, seen by three cameras, and its gap."""
+
+import numpy as np
+import pytest
+
+from pawnb.core.paws.whole.gaps import Bridged
+from pawnb.core.paws.whole.geometry import Geometry
+from pawnb.core.paws.whole.refine import Refinement, refine
+from pawnb.core.paws.whole.sights import Sights
+
+THICKNESS_PX = np.array([8.0, 8.0, 8.0])
+THICKNESS = 2.0
+LINEAR = np.zeros((11, 3))
+LINEAR[:8] = np.array(
+    [[4, 0, 0, 9, 0, 0, -4, 7], [0, 4, 0, -5, 0, 0, -4, 2], [2.8, -2.8, 0, 0, 0, 0, -4, 1]]
+).T
+RIG = Geometry(LINEAR)
+N = 60
+SIGMA_PX = 0.12 * 8.0
+
+
+def swing(seed=0):
+    """Two paws: one swings from 20 to 40 (Flash & Hogan 1985, equation 2), the other stands."""
+    rng = np.random.default_rng(seed)
+    s = np.clip((np.arange(N) - 20) / 20.0, 0.0, 1.0)
+    ahead = 10 * s**3 - 15 * s**4 + 6 * s**5
+    one = np.column_stack([30.0 * ahead, np.full(N, 4.0), 2.0 * s * (1 - s)])
+    two = np.column_stack([np.full(N, 60.0), np.full(N, -4.0), np.zeros(N)])
+    return np.stack([one, two], axis=1), rng
+
+
+def what(**options):
+    return Refinement(
+        **{"geometry": RIG, "thickness_px": THICKNESS_PX, "thickness": THICKNESS,
+           "acceleration": 0.4, "own": np.ones((2, 3), bool), "unsure": np.zeros(2), **options},
+    )  # fmt: skip
+
+
+def see(truth, rng, *, hidden=(), quality=1.0):
+    """Candidates of both paws in every view, with noise, none of the first where it is hidden."""
+    uv = RIG.project(truth).transpose(0, 2, 1, 3) + SIGMA_PX * rng.normal(size=(N, 3, 2, 2))
+    for t in hidden:
+        uv[t, :, 0] = uv[t, :, 1]
+    is_there = np.ones((N, 3, 2), bool)
+    is_there[list(hidden), :, 1] = False
+    at = np.repeat(uv[:, None], 2, axis=1)
+    return Sights(uv, at, np.full((N, 3, 2), quality), is_there)
+
+
+def solve(truth, sights, *, hidden=(), certain=None, **options):
+    start = truth.copy()
+    start[list(hidden), 0] = np.nan
+    is_open = np.zeros((N, 2), bool)
+    is_open[list(hidden), 0] = True
+    certain = np.full((N, 2, 3, 2), np.nan) if certain is None else certain
+    bridged = Bridged(is_open, np.full((N, 2, 3), -1))
+    return refine(start, sights, bridged, certain=certain, what=what(**options))
+
+
+def test_a_gap_in_a_swing_of_least_jerk_is_bridged():
+    truth, rng = swing()
+    gap = range(26, 35)
+    refined = solve(truth, see(truth, rng, hidden=gap), hidden=gap)
+    away = np.linalg.norm(refined.x - truth, axis=-1)
+    # the swing covers 30, of which 19 lie in the gap
+    assert np.ptp(truth[gap, 0, 0]) > 15
+    assert away[gap, 0].max() < 1.5
+    assert np.delete(away[:, 0], gap).max() < 0.6
+    assert away[:, 1].max() < 0.5
+    assert np.isnan(refined.measured[gap, 0]).all()
+    assert np.isfinite(refined.measured[:, 1]).all()
+    # where nothing was seen it says so
+    assert refined.sd[30, 0, 0] > 2 * refined.sd[10, 0, 0]
+
+
+def test_the_stated_sd_is_honest():
+    inside = []
+    gap = range(27, 33)
+    for seed in range(12):
+        truth, rng = swing(seed)
+        refined = solve(truth, see(truth, rng, hidden=gap), hidden=gap)
+        inside.append(np.abs(refined.x - truth) < 1.96 * refined.sd)
+    inside = np.array(inside)
+    # it allows for errors that are alike from frame to frame, of which there are none here
+    assert inside.mean() > 0.94
+    assert inside[:, gap, 0].mean() > 0.85
+    # but it is not just wide: a thickness is 2
+    assert np.median(refined.sd) < 0.3
+
+
+def test_wrong_candidates_beside_the_track_are_left_out():
+    truth, rng = swing()
+    sights = see(truth, rng)
+    sights.at[5:9, :, 1, 0] += [0.0, 12.0]
+    refined = solve(truth, sights)
+    assert np.isnan(refined.measured[5:9, 0, 1]).all()
+    assert np.isfinite(refined.measured[5:9, 0, [0, 2]]).all()
+    assert np.linalg.norm(refined.x - truth, axis=-1)[5:9, 0].max() < 0.5
+
+
+def test_what_is_placed_by_hand_stays():
+    truth, rng = swing()
+    certain = np.full((N, 2, 3, 2), np.nan)
+    placed = truth[12, 1] + [0.3, 0.0, 0.0]
+    certain[12, 1] = RIG.project(placed)
+    refined = solve(truth, see(truth, rng), certain=certain)
+    np.testing.assert_array_equal(refined.measured[12, 1], certain[12, 1])
+    np.testing.assert_allclose(refined.quality[12, 1], 1.0)
+    # a click is surer than a candidate, so the track leans towards it
+    assert refined.x[12, 1, 0] - truth[12, 1, 0] > 0.06
+
+
+def test_every_candidate_is_given_to_one_point_only():
+    truth, rng = swing()
+    truth[:, 1] = truth[:, 0] + [0.0, 0.4, 0.0]
+    sights = see(truth, rng)
+    sights.is_there[:, :, 1] = False
+    refined = solve(truth, sights)
+    both = np.isfinite(refined.measured[..., 0]).all(axis=1)
+    assert not both.any()
+    assert np.isfinite(refined.measured[..., 0]).any(axis=1).mean() > 0.9
+
+
+@pytest.mark.parametrize("unsure", [0.0, 0.3])
+def test_unsure_offsets_widen_every_sd_alike(unsure):
+    truth, rng = swing()
+    sights = see(truth, rng)
+    plain = solve(truth, sights)
+    wide = solve(truth, sights, unsure=np.full(2, unsure))
+    more = wide.sd**2 - plain.sd**2
+    np.testing.assert_allclose(more, (unsure * THICKNESS) ** 2, atol=1e-9)
