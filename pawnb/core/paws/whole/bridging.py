@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.core.paws.whole import bridging_loops as loops
 from pawnb.core.paws.whole.geometry import Geometry
 
 _STEP = np.array([[1.0, 1.0, 0.5], [0.0, 1.0, 1.0], [0.0, 0.0, 1.0]])
@@ -113,9 +114,12 @@ class Stories:
         self.geometry, self.thickness_px, self.own = geometry, thickness_px, own
         self.telling = telling
         self._home = state[0]
-        self._step = np.kron(_STEP, np.eye(self.d))
-        self._noise = telling.jerk**2 * np.kron(_GAIN @ _GAIN.T, np.eye(self.d))
-        self._kick = 4.0 * self._noise + telling.kick**2 * np.kron(_JUMP, np.eye(self.d))
+        plain = telling.jerk**2 * np.kron(_GAIN @ _GAIN.T, np.eye(self.d))
+        kick = 4.0 * plain + telling.kick**2 * np.kron(_JUMP, np.eye(self.d))
+        self._noise = np.stack([plain, kick])
+        self._table = np.ascontiguousarray(geometry.table.T)
+        self._spread = (np.array([telling.good, telling.bad]) * thickness_px[:, None]) ** 2
+        self._extra = np.array([0.0, telling.bad_cost])
         self._past: list[tuple[np.ndarray, np.ndarray]] = []
         self._hidden = np.zeros(1, bool)
         self._origin = np.zeros(1, int)
@@ -124,10 +128,7 @@ class Stories:
     def advance(self) -> None:
         """Go on by one frame: every story plainly, and with a kick."""
         n = len(self.cost)
-        mean = self.mean @ self._step.T
-        covariance = self._step @ self.covariance @ self._step.T
-        self.mean = np.concatenate([mean, mean])
-        self.covariance = np.concatenate([covariance + self._noise, covariance + self._kick])
+        self.mean, self.covariance = loops.advance(self.mean, self.covariance, self._noise)
         self.cost = np.concatenate([self.cost, self.cost + self.telling.kick_cost])
         self._origin = np.tile(np.arange(n), 2)
         self._taken = np.full((2 * n, len(self.thickness_px)), -1)
@@ -144,42 +145,19 @@ class Stories:
         cost : ndarray, shape (c,)
             What speaks against each: a poor look, or that another point explains it.
         """
-        told, scale, d = self.telling, self.thickness_px[view], self.d
+        told = self.telling
         seen = told.seen if self.own[view] else told.seen_across
         missed = self.cost if self.own[view] else self.cost - np.log(1.0 - seen)
         if not len(at):
             self.cost = missed
             return
-        x, P = self.mean[:, :d], self.covariance
-        J = self.geometry.jacobian(x)[:, view]
-        PH = P[:, :, :d] @ J.transpose(0, 2, 1)
-        S = (J @ PH[:, :d])[None] + np.eye(2) * (
-            np.array([told.good, told.bad])[:, None, None, None] * scale
-        ) ** 2
-        inverse, size = _inverse(S)
-        step = at[None] - self.geometry.project(x)[:, view, None]
-        square = np.einsum("bci,kbij,bcj->kbc", step, inverse, step, optimize=True)
-        own = 0.5 * square + 0.5 * np.log(size)[..., None]
-        own[1] += told.bad_cost
-        own[square > _GATE] = np.inf
-        kind = np.argmin(own, axis=0)
-        best = np.min(own, axis=0) + np.log(told.clutter / scale**2 * 2.0 * np.pi / seen)
-        best = best + cost[None] + self.cost[:, None]
-        b, c = np.nonzero(np.isfinite(best))
-        total = np.concatenate([missed, best[b, c]])
-        keep = np.argsort(total, kind="stable")[: told.most]
-        plain, new = keep[keep < len(missed)], keep[keep >= len(missed)] - len(missed)
-        b, c = b[new], c[new]
-        K = PH[b] @ inverse[kind[b, c], b]
-        taken = self._taken[b]
-        taken[:, view] = c
-        self.mean = np.concatenate(
-            [self.mean[plain], self.mean[b] + (K @ step[b, c][..., None])[..., 0]]
-        )
-        self.covariance = np.concatenate([P[plain], P[b] - K @ PH[b].transpose(0, 2, 1)])
-        self.cost = total[keep[np.argsort(keep >= len(missed), kind="stable")]]
-        self._origin = np.concatenate([self._origin[plain], self._origin[b]])
-        self._taken = np.concatenate([self._taken[plain], taken])
+        nothing = np.log(told.clutter / self.thickness_px[view] ** 2 * 2.0 * np.pi / seen)
+        self.mean, self.covariance, self.cost, origin, candidate = loops.see(
+            self.mean, self.covariance, missed, self.cost, self._table[view], at,
+            nothing + cost, self._spread[view], self._extra, _GATE, told.most,
+        )  # fmt: skip
+        self._origin, self._taken = self._origin[origin], self._taken[origin]
+        self._taken[:, view] = candidate
 
     def stand(self, at: np.ndarray) -> None:
         """Take in a certain place (d,)."""
@@ -217,11 +195,7 @@ class Stories:
                 hidden, np.where(was, told.stay, told.hide), np.where(was, told.show, 0.0) + part
             )
         self.cost = self.cost + doubt(self.mean[:, :d], self.mean[:, d : 2 * d])
-        order = np.argsort(self.cost, kind="stable")
-        order = order[self.cost[order] < self.cost[order[0]] + _LAG]
-        key = np.round(self.mean[order, : 2 * d] / told.noise).astype(int)
-        _, first = np.unique(key, axis=0, return_index=True)
-        keep = order[np.sort(first)][: told.most]
+        keep = loops.different(self.mean[:, : 2 * d], self.cost, told.noise, _LAG, told.most)
         self.mean, self.cost = self.mean[keep], self.cost[keep]
         # rounding makes it lopsided, and that grows from frame to frame
         covariance = self.covariance[keep]
@@ -237,14 +211,6 @@ class Stories:
             told.append(taken[at])
             at = int(origin[at])
         return np.stack(told[::-1])
-
-
-def _inverse(S: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return inverses and determinants of 2 x 2 matrices."""
-    a, b, c, d = S[..., 0, 0], S[..., 0, 1], S[..., 1, 0], S[..., 1, 1]
-    size = a * d - b * c
-    inverse = np.stack([np.stack([d, -b], axis=-1), np.stack([-c, a], axis=-1)], axis=-2)
-    return inverse / size[..., None, None], size
 
 
 def state_after(

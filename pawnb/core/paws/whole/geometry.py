@@ -8,6 +8,8 @@ import numpy as np
 
 from pawnb.core import dlt
 
+_SAME = np.array([[1.0, 0, 0, 0, 0, 1.0, 0, 0, 0, 0, 0]]).T
+
 
 @dataclass(frozen=True)
 class Geometry:
@@ -25,6 +27,11 @@ class Geometry:
     def n_coordinates(self) -> int:
         """3 in calibrated space, 2 in a picture."""
         return 2 if self.coefs is None else 3
+
+    @property
+    def table(self) -> np.ndarray:
+        """DLT coefficients (11, V); those of a single view leave positions as they are."""
+        return _SAME if self.coefs is None else self.coefs
 
     def project(self, x: np.ndarray) -> np.ndarray:
         """Return image positions (..., V, 2) of positions (..., d)."""

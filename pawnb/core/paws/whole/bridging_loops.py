@@ -1,0 +1,261 @@
+"""The inner loops of :mod:`pawnb.core.paws.whole.bridging`, compiled.
+
+States are position, speed and acceleration one after another: ``mean`` (b, 3 d) and
+``covariance`` (b, 3 d, 3 d) of b stories.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pawnb.core.compiled import compiled
+
+
+@compiled
+def advance(
+    mean: np.ndarray, covariance: np.ndarray, noise: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Go on by one frame at constant acceleration.
+
+    Parameters
+    ----------
+    mean, covariance : ndarray
+        The stories.
+    noise : ndarray, shape (k, 3 d, 3 d)
+        Covariances added; every story goes on with each of them.
+
+    Returns
+    -------
+    mean, covariance : ndarray
+        The stories with the first noise, then those with the second, and so on.
+    """
+    n, size = mean.shape
+    d = size // 3
+    many = len(noise)
+    new = np.empty((many * n, size))
+    spread = np.empty((many * n, size, size))
+    half = np.empty((size, size))
+    for b in range(n):
+        for i in range(d):
+            x, v, a = mean[b, i], mean[b, d + i], mean[b, 2 * d + i]
+            new[b, i], new[b, d + i], new[b, 2 * d + i] = x + v + 0.5 * a, v + a, a
+        P = covariance[b]
+        for j in range(size):
+            for i in range(d):
+                x, v, a = P[i, j], P[d + i, j], P[2 * d + i, j]
+                half[i, j], half[d + i, j], half[2 * d + i, j] = x + v + 0.5 * a, v + a, a
+        for j in range(size):
+            for i in range(d):
+                x, v, a = half[j, i], half[j, d + i], half[j, 2 * d + i]
+                P_x, P_v = x + v + 0.5 * a, v + a
+                for k in range(many):
+                    into = spread[k * n + b]
+                    into[j, i] = P_x + noise[k, j, i]
+                    into[j, d + i] = P_v + noise[k, j, d + i]
+                    into[j, 2 * d + i] = a + noise[k, j, 2 * d + i]
+        for k in range(1, many):
+            new[k * n + b] = new[b]
+    return new, spread
+
+
+@compiled
+def pictures(mean: np.ndarray, L: np.ndarray, d: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return image positions (b, 2) of stories in a view, and their derivatives (b, 2, d)."""
+    n = len(mean)
+    uv, J = np.empty((n, 2)), np.empty((n, 2, d))
+    for b in range(n):
+        top_u, top_v, below = L[3], L[7], 1.0
+        for i in range(d):
+            top_u += L[i] * mean[b, i]
+            top_v += L[4 + i] * mean[b, i]
+            below += L[8 + i] * mean[b, i]
+        uv[b, 0], uv[b, 1] = top_u / below, top_v / below
+        for i in range(d):
+            J[b, 0, i] = (L[i] - uv[b, 0] * L[8 + i]) / below
+            J[b, 1, i] = (L[4 + i] - uv[b, 1] * L[8 + i]) / below
+    return uv, J
+
+
+@compiled
+def see(
+    mean: np.ndarray,
+    covariance: np.ndarray,
+    missed: np.ndarray,
+    cost: np.ndarray,
+    L: np.ndarray,
+    at: np.ndarray,
+    against: np.ndarray,
+    spread: np.ndarray,
+    extra: np.ndarray,
+    gate: float,
+    most: int,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Take in one of a view's candidates, or none.
+
+    Parameters
+    ----------
+    mean, covariance : ndarray
+        The stories.
+    missed, cost : ndarray, shape (b,)
+        What each story costs if it takes in none, and before it takes in one.
+    L : ndarray, shape (11,)
+        DLT coefficients of the view.
+    at, against : ndarray, shape (c, 2) and (c,)
+        The candidates and what speaks against each.
+    spread, extra : ndarray, shape (k,)
+        For each kind of candidate its variance, px squared, and its cost.
+    gate : float
+        Largest squared distance, in standard deviations.
+    most : int
+        Stories kept.
+
+    Returns
+    -------
+    mean, covariance, cost : ndarray
+        The stories that are left: first those that took in none.
+    origin, taken : ndarray of int
+        Which story each was, and which candidate it took, -1 for none.
+    """
+    n = len(mean)
+    uv, J = pictures(mean, L, mean.shape[1] // 3)
+    PH, S = innovations(covariance, J)
+    new, story, candidate, kind = pairs(uv, S, at, spread, extra, gate)
+    total = np.concatenate((missed, new + against[candidate] + cost[story]))
+    keep = np.argsort(total, kind="mergesort")[:most]
+    plain, new_ones = keep[keep < n], keep[keep >= n] - n
+    b, c = story[new_ones], candidate[new_ones]
+    moved, left = updated(
+        mean[b], covariance[b], PH[b], S[b], at[c] - uv[b], spread[kind[new_ones]]
+    )  # fmt: skip
+    return (
+        np.concatenate((mean[plain], moved)), np.concatenate((covariance[plain], left)),
+        np.concatenate((total[plain], total[new_ones + n])), np.concatenate((plain, b)),
+        np.concatenate((np.full(len(plain), -1), c)),
+    )  # fmt: skip
+
+
+@compiled
+def innovations(covariance: np.ndarray, J: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return covariances of states with pictures (b, 3 d, 2) and of pictures (b, 2, 2)."""
+    n, _, d = J.shape
+    size = 3 * d
+    PH, S = np.zeros((n, size, 2)), np.zeros((n, 2, 2))
+    for b in range(n):
+        for j in range(size):
+            for i in range(d):
+                for c in range(2):
+                    PH[b, j, c] += covariance[b, j, i] * J[b, c, i]
+        for i in range(d):
+            for c in range(2):
+                for e in range(2):
+                    S[b, c, e] += J[b, c, i] * PH[b, i, e]
+    return PH, S
+
+
+@compiled
+def pairs(
+    uv: np.ndarray,
+    S: np.ndarray,
+    at: np.ndarray,
+    spread: np.ndarray,
+    extra: np.ndarray,
+    gate: float,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Return the pairs of a story and a candidate within the gate.
+
+    Their costs, numbers of story and candidate, and which kind of candidate is cheapest.
+    """
+    n, kinds = len(uv), len(spread)
+    cost = np.empty(n * len(at))
+    story = np.empty(n * len(at), np.int64)
+    candidate, kind = story.copy(), story.copy()
+    count = 0
+    for b in range(n):
+        for c in range(len(at)):
+            du, dv = at[c, 0] - uv[b, 0], at[c, 1] - uv[b, 1]
+            cost[count] = np.inf
+            for k in range(kinds):
+                s0, s1 = S[b, 0, 0] + spread[k], S[b, 1, 1] + spread[k]
+                across = S[b, 0, 1] + S[b, 1, 0]
+                area = s0 * s1 - S[b, 0, 1] * S[b, 1, 0]
+                square = (s1 * du * du - across * du * dv + s0 * dv * dv) / area
+                if square <= gate:
+                    own = 0.5 * square + 0.5 * np.log(area) + extra[k]
+                    if own < cost[count]:
+                        cost[count], kind[count] = own, k
+            if cost[count] < np.inf:
+                story[count], candidate[count] = b, c
+                count += 1
+    return cost[:count], story[:count], candidate[:count], kind[:count]
+
+
+@compiled
+def updated(
+    mean: np.ndarray,
+    covariance: np.ndarray,
+    PH: np.ndarray,
+    S: np.ndarray,
+    step: np.ndarray,
+    spread: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return means and covariances after what was seen: the Kalman filter's update.
+
+    ``PH`` and ``S`` are those of :func:`innovations`, ``step`` (b, 2) how far the seen lies
+    from the expected and ``spread`` (b,) its variance.
+    """
+    n, size = mean.shape
+    mean, covariance = mean.copy(), covariance.copy()
+    for b in range(n):
+        s0, s1 = S[b, 0, 0] + spread[b], S[b, 1, 1] + spread[b]
+        area = s0 * s1 - S[b, 0, 1] * S[b, 1, 0]
+        for j in range(size):
+            gain_u = (PH[b, j, 0] * s1 - PH[b, j, 1] * S[b, 1, 0]) / area
+            gain_v = (PH[b, j, 1] * s0 - PH[b, j, 0] * S[b, 0, 1]) / area
+            mean[b, j] += gain_u * step[b, 0] + gain_v * step[b, 1]
+            for i in range(size):
+                covariance[b, j, i] -= gain_u * PH[b, i, 0] + gain_v * PH[b, i, 1]
+    return mean, covariance
+
+
+@compiled
+def different(
+    mean: np.ndarray, cost: np.ndarray, grain: float, lag: float, most: int
+) -> np.ndarray:
+    """Return the likeliest stories that are not the same, the likeliest first.
+
+    Parameters
+    ----------
+    mean : ndarray, shape (b, k)
+        What tells stories apart.
+    cost : ndarray, shape (b,)
+        Their costs.
+    grain : float
+        Stories are the same where they agree when rounded to this.
+    lag : float
+        Stories dearer than the best by this are forgotten.
+    most : int
+        Stories kept.
+    """
+    order = np.argsort(cost, kind="mergesort")
+    kept = np.empty(most, np.int64)
+    key = np.empty((most, mean.shape[1]))
+    count = 0
+    for b in order:
+        if cost[b] >= cost[order[0]] + lag or count == most:
+            break
+        for i in range(mean.shape[1]):
+            key[count, i] = np.rint(mean[b, i] / grain)
+        is_new = True
+        for o in range(count):
+            same = True
+            for i in range(mean.shape[1]):
+                if key[o, i] != key[count, i]:
+                    same = False
+                    break
+            if same:
+                is_new = False
+                break
+        if is_new:
+            kept[count] = b
+            count += 1
+    return kept[:count]
