@@ -89,7 +89,7 @@ def collect_evidence(
         found.append(_out_of_place(xyz @ across, uv, span=span, unit=tracks.attrs["unit"]))
         found.append(_off_the_ground(xyz @ np.asarray(up), uv, span))
     if other is not None:
-        found.append(_passes_disagree(tracks, other, uv))
+        found.append(passes_disagree(tracks, other, uv))
     return found
 
 
@@ -102,11 +102,17 @@ def _doubt(values: np.ndarray, usual: float, spread: float) -> np.ndarray:
     """Return by how many spreads values are above the usual, levelling off; 0 where unknown."""
     if not (np.isfinite(usual) and np.isfinite(spread) and spread > 0):
         return np.zeros(values.shape)
-    return _level_off(np.nan_to_num((values - usual) / spread, nan=0.0))
+    return level_off(np.nan_to_num((values - usual) / spread, nan=0.0))
 
 
-def _level_off(score: np.ndarray) -> np.ndarray:
-    """Return scores of 0 or more that approach CAP and keep their order."""
+def level_off(score: np.ndarray) -> np.ndarray:
+    """Return scores of 0 or more that approach :data:`CAP` and keep their order.
+
+    Parameters
+    ----------
+    score : ndarray
+        Of any size; below 0 counts as 0.
+    """
     return CAP * -np.expm1(-np.clip(score, 0.0, None) / CAP)
 
 
@@ -202,21 +208,44 @@ def _confidence(confidence: np.ndarray, uv: np.ndarray, span: int) -> Evidence:
     return Evidence(score, words)
 
 
-def _crossing(uv: np.ndarray, points: list[str], paw_px: float | None) -> Evidence:
-    """Doubt points that are nearer to another point of their view than a paw is large."""
+def find_nearest(uv: np.ndarray, paw_px: float | None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Find the nearest other point of the same view.
+
+    Parameters
+    ----------
+    uv : ndarray, shape (n, V, P, 2)
+        Image positions, NaN where unknown.
+    paw_px : float, optional
+        Size of a paw in px; default: a quarter of the usual distance between two points.
+
+    Returns
+    -------
+    ndarray, shape (n, V, P)
+        Distance in px; NaN in views with fewer than two points, else infinite where unknown.
+    ndarray of int, shape (n, V, P)
+        Number of the nearest point.
+    ndarray, shape (V,)
+        Size of a paw in each view, px.
+    """
     n, n_views, n_points = uv.shape[:3]
     near = np.full((n, n_views, n_points), np.nan)
     who = np.zeros((n, n_views, n_points), dtype=int)
-    share = near.copy()
+    size = np.ones(n_views)
     for v in range(n_views):
         away = np.linalg.norm(uv[:, v, :, None] - uv[:, v, None, :], axis=-1)
         away[:, np.arange(n_points), np.arange(n_points)] = np.nan
         if not np.isfinite(away).any():
             continue
-        limit = paw_px or _PAW_SHARE * float(np.nanmedian(away))
+        size[v] = paw_px or _PAW_SHARE * float(np.nanmedian(away))
         filled = np.where(np.isnan(away), np.inf, away)
         near[:, v], who[:, v] = filled.min(axis=-1), filled.argmin(axis=-1)
-        share[:, v] = near[:, v] / limit
+    return near, who, size
+
+
+def _crossing(uv: np.ndarray, points: list[str], paw_px: float | None) -> Evidence:
+    """Doubt points that are nearer to another point of their view than a paw is large."""
+    near, who, size = find_nearest(uv, paw_px)
+    share = near / size[:, None]
     score = _WEAK * 2.0 * np.nan_to_num(np.clip(1.0 - share, 0.0, None), nan=0.0)
 
     def words(key: tuple[int, int, int]) -> str:
@@ -231,7 +260,7 @@ def _not_measured(origin: np.ndarray) -> Evidence:
     length = np.zeros(origin.shape)
     for t in range(len(origin)):
         length[t] = np.where(predicted[t], (length[t - 1] if t else 0.0) + 1.0, 0.0)
-    score = _WEAK * _level_off(length / _LONG_FRAMES)
+    score = _WEAK * level_off(length / _LONG_FRAMES)
 
     def words(key: tuple[int, int, int]) -> str:
         return f"it was not found for {length[key]:.0f} frames and is only predicted"
@@ -253,7 +282,7 @@ def _out_of_place(coordinate: np.ndarray, uv: np.ndarray, *, span: int, unit: st
         away = off[key[0], key[2]]
         return f"it is {away:.0f} {unit} to one side of where it usually is"
 
-    return Evidence(_in_views(score, uv), words)
+    return Evidence(in_views(score, uv), words)
 
 
 def _off_the_ground(height: np.ndarray, uv: np.ndarray, span: int) -> Evidence:
@@ -274,16 +303,37 @@ def _off_the_ground(height: np.ndarray, uv: np.ndarray, span: int) -> Evidence:
             return "it is below the ground on which the others stand"
         return "it does not touch the ground for longer than a step takes"
 
-    return Evidence(_in_views(score, uv), words)
+    return Evidence(in_views(score, uv), words)
 
 
-def _in_views(score: np.ndarray, uv: np.ndarray) -> np.ndarray:
-    """Give the score of a point in space (n, P) to each view that has a label of it."""
+def in_views(score: np.ndarray, uv: np.ndarray) -> np.ndarray:
+    """Give the score of a point in space to each view that has a label of it.
+
+    Parameters
+    ----------
+    score : ndarray, shape (n, P)
+        One score for all views.
+    uv : ndarray, shape (n, V, P, 2)
+        Image positions, NaN where there is no label.
+    """
     return np.where(np.isfinite(uv[..., 0]), score[:, None, :], 0.0)
 
 
-def _passes_disagree(tracks: Tracks, other: Tracks, uv: np.ndarray) -> Evidence:
-    """Doubt labels far from where another pass through the recording put them."""
+def passes_disagree(tracks: Tracks, other: Tracks, uv: np.ndarray) -> Evidence:
+    """Doubt labels far from where another pass through the recording put them.
+
+    Parameters
+    ----------
+    tracks, other : xarray.Dataset
+        Both passes.
+    uv : ndarray, shape (n, V, P, 2)
+        Image positions of the first.
+
+    Raises
+    ------
+    InputError
+        If both share no view and point.
+    """
     names = ("view", "keypoint")
     shared = {name: [x for x in tracks[name].to_numpy() if x in other[name].to_numpy()]
               for name in names}  # fmt: skip

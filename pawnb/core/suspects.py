@@ -10,6 +10,11 @@ was tracked backwards too, how far both passes disagree.
 Frames are then chosen one by one: the frame with the most doubt over all points comes
 first, and calms the doubts about the frames around it, for whoever looks at one frame
 of a stride sees what is wrong in the rest of it. What a person has placed is not doubted.
+
+Trackers err in two ways. Those that go on from frame to frame lose points for long, and several
+at once; they are judged by how their tracks move and how far their views disagree. Those that
+decide over the whole recording err briefly, and smoothly; their tracks carry their
+uncertainty (``sd``) and are judged by it (:mod:`pawnb.core.suspect_uncertainty`).
 """
 
 from __future__ import annotations
@@ -21,11 +26,17 @@ import pandas as pd
 
 from pawnb.core.rig import Rig
 from pawnb.core.suspect_evidence import Evidence, collect_evidence
+from pawnb.core.suspect_uncertainty import add_up, collect_uncertainty, states_uncertainty
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE, SUSPECTS_COLUMNS, Tracks, check_tracks
 
 _TELLING = 0.5
 """A second point or reason is told where it weighs at least this much of the first."""
+
+_APART_FRAMES = 25.0
+"""One stride of a fast mouse at 250 frames per second: how long a lost paw is lost."""
+_APART_FRAMES_CERTAIN = 12.0
+"""Half of it: errors of a tracker that states its uncertainty are brief."""
 
 _REACH = 8
 """Doubts further away than this many ``apart_frames`` are not calmed (by 0.03 %)."""
@@ -37,10 +48,10 @@ class SuspectSettings:
 
     Parameters
     ----------
-    apart_frames : float
+    apart_frames : float, optional
         How far apart listed frames should be: doubts about frames nearer than a quarter of
-        this are dropped, others are weakened by exp(-distance / apart_frames). The
-        default is one stride of a fast mouse at 250 frames per second.
+        this are dropped, others are weakened by exp(-distance / apart_frames). Default: 25,
+        one stride of a fast mouse at 250 frames per second, or 12 for tracks with ``sd``.
     paw_px : float, optional
         Size of a paw in px; two points of one view that are nearer than this cross. Default:
         a quarter of the usual distance between two points of that view.
@@ -53,7 +64,7 @@ class SuspectSettings:
         If a value is out of range.
     """
 
-    apart_frames: float = 25.0
+    apart_frames: float | None = None
     paw_px: float | None = None
     least_score: float = 1.0
 
@@ -93,8 +104,9 @@ def find_suspects(
         frame, view, point, reason (plain words), score; most doubtful first. A listed frame
         has one row for each point that is doubted there, the worst first, in the view
         where it is doubted most. The score is that of the frame: the doubts about all
-        points added up, in robust standard deviations, less what frames listed before it
-        have calmed.
+        points added up, in robust standard deviations (for tracks with ``sd``: how much they
+        are above those of four frames in five), less what frames listed before it have
+        calmed.
 
     Raises
     ------
@@ -106,15 +118,22 @@ def find_suspects(
     if "image_position" not in tracks:
         raise InputError("these tracks have no image positions; suspects need them.")
     settings = settings or SuspectSettings()
-    evidence = collect_evidence(tracks, rig=rig, other=other, paw_px=settings.paw_px)
+    if states_uncertainty(tracks):
+        evidence = collect_uncertainty(tracks, rig=rig, other=other, paw_px=settings.paw_px)
+        total, apart = add_up(tracks, evidence), _APART_FRAMES_CERTAIN
+    else:
+        evidence = collect_evidence(tracks, rig=rig, other=other, paw_px=settings.paw_px)
+        total = np.sqrt(np.sum([np.square(item.score) for item in evidence], axis=0))
+        apart = _APART_FRAMES
     frames = tracks["frame"].to_numpy()
     views = tracks["view"].to_numpy().tolist()
     points = tracks["keypoint"].to_numpy().tolist()
-    total = np.sqrt(np.sum([np.square(item.score) for item in evidence], axis=0))
     by_hand = tracks["image_origin"].isel(individual=0).to_numpy() == ORIGIN_CODE["edited"]
     total[by_hand] = 0.0
     rows = []
-    for t, score, doubts in _choose_frames(total.max(axis=1), frames, settings):
+    for t, score, doubts in _choose_frames(
+        total.max(axis=1), frames, settings.apart_frames or apart, settings.least_score
+    ):
         for p in np.argsort(-doubts, kind="stable").tolist():
             if doubts[p] >= _TELLING * doubts.max():
                 v = int(total[t, :, p].argmax())
@@ -124,7 +143,7 @@ def find_suspects(
 
 
 def _choose_frames(
-    doubts: np.ndarray, frames: np.ndarray, settings: SuspectSettings
+    doubts: np.ndarray, frames: np.ndarray, apart: float, least_score: float
 ) -> list[tuple[int, float, np.ndarray]]:
     """Take the frame with most doubt, calm the frames around it, and go on with the next.
 
@@ -132,13 +151,13 @@ def _choose_frames(
     """
     left = doubts.copy()
     gain = left.sum(axis=1)
-    reach = _REACH * settings.apart_frames
+    reach = _REACH * apart
     chosen = []
-    while len(gain) and gain.max() >= settings.least_score:
+    while len(gain) and gain.max() >= least_score:
         t = int(gain.argmax())
         chosen.append((t, float(gain[t]), left[t].copy()))
         near = slice(*np.searchsorted(frames, [frames[t] - reach, frames[t] + reach]).tolist())
-        away = np.abs(frames[near] - frames[t]) / settings.apart_frames
+        away = np.abs(frames[near] - frames[t]) / apart
         left[near] *= np.where(away < 0.25, 0.0, 1.0 - np.exp(-away))[:, None]
         gain[near] = left[near].sum(axis=1)
     return chosen
