@@ -13,8 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import Bounds, LinearConstraint, milp
-from scipy.sparse import coo_array, csr_array
+from scipy.sparse import coo_array
 
+from pawnb.core.paws.whole.flow_bounds import useful_links
 from pawnb.core.paws.whole.tracklets import Tracklet
 
 _AT_END = 0.3
@@ -199,8 +200,7 @@ def _solve(
     begins: dict[int, int] = {}
     for i in range(n_pieces, n_nodes):
         begins.setdefault(int(owner[i]), i)
-    columns, rows, values, objective, meaning = [], [], [], [], []
-    count = 0
+    objective, meaning = [], []
     for p in range(n_points):
         own = weight.copy()
         if prior is not None:
@@ -208,50 +208,47 @@ def _solve(
         usable = (owner < 0) | (owner == p)
         ok = usable[tail] & usable[head]
         e = np.flatnonzero(ok)
-        index = count + np.arange(len(e))
-        # flow leaves its tail and enters its head
-        rows += [p * n_nodes + tail[e], p * n_nodes + head[e]]
-        columns += [index, index]
-        values += [np.ones(len(e)), -np.ones(len(e))]
         objective.append(link[e] + own[head[e]])
         meaning.append(np.column_stack([np.full(len(e), p), tail[e], head[e]]))
-        count += len(e)
         ends = np.flatnonzero(usable)
-        index = count + np.arange(len(ends))
-        rows.append(p * n_nodes + ends)
-        columns.append(index)
-        values.append(np.ones(len(ends)))
         left = np.array([n_frames - 1 - nodes[i].last for i in ends.tolist()])
         # the end of the recording may well fall into a gap
         toll = costs.stay * (left - (1.0 - _AT_END) * np.minimum(left, costs.longest_gap / 4))
         objective.append(np.where(left > 0, costs.hide + toll, 0.0))
         meaning.append(np.column_stack([np.full(len(ends), p), ends, np.full(len(ends), -1)]))
-        count += len(ends)
-    A = coo_array(
-        (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))),
-        shape=(n_points * n_nodes, count),
-    ).tocsr()
-    b = np.zeros(n_points * n_nodes)
-    for p, i in begins.items():
-        b[p * n_nodes + i] = 1.0
-    what = np.concatenate(meaning)
-    cost = np.concatenate(objective)
-    enters = np.flatnonzero(what[:, 2] >= 0)
-    single = coo_array(
-        (np.ones(len(enters)), (what[enters, 2], enters)), shape=(n_nodes, count)
-    ).tocsr()
+    what, cost = np.concatenate(meaning), np.concatenate(objective)
     # every anchor must be passed
-    need = np.zeros(n_nodes)
-    need[[i for i in range(n_pieces, n_nodes) if i not in begins.values()]] = 1.0
-    x = _optimum(cost, A, b, single, need)
+    need = np.zeros(n_nodes, bool)
+    need[[i for i in range(n_pieces, n_nodes) if i not in begins.values()]] = True
+    begin = np.array([begins[p] for p in range(n_points)])
+    keep = useful_links(
+        what, cost, np.array([node.first for node in nodes]), begin, need, np.zeros(n_nodes)
+    )
+    what, cost = what[keep], cost[keep]
+    x = _optimum(what, cost, begin, need)
     return _follow(what[x > 0.5], begins, n_points, n_pieces)
 
 
-def _optimum(
-    cost: np.ndarray, A: csr_array, b: np.ndarray, single: csr_array, need: np.ndarray
-) -> np.ndarray:
-    """Return the cheapest whole-numbered flow."""
-    constraints = [LinearConstraint(A, b, b), LinearConstraint(single, need, 1.0)]
+def _optimum(what: np.ndarray, cost: np.ndarray, begin: np.ndarray, need: np.ndarray) -> np.ndarray:
+    """Return the cheapest whole-numbered flow through links (point, from, to), to -1 at the end."""
+    n_nodes, column = len(need), np.arange(len(what))
+    enters = np.flatnonzero(what[:, 2] >= 0)
+    one = np.ones(len(enters))
+    # flow leaves its tail and enters its head
+    leaving, entering = what[:, 0] * n_nodes + what[:, 1], what[:, 0] * n_nodes + what[:, 2]
+    A = coo_array(
+        (
+            np.concatenate([np.ones(len(what)), -one]),
+            (np.concatenate([leaving, entering[enters]]), np.concatenate([column, enters])),
+        ),
+        shape=(len(begin) * n_nodes, len(what)),
+    ).tocsr()
+    b = np.zeros(len(begin) * n_nodes)
+    b[np.arange(len(begin)) * n_nodes + begin] = 1.0
+    single = coo_array((one, (what[enters, 2], enters)), shape=(n_nodes, len(what))).tocsr()
+    constraints = [
+        LinearConstraint(A, b, b), LinearConstraint(single, need.astype(float), 1.0),
+    ]  # fmt: skip
     whole = np.zeros(len(cost))
     answer = milp(cost, constraints=constraints, bounds=Bounds(0, 1), integrality=whole)
     x = answer.x
