@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
+from pawnb.core.compiled import compiled
 from pawnb.core.paws.whole.hypotheses import Places
 
 _ENDS = 6
@@ -157,23 +158,28 @@ def build_tracklets(places: Sequence[Places], linking: Linking) -> list[Tracklet
     return sorted(done, key=lambda piece: piece.first)
 
 
+@compiled
 def _mutual(square: np.ndarray, gate: float = 16.0, clear: float = 5.0) -> np.ndarray:
     """Return for each column the row that it alone belongs to, or -1.
 
     A pair belongs together if each is the other's nearest within ``gate`` and the next
     nearest of either is clearly farther.
     """
-    columns = square.shape[1]
+    rows, columns = square.shape
     taken = np.full(columns, -1)
-    wide = np.pad(square, ((0, 1), (0, 1)), constant_values=np.inf)
     for c in range(columns):
         r = int(np.argmin(square[:, c]))
         best = square[r, c]
         if best > gate or int(np.argmin(square[r])) != c:
             continue
-        beside = np.partition(np.delete(wide[r], c), 0)[0]
-        above = np.partition(np.delete(wide[:, c], r), 0)[0]
-        if min(beside, above) >= min(best + clear, 4.0 * best + 0.3):
+        next_best = np.inf
+        for other in range(columns):
+            if other != c:
+                next_best = min(next_best, square[r, other])
+        for other in range(rows):
+            if other != r:
+                next_best = min(next_best, square[other, c])
+        if next_best >= min(best + clear, 4.0 * best + 0.3):
             taken[c] = r
     return taken
 
