@@ -161,15 +161,9 @@ class Stories:
 
     def stand(self, at: np.ndarray) -> None:
         """Take in a certain place (d,)."""
-        P, d = self.covariance, self.d
-        S = P[:, :d, :d] + np.eye(d) * self.telling.noise**2
-        inverse = np.linalg.inv(S)
-        step = at - self.mean[:, :d]
-        square = np.einsum("bi,bij,bj->b", step, inverse, step)
-        self.cost = self.cost + 0.5 * square + 0.5 * np.log(np.linalg.det(S))
-        K = P[:, :, :d] @ inverse
-        self.mean = self.mean + np.einsum("bij,bj->bi", K, step)
-        self.covariance = P - K @ P[:, :d]
+        self.mean, self.covariance, self.cost = loops.stand(
+            self.mean, self.covariance, self.cost, at, self.telling.noise**2
+        )
 
     def settle(
         self, doubt: Callable[[np.ndarray, np.ndarray], np.ndarray], *, certain: bool = False
@@ -184,16 +178,15 @@ class Stories:
             Whether the frame had a certain place, so that nothing is hidden.
         """
         told, d = self.telling, self.d
-        away = np.linalg.norm(self.mean[:, :d] - self._home, axis=1)
-        self.cost = self.cost + np.where(away > told.reach, _ASTRAY, 0.0)
-        views = (self._taken[:, self.own] >= 0).sum(axis=1)
-        hidden = (views == 0) & (not certain)
+        far = loops.beyond(self.mean[:, :d], self._home, told.reach)
+        self.cost = self.cost + np.where(far, _ASTRAY, 0.0)
+        hidden = np.zeros(len(far), bool)
         if not certain:
-            was = self._hidden[self._origin]
-            part = told.half * (1.0 - views / max(1, int(self.own.sum())))
-            self.cost = self.cost + np.where(
-                hidden, np.where(was, told.stay, told.hide), np.where(was, told.show, 0.0) + part
-            )
+            price, hidden = loops.hiding(
+                self._taken, self.own, self._hidden[self._origin], told.hide, told.stay,
+                told.show, told.half,
+            )  # fmt: skip
+            self.cost = self.cost + price
         self.cost = self.cost + doubt(self.mean[:, :d], self.mean[:, d : 2 * d])
         keep = loops.different(self.mean[:, : 2 * d], self.cost, told.noise, _LAG, told.most)
         self.mean, self.cost = self.mean[keep], self.cost[keep]

@@ -218,6 +218,82 @@ def updated(
 
 
 @compiled
+def stand(
+    mean: np.ndarray, covariance: np.ndarray, cost: np.ndarray, at: np.ndarray, variance: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the stories (mean, covariance, cost) after a place (d,) was seen for certain.
+
+    Its coordinates are independent, so they are taken in one after the other.
+    """
+    n, size = mean.shape
+    mean, covariance, cost = mean.copy(), covariance.copy(), cost.copy()
+    across = np.empty(size)
+    for b in range(n):
+        P = covariance[b]
+        for i in range(len(at)):
+            spread = P[i, i] + variance
+            step = at[i] - mean[b, i]
+            cost[b] += 0.5 * step * step / spread + 0.5 * np.log(spread)
+            across[:] = P[i]
+            for j in range(size):
+                gain = P[j, i] / spread
+                mean[b, j] += gain * step
+                for k in range(size):
+                    P[j, k] -= gain * across[k]
+    return mean, covariance, cost
+
+
+@compiled
+def beyond(x: np.ndarray, home: np.ndarray, reach: float) -> np.ndarray:
+    """Tell which positions (b, d) are farther than ``reach`` from home (d,)."""
+    far = np.empty(len(x), np.bool_)
+    for b in range(len(x)):
+        square = 0.0
+        for i in range(len(home)):
+            square += (x[b, i] - home[i]) ** 2
+        far[b] = square > reach * reach
+    return far
+
+
+@compiled
+def hiding(
+    taken: np.ndarray,
+    own: np.ndarray,
+    was: np.ndarray,
+    hide: float,
+    stay: float,
+    show: float,
+    half: float,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return what being seen and hidden costs each story, and which are hidden.
+
+    Parameters
+    ----------
+    taken : ndarray of int, shape (b, V)
+        Candidate of each view, -1 where none.
+    own : ndarray of bool, shape (V,)
+        Views that track the point.
+    was : ndarray of bool, shape (b,)
+        Stories hidden in the frame before.
+    hide, stay, show, half : float
+        See :class:`~pawnb.core.paws.whole.bridging.Telling`.
+    """
+    price, hidden = np.empty(len(taken)), np.empty(len(taken), np.bool_)
+    most = max(1, own.sum())
+    for b in range(len(taken)):
+        views = 0
+        for v in range(len(own)):
+            if own[v] and taken[b, v] >= 0:
+                views += 1
+        hidden[b] = views == 0
+        if hidden[b]:
+            price[b] = stay if was[b] else hide
+        else:
+            price[b] = (show if was[b] else 0.0) + half * (1.0 - views / most)
+    return price, hidden
+
+
+@compiled
 def different(
     mean: np.ndarray, cost: np.ndarray, grain: float, lag: float, most: int
 ) -> np.ndarray:
