@@ -102,15 +102,16 @@ def add_up(tracks: Tracks, evidence: list[Evidence]) -> np.ndarray:
         What :func:`collect_uncertainty` found.
     """
     total = np.asarray(np.sum([item.score for item in evidence], axis=0))
-    total[np.broadcast_to(~_recognised(tracks).any(axis=1)[:, None], total.shape)] *= _UNSEEN
+    unseen = ~_recognised(tracks).any(axis=1, keepdims=True)
+    total *= np.where(unseen, _UNSEEN, 1.0)
     known = np.isfinite(image_positions(tracks)[..., 0]).any(axis=1)
     if not known.any():
         return np.zeros(total.shape)
-    usual = np.percentile(total.max(axis=1)[known], _ORDINARY_PERCENT)
-    total = np.maximum(total - usual, 0.0)
+    middle, usual = np.percentile(total.max(axis=1)[known], (50.0, _ORDINARY_PERCENT))
+    total = np.maximum(total - usual, 0.0) / max(float(usual - middle), 0.1)
     # who has placed a point in one view has seen to all of it
     by_hand = tracks["image_origin"].isel(individual=0).to_numpy() == ORIGIN_CODE["edited"]
-    total[np.broadcast_to(by_hand.any(axis=1)[:, None], total.shape)] = 0.0
+    total *= ~by_hand.any(axis=1, keepdims=True)
     # in which view it shows best: where the point is seen, and least like itself
     sure = tracks["image_confidence"].isel(individual=0).to_numpy()
     return total * np.where(_recognised(tracks), 1.0 - 1e-3 * sure, 1.0 - 2e-3)
@@ -225,8 +226,8 @@ def off_cycle(tracks: Tracks, rig: Rig | None) -> tuple[np.ndarray, np.ndarray]:
         return away, off
     fps, usually = float(tracks.attrs["fps"]), WholeSettings()
     cycle = learn_cycle(
-        x, follow_body(x, max(1, round(usually.body_s * fps))), axes=axes,
-        frames=(usually.shortest_stride_s * fps, usually.longest_stride_s * fps), noise=usual,
+        x, follow_body(x, max(1, round(2.0 * usually.body_s * fps))), axes=axes,
+        frames=(usually.shortest_stride_s * fps, usually.longest_stride_s * fps), noise=usual / 2.0,
         trust=np.nan_to_num(1.0 / (1.0 + (sd / (_VAGUE * usual)) ** 2)),
     )  # fmt: skip
     if cycle is not None:
