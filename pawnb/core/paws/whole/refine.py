@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.core.paws.whole import refine_loops as loops
 from pawnb.core.paws.whole.cycle import Cycle
 from pawnb.core.paws.whole.gaps import Bridged
 from pawnb.core.paws.whole.geometry import Geometry
@@ -173,30 +174,10 @@ def _associate(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Take for each point and view the candidate where it must be."""
     uv = what.geometry.project(x)
-    away = np.linalg.norm(sights.at - uv[..., None, :], axis=-1) / what.thickness_px[:, None]
     gate = np.minimum(0.7 + 4.0 * spread / what.thickness, 2.5)
-    cost = away + 0.5 * (1.0 - sights.quality[:, None])
-    cost[(away > gate[:, :, None, None]) | ~sights.is_there[:, None]] = np.inf
-    return _take_nearest(cost, sights.at, sights.quality)
-
-
-def _take_nearest(
-    cost: np.ndarray, at: np.ndarray, good: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Give candidates to points, the cheapest pair (n, P, V, most) first, each only once."""
-    n, n_points, n_views, most = cost.shape
-    measured = np.full((n, n_points, n_views, 2), np.nan)
-    quality = np.zeros((n, n_points, n_views))
-    cost = np.moveaxis(cost, 2, 1).copy()
-    for _ in range(min(n_points, most)):
-        pairs = cost.reshape(n, n_views, -1)
-        best = pairs.argmin(axis=-1)
-        t, v = np.nonzero(np.isfinite(pairs.min(axis=-1)))
-        p, i = np.divmod(best[t, v], most)
-        measured[t, p, v], quality[t, p, v] = at[t, p, v, i], good[t, v, i]
-        cost[t, v, p] = np.inf
-        cost[t, v, :, i] = np.inf
-    return measured, quality
+    return loops.take_nearest(
+        uv, gate, sights.at, sights.quality, sights.is_there, what.thickness_px
+    )
 
 
 def _weights(
@@ -219,9 +200,7 @@ def _normal(
     """Return information (n, P, d, d) and target (n, P, d) of the measurements."""
     J = what.geometry.jacobian(x)
     wanted = np.nan_to_num(measured - what.geometry.project(x)) + np.einsum("npvij,npj->npvi", J, x)
-    weighted = weight[..., None, None] * J
-    W = np.einsum("npvik,npvil->npkl", weighted, J, optimize=True)
-    return W, np.einsum("npvik,npvi->npk", weighted, wanted, optimize=True)
+    return loops.normal_equations(np.ascontiguousarray(J), wanted, weight)
 
 
 def _pull(W: np.ndarray, z: np.ndarray, hidden: np.ndarray, cycle: Cycle) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -72,10 +73,19 @@ class Tracklet:
         n = len(part)
         if n == 1:
             return part[0], drift, 1
-        time = np.arange(n) - (0 if head else n - 1)
-        order = 2 if n >= 5 else 1
-        fit = np.polyfit(time, part, order)
-        return fit[-1], fit[-2], n
+        place, speed = _end_weights(n, head) @ part
+        return place, speed, n
+
+
+@functools.cache
+def _end_weights(n: int, head: bool) -> np.ndarray:
+    """Return what each of n places weighs in position and speed (2, n) at one end.
+
+    Those of the straight line of least squares, or of the parabola where there are enough.
+    """
+    time = np.arange(n) - (0 if head else n - 1)
+    powers = time[:, None] ** np.arange(3 if n >= 5 else 2)
+    return np.asarray(np.linalg.pinv(powers)[:2])
 
 
 def find_drift(places: Sequence[Places], *, within: float, longest: float) -> np.ndarray:
