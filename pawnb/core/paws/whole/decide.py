@@ -12,14 +12,17 @@ from pawnb.core.paws.whole.gaps import Known, bridge_gaps
 from pawnb.core.paws.whole.offsets import learn_offsets
 from pawnb.core.paws.whole.paths import PathChoice
 from pawnb.core.paws.whole.refine import Refined, Refinement, refine
-from pawnb.core.paws.whole.scene import Scene
+from pawnb.core.paws.whole.scene import Scene, unclicked_kinds
 from pawnb.core.paws.whole.settings import WholeSettings
 from pawnb.core.paws.whole.sights import read_sights, tracked_points
+from pawnb.core.paws.whole.strangers import with_strangers
 
 _BELIEVED = 0.25
 """Standard deviation, in thicknesses, at which a track is half believed."""
 _LEARNT_FROM = 0.3
 """The same for learning the stride from it."""
+_LEAST_SEEN = 0.3
+"""Strangers that are seen in fewer frames are none."""
 
 
 def decide(
@@ -31,11 +34,14 @@ def decide(
     *,
     fps: float,
     settings: WholeSettings,
+    strangers: bool = True,
 ) -> Refined:
     """Decide where every point was in every frame.
 
-    Paths are chosen among certain pieces and the gaps between them bridged; the stride is
-    learnt from the tracks that this gives, and both are done again with it.
+    Where a view shows paws of the other side that nobody clicked, they are followed too, as
+    strangers, lest they be taken for the points of their kind. Paths are chosen among
+    certain pieces and the gaps between them bridged; the stride is learnt from the tracks
+    that this gives, and both are done again with it.
 
     Parameters
     ----------
@@ -53,6 +59,8 @@ def decide(
         Frames per second.
     settings : WholeSettings
         The settings.
+    strangers : bool
+        Whether to follow paws that nobody clicked.
 
     Returns
     -------
@@ -60,6 +68,10 @@ def decide(
         The tracks.
     """
     thickness_px, facing, distal = scene.thickness_px, layout.facing, scene.distal
+    n_points = len(layout.kinds)
+    extra = unclicked_kinds(layout.kinds) if strangers else []
+    kinds = [*layout.kinds, *extra]
+    certain = np.pad(certain, ((0, 0), (0, len(extra)), (0, 0), (0, 0)), constant_values=np.nan)
     clicked = sorted(np.flatnonzero(np.isfinite(certain[..., 0]).any(axis=(1, 2))).tolist())
     said = {t: found[t] for t in clicked}
     # a view from below shows middles of paws, the others their ends
@@ -67,14 +79,20 @@ def decide(
     kinds_of_view = [
         learn_offsets(
             np.where(alike[:, None], certain[clicked], np.nan), said, thickness_px=thickness_px,
-            facing=facing, distal=distal, kinds=layout.kinds,
+            facing=facing, distal=distal, kinds=kinds,
         )
         for alike in (~below, below)
     ]  # fmt: skip
     offsets = [kinds_of_view[int(one)] for one in below]
     sights = read_sights(found, offsets, thickness_px=thickness_px, facing=facing, distal=distal)
-    paths = PathChoice(found, fixed, scene, fps=fps, settings=settings, kinds=layout.kinds)
-    own = layout.tracked.T
+    paths = PathChoice(found, fixed, scene, fps=fps, settings=settings, kinds=kinds)
+    first = paths.first()
+    if extra and _share_seen(first[:, n_points:]) < _LEAST_SEEN:
+        return decide(
+            found, fixed, certain[:, :n_points], scene, layout, fps=fps, settings=settings,
+            strangers=False,
+        )  # fmt: skip
+    own = with_strangers(layout.tracked, layout.kinds, extra)
     what = Refinement(
         scene.geometry, thickness_px, scene.thickness, paths.manner.acceleration, own,
         np.max([one.unsure for one in offsets], axis=0),
@@ -99,7 +117,7 @@ def decide(
         # what was placed by hand is the tracked point already
         return np.where(by_hand[..., None], places, moved)
 
-    result = settle(Known(tracked(paths.first()), by_hand))
+    result = settle(Known(tracked(first), by_hand))
     for _ in range(settings.looks):
         sd = result.sd.mean(axis=-1) / scene.thickness
         cycle = learn_cycle(
@@ -110,4 +128,12 @@ def decide(
             break
         trust = 1.0 / (1.0 + (sd / _BELIEVED) ** 2)
         result = settle(Known(tracked(paths.again(cycle)), by_hand, result.x, trust, cycle))
-    return result
+    return Refined(
+        result.x[:, :n_points], result.sd[:, :n_points], result.measured[:, :n_points],
+        result.quality[:, :n_points],
+    )  # fmt: skip
+
+
+def _share_seen(x: np.ndarray) -> float:
+    """Return the share of frames with a place, that of the point with the fewest."""
+    return float(np.isfinite(x[..., 0]).mean(axis=0).min())

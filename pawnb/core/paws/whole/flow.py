@@ -118,6 +118,8 @@ class Flow:
         Number of frames.
     costs : FlowCosts
         What paths cost.
+    strangers : int
+        Further points, numbered after the others, that begin nobody knows where.
     """
 
     def __init__(
@@ -126,8 +128,11 @@ class Flow:
         anchors: Mapping[int, Mapping[int, np.ndarray]],
         n_frames: int,
         costs: FlowCosts,
+        *,
+        strangers: int = 0,
     ) -> None:
-        self.n_points = 1 + max(p for here in anchors.values() for p in here)
+        known = 1 + max(p for here in anchors.values() for p in here)
+        self.n_points = known + strangers
         fixed = [
             (p, Tracklet(t, [-2], np.asarray(at, float)[None], np.zeros(1)))
             for t, here in sorted(anchors.items()) for p, at in here.items()
@@ -136,6 +141,11 @@ class Flow:
         self.owner = np.full(len(self.nodes), -1)
         self.owner[len(pieces) :] = [p for p, _ in fixed]
         self.edges = _edges(self.nodes, self.owner, costs)
+        nowhere = np.zeros((1, len(costs.drift)))
+        for p in range(known, self.n_points):
+            self.nodes.append(Tracklet(min(anchors), [-2], nowhere, np.zeros(1)))
+            self.owner = np.append(self.owner, p)
+            self.edges += _first_links(pieces, len(self.nodes) - 1, min(anchors), costs)
         self.size, self.costs = (n_frames, len(pieces)), costs
 
     def assign(self, prior: np.ndarray | None = None) -> list[list[int]]:
@@ -179,6 +189,17 @@ def _edges(
         keep = keep[(np.arange(len(j)) < costs.links) | (owner[j[keep]] >= 0)]
         edges += [(i, int(j[o]), float(cost[o])) for o in keep]
     return edges
+
+
+def _first_links(
+    pieces: Sequence[Tracklet], node: int, start: int, costs: FlowCosts
+) -> list[tuple[int, int, float]]:
+    """Return the links (from, to, cost) of a point that may begin with any early piece."""
+    left = [(i, piece.first - start) for i, piece in enumerate(pieces)]
+    return [
+        (node, i, costs.hide + costs.stay * (frames - 1))
+        for i, frames in left if 0 < frames <= costs.longest_gap
+    ]  # fmt: skip
 
 
 def _solve(

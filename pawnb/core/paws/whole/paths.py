@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
 
 from pawnb.core.paws.whole.candidates import worth
 from pawnb.core.paws.whole.cycle import Cycle
@@ -15,6 +16,7 @@ from pawnb.core.paws.whole.manner import FASTEST, Manner
 from pawnb.core.paws.whole.meetings import cut_meetings
 from pawnb.core.paws.whole.scene import Scene
 from pawnb.core.paws.whole.settings import WholeSettings
+from pawnb.core.paws.whole.strangers import nearer
 from pawnb.core.paws.whole.tracklets import Linking, Tracklet, build_tracklets, find_drift
 
 _LOOKS = 2
@@ -23,6 +25,10 @@ _HABIT = 0.5
 _EXPECTED = 0.3
 """Half a squared standard deviation from where the cycle has a point, for frames that err alike."""
 _FARTHEST = 16.0
+_TOLD_APART = 0.5
+"""Clicks of front and hind paws this many spans apart tell where each usually are."""
+_GOOD = 0.5
+"""Largest cost of a place that tells about it."""
 _MEETING = 3.0
 """Distance, in thicknesses, at which points meet in a picture."""
 
@@ -46,7 +52,8 @@ class PathChoice:
     settings : WholeSettings
         The settings.
     kinds : sequence of str
-        Kind of each point: "front", "hind" or "other".
+        Kind of each point: "front", "hind" or "other". Points after the last that was
+        clicked are strangers: nobody said where they are.
 
     Where a view leads, places lie on its plane and have no heights.
 
@@ -82,6 +89,7 @@ class PathChoice:
             if t == min(fixed):
                 free[:] = False
             places[t] = places[t].take(free)
+        self._usual = where_kinds_are(places, fixed, scene, kinds, self.body_frames)
         self.manner = _manner(places, scene, fps, settings)
         noise, speed = settings.noise * scene.thickness, 0.4 * self.manner.speed
         drift = self.manner.drift
@@ -91,14 +99,16 @@ class PathChoice:
             if piece.cost.mean() < (0.9 if len(piece.picks) > 1 else 0.5)
             and piece.first > min(fixed)
         ]  # fmt: skip
-        if lead is not None or self.shape[2] == 2:
+        self._clicked = 1 + max(p for here in fixed.values() for p in here)
+        strangers = len(kinds) - self._clicked
+        if lead is not None or self.shape[2] == 2 or strangers:
             # in one picture points meet that do not meet in space
             self.pieces = cut_meetings(self.pieces, _MEETING * scene.thickness)
         costs = FlowCosts(
             self.manner.acceleration, noise, speed, drift, settings.hide_cost, settings.stay_cost,
             max(4, round(settings.longest_gap_s * fps)), settings.links,
         )  # fmt: skip
-        self._flow = Flow(self.pieces, fixed, len(found), costs)
+        self._flow = Flow(self.pieces, fixed, len(found), costs, strangers=strangers)
 
     def first(self) -> np.ndarray:
         """Choose by the clicks, then by where points usually are.
@@ -108,15 +118,17 @@ class PathChoice:
         ndarray, shape (n, P, d)
             The chosen places, NaN where hidden.
         """
-        x = self._choose(_start_prior(self.pieces, self.fixed, self.scene, self.kinds))
-        axes = list(self.manner.axes[:-1])
+        x = self._choose(_start_prior(self.pieces, self._usual, self.fixed, self.scene))
+        axes = list(self.manner.axes[:2])
         groups = [self.kinds, [str(p) for p in range(self.shape[1])]][: len(axes)]
         for _ in range(_LOOKS):
             body, span = self.body(x), self.scene.span
             habits = learn_habits(x, body, axes=axes, groups=groups, span=span)
             prior = habit_cost(self.pieces, body, axes=axes, habits=habits, span=span)
             x = self._choose(_HABIT * prior)
-        return x
+        if self._clicked == len(self.kinds):
+            return x
+        return nearer(x, self.fixed, self.scene, self.kinds, self._clicked)
 
     def again(self, cycle: Cycle) -> np.ndarray:
         """Choose by where each point is expected at each moment of the stride.
@@ -198,27 +210,62 @@ def _flat_places(rows: np.ndarray, distal: tuple[float, float]) -> Places:
 
 
 def _start_prior(
-    pieces: Sequence[Tracklet],
-    fixed: Mapping[int, Mapping[int, np.ndarray]],
-    scene: Scene,
-    kinds: Sequence[str],
+    pieces: Sequence[Tracklet], usual: Sequence[np.ndarray], fixed: Fixed, scene: Scene
 ) -> np.ndarray:
-    """Return the cost (P, pieces) of being far from where a point of its kind was clicked."""
-    n_points = len(kinds)
-    cost = np.zeros((n_points, len(pieces)))
-    clicked = [np.stack([h[p] for h in fixed.values() if p in h]) for p in range(n_points)]
-    alike = [
-        np.concatenate([clicked[o] for o in range(n_points) if kinds[o] == kinds[p]]).mean(axis=0)
-        for p in range(n_points)
-    ]
+    """Return the cost (P, pieces) of being far from where a point is before all tracking.
+
+    ``usual`` has for each point where those of its kind are along forward, (n,), or nothing.
+    """
+    cost = np.zeros((len(usual), len(pieces)))
+    clicked = {
+        p: np.mean([h[p] for h in fixed.values() if p in h], axis=0)
+        for p in sorted({p for here in fixed.values() for p in here})
+    }
     across = None if scene.volume is None else scene.volume.across
     for i, piece in enumerate(pieces):
-        for p in range(n_points):
-            if kinds[p] != "other":
-                ahead = np.abs((piece.at - alike[p]) @ scene.forward) / scene.span
+        along = piece.at @ scene.forward
+        for p, expected in enumerate(usual):
+            if len(expected):
+                ahead = np.abs(along - expected[piece.first : piece.last + 1]) / scene.span
                 far = np.maximum(ahead - 0.33, 0.0) / 0.1
                 cost[p, i] += 0.5 * np.minimum(far**2, 6.0).sum()
-            if across is not None:
-                step = (piece.at - clicked[p].mean(axis=0)) @ across
+            if across is not None and p in clicked:
+                step = (piece.at - clicked[p]) @ across
                 cost[p, i] += 0.5 * np.minimum((step / (0.1 * scene.span)) ** 2, 6.0).sum()
     return cost
+
+
+def where_kinds_are(
+    places: Sequence[Places], fixed: Fixed, scene: Scene, kinds: Sequence[str], frames: int
+) -> list[np.ndarray]:
+    """Return where the points of each point's kind are along forward, before all tracking.
+
+    That is where they were clicked. Where front and hind paws were clicked beside each
+    other, it is where the foremost and the hindmost quarter of all places begin, followed
+    over some frames.
+
+    Returns
+    -------
+    list of ndarray, shape (n,)
+        One for each point, empty for a kind of which nothing is known.
+    """
+    n = len(places)
+    clicks = [(kinds[p], float(x @ scene.forward)) for h in fixed.values() for p, x in h.items()]
+    mean = {
+        kind: float(np.mean([at for other, at in clicks if other == kind]))
+        for kind in {kind for kind, _ in clicks}
+    }
+    told = {kind: np.full(n, at) for kind, at in mean.items() if kind != "other"}
+    if {"front", "hind"} <= set(mean) and mean["front"] - mean["hind"] < _TOLD_APART * scene.span:
+        good = [place.at[place.cost < _GOOD] @ scene.forward for place in places]
+        middle = np.array([np.median(one) if len(one) else np.nan for one in good])
+        known = np.flatnonzero(np.isfinite(middle))
+        if len(known):
+            middle = np.interp(np.arange(n), known, middle[known])
+            middle = uniform_filter1d(middle, min(frames, n), mode="nearest")
+            away = np.concatenate([one - at for one, at in zip(good, middle, strict=True)])
+            told = {
+                kind: middle + np.quantile(away, share)
+                for kind, share in (("front", 0.75), ("hind", 0.25))
+            }
+    return [told.get(kind, np.empty(0)) for kind in kinds]

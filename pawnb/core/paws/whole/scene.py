@@ -24,6 +24,8 @@ _BELOW = 0.15
 """Paws may be this much lower than the lowest click, in spans."""
 _BROAD, _BROAD_BELOW = 0.4, 0.7
 """Paws are searched this far to either side, in spans; and in a view from below."""
+_BESIDE, _BESIDE_STRANGE = 0.35, 0.8
+"""Paws are this far to the side of the clicks, in spans; and where one side was not clicked."""
 _AROUND_SHARE = 0.06
 """Side of the square that tells a grey paw's surroundings, as a share of the picture's width."""
 
@@ -128,7 +130,8 @@ def read_scene(
     if layout.rig is not None:
         across = np.cross(up, forward)
         beside = everyone @ across
-        margin = 0.35 * span
+        # the paws of the other side are to be found too, or they are taken for the clicked
+        margin = (_BESIDE_STRANGE if unclicked_kinds(layout.kinds) else _BESIDE) * span
         volume = Volume(
             up, across, (ground - _BELOW * span, ground + settings.height * span),
             (float(beside.min()) - margin, float(beside.max()) + margin),
@@ -139,6 +142,11 @@ def read_scene(
         geometry, placed, span, thickness, thickness_px, looks, regions, distal, up, forward,
         volume, lead,
     )  # fmt: skip
+
+
+def unclicked_kinds(kinds: Sequence[str]) -> list[str]:
+    """Return the kinds of paws of which an animal has one more than was clicked."""
+    return [kind for kind in ("front", "hind") if list(kinds).count(kind) == 1]
 
 
 def move_anchors(scene: Scene, layout: Layout, anchors: Mapping[int, Sequence[Placement]]) -> Scene:
