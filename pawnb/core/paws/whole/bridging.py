@@ -64,7 +64,7 @@ class Telling:
     kick: float
     noise: float
     reach: float
-    kick_cost: float = 3.0
+    kick_cost: float = 2.0
     good: float = 0.15
     bad: float = 0.6
     bad_cost: float = 2.0

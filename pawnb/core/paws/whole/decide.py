@@ -94,7 +94,7 @@ def decide(
         )  # fmt: skip
     own = with_strangers(layout.tracked, layout.kinds, extra)
     what = Refinement(
-        scene.geometry, thickness_px, scene.thickness, paths.manner.acceleration, own,
+        scene.geometry, thickness_px, scene.thickness, paths.manner.jerk, own,
         np.max([one.unsure for one in offsets], axis=0),
     )  # fmt: skip
     by_hand = np.isfinite(certain[..., 0]).any(axis=-1)

@@ -16,7 +16,7 @@ _LEAST = 4
 """Certain stretches shorter than this are told anew too."""
 _BEFORE, _AFTER = 10, 6
 """Certain frames that tell how a stretch begins, and how it ends."""
-_LOOK = 1.6
+_LOOK = 1.1
 _OTHER = 8.0
 """Cost of a candidate that lies where another point is."""
 _BESIDE = 0.35
@@ -106,7 +106,7 @@ def bridge_gaps(
     cost = _candidate_costs(known, is_open, sights, geometry, thickness_px)
     choice = np.full((n, n_points, len(thickness_px)), -1)
     telling = Telling(
-        jerk=0.6 * manner.acceleration, kick=0.4 * manner.speed,
+        jerk=manner.jerk, kick=0.4 * manner.speed,
         noise=0.25 * manner.thickness, reach=1.5 * manner.span,
     )  # fmt: skip
     for p in range(n_points):
@@ -179,7 +179,10 @@ def _candidate_costs(
     explained = np.zeros((n, n_points, *poor.shape[1:]))
     for p in range(n_points):
         away = np.linalg.norm(sights.at[:, p] - uv[:, p, :, None], axis=-1)
+        away = np.where(sights.is_there, away, np.inf)
         near = np.exp(-((away / (_BESIDE * thickness_px[:, None])) ** 2))
+        # one candidate is enough to explain a point
+        near[away > away.min(axis=-1, keepdims=True)] = 0.0
         explained[:, p] = np.where(there[:, p], trust[:, p], 0.0)[:, None, None] * near
     for p in range(n_points):
         others = np.delete(explained, p, axis=1)

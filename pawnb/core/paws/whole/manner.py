@@ -18,6 +18,8 @@ class Manner:
     ----------
     acceleration : float
         Standard deviation of the acceleration.
+    jerk : float
+        Standard deviation of the change of acceleration from frame to frame.
     speed : float
         Speed of the fastest swings.
     drift : ndarray, shape (d,)
@@ -33,6 +35,7 @@ class Manner:
     """
 
     acceleration: float
+    jerk: float
     speed: float
     drift: np.ndarray
     axes: np.ndarray

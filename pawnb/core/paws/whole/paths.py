@@ -183,8 +183,8 @@ def _manner(places: Sequence[Places], scene: Scene, fps: float, settings: WholeS
         axes.insert(1, np.cross(scene.up, scene.forward))
     clicks = np.stack([x for here in scene.anchors.values() for x in here.values()])
     return Manner(
-        settings.acceleration * scene.span / fps**2, speed, drift, np.stack(axes),
-        float((clicks @ scene.up).min()), scene.span, scene.thickness,
+        settings.acceleration * scene.span / fps**2, settings.jerk * scene.span / fps**3, speed,
+        drift, np.stack(axes), float((clicks @ scene.up).min()), scene.span, scene.thickness,
     )  # fmt: skip
 
 

@@ -18,12 +18,10 @@ from pawnb.core.paws.whole.geometry import Geometry
 from pawnb.core.paws.whole.sights import Sights
 from pawnb.core.paws.whole.smoothing import smooth, variances
 
-_ROUNDS = 5
+_ROUNDS = 8
 _BRIDGED = 3
 """Rounds in which open frames keep what was chosen there; then everything is open to all."""
 _STEPS = 2
-_JERK = 0.5
-"""Usual change of the acceleration from frame to frame, in accelerations."""
 _SIGMA = 0.12
 """Standard deviation of a good candidate, in thicknesses."""
 _TAIL = 3.0
@@ -64,8 +62,8 @@ class Refinement:
         Thickness of a paw in each view.
     thickness : float
         The same in space.
-    acceleration : float
-        Standard deviation of the acceleration, length per frame squared.
+    jerk : float
+        Standard deviation of the change of acceleration from frame to frame.
     own : ndarray of bool, shape (P, V)
         Which view tracks which point.
     unsure : ndarray, shape (P,)
@@ -75,7 +73,7 @@ class Refinement:
     geometry: Geometry
     thickness_px: np.ndarray
     thickness: float
-    acceleration: float
+    jerk: float
     own: np.ndarray
     unsure: np.ndarray
 
@@ -112,7 +110,7 @@ def refine(
         The tracks.
     """
     n, n_points, d = start.shape
-    jerk2 = np.full(n, (_JERK * what.acceleration) ** 2)
+    jerk2 = np.full(n, what.jerk**2)
     x, factors = _through_places(start, bridged, what, jerk2)
     spread = np.full((n, n_points), 0.05 * what.thickness)
     by_hand = np.isfinite(certain[..., 0])

@@ -18,6 +18,8 @@ class WholeSettings:
     acceleration : float
         Standard deviation of a paw's acceleration in spans per second squared. A swing
         reaches about twice this.
+    jerk : float
+        Standard deviation of the change of acceleration in spans per second cubed.
     noise : float
         Standard deviation of a place in space, in thicknesses.
     height : float
@@ -40,6 +42,7 @@ class WholeSettings:
     """
 
     acceleration: float = 500.0
+    jerk: float = 100000.0
     noise: float = 0.25
     height: float = 0.3
     hide_cost: float = 3.0

@@ -14,8 +14,8 @@ from pawnb.core.paws.whole.sights import Sights
 FLAT = Geometry(None)
 THICKNESS = np.array([8.0])
 MANNER = Manner(
-    acceleration=1.0, speed=12.0, drift=np.zeros(2), axes=np.array([[1.0, 0.0], [0.0, -1.0]]),
-    ground=-1000.0, span=150.0, thickness=8.0,
+    acceleration=1.0, jerk=0.6, speed=12.0, drift=np.zeros(2),
+    axes=np.array([[1.0, 0.0], [0.0, -1.0]]), ground=-1000.0, span=150.0, thickness=8.0,
 )  # fmt: skip
 
 

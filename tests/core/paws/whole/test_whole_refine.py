@@ -32,7 +32,7 @@ def swing(seed=0):
 def what(**options):
     return Refinement(
         **{"geometry": RIG, "thickness_px": THICKNESS_PX, "thickness": THICKNESS,
-           "acceleration": 0.4, "own": np.ones((2, 3), bool), "unsure": np.zeros(2), **options},
+           "jerk": 0.2, "own": np.ones((2, 3), bool), "unsure": np.zeros(2), **options},
     )  # fmt: skip
 
 
