@@ -169,22 +169,23 @@ def pairs(
     cost = np.empty(n * len(at))
     story = np.empty(n * len(at), np.int64)
     candidate, kind = story.copy(), story.copy()
+    s0, s1, inverse, base = np.empty(kinds), np.empty(kinds), np.empty(kinds), np.empty(kinds)
     count = 0
     for b in range(n):
+        for k in range(kinds):
+            s0[k], s1[k] = S[b, 0, 0] + spread[k], S[b, 1, 1] + spread[k]
+            area = s0[k] * s1[k] - S[b, 0, 1] * S[b, 1, 0]
+            inverse[k], base[k] = 1.0 / area, 0.5 * np.log(area) + extra[k]
+        across = S[b, 0, 1] + S[b, 1, 0]
         for c in range(len(at)):
             du, dv = at[c, 0] - uv[b, 0], at[c, 1] - uv[b, 1]
-            cost[count] = np.inf
+            best = np.inf
             for k in range(kinds):
-                s0, s1 = S[b, 0, 0] + spread[k], S[b, 1, 1] + spread[k]
-                across = S[b, 0, 1] + S[b, 1, 0]
-                area = s0 * s1 - S[b, 0, 1] * S[b, 1, 0]
-                square = (s1 * du * du - across * du * dv + s0 * dv * dv) / area
-                if square <= gate:
-                    own = 0.5 * square + 0.5 * np.log(area) + extra[k]
-                    if own < cost[count]:
-                        cost[count], kind[count] = own, k
-            if cost[count] < np.inf:
-                story[count], candidate[count] = b, c
+                square = (s1[k] * du * du - across * du * dv + s0[k] * dv * dv) * inverse[k]
+                if square <= gate and 0.5 * square + base[k] < best:
+                    best, kind[count] = 0.5 * square + base[k], k
+            if best < np.inf:
+                cost[count], story[count], candidate[count] = best, b, c
                 count += 1
     return cost[:count], story[:count], candidate[:count], kind[:count]
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pawnb.core import dlt
+from pawnb.core.paws.whole import hypotheses_loops as loops
 from pawnb.core.paws.whole.candidates import worth
 from pawnb.core.paws.whole.side_by_side import side_by_side
 
@@ -125,32 +126,12 @@ class Pairing:
         order = np.lexsort((-support, frame))
         frame, xyz, support = frame[order], xyz[order], support[order]
         first = np.searchsorted(frame, np.arange(len(found) + 1))
-        kept = self._distinct(xyz, first)
         cost = 1.5 * np.maximum(0.0, 2.0 - support)
-        return [Places(xyz[own], cost[own]) for own in kept]
-
-    def _distinct(self, xyz: np.ndarray, first: np.ndarray) -> list[np.ndarray]:
-        """Return which hypotheses of each frame are kept: the best ones that lie apart.
-
-        ``first`` (n + 1,) says where in ``xyz`` each frame begins.
-        """
-        count = np.diff(first)
-        free = np.arange(max(1, int(count.max(initial=0)))) < count[:, None]
-        at = np.full((*free.shape, 3), np.inf)
-        at[free] = xyz
-        kept: list[list[int]] = [[] for _ in count]
-        for _ in range(self.most):
-            open_ = np.flatnonzero(free.any(axis=1))
-            if not len(open_):
-                break
-            best = free[open_].argmax(axis=1)
-            for t, b in zip(open_.tolist(), best.tolist(), strict=True):
-                kept[t].append(b)
-            step = at[open_] - at[open_, best][:, None]
-            far = np.sqrt(np.einsum("nki,nki->nk", step, step)) >= self.apart
-            free[open_] &= far
-            free[open_, best] = False
-        return [np.array(own, int) + f for own, f in zip(kept, first[:-1].tolist(), strict=True)]
+        keep = loops.distinct(xyz, first, self.apart, self.most)
+        return [
+            Places(xyz[a:b][keep[a:b]], cost[a:b][keep[a:b]])
+            for a, b in itertools.pairwise(first.tolist())
+        ]
 
     def _meeting(self, rows: np.ndarray, is_there: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return frames (k,) and positions (k, 3) where rays of two views meet."""
@@ -173,29 +154,21 @@ class Pairing:
         self, frame: np.ndarray, xyz: np.ndarray, rows: np.ndarray, is_there: np.ndarray
     ) -> np.ndarray:
         """Return in how many views, softly counted, a candidate lies at each point (k,)."""
+        good = np.stack(
+            [
+                worth(rows[:, v].reshape(-1, rows.shape[-1]), distal).reshape(is_there[:, v].shape)
+                for v, distal in enumerate(self.distal)
+            ],
+            axis=1,
+        )
+        at = np.ascontiguousarray(rows[..., :2])
         uv = dlt.project(self.coefs, xyz)
-        total = np.zeros(len(xyz))
-        for v in range(uv.shape[1]):
-            own = rows[:, v]
-            good = worth(own.reshape(-1, own.shape[-1]), self.distal[v]).reshape(own.shape[:2])
-            best = np.where(is_there[:, v], np.log(good), -np.inf)[frame]
-            scale = 0.6 * self.tolerance_px[v]
-            for c in range(2):
-                best -= ((uv[:, v, c, None] - own[frame, :, c]) / scale) ** 2
-            total += np.exp(best.max(axis=1))
-        return total
+        return loops.support(frame, uv, at, good, is_there, 0.6 * self.tolerance_px)
 
 
 def triangulate(coefs: np.ndarray, uv: np.ndarray) -> np.ndarray:
     """Triangulate (n, V, 2) by the normal equations: quick, for hypotheses only."""
-    L = coefs.T
-    rows = np.concatenate([L[:, 0:3] - uv[..., :1] * L[:, 8:11],
-                           L[:, 4:7] - uv[..., 1:] * L[:, 8:11]], axis=1)  # fmt: skip
-    right = np.concatenate([uv[..., 0] - L[:, 3], uv[..., 1] - L[:, 7]], axis=1)
-    across = rows.transpose(0, 2, 1)
-    N = across @ rows
-    N += np.eye(3) * 1e-12 * np.trace(N, axis1=1, axis2=2)[:, None, None]
-    return np.asarray(np.linalg.solve(N, across @ right[..., None])[..., 0])
+    return loops.triangulate(np.ascontiguousarray(coefs.T), np.ascontiguousarray(uv))
 
 
 def _fundamental(A: np.ndarray, B: np.ndarray) -> np.ndarray:
