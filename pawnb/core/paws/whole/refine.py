@@ -196,9 +196,8 @@ def _normal(
     x: np.ndarray, measured: np.ndarray, weight: np.ndarray, what: Refinement
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return information (n, P, d, d) and target (n, P, d) of the measurements."""
-    J = what.geometry.jacobian(x)
-    wanted = np.nan_to_num(measured - what.geometry.project(x)) + np.einsum("npvij,npj->npvi", J, x)
-    return loops.normal_equations(np.ascontiguousarray(J), wanted, weight)
+    table = np.ascontiguousarray(what.geometry.table.T)
+    return loops.normal_equations(x, measured, weight, table)
 
 
 def _pull(W: np.ndarray, z: np.ndarray, hidden: np.ndarray, cycle: Cycle) -> None:

@@ -62,31 +62,51 @@ def take_nearest(
 
 @compiled
 def normal_equations(
-    J: np.ndarray, wanted: np.ndarray, weight: np.ndarray
+    x: np.ndarray, measured: np.ndarray, weight: np.ndarray, table: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return information (n, P, d, d) and target (n, P, d) of measurements.
 
     Parameters
     ----------
-    J : ndarray, shape (n, P, V, 2, d)
-        Derivatives of image positions.
-    wanted : ndarray, shape (n, P, V, 2)
-        What ``J x`` should be.
+    x : ndarray, shape (n, P, d)
+        Where points are thought to be: image positions are taken as linear about it.
+    measured : ndarray, shape (n, P, V, 2)
+        Image positions, px.
     weight : ndarray, shape (n, P, V)
         Weights, px^-2; 0 where nothing was measured.
+    table : ndarray, shape (V, 11)
+        DLT coefficients of the views.
     """
-    n, n_points, n_views, _, d = J.shape
+    n, n_points, n_views = weight.shape
+    d = x.shape[2]
     W, z = np.zeros((n, n_points, d, d)), np.zeros((n, n_points, d))
+    J = np.empty(d)
     for t in range(n):
         for p in range(n_points):
             for v in range(n_views):
-                w = weight[t, p, v]
-                if w == 0.0:
+                if weight[t, p, v] == 0.0:
                     continue
+                L = table[v]
+                below = 1.0
+                for i in range(d):
+                    below += L[8 + i] * x[t, p, i]
                 for c in range(2):
+                    top = L[4 * c + 3]
                     for i in range(d):
-                        own = w * J[t, p, v, c, i]
-                        z[t, p, i] += own * wanted[t, p, v, c]
-                        for j in range(d):
-                            W[t, p, i, j] += own * J[t, p, v, c, j]
+                        top += L[4 * c + i] * x[t, p, i]
+                    wanted = measured[t, p, v, c] - top / below
+                    for i in range(d):
+                        J[i] = (L[4 * c + i] - top / below * L[8 + i]) / below
+                        wanted += J[i] * x[t, p, i]
+                    add_equation(W[t, p], z[t, p], J, wanted, weight[t, p, v])
     return W, z
+
+
+@compiled
+def add_equation(W: np.ndarray, z: np.ndarray, J: np.ndarray, wanted: float, weight: float) -> None:
+    """Add the equation ``J x = wanted`` to information (d, d) and target (d,)."""
+    for i in range(len(J)):
+        own = weight * J[i]
+        z[i] += own * wanted
+        for j in range(len(J)):
+            W[i, j] += own * J[j]
