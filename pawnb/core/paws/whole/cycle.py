@@ -110,8 +110,9 @@ def learn_cycle(
     explained = 1.0 - np.median(left[seen]) / max(np.median(along[seen] ** 2), 1e-12)
     if total <= 0 or explained < _LEAST_SHARE:
         return None
+    unsure = [_how_unsure(phase, relative[:, p], seen[:, p], *curves[p]) for p in range(x.shape[1])]
     sd = np.stack(
-        [_spread(phase, away[:, p], seen[:, p], curves[p][1], noise) for p in range(x.shape[1])],
+        [_spread(phase, away[:, p], seen[:, p], unsure[p], noise) for p in range(x.shape[1])],
         axis=1,
     )
     return Cycle(mean @ axes + body[:, None], sd, phase, axes, stride)
@@ -159,40 +160,52 @@ def _at(curve: np.ndarray, phase: np.ndarray) -> np.ndarray:
     return np.asarray(curve[a] * (1 - w[:, None]) + curve[b] * w[:, None])
 
 
-def _closed_curve(
-    phase: np.ndarray, x: np.ndarray, seen: np.ndarray, trust: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return the smoothest closed curve (bins, d) through places, and how unsure it is (bins, d).
-
-    The third differences along the curve are kept small; places far from the curve count
-    less and less.
-    """
-    a, b, w = _weights(phase[seen])
-    places = x[seen]
+def _basis(phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return what each bin weighs at some phases (n, bins), and third differences (bins, bins)."""
+    a, b, w = _weights(phase)
     basis = np.zeros((len(a), _BINS))
     rows = np.arange(len(a))
     basis[rows, a] += 1 - w
     basis[rows, b] += w
     eye = np.eye(_BINS)
-    third = np.roll(eye, -2, 1) - 3 * np.roll(eye, -1, 1) + 3 * eye - np.roll(eye, 1, 1)
-    trust = trust[seen]
+    return basis, np.roll(eye, -2, 1) - 3 * np.roll(eye, -1, 1) + 3 * eye - np.roll(eye, 1, 1)
+
+
+def _closed_curve(
+    phase: np.ndarray, x: np.ndarray, seen: np.ndarray, trust: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the smoothest closed curve (bins, d) through places, and what each place weighed.
+
+    The third differences along the curve are kept small; places far from the curve count
+    less and less.
+    """
+    basis, third = _basis(phase[seen])
+    places, trust = x[seen], trust[seen]
     weight = trust
-    stiff = 0.005 * len(a)
+    stiff = 0.005 * len(places)
     for _ in range(4):
-        N = basis.T @ (basis * weight[:, None]) + stiff * (third.T @ third) + 1e-6 * eye
+        N = basis.T @ (basis * weight[:, None]) + stiff * (third.T @ third) + 1e-6 * np.eye(_BINS)
         curve = np.linalg.solve(N, basis.T @ (places * weight[:, None]))
         square = ((places - basis @ curve) ** 2).mean(axis=1)
         scale = max(float(np.median(square)), 1e-12)
         weight = trust / (1.0 + square / (6.0 * scale))
-    scale = np.median((places - basis @ curve) ** 2, axis=0) + 1e-12
+    return curve, weight
+
+
+def _how_unsure(
+    phase: np.ndarray, x: np.ndarray, seen: np.ndarray, curve: np.ndarray, weight: np.ndarray
+) -> np.ndarray:
+    """Return the standard error (bins, d) of a closed curve."""
+    basis, third = _basis(phase[seen])
+    scale = np.median((x[seen] - basis @ curve) ** 2, axis=0) + 1e-12
     # where nothing was seen the curve is only as sure as its usual bends are small
     told = gaussian_filter1d(basis.sum(axis=0), 1.0, mode="wrap") > 1.0
     bend = ((third @ curve) ** 2)[told].mean(axis=0) + 1e-12
     unsure = []
     for s2, j2 in zip(scale, bend, strict=True):
         N = basis.T @ (basis * weight[:, None]) / (_ALIKE * s2) + third.T @ third / j2
-        unsure.append(np.sqrt(np.diag(np.linalg.inv(N + 1e-9 * eye * N.max()))))
-    return curve, np.stack(unsure, axis=1)
+        unsure.append(np.sqrt(np.diag(np.linalg.inv(N + 1e-9 * np.eye(_BINS) * N.max()))))
+    return np.stack(unsure, axis=1)
 
 
 def _correction(

@@ -139,6 +139,7 @@ def _tell(
 ) -> None:
     """Lead stories through a stretch and the certain places after it."""
     end = _edge(is_open[:, point], stretch[1], _AFTER)
+    number = sights.is_there[slice(*stretch)].sum(axis=-1).tolist()
     for t in range(stretch[0], end):
 
         def doubt(x: np.ndarray, speed: np.ndarray, t: int = t) -> np.ndarray:
@@ -151,8 +152,9 @@ def _tell(
         stories.advance()
         if t < stretch[1]:
             for v in range(sights.is_there.shape[1]):
-                here = sights.is_there[t, v]
-                stories.see(v, sights.at[t, point, v, here], cost[t, point, v, here])
+                # those that are there come first
+                k = number[t - stretch[0]][v]
+                stories.see(v, sights.at[t, point, v, :k], cost[t, point, v, :k])
         else:
             stories.stand(known.chosen[t, point])
         stories.settle(doubt, certain=t >= stretch[1])
