@@ -1,0 +1,124 @@
+"""A view from below: spots, places on a plane, heights from the side, and meetings."""
+
+import numpy as np
+import pytest
+
+from pawnb.core.paws.layout import Placement
+from pawnb.core.paws.whole.geometry import Geometry
+from pawnb.core.paws.whole.hypotheses import Volume
+from pawnb.core.paws.whole.lead import Lead, find_lead
+from pawnb.core.paws.whole.meetings import cut_meetings
+from pawnb.core.paws.whole.offsets import Offsets
+from pawnb.core.paws.whole.sights import read_sights
+from pawnb.core.paws.whole.spots import find_spots
+from pawnb.core.paws.whole.tracklets import Tracklet
+
+# the side view is u = x, v = 168 - z; the one from below a perspective u = x / w, v = y / w
+# with w = 1 + 0.001 z, so that its places move when they are lifted
+COEFS = np.zeros((11, 2))
+COEFS[[0, 6, 7], 0] = 1.0, -1.0, 168.0
+COEFS[[0, 5, 10], 1] = 1.0, 1.0, 0.001
+RIG = Geometry(COEFS)
+UP = np.array([0.0, 0.0, 1.0])
+THICKNESS = np.array([12.0, 12.0])
+VOLUME = Volume(UP, np.array([0.0, 1.0, 0.0]), (0.0, 120.0), (0.0, 240.0))
+LEAD = Lead(1, COEFS, VOLUME, 50.0, 12.0, THICKNESS, [(0.7, 0.7), (1.0, 0.0)])
+NOWHERE = Offsets(np.zeros(1), np.zeros(1), np.zeros(1))
+
+
+def rows(*at):
+    """Candidates that look like paws."""
+    table = np.zeros((len(at), 8), np.float32)
+    for row, uv in zip(table, at, strict=True):
+        row[:2], row[2:6] = uv, (3.0, 0.0, 0.0, 4.0)
+    return table
+
+
+def test_a_spot_is_found_at_its_middle_and_judged_by_its_score():
+    v, u = np.mgrid[:60, :80]
+    score = -3.0 + np.zeros((60, 80), np.float32)
+    for (cu, cv), top in (((20.3, 30.0), 9.0), ((60.0, 20.6), 5.0)):
+        score += top * np.exp(-((u - cu) ** 2 + (v - cv) ** 2) / 32.0).astype(np.float32)
+    at, likeness = find_spots(score, 6)
+    order = np.argsort(-likeness)
+    np.testing.assert_allclose(at[order], [[20.3, 30.0], [60.0, 20.6]], atol=0.3)
+    assert len(at) == 2
+    assert 1.0 >= likeness[order][0] > 1.5 * likeness[order][1] > 0.0
+
+
+def test_only_a_view_along_the_vertical_with_every_click_leads():
+    J = RIG.jacobian(np.array([100.0, 100.0, 50.0]))
+    clicks = [Placement(1, p, np.zeros(2), "edited") for p in range(2)]
+    assert find_lead(J, UP, clicks, 2) == 1
+    assert find_lead(J, UP, clicks[:1], 2) is None
+    assert find_lead(J, np.array([0.0, 1.0, 0.0]), clicks, 2) is None
+    assert find_lead(J[1:], UP, [Placement(0, 0, np.zeros(2), "edited")], 1) is None
+
+
+def test_places_lie_on_the_plane_and_are_cheaper_where_the_side_agrees():
+    seen = np.array([150.0, 90.0, 50.0])
+    below = RIG.project(seen)[1]
+    found = [rows(RIG.project(seen)[0]), rows(below, (300.0, 60.0), below + 5.0)]
+    (places,) = LEAD.places([found], 16)
+    # the third spot is nearer to the first than a paw is thick
+    assert len(places.at) == 2
+    np.testing.assert_allclose(places.at @ UP, 50.0)
+    np.testing.assert_allclose(places.at[0], seen, atol=1e-4)
+    assert places.cost[0] < places.cost[1] - 0.3
+
+
+@pytest.mark.parametrize("hidden", [(), range(18, 22)])
+def test_heights_come_from_the_side_view_through_what_is_wrong_there(hidden):
+    n = 40
+    t = np.arange(n)
+    truth = np.column_stack([100.0 + 3.0 * t, 90.0 + 0.0 * t, 50.0 + 30.0 * np.sin(t / 12.0) ** 2])
+    uv = RIG.project(truth)
+    found = []
+    for i in t:
+        side = [] if i in hidden else [uv[i, 0]]
+        # another paw crosses, and something bright stands below the ground
+        side += [(320.0 - 3.0 * i, 100.0), (uv[i, 0, 0], 160.0), (40.0, 90.0)]
+        found.append([rows(*side), rows(uv[i, 1])])
+    sights = read_sights(
+        found, NOWHERE, thickness_px=THICKNESS, facing=(1, 1), distal=[(0.7, 0.7), (1.0, 0.0)]
+    )
+    flat = LEAD.flat(truth)[:, None]
+    assert np.abs(flat[:, 0] - truth).max() > 10.0
+    lifted = LEAD.lift(flat, sights, 1.5)[:, 0]
+    np.testing.assert_allclose(lifted, truth, atol=3.0 if len(hidden) else 0.01)
+
+
+def test_where_no_view_tells_the_height_it_is_that_of_the_ground():
+    truth = np.array([[[100.0, 90.0, 50.0]], [[103.0, 90.0, 50.0]]])
+    found = [[rows(), rows(RIG.project(x[0])[1])] for x in truth]
+    sights = read_sights(
+        found, NOWHERE, thickness_px=THICKNESS, facing=(1, 1), distal=[(0.7, 0.7), (1.0, 0.0)]
+    )
+    np.testing.assert_allclose(LEAD.lift(LEAD.flat(truth), sights, 1.5), truth, atol=1e-6)
+
+
+def test_pieces_are_cut_where_they_meet_and_nowhere_else():
+    frames = np.arange(40)
+    ahead = np.column_stack([frames, 0.0 * frames]).astype(float)
+    back = np.column_stack([40.0 - frames, 1.0 + 0.0 * frames])
+    away = np.column_stack([frames, 100.0 + 0.0 * frames])
+    pieces = [Tracklet(0, list(frames), at, np.zeros(40)) for at in (ahead, back, away)]
+    parts = cut_meetings(pieces, 6.0)
+    # |40 - 2 t| and 1 apart: less than 6 from frame 18 to 22, least at 20
+    assert sorted((p.first, p.last) for p in parts) == sorted(
+        [(0, 17), (18, 19), (20, 22), (23, 39)] * 2 + [(0, 39)]
+    )
+    for part in parts:
+        assert part.picks == list(range(part.first, part.last + 1))
+        assert len(part.at) == len(part.cost) == len(part.picks)
+
+
+def test_a_piece_is_cut_where_another_begins_beside_it():
+    frames = np.arange(20)
+    at = np.column_stack([frames, 0.0 * frames]).astype(float)
+    whole = Tracklet(0, list(frames), at, np.zeros(20))
+    late = Tracklet(9, [0], np.array([[9.0, 5.0]]), np.zeros(1))
+    far = Tracklet(15, [0], np.array([[15.0, 50.0]]), np.zeros(1))
+    parts = cut_meetings([whole, late, far], 6.0)
+    assert (0, 8) in [(p.first, p.last) for p in parts]
+    assert (10, 19) in [(p.first, p.last) for p in parts]

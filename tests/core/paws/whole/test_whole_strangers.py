@@ -1,0 +1,125 @@
+"""Paws of the other side that nobody clicked, followed as points of their own."""
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from pawnb.core.paws.whole import WholeSettings, track_whole
+from pawnb.core.paws.whole.flow import Flow, FlowCosts
+from pawnb.core.paws.whole.geometry import Geometry
+from pawnb.core.paws.whole.paths import PathChoice
+from pawnb.core.paws.whole.scene import Scene, unclicked_kinds
+from pawnb.core.paws.whole.strangers import nearer, with_strangers
+from pawnb.core.paws.whole.tracklets import Tracklet
+from pawnb.core.rig import load_rig
+from pawnb.core.video import open_views
+from pawnb.synthetic import render_mouse_trial
+from pawnb.trial import load_trial
+from pawnb.workflow.evaluation import count_errors
+
+UP, FORWARD = np.array([0.0, -1.0]), np.array([1.0, 0.0])
+COSTS = FlowCosts(0.5, 0.3, 2.0, np.zeros(2), 3.0, 2.0, 30, 16)
+N, STRIDE, SPAN = 240, 32.0, 90.0
+
+
+def piece(path, first, last):
+    frames = np.arange(first, last + 1)
+    return Tracklet(first, list(frames), path[first : last + 1], np.zeros(len(frames)))
+
+
+def walk():
+    """Four paws in a side view (n, 4, 2): near front, near hind, far front, far hind."""
+    phase = (np.arange(N)[:, None] / STRIDE + np.array([0.0, 0.5, 0.5, 0.0])) % 1.0
+    s = np.clip((phase - 0.6) / 0.4, 0.0, 1.0)
+    swing = 10 * s**3 - 15 * s**4 + 6 * s**5
+    ahead = np.where(phase < 0.6, 25 - 50 * phase / 0.6, -25 + 50 * swing)
+    home = np.array([[340.0, 200.0], [260.0, 200.0], [345.0, 190.0], [265.0, 190.0]])
+    return home + np.stack([ahead, -16 * s**2 * (1 - s) ** 2 * 8.0], axis=-1)
+
+
+def scene(truth):
+    return Scene(
+        Geometry(None), {0: {0: truth[0, 0], 1: truth[0, 1]}}, SPAN, 6.0, np.full(1, 6.0), [], [],
+        [(0.7, 0.7)], UP, FORWARD, None,
+    )  # fmt: skip
+
+
+def test_only_kinds_clicked_once_have_strangers():
+    assert unclicked_kinds(["front", "hind"]) == ["front", "hind"]
+    assert unclicked_kinds(["front", "hind", "front", "hind"]) == []
+    assert unclicked_kinds(["hind", "other", "other"]) == ["hind"]
+
+
+def test_strangers_are_seen_by_the_views_of_their_kind():
+    tracked = np.array([[True, False], [True, True]])
+    own = with_strangers(tracked, ("front", "hind"), ["hind"])
+    np.testing.assert_array_equal(own, [[True, True], [False, True], [False, True]])
+
+
+def test_a_stranger_takes_the_pieces_that_are_left_from_anywhere():
+    t = np.arange(40.0)
+    own, other = np.column_stack([t, 0 * t]), np.column_stack([30.0 - t, 0 * t + 5.0])
+    pieces = [piece(own, 1, 39), piece(other, 4, 20), piece(other, 23, 39)]
+    flow = Flow(pieces, {0: {0: own[0]}}, 40, COSTS, strangers=1)
+    assert flow.assign() == [[0], [1, 2]]
+    # without one they stay over
+    assert Flow(pieces, {0: {0: own[0]}}, 40, COSTS).assign() == [[0]]
+
+
+def test_paths_through_the_crossings_of_near_and_far_paws():
+    truth = walk()
+    found = []
+    for at in truth:
+        rows = np.zeros((4, 8), np.float32)
+        rows[:, :2], rows[:, 2:6] = at, (3.0, 4.0, 0.22, 4.0)
+        found.append([rows])
+    setting = scene(truth)
+    kinds = ["front", "hind", "front", "hind"]
+    shares = []
+    for count in (4, 2):
+        paths = PathChoice(
+            found, setting.anchors, setting, fps=250.0, settings=WholeSettings(),
+            kinds=kinds[:count],
+        )  # fmt: skip
+        x = paths.first()[:, :2]
+        seen = np.isfinite(x[..., 0])
+        right = np.linalg.norm(x - truth[:, :2], axis=-1)[seen] < 3.0
+        shares.append((right.mean(), seen.mean()))
+    assert shares[0][0] > 0.97
+    assert shares[0][1] > 0.8
+    assert shares[1][0] < 0.9
+
+
+def test_the_lower_path_of_a_kind_is_that_of_the_clicked_point():
+    truth = walk()
+    changed = truth[:, [2, 1, 0, 3]].copy()
+    kinds = ["front", "hind", "front", "hind"]
+    back = nearer(changed, scene(truth).anchors, scene(truth), kinds, 2)
+    np.testing.assert_array_equal(back[1:], truth[1:])
+    np.testing.assert_array_equal(back[0, :2], truth[0, :2])
+    assert np.isnan(back[0, 2:]).all()
+
+
+@pytest.mark.slow
+def test_one_view_of_a_rendered_mouse_without_a_calibration(tmp_path):
+    trial = load_trial(render_mouse_trial(tmp_path, frames=200, scale=0.35, seed=1))
+    rig = load_rig(trial)
+    assert rig is not None
+    start = pd.read_csv(trial.folder / "start.csv")
+    truth = pd.read_csv(trial.folder / "truth" / "tracks.csv")
+    view = trial.views[0]
+    points = {view.name: view.points}
+    part = replace(trial, views=(view,), calibration=None)
+    with open_views(part) as views:
+        tracks = track_whole(
+            views, start[start["view"] == view.name], rig=None, settings=WholeSettings(),
+            points_by_view=points, fps=trial.fps, frames=(0, 200),
+            facing={view.name: rig.facing(view.name)},
+        )  # fmt: skip
+    # 20 px in a picture 2048 px wide is the evaluation's limit of a wrong label
+    report = count_errors(tracks, truth[truth["view"] == view.name], points_by_view=points,
+                          threshold_px=20 * 0.35, hidden_px=10 * 0.35)  # fmt: skip
+    assert report.share_wrong < 0.12
+    assert report.median_px < 2.0
