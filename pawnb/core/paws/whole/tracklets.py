@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -138,34 +139,64 @@ def build_tracklets(places: Sequence[Places], linking: Linking) -> list[Tracklet
     list of Tracklet
         Pieces in the order of their first frames; no place is in two of them.
     """
-    done: list[Tracklet] = []
-    open_: list[_Chain] = []
-    r, q = linking.noise**2, linking.acceleration**2
-    for t, here in enumerate(places):
+    d = len(linking.drift)
+    ids, n_chains = np.empty(0, int), 0
+    at, speed, var = np.empty((0, d)), np.empty((0, d)), np.empty((0, 3))
+    fresh = np.array([linking.noise**2, 0.0, linking.speed**2])
+    rows = []
+    for here in places:
         good = np.flatnonzero(here.cost <= linking.best_cost)
-        at = here.at[good]
+        ahead, var = at + speed, _predicted(var, linking)
         taken = np.full(len(good), -1)
-        if open_ and len(good):
-            ahead = np.stack([c.at + c.speed for c in open_])
-            var = np.array([c.var for c in open_])
-            p0 = var[:, 0] + 2 * var[:, 1] + var[:, 2] + q / 4
-            square = ((at[None] - ahead[:, None]) ** 2).sum(axis=-1) / (p0 + r)[:, None]
-            square = square + 2.0 * here.cost[good][None]
-            taken = _mutual(square)
-        matched = {int(c): g for g, c in enumerate(taken.tolist()) if c >= 0}
-        following = []
-        for c, chain in enumerate(open_):
-            if c in matched:
-                g = matched[c]
-                chain.add(int(good[g]), at[g], float(here.cost[good[g]]), r, q)
-                following.append(chain)
-            else:
-                done.append(chain.close())
-        for g in np.flatnonzero(taken < 0).tolist():
-            following.append(_Chain(t, int(good[g]), at[g], float(here.cost[good[g]]), r, linking))
-        open_ = following
-    done += [chain.close() for chain in open_]
-    return sorted(done, key=lambda piece: piece.first)
+        if len(ids) and len(good):
+            step = here.at[good][None] - ahead[:, None]
+            square = (step**2).sum(axis=-1) / (var[:, :1] + linking.noise**2)
+            taken = _mutual(square + 2.0 * here.cost[good][None])
+        old, new = np.flatnonzero(taken >= 0), np.flatnonzero(taken < 0)
+        chain = taken[old]
+        gain = var[chain, :2] / (var[chain, :1] + linking.noise**2)
+        step = here.at[good[old]] - ahead[chain]
+        at = np.concatenate([ahead[chain] + gain[:, :1] * step, here.at[good[new]]])
+        speed = np.concatenate(
+            [speed[chain] + gain[:, 1:] * step, np.broadcast_to(linking.drift, (len(new), d))]
+        )
+        var = np.concatenate([_updated(var[chain], gain), np.broadcast_to(fresh, (len(new), 3))])
+        ids = np.concatenate([ids[chain], n_chains + np.arange(len(new))])
+        n_chains += len(new)
+        picks = good[np.concatenate([old, new])]
+        rows.append((ids, picks, here.at[picks], here.cost[picks]))
+    return _pieces(rows, n_chains)
+
+
+def _predicted(var: np.ndarray, linking: Linking) -> np.ndarray:
+    """Return variance of place, covariance, variance of speed (k, 3) one frame later."""
+    v0, v1, v2 = var.T
+    q = linking.acceleration**2
+    return np.column_stack([v0 + 2 * v1 + v2 + q / 4, v1 + v2 + q / 2, v2 + q])
+
+
+def _updated(var: np.ndarray, gain: np.ndarray) -> np.ndarray:
+    """Return the same after a place was taken in with some gains (k, 2)."""
+    keep = 1.0 - gain[:, 0]
+    return np.column_stack([var[:, 0] * keep, var[:, 1] * keep, var[:, 2] - gain[:, 1] * var[:, 1]])
+
+
+def _pieces(
+    rows: Sequence[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]], n_chains: int
+) -> list[Tracklet]:
+    """Gather the pieces from the numbers, picks, positions and costs of every frame."""
+    if not rows:
+        return []
+    ids = np.concatenate([row[0] for row in rows])
+    frame = np.repeat(np.arange(len(rows)), [len(row[0]) for row in rows])
+    order = np.argsort(ids, kind="stable")
+    picks, at, cost = (np.concatenate([row[k] for row in rows])[order] for k in (1, 2, 3))
+    edge = np.searchsorted(ids[order], np.arange(n_chains + 1)).tolist()
+    first = frame[order]
+    return [
+        Tracklet(int(first[a]), picks[a:b].tolist(), at[a:b], cost[a:b])
+        for a, b in itertools.pairwise(edge)
+    ]
 
 
 @compiled
@@ -192,31 +223,3 @@ def _mutual(square: np.ndarray, gate: float = 16.0, clear: float = 5.0) -> np.nd
         if next_best >= min(best + clear, 4.0 * best + 0.3):
             taken[c] = r
     return taken
-
-
-class _Chain:
-    """A piece that still grows, with the state of a constant-velocity filter."""
-
-    def __init__(
-        self, first: int, pick: int, at: np.ndarray, cost: float, r: float, linking: Linking
-    ) -> None:
-        self.first, self.picks, self.places, self.costs = first, [pick], [at], [cost]
-        self.at, self.speed = at.astype(float), np.asarray(linking.drift, dtype=float)
-        self.var = (r, 0.0, linking.speed**2)
-
-    def add(self, pick: int, at: np.ndarray, cost: float, r: float, q: float) -> None:
-        """Take in the place of the next frame."""
-        v0, v1, v2 = self.var
-        p0, p1, p2 = v0 + 2 * v1 + v2 + q / 4, v1 + v2 + q / 2, v2 + q
-        g0, g1 = p0 / (p0 + r), p1 / (p0 + r)
-        ahead = self.at + self.speed
-        step = at - ahead
-        self.at, self.speed = ahead + g0 * step, self.speed + g1 * step
-        self.var = (p0 * (1 - g0), p1 * (1 - g0), p2 - g1 * p1)
-        self.picks.append(pick)
-        self.places.append(at)
-        self.costs.append(cost)
-
-    def close(self) -> Tracklet:
-        """Return the piece as it is."""
-        return Tracklet(self.first, self.picks, np.stack(self.places), np.array(self.costs))
