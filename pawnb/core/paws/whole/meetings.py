@@ -16,7 +16,7 @@ from pawnb.core.paws.whole.tracklets import Tracklet
 
 
 def cut_meetings(pieces: Sequence[Tracklet], apart: float) -> list[Tracklet]:
-    """Cut pieces where they come near each other, or near where another begins or ends.
+    """Cut pieces where they come near each other: at the first, the nearest and the last frame.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def cut_meetings(pieces: Sequence[Tracklet], apart: float) -> list[Tracklet]:
     order = sorted(range(len(pieces)), key=lambda i: pieces[i].first)
     for place, i in enumerate(order):
         for j in order[place + 1 :]:
-            if pieces[j].first > pieces[i].last + 1:
+            if pieces[j].first > pieces[i].last:
                 break
             for one, other in ((i, j), (j, i)):
                 cuts[one].update(_cuts(pieces[one], pieces[other], apart))
@@ -45,21 +45,16 @@ def cut_meetings(pieces: Sequence[Tracklet], apart: float) -> list[Tracklet]:
 def _cuts(one: Tracklet, other: Tracklet, apart: float) -> set[int]:
     """Return the frames with which new parts of ``one`` begin because of ``other``."""
     first, last = max(one.first, other.first), min(one.last, other.last)
+    if first > last:
+        return set()
+    step = one.at[first - one.first : last - one.first + 1]
+    step = step - other.at[first - other.first : last - other.first + 1]
+    away = np.linalg.norm(step, axis=1)
+    near = np.concatenate([[False], away < apart, [False]])
     cuts = set()
-    if first <= last:
-        step = one.at[first - one.first : last - one.first + 1]
-        step = step - other.at[first - other.first : last - other.first + 1]
-        away = np.linalg.norm(step, axis=1)
-        near = np.concatenate([[False], away < apart, [False]])
-        starts, ends = np.flatnonzero(np.diff(near.astype(int))).reshape(-1, 2).T
-        for start, end in zip(starts.tolist(), ends.tolist(), strict=True):
-            nearest = start + int(away[start:end].argmin())
-            cuts |= {first + start, first + nearest, first + end}
-    for frame, at in ((other.first, other.at[0]), (other.last + 1, other.at[-1])):
-        if one.first < frame <= one.last:
-            away_there = float(np.linalg.norm(one.at[frame - one.first] - at))
-            if away_there < apart:
-                cuts.add(frame)
+    for start, end in np.flatnonzero(np.diff(near.astype(int))).reshape(-1, 2).tolist():
+        nearest = start + int(away[start:end].argmin())
+        cuts |= {first + start, first + nearest, first + end}
     return cuts
 
 

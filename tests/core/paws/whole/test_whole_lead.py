@@ -76,8 +76,9 @@ def test_heights_come_from_the_side_view_through_what_is_wrong_there(hidden):
     found = []
     for i in t:
         side = [] if i in hidden else [uv[i, 0]]
-        # another paw crosses, and something bright stands below the ground
-        side += [(320.0 - 3.0 * i, 100.0), (uv[i, 0, 0], 160.0), (40.0, 90.0)]
+        # another paw crosses, and something bright always fits, but below the ground
+        sunk = RIG.project(LEAD.on_plane(uv[i, 1], np.array(20.0)))[0]
+        side += [(320.0 - 3.0 * i, 100.0), sunk, (40.0, 90.0)]
         found.append([rows(*side), rows(uv[i, 1])])
     sights = read_sights(
         found, NOWHERE, thickness_px=THICKNESS, facing=(1, 1), distal=[(0.7, 0.7), (1.0, 0.0)]
