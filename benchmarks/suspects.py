@@ -1,14 +1,16 @@
 """How many of a tracker's errors are in the frames that the suspects point at.
 
 Every trial (a folder with ``truth/tracks.csv`` beside its videos; without any, scenes are
-rendered) is tracked with ``method="paper"``. Errors are runs of wrong frames by the rule of
-:mod:`pawnb.workflow.evaluation`; an error counts as found if one of the frames that were
-looked at, the first 2 % or 5 % of the list, lies within the run or 5 frames of it. Beside
-the suspects stand frames drawn at random, and the most that any choice of as many frames
+rendered) is tracked with the given method. Errors are runs of wrong frames of one point by the
+rule of :mod:`pawnb.workflow.evaluation`. A look is one frame, whatever is wrong in it: of the
+list, the first frames that are different, as many as 2 % or 5 % of the frames of the
+recording. An error counts as found if one of these frames lies within its run or at most 5
+frames before or after it, whichever point was doubted there. The list may be shorter than 5 %.
+Beside the suspects stand frames drawn at random, and the most that any choice of as many frames
 could find (each time the frame with the most errors not found yet), which is the limit
 where a trial has more errors than frames may be looked at.
 
-    python benchmarks/suspects.py [TRIAL ...] [--frames N] [--scale S] [--seeds K]
+    python benchmarks/suspects.py [TRIAL ...] [--method NAME] [--frames N] [--scale S] [--seeds K]
 """
 
 from __future__ import annotations
@@ -39,21 +41,28 @@ COLUMNS = ("errors", "found", "major", "major_found", "random", "limit")
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("trials", nargs="*", type=Path, metavar="TRIAL")
+    parser.add_argument("--method", default="pawnb", help="%(default)s")
     parser.add_argument("--frames", type=int, default=300, help="to render (%(default)s)")
     parser.add_argument("--scale", type=float, default=0.5, help="of 2048 x 700 (%(default)s)")
     parser.add_argument("--seeds", type=int, default=2, help="scenes of each kind (%(default)s)")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         trials = options.trials or render(Path(folder), options)
-        measured = pd.concat([measure(load_trial(path)) for path in trials])
+        measured = pd.concat([measure(load_trial(path), options.method) for path in trials])
     total = measured.groupby("looked_at")[list(COLUMNS)].sum()
     for share, row in total.iterrows():
         print(
             f"all trials, {share:.0%} of frames: {row.found:.0f} of {row.errors:.0f} errors found "
-            f"({row.found / row.errors:.0%}), major {row.major_found:.0f} of {row.major:.0f} "
-            f"({row.major_found / row.major:.0%}); at random {row.random / row.errors:.0%}, "
-            f"the most that can be found {row.limit / row.errors:.0%}"
+            f"({percent(row.found, row.errors)}), major {row.major_found:.0f} of {row.major:.0f} "
+            f"({percent(row.major_found, row.major)}); at random "
+            f"{percent(row.random, row.errors)}, the most that can be found "
+            f"{percent(row.limit, row.errors)}"
         )
+
+
+def percent(part: float, whole: float) -> str:
+    """Write a share, also of nothing."""
+    return f"{part / whole:.0%}" if whole else "none"
 
 
 def render(folder: Path, options: argparse.Namespace) -> Iterator[Path]:
@@ -66,12 +75,12 @@ def render(folder: Path, options: argparse.Namespace) -> Iterator[Path]:
             )  # fmt: skip
 
 
-def measure(trial: Trial) -> pd.DataFrame:
+def measure(trial: Trial, method: str) -> pd.DataFrame:
     """Track one trial and count its errors, all and found, for each share of frames."""
     truth = pd.read_csv(trial.folder / "truth" / "tracks.csv")
     with open_views(trial) as views:
         width = views.readers[views.names[0]].width
-    tracks = track(trial, method="paper", progress=lambda *_: None)
+    tracks = track(trial, method=method, progress=lambda *_: None)
     errors = count_errors(
         tracks, truth, threshold_px=THRESHOLD_PX * width / REFERENCE_WIDTH_PX,
         points_by_view={view.name: view.points for view in trial.views},
