@@ -124,8 +124,9 @@ def write_film(path: Path, pictures: Iterator[np.ndarray], fps: int) -> None:
         stream = container.add_stream("mjpeg" if path.suffix == ".avi" else "mpeg4", rate=fps)
         stream.pix_fmt = "yuvj420p" if path.suffix == ".avi" else "yuv420p"
         stream.bit_rate = 8_000_000
-        for picture in pictures:
-            stream.height, stream.width = picture.shape[:2]
+        for number, picture in enumerate(pictures):
+            if number == 0:
+                stream.height, stream.width = picture.shape[:2]
             for packet in stream.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")):
                 container.mux(packet)
         for packet in stream.encode():
