@@ -188,7 +188,24 @@ def _edges(
         keep = np.argsort(cost - worth[j])
         keep = keep[(np.arange(len(j)) < costs.links) | (owner[j[keep]] >= 0)]
         edges += [(i, int(j[o]), float(cost[o])) for o in keep]
-    return edges
+    return edges + _long_links(nodes, owner, costs)
+
+
+def _long_links(
+    nodes: Sequence[Tracklet], owner: np.ndarray, costs: FlowCosts
+) -> list[tuple[int, int, float]]:
+    """Return links between anchors of a point that are farther apart than a gap may be.
+
+    Without them nothing could be chosen where no piece leads from one to the next.
+    """
+    links = []
+    for p in np.unique(owner[owner >= 0]):
+        own = sorted(np.flatnonzero(owner == p).tolist(), key=lambda i: nodes[i].last)
+        for i, j in zip(own[:-1], own[1:], strict=True):
+            gap = nodes[j].first - nodes[i].last
+            if gap > costs.longest_gap:
+                links.append((i, j, costs.hide + costs.stay * (gap - 1)))
+    return links
 
 
 def _first_links(

@@ -78,3 +78,11 @@ def test_the_drift_is_the_commonest_step():
         places.append(Places(np.vstack([ground, rng.uniform(-50, 50, (2, 2))]), np.zeros(5)))
     drift = find_drift(places, within=0.3, longest=10.0)
     np.testing.assert_allclose(drift, [-1.5, 0.0], atol=0.05)
+
+
+def test_anchors_farther_apart_than_a_gap_may_be_are_both_passed():
+    right, _ = crossing()
+    near = piece(right, 36, 38)
+    costs = FlowCosts(0.5, 0.3, 2.0, np.zeros(2), 3.0, 2.0, 5, 16)
+    flow = Flow([near], {0: {0: right[0]}, 35: {0: right[35]}}, N, costs)
+    assert flow.assign() == [[0]]  # the piece is reached from the second anchor only
