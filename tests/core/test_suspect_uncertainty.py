@@ -47,6 +47,14 @@ def test_a_vague_place():
     assert "only known to 5.2 mm (usually 0.5)" in row["reason"], row["reason"]
 
 
+def test_views_that_disagree_for_a_while():
+    tracks, _ = sure_walk()
+    tracks["residual"].values[100:110, 0, 0] = 4.0
+    row = first_row(tracks)
+    assert 100 <= row["frame"] <= 109
+    assert "the views disagree for a while (by 4.0 px" in row["reason"]
+
+
 def test_a_smooth_step_aside_that_all_views_agree_on():
     tracks, uv = sure_walk()
     aside = 12.0 * np.sin(np.linspace(0, np.pi, 21)) ** 2
