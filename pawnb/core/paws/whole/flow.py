@@ -8,6 +8,7 @@ whole-numbered in practice; where it is not, it is solved again in whole numbers
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -201,7 +202,7 @@ def _long_links(
     links = []
     for p in np.unique(owner[owner >= 0]):
         own = sorted(np.flatnonzero(owner == p).tolist(), key=lambda i: nodes[i].last)
-        for i, j in zip(own[:-1], own[1:], strict=True):
+        for i, j in itertools.pairwise(own):
             gap = nodes[j].first - nodes[i].last
             if gap > costs.longest_gap:
                 links.append((i, j, costs.hide + costs.stay * (gap - 1)))
