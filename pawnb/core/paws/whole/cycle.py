@@ -12,6 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.fft import next_fast_len
 from scipy.ndimage import gaussian_filter1d
 
 _BINS = 48
@@ -124,9 +125,12 @@ def _stride(along: np.ndarray, seen: np.ndarray, frames: tuple[float, float]) ->
     low, high = 1.0 / min(frames[1], n / 2.0), 1.0 / frames[0]
     if low >= high:
         return None
-    frequency = np.arange(low, high, 0.2 / n)
-    wave = np.exp(-2j * np.pi * np.outer(frequency, np.arange(n)))
-    power = (np.abs(wave @ np.where(seen, along, 0.0)) ** 2 / seen.sum(axis=0)).sum(axis=1)
+    # five times as many frequencies as frames tell
+    size = next_fast_len(5 * n)
+    frequency = np.arange(size // 2 + 1) / size
+    wave = np.abs(np.fft.rfft(np.where(seen, along, 0.0), size, axis=0)) ** 2
+    within = (frequency >= low) & (frequency <= high)
+    power = np.where(within, (wave / seen.sum(axis=0)).sum(axis=1), -1.0)
     return float(1.0 / frequency[int(np.argmax(power))])
 
 
