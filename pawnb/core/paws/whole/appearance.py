@@ -24,6 +24,8 @@ _SHIFT = 3
 _ROUNDS = 4
 _REACH = 0.03
 """A paw reaches this far from its click, as a share of the picture's width."""
+_LEARNT_WIDTH = 1024
+"""Larger colour pictures are reduced to about this width before their look is learnt."""
 _WIDE = 0.06
 _LIMIT = 6.0
 """Largest log-likelihood ratio either way: one pixel never decides alone."""
@@ -143,11 +145,15 @@ def learn(
     Appearance
         The learnt look, without a background.
     """
-    is_colour = pictures[0].ndim == 3
+    is_colour, shrink = pictures[0].ndim == 3, 1
     features = _features(is_colour)
-    width = max(picture.shape[1] for picture in pictures)
+    width: float = max(picture.shape[1] for picture in pictures)
     if is_colour:
         parts = [_about(*one, round(_WIDE * width)) for one in zip(pictures, clicks, strict=True)]
+        # noise and fine marks of a large picture would pass for paws and for what is none
+        shrink = max(1, round(width / _LEARNT_WIDTH))
+        width /= shrink
+        parts = [_reduced(*part, shrink) for part in parts]
         pictures, clicks = [part[0] for part in parts], [part[1] for part in parts]
     still = backgrounds or [None] * len(pictures)
     numbers = [bin_numbers(p, around_px, b) for p, b in zip(pictures, still, strict=True)]
@@ -177,7 +183,7 @@ def learn(
         if len(taken) > 9:
             members = taken
     table = np.clip(table - limit, -_LIMIT, _LIMIT).astype(np.float32)
-    return Appearance(table, _thickness(numbers, table, clicks), around_px)
+    return Appearance(table, shrink * _thickness(numbers, table, clicks), around_px)
 
 
 def _about(picture: np.ndarray, clicks: np.ndarray, reach: int) -> tuple[np.ndarray, np.ndarray]:
@@ -186,6 +192,14 @@ def _about(picture: np.ndarray, clicks: np.ndarray, reach: int) -> tuple[np.ndar
     low = np.maximum(np.floor(clicks.min(axis=0)).astype(int) - margin, 0)
     high = np.ceil(clicks.max(axis=0)).astype(int) + margin + 1
     return picture[low[1] : high[1], low[0] : high[0]], clicks - low
+
+
+def _reduced(picture: np.ndarray, clicks: np.ndarray, shrink: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return a picture reduced by a whole number, and clicks in it."""
+    h, w = (side // shrink for side in picture.shape[:2])
+    part = picture[: h * shrink, : w * shrink]
+    small = cv2.resize(part, (w, h), interpolation=cv2.INTER_AREA)
+    return small, (clicks + 0.5) / shrink - 0.5
 
 
 def _even(score: np.ndarray) -> np.ndarray:
