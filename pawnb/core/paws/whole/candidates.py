@@ -21,6 +21,9 @@ from pawnb.core.paws.whole.spots import find_spots
 _SHARE = 0.34
 """Share of mask about a pixel that is neither an end nor further along a limb."""
 
+_LOOKED_AT = 60
+"""Ends in one picture that are looked at closely."""
+
 MOST = 16
 """Candidates kept in one picture."""
 
@@ -86,9 +89,14 @@ def find_candidates(pixels: np.ndarray, origin: tuple[int, int], look: Look) -> 
     v, u = np.divmod(np.flatnonzero(mask & (guarded <= lowest)), score.shape[1])
     # specks are not ends: there must be mask behind
     order = np.argsort(share[v, u])
-    order = order[share[v[order], u[order]] * side * side > 0.25 * r * r][:60]
+    order = order[share[v[order], u[order]] * side * side > 0.25 * r * r]
     u, v = u[order], v[order]
     near = _centres(weight, u, v, r)
+    if len(u) > _LOOKED_AT:
+        # edges of all sorts have thin ends: those that look most like paws are kept, in order
+        promise = _likeness(_mean_score(score, near), share[v, u])
+        best = np.sort(np.argsort(-promise, kind="stable")[:_LOOKED_AT])
+        u, v, near = u[best], v[best], near[best]
     kept = _distinct(near, float(r) * 0.7)
     ends = (near + 0.5) * look.shrink - 0.5 + origin
     if look.limits is not None:
@@ -122,9 +130,14 @@ def worth(rows: np.ndarray, distal: tuple[float, float]) -> np.ndarray:
     cosine = (rows[:, 2:4] @ np.asarray(distal)) / np.maximum(length, 1e-6)
     # an end that points back or up is a heel, an elbow or the tail's
     ahead = np.clip(0.8 + 0.6 * cosine, 0.05, 1.0)
+    return np.asarray(_likeness(rows[:, 5], rows[:, 4]) * ahead)
+
+
+def _likeness(score: np.ndarray, share: np.ndarray) -> np.ndarray:
+    """Return how much a place looks like the end of a paw, wherever it points, 0 to 1."""
     # further along a limb the share is twice that at its end
-    end = 1.0 / (1.0 + np.exp((rows[:, 4] - _SHARE) / 0.03))
-    return np.asarray(np.clip(0.5 * (rows[:, 5] - 0.5), 0.05, 1.0) * ahead * end)
+    end = 1.0 / (1.0 + np.exp((share - _SHARE) / 0.03))
+    return np.asarray(np.clip(0.5 * (score - 0.5), 0.05, 1.0) * end)
 
 
 def _centres(weight: np.ndarray, u: np.ndarray, v: np.ndarray, reach: int) -> np.ndarray:
