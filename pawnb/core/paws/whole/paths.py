@@ -27,6 +27,8 @@ _EXPECTED = 0.3
 _FARTHEST = 16.0
 _TOLD_APART = 0.5
 """Clicks of front and hind paws this many spans apart tell where each usually are."""
+_LOOK_BELOW = 3.0
+"""What a place looks like counts so much more from below, where nothing hides a paw."""
 _GOOD = 0.5
 """Largest cost of a place that tells about it."""
 _MEETING = 3.0
@@ -159,6 +161,9 @@ class PathChoice:
     def _choose(self, prior: np.ndarray | None) -> np.ndarray:
         """Return where the cheapest chains of pieces go."""
         x = np.full(self.shape, np.nan)
+        if self.scene.lead is not None:
+            look = _LOOK_BELOW * np.array([piece.cost.sum() for piece in self.pieces])
+            prior = look + (0.0 if prior is None else prior) + np.zeros((self.shape[1], 1))
         for p, chain in enumerate(self._flow.assign(prior)):
             for i in chain:
                 x[self.pieces[i].first : self.pieces[i].last + 1, p] = self.pieces[i].at
