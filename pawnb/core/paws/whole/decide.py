@@ -29,9 +29,9 @@ def decide(
     found: Sequence[Sequence[np.ndarray]],
     fixed: Mapping[int, Mapping[int, np.ndarray]],
     certain: np.ndarray,
+    *,
     scene: Scene,
     layout: Layout,
-    *,
     fps: float,
     settings: WholeSettings,
     strangers: bool = True,
@@ -89,8 +89,8 @@ def decide(
     first = paths.first()
     if extra and _share_seen(first[:, n_points:]) < _LEAST_SEEN:
         return decide(
-            found, fixed, certain[:, :n_points], scene, layout, fps=fps, settings=settings,
-            strangers=False,
+            found, fixed, certain[:, :n_points], scene=scene, layout=layout, fps=fps,
+            settings=settings, strangers=False,
         )  # fmt: skip
     own = with_strangers(layout.tracked, layout.kinds, extra)
     what = Refinement(

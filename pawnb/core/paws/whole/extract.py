@@ -72,8 +72,8 @@ def make_look(
     appearance: Appearance,
     thickness_px: float,
     distal: tuple[float, float],
-    limits: np.ndarray | None = None,
     *,
+    limits: np.ndarray | None = None,
     is_below: bool = False,
 ) -> Look:
     """Choose the scale of the search: a paw is about six reduced pixels thick."""

@@ -19,9 +19,6 @@ from scipy.sparse import coo_array
 from pawnb.core.paws.whole.flow_bounds import useful_links
 from pawnb.core.paws.whole.tracklets import Tracklet
 
-_AT_END = 0.3
-"""Share of the cost of a frame hidden at the end of the recording."""
-
 
 @dataclass(frozen=True)
 class FlowCosts:
@@ -251,9 +248,7 @@ def _solve(
         meaning.append(np.column_stack([np.full(len(e), p), tail[e], head[e]]))
         ends = np.flatnonzero(usable)
         left = np.array([n_frames - 1 - nodes[i].last for i in ends.tolist()])
-        # the end of the recording may well fall into a gap
-        toll = costs.stay * (left - (1.0 - _AT_END) * np.minimum(left, costs.longest_gap / 4))
-        objective.append(np.where(left > 0, costs.hide + toll, 0.0))
+        objective.append(np.where(left > 0, costs.hide + costs.stay * left, 0.0))
         meaning.append(np.column_stack([np.full(len(ends), p), ends, np.full(len(ends), -1)]))
     what, cost = np.concatenate(meaning), np.concatenate(objective)
     # every anchor must be passed
@@ -261,8 +256,9 @@ def _solve(
     need[[i for i in range(n_pieces, n_nodes) if i not in begins.values()]] = True
     begin = np.array([begins[p] for p in range(n_points)])
     keep = useful_links(
-        what, cost, np.array([node.first for node in nodes]), begin, need, np.zeros(n_nodes)
-    )
+        what, cost, rank=np.array([node.first for node in nodes]), begin=begin, need=need,
+        price=np.zeros(n_nodes),
+    )  # fmt: skip
     what, cost = what[keep], cost[keep]
     x = _optimum(what, cost, begin, need)
     return _follow(what[x > 0.5], begins, n_points, n_pieces)

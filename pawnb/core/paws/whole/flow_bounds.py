@@ -22,6 +22,7 @@ _EXACT = 1e-7
 def useful_links(
     links: np.ndarray,
     cost: np.ndarray,
+    *,
     rank: np.ndarray,
     begin: np.ndarray,
     need: np.ndarray,

@@ -30,13 +30,15 @@ def follow_body(x: np.ndarray, frames: int) -> np.ndarray:
         Frames over which the middle is averaged, about two strides.
     """
     n, n_points, d = x.shape
-    filled = np.empty_like(x)
+    filled = np.full_like(x, np.nan)
     time = np.arange(n)
     for p in range(n_points):
         seen = np.isfinite(x[:, p, 0])
+        if not seen.any():
+            continue  # nobody clicked it and it was never found: it tells nothing
         for c in range(d):
             filled[:, p, c] = np.interp(time, time[seen], x[seen, p, c])
-    middle = filled.mean(axis=1)
+    middle = np.nanmean(filled, axis=1)
     return np.asarray(uniform_filter1d(middle, min(frames, n), axis=0, mode="nearest"))
 
 

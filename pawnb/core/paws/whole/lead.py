@@ -238,7 +238,7 @@ def _likeliest(
 
 
 def find_lead(
-    jacobian: np.ndarray, up: np.ndarray, here: Sequence[Placement], n_points: int
+    jacobian: np.ndarray, up: np.ndarray, here: Sequence[Placement], *, n_points: int
 ) -> int | None:
     """Return the view that leads, or None.
 

@@ -58,6 +58,45 @@ def _cuts(one: Tracklet, other: Tracklet, apart: float) -> set[int]:
     return cuts
 
 
+def cut_takeovers(pieces: Sequence[Tracklet], apart: float, frames: int) -> list[Tracklet]:
+    """Cut pieces where another ends or begins beside them: one point may have taken over.
+
+    Where two paws come together only one of them has a place for a while, and the piece of
+    one may go on as the other. It then has a bend, and there it is cut.
+
+    Parameters
+    ----------
+    pieces : sequence of Tracklet
+        Pieces of path.
+    apart : float
+        Distance at which a piece that ends is beside another.
+    frames : int
+        Frames about the end in which the bend is looked for.
+
+    Returns
+    -------
+    list of Tracklet
+        The parts, in the order of their first frames.
+    """
+    cuts: list[set[int]] = [set() for _ in pieces]
+    first, last = (np.array([getattr(q, end) for q in pieces]) for end in ("first", "last"))
+    for other in pieces:
+        for t, at in ((other.first, other.at[0]), (other.last, other.at[-1])):
+            for i in np.flatnonzero((first < t) & (last > t)).tolist():
+                piece = pieces[i]
+                if piece is other or np.linalg.norm(piece.at[t - piece.first] - at) > apart:
+                    continue
+                low = max(t - frames, piece.first + 1)
+                high = min(t + frames, piece.last - 1)
+                bend = np.linalg.norm(
+                    np.diff(piece.at[low - piece.first - 1 :], n=2, axis=0), axis=1
+                )
+                if high >= low:
+                    cuts[i].add(low + 1 + int(bend[: high - low + 1].argmax()))
+    parts = [part for piece, own in zip(pieces, cuts, strict=True) for part in _split(piece, own)]
+    return sorted(parts, key=lambda piece: piece.first)
+
+
 def _split(piece: Tracklet, cuts: set[int]) -> list[Tracklet]:
     """Return the parts of a piece; new ones begin with the frames of the cuts."""
     inside = sorted(cut - piece.first for cut in cuts if piece.first < cut <= piece.last)

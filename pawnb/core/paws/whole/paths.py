@@ -13,7 +13,7 @@ from pawnb.core.paws.whole.flow import Flow, FlowCosts
 from pawnb.core.paws.whole.habit import follow_body, habit_cost, learn_habits
 from pawnb.core.paws.whole.hypotheses import Pairing, Places
 from pawnb.core.paws.whole.manner import FASTEST, Manner
-from pawnb.core.paws.whole.meetings import cut_meetings
+from pawnb.core.paws.whole.meetings import cut_meetings, cut_takeovers
 from pawnb.core.paws.whole.scene import Scene
 from pawnb.core.paws.whole.settings import WholeSettings
 from pawnb.core.paws.whole.strangers import nearer
@@ -33,6 +33,11 @@ _GOOD = 0.5
 """Largest cost of a place that tells about it."""
 _MEETING = 3.0
 """Distance, in thicknesses, at which points meet in a picture."""
+
+_BESIDE = 4.0
+"""Distance, in thicknesses, at which a piece that ends is beside another."""
+_TAKEOVER_S = 0.03
+"""Time, s, before and after its end in which the other may take over its point."""
 
 Fixed = Mapping[int, Mapping[int, np.ndarray]]
 """Frame to point number to position, certain."""
@@ -91,7 +96,7 @@ class PathChoice:
             if t == min(fixed):
                 free[:] = False
             places[t] = places[t].take(free)
-        self._usual = where_kinds_are(places, fixed, scene, kinds, self.body_frames)
+        self._usual = where_kinds_are(places, fixed, scene, kinds=kinds, frames=self.body_frames)
         self.manner = _manner(places, scene, fps, settings)
         noise, speed = settings.noise * scene.thickness, 0.4 * self.manner.speed
         drift = self.manner.drift
@@ -106,6 +111,10 @@ class PathChoice:
         if lead is not None or self.shape[2] == 2 or strangers:
             # in one picture points meet that do not meet in space
             self.pieces = cut_meetings(self.pieces, _MEETING * scene.thickness)
+        else:
+            self.pieces = cut_takeovers(
+                self.pieces, _BESIDE * scene.thickness, max(3, round(_TAKEOVER_S * fps))
+            )
         costs = FlowCosts(
             self.manner.acceleration, noise, speed, drift, settings.hide_cost, settings.stay_cost,
             max(4, round(settings.longest_gap_s * fps)), settings.links,
@@ -130,7 +139,7 @@ class PathChoice:
             x = self._choose(_HABIT * prior)
         if self._clicked == len(self.kinds):
             return x
-        return nearer(x, self.fixed, self.scene, self.kinds, self._clicked)
+        return nearer(x, self.fixed, self.scene, kinds=self.kinds, clicked=self._clicked)
 
     def again(self, cycle: Cycle) -> np.ndarray:
         """Choose by where each point is expected at each moment of the stride.
@@ -241,7 +250,7 @@ def _start_prior(
 
 
 def where_kinds_are(
-    places: Sequence[Places], fixed: Fixed, scene: Scene, kinds: Sequence[str], frames: int
+    places: Sequence[Places], fixed: Fixed, scene: Scene, *, kinds: Sequence[str], frames: int
 ) -> list[np.ndarray]:
     """Return where the points of each point's kind are along forward, before all tracking.
 

@@ -118,12 +118,14 @@ def read_scene(
     leading = None
     if layout.rig is not None:
         leading = find_lead(
-            geometry.jacobian(middle), up, anchors[min(anchors)], len(layout.points)
+            geometry.jacobian(middle), up, anchors[min(anchors)], n_points=len(layout.points)
         )
     distal = stage.distal(geometry, thickness)
     regions, hulls = stage.search(geometry, layout.sizes, leading)
     looks = [
-        make_look(appearances[v], thickness_px[v], distal[v], hulls[v], is_below=v == leading)
+        make_look(
+            appearances[v], thickness_px[v], distal[v], limits=hulls[v], is_below=v == leading
+        )
         for v in range(len(layout.sizes))
     ]
     volume = lead = None

@@ -31,6 +31,7 @@ def nearer(
     x: np.ndarray,
     fixed: Mapping[int, Mapping[int, np.ndarray]],
     scene: Scene,
+    *,
     kinds: Sequence[str],
     clicked: int,
 ) -> np.ndarray:

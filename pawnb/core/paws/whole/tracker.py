@@ -217,7 +217,7 @@ def _solve(
     for t, here in inside.items():
         for place in here:
             certain[t, place.point, place.view] = place.uv
-    result = decide(found, fixed, certain, scene, layout, fps=fps, settings=settings)
+    result = decide(found, fixed, certain, scene=scene, layout=layout, fps=fps, settings=settings)
     started = np.array([min(t for t, h in fixed.items() if p in h) for p in range(n_points)])
     result.x[np.arange(n)[:, None] < started] = np.nan
     _write(new, begin, result, inside, scene)

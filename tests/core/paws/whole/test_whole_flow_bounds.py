@@ -59,7 +59,9 @@ def test_the_cheapest_paths_are_still_there(seed, n_points, n_nodes, needed):
     expected = cheapest_by_trying_all(rows, cost, begin, need)
     if not np.isfinite(expected):
         return
-    keep = useful_links(rows, cost, np.arange(len(need)), begin, need, np.zeros(len(need)))
+    keep = useful_links(
+        rows, cost, rank=np.arange(len(need)), begin=begin, need=need, price=np.zeros(len(need))
+    )
     x = _optimum(rows[keep], cost[keep], begin, need)
     np.testing.assert_allclose(cost[keep] @ x, expected, atol=1e-6)
 
@@ -71,7 +73,7 @@ def test_most_links_of_a_large_network_are_left_out():
     by_point = np.argsort(rows[:, 0], kind="stable")
     rows, cost = rows[by_point], cost[by_point] + 0.01 * np.arange(len(rows))
     price = np.zeros(len(need))
-    keep = useful_links(rows, cost, np.arange(len(need)), begin, need, price)
+    keep = useful_links(rows, cost, rank=np.arange(len(need)), begin=begin, need=need, price=price)
     assert keep.mean() < 0.5
     best = cost @ _optimum(rows, cost, begin, need)
     again = cost[keep] @ _optimum(rows[keep], cost[keep], begin, need)

@@ -7,7 +7,7 @@ from pawnb.core.paws.layout import Placement
 from pawnb.core.paws.whole.geometry import Geometry
 from pawnb.core.paws.whole.hypotheses import Volume
 from pawnb.core.paws.whole.lead import Lead, find_lead
-from pawnb.core.paws.whole.meetings import cut_meetings
+from pawnb.core.paws.whole.meetings import cut_meetings, cut_takeovers
 from pawnb.core.paws.whole.offsets import Offsets
 from pawnb.core.paws.whole.sights import read_sights
 from pawnb.core.paws.whole.spots import find_spots
@@ -49,10 +49,10 @@ def test_a_spot_is_found_at_its_middle_and_judged_by_its_score():
 def test_only_a_view_along_the_vertical_with_every_click_leads():
     J = RIG.jacobian(np.array([100.0, 100.0, 50.0]))
     clicks = [Placement(1, p, np.zeros(2), "edited") for p in range(2)]
-    assert find_lead(J, UP, clicks, 2) == 1
-    assert find_lead(J, UP, clicks[:1], 2) is None
-    assert find_lead(J, np.array([0.0, 1.0, 0.0]), clicks, 2) is None
-    assert find_lead(J[1:], UP, [Placement(0, 0, np.zeros(2), "edited")], 1) is None
+    assert find_lead(J, UP, clicks, n_points=2) == 1
+    assert find_lead(J, UP, clicks[:1], n_points=2) is None
+    assert find_lead(J, np.array([0.0, 1.0, 0.0]), clicks, n_points=2) is None
+    assert find_lead(J[1:], UP, [Placement(0, 0, np.zeros(2), "edited")], n_points=1) is None
 
 
 def test_places_lie_on_the_plane_and_are_cheaper_where_the_side_agrees():
@@ -123,3 +123,26 @@ def test_a_piece_is_cut_where_another_begins_beside_it():
     parts = cut_meetings([whole, late, far], 6.0)
     assert (0, 8) in [(p.first, p.last) for p in parts]
     assert (10, 19) in [(p.first, p.last) for p in parts]
+
+
+def piece(at):
+    return Tracklet(0, list(range(len(at))), at, np.zeros(len(at)))
+
+
+def test_a_piece_is_cut_where_another_paw_took_it_over():
+    # one paw stands and moves back with the belt; another comes from behind, its own piece
+    # ends in frame 14, and from frame 18 on the first piece follows it a little to the side
+    t = np.arange(40.0)
+    stand = np.column_stack([-t, np.zeros(40)])
+    stand[18:, 1] = 2.0
+    comes = np.column_stack([-40.0 + 2.0 * t, np.full(40, 2.0)])
+    parts = cut_takeovers([piece(stand), piece(comes[:15])], 4.0, 6)
+    assert sorted((part.first, part.last) for part in parts) == [(0, 14), (0, 17), (18, 39)]
+
+
+def test_a_piece_alone_is_not_cut():
+    t = np.arange(40.0)
+    stand = np.column_stack([-t, np.zeros(40)])
+    far = np.column_stack([-t, np.full(40, 30.0)])
+    parts = cut_takeovers([piece(stand), piece(far[:15])], 4.0, 6)
+    assert len(parts) == 2

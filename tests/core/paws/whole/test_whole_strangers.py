@@ -96,7 +96,7 @@ def test_the_lower_path_of_a_kind_is_that_of_the_clicked_point():
     truth = walk()
     changed = truth[:, [2, 1, 0, 3]].copy()
     kinds = ["front", "hind", "front", "hind"]
-    back = nearer(changed, scene(truth).anchors, scene(truth), kinds, 2)
+    back = nearer(changed, scene(truth).anchors, scene(truth), kinds=kinds, clicked=2)
     np.testing.assert_array_equal(back[1:], truth[1:])
     np.testing.assert_array_equal(back[0, :2], truth[0, :2])
     assert np.isnan(back[0, 2:]).all()
