@@ -34,6 +34,7 @@ from typing import NamedTuple
 import av
 import numpy as np
 
+from pawnb.core.paws import Task
 from pawnb.core.paws.whole import tracker as whole_tracker
 from pawnb.core.video import open_views
 from pawnb.io.start import read_start
@@ -157,17 +158,14 @@ def run(trial: Trial, method: str, n_frames: int) -> None:
     start = read_start(trial.path(file), trial)
     with open_views(trial) as views:
         rig = trial_rig(trial, views)
-        run_tracker(
-            method,
-            views,
-            start,
+        task = Task(
             rig=rig,
-            settings=tracker_settings(trial, method=method),
             frames=(0, min(n_frames, views.n_frames)),
             fps=trial.fps,
             points_by_view=points_by_view(trial, start),
             facing=view_facing(trial, rig),
         )
+        run_tracker(method, views, start, task, settings=tracker_settings(trial, method=method))
 
 
 @contextlib.contextmanager

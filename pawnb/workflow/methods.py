@@ -8,7 +8,7 @@ from typing import Any
 
 import pandas as pd
 
-from pawnb.core.paws import PaperSettings, track_paws
+from pawnb.core.paws import PaperSettings, Task, track_paws
 from pawnb.core.paws.whole import WholeSettings, track_whole
 from pawnb.core.paws.whole.store import CandidateStore
 from pawnb.core.video import ViewSet
@@ -105,12 +105,12 @@ def run_tracker(
     method: str,
     views: ViewSet,
     clicks: pd.DataFrame,
+    task: Task,
     *,
     settings: TrackerSettings,
     learn_at: Mapping[str, int] | None = None,
     looked: pd.DataFrame | None = None,
     store: CandidateStore | None = None,
-    **options: Any,
 ) -> Tracks:
     """Track with one of the methods.
 
@@ -122,6 +122,8 @@ def run_tracker(
         The open views.
     clicks : pandas.DataFrame
         Start clicks.
+    task : Task
+        What is to be tracked.
     settings : WholeSettings or PaperSettings
         Settings of that method.
     learn_at : mapping, optional
@@ -129,8 +131,6 @@ def run_tracker(
         learns from every position placed by hand.
     looked, store
         See :func:`pawnb.core.paws.whole.track_whole`; the other methods have no use for them.
-    **options
-        The rest of what :func:`pawnb.core.paws.track_paws` takes.
 
     Returns
     -------
@@ -138,5 +138,5 @@ def run_tracker(
         Tracks.
     """
     if isinstance(settings, WholeSettings):
-        return track_whole(views, clicks, settings=settings, looked=looked, store=store, **options)
-    return track_paws(views, clicks, settings=settings, method=method, learn_at=learn_at, **options)
+        return track_whole(views, clicks, task, settings=settings, looked=looked, store=store)
+    return track_paws(views, clicks, task, settings=settings, method=method, learn_at=learn_at)

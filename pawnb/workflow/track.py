@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from pawnb.core.paws import Task
 from pawnb.core.paws.settings import REFERENCE_WIDTH_PX
 from pawnb.core.paws.stretch import TOLERANCE_PX, keep_untouched
 from pawnb.core.paws.whole.store import CandidateStore
@@ -113,22 +114,8 @@ def track(
         first, last = _frame_range(trial, views, clicks, frames)
         store = _store(trial, method, out, stack)
         with _progress(progress, "tracking") as report:
-            tracks = run_tracker(
-                method,
-                views,
-                clicks,
-                rig=rig,
-                settings=chosen,
-                store=store,
-                points_by_view=points_by_view(trial, clicks),
-                facing=view_facing(trial, rig),
-                frames=(first, last),
-                fps=trial.fps,
-                individual=trial.animal.id,
-                unit=rig.unit if rig is not None else "px",
-                progress=report,
-                stop=asked,
-            )
+            task = _task(trial, rig, clicks, frames=(first, last), progress=report, stop=asked)
+            tracks = run_tracker(method, views, clicks, task, settings=chosen, store=store)
         if stop is None and tracks.sizes["time"] < last - first:
             _tell_interrupted(tracks, first, last)
         if method != METHODS[0]:
@@ -215,34 +202,25 @@ def retrack(
     placed = corrected_points(tracks, frame)
     learnt = _frames_learnt_in(tracks) | (dict.fromkeys(placed, frame) if learn else {})
     clicks = _clicks_of_frame(trial, tracks, frame)
-    options: dict[str, Any] = {"frames": (int(frame), int(known[-1]) + 1), "tracks": tracks}
+    begin = int(frame)
+    old: Tracks | None = tracks
+    kept: dict[str, Any] = {}
     with contextlib.ExitStack() as stack:
         views = stack.enter_context(open_views(trial))
         rig = trial_rig(trial, views, method=method)
         begun = clicks_begun_with(tracks)
         if method == METHODS[0] and begun is not None:
             clicks = clicks_by_hand(trial, tracks)
-            options = {"frames": (int(known[0]), int(known[-1]) + 1)}
+            begin, old = int(known[0]), None
             if not learn:
                 store = reopen_store(trial, results_folder(trial, out))
                 stack.callback(keep_store, store)
-                options |= {"looked": begun, "store": store}
+                kept = {"looked": begun, "store": store}
         with _progress(progress, "tracking again") as report:
+            span = (begin, int(known[-1]) + 1)
+            task = _task(trial, rig, clicks, frames=span, tracks=old, progress=report, stop=stop)
             new = run_tracker(
-                method,
-                views,
-                clicks,
-                rig=rig,
-                settings=settings,
-                points_by_view=points_by_view(trial, clicks),
-                facing=view_facing(trial, rig),
-                fps=trial.fps,
-                individual=trial.animal.id,
-                unit=rig.unit if rig is not None else "px",
-                learn_at=learnt,
-                progress=report,
-                stop=stop,
-                **options,
+                method, views, clicks, task, settings=settings, learn_at=learnt, **kept
             )
         sizes = _sizes(views)
         tolerance = {
@@ -250,7 +228,7 @@ def retrack(
             for name, reader in views.readers.items()
         }
     new = _in_real_units(new, trial, rig)
-    joint = "tracks" not in options
+    joint = old is None
     if joint and new.sizes["time"] < known[-1] + 1 - known[0]:
         return tracks  # stopped: a part of the recording does not decide over the whole
     new = new.isel(time=np.isin(new["frame"], known))
@@ -269,6 +247,19 @@ def retrack(
         start=clicks.to_dict(orient="records"),
     )
     return add_provenance(new, **step)
+
+
+def _task(trial: Trial, rig: Rig | None, clicks: pd.DataFrame, **asked: Any) -> Task:
+    """Return what a tracker is to do, with all that the trial says about it."""
+    return Task(
+        rig=rig,
+        points_by_view=points_by_view(trial, clicks),
+        facing=view_facing(trial, rig),
+        fps=trial.fps,
+        individual=trial.animal.id,
+        unit=rig.unit if rig is not None else "px",
+        **asked,
+    )
 
 
 def _store(

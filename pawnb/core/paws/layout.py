@@ -12,6 +12,7 @@ import pandas as pd
 from pawnb.core import kalman
 from pawnb.core.paws.appearance import Picture
 from pawnb.core.paws.settings import Lengths, PaperSettings, lengths_in_view
+from pawnb.core.paws.task import Task
 from pawnb.core.rig import Rig
 from pawnb.errors import CalibrationError, InputError, did_you_mean
 from pawnb.schema import START_COLUMNS
@@ -114,11 +115,9 @@ class Layout:
 def make_layout(
     views: Views,
     start: pd.DataFrame,
+    task: Task,
     *,
-    rig: Rig | None,
     settings: PaperSettings,
-    points_by_view: Mapping[str, Sequence[str]],
-    facing: Mapping[str, int] | None,
     in_space: bool = True,
 ) -> Layout:
     """Work out the layout of a run from the opened views and the start clicks.
@@ -129,14 +128,10 @@ def make_layout(
         The opened views.
     start : DataFrame
         Clicks: frame, view, point, u, v.
-    rig : Rig, optional
-        The calibration; it may hold further views.
+    task : Task
+        What is to be tracked; the rig may hold further views.
     settings : PaperSettings
         The settings.
-    points_by_view : mapping
-        Points that each view tracks; a view that is absent or has none tracks every point.
-    facing : mapping, optional
-        +1 or -1 for views where it is known.
     in_space : bool
         Whether to predict in space where there is a rig.
 
@@ -152,7 +147,7 @@ def make_layout(
     CalibrationError
         If the rig lacks a view.
     """
-    names = tuple(views.names)
+    names, points_by_view, rig = tuple(views.names), task.points_by_view, task.rig
     for name in points_by_view:
         if name not in names:
             raise InputError(
@@ -187,7 +182,7 @@ def make_layout(
         tracked=np.array([[p in (points_by_view.get(n) or points) for p in points] for n in names]),
         sizes=sizes,
         lengths=tuple(lengths_in_view(settings, width) for width, _ in sizes),
-        facing=_facings(names, points, start, rig, settings, facing or {}),
+        facing=_facings(names, points, start, rig, settings, task.facing or {}),
         weights=tuple(settings.weights(p) for p in points),
         kinds=tuple(settings.kind(p) for p in points),
         settings=settings,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pandas as pd
@@ -19,8 +19,8 @@ from pawnb.core.paws.layout import (
 from pawnb.core.paws.run import Run
 from pawnb.core.paws.settings import PaperSettings
 from pawnb.core.paws.stretch import keep_rows
+from pawnb.core.paws.task import Task
 from pawnb.core.paws.template import DEFAULT_TEMPLATE, load_template
-from pawnb.core.rig import Rig
 from pawnb.errors import InputError
 from pawnb.schema import START_COLUMNS, Tracks, check_columns, make_tracks
 
@@ -31,20 +31,11 @@ PAPER_METHODS = ("slic-2d", "slic-3d", "paper")
 def track_paws(
     views: Views,
     start: pd.DataFrame,
+    task: Task,
     *,
-    rig: Rig | None,
     settings: PaperSettings,
     method: str = "paper",
-    points_by_view: Mapping[str, Sequence[str]],
-    facing: Mapping[str, int] | None = None,
-    frames: tuple[int, int],
-    fps: float,
-    individual: str = "animal",
-    unit: str = "px",
-    tracks: Tracks | None = None,
     learn_at: Mapping[str, int] | None = None,
-    progress: Callable[[int, int], None] | None = None,
-    stop: Callable[[], bool] | None = None,
 ) -> Tracks:
     """Track points by superpixels and Kalman filters, and through collisions by a template.
 
@@ -64,52 +55,32 @@ def track_paws(
         Clicks with columns frame, view, point, u, v (px); one frame or more. A second
         start frame gives new colours, and velocities where it is the next frame. A
         point that is not clicked in a view is hidden there; see ``settings.hidden``.
-    rig : Rig, optional
-        The calibrated views. Without it each view is tracked by itself.
+    task : Task
+        What is to be tracked. Without a rig each view is tracked by itself, and ``position``
+        is x = u, y = v, in px, of the first view in which the point was clicked. Where
+        nothing tells which way the animal faces, the seventh feature is left out. With
+        tracks to go on from, every state is made anew from the rows before the first frame
+        and from the positions in it. Points put in place by hand there are tracked on, each
+        to the next frame in which it was put in place by hand, or to where it has met the
+        old track; other points and all other rows stay as they are. Where none was put in
+        place there, all are tracked to the end, and positions placed by hand in later
+        frames hold. ``start`` need only have points that the tracks lack.
     settings : PaperSettings
         The settings.
     method : {"paper", "slic-3d", "slic-2d"}
         ``"slic-3d"`` does nothing about collisions (the paper's SLIC + 3D); ``"slic-2d"``
         predicts in each view by itself as well (SLIC + 2D), and the rig only gives the
         positions in space afterwards.
-    points_by_view : mapping
-        Points that each view tracks; none listed means every point.
-    facing : mapping, optional
-        +1 or -1 where the animal faces right or left in a view; default by the rig's
-        forward direction, else by the clicks of front and hind points. Where it stays
-        unknown the seventh feature is left out.
-    frames : tuple of int
-        First frame and one past the last. Tracking begins with the first start frame;
-        frames before it stay missing.
-    fps : float
-        Frames per second.
-    individual : str
-        The animal's id.
-    unit : str
-        Unit of the rig's space; without a rig ``position`` is x = u, y = v, in px, of the
-        first view in which the point was clicked.
-    tracks : Tracks, optional
-        Tracks to go on from: rows before ``frames[0]`` are kept, and every state is made
-        anew from them and from the positions in ``frames[0]``. Points put in place by hand
-        there are tracked on, each to the next frame in which it was put in place by hand,
-        or to where it has met the old track; other points and all other rows stay as they
-        are. Where none was put in place there, all are tracked to the end, and positions
-        placed by hand in later frames hold. ``start`` need only have points that
-        ``tracks`` lack.
     learn_at : mapping, optional
-        With ``tracks``: point to the frame, in which it was put in place by hand, whose
+        With tracks to go on from: point to the frame, in which it was put in place by hand, whose
         colour is its initial colour from then on. The paper keeps that of the start
         unless the user asks for a new one.
-    progress : callable, optional
-        ``progress(done, total)`` after each frame.
-    stop : callable, optional
-        Asked before each frame; when it answers True, what is done is returned (and with
-        ``tracks``, later rows stay as they were).
 
     Returns
     -------
     xarray.Dataset
-        Tracks of ``frames``. ``origin`` is ``edited`` for a clicked position, ``measured``
+        Tracks of the frames asked for; where it was stopped while going on from tracks,
+        later rows stay as they were. ``origin`` is ``edited`` for a clicked position, ``measured``
         for a superpixel or a triangulated position, ``resolved`` for a superpixel that was
         found during a collision or taken to undo a jump, ``predicted`` where the filter or
         the template alone says it, else ``missing``. ``image_confidence`` is the fused score
@@ -130,21 +101,14 @@ def track_paws(
     if method not in PAPER_METHODS:
         raise InputError(f"unknown method {method!r}; expected {', '.join(PAPER_METHODS)}.")
     check_columns(start, START_COLUMNS, where="the start points")
-    _check_frames(frames, views.n_frames)
-    layout = make_layout(
-        views,
-        start,
-        rig=rig,
-        settings=settings,
-        points_by_view=points_by_view,
-        facing=facing,
-        in_space=method != "slic-2d",
-    )
+    task.check_frames(views.n_frames)
+    layout = make_layout(views, start, task, settings=settings, in_space=method != "slic-2d")
     collisions = None
     if method == "paper":
         template = load_template(settings.template or DEFAULT_TEMPLATE)
-        collisions = Collisions(layout, template, fps=fps)
+        collisions = Collisions(layout, template, fps=task.fps)
     run = Run(layout, collisions=collisions)
+    frames, tracks = task.frames, task.tracks
     if tracks is None:
         check_every_point_started(start, layout)
         plan = Plan(read_start(start, layout, frames))
@@ -152,7 +116,7 @@ def track_paws(
     else:
         first = frames[0]
         plan = prepare_again(run, views, start, tracks=tracks, first=first, learn_at=learn_at)
-    results = _run(run, views, plan, (first, frames[1]), progress=progress, stop=stop)
+    results = _run(run, views, plan, first, task)
     done = first + len(results)
     rows = np.arange(frames[0], done)
     if tracks is not None:
@@ -161,11 +125,11 @@ def track_paws(
     new = make_tracks(
         rows,
         layout.points,
-        fps=fps,
+        fps=task.fps,
         views=layout.views,
-        space=("x", "y") if rig is None else ("x", "y", "z"),
-        individual=individual,
-        unit="px" if rig is None else unit,
+        space=("x", "y") if task.rig is None else ("x", "y", "z"),
+        individual=task.individual,
+        unit="px" if task.rig is None else task.unit,
     )
     begin = int(np.searchsorted(rows, first))
     _write(new, results, begin)
@@ -177,29 +141,12 @@ def track_paws(
     return keep_rows(tracks, new, ~again)
 
 
-def _check_frames(frames: tuple[int, int], n_frames: int) -> None:
-    """Check the range of frames against the recording."""
-    if not 0 <= frames[0] < frames[1] <= n_frames:
-        raise InputError(
-            f"frames {frames[0]} to {frames[1] - 1} are to be tracked, but the views have "
-            f"frames 0 to {n_frames - 1}; choose a range within."
-        )
-
-
-def _run(
-    run: Run,
-    views: Views,
-    plan: Plan,
-    frames: tuple[int, int],
-    *,
-    progress: Callable[[int, int], None] | None,
-    stop: Callable[[], bool] | None,
-) -> list[FrameResult]:
-    """Go through the frames; return a result for each one done."""
+def _run(run: Run, views: Views, plan: Plan, first: int, task: Task) -> list[FrameResult]:
+    """Go through the frames from the first on; return a result for each one done."""
     results: list[FrameResult] = []
-    total = frames[1] - frames[0]
-    for i, pictures in views.frames(*frames):
-        if stop is not None and stop():
+    total, progress = task.frames[1] - first, task.progress
+    for i, pictures in views.frames(first, task.frames[1]):
+        if task.stop is not None and task.stop():
             break
         known = plan.enter(run, i)
         if known is None:

@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from pawnb.core.paws import PaperSettings, track_paws
+from pawnb.core.paws import PaperSettings, Task, track_paws
 from pawnb.core.paws.collisions import Collisions
 from pawnb.core.paws.layout import make_layout
 from pawnb.core.paws.template import KindTemplate, StrideTemplate
@@ -49,14 +49,14 @@ def walk(scene, n=90, *, apart=45.0, amplitude=30.0):
 
 
 def collisions_of(scene, *, settings=SETTINGS, facing=1, points=None):
-    layout = make_layout(
-        scene,
-        scene.clicks(),
+    task = Task(
+        frames=(0, scene.n_frames),
+        fps=FPS,
         rig=scene.rig,
-        settings=settings,
         points_by_view=points or {},
         facing={"cam1": facing, "cam2": facing},
     )
+    layout = make_layout(scene, scene.clicks(), task, settings=settings)
     return Collisions(layout, TEMPLATE, fps=FPS)
 
 
@@ -234,10 +234,9 @@ def test_front_and_hind_paw_of_one_side_only(make_scene):
     clicks = scene.clicks(
         leave_out=[("cam1", "FL"), ("cam1", "HL"), ("cam2", "FR"), ("cam2", "HR")]
     )
-    layout = make_layout(
-        scene, clicks, rig=None, settings=SETTINGS, points_by_view=own,
-        facing={"cam1": 1, "cam2": 0},
-    )  # fmt: skip
+    facing = {"cam1": 1, "cam2": 0}
+    task = Task(frames=(0, 1), fps=FPS, points_by_view=own, facing=facing)
+    layout = make_layout(scene, clicks, task, settings=SETTINGS)
     assert Collisions(layout, TEMPLATE, fps=FPS).pairs == ((0, 0, 1),)
     alone = make_scene(("front", "hindleft"))
     assert collisions_of(alone).pairs == ((0, 0, 1), (1, 0, 1))
@@ -317,11 +316,10 @@ def crossing_scene(make_scene, n=110):
     return scene, gap, ~np.isin(t, hidden)
 
 
-def run(scene, *, rig="own", **options):
-    return track_paws(
-        scene, scene.clicks(), rig=scene.rig if rig == "own" else rig, settings=SETTINGS,
-        points_by_view={}, frames=(0, scene.n_frames), fps=FPS, unit="mm", **options,
-    )  # fmt: skip
+def run(scene, *, method="paper", **options):
+    asked = {"rig": scene.rig, "frames": (0, scene.n_frames), **options}
+    task = Task(fps=FPS, unit="mm", **asked)
+    return track_paws(scene, scene.clicks(), task, settings=SETTINGS, method=method)
 
 
 def image_path(tracks):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pawnb.core.paws import PaperSettings, track_paws
+from pawnb.core.paws import PaperSettings, Task, track_paws
 from pawnb.core.paws.stretch import MET_FRAMES, Stretch, keep_untouched
 from pawnb.schema import ORIGIN_CODE, make_tracks
 
@@ -14,11 +14,10 @@ SETTINGS = PaperSettings(scale=0.4, min_paw_area_px=300)
 VARIABLES = ("position", "image_position", "origin", "image_origin", "image_confidence", "residual")
 
 
-def run(scene, **options):
-    return track_paws(
-        scene, scene.clicks(), rig=scene.rig, settings=SETTINGS, points_by_view={},
-        fps=250.0, unit="mm", **{"frames": (0, scene.n_frames), **options},
-    )  # fmt: skip
+def run(scene, *, learn_at=None, **options):
+    asked = {"frames": (0, scene.n_frames), **options}
+    task = Task(fps=250.0, unit="mm", rig=scene.rig, **asked)
+    return track_paws(scene, scene.clicks(), task, settings=SETTINGS, learn_at=learn_at)
 
 
 def spoil(tracks, point, rows, uv=(20.0, 20.0)):

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pawnb.core.paws import PaperSettings, track_paws
+from pawnb.core.paws import PaperSettings, Task, track_paws
 from pawnb.core.paws.again import prepare_again
 from pawnb.core.paws.hidden import find_hidden
 from pawnb.core.paws.layout import make_layout, read_start
@@ -23,18 +23,16 @@ MISSING, MEASURED, PREDICTED, EDITED = (
 )
 
 
-def track(scene, *, start=None, rig="own", settings=SETTINGS, frames=None, **options):
-    options.setdefault("points_by_view", {})
-    return track_paws(
-        scene,
-        scene.clicks() if start is None else start,
-        rig=scene.rig if rig == "own" else rig,
-        settings=settings,
-        frames=frames or (0, scene.n_frames),
-        fps=250.0,
-        unit="mm",
-        **options,
-    )
+def track(scene, *, start=None, settings=SETTINGS, method="paper", learn_at=None, **options):
+    asked = {"rig": scene.rig, "frames": (0, scene.n_frames), **options}
+    task = Task(fps=250.0, unit="mm", **asked)
+    clicks = scene.clicks() if start is None else start
+    return track_paws(scene, clicks, task, settings=settings, method=method, learn_at=learn_at)
+
+
+def layout_of(scene, clicks, *, settings=SETTINGS):
+    task = Task(frames=(0, scene.n_frames), fps=250.0, rig=scene.rig)
+    return make_layout(scene, clicks, task, settings=settings)
 
 
 def image_error(tracks, scene):
@@ -169,9 +167,7 @@ def test_second_start_frame_gives_a_velocity_unless_it_is_a_jump(make_scene, jum
     """1.6 px a frame is a velocity; twelve times that, beyond half a half window, is not."""
     scene = make_scene()
     clicks = scene.clicks()
-    layout = make_layout(
-        scene, clicks, rig=scene.rig, settings=SETTINGS, points_by_view={}, facing=None
-    )
+    layout = layout_of(scene, clicks)
     run = Run(layout)
     for i, frame in enumerate((0, jump)):
         placed = read_start(scene.clicks(frame), layout, (0, 25))[frame]
@@ -189,9 +185,7 @@ def test_second_start_frame_gives_a_velocity_unless_it_is_a_jump(make_scene, jum
 def test_filters_are_taken_over_the_rows_before_a_corrected_frame(make_scene):
     scene = make_scene()
     clicks = scene.clicks()
-    layout = make_layout(
-        scene, clicks, rig=scene.rig, settings=SETTINGS, points_by_view={}, facing=None
-    )
+    layout = layout_of(scene, clicks)
     first, second = Run(layout), Run(layout)
     for i in range(12):
         first.step(scene.frame(i), read_start(clicks, layout, (0, 25))[0] if i == 0 else [])
@@ -209,10 +203,8 @@ def test_a_hidden_point_is_not_taken_for_its_neighbour(make_scene, reach_px, oth
     scene = make_scene(("HR", "FR"), angles=(-30, 0, 30))
     scene.uv[0, 2, 1] = scene.uv[0, 2, 0] + [15.0, 0.0]
     scene.hidden = {(0, "cam3", "HR")}
-    layout = make_layout(
-        scene, scene.clicks(), rig=scene.rig, points_by_view={}, facing=None,
-        settings=dataclasses.replace(SETTINGS, hidden_distance_px=reach_px),
-    )  # fmt: skip
+    settings = dataclasses.replace(SETTINGS, hidden_distance_px=reach_px)
+    layout = layout_of(scene, scene.clicks(), settings=settings)
     run, pictures = Run(layout), scene.frame(0)
     run.learn(pictures, read_start(scene.clicks(), layout, (0, 1))[0])
     uv = scene.uv[0].copy()
@@ -439,9 +431,7 @@ def test_retracking_from_a_frame_without_tracks_is_refused(make_scene):
 def test_three_best_superpixels_are_kept_best_first(make_scene):
     scene = make_scene()
     clicks = scene.clicks()
-    layout = make_layout(
-        scene, clicks, rig=scene.rig, settings=SETTINGS, points_by_view={}, facing=None
-    )
+    layout = layout_of(scene, clicks)
     run = Run(layout)
     run.step(scene.frame(0), read_start(clicks, layout, (0, 1))[0])
     assert run.detections == {}

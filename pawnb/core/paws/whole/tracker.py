@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pandas as pd
@@ -16,13 +16,13 @@ from pawnb.core.paws.layout import (
     read_start,
 )
 from pawnb.core.paws.settings import PaperSettings
+from pawnb.core.paws.task import Task
 from pawnb.core.paws.whole.decide import decide
 from pawnb.core.paws.whole.extract import extract
 from pawnb.core.paws.whole.refine import Refined
 from pawnb.core.paws.whole.scene import Scene, move_anchors, read_scene
 from pawnb.core.paws.whole.settings import WholeSettings
 from pawnb.core.paws.whole.store import CandidateStore
-from pawnb.core.rig import Rig
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE, START_COLUMNS, Tracks, check_columns, make_tracks
 
@@ -30,20 +30,11 @@ from pawnb.schema import ORIGIN_CODE, START_COLUMNS, Tracks, check_columns, make
 def track_whole(
     views: Views,
     start: pd.DataFrame,
+    task: Task,
     *,
-    rig: Rig | None,
     settings: WholeSettings,
-    points_by_view: Mapping[str, Sequence[str]],
-    facing: Mapping[str, int] | None = None,
-    frames: tuple[int, int],
-    fps: float,
-    individual: str = "animal",
-    unit: str = "px",
-    tracks: Tracks | None = None,
     looked: pd.DataFrame | None = None,
     store: CandidateStore | None = None,
-    progress: Callable[[int, int], None] | None = None,
-    stop: Callable[[], bool] | None = None,
 ) -> Tracks:
     """Track points by deciding over the whole recording.
 
@@ -59,36 +50,18 @@ def track_whole(
         The opened views.
     start : DataFrame
         Clicks with columns frame, view, point, u, v (px); one frame or more.
-    rig : Rig, optional
-        The calibrated views. Without it there must be one view.
+    task : Task
+        What is to be tracked. Without a rig there must be one view. With tracks to go on
+        from, positions in the first frame, and positions placed by hand in it or later,
+        are certain.
     settings : WholeSettings
         The settings.
-    points_by_view : mapping
-        Points that each view tracks; none listed means every point.
-    facing : mapping, optional
-        +1 or -1 where the animal faces right or left in a view.
-    frames : tuple of int
-        First frame and one past the last. Tracking begins with the first start frame;
-        frames before it stay missing.
-    fps : float
-        Frames per second.
-    individual : str
-        The animal's id.
-    unit : str
-        Unit of the rig's space.
-    tracks : Tracks, optional
-        Tracks to go on from: rows before ``frames[0]`` are kept; positions in
-        ``frames[0]``, and positions placed by hand in it or later, are certain.
     looked : DataFrame, optional
         Earlier clicks, columns as ``start``, that say what paws look like and how large
         the animal is: where tracks are gone on from, those that they were begun with.
         Candidates are then the same as theirs, from the first of these frames on.
     store : CandidateStore, optional
         Where candidates are kept: frames found there are not decoded again.
-    progress : callable, optional
-        ``progress(done, total)`` after each frame.
-    stop : callable, optional
-        Asked before each frame; when it answers True, the frames done so far are tracked.
 
     Returns
     -------
@@ -110,20 +83,14 @@ def track_whole(
         If the rig lacks a view.
     """
     check_columns(start, START_COLUMNS, where="the start points")
-    if not 0 <= frames[0] < frames[1] <= views.n_frames:
-        raise InputError(
-            f"frames {frames[0]} to {frames[1] - 1} are to be tracked, but the views have "
-            f"frames 0 to {views.n_frames - 1}; choose a range within."
-        )
+    task.check_frames(views.n_frames)
+    frames, tracks, rig = task.frames, task.tracks, task.rig
     if rig is None and len(views.names) > 1:
         raise InputError(
             f"{len(views.names)} views and no calibration; this method joins views in space: "
             "calibrate them, or keep one view."
         )
-    layout = make_layout(
-        views, start, rig=rig, settings=PaperSettings(), points_by_view=points_by_view,
-        facing=facing,
-    )  # fmt: skip
+    layout = make_layout(views, start, task, settings=PaperSettings())
     clicks, anchors = _placements(start, layout, frames, tracks)
     first = min(anchors)
     begin = first
@@ -134,10 +101,10 @@ def track_whole(
         scene = move_anchors(scene, layout, anchors)
     else:
         scene = read_scene(views, layout, clicks, anchors=anchors, settings=settings)
-    total = frames[1] - begin
+    total, progress = frames[1] - begin, task.progress
     found = extract(
         views, (begin, frames[1]), looks=scene.looks, regions=scene.regions, store=store,
-        progress=None if progress is None else lambda done: progress(done, total), stop=stop,
+        progress=None if progress is None else lambda done: progress(done, total), stop=task.stop,
     )[first - begin :]  # fmt: skip
     rows = np.arange(frames[0], first + len(found))
     kept = np.empty(0, int)
@@ -146,14 +113,14 @@ def track_whole(
         kept = known[(known < frames[0]) | (known >= first + len(found))]
         rows = np.sort(np.concatenate([kept, rows]))
     new = make_tracks(
-        rows, layout.points, fps=fps, views=layout.views,
-        space=("x", "y") if rig is None else ("x", "y", "z"), individual=individual,
-        unit="px" if rig is None else unit,
+        rows, layout.points, fps=task.fps, views=layout.views,
+        space=("x", "y") if rig is None else ("x", "y", "z"), individual=task.individual,
+        unit="px" if rig is None else task.unit,
     )  # fmt: skip
     new["sd"] = new["position"].copy()
     if found:
         row = int(np.searchsorted(rows, first))
-        _solve(new, row, found, scene, layout, anchors, first, fps, settings)
+        _solve(new, row, found, scene, layout, anchors, first, task.fps, settings)
     if tracks is not None:
         new = _keep_rows(tracks, new, kept)
     return new

@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from pawnb.core.paws import Task
 from pawnb.core.paws.whole import WholeSettings, track_whole
 from pawnb.core.rig import load_rig
 from pawnb.core.video import open_views
@@ -44,10 +45,8 @@ def test_grey_paws_in_a_side_view_and_a_mirror(real_data):
     )  # fmt: skip
     marks = read_marks(folder / "manual_paws.csv")
     with open_views(trial) as views:
-        tracks = track_whole(
-            views, marks[marks["frame"] == 0], rig=load_rig(trial), settings=WholeSettings(),
-            points_by_view={}, frames=(0, views.n_frames), fps=250.0,
-        )  # fmt: skip
+        task = Task(rig=load_rig(trial), frames=(0, views.n_frames), fps=250.0)
+        tracks = track_whole(views, marks[marks["frame"] == 0], task, settings=WholeSettings())
     image = tracks["image_position"].isel(individual=0).swap_dims(time="frame")
     for mark in marks[marks["frame"] > 0].itertuples():
         uv = image.sel(frame=mark.frame, view=mark.view, keypoint=mark.point).to_numpy()

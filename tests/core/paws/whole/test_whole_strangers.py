@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from pawnb.core.paws import Task
 from pawnb.core.paws.whole import WholeSettings, track_whole
 from pawnb.core.paws.whole.flow import Flow, FlowCosts
 from pawnb.core.paws.whole.geometry import Geometry
@@ -113,11 +114,10 @@ def test_one_view_of_a_rendered_mouse_without_a_calibration(tmp_path):
     points = {view.name: view.points}
     part = replace(trial, views=(view,), calibration=None)
     with open_views(part) as views:
-        tracks = track_whole(
-            views, start[start["view"] == view.name], rig=None, settings=WholeSettings(),
-            points_by_view=points, fps=trial.fps, frames=(0, 200),
-            facing={view.name: rig.facing(view.name)},
-        )  # fmt: skip
+        facing = {view.name: rig.facing(view.name)}
+        task = Task(points_by_view=points, fps=trial.fps, frames=(0, 200), facing=facing)
+        clicks = start[start["view"] == view.name]
+        tracks = track_whole(views, clicks, task, settings=WholeSettings())
     # 20 px in a picture 2048 px wide is the evaluation's limit of a wrong label
     report = count_errors(tracks, truth[truth["view"] == view.name], points_by_view=points,
                           threshold_px=20 * 0.35, hidden_px=10 * 0.35)  # fmt: skip

@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from pawnb.core.paws import Task
 from pawnb.core.paws.whole import WholeSettings, track_whole
 from pawnb.core.rig import load_rig
 from pawnb.core.video import open_views
@@ -22,12 +23,12 @@ def scene(tmp_path_factory):
 
 
 def run(trial, start, **options):
+    task = Task(
+        rig=load_rig(trial), points_by_view={view.name: view.points for view in trial.views},
+        fps=trial.fps, unit="mm", **{"frames": (0, 24), **options},
+    )  # fmt: skip
     with open_views(trial) as views:
-        return track_whole(
-            views, start, rig=load_rig(trial), settings=WholeSettings(),
-            points_by_view={view.name: view.points for view in trial.views},
-            fps=trial.fps, unit="mm", **{"frames": (0, 24), **options},
-        )  # fmt: skip
+        return track_whole(views, start, task, settings=WholeSettings())
 
 
 def distances(tracks, truth, trial):
