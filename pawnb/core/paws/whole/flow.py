@@ -40,9 +40,6 @@ class FlowCosts:
         Frames after which a point must have come out again.
     links : int
         Pieces considered after each piece.
-    at_end : float
-        Share of the cost of a frame that is left for the first hidden frames at the end of
-        the recording, of which a quarter of the longest gap may be.
     """
 
     acceleration: float
@@ -53,7 +50,6 @@ class FlowCosts:
     stay: float
     longest_gap: int
     links: int
-    at_end: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -252,10 +248,7 @@ def _solve(
         meaning.append(np.column_stack([np.full(len(e), p), tail[e], head[e]]))
         ends = np.flatnonzero(usable)
         left = np.array([n_frames - 1 - nodes[i].last for i in ends.tolist()])
-        # the end of the recording may well fall into a gap
-        spared = (1.0 - costs.at_end) * np.minimum(left, costs.longest_gap / 4)
-        toll = costs.stay * (left - spared)
-        objective.append(np.where(left > 0, costs.hide + toll, 0.0))
+        objective.append(np.where(left > 0, costs.hide + costs.stay * left, 0.0))
         meaning.append(np.column_stack([np.full(len(ends), p), ends, np.full(len(ends), -1)]))
     what, cost = np.concatenate(meaning), np.concatenate(objective)
     # every anchor must be passed

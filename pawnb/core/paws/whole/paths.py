@@ -36,9 +36,6 @@ _MEETING = 3.0
 
 _BESIDE = 4.0
 """Distance, in thicknesses, at which a piece that ends is beside another."""
-_AT_END = 0.3
-"""Share of the cost of hidden frames at the end where one picture is all there is: there
-other paws hide them more often."""
 _TAKEOVER_S = 0.03
 """Time, s, before and after its end in which the other may take over its point."""
 
@@ -121,7 +118,6 @@ class PathChoice:
         costs = FlowCosts(
             self.manner.acceleration, noise, speed, drift, settings.hide_cost, settings.stay_cost,
             max(4, round(settings.longest_gap_s * fps)), settings.links,
-            _AT_END if self.shape[2] == 2 else 1.0,
         )  # fmt: skip
         self._flow = Flow(self.pieces, fixed, len(found), costs, strangers=strangers)
 

