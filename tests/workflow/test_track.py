@@ -51,7 +51,7 @@ def test_the_default_follows_every_paw_through_the_recording(rendered_trial):
     tracks = track(rendered_trial)
     truth = pd.read_csv(rendered_trial / "truth" / "tracks.csv")
     report = count_errors(tracks, truth, threshold_px=4.0)
-    assert report.share_wrong < 0.1
+    assert report.share_wrong < 0.05
     assert report.share_missing == 0
     assert report.median_px < 0.6
 

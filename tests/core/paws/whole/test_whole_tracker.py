@@ -52,9 +52,8 @@ def test_visible_paws_are_found_and_clicks_are_kept(scene):
     check_tracks(tracks)
     assert done == [(i + 1, 24) for i in range(24)]
     away = distances(tracks, truth, trial)
-    # 20 px in a picture 2048 px wide is the evaluation's limit of a wrong label; a recording
-    # this short ends while paws are hidden, which leaves a few labels without support
-    assert np.mean(away < 20 * 0.35) > 0.9
+    # 20 px in a picture 2048 px wide is the evaluation's limit of a wrong label
+    assert np.mean(away < 20 * 0.35) > 0.95
     assert np.median(away) < 2.0
     for click in start.itertuples():
         here = tracks.sel(view=click.view, keypoint=click.point).isel(time=0, individual=0)
