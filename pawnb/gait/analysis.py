@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -17,7 +17,8 @@ from pawnb.gait.feet import (
     dropped_table,
 )
 from pawnb.gait.grid import Grid, put_on_grid
-from pawnb.gait.legs import default_pairs, find_leg_place, sort_legs
+from pawnb.gait.leg_names import guess_legs
+from pawnb.gait.legs import default_pairs, sort_legs
 from pawnb.gait.paths import get_foot_paths
 from pawnb.gait.phases import build_phases, summarise_phases
 from pawnb.gait.strides import Motion, build_strides, choose_stride_event
@@ -81,7 +82,8 @@ def analyse(
         Gives animal, name, belt speed, body points, direction and names of legs.
     legs : sequence of str or mapping, optional
         Points that are feet, or names of legs to names of points. Default: the trial's
-        ``[tracks] legs``, else every point with the name of a leg (FR, L1, RH, ...).
+        ``[tracks] legs``, else guessed (:func:`~pawnb.gait.leg_names.guess_legs`), which a
+        note says.
     pairs : sequence of (leg, reference), optional
         Pairs whose phase is measured; default
         :func:`~pawnb.gait.legs.default_pairs`.
@@ -122,7 +124,13 @@ def analyse(
                 who={"animal": animal, "trial": trial.name if trial is not None else "trial"},
             )
         )  # fmt: skip
-    return pool(parts)
+    tables = pool(parts)
+    told = legs is not None or (trial is not None and trial.tracks_legs)
+    if not told and any(leg != point for leg, point in named.items()):
+        guess = ", ".join(f"{leg} is {point!r}" for leg, point in named.items())
+        note = f"legs were guessed from the names of points: {guess}; say others with legs."
+        tables = replace(tables, notes=(note, *tables.notes))
+    return tables
 
 
 def analyse_events(
@@ -251,7 +259,7 @@ def _choose_legs(
         # readers may have given the points the names of the legs already
         named = {leg: leg if leg in points else point for leg, point in found.items()}
     else:
-        named = {p: p for p in points if find_leg_place(p) is not None}
+        named = guess_legs(points)
     if not named:
         raise InputError(
             f"{where}: none of the points {', '.join(points)} is named like a leg (FR, HR, FL, "

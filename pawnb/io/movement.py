@@ -2,13 +2,14 @@
 
 movement's releases differ in how they name two dimensions: ``keypoints`` and
 ``individuals`` in some, ``keypoint`` and ``individual`` in others. Both are read, and
-either can be made. movement itself is not needed here.
+either can be made. movement itself is only needed to read other programs' files.
 """
 
 from __future__ import annotations
 
 import json
-from typing import Literal
+from pathlib import Path
+from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
@@ -42,6 +43,55 @@ def is_movement(dataset: xr.Dataset) -> bool:
     if any(name in dataset.dims for name in _SINGULAR):
         return True
     return "origin" not in dataset and "frame" not in dataset.coords
+
+
+def load_with_movement(
+    loader: str, path: str | Path, *, fps: float, program: str, **options: Any
+) -> xr.Dataset:
+    """Read another program's file with movement.
+
+    Parameters
+    ----------
+    loader : str
+        A function of ``movement.io.load_poses``.
+    path : str or Path
+        The file.
+    fps : float
+        Frames per second of the recording.
+    program : str
+        Who made the file, for messages.
+    **options
+        Further options of the loader.
+
+    Returns
+    -------
+    xarray.Dataset
+        movement's poses dataset.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, or movement cannot read it.
+    """
+    # imported here: movement takes seconds to import, and most runs read no foreign file
+    from loguru import logger
+    from movement.io import load_poses
+
+    path = Path(path)
+    if not path.is_file():
+        raise InputError(f"{path}: no such file.")
+    logger.disable("movement")  # what it would log is said by the sentence below
+    try:
+        dataset: xr.Dataset = getattr(load_poses, loader)(path, fps=fps, **options)
+    except (OSError, ValueError, KeyError, TypeError, IndexError, AttributeError) as error:
+        reason = " ".join(str(error).split())
+        raise InputError(
+            f"{path.name}: cannot be read as a file of {program} ({reason}); expected the file as "
+            f"{program} writes it."
+        ) from None
+    finally:
+        logger.enable("movement")
+    return dataset
 
 
 def to_movement(tracks: Tracks, *, dims: Literal["plural", "singular"] = "plural") -> xr.Dataset:

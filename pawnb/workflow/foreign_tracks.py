@@ -10,6 +10,7 @@ from pawnb.core.reconstruct import triangulate_tracks
 from pawnb.core.rig import Rig
 from pawnb.errors import InputError
 from pawnb.io import authors2019, native
+from pawnb.io.formats import read_any_tracks, recognise_format
 from pawnb.schema import Tracks
 from pawnb.trial import Trial
 
@@ -23,9 +24,10 @@ def read_foreign_tracks(trial: Trial) -> Tracks:
     Parameters
     ----------
     trial : Trial
-        ``[tracks] file`` is a ``tracks.nc`` (ours or movement's), a ``tracks.csv``, or one of
-        the four files of a trial of the 2019 authors (``cam1.f.<trial>.csv``), which are
-        triangulated with the DLT of ``[calibration]``, itself in the authors' own pixels.
+        ``[tracks] file`` is a ``tracks.nc`` (ours or movement's), a ``tracks.csv``, a file of
+        DeepLabCut, SLEAP, Anipose or DLTdv (see :mod:`pawnb.io.formats`), or one of the four
+        files of a trial of the 2019 authors (``cam1.f.<trial>.csv``), which are triangulated
+        with the DLT of ``[calibration]``, itself in the authors' own pixels.
 
     Returns
     -------
@@ -49,21 +51,18 @@ def read_foreign_tracks(trial: Trial) -> Tracks:
         coefs = authors2019.read_authors_dlt(trial.path(trial.calibration.dlt))
         rig = Rig(authors2019.VIEWS, coefs, unit=trial.calibration.unit)
         return triangulate_tracks(tracks, rig, max_residual_px=MAX_RESIDUAL_PX)
-    if path.suffix in {".nc", ".h5"}:
-        return native.read_tracks(path, fps=trial.fps)
-    if path.suffix == ".csv":
+    unit = trial.calibration.unit if trial.calibration else None
+    program = recognise_format(path)
+    if program == "csv":
         points3d = path.with_name("points3d.csv")
         return native.read_tracks_table(
             path,
             fps=trial.fps,
             points3d=points3d if points3d.exists() else None,
-            unit=trial.calibration.unit if trial.calibration else "px",
+            unit=unit or "px",
             individual=trial.animal.id,
         )
-    raise InputError(
-        f"{path}: not a format that is read here; expected tracks.nc, tracks.csv, or the csv "
-        "files of the 2019 authors (cam1.f.<trial>.csv)."
-    )
+    return read_any_tracks(path, fps=trial.fps, program=program, unit=unit)
 
 
 def read_belt(path: str | Path) -> pd.DataFrame:

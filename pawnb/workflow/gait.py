@@ -14,9 +14,10 @@ from pawnb import gait
 from pawnb.errors import InputError
 from pawnb.gait import GaitTables
 from pawnb.io import native
+from pawnb.io.formats import OWN_FORMATS, read_any_tracks, recognise_format
 from pawnb.io.tables import read_cells, read_numbers, write_table
 from pawnb.schema import Tracks, check_columns
-from pawnb.trial import Trial, load_trial
+from pawnb.trial import Animal, Trial, load_trial
 from pawnb.workflow.foreign_tracks import read_foreign_tracks
 from pawnb.workflow.provenance import build_step, file_checksum, write_provenance
 from pawnb.workflow.results import (
@@ -110,8 +111,9 @@ def run_gait(
     Parameters
     ----------
     inputs : sequence of str or Path
-        Trials (``trial.toml`` or its folder), results folders, files of tracks, or
-        ``events.csv`` scored by hand. They are pooled by the animal's id.
+        Trials (``trial.toml`` or its folder), results folders, files of tracks (also those of
+        DeepLabCut, SLEAP, Anipose, DLTdv; without a trial the file's name is the animal's id),
+        or ``events.csv`` scored by hand. They are pooled by the animal's id.
     out : str or Path, optional
         Folder to write; default ``results`` beside a single trial, the folder of a
         single results or tracks file, and ``results`` in the current folder for several.
@@ -198,15 +200,14 @@ def read_source(path: str | Path, *, fps: float | None = None) -> GaitSource:
         )
     if path.suffix == ".toml":
         return _read_trial(load_trial(path))
-    if path.suffix in {".nc", ".h5"}:
-        tracks = native.read_tracks(path)
-        trial = described_trial(tracks, where=str(path), folder=path.parent)
-        return GaitSource(path, path.parent, tracks=tracks, trial=trial)
-    if path.suffix == ".csv":
-        return _read_csv(path, fps)
-    raise InputError(
-        f"{path}: expected trial.toml, tracks.nc, tracks.csv, points3d.csv or events.csv."
-    )
+    if path.suffix == ".csv" and "event" in read_cells(path, ()):
+        return _read_events(path, fps)
+    program = recognise_format(path)
+    tracks = read_any_tracks(path, fps=fps, program=program)
+    trial = described_trial(tracks, where=str(path), folder=path.parent)
+    if trial is None and program not in OWN_FORMATS:
+        trial = _foreign_trial(tracks, path)
+    return GaitSource(path, path.parent, tracks=tracks, trial=trial)
 
 
 def _read_trial(trial: Trial) -> GaitSource:
@@ -221,22 +222,31 @@ def _read_trial(trial: Trial) -> GaitSource:
     return GaitSource(path, out, tracks=native.read_tracks(path), trial=trial)
 
 
-def _read_csv(path: Path, fps: float | None) -> GaitSource:
-    """Read a csv: events, or one of our tables of tracks."""
-    cells = read_cells(path, ())
-    if "event" in cells:
-        check_columns(cells, ("leg", "event"), where=str(path))
-        events = cells.copy()
-        for name in ("frame", "time_s"):
-            if name in events:
-                events[name] = read_numbers(cells, name, where=str(path), empty=True)
-        if "time_s" not in events:
-            check_columns(cells, ("frame",), where=f"{path} (without time_s)")
-            events["time_s"] = events["frame"] / _needed_fps(fps, path)
-        return GaitSource(path, path.parent / RESULTS_FOLDER, events=events)
-    read = native.read_points3d_table if "x" in cells else native.read_tracks_table
-    tracks = read(path, fps=_needed_fps(fps, path))
-    return GaitSource(path, path.parent, tracks=tracks)
+def _read_events(path: Path, fps: float | None) -> GaitSource:
+    """Read a csv of events scored by hand."""
+    cells = read_cells(path, ("leg", "event"))
+    events = cells.copy()
+    for name in ("frame", "time_s"):
+        if name in events:
+            events[name] = read_numbers(cells, name, where=str(path), empty=True)
+    if "time_s" not in events:
+        check_columns(cells, ("frame",), where=f"{path} (without time_s)")
+        events["time_s"] = events["frame"] / _needed_fps(fps, path)
+    return GaitSource(path, path.parent / RESULTS_FOLDER, events=events)
+
+
+def _foreign_trial(tracks: Tracks, path: Path) -> Trial | None:
+    """Return what is known of tracks of another program: the file's name is trial and animal."""
+    if tracks.sizes["individual"] != 1:
+        return None  # the file names its animals
+    return Trial(
+        kind="tracks",
+        name=path.stem,
+        fps=float(tracks.attrs["fps"]),
+        animal=Animal(id=path.stem),
+        folder=path.parent,
+        tracks_file=path.name,
+    )
 
 
 def _needed_fps(fps: float | None, path: Path) -> float:

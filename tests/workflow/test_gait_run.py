@@ -150,15 +150,19 @@ def test_points3d_of_another_program_need_only_a_frame_rate(tmp_path):
         ("nowhere", "no such file; expected a trial, a results folder, tracks or an events.csv."),
         ("empty", "neither a trial nor results; expected a trial.toml, a tracks.nc or an "
                   "events.csv in it."),
-        ("x.avi", "expected trial.toml, tracks.nc, tracks.csv, points3d.csv or events.csv."),
     ],
 )  # fmt: skip
 def test_what_is_no_input_is_refused(tmp_path, name, message):
     (tmp_path / "empty").mkdir()
-    (tmp_path / "x.avi").write_bytes(b"")
     with pytest.raises(InputError) as caught:
         run_gait([tmp_path / name])
     assert str(caught.value) == f"{tmp_path / name}: {message}"
+
+
+def test_a_file_of_no_known_kind_is_refused(tmp_path):
+    (tmp_path / "x.avi").write_bytes(b"")
+    with pytest.raises(InputError, match=r"x\.avi: not tracks that are read here; expected tracks"):
+        run_gait([tmp_path / "x.avi"])
 
 
 def test_an_untracked_trial_says_so(rendered_trial):
@@ -185,3 +189,36 @@ def test_real_rats_trot(real_data, tmp_path):
     assert mean[("FL", "FR")] == pytest.approx(0.5, abs=0.1)
     assert mean[("HL", "HR")] == pytest.approx(0.5, abs=0.1)
     assert (mean[("FR", "HL")] + 0.5) % 1 == pytest.approx(0.5, abs=0.15)
+
+
+def test_deeplabcut_csv_goes_straight_to_the_tables(tmp_path):
+    # the same walk as a csv of DeepLabCut, with names in words: the same strides, legs told
+    tracks = walking_tracks("t1", "m1")
+    words = {"FR": "Front Paw R", "HR": "Hind Paw R", "FL": "Front Paw L", "HL": "Hind Paw L"}
+    names = [str(k) for k in tracks["keypoint"].to_numpy()]
+    xy = tracks["position"].isel(individual=0).to_numpy()[:, :2]
+    rows = [
+        ["scorer", *["net"] * (3 * len(names))],
+        ["bodyparts", *[words[n] for n in names for _ in range(3)]],
+        ["coords", *["x", "y", "likelihood"] * len(names)],
+    ]
+    for i in range(len(xy)):
+        rows.append([i, *[v for k in range(len(names)) for v in (*xy[i, :, k], 0.99)]])
+    path = tmp_path / "m1_run1DLC.csv"
+    path.write_text("\n".join(",".join(map(str, row)) for row in rows) + "\n")
+    run = run_gait([path], fps=FPS, out=tmp_path / "out")
+    own = run_gait_of(tracks, tmp_path)
+    assert set(run.tables.strides["leg"]) == set(names)
+    assert set(run.tables.strides["animal"]) == {"m1_run1DLC"}
+    assert any("FR is 'Front Paw R'" in note for note in run.tables.notes)
+    np.testing.assert_allclose(
+        run.tables.strides["period_s"].mean(), own.tables.strides["period_s"].mean(), rtol=0.01
+    )
+    with pytest.raises(InputError, match="give fps"):
+        run_gait([path], out=tmp_path / "out")
+
+
+def run_gait_of(tracks, folder):
+    """Analyse tracks as pawnb writes them."""
+    write_tracks(tracks, folder / "own.nc")
+    return run_gait([folder / "own.nc"], out=folder / "own")

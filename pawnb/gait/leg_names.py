@@ -1,0 +1,104 @@
+"""Which points are feet: legs guessed from the names that other programs' users gave."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+
+from pawnb.gait.legs import find_leg_place
+
+_SIDES = {"l": "L", "left": "L", "r": "R", "right": "R"}
+_RANKS = {
+    "f": "F", "fore": "F", "front": "F", "anterior": "F", "pro": "F",
+    "m": "M", "mid": "M", "middle": "M", "meso": "M",
+    "h": "H", "hind": "H", "rear": "H", "back": "H", "posterior": "H", "meta": "H",
+}  # fmt: skip
+_LIMBS = ("paw", "leg", "limb", "foot", "feet", "hand")
+_DISTAL = (
+    ("tip", "claw", "toe", "toes", "tao", "finger"),
+    ("paw", "foot", "feet", "hand", "tarsus", "ta"),
+    ("mtp", "metatarsus", "ankle", "wrist"),
+)
+"""Words for parts of a leg, the outermost first; other parts are no feet when one of these is."""
+
+_WORDS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
+_GLUED = re.compile(
+    rf"(?P<rank>{'|'.join(sorted(_RANKS, key=len, reverse=True))})"
+    rf"(?P<limb>{'|'.join(_LIMBS)})s?(?P<side>[lr])?"
+)
+_PAIR = re.compile(r"(?P<a>[lrfmh])(?P<b>[lrfmh])")
+_CHAIN = re.compile(r"(?P<leg>[LR]\d)(?P<part>[A-F])")
+
+
+def guess_legs(points: Iterable[str]) -> dict[str, str]:
+    """Guess which points are the feet, from their names.
+
+    Understood are the names that pawnb itself uses (FR, L1, LF, ...), names in words
+    (``Front Paw R``, ``hindpaw_left``, ``forelegL4``, ``LF_Claw``), and Anipose's fly legs
+    (``L1A`` to ``L1E``). Where several points belong to one leg the outermost is its foot.
+
+    Parameters
+    ----------
+    points : iterable of str
+        Names of the points.
+
+    Returns
+    -------
+    dict
+        Leg to point. Legs are called FR, HR, FL, HL where there are fore and hind ones, LF,
+        LM, LH, RF, RM, RH where there are middle ones too, L1, R1, ... where they are
+        numbered. Empty where no name says side and place.
+    """
+    points = list(points)
+    own = {point: point for point in points if find_leg_place(point) is not None}
+    if own:
+        return own
+    best: dict[tuple[str, str], tuple[int, str]] = {}
+    for point in points:
+        read = _read(point)
+        if read is None:
+            continue
+        place, depth = read
+        if place not in best or depth < best[place][0]:
+            best[place] = depth, point
+    six = any(rank == "M" for _, rank in best)
+    return {
+        _leg_name(side, rank, six=six): point for (side, rank), (_, point) in sorted(best.items())
+    }
+
+
+def _leg_name(side: str, rank: str, *, six: bool) -> str:
+    """Return pawnb's name of a leg."""
+    return f"{side}{rank}" if six or rank.isdigit() else f"{rank}{side}"
+
+
+def _read(point: str) -> tuple[tuple[str, str], int] | None:
+    """Return side and rank of a point's leg, and how far in it lies (0: outermost)."""
+    chain = _CHAIN.fullmatch(point)
+    if chain:
+        leg = find_leg_place(chain["leg"])
+        return ((leg.side, str(leg.rank)), ord("F") - ord(chain["part"])) if leg else None
+    side = rank = ""
+    words = [word.lower() for word in _WORDS.findall(point)]
+    limb = False
+    for word in words:
+        glued, pair = _GLUED.fullmatch(word), _PAIR.fullmatch(word)
+        if glued:
+            rank, side, limb = _RANKS[glued["rank"]], side or _SIDES.get(glued["side"], ""), True
+        elif (
+            pair and {pair["a"], pair["b"]} & set("lr") and not {pair["a"], pair["b"]} <= set("lr")
+        ):
+            for letter in word:
+                side, rank = _SIDES.get(letter, side), _RANKS.get(letter, rank)
+            limb = True
+        elif word in _SIDES:
+            side = side or _SIDES[word]
+        elif word in _RANKS:
+            rank = rank or _RANKS[word]
+        limb = limb or word.rstrip("s") in _LIMBS
+    depth = next(
+        (i for i, group in enumerate(_DISTAL) if any(word in group for word in words)), None
+    )
+    if not side or not rank or not (limb or depth is not None):
+        return None
+    return (side, rank), len(_DISTAL) if depth is None else depth

@@ -1,0 +1,135 @@
+"""Points digitised with DLTdv: ``...xyzpts.csv`` in space, ``...xypts.csv`` in the views."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from pawnb.errors import InputError
+from pawnb.io.tables import read_cells, read_numbers
+from pawnb.schema import ORIGIN_CODE, Tracks, make_tracks
+
+_SPACE = re.compile(r"(?P<point>.+)_(?P<axis>[XYZ])")
+_IMAGE = re.compile(r"(?P<point>.+)_cam(?P<view>\d+)_(?P<axis>[XY])")
+_FRAME = "frame0"
+
+
+def read_dltdv_points3d(path: str | Path, *, fps: float, unit: str = "mm") -> Tracks:
+    """Read 3D points of DLTdv.
+
+    Parameters
+    ----------
+    path : str or Path
+        ``...xyzpts.csv`` with columns ``<point>_X, _Y, _Z``; a row a frame, or a column
+        ``frame0`` with the frame's number.
+    fps : float
+        Frames per second of the recording.
+    unit : str
+        Unit of length of the calibration.
+
+    Returns
+    -------
+    xarray.Dataset
+        Tracks in space; DLTdv gives no confidence, so that of a digitised point is NaN.
+
+    Raises
+    ------
+    InputError
+        If the file is missing or of another layout.
+    """
+    frames, table = _read(path)
+    names = [name for name in map(str, table) if not _IMAGE.fullmatch(name)]
+    found = [m for name in names if (m := _SPACE.fullmatch(name))]
+    points = list(dict.fromkeys(m["point"] for m in found))
+    wanted = [f"{point}_{axis}" for point in points for axis in "XYZ"]
+    _check_layout(path, table, wanted, "<point>_X, <point>_Y, <point>_Z")
+    tracks = make_tracks(frames, points, fps=fps, unit=unit, source_software="DLTdv")
+    places = table[wanted].to_numpy(dtype=float).reshape(len(frames), len(points), 3)
+    tracks["position"].to_numpy()[:] = places.transpose(0, 2, 1)[..., None]
+    known = np.isfinite(places).all(axis=2)[..., None]
+    tracks["origin"].to_numpy()[known] = ORIGIN_CODE["measured"]
+    tracks["confidence"].to_numpy()[known] = np.nan
+    return tracks
+
+
+def read_dltdv_points(
+    path: str | Path, *, fps: float, heights_px: Sequence[int] | None = None
+) -> Tracks:
+    """Read points in the views of DLTdv.
+
+    Parameters
+    ----------
+    path : str or Path
+        ``...xypts.csv`` with columns ``<point>_cam<n>_X, _Y``.
+    fps : float
+        Frames per second of the recording.
+    heights_px : sequence of int, optional
+        Height of each camera's picture. DLTdv 7 and older count v upwards from the bottom
+        edge, from 1: v down is height - v. Without heights, v is taken to count downwards
+        from 1, as MATLAB's pictures do.
+
+    Returns
+    -------
+    xarray.Dataset
+        Tracks with ``image_position`` in px of the views ``cam1``, ``cam2``, ...
+
+    Raises
+    ------
+    InputError
+        If the file is missing or of another layout, or the heights do not fit the cameras.
+    """
+    frames, table = _read(path)
+    found = [m for name in map(str, table) if (m := _IMAGE.fullmatch(name))]
+    points = list(dict.fromkeys(m["point"] for m in found))
+    numbers = sorted({int(m["view"]) for m in found})
+    wanted = [f"{point}_cam{n}_{axis}" for point in points for n in numbers for axis in "XY"]
+    _check_layout(path, table, wanted, "<point>_cam1_X, <point>_cam1_Y, ...")
+    if heights_px is not None and len(heights_px) != len(numbers):
+        raise InputError(
+            f"{Path(path).name}: {len(numbers)} cameras but {len(heights_px)} heights; give one "
+            "height a camera."
+        )
+    views = [f"cam{n}" for n in numbers]
+    tracks = make_tracks(frames, points, fps=fps, views=views, source_software="DLTdv")
+    places = np.array(table[wanted], dtype=float).reshape(len(frames), len(points), len(views), 2)
+    places[..., 0] -= 1.0
+    if heights_px is None:
+        places[..., 1] -= 1.0
+    else:
+        places[..., 1] = np.asarray(heights_px, dtype=float) - places[..., 1]
+    tracks["image_position"].to_numpy()[:] = places.transpose(0, 2, 3, 1)[..., None]
+    known = np.isfinite(places).all(axis=3).transpose(0, 2, 1)[..., None]
+    tracks["image_origin"].to_numpy()[known] = ORIGIN_CODE["measured"]
+    tracks["image_confidence"].to_numpy()[known] = np.nan
+    return tracks
+
+
+def _read(path: str | Path) -> tuple[np.ndarray, pd.DataFrame]:
+    """Return frame numbers and the table of numbers; NaN where nothing was digitised."""
+    where = Path(path).name
+    cells = read_cells(path, ())
+    cells = cells.mask(cells.apply(lambda column: column.str.lower() == "nan"), "")
+    table = pd.DataFrame(
+        {
+            name: read_numbers(cells, name, where=where, empty=True)
+            for name in map(str, cells)
+            if name != _FRAME
+        }
+    )
+    if _FRAME in cells:
+        return read_numbers(cells, _FRAME, where=where, whole=True), table
+    return np.arange(len(table)), table
+
+
+def _check_layout(
+    path: str | Path, table: pd.DataFrame, wanted: Sequence[str], layout: str
+) -> None:
+    """Refuse a table without the columns of DLTdv."""
+    missing = [name for name in wanted if name not in table]
+    if not wanted or missing:
+        what = f"column {missing[0]} is missing" if missing else "no column of that kind"
+        raise InputError(f"{Path(path).name}: {what}; DLTdv writes {layout}.")

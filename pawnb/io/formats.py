@@ -1,0 +1,165 @@
+"""Tracks of any program: the format is recognised by what is in the file."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+import h5py
+
+from pawnb.errors import InputError, did_you_mean
+from pawnb.io import native
+from pawnb.io.anipose import read_anipose
+from pawnb.io.deeplabcut import read_deeplabcut
+from pawnb.io.dltdv import read_dltdv_points, read_dltdv_points3d
+from pawnb.io.sleap import read_sleap
+from pawnb.schema import Tracks
+
+FORMATS = (
+    "pawnb", "movement", "deeplabcut", "sleap", "anipose", "dltdv-3d", "dltdv", "csv", "csv-3d",
+)  # fmt: skip
+"""Names of the formats that are read."""
+
+OWN_FORMATS = ("pawnb", "csv", "csv-3d")
+"""Those that pawnb writes."""
+
+_ANIPOSE = re.compile(r"(.+)_(x|y|z|error|ncams|score)")
+_DLTDV_SPACE = re.compile(r".+_[XYZ]")
+_DLTDV_IMAGE = re.compile(r".+_cam\d+_[XY]")
+
+
+def recognise_format(path: str | Path) -> str:
+    """Say which program's tracks a file holds.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+
+    Returns
+    -------
+    str
+        One of :data:`FORMATS`: ``"csv"`` and ``"csv-3d"`` are pawnb's tables ``tracks.csv``
+        and ``points3d.csv``.
+
+    Raises
+    ------
+    InputError
+        If there is no such file or it is none of them.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise InputError(f"{path}: no such file.")
+    found = None
+    if path.suffix == ".slp":
+        found = "sleap"
+    elif path.suffix in {".h5", ".hdf5", ".nc"}:
+        found = _recognise_hdf5(path)
+    elif path.suffix == ".csv":
+        found = _recognise_csv(path)
+    if found is None:
+        raise InputError(
+            f"{path.name}: not tracks that are read here; expected tracks.nc, tracks.csv, "
+            "points3d.csv, or a file of DeepLabCut (.csv, .h5), SLEAP (.slp, .h5), Anipose (.csv), "
+            "DLTdv (xypts.csv, xyzpts.csv) or movement (.nc)."
+        )
+    return found
+
+
+def read_any_tracks(
+    path: str | Path,
+    *,
+    fps: float | None = None,
+    program: str | None = None,
+    unit: str | None = None,
+) -> Tracks:
+    """Read tracks of pawnb or of another program.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+    fps : float, optional
+        Frames per second, needed where the file does not say.
+    program : str, optional
+        One of :data:`FORMATS`; default as :func:`recognise_format` says.
+    unit : str, optional
+        Unit of length of 3D points whose file does not say; default mm.
+
+    Returns
+    -------
+    xarray.Dataset
+        Tracks.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or the frame rate is needed and not given.
+    """
+    path = Path(path)
+    found = recognise_format(path) if program is None else program
+    if found not in FORMATS:
+        raise InputError(
+            f"unknown format {found!r}{did_you_mean(found, FORMATS)}; "
+            f"expected {', '.join(FORMATS)}."
+        )
+    if found in {"pawnb", "movement"}:
+        return native.read_tracks(path, fps=fps)
+    if fps is None:
+        raise InputError(
+            f"{path.name}: this file does not say its frame rate; give fps, the frames per second "
+            "of the recording (--fps on the command line)."
+        )
+    if found == "deeplabcut":
+        return read_deeplabcut(path, fps=fps)
+    if found == "sleap":
+        return read_sleap(path, fps=fps)
+    if found == "anipose":
+        return read_anipose(path, fps=fps, unit=unit or "mm")
+    if found == "dltdv-3d":
+        return read_dltdv_points3d(path, fps=fps, unit=unit or "mm")
+    if found == "dltdv":
+        return read_dltdv_points(path, fps=fps)
+    if found == "csv-3d":
+        return native.read_points3d_table(path, fps=fps)
+    return native.read_tracks_table(path, fps=fps)
+
+
+def _recognise_hdf5(path: Path) -> str | None:
+    """Tell files of HDF5 apart by the names inside."""
+    try:
+        with h5py.File(path, "r") as file:
+            names = set(file)
+    except OSError:
+        return "movement" if path.suffix == ".nc" else None  # netCDF 3 is no HDF5
+    if "df_with_missing" in names:
+        return "deeplabcut"
+    if {"tracks", "node_names"} <= names:
+        return "sleap"
+    if "position" in names:
+        return "pawnb" if {"origin", "frame"} <= names else "movement"
+    return None
+
+
+def _recognise_csv(path: Path) -> str | None:
+    """Tell tables apart by their first line."""
+    try:
+        with path.open(encoding="utf-8-sig") as file:
+            names: Sequence[str] = [name.strip() for name in file.readline().split(",")]
+    except UnicodeDecodeError:
+        return None
+    columns = set(names)
+    if names[0] == "scorer":
+        return "deeplabcut"
+    if {"frame", "point", "x", "y", "z"} <= columns:
+        return "csv-3d"
+    if {"frame", "view", "point", "u", "v"} <= columns:
+        return "csv"
+    if "fnum" in columns and any(_ANIPOSE.fullmatch(name) for name in names):
+        return "anipose"
+    if any(_DLTDV_IMAGE.fullmatch(name) for name in names):
+        return "dltdv"
+    if sum(bool(_DLTDV_SPACE.fullmatch(name)) for name in names) >= 3:
+        return "dltdv-3d"
+    return None

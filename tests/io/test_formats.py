@@ -1,0 +1,146 @@
+"""Tracks of other programs: written here in their layouts, and real files where they are."""
+
+import h5py
+import numpy as np
+import pandas as pd
+import pytest
+
+from pawnb.errors import InputError
+from pawnb.io.deeplabcut import read_deeplabcut
+from pawnb.io.dltdv import read_dltdv_points, read_dltdv_points3d
+from pawnb.io.formats import read_any_tracks, recognise_format
+from pawnb.io.native import write_tracks
+from pawnb.schema import make_tracks
+
+RNG = np.random.default_rng(5)
+UV = RNG.uniform(0, 500, size=(6, 2, 2))  # frame, point, axis
+SCORE = RNG.uniform(0.2, 1.0, size=(6, 2))
+POINTS = ["Front Paw R", "Hind Paw R"]
+
+
+def dlc_csv(path, *, individuals=False):
+    rows = [["scorer"] + ["DLC_net"] * 6]
+    if individuals:
+        rows.append(["individuals"] + ["m1"] * 6)
+    rows.append(["bodyparts"] + [p for p in POINTS for _ in range(3)])
+    rows.append(["coords"] + ["x", "y", "likelihood"] * 2)
+    for i in range(6):
+        values = [v for k in range(2) for v in (*UV[i, k], SCORE[i, k])]
+        rows.append([i, *values])
+    path.write_text("\n".join(",".join(map(str, row)) for row in rows) + "\n")
+    return path
+
+
+@pytest.mark.parametrize("individuals", [False, True])
+def test_deeplabcut_csv(tmp_path, individuals):
+    path = dlc_csv(tmp_path / "clipDLC.csv", individuals=individuals)
+    assert recognise_format(path) == "deeplabcut"
+    tracks = read_any_tracks(path, fps=100.0)
+    assert list(tracks["keypoint"].to_numpy()) == POINTS
+    np.testing.assert_allclose(
+        tracks["position"].transpose("time", "keypoint", "space", ...).to_numpy()[..., 0], UV
+    )
+    np.testing.assert_allclose(tracks["confidence"].to_numpy()[..., 0], SCORE)
+    assert tracks["time"].to_numpy()[-1] == pytest.approx(0.05)
+
+
+def test_sleap_analysis_file(tmp_path):
+    # layout of SLEAP's analysis export: tracks (track, xy, node, frame)
+    path = tmp_path / "clip.analysis.h5"
+    with h5py.File(path, "w") as file:
+        file["tracks"] = UV.transpose(2, 1, 0)[None]
+        file["point_scores"] = SCORE.T[None]
+        file["node_names"] = np.array([p.encode() for p in POINTS])
+        file["track_names"] = np.array([b"mouse"])
+    assert recognise_format(path) == "sleap"
+    tracks = read_any_tracks(path, fps=50.0)
+    np.testing.assert_allclose(
+        tracks["position"].transpose("time", "keypoint", "space", ...).to_numpy()[..., 0], UV
+    )
+    assert list(tracks["individual"].to_numpy()) == ["mouse"]
+
+
+def test_anipose_csv(tmp_path):
+    xyz = RNG.normal(size=(4, 3))
+    table = pd.DataFrame(
+        {
+            "L1E_x": xyz[:, 0],
+            "L1E_y": xyz[:, 1],
+            "L1E_z": xyz[:, 2],
+            "L1E_error": 0.5,
+            "L1E_ncams": 3,
+            "L1E_score": 0.9,
+            **{f"M_{i}{j}": float(i == j) for i in range(3) for j in range(3)},
+            **{f"center_{i}": 0.0 for i in range(3)},
+            "fnum": range(4),
+        }
+    )
+    path = tmp_path / "clip.csv"
+    table.to_csv(path, index=False)
+    assert recognise_format(path) == "anipose"
+    tracks = read_any_tracks(path, fps=300.0, unit="cm")
+    np.testing.assert_allclose(tracks["position"].to_numpy()[:, :, 0, 0], xyz)
+    assert tracks.attrs["unit"] == "cm"
+
+
+def test_dltdv_files(tmp_path):
+    space = tmp_path / "clip_xyzpts.csv"
+    space.write_text("pt1_X,pt1_Y,pt1_Z,pt2_X,pt2_Y,pt2_Z\n1,2,3,NaN,NaN,NaN\n4,5,6,7,8,9\n")
+    tracks = read_any_tracks(space, fps=10.0, unit="m")
+    assert recognise_format(space) == "dltdv-3d"
+    assert tracks["position"].sel(keypoint="pt2").to_numpy()[1, :, 0].tolist() == [7, 8, 9]
+    assert np.isnan(tracks["position"].sel(keypoint="pt2").to_numpy()[0]).all()
+    assert tracks["origin"].to_numpy()[0, :, 0].tolist() == [1, 0]
+    views = tmp_path / "clip_xypts.csv"
+    views.write_text("pt1_cam1_X,pt1_cam1_Y,pt1_cam2_X,pt1_cam2_Y\n11,21,NaN,NaN\n")
+    assert recognise_format(views) == "dltdv"
+    # v up, counted from 1 at the bottom: the lowest row of a picture 100 high is v = 99 down
+    tracks = read_dltdv_points(views, fps=10.0, heights_px=(100, 100))
+    assert tracks["image_position"].to_numpy()[0, 0, :, 0, 0].tolist() == [10.0, 79.0]
+    tracks = read_dltdv_points(views, fps=10.0)
+    assert tracks["image_position"].to_numpy()[0, 0, :, 0, 0].tolist() == [10.0, 20.0]
+    with pytest.raises(InputError, match="2 cameras but 1 heights"):
+        read_dltdv_points(views, fps=10.0, heights_px=(100,))
+    with pytest.raises(InputError, match="no column of that kind"):
+        read_dltdv_points3d(views, fps=10.0)
+
+
+def test_our_own_files_and_strangers(tmp_path):
+    tracks = make_tracks(range(3), ["FR"], fps=100.0, space=("x", "y"))
+    write_tracks(tracks, tmp_path / "tracks.nc")
+    assert recognise_format(tmp_path / "tracks.nc") == "pawnb"
+    assert read_any_tracks(tmp_path / "tracks.nc").sizes["time"] == 3
+    other = tmp_path / "notes.csv"
+    other.write_text("a,b\n1,2\n")
+    with pytest.raises(InputError, match=r"notes\.csv: not tracks that are read here"):
+        recognise_format(other)
+    with pytest.raises(InputError, match="no such file"):
+        recognise_format(tmp_path / "absent.csv")
+    with pytest.raises(InputError, match="give fps"):
+        read_any_tracks(dlc_csv(tmp_path / "clip.csv"))
+    with pytest.raises(InputError, match=r"'deeplabcat' \(did you mean 'deeplabcut'"):
+        read_any_tracks(other, fps=1.0, program="deeplabcat")
+    broken = tmp_path / "broken.csv"
+    broken.write_text("scorer,net\nbodyparts,a\n")
+    with pytest.raises(InputError, match="cannot be read as a file of DeepLabCut") as caught:
+        read_deeplabcut(broken, fps=1.0)
+    assert "\n" not in str(caught.value)
+
+
+def test_csv_and_h5_of_one_real_clip_agree(real_data):
+    # shared recording: DeepLabCut wrote both files of the same clip
+    folder = real_data("mouse-openfield-dlc")
+    one = read_any_tracks(folder / "raw_clip1DLC.csv", fps=60.0)
+    two = read_any_tracks(folder / "raw_clip1DLC.h5", fps=60.0)
+    assert one.sizes["time"] == 7200
+    np.testing.assert_allclose(one["position"], two["position"], atol=1e-9)
+    np.testing.assert_allclose(one["confidence"], two["confidence"], atol=1e-12)
+
+
+def test_real_dltdv_files(real_data):
+    folder = real_data("salticid-4cam-dlt")
+    space = read_any_tracks(folder / "1864_1x_xyzpts.csv", fps=1000.0)
+    assert space["frame"].to_numpy()[0] == 42  # first row of the file
+    assert space["position"].to_numpy()[0, :, 0, 0].tolist() == [24.43962, -12.287519, 1.381808]
+    image = read_any_tracks(folder / "1864_1x_xypts.csv", fps=1000.0)
+    assert list(image["view"].to_numpy()) == ["cam1", "cam2", "cam3", "cam4"]
