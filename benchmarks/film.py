@@ -22,7 +22,7 @@ from pathlib import Path
 import av
 import cv2
 import numpy as np
-from track_accuracy import clip_folder, read_marks, real_clip
+from real_clip import clip_folder, read_marks, real_clip
 
 from pawnb.core.video import open_views
 from pawnb.io.native import read_tracks

@@ -14,17 +14,17 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import tempfile
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from real_clip import clip_folder, read_marks, real_clip
 
 from pawnb.core.video import open_views
 from pawnb.schema import Tracks
 from pawnb.synthetic import render_mouse_trial
-from pawnb.trial import Animal, Calibration, Trial, View, load_trial
+from pawnb.trial import Trial, load_trial
 from pawnb.workflow.evaluation import (
     THRESHOLD_PX,
     ErrorReport,
@@ -35,7 +35,6 @@ from pawnb.workflow.track import METHODS, retrack, track
 
 REFERENCE_WIDTH_PX = 2048
 
-CLIP_LEGS = {"LH": "HL", "LF": "FL", "RF": "FR", "RH": "HR"}
 CLIP_SETTINGS = {
     # of the 2019 method; method pawnb takes its sizes from the clicks
     # the paws move up to about 22 px a frame, 30 px in the paper's pictures
@@ -133,41 +132,6 @@ def report_clip(method: str, settings: dict[str, str]) -> None:
         near = sum(px <= NEAR_PX for px in away.values())
         each = ", ".join(f"{point} {px:.0f}" for point, px in away.items())
         print(f"  frame {frame} {view}: {near} of {len(away)} within {NEAR_PX:g} px ({each})")
-
-
-def clip_folder() -> Path:
-    """Return where the real clip is, or would be."""
-    home = os.environ.get("PAWNB_TEST_DATA", Path(__file__).parents[2] / "shared" / "data")
-    return Path(home) / "mouse-side-bottom"
-
-
-def real_clip(folder: Path) -> Trial:
-    """Describe the clip: two views cropped from one grey video."""
-    return Trial(
-        kind="paws",
-        name=folder.name,
-        fps=250.0,
-        animal=Animal(id="mouse"),
-        folder=folder,
-        views=(
-            View(name="cam1", video="test_vid.mp4", crop=(0, 0, 396, 168)),
-            View(name="cam2", video="test_vid.mp4", crop=(0, 168, 396, 406)),
-        ),
-        calibration=Calibration(dlt="DLT_affine_fitted_from_labels.csv", unit="px"),
-    )
-
-
-def read_marks(path: Path) -> pd.DataFrame:
-    """Read the hand marks as start clicks: frame, view, point, u, v."""
-    table = pd.read_csv(path)
-    parts = [
-        table[["frame", "paw", f"{view}_x", f"{view}_y"]]
-        .set_axis(["frame", "point", "u", "v"], axis=1)
-        .assign(view=view)
-        for view in ("cam1", "cam2")
-    ]
-    marks = pd.concat(parts).dropna().replace({"point": CLIP_LEGS})
-    return marks[["frame", "view", "point", "u", "v"]].reset_index(drop=True)
 
 
 def distance(tracks: Tracks, mark: tuple) -> float:

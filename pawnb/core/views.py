@@ -6,12 +6,12 @@ This module knows no container and no codec; :mod:`pawnb.core.video` opens the f
 from __future__ import annotations
 
 import operator
-from types import TracebackType
-from typing import Protocol, Self
+from typing import Protocol
 
 import numpy as np
 
 from pawnb.core.bayer import debayered
+from pawnb.core.closing import Closing
 from pawnb.core.colour import Picture, reduce_region
 from pawnb.core.lens import Lens, StraightPicture
 from pawnb.errors import VideoError
@@ -130,7 +130,7 @@ class Frame:
         return np.ascontiguousarray(pixels[:, ::-1]) if self._mirror else pixels
 
 
-class ViewReader:
+class ViewReader(Closing):
     """The frames of one view, by number; may be used from several threads.
 
     Made by :func:`pawnb.core.video.open_view`; a context manager.
@@ -242,17 +242,6 @@ class ViewReader:
     def close(self) -> None:
         """Close the file; other views of the same file close with it."""
         self.source.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
 
 def no_such_frame(source: Source, index: int) -> str:

@@ -6,11 +6,10 @@ import operator
 from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from types import TracebackType
-from typing import Self
 
 import numpy as np
 
+from pawnb.core.closing import Closing
 from pawnb.core.views import Frame, ViewReader, no_such_frame
 from pawnb.errors import VideoError
 
@@ -18,7 +17,7 @@ READ_AHEAD = 4
 """Frames of each view that may wait, decoded, for whoever asked for them."""
 
 
-class ViewSet:
+class ViewSet(Closing):
     """The views of a trial, side by side, numbered by trial frames.
 
     Made by :func:`pawnb.core.video.open_views`; a context manager. The file's frame is
@@ -223,14 +222,3 @@ class ViewSet:
         """Close every file."""
         for reader in self.readers.values():
             reader.close()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()

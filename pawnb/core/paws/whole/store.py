@@ -21,11 +21,11 @@ import struct
 import zlib
 from collections.abc import Sequence
 from pathlib import Path
-from types import TracebackType
-from typing import Any, BinaryIO, Self
+from typing import Any, BinaryIO
 
 import numpy as np
 
+from pawnb.core.closing import Closing
 from pawnb.errors import InputError
 
 _FIRST_LINE = "pawnb candidates 1 {key}\n"
@@ -35,7 +35,7 @@ _FLUSH_FRAMES = 50
 _CODE = ("appearance.py", "candidates.py", "extract.py", "spots.py", "still.py")
 
 
-class CandidateStore:
+class CandidateStore(Closing):
     """Candidates of consecutive frames; a context manager.
 
     Parameters
@@ -126,17 +126,6 @@ class CandidateStore:
                 file.truncate(end)
                 if not end:
                     file.write(line)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.close()
 
 
 def _read_record(data: bytes, at: int, n_views: int) -> tuple[list[np.ndarray], int] | None:
