@@ -105,11 +105,10 @@ def learn_cycle(
             phase = phase + _correction(phase, curves, relative, seen, stride)
     mean = np.stack([_at(curve, phase) for curve, _ in curves], axis=1)
     away = np.where(seen[..., None], (relative - mean) ** 2, 0.0)
-    total = np.where(seen, along**2, 0.0).sum()
     left = away[..., 0]
     # medians: a few wrong pieces do not unmake a cycle
     explained = 1.0 - np.median(left[seen]) / max(np.median(along[seen] ** 2), 1e-12)
-    if total <= 0 or explained < _LEAST_SHARE:
+    if not along.any() or explained < _LEAST_SHARE:
         return None
     unsure = [_how_unsure(phase, relative[:, p], seen[:, p], *curves[p]) for p in range(x.shape[1])]
     sd = np.stack(

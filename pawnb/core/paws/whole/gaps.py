@@ -17,6 +17,7 @@ _LEAST = 4
 _BEFORE, _AFTER = 10, 6
 """Certain frames that tell how a stretch begins, and how it ends."""
 _LOOK = 1.1
+"""Cost of a candidate: so many times minus the logarithm of how much it looks like a paw."""
 _OTHER = 8.0
 """Cost of a candidate that lies where another point is."""
 _BESIDE = 0.35
@@ -24,6 +25,7 @@ _BESIDE = 0.35
 _EXPECTED = 0.2
 """Weight of a frame's distance from where the cycle has the point: frames err alike."""
 _FARTHEST = 16.0
+"""Squared standard deviations beyond which a point off its cycle costs no more."""
 
 
 @dataclass(frozen=True)
@@ -113,7 +115,8 @@ def bridge_gaps(
         for first, stop in runs(is_open[:, p]):
             if first == 0:
                 continue
-            begin = _edge(is_open[:, p], first, -_BEFORE)
+            # going back from the stretch is going forward in reversed time
+            begin = first - _certain_frames(is_open[:first, p][::-1], _BEFORE)
             state, covariance = state_after(
                 known.chosen[begin:first, p], manner.drift, telling=telling,
                 speed=0.4 * manner.speed,
@@ -138,7 +141,7 @@ def _tell(
     manner: Manner,
 ) -> None:
     """Lead stories through a stretch and the certain places after it."""
-    end = _edge(is_open[:, point], stretch[1], _AFTER)
+    end = stretch[1] + _certain_frames(is_open[stretch[1] :, point], _AFTER)
     number = sights.is_there[slice(*stretch)].sum(axis=-1).tolist()
     for t in range(stretch[0], end):
 
@@ -216,14 +219,7 @@ def runs(mask: np.ndarray) -> list[tuple[int, int]]:
     return [(int(a), int(b)) for a, b in edge.reshape(-1, 2)]
 
 
-def _edge(is_open: np.ndarray, at: int, most: int) -> int:
-    """Return how far frames are certain from ``at``: forward, or back if ``most`` is negative."""
-    if most > 0:
-        end = at
-        while end < len(is_open) and end - at < most and not is_open[end]:
-            end += 1
-        return end
-    begin = at
-    while begin > 0 and at - begin < -most and not is_open[begin - 1]:
-        begin -= 1
-    return begin
+def _certain_frames(is_open: np.ndarray, most: int) -> int:
+    """Return how many frames are certain before the first open one, at most ``most``."""
+    near = is_open[:most]
+    return int(np.argmax(near)) if near.any() else len(near)

@@ -22,9 +22,11 @@ from pawnb.core.paws.whole.tracklets import Linking, Tracklet, build_tracklets, 
 _LOOKS = 2
 """Times that paths are chosen again with the habits learnt from the last choice."""
 _HABIT = 0.5
+"""Weight of where points rarely are relative to the body: neighbouring frames err alike."""
 _EXPECTED = 0.3
 """Half a squared standard deviation from where the cycle has a point, for frames that err alike."""
 _FARTHEST = 16.0
+"""Squared standard deviations beyond which a point off its cycle costs no more."""
 _TOLD_APART = 0.5
 """Clicks of front and hind paws this many spans apart tell where each usually are."""
 _LOOK_BELOW = 3.0
@@ -46,6 +48,8 @@ Fixed = Mapping[int, Mapping[int, np.ndarray]]
 class PathChoice:
     """The pieces of a recording and the choice among them.
 
+    Where a view leads, places lie on its plane and have no heights.
+
     Parameters
     ----------
     found : sequence
@@ -61,8 +65,6 @@ class PathChoice:
     kinds : sequence of str
         Kind of each point: "front", "hind" or "other". Points after the last that was
         clicked are strangers: nobody said where they are.
-
-    Where a view leads, places lie on its plane and have no heights.
 
     Attributes
     ----------
