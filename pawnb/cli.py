@@ -1,4 +1,4 @@
-"""The commands: ``pawnb demo``, ``check``, ``track``, ``gait``, ``compare`` and ``lab``.
+"""The commands: ``pawnb demo``, ``check``, ``track``, ``gait``, ``compare``, ``convert``, ``lab``.
 
 Exit status 0 on success, 2 on bad input with one sentence on standard error.
 """
@@ -77,6 +77,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_track(commands)
     _add_gait(commands)
     _add_compare(commands)
+    _add_convert(commands)
     _add_lab(commands)
     return parser
 
@@ -156,6 +157,19 @@ def _add_compare(commands: Any) -> None:
         help="a setting of every method that has it, or of one, as paper.n_superpixels=150",
     )
     command.set_defaults(run=_compare)
+
+
+def _add_convert(commands: Any) -> None:
+    text = "tracks of another program to those of pawnb, or to tables"
+    command = commands.add_parser("convert", help=text, description=text)
+    command.add_argument(
+        "source", metavar="IN", help="of DeepLabCut, SLEAP, Anipose, DLTdv, movement or pawnb"
+    )
+    command.add_argument("target", metavar="OUT", help="tracks.nc, tracks.csv or points3d.csv")
+    command.add_argument("--fps", type=float, help="frame rate, where the input does not say")
+    command.add_argument("--from", dest="program", help="whose file it is (default: as it looks)")
+    command.add_argument("--unit", help="unit of 3D points, where the input does not say")
+    command.set_defaults(run=_convert)
 
 
 def _add_lab(commands: Any) -> None:
@@ -241,6 +255,19 @@ def _compare(options: argparse.Namespace, _argv: list[str]) -> None:
     )
     print(comparison.text())
     print(f"wrote {options.out}")
+
+
+def _convert(options: argparse.Namespace, _argv: list[str]) -> None:
+    from pawnb.workflow.convert import convert_tracks
+
+    path = convert_tracks(
+        options.source,
+        options.target,
+        fps=options.fps,
+        program=options.program,
+        unit=options.unit,
+    )
+    print(f"wrote {path}")
 
 
 def _lab(options: argparse.Namespace, _argv: list[str]) -> None:
