@@ -205,6 +205,44 @@ def test_tracking_again_from_here_and_keys_that_stay_in_the_widget(reviewing):
     notebook.assert_no_errors()
 
 
+def test_new_colours_are_learnt_where_the_button_or_its_key_says_so(notebook, small_trial):
+    """The tracker is the real one: what it was asked for stands in the record of the tracks."""
+    notebook.show(f"""import json, pawnb
+from pawnb.widgets import TrackReviewer
+made = pawnb.track({str(small_trial)!r}, method="paper", frames=(0, 12))
+def learnt():
+    steps = json.loads(w.tracks.attrs["provenance"])["steps"]
+    return [(s["frame"], s["points"], s["learn"]) for s in steps if s["step"] == "retrack"]
+w = TrackReviewer({str(small_trial)!r}, made)
+w""")
+    file = small_trial / "results" / "edits.jsonl"
+    notebook.focus()
+    for _ in range(4):
+        notebook.press("ArrowRight")
+    notebook.settle()
+    was = notebook.py("w.session.position(4, 'cam1', 'FR')")
+    notebook.drag("cam1", was, (was[0] + 6, was[1] - 4))
+    notebook.settle()
+    put = notebook.py("w.session.position(4, 'cam1', 'FR')")
+    assert put != was
+    button = notebook.page.get_by_role("button", name="… with new colours")
+    button.click()
+    notebook.wait("c.status.innerText.startsWith('Tracked again from frame 4 on')")
+    notebook.settle()
+    assert notebook.py("learnt()") == [[4, ["FR"], True]]
+    assert lines(file)[-1] == {"edit": "retrack", "frame": 4, "learn": True}
+    # what was put in place stays there, and the screen shows it
+    assert notebook.py("w.session.position(4, 'cam1', 'FR')") == put
+    point = notebook.js("c.stages[0].overlay.points.find((p) => p.id === 'FR')")
+    np.testing.assert_allclose((point["u"], point["v"]), put, atol=0.01)
+    assert point["origin"] == "edited"
+    # tracking again alone learns nothing; the key does the same as the button
+    for key, learn in (("r", [True, False]), ("l", [True, False, True])):
+        notebook.press(key)
+        notebook.until("[[step[2] for step in learnt()], w.session.busy]", [learn, False])
+    notebook.assert_no_errors()
+
+
 def test_pictures_arrive_as_text_where_binary_messages_get_lost(reviewing):
     notebook, _ = reviewing
     # a front end that drops the buffers on their way to the browser
