@@ -153,7 +153,7 @@ def test_a_video_that_is_cut_short_is_used_and_said(small_trial, capsys):
 def test_convert_reads_another_program_and_asks_for_the_frame_rate(tmp_path, capsys):
     source, target = tmp_path / "clip.csv", tmp_path / "tracks.csv"
     source.write_text("scorer,n,n,n\nbodyparts,FR,FR,FR\ncoords,x,y,likelihood\n0,1.5,2.5,0.9\n")
-    assert main(["convert", str(source), str(target)]) == 2
+    assert cli.main(["convert", str(source), str(target)]) == 2
     assert "--fps" in capsys.readouterr().err
-    assert main(["convert", str(source), str(target), "--fps", "50"]) == 0
+    assert cli.main(["convert", str(source), str(target), "--fps", "50"]) == 0
     assert pd.read_csv(target)[["u", "v"]].to_numpy().tolist() == [[1.5, 2.5]]
