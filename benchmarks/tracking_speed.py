@@ -165,7 +165,8 @@ def run(trial: Trial, method: str, n_frames: int) -> None:
             points_by_view=points_by_view(trial, start),
             facing=view_facing(trial, rig),
         )
-        run_tracker(method, views, start, task, settings=tracker_settings(trial, method=method))
+        settings = tracker_settings(trial, method=method)
+        run_tracker(method, views, start, task=task, settings=settings)
 
 
 @contextlib.contextmanager

@@ -115,7 +115,7 @@ def track(
         store = _store(trial, method, out, stack)
         with _progress(progress, "tracking") as report:
             task = _task(trial, rig, clicks, frames=(first, last), progress=report, stop=asked)
-            tracks = run_tracker(method, views, clicks, task, settings=chosen, store=store)
+            tracks = run_tracker(method, views, clicks, task=task, settings=chosen, store=store)
         if stop is None and tracks.sizes["time"] < last - first:
             _tell_interrupted(tracks, first, last)
         if method != METHODS[0]:
@@ -220,7 +220,7 @@ def retrack(
             span = (begin, int(known[-1]) + 1)
             task = _task(trial, rig, clicks, frames=span, tracks=old, progress=report, stop=stop)
             new = run_tracker(
-                method, views, clicks, task, settings=settings, learn_at=learnt, **kept
+                method, views, clicks, task=task, settings=settings, learn_at=learnt, **kept
             )
         sizes = _sizes(views)
         tolerance = {
