@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pawnb.gait.circular import circular_sd, mean_interval, mean_vector, rayleigh_p, wrap
+from pawnb.gait.circular import circular_sd, mean_interval, mean_vector, rayleigh_p
 from pawnb.schema import DROPPED_COLUMNS, PHASE_SUMMARY_COLUMNS, PHASES_COLUMNS
 
 RAYLEIGH_LEVEL = 0.05
@@ -26,7 +26,8 @@ def phase_lags(times: np.ndarray, reference: np.ndarray) -> tuple[np.ndarray, np
     times : ndarray, shape (n,)
         Times of one kind of event of the leg, rising.
     reference : ndarray, shape (m, 2)
-        Start and end of each stride of the reference leg, in the same unit.
+        Start and end of each stride of the reference leg, in the same unit; strides do not
+        overlap.
 
     Returns
     -------
@@ -36,13 +37,15 @@ def phase_lags(times: np.ndarray, reference: np.ndarray) -> tuple[np.ndarray, np
         Phases in cycles, in [0, 1).
     """
     times = np.asarray(times, dtype=float)
-    strides: list[int] = []
-    phases: list[float] = []
-    for i, (start, end) in enumerate(np.asarray(reference, dtype=float).reshape(-1, 2)):
-        for t in times[(times >= start) & (times < end)]:
-            strides.append(i)
-            phases.append(wrap((t - start) / (end - start)))
-    return np.array(strides, dtype=int), np.array(phases, dtype=float)
+    start, end = np.asarray(reference, dtype=float).reshape(-1, 2).T
+    order = np.argsort(start, kind="stable")
+    place = np.searchsorted(start[order], times, side="right") - 1
+    which = order[np.maximum(place, 0)] if len(order) else np.zeros(len(times), dtype=int)
+    inside = place >= 0
+    inside[inside] = times[inside] < end[which[inside]]
+    which, times = which[inside], times[inside]
+    phase = (times - start[which]) / (end[which] - start[which])
+    return which, np.where(phase < 1.0, phase, 0.0)
 
 
 def build_phases(
@@ -72,25 +75,27 @@ def build_phases(
     dropped : pandas.DataFrame
         ``DROPPED_COLUMNS``: strides of the reference in which the leg has no event.
     """
-    rows: list[dict[str, Any]] = []
+    parts: list[pd.DataFrame] = []
     dropped: list[dict[str, Any]] = []
     for leg, reference in pairs:
         own = events[(events["leg"] == leg) & (events["event"] == start_event)]
         times = np.sort(own["time_s"].to_numpy(dtype=float))
         base = strides[strides["leg"] == reference].reset_index(drop=True)
-        start = base["start_s"].to_numpy()
-        spans = np.column_stack((start, start + base["period_s"].to_numpy()))
+        start = base["start_s"].to_numpy(dtype=float)
+        spans = np.column_stack((start, start + base["period_s"].to_numpy(dtype=float)))
         which, values = phase_lags(times, spans)
-        for i, stride in base.iterrows():
+        part = base.loc[which, ["animal", "trial", "stride"]]
+        parts.append(part.assign(leg=leg, reference=reference, phase=values))
+        for i in np.setdiff1d(np.arange(len(base)), which):
+            stride = base.loc[i]
             who = {"animal": stride["animal"], "trial": stride["trial"], "leg": leg}
-            for phase in values[which == i]:
-                row = {"reference": reference, "stride": stride["stride"], "phase": float(phase)}
-                rows.append({**who, **row})
-            if not (which == i).any():
-                why = f"no {start_event} of {leg} within stride {stride['stride']} of {reference}"
-                span = {"start_s": start[int(str(i))], "end_s": spans[int(str(i)), 1]}
-                dropped.append({**who, **span, "what": f"phase to {reference}", "why": why})
-    phases = pd.DataFrame(rows, columns=list(PHASES_COLUMNS)).astype({"phase": float})
+            why = f"no {start_event} of {leg} within stride {stride['stride']} of {reference}"
+            span = {"start_s": spans[i, 0], "end_s": spans[i, 1]}
+            dropped.append({**who, **span, "what": f"phase to {reference}", "why": why})
+    parts = [part for part in parts if len(part)]
+    names = list(PHASES_COLUMNS)
+    phases = pd.concat(parts, ignore_index=True) if parts else pd.DataFrame(columns=names)
+    phases = phases[names].astype({"phase": float})
     return phases, pd.DataFrame(dropped, columns=list(DROPPED_COLUMNS))
 
 

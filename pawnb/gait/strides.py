@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -51,17 +50,19 @@ class Motion:
     body: np.ndarray
     feet: Mapping[str, np.ndarray] = field(default_factory=dict)
 
-    def body_between(self, start_s: float, end_s: float) -> float:
-        """Return the distance run by the body between two times; NaN where not known."""
+    def body_between(self, start_s: np.ndarray, end_s: np.ndarray) -> np.ndarray:
+        """Return the distances run by the body between pairs of times; NaN where not known."""
         return self._between(self.body, start_s, end_s)
 
-    def foot_between(self, leg: str, start_s: float, end_s: float) -> float:
-        """Return the distance a foot moved between two times; NaN where not known."""
-        return self._between(self.feet[leg], start_s, end_s) if leg in self.feet else math.nan
+    def foot_between(self, leg: str, start_s: np.ndarray, end_s: np.ndarray) -> np.ndarray:
+        """Return the distances a foot moved between pairs of times; NaN where not known."""
+        if leg not in self.feet:
+            return np.full(len(start_s), np.nan)
+        return self._between(self.feet[leg], start_s, end_s)
 
-    def _between(self, distance: np.ndarray, start_s: float, end_s: float) -> float:
-        ends = np.interp([start_s, end_s], self.time_s, distance)
-        return float(ends[1] - ends[0])
+    def _between(self, distance: np.ndarray, start_s: np.ndarray, end_s: np.ndarray) -> np.ndarray:
+        ends = np.interp(end_s, self.time_s, distance)
+        return ends - np.interp(start_s, self.time_s, distance)
 
 
 def choose_stride_event(events: pd.DataFrame, wanted: str) -> str:
@@ -118,102 +119,157 @@ def build_strides(
     dropped : pandas.DataFrame
         ``DROPPED_COLUMNS``.
     """
-    rows: list[dict[str, Any]] = []
+    parts: list[pd.DataFrame] = []
     dropped: list[dict[str, Any]] = []
     for leg in sort_legs(events["leg"]):
         own = events[events["leg"] == leg].sort_values("time_s", kind="stable")
         who = {"animal": own["animal"].iloc[0], "trial": own["trial"].iloc[0], "leg": leg}
-        starts = own[own["event"] == start_event]
-        middles = own[own["event"] == PARTNER[start_event]]
-        number = 0
-        for i in range(len(starts) - 1):
-            first, last = starts.iloc[i], starts.iloc[i + 1]
-            inside = middles[middles["time_s"].between(first["time_s"], last["time_s"])]
-            why = _fault(first, last, inside, gaps, max_stride_s)
-            if why is not None:
-                span = {"start_s": first["time_s"], "end_s": last["time_s"]}
-                dropped.append({**who, **span, "what": "stride", "why": why})
-                continue
-            number += 1
-            times = _times(first, inside.iloc[0], last)
-            moved = _distances(leg, times, motion.get(leg) if motion else None)
-            contact = _contact(own, times) if start_event == "AEP" else {}
-            method = {"method": f"{start_event}/{PARTNER[start_event]}"}
-            rows.append({**who, "stride": number, **times, **moved, **method, **contact})
-    strides = pd.DataFrame(rows, columns=[*STRIDES_COLUMNS, *EXTRA_COLUMNS])
-    numbers = [c for c in strides.columns if c not in ("animal", "trial", "leg", "method")]
+        spans = _spans(own, start_event)
+        fault = _faults(spans, _gaps_of(gaps, leg), start_event, max_stride_s)
+        for i in np.flatnonzero(fault != ""):
+            span = {"start_s": spans.start_s[i], "end_s": spans.end_s[i]}
+            dropped.append({**who, **span, "what": "stride", "why": str(fault[i])})
+        good = spans.take(fault == "")
+        columns = _times(good)
+        if "position" in own and start_event == "AEP":
+            columns |= {"aep_position": good.first_position, "pep_position": good.turn_position}
+        columns |= _distances(leg, good, motion.get(leg) if motion else None)
+        if start_event == "AEP":
+            columns |= _contact(own, good)
+        method = f"{start_event}/{PARTNER[start_event]}"
+        number = np.arange(1, len(good.start_s) + 1)
+        row = {**who, "stride": number, **columns, "method": method}
+        parts.append(pd.DataFrame(row, index=number))
+    names = [*STRIDES_COLUMNS, *EXTRA_COLUMNS]
+    parts = [part.reindex(columns=names) for part in parts if len(part)]
+    strides = pd.concat(parts, ignore_index=True) if parts else pd.DataFrame(columns=names)
+    numbers = [c for c in names if c not in ("animal", "trial", "leg", "method")]
     strides[numbers] = strides[numbers].astype(float)
     strides["stride"] = strides["stride"].astype(int)
     return strides, pd.DataFrame(dropped, columns=list(DROPPED_COLUMNS))
 
 
-def _fault(
-    first: pd.Series,
-    last: pd.Series,
-    inside: pd.DataFrame,
-    gaps: pd.DataFrame | None,
-    max_stride_s: float | None,
-) -> str | None:
-    """Say why two successive events bound no stride, or None if they do."""
-    start, end = float(first["time_s"]), float(last["time_s"])
-    if gaps is not None:
-        own = gaps[gaps["leg"] == first["leg"]]
-        across = own[(own["end_s"] > start) & (own["start_s"] < end)]
-        if len(across):
-            longest = float((across["end_s"] - across["start_s"]).max())
-            return f"not tracked for {longest:.3f} s in it"
-    partner = PARTNER[str(first["event"])]
-    if len(inside) != 1:
-        found = f"no {partner}" if len(inside) == 0 else f"{len(inside)} {partner}"
-        return f"{found} between two {first['event']}; expected one"
-    if max_stride_s is not None and end - start > max_stride_s:
-        return f"longer than {max_stride_s:g} s (max_stride_s)"
-    return None
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Spans:
+    """Stretches from one starting event of a leg to the next: n of each.
+
+    ``turns`` counts the partner's events within; ``turn_s`` and ``turn_position`` are of the
+    first of them (NaN where there is none).
+    """
+
+    start_s: np.ndarray
+    end_s: np.ndarray
+    turns: np.ndarray
+    turn_s: np.ndarray
+    first_position: np.ndarray
+    turn_position: np.ndarray
+
+    def take(self, which: np.ndarray) -> _Spans:
+        """Return some of the stretches."""
+        return _Spans(**{name: values[which] for name, values in vars(self).items()})
 
 
-def _times(first: pd.Series, middle: pd.Series, last: pd.Series) -> dict[str, float]:
-    """Return what the three events of a stride tell."""
-    start, turn, end = (float(e["time_s"]) for e in (first, middle, last))
-    period, stance = end - start, turn - start
-    out = {
-        "start_s": start,
+def _spans(own: pd.DataFrame, start_event: str) -> _Spans:
+    """Return the stretches between the starting events of one leg."""
+    time = own["time_s"].to_numpy(dtype=float)
+    position = (
+        own["position"].to_numpy(dtype=float) if "position" in own else np.full(len(own), np.nan)
+    )
+    starts = (own["event"] == start_event).to_numpy()
+    middles = (own["event"] == PARTNER[start_event]).to_numpy()
+    start, middle = time[starts], time[middles]
+    if len(start) < 2:
+        none = np.empty(0)
+        return _Spans(
+            start_s=none, end_s=none, turns=none, turn_s=none, first_position=none,
+            turn_position=none,
+        )  # fmt: skip
+    first = np.searchsorted(middle, start[:-1], side="left")
+    turns = np.searchsorted(middle, start[1:], side="right") - first
+    known = turns > 0
+    at = np.minimum(first, max(len(middle) - 1, 0))
+
+    def of_turn(values: np.ndarray) -> np.ndarray:
+        return np.where(known, values[at], np.nan) if len(middle) else np.full(len(at), np.nan)
+
+    return _Spans(
+        start_s=start[:-1],
+        end_s=start[1:],
+        turns=turns,
+        turn_s=of_turn(middle),
+        first_position=position[starts][:-1],
+        turn_position=of_turn(position[middles]),
+    )
+
+
+def _gaps_of(gaps: pd.DataFrame | None, leg: str) -> np.ndarray:
+    """Return start and end of the gaps of one leg, shape (k, 2)."""
+    if gaps is None:
+        return np.empty((0, 2))
+    own = gaps.loc[gaps["leg"] == leg, ["start_s", "end_s"]]
+    return own.to_numpy(dtype=float)
+
+
+def _faults(
+    spans: _Spans, gaps: np.ndarray, start_event: str, max_stride_s: float | None
+) -> np.ndarray:
+    """Say of each stretch why it is no stride; empty text where it is one."""
+    why = np.full(len(spans.start_s), "", dtype=object)
+    if max_stride_s is not None:
+        long = spans.end_s - spans.start_s > max_stride_s
+        why[long] = f"longer than {max_stride_s:g} s (max_stride_s)"
+    partner = PARTNER[start_event]
+    for i in np.flatnonzero(spans.turns != 1):
+        found = f"{spans.turns[i]:.0f} {partner}" if spans.turns[i] else f"no {partner}"
+        why[i] = f"{found} between two {start_event}; expected one"
+    longest = np.zeros(len(why))
+    for start, end in gaps:
+        across = (end > spans.start_s) & (start < spans.end_s)
+        longest[across] = np.maximum(longest[across], end - start)
+    for i in np.flatnonzero(longest):
+        why[i] = f"not tracked for {longest[i]:.3f} s in it"
+    return why
+
+
+def _times(spans: _Spans) -> dict[str, np.ndarray]:
+    """Return what the three events of each stride tell."""
+    period, stance = spans.end_s - spans.start_s, spans.turn_s - spans.start_s
+    return {
+        "start_s": spans.start_s,
         "period_s": period,
         "frequency_hz": 1.0 / period,
         "stance_s": stance,
-        "swing_s": end - turn,
+        "swing_s": spans.end_s - spans.turn_s,
         "duty_factor": stance / period,
     }
-    if "position" in first.index and first["event"] == "AEP":
-        out["aep_position"] = float(first["position"])
-        out["pep_position"] = float(middle["position"])
-    return out
 
 
-def _distances(leg: str, times: Mapping[str, float], motion: Motion | None) -> dict[str, float]:
+def _distances(leg: str, spans: _Spans, motion: Motion | None) -> dict[str, np.ndarray]:
     """Return stride length, speed, and the foot's own displacement, where motion is known."""
     if motion is None:
         return {}
-    start, end = times["start_s"], times["start_s"] + times["period_s"]
-    length = motion.body_between(start, end)
+    length = motion.body_between(spans.start_s, spans.end_s)
     return {
         "stride_length": length,
-        "speed": length / times["period_s"],
-        "step_displacement": motion.foot_between(leg, start, end),
+        "speed": length / (spans.end_s - spans.start_s),
+        "step_displacement": motion.foot_between(leg, spans.start_s, spans.end_s),
     }
 
 
-def _contact(own: pd.DataFrame, times: Mapping[str, float]) -> dict[str, float]:
-    """Return the contact that belongs to a stance from AEP to PEP.
+def _contact(own: pd.DataFrame, spans: _Spans) -> dict[str, np.ndarray]:
+    """Return the contact that belongs to each stance from AEP to PEP.
 
     It is the touch-down nearest before the middle of the stance (but after the middle of
     the swing before) to the next lift-off, which must come before the next swing's middle.
     """
-    middle = times["start_s"] + times["stance_s"] / 2.0
-    down = own.loc[(own["event"] == "TD") & (own["time_s"] <= middle), "time_s"]
-    up = own.loc[(own["event"] == "LO") & (own["time_s"] > middle), "time_s"]
-    if down.empty or up.empty:
-        return {}
-    contact = float(up.min() - down.max())
-    if not 0.0 < contact < times["period_s"]:
-        return {}
-    return {"contact_s": contact, "contact_duty_factor": contact / times["period_s"]}
+    down = own.loc[own["event"] == "TD", "time_s"].to_numpy(dtype=float)
+    up = own.loc[own["event"] == "LO", "time_s"].to_numpy(dtype=float)
+    middle = (spans.start_s + spans.turn_s) / 2.0
+    landed = np.searchsorted(down, middle, side="right") - 1
+    lifted = np.searchsorted(up, middle, side="right")
+    known = (landed >= 0) & (lifted < len(up))
+    contact = np.full(len(middle), np.nan)
+    contact[known] = up[lifted[known]] - down[landed[known]]
+    period = spans.end_s - spans.start_s
+    contact[~((contact > 0.0) & (contact < period))] = np.nan
+    return {"contact_s": contact, "contact_duty_factor": contact / period}
