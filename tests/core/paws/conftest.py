@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -12,6 +13,13 @@ from pawnb.core.rig import Rig
 
 WIDTH, HEIGHT = 320, 160
 PINK, GREEN, FUR = (225, 130, 150), (40, 120, 60), (70, 60, 50)
+
+
+@functools.cache
+def noise(frame, view):
+    """Noise of one picture, in whole grey levels, the same in every scene."""
+    levels = np.random.default_rng([frame, view]).normal(0, 3, (HEIGHT, WIDTH, 3))
+    return np.floor(levels).astype(np.int8)
 
 
 class Picture:
@@ -61,16 +69,17 @@ class DiscScene:
             yield i, self.frame(i)
 
     def _draw(self, i, view):
-        rng = np.random.default_rng([i, view])
-        pixels = np.empty((HEIGHT, WIDTH, 3))
+        pixels = np.empty((HEIGHT, WIDTH, 3), np.int16)
         pixels[:] = GREEN
         pixels[: HEIGHT // 6] = FUR
-        v, u = np.mgrid[:HEIGHT, :WIDTH]
         for p, (name, colour) in enumerate(zip(self.points, self.colours, strict=True)):
             if (i, self.names[view], name) not in self.hidden:
-                near = np.hypot(u - self.uv[i, view, p, 0], v - self.uv[i, view, p, 1]) < 6
-                pixels[near] = colour
-        pixels = np.clip(pixels + rng.normal(0, 3, pixels.shape), 0, 255).astype(np.uint8)
+                u, v = self.uv[i, view, p]
+                part = tuple(slice(max(0, round(at) - 7), max(0, round(at) + 8)) for at in (v, u))
+                row, column = np.ogrid[:HEIGHT, :WIDTH]
+                near = np.hypot(column[:, part[1]] - u, row[part[0]] - v) < 6
+                pixels[part][near] = colour
+        pixels = np.clip(pixels + noise(i, view), 0, 255).astype(np.uint8)
         return (pixels @ [0.3, 0.6, 0.1]).astype(np.uint8) if self.grey else pixels
 
     def clicks(self, frame=0, *, leave_out=()):
