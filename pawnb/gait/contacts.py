@@ -1,0 +1,160 @@
+"""Ground contact given by hand or by force plates: to events, and compared with events."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+
+from pawnb.errors import InputError
+from pawnb.gait.legs import sort_legs
+from pawnb.schema import EVENTS_COLUMNS
+
+AGREEMENT_COLUMNS = (
+    "leg", "n_frames", "agreement", "kappa", "duty_by_hand", "duty_found", "n_td", "td_shift_s",
+    "n_lo", "lo_shift_s",
+)  # fmt: skip
+
+
+def events_from_contacts(
+    contacts: pd.DataFrame, *, fps: float, animal: str = "animal", trial: str = "trial"
+) -> pd.DataFrame:
+    """Turn a table of ground contact into touch-downs and lift-offs.
+
+    Parameters
+    ----------
+    contacts : pandas.DataFrame
+        ``frame`` and one column a leg: 1 where the foot is on the ground, 0 where it is not,
+        empty (NaN) where that is not known.
+    fps : float
+        Frames per second.
+    animal, trial : str
+        Names for the table.
+
+    Returns
+    -------
+    pandas.DataFrame
+        ``EVENTS_COLUMNS`` with TD and LO. A change between two successive frames is put half
+        way between them; next to a frame that is missing or not known there is no event.
+
+    Raises
+    ------
+    InputError
+        If there is no column ``frame`` or no leg, or a cell is neither 0 nor 1.
+    """
+    legs = _legs_of(contacts)
+    frame = contacts["frame"].to_numpy(dtype=float)
+    next_to = np.diff(frame) == 1
+    rows = []
+    for leg in legs:
+        change = np.diff(contacts[leg].to_numpy(dtype=float))
+        for i in np.flatnonzero((np.abs(change) == 1) & next_to):
+            at = (frame[i] + frame[i + 1]) / 2.0
+            rows.append(
+                {
+                    "animal": animal,
+                    "trial": trial,
+                    "leg": leg,
+                    "event": "TD" if change[i] > 0 else "LO",
+                    "frame": at,
+                    "time_s": at / fps,
+                    "method": "contact by hand",
+                }
+            )
+    return pd.DataFrame(rows, columns=list(EVENTS_COLUMNS))
+
+
+def is_contact_table(table: pd.DataFrame) -> bool:
+    """Say whether a table is one of ground contact: ``frame`` and legs with 0 and 1."""
+    columns = [name for name in table if name != "frame"]
+    if "frame" not in table or not columns:
+        return False
+    cells = table[columns].apply(pd.to_numeric, errors="coerce").to_numpy(dtype=float)
+    return bool(np.isin(cells[np.isfinite(cells)], (0.0, 1.0)).all() and np.isfinite(cells).any())
+
+
+def contact_agreement(
+    events: pd.DataFrame, contacts: pd.DataFrame, *, fps: float, start: str = "TD", end: str = "LO"
+) -> pd.DataFrame:
+    """Compare events found in tracks with ground contact scored by hand.
+
+    Parameters
+    ----------
+    events : pandas.DataFrame
+        Events of one animal and trial.
+    contacts : pandas.DataFrame
+        As for :func:`events_from_contacts`.
+    fps : float
+        Frames per second.
+    start, end : str
+        Events that begin and end contact: TD and LO, or AEP and PEP.
+
+    Returns
+    -------
+    pandas.DataFrame
+        One row a leg: ``agreement`` is the share of frames with the same state, ``kappa``
+        Cohen's kappa (1: perfect, 0: chance), duty factors as shares of the compared frames,
+        and for each event by hand the nearest found one within half a usual stride:
+        ``td_shift_s``, ``lo_shift_s`` are medians of found minus by hand. Frames before the
+        first and after the last found event of a leg are not compared.
+
+    Raises
+    ------
+    InputError
+        As :func:`events_from_contacts`.
+    """
+    hand = events_from_contacts(contacts, fps=fps)
+    rows = []
+    for leg in _legs_of(contacts):
+        own = events[(events["leg"] == leg) & events["event"].isin((start, end))]
+        own = own.sort_values("frame", kind="stable")
+        frame = contacts["frame"].to_numpy(dtype=float)
+        state = contacts[leg].to_numpy(dtype=float)
+        at = np.searchsorted(own["frame"].to_numpy(dtype=float), frame, side="right")
+        inside = (at > 0) & (at < len(own)) & np.isfinite(state)
+        found = (own["event"] == start).to_numpy()[np.maximum(at - 1, 0)] if len(own) else inside
+        a, b = state[inside] == 1, found[inside]
+        row = {"leg": leg, "n_frames": int(inside.sum()), "agreement": np.nan, "kappa": np.nan}
+        row |= {"duty_by_hand": np.nan, "duty_found": np.nan}
+        if inside.any():
+            same = float((a == b).mean())
+            chance = a.mean() * b.mean() + (1 - a.mean()) * (1 - b.mean())
+            row["agreement"] = same
+            row["kappa"] = (same - chance) / (1 - chance) if chance < 1 else np.nan
+            row["duty_by_hand"], row["duty_found"] = float(a.mean()), float(b.mean())
+        for name, label, kind in (("td", "TD", start), ("lo", "LO", end)):
+            by_hand = hand.loc[(hand["leg"] == leg) & (hand["event"] == label), "time_s"]
+            times = own.loc[own["event"] == kind, "time_s"]
+            shift = _nearest_shift(by_hand.to_numpy(dtype=float), times.to_numpy(dtype=float))
+            row[f"n_{name}"] = len(shift)
+            row[f"{name}_shift_s"] = float(np.median(shift)) if len(shift) else np.nan
+        rows.append(row)
+    return pd.DataFrame(rows, columns=list(AGREEMENT_COLUMNS))
+
+
+def _nearest_shift(by_hand: np.ndarray, found: np.ndarray) -> np.ndarray:
+    """Return found minus by hand for every event that has one within half a usual stride."""
+    if len(by_hand) < 2 or not len(found):
+        return np.empty(0)
+    apart = found[None, :] - by_hand[:, None]
+    nearest = apart[np.arange(len(by_hand)), np.argmin(np.abs(apart), axis=1)]
+    return nearest[np.abs(nearest) < np.median(np.diff(by_hand)) / 2.0]
+
+
+def _legs_of(contacts: pd.DataFrame) -> list[str]:
+    """Return the legs of a contact table, or say what is wrong with it."""
+    if "frame" not in contacts:
+        raise InputError(
+            "contacts: column 'frame' is missing; expected frame and one column a leg."
+        )
+    legs = [str(name) for name in contacts if name != "frame"]
+    if not legs:
+        raise InputError("contacts: no column for a leg; expected frame and one column a leg.")
+    for leg in legs:
+        state = pd.to_numeric(contacts[leg], errors="coerce").to_numpy(dtype=float)
+        wrong = ~np.isin(state, (0.0, 1.0)) & ~contacts[leg].isna().to_numpy()
+        if wrong.any():
+            raise InputError(
+                f"contacts: leg {leg} is {contacts[leg].to_numpy()[wrong][0]} in one frame; "
+                "expected 1 (on the ground) or 0."
+            )
+    return sort_legs(legs)
