@@ -13,7 +13,7 @@ _F = TypeVar("_F", bound=Callable)
 def compiled(function: _F) -> _F:
     """Compile a function of arrays and numbers when it is first called.
 
-    The code is kept beside the module, or else in the user's cache folder; where neither
+    While it runs, other threads run too. The code is kept beside the module, or else in the user's cache folder; where neither
     can be written, it is compiled again in every session.
 
     Parameters
@@ -27,6 +27,6 @@ def compiled(function: _F) -> _F:
         The same, fast.
     """
     try:
-        return cast("_F", numba.njit(cache=True, error_model="numpy")(function))
+        return cast("_F", numba.njit(cache=True, nogil=True, error_model="numpy")(function))
     except RuntimeError:  # numba: "cannot cache function: no locator available"
-        return cast("_F", numba.njit(error_model="numpy")(function))
+        return cast("_F", numba.njit(nogil=True, error_model="numpy")(function))

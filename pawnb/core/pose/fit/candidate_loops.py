@@ -1,0 +1,140 @@
+"""What candidate poses of single legs are worth on a frame: compiled loops."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from pawnb.core.compiled import compiled
+from pawnb.core.pose.fit.layout import Layout
+from pawnb.core.pose.fit.paint_loops import NOTHING, clear, leg_chain, misfit, paint_body, paint_leg
+from pawnb.core.pose.fit.solve_loops import Sight
+
+
+@compiled
+def leg_footprint(
+    layout: Layout, pose: np.ndarray, leg: int, sight: Sight, blur: float, soft: float,
+    base: np.ndarray, value: np.ndarray, owner: np.ndarray, along: np.ndarray,
+    joints: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray, float]:  # fmt: skip
+    """Return the pixels a leg covers, how dark it paints them, and what that is worth.
+
+    ``base`` is the painted body; the worth is the cost of the picture with body and leg less
+    that with the body alone.
+    """
+    clear(value, owner)
+    leg_chain(layout, pose, leg, joints)
+    paint_leg(layout, joints, leg, blur, sight.box, value, owner, along)
+    height, width = value.shape
+    n = 0
+    for v in range(height):
+        for u in range(width):
+            if value[v, u] > base[v, u] + 0.02:
+                n += 1
+    pixels, darks = np.empty(n, np.int64), np.empty(n)
+    n, cost = 0, 0.0
+    for v in range(height):
+        for u in range(width):
+            if value[v, u] > base[v, u] + 0.02:
+                pixels[n], darks[n] = v * width + u, value[v, u]
+                seen = sight.seen[v, u]
+                change = misfit(value[v, u] - seen, soft) - misfit(base[v, u] - seen, soft)
+                cost += sight.weight[v, u] * change
+                n += 1
+    return pixels, darks, cost
+
+
+@compiled
+def shared_cost(
+    pixels_a: np.ndarray, darks_a: np.ndarray, pixels_b: np.ndarray, darks_b: np.ndarray,
+    sight: Sight, base: np.ndarray, soft: float,
+) -> float:  # fmt: skip
+    """Return the cost of two footprints together less that of each alone.
+
+    Pixels are in ascending order. What both explain is counted once, so two legs on one place
+    pay for it.
+    """
+    width = base.shape[1]
+    i = j = 0
+    total = 0.0
+    while i < pixels_a.shape[0] and j < pixels_b.shape[0]:
+        if pixels_a[i] < pixels_b[j]:
+            i += 1
+        elif pixels_a[i] > pixels_b[j]:
+            j += 1
+        else:
+            v, u = pixels_a[i] // width, pixels_a[i] % width
+            seen = sight.seen[v, u]
+            a, b = misfit(darks_a[i] - seen, soft), misfit(darks_b[j] - seen, soft)
+            both = a if darks_a[i] > darks_b[j] else b
+            total += sight.weight[v, u] * (both - a - b + misfit(base[v, u] - seen, soft))
+            i += 1
+            j += 1
+    return total
+
+
+@compiled
+def paint_base(
+    layout: Layout, pose: np.ndarray, blur: float, sight: Sight, value: np.ndarray,
+    owner: np.ndarray,
+) -> None:  # fmt: skip
+    """Paint the body alone."""
+    clear(value, owner)
+    paint_body(layout, pose, blur, sight.box, value, owner)
+
+
+@compiled
+def leg_support(
+    layout: Layout, joints: np.ndarray, leg: int, sight: Sight, share: float
+) -> tuple[float, float]:
+    """Return how dark a leg's axis is relative to what is expected: whole leg, outer part.
+
+    ``share`` is the part of the leg, from the tip inwards, that counts as outer. Places outside
+    the crop do not count; where nothing counts, the answer is NaN.
+    """
+    height, width = sight.seen.shape
+    n = layout.n_segments[leg]
+    whole = 0.0
+    for s in range(n):
+        whole += math.hypot(joints[s + 1, 0] - joints[s, 0], joints[s + 1, 1] - joints[s, 1])
+    done, found, length, outer, outer_length = 0.0, 0.0, 0.0, 0.0, 0.0
+    for s in range(n):
+        du, dv = joints[s + 1, 0] - joints[s, 0], joints[s + 1, 1] - joints[s, 1]
+        piece = math.hypot(du, dv)
+        steps = max(1, int(piece))
+        for i in range(steps):
+            t = (i + 0.5) / steps
+            u = int(round(joints[s, 0] + t * du - sight.box[0]))
+            v = int(round(joints[s, 1] + t * dv - sight.box[1]))
+            at = done + t * piece
+            if 0 <= u < width and 0 <= v < height:
+                dark = layout.dark[leg, s] + t * (layout.dark[leg, s + 1] - layout.dark[leg, s])
+                radius = layout.radius[leg, s] + t * (
+                    layout.radius[leg, s + 1] - layout.radius[leg, s]
+                )
+                expected = max(dark * min(1.0, radius), 0.05)  # thin ends are blurred
+                here = min(max(sight.seen[v, u] / expected, 0.0), 1.0)
+                found += here * piece / steps
+                length += piece / steps
+                if at > (1.0 - share) * whole:
+                    outer += here * piece / steps
+                    outer_length += piece / steps
+        done += piece
+    return (
+        found / length if length > 0 else math.nan,
+        outer / outer_length if outer_length > 0 else math.nan,
+    )
+
+
+@compiled
+def unexplained(owner: np.ndarray, sight: Sight, dark: float, reach: float, middle: np.ndarray) -> float:
+    """Return the number of dark pixels near the animal that nothing painted covers."""
+    total = 0.0
+    for v in range(owner.shape[0]):
+        for u in range(owner.shape[1]):
+            if owner[v, u] == NOTHING and sight.seen[v, u] > dark:
+                du, dv = u + sight.box[0] - middle[0], v + sight.box[1] - middle[1]
+                if du * du + dv * dv < reach * reach:
+                    total += 1.0
+    return total

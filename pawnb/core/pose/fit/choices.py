@@ -1,0 +1,214 @@
+"""The poses that each leg might have in a frame, and what they are worth together."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from pawnb.core.pose.fit.candidate_loops import leg_footprint, paint_base, shared_cost
+from pawnb.core.pose.fit.fitter import FrameFitter
+from pawnb.core.pose.fit.limb_loops import chains_apart, find_limbs
+from pawnb.core.pose.fit.paint_loops import leg_chain
+from pawnb.core.pose.fit.solve_loops import Prior, Sight
+
+SAME_PX = 2.5
+"""Poses of a leg nowhere further apart are the same minimum, working px."""
+_BEAM = 24
+_WORTHLESS = 0.35
+"""A candidate that explains less than this share of what the best one does is dropped."""
+
+
+@dataclass
+class Choices:
+    """What a frame leaves open.
+
+    Attributes
+    ----------
+    frame : int
+        Frame number.
+    pose : ndarray, shape (n_parameters,)
+        The pose followed so far.
+    image, box
+        Grey working pixels of the crop (uint8) and where they lie, for a second look.
+    legs : list of ndarray, shape (candidates, 2 links)
+        Of each leg, its possible parts of the pose vector; the first is that of ``pose``.
+    joints : list of ndarray, shape (candidates, segments + 1, 2)
+        Where they put its joints.
+    worth : list of ndarray, shape (candidates,)
+        Cost of the picture with that leg alone added to the body, less that of the body.
+    shared : dict
+        Of pairs of legs, the cost of both together less that of each, (candidates, candidates).
+    """
+
+    frame: int
+    pose: np.ndarray
+    image: np.ndarray
+    box: tuple[int, int, int, int]
+    legs: list[np.ndarray]
+    joints: list[np.ndarray]
+    worth: list[np.ndarray]
+    shared: dict[tuple[int, int], np.ndarray] = field(default_factory=dict)
+
+    @property
+    def is_open(self) -> bool:
+        """Whether any leg has more than one candidate."""
+        return any(len(c) > 1 for c in self.legs)
+
+
+def only_choice(
+    fitter: FrameFitter, frame: int, pose: np.ndarray, image: np.ndarray, box: tuple
+) -> Choices:
+    """Return the frame with one pose of each leg."""
+    joints = fitter.joints(pose)
+    return Choices(
+        frame=frame,
+        pose=pose,
+        image=np.clip(np.round(image), 0, 255).astype(np.uint8),
+        box=box,
+        legs=[pose[numbers][None] for numbers in fitter.numbers],
+        joints=[j[None] for j in joints],
+        worth=[np.zeros(1) for _ in fitter.numbers],
+    )
+
+
+def limb_candidates(
+    fitter: FrameFitter, pose: np.ndarray, leg: int, sight: Sight, prior: Prior
+) -> list[np.ndarray]:
+    """Return poses of a leg that the silhouette offers, each fitted."""
+    numbers, _ = find_limbs(
+        fitter.layout, pose, leg, sight.seen, sight.box, prior, _BEAM,
+        fitter.settings.candidates, 2 * SAME_PX,
+    )  # fmt: skip
+    return [fit_leg(fitter, pose, leg, guess, sight, prior) for guess in numbers]
+
+
+def fit_leg(
+    fitter: FrameFitter,
+    pose: np.ndarray,
+    leg: int,
+    guess: np.ndarray,
+    sight: Sight,
+    prior: Prior,
+    *,
+    rounds: int = 5,
+) -> np.ndarray:
+    """Return one leg's part of the pose vector, fitted with the body as it is."""
+    trial = pose.copy()
+    trial[fitter.numbers[leg]] = guess
+    fitted, _ = fitter.fit(
+        trial, sight, prior, active=fitter.numbers[leg], shown=fitter.only[leg], rounds=rounds
+    )
+    return fitted[fitter.numbers[leg]]
+
+
+def add_candidates(
+    fitter: FrameFitter,
+    choices: Choices,
+    extra: dict[int, list[np.ndarray]],
+    sight: Sight,
+    prior: Prior,
+) -> None:
+    """Add poses of legs that are not there yet, and weigh all of them.
+
+    Parameters
+    ----------
+    fitter : FrameFitter
+        Fitter of this frame.
+    choices : Choices
+        Changed in place; candidates that explain little are dropped.
+    extra : dict
+        Of some legs, further parts of the pose vector.
+    sight : Sight
+        The frame.
+    prior : Prior
+        Anatomy, a part of what a candidate costs.
+    """
+    for leg, more in extra.items():
+        for numbers in more:
+            joints = _joints(fitter, choices.pose, leg, numbers)
+            n = fitter.layout.n_segments[leg]
+            if all(chains_apart(joints, known, n) > SAME_PX for known in choices.joints[leg]):
+                choices.legs[leg] = np.concatenate([choices.legs[leg], numbers[None]])
+                choices.joints[leg] = np.concatenate([choices.joints[leg], joints[None]])
+    if choices.is_open:
+        weigh(fitter, choices, sight, prior)
+
+
+def weigh(fitter: FrameFitter, choices: Choices, sight: Sight, prior: Prior) -> None:
+    """Fill in what candidates are worth alone and in pairs, and drop the worthless."""
+    value, owner, along, joints = fitter.canvas(sight)
+    paint_base(fitter.layout, choices.pose, fitter.blur, sight, value, owner)
+    base = value.copy()
+    soft = fitter.settings.soft_error
+    prints: list[list[tuple[np.ndarray, np.ndarray]]] = []
+    for leg, numbers in enumerate(fitter.numbers):
+        trial, worth, marks = choices.pose.copy(), [], []
+        for candidate in choices.legs[leg]:
+            trial[numbers] = candidate
+            pixels, darks, cost = leg_footprint(
+                fitter.layout, trial, leg, sight, fitter.blur, soft, base, value, owner, along,
+                joints[leg],
+            )  # fmt: skip
+            worth.append(cost)
+            marks.append((pixels, darks))
+        anatomy = np.array([_prior_cost(c, prior, numbers) for c in choices.legs[leg]])
+        alone = np.array(worth)
+        keep = _worth_keeping(alone, fitter.settings.candidates)
+        choices.worth[leg] = (alone + anatomy)[keep]
+        choices.legs[leg] = choices.legs[leg][keep]
+        choices.joints[leg] = choices.joints[leg][keep]
+        prints.append([marks[i] for i in keep])
+    choices.shared = {}
+    side = fitter.layout.side
+    for a in range(len(prints)):
+        for b in range(a + 1, len(prints)):
+            if side[a] == side[b] and (len(prints[a]) > 1 or len(prints[b]) > 1):
+                choices.shared[a, b] = np.array(
+                    [[shared_cost(*p, *q, sight, base, soft) for q in prints[b]] for p in prints[a]]
+                )
+
+
+def _worth_keeping(alone: np.ndarray, most: int) -> np.ndarray:
+    """Return the candidates to keep: always the first, the others by worth."""
+    others = np.argsort(alone[1:], kind="stable") + 1
+    good = [i for i in others if alone[i] < _WORTHLESS * alone.min()]
+    return np.array([0, *good[: most - 1]])
+
+
+def _prior_cost(candidate: np.ndarray, prior: Prior, numbers: np.ndarray) -> float:
+    """Return what anatomy makes a leg's pose cost."""
+    away = candidate - prior.middle[numbers]
+    over = np.maximum(candidate - prior.high[numbers], prior.low[numbers] - candidate)
+    over = np.maximum(over, 0.0)
+    return float(
+        0.5 * (prior.precision[numbers] * away**2 + prior.wall[numbers] * over**2).sum()
+    )
+
+
+def _joints(fitter: FrameFitter, pose: np.ndarray, leg: int, numbers: np.ndarray) -> np.ndarray:
+    """Return where one leg's part of the pose vector puts its joints."""
+    trial = pose.copy()
+    trial[fitter.numbers[leg]] = numbers
+    joints = np.full((fitter.layout.radius.shape[1], 2), np.nan)
+    leg_chain(fitter.layout, trial, leg, joints)
+    return joints
+
+
+def sides_of(side: np.ndarray) -> list[list[int]]:
+    """Return the legs of each side."""
+    return [[i for i, s in enumerate(side) if s == which] for which in np.unique(side)]
+
+
+def picture_energy(choices: Choices, legs: Sequence[int], share: float) -> np.ndarray:
+    """Return the cost of every combination of one side's candidates, one axis a leg."""
+    shape = [len(choices.legs[leg]) for leg in legs]
+    out = np.zeros(shape)
+    for i, leg in enumerate(legs):
+        out += choices.worth[leg].reshape([-1 if k == i else 1 for k in range(len(legs))])
+        for j in range(i + 1, len(legs)):
+            pair = choices.shared.get((leg, legs[j]))
+            if pair is not None:
+                out += pair.reshape([shape[k] if k in (i, j) else 1 for k in range(len(legs))])
+    return share * out

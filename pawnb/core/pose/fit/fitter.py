@@ -1,0 +1,166 @@
+"""One frame: the pose nearest to a prediction, and other poses that single legs might have."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pawnb.core.pose.animal import StickAnimal
+from pawnb.core.pose.fit.candidate_loops import leg_support, unexplained
+from pawnb.core.pose.fit.evidence import Evidence
+from pawnb.core.pose.fit.layout import N_BODY, Layout
+from pawnb.core.pose.fit.paint_loops import leg_chain, make_canvas
+from pawnb.core.pose.fit.priors import parameter_kinds
+from pawnb.core.pose.fit.settings import PoseSettings
+from pawnb.core.pose.fit.solve_loops import Prior, Sight, fit_pose, normal_matrix, paint_some
+from pawnb.core.views import Frame
+
+SQRT5 = float(np.sqrt(5.0))
+_COVER_BLUR_PX = 7.0
+"""Blur of the painted prediction that keeps the animal out of the estimate of the light."""
+_ENOUGH = 0.5
+"""A fit ends when a step lowers its cost by less."""
+
+
+class FrameFitter:
+    """Fits poses to frames; one a thread.
+
+    Parameters
+    ----------
+    animal : StickAnimal
+        The animal.
+    layout : Layout
+        As arrays, in working pixels.
+    evidence : Evidence
+        Makes sights of frames.
+    anatomy : Prior
+        What is known of any pose.
+    settings : PoseSettings
+        Settings.
+    """
+
+    def __init__(
+        self,
+        animal: StickAnimal,
+        layout: Layout,
+        *,
+        evidence: Evidence,
+        anatomy: Prior,
+        settings: PoseSettings,
+    ) -> None:
+        self.animal, self.layout, self.evidence = animal, layout, evidence
+        self.anatomy, self.settings = anatomy, settings
+        self.angles, self.lengths = parameter_kinds(animal)
+        self.n = N_BODY + len(self.angles) + len(self.lengths)
+        self.everything = np.arange(self.n)
+        self.body = np.arange(N_BODY)
+        n_legs = len(animal.legs)
+        self.all_shown = np.ones(n_legs + 1, bool)
+        self.only = [np.isin(np.arange(n_legs + 1), (i, n_legs)) for i in range(n_legs)]
+        self.numbers = [
+            np.arange(first, first + 2 * links)
+            for first, links in zip(layout.first, layout.n_links, strict=True)
+        ]
+        reach = np.hypot(*layout.attach.T) + layout.length.sum(axis=1)
+        self.reach = 1.03 * float(reach.max()) + 6.0
+        self.blur = SQRT5 * settings.blur_px
+        self._canvases: dict[tuple[int, int], tuple[np.ndarray, ...]] = {}
+
+    def canvas(self, sight: Sight) -> tuple[np.ndarray, ...]:
+        """Return the canvas of a sight's size; its content does not last."""
+        shape = (sight.seen.shape[0], sight.seen.shape[1])
+        if shape not in self._canvases:
+            if len(self._canvases) > 8:
+                self._canvases.clear()
+            self._canvases[shape] = make_canvas(*shape, self.layout)
+        return self._canvases[shape]
+
+    def box(self, expected: np.ndarray) -> tuple[int, int, int, int]:
+        """Return the crop that holds the expected animal."""
+        return self.evidence.crop_box(expected[:2], self.reach)
+
+    def look(self, frame: Frame, expected: np.ndarray) -> tuple[Sight, np.ndarray, tuple]:
+        """Return what a frame shows about the expected pose, its grey pixels and their box."""
+        box = self.box(expected)
+        image = self.evidence.pixels(frame, box)
+        return self.sight(image, box, expected), image, box
+
+    def sight(
+        self, image: np.ndarray, box: tuple[int, int, int, int], expected: np.ndarray
+    ) -> Sight:
+        """Return what grey pixels show, the expected animal left out of the light."""
+        empty = Sight(image, image, np.array([float(box[0]), float(box[1])]))
+        value, owner, along, joints = self.canvas(empty)
+        paint_some(
+            self.layout, expected, _COVER_BLUR_PX, empty.box, self.all_shown,
+            value, owner, along, joints,
+        )  # fmt: skip
+        covered = np.where(owner == -1, -1, 0)
+        return self.evidence.sight(image, box, covered)
+
+    def fit(
+        self,
+        pose: np.ndarray,
+        sight: Sight,
+        prior: Prior,
+        *,
+        active: np.ndarray | None = None,
+        shown: np.ndarray | None = None,
+        blur: float | None = None,
+        rounds: int = 6,
+    ) -> tuple[np.ndarray, float]:
+        """Return the pose nearby that fits best, and its cost; see :func:`fit_pose`."""
+        return fit_pose(
+            self.layout, pose, sight, prior,
+            self.everything if active is None else active,
+            self.all_shown if shown is None else shown,
+            self.blur if blur is None else blur,
+            self.settings.soft_error, rounds, _ENOUGH, *self.canvas(sight),
+        )  # fmt: skip
+
+    def information(self, pose: np.ndarray, sight: Sight, prior: Prior) -> np.ndarray:
+        """Return the Gauss-Newton matrix of picture and prior, lower triangle made whole."""
+        matrix, vector = np.zeros((self.n, self.n)), np.zeros(self.n)
+        normal_matrix(
+            self.layout, pose, sight, prior, self.everything, self.all_shown, self.blur,
+            self.settings.soft_error, *self.canvas(sight), matrix, vector,
+        )  # fmt: skip
+        return matrix + np.tril(matrix, -1).T
+
+    def joints(self, pose: np.ndarray) -> np.ndarray:
+        """Return the joints and tips of all legs, shape (legs, segments + 1, 2)."""
+        out = np.full((*self.layout.radius.shape, 2), np.nan)
+        for leg in range(len(out)):
+            leg_chain(self.layout, pose, leg, out[leg])
+        return out
+
+    def support(self, pose: np.ndarray, sight: Sight) -> np.ndarray:
+        """Return how much of each leg, and of its outer third, is dark, shape (legs, 2)."""
+        joints = self.joints(pose)
+        return np.array(
+            [
+                leg_support(self.layout, joints[leg], leg, sight, 0.33)
+                for leg in range(len(joints))
+            ]
+        )
+
+    def body_support(self, pose: np.ndarray, sight: Sight) -> float:
+        """Return how dark the body's place is relative to what is expected; 0 if out of sight."""
+        value, owner, along, joints = self.canvas(sight)
+        shown = np.zeros(len(self.all_shown), bool)
+        shown[-1] = True
+        paint_some(self.layout, pose, self.blur, sight.box, shown, value, owner, along, joints)
+        inside = owner != -1
+        total = float(value[inside].sum())
+        if total == 0.0:
+            return 0.0
+        return float(np.minimum(sight.seen[inside], value[inside]).sum()) / total
+
+    def unexplained(self, pose: np.ndarray, sight: Sight) -> float:
+        """Return the number of dark working pixels near the animal that it does not cover."""
+        value, owner, along, joints = self.canvas(sight)
+        paint_some(
+            self.layout, pose, self.blur + 2.0, sight.box, self.all_shown,
+            value, owner, along, joints,
+        )  # fmt: skip
+        dark = 0.5 * float(np.median(self.layout.dark))
+        return unexplained(owner, sight, dark, self.reach, pose[:2])

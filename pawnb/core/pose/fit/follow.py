@@ -1,0 +1,179 @@
+"""One direction through a recording: each frame from the one before, with what it leaves open."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+
+import numpy as np
+
+from pawnb.core.pose.fit.blurred import blurred
+from pawnb.core.pose.fit.choices import (
+    SAME_PX,
+    Choices,
+    add_candidates,
+    fit_leg,
+    limb_candidates,
+    only_choice,
+    picture_energy,
+    sides_of,
+)
+from pawnb.core.pose.fit.fitter import FrameFitter
+from pawnb.core.pose.fit.path import Trellis
+from pawnb.core.pose.fit.priors import about
+from pawnb.core.pose.fit.solve_loops import Prior, Sight
+from pawnb.core.views import Frame
+
+_COARSE_BLUR = 4.0
+_BODY_LOST = 0.5
+"""Share of the body's darkness below which it is not there."""
+_LEG_LOST, _TIP_LOST = 0.75, 0.5
+_UNEXPLAINED_SHARE = 0.25
+"""Dark pixels left over, as a share of a leg's area, beyond which legs are looked for."""
+_KEEP_VELOCITY = 0.9
+_LEAP_PX = 12.0
+_LEARN_LENGTH = 0.03
+
+
+class Follower:
+    """Follows the animal from frame to frame.
+
+    Parameters
+    ----------
+    fitter : FrameFitter
+        Fits single frames.
+    pose : ndarray, shape (n_parameters,)
+        The pose in the frame before the first.
+    """
+
+    def __init__(self, fitter: FrameFitter, pose: np.ndarray) -> None:
+        self.fitter = fitter
+        self.pose = pose
+        self.velocity = np.zeros_like(pose)
+        self.middle = pose[fitter.lengths].copy()
+        self.kept: list[Choices] = []
+        self.sides = sides_of(fitter.layout.side)
+        self.trellises = [Trellis(fitter.settings.jump_px) for _ in self.sides]
+        layout = fitter.layout
+        area = (2 * layout.radius[:, :-1] * layout.length).sum(axis=1)
+        self._leg_area = float(np.median(area))
+        self._lost = 0
+
+    def run(
+        self, frames: Iterable[Frame], *, done: Callable[[], None] | None = None
+    ) -> list[Choices]:
+        """Follow through frames until they end or the animal leaves; return what was found."""
+        for frame in frames:
+            if not self.advance(frame):
+                break
+            if done is not None:
+                done()
+        return self.kept
+
+    def advance(self, frame: Frame) -> bool:
+        """Fit the next frame; False where the animal is no longer there."""
+        fitter = self.fitter
+        expected = self.pose + self.velocity
+        evidence = fitter.evidence
+        if not (0 <= expected[0] < evidence.width and 0 <= expected[1] < evidence.height):
+            return False
+        sight, image, box = fitter.look(frame, expected)
+        anatomy, prior = self._priors(expected)
+        soft = blurred(sight, _COARSE_BLUR)
+        pose, _ = fitter.fit(expected, soft, prior, blur=fitter.blur + _COARSE_BLUR, rounds=2)
+        pose, _ = fitter.fit(pose, sight, prior, rounds=5)
+        if fitter.body_support(pose, sight) < _BODY_LOST:
+            self._lost += 1
+            if self._lost > 2:
+                del self.kept[len(self.kept) - 2 :]
+                return False
+        else:
+            self._lost = 0
+        choices = only_choice(fitter, frame.index, pose, image, box)
+        if fitter.settings.choose_path:
+            self._add(choices, sight, anatomy)
+            pose = self._decide(choices, sight, prior)
+        self._move_on(pose)
+        self.kept.append(choices)
+        return True
+
+    def _priors(self, expected: np.ndarray) -> tuple[Prior, Prior]:
+        """Return the prior of anatomy alone, and with the expected pose."""
+        fitter = self.fitter
+        middle = fitter.anatomy.middle.copy()
+        middle[fitter.lengths] = self.middle
+        anatomy = fitter.anatomy._replace(middle=middle)
+        sd = np.full(fitter.n, np.inf)
+        sd[fitter.angles] = np.radians(fitter.settings.angle_step_deg)
+        sd[fitter.lengths] = fitter.settings.foreshortening_sd
+        return anatomy, about(anatomy, expected, sd)
+
+    def _add(self, choices: Choices, sight: Sight, anatomy: Prior) -> None:
+        """Add candidates to a frame that gives reason to doubt, and those of the frame before."""
+        fitter = self.fitter
+        extra: dict[int, list[np.ndarray]] = {}
+        doubted = self._doubted(choices, sight)
+        for leg in range(len(fitter.numbers)):
+            more = self._continued(leg, choices.pose, sight, anatomy)
+            if doubted[leg]:
+                more += limb_candidates(fitter, choices.pose, leg, sight, anatomy)
+            if more:
+                extra[leg] = more
+        if extra:
+            add_candidates(fitter, choices, extra, sight, anatomy)
+
+    def _continued(
+        self, leg: int, pose: np.ndarray, sight: Sight, anatomy: Prior
+    ) -> list[np.ndarray]:
+        """Return the last frame's other candidates of a leg, moved with the body and fitted."""
+        if not self.kept or len(self.kept[-1].legs[leg]) < 2:
+            return []
+        return [
+            fit_leg(self.fitter, pose, leg, numbers, sight, anatomy, rounds=3)
+            for numbers in self.kept[-1].legs[leg][1:]
+        ]
+
+    def _doubted(self, choices: Choices, sight: Sight) -> np.ndarray:
+        """Return which legs may be elsewhere."""
+        fitter = self.fitter
+        support = fitter.support(choices.pose, sight)
+        doubted = (support[:, 0] < _LEG_LOST) | (support[:, 1] < _TIP_LOST)
+        if fitter.unexplained(choices.pose, sight) > _UNEXPLAINED_SHARE * self._leg_area:
+            doubted[:] = True
+        joints = choices.joints
+        for legs in self.sides:
+            for a, b in zip(legs[:-1], legs[1:], strict=True):
+                gap = np.hypot(*(joints[a][0] - joints[b][0]).T)
+                close = np.nanmin(gap[-3:]) < 2 * SAME_PX
+                doubted[[a, b]] |= close
+        return doubted
+
+    def _decide(self, choices: Choices, sight: Sight, prior: Prior) -> np.ndarray:
+        """Return the pose that is best by what is known so far."""
+        fitter, pose = self.fitter, choices.pose.copy()
+        share = fitter.settings.evidence_share
+        changed = False
+        for legs, trellis in zip(self.sides, self.trellises, strict=True):
+            energy = picture_energy(choices, legs, share)
+            state = trellis.push(energy, [choices.joints[leg] for leg in legs])
+            for leg, which in zip(legs, state, strict=True):
+                if which:
+                    pose[fitter.numbers[leg]] = choices.legs[leg][which]
+                    changed = True
+        if changed:
+            sd = np.full(fitter.n, np.inf)
+            sd[fitter.angles] = np.radians(fitter.settings.angle_step_deg)
+            pose, _ = fitter.fit(pose, sight, about(prior, pose, sd), rounds=4)
+        return pose
+
+    def _move_on(self, pose: np.ndarray) -> None:
+        """Remember the pose, and how it moves."""
+        fitter = self.fitter
+        moved = pose - self.pose
+        far = np.abs(fitter.joints(pose) - fitter.joints(self.pose)).reshape(len(fitter.numbers), -1)
+        for leg, numbers in enumerate(fitter.numbers):
+            if np.nanmax(far[leg]) > 3 * _LEAP_PX:
+                moved[numbers] = 0.0
+        moved[fitter.lengths] = 0.0
+        self.velocity = _KEEP_VELOCITY * moved
+        self.middle += _LEARN_LENGTH * (pose[fitter.lengths] - self.middle)
+        self.pose = pose

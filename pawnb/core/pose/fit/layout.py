@@ -1,0 +1,202 @@
+"""The stick animal as arrays for compiled loops, and its pose as one vector.
+
+Everything here is in *working pixels*: the view reduced by a whole factor, whose pixel (0, 0)
+is the mean of the first square of view pixels.
+
+A pose is a vector: x, y, heading, then for each leg the angles of its *links* and the logarithms
+of their foreshortening. A link is what moves as one piece: a segment that turns about a free
+joint, and the segments after it whose joints are fixed. The foreshortening multiplies the
+lengths of a link's segments in the picture; it is below 1 where the link is raised.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from pawnb.core.pose.animal import Leg, StickAnimal
+from pawnb.core.pose.poses import Poses
+
+N_BODY = 3
+"""Numbers of the pose vector before the legs: x, y, heading."""
+
+
+class Layout(NamedTuple):
+    """The animal in working pixels; the leg arrays are padded to the most links or segments.
+
+    Attributes
+    ----------
+    side, attach, n_links, n_segments, first : ndarray
+        Of each leg: 1 right or -1 left, the body-coxa joint (forward, right), its links, its
+        segments, and where its numbers begin in the pose vector.
+    link, turn, length : ndarray, shape (legs, segments)
+        Of each segment: its link, its turn from the link's direction (radians, positive
+        forwards), its length where it lies flat.
+    radius, dark : ndarray, shape (legs, segments + 1)
+        Half the thickness, and the darkness relative to the background, at the ends of segments.
+    ellipse : ndarray, shape (parts, 5)
+        Centre forward and right, half axes along and across, darkness.
+    """
+
+    side: np.ndarray
+    attach: np.ndarray
+    n_links: np.ndarray
+    n_segments: np.ndarray
+    first: np.ndarray
+    link: np.ndarray
+    turn: np.ndarray
+    length: np.ndarray
+    radius: np.ndarray
+    dark: np.ndarray
+    ellipse: np.ndarray
+
+
+def n_parameters(layout: Layout) -> int:
+    """Return the length of the pose vector."""
+    return N_BODY + 2 * int(layout.n_links.sum())
+
+
+def make_layout(
+    animal: StickAnimal, *, px_per_unit: float, dark: float = 0.8, size: float = 1.0
+) -> Layout:
+    """Return the animal as its species file has it.
+
+    Parameters
+    ----------
+    animal : StickAnimal
+        The animal.
+    px_per_unit : float
+        Working pixels per unit of the species file's lengths.
+    dark : float
+        Darkness relative to the background, the same everywhere.
+    size : float
+        Factor of all thicknesses.
+
+    Returns
+    -------
+    Layout
+        The arrays.
+    """
+    legs = animal.legs
+    most = max(len(leg.segments) for leg in legs)
+    link, turn = np.zeros((len(legs), most), np.int64), np.zeros((len(legs), most))
+    length, radius = np.zeros((len(legs), most)), np.zeros((len(legs), most + 1))
+    for i, leg in enumerate(legs):
+        n = len(leg.segments)
+        link[i, :n], turn[i, :n] = links_of(leg)
+        length[i, :n] = np.array(leg.lengths) * px_per_unit
+        radius[i, : n + 1] = np.array(leg.widths) * (0.5 * size * px_per_unit)
+    n_links = np.array([int(links_of(leg)[0][-1]) + 1 for leg in legs])
+    body = [(*part.centre, part.length / 2, part.width / 2) for part in animal.body]
+    ellipse = np.column_stack([np.array(body) * px_per_unit, np.full(len(body), dark)])
+    return Layout(
+        side=np.array([leg.side for leg in legs], dtype=float),
+        attach=np.array([leg.attach for leg in legs]) * px_per_unit,
+        n_links=n_links,
+        n_segments=np.array([len(leg.segments) for leg in legs]),
+        first=N_BODY + 2 * np.concatenate([[0], np.cumsum(n_links)[:-1]]),
+        link=link,
+        turn=turn,
+        length=length,
+        radius=radius,
+        dark=np.full((len(legs), most + 1), dark),
+        ellipse=ellipse,
+    )
+
+
+def links_of(leg: Leg) -> tuple[np.ndarray, np.ndarray]:
+    """Return the link of each segment, and its turn from the link's direction in radians.
+
+    A leg whose first joint is fixed has its first free joint counted from the natural
+    orientation of those before, so the turns of its first link hold them.
+    """
+    link, turn = np.zeros(len(leg.segments), np.int64), np.zeros(len(leg.segments))
+    current, fixed = -1, 0.0
+    for j, free in enumerate(leg.free):
+        if free:
+            current += 1
+        else:
+            fixed += leg.natural_deg[j]
+        link[j], turn[j] = max(current, 0), np.radians(fixed)
+    return link, turn
+
+
+def pose_vectors(animal: StickAnimal, poses: Poses, *, factor: int = 1) -> np.ndarray:
+    """Return poses as vectors in working pixels, shape (n, n_parameters).
+
+    Parameters
+    ----------
+    animal : StickAnimal
+        The animal.
+    poses : Poses
+        Its poses, px of the view.
+    factor : int
+        View pixels along each side of a working pixel.
+
+    Returns
+    -------
+    ndarray
+        Angles in radians; a link's foreshortening is that of its segments together.
+    """
+    parts = [(poses.xy - (factor - 1) / 2) / factor, np.radians(poses.heading_deg)[:, None]]
+    joint = segment = 0
+    flat = animal.lengths * poses.scale[:, None]
+    for leg in animal.legs:
+        link, _ = links_of(leg)
+        n = int(link[-1]) + 1
+        parts.append(np.radians(poses.angles_deg[:, joint : joint + n]))
+        of_leg = slice(segment, segment + len(link))
+        whole = np.stack([flat[:, of_leg][:, link == k].sum(axis=1) for k in range(n)], axis=1)
+        seen = np.stack(
+            [poses.lengths_px[:, of_leg][:, link == k].sum(axis=1) for k in range(n)], axis=1
+        )
+        parts.append(np.log(np.maximum(seen, 1e-3 * whole) / whole))
+        joint, segment = joint + n, segment + len(link)
+    return np.concatenate(parts, axis=1)
+
+
+def poses_of_vectors(
+    animal: StickAnimal,
+    vectors: np.ndarray,
+    *,
+    frames: np.ndarray,
+    scale: float,
+    factor: int = 1,
+) -> Poses:
+    """Return pose vectors as poses: the inverse of :func:`pose_vectors`.
+
+    Parameters
+    ----------
+    animal : StickAnimal
+        The animal.
+    vectors : ndarray, shape (n, n_parameters)
+        Pose vectors in working pixels.
+    frames : ndarray of int, shape (n,)
+        Frame numbers.
+    scale : float
+        View pixels per unit of the species file's lengths.
+    factor : int
+        View pixels along each side of a working pixel.
+
+    Returns
+    -------
+    Poses
+        px of the view.
+    """
+    angles, lengths, at = [], [], N_BODY
+    for leg in animal.legs:
+        link, _ = links_of(leg)
+        n = int(link[-1]) + 1
+        angles.append(np.degrees(vectors[:, at : at + n]))
+        shorter = np.exp(vectors[:, at + n : at + 2 * n])[:, link]
+        lengths.append(shorter * np.array(leg.lengths) * scale)
+        at += 2 * n
+    return Poses(
+        frames=np.asarray(frames),
+        xy=vectors[:, :2] * factor + (factor - 1) / 2,
+        heading_deg=np.degrees(vectors[:, 2]),
+        scale=np.full(len(vectors), float(scale)),
+        angles_deg=np.concatenate(angles, axis=1),
+        lengths_px=np.concatenate(lengths, axis=1),
+    )

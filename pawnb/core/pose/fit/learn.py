@@ -1,0 +1,131 @@
+"""How thick and how dark this animal is, learnt from frames whose pose is known."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from pawnb.core.pose.fit.layout import Layout
+from pawnb.core.pose.fit.learn_loops import body_equations, look_equations
+from pawnb.core.pose.fit.paint_loops import make_canvas, paint
+from pawnb.core.pose.fit.solve_loops import Sight
+
+_RADIUS_SD, _RADIUS_STEP_SD = 0.4, 0.25
+_DARK_SD, _DARK_STEP_SD = 0.5, 0.2
+_BODY_SD = (0.15, 0.15, 0.5)
+_LEAST_DARK, _MOST_DARK = 0.08, 1.1
+_LEAST_RADIUS_PX = 0.25
+
+
+def learn_look(
+    layout: Layout,
+    frames: Sequence[tuple[np.ndarray, Sight]],
+    *,
+    first: Layout,
+    partner: np.ndarray,
+    blur: float,
+    soft: float,
+    rounds: int = 4,
+) -> Layout:
+    """Return the layout with thickness and darkness as the pictures have them.
+
+    Parameters
+    ----------
+    layout : Layout
+        The animal as known so far.
+    frames : sequence of (pose, sight)
+        Frames whose pose is known.
+    first : Layout
+        The animal as the species file has it: where the pictures say little, thickness stays
+        near its.
+    partner : ndarray of int, shape (legs,)
+        The leg of the other side that looks alike, or the leg itself.
+    blur, soft : float
+        As in the fit.
+    rounds : int
+        Gauss-Newton steps.
+
+    Returns
+    -------
+    Layout
+        Lengths and places are unchanged, except the sizes of the body's parts.
+    """
+    for _ in range(rounds):
+        layout = _one_round(layout, frames, first, partner, blur, soft)
+    return layout
+
+
+def _one_round(
+    layout: Layout,
+    frames: Sequence[tuple[np.ndarray, Sight]],
+    first: Layout,
+    partner: np.ndarray,
+    blur: float,
+    soft: float,
+) -> Layout:
+    """Return the layout after one step."""
+    legs, nodes = layout.radius.shape
+    matrix, vector = np.zeros((legs, 2 * nodes, 2 * nodes)), np.zeros((legs, 2 * nodes))
+    parts = len(layout.ellipse)
+    body_matrix, body_vector = np.zeros((parts, 3, 3)), np.zeros((parts, 3))
+    for pose, sight in frames:
+        canvas = make_canvas(*sight.seen.shape, layout)
+        paint(layout, pose, blur, sight.box, *canvas)
+        value, owner, along, joints = canvas
+        look_equations(
+            layout, blur, sight.box, value, owner, along, joints, sight.seen, sight.weight, soft,
+            matrix, vector,
+        )  # fmt: skip
+        body_equations(
+            layout, pose, blur, sight.box, value, owner, sight.seen, sight.weight, soft,
+            body_matrix, body_vector,
+        )  # fmt: skip
+    radius, dark = layout.radius.copy(), layout.dark.copy()
+    typical = float(np.median(layout.dark))
+    both = np.arange(legs) != partner
+    matrix[both] += matrix[partner[both]]
+    vector[both] += vector[partner[both]]
+    for leg in range(legs):
+        n = int(layout.n_segments[leg]) + 1
+        keep = np.concatenate([np.arange(n), nodes + np.arange(n)])
+        share = len(frames) * (2.0 if both[leg] else 1.0)
+        now = np.concatenate([np.log(radius[leg, :n]), dark[leg, :n]])
+        goal = np.concatenate([np.log(first.radius[leg, :n]), np.full(n, typical)])
+        stiff = share * _look_prior(n)
+        left = matrix[leg][np.ix_(keep, keep)] + stiff
+        move = np.linalg.solve(left, -(vector[leg, keep] + stiff @ (now - goal)))
+        now += np.clip(move, -0.4, 0.4)
+        radius[leg, :n] = np.maximum(np.exp(now[:n]), _LEAST_RADIUS_PX)
+        dark[leg, :n] = np.clip(now[n:], _LEAST_DARK, _MOST_DARK)
+    ellipse = _body_step(layout, first, body_matrix, body_vector, len(frames))
+    return layout._replace(radius=radius, dark=dark, ellipse=ellipse)
+
+
+def _look_prior(n: int) -> np.ndarray:
+    """Return the precision of a leg's logarithmic radii and darknesses, shape (2n, 2n)."""
+    out = np.zeros((2 * n, 2 * n))
+    change = np.diff(np.eye(n), axis=0)
+    smooth = change.T @ change
+    out[:n, :n] = np.eye(n) / _RADIUS_SD**2 + smooth / _RADIUS_STEP_SD**2
+    out[n:, n:] = np.eye(n) / _DARK_SD**2 + smooth / _DARK_STEP_SD**2
+    return out
+
+
+def _body_step(
+    layout: Layout, first: Layout, matrix: np.ndarray, vector: np.ndarray, n_frames: int
+) -> np.ndarray:
+    """Return the body's parts after one step."""
+    ellipse = layout.ellipse.copy()
+    for part in range(len(ellipse)):
+        longer = np.log(ellipse[part, 2] / first.ellipse[part, 2])
+        wider = np.log(ellipse[part, 3] / first.ellipse[part, 3])
+        now = np.array([longer, wider, ellipse[part, 4] - first.ellipse[part, 4]])
+        stiff = n_frames * np.diag(1.0 / np.array(_BODY_SD) ** 2)
+        move = np.linalg.solve(matrix[part] + stiff, -(vector[part] + stiff @ now))
+        longer, wider, darker = now + np.clip(move, -0.2, 0.2)
+        ellipse[part, 0] = first.ellipse[part, 0] * np.exp(longer)
+        ellipse[part, 2] = first.ellipse[part, 2] * np.exp(longer)
+        ellipse[part, 3] = first.ellipse[part, 3] * np.exp(wider)
+        ellipse[part, 4] = np.clip(first.ellipse[part, 4] + darker, _LEAST_DARK, _MOST_DARK)
+    return ellipse

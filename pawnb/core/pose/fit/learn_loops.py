@@ -1,0 +1,95 @@
+"""How thick and how dark the animal is, learnt from frames whose pose is known: compiled loops."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from pawnb.core.compiled import compiled
+from pawnb.core.pose.fit.layout import Layout
+from pawnb.core.pose.fit.paint_loops import slope, step
+
+
+@compiled
+def look_equations(
+    layout: Layout, blur: float, box: np.ndarray, value: np.ndarray, owner: np.ndarray,
+    along: np.ndarray, joints: np.ndarray, seen: np.ndarray, weight: np.ndarray, soft: float,
+    matrix: np.ndarray, vector: np.ndarray,
+) -> None:  # fmt: skip
+    """Add the equations of every leg's thickness and darkness for one painted frame.
+
+    Parameters
+    ----------
+    layout, blur, box, value, owner, along, joints, seen, weight, soft
+        The painted animal and the picture, as in :mod:`.paint_loops`.
+    matrix, vector : ndarray, shape (legs, 2 nodes, 2 nodes) and (legs, 2 nodes)
+        Of each leg: the logarithms of the radius at the ends of segments, then the darknesses.
+    """
+    nodes = layout.radius.shape[1]
+    which, row = np.zeros(4, np.int64), np.zeros(4)
+    for v in range(value.shape[0]):
+        for u in range(value.shape[1]):
+            piece = owner[v, u]
+            if piece < 0:
+                continue
+            leg, s, t = piece // 64, piece % 64, along[v, u]
+            au, av = joints[leg, s, 0], joints[leg, s, 1]
+            eu = u + box[0] - au - t * (joints[leg, s + 1, 0] - au)
+            ev = v + box[1] - av - t * (joints[leg, s + 1, 1] - av)
+            distance = math.sqrt(eu * eu + ev * ev)
+            r0, r1 = layout.radius[leg, s], layout.radius[leg, s + 1]
+            dark = layout.dark[leg, s] + (layout.dark[leg, s + 1] - layout.dark[leg, s]) * t
+            radius = r0 + (r1 - r0) * t
+            inner, outer = (radius - distance) / blur, (-radius - distance) / blur
+            thicker = dark * (slope(inner) + slope(outer)) / blur
+            cover = step(inner) - step(outer)
+            which[0], which[1], which[2], which[3] = s, s + 1, nodes + s, nodes + s + 1
+            row[0], row[1] = thicker * (1 - t) * r0, thicker * t * r1
+            row[2], row[3] = cover * (1 - t), cover * t
+            error = value[v, u] - seen[v, u]
+            w = weight[v, u] / (1.0 + error * error / (soft * soft))
+            for i in range(4):
+                vector[leg, which[i]] += w * row[i] * error
+                for j in range(4):
+                    matrix[leg, which[i], which[j]] += w * row[i] * row[j]
+
+
+@compiled
+def body_equations(
+    layout: Layout, pose: np.ndarray, blur: float, box: np.ndarray, value: np.ndarray,
+    owner: np.ndarray, seen: np.ndarray, weight: np.ndarray, soft: float,
+    matrix: np.ndarray, vector: np.ndarray,
+) -> None:  # fmt: skip
+    """Add the equations of the body's parts: log length, log width, darkness of each.
+
+    A part that grows in length keeps its place relative to the origin: its middle moves too.
+    ``matrix`` and ``vector`` are (parts, 3, 3) and (parts, 3).
+    """
+    cos, sin = math.cos(pose[2]), math.sin(pose[2])
+    row = np.zeros(3)
+    for v in range(value.shape[0]):
+        for u in range(value.shape[1]):
+            part = -2 - owner[v, u]
+            if part < 0:
+                continue
+            forward, right, half, across, dark = layout.ellipse[part]
+            du, dv = u + box[0] - pose[0], v + box[1] - pose[1]
+            x, y = du * cos + dv * sin, -du * sin + dv * cos
+            a, b = (x - forward) / half, (y - right) / across
+            f = math.sqrt(a * a + b * b)
+            if f < 1e-6:
+                continue
+            ga, gb = a / half, b / across
+            size = math.sqrt(ga * ga + gb * gb)
+            outside = (f - 1.0) * f / size
+            edge = dark * slope(-outside / blur) / blur
+            row[0] = edge * ga / size * x
+            row[1] = edge * gb / size * (y - right)
+            row[2] = step(-outside / blur)
+            error = value[v, u] - seen[v, u]
+            w = weight[v, u] / (1.0 + error * error / (soft * soft))
+            for i in range(3):
+                vector[part, i] += w * row[i] * error
+                for j in range(3):
+                    matrix[part, i, j] += w * row[i] * row[j]

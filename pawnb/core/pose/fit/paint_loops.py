@@ -1,0 +1,312 @@
+"""Painting the stick animal, and how the painted picture changes with the pose: compiled loops.
+
+A leg's segment is a capsule whose thickness and darkness change along it, a part of the body an
+ellipse. Where several lie on one pixel, the darkest shows. The picture's blur is that of a
+parabolic kernel, whose integral is a polynomial; ``blur`` is its half width in px, sqrt(5) times
+its standard deviation.
+
+A pixel remembers which piece it shows: segment ``leg * 64 + segment``, part of the body
+``-2 - part``, nothing -1; and how far along a segment it lies.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from pawnb.core.compiled import compiled
+from pawnb.core.pose.fit.layout import Layout
+
+NOTHING = -1
+
+
+@compiled
+def leg_chain(layout: Layout, pose: np.ndarray, leg: int, joints: np.ndarray) -> None:
+    """Write the joints of a leg, body-coxa joint to tip, into ``joints`` (segments + 1, 2)."""
+    cos, sin = math.cos(pose[2]), math.sin(pose[2])
+    forward, right = layout.attach[leg, 0], layout.attach[leg, 1]
+    u = pose[0] + forward * cos - right * sin
+    v = pose[1] + forward * sin + right * cos
+    joints[0, 0], joints[0, 1] = u, v
+    first, n_links = layout.first[leg], layout.n_links[leg]
+    forwards, current = 0.0, -1
+    for s in range(layout.n_segments[leg]):
+        k = layout.link[leg, s]
+        if k != current:
+            forwards += pose[first + k]
+            current = k
+        turn = math.pi / 2 - forwards - layout.turn[leg, s]
+        direction = pose[2] + layout.side[leg] * turn
+        length = layout.length[leg, s] * math.exp(pose[first + n_links + k])
+        u += length * math.cos(direction)
+        v += length * math.sin(direction)
+        joints[s + 1, 0], joints[s + 1, 1] = u, v
+
+
+@compiled
+def step(x: float) -> float:
+    """Return the integral of the parabolic kernel from minus infinity to x (half widths)."""
+    if x <= -1.0:
+        return 0.0
+    if x >= 1.0:
+        return 1.0
+    return 0.5 + 0.25 * x * (3.0 - x * x)
+
+
+@compiled
+def slope(x: float) -> float:
+    """Return the parabolic kernel at x, the derivative of :func:`step`."""
+    if x <= -1.0 or x >= 1.0:
+        return 0.0
+    return 0.75 * (1.0 - x * x)
+
+
+@compiled
+def clear(value: np.ndarray, owner: np.ndarray) -> None:
+    """Empty a painted picture."""
+    value[:] = 0.0
+    owner[:] = NOTHING
+
+
+@compiled
+def paint_body(
+    layout: Layout, pose: np.ndarray, blur: float, box: np.ndarray, value: np.ndarray,
+    owner: np.ndarray,
+) -> None:  # fmt: skip
+    """Paint the body's ellipses; ``box`` is the left and top of the picture."""
+    height, width = value.shape
+    cos, sin = math.cos(pose[2]), math.sin(pose[2])
+    for e in range(layout.ellipse.shape[0]):
+        forward, right, along, across, dark = layout.ellipse[e]
+        cu = pose[0] + forward * cos - right * sin - box[0]
+        cv = pose[1] + forward * sin + right * cos - box[1]
+        reach = max(along, across) + blur + 1.0
+        for v in range(max(0, int(cv - reach)), min(height, int(cv + reach) + 2)):
+            for u in range(max(0, int(cu - reach)), min(width, int(cu + reach) + 2)):
+                a = ((u - cu) * cos + (v - cv) * sin) / along
+                b = (-(u - cu) * sin + (v - cv) * cos) / across
+                f = math.sqrt(a * a + b * b)
+                if f < 1e-6:
+                    outside = -min(along, across)
+                else:
+                    outside = (f - 1.0) * f / math.sqrt((a / along) ** 2 + (b / across) ** 2)
+                if outside >= blur:
+                    continue
+                here = dark * step(-outside / blur)
+                if here > value[v, u]:
+                    value[v, u] = here
+                    owner[v, u] = -2 - e
+
+
+@compiled
+def paint_leg(
+    layout: Layout, joints: np.ndarray, leg: int, blur: float, box: np.ndarray,
+    value: np.ndarray, owner: np.ndarray, along: np.ndarray,
+) -> None:  # fmt: skip
+    """Paint one leg whose joints are given."""
+    height, width = value.shape
+    for s in range(layout.n_segments[leg]):
+        u0, v0 = joints[s, 0] - box[0], joints[s, 1] - box[1]
+        du, dv = joints[s + 1, 0] - joints[s, 0], joints[s + 1, 1] - joints[s, 1]
+        square = max(du * du + dv * dv, 1e-6)
+        r0, r1 = layout.radius[leg, s], layout.radius[leg, s + 1]
+        d0, d1 = layout.dark[leg, s], layout.dark[leg, s + 1]
+        reach = max(r0, r1) + blur
+        top, bottom = min(v0, v0 + dv) - reach, max(v0, v0 + dv) + reach
+        for v in range(max(0, math.ceil(top)), min(height, int(math.floor(bottom)) + 1)):
+            left, right = min(u0, u0 + du) - reach, max(u0, u0 + du) + reach
+            if abs(dv) > 1e-3:  # the part of this row within reach of the endless line
+                middle = u0 + (v - v0) * du / dv
+                half = reach * math.sqrt(square) / abs(dv)
+                left, right = max(left, middle - half), min(right, middle + half)
+            for u in range(max(0, math.ceil(left)), min(width, int(math.floor(right)) + 1)):
+                t = ((u - u0) * du + (v - v0) * dv) / square
+                t = min(max(t, 0.0), 1.0)
+                eu, ev = u - u0 - t * du, v - v0 - t * dv
+                radius = r0 + (r1 - r0) * t
+                distance2 = eu * eu + ev * ev
+                if distance2 >= (radius + blur) ** 2:
+                    continue
+                distance = math.sqrt(distance2)
+                cover = step((radius - distance) / blur) - step((-radius - distance) / blur)
+                here = (d0 + (d1 - d0) * t) * cover
+                if here > value[v, u]:
+                    value[v, u] = here
+                    owner[v, u] = leg * 64 + s
+                    along[v, u] = t
+
+
+@compiled
+def paint(
+    layout: Layout, pose: np.ndarray, blur: float, box: np.ndarray, value: np.ndarray,
+    owner: np.ndarray, along: np.ndarray, joints: np.ndarray,
+) -> None:  # fmt: skip
+    """Paint the whole animal on an empty picture; ``joints`` (legs, segments + 1, 2) is filled."""
+    clear(value, owner)
+    paint_body(layout, pose, blur, box, value, owner)
+    for leg in range(layout.side.shape[0]):
+        leg_chain(layout, pose, leg, joints[leg])
+        paint_leg(layout, joints[leg], leg, blur, box, value, owner, along)
+
+
+@compiled
+def body_slope(
+    layout: Layout, pose: np.ndarray, part: int, blur: float, u: float, v: float,
+    row: np.ndarray,
+) -> bool:  # fmt: skip
+    """Write how a pixel of the body changes with x, y, heading; False where it does not."""
+    cos, sin = math.cos(pose[2]), math.sin(pose[2])
+    forward, right, half, across, dark = layout.ellipse[part]
+    du = u - pose[0]
+    dv = v - pose[1]
+    a = (du * cos + dv * sin - forward) / half
+    b = (-du * sin + dv * cos - right) / across
+    f = math.sqrt(a * a + b * b)
+    if f < 1e-6:
+        return False
+    ga, gb = a / half, b / across
+    size = math.sqrt(ga * ga + gb * gb)
+    outside = (f - 1.0) * f / size
+    change = dark * slope(-outside / blur) / blur
+    if change == 0.0:
+        return False
+    nu, nv = (ga * cos - gb * sin) / size, (ga * sin + gb * cos) / size
+    row[0], row[1] = change * nu, change * nv
+    row[2] = change * (-nu * dv + nv * du)
+    return True
+
+
+@compiled
+def leg_pull(
+    layout: Layout, joints: np.ndarray, leg: int, s: int, t: float, blur: float, u: float,
+    v: float, pull: np.ndarray,
+) -> bool:  # fmt: skip
+    """Write how a pixel of a leg changes as the point of the axis nearest to it moves.
+
+    ``pull`` receives the change per px of motion in u and v, and that point; False where the
+    pixel does not change.
+    """
+    u0, v0 = joints[s, 0], joints[s, 1]
+    du, dv = joints[s + 1, 0] - u0, joints[s + 1, 1] - v0
+    qu, qv = u0 + t * du, v0 + t * dv
+    eu, ev = u - qu, v - qv
+    distance = math.sqrt(eu * eu + ev * ev)
+    r0, r1 = layout.radius[leg, s], layout.radius[leg, s + 1]
+    d0, d1 = layout.dark[leg, s], layout.dark[leg, s + 1]
+    radius, dark = r0 + (r1 - r0) * t, d0 + (d1 - d0) * t
+    inner, outer = (radius - distance) / blur, (-radius - distance) / blur
+    k_inner, k_outer = slope(inner), slope(outer)
+    across = dark * (k_inner - k_outer) / blur  # minus the change with distance
+    pull[0] = pull[1] = 0.0
+    if distance > 1e-9:
+        pull[0], pull[1] = across * eu / distance, across * ev / distance
+    if 0.0 < t < 1.0:
+        cover = step(inner) - step(outer)
+        lengthwise = (d1 - d0) * cover + dark * (k_inner + k_outer) / blur * (r1 - r0)
+        square = du * du + dv * dv
+        pull[0] -= lengthwise * du / square
+        pull[1] -= lengthwise * dv / square
+    pull[2], pull[3] = qu, qv
+    return abs(pull[0]) + abs(pull[1]) > 1e-7
+
+
+@compiled
+def leg_slope(
+    layout: Layout, pose: np.ndarray, joints: np.ndarray, leg: int, s: int, pull: np.ndarray,
+    row: np.ndarray, which: np.ndarray,
+) -> int:  # fmt: skip
+    """Write how a pixel changes with each number of the pose; return how many these are."""
+    gu, gv, qu, qv = pull[0], pull[1], pull[2], pull[3]
+    row[0], row[1] = gu, gv
+    row[2] = -gu * (qv - pose[1]) + gv * (qu - pose[0])
+    which[0], which[1], which[2] = 0, 1, 2
+    last, first, n_links = layout.link[leg, s], layout.first[leg], layout.n_links[leg]
+    start = 0
+    for k in range(last + 1):
+        end = start
+        while end < layout.n_segments[leg] and layout.link[leg, end] == k:
+            end += 1
+        au, av = joints[start, 0], joints[start, 1]
+        angle, length = 3 + k, 4 + last + k  # ascending: only the lower triangle is filled
+        row[angle] = -layout.side[leg] * (-gu * (qv - av) + gv * (qu - au))
+        which[angle] = first + k
+        if k == last:
+            row[length] = gu * (qu - au) + gv * (qv - av)
+        else:
+            row[length] = gu * (joints[end, 0] - au) + gv * (joints[end, 1] - av)
+        which[length] = first + n_links + k
+        start = end
+    return 3 + 2 * (last + 1)
+
+
+@compiled
+def misfit(error: float, soft: float) -> float:
+    """Return the cost of a pixel's error: quadratic when small, logarithmic beyond ``soft``."""
+    return 0.5 * soft * soft * math.log(1.0 + error * error / (soft * soft))
+
+
+@compiled
+def picture_cost(
+    value: np.ndarray, owner: np.ndarray, seen: np.ndarray, weight: np.ndarray, soft: float
+) -> float:
+    """Return the cost of the painted picture less that of an empty one."""
+    total = 0.0
+    for v in range(value.shape[0]):
+        for u in range(value.shape[1]):
+            if owner[v, u] != NOTHING:
+                now = misfit(value[v, u] - seen[v, u], soft)
+                total += weight[v, u] * (now - misfit(seen[v, u], soft))
+    return total
+
+
+@compiled
+def normal_equations(
+    layout: Layout, pose: np.ndarray, blur: float, box: np.ndarray, value: np.ndarray,
+    owner: np.ndarray, along: np.ndarray, joints: np.ndarray, seen: np.ndarray,
+    weight: np.ndarray, soft: float, matrix: np.ndarray, vector: np.ndarray,
+) -> float:  # fmt: skip
+    """Add the Gauss-Newton matrix and gradient of the cost; return the cost.
+
+    Robust errors are weighted as in iteratively reweighted least squares.
+    """
+    row, which, pull = np.zeros(64), np.zeros(64, np.int64), np.zeros(4)
+    total = 0.0
+    for v in range(value.shape[0]):
+        for u in range(value.shape[1]):
+            piece = owner[v, u]
+            if piece == NOTHING:
+                continue
+            error = value[v, u] - seen[v, u]
+            w = weight[v, u]
+            total += w * (misfit(error, soft) - misfit(seen[v, u], soft))
+            w /= 1.0 + error * error / (soft * soft)
+            pu, pv = u + box[0], v + box[1]
+            if piece < 0:
+                if not body_slope(layout, pose, -2 - piece, blur, pu, pv, row):
+                    continue
+                which[0], which[1], which[2] = 0, 1, 2
+                n = 3
+            else:
+                leg, s = piece // 64, piece % 64
+                t = along[v, u]
+                if not leg_pull(layout, joints[leg], leg, s, t, blur, pu, pv, pull):
+                    continue
+                n = leg_slope(layout, pose, joints[leg], leg, s, pull, row, which)
+            for i in range(n):
+                wi = w * row[i]
+                vector[which[i]] += wi * error
+                for j in range(i + 1):
+                    matrix[which[i], which[j]] += wi * row[j]
+    return total
+
+
+def make_canvas(height: int, width: int, layout: Layout) -> tuple[np.ndarray, ...]:
+    """Return empty ``value``, ``owner``, ``along`` and ``joints`` for :func:`paint`."""
+    legs, most = layout.length.shape
+    return (
+        np.zeros((height, width)),
+        np.full((height, width), NOTHING, np.int32),
+        np.zeros((height, width)),
+        np.zeros((legs, most + 1, 2)),
+    )

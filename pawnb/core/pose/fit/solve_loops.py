@@ -1,0 +1,219 @@
+"""Fitting a pose to a picture by damped Gauss-Newton steps: compiled loops.
+
+The cost is that of the painted picture (:mod:`.paint_loops`) and of the prior: a parabola about
+a middle for every number of the pose, and steeper ones beyond its limits.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from pawnb.core.compiled import compiled
+from pawnb.core.pose.fit.layout import Layout
+from pawnb.core.pose.fit.paint_loops import (
+    clear,
+    leg_chain,
+    normal_equations,
+    paint_body,
+    paint_leg,
+    picture_cost,
+)
+
+
+class Prior(NamedTuple):
+    """What is known of a pose before its picture is seen; all arrays (n_parameters,).
+
+    Attributes
+    ----------
+    middle, precision : ndarray
+        Where each number is expected, and one over its variance.
+    low, high, wall : ndarray
+        Limits, and the precision of going beyond them.
+    """
+
+    middle: np.ndarray
+    precision: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    wall: np.ndarray
+
+
+class Sight(NamedTuple):
+    """A crop of a frame as the fit sees it.
+
+    Attributes
+    ----------
+    seen : ndarray, shape (H, W)
+        Darkness relative to the background: 0 there, 1 where nothing is left of its light.
+    weight : ndarray, shape (H, W)
+        One over the variance of ``seen``.
+    box : ndarray, shape (2,)
+        Left and top of the crop, working pixels.
+    """
+
+    seen: np.ndarray
+    weight: np.ndarray
+    box: np.ndarray
+
+
+@compiled
+def prior_cost(pose: np.ndarray, prior: Prior, active: np.ndarray) -> float:
+    """Return the cost of the prior for the numbers listed in ``active``."""
+    total = 0.0
+    for i in active:
+        away = pose[i] - prior.middle[i]
+        total += 0.5 * prior.precision[i] * away * away
+        over = max(pose[i] - prior.high[i], prior.low[i] - pose[i], 0.0)
+        total += 0.5 * prior.wall[i] * over * over
+    return total
+
+
+@compiled
+def add_prior(
+    pose: np.ndarray, prior: Prior, active: np.ndarray, matrix: np.ndarray, vector: np.ndarray
+) -> None:
+    """Add the prior to the Gauss-Newton matrix and gradient."""
+    for i in active:
+        matrix[i, i] += prior.precision[i]
+        vector[i] += prior.precision[i] * (pose[i] - prior.middle[i])
+        if pose[i] > prior.high[i]:
+            matrix[i, i] += prior.wall[i]
+            vector[i] += prior.wall[i] * (pose[i] - prior.high[i])
+        elif pose[i] < prior.low[i]:
+            matrix[i, i] += prior.wall[i]
+            vector[i] += prior.wall[i] * (pose[i] - prior.low[i])
+
+
+@compiled
+def paint_some(
+    layout: Layout, pose: np.ndarray, blur: float, box: np.ndarray, shown: np.ndarray,
+    value: np.ndarray, owner: np.ndarray, along: np.ndarray, joints: np.ndarray,
+) -> None:  # fmt: skip
+    """Paint some legs, and the body where ``shown[-1]``; ``shown`` is (legs + 1,) bool."""
+    clear(value, owner)
+    if shown[-1]:
+        paint_body(layout, pose, blur, box, value, owner)
+    for leg in range(layout.side.shape[0]):
+        if shown[leg]:
+            leg_chain(layout, pose, leg, joints[leg])
+            paint_leg(layout, joints[leg], leg, blur, box, value, owner, along)
+
+
+@compiled
+def normal_matrix(
+    layout: Layout, pose: np.ndarray, sight: Sight, prior: Prior, active: np.ndarray,
+    shown: np.ndarray, blur: float, soft: float,
+    value: np.ndarray, owner: np.ndarray, along: np.ndarray, joints: np.ndarray,
+    matrix: np.ndarray, vector: np.ndarray,
+) -> float:  # fmt: skip
+    """Return cost; fill the Gauss-Newton matrix and gradient of picture and prior."""
+    paint_some(layout, pose, blur, sight.box, shown, value, owner, along, joints)
+    matrix[:] = 0.0
+    vector[:] = 0.0
+    cost = normal_equations(
+        layout, pose, blur, sight.box, value, owner, along, joints, sight.seen, sight.weight,
+        soft, matrix, vector,
+    )  # fmt: skip
+    add_prior(pose, prior, active, matrix, vector)
+    return cost + prior_cost(pose, prior, active)
+
+
+@compiled
+def solve_in_place(matrix: np.ndarray, vector: np.ndarray) -> bool:
+    """Solve matrix x = vector by Cholesky into ``vector``; False if not positive definite.
+
+    Only the lower triangle is read; it is overwritten with the factor.
+    """
+    n = vector.shape[0]
+    for i in range(n):
+        for j in range(i + 1):
+            total = matrix[i, j]
+            for k in range(j):
+                total -= matrix[i, k] * matrix[j, k]
+            if i != j:
+                matrix[i, j] = total / matrix[j, j]
+            elif total <= 0.0:
+                return False
+            else:
+                matrix[i, i] = np.sqrt(total)
+    for i in range(n):
+        for k in range(i):
+            vector[i] -= matrix[i, k] * vector[k]
+        vector[i] /= matrix[i, i]
+    for i in range(n - 1, -1, -1):
+        for k in range(i + 1, n):
+            vector[i] -= matrix[k, i] * vector[k]
+        vector[i] /= matrix[i, i]
+    return True
+
+
+@compiled
+def fit_pose(
+    layout: Layout, pose: np.ndarray, sight: Sight, prior: Prior, active: np.ndarray,
+    shown: np.ndarray, blur: float, soft: float, rounds: int, enough: float,
+    value: np.ndarray, owner: np.ndarray, along: np.ndarray, joints: np.ndarray,
+) -> tuple[np.ndarray, float]:  # fmt: skip
+    """Return the pose nearby that fits best, and its cost.
+
+    Parameters
+    ----------
+    layout, pose, sight, prior
+        Animal, first guess, picture, prior.
+    active : ndarray of int
+        Numbers of the pose that may change.
+    shown : ndarray of bool, shape (legs + 1,)
+        Legs, and last the body, that are painted.
+    blur, soft : float
+        Half width of the blur, px; error beyond which a pixel counts less.
+    rounds : int
+        Most steps.
+    enough : float
+        The fit ends when a step lowers the cost by less.
+    value, owner, along, joints : ndarray
+        Canvas to paint on.
+
+    Returns
+    -------
+    pose, cost
+        The pose is a fresh array.
+    """
+    n = pose.shape[0]
+    matrix, vector = np.zeros((n, n)), np.zeros(n)
+    m = active.shape[0]
+    part, side = np.zeros((m, m)), np.zeros(m)
+    pose = pose.copy()
+    damping = 1e-3
+    for _ in range(rounds):
+        cost = normal_matrix(
+            layout, pose, sight, prior, active, shown, blur, soft, value, owner, along, joints,
+            matrix, vector,
+        )  # fmt: skip
+        gained = 0.0
+        for _ in range(6):
+            for i in range(m):
+                side[i] = -vector[active[i]]
+                for j in range(i + 1):
+                    part[i, j] = matrix[active[i], active[j]]
+                part[i, i] *= 1.0 + damping
+                part[i, i] += 1e-9
+            if not solve_in_place(part, side):
+                damping *= 8.0
+                continue
+            trial = pose.copy()
+            for i in range(m):
+                trial[active[i]] += side[i]
+            paint_some(layout, trial, blur, sight.box, shown, value, owner, along, joints)
+            now = picture_cost(value, owner, sight.seen, sight.weight, soft)
+            now += prior_cost(trial, prior, active)
+            if now < cost:
+                gained = cost - now
+                pose = trial
+                cost = now
+                damping = max(damping * 0.2, 1e-6)
+                break
+            damping *= 8.0
+        if gained < enough:
+            break
+    return pose, cost

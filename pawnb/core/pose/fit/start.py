@@ -1,0 +1,128 @@
+"""The first fit: from a pose that a person put roughly on the animal to its exact pose and look."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pawnb.core.pose.animal import StickAnimal
+from pawnb.core.pose.fit.blurred import blurred
+from pawnb.core.pose.fit.choices import (
+    Choices,
+    add_candidates,
+    limb_candidates,
+    only_choice,
+    picture_energy,
+    sides_of,
+)
+from pawnb.core.pose.fit.fitter import FrameFitter
+from pawnb.core.pose.fit.layout import N_BODY
+from pawnb.core.pose.fit.learn import learn_look
+from pawnb.core.pose.fit.priors import about
+from pawnb.core.pose.fit.solve_loops import Prior, Sight
+from pawnb.core.views import Frame
+
+_START_SD_PX, _START_SD_DEG = 6.0, 8.0
+_COARSE_BLURS = (8.0, 4.0)
+
+
+def partners(animal: StickAnimal) -> np.ndarray:
+    """Return, for each leg, the leg of the other side that looks alike, or itself."""
+    mirrored = animal.mirrored_names()
+    names = animal.leg_names
+    out = []
+    for i, leg in enumerate(animal.legs):
+        j = names.index(mirrored.get(leg.name, leg.name))
+        alike = len(animal.legs[j].segments) == len(leg.segments)
+        out.append(j if alike else i)
+    return np.array(out)
+
+
+def start_prior(fitter: FrameFitter, pose: np.ndarray) -> Prior:
+    """Return anatomy and what the person's pose says."""
+    sd = np.full(fitter.n, np.inf)
+    sd[:2] = _START_SD_PX
+    sd[2] = np.radians(_START_SD_DEG)
+    sd[fitter.angles] = np.radians(_START_SD_DEG)
+    return about(fitter.anatomy, pose, sd)
+
+
+def fit_start(
+    fitter: FrameFitter, frame: Frame, pose: np.ndarray, *, rounds: int = 3
+) -> tuple[np.ndarray, float]:
+    """Fit the start frame; the fitter's layout learns the animal's look.
+
+    Parameters
+    ----------
+    fitter : FrameFitter
+        Its layout is replaced.
+    frame : Frame
+        The start frame.
+    pose : ndarray, shape (n_parameters,)
+        The person's pose, working pixels.
+    rounds : int
+        How often pose and look are fitted in turn.
+
+    Returns
+    -------
+    pose : ndarray
+        The fitted pose.
+    support : float
+        How dark the body's place is relative to what is expected, 0 to 1.
+    """
+    prior = start_prior(fitter, pose)
+    first = fitter.layout
+    partner = partners(fitter.animal)
+    settings = fitter.settings
+    pose = _fit_body(fitter, frame, pose, prior)
+    for turn in range(rounds):
+        sight, image, box = fitter.look(frame, pose)
+        for blur in _COARSE_BLURS if turn == 0 else _COARSE_BLURS[1:]:
+            soft = blurred(sight, blur)
+            pose, _ = fitter.fit(pose, soft, prior, blur=fitter.blur + blur, rounds=8)
+        if settings.choose_path:
+            pose = _choose(fitter, frame.index, pose, sight, (image, box), prior)
+        pose, _ = fitter.fit(pose, sight, prior, rounds=20)
+        fitter.layout = learn_look(
+            fitter.layout, [(pose, sight)], first=first, partner=partner, blur=fitter.blur,
+            soft=settings.soft_error,
+        )  # fmt: skip
+    sight, _, _ = fitter.look(frame, pose)
+    pose, _ = fitter.fit(pose, sight, prior, rounds=20)
+    return pose, fitter.body_support(pose, sight)
+
+
+def _fit_body(
+    fitter: FrameFitter, frame: Frame, pose: np.ndarray, prior: Prior
+) -> np.ndarray:
+    """Return the pose with its body moved onto the picture, coarse to fine."""
+    shown = np.zeros(len(fitter.animal.legs) + 1, bool)
+    shown[-1] = True
+    sight, _, _ = fitter.look(frame, pose)
+    for blur in (16.0, 8.0, 3.0):
+        soft = blurred(sight, blur)
+        pose, _ = fitter.fit(
+            pose, soft, prior, active=np.arange(N_BODY), shown=shown, blur=fitter.blur + blur,
+            rounds=8,
+        )  # fmt: skip
+    return pose
+
+
+def _choose(
+    fitter: FrameFitter, frame: int, pose: np.ndarray, sight: Sight, crop: tuple, prior: Prior
+) -> np.ndarray:
+    """Return the pose with each leg at the best of the places that the silhouette offers."""
+    choices: Choices = only_choice(fitter, frame, pose, *crop)
+    extra = {
+        leg: limb_candidates(fitter, pose, leg, sight, prior)
+        for leg in range(len(fitter.numbers))
+    }
+    add_candidates(fitter, choices, extra, sight, prior)
+    if not choices.is_open:
+        return pose
+    best = pose.copy()
+    for legs in sides_of(fitter.layout.side):
+        energy = picture_energy(choices, legs, 1.0)
+        state = np.unravel_index(int(np.argmin(energy)), energy.shape)
+        for leg, which in zip(legs, state, strict=True):
+            best[fitter.numbers[leg]] = choices.legs[leg][which]
+    return best

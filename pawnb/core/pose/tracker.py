@@ -1,0 +1,265 @@
+"""The pose tracker ``pawnb``: a painted stick animal, and the smoothest path through a recording.
+
+Every frame is fitted with sub-pixel precision on a crop that follows the animal
+(:mod:`.fit.solve_loops`); where a leg may be elsewhere, its other places are kept
+(:mod:`.fit.choices`), and in the end the path is chosen that is smoothest over the whole recording
+and explains most of the picture (:mod:`.fit.path`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+
+from pawnb.core.pose.animal import StickAnimal
+from pawnb.core.pose.fit.choices import Choices
+from pawnb.core.pose.fit.evidence import BackgroundPicture, Evidence, grey
+from pawnb.core.pose.fit.finish import Settled, expected_between, settle
+from pawnb.core.pose.fit.fitter import FrameFitter
+from pawnb.core.pose.fit.follow import Follower
+from pawnb.core.pose.fit.layout import make_layout, pose_vectors, poses_of_vectors
+from pawnb.core.pose.fit.priors import anatomy
+from pawnb.core.pose.fit.rethink import chosen_poses, look_back
+from pawnb.core.pose.fit.settings import PoseSettings
+from pawnb.core.pose.fit.start import fit_start
+from pawnb.core.pose.poses import Poses, joint_positions
+from pawnb.core.pose.track_result import PoseTrack
+from pawnb.core.views import Frame, ViewReader
+from pawnb.errors import InputError
+from pawnb.schema import ORIGIN_CODE
+
+_THREADS = 2
+_START_BODY = 0.5
+_SURE, _DOUBTFUL = 0.85, 0.35
+"""Support of a leg's outer third from which it is sure, and below which it is not there."""
+
+
+def track_pose(
+    reader: ViewReader,
+    start: Poses,
+    *,
+    animal: StickAnimal,
+    background: BackgroundPicture,
+    settings: PoseSettings | None = None,
+    frames: tuple[int, int],
+    progress: Callable[[int, int], None] | None = None,
+    stop: Callable[[], bool] | None = None,
+) -> PoseTrack:
+    """Track a jointed animal through a recording, both ways from a start frame.
+
+    Parameters
+    ----------
+    reader : ViewReader
+        The view.
+    start : Poses
+        The animal's pose in one frame, roughly; of several frames, the first within ``frames``
+        is used.
+    animal : StickAnimal
+        The animal.
+    background : Background
+        The empty scene: ``mean`` and ``sd``, grey values, shape (H, W).
+    settings : PoseSettings, optional
+        Settings; see there.
+    frames : tuple of int
+        First frame and one past the last.
+    progress : callable, optional
+        Called with frames done and frames in all.
+    stop : callable, optional
+        Tracking ends early, with what it has, when this returns True.
+
+    Returns
+    -------
+    PoseTrack
+        One row for every frame of ``frames``: NaN and origin missing where the animal is not
+        there.
+
+    Raises
+    ------
+    InputError
+        If no start pose lies within ``frames``, or none of the body is where it says.
+    """
+    settings = settings or PoseSettings()
+    numbers = np.arange(*frames)
+    inside = np.flatnonzero(np.isin(start.frames, numbers))
+    if not len(inside):
+        raise InputError(
+            f"the start pose is of frame {', '.join(map(str, start.frames))}, but frames "
+            f"{frames[0]} to {frames[1] - 1} are tracked; give a start pose within them."
+        )
+    start = start.take([int(inside[0])])
+    fitter, pose = _begin(reader, start, animal, background, settings)
+    steps = _Steps(2 * len(numbers), progress, stop)
+    found = _both_ways(reader, int(start.frames[0]), pose, fitter, frames, steps)
+    poses = chosen_poses(fitter, found)
+    settled = _finish(fitter, found, poses, steps)
+    return _result(animal, start, fitter, numbers, found, settled)
+
+
+class _Steps:
+    """Counts what is done, tells it, and says whether to stop."""
+
+    def __init__(
+        self,
+        total: int,
+        progress: Callable[[int, int], None] | None,
+        stop: Callable[[], bool] | None,
+    ) -> None:
+        self.total, self.done = total, 0
+        self.progress = progress
+        self.stop = stop
+
+    def one(self) -> None:
+        self.done += 1
+        if self.progress is not None:
+            self.progress(min(self.done, self.total), self.total)
+
+    def stopped(self) -> bool:
+        return self.stop is not None and self.stop()
+
+
+def _begin(
+    reader: ViewReader,
+    start: Poses,
+    animal: StickAnimal,
+    background: BackgroundPicture,
+    settings: PoseSettings,
+) -> tuple[FrameFitter, np.ndarray]:
+    """Return a fitter that knows the animal's look, and the fitted start pose."""
+    scale = float(start.scale[0])
+    factor = max(1, int(animal.span * scale / settings.working_span_px))
+    frame = reader.frame(int(start.frames[0]))
+    light = _animal_light(frame, start, animal, background)
+    evidence = Evidence(
+        background, factor=factor, light=light, spread=settings.unexplained_sd
+    )
+    vector = pose_vectors(animal, start, factor=factor)[0]
+    known = anatomy(animal, vector, foreshortening_sd=settings.foreshortening_sd)
+    layout = make_layout(animal, px_per_unit=scale / factor)
+    fitter = FrameFitter(animal, layout, evidence=evidence, anatomy=known, settings=settings)
+    pose, support = fit_start(fitter, frame, vector)
+    if support < _START_BODY:
+        raise InputError(
+            f"the start pose of frame {frame.index} is not on the animal: only {100 * support:.0f} "
+            "% of the body's place differs from the background; move it onto the animal."
+        )
+    return fitter, pose
+
+
+def _animal_light(
+    frame: Frame, start: Poses, animal: StickAnimal, background: BackgroundPicture
+) -> float:
+    """Return 0 for an animal darker than the background, else its grey value."""
+    u, v = (round(float(x)) for x in start.xy[0])
+    half = max(3, round(0.15 * animal.body_length * float(start.scale[0])))
+    u0, v0 = max(0, u - half), max(0, v - half)
+    u1, v1 = min(frame.width, u + half + 1), min(frame.height, v + half + 1)
+    if u1 - u0 < 2 or v1 - v0 < 2:
+        raise InputError(
+            f"the start pose of frame {frame.index} lies at ({u}, {v}), outside the view of "
+            f"{frame.width} x {frame.height} px; move it onto the animal."
+        )
+    image = grey(frame.crop(u0, v0, u1, v1))
+    empty = np.asarray(background.mean)[v0:v1, u0:u1]
+    return float(np.percentile(image, 75)) if np.median(image - empty) > 0 else 0.0
+
+
+def _both_ways(
+    reader: ViewReader,
+    first: int,
+    pose: np.ndarray,
+    fitter: FrameFitter,
+    frames: tuple[int, int],
+    steps: _Steps,
+) -> list[Choices]:
+    """Return what every frame leaves open, in the order of frames, each way looked back once."""
+    found: list[Choices] = []
+    for numbers in (range(first - 1, frames[0] - 1, -1), range(first, frames[1])):
+        follower = Follower(fitter, pose)
+        part = follower.run(_read_ahead(reader, numbers, steps), done=steps.one)
+        look_back(follower)
+        found = found + (part[::-1] if numbers.step < 0 else part)
+    return found
+
+
+def _read_ahead(reader: ViewReader, numbers: range, steps: _Steps) -> Iterator[Frame]:
+    """Yield frames, decoded in a thread of their own a few ahead."""
+    with ThreadPoolExecutor(1, thread_name_prefix="pawnb-pose") as pool:
+        waiting = []
+        for i in numbers:
+            waiting.append(pool.submit(reader.frame, i))
+            if len(waiting) > 4:
+                yield waiting.pop(0).result()
+            if steps.stopped():
+                break
+        for future in waiting:
+            if steps.stopped():
+                future.cancel()
+            else:
+                yield future.result()
+
+
+def _finish(
+    fitter: FrameFitter, found: list[Choices], poses: np.ndarray, steps: _Steps
+) -> list[Settled]:
+    """Return the last fit of every frame, on two threads."""
+    if not found:
+        return []
+    middle = fitter.anatomy.middle.copy()
+    middle[fitter.lengths] = np.median(poses[:, fitter.lengths], axis=0)
+    known = fitter.anatomy._replace(middle=middle)
+    expected = expected_between(poses)
+
+    def work(part: range) -> list[Settled]:
+        own = FrameFitter(
+            fitter.animal, fitter.layout, evidence=fitter.evidence, anatomy=known,
+            settings=fitter.settings,
+        )  # fmt: skip
+        out = []
+        for i in part:
+            out.append(settle(own, found[i], poses[i], expected[i]))
+            steps.one()
+        return out
+
+    half = len(found) // _THREADS
+    with ThreadPoolExecutor(_THREADS) as pool:
+        parts = [range(half), range(half, len(found))]
+        return [settled for part in pool.map(work, parts) for settled in part]
+
+
+def _result(
+    animal: StickAnimal,
+    start: Poses,
+    fitter: FrameFitter,
+    numbers: np.ndarray,
+    found: list[Choices],
+    settled: list[Settled],
+) -> PoseTrack:
+    """Return what was found in px of the view, one row a frame."""
+    n, n_legs = len(numbers), len(animal.legs)
+    factor = fitter.evidence.factor
+    rows = np.array([c.frame for c in found], dtype=int) - int(numbers[0])
+    vectors, sds = np.full((n, fitter.n), np.nan), np.full((n, fitter.n), np.nan)
+    places = np.full((n, *fitter.layout.radius.shape, 2), np.nan)
+    support = np.full((n, n_legs), np.nan)
+    for row, one in zip(rows, settled, strict=True):
+        vectors[row], sds[row] = one.pose, one.sd
+        places[row] = one.places_sd * factor
+        support[row] = np.fmin(one.support[:, 0], one.support[:, 1])
+    scale = float(start.scale[0])
+    poses = poses_of_vectors(animal, vectors, frames=numbers, scale=scale, factor=factor)
+    poses.scale[np.isnan(vectors[:, 0])] = np.nan
+    confidence = np.clip((np.nan_to_num(support) - _DOUBTFUL) / (_SURE - _DOUBTFUL), 0.0, 1.0)
+    origin = np.where(confidence > 0, ORIGIN_CODE["measured"], ORIGIN_CODE["predicted"])
+    origin[np.isnan(vectors[:, 0])] = ORIGIN_CODE["missing"]
+    assert places.shape[1:3] == joint_positions(animal, poses).shape[1:3]  # noqa: S101
+    return PoseTrack(
+        poses=poses,
+        xy_sd_px=sds[:, :2] * factor,
+        heading_sd_deg=np.degrees(sds[:, 2]),
+        angles_sd_deg=np.degrees(sds[:, fitter.angles]),
+        places_sd_px=places,
+        confidence=confidence,
+        origin=origin.astype(np.int8),
+    )
