@@ -84,6 +84,13 @@ _DIMS: dict[str, tuple[str, ...]] = {
     "image_position": ("time", "view", "image_space", "keypoint", "individual"),
     "image_confidence": ("time", "view", "keypoint", "individual"),
     "image_origin": ("time", "view", "keypoint", "individual"),
+    # jointed animals
+    "joint_angle": ("time", "joint", "individual"),
+    "joint_angle_sd": ("time", "joint", "individual"),
+    "segment_length": ("time", "segment", "individual"),
+    "heading": ("time", "individual"),
+    "heading_sd": ("time", "individual"),
+    "scale": ("time", "individual"),
 }
 _REQUIRED = ("position", "confidence", "origin")
 _DTYPES = {"origin": np.int8, "image_origin": np.int8}

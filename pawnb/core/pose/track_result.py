@@ -69,7 +69,7 @@ class PoseTrack:
                 raise InputError(f"pose track: {name} has shape {found}; expected {shape}.")
         if n > 1 and (np.diff(self.poses.frames) <= 0).any():
             raise InputError("pose track: frames do not ascend; sort them.")
-        if n and not (0 <= self.origin.min() and self.origin.max() < len(ORIGINS)):
+        if n and not (self.origin.min() >= 0 and self.origin.max() < len(ORIGINS)):
             raise InputError(f"pose track: an origin is none of the codes 0 to {len(ORIGINS) - 1}.")
 
     def __len__(self) -> int:
