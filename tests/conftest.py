@@ -7,6 +7,11 @@ import shutil
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
+
+# a property is right or wrong, however busy the machine is
+settings.register_profile("pawnb", deadline=None)
+settings.load_profile("pawnb")
 
 ROOT = Path(__file__).resolve().parents[1]
 
