@@ -1,0 +1,268 @@
+"""Feet on the ground: how many, whether they support the body, and in which order they land."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+from scipy.spatial import ConvexHull, QhullError
+
+from pawnb.errors import InputError
+from pawnb.gait.legs import find_leg_place, sort_legs
+
+SUPPORT_COLUMNS = ("animal", "trial", "start_s", "end_s", "n_down", "legs")
+
+_NORMAL_SEQUENCES = {
+    "Ca": ("FR", "FL", "HR", "HL"),
+    "Cb": ("FL", "FR", "HL", "HR"),
+    "Aa": ("FR", "HR", "FL", "HL"),
+    "Ab": ("FL", "HR", "FR", "HL"),
+    "Ra": ("FR", "FL", "HL", "HR"),
+    "Rb": ("FL", "FR", "HR", "HL"),
+}
+"""Normal step sequences of four legs (cruciate, alternate, rotary): Cheng et al. 1997."""
+
+
+def wave_gait_margin(duty_factor: np.ndarray | float, *, n_legs: int) -> np.ndarray | float:
+    """Compute the longitudinal stability margin of a wave gait from its duty factor.
+
+    ``S = n/4 * duty - 3/4`` in units of the stride length (Pullar 2009, appendix A, after Ting
+    et al. 1994); below 0 the animal is statically unstable: under a duty factor of 0.375 with
+    eight legs, 0.5 with six, 0.75 with four.
+
+    Parameters
+    ----------
+    duty_factor : float or ndarray
+        Duty factor, 0 to 1.
+    n_legs : int
+        Number of legs, 4 or more.
+
+    Returns
+    -------
+    float or ndarray
+        The margin.
+
+    Raises
+    ------
+    InputError
+        If the duty factor is not between 0 and 1 or there are fewer than 4 legs.
+    """
+    duty = np.asarray(duty_factor, dtype=float)
+    if n_legs < 4:
+        raise InputError(f"n_legs is {n_legs}; a wave gait needs four legs or more.")
+    known = duty[np.isfinite(duty)]
+    if ((known < 0) | (known > 1)).any():
+        raise InputError("duty factors lie between 0 and 1; are these percent?")
+    return n_legs / 4.0 * duty_factor - 0.75
+
+
+class Stability(NamedTuple):
+    """Static stability sample by sample.
+
+    Attributes
+    ----------
+    n_down : ndarray of int, shape (n,)
+        Feet on the ground.
+    area : ndarray, shape (n,)
+        Area of the support polygon; 0 with fewer than three feet down.
+    margin : ndarray, shape (n,)
+        Least distance of the centre to an edge of the polygon: positive inside (statically
+        stable), negative outside; NaN with fewer than three feet down.
+    longitudinal_margin : ndarray, shape (n,)
+        The shorter of the ways forward and backward along the heading to the edge of the
+        polygon (Ting et al. 1994); negative where the centre is outside, NaN where the line
+        along the heading misses the polygon or fewer than three feet are down.
+    """
+
+    n_down: np.ndarray
+    area: np.ndarray
+    margin: np.ndarray
+    longitudinal_margin: np.ndarray
+
+
+def static_stability(
+    feet: np.ndarray, down: np.ndarray, centre: np.ndarray, *, forward: np.ndarray
+) -> Stability:
+    """Measure the support polygon and how far inside it the centre of the body lies.
+
+    Parameters
+    ----------
+    feet : ndarray, shape (n, k, 2)
+        Places of the feet in the plane of the ground.
+    down : ndarray of bool, shape (n, k)
+        Which of them are on the ground.
+    centre : ndarray, shape (n, 2)
+        Centre of the body (of mass, where it is known) in the same plane.
+    forward : ndarray, shape (n, 2)
+        Heading.
+
+    Returns
+    -------
+    Stability
+        In the unit of the feet; samples in which a foot that is down has no place count as if
+        it were not.
+
+    Raises
+    ------
+    InputError
+        If the shapes do not belong together.
+    """
+    n = len(feet)
+    if down.shape != feet.shape[:2] or centre.shape != (n, 2) or forward.shape != (n, 2):
+        raise InputError(
+            f"shapes do not fit: feet {feet.shape}, down {down.shape}, centre {centre.shape}, "
+            f"forward {forward.shape}; expected (n, k, 2), (n, k), (n, 2), (n, 2)."
+        )
+    used = down & np.isfinite(feet).all(axis=2)
+    area, margin, along = np.zeros(n), np.full(n, np.nan), np.full(n, np.nan)
+    for i in np.flatnonzero(used.sum(axis=1) >= 3):
+        try:
+            hull = ConvexHull(feet[i, used[i]])
+        except QhullError:  # the feet lie on one line
+            continue
+        area[i] = hull.volume  # of a polygon: its area
+        normals, offsets = hull.equations[:, :2], hull.equations[:, 2]
+        depth = -(normals @ centre[i] + offsets)
+        margin[i] = depth.min()
+        along[i] = _way_to_edge(depth, normals @ (forward[i] / np.linalg.norm(forward[i])))
+    return Stability(used.sum(axis=1), area, margin, along)
+
+
+def _way_to_edge(depth: np.ndarray, slope: np.ndarray) -> float:
+    """Return the shorter way along the heading to the edge, from depths below each edge."""
+    ahead, behind = slope > 1e-12, slope < -1e-12
+    level = ~ahead & ~behind
+    if (depth[level] < 0).any():
+        return np.nan
+    front = (depth[ahead] / slope[ahead]).min()
+    rear = (depth[behind] / -slope[behind]).min()
+    return float(min(front, rear)) if front + rear >= 0 else np.nan
+
+
+def support_table(events: pd.DataFrame) -> pd.DataFrame:
+    """List which feet are on the ground, stretch by stretch.
+
+    Parameters
+    ----------
+    events : pandas.DataFrame
+        TD and LO (where there are any), else AEP and PEP, of one or more trials.
+
+    Returns
+    -------
+    pandas.DataFrame
+        animal, trial, start_s, end_s, n_down and legs (names with + between), from the time
+        at which the state of every leg is known to the last at which it is.
+    """
+    rows = []
+    for (animal, trial), own in events.groupby(["animal", "trial"], sort=False):
+        contact = own["event"].isin(("TD", "LO")).any()
+        begin, end = ("TD", "LO") if contact else ("AEP", "PEP")
+        own = own[own["event"].isin((begin, end))].sort_values("time_s", kind="stable")
+        legs = sort_legs(own["leg"])
+        spans = own.groupby("leg")["time_s"].agg(["min", "max"])
+        first, last = float(spans["min"].max()), float(spans["max"].min())
+        state: dict[str, bool] = {}
+        since = first
+        for leg, kind, time in zip(own["leg"], own["event"], own["time_s"], strict=True):
+            if first < time <= last and len(state) == len(legs):
+                rows.append([animal, trial, since, time, *_down(state, legs)])
+                since = time
+            state[leg] = kind == begin
+    table = pd.DataFrame(rows, columns=list(SUPPORT_COLUMNS))
+    return table[table["end_s"] > table["start_s"]].reset_index(drop=True)
+
+
+def _down(state: dict[str, bool], legs: Sequence[str]) -> tuple[int, str]:
+    """Return number and names of the legs that are down."""
+    names = [leg for leg in legs if state[leg]]
+    return len(names), "+".join(names)
+
+
+def support_shares(support: pd.DataFrame) -> pd.DataFrame:
+    """Return for each animal the share of time with 0, 1, 2, ... feet on the ground.
+
+    Parameters
+    ----------
+    support : pandas.DataFrame
+        As :func:`support_table` makes it.
+
+    Returns
+    -------
+    pandas.DataFrame
+        animal, n_down, share (of 1).
+    """
+    spans = support.assign(duration=support["end_s"] - support["start_s"])
+    time = spans.groupby(["animal", "n_down"], sort=True)["duration"].sum()
+    share = time / time.groupby("animal").transform("sum")
+    return share.rename("share").reset_index()
+
+
+class Regularity(NamedTuple):
+    """Regularity of the order in which four feet land.
+
+    Attributes
+    ----------
+    percent : float
+        Regularity index: 400 * normal sequences / footfalls.
+    n_footfalls, n_sequences : int
+        Footfalls counted, and complete normal step sequences among them.
+    shares : dict
+        Share of each normal sequence (Ca, Cb, Aa, Ab, Ra, Rb) among them.
+    """
+
+    percent: float
+    n_footfalls: int
+    n_sequences: int
+    shares: dict[str, float]
+
+
+def regularity_index(events: pd.DataFrame) -> Regularity:
+    """Compute the regularity index of a four-legged animal in one trial.
+
+    ``RI = 100 * 4 * NSSP / PP``: normal step sequence patterns times four, over paw
+    placements (Cheng et al. 1997, Hamers et al. 2001). A sequence may begin with any foot.
+
+    Parameters
+    ----------
+    events : pandas.DataFrame
+        Events of one trial; TD where there are any, else AEP.
+
+    Returns
+    -------
+    Regularity
+        Index, counts and shares. Up to three footfalls at the end that complete no sequence
+        count as placements, as the definition has it.
+
+    Raises
+    ------
+    InputError
+        If the legs are not FR, HR, FL and HL, or fewer than four footfalls are known.
+    """
+    kind = "TD" if (events["event"] == "TD").any() else "AEP"
+    own = events[events["event"] == kind].sort_values("time_s", kind="stable")
+    legs = {leg for leg in own["leg"] if find_leg_place(leg) is not None}
+    if legs != {"FR", "HR", "FL", "HL"} or len(own) < 4:
+        raise InputError(
+            f"the regularity index needs footfalls of FR, HR, FL and HL; found {len(own)} of "
+            f"{', '.join(sort_legs(set(own['leg']))) or 'no leg'}."
+        )
+    order = own["leg"].tolist()
+    turned = {
+        (*steps[i:], *steps[:i]): name
+        for name, steps in _NORMAL_SEQUENCES.items()
+        for i in range(4)
+    }
+    counts = dict.fromkeys(_NORMAL_SEQUENCES, 0)
+    at = 0
+    while at + 4 <= len(order):
+        name = turned.get(tuple(order[at : at + 4]))
+        if name is None:
+            at += 1
+        else:
+            counts[name] += 1
+            at += 4
+    total = sum(counts.values())
+    shares = {name: count / total if total else 0.0 for name, count in counts.items()}
+    return Regularity(400.0 * total / len(order), len(order), total, shares)
