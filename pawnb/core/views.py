@@ -158,6 +158,8 @@ class ViewReader(Closing):
         Whether the format carries colour (a YUV video of a grey scene does).
     is_variable_rate : bool
         Whether the file's time stamps are not evenly spaced.
+    lens : Lens or None
+        Distortion that is removed.
 
     Raises
     ------
@@ -173,7 +175,7 @@ class ViewReader(Closing):
         self.n_frames = source.n_frames
         self.is_variable_rate = source.is_variable_rate
         self._view = view
-        self._lens = lens
+        self.lens = lens
         self._fps = fps
         self._box = view.crop or (0, 0, source.width, source.height)
         u0, v0, u1, v1 = self._box
@@ -231,8 +233,8 @@ class ViewReader(Closing):
         """Return the frame that this view shows of a picture, under the number given."""
         if self._view.bayer is not None:
             picture = debayered(picture, self._view.bayer, where=f"view {self.name!r}")
-        if self._lens is not None:
-            picture = StraightPicture(picture, self._lens)
+        if self.lens is not None:
+            picture = StraightPicture(picture, self.lens)
         return Frame(index, picture, self._box, mirror=self._view.mirror)
 
     def read(self, index: int) -> np.ndarray:

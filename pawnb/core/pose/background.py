@@ -1,0 +1,308 @@
+"""The empty scene: mean and standard deviation of every pixel without the animal.
+
+Pullar 2009, §3.2.1, Eq. 3.6 and 3.7.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import warnings
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from pawnb.core.pose.presence import KNOWN_FRAMES, find_animal_frames, grey
+from pawnb.core.video import open_view
+from pawnb.core.views import ViewReader
+from pawnb.errors import InputError, InputWarning
+from pawnb.trial import View
+
+QUANTISATION_SD = 1 / math.sqrt(12)
+"""Standard deviation of rounding to whole grey values: no pixel is known better."""
+_MOST_FRAMES = 200
+"""More empty frames than this add nothing to mean and standard deviation."""
+_SAMPLED = 60
+_MAD_TO_SD = 1.4826
+_KEPT_SDS, _KEPT_GREY = 3.0, 2.0
+"""Values no further than this from a pixel's median tell its standard deviation."""
+_BLOB_GREY, _BLOB_SDS = 12.0, 6.0
+"""How far pixels that an animal covers differ from the empty scene, at least."""
+_BLOB_SHARE = 3e-4
+"""Smallest animal, as a share of the picture's area."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Background:
+    """The empty scene.
+
+    Parameters
+    ----------
+    mean : ndarray of float32, shape (H, W)
+        Mean grey value of every pixel (Eq. 3.6).
+    sd : ndarray of float32, shape (H, W)
+        Its standard deviation over time (Eq. 3.7), not below that of rounding to whole values.
+    n_frames : int
+        Frames it was estimated from.
+    source : str
+        Where it comes from, in words: ``frames 0 to 8``, ``picture empty.png``.
+    """
+
+    mean: np.ndarray
+    sd: np.ndarray
+    n_frames: int
+    source: str
+
+
+def find_background(
+    reader: ViewReader, view: View, *, folder: Path, frames: tuple[int, int] | None = None
+) -> Background:
+    """Find the empty scene of a view.
+
+    Parameters
+    ----------
+    reader : ViewReader
+        The open view.
+    view : View
+        Its description: the picture ``background`` is used, else ``background_frames``, else
+        the empty frames that :func:`find_animal_frames` finds.
+    folder : Path
+        Folder that ``view.background`` is relative to.
+    frames : tuple of int, optional
+        Where to look for empty frames, first and one past the last; default: all.
+
+    Returns
+    -------
+    Background
+        The empty scene.
+
+    Raises
+    ------
+    InputError
+        If the picture is missing or of another size than the view, or ``background_frames``
+        reaches outside the recording.
+
+    Warns
+    -----
+    InputWarning
+        If no frame is empty: the median of every pixel over the recording is used instead,
+        which is the empty scene wherever the animal does not stay for half the time. Also if
+        nothing moves at all.
+    """
+    if view.background is not None:
+        return _from_picture(reader, view, Path(folder), frames)
+    if view.background_frames is not None:
+        first, stop = view.background_frames
+        if not 0 <= first < stop <= reader.n_frames:
+            raise InputError(
+                f"view {view.name!r}: background_frames is {[first, stop]}, but the recording "
+                f"has frames 0 to {reader.n_frames - 1}; name frames within it."
+            )
+        return mean_background(reader, range(first, stop))
+    return _found(reader, view, frames or (0, reader.n_frames))
+
+
+def mean_background(reader: ViewReader, numbers: Iterable[int]) -> Background:
+    """Estimate the empty scene from empty frames (Eq. 3.6, 3.7).
+
+    Parameters
+    ----------
+    reader : ViewReader
+        The view.
+    numbers : iterable of int
+        Two or more empty frames; of more than 200, 200 evenly spread ones are used.
+
+    Returns
+    -------
+    Background
+        Mean and standard deviation (n - 1) of each pixel.
+
+    Raises
+    ------
+    InputError
+        If there are fewer than two frames.
+    """
+    every = np.array(sorted(set(numbers)))
+    if len(every) < 2:
+        raise InputError(
+            f"{len(every)} empty frame{'s' * (len(every) != 1)} for the background; expected two "
+            "or more, to tell how much a pixel varies."
+        )
+    chosen = _spread(every, _MOST_FRAMES)
+    shift = grey(reader.frame(int(chosen[0])).image()).astype(float)
+    total, squares = np.zeros_like(shift), np.zeros_like(shift)
+    for i in chosen:
+        step = grey(reader.frame(int(i)).image()) - shift
+        total += step
+        squares += step**2
+    n = len(chosen)
+    variance = (squares - total**2 / n) / (n - 1)
+    return Background(
+        mean=(shift + total / n).astype(np.float32),
+        sd=_floored(np.sqrt(np.maximum(variance, 0.0))),
+        n_frames=n,
+        source=_in_words(every),
+    )
+
+
+def median_background(reader: ViewReader, *, frames: tuple[int, int] | None = None) -> Background:
+    """Estimate the empty scene as the median of every pixel over a recording.
+
+    Parameters
+    ----------
+    reader : ViewReader
+        The view.
+    frames : tuple of int, optional
+        First frame and one past the last; 60 evenly spread ones are used.
+
+    Returns
+    -------
+    Background
+        Median, and the standard deviation of the values near it: the empty scene wherever the
+        animal is for less than half the time.
+    """
+    chosen = _spread(np.arange(*(frames or (0, reader.n_frames))), _SAMPLED)
+    median, sd = _median_and_sd(_stack(reader, chosen))
+    return Background(
+        mean=median, sd=sd, n_frames=len(chosen), source=f"median of {len(chosen)} frames"
+    )
+
+
+def _found(reader: ViewReader, view: View, frames: tuple[int, int]) -> Background:
+    """Return the background from frames found to be empty, or the median one."""
+    first, stop = frames
+    how = (
+        f"name empty frames (background_frames) or a picture of the empty scene (background) "
+        f"for view {view.name!r} if this is wrong."
+    )
+    if stop - first < 2 * KNOWN_FRAMES:
+        background = median_background(reader, frames=frames)
+        warnings.warn(
+            f"{stop - first} frames are too few to tell empty ones; the background is the "
+            f"{background.source}: {how}",
+            InputWarning,
+            stacklevel=3,
+        )
+        return background
+    median = median_background(reader, frames=frames)
+    known = mean_background(reader, range(first, first + KNOWN_FRAMES))
+    if _shows_animal(reader, known, median, frames):
+        warnings.warn(
+            f"no empty frames: the animal is there in frame {first} already; the background is "
+            f"the {median.source}, right wherever the animal does not stay half the time: {how}",
+            InputWarning,
+            stacklevel=3,
+        )
+        return median
+    presence = find_animal_frames(reader, frames=frames)
+    if presence.first is None:
+        warnings.warn(
+            f"nothing moves in frames {first} to {stop - 1}: they are all taken for empty; {how}",
+            InputWarning,
+            stacklevel=3,
+        )
+    empty = presence.empty_frames()
+    return mean_background(
+        reader, empty if len(empty) >= KNOWN_FRAMES else range(first, first + KNOWN_FRAMES)
+    )
+
+
+def _shows_animal(
+    reader: ViewReader, known: Background, median: Background, frames: tuple[int, int]
+) -> bool:
+    """Say whether frames thought to be empty show the animal: a blob of its kind of grey.
+
+    Whether the animal is darker or lighter than the scene is told by the pixels that stand out
+    of the median in single frames.
+    """
+    lean = 0.0
+    for i in _spread(np.arange(*frames), 12):
+        out = _outstanding(grey(reader.frame(int(i)).image()) - median.mean, median)
+        lean += float(out.sum(dtype=float))
+    step = _outstanding(known.mean - median.mean, median)
+    blob = (step > 0) if lean > 0 else (step < 0)
+    _, _, stats, _ = cv2.connectedComponentsWithStats(blob.astype(np.uint8), connectivity=8)
+    areas = stats[1:, cv2.CC_STAT_AREA]
+    return bool(len(areas) and areas.max() > _BLOB_SHARE * blob.size)
+
+
+def _outstanding(step: np.ndarray, median: Background) -> np.ndarray:
+    """Return differences to the background, less the light's change, 0 where they are small."""
+    step = step - np.median(step[::4, ::4])
+    return np.where(np.abs(step) > np.maximum(_BLOB_GREY, _BLOB_SDS * median.sd), step, 0.0)
+
+
+def _from_picture(
+    reader: ViewReader, view: View, folder: Path, frames: tuple[int, int] | None
+) -> Background:
+    """Return the background from a picture, its noise from the recording."""
+    name = str(view.background)
+    mean = _read_picture(reader, view, folder)
+    if mean.shape != (reader.height, reader.width):
+        raise InputError(
+            f"view {view.name!r}: the background {name} is {mean.shape[1]} x {mean.shape[0]} px, "
+            f"but the view is {reader.width} x {reader.height} px; take it with the same camera "
+            "settings."
+        )
+    chosen = _spread(np.arange(*(frames or (0, reader.n_frames))), _SAMPLED)
+    _, sd = _median_and_sd(_stack(reader, chosen))
+    return Background(mean=mean, sd=sd, n_frames=1, source=f"picture {name}")
+
+
+def _read_picture(reader: ViewReader, view: View, folder: Path) -> np.ndarray:
+    """Return the grey picture, cropped and mirrored as the view unless it has its size already."""
+    name = str(view.background)
+    whole = dataclasses.replace(view, video=name, crop=None, mirror=False)
+    with open_view(whole, folder, lens=reader.lens) as picture:
+        if (picture.width, picture.height) == (reader.width, reader.height):
+            return grey(picture.read(0))
+    with open_view(dataclasses.replace(view, video=name), folder, lens=reader.lens) as picture:
+        return grey(picture.read(0))
+
+
+def _stack(reader: ViewReader, numbers: np.ndarray) -> np.ndarray:
+    """Return frames as grey values, uint8, shape (n, H, W)."""
+    return np.stack(
+        [np.round(grey(reader.frame(int(i)).image())).astype(np.uint8) for i in numbers]
+    )
+
+
+def _median_and_sd(stack: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return median and robust standard deviation of each pixel, a band of rows at a time."""
+    median = np.empty(stack.shape[1:], np.float32)
+    sd = np.empty_like(median)
+    for v in range(0, stack.shape[1], 64):
+        band = stack[:, v : v + 64].astype(np.float32)
+        median[v : v + 64] = np.median(band, axis=0)
+        away = np.abs(band - median[v : v + 64])
+        # the median deviation of whole grey values is too coarse, but tells which values belong
+        limit = np.maximum(_KEPT_SDS * _MAD_TO_SD * np.median(away, axis=0), _KEPT_GREY)
+        kept = away <= limit
+        sd[v : v + 64] = np.sqrt((away**2 * kept).sum(axis=0) / kept.sum(axis=0))
+    return median, _floored(sd)
+
+
+def _floored(sd: np.ndarray) -> np.ndarray:
+    """Return standard deviations not below that of rounding."""
+    return np.maximum(sd, QUANTISATION_SD).astype(np.float32)
+
+
+def _spread(numbers: np.ndarray, most: int) -> np.ndarray:
+    """Return at most so many of the numbers, evenly spread."""
+    if len(numbers) <= most:
+        return numbers
+    return numbers[np.linspace(0, len(numbers) - 1, most).round().astype(int)]
+
+
+def _in_words(numbers: np.ndarray) -> str:
+    """Return frame numbers as runs: ``frames 0 to 8, 95 to 120``."""
+    runs = np.split(numbers, np.flatnonzero(np.diff(numbers) > 1) + 1)
+    text = [f"{r[0]} to {r[-1]}" if len(r) > 1 else str(r[0]) for r in runs]
+    return (
+        "frames "
+        + ", ".join(text[:4])
+        + (f" and {len(runs) - 4} more runs" if len(runs) > 4 else "")
+    )
