@@ -22,7 +22,7 @@ import pandas as pd
 from pawnb.core.video import open_views
 from pawnb.synthetic import render_mouse_trial
 from pawnb.trial import Trial, load_trial
-from pawnb.workflow.propose import StartProposal, propose_start
+from pawnb.workflow.propose import StartProposal, propose_paws
 
 HALF_PAW_PX = 20.0
 REFERENCE_WIDTH_PX = 2048
@@ -70,7 +70,7 @@ def judge(trial: Trial) -> bool:
     """Propose a start, print how far off it is, and say whether it needs no change."""
     with open_views(trial) as views:
         width = views.readers[views.names[0]].width
-    proposal = propose_start(trial, progress=lambda *_: None)
+    proposal = propose_paws(trial, progress=lambda *_: None)
     off = distances(trial, proposal, width=width)
     worst = float(off["px"].max())
     good = bool(off["px"].notna().all() and worst <= HALF_PAW_PX)

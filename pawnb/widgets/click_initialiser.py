@@ -13,7 +13,7 @@ from pawnb.core.video import open_views
 from pawnb.trial import Trial, load_trial
 from pawnb.widgets.frame_canvas import MOUSE_AND_KEYS, FrameCanvas, Overlay, Views
 from pawnb.widgets.start_session import StartSession
-from pawnb.workflow.propose import StartProposal, propose_start
+from pawnb.workflow.propose import StartProposal, propose_paws
 
 _KEYS = (
     ("Click", "place the point that is asked for; the next is asked for by itself"),
@@ -128,7 +128,7 @@ class ClickInitialiser(FrameCanvas):
 
     def _propose(self, trial: Trial, propose: bool | StartProposal) -> None:
         """Offer a proposal, and say in words how sure it is."""
-        proposal = propose if isinstance(propose, StartProposal) else propose_start(trial)
+        proposal = propose if isinstance(propose, StartProposal) else propose_paws(trial)
         self.session.propose(proposal.start)
         each = ", ".join(f"{row.point} {row.words}" for row in proposal.points.itertuples())
         self._proposal = f"Proposed points are dashed ({each}): press Enter, or drag them. "

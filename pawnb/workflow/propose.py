@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 
 from pawnb.core.paws.propose import find_paws
@@ -15,6 +14,8 @@ from pawnb.core.video import ViewSet, open_views
 from pawnb.errors import InputError
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.progress import Progress, progress_bar
+from pawnb.workflow.propose_pose import PoseStart, propose_pose_start
+from pawnb.workflow.sureness import sureness_in_words
 
 EVERY = 5
 """Frames are looked through in steps of so many."""
@@ -23,7 +24,6 @@ MOST_FRAMES = 60
 """More than this many frames are not looked through: longer recordings in larger steps."""
 
 PAWS = ("FR", "HR", "FL", "HL")
-_WORDS = ((0.5, "sure"), (0.25, "fairly sure, look at it"), (0.0, "unsure, check it"))
 
 
 @dataclass(frozen=True)
@@ -66,6 +66,39 @@ def propose_start(
     *,
     frames: Sequence[int] | None = None,
     progress: Progress | None = None,
+) -> StartProposal | PoseStart:
+    """Find where tracking may start without clicks: paws, or the pose of a jointed animal.
+
+    Parameters
+    ----------
+    trial : Trial, str or Path
+        The trial, its ``trial.toml``, or the folder that holds it.
+    frames : sequence of int, optional
+        Frames to look through; default some spread over the trial.
+    progress : callable, optional
+        ``progress(done, total)``; default a bar on a terminal or in a notebook.
+
+    Returns
+    -------
+    StartProposal or PoseStart
+        As :func:`propose_paws` or, for a trial of kind ``pose``, :func:`propose_pose_start`.
+
+    Raises
+    ------
+    InputError
+        As these.
+    """
+    if not isinstance(trial, Trial):
+        trial = load_trial(trial)
+    propose = propose_pose_start if trial.kind == "pose" else propose_paws
+    return propose(trial, frames=frames, progress=progress)
+
+
+def propose_paws(
+    trial: Trial | str | Path,
+    *,
+    frames: Sequence[int] | None = None,
+    progress: Progress | None = None,
 ) -> StartProposal:
     """Find the paws of a running mouse without clicks, in a frame where they are well seen.
 
@@ -104,7 +137,7 @@ def propose_in_views(
     frames: Sequence[int] | None = None,
     progress: Progress | None = None,
 ) -> StartProposal:
-    """Find the paws in views that are open already; see :func:`propose_start`.
+    """Find the paws in views that are open already; see :func:`propose_paws`.
 
     Parameters
     ----------
@@ -113,7 +146,7 @@ def propose_in_views(
     views : ViewSet
         Its open views.
     frames, progress
-        As for :func:`propose_start`.
+        As for :func:`propose_paws`.
 
     Returns
     -------
@@ -123,7 +156,7 @@ def propose_in_views(
     Raises
     ------
     InputError
-        As for :func:`propose_start`.
+        As for :func:`propose_paws`.
     """
     rig = load_rig(
         trial,
@@ -165,21 +198,3 @@ def propose_in_views(
         ignore_index=True,
     )
     return StartProposal(found.frame, start, points)
-
-
-def sureness_in_words(sure: float) -> str:
-    """Say how sure a point is.
-
-    Parameters
-    ----------
-    sure : float
-        0 to 1; 0 for a point that was not found.
-
-    Returns
-    -------
-    str
-        A few words.
-    """
-    if sure <= 0 or not np.isfinite(sure):
-        return "not found, click it"
-    return next(words for least, words in _WORDS if sure >= least)

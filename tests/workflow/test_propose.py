@@ -10,7 +10,7 @@ import pawnb
 from pawnb.errors import InputError
 from pawnb.schema import START_COLUMNS
 from pawnb.trial import load_trial
-from pawnb.workflow.propose import sureness_in_words
+from pawnb.workflow.sureness import sureness_in_words
 
 # half a hind paw: 20 px in the paper's pictures, 2048 px wide; this scene is 410 px wide
 HALF_PAW_PX = 20 * 0.2
@@ -53,7 +53,7 @@ def test_how_sure_it_is_in_numbers_and_words(proposal):
     assert proposal.text().splitlines()[0].startswith(f"proposed start in frame {proposal.frame}")
     order = [sureness_in_words(x) for x in (0.0, 0.1, 0.3, 0.9)]
     assert order == [
-        "not found, click it", "unsure, check it", "fairly sure, look at it", "sure",
+        "not found, place it by hand", "unsure, check it", "fairly sure, look at it", "sure",
     ]  # fmt: skip
 
 

@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 from scipy import fft
 
-from pawnb.core.pose.silhouette import grey_picture
+from pawnb.core.pose.presence import grey
 from pawnb.errors import InputError
 
 _SHORTEST_PX = 6.0
@@ -132,7 +132,7 @@ def scale_from_grid(picture: np.ndarray, *, spacing: float) -> PxPerUnit:
     """
     if not (np.isfinite(spacing) and spacing > 0):
         raise InputError(f"the grid's spacing is {spacing}; expected more than 0.")
-    flat = _flattened(grey_picture(picture))
+    flat = _flattened(grey(picture))
     found = _find_pitch(flat)
     if found is None:
         raise InputError(
@@ -164,11 +164,11 @@ def scale_from_grid(picture: np.ndarray, *, spacing: float) -> PxPerUnit:
     return PxPerUnit(mean / spacing, error / spacing, mean, float(lie), (across[2], down[2]))
 
 
-def _flattened(grey: np.ndarray) -> np.ndarray:
+def _flattened(picture: np.ndarray) -> np.ndarray:
     """Return the picture without slow changes of light, its outliers (animal, walls) cut."""
-    size = max(grey.shape) / 40
-    slow = cv2.GaussianBlur(cv2.medianBlur(grey, 5), (0, 0), size)
-    flat = grey - slow
+    size = max(picture.shape) / 40
+    slow = cv2.GaussianBlur(cv2.medianBlur(picture, 5), (0, 0), size)
+    flat = picture - slow
     spread = 1.4826 * float(np.median(np.abs(flat - np.median(flat)))) + 1e-3
     return np.asarray(np.clip(flat, -6 * spread, 6 * spread), dtype=np.float32)
 

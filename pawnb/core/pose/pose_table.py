@@ -55,7 +55,8 @@ def write_start(
     animal : StickAnimal
         The animal with its own proportions.
     poses : Poses
-        Its poses.
+        Its poses. Segments that are not as long in the picture as in the animal (raised ones)
+        have their lengths written as ``<leg>_<segment>_px``.
     species : StickAnimal, optional
         The animal as its species file describes it, where it differs.
 
@@ -65,7 +66,16 @@ def write_start(
         The file.
     """
     factors = {} if species is None else animal_factors(animal, species)
-    return write_start_pose(_columns(animal, poses), path, factors=factors)
+    flat = poses.scale[:, None] * animal.lengths
+    raised = (np.abs(poses.lengths_px - flat) > 1e-3 * flat).any(axis=0)
+    table = _columns(animal, poses).assign(
+        **{
+            f"{name}_px": poses.lengths_px[:, k]
+            for k, name in enumerate(animal.segments)
+            if raised[k]
+        }
+    )
+    return write_start_pose(table, path, factors=factors)
 
 
 def poses_from_table(table: pd.DataFrame, species: StickAnimal) -> tuple[StickAnimal, Poses]:

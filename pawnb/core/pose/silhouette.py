@@ -14,6 +14,8 @@ import numpy as np
 from skimage.graph import MCP_Geometric
 from skimage.morphology import skeletonize
 
+from pawnb.core.pose.presence import grey
+
 _NOISE_SDS = 4.0
 """A pixel further than this from the background, in SD of it, may be animal."""
 _PALE = 0.25
@@ -29,8 +31,13 @@ LARGEST_PX = 420
 class BackgroundModel(Protocol):
     """What is asked of a :class:`pawnb.core.pose.background.Background`."""
 
-    mean: np.ndarray
-    sd: np.ndarray
+    @property
+    def mean(self) -> np.ndarray:
+        """Mean grey value of every pixel, (H, W)."""
+
+    @property
+    def sd(self) -> np.ndarray:
+        """Its standard deviation, (H, W)."""
 
 
 @dataclass(frozen=True)
@@ -106,13 +113,6 @@ class Limb:
         return self.path[0]
 
 
-def grey_picture(image: np.ndarray) -> np.ndarray:
-    """Return a picture as (H, W) float32: grey as it is, RGB as its luma."""
-    if image.ndim == 3:
-        image = cv2.cvtColor(image, cv2.COLOR_RGB2GRAY)
-    return image.astype(np.float32)
-
-
 def sample_grid(grid: np.ndarray, points: np.ndarray) -> np.ndarray:
     """Return a grid's values at (n, 2) points u, v, between its pixels; beyond it, its edge."""
     u = points[:, 0].astype(np.float32)[None]
@@ -136,8 +136,7 @@ def find_silhouette(image: np.ndarray, background: BackgroundModel) -> Silhouett
     Silhouette or None
         None where nothing stands out from the background.
     """
-    grey = grey_picture(image)
-    low, high = _thresholded(grey, background)
+    low, high = _thresholded(grey(image), background)
     mask, others = _animal_of(low, high)
     if mask is None:
         return None
@@ -207,17 +206,17 @@ def trace_limbs(outline: Silhouette, *, shortest: float, most: int) -> list[Limb
     return limbs
 
 
-def _thresholded(grey: np.ndarray, background: BackgroundModel) -> tuple[np.ndarray, np.ndarray]:
+def _thresholded(picture: np.ndarray, background: BackgroundModel) -> tuple[np.ndarray, np.ndarray]:
     """Return where the picture may be animal, and where it surely is."""
     mean = background.mean
     # the light of the whole scene may have changed
-    gain = float(np.median(grey[::4, ::4] / np.maximum(mean[::4, ::4], 1.0)))
-    away = cv2.GaussianBlur(np.abs(grey - gain * mean), (0, 0), 0.8)
+    gain = float(np.median(picture[::4, ::4] / np.maximum(mean[::4, ::4], 1.0)))
+    away = cv2.GaussianBlur(np.abs(picture - gain * mean), (0, 0), 0.8)
     noise = max(float(np.median(background.sd)), 0.5)
     floor = _NOISE_SDS * np.sqrt(background.sd**2 + noise**2) * 0.6  # blurring halves the noise
     candidates = away[away > np.maximum(floor, 1.5 * _NOISE_SDS * noise)]
     if candidates.size < 20:
-        empty = np.zeros(grey.shape, dtype=bool)
+        empty = np.zeros(picture.shape, dtype=bool)
         return empty, empty
     contrast = float(np.percentile(candidates, 90))
     low = away > np.maximum(floor, _PALE * contrast)

@@ -1,0 +1,25 @@
+"""How sure a proposal is, in words."""
+
+from __future__ import annotations
+
+import numpy as np
+
+_WORDS = ((0.5, "sure"), (0.25, "fairly sure, look at it"), (0.0, "unsure, check it"))
+
+
+def sureness_in_words(sure: float) -> str:
+    """Say how sure a point or a leg is.
+
+    Parameters
+    ----------
+    sure : float
+        0 to 1; 0 for one that was not found.
+
+    Returns
+    -------
+    str
+        A few words.
+    """
+    if sure <= 0 or not np.isfinite(sure):
+        return "not found, place it by hand"
+    return next(words for least, words in _WORDS if sure >= least)
