@@ -103,14 +103,15 @@ def _add_check(commands: Any) -> None:
 
 
 def _add_track(commands: Any) -> None:
-    text = "track the points of a trial"
+    text = "track the points, or the pose, of a trial"
     command = commands.add_parser("track", help=text, description=text)
     command.add_argument("trial", help="trial.toml, or the folder that holds it")
     command.add_argument("--out", help="folder to write (default: results beside the trial)")
     command.add_argument(
         "--method",
         default=None,
-        help="pawnb (default); paper: the method of 2019; slic-3d, slic-2d: its lesser variants",
+        help="pawnb (default); paper: the published method (paws 2019, poses 2009); slic-3d, "
+        "slic-2d: lesser variants of that of paws",
     )
     command.add_argument(
         "--set", action="append", default=[], metavar="NAME=VALUE", help="a setting of the tracker"

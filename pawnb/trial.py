@@ -186,6 +186,14 @@ class Trial:
             return "start.csv"
         return self.start_points
 
+    def start_pose_file(self) -> str | None:
+        """Return the csv of the start pose: the one named, else ``start_pose.csv`` if there.
+
+        Trials of another kind have none unless they name it.
+        """
+        there = self.kind == "pose" and self.path("start_pose.csv").is_file()
+        return "start_pose.csv" if self.start_pose is None and there else self.start_pose
+
     def path(self, relative: str) -> Path:
         """Return a path of the trial as a path that can be opened."""
         return self.folder / relative

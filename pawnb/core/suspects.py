@@ -131,8 +131,11 @@ def find_suspects(
     by_hand = tracks["image_origin"].isel(individual=0).to_numpy() == ORIGIN_CODE["edited"]
     total[by_hand] = 0.0
     rows = []
-    for t, score, doubts in _choose_frames(
-        total.max(axis=1), frames, settings.apart_frames or apart, settings.least_score
+    for t, score, doubts in choose_frames(
+        total.max(axis=1),
+        frames,
+        apart=settings.apart_frames or apart,
+        least_score=settings.least_score,
     ):
         for p in np.argsort(-doubts, kind="stable").tolist():
             if doubts[p] >= _TELLING * doubts.max():
@@ -142,12 +145,24 @@ def find_suspects(
     return pd.DataFrame(rows, columns=list(SUSPECTS_COLUMNS))
 
 
-def _choose_frames(
-    doubts: np.ndarray, frames: np.ndarray, apart: float, least_score: float
+def choose_frames(
+    doubts: np.ndarray, frames: np.ndarray, *, apart: float, least_score: float
 ) -> list[tuple[int, float, np.ndarray]]:
     """Take the frame with most doubt, calm the frames around it, and go on with the next.
 
-    ``doubts`` is (n, P). Returns (row, score, doubts of its points), highest score first.
+    Parameters
+    ----------
+    doubts : ndarray, shape (n, P)
+        Doubt about each point in each frame.
+    frames : ndarray of int, shape (n,)
+        Their numbers.
+    apart, least_score : float
+        As in :class:`SuspectSettings`.
+
+    Returns
+    -------
+    list of (int, float, ndarray)
+        Row, score and the doubts of its points (P,), highest score first.
     """
     left = doubts.copy()
     gain = left.sum(axis=1)

@@ -1,9 +1,9 @@
-"""The methods of the paw tracker: their names, settings, and how each is run."""
+"""The methods of the trackers: their names, settings, and how each paw tracker is run."""
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import pandas as pd
@@ -11,18 +11,33 @@ import pandas as pd
 from pawnb.core.paws import PaperSettings, Task, track_paws
 from pawnb.core.paws.whole import WholeSettings, track_whole
 from pawnb.core.paws.whole.store import CandidateStore
-from pawnb.core.video import ViewSet
+from pawnb.core.pose.animal import StickAnimal
+from pawnb.core.pose.background import Background
+from pawnb.core.pose.fit.settings import PoseSettings
+from pawnb.core.pose.poses import Poses
+from pawnb.core.pose.track_result import PoseTrack
+from pawnb.core.pose.tracker import track_pose
+from pawnb.core.video import ViewReader, ViewSet
 from pawnb.errors import InputError, did_you_mean
-from pawnb.schema import Tracks, build_settings
+from pawnb.schema import SettingsT, Tracks, build_settings
 from pawnb.trial import Trial
 from pawnb.workflow.results import provenance_steps
 
 METHODS = ("pawnb", "paper", "slic-3d", "slic-2d")
 """Methods of the paw tracker; the first is the default."""
 
+POSE_METHODS = ("pawnb", "paper")
+"""Methods of the pose tracker; the first is the default."""
+
 TrackerSettings = WholeSettings | PaperSettings
+PoseTrackerSettings = PoseSettings
+
 _SETTINGS: dict[str, type[TrackerSettings]] = {
     method: WholeSettings if method == "pawnb" else PaperSettings for method in METHODS
+}
+_POSE_TRACKERS: dict[str, Callable[..., PoseTrack]] = {"pawnb": track_pose}
+_POSE_SETTINGS: dict[str, type[PoseTrackerSettings]] = {
+    "pawnb": PoseSettings,
 }
 
 
@@ -50,24 +65,59 @@ def tracker_settings(
     InputError
         For an unknown method, an unknown setting, or a value of the wrong type.
     """
-    if method not in METHODS:
+    return _settings_in_force(_SETTINGS, trial, method, settings)
+
+
+def pose_tracker_settings(
+    trial: Trial, *, method: str = POSE_METHODS[0], settings: Mapping[str, Any] | None = None
+) -> PoseTrackerSettings:
+    """Return the settings in force for a jointed animal; else as :func:`tracker_settings`.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial. Its ``[tracking]`` may hold settings of several methods.
+    method : str
+        One of :data:`POSE_METHODS`.
+    settings : mapping, optional
+        Settings of this method that go first.
+
+    Returns
+    -------
+    PoseSettings or PaperPoseSettings
+        The settings.
+
+    Raises
+    ------
+    InputError
+        As :func:`tracker_settings`.
+    """
+    return _settings_in_force(_POSE_SETTINGS, trial, method, settings)
+
+
+def _settings_in_force(
+    kinds: Mapping[str, type[SettingsT]],
+    trial: Trial,
+    method: str,
+    settings: Mapping[str, Any] | None,
+) -> SettingsT:
+    """Return the settings of a method, refusing what is unknown or of another method."""
+    if method not in kinds:
         raise InputError(
-            f"unknown method {method!r}{did_you_mean(method, METHODS)}; "
-            f"expected {', '.join(METHODS)}."
+            f"unknown method {method!r}{did_you_mean(method, kinds)}; expected {', '.join(kinds)}."
         )
-    kind = _SETTINGS[method]
-    own = setting_names(method)
-    others = set().union(*(setting_names(other) for other in METHODS)) - own
+    names = {one: {field.name for field in _fields(kind)} for one, kind in kinds.items()}
+    others = set().union(*names.values()) - names[method]
     given = {name: value for name, value in trial.tracking.items() if name not in others}
-    build_settings(kind, given, where="trial.toml: [tracking]")
+    build_settings(kinds[method], given, where="trial.toml: [tracking]")
     for name in sorted(set(settings or {}) & others):
-        owners = [other for other in METHODS if name in setting_names(other)]
+        owner = next(one for one in kinds if name in names[one])
         raise InputError(
-            f"setting {name!r} belongs to method {owners[0]!r}, not to {method!r}; leave it out, "
+            f"setting {name!r} belongs to method {owner!r}, not to {method!r}; leave it out, "
             f"or choose that method."
         )
     return build_settings(
-        kind, {**given, **(settings or {})}, where=f"settings of method {method!r}"
+        kinds[method], {**given, **(settings or {})}, where=f"settings of method {method!r}"
     )
 
 
@@ -96,9 +146,58 @@ def method_of_tracks(trial: Trial, tracks: Tracks) -> tuple[str, TrackerSettings
     return method, build_settings(_SETTINGS[method], made[-1]["settings"], where=where)
 
 
+def run_pose_tracker(
+    method: str,
+    reader: ViewReader,
+    start: Poses,
+    *,
+    animal: StickAnimal,
+    background: Background,
+    settings: PoseTrackerSettings,
+    frames: tuple[int, int],
+    progress: Callable[[int, int], None] | None = None,
+    stop: Callable[[], bool] | None = None,
+) -> PoseTrack:
+    """Track a jointed animal with one of the methods.
+
+    Parameters
+    ----------
+    method : str
+        One of :data:`POSE_METHODS`.
+    reader : ViewReader
+        The open view.
+    start : Poses
+        Poses to start from.
+    animal : StickAnimal
+        The animal.
+    background : Background
+        The empty scene.
+    settings : PoseSettings or PaperPoseSettings
+        Settings of that method.
+    frames : tuple of int
+        Half-open range of frames.
+    progress, stop : callable, optional
+        As for :func:`pawnb.track`.
+
+    Returns
+    -------
+    PoseTrack
+        The poses.
+    """
+    return _POSE_TRACKERS[method](
+        reader, start, animal=animal, background=background, settings=settings, frames=frames,
+        progress=progress, stop=stop,
+    )  # fmt: skip
+
+
 def setting_names(method: str) -> set[str]:
-    """Return the names of a method's settings."""
-    return {field.name for field in dataclasses.fields(_SETTINGS[method])}
+    """Return the names of the settings of a method of the paw tracker."""
+    return {field.name for field in _fields(_SETTINGS[method])}
+
+
+def _fields(kind: type[Any]) -> tuple[dataclasses.Field[Any], ...]:
+    """Return the fields of a settings class."""
+    return dataclasses.fields(kind)
 
 
 def run_tracker(

@@ -91,13 +91,17 @@ def trial_inputs(trial: Trial, *, start: bool = True) -> list[str]:
     Returns
     -------
     list of str
-        Videos, calibration, start, tracks, belt speed.
+        Videos, backgrounds, species file, calibration, start, tracks, belt speed.
     """
     paths = [view.video for view in trial.views]
+    paths += [view.background for view in trial.views if view.background]
+    species = trial.animal.species
+    if trial.kind == "pose" and species and trial.path(species).is_file():
+        paths.append(species)
     if trial.calibration is not None:
         paths += [p for p in (trial.calibration.dlt, trial.calibration.lens) if p]
     if start:
-        paths += [p for p in (trial.start_file(), trial.start_pose) if p]
+        paths += [p for p in (trial.start_file(), trial.start_pose_file()) if p]
     paths += [p for p in (trial.tracks_file,) if p]
     if isinstance(trial.belt_speed, str):
         paths.append(trial.belt_speed)

@@ -8,10 +8,14 @@ from typing import Any
 
 import numpy as np
 
+from pawnb.core.pose.as_tracks import animal_of, is_pose, poses_of
+from pawnb.core.pose.pose_suspects import find_pose_suspects
+from pawnb.core.pose.pose_table import pose_names, pose_table
 from pawnb.core.rig import Rig
 from pawnb.core.suspects import find_suspects
 from pawnb.errors import InputError
 from pawnb.io import native
+from pawnb.io.pose import write_pose
 from pawnb.io.tables import write_table
 from pawnb.schema import Tracks
 from pawnb.trial import Trial, trial_document, trial_from_document
@@ -105,6 +109,8 @@ def results_folder(trial: Trial, out: str | Path | None = None) -> Path:
 def write_track_results(tracks: Tracks, out: str | Path, *, rig: Rig | None = None) -> Path:
     """Write ``tracks.nc``, its tables, ``suspects.csv`` and ``provenance.json``.
 
+    ``pose.csv`` of a jointed animal has no row for a frame in which it was not found.
+
     Parameters
     ----------
     tracks : xarray.Dataset
@@ -124,7 +130,12 @@ def write_track_results(tracks: Tracks, out: str | Path, *, rig: Rig | None = No
     write_table(native.tracks_table(tracks), out / "tracks.csv")
     if tracks.sizes["space"] == 3:
         write_table(native.points3d_table(tracks), out / "points3d.csv")
-    if "image_position" in tracks:
+    if is_pose(tracks):
+        animal, poses = animal_of(tracks), poses_of(tracks)
+        table = pose_table(animal, poses.take(np.isfinite(poses.poses.xy).all(axis=1)))
+        write_pose(table, out / "pose.csv", names=pose_names(animal))
+        write_table(find_pose_suspects(tracks), out / "suspects.csv")
+    elif "image_position" in tracks:
         write_table(find_suspects(tracks, rig=rig), out / "suspects.csv")
     write_provenance(provenance_steps(tracks), out / "provenance.json")
     return out

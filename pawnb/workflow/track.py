@@ -41,6 +41,7 @@ from pawnb.workflow.results import (
     results_folder,
     write_track_results,
 )
+from pawnb.workflow.track_pose import track_pose_trial
 from pawnb.workflow.trial_views import points_by_view, trial_rig, view_facing
 
 
@@ -56,7 +57,7 @@ def track(
     stop: Callable[[], bool] | None = None,
     command: Sequence[str] | None = None,
 ) -> Tracks:
-    """Track the points of a trial through its recording.
+    """Track the points, or the pose, of a trial through its recording.
 
     Parameters
     ----------
@@ -73,8 +74,10 @@ def track(
         Settings of the tracker; they go before those of ``[tracking]`` in the trial.
     start : pandas.DataFrame, optional
         Clicks with columns frame, view, point, u, v (px); default the trial's ``start.csv``.
+        Of a jointed animal the columns of ``start_pose.csv``.
     frames : tuple of int, optional
-        Half-open range of frames; default the trial's, else from the first clicked frame on.
+        Half-open range of frames; default the trial's, else from the first clicked frame on
+        (of a jointed animal, all).
     out : str or Path, optional
         Folder for ``tracks.nc``, its tables, ``suspects.csv``, ``provenance.json`` and
         ``candidates.bin``, from which method ``pawnb`` goes on after an interruption.
@@ -99,9 +102,14 @@ def track(
     """
     if not isinstance(trial, Trial):
         trial = load_trial(trial)
+    if trial.kind == "pose":
+        return track_pose_trial(
+            trial, method=method, settings=settings, start=start, frames=frames, out=out,
+            progress=progress, stop=stop, command=command,
+        )  # fmt: skip
     if trial.kind != "paws":
         raise InputError(
-            f"trial {trial.name!r} is of kind {trial.kind!r}; tracking needs kind 'paws'."
+            f"trial {trial.name!r} is of kind {trial.kind!r}; tracking needs kind 'paws' or 'pose'."
         )
     chosen = tracker_settings(trial, method=method, settings=settings)
     with contextlib.ExitStack() as stack:

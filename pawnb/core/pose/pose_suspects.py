@@ -1,0 +1,207 @@
+"""Which frames of a tracked jointed animal a person should look at, and why.
+
+Nothing is known here of what is true. A leg in a frame is doubted for five kinds of evidence.
+Each is 0 up to where it is ordinary, grows by 1 for each further step of the same size, and
+counts 3 at most:
+
+- the picture explains it badly: confidence below half the usual;
+- a joint turns faster than it usually does: further than four robust standard deviations of
+  its own turns from frame to frame, and at least 10 degrees;
+- a joint is beyond its range by more than 10 degrees (ranges are soft at their ends);
+- it crosses another leg;
+- its tip is three times as uncertain as usual, where the method tells that.
+
+Frames are chosen as for points (:mod:`pawnb.core.suspects`): the most doubtful first, and it
+calms the doubts about the frames around it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from pawnb.core.pose.animal import StickAnimal
+from pawnb.core.pose.as_tracks import animal_of, poses_of
+from pawnb.core.pose.poses import joint_positions
+from pawnb.core.pose.track_result import PoseTrack
+from pawnb.core.suspects import choose_frames
+from pawnb.schema import ORIGIN_CODE, SUSPECTS_COLUMNS, Tracks
+
+_USUAL_CONFIDENCE = 0.5
+_TURN_SD, _LEAST_TURN_DEG = 4.0, 10.0
+_BEYOND_DEG = 10.0
+_VAGUE = 3.0
+_TELLING = 0.5
+"""A second leg or reason is told where it weighs at least this much of the first."""
+_APART_FRAMES = 12.0
+"""About half a stride of a running spider at 125 frames per second."""
+_LEAST_SCORE = 0.5
+_MOST = 3.0
+_MAD_TO_SD = 1.4826
+
+
+@dataclass(frozen=True)
+class _Doubt:
+    """One kind of evidence: its weight (n, legs), and words with ``{}`` for a number."""
+
+    words: str
+    score: np.ndarray
+    value: np.ndarray
+
+
+def find_pose_suspects(tracks: Tracks) -> pd.DataFrame:
+    """Rank the frames and legs that a person should look at.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks of a jointed animal.
+
+    Returns
+    -------
+    DataFrame
+        frame, view, point (the leg), reason (plain words), score; most doubtful first.
+
+    Raises
+    ------
+    InputError
+        If the tracks are not those of a jointed animal.
+    """
+    animal, track = animal_of(tracks), poses_of(tracks)
+    doubts = [
+        _badly_explained(track),
+        _turns_fast(animal, track),
+        _beyond_range(animal, track),
+        _crosses(animal, track),
+        _vague(animal, track),
+    ]
+    total = np.sum([np.minimum(doubt.score, _MOST) for doubt in doubts], axis=0)
+    total[(track.origin == ORIGIN_CODE["edited"]) | (track.origin == ORIGIN_CODE["missing"])] = 0.0
+    frames, view = track.poses.frames, str(tracks["view"].to_numpy()[0])
+    rows = []
+    for t, score, left in choose_frames(
+        total, frames, apart=_APART_FRAMES, least_score=_LEAST_SCORE
+    ):
+        for leg in np.argsort(-left, kind="stable").tolist():
+            if left[leg] > 0 and left[leg] >= _TELLING * left.max():
+                reason = _in_words(doubts, t, leg)
+                rows.append((int(frames[t]), view, animal.leg_names[leg], reason, round(score, 3)))
+    return pd.DataFrame(rows, columns=list(SUSPECTS_COLUMNS))
+
+
+def _in_words(doubts: list[_Doubt], t: int, leg: int) -> str:
+    """Return the heaviest evidence, and the next where it weighs enough."""
+    ranked = sorted(doubts, key=lambda doubt: -doubt.score[t, leg])
+    heaviest = ranked[0].score[t, leg]
+    return "; ".join(
+        doubt.words.format(float(doubt.value[t, leg]))
+        for doubt in ranked[:2]
+        if doubt.score[t, leg] >= _TELLING * heaviest
+    )
+
+
+def _badly_explained(track: PoseTrack) -> _Doubt:
+    """Doubt legs whose confidence is below half the usual."""
+    usual = max(float(np.median(track.confidence)) if len(track) else 0.0, 1e-6)
+    share = track.confidence / usual
+    score = np.maximum(1.0 - share / _USUAL_CONFIDENCE, 0.0)
+    return _Doubt("the picture hardly shows it (confidence {:.2f})", score, track.confidence)
+
+
+def _turns_fast(animal: StickAnimal, track: PoseTrack) -> _Doubt:
+    """Doubt legs of which a joint turns implausibly fast, in both frames of the turn."""
+    steps = np.diff(track.poses.frames)[:, None]
+    turns = (np.diff(track.poses.angles_deg, axis=0) + 180.0) % 360.0 - 180.0
+    turns = np.abs(np.where(steps == 1, turns, np.nan))
+    known = turns[np.isfinite(turns).all(axis=1)]
+    spread = _MAD_TO_SD * np.median(known, axis=0) if len(known) else np.zeros(turns.shape[1])
+    limit = np.maximum(_TURN_SD * spread, _LEAST_TURN_DEG)
+    fast = np.nan_to_num(np.maximum(turns / limit - 1.0, 0.0))
+    turned = np.nan_to_num(turns)
+    pad = np.zeros((1, turns.shape[1]))
+    both = np.maximum(np.concatenate([fast, pad]), np.concatenate([pad, fast]))[: len(track)]
+    value = np.maximum(np.concatenate([turned, pad]), np.concatenate([pad, turned]))[: len(track)]
+    return _Doubt(
+        "a joint turns by {:.0f} degrees from one frame to the next",
+        _worst_of_leg(animal, both),
+        _worst_of_leg(animal, np.where(both > 0, value, 0.0)),
+    )
+
+
+def _beyond_range(animal: StickAnimal, track: PoseTrack) -> _Doubt:
+    """Doubt legs of which a joint is beyond its mechanical range."""
+    beyond = _degrees_beyond(animal, track.poses.angles_deg)
+    score = np.maximum(beyond / _BEYOND_DEG - 1.0, 0.0)
+    return _Doubt(
+        "a joint is {:.0f} degrees beyond its range",
+        _worst_of_leg(animal, score),
+        _worst_of_leg(animal, beyond),
+    )
+
+
+def _degrees_beyond(animal: StickAnimal, angles_deg: np.ndarray) -> np.ndarray:
+    """Return how far each free joint is beyond its range, degrees; shape (n, n_joints)."""
+    off = np.abs((angles_deg - animal.natural_deg + 180.0) % 360.0 - 180.0)
+    return np.nan_to_num(np.maximum(off - animal.range_deg / 2.0, 0.0))
+
+
+def joints_beyond_range(animal: StickAnimal, angles_deg: np.ndarray) -> dict[str, float]:
+    """Return the joints of one pose that are beyond their range.
+
+    Parameters
+    ----------
+    animal : StickAnimal
+        The animal.
+    angles_deg : ndarray, shape (n_joints,)
+        Free joints, degrees.
+
+    Returns
+    -------
+    dict
+        ``<leg>_<joint>`` to how far beyond it is, degrees.
+    """
+    beyond = _degrees_beyond(animal, angles_deg[None])[0]
+    return {name: float(far) for name, far in zip(animal.joints, beyond, strict=True) if far > 1e-9}
+
+
+def _crosses(animal: StickAnimal, track: PoseTrack) -> _Doubt:
+    """Doubt legs that cross another leg."""
+    places = joint_positions(animal, track.poses)
+    crossed = np.zeros(track.confidence.shape)
+    for a in range(len(animal.legs)):
+        for b in range(a):
+            cross = _chains_cross(places[:, a], places[:, b])
+            crossed[:, a] += cross
+            crossed[:, b] += cross
+    return _Doubt("it crosses another leg", crossed, crossed)
+
+
+def _chains_cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Say in which frames two chains of segments (n, most + 1, 2) cross; NaN never does."""
+    p, q = a[:, :-1, None], a[:, 1:, None]
+    r, s = b[:, None, :-1], b[:, None, 1:]
+
+    def side(o: np.ndarray, d: np.ndarray, x: np.ndarray) -> np.ndarray:
+        u, v = d - o, x - o
+        return np.asarray(u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0])
+
+    cross = (side(p, q, r) * side(p, q, s) < 0) & (side(r, s, p) * side(r, s, q) < 0)
+    return np.asarray(cross.any(axis=(1, 2)))
+
+
+def _vague(animal: StickAnimal, track: PoseTrack) -> _Doubt:
+    """Doubt legs whose tips are far more uncertain than usual."""
+    last = [len(leg.segments) for leg in animal.legs]
+    sd = np.hypot(*np.moveaxis(track.places_sd_px[:, np.arange(len(last)), last], -1, 0))
+    known = sd[np.isfinite(sd)]
+    usual = max(float(np.median(known)) if len(known) else 1.0, 1e-6)
+    score = np.nan_to_num(np.maximum(sd / (_VAGUE * usual) - 1.0, 0.0))
+    return _Doubt("its tip is only known to {:.1f} px", score, np.nan_to_num(sd))
+
+
+def _worst_of_leg(animal: StickAnimal, of_joints: np.ndarray) -> np.ndarray:
+    """Return the greatest value over the free joints of each leg, shape (n, n_legs)."""
+    ends = np.cumsum([sum(leg.free) for leg in animal.legs])[:-1]
+    return np.stack([part.max(axis=1) for part in np.split(of_joints, ends, axis=1)], axis=1)

@@ -1,0 +1,278 @@
+"""A trial of a jointed animal to Tracks: its species, its start pose, and the tracker's run."""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from pawnb.core.pose.animal import StickAnimal
+from pawnb.core.pose.as_tracks import tracks_from_poses
+from pawnb.core.pose.background import Background, find_background
+from pawnb.core.pose.pose_table import pose_names, poses_from_table
+from pawnb.core.pose.poses import Poses
+from pawnb.core.pose.species_file import load_species
+from pawnb.core.pose.track_result import PoseTrack
+from pawnb.core.video import ViewReader, ViewSet, open_views
+from pawnb.errors import InputError, InputWarning
+from pawnb.io.pose import check_pose, read_pose
+from pawnb.schema import Tracks, add_provenance
+from pawnb.trial import Trial, View
+from pawnb.workflow.interrupt import interruptible
+from pawnb.workflow.methods import POSE_METHODS, pose_tracker_settings, run_pose_tracker
+from pawnb.workflow.progress import Progress, progress_bar
+from pawnb.workflow.provenance import build_step, trial_checksums
+from pawnb.workflow.results import describe_trial, write_track_results
+
+
+def track_pose_trial(
+    trial: Trial,
+    *,
+    method: str = POSE_METHODS[0],
+    settings: Mapping[str, Any] | None = None,
+    start: pd.DataFrame | None = None,
+    frames: tuple[int, int] | None = None,
+    out: str | Path | None = None,
+    progress: Progress | None = None,
+    stop: Callable[[], bool] | None = None,
+    command: Sequence[str] | None = None,
+) -> Tracks:
+    """Track the pose of a jointed animal through its recording, both ways from the start.
+
+    Parameters
+    ----------
+    trial : Trial
+        A trial of kind ``pose`` with one view.
+    method : {"pawnb", "paper"}
+        ``"paper"``: segmentation by min-cut and a stick animal, after Pullar 2009.
+    settings : mapping, optional
+        Settings of the tracker; they go before those of ``[tracking]`` in the trial.
+    start : pandas.DataFrame, optional
+        Start pose with the columns of ``start_pose.csv``; default the trial's.
+    frames : tuple of int, optional
+        Half-open range of frames; default the trial's, else all.
+    out, progress, stop, command
+        As for :func:`pawnb.track`.
+
+    Returns
+    -------
+    xarray.Dataset
+        Tracks from the first to the last frame in which the animal was found.
+
+    Raises
+    ------
+    InputError
+        If anything the trial names is missing or does not fit.
+    """
+    chosen = pose_tracker_settings(trial, method=method, settings=settings)
+    view = only_view(trial)
+    animal, poses, table = start_pose(trial, start)
+    with contextlib.ExitStack() as stack:
+        asked = stack.enter_context(interruptible()) if stop is None else stop
+        views = stack.enter_context(open_views(trial))
+        for note in views.notes:
+            warnings.warn(note, InputWarning, stacklevel=3)
+        reader = views.readers[view.name]
+        span = _frame_range(trial, views, poses, frames)
+        check_in_picture(poses, reader)
+        background = trial_background(trial, view, reader, span)
+        bar = contextlib.nullcontext(progress) if progress else progress_bar("tracking")
+        with bar as report:
+            track = run_pose_tracker(
+                method,
+                reader,
+                poses,
+                animal=animal,
+                background=background,
+                settings=chosen,
+                frames=span,
+                progress=report,
+                stop=asked,
+            )
+        track = _known_part(track, trial)
+        if stop is None and asked():
+            _tell_interrupted(track, span)
+        # where the rate varies these are the file's own time stamps
+        times = views.time_s[track.poses.frames]
+    calibration = trial.calibration
+    tracks = tracks_from_poses(
+        animal,
+        track,
+        fps=trial.fps,
+        view=view.name,
+        individual=trial.animal.id,
+        px_per_unit=None if calibration is None else calibration.px_per_unit,
+        unit="px" if calibration is None else calibration.unit,
+    )
+    tracks = describe_trial(tracks.assign_coords(time=times), trial)
+    step = build_step(
+        "track",
+        command=command,
+        # a pose that was handed over stands in the record itself
+        inputs=trial_checksums(trial, start=start is None),
+        settings=dataclasses.asdict(chosen),
+        method=method,
+        frames=list(span),
+        start=[{k: v for k, v in row.items() if v == v} for row in table.to_dict("records")],
+        background=background.source,
+    )
+    tracks = add_provenance(tracks, **step)
+    if out is not None:
+        write_track_results(tracks, out)
+    return tracks
+
+
+def trial_species(trial: Trial) -> StickAnimal:
+    """Return the animal that a trial's species file describes.
+
+    Parameters
+    ----------
+    trial : Trial
+        A trial of kind ``pose``.
+
+    Returns
+    -------
+    StickAnimal
+        The animal, before the start pose says what is its own.
+
+    Raises
+    ------
+    InputError
+        If the trial names no species, or the species file is missing or cannot be.
+    """
+    if trial.animal.species is None:
+        raise InputError(
+            f"trial {trial.name!r}: [animal] species is missing; name a built-in species such as "
+            "dolomedes or spider, or a species file of your own."
+        )
+    return load_species(trial.animal.species, folder=trial.folder)
+
+
+def start_pose(
+    trial: Trial, start: pd.DataFrame | None = None
+) -> tuple[StickAnimal, Poses, pd.DataFrame]:
+    """Return the animal with its own proportions, its poses to start from, and their table.
+
+    Parameters
+    ----------
+    trial : Trial
+        A trial of kind ``pose``.
+    start : pandas.DataFrame, optional
+        Columns of ``start_pose.csv``; default the trial's file.
+
+    Returns
+    -------
+    animal : StickAnimal
+        The animal.
+    poses : Poses
+        One frame or more.
+    table : pandas.DataFrame
+        What they were read from.
+
+    Raises
+    ------
+    InputError
+        If there is no start pose, or it cannot be one.
+    """
+    species = trial_species(trial)
+    names = pose_names(species)
+    if start is not None:
+        table = check_pose(start, names=names, where="start pose")
+    else:
+        file = trial.start_pose_file()
+        if file is None:
+            raise InputError(
+                f"trial {trial.name!r} has no start pose; pose the animal with "
+                "pawnb.widgets.StickPoser, or name a csv under [start] pose."
+            )
+        table = read_pose(trial.path(file), names=names)
+    animal, poses = poses_from_table(table, species)
+    return animal, poses, table
+
+
+def only_view(trial: Trial) -> View:
+    """Return the one view of a trial of kind ``pose``; raises InputError if it has several."""
+    if len(trial.views) != 1:
+        raise InputError(
+            f"trial {trial.name!r} has {len(trial.views)} views; a pose is tracked in one view: "
+            "keep one, or make a trial of each."
+        )
+    return trial.views[0]
+
+
+def trial_background(
+    trial: Trial, view: View, reader: ViewReader, frames: tuple[int, int]
+) -> Background:
+    """Return the empty scene of a view, from what the trial says or the recording shows."""
+    return find_background(reader, view, folder=trial.folder, frames=frames)
+
+
+def check_in_picture(poses: Poses, reader: ViewReader) -> None:
+    """Refuse a start pose whose body is off the picture.
+
+    Parameters
+    ----------
+    poses : Poses
+        Poses to start from.
+    reader : ViewReader
+        The view.
+
+    Raises
+    ------
+    InputError
+        For the first pose that is.
+    """
+    size = np.array([reader.width, reader.height])
+    for frame, (x, y) in zip(poses.frames, poses.xy, strict=True):
+        if not (-0.5 <= x < size[0] - 0.5 and -0.5 <= y < size[1] - 0.5):
+            raise InputError(
+                f"start pose: the body of frame {frame} is at x = {x:g}, y = {y:g}, outside the "
+                f"picture of {size[0]} x {size[1]} px; put it on the animal."
+            )
+
+
+def _frame_range(
+    trial: Trial, views: ViewSet, poses: Poses, frames: tuple[int, int] | None
+) -> tuple[int, int]:
+    """Return the half-open range of frames to track, checked against recording and start."""
+    first, last = frames or trial.frames or (0, views.n_frames)
+    if not 0 <= first < last <= views.n_frames:
+        raise InputError(
+            f"frames {first} to {last - 1} were asked for; the recording has frames 0 to "
+            f"{views.n_frames - 1}: choose a range within."
+        )
+    if not ((poses.frames >= first) & (poses.frames < last)).any():
+        posed = ", ".join(map(str, poses.frames))
+        raise InputError(
+            f"the start pose is of frame {posed}, outside frames {first} to {last - 1}; pose the "
+            "animal in a frame within, or change the range."
+        )
+    return first, last
+
+
+def _known_part(track: PoseTrack, trial: Trial) -> PoseTrack:
+    """Return the track from the first to the last frame in which there is a pose."""
+    known = np.flatnonzero(np.isfinite(track.poses.xy).all(axis=1))
+    if not len(known):
+        raise InputError(
+            f"trial {trial.name!r}: the animal was found in no frame; look at the start pose and "
+            "the background."
+        )
+    return track.take(slice(int(known[0]), int(known[-1]) + 1))
+
+
+def _tell_interrupted(track: PoseTrack, span: tuple[int, int]) -> None:
+    """Warn that a person stopped the run."""
+    frames = track.poses.frames
+    warnings.warn(
+        f"interrupted: frames {frames[0]} to {frames[-1]} of {span[0]} to {span[1] - 1} are "
+        "tracked.",
+        InputWarning,
+        stacklevel=3,
+    )
