@@ -131,9 +131,7 @@ def _begin(
     factor = max(1, int(animal.span * scale / settings.working_span_px))
     frame = reader.frame(int(start.frames[0]))
     light = _animal_light(frame, start, animal, background)
-    evidence = Evidence(
-        background, factor=factor, light=light, spread=settings.unexplained_sd
-    )
+    evidence = Evidence(background, factor=factor, light=light, spread=settings.unexplained_sd)
     vector = pose_vectors(animal, start, factor=factor)[0]
     known = anatomy(animal, vector, foreshortening_sd=settings.foreshortening_sd)
     layout = make_layout(animal, px_per_unit=scale / factor)

@@ -105,8 +105,8 @@ def leg_support(
         steps = max(1, int(piece))
         for i in range(steps):
             t = (i + 0.5) / steps
-            u = int(round(joints[s, 0] + t * du - sight.box[0]))
-            v = int(round(joints[s, 1] + t * dv - sight.box[1]))
+            u = round(joints[s, 0] + t * du - sight.box[0])
+            v = round(joints[s, 1] + t * dv - sight.box[1])
             at = done + t * piece
             if 0 <= u < width and 0 <= v < height:
                 dark = layout.dark[leg, s] + t * (layout.dark[leg, s + 1] - layout.dark[leg, s])
@@ -128,7 +128,9 @@ def leg_support(
 
 
 @compiled
-def unexplained(owner: np.ndarray, sight: Sight, dark: float, reach: float, middle: np.ndarray) -> float:
+def unexplained(
+    owner: np.ndarray, sight: Sight, dark: float, reach: float, middle: np.ndarray
+) -> float:
     """Return the number of dark pixels near the animal that nothing painted covers."""
     total = 0.0
     for v in range(owner.shape[0]):

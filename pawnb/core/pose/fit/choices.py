@@ -10,12 +10,15 @@ import numpy as np
 from pawnb.core.pose.fit.candidate_loops import leg_footprint, paint_base, shared_cost
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.limb_loops import chains_apart, find_limbs
-from pawnb.core.pose.fit.paint_loops import leg_chain
+from pawnb.core.pose.fit.paint_loops import NOTHING, leg_chain
 from pawnb.core.pose.fit.solve_loops import Prior, Sight
 
 SAME_PX = 2.5
 """Poses of a leg nowhere further apart are the same minimum, working px."""
 _BEAM = 24
+_UNDER_BODY = 0.4
+"""What a leg sees under the body, as a share of its darkness: a little less than half, so that no
+leg is laid across the body where it could as well lie beside it."""
 _WORTHLESS = 0.35
 """A candidate that explains less than this share of what the best one does is dropped."""
 
@@ -38,6 +41,8 @@ class Choices:
         Where they put its joints.
     worth : list of ndarray, shape (candidates,)
         Cost of the picture with that leg alone added to the body, less that of the body.
+    unlikely : list of ndarray, shape (candidates,)
+        What anatomy makes each candidate cost.
     shared : dict
         Of pairs of legs, the cost of both together less that of each, (candidates, candidates).
     """
@@ -49,6 +54,7 @@ class Choices:
     legs: list[np.ndarray]
     joints: list[np.ndarray]
     worth: list[np.ndarray]
+    unlikely: list[np.ndarray]
     shared: dict[tuple[int, int], np.ndarray] = field(default_factory=dict)
 
     @property
@@ -70,15 +76,22 @@ def only_choice(
         legs=[pose[numbers][None] for numbers in fitter.numbers],
         joints=[j[None] for j in joints],
         worth=[np.zeros(1) for _ in fitter.numbers],
+        unlikely=[np.zeros(1) for _ in fitter.numbers],
     )
 
 
 def limb_candidates(
     fitter: FrameFitter, pose: np.ndarray, leg: int, sight: Sight, prior: Prior
 ) -> list[np.ndarray]:
-    """Return poses of a leg that the silhouette offers, each fitted."""
+    """Return poses of a leg that the silhouette offers, each fitted.
+
+    Under the body a leg finds neither support nor hindrance.
+    """
+    canvas = fitter.canvas(sight)
+    paint_base(fitter.layout, pose, fitter.blur, sight, canvas[0], canvas[1])
+    outside = np.where(canvas[1] == NOTHING, sight.seen, _UNDER_BODY * fitter.layout.dark[leg, 0])
     numbers, _ = find_limbs(
-        fitter.layout, pose, leg, sight.seen, sight.box, prior, _BEAM,
+        fitter.layout, pose, leg, outside, sight.box, prior, _BEAM,
         fitter.settings.candidates, 2 * SAME_PX,
     )  # fmt: skip
     return [fit_leg(fitter, pose, leg, guess, sight, prior) for guess in numbers]
@@ -156,7 +169,8 @@ def weigh(fitter: FrameFitter, choices: Choices, sight: Sight, prior: Prior) -> 
         anatomy = np.array([_prior_cost(c, prior, numbers) for c in choices.legs[leg]])
         alone = np.array(worth)
         keep = _worth_keeping(alone, fitter.settings.candidates)
-        choices.worth[leg] = (alone + anatomy)[keep]
+        choices.worth[leg] = alone[keep]
+        choices.unlikely[leg] = anatomy[keep]
         choices.legs[leg] = choices.legs[leg][keep]
         choices.joints[leg] = choices.joints[leg][keep]
         prints.append([marks[i] for i in keep])
@@ -182,9 +196,7 @@ def _prior_cost(candidate: np.ndarray, prior: Prior, numbers: np.ndarray) -> flo
     away = candidate - prior.middle[numbers]
     over = np.maximum(candidate - prior.high[numbers], prior.low[numbers] - candidate)
     over = np.maximum(over, 0.0)
-    return float(
-        0.5 * (prior.precision[numbers] * away**2 + prior.wall[numbers] * over**2).sum()
-    )
+    return float(0.5 * (prior.precision[numbers] * away**2 + prior.wall[numbers] * over**2).sum())
 
 
 def _joints(fitter: FrameFitter, pose: np.ndarray, leg: int, numbers: np.ndarray) -> np.ndarray:
@@ -201,14 +213,20 @@ def sides_of(side: np.ndarray) -> list[list[int]]:
     return [[i for i, s in enumerate(side) if s == which] for which in np.unique(side)]
 
 
-def picture_energy(choices: Choices, legs: Sequence[int], share: float) -> np.ndarray:
-    """Return the cost of every combination of one side's candidates, one axis a leg."""
+def side_energy(choices: Choices, legs: Sequence[int], share: float) -> np.ndarray:
+    """Return the cost of every combination of one side's candidates, one axis a leg.
+
+    That of the picture, times ``share`` (neighbouring pixels do not err independently), and that
+    of anatomy.
+    """
     shape = [len(choices.legs[leg]) for leg in legs]
     out = np.zeros(shape)
     for i, leg in enumerate(legs):
-        out += choices.worth[leg].reshape([-1 if k == i else 1 for k in range(len(legs))])
+        alone = share * choices.worth[leg] + choices.unlikely[leg]
+        out += alone.reshape([-1 if k == i else 1 for k in range(len(legs))])
         for j in range(i + 1, len(legs)):
             pair = choices.shared.get((leg, legs[j]))
             if pair is not None:
-                out += pair.reshape([shape[k] if k in (i, j) else 1 for k in range(len(legs))])
-    return share * out
+                shaped = pair.reshape([shape[k] if k in (i, j) else 1 for k in range(len(legs))])
+                out += share * shaped
+    return out

@@ -41,7 +41,7 @@ def smooth_gains(gains: np.ndarray, counts: np.ndarray, spread: float) -> np.nda
     """Return gains averaged over blocks nearby with a Gaussian, each by its count."""
     rows, columns = gains.shape
     out = np.ones((rows, columns))
-    reach = int(math.ceil(3 * spread))
+    reach = math.ceil(3 * spread)
     for i in range(rows):
         for j in range(columns):
             total = weights = 0.0

@@ -137,10 +137,7 @@ class FrameFitter:
         """Return how much of each leg, and of its outer third, is dark, shape (legs, 2)."""
         joints = self.joints(pose)
         return np.array(
-            [
-                leg_support(self.layout, joints[leg], leg, sight, 0.33)
-                for leg in range(len(joints))
-            ]
+            [leg_support(self.layout, joints[leg], leg, sight, 0.33) for leg in range(len(joints))]
         )
 
     def body_support(self, pose: np.ndarray, sight: Sight) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterable
 
 import numpy as np
@@ -14,7 +15,7 @@ from pawnb.core.pose.fit.choices import (
     fit_leg,
     limb_candidates,
     only_choice,
-    picture_energy,
+    side_energy,
     sides_of,
 )
 from pawnb.core.pose.fit.fitter import FrameFitter
@@ -141,7 +142,7 @@ class Follower:
             doubted[:] = True
         joints = choices.joints
         for legs in self.sides:
-            for a, b in zip(legs[:-1], legs[1:], strict=True):
+            for a, b in itertools.pairwise(legs):
                 gap = np.hypot(*(joints[a][0] - joints[b][0]).T)
                 close = np.nanmin(gap[-3:]) < 2 * SAME_PX
                 doubted[[a, b]] |= close
@@ -153,7 +154,7 @@ class Follower:
         share = fitter.settings.evidence_share
         changed = False
         for legs, trellis in zip(self.sides, self.trellises, strict=True):
-            energy = picture_energy(choices, legs, share)
+            energy = side_energy(choices, legs, share)
             state = trellis.push(energy, [choices.joints[leg] for leg in legs])
             for leg, which in zip(legs, state, strict=True):
                 if which:
@@ -169,7 +170,9 @@ class Follower:
         """Remember the pose, and how it moves."""
         fitter = self.fitter
         moved = pose - self.pose
-        far = np.abs(fitter.joints(pose) - fitter.joints(self.pose)).reshape(len(fitter.numbers), -1)
+        far = np.abs(fitter.joints(pose) - fitter.joints(self.pose)).reshape(
+            len(fitter.numbers), -1
+        )
         for leg, numbers in enumerate(fitter.numbers):
             if np.nanmax(far[leg]) > 3 * _LEAP_PX:
                 moved[numbers] = 0.0

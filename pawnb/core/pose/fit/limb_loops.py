@@ -21,7 +21,7 @@ SHORTER = (-0.45, -0.22, 0.0)
 @compiled
 def sample(seen: np.ndarray, u: float, v: float) -> float:
     """Return the darkness at a place between pixels; 0 outside the picture."""
-    left, top = int(math.floor(u)), int(math.floor(v))
+    left, top = math.floor(u), math.floor(v)
     if left < 0 or top < 0 or left + 1 >= seen.shape[1] or top + 1 >= seen.shape[0]:
         return 0.0
     a, b = u - left, v - top

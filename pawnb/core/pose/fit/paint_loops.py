@@ -114,13 +114,13 @@ def paint_leg(
         d0, d1 = layout.dark[leg, s], layout.dark[leg, s + 1]
         reach = max(r0, r1) + blur
         top, bottom = min(v0, v0 + dv) - reach, max(v0, v0 + dv) + reach
-        for v in range(max(0, math.ceil(top)), min(height, int(math.floor(bottom)) + 1)):
+        for v in range(max(0, math.ceil(top)), min(height, math.floor(bottom) + 1)):
             left, right = min(u0, u0 + du) - reach, max(u0, u0 + du) + reach
             if abs(dv) > 1e-3:  # the part of this row within reach of the endless line
                 middle = u0 + (v - v0) * du / dv
                 half = reach * math.sqrt(square) / abs(dv)
                 left, right = max(left, middle - half), min(right, middle + half)
-            for u in range(max(0, math.ceil(left)), min(width, int(math.floor(right)) + 1)):
+            for u in range(max(0, math.ceil(left)), min(width, math.floor(right) + 1)):
                 t = ((u - u0) * du + (v - v0) * dv) / square
                 t = min(max(t, 0.0), 1.0)
                 eu, ev = u - u0 - t * du, v - v0 - t * dv

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pawnb.core.pose.fit.choices import Choices, add_candidates, fit_leg, picture_energy
+from pawnb.core.pose.fit.choices import Choices, add_candidates, fit_leg, side_energy
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.follow import Follower
 from pawnb.core.pose.fit.path import Trellis
@@ -45,7 +45,7 @@ def _paths(follower: Follower) -> list[dict[int, int]]:
     for legs in follower.sides:
         trellis = Trellis(settings.jump_px)
         for choices in follower.kept:
-            energy = picture_energy(choices, legs, settings.evidence_share)
+            energy = side_energy(choices, legs, settings.evidence_share)
             trellis.push(energy, [choices.joints[leg] for leg in legs])
         for t, state in enumerate(trellis.path()):
             out[t].update(zip(legs, state, strict=True))
@@ -92,4 +92,3 @@ def _trace(follower: Follower, leg: int, t: int, numbers: np.ndarray) -> bool:
 def chosen_poses(fitter: FrameFitter, found: list[Choices]) -> np.ndarray:
     """Return the poses of a path, shape (n, n_parameters)."""
     return np.array([c.pose for c in found]).reshape(len(found), fitter.n)
-

@@ -6,23 +6,33 @@ import numpy as np
 
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.fit.blurred import blurred
+from pawnb.core.pose.fit.candidate_loops import paint_base
 from pawnb.core.pose.fit.choices import (
     Choices,
     add_candidates,
     limb_candidates,
     only_choice,
-    picture_energy,
+    side_energy,
     sides_of,
 )
 from pawnb.core.pose.fit.fitter import FrameFitter
-from pawnb.core.pose.fit.layout import N_BODY
+from pawnb.core.pose.fit.layout import N_BODY, Layout
 from pawnb.core.pose.fit.learn import learn_look
+from pawnb.core.pose.fit.paint_loops import NOTHING
 from pawnb.core.pose.fit.priors import about
 from pawnb.core.pose.fit.solve_loops import Prior, Sight
 from pawnb.core.views import Frame
 
 _START_SD_PX, _START_SD_DEG = 6.0, 8.0
+_START_LENGTH_SD = 0.03
+"""Lengths keep to the species file's until thickness and darkness are known: a thin pale end looks
+like background to a thick dark one."""
+_LONGER, _LONGER_SD = 1.3, 0.2
+"""In the start frame links may be this much longer than given, with this spread: the person's
+scale and the species file's proportions need not be this animal's."""
+_LATER_LONGER = 1.05
 _COARSE_BLURS = (8.0, 4.0)
+_DARK_LIMITS = (0.2, 1.0)
 
 
 def partners(animal: StickAnimal) -> np.ndarray:
@@ -37,13 +47,17 @@ def partners(animal: StickAnimal) -> np.ndarray:
     return np.array(out)
 
 
-def start_prior(fitter: FrameFitter, pose: np.ndarray) -> Prior:
-    """Return anatomy and what the person's pose says."""
+def start_prior(fitter: FrameFitter, pose: np.ndarray, *, firm: bool) -> Prior:
+    """Return anatomy and what the person's pose says; of lengths only where ``firm``."""
     sd = np.full(fitter.n, np.inf)
     sd[:2] = _START_SD_PX
     sd[2] = np.radians(_START_SD_DEG)
     sd[fitter.angles] = np.radians(_START_SD_DEG)
-    return about(fitter.anatomy, pose, sd)
+    known = about(fitter.anatomy, pose, sd)
+    high, precision = known.high.copy(), known.precision.copy()
+    high[fitter.lengths] = np.log(_LONGER)
+    precision[fitter.lengths] = 1.0 / (_START_LENGTH_SD if firm else _LONGER_SD) ** 2
+    return known._replace(high=high, precision=precision)
 
 
 def fit_start(
@@ -69,12 +83,14 @@ def fit_start(
     support : float
         How dark the body's place is relative to what is expected, 0 to 1.
     """
-    prior = start_prior(fitter, pose)
+    given = pose
+    fitter.layout = _first_darkness(fitter, frame, pose)
     first = fitter.layout
     partner = partners(fitter.animal)
     settings = fitter.settings
-    pose = _fit_body(fitter, frame, pose, prior)
+    pose = _fit_body(fitter, frame, pose, start_prior(fitter, given, firm=True))
     for turn in range(rounds):
+        prior = start_prior(fitter, given, firm=turn < rounds - 1)
         sight, image, box = fitter.look(frame, pose)
         for blur in _COARSE_BLURS if turn == 0 else _COARSE_BLURS[1:]:
             soft = blurred(sight, blur)
@@ -88,12 +104,30 @@ def fit_start(
         )  # fmt: skip
     sight, _, _ = fitter.look(frame, pose)
     pose, _ = fitter.fit(pose, sight, prior, rounds=20)
+    high = fitter.anatomy.high.copy()
+    longest = pose[fitter.lengths] + np.log(_LATER_LONGER)
+    high[fitter.lengths] = np.maximum(high[fitter.lengths], longest)
+    fitter.anatomy = fitter.anatomy._replace(high=high)
     return pose, fitter.body_support(pose, sight)
 
 
-def _fit_body(
-    fitter: FrameFitter, frame: Frame, pose: np.ndarray, prior: Prior
-) -> np.ndarray:
+def _first_darkness(fitter: FrameFitter, frame: Frame, pose: np.ndarray) -> Layout:
+    """Return the layout as dark as the place that the person gave the body."""
+    sight, _, _ = fitter.look(frame, pose)
+    canvas = fitter.canvas(sight)
+    paint_base(fitter.layout, pose, fitter.blur, sight, canvas[0], canvas[1])
+    inside = sight.seen[canvas[1] != NOTHING]
+    if not inside.size:
+        return fitter.layout
+    dark = float(np.clip(np.percentile(inside, 70), *_DARK_LIMITS))
+    layout = fitter.layout
+    factor = dark / float(layout.dark.max())
+    ellipse = layout.ellipse.copy()
+    ellipse[:, 4] *= factor
+    return layout._replace(dark=layout.dark * factor, ellipse=ellipse)
+
+
+def _fit_body(fitter: FrameFitter, frame: Frame, pose: np.ndarray, prior: Prior) -> np.ndarray:
     """Return the pose with its body moved onto the picture, coarse to fine."""
     shown = np.zeros(len(fitter.animal.legs) + 1, bool)
     shown[-1] = True
@@ -113,15 +147,14 @@ def _choose(
     """Return the pose with each leg at the best of the places that the silhouette offers."""
     choices: Choices = only_choice(fitter, frame, pose, *crop)
     extra = {
-        leg: limb_candidates(fitter, pose, leg, sight, prior)
-        for leg in range(len(fitter.numbers))
+        leg: limb_candidates(fitter, pose, leg, sight, prior) for leg in range(len(fitter.numbers))
     }
     add_candidates(fitter, choices, extra, sight, prior)
     if not choices.is_open:
         return pose
     best = pose.copy()
     for legs in sides_of(fitter.layout.side):
-        energy = picture_energy(choices, legs, 1.0)
+        energy = side_energy(choices, legs, fitter.settings.evidence_share)
         state = np.unravel_index(int(np.argmin(energy)), energy.shape)
         for leg, which in zip(legs, state, strict=True):
             best[fitter.numbers[leg]] = choices.legs[leg][which]
