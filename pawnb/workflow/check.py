@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -11,47 +10,14 @@ from pawnb.core.video import ViewSet, open_views
 from pawnb.errors import InputError, PawnbError
 from pawnb.io.start import check_start, read_start
 from pawnb.trial import Trial, load_trial
+from pawnb.workflow.check_pose import check_pose_trial
+from pawnb.workflow.check_report import CheckReport
 from pawnb.workflow.foreign_tracks import read_belt
-from pawnb.workflow.methods import tracker_settings
+from pawnb.workflow.methods import pose_tracker_settings, tracker_settings
 from pawnb.workflow.results import results_folder
 from pawnb.workflow.trial_views import trial_rig
 
 MAX_CLICK_RESIDUAL_PX = 10.0
-
-
-@dataclass
-class CheckReport:
-    """What :func:`check_trial` found, in words.
-
-    Parameters
-    ----------
-    trial : str
-        Name of the trial.
-    found : list of str
-        What is there.
-    doubts : list of str
-        What looks wrong but does not stop the work.
-    faults : list of str
-        What must be mended first.
-    """
-
-    trial: str
-    found: list[str] = field(default_factory=list)
-    doubts: list[str] = field(default_factory=list)
-    faults: list[str] = field(default_factory=list)
-
-    def text(self) -> str:
-        """Return the report, one finding a line."""
-        lines = [f"trial {self.trial}"]
-        for mark, findings in (("ok", self.found), ("look", self.doubts), ("MEND", self.faults)):
-            lines += [f"  {mark:4}  {finding}" for finding in findings]
-        return "\n".join(lines)
-
-    def verdict(self) -> str:
-        """Return the faults as one sentence."""
-        return f"trial {self.trial!r} cannot be worked on yet: " + "; ".join(
-            fault.rstrip(".") for fault in self.faults
-        )
 
 
 def check_trial(trial: Trial | str | Path) -> CheckReport:
@@ -124,7 +90,7 @@ def _check_tracks_file(trial: Trial, report: CheckReport) -> None:
 def _check_views(trial: Trial, report: CheckReport) -> None:
     """Open the views, read their first and last frame, and check what depends on them."""
     try:
-        tracker_settings(trial)
+        (pose_tracker_settings if trial.kind == "pose" else tracker_settings)(trial)
     except PawnbError as error:
         report.faults.append(str(error))
     try:
@@ -146,7 +112,10 @@ def _check_views(trial: Trial, report: CheckReport) -> None:
                 views.frame(frame)
             except PawnbError as error:
                 report.faults.append(str(error))
-        _check_calibration(trial, views, report)
+        if trial.kind == "pose":
+            check_pose_trial(trial, views, report)
+        else:
+            _check_calibration(trial, views, report)
 
 
 def _check_calibration(trial: Trial, views: ViewSet, report: CheckReport) -> None:

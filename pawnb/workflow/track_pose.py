@@ -81,7 +81,7 @@ def track_pose_trial(
         reader = views.readers[view.name]
         span = _frame_range(trial, views, poses, frames)
         check_in_picture(poses, reader)
-        background = trial_background(trial, view, reader, span)
+        background = trial_background(trial, view, reader)
         bar = contextlib.nullcontext(progress) if progress else progress_bar("tracking")
         with bar as report:
             track = run_pose_tracker(
@@ -206,11 +206,9 @@ def only_view(trial: Trial) -> View:
     return trial.views[0]
 
 
-def trial_background(
-    trial: Trial, view: View, reader: ViewReader, frames: tuple[int, int]
-) -> Background:
+def trial_background(trial: Trial, view: View, reader: ViewReader) -> Background:
     """Return the empty scene of a view, from what the trial says or the recording shows."""
-    return find_background(reader, view, folder=trial.folder, frames=frames)
+    return find_background(reader, view, folder=trial.folder)
 
 
 def check_in_picture(poses: Poses, reader: ViewReader) -> None:
