@@ -11,14 +11,26 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from pawnb.synthetic.mouse_trial import render_mouse_trial
     from pawnb.synthetic.scene import SceneSettings, scene_settings
+    from pawnb.synthetic.spider_scene import SpiderScene, spider_scene
+    from pawnb.synthetic.spider_trial import render_spider_trial
 
 _HOME = {
     "SceneSettings": "pawnb.synthetic.scene",
+    "SpiderScene": "pawnb.synthetic.spider_scene",
     "render_mouse_trial": "pawnb.synthetic.mouse_trial",
+    "render_spider_trial": "pawnb.synthetic.spider_trial",
     "scene_settings": "pawnb.synthetic.scene",
+    "spider_scene": "pawnb.synthetic.spider_scene",
 }
 
-__all__ = ["SceneSettings", "render_mouse_trial", "scene_settings"]
+__all__ = [
+    "SceneSettings",
+    "SpiderScene",
+    "render_mouse_trial",
+    "render_spider_trial",
+    "scene_settings",
+    "spider_scene",
+]
 
 
 def __getattr__(name: str) -> Any:
