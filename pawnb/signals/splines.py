@@ -1,0 +1,157 @@
+"""Smoothing splines, the alternative to the Butterworth filter, with their derivatives."""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+
+import numpy as np
+from scipy.interpolate import make_smoothing_spline
+
+from pawnb.errors import InputError
+from pawnb.signals.butterworth import filter_reach
+from pawnb.signals.gcv import effective_parameters, find_lowest, gcv_score
+from pawnb.signals.runs import each_column, each_run, fill_gaps, find_runs
+
+LEAST_SAMPLES = 5
+"""Shortest run through which a smoothing spline can be laid."""
+
+
+def smooth_spline(
+    x: np.ndarray,
+    *,
+    fs_hz: float,
+    cutoff_hz: float | None = None,
+    derivative: int = 0,
+    max_gap: int = 0,
+) -> np.ndarray:
+    """Smooth with a cubic smoothing spline, or take its first or second derivative.
+
+    The spline f minimises ``sum (x_i - f(i))^2 + lambda * integral of f''^2``. Far from the
+    ends such a spline passes ``1 / (1 + (2 pi f)^4 lambda)`` of the amplitude at the
+    frequency f (in cycles per sample), the very response of the fourth-order zero-lag
+    Butterworth filter, so both can be given the same cut-off:
+    ``lambda = (sqrt(2) - 1) / (2 pi cutoff_hz / fs_hz)^4``. They differ at the ends of runs,
+    where the second derivative of the spline is 0, and in how derivatives are taken: those
+    of the spline are exact. The fit is scipy's ``make_smoothing_spline``, run by run.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n, ...)
+        Signals; NaN where missing.
+    fs_hz : float
+        Sampling rate, in Hz.
+    cutoff_hz : float, optional
+        Frequency at which half the power is left, in Hz. Default: chosen for each signal by
+        generalised cross-validation; see :func:`spline_cutoff`.
+    derivative : {0, 1, 2}
+        0 for the smoothed signal, 1 for its derivative per second, 2 per second squared.
+    max_gap : int
+        Gaps up to this many samples are interpolated first; see :func:`fill_gaps`.
+
+    Returns
+    -------
+    ndarray, shape (n, ...)
+        The spline or its derivative at the samples; NaN in gaps that were not filled and in
+        runs of fewer than five samples, which are too short for a spline.
+
+    Raises
+    ------
+    InputError
+        If the cut-off is not between 0 and half the sampling rate, the derivative is not 0,
+        1 or 2, or no cut-off is given and a signal has too few samples to choose one.
+    """
+    if derivative not in (0, 1, 2):
+        raise InputError(f"derivative is {derivative}; expected 0, 1 or 2.")
+    _check(fs_hz, cutoff_hz)
+
+    def smooth(column: np.ndarray) -> np.ndarray:
+        if not np.isfinite(column).any():
+            return column
+        cutoff = spline_cutoff(column, fs_hz=fs_hz) if cutoff_hz is None else cutoff_hz
+        weight = _weight(cutoff / fs_hz)
+
+        def fit(run: np.ndarray) -> np.ndarray:
+            if len(run) < LEAST_SAMPLES:
+                return np.full(len(run), np.nan)
+            at = np.arange(len(run), dtype=float)
+            curve = make_smoothing_spline(at, run, lam=weight)
+            return curve.derivative(derivative)(at) * fs_hz**derivative
+
+        return each_run(column, fit)
+
+    return each_column(fill_gaps(x, max_gap=max_gap), smooth)
+
+
+def spline_cutoff(x: np.ndarray, *, fs_hz: float) -> float:
+    """Choose the cut-off of a smoothing spline by generalised cross-validation.
+
+    The score is that of :func:`gcv_score` (Craven & Wahba 1979; Woltring 1986), searched
+    from a hundredth of half the sampling rate up to nine tenths of it. (Left to itself,
+    ``make_smoothing_spline`` searches lambda on a linear scale up to the number of samples,
+    which misses the minimum for smooth signals.)
+
+    Parameters
+    ----------
+    x : ndarray, shape (n,)
+        A signal; NaN where missing.
+    fs_hz : float
+        Sampling rate, in Hz.
+
+    Returns
+    -------
+    float
+        The cut-off, in Hz.
+
+    Raises
+    ------
+    InputError
+        If the sampling rate is not above 0 or no run has five samples.
+    """
+    _check(fs_hz, None)
+    x = np.asarray(x, dtype=float)
+    if not any(stop - start >= LEAST_SAMPLES for start, stop in find_runs(np.isfinite(x))):
+        raise InputError(
+            f"smoothing spline: no {LEAST_SAMPLES} samples in a row; expected at least one "
+            "such run: fill the gaps (max_gap) or leave this signal out."
+        )
+
+    def score(cutoff_hz: float) -> float:
+        share = cutoff_hz / fs_hz
+        return gcv_score(
+            x,
+            smooth=lambda run: _fit(run, share),
+            trace=lambda n: _spent(n, share),
+            least=LEAST_SAMPLES,
+        )
+
+    return find_lowest(score, fs_hz / 200.0, 0.45 * fs_hz)
+
+
+def _weight(share: float) -> float:
+    """Return lambda for a cut-off given as a share of the sampling rate."""
+    return (math.sqrt(2.0) - 1.0) / (2.0 * math.pi * share) ** 4
+
+
+def _fit(run: np.ndarray, share: float) -> np.ndarray:
+    """Return the spline of one run, or of several side by side, at the samples."""
+    at = np.arange(len(run), dtype=float)
+    return make_smoothing_spline(at, run, lam=_weight(share))(at)
+
+
+@lru_cache(maxsize=4096)
+def _spent(n: int, share: float) -> float:
+    """Return the parameters spent on a run; the same for every signal of that length."""
+    reach = filter_reach(share, fs_hz=1.0)
+    return effective_parameters(lambda pulses: _fit(pulses, share), n, reach=reach)
+
+
+def _check(fs_hz: float, cutoff_hz: float | None) -> None:
+    """Refuse rates and cut-offs that cannot be."""
+    if not fs_hz > 0:
+        raise InputError(f"fs_hz is {fs_hz}; expected a sampling rate above 0 Hz.")
+    if cutoff_hz is not None and not 0.0 < cutoff_hz < fs_hz / 2.0:
+        raise InputError(
+            f"cutoff_hz is {cutoff_hz:g}; expected above 0 and below {fs_hz / 2.0:g} Hz at a "
+            f"sampling rate of {fs_hz:g} Hz."
+        )
