@@ -87,10 +87,13 @@ def plot_animal_presence(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes
         if ax is None:
             _, ax = plt.subplots(figsize=size_mm(COLUMN_MM, 55.0))
         frames, there = table["frame"].to_numpy(), table["has_animal"].to_numpy(dtype=bool)
-        ax.fill_between(
-            frames, 0, 1, where=there, step="mid", transform=ax.get_xaxis_transform(),
-            color=OKABE_ITO["sky blue"], alpha=0.3, linewidth=0, label="with the animal",
-        )  # fmt: skip
+        starts = np.flatnonzero(there & ~np.r_[False, there[:-1]])
+        ends = np.flatnonzero(there & ~np.r_[there[1:], False])
+        for i, (start, end) in enumerate(zip(frames[starts], frames[ends], strict=True)):
+            ax.axvspan(
+                start - 0.5, end + 0.5, color=OKABE_ITO["sky blue"], alpha=0.3, linewidth=0,
+                label="_" * (i > 0) + "with the animal",
+            )  # fmt: skip
         ax.plot(frames, table["difference"], color="black", label="sum of differences")
         ax.axhline(
             table["threshold"].iloc[0], color=OKABE_ITO["vermillion"], linestyle="--",
@@ -98,7 +101,7 @@ def plot_animal_presence(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes
         )  # fmt: skip
         ax.set_xlabel("Frame")
         ax.set_ylabel("Sum of differences (grey values)")
-        ax.set_xlim(frames[0], max(frames[-1], frames[0] + 1))
+        ax.set_xlim(frames[0] - 0.5, frames[-1] + 0.5)
         ax.set_ylim(bottom=0)
         ax.legend(frameon=False)
     return ax

@@ -26,9 +26,8 @@ def test_drawn_lines_are_the_table():
     curve, limit = ax.lines
     np.testing.assert_array_equal(curve.get_ydata(), [0, 5, 4, 90, 80, 6])
     assert set(limit.get_ydata()) == {9.5}
-    (shade,) = ax.collections
-    spanned = shade.get_paths()[0].vertices[:, 0]
-    assert (spanned.min(), spanned.max()) == (12.5, 14.5)
+    (shade,) = ax.patches
+    assert (shade.get_x(), shade.get_x() + shade.get_width()) == (12.5, 14.5)
     plt.close(ax.figure)
 
 
