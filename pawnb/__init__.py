@@ -18,6 +18,7 @@ _HOME = {
     "PawnbError": "pawnb.errors",
     "Trial": "pawnb.trial",
     "View": "pawnb.trial",
+    "batch": "pawnb.workflow.batch",
     "check_trial": "pawnb.workflow.check",
     "count_errors": "pawnb.workflow.evaluation",
     "load_trial": "pawnb.trial",

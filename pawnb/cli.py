@@ -1,4 +1,4 @@
-"""The commands: ``pawnb demo``, ``check``, ``track``, ``gait``, ``compare``, ``convert``, ``lab``.
+"""The commands of ``pawnb``, from ``demo`` and ``check`` to ``lab``.
 
 Exit status 0 on success, 2 on bad input with one sentence on standard error.
 """
@@ -75,6 +75,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_demo(commands)
     _add_check(commands)
     _add_track(commands)
+    _add_batch(commands)
     _add_gait(commands)
     _add_compare(commands)
     _add_convert(commands)
@@ -117,6 +118,23 @@ def _add_track(commands: Any) -> None:
         "--set", action="append", default=[], metavar="NAME=VALUE", help="a setting of the tracker"
     )
     command.set_defaults(run=_track)
+
+
+def _add_batch(commands: Any) -> None:
+    text = "track many trials, one process each; run again, it goes on where it stopped"
+    command = commands.add_parser("batch", help=text, description=text)
+    command.add_argument(
+        "trials", nargs="+", metavar="TRIAL", help="trials, or folders that hold folders of trials"
+    )
+    command.add_argument("--workers", type=int, default=1, help="trials at once (default: 1)")
+    command.add_argument(
+        "--out", help="folder for a folder of results each (default: results beside each trial)"
+    )
+    command.add_argument("--method", help="as for pawnb track")
+    command.add_argument(
+        "--set", action="append", default=[], metavar="NAME=VALUE", help="a setting of the tracker"
+    )
+    command.set_defaults(run=_batch)
 
 
 def _add_gait(commands: Any) -> None:
@@ -229,6 +247,26 @@ def _track(options: argparse.Namespace, argv: list[str]) -> None:
         print(f"tracked {tracks.sizes['time']} frames and wrote {out}; run it again to go on")
         raise KeyboardInterrupt
     print(f"tracked {tracks.sizes['time']} frames; wrote {out}; next: pawnb gait {out}")
+
+
+def _batch(options: argparse.Namespace, argv: list[str]) -> None:
+    from pawnb.workflow.batch import batch
+
+    done = batch(
+        options.trials,
+        method=options.method,
+        settings=_settings(options.set),
+        out=options.out,
+        workers=options.workers,
+        report=lambda line: print(line, flush=True),
+        command=argv,
+    )
+    print(done.text())
+    if (done.table["status"] == "stopped").any():
+        print("run it again to go on")
+        raise KeyboardInterrupt
+    if len(done.failed):
+        raise InputError(done.verdict())
 
 
 def _gait(options: argparse.Namespace, argv: list[str]) -> None:

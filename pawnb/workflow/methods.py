@@ -95,6 +95,34 @@ def pose_tracker_settings(
     return _settings_in_force(_POSE_SETTINGS, trial, method, settings)
 
 
+def settings_in_force(
+    trial: Trial, *, method: str, settings: Mapping[str, Any] | None = None
+) -> dict[str, Any]:
+    """Return every setting in force for a trial of any kind, as plain values.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    method : str
+        A method for its kind.
+    settings : mapping, optional
+        Settings that go first.
+
+    Returns
+    -------
+    dict
+        Names to values.
+
+    Raises
+    ------
+    InputError
+        As :func:`tracker_settings`.
+    """
+    make = pose_tracker_settings if trial.kind == "pose" else tracker_settings
+    return dataclasses.asdict(make(trial, method=method, settings=settings))
+
+
 def _settings_in_force(
     kinds: Mapping[str, type[SettingsT]],
     trial: Trial,

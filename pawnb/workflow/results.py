@@ -24,6 +24,13 @@ from pawnb.workflow.provenance import write_provenance
 
 RESULTS_FOLDER = "results"
 
+RESULT_FILES = {
+    "paws": ("tracks.nc", "tracks.csv", "suspects.csv", "provenance.json"),
+    "pose": ("tracks.nc", "tracks.csv", "pose.csv", "suspects.csv", "provenance.json"),
+    "tracks": (),
+}
+"""What tracking a trial of each kind always writes; ``provenance.json`` last."""
+
 
 def describe_trial(tracks: Tracks, trial: Trial) -> Tracks:
     """Return Tracks that carry what gait needs to know of their trial.

@@ -140,6 +140,7 @@ def track(
         settings=dataclasses.asdict(chosen),
         method=method,
         frames=[first, last],
+        complete=tracks.sizes["time"] == last - first,
         start=clicks.to_dict(orient="records"),
     )
     tracks = add_provenance(tracks, **step)

@@ -95,8 +95,9 @@ def track_pose_trial(
                 progress=report,
                 stop=asked,
             )
+        complete = not asked()
         track = _known_part(track, trial)
-        if stop is None and asked():
+        if stop is None and not complete:
             _tell_interrupted(track, span)
         # where the rate varies these are the file's own time stamps
         times = views.time_s[track.poses.frames]
@@ -119,6 +120,7 @@ def track_pose_trial(
         settings=dataclasses.asdict(chosen),
         method=method,
         frames=list(span),
+        complete=complete,
         start=[{k: v for k, v in row.items() if v == v} for row in table.to_dict("records")],
         background=background.source,
     )

@@ -1,0 +1,314 @@
+"""Many trials, one process each, begun again where it stopped.
+
+A trial whose results are whole, and were made from the same files with the same method and
+settings, is skipped. What fails is collected and does not stop the others. Each trial is tracked
+by :mod:`pawnb.workflow.batch_worker` in a process of its own, so that one that crashes or fills
+the memory takes no other with it.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import tempfile
+import time
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, Any
+
+import pandas as pd
+
+from pawnb.errors import InputError, PawnbError
+from pawnb.io.native import read_tracks
+from pawnb.trial import Trial, load_trial
+from pawnb.workflow.interrupt import interruptible
+from pawnb.workflow.methods import METHODS, settings_in_force
+from pawnb.workflow.provenance import trial_checksums
+from pawnb.workflow.results import RESULT_FILES, provenance_steps, results_folder
+
+_WAIT_S = 0.05
+
+
+@dataclass(frozen=True)
+class BatchReport:
+    """What became of every trial.
+
+    Parameters
+    ----------
+    table : DataFrame
+        trial (its path), out (folder of its results), status (``tracked``, ``skipped``,
+        ``failed``, ``stopped``) and said (one sentence), in the order given.
+    """
+
+    table: pd.DataFrame
+
+    @property
+    def failed(self) -> pd.DataFrame:
+        """The rows of trials that failed."""
+        return self.table[self.table["status"] == "failed"]
+
+    def verdict(self) -> str:
+        """Return the failures, a sentence each."""
+        lines = [f"{row.trial}: {row.said}" for row in self.failed.itertuples()]
+        return f"{len(lines)} of {len(self.table)} trials failed:\n  " + "\n  ".join(lines)
+
+    def text(self) -> str:
+        """Return how many were tracked, skipped, failed and stopped."""
+        counts = self.table["status"].value_counts()
+        return ", ".join(
+            f"{counts[status]} {status}"
+            for status in ("tracked", "skipped", "failed", "stopped")
+            if status in counts
+        )
+
+
+@dataclass
+class _Job:
+    """One trial on its way."""
+
+    path: Path
+    number: int
+    out: str | None = None
+    status: str = "stopped"
+    said: str = "not begun"
+    process: subprocess.Popen[str] | None = None
+    errors: IO[str] | None = None
+
+
+def batch(
+    trials: Sequence[str | Path],
+    *,
+    method: str | None = None,
+    settings: Mapping[str, Any] | None = None,
+    out: str | Path | None = None,
+    workers: int = 1,
+    report: Callable[[str], None] | None = None,
+    command: Sequence[str] | None = None,
+) -> BatchReport:
+    """Track many trials of any kind, each in a process of its own.
+
+    Parameters
+    ----------
+    trials : sequence of str or Path
+        ``trial.toml`` files, folders that hold one, or folders of such folders.
+    method : str, optional
+        Method of the tracker; default that of each kind of trial.
+    settings : mapping, optional
+        Settings of the tracker, as for :func:`pawnb.track`.
+    out : str or Path, optional
+        Folder for a folder of results for each trial, by its name; default ``results`` beside
+        each trial.
+    workers : int
+        How many trials at once.
+    report : callable, optional
+        Told a line about each trial as it ends.
+    command : sequence of str, optional
+        The command line, for the provenance.
+
+    Returns
+    -------
+    BatchReport
+        What became of each. An interrupt (Ctrl-C) stops the trials under way, which keep what
+        is done, and leaves the others; run it again to go on.
+
+    Raises
+    ------
+    InputError
+        If there is no trial, ``workers`` is below 1, or two trials would share their results.
+    """
+    if workers < 1:
+        raise InputError(f"workers is {workers}; expected 1 or more.")
+    jobs = [_Job(path, number) for number, path in enumerate(find_trials(trials), start=1)]
+    tell = report if report is not None else lambda _line: None
+    folders: dict[Path, Path] = {}
+    waiting, running = deque(jobs), list[_Job]()
+    asked = {"method": method, "settings": dict(settings or {}), "command": list(command or ())}
+    with interruptible() as stopped:
+        while (waiting and not stopped()) or running:
+            while waiting and len(running) < workers and not stopped():
+                job = waiting.popleft()
+                if _begin(job, asked, out, folders):
+                    running.append(job)
+                else:
+                    tell(_line(job, len(jobs)))
+            if stopped():
+                for job in running:
+                    _ask_to_stop(job)
+            for job in [job for job in running if _ended(job)]:
+                running.remove(job)
+                tell(_line(job, len(jobs)))
+            time.sleep(_WAIT_S if running else 0.0)
+    rows = [(str(job.path), job.out or "", job.status, job.said) for job in jobs]
+    return BatchReport(pd.DataFrame(rows, columns=["trial", "out", "status", "said"]))
+
+
+def find_trials(trials: Sequence[str | Path]) -> list[Path]:
+    """Return the folders or files of trials; a folder without one stands for those in it.
+
+    Parameters
+    ----------
+    trials : sequence of str or Path
+        As for :func:`batch`.
+
+    Returns
+    -------
+    list of Path
+        Each once, in the order given.
+
+    Raises
+    ------
+    InputError
+        If a folder holds no trial, or nothing is named.
+    """
+    found: dict[Path, Path] = {}
+
+    def each() -> Iterator[Path]:
+        for path in map(Path, trials):
+            inner = sorted(path.glob("*/trial.toml")) if path.is_dir() else []
+            if inner and not (path / "trial.toml").exists():
+                yield from (toml.parent for toml in inner)
+            else:
+                yield path
+
+    for path in each():
+        toml = path / "trial.toml" if path.is_dir() else path
+        found.setdefault(toml.resolve(), path)
+    if not found:
+        raise InputError("no trials; name trial.toml files or the folders that hold them.")
+    return list(found.values())
+
+
+def is_tracked(
+    trial: Trial, out: str | Path, *, method: str, settings: Mapping[str, Any] | None = None
+) -> bool:
+    """Say whether a trial's results are whole and just what tracking it would make anew.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    out : str or Path
+        Folder of its results.
+    method : str
+        Method of the tracker.
+    settings : mapping, optional
+        Settings that go before those of the trial.
+
+    Returns
+    -------
+    bool
+        True where every file is there and the provenance names the same method, settings and
+        checksums of every input. Corrections made since do not count against it.
+
+    Raises
+    ------
+    InputError
+        If the trial, or a setting, cannot be used.
+    """
+    chosen = settings_in_force(trial, method=method, settings=settings)
+    step = _tracked_before(Path(out), trial.kind)
+    if step is None or not step.get("complete") or step["method"] != method:
+        return False
+    # as they come back from JSON
+    same = step["settings"] == json.loads(json.dumps(chosen))
+    frames = trial.frames is None or list(trial.frames) == step["frames"]
+    return same and frames and step["inputs"] == trial_checksums(trial)
+
+
+def _tracked_before(out: Path, kind: str) -> dict[str, Any] | None:
+    """Return the record of the last tracking in whole results, or None."""
+    if not all((out / name).exists() for name in RESULT_FILES[kind]):
+        return None
+    with suppress(PawnbError):
+        steps = provenance_steps(read_tracks(out / "tracks.nc"))
+        made = [step for step in steps if step["step"] == "track"]
+        return made[-1] if made else None
+    return None
+
+
+def _begin(
+    job: _Job, asked: Mapping[str, Any], out: str | Path | None, folders: dict[Path, Path]
+) -> bool:
+    """Start the process of a job, or say why not: False where there is nothing to wait for."""
+    try:
+        trial = load_trial(job.path)
+        method = asked["method"] or METHODS[0]
+        folder = results_folder(trial, None if out is None else Path(out) / trial.name)
+        job.out = str(folder)
+        first = folders.setdefault(folder.resolve(), job.path)
+        if first != job.path:
+            raise InputError(f"its results would overwrite those of {first}; rename one of them.")
+        if is_tracked(trial, folder, method=method, settings=asked["settings"]):
+            job.status, job.said = "skipped", f"tracked already, {folder}"
+            return False
+        if (folder / "edits.jsonl").exists():
+            raise InputError(
+                f"{folder} holds corrections made by hand to tracks of other files or settings; "
+                "choose another folder with --out, or move them."
+            )
+    except PawnbError as error:
+        job.status, job.said = "failed", str(error)
+        return False
+    _start(job, {**asked, "trial": str(job.path), "method": method, "out": job.out})
+    return True
+
+
+def _start(job: _Job, order: Mapping[str, Any]) -> None:
+    """Start the process of a job and give it its order."""
+    job.errors = tempfile.TemporaryFile("w+")  # noqa: SIM115 (closed when the process has ended)
+    job.process = subprocess.Popen(
+        [sys.executable, "-m", "pawnb.workflow.batch_worker"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=job.errors,
+        text=True,
+        # an interrupt from the terminal is for this process, which asks the others to stop
+        start_new_session=True,
+    )
+    if job.process.stdin is not None:
+        with suppress(BrokenPipeError):
+            job.process.stdin.write(json.dumps(order) + "\n")
+            job.process.stdin.flush()
+
+
+def _ask_to_stop(job: _Job) -> None:
+    """Close the standard input of a worker: it keeps what is done and ends."""
+    if job.process is not None and job.process.stdin is not None:
+        with suppress(BrokenPipeError):
+            job.process.stdin.close()
+
+
+def _ended(job: _Job) -> bool:
+    """Say whether a worker has ended; then note what it said."""
+    process = job.process
+    if process is None or process.poll() is None:
+        return False
+    said, errors = _read_out(process.stdout), _read_out(job.errors, rewind=True)
+    _ask_to_stop(job)
+    try:
+        answer = json.loads(said[-1])
+        job.status, job.said = answer["status"], answer["said"]
+    except (IndexError, json.JSONDecodeError):
+        last = errors[-1] if errors else "nothing was said"
+        job.status = "failed"
+        job.said = f"its process ended with status {process.returncode}: {last}"
+    return True
+
+
+def _read_out(stream: IO[str] | None, *, rewind: bool = False) -> list[str]:
+    """Return the lines of a stream, and close it."""
+    if stream is None:
+        return []
+    with stream:
+        if rewind:
+            stream.seek(0)
+        return stream.read().strip().splitlines()
+
+
+def _line(job: _Job, total: int) -> str:
+    """Return one line about a trial that ended."""
+    return f"{job.number}/{total} {job.path}: {job.status}: {job.said}"
