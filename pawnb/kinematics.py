@@ -185,6 +185,34 @@ def is_travelling(positions: np.ndarray, path: np.ndarray) -> bool:
     return bool(np.linalg.norm(gone) > TRAVEL_FACTOR * excursion)
 
 
+def is_wandering(body: np.ndarray) -> bool:
+    """Say whether an animal roams, so that only its body tells where its front is.
+
+    Parameters
+    ----------
+    body : ndarray, shape (n, d, m)
+        Points along the body, rear to front; NaN where missing.
+
+    Returns
+    -------
+    bool
+        True if its middle covers more than twice its length and its heading turns by more
+        than 45 degrees from its mean (in a tenth of the samples or more).
+    """
+    known = np.isfinite(body).all(axis=(1, 2))
+    if known.sum() < 2:
+        return False
+    seen = body[known]
+    heading = seen[:, :, -1] - seen[:, :, 0]
+    length = np.linalg.norm(heading, axis=1)
+    covered = np.linalg.norm(np.ptp(seen.mean(axis=2), axis=0))
+    unit = heading / np.where(length > 0, length, np.nan)[:, None]
+    mean = np.nanmean(unit, axis=0)
+    aligned = unit @ mean / max(float(np.linalg.norm(mean)), 1e-12)
+    turned = np.nanmean(aligned < np.cos(np.pi / 4))
+    return bool(covered > 2.0 * np.median(length) and turned > 0.1)
+
+
 def travel_direction(path: np.ndarray, *, up: np.ndarray | None = None) -> tuple[np.ndarray, float]:
     """Find the mean direction of travel.
 

@@ -10,14 +10,11 @@ import numpy as np
 import pandas as pd
 
 from pawnb.errors import InputError, did_you_mean
+from pawnb.gait.body import BodyPoints
 from pawnb.gait.events import EventSettings
-from pawnb.gait.feet import (
-    EVENT_TABLE_COLUMNS,
-    analyse_space,
-    dropped_table,
-)
+from pawnb.gait.feet import EVENT_TABLE_COLUMNS, analyse_space, dropped_table
 from pawnb.gait.grid import Grid, put_on_grid
-from pawnb.gait.leg_names import guess_legs
+from pawnb.gait.leg_names import guess_body, guess_legs
 from pawnb.gait.legs import default_pairs, sort_legs
 from pawnb.gait.paths import get_foot_paths
 from pawnb.gait.phases import build_phases, summarise_phases
@@ -27,7 +24,8 @@ from pawnb.trial import Trial
 
 Pairs = Sequence[tuple[str, str]]
 _EVENTS = ("AEP", "PEP", "TD", "LO")
-_GAP_COLUMNS = ("leg", "start_s", "end_s")
+_LEAST_CONFIDENCE = {"DeepLabCut": 0.6}
+_GAP_COLUMNS = ("leg", "start_s", "end_s", "what")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -316,9 +314,8 @@ def _analyse_one(
     who: Mapping[str, str],
 ) -> GaitTables:
     """Analyse one individual on the grid."""
-    spaces = get_foot_paths(
-        dense, legs, individual=individual, min_confidence=settings.min_confidence
-    )
+    least = _least_confidence(dense, settings)
+    spaces = get_foot_paths(dense, legs, individual=individual, min_confidence=least)
     seen = [leg for space in spaces for leg in space.legs]
     if not seen:
         raise InputError(
@@ -330,12 +327,14 @@ def _analyse_one(
     dropped: list[dict[str, Any]] = []
     motion: dict[str, Motion] = {}
     notes: list[str] = []
+    if least > 0.0:
+        notes.append(f"positions with a confidence below {least:g} count as missing.")
     for leg in legs:
         if leg not in seen:
             span = {"start_s": grid.time_s[0], "end_s": grid.time_s[-1]}
             dropped.append({"leg": leg, **span, "what": "leg", "why": "never seen"})
     for space in spaces:
-        body = _body_points(dense, trial, individual, space.source)
+        body = _body_points(dense, trial, individual, space.source, least=least)
         found = analyse_space(
             space, grid, trial=trial, belt=belt, body=body, forward=forward, settings=settings
         )
@@ -353,17 +352,28 @@ def _analyse_one(
     )  # fmt: skip
 
 
+def _least_confidence(tracks: Tracks, settings: EventSettings) -> float:
+    """Return the confidence below which a position counts as missing."""
+    if settings.min_confidence is not None:
+        return settings.min_confidence
+    return _LEAST_CONFIDENCE.get(str(tracks.attrs.get("source_software")), 0.0)
+
+
 def _body_points(
-    dense: Tracks, trial: Trial | None, individual: str, source: str
-) -> np.ndarray | None:
-    """Return the points of the body (n, d, m) in one space, where the trial names them."""
-    if trial is None or not trial.animal.body:
+    dense: Tracks, trial: Trial | None, individual: str, source: str, *, least: float
+) -> BodyPoints | None:
+    """Return the points of the body in one space: those the trial names, or guessed ones."""
+    named = trial.animal.body if trial is not None else ()
+    names = named or guess_body([str(p) for p in dense["keypoint"].to_numpy()]) or ()
+    if not names:
         return None
-    names = {p: p for p in trial.animal.body}
-    spaces = get_foot_paths(dense, names, individual=individual)
+    points = {p: p for p in names}
+    spaces = get_foot_paths(dense, points, individual=individual, min_confidence=least)
     for space in spaces:
         if space.source == source and len(space.legs) == len(names):
-            return space.positions
+            order = [space.legs.index(p) for p in names]
+            along = space.positions[:, :, order]
+            return BodyPoints(points=along, names=tuple(names), guessed=not named)
     return None
 
 

@@ -32,6 +32,8 @@ _LIMITS = {
     "contact_speed_fraction": (math.ulp(0.0), 0.45, "above 0 and at most 0.45"),
     "contact_height_fraction": _SHARE,
     "min_confidence": (0.0, 1.0, "0 to 1"),
+    "bout_start_fraction": _SHARE,
+    "bout_stop_fraction": _SHARE,
     "jump_factor": (1.0, math.nextafter(math.inf, 0.0), "1 or more, or null to keep jumps"),
 }
 
@@ -69,8 +71,9 @@ class EventSettings:
         Share of the swing's usual height below which a foot can be in contact (3D).
     use_height : bool
         Whether the height of the foot is asked too (3D).
-    min_confidence : float
-        Positions with a lower confidence count as missing.
+    min_confidence : float, optional
+        Positions with a lower confidence count as missing; default 0.6 for tracks of
+        DeepLabCut (its own cut-off), else 0.
     jump_factor : float, optional
         Positions that jump away and back within three frames, by steps this many times
         the usual large step (95th percentile), count as missing; None keeps them.
@@ -79,6 +82,12 @@ class EventSettings:
         the animal gets nowhere, else the ground.
     stride_events : {"auto", "AEP", "TD"}
         Event that begins a stride; ``auto``: AEP where there are any, else TD.
+    bouts : bool
+        Whether an animal on the ground that stops and goes is looked at in its bouts only; on
+        a treadmill it has to keep going.
+    bout_start_fraction, bout_stop_fraction : float
+        A bout begins above the one and ends below the other share of the animal's fast speed
+        (95th percentile).
     """
 
     cutoff_hz: float | None = None
@@ -92,16 +101,24 @@ class EventSettings:
     contact_speed_fraction: float = 0.2
     contact_height_fraction: float = 0.25
     use_height: bool = True
-    min_confidence: float = 0.0
+    min_confidence: float | None = None
     jump_factor: float | None = 3.0
     substrate: Literal["auto", "treadmill", "ground"] = "auto"
     stride_events: Literal["auto", "AEP", "TD"] = "auto"
+    bouts: bool = True
+    bout_start_fraction: float = 0.35
+    bout_stop_fraction: float = 0.2
 
     def __post_init__(self) -> None:
         for name, (low, high, words) in _LIMITS.items():
             value = getattr(self, name)
             if value is not None and not (low <= value <= high):
                 raise InputError(f"setting {name!r} is {value}; expected {words}.")
+        if self.bout_stop_fraction > self.bout_start_fraction:
+            raise InputError(
+                f"bout_stop_fraction is {self.bout_stop_fraction:g}, above bout_start_fraction "
+                f"{self.bout_start_fraction:g}; a bout ends at the lower speed."
+            )
 
 
 class Extreme(NamedTuple):

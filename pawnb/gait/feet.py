@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pawnb.gait.direction import choose_direction, find_up
+from pawnb.gait.body import BodyPoints, find_body
+from pawnb.gait.direction import find_up
 from pawnb.gait.events import (
     Contact,
     EventSettings,
@@ -27,23 +28,9 @@ from pawnb.gait.events import (
 )
 from pawnb.gait.grid import Grid
 from pawnb.gait.paths import FootPaths
-from pawnb.gait.scales import (
-    Scales,
-    choose_scales,
-    least_excursion,
-    say_scales,
-    stepping_frequency,
-)
+from pawnb.gait.scales import Scales, least_excursion
 from pawnb.gait.strides import Motion
-from pawnb.kinematics import (
-    BodyFrame,
-    along,
-    body_frame_from_points,
-    body_frame_of_feet,
-    is_travelling,
-    smooth_path,
-    stride_frequency,
-)
+from pawnb.kinematics import BodyFrame, along
 from pawnb.schema import DROPPED_COLUMNS, EVENTS_COLUMNS
 from pawnb.signals import butterworth_lowpass, differentiate, fill_gaps, find_jumps, find_runs
 from pawnb.trial import Trial
@@ -59,7 +46,7 @@ class SpaceResult:
     Parameters
     ----------
     events, dropped, gaps : list of dict
-        Rows of the tables (gaps: leg, start_s, end_s).
+        Rows of the tables (gaps: leg, start_s, end_s, what).
     motion : Motion
         Distance run by the body and by every foot.
     notes : list of str
@@ -79,7 +66,7 @@ def analyse_space(
     *,
     trial: Trial | None,
     belt: np.ndarray | None,
-    body: np.ndarray | None,
+    body: BodyPoints | None,
     forward: np.ndarray | None,
     settings: EventSettings,
 ) -> SpaceResult:
@@ -95,8 +82,8 @@ def analyse_space(
         Description of the trial.
     belt : ndarray, shape (n,), or None
         Belt speed in the trial's unit per second; None where unknown.
-    body : ndarray, shape (n, d, m), or None
-        Points of the body, rear to front, where the trial names them.
+    body : BodyPoints or None
+        Points of the body, where they are named or can be guessed.
     forward : ndarray, shape (d,), or None
         Direction stated by the caller.
     settings : EventSettings
@@ -110,16 +97,18 @@ def analyse_space(
     fs = grid.fs_hz
     feet, jumps = _without_jumps(feet, settings.jump_factor)
     up = find_up(trial, feet)
-    treadmill, frame, scales, notes = _find_body(
+    found_body = find_body(
         feet, fs, trial=trial, belt=belt, body=body, forward=forward, settings=settings
     )
+    frame, scales, notes = found_body.frame, found_body.scales, found_body.notes
     max_gap = round(scales.max_gap_s * fs)
     raw = frame.fore_aft(feet.positions)
     position = _smooth(raw, scales.cutoff_hz, fs, max_gap)
     lab = _smooth(along(feet.positions, frame.forward), scales.cutoff_hz, fs, max_gap)
-    extremes, rejected = _extremes_of_feet(position, fs, settings, scales)
+    standing = found_body.standing
+    extremes, rejected = _extremes_of_feet(position, fs, settings, scales, standing)
     velocity = differentiate(lab, dt=1.0 / fs)
-    belt_here = _belt(feet, velocity, extremes, belt, treadmill, notes)
+    belt_here = _belt(feet, velocity, extremes, belt, found_body.treadmill, notes)
     height = None
     if up is not None and settings.use_height:
         level = np.tile(up, (len(raw), 1))
@@ -133,6 +122,7 @@ def analyse_space(
         _add_rejected(result, leg, rejected[k], grid)
         _add_jumps(result, leg, jumps[:, k], grid)
         _add_gaps(result, leg, position[:, k], grid, scales.max_gap_s)
+        _add_pauses(result, leg, standing, grid)
         if belt_here is not None:
             foot_height = None if height is None else height[:, k]
             slip = _own_slip(velocity[:, k] + belt_here, extremes[k], belt_here)
@@ -140,44 +130,6 @@ def analyse_space(
             found = _find_contacts(speed, foot_height, extremes[k], settings, _rise(scales, fs))
             _add_contacts(result, leg, *found, grid)
     return result
-
-
-def _find_body(
-    feet: FootPaths,
-    fs: float,
-    *,
-    trial: Trial | None,
-    belt: np.ndarray | None,
-    body: np.ndarray | None,
-    forward: np.ndarray | None,
-    settings: EventSettings,
-) -> tuple[bool, BodyFrame, Scales, list[str]]:
-    """Find whether the animal is on a treadmill, its body frame, and the scales of time.
-
-    The stride frequency is guessed from the spectrum first, which suffices for the path
-    of the body; in the body's frame the steps can be counted.
-    """
-    guess = stride_frequency(feet.positions, fs_hz=fs)
-    scales = choose_scales(settings, guess, fs)
-    path = smooth_path(feet.positions, cutoff_hz=scales.body_cutoff_hz, fs_hz=fs)
-    treadmill = settings.substrate == "treadmill"
-    if settings.substrate == "auto":
-        treadmill = belt is not None or not is_travelling(feet.positions, path)
-    direction, notes = choose_direction(
-        feet, path, trial=trial, forward=forward, treadmill=treadmill, fs_hz=fs
-    )
-    frame = body_frame_of_feet(path, direction, treadmill=treadmill)
-    fore_aft = frame.fore_aft(feet.positions)
-    frequency = stepping_frequency(fore_aft, settings, fs_hz=fs, guess=guess)
-    scales = choose_scales(settings, frequency, fs)
-    notes.append(say_scales(feet, scales, frequency))
-    if body is not None:
-        up = find_up(trial, feet)
-        frame = body_frame_from_points(body, cutoff_hz=scales.cutoff_hz, fs_hz=fs, up=up)
-    else:
-        path = smooth_path(feet.positions, cutoff_hz=scales.body_cutoff_hz, fs_hz=fs)
-        frame = body_frame_of_feet(path, direction, treadmill=treadmill)
-    return treadmill, frame, scales, notes
 
 
 def _without_jumps(feet: FootPaths, factor: float | None) -> tuple[FootPaths, np.ndarray]:
@@ -199,11 +151,11 @@ def _smooth(x: np.ndarray, cutoff_hz: float | None, fs: float, max_gap: int) -> 
 
 
 def _extremes_of_feet(
-    position: np.ndarray, fs: float, settings: EventSettings, scales: Scales
+    position: np.ndarray, fs: float, settings: EventSettings, scales: Scales, standing: np.ndarray
 ) -> tuple[list[list[Extreme]], list[list[Rejected]]]:
-    """Find the extremes of every foot, each with its own least excursion."""
+    """Find the extremes of every foot where the animal goes, each with its own least excursion."""
     extremes, rejected = [], []
-    for column in position.T:
+    for column in np.where(standing[:, None], np.nan, position).T:
         least = least_excursion(column, settings)
         if not least:
             found: tuple[list[Extreme], list[Rejected]] = ([], [])  # never seen, or never moved
@@ -329,8 +281,17 @@ def _add_gaps(
         why = f"not tracked for {stop - start} frames; gaps are bridged up to {max_gap_s:.3g} s"
         if start == 0 or stop == len(position):
             why = f"not tracked for {stop - start} frames at the {'start' if start == 0 else 'end'}"
-        result.gaps.append({"leg": leg, **span})
+        result.gaps.append({"leg": leg, **span, "what": "not tracked"})
         result.dropped.append({"leg": leg, **span, "what": "track", "why": why})
+
+
+def _add_pauses(result: SpaceResult, leg: str, standing: np.ndarray, grid: Grid) -> None:
+    """Write down where the animal stands: no stride may reach into it."""
+    for start, stop in find_runs(standing):
+        span = {"start_s": grid.time_at(start), "end_s": grid.time_at(stop - 1)}
+        result.gaps.append({"leg": leg, **span, "what": "the animal stands or turns slowly"})
+        why = "the animal stands or turns slowly (bouts)"
+        result.dropped.append({"leg": leg, **span, "what": "pause", "why": why})
 
 
 def _rise(scales: Scales, fs: float) -> float:

@@ -21,6 +21,10 @@ _DISTAL = (
 )
 """Words for parts of a leg, the outermost first; other parts are no feet when one of these is."""
 
+_FRONT = ("snout", "nose", "head", "neck")
+_REAR = ("butt", "tailbase", "tail", "abdomen", "hip", "pelvis")
+_NOT_REAR = ("tip", "end", "mid", "middle", "center", "centre", "distal")
+
 _WORDS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 _GLUED = re.compile(
     rf"(?P<rank>{'|'.join(sorted(_RANKS, key=len, reverse=True))})"
@@ -102,3 +106,30 @@ def _read(point: str) -> tuple[tuple[str, str], int] | None:
     if not side or not rank or not (limb or depth is not None):
         return None
     return (side, rank), len(_DISTAL) if depth is None else depth
+
+
+def guess_body(points: Iterable[str]) -> tuple[str, str] | None:
+    """Guess which two points give the animal's heading, from their names.
+
+    Parameters
+    ----------
+    points : iterable of str
+        Names of the points.
+
+    Returns
+    -------
+    tuple of str or None
+        A point at the rear (base of the tail, butt, abdomen) and one in front (snout, nose,
+        head, neck), the first of each list that is there; None where there are not both.
+    """
+    words = {point: [w.lower() for w in _WORDS.findall(point)] for point in points}
+
+    def first(wanted: tuple[str, ...], refused: tuple[str, ...] = ()) -> str | None:
+        for word in wanted:
+            for point, own in words.items():
+                if word in own and not set(own) & set(refused):
+                    return point
+        return None
+
+    rear, front = first(_REAR, _NOT_REAR), first(_FRONT)
+    return None if rear is None or front is None else (rear, front)

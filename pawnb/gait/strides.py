@@ -108,7 +108,8 @@ def build_strides(
     motion : mapping, optional
         Motion by the name of the leg; without it lengths and speeds are NaN.
     gaps : pandas.DataFrame, optional
-        Stretches without track: leg, start_s, end_s. No stride may hold one.
+        Stretches that no stride may hold: leg, start_s, end_s, and optionally ``what`` (what
+        the reason says of them; default "not tracked").
     max_stride_s : float, optional
         Longer strides are dropped as pauses.
 
@@ -202,16 +203,20 @@ def _spans(own: pd.DataFrame, start_event: str) -> _Spans:
     )
 
 
-def _gaps_of(gaps: pd.DataFrame | None, leg: str) -> np.ndarray:
-    """Return start and end of the gaps of one leg, shape (k, 2)."""
+def _gaps_of(gaps: pd.DataFrame | None, leg: str) -> dict[str, np.ndarray]:
+    """Return start and end of the gaps of one leg, shape (k, 2), by what they are."""
     if gaps is None:
-        return np.empty((0, 2))
-    own = gaps.loc[gaps["leg"] == leg, ["start_s", "end_s"]]
-    return own.to_numpy(dtype=float)
+        return {}
+    own = gaps[gaps["leg"] == leg]
+    what = own["what"] if "what" in own else pd.Series("not tracked", index=own.index)
+    return {
+        str(name): part[["start_s", "end_s"]].to_numpy(dtype=float)
+        for name, part in own.groupby(what)
+    }
 
 
 def _faults(
-    spans: _Spans, gaps: np.ndarray, start_event: str, max_stride_s: float | None
+    spans: _Spans, gaps: dict[str, np.ndarray], start_event: str, max_stride_s: float | None
 ) -> np.ndarray:
     """Say of each stretch why it is no stride; empty text where it is one."""
     why = np.full(len(spans.start_s), "", dtype=object)
@@ -222,12 +227,13 @@ def _faults(
     for i in np.flatnonzero(spans.turns != 1):
         found = f"{spans.turns[i]:.0f} {partner}" if spans.turns[i] else f"no {partner}"
         why[i] = f"{found} between two {start_event}; expected one"
-    longest = np.zeros(len(why))
-    for start, end in gaps:
-        across = (end > spans.start_s) & (start < spans.end_s)
-        longest[across] = np.maximum(longest[across], end - start)
-    for i in np.flatnonzero(longest):
-        why[i] = f"not tracked for {longest[i]:.3f} s in it"
+    for what, stretches in gaps.items():
+        longest = np.zeros(len(why))
+        for start, end in stretches:
+            across = (end > spans.start_s) & (start < spans.end_s)
+            longest[across] = np.maximum(longest[across], end - start)
+        for i in np.flatnonzero(longest):
+            why[i] = f"{what} for {longest[i]:.3f} s in it"
     return why
 
 
