@@ -13,6 +13,7 @@ import pandas as pd
 from pawnb import gait
 from pawnb.errors import InputError
 from pawnb.gait import GaitTables
+from pawnb.gait.contacts import events_from_contacts, is_contact_table
 from pawnb.io import native
 from pawnb.io.formats import OWN_FORMATS, read_any_tracks, recognise_format
 from pawnb.io.tables import read_cells, read_numbers, write_table
@@ -113,7 +114,8 @@ def run_gait(
     inputs : sequence of str or Path
         Trials (``trial.toml`` or its folder), results folders, files of tracks (also those of
         DeepLabCut, SLEAP, Anipose, DLTdv; without a trial the file's name is the animal's id),
-        or ``events.csv`` scored by hand. They are pooled by the animal's id.
+        ``events.csv`` scored by hand, or ground contact by hand (a csv with frame and 0 or 1 for
+        each leg). They are pooled by the animal's id.
     out : str or Path, optional
         Folder to write; default ``results`` beside a single trial, the folder of a
         single results or tracks file, and ``results`` in the current folder for several.
@@ -200,8 +202,12 @@ def read_source(path: str | Path, *, fps: float | None = None) -> GaitSource:
         )
     if path.suffix == ".toml":
         return _read_trial(load_trial(path))
-    if path.suffix == ".csv" and "event" in read_cells(path, ()):
-        return _read_events(path, fps)
+    if path.suffix == ".csv":
+        cells = read_cells(path, ())
+        if "event" in cells:
+            return _read_events(path, fps)
+        if is_contact_table(cells):
+            return _read_contacts(path, cells, fps)
     program = recognise_format(path)
     tracks = read_any_tracks(path, fps=fps, program=program)
     trial = described_trial(tracks, where=str(path), folder=path.parent)
@@ -232,6 +238,20 @@ def _read_events(path: Path, fps: float | None) -> GaitSource:
     if "time_s" not in events:
         check_columns(cells, ("frame",), where=f"{path} (without time_s)")
         events["time_s"] = events["frame"] / _needed_fps(fps, path)
+    return GaitSource(path, path.parent / RESULTS_FOLDER, events=events)
+
+
+def _read_contacts(path: Path, cells: pd.DataFrame, fps: float | None) -> GaitSource:
+    """Read a csv of ground contact scored by hand: frame, and 0 or 1 for each leg."""
+    numbers = {
+        name: read_numbers(
+            cells, name, where=str(path), whole=name == "frame", empty=name != "frame"
+        )
+        for name in map(str, cells)
+    }
+    events = events_from_contacts(
+        pd.DataFrame(numbers), fps=_needed_fps(fps, path), animal=path.stem, trial=path.stem
+    )
     return GaitSource(path, path.parent / RESULTS_FOLDER, events=events)
 
 

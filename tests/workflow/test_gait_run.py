@@ -222,3 +222,13 @@ def run_gait_of(tracks, folder):
     """Analyse tracks as pawnb writes them."""
     write_tracks(tracks, folder / "own.nc")
     return run_gait([folder / "own.nc"], out=folder / "own")
+
+
+def test_contact_by_hand_is_read_as_events(tmp_path):
+    down = [1] * 6 + [0] * 4
+    rows = ["frame,LF,RF"] + [f"{i},{down[i % 10]},{down[(i + 5) % 10]}" for i in range(100)]
+    (tmp_path / "fly.csv").write_text("\n".join(rows) + "\n")
+    run = run_gait([tmp_path / "fly.csv"], fps=100.0, out=tmp_path / "out")
+    np.testing.assert_allclose(run.tables.strides["period_s"], 0.1)
+    np.testing.assert_allclose(run.tables.strides["duty_factor"], 0.6)
+    np.testing.assert_allclose(run.tables.phases["phase"], 0.5)
