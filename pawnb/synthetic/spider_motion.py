@@ -30,8 +30,8 @@ _GAIT_PHASE = {
 
 # where a foot stands in the middle of its stance, body frame (forward, outwards), units of
 # the species file; and where crowding moves it
-_FOOT = {"1": (26.0, 22.0), "2": (11.5, 29.5), "3": (-4.5, 26.5), "4": (-21.0, 20.0)}
-_CROWDED = {"1": (-5.0, 2.5), "2": (4.0, -3.0), "3": (2.5, -2.0), "4": (3.5, 4.0)}
+_FOOT = {"1": (28.5, 20.0), "2": (12.0, 29.5), "3": (-6.0, 26.5), "4": (-23.5, 18.5)}
+_CROWDED = {"1": (-4.0, 1.5), "2": (2.5, -2.0), "3": (2.0, -1.5), "4": (3.0, 3.0)}
 _LIFT = {"1": 3.6, "2": 3.6, "3": 3.2, "4": 3.0}
 """How high a foot is lifted in swing."""
 
@@ -39,7 +39,7 @@ COXA_HEIGHT = 6.0
 _WALL_GAP_MM = 1.5
 _LEAST_SWING = 0.3
 """Shortest swing, as a share of the period."""
-_REACH = (0.645, 0.925)
+_REACH = (0.645, 0.908)
 """How near to and far from the body-coxa joint a foot may stand, in lengths of its leg."""
 
 
@@ -222,10 +222,10 @@ def plan_motion(scene: SpiderScene, individual: Individual, *, duration_s: float
     size = individual.size
     speed = rng.uniform(*scene.speed_mm_s)
     duty = 0.54 + 0.02 * np.clip(rng.standard_normal(), -1.5, 1.5)
-    # How far the body moves over a standing foot. With it the stride frequency is about 1 Hz
-    # above the line of Table 4.5, within its scatter: longer strides would ask the legs of
-    # the stick animal to reach further than they can.
-    travel = size * (16.0 + 0.03 * (speed / size - 225.0) + rng.uniform(-0.5, 0.5))
+    # Long strides would ask the stick animal's legs to reach further than they can, and its
+    # neighbouring legs to cross: the stride frequency is that of §4.2.2 (5 to 8 Hz), the
+    # speed therefore lower.
+    travel = size * rng.uniform(*scene.stance_travel)
     frequency = speed * duty / travel
     body = _plan_body(scene, rng, (speed, frequency))
     coxae = {leg.name: size * np.array(leg.attach) for leg in individual.animal.legs}

@@ -21,6 +21,7 @@ _STEP = 40.0  # units of density in the 8-bit buffers
 _BODY_DENSITY, _ROOT_DENSITY = 4.5, 3.2
 _MARGIN_MM = 3.0
 _PIECES = 4
+_HAIR_WIDTH = 0.13
 
 
 @dataclass(frozen=True)
@@ -135,7 +136,7 @@ class SpiderPainter:
         nominal = np.concatenate([[0.0], np.cumsum(leg.lengths)])
         tip = self._scene.tip_density
         for hair in self._hairs[number]:
-            _paint_hair(out, hair, places, unit * individual.thickness)
+            _paint_hair(out, hair, places, unit)
         for j in reversed(range(len(leg.segments))):
             along = np.linspace(0.0, 1.0, _PIECES + 1)
             share = (nominal[j] + along * leg.lengths[j]) / nominal[-1]
@@ -180,7 +181,7 @@ def _circle(out: np.ndarray, centre: np.ndarray, radius: float, dark: float) -> 
 
 
 def _paint_hair(out: np.ndarray, hair: Hair, places: np.ndarray, unit: float) -> None:
-    """Paint one hair of a segment."""
+    """Paint one hair of a segment; ``unit`` is px per unit of the species file."""
     start, end = places[hair.segment], places[hair.segment + 1]
     step = end - start
     towards = np.arctan2(step[1], step[0]) + hair.side * hair.angle
@@ -188,7 +189,8 @@ def _paint_hair(out: np.ndarray, hair: Hair, places: np.ndarray, unit: float) ->
     tip = root + hair.length * unit * np.array([np.cos(towards), np.sin(towards)])
     a, b = (np.round(p * 2**_SHIFT).astype(int) for p in (root, tip))
     cv2.line(
-        out, (int(a[0]), int(a[1])), (int(b[0]), int(b[1])), _level(hair.density), 1,
+        out, (int(a[0]), int(a[1])), (int(b[0]), int(b[1])), _level(hair.density),
+        max(1, round(_HAIR_WIDTH * unit)),
         cv2.LINE_8, _SHIFT,
     )  # fmt: skip
 

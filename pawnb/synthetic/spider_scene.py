@@ -48,6 +48,8 @@ class SpiderScene:
         A run through the arena, or one posture held.
     speed_mm_s : tuple of float
         Range of the running speed.
+    stance_travel : tuple of float
+        Range of how far the body moves over a standing foot, units of the species file.
     phase_sd : float
         Standard deviation of each landing about its place in the gait, cycles; that of the
         first legs is twice as large.
@@ -82,12 +84,13 @@ class SpiderScene:
     seed: int = 0
     scale: float = 0.5
     motion: str = "run"
-    speed_mm_s: tuple[float, float] = (165.0, 200.0)
+    speed_mm_s: tuple[float, float] = (140.0, 165.0)
+    stance_travel: tuple[float, float] = (14.2, 15.0)
     phase_sd: float = 0.02
     placement_sd_mm: float = 0.8
-    crowding: float = 0.1
+    crowding: float = 0.0
     bend_share: float = 1.0
-    off_centre_mm: tuple[float, float] = (2.0, 12.0)
+    off_centre_mm: tuple[float, float] = (3.0, 14.0)
     light: float = 200.0
     vignetting: float = 0.35
     tip_density: float = 1.0
@@ -122,7 +125,8 @@ class SpiderScene:
 
 _PRESETS: dict[str, dict[str, Any]] = {
     "easy": {
-        "speed_mm_s": (155.0, 185.0),
+        "speed_mm_s": (125.0, 145.0),
+        "stance_travel": (12.5, 13.3),
         "phase_sd": 0.01,
         "placement_sd_mm": 0.4,
         "crowding": 0.0,
@@ -140,12 +144,13 @@ _PRESETS: dict[str, dict[str, Any]] = {
     },
     "normal": {},
     "hard": {
-        "speed_mm_s": (215.0, 255.0),
+        "speed_mm_s": (185.0, 220.0),
+        "stance_travel": (16.5, 17.5),
         "phase_sd": 0.035,
         "placement_sd_mm": 1.4,
-        "crowding": 0.8,
+        "crowding": 0.25,
         "bend_share": 1.25,
-        "off_centre_mm": (12.0, 20.0),
+        "off_centre_mm": (15.0, 21.0),
         "light": 180.0,
         "vignetting": 0.5,
         "tip_density": 0.6,

@@ -51,7 +51,7 @@ _VIDEO = "spider.avi"
 _MARGIN_MM = 2.5
 """What hairs, palps and the outline of the body add to the joints."""
 
-_REFLECTION_MM = 7.0
+_REFLECTION_MM = 11.0
 """How far from the wall its mirror image fades to a third."""
 
 
@@ -271,7 +271,7 @@ def _reflect(picture: np.ndarray, shade: Shade, scene: SpiderScene) -> None:
     """Add the animal's mirror images in the glass walls, in place: fainter further from them."""
     width = shade.through.shape[1]
     for wall, beyond in zip(wall_rows(scene), (-1, 1), strict=True):
-        reach = int(3 * _REFLECTION_MM * scene.px_per_mm)
+        reach = int(2.5 * _REFLECTION_MM * scene.px_per_mm)
         v0 = int(np.ceil(wall)) if beyond > 0 else int(np.floor(wall)) - reach + 1
         rows = np.arange(v0, v0 + reach)
         # row v of the mirror image shows row 2 wall - v of the animal
