@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numpy as np
 from scipy.signal import butter, sosfiltfilt
@@ -158,7 +159,12 @@ def filter_run(run: np.ndarray, *, cutoff_hz: float, fs_hz: float, order: int = 
     ndarray of the same shape
         Filtered values.
     """
-    design = cutoff_hz / two_pass_correction(order)
-    sections = butter(order // 2, design, fs=fs_hz, output="sos")
+    sections = _sections(cutoff_hz / fs_hz, order)
     reach = min(filter_reach(cutoff_hz, fs_hz=fs_hz), len(run) - 1)
     return sosfiltfilt(sections, run, axis=0, padtype="odd", padlen=reach)
+
+
+@lru_cache(maxsize=1024)
+def _sections(share: float, order: int) -> np.ndarray:
+    """Return one pass of the filter; the cut-off is a share of the sampling rate."""
+    return butter(order // 2, share / two_pass_correction(order), fs=1.0, output="sos")

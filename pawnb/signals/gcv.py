@@ -7,8 +7,6 @@ from collections.abc import Callable
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from pawnb.signals.runs import find_runs
-
 
 def effective_parameters(
     smooth: Callable[[np.ndarray], np.ndarray], n: int, *, reach: int
@@ -37,47 +35,29 @@ def effective_parameters(
     return float(share.sum() + (n - m) * share[m // 2])
 
 
-def gcv_score(
-    x: np.ndarray,
-    *,
-    smooth: Callable[[np.ndarray], np.ndarray],
-    trace: Callable[[int], float],
-    least: int = 1,
-) -> float:
+def gcv_score(square_sum: float, *, spent: float, n: int) -> float:
     """Compute the generalised cross-validation score of a smoother (Craven & Wahba 1979).
 
-    ``mean square residual / (1 - parameters / n)^2``, over all runs of the signal together.
-    Where noise is white its minimum estimates the smoothing with the smallest error. Noise
-    that is correlated in time, as a tracker's often is, looks like signal to it: then it
-    smooths too little.
+    ``(square_sum / n) / (1 - spent / n)^2``. Where noise is white its minimum estimates the
+    smoothing with the smallest error. Noise that is correlated in time, as a tracker's often
+    is, looks like signal to it: then it smooths too little.
 
     Parameters
     ----------
-    x : ndarray, shape (n,)
-        A signal; NaN where missing.
-    smooth : callable
-        Takes and returns one run.
-    trace : callable
-        Number of parameters spent on a run of a given length; see
-        :func:`effective_parameters`.
-    least : int
-        Shorter runs are left out.
+    square_sum : float
+        Sum of the squared differences between the samples and the smoothed ones.
+    spent : float
+        Parameters spent; see :func:`effective_parameters`.
+    n : int
+        Number of samples.
 
     Returns
     -------
     float
         The score; infinite where as many parameters are spent as there are samples.
     """
-    squares, spent, n = 0.0, 0.0, 0
-    for start, stop in find_runs(np.isfinite(x)):
-        if stop - start < least:
-            continue
-        run = x[start:stop]
-        squares += float(np.sum((run - smooth(run)) ** 2))
-        spent += trace(len(run))
-        n += len(run)
     left = n - spent
-    return squares * n / left**2 if left > 1e-9 * n else float("inf")
+    return square_sum * n / left**2 if left > 1e-9 * n else float("inf")
 
 
 def find_lowest(score: Callable[[float], float], low_hz: float, high_hz: float) -> float:

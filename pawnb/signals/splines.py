@@ -110,7 +110,9 @@ def spline_cutoff(x: np.ndarray, *, fs_hz: float) -> float:
     """
     _check(fs_hz, None)
     x = np.asarray(x, dtype=float)
-    if not any(stop - start >= LEAST_SAMPLES for start, stop in find_runs(np.isfinite(x))):
+    spans = find_runs(np.isfinite(x))
+    runs = [x[start:stop] for start, stop in spans if stop - start >= LEAST_SAMPLES]
+    if not runs:
         raise InputError(
             f"smoothing spline: no {LEAST_SAMPLES} samples in a row; expected at least one "
             "such run: fill the gaps (max_gap) or leave this signal out."
@@ -118,12 +120,9 @@ def spline_cutoff(x: np.ndarray, *, fs_hz: float) -> float:
 
     def score(cutoff_hz: float) -> float:
         share = cutoff_hz / fs_hz
-        return gcv_score(
-            x,
-            smooth=lambda run: _fit(run, share),
-            trace=lambda n: _spent(n, share),
-            least=LEAST_SAMPLES,
-        )
+        squares = sum(float(np.sum((run - _fit(run, share)) ** 2)) for run in runs)
+        spent = sum(_spent(len(run), share) for run in runs)
+        return gcv_score(squares, spent=spent, n=sum(len(run) for run in runs))
 
     return find_lowest(score, fs_hz / 200.0, 0.45 * fs_hz)
 

@@ -51,13 +51,13 @@ def test_spline_and_filter_of_one_cutoff_answer_alike(cutoff):
 
 
 def test_derivatives_are_those_of_the_movement():
-    true, noisy, acceleration = noisy_angle(sd=0.05)
+    true, noisy, acceleration = noisy_angle(sd=0.2)
     inner = slice(60, -60)
     found = smooth_spline(noisy, fs_hz=FS, cutoff_hz=25.0, derivative=2)
     error = np.sqrt(np.mean((found - acceleration)[inner] ** 2))
-    assert error < 0.1 * np.std(acceleration)
+    assert error < 0.2 * np.std(acceleration)
     raw = np.gradient(np.gradient(noisy, 1 / FS), 1 / FS)
-    assert np.sqrt(np.mean((raw - acceleration)[inner] ** 2)) > np.std(acceleration)
+    assert np.sqrt(np.mean((raw - acceleration)[inner] ** 2)) > 0.5 * np.std(acceleration)
     speed = smooth_spline(true, fs_hz=FS, cutoff_hz=100.0, derivative=1)
     np.testing.assert_allclose(speed[inner], np.gradient(true, 1 / FS)[inner], atol=4.0)
 
