@@ -55,10 +55,27 @@ def neighbour_costs(
         The same of each pixel and the one below.
     """
     g2 = squared_gradient(picture)
-    scale = np.float32(-0.5 / edge_grey**2)
 
     def cost(one: np.ndarray, other: np.ndarray) -> np.ndarray:
-        fall = np.exp(scale * np.float32(0.5) * (one + other))
+        fall = edge_fall(np.float32(0.5) * (one + other), edge_grey)
         return np.float32(ising) + np.float32(contrast) * fall
 
     return cost(g2[:, :-1], g2[:, 1:]), cost(g2[:-1], g2[1:])
+
+
+def edge_fall(g2: np.ndarray, edge_grey: float) -> np.ndarray:
+    """Return exp(-g² / (2 sigma²)) of Eq. 3.11: 1 where the picture is flat, to 0 at edges.
+
+    Parameters
+    ----------
+    g2 : ndarray of float32
+        Squared gradients.
+    edge_grey : float
+        sigma.
+
+    Returns
+    -------
+    ndarray of float32
+        The factor of the contrast term.
+    """
+    return np.exp(np.float32(-0.5 / edge_grey**2) * g2)

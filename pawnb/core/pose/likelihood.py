@@ -45,7 +45,7 @@ def background_cost(
     grey = np.ascontiguousarray(picture, dtype=np.float32)
     mean = np.ascontiguousarray(background.mean, dtype=np.float32)
     sd = np.ascontiguousarray(background.sd, dtype=np.float32)
-    return _gaussian_cost(grey, mean, sd, np.float32(sd_floor_grey))
+    return _gaussian_cost(grey, mean, sd, sd_floor_grey)
 
 
 def subject_cost(picture: np.ndarray, *, mean: float, sd: float) -> np.ndarray:
@@ -148,7 +148,7 @@ def _gaussian_cost(grey: np.ndarray, mean: np.ndarray, sd: np.ndarray, floor: fl
     half = np.float32(0.5)
     for v in range(height):
         for u in range(width):
-            s = max(sd[v, u], floor)
+            s = max(sd[v, u], np.float32(floor))
             z = (grey[v, u] - mean[v, u]) / s
             out[v, u] = half * z * z + np.float32(math.log(s))
     return out
