@@ -8,10 +8,11 @@ from typing import Any
 _HOME = {
     "ClickInitialiser": "pawnb.widgets.click_initialiser",
     "FrameCanvas": "pawnb.widgets.frame_canvas",
+    "StickPoser": "pawnb.widgets.stick_poser",
     "TrackReviewer": "pawnb.widgets.track_reviewer",
 }
 
-__all__ = ["ClickInitialiser", "FrameCanvas", "TrackReviewer"]
+__all__ = ["ClickInitialiser", "FrameCanvas", "StickPoser", "TrackReviewer"]
 
 
 def __getattr__(name: str) -> Any:

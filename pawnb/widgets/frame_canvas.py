@@ -2,8 +2,9 @@
 
 All views of a trial are shown at the same frame. Pictures travel as JPEG in binary
 messages, as small as the screen can show; points, trails and lines are drawn in the
-browser. ``static/stage.js`` is one view, ``static/frames.js`` the traffic of frames,
-``static/frame_canvas.js`` the page; they are joined here, without any build step.
+browser. ``static/stick.js`` is a stick animal, ``static/stage.js`` one view,
+``static/frames.js`` the traffic of frames, ``static/frame_canvas.js`` the page; they are joined
+here, without any build step.
 """
 
 from __future__ import annotations
@@ -28,7 +29,10 @@ _STATIC = Path(__file__).parent / "static"
 Overlay = dict[str, Any]
 """``{"views": {name: {"points", "hollow", "lines", "chips"}}, "caption", "current"}``, plain
 JSON. Points and hollow marks have id, u, v, colour (and origin); lines have at (a list of
-[u, v], None for a gap), colour, and dash or fade; chips have id, state, title, colour."""
+[u, v], None for a gap), colour, and dash or fade; chips have id, state, title, colour.
+A view may also have ``stick``, a stick animal whose handles can be dragged
+(:func:`pawnb.widgets.stick_session.describe`), and ``tint``, a picture over part of it: url
+(``data:image/png;base64,...``) and box (u0, v0, u1, v1, half open)."""
 
 MOUSE_AND_KEYS = (
     ("Wheel", "zoom in and out about the mouse"),
@@ -91,7 +95,7 @@ class FrameCanvas(anywidget.AnyWidget):
 
     _esm = "\n".join(
         (_STATIC / name).read_text(encoding="utf-8")
-        for name in ("stage.js", "frames.js", "frame_canvas.js")
+        for name in ("stick.js", "stage.js", "frames.js", "frame_canvas.js")
     )
     _css = _STATIC / "frame_canvas.css"
 
@@ -101,6 +105,7 @@ class FrameCanvas(anywidget.AnyWidget):
     status = traitlets.Unicode("").tag(sync=True)
     alarm = traitlets.Unicode("").tag(sync=True)
     actions: traitlets.List = traitlets.List().tag(sync=True)
+    sliders: traitlets.List = traitlets.List().tag(sync=True)
     keys_help: traitlets.List = traitlets.List().tag(sync=True)
     label = traitlets.Unicode("Video frames").tag(sync=True)
     transport = traitlets.Unicode("binary").tag(sync=True)
@@ -156,8 +161,9 @@ class FrameCanvas(anywidget.AnyWidget):
         what : str
             click, moved, hide, select or action.
         message : mapping
-            ``frame`` and, as it applies, ``view``, ``point``, ``u``, ``v``, ``action``,
-            ``value``, ``selected`` ([view, point] or None).
+            ``frame`` and, as it applies, ``view``, ``point``, ``u``, ``v``, ``whole`` (no Ctrl key
+            was held while dragging), ``action``, ``value`` (of a menu or a slider), ``selected``
+            ([view, point] or None).
 
         Returns
         -------

@@ -12,7 +12,7 @@ from pawnb.core.pose.animal import Leg
 
 STEPS = 40
 """Steps of the search for angles that bring the tip to a place."""
-_DAMPING = 0.01
+_DAMPING = 0.004
 """Damping of these steps, as a share of the leg's squared length."""
 _STIFF = 0.05
 """How freely a joint turns further beyond its range, compared with one within."""

@@ -46,10 +46,12 @@ class Canvas {
     this.detail = element("div", "pawnb-detail");
     this.bar = element("div", "pawnb-bar");
     this.actions = element("div", "pawnb-bar");
-    root.append(this.status, this.alarm, this.grid, this.detail, this.bar, this.actions);
+    this.sliders = element("div", "pawnb-sliders");
+    root.append(this.status, this.alarm, this.grid, this.detail, this.bar, this.actions, this.sliders);
     this.buildBar();
     this.buildHelp();
     this.showActions();
+    this.showSliders();
     this.showStatus();
     el.append(root);
     root._pawnb = this; // for the tests in a real browser
@@ -114,6 +116,47 @@ class Canvas {
       made.disabled = !enabled;
       made.dataset.action = id;
     }
+  }
+
+  // The sliders that Python asks for; one in the hand is left alone.
+  showSliders() {
+    const specs = this.model.get("sliders");
+    const known = [...this.sliders.children].map((line) => line.dataset.slider);
+    if (specs.map(({ id }) => id).join() !== known.join())
+      this.sliders.replaceChildren(...specs.map((spec) => this.makeSlider(spec)));
+    specs.forEach(({ text, title, min, max, step, value }, i) => {
+      const line = this.sliders.children[i];
+      const [name, input, shown] = line.children;
+      line.title = title;
+      name.textContent = text;
+      input.setAttribute("aria-label", text);
+      if (input === document.activeElement && this.sliding) return;
+      Object.assign(input, { min, max, step, value });
+      shown.textContent = value;
+    });
+  }
+
+  makeSlider({ id }) {
+    const line = element("label", "pawnb-line");
+    line.dataset.slider = id;
+    const input = element("input", "", { type: "range" });
+    const shown = element("span", "pawnb-value");
+    line.append(element("span", ""), input, shown);
+    input.oninput = () => {
+      shown.textContent = input.value;
+      this.sliding = { id, value: +input.value };
+      this.slide();
+    };
+    input.onchange = () => { this.slide(); this.focus(); };
+    return line;
+  }
+
+  // One value of a slider is on its way at a time, and the newest wins.
+  slide() {
+    if (!this.sliding || this.pending > 0) return;
+    const { id, value } = this.sliding;
+    this.sliding = null;
+    this.edit({ what: "action", action: id, value });
   }
 
   // What to do, and below it, smaller, how things stand.
@@ -291,6 +334,7 @@ class Canvas {
   done({ who, version, frame, overlay, go }) {
     const mine = who === this.frames.who;
     if (mine) this.pending--;
+    this.slide();
     this.frames.renew(version);
     this.frames.overlays.set(frame, overlay);
     this.frames.go(mine && go != null ? go : this.frames.want);
@@ -332,6 +376,7 @@ class Canvas {
     this.handlers = {
       "change:frame": () => frames.follow(),
       "change:actions": () => this.showActions(),
+      "change:sliders": () => this.showSliders(),
       "change:status": () => this.showStatus(),
       "change:alarm": () => this.showStatus(),
       "msg:custom": (message, buffers) => {

@@ -14,6 +14,8 @@ class Stage {
     Object.assign(this, { name: spec.name, W: spec.width, H: spec.height, host });
     this.bitmap = null;
     this.overlay = {};
+    this.stick = null; // a stick animal that can be bent, see stick.js
+    this.tint = null; // a translucent picture over the view
     this.drag = null;
     this.over = null; // the point under the mouse
     this.zoom = { scale: 1, tx: 0, ty: 0 };
@@ -122,16 +124,28 @@ class Stage {
   setOverlay(overlay) {
     this.overlay = overlay;
     this.over = null;
+    this.setTint(overlay.tint);
+    if (this.stick && this.stick.start) return; // a stick animal in the hand stays there
+    this.stick = overlay.stick ? new Stick(overlay.stick) : null;
     // a point in the hand stays there
     const held = this.drag && this.drag.kind === "point" ? this.drag.point : null;
     const same = held && (overlay.points || []).find((point) => point.id === held.id);
     if (same) this.drag.point = Object.assign(same, { u: held.u, v: held.v });
   }
 
+  setTint(tint) {
+    if ((tint && tint.url) === (this.tint && this.tint.url)) return;
+    this.tint = tint ? { ...tint, image: new Image() } : null;
+    if (!tint) return;
+    this.tint.image.onload = () => this.host.redraw();
+    this.tint.image.src = tint.url;
+  }
+
   nearest({ x, y }) {
     let best = null;
     let least = GRAB_PX * (window.devicePixelRatio || 1);
-    for (const point of this.overlay.points || []) {
+    const handles = this.stick ? this.stick.handles() : [];
+    for (const point of [...(this.overlay.points || []), ...handles]) {
       const [px, py] = this.toCanvas(point.u, point.v);
       const distance = Math.hypot(px - x, py - y);
       if (distance < least) [least, best] = [distance, point];
@@ -172,7 +186,8 @@ class Stage {
     else if (e.button !== 0) return;
     else if (e.shiftKey || this.host.rectangle) this.drag = { ...start, kind: "rectangle" };
     else if (point) {
-      this.host.select(this, point.id);
+      if (point.kind) this.stick.grab();
+      if (!point.kind || point.chip) this.host.select(this, point.chip || point.id);
       const off = { du: point.u - at.u, dv: point.v - at.v };
       this.drag = { ...start, ...off, kind: "point", point, was: [point.u, point.v] };
     } else this.drag = { ...start, kind: "press" };
@@ -184,7 +199,8 @@ class Stage {
     const drag = this.drag;
     if (!drag) {
       const over = this.nearest(at);
-      if (over !== this.over) { this.over = over; this.host.redraw(); }
+      if ((over && over.id) !== (this.over && this.over.id)) this.host.redraw();
+      this.over = over;
       this.marks.style.cursor = over ? "grab" : "crosshair";
       return;
     }
@@ -199,6 +215,8 @@ class Stage {
     } else if (drag.kind === "point" && drag.moved) {
       drag.point.u = Math.min(Math.max(at.u + drag.du, -0.49), this.W - 0.51);
       drag.point.v = Math.min(Math.max(at.v + drag.dv, -0.49), this.H - 0.51);
+      drag.whole = !e.ctrlKey && !e.metaKey;
+      if (drag.point.kind) this.stick.drag(drag.point.id, drag.point.u, drag.point.v, drag.whole);
     }
     [drag.x1, drag.y1] = [at.x, at.y];
     this.marks.style.cursor = { point: "grabbing", pan: "move" }[drag.kind] || "crosshair";
@@ -209,13 +227,14 @@ class Stage {
     const drag = this.drag;
     this.drag = null;
     if (!drag) return;
+    if (drag.kind === "point" && drag.point.kind) this.stick.release();
     const at = this.locate(e);
     if (drag.kind === "rectangle") {
       this.zoomToRectangle(drag.x, drag.y, at.x, at.y);
       this.host.setRectangle(false);
     } else if (drag.kind === "point" && drag.moved) {
       const { id, u, v } = drag.point;
-      this.host.edit({ what: "moved", view: this.name, point: id, u, v });
+      this.host.edit({ what: "moved", view: this.name, point: id, u, v, whole: drag.whole });
     } else if (drag.kind === "press" && this.inside(drag)) {
       this.host.edit({ what: "click", view: this.name, u: drag.u, v: drag.v });
     }
@@ -228,6 +247,7 @@ class Stage {
     if (!drag) return false;
     this.drag = null;
     if (drag.kind === "point") [drag.point.u, drag.point.v] = drag.was;
+    if (drag.kind === "point" && drag.point.kind) this.stick.restore();
     if (this.marks.hasPointerCapture(drag.pointer)) this.marks.releasePointerCapture(drag.pointer);
     this.host.released();
     return true;
@@ -256,18 +276,35 @@ class Stage {
     g.clearRect(0, 0, this.marks.width, this.marks.height);
     g.lineJoin = g.lineCap = "round";
     const { lines = [], hollow = [], points = [] } = this.overlay;
+    this.drawTint(g);
     for (const line of lines) this.drawLine(g, k, line);
     for (const mark of hollow) this.drawHollow(g, k, mark);
     for (const point of points) this.drawPoint(g, k, point, point.id === selected);
     const named = new Set(points.map((point) => point.id));
-    this.drawNames(g, k, [...points, ...hollow.filter((mark) => !named.has(mark.id))], points);
     const drag = this.drag;
+    const tips = this.stick ? this.stick.handles().filter(({ kind }) => kind === "tip") : [];
+    if (this.stick) {
+      const held = drag && drag.kind === "point" ? drag.point : null;
+      this.stick.draw(g, k, this, held, this.over);
+    }
+    const marks = [...points, ...hollow.filter((mark) => !named.has(mark.id)), ...tips];
+    this.drawNames(g, k, marks, [...points, ...tips]);
     if (drag && drag.kind === "rectangle") {
       const box = [drag.x, drag.y, drag.x1 - drag.x, drag.y1 - drag.y];
       g.setLineDash([6 * k, 4 * k]);
       this.outlined(g, k, 1.5, "#fff", () => g.strokeRect(...box));
       g.setLineDash([]);
     }
+  }
+
+  // A picture over part of the view: what the tracker makes of it.
+  drawTint(g) {
+    if (!this.tint || !this.tint.image.complete) return;
+    const [u0, v0, u1, v1] = this.tint.box;
+    const [x0, y0] = this.toCanvas(u0 - 0.5, v0 - 0.5);
+    const [x1, y1] = this.toCanvas(u1 - 0.5, v1 - 0.5);
+    g.imageSmoothingEnabled = false;
+    g.drawImage(this.tint.image, x0, y0, x1 - x0, y1 - y0);
   }
 
   // Every mark has a dark rim, so it can be told from light and from dark fur.
@@ -341,7 +378,7 @@ class Stage {
     const free = (box) => taken.every((t) => box[2] < t[0] || box[0] > t[2] || box[3] < t[1] || box[1] > t[3]);
     g.font = `600 ${size}px system-ui, sans-serif`;
     for (const mark of marks) {
-      if (dragged && this.drag.point === mark) continue; // must not hide what is aimed at
+      if (dragged && this.drag.point.id === mark.id) continue; // must not hide what is aimed at
       const [x, y] = this.toCanvas(mark.u, mark.v);
       const w = g.measureText(mark.id).width;
       const boxes = [[10, -20], [10, 6], [-10, -20], [-10, 6], [14, -36], [-14, 22]].map(([dx, dy]) => {

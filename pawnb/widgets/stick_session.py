@@ -1,0 +1,375 @@
+"""Posing a stick animal: everything the widget does, without the widget.
+
+Each change is written to ``start_pose.csv`` at once, so nothing is lost when the browser or
+the kernel ends. A proposal is written only when it is accepted or changed.
+"""
+
+from __future__ import annotations
+
+import shutil
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from pawnb.core.pose.animal import LEFT, RIGHT, StickAnimal
+from pawnb.core.pose.pose_table import read_start_pose, write_start
+from pawnb.core.pose.poses import Poses, natural_pose
+from pawnb.errors import InputError
+from pawnb.trial import Trial
+from pawnb.widgets.colours import point_colours
+from pawnb.widgets.stick_pose import StickPose, stick_pose
+
+_SIDES = {"left": LEFT, "right": RIGHT}
+_USUAL_SHARE = 0.5
+"""Leg span of a first pose as a share of the picture's shorter side, where no scale is known."""
+
+
+@dataclass(frozen=True)
+class _State:
+    """What undo goes back to."""
+
+    pose: StickPose
+    frame: int
+    origin: Literal["first", "proposed", "person"] = "person"
+
+
+class StickSession:
+    """The pose of one animal in one frame of a trial.
+
+    Parameters
+    ----------
+    trial : Trial
+        A trial of kind ``pose``.
+    species : StickAnimal
+        The animal as its species file describes it.
+    size : tuple of int
+        Width and height of the view, px.
+    span : tuple of int
+        First and last frame that can be posed.
+    frame : int, optional
+        Frame to begin with; default that of the file, else the first.
+    path : str or Path, optional
+        Where the pose goes; default the trial's ``[start] pose``, else ``start_pose.csv``
+        beside the trial.
+
+    Attributes
+    ----------
+    frame : int
+        The frame looked at.
+    leg : str
+        The leg that buttons and keys are about.
+    notes : tuple of str
+        What came with a proposal, in sentences.
+
+    Raises
+    ------
+    InputError
+        If the pose in the file does not fit the animal, or the frame is not in the trial.
+    """
+
+    def __init__(
+        self,
+        trial: Trial,
+        species: StickAnimal,
+        *,
+        size: tuple[int, int],
+        span: tuple[int, int],
+        frame: int | None = None,
+        path: str | Path | None = None,
+    ) -> None:
+        self.trial, self.species, self.size, self.span = trial, species, size, span
+        self.path = Path(path) if path else trial.path(trial.start_pose or "start_pose.csv")
+        self._kept_before = not self.path.exists()
+        self.colours = point_colours(species.leg_names)
+        self.leg = species.leg_names[0]
+        self.notes: tuple[str, ...] = ()
+        self.saved = False
+        self._past: list[_State] = []
+        self._future: list[_State] = []
+        self._state = self._read() if self.path.exists() else self._first(frame)
+        self.frame = self._checked_frame(self._state.frame if frame is None else frame)
+
+    # --- what there is --------------------------------------------------------------------
+
+    @property
+    def pose(self) -> StickPose:
+        """The pose."""
+        return self._state.pose
+
+    @property
+    def pose_frame(self) -> int:
+        """The frame that the pose belongs to."""
+        return self._state.frame
+
+    @property
+    def proposed(self) -> bool:
+        """Whether the pose is a proposal that nobody has accepted or changed."""
+        return self._state.origin == "proposed"
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is something to undo."""
+        return bool(self._past)
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether something undone can be made again."""
+        return bool(self._future)
+
+    def poses(self) -> Poses:
+        """Return the pose as :func:`pawnb.core.pose.tracker.track_pose` takes it for ``start``."""
+        return self.pose.poses(self.pose_frame)
+
+    def animal(self) -> StickAnimal:
+        """Return the animal with its own legs and proportions."""
+        return self.pose.animal()
+
+    # --- what a person does ---------------------------------------------------------------
+
+    def go(self, frame: int) -> None:
+        """Look at another frame; the pose stays where it belongs until it is changed."""
+        self.frame = self._checked_frame(frame)
+
+    def select(self, leg: str) -> None:
+        """Choose the leg that buttons and keys are about; a joint chooses its leg."""
+        self.leg = self.species.leg(leg.split(".")[0]).name
+
+    def drag(self, handle: str, u: float, v: float, *, whole: bool = True) -> None:
+        """Drag a handle of the stick animal; see :meth:`StickPose.drag`."""
+        if handle == "body":
+            width, height = self.size
+            if not (-0.5 <= u < width - 0.5 and -0.5 <= v < height - 0.5):
+                raise InputError(
+                    f"the body at ({u:.1f}, {v:.1f}) is outside the picture "
+                    f"({width} x {height} px); drag it inside."
+                )
+        elif handle not in ("heading", "span"):
+            self.select(handle)
+        self._change(self.pose.drag(handle, u, v, whole=whole))
+
+    def set_length(self, factor: float, leg: str | None = None) -> None:
+        """Set the factor of a leg's length; see :meth:`StickPose.lengthened`."""
+        self._change(self.pose.lengthened(self._named(leg), factor))
+
+    def toggle_missing(self, leg: str | None = None) -> None:
+        """Say that a leg is missing, or there after all."""
+        name = self._named(leg)
+        self._change(self.pose.with_missing(name, missing=not self.pose.legs[name].missing))
+
+    def reset_leg(self, leg: str | None = None) -> None:
+        """Put a leg at its natural orientation."""
+        self._change(self.pose.straightened(self._named(leg)))
+
+    def mirror(self, source: str) -> None:
+        """Copy the legs of the ``left`` or the ``right`` side to the other."""
+        if source not in _SIDES:
+            raise InputError(f"mirror from {source!r}: expected left or right.")
+        self._change(self.pose.mirrored(_SIDES[source]))
+
+    def pose_here(self) -> None:
+        """Say that the pose belongs to the frame looked at."""
+        self._change(self.pose)
+
+    def propose(self, animal: StickAnimal, pose: Poses, *, notes: tuple[str, ...] = ()) -> None:
+        """Offer a pose of one frame to accept or change, and look at it."""
+        state = _State(stick_pose(self.species, animal, pose), int(pose.frames[0]), "proposed")
+        self._checked_frame(state.frame)
+        self._past.append(self._state)
+        self._future.clear()
+        self._state, self.frame, self.notes = state, state.frame, notes
+        self.saved = False
+
+    def accept(self) -> None:
+        """Take a proposal as it is."""
+        self._change(self.pose, frame=self.pose_frame)
+
+    def undo(self) -> bool:
+        """Take back the last change; say whether there was one."""
+        return self._step(self._past, self._future)
+
+    def redo(self) -> bool:
+        """Make the change that was undone last again; say whether there was one."""
+        return self._step(self._future, self._past)
+
+    def save(self) -> Path:
+        """Write the pose to the file, whole or not at all.
+
+        A file that was there before this session is kept beside it as ``*.before.csv``.
+
+        Returns
+        -------
+        Path
+            The file.
+        """
+        if not self._kept_before:
+            before = self.path.with_name(f"{self.path.stem}.before{self.path.suffix}")
+            shutil.copyfile(self.path, before)
+            self._kept_before = True
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        write_start(self.path, self.animal(), self.poses(), species=self.species)
+        self.saved = True
+        return self.path
+
+    # --- in words -------------------------------------------------------------------------
+
+    def prompt(self) -> str:
+        """Say what to do next."""
+        if self.frame != self.pose_frame:
+            return (
+                f"The pose belongs to frame {self.pose_frame}. Drag anything, or press F, to pose "
+                "this frame instead."
+            )
+        if self.proposed:
+            return "This pose is proposed: drag what is wrong, or press Enter to accept it."
+        if self._state.origin == "first":
+            return "Press P for a proposal, or drag the stick animal onto the animal."
+        return "Drag the joints until the stick animal lies on the animal."
+
+    def remarks(self) -> str:
+        """Say what looks wrong, or that nothing does."""
+        over = sorted(self.pose.beyond().items(), key=lambda item: -item[1])
+        parts = []
+        if over:
+            named = ", ".join(f"{name} by {by:.0f}°" for name, by in over[:4])
+            more = f" and {len(over) - 4} more" if len(over) > 4 else ""
+            parts.append(f"Beyond their range: {named}{more}.")
+        lost = [name for name, pose in self.pose.legs.items() if pose.missing]
+        if lost:
+            parts.append(f"Missing: {', '.join(lost)}.")
+        outside = [name for name in self.colours if name not in lost and self._outside(name)]
+        if outside:
+            parts.append(f"Reaching out of the picture: {', '.join(outside)}.")
+        if self.proposed:
+            parts += self.notes
+        return " ".join(parts) or "All joints are within their range."
+
+    # --- inside ---------------------------------------------------------------------------
+
+    def _outside(self, leg: str) -> bool:
+        """Say whether a leg's tip is outside the picture."""
+        u, v = self.pose.places(leg)[-1]
+        width, height = self.size
+        return not (-0.5 <= u < width - 0.5 and -0.5 <= v < height - 0.5)
+
+    def _first(self, frame: int | None) -> _State:
+        """Return a natural pose in the middle of the picture."""
+        width, height = self.size
+        known = self.trial.calibration
+        scale = _USUAL_SHARE * min(width, height) / self.species.span
+        if known is not None and known.px_per_unit is not None and known.unit == self.species.unit:
+            scale = known.px_per_unit
+        pose = natural_pose(self.species, xy=((width - 1) / 2, (height - 1) / 2), scale=scale)
+        first = self.span[0] if frame is None else frame
+        return _State(
+            stick_pose(self.species, self.species, pose), self._checked_frame(first), "first"
+        )
+
+    def _read(self) -> _State:
+        """Return the pose in the file: that of its first frame."""
+        animal, poses = read_start_pose(self.path, self.species)
+        frame = self._checked_frame(int(poses.frames[0]))
+        return _State(stick_pose(self.species, animal, poses.take([0])), frame)
+
+    def _change(self, pose: StickPose, *, frame: int | None = None) -> None:
+        """Take over a new pose and save it; it belongs to the frame looked at."""
+        before = self._state
+        self._state = _State(pose, self.frame if frame is None else frame)
+        try:
+            self.save()
+        except (InputError, OSError):
+            self._state = before
+            raise
+        self._past.append(before)
+        self._future.clear()
+
+    def _step(self, source: list[_State], target: list[_State]) -> bool:
+        """Move one state from one pile to the other; used by undo and redo."""
+        if not source:
+            return False
+        before, self._state = self._state, source[-1]
+        try:
+            if self._state.origin == "person":
+                self.save()
+            else:  # the file keeps the pose that a person made last
+                self.saved = False
+        except (InputError, OSError):
+            self._state = before
+            raise
+        target.append(before)
+        source.pop()
+        self.frame = self.pose_frame
+        return True
+
+    def _named(self, leg: str | None) -> str:
+        return self.leg if leg is None else self.species.leg(leg).name
+
+    def _checked_frame(self, frame: int) -> int:
+        first, last = self.span
+        if not first <= frame <= last:
+            raise InputError(f"frame {frame} is not in the trial ({first} to {last}).")
+        return int(frame)
+
+
+def _span_at(session: StickSession) -> float:
+    """Return where the handle of the span lies, degrees from the heading: inside the picture."""
+    width, height = session.size
+    radius = session.species.span / 2
+    for aside in (180.0, 90.0, -90.0, 0.0, 135.0, -135.0, 45.0, -45.0):
+        turn = np.radians(aside)
+        u, v = session.pose.on_body(radius * np.cos(turn), radius * np.sin(turn))
+        if 6 < u < width - 6 and 6 < v < height - 6:
+            return aside
+    return 180.0
+
+
+def describe(session: StickSession) -> dict[str, Any]:
+    """Return the stick animal as ``static/stick.js`` draws and drags it: plain JSON.
+
+    Parameters
+    ----------
+    session : StickSession
+        The session.
+
+    Returns
+    -------
+    dict
+        xy, heading (degrees), scale, span, body (ellipses) and legs: attach, lengths (units,
+        as in the picture), angles, natural, half (of the range), free, joints.
+    """
+    pose = session.pose
+    legs = []
+    for leg in session.species.legs:
+        bent = pose.legs[leg.name]
+        legs.append(
+            {
+                "name": leg.name,
+                "side": leg.side,
+                "colour": session.colours[leg.name],
+                "attach": list(leg.attach),
+                "lengths": np.round(pose.steps_px(leg.name) / pose.scale, 6).tolist(),
+                "angles": np.round(bent.angles_deg, 5).tolist(),
+                "natural": list(leg.natural_deg),
+                "half": [whole / 2 for whole in leg.range_deg],
+                "free": list(leg.free),
+                "joints": list(leg.joints),
+                "missing": bent.missing,
+            }
+        )
+    body = [
+        {"centre": list(part.centre), "length": part.length, "width": part.width}
+        for part in session.species.body
+    ]
+    return {
+        "xy": list(pose.xy),
+        "heading": pose.heading_deg,
+        "scale": pose.scale,
+        "span": session.species.span,
+        "span_at": _span_at(session),
+        "front": max(part.centre[0] + part.length / 2 for part in session.species.body),
+        "body": body,
+        "legs": legs,
+        "leg": session.leg,
+        "dashed": session.proposed,
+    }
