@@ -18,6 +18,7 @@ from pawnb.gait.leg_names import guess_body, guess_legs
 from pawnb.gait.legs import default_pairs, sort_legs
 from pawnb.gait.paths import get_foot_paths
 from pawnb.gait.phases import build_phases, summarise_phases
+from pawnb.gait.pose_body import pose_body
 from pawnb.gait.strides import Motion, build_strides, choose_stride_event
 from pawnb.schema import EVENTS_COLUMNS, Tracks, build_settings, check_columns, check_tracks
 from pawnb.trial import Trial
@@ -334,7 +335,11 @@ def _analyse_one(
             span = {"start_s": grid.time_s[0], "end_s": grid.time_s[-1]}
             dropped.append({"leg": leg, **span, "what": "leg", "why": "never seen"})
     for space in spaces:
-        body = _body_points(dense, trial, individual, space.source, least=least)
+        posed = pose_body(dense, space, individual=individual)
+        body, space = posed or (
+            _body_points(dense, trial, individual, space.source, least=least),
+            space,
+        )
         found = analyse_space(
             space, grid, trial=trial, belt=belt, body=body, forward=forward, settings=settings
         )

@@ -106,7 +106,10 @@ def analyse_space(
     position = _smooth(raw, scales.cutoff_hz, fs, max_gap)
     lab = _smooth(along(feet.positions, frame.forward), scales.cutoff_hz, fs, max_gap)
     standing = found_body.standing
-    extremes, rejected = _extremes_of_feet(position, fs, settings, scales, standing)
+    turning, how = position, f"fore-aft position ({frame.method})"
+    if feet.angle_deg is not None:
+        turning, how = _smooth(feet.angle_deg, scales.cutoff_hz, fs, max_gap), "leg angle"
+    extremes, rejected = _extremes_of_feet(turning, fs, settings, scales, standing)
     velocity = differentiate(lab, dt=1.0 / fs)
     belt_here = _belt(feet, velocity, extremes, belt, found_body.treadmill, notes)
     height = None
@@ -117,8 +120,10 @@ def analyse_space(
     result = SpaceResult(events=[], dropped=[], gaps=[], motion=motion, notes=notes)
     for k, leg in enumerate(feet.legs):
         bridged = ~np.isfinite(raw[:, k])
-        how = f"fore-aft position ({frame.method})"
-        _add_extremes(result, leg, extremes[k], bridged, grid, how)
+        where = extremes[k]
+        if feet.angle_deg is not None:
+            where = _with_positions(where, position[:, k])
+        _add_extremes(result, leg, where, bridged, grid, how)
         _add_rejected(result, leg, rejected[k], grid)
         _add_jumps(result, leg, jumps[:, k], grid)
         _add_gaps(result, leg, position[:, k], grid, scales.max_gap_s)
@@ -140,7 +145,8 @@ def _without_jumps(feet: FootPaths, factor: float | None) -> tuple[FootPaths, np
     for k in range(len(feet.legs)):
         jumps[:, k] = find_jumps(feet.positions[:, :, k], factor=factor)
     kept = np.where(jumps[:, None, :], np.nan, feet.positions)
-    return replace(feet, positions=kept), jumps
+    angle = None if feet.angle_deg is None else np.where(jumps, np.nan, feet.angle_deg)
+    return replace(feet, positions=kept, angle_deg=angle), jumps
 
 
 def _smooth(x: np.ndarray, cutoff_hz: float | None, fs: float, max_gap: int) -> np.ndarray:
@@ -169,6 +175,15 @@ def _extremes_of_feet(
         extremes.append(found[0])
         rejected.append(found[1])
     return extremes, rejected
+
+
+def _with_positions(extremes: list[Extreme], position: np.ndarray) -> list[Extreme]:
+    """Return extremes with the foot's position along forward at their moments."""
+    samples = np.arange(len(position))
+    return [
+        extreme._replace(position=float(np.interp(extreme.sample, samples, position)))
+        for extreme in extremes
+    ]
 
 
 def _belt(

@@ -77,11 +77,20 @@ def put_on_grid(tracks: Tracks, *, where: str) -> tuple[Grid, Tracks]:
     dense = tracks.isel(time=np.maximum(rows, 0)).assign_coords(time=even, frame=("time", full))
     names = [n for n in ("position", "image_position") if n in tracks]
     dense = dense.assign({n: dense[n].where(dense[n].time.isin(even[rows >= 0])) for n in names})
+    if "heading" in dense:
+        dense = dense.assign(heading=dense["heading"].where(dense.time.isin(even[rows >= 0])))
     if np.max(np.abs(full_times - even)) * fs <= 0.02:
         return Grid(time_s=even, frame=full.astype(float), fs_hz=float(fs)), dense
     for name in names:
         flat = dense[name].to_numpy().reshape(len(full), -1)
         moved = np.column_stack([np.interp(even, full_times, c) for c in flat.T])
         dense[name] = (dense[name].dims, moved.reshape(dense[name].shape))
+    if "heading" in dense:
+        turn = np.radians(dense["heading"].to_numpy())
+        cos, sin = (
+            np.column_stack([np.interp(even, full_times, c) for c in part.T])
+            for part in (np.cos(turn), np.sin(turn))
+        )
+        dense["heading"] = (dense["heading"].dims, np.degrees(np.arctan2(sin, cos)))
     frame = np.interp(even, full_times, full)
     return Grid(time_s=even, frame=frame, fs_hz=float(fs)), dense

@@ -8,6 +8,8 @@ from itertools import pairwise
 from typing import NamedTuple
 
 _RANKS = {"F": 1, "M": 2, "H": 3}
+_MANY = 4
+"""From so many pairs of legs on, each leg is compared with all on its side."""
 _FORMS = (
     re.compile(r"(?P<rank>[FMH])(?P<side>[LR])"),  # mouse: FR, HR, FL, HL
     re.compile(r"(?P<side>[LR])(?P<rank>\d+)"),  # spider: L1..L4, R1..R4
@@ -89,8 +91,10 @@ def default_pairs(legs: Sequence[str]) -> list[tuple[str, str]]:
     list of (leg, reference)
         Left relative to right of each pair of legs, from the front; then on each side
         every leg relative to the next behind it; then every leg relative to the next
-        behind it on the other side (the diagonals). Legs without a partner, and names
-        that say no place, form no pair.
+        behind it on the other side (the diagonals). Of an animal with four or more pairs
+        of legs: left relative to right, then on each side every leg relative to every
+        one behind it, as in Pullar 2009, §4.2.4 (eight legs: 16 pairs). Legs without a
+        partner, and names that say no place, form no pair.
     """
     places = {}
     for name in sort_legs(legs):
@@ -100,6 +104,11 @@ def default_pairs(legs: Sequence[str]) -> list[tuple[str, str]]:
     sides = sorted({p.side for p in places}, reverse=True)  # right side first, as FR, HR, FL, HL
     ranks = sorted({p.rank for p in places})
     wanted = [(LegPlace("L", k), LegPlace("R", k)) for k in ranks]
+    if len(ranks) >= _MANY:
+        apart = range(1, len(ranks))
+        behind = [(a, b) for k in apart for a, b in zip(ranks, ranks[k:], strict=False)]
+        wanted += [(LegPlace(s, a), LegPlace(s, b)) for a, b in behind for s in sides]
+        return [(places[a], places[b]) for a, b in wanted if a in places and b in places]
     steps = list(pairwise(ranks))
     wanted += [(LegPlace(s, a), LegPlace(s, b)) for s in sides for a, b in steps]
     other = {"L": "R", "R": "L"}

@@ -25,12 +25,16 @@ class FootPaths:
         The legs, in the order of the last axis.
     positions : ndarray, shape (n, d, k)
         Positions; NaN where missing.
+    angle_deg : ndarray, shape (n, k), optional
+        Angle of each leg, degrees, positive forwards, where the animal's pose is known: its
+        extremes are AEP and PEP then.
     """
 
     source: str
     unit: str
     legs: tuple[str, ...]
     positions: np.ndarray
+    angle_deg: np.ndarray | None = None
 
     @property
     def label(self) -> str:

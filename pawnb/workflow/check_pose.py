@@ -28,6 +28,7 @@ _ON_ANIMAL = 0.5
 _SECOND_ANIMAL = 0.3
 """Things this large, as a share of the animal, may be a second one."""
 _OTHER_SIZE = 1.5
+_SPARE_SPAN = 0.06
 _SEVERAL = 3
 _MOVES_GREY = 12.0
 _MOVES_SHARE = 3e-4
@@ -130,7 +131,9 @@ def _check_joints(
         )
     places = joint_positions(animal, pose)[0]
     size = np.array([reader.width, reader.height])
-    off = ~((places >= -0.5) & (places < size - 0.5)).all(axis=-1) & np.isfinite(places[..., 0])
+    # where no lengths are given, legs that are raised reach too far
+    spare = _SPARE_SPAN * animal.span * scale
+    off = ~((places > -spare) & (places < size + spare)).all(axis=-1) & np.isfinite(places[..., 0])
     names = [name for name, out in zip(animal.leg_names, off.any(axis=1), strict=True) if out]
     if names:
         report.doubts.append(

@@ -1,0 +1,78 @@
+"""Body and legs of a jointed animal whose pose was tracked: its own heading, its leg angles."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+
+from pawnb.gait.body import BodyPoints
+from pawnb.gait.paths import FootPaths, get_foot_paths
+from pawnb.schema import Tracks
+
+BODY, ROOT = "body", "BC"
+"""Names of the point at the body's origin, and of the joint that a leg turns about."""
+
+
+def pose_body(
+    dense: Tracks, feet: FootPaths, *, individual: str
+) -> tuple[BodyPoints, FootPaths] | None:
+    """Take body and leg angles from the pose.
+
+    Parameters
+    ----------
+    dense : xarray.Dataset
+        Tracks on the grid, with ``heading``, a point ``body`` and body-coxa joints
+        (``<leg>.BC``).
+    feet : FootPaths
+        The feet in one space of these Tracks.
+    individual : str
+        Which animal.
+
+    Returns
+    -------
+    body : BodyPoints
+        The origin of the body's frame, and a point one unit in front of it.
+    feet : FootPaths
+        The same feet with ``angle_deg``: the total leg angle of Pullar 2009, §3.6 (tarsus,
+        body-coxa joint, contralateral body-coxa joint; 0 where perpendicular to the body,
+        positive forwards).
+
+    Notes
+    -----
+    None is returned where the Tracks hold no pose, or not in the space of the feet.
+    """
+    points = [str(point) for point in dense["keypoint"].to_numpy()]
+    roots = {leg: f"{leg}.{ROOT}" for leg in feet.legs}
+    if "heading" not in dense or not {BODY, *roots.values()} <= set(points):
+        return None
+    body = _in_space(dense, {BODY: BODY}, feet.source, individual)
+    root = _in_space(dense, roots, feet.source, individual)
+    if body is None or root is None:
+        return None
+    heading = np.radians(dense["heading"].sel(individual=individual).to_numpy().astype(float))
+    front = np.stack([np.cos(heading), np.sin(heading)], axis=-1)
+    origin = body[:, :, 0]
+    ahead = BodyPoints(
+        points=np.stack([origin, origin + front], axis=-1),
+        names=(BODY, "heading"),
+        guessed=False,
+    )
+    # y is down: to the right of the heading the cross product is positive
+    out = root - body
+    side = np.sign(np.nanmedian(front[:, :1] * out[:, 1] - front[:, 1:] * out[:, 0], axis=0))
+    reach = feet.positions - root
+    forwards = np.einsum("ndk,nd->nk", reach, front)
+    outwards = side * (front[:, :1] * reach[:, 1] - front[:, 1:] * reach[:, 0])
+    angle = np.degrees(np.arctan2(forwards, outwards))
+    return ahead, dataclasses.replace(feet, angle_deg=angle)
+
+
+def _in_space(
+    dense: Tracks, points: dict[str, str], source: str, individual: str
+) -> np.ndarray | None:
+    """Return points (n, d, k) in one space, in the order given, or None."""
+    for space in get_foot_paths(dense, points, individual=individual):
+        if space.source == source and set(space.legs) == set(points):
+            return space.positions[:, :, [space.legs.index(name) for name in points]]
+    return None
