@@ -14,6 +14,7 @@ from pawnb import gait
 from pawnb.errors import InputError
 from pawnb.gait import GaitTables
 from pawnb.gait.contacts import events_from_contacts, is_contact_table
+from pawnb.gait.coordination import coordination_tables
 from pawnb.io import native
 from pawnb.io.formats import OWN_FORMATS, read_any_tracks, recognise_format
 from pawnb.io.tables import read_cells, read_numbers, write_table
@@ -161,6 +162,8 @@ def run_gait(
         path = folder / f"{name}.csv"
         write_table(getattr(tables, name), path)
         files.append(path)
+    for name, table in coordination_tables(tables).items():
+        files.append(write_table(table, folder / f"{name}.csv"))
     files += save_gait_figures(tables, folder / "figures", record=step)
     write_provenance([step], folder / "provenance.json")
     files.append(folder / "provenance.json")
