@@ -86,11 +86,18 @@ def _parser() -> argparse.ArgumentParser:
 def _add_demo(commands: Any) -> None:
     text = "render a synthetic trial with its truth, ready to track"
     command = commands.add_parser("demo", help=text, description=text)
-    command.add_argument("scene", choices=["paws"], help="paws: a mouse on a treadmill")
-    command.add_argument("--out", default=None, help="folder to write (default: demo-paws)")
+    command.add_argument(
+        "scene",
+        choices=["paws", "spider"],
+        help="paws: a mouse on a treadmill; spider: a spider seen from above",
+    )
+    command.add_argument("--out", default=None, help="folder to write (default: demo-SCENE)")
     command.add_argument("--frames", type=int, default=120, help="how many (default: 120)")
     command.add_argument(
-        "--scale", type=float, default=0.5, help="1 is 2048 x 700 px a view (default: 0.5)"
+        "--scale",
+        type=float,
+        default=0.5,
+        help="1 is 2048 x 700 px a view, of the spider 1280 x 1024 px (default: 0.5)",
     )
     command.add_argument("--seed", type=int, default=0, help="another animal (default: 0)")
     command.set_defaults(run=_demo)
@@ -201,12 +208,13 @@ def _add_lab(commands: Any) -> None:
 
 
 def _demo(options: argparse.Namespace, _argv: list[str]) -> None:
-    from pawnb.synthetic import render_mouse_trial
+    from pawnb.synthetic import render_mouse_trial, render_spider_trial
     from pawnb.workflow.progress import progress_bar
 
+    render = render_spider_trial if options.scene == "spider" else render_mouse_trial
     out = Path(options.out or f"demo-{options.scene}")
     with progress_bar("rendering") as progress:
-        path = render_mouse_trial(
+        path = render(
             out,
             frames=options.frames,
             scale=options.scale,
