@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
 from pawnb.errors import InputError
-from pawnb.figures.style import OKABE_ITO, PAGE_MM, size_mm, style
+from pawnb.figures.style import OKABE_ITO, figure_size, style
 from pawnb.schema import check_columns
 
 COLUMNS = ("panel", "method", "view", "kind", "trial", "value", "n", "mean", "sd")
@@ -105,7 +105,7 @@ def plot_compare_methods(table: pd.DataFrame) -> Axes:
     with style():
         # the last panel holds a group for each camera and kind of paw
         figure, axes = plt.subplots(
-            1, 4, figsize=size_mm(PAGE_MM, 75.0), width_ratios=[1.0, 1.0, 1.0, 2.6]
+            1, 4, figsize=figure_size(2, 75.0), width_ratios=[1.0, 1.0, 1.0, 2.6]
         )
         for letter, ax, panel in zip("abcd", axes, PANELS, strict=True):
             own = table[table["panel"] == panel]

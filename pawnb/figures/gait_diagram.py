@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.transforms import blended_transform_factory
 
 from pawnb.errors import InputError
-from pawnb.figures.style import COLUMN_MM, colour_legs, size_mm, style
+from pawnb.figures.style import colour_legs, figure_size, small_pt, style
 from pawnb.gait.legs import sort_legs
 from pawnb.gait.strides import PARTNER, choose_stride_event
 from pawnb.schema import check_columns
@@ -136,7 +136,7 @@ def plot_gait_diagram(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
     legs = list(dict.fromkeys(table["leg"]))
     with style():
         if ax is None:
-            _, ax = plt.subplots(figsize=size_mm(COLUMN_MM, 20.0 + 5.0 * len(legs)))
+            _, ax = plt.subplots(figsize=figure_size(1, 20.0 + 5.0 * len(legs)))
         colours = colour_legs(legs)
         for bar in table.itertuples():
             _draw_bar(ax, bar, legs.index(str(bar.leg)), colours[str(bar.leg)])
@@ -155,7 +155,8 @@ def plot_gait_diagram(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
             said.append("hatched: not known")
         if said:
             place = blended_transform_factory(ax.transAxes, ax.transAxes)
-            ax.text(1.0, 1.02, "; ".join(said), transform=place, ha="right", va="bottom")
+            ax.text(1.0, 1.02, "; ".join(said), transform=place, ha="right", va="bottom",
+                    fontsize=small_pt())  # fmt: skip
     return ax
 
 

@@ -1,24 +1,33 @@
 """How figures look: sizes, fonts and colours, in one place.
 
 The style is a context. Outside it matplotlib is as the user left it. Save inside it
-too: embedded fonts and reproducible SVG are decided when a file is written.
+too: embedded fonts and reproducible SVG are decided when a file is written. What a user
+may choose (:class:`StyleOptions`) is set once by :func:`set_style`, and every figure
+follows it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any
+from dataclasses import dataclass, fields, replace
+from typing import Any, NamedTuple
 
 import matplotlib as mpl
+from matplotlib.colors import is_color_like, to_hex
+from matplotlib.font_manager import FontProperties, findfont
 
+from pawnb.errors import InputError, did_you_mean
 from pawnb.gait.legs import find_leg_place, sort_legs
 
 COLUMN_MM = 85.0
-"""Width of one column of a journal."""
+"""Width of one column of a journal, where nothing else is set."""
 
-PAGE_MM = 174.0
-"""Width of two columns."""
+PAGE_MM = 170.0
+"""Width of two columns, where nothing else is set."""
+
+SMALLEST_PT = 6.0
+"""No text is smaller than this when printed at its size."""
 
 OKABE_ITO = {
     "black": "#000000",
@@ -34,16 +43,65 @@ OKABE_ITO = {
 
 _MOUSE = {"FR": "blue", "HR": "sky blue", "FL": "vermillion", "HL": "orange"}
 _BY_RANK = ("blue", "orange", "bluish green", "reddish purple", "vermillion", "sky blue", "black")
+_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", "p", ">", "h", "*")
 
-_STYLE: Any = {
+
+@dataclass(frozen=True, kw_only=True)
+class StyleOptions:
+    """What a user may choose of the style.
+
+    Parameters
+    ----------
+    font_size_pt : float
+        Size of numbers and notes at print size, 6 or more; names of axes and titles of panels
+        are 1 pt larger.
+    font : str
+        Font family. The default comes with matplotlib, so it is the same everywhere.
+    column_mm, page_mm : float
+        Width of figures of one and of two columns.
+    leg_colours : mapping
+        Leg to a colour that matplotlib knows; legs that are not named keep theirs.
+    dpi : float
+        Resolution of PNG files.
+    """
+
+    font_size_pt: float = 7.0
+    font: str = "DejaVu Sans"
+    column_mm: float = COLUMN_MM
+    page_mm: float = PAGE_MM
+    leg_colours: Mapping[str, str] | None = None
+    dpi: float = 300.0
+
+    def __post_init__(self) -> None:
+        """Refuse what cannot be printed."""
+        if self.font_size_pt < SMALLEST_PT:
+            raise InputError(
+                f"font_size_pt is {self.font_size_pt:g}; text below {SMALLEST_PT:g} pt cannot be "
+                "read in print, give 6 or more."
+            )
+        for name in ("column_mm", "page_mm", "dpi"):
+            if not getattr(self, name) > 0:
+                raise InputError(f"{name} is {getattr(self, name)}; expected more than 0.")
+        for leg, colour in (self.leg_colours or {}).items():
+            if not is_color_like(colour):
+                raise InputError(
+                    f"leg_colours: {colour!r} of leg {leg} is no colour; give a name or #rrggbb."
+                )
+        try:
+            findfont(FontProperties(family=[self.font]), fallback_to_default=False)
+        except ValueError:
+            raise InputError(
+                f"font {self.font!r} is not installed; install it or leave font out."
+            ) from None
+
+
+_DEFAULT = StyleOptions()
+_in_force = [_DEFAULT]
+"""The options of each ``with`` block inside the other; the last count. No context variable: those
+do not outlive the cell of a notebook."""
+
+_FIXED: dict[str, Any] = {
     "font.family": "sans-serif",
-    "font.sans-serif": ["DejaVu Sans"],  # comes with matplotlib, so it is the same everywhere
-    "font.size": 7.0,
-    "axes.labelsize": 8.0,
-    "axes.titlesize": 8.0,
-    "xtick.labelsize": 7.0,
-    "ytick.labelsize": 7.0,
-    "legend.fontsize": 7.0,
     "axes.linewidth": 0.6,
     "xtick.major.width": 0.6,
     "ytick.major.width": 0.6,
@@ -52,25 +110,117 @@ _STYLE: Any = {
     "hatch.linewidth": 0.4,
     "axes.spines.top": False,
     "axes.spines.right": False,
+    "legend.frameon": False,
     "figure.constrained_layout.use": True,
     "figure.dpi": 150.0,
-    "savefig.dpi": 300.0,
     "pdf.fonttype": 42,  # TrueType: text stays text and can be edited
     "ps.fonttype": 42,
-    "svg.fonttype": "path",
+    "svg.fonttype": "none",  # likewise
     "svg.hashsalt": "pawnb",  # equal figures give equal bytes
 }
 
 
+def get_style() -> StyleOptions:
+    """Return the options in force.
+
+    Returns
+    -------
+    StyleOptions
+        Those of :func:`set_style` or of the innermost ``with style(...)``.
+    """
+    return _in_force[-1]
+
+
+def set_style(**options: Any) -> StyleOptions:
+    """Set options of the style for all figures from here on; without any, go back to defaults.
+
+    Parameters
+    ----------
+    **options
+        Fields of :class:`StyleOptions`; those not named keep what is in force.
+
+    Returns
+    -------
+    StyleOptions
+        The options now in force.
+
+    Raises
+    ------
+    InputError
+        If an option is unknown or cannot be used.
+    """
+    _in_force[-1] = _with(options) if options else _DEFAULT
+    return _in_force[-1]
+
+
+def _with(options: Mapping[str, Any]) -> StyleOptions:
+    """Return the options in force with some of them changed."""
+    known = [field.name for field in fields(StyleOptions)]
+    for name in options:
+        if name not in known:
+            raise InputError(
+                f"style: no option {name!r}{did_you_mean(name, known)}; there are "
+                f"{', '.join(known)}."
+            )
+    return replace(get_style(), **options)
+
+
 @contextmanager
-def style() -> Iterator[None]:
-    """Apply the style inside a ``with`` block; nothing stays changed after it."""
-    with mpl.rc_context(_STYLE):
-        yield
-        # the first figure loads the notebook's backend, which turns interactive mode on: that
-        # must outlive the block, or no later figure of the notebook is shown
-        interactive = mpl.is_interactive()
-    mpl.interactive(interactive)
+def style(**options: Any) -> Iterator[None]:
+    """Apply the style inside a ``with`` block; nothing stays changed after it.
+
+    Parameters
+    ----------
+    **options
+        Fields of :class:`StyleOptions` for this block only.
+
+    Raises
+    ------
+    InputError
+        If an option is unknown or cannot be used.
+    """
+    chosen = _with(options)
+    size = chosen.font_size_pt
+    sizes = dict.fromkeys(("font.size", "xtick.labelsize", "ytick.labelsize"), size)
+    sizes |= {"legend.fontsize": size, "legend.title_fontsize": size}
+    sizes |= {"axes.labelsize": size + 1.0, "axes.titlesize": size + 1.0}
+    more: Any = {"font.sans-serif": [chosen.font, "sans-serif"], "savefig.dpi": chosen.dpi}
+    if options:
+        _in_force.append(chosen)
+    try:
+        with mpl.rc_context(_FIXED | sizes | more):
+            yield
+            # the first figure loads the notebook's backend, which turns interactive mode on:
+            # that must outlive the block, or no later figure of the notebook is shown
+            interactive = mpl.is_interactive()
+        mpl.interactive(interactive)
+    finally:
+        if options:
+            _in_force.pop()
+
+
+def small_pt() -> float:
+    """Return the size of the smallest text: one point below the usual, never below 6 pt."""
+    return max(SMALLEST_PT, get_style().font_size_pt - 1.0)
+
+
+def figure_size(columns: int, height_mm: float) -> tuple[float, float]:
+    """Return the size of a figure in inches, as wide as the style says.
+
+    Parameters
+    ----------
+    columns : int
+        1 or 2 columns of a page.
+    height_mm : float
+        Height, mm.
+
+    Returns
+    -------
+    tuple of float
+        Width and height in inches.
+    """
+    chosen = get_style()
+    return size_mm(chosen.column_mm if columns == 1 else chosen.page_mm, height_mm)
 
 
 def size_mm(width: float, height: float) -> tuple[float, float]:
@@ -102,8 +252,9 @@ def colour_legs(legs: list[str]) -> dict[str, str]:
     dict
         Leg to ``#rrggbb``. The four paws have their own; the two legs of a pair of other
         animals share one, by their place from the front (their names tell them
-        apart); other names take colours in turn.
+        apart); other names take colours in turn. ``leg_colours`` of the style come first.
     """
+    own = get_style().leg_colours or {}
     colours = {}
     spare = 0
     for leg in sort_legs(legs):
@@ -115,5 +266,41 @@ def colour_legs(legs: list[str]) -> dict[str, str]:
         else:
             name = _BY_RANK[spare % len(_BY_RANK)]
             spare += 1
-        colours[leg] = OKABE_ITO[name]
+        colours[leg] = to_hex(own[leg]) if leg in own else OKABE_ITO[name]
     return colours
+
+
+class AnimalMark(NamedTuple):
+    """How the points of one animal look.
+
+    Attributes
+    ----------
+    marker : str
+        Shape, as matplotlib names it.
+    filled : bool
+        Filled, or its outline only.
+    """
+
+    marker: str
+    filled: bool
+
+
+def mark_animals(animals: Iterable[object]) -> dict[str, AnimalMark]:
+    """Choose a shape for the points of every animal, so that individuals are told apart.
+
+    Parameters
+    ----------
+    animals : iterable
+        Names of animals, each counted once.
+
+    Returns
+    -------
+    dict
+        Name to mark, in alphabetical order: twelve filled shapes, then the same as outlines;
+        beyond 24 animals they begin again.
+    """
+    names = sorted({str(animal) for animal in animals})
+    k = len(_MARKERS)
+    return {
+        name: AnimalMark(_MARKERS[i % k], filled=(i // k) % 2 == 0) for i, name in enumerate(names)
+    }

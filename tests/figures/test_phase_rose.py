@@ -94,7 +94,7 @@ def test_several_pairs_have_a_panel_each():
         "FL relative to FR", "HL relative to HR", "FR relative to HR",
     ]  # fmt: skip
     assert panels[0] is first
-    assert first.figure.get_size_inches()[0] * 25.4 == pytest.approx(174.0)
+    assert first.figure.get_size_inches()[0] * 25.4 == pytest.approx(170.0)
     one = plot_phase_rose(build_phase_rose_table(phases(VALUES)))
     assert one.figure.get_size_inches()[0] * 25.4 == pytest.approx(85.0)
 

@@ -1,0 +1,211 @@
+"""Panels of a figure: as many as are needed, lettered, at print size."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import matplotlib.pyplot as plt
+from matplotlib.axes import Axes
+
+from pawnb.errors import InputError
+from pawnb.figures.style import AnimalMark, figure_size, get_style, small_pt
+
+_ALPHABET = "abcdefghijklmnopqrstuvwxyz"
+
+
+def make_panels(
+    n: int,
+    *,
+    where: str,
+    ax: Any = None,
+    columns: int | None = None,
+    height_mm: float = 45.0,
+    lettered: bool = True,
+    **options: Any,
+) -> list[Any]:
+    """Make one axes for each panel, or take the one that was given.
+
+    Parameters
+    ----------
+    n : int
+        Number of panels.
+    where : str
+        Name of the figure, for messages.
+    ax : matplotlib axes, optional
+        Where a single panel is drawn.
+    columns : int, optional
+        Panels side by side; default 1 for one panel, 2 for up to four, else 3. Up to two of
+        them are one column of a page wide, more are two.
+    height_mm : float
+        Height of a row of panels.
+    lettered : bool
+        Put a, b, c, ... above several panels.
+    **options
+        For ``matplotlib.pyplot.subplots``, such as ``sharex``.
+
+    Returns
+    -------
+    list of matplotlib axes
+        n axes.
+
+    Raises
+    ------
+    InputError
+        If there is no panel, or several for one axes.
+    """
+    if n == 0:
+        raise InputError(f"{where}: the table is empty.")
+    if ax is not None:
+        if n > 1:
+            raise InputError(
+                f"{where}: {n} panels for one axes; choose one of them, or leave ax out."
+            )
+        return [ax]
+    wide = columns or (1 if n == 1 else 2 if n <= 4 else 3)
+    wide = min(wide, n)
+    rows = math.ceil(n / wide)
+    size = figure_size(1 if wide <= 2 else 2, rows * height_mm)
+    _, grid = plt.subplots(rows, wide, figsize=size, squeeze=False, **options)
+    panels = list(grid.flat)
+    for spare in panels[n:]:
+        spare.remove()
+    if lettered and n > 1:
+        for k, panel in enumerate(panels[:n]):
+            add_letter(panel, k)
+    return panels[:n]
+
+
+def add_letter(ax: Axes, k: int) -> None:
+    """Put the letter of a panel above its left edge.
+
+    Parameters
+    ----------
+    ax : matplotlib axes
+        The panel.
+    k : int
+        Its number from 0; a to z, then aa, ab, ...
+    """
+    letter = _ALPHABET[k % 26] if k < 26 else _ALPHABET[k // 26 - 1] + _ALPHABET[k % 26]
+    ax.set_title(letter, loc="left", fontweight="bold")
+
+
+def draw_points(ax: Axes, x: Any, y: Any, *, mark: AnimalMark, **options: Any) -> Any:
+    """Draw points with the mark of an animal.
+
+    Parameters
+    ----------
+    ax : matplotlib axes
+        Where.
+    x, y : array_like, shape (n,)
+        Places.
+    mark : AnimalMark
+        From :func:`pawnb.figures.style.mark_animals`.
+    **options
+        For ``Axes.plot``; ``color`` is that of the outline, and of the inside where filled.
+
+    Returns
+    -------
+    matplotlib.lines.Line2D
+        The points.
+    """
+    colour = options.pop("color", "black")
+    inside = colour if mark.filled else "white"
+    options = {"markersize": 3.5, "markeredgewidth": 0.6, **options}
+    (drawn,) = ax.plot(
+        x, y, linestyle="none", marker=mark.marker, markerfacecolor=inside,
+        markeredgecolor=colour, **options,
+    )  # fmt: skip
+    return drawn
+
+
+def add_note(ax: Axes, text: str, *, at: tuple[float, float] = (1.0, 1.0), **options: Any) -> None:
+    """Write a short note in a panel, in fractions of the axes.
+
+    Parameters
+    ----------
+    ax : matplotlib axes
+        The panel.
+    text : str
+        What to write.
+    at : tuple of float
+        Where; the text lies left of and below it.
+    **options
+        For ``Axes.text``.
+    """
+    options = {"ha": "right", "va": "top", "fontsize": small_pt(), **options}
+    ax.text(*at, text, transform=ax.transAxes, **options)
+
+
+def add_animal_legend(ax: Any, marks: dict[str, AnimalMark], *, most: int = 12) -> None:
+    """Name the animals below a figure, where there are several and not too many.
+
+    Parameters
+    ----------
+    ax : matplotlib axes
+        Any axes of the figure.
+    marks : dict
+        From :func:`pawnb.figures.style.mark_animals`.
+    most : int
+        More animals than this are not named one by one.
+    """
+    if not 1 < len(marks) <= most:
+        return
+    from matplotlib.lines import Line2D
+
+    handles = [
+        Line2D([], [], linestyle="none", marker=m.marker, markersize=3.5, markeredgewidth=0.6,
+               markeredgecolor="black", markerfacecolor="black" if m.filled else "white")
+        for m in marks.values()
+    ]  # fmt: skip
+    # as many names in a row as fit at about 0.6 of the size of the letters
+    figure = ax.figure
+    widest = max(len(name) for name in marks) * 0.62 * get_style().font_size_pt + 22.0
+    fit = max(1, int(figure.get_size_inches()[0] * 72.0 / widest))
+    figure.legend(
+        handles, list(marks), loc="outside lower center", ncols=min(fit, len(marks)),
+        handletextpad=0.2, columnspacing=1.0,
+    )  # fmt: skip
+
+
+def say_counts(n: int, what: str, n_animals: int) -> str:
+    """Say how many of something of how many animals, in words.
+
+    Parameters
+    ----------
+    n : int
+        Number of them.
+    what : str
+        One of them, as ``"stride"``.
+    n_animals : int
+        Number of animals.
+
+    Returns
+    -------
+    str
+        As ``"12 strides, 1 animal"``.
+    """
+    return f"{n} {what}{'s' * (n != 1)}, {n_animals} animal{'s' * (n_animals != 1)}"
+
+
+def with_unit(name: str, unit: str | None) -> str:
+    """Return the name of an axis with its unit in brackets.
+
+    Parameters
+    ----------
+    name : str
+        What is shown.
+    unit : str or None
+        Unit; None or empty where it is not known, which the name then says.
+
+    Returns
+    -------
+    str
+        As ``"Speed (mm/s)"``.
+    """
+    return f"{name} ({unit or 'unit of the tracks'})"
+
+
+def speed_unit(unit: str | None) -> str:
+    """Return the unit of a speed from that of a length; said in words where it is not known."""
+    return f"{unit}/s" if unit else "unit of the tracks/s"
