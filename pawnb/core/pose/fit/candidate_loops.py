@@ -129,14 +129,15 @@ def leg_support(
 
 @compiled
 def unexplained(
-    owner: np.ndarray, sight: Sight, dark: float, reach: float, middle: np.ndarray
-) -> float:
-    """Return the number of dark pixels near the animal that nothing painted covers."""
-    total = 0.0
+    owner: np.ndarray, sight: Sight, dark: float, reach: float, pose: np.ndarray
+) -> np.ndarray:
+    """Return the numbers of dark pixels near the animal that nothing painted covers: left, right."""
+    total = np.zeros(2)
+    cos, sin = math.cos(pose[2]), math.sin(pose[2])
     for v in range(owner.shape[0]):
         for u in range(owner.shape[1]):
             if owner[v, u] == NOTHING and sight.seen[v, u] > dark:
-                du, dv = u + sight.box[0] - middle[0], v + sight.box[1] - middle[1]
+                du, dv = u + sight.box[0] - pose[0], v + sight.box[1] - pose[1]
                 if du * du + dv * dv < reach * reach:
-                    total += 1.0
+                    total[1 if -du * sin + dv * cos > 0 else 0] += 1.0
     return total

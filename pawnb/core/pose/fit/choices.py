@@ -11,14 +11,16 @@ from pawnb.core.pose.fit.candidate_loops import leg_footprint, paint_base, share
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.limb_loops import chains_apart, find_limbs
 from pawnb.core.pose.fit.paint_loops import NOTHING, leg_chain
-from pawnb.core.pose.fit.solve_loops import Prior, Sight
+from pawnb.core.pose.fit.solve_loops import Prior, Sight, paint_some, prior_cost
 
 SAME_PX = 2.5
 """Poses of a leg nowhere further apart are the same minimum, working px."""
 _BEAM = 24
-_UNDER_BODY = 0.4
-"""What a leg sees under the body, as a share of its darkness: a little less than half, so that no
+_NEUTRAL = 0.4
+"""What a leg sees under others, as a share of its darkness: a little less than half, so that no
 leg is laid across the body where it could as well lie beside it."""
+_ROOM_PX = 14.0
+"""Room about a leg that is fitted alone, working px."""
 _WORTHLESS = 0.35
 """A candidate that explains less than this share of what the best one does is dropped."""
 
@@ -85,16 +87,24 @@ def limb_candidates(
 ) -> list[np.ndarray]:
     """Return poses of a leg that the silhouette offers, each fitted.
 
-    Under the body a leg finds neither support nor hindrance.
+    Limbs are looked for among what no other leg explains, and then where a neighbour now lies,
+    among what no other leg, the leg itself included, explains. Under what is explained a leg
+    finds neither support nor hindrance.
     """
+    neutral = _NEUTRAL * float(np.median(fitter.layout.dark[leg]))
+    found: list[np.ndarray] = []
     canvas = fitter.canvas(sight)
-    paint_base(fitter.layout, pose, fitter.blur, sight, canvas[0], canvas[1])
-    outside = np.where(canvas[1] == NOTHING, sight.seen, _UNDER_BODY * fitter.layout.dark[leg, 0])
-    numbers, _ = find_limbs(
-        fitter.layout, pose, leg, outside, sight.box, prior, _BEAM,
-        fitter.settings.candidates, 2 * SAME_PX,
-    )  # fmt: skip
-    return [fit_leg(fitter, pose, leg, guess, sight, prior) for guess in numbers]
+    for absent in (leg, *fitter.neighbours[leg]):
+        shown = fitter.all_shown.copy()
+        shown[absent] = False
+        paint_some(fitter.layout, pose, fitter.blur, sight.box, shown, *canvas)
+        open_to = np.where(canvas[1] == NOTHING, sight.seen, np.minimum(sight.seen, neutral))
+        most = 2 if absent == leg else 1
+        numbers, _ = find_limbs(
+            fitter.layout, pose, leg, open_to, sight.box, prior, _BEAM, most, 2 * SAME_PX
+        )
+        found.extend(numbers)
+    return [fit_leg(fitter, pose, leg, guess, sight, prior) for guess in found]
 
 
 def fit_leg(
@@ -105,15 +115,30 @@ def fit_leg(
     sight: Sight,
     prior: Prior,
     *,
-    rounds: int = 5,
+    rounds: int = 4,
 ) -> np.ndarray:
     """Return one leg's part of the pose vector, fitted with the body as it is."""
     trial = pose.copy()
     trial[fitter.numbers[leg]] = guess
+    part = _about_leg(sight, _joints(fitter, pose, leg, guess))
     fitted, _ = fitter.fit(
-        trial, sight, prior, active=fitter.numbers[leg], shown=fitter.only[leg], rounds=rounds
+        trial, part, prior, active=fitter.numbers[leg], shown=fitter.only[leg], rounds=rounds
     )
     return fitted[fitter.numbers[leg]]
+
+
+def _about_leg(sight: Sight, joints: np.ndarray) -> Sight:
+    """Return the part of a sight about a leg."""
+    height, width = sight.seen.shape
+    low = np.floor(np.nanmin(joints, axis=0) - sight.box - _ROOM_PX).astype(int)
+    high = np.ceil(np.nanmax(joints, axis=0) - sight.box + _ROOM_PX).astype(int)
+    u0, v0 = (int(x) for x in np.clip(low, 0, (width - 2, height - 2)))
+    u1, v1 = max(u0 + 2, min(int(high[0]), width)), max(v0 + 2, min(int(high[1]), height))
+    return Sight(
+        np.ascontiguousarray(sight.seen[v0:v1, u0:u1]),
+        np.ascontiguousarray(sight.weight[v0:v1, u0:u1]),
+        sight.box + (float(u0), float(v0)),
+    )
 
 
 def add_candidates(
@@ -157,7 +182,7 @@ def weigh(fitter: FrameFitter, choices: Choices, sight: Sight, prior: Prior) -> 
     soft = fitter.settings.soft_error
     prints: list[list[tuple[np.ndarray, np.ndarray]]] = []
     for leg, numbers in enumerate(fitter.numbers):
-        trial, worth, marks = choices.pose.copy(), [], []
+        trial, worth, marks, unlikely = choices.pose.copy(), [], [], []
         for candidate in choices.legs[leg]:
             trial[numbers] = candidate
             pixels, darks, cost = leg_footprint(
@@ -165,12 +190,12 @@ def weigh(fitter: FrameFitter, choices: Choices, sight: Sight, prior: Prior) -> 
                 joints[leg],
             )  # fmt: skip
             worth.append(cost)
+            unlikely.append(prior_cost(trial, prior, numbers))
             marks.append((pixels, darks))
-        anatomy = np.array([_prior_cost(c, prior, numbers) for c in choices.legs[leg]])
         alone = np.array(worth)
         keep = _worth_keeping(alone, fitter.settings.candidates)
         choices.worth[leg] = alone[keep]
-        choices.unlikely[leg] = anatomy[keep]
+        choices.unlikely[leg] = np.array(unlikely)[keep]
         choices.legs[leg] = choices.legs[leg][keep]
         choices.joints[leg] = choices.joints[leg][keep]
         prints.append([marks[i] for i in keep])
@@ -189,14 +214,6 @@ def _worth_keeping(alone: np.ndarray, most: int) -> np.ndarray:
     others = np.argsort(alone[1:], kind="stable") + 1
     good = [i for i in others if alone[i] < _WORTHLESS * alone.min()]
     return np.array([0, *good[: most - 1]])
-
-
-def _prior_cost(candidate: np.ndarray, prior: Prior, numbers: np.ndarray) -> float:
-    """Return what anatomy makes a leg's pose cost."""
-    away = candidate - prior.middle[numbers]
-    over = np.maximum(candidate - prior.high[numbers], prior.low[numbers] - candidate)
-    over = np.maximum(over, 0.0)
-    return float(0.5 * (prior.precision[numbers] * away**2 + prior.wall[numbers] * over**2).sum())
 
 
 def _joints(fitter: FrameFitter, pose: np.ndarray, leg: int, numbers: np.ndarray) -> np.ndarray:

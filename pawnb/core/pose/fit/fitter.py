@@ -55,7 +55,12 @@ class FrameFitter:
         self.body = np.arange(N_BODY)
         n_legs = len(animal.legs)
         self.all_shown = np.ones(n_legs + 1, bool)
+        self.body_shown = np.arange(n_legs + 1) == n_legs
         self.only = [np.isin(np.arange(n_legs + 1), (i, n_legs)) for i in range(n_legs)]
+        self.neighbours = [
+            [j for j in (i - 1, i + 1) if 0 <= j < n_legs and layout.side[j] == layout.side[i]]
+            for i in range(n_legs)
+        ]
         self.numbers = [
             np.arange(first, first + 2 * links)
             for first, links in zip(layout.first, layout.n_links, strict=True)
@@ -63,16 +68,22 @@ class FrameFitter:
         reach = np.hypot(*layout.attach.T) + layout.length.sum(axis=1)
         self.reach = 1.03 * float(reach.max()) + 6.0
         self.blur = SQRT5 * settings.blur_px
-        self._canvases: dict[tuple[int, int], tuple[np.ndarray, ...]] = {}
+        self._room = make_canvas(1, 1, layout)
 
     def canvas(self, sight: Sight) -> tuple[np.ndarray, ...]:
-        """Return the canvas of a sight's size; its content does not last."""
-        shape = (sight.seen.shape[0], sight.seen.shape[1])
-        if shape not in self._canvases:
-            if len(self._canvases) > 8:
-                self._canvases.clear()
-            self._canvases[shape] = make_canvas(*shape, self.layout)
-        return self._canvases[shape]
+        """Return a canvas of a sight's size; its content does not last."""
+        height, width = sight.seen.shape
+        size = height * width
+        if size > self._room[0].size:
+            self._room = make_canvas(1, size, self.layout)
+        value, owner, along, joints = self._room
+        shape = (height, width)
+        return (
+            value.ravel()[:size].reshape(shape),
+            owner.ravel()[:size].reshape(shape),
+            along.ravel()[:size].reshape(shape),
+            joints,
+        )
 
     def box(self, expected: np.ndarray) -> tuple[int, int, int, int]:
         """Return the crop that holds the expected animal."""
@@ -143,21 +154,24 @@ class FrameFitter:
     def body_support(self, pose: np.ndarray, sight: Sight) -> float:
         """Return how dark the body's place is relative to what is expected; 0 if out of sight."""
         value, owner, along, joints = self.canvas(sight)
-        shown = np.zeros(len(self.all_shown), bool)
-        shown[-1] = True
-        paint_some(self.layout, pose, self.blur, sight.box, shown, value, owner, along, joints)
+        paint_some(
+            self.layout, pose, self.blur, sight.box, self.body_shown, value, owner, along, joints
+        )
         inside = owner != -1
         total = float(value[inside].sum())
         if total == 0.0:
             return 0.0
         return float(np.minimum(sight.seen[inside], value[inside]).sum()) / total
 
-    def unexplained(self, pose: np.ndarray, sight: Sight) -> float:
-        """Return the number of dark working pixels near the animal that it does not cover."""
+    def unexplained(self, pose: np.ndarray, sight: Sight) -> np.ndarray:
+        """Return the dark working pixels near the animal that it does not cover.
+
+        Those on the animal's left and on its right are counted apart, shape (2,).
+        """
         value, owner, along, joints = self.canvas(sight)
         paint_some(
             self.layout, pose, self.blur + 2.0, sight.box, self.all_shown,
             value, owner, along, joints,
         )  # fmt: skip
         dark = 0.5 * float(np.median(self.layout.dark))
-        return unexplained(owner, sight, dark, self.reach, pose[:2])
+        return unexplained(owner, sight, dark, self.reach, pose)

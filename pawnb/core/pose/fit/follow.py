@@ -28,8 +28,12 @@ _COARSE_BLUR = 4.0
 _BODY_LOST = 0.5
 """Share of the body's darkness below which it is not there."""
 _LEG_LOST, _TIP_LOST = 0.75, 0.5
-_UNEXPLAINED_SHARE = 0.25
-"""Dark pixels left over, as a share of a leg's area, beyond which legs are looked for."""
+_UNEXPLAINED_SHARE = 0.12
+"""Dark pixels left over beyond the usual, as a share of a leg's area, from which on legs are
+looked for."""
+_USUAL_GROWS = 1.02
+_FIRST_FRAMES = 2
+"""Frames after the start in which it is not known yet how the legs move."""
 _KEEP_VELOCITY = 0.9
 _LEAP_PX = 12.0
 _LEARN_LENGTH = 0.03
@@ -57,6 +61,7 @@ class Follower:
         layout = fitter.layout
         area = (2 * layout.radius[:, :-1] * layout.length).sum(axis=1)
         self._leg_area = float(np.median(area))
+        self._usual = np.full(2, np.inf)
         self._lost = 0
 
     def run(
@@ -78,10 +83,8 @@ class Follower:
         if not (0 <= expected[0] < evidence.width and 0 <= expected[1] < evidence.height):
             return False
         sight, image, box = fitter.look(frame, expected)
-        anatomy, prior = self._priors(expected)
-        soft = blurred(sight, _COARSE_BLUR)
-        pose, _ = fitter.fit(expected, soft, prior, blur=fitter.blur + _COARSE_BLUR, rounds=2)
-        pose, _ = fitter.fit(pose, sight, prior, rounds=5)
+        anatomy, prior = self.priors(expected)
+        pose = self.fit_from(expected, sight)
         if fitter.body_support(pose, sight) < _BODY_LOST:
             self._lost += 1
             if self._lost > 2:
@@ -97,7 +100,16 @@ class Follower:
         self.kept.append(choices)
         return True
 
-    def _priors(self, expected: np.ndarray) -> tuple[Prior, Prior]:
+    def fit_from(self, expected: np.ndarray, sight: Sight) -> np.ndarray:
+        """Return the pose near the expected one that fits best: first blurred, then sharp."""
+        fitter = self.fitter
+        _, prior = self.priors(expected)
+        soft = blurred(sight, _COARSE_BLUR)
+        pose, _ = fitter.fit(expected, soft, prior, blur=fitter.blur + _COARSE_BLUR, rounds=2)
+        pose, _ = fitter.fit(pose, sight, prior, rounds=5)
+        return pose
+
+    def priors(self, expected: np.ndarray) -> tuple[Prior, Prior]:
         """Return the prior of anatomy alone, and with the expected pose."""
         fitter = self.fitter
         middle = fitter.anatomy.middle.copy()
@@ -138,8 +150,12 @@ class Follower:
         fitter = self.fitter
         support = fitter.support(choices.pose, sight)
         doubted = (support[:, 0] < _LEG_LOST) | (support[:, 1] < _TIP_LOST)
-        if fitter.unexplained(choices.pose, sight) > _UNEXPLAINED_SHARE * self._leg_area:
-            doubted[:] = True
+        doubted |= len(self.kept) < _FIRST_FRAMES
+        left_over = fitter.unexplained(choices.pose, sight)
+        usual = np.minimum(self._usual * _USUAL_GROWS + 1.0, left_over)
+        on_right = (fitter.layout.side > 0).astype(int)
+        doubted |= (left_over > usual + _UNEXPLAINED_SHARE * self._leg_area)[on_right]
+        self._usual = usual
         joints = choices.joints
         for legs in self.sides:
             for a, b in itertools.pairwise(legs):

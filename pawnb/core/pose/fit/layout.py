@@ -69,7 +69,7 @@ def make_layout(
     px_per_unit : float
         Working pixels per unit of the species file's lengths.
     dark : float
-        Darkness relative to the background; legs fall to half of it at the tip.
+        Darkness relative to the background; legs fall to 0.6 of it at the tip.
     size : float
         Factor of all thicknesses.
 
@@ -89,7 +89,7 @@ def make_layout(
         radius[i, : n + 1] = np.array(leg.widths) * (0.5 * size * px_per_unit)
     paler = np.ones((len(legs), most + 1))
     for i, leg in enumerate(legs):
-        paler[i, : len(leg.segments) + 1] = np.linspace(1.0, 0.5, len(leg.segments) + 1)
+        paler[i, : len(leg.segments) + 1] = np.linspace(1.0, 0.6, len(leg.segments) + 1)
     n_links = np.array([int(links_of(leg)[0][-1]) + 1 for leg in legs])
     body = [(*part.centre, part.length / 2, part.width / 2) for part in animal.body]
     ellipse = np.column_stack([np.array(body) * px_per_unit, np.full(len(body), dark)])

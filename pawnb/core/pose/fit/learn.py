@@ -11,10 +11,13 @@ from pawnb.core.pose.fit.learn_loops import body_equations, look_equations
 from pawnb.core.pose.fit.paint_loops import make_canvas, paint
 from pawnb.core.pose.fit.solve_loops import Sight
 
-_RADIUS_SD, _RADIUS_STEP_SD = 0.4, 0.25
-_DARK_SD, _DARK_STEP_SD = 0.5, 0.2
+_RADIUS_SD, _RADIUS_STEP_SD = 0.4, 0.1
+_DARK_SD, _DARK_STEP_SD = 0.3, 0.1
 _BODY_SD = (0.15, 0.15, 0.5)
 _LEAST_DARK, _MOST_DARK = 0.08, 1.1
+_LEAST_OF_DARKEST = 0.5
+"""A leg's palest place, as a share of its darkest: an end laid on the background would be learnt
+as transparent, and stay there."""
 _LEAST_RADIUS_PX = 0.25
 
 
@@ -82,7 +85,6 @@ def _one_round(
             body_matrix, body_vector,
         )  # fmt: skip
     radius, dark = layout.radius.copy(), layout.dark.copy()
-    typical = float(np.median(layout.dark))
     both = np.arange(legs) != partner
     matrix[both] += matrix[partner[both]]
     vector[both] += vector[partner[both]]
@@ -91,13 +93,14 @@ def _one_round(
         keep = np.concatenate([np.arange(n), nodes + np.arange(n)])
         share = len(frames) * (2.0 if both[leg] else 1.0)
         now = np.concatenate([np.log(radius[leg, :n]), dark[leg, :n]])
-        goal = np.concatenate([np.log(first.radius[leg, :n]), np.full(n, typical)])
+        goal = np.concatenate([np.log(first.radius[leg, :n]), first.dark[leg, :n]])
         stiff = share * _look_prior(n)
         left = matrix[leg][np.ix_(keep, keep)] + stiff
         move = np.linalg.solve(left, -(vector[leg, keep] + stiff @ (now - goal)))
         now += np.clip(move, -0.4, 0.4)
         radius[leg, :n] = np.maximum(np.exp(now[:n]), _LEAST_RADIUS_PX)
-        dark[leg, :n] = np.clip(now[n:], _LEAST_DARK, _MOST_DARK)
+        least = max(_LEAST_DARK, _LEAST_OF_DARKEST * float(now[n:].max()))
+        dark[leg, :n] = np.clip(now[n:], least, _MOST_DARK)
     ellipse = _body_step(layout, first, body_matrix, body_vector, len(frames))
     return layout._replace(radius=radius, dark=dark, ellipse=ellipse)
 

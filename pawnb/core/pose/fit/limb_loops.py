@@ -15,7 +15,9 @@ from pawnb.core.pose.fit.layout import Layout
 from pawnb.core.pose.fit.solve_loops import Prior
 
 N_TURNS = 17
-SHORTER = (-0.45, -0.22, 0.0)
+SHORTER = (-0.4, -0.2, 0.0)
+SHORTER_COST = 6.0
+"""Cost of a link's squared logarithmic foreshortening, px: little, as whole legs are raised."""
 
 
 @compiled
@@ -110,7 +112,7 @@ def find_limbs(
                         box, ends[n],
                     )  # fmt: skip
                     cost = (turn - prior.middle[a]) ** 2 * prior.precision[a]
-                    cost += shorter**2 * prior.precision[q]
+                    cost += shorter**2 * SHORTER_COST
                     scores[n] = support[b] + gain - cost
                     source[n], turns[n], short[n] = b, turn, factor
                     n += 1

@@ -15,6 +15,8 @@ _START_MORE_DEG = 25.0
 _WALL_DEG = 4.0
 _FORESHORTENED = (0.45, 1.06)
 _WALL_LENGTH = 0.03
+_TOGETHER = 0.95
+"""A leg that is raised is shorter as a whole: this takes most of the cost of that."""
 
 
 def parameter_kinds(animal: StickAnimal) -> tuple[np.ndarray, np.ndarray]:
@@ -62,7 +64,12 @@ def anatomy(animal: StickAnimal, start: np.ndarray, *, foreshortening_sd: float)
     precision[lengths] = 1.0 / foreshortening_sd**2
     low[lengths], high[lengths] = np.log(_FORESHORTENED)
     wall[lengths] = 1.0 / _WALL_LENGTH**2
-    return Prior(middle, precision, low, high, wall)
+    group, at = np.full(n, -1), 0
+    for i, leg in enumerate(animal.legs):
+        links = int(links_of(leg)[0][-1]) + 1
+        group[lengths[at : at + links]] = i
+        at += links
+    return Prior(middle, precision, low, high, wall, group, np.array([_TOGETHER]))
 
 
 def about(prior: Prior, pose: np.ndarray, sd: np.ndarray) -> Prior:

@@ -9,16 +9,18 @@ from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.follow import Follower
 from pawnb.core.pose.fit.path import Trellis
 
+_KEEP_VELOCITY = 0.9
 _MOST_BACK = 60
 """Frames that a leg is followed back from where it is found again."""
 
 
 def look_back(follower: Follower) -> None:
-    """Choose the path through all frames followed, looking back where a leg leaps.
+    """Choose the path through all frames followed, after a second pass backwards.
 
-    A leg that was lost and found again leaps: from where it was found it is followed backwards,
-    the poses met on the way become candidates, and the path is chosen again. The poses of the
-    path replace those in ``follower.kept``.
+    Where a frame left more than one candidate open, the animal is followed again from the sure
+    frames after it, backwards in time, and what that finds becomes candidates too. A leg that
+    still leaps, because it was lost and found again, is followed back on its own from where it
+    was found. The poses of the path replace those in ``follower.kept``.
 
     Parameters
     ----------
@@ -26,16 +28,45 @@ def look_back(follower: Follower) -> None:
         After its run; changed in place.
     """
     kept, settings = follower.kept, follower.fitter.settings
-    if not settings.choose_path or not kept:
+    if not settings.choose_path or not any(c.is_open for c in kept):
         return
+    _adopt(follower, _paths(follower))
+    _second_pass(follower)
     paths = _paths(follower)
     if _follow_back(follower, paths):
         paths = _paths(follower)
-    for t, choices in enumerate(kept):
+    _adopt(follower, paths)
+
+
+def _adopt(follower: Follower, paths: list[dict[int, int]]) -> None:
+    """Make the poses of the path those of the frames; candidates stay as they are."""
+    for t, choices in enumerate(follower.kept):
         pose = choices.pose.copy()
         for leg, which in paths[t].items():
             pose[follower.fitter.numbers[leg]] = choices.legs[leg][which]
         choices.pose = pose
+
+
+def _second_pass(follower: Follower) -> None:
+    """Follow the animal backwards through frames with open choices, adding what is found."""
+    fitter, kept = follower.fitter, follower.kept
+    pose, velocity = kept[-1].pose, np.zeros(fitter.n)
+    for t in range(len(kept) - 1, -1, -1):
+        choices = kept[t]
+        if not choices.is_open:
+            velocity = choices.pose - kept[min(t + 1, len(kept) - 1)].pose
+            velocity[fitter.lengths] = 0.0
+            pose = choices.pose
+            continue
+        expected = pose + _KEEP_VELOCITY * velocity
+        sight = fitter.sight(choices.image.astype(float), choices.box, choices.pose)
+        anatomy, _ = follower.priors(expected)
+        found = follower.fit_from(expected, sight)
+        extra = {leg: [found[numbers]] for leg, numbers in enumerate(fitter.numbers)}
+        add_candidates(fitter, choices, extra, sight, anatomy)
+        velocity = found - pose
+        velocity[fitter.lengths] = 0.0
+        pose = found
 
 
 def _paths(follower: Follower) -> list[dict[int, int]]:

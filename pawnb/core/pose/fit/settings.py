@@ -23,7 +23,8 @@ class PoseSettings:
     angle_step_deg : float
         Standard deviation of a joint's angle about its predicted place from frame to frame.
     foreshortening_sd : float
-        Standard deviation of the logarithm of a link's projected length about its mean.
+        Standard deviation of the logarithm of a link's projected length about its mean, where
+        the other links of its leg have theirs; a whole leg may be shorter, as it is raised.
     candidates : int
         Most poses of one leg that are kept in a frame.
     evidence_share : float
@@ -41,7 +42,7 @@ class PoseSettings:
     unexplained_sd: float = 0.12
     soft_error: float = 0.3
     angle_step_deg: float = 8.0
-    foreshortening_sd: float = 0.12
+    foreshortening_sd: float = 0.06
     candidates: int = 5
     evidence_share: float = 0.1
     jump_px: float = 4.0

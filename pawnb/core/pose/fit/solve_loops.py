@@ -31,6 +31,11 @@ class Prior(NamedTuple):
         Where each number is expected, and one over its variance.
     low, high, wall : ndarray
         Limits, and the precision of going beyond them.
+    group : ndarray of int
+        Numbers that are likely to stray together from their middles, as the lengths of one leg's
+        links do where it is raised, share a group from 0 up; others have -1.
+    together : ndarray, shape (1,)
+        How little it costs when a whole group strays alike: 0, all of it; 1, nothing.
     """
 
     middle: np.ndarray
@@ -38,6 +43,8 @@ class Prior(NamedTuple):
     low: np.ndarray
     high: np.ndarray
     wall: np.ndarray
+    group: np.ndarray
+    together: np.ndarray
 
 
 class Sight(NamedTuple):
@@ -59,6 +66,21 @@ class Sight(NamedTuple):
 
 
 @compiled
+def group_sums(
+    pose: np.ndarray, prior: Prior, active: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the precision of each group, and its errors weighted with their precision."""
+    most = prior.group.max() + 1
+    weights, errors = np.zeros(most + 1), np.zeros(most + 1)
+    for i in active:
+        g = prior.group[i]
+        if g >= 0:
+            weights[g] += prior.precision[i]
+            errors[g] += prior.precision[i] * (pose[i] - prior.middle[i])
+    return weights, errors
+
+
+@compiled
 def prior_cost(pose: np.ndarray, prior: Prior, active: np.ndarray) -> float:
     """Return the cost of the prior for the numbers listed in ``active``."""
     total = 0.0
@@ -67,6 +89,10 @@ def prior_cost(pose: np.ndarray, prior: Prior, active: np.ndarray) -> float:
         total += 0.5 * prior.precision[i] * away * away
         over = max(pose[i] - prior.high[i], prior.low[i] - pose[i], 0.0)
         total += 0.5 * prior.wall[i] * over * over
+    weights, errors = group_sums(pose, prior, active)
+    for g in range(weights.shape[0]):
+        if weights[g] > 0.0:
+            total -= 0.5 * prior.together[0] * errors[g] ** 2 / weights[g]
     return total
 
 
@@ -75,6 +101,8 @@ def add_prior(
     pose: np.ndarray, prior: Prior, active: np.ndarray, matrix: np.ndarray, vector: np.ndarray
 ) -> None:
     """Add the prior to the Gauss-Newton matrix and gradient."""
+    weights, errors = group_sums(pose, prior, active)
+    share = prior.together[0]
     for i in active:
         matrix[i, i] += prior.precision[i]
         vector[i] += prior.precision[i] * (pose[i] - prior.middle[i])
@@ -84,6 +112,13 @@ def add_prior(
         elif pose[i] < prior.low[i]:
             matrix[i, i] += prior.wall[i]
             vector[i] += prior.wall[i] * (pose[i] - prior.low[i])
+        g = prior.group[i]
+        if g >= 0 and weights[g] > 0.0:
+            part = share * prior.precision[i] / weights[g]
+            vector[i] -= part * errors[g]
+            for j in active:
+                if j <= i and prior.group[j] == g:
+                    matrix[i, j] -= part * prior.precision[j]
 
 
 @compiled

@@ -10,6 +10,7 @@ from pawnb.core.pose.fit.candidate_loops import paint_base
 from pawnb.core.pose.fit.choices import (
     Choices,
     add_candidates,
+    fit_leg,
     limb_candidates,
     only_choice,
     side_energy,
@@ -24,13 +25,12 @@ from pawnb.core.pose.fit.solve_loops import Prior, Sight
 from pawnb.core.views import Frame
 
 _START_SD_PX, _START_SD_DEG = 6.0, 8.0
-_START_LENGTH_SD = 0.03
-"""Lengths keep to the species file's until thickness and darkness are known: a thin pale end looks
-like background to a thick dark one."""
-_LONGER, _LONGER_SD = 1.3, 0.2
-"""In the start frame links may be this much longer than given, with this spread: the person's
+_LONGER, _LONGER_SD = 1.3, 0.08
+"""In the start frame links may be this much longer than given, with this spread within a leg: the person's
 scale and the species file's proportions need not be this animal's."""
 _LATER_LONGER = 1.05
+_SHORTER = (0.05, -0.05, -0.15, -0.25, -0.4)
+"""Logarithms of foreshortening of whole legs that are tried in the start frame."""
 _COARSE_BLURS = (8.0, 4.0)
 _DARK_LIMITS = (0.2, 1.0)
 
@@ -47,8 +47,8 @@ def partners(animal: StickAnimal) -> np.ndarray:
     return np.array(out)
 
 
-def start_prior(fitter: FrameFitter, pose: np.ndarray, *, firm: bool) -> Prior:
-    """Return anatomy and what the person's pose says; of lengths only where ``firm``."""
+def start_prior(fitter: FrameFitter, pose: np.ndarray) -> Prior:
+    """Return anatomy and what the person's pose says."""
     sd = np.full(fitter.n, np.inf)
     sd[:2] = _START_SD_PX
     sd[2] = np.radians(_START_SD_DEG)
@@ -56,7 +56,7 @@ def start_prior(fitter: FrameFitter, pose: np.ndarray, *, firm: bool) -> Prior:
     known = about(fitter.anatomy, pose, sd)
     high, precision = known.high.copy(), known.precision.copy()
     high[fitter.lengths] = np.log(_LONGER)
-    precision[fitter.lengths] = 1.0 / (_START_LENGTH_SD if firm else _LONGER_SD) ** 2
+    precision[fitter.lengths] = 1.0 / _LONGER_SD**2
     return known._replace(high=high, precision=precision)
 
 
@@ -83,14 +83,13 @@ def fit_start(
     support : float
         How dark the body's place is relative to what is expected, 0 to 1.
     """
-    given = pose
     fitter.layout = _first_darkness(fitter, frame, pose)
     first = fitter.layout
     partner = partners(fitter.animal)
     settings = fitter.settings
-    pose = _fit_body(fitter, frame, pose, start_prior(fitter, given, firm=True))
+    prior = start_prior(fitter, pose)
+    pose = _fit_body(fitter, frame, pose, prior)
     for turn in range(rounds):
-        prior = start_prior(fitter, given, firm=turn < rounds - 1)
         sight, image, box = fitter.look(frame, pose)
         for blur in _COARSE_BLURS if turn == 0 else _COARSE_BLURS[1:]:
             soft = blurred(sight, blur)
@@ -146,9 +145,14 @@ def _choose(
 ) -> np.ndarray:
     """Return the pose with each leg at the best of the places that the silhouette offers."""
     choices: Choices = only_choice(fitter, frame, pose, *crop)
-    extra = {
-        leg: limb_candidates(fitter, pose, leg, sight, prior) for leg in range(len(fitter.numbers))
-    }
+    extra = {}
+    for leg, numbers in enumerate(fitter.numbers):
+        extra[leg] = limb_candidates(fitter, pose, leg, sight, prior)
+        n = len(numbers) // 2
+        for shorter in _SHORTER:
+            guess = prior.middle[numbers].copy()
+            guess[n:] += shorter
+            extra[leg].append(fit_leg(fitter, pose, leg, guess, sight, prior, rounds=8))
     add_candidates(fitter, choices, extra, sight, prior)
     if not choices.is_open:
         return pose
