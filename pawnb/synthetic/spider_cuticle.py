@@ -119,13 +119,19 @@ class BodyTexture:
                 [sin, cos, at[1] - sin * middle[0] - cos * middle[1]],
             ]
         )
+        corners = np.array([[x, y] for x in (-0.5, 2 * middle[0]) for y in (-0.5, 2 * middle[1])])
+        box = corners @ matrix[:, :2].T + matrix[:, 2]
+        u0, v0 = np.maximum(np.floor(box.min(axis=0)).astype(int) - 1, 0)
+        u1, v1 = np.ceil(box.max(axis=0)).astype(int) + 2
+        density, grey = density[v0:v1, u0:u1], grey[v0:v1, u0:u1]
+        matrix[:, 2] -= (u0, v0)
         size = density.shape[1::-1]
         cover = cv2.warpAffine(self._density, matrix, size, flags=cv2.INTER_LINEAR)
         pattern = cv2.warpAffine(
             self._grey, matrix, size, flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
         )
         np.copyto(grey, pattern, where=cover > 0.3 * _DENSITY)
-        np.copyto(density, np.maximum(density, (cover * _STEP).astype(np.uint8)))
+        np.maximum(density, (cover * _STEP).astype(np.uint8), out=density)
 
     def _fill(self, outline: np.ndarray, value: float, *, what: np.ndarray) -> None:
         """Fill a polygon given in the body's frame (forward, right)."""
