@@ -44,6 +44,25 @@ def rendered_trial(tmp_path_factory):
     return folder
 
 
+@pytest.fixture(scope="session")
+def rendered_spider(tmp_path_factory):
+    """Folder of a small synthetic trial: a spider holds still for 14 frames, after 10 empty ones.
+
+    Do not write into it: copy it first.
+    """
+    from pawnb.synthetic import render_spider_trial
+
+    folder = tmp_path_factory.mktemp("rendered") / "spider"
+    render_spider_trial(folder, frames=24, scale=0.3, seed=1, motion="still")
+    return folder
+
+
+@pytest.fixture
+def small_spider(rendered_spider, tmp_path):
+    """Return a copy of the small synthetic spider that the test may change."""
+    return Path(shutil.copytree(rendered_spider, tmp_path / "spider"))
+
+
 @pytest.fixture
 def small_trial(rendered_trial, tmp_path):
     """Return a copy of the small synthetic trial that the test may change."""

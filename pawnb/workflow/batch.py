@@ -27,7 +27,7 @@ from pawnb.io.native import read_tracks
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.interrupt import interruptible
 from pawnb.workflow.methods import METHODS, settings_in_force
-from pawnb.workflow.provenance import trial_checksums
+from pawnb.workflow.provenance import trial_checksums, trial_fingerprint
 from pawnb.workflow.results import RESULT_FILES, provenance_steps, results_folder
 
 _WAIT_S = 0.05
@@ -77,6 +77,7 @@ class _Job:
     said: str = "not begun"
     process: subprocess.Popen[str] | None = None
     errors: IO[str] | None = None
+    stopping: bool = False
 
 
 def batch(
@@ -137,6 +138,7 @@ def batch(
                     tell(_line(job, len(jobs)))
             if stopped():
                 for job in running:
+                    job.stopping = True
                     _ask_to_stop(job)
             for job in [job for job in running if _ended(job)]:
                 running.remove(job)
@@ -201,8 +203,8 @@ def is_tracked(
     Returns
     -------
     bool
-        True where every file is there and the provenance names the same method, settings and
-        checksums of every input. Corrections made since do not count against it.
+        True where every file is there and the provenance names the same method, settings,
+        trial and checksums of every input. Corrections made since do not count against it.
 
     Raises
     ------
@@ -215,8 +217,8 @@ def is_tracked(
         return False
     # as they come back from JSON
     same = step["settings"] == json.loads(json.dumps(chosen))
-    frames = trial.frames is None or list(trial.frames) == step["frames"]
-    return same and frames and step["inputs"] == trial_checksums(trial)
+    same = same and step.get("trial") == trial_fingerprint(trial)
+    return same and step["inputs"] == trial_checksums(trial)
 
 
 def _tracked_before(out: Path, kind: str) -> dict[str, Any] | None:
@@ -296,6 +298,8 @@ def _ended(job: _Job) -> bool:
         last = errors[-1] if errors else "nothing was said"
         job.status = "failed"
         job.said = f"its process ended with status {process.returncode}: {last}"
+    if job.stopping and job.status == "failed":
+        job.status, job.said = "stopped", "interrupted before anything was done"
     return True
 
 

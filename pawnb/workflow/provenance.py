@@ -6,6 +6,7 @@ versions give the same bytes.
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 import hashlib
 import importlib.metadata
@@ -16,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from pawnb.errors import InputError
-from pawnb.trial import Trial
+from pawnb.trial import Trial, trial_document
 
 _PACKAGES = ("pawnb", "numpy", "scipy", "pandas", "xarray", "scikit-image",
              "opencv-python-headless", "av", "astropy", "matplotlib")  # fmt: skip
@@ -128,6 +129,33 @@ def trial_checksums(trial: Trial, *, start: bool = True) -> dict[str, str]:
         name = Path(path).name if Path(path).is_absolute() else path
         sums[name] = file_checksum(trial.path(path))
     return sums
+
+
+def trial_fingerprint(trial: Trial) -> str:
+    """Return a checksum of what a trial says: all but its settings of the tracker.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+
+    Returns
+    -------
+    str
+        ``"sha256:..."``; the same wherever the trial's folder lies.
+    """
+    document = trial_document(dataclasses.replace(trial, tracking={}))
+    text = json.dumps(_without_folders(document), sort_keys=True)
+    return "sha256:" + hashlib.sha256(text.encode()).hexdigest()
+
+
+def _without_folders(value: Any) -> Any:
+    """Return plain values in which absolute paths are cut to their last part."""
+    if isinstance(value, dict):
+        return {name: _without_folders(item) for name, item in value.items()}
+    if isinstance(value, list):
+        return [_without_folders(item) for item in value]
+    return Path(value).name if isinstance(value, str) and Path(value).is_absolute() else value
 
 
 def plain_command(argv: Sequence[str]) -> str:

@@ -34,7 +34,7 @@ from pawnb.workflow.methods import (
 )
 from pawnb.workflow.placed import clicks_begun_with, clicks_by_hand
 from pawnb.workflow.progress import Progress, progress_bar
-from pawnb.workflow.provenance import build_step, trial_checksums
+from pawnb.workflow.provenance import build_step, trial_checksums, trial_fingerprint
 from pawnb.workflow.results import (
     describe_trial,
     provenance_steps,
@@ -141,6 +141,7 @@ def track(
         method=method,
         frames=[first, last],
         complete=tracks.sizes["time"] == last - first,
+        trial=trial_fingerprint(trial),
         start=clicks.to_dict(orient="records"),
     )
     tracks = add_provenance(tracks, **step)

@@ -27,7 +27,7 @@ from pawnb.trial import Trial, View
 from pawnb.workflow.interrupt import interruptible
 from pawnb.workflow.methods import POSE_METHODS, pose_tracker_settings, run_pose_tracker
 from pawnb.workflow.progress import Progress, progress_bar
-from pawnb.workflow.provenance import build_step, trial_checksums
+from pawnb.workflow.provenance import build_step, trial_checksums, trial_fingerprint
 from pawnb.workflow.results import describe_trial, write_track_results
 
 
@@ -121,6 +121,7 @@ def track_pose_trial(
         method=method,
         frames=list(span),
         complete=complete,
+        trial=trial_fingerprint(trial),
         start=[{k: v for k, v in row.items() if v == v} for row in table.to_dict("records")],
         background=background.source,
     )

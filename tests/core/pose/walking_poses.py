@@ -9,8 +9,8 @@ from pawnb.core.pose.track_result import PoseTrack, plain_track
 def walking_poses(animal, n=40, *, scale=2.4, first=5, frequency=0.05):
     """Return n frames of an animal that runs to the lower right and swings its legs.
 
-    The first joint of each leg follows a sine of 15 degrees; even and odd legs are half a
-    cycle apart.
+    The first joint of each leg follows a sine of 10 degrees, each leg a twentieth of a
+    cycle behind the one before.
     """
     t = np.arange(n)
     heading = np.full(n, 30.0) + 2.0 * np.sin(2 * np.pi * t / 60)
@@ -19,7 +19,7 @@ def walking_poses(animal, n=40, *, scale=2.4, first=5, frequency=0.05):
     for i, leg in enumerate(animal.legs):
         first_joint = next(joint for joint, free in zip(leg.joints, leg.free, strict=True) if free)
         column = animal.joints.index(f"{leg.name}_{first_joint}")
-        angles[:, column] += 15 * np.sin(2 * np.pi * (frequency * t + 0.5 * (i % 2)))
+        angles[:, column] += 10 * np.sin(2 * np.pi * (frequency * t + 0.05 * i))
     shorter = 1.0 - 0.1 * np.abs(np.sin(np.arange(len(animal.lengths))))
     return Poses(
         frames=first + t,

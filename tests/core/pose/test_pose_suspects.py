@@ -1,0 +1,82 @@
+"""Doubts about tracked poses: each kind is found where it was put, and nowhere else."""
+
+import numpy as np
+import pytest
+from walking_poses import uncertain_track, walking_poses
+
+from pawnb.core.pose.as_tracks import tracks_from_poses
+from pawnb.core.pose.pose_suspects import find_pose_suspects, joints_beyond_range
+from pawnb.core.pose.species_file import load_species
+from pawnb.core.pose.track_result import plain_track
+from pawnb.schema import ORIGIN_CODE
+
+ANIMAL = load_species("dolomedes")
+LEGS = ANIMAL.leg_names
+
+
+@pytest.fixture
+def track():
+    return plain_track(ANIMAL, walking_poses(ANIMAL, 60), confidence=0.9)
+
+
+def _suspects(track):
+    return find_pose_suspects(tracks_from_poses(ANIMAL, track, fps=125, view="top"))
+
+
+def _joint(name):
+    return ANIMAL.joints.index(name)
+
+
+def test_a_walk_without_fault_has_no_suspects(track):
+    assert len(_suspects(track)) == 0
+
+
+def test_a_leg_that_the_picture_does_not_show(track):
+    track.confidence[30, 2] = 0.1
+    (row,) = _suspects(track).to_dict("records")
+    assert (row["frame"], row["view"], row["point"]) == (35, "top", "L3")
+    assert row["reason"] == "the picture hardly shows it (confidence 0.10)"
+
+
+def test_a_joint_that_jumps_for_one_frame(track):
+    track.poses.angles_deg[20, _joint("R2_CT")] += 40
+    rows = _suspects(track)
+    assert rows["point"].tolist()[0] == "R2"
+    assert abs(rows["frame"].tolist()[0] - 25) <= 1
+    assert rows["reason"].tolist()[0].startswith("a joint turns by 40 degrees")
+
+
+def test_a_joint_beyond_its_range_in_all_frames(track):
+    # Table 3.2 of Pullar 2009: TM of leg 1 has a whole range of 14 degrees
+    track.poses.angles_deg[:, _joint("L1_TM")] = 7 + 25
+    rows = _suspects(track)
+    assert set(rows["point"]) == {"L1"}
+    assert set(rows["reason"]) == {"a joint is 25 degrees beyond its range"}
+    # frames that are listed lie apart
+    assert np.diff(np.sort(rows["frame"])).min() >= 3
+    assert joints_beyond_range(ANIMAL, track.poses.angles_deg[0]) == {"L1_TM": pytest.approx(25)}
+
+
+def test_legs_that_cross(track):
+    track.poses.angles_deg[10:12, _joint("L2_BC")] += 24
+    track.poses.angles_deg[10:12, _joint("L1_BC")] -= 24
+    rows = _suspects(track)
+    crossed = rows[rows["reason"].str.contains("crosses another leg")]
+    assert set(crossed["point"]) == {"L1", "L2"}
+    assert set(crossed["frame"]) <= {15, 16}
+
+
+def test_a_tip_that_is_only_vaguely_known():
+    track = uncertain_track(ANIMAL, walking_poses(ANIMAL, 40))
+    track.confidence[:] = 1.0
+    track.places_sd_px[:] = 0.5
+    track.places_sd_px[7, 5, 7] = 6.0
+    (row,) = _suspects(track).to_dict("records")
+    assert (row["frame"], row["point"]) == (12, "R2")
+    assert row["reason"] == "its tip is only known to 8.5 px"  # 6 px in u and in v
+
+
+def test_what_a_person_placed_is_not_doubted(track):
+    track.confidence[30, 2] = 0.1
+    track.origin[30, 2] = ORIGIN_CODE["edited"]
+    assert len(_suspects(track)) == 0
