@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from zar_samples import D1, D7, M6
 
 from pawnb.errors import InputError
 from pawnb.gait.circular import (
@@ -21,15 +22,8 @@ from pawnb.gait.circular import (
     mean_interval,
     mean_vector,
     rayleigh_p,
-    rayleigh_test,
     wrap,
 )
-
-D1 = np.array([45, 55, 81, 96, 110, 117, 132, 154]) / 360
-D7 = np.array([66, 75, 86, 88, 88, 93, 97, 101, 118, 130]) / 360
-D8 = np.array([10, 15, 25, 30, 30, 30, 35, 45, 50, 60, 75, 80, 100, 110, 255, 270, 280, 280,
-               300, 320, 330, 350, 350, 355]) / 360  # fmt: skip
-M6 = np.array([51, 67, 40, 109, 31, 358]) / 360
 
 phases = st.lists(st.floats(0, 1, exclude_max=True), min_size=2, max_size=30)
 
@@ -112,13 +106,6 @@ def test_p_is_a_probability_and_falls_with_r(n, r, more):
     p = rayleigh_p(n, r)
     assert 0 < p <= 1
     assert rayleigh_p(n, min(1.0, r + more)) <= p * (1 + 1e-5)
-
-
-def test_rayleigh_of_a_sample():
-    found = rayleigh_test(D1)
-    assert found.z == pytest.approx(5.4478746109, rel=1e-9)  # Zar 27.1: 5.448
-    assert 0.001 < found.p < 0.002  # Zar 27.1
-    assert rayleigh_test(np.array([0.3])).p == 1.0
 
 
 def test_interval_of_the_mean():
