@@ -11,6 +11,7 @@ import pandas as pd
 
 from pawnb.errors import InputError, did_you_mean
 from pawnb.gait.body import BodyPoints
+from pawnb.gait.cycles import LegSignals
 from pawnb.gait.events import EventSettings
 from pawnb.gait.feet import EVENT_TABLE_COLUMNS, analyse_space, dropped_table
 from pawnb.gait.grid import Grid, put_on_grid
@@ -42,6 +43,9 @@ class GaitTables:
         What was assumed or estimated, one sentence each.
     settings : EventSettings
         The settings that were asked for.
+    signals : tuple of LegSignals
+        The smoothed signals the events were found in, of analyses of Tracks; see
+        :mod:`pawnb.gait.cycles`.
     """
 
     events: pd.DataFrame
@@ -51,6 +55,7 @@ class GaitTables:
     dropped: pd.DataFrame
     notes: tuple[str, ...] = ()
     settings: EventSettings = field(default_factory=EventSettings)
+    signals: tuple[LegSignals, ...] = ()
 
 
 def analyse(
@@ -216,6 +221,7 @@ def pool(parts: Sequence[GaitTables]) -> GaitTables:
         phase_summary=summarise_phases(tables["phases"]),
         notes=tuple(dict.fromkeys(note for part in parts for note in part.notes)),
         settings=parts[0].settings,
+        signals=tuple(one for part in parts for one in part.signals),
     )
 
 
@@ -327,6 +333,7 @@ def _analyse_one(
     gaps: list[dict[str, Any]] = []
     dropped: list[dict[str, Any]] = []
     motion: dict[str, Motion] = {}
+    signals: list[LegSignals] = []
     notes: list[str] = []
     if least > 0.0:
         notes.append(f"positions with a confidence below {least:g} count as missing.")
@@ -341,19 +348,21 @@ def _analyse_one(
             space,
         )
         found = analyse_space(
-            space, grid, trial=trial, belt=belt, body=body, forward=forward, settings=settings
-        )
+            space, grid, trial=trial, belt=belt, body=body, forward=forward, settings=settings,
+            who=who,
+        )  # fmt: skip
         events += found.events
         gaps += found.gaps
         dropped += found.dropped
         notes += found.notes
+        signals += found.signals
         motion |= dict.fromkeys(space.legs, found.motion)
     table = pd.DataFrame([{**who, **e} for e in events], columns=list(EVENT_TABLE_COLUMNS))
     table = table.astype({"frame": float, "time_s": float, "position": float})
     return _tables(
         _in_order(table, list(legs)), who, pairs=pairs, settings=settings, motion=motion,
         gaps=pd.DataFrame(gaps, columns=list(_GAP_COLUMNS)), legs=list(legs),
-        dropped=dropped_table(dropped, who), notes=notes,
+        dropped=dropped_table(dropped, who), notes=notes, signals=signals,
     )  # fmt: skip
 
 
@@ -393,6 +402,7 @@ def _tables(
     legs: Sequence[str] | None = None,
     dropped: pd.DataFrame | None = None,
     notes: Sequence[str] = (),
+    signals: Sequence[LegSignals] = (),
 ) -> GaitTables:
     """Make every table of one animal and trial from its events."""
     legs = sort_legs(events["leg"]) if legs is None else legs
@@ -414,6 +424,7 @@ def _tables(
         dropped=_stack(all_dropped),
         notes=tuple(f"{who['trial']}: {note}" if motion else note for note in remarks),
         settings=settings,
+        signals=tuple(signals),
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -60,11 +61,11 @@ class LegSignals:
     def __post_init__(self) -> None:
         """Refuse shapes that do not belong together, and times that are not equally spaced."""
         expected = (len(self.time_s), len(self.legs))
-        if self.samples.shape != expected or len(self.time_s) < _FEWEST_SAMPLES:
+        if self.samples.shape != expected or len(self.time_s) < 3:
             raise InputError(
                 f"signals of trial {self.trial!r}: samples of shape {self.samples.shape} for "
-                f"{expected[0]} times and {expected[1]} legs; expected {expected}, and at least "
-                f"{_FEWEST_SAMPLES} times."
+                f"{expected[0]} times and {expected[1]} legs; expected {expected}, and 3 times "
+                "or more."
             )
         steps = np.diff(self.time_s)
         if not (steps > 0).all() or np.ptp(steps) > 0.02 * steps.mean():
@@ -169,7 +170,7 @@ def align_acceleration(
         acceleration = differentiate(column, dt=one.dt_s, order=2)
         spans = _spans(own, phase)
         keys = own[["animal", "trial", "leg", "stride"]].to_dict("records")
-        for who, (start, end) in zip(keys, spans, strict=True):
+        for key, (start, end) in zip(keys, spans, strict=True):
             first, last = np.searchsorted(one.time_s, (start, end))
             inside = velocity[first:last]
             if len(inside) < _FEWEST_SAMPLES or not np.isfinite(inside).all():
@@ -179,13 +180,14 @@ def align_acceleration(
             ends = scale * (one.time_s[[first, last - 1]] - one.time_s[peak]) / step_percent
             percent = step_percent * np.arange(np.ceil(ends[0]), np.floor(ends[1]) + 1.0)
             at = one.time_s[peak] + percent / scale
-            found = {
+            found: dict[str, Any] = {
+                **{str(name): value for name, value in key.items()},
                 "phase": phase,
                 "percent": percent,
                 "acceleration": np.interp(at, one.time_s, acceleration),
                 "peak_velocity": velocity[peak],
             }
-            parts.append(pd.DataFrame({**who, **found}))
+            parts.append(pd.DataFrame(found))
     return _stack(parts, ALIGNED_COLUMNS, signals)
 
 

@@ -15,6 +15,7 @@ import numpy as np
 import pandas as pd
 
 from pawnb.gait.body import BodyPoints, find_body
+from pawnb.gait.cycles import HEIGHT, LEG_ANGLE, POSITION, LegSignals
 from pawnb.gait.direction import find_up
 from pawnb.gait.events import (
     Contact,
@@ -51,6 +52,9 @@ class SpaceResult:
         Distance run by the body and by every foot.
     notes : list of str
         What a reader should know.
+    signals : list of LegSignals
+        Leg angle (of jointed animals), position along forward in the body frame, and height
+        (in 3D), smoothed.
     """
 
     events: list[dict[str, Any]]
@@ -58,6 +62,7 @@ class SpaceResult:
     gaps: list[dict[str, Any]]
     motion: Motion
     notes: list[str]
+    signals: list[LegSignals]
 
 
 def analyse_space(
@@ -69,6 +74,7 @@ def analyse_space(
     body: BodyPoints | None,
     forward: np.ndarray | None,
     settings: EventSettings,
+    who: Mapping[str, str],
 ) -> SpaceResult:
     """Find the events of the feet that are seen in one space.
 
@@ -88,6 +94,8 @@ def analyse_space(
         Direction stated by the caller.
     settings : EventSettings
         Settings.
+    who : mapping
+        ``animal`` and ``trial``.
 
     Returns
     -------
@@ -117,7 +125,16 @@ def analyse_space(
         level = np.tile(up, (len(raw), 1))
         height = _smooth(along(feet.positions, level), scales.cutoff_hz, fs, max_gap)
     motion = _motion(feet, frame, lab, belt_here, grid)
-    result = SpaceResult(events=[], dropped=[], gaps=[], motion=motion, notes=notes)
+    kinds = [(turning, LEG_ANGLE, "deg")] if feet.angle_deg is not None else []
+    kinds += [(position, POSITION, feet.unit)]
+    kinds += [(height, HEIGHT, feet.unit)] if height is not None else []
+    signals = [
+        LegSignals(**who, legs=feet.legs, time_s=grid.time_s, samples=x, signal=name, unit=unit)
+        for x, name, unit in kinds
+    ]
+    result = SpaceResult(
+        events=[], dropped=[], gaps=[], motion=motion, notes=notes, signals=signals
+    )
     for k, leg in enumerate(feet.legs):
         bridged = ~np.isfinite(raw[:, k])
         where = extremes[k]

@@ -6,9 +6,18 @@ import numpy as np
 import pandas as pd
 import pytest
 from scipy.stats import ttest_1samp
+from walking import Walk
 
 from pawnb.errors import InputError
-from pawnb.gait.cycles import LegSignals, align_acceleration, average_cycles, cut_cycles
+from pawnb.gait import analyse, pool
+from pawnb.gait.cycles import (
+    HEIGHT,
+    POSITION,
+    LegSignals,
+    align_acceleration,
+    average_cycles,
+    cut_cycles,
+)
 
 PERIOD_S, AMPLITUDE, FS = 0.5, 30.0, 1000.0
 W = 2.0 * np.pi / PERIOD_S
@@ -124,3 +133,24 @@ def test_bad_input_is_refused(call, message):
 def test_no_strides_give_an_empty_table():
     assert len(cut_cycles([cosine("x")], strides())) == 0
     assert len(average_cycles(cut_cycles([cosine("x")], strides()))) == 0
+
+
+def test_an_analysis_hands_on_its_signals():
+    """Seen from the body a foot is furthest forward at AEP, and lifted in swing only."""
+    walk = Walk()
+    tables = analyse(walk.tracks(duration=2.0), belt_speed=walk.speed)
+    assert [one.signal for one in tables.signals] == [POSITION, HEIGHT]
+    assert {one.unit for one in tables.signals} == {"mm"}
+    assert pool([tables]).signals == tables.signals
+    place, height = (
+        average_cycles(cut_cycles([one], tables.strides)).query("leg == 'FR'")
+        for one in tables.signals
+    )
+    assert place["percent"].iloc[place["mean"].argmax()] in (0.0, 100.0)
+    # PEP: where stance ends, by the exact duty factor from AEP to PEP
+    turn = place["percent"].iloc[place["mean"].argmin()]
+    assert turn == pytest.approx(100.0 * walk.exact_duty, abs=3.0)
+    stance = 100.0 * walk.early / walk.period  # touch-down comes so much later than AEP
+    middle = height["percent"].between(stance + 5, stance + 55)
+    assert height.loc[middle, "mean"].abs().max() < 0.5
+    assert height["mean"].max() == pytest.approx(walk.swing_height, abs=0.5)
