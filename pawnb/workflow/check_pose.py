@@ -15,12 +15,11 @@ from pawnb.core.video import ViewReader, ViewSet
 from pawnb.errors import InputWarning, PawnbError
 from pawnb.trial import Trial
 from pawnb.workflow.check_report import CheckReport
+from pawnb.workflow.propose_pose import trial_animal, trial_background
 from pawnb.workflow.track_pose import (
     check_in_picture,
     only_view,
     start_pose,
-    trial_background,
-    trial_species,
 )
 
 _ON_ANIMAL = 0.5
@@ -49,7 +48,7 @@ def check_pose_trial(trial: Trial, views: ViewSet, report: CheckReport) -> None:
     """
     try:
         view = only_view(trial)
-        species = trial_species(trial)
+        species = trial_animal(trial)
     except PawnbError as error:
         report.faults.append(str(error))
         return
@@ -60,7 +59,7 @@ def check_pose_trial(trial: Trial, views: ViewSet, report: CheckReport) -> None:
     if px_per_unit is None:
         report.doubts.append("no px_per_unit in [calibration]: positions will be in px")
     reader = views.readers[view.name]
-    background = _find_background(trial, reader, report)
+    background = _find_background(trial, views, report)
     try:
         animal, poses, _ = start_pose(trial)
         check_in_picture(poses, reader)
@@ -81,12 +80,12 @@ def check_pose_trial(trial: Trial, views: ViewSet, report: CheckReport) -> None:
             _check_on_animal(animal, poses.take([row]), reader, background, report)
 
 
-def _find_background(trial: Trial, reader: ViewReader, report: CheckReport) -> Background | None:
+def _find_background(trial: Trial, views: ViewSet, report: CheckReport) -> Background | None:
     """Return the empty scene, and say where it comes from and what is doubtful about it."""
     try:
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", InputWarning)
-            background = trial_background(trial, trial.views[0], reader)
+            background = trial_background(trial, views)
     except PawnbError as error:
         report.faults.append(str(error))
         return None

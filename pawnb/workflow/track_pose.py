@@ -14,10 +14,8 @@ import pandas as pd
 
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.as_tracks import tracks_from_poses
-from pawnb.core.pose.background import Background, find_background
 from pawnb.core.pose.pose_table import pose_names, poses_from_table
 from pawnb.core.pose.poses import Poses
-from pawnb.core.pose.species_file import load_species
 from pawnb.core.pose.track_result import PoseTrack
 from pawnb.core.video import ViewReader, ViewSet, open_views
 from pawnb.errors import InputError, InputWarning
@@ -27,6 +25,7 @@ from pawnb.trial import Trial, View
 from pawnb.workflow.interrupt import interruptible
 from pawnb.workflow.methods import POSE_METHODS, pose_tracker_settings, run_pose_tracker
 from pawnb.workflow.progress import Progress, progress_bar
+from pawnb.workflow.propose_pose import trial_animal, trial_background
 from pawnb.workflow.provenance import build_step, trial_checksums, trial_fingerprint
 from pawnb.workflow.results import describe_trial, write_track_results
 
@@ -81,7 +80,7 @@ def track_pose_trial(
         reader = views.readers[view.name]
         span = _frame_range(trial, views, poses, frames)
         check_in_picture(poses, reader)
-        background = trial_background(trial, view, reader)
+        background = trial_background(trial, views)
         bar = contextlib.nullcontext(progress) if progress else progress_bar("tracking")
         with bar as report:
             track = run_pose_tracker(
@@ -131,32 +130,6 @@ def track_pose_trial(
     return tracks
 
 
-def trial_species(trial: Trial) -> StickAnimal:
-    """Return the animal that a trial's species file describes.
-
-    Parameters
-    ----------
-    trial : Trial
-        A trial of kind ``pose``.
-
-    Returns
-    -------
-    StickAnimal
-        The animal, before the start pose says what is its own.
-
-    Raises
-    ------
-    InputError
-        If the trial names no species, or the species file is missing or cannot be.
-    """
-    if trial.animal.species is None:
-        raise InputError(
-            f"trial {trial.name!r}: [animal] species is missing; name a built-in species such as "
-            "dolomedes or spider, or a species file of your own."
-        )
-    return load_species(trial.animal.species, folder=trial.folder)
-
-
 def start_pose(
     trial: Trial, start: pd.DataFrame | None = None
 ) -> tuple[StickAnimal, Poses, pd.DataFrame]:
@@ -183,7 +156,7 @@ def start_pose(
     InputError
         If there is no start pose, or it cannot be one.
     """
-    species = trial_species(trial)
+    species = trial_animal(trial)
     names = pose_names(species)
     if start is not None:
         table = check_pose(start, names=names, where="start pose")
@@ -200,18 +173,35 @@ def start_pose(
 
 
 def only_view(trial: Trial) -> View:
-    """Return the one view of a trial of kind ``pose``; raises InputError if it has several."""
+    """Return the one view of a trial of kind ``pose``.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+
+    Returns
+    -------
+    View
+        Its view.
+
+    Raises
+    ------
+    InputError
+        If it has several, or its frames are not counted from the file's first.
+    """
     if len(trial.views) != 1:
         raise InputError(
             f"trial {trial.name!r} has {len(trial.views)} views; a pose is tracked in one view: "
             "keep one, or make a trial of each."
         )
-    return trial.views[0]
-
-
-def trial_background(trial: Trial, view: View, reader: ViewReader) -> Background:
-    """Return the empty scene of a view, from what the trial says or the recording shows."""
-    return find_background(reader, view, folder=trial.folder)
+    view = trial.views[0]
+    if view.offset:
+        raise InputError(
+            f"view {view.name!r}: offset is {view.offset}; a pose is tracked in one view, whose "
+            "frames are counted from the first of its file: leave offset out."
+        )
+    return view
 
 
 def check_in_picture(poses: Poses, reader: ViewReader) -> None:

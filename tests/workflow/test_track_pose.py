@@ -10,15 +10,15 @@ import pytest
 
 from pawnb.core.pose.as_tracks import animal_of
 from pawnb.core.pose.pose_table import pose_names
-from pawnb.core.video import open_view
+from pawnb.core.video import open_views
 from pawnb.errors import InputError, InputWarning
 from pawnb.io.native import read_tracks
 from pawnb.io.pose import read_pose
 from pawnb.schema import SUSPECTS_COLUMNS, TRACKS_COLUMNS
 from pawnb.trial import load_trial
+from pawnb.workflow.propose_pose import trial_background
 from pawnb.workflow.results import RESULT_FILES
 from pawnb.workflow.track import track
-from pawnb.workflow.track_pose import trial_background
 
 
 @pytest.fixture(scope="module")
@@ -106,7 +106,7 @@ def change(folder, file, old, new):
     ("old", "new", "match"),
     [
         ('species = "dolomedes"', 'species = "dolomede"', "did you mean 'dolomedes'"),
-        ('species = "dolomedes"', "", "species is missing"),
+        ('species = "dolomedes"', "", "names no species"),
         ("[start]", "[tracking]\nblur = 1\n[start]", "unknown name 'blur'"),
         ("fps = 125.0", "fps = 125.0\nframes = [0, 9]", "start pose is of frame 10, outside"),
         ("fps = 125.0", "fps = 125.0\nframes = [0, 90]", "has no frame 89; it has 24 frames"),
@@ -134,5 +134,7 @@ def test_a_start_pose_off_the_picture_and_a_missing_one_are_refused(small_spider
 def test_a_recording_without_empty_frames_is_doubted(small_spider):
     change(small_spider, "trial.toml", "background_frames = [\n    0,\n    10,\n]", "offset = 10")
     trial = load_trial(small_spider)
-    with pytest.warns(InputWarning, match="background_frames"):
-        trial_background(trial, trial.views[0], open_view(trial.views[0], trial.folder))
+    with open_views(trial) as views, pytest.warns(InputWarning, match="background_frames"):
+        trial_background(trial, views)
+    with pytest.raises(InputError, match="offset is 10; a pose is tracked in one view"):
+        track(trial)
