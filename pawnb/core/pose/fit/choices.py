@@ -9,7 +9,7 @@ import numpy as np
 
 from pawnb.core.pose.fit.candidate_loops import leg_footprint, paint_base, shared_cost
 from pawnb.core.pose.fit.fitter import FrameFitter
-from pawnb.core.pose.fit.limb_loops import chains_apart, find_limbs
+from pawnb.core.pose.fit.limb_loops import chains_apart, chains_cross, find_limbs
 from pawnb.core.pose.fit.paint_loops import NOTHING, leg_chain
 from pawnb.core.pose.fit.solve_loops import Prior, Sight, paint_some, prior_cost
 
@@ -19,6 +19,8 @@ _BEAM = 24
 _NEUTRAL = 0.4
 """What a leg sees under others, as a share of its darkness: a little less than half, so that no
 leg is laid across the body where it could as well lie beside it."""
+_CROSSED = 4.0
+"""Cost of neighbouring legs that cross, in a frame: they seldom do."""
 _ROOM_PX = 14.0
 """Room about a leg that is fitted alone, working px."""
 _WORTHLESS = 0.35
@@ -47,6 +49,8 @@ class Choices:
         What anatomy makes each candidate cost.
     shared : dict
         Of pairs of legs, the cost of both together less that of each, (candidates, candidates).
+    crossed : dict
+        Of neighbouring legs, whether they cross, (candidates, candidates).
     """
 
     frame: int
@@ -58,6 +62,7 @@ class Choices:
     worth: list[np.ndarray]
     unlikely: list[np.ndarray]
     shared: dict[tuple[int, int], np.ndarray] = field(default_factory=dict)
+    crossed: dict[tuple[int, int], np.ndarray] = field(default_factory=dict)
 
     @property
     def is_open(self) -> bool:
@@ -199,14 +204,28 @@ def weigh(fitter: FrameFitter, choices: Choices, sight: Sight, prior: Prior) -> 
         choices.legs[leg] = choices.legs[leg][keep]
         choices.joints[leg] = choices.joints[leg][keep]
         prints.append([marks[i] for i in keep])
-    choices.shared = {}
+    choices.shared, choices.crossed = {}, {}
     side = fitter.layout.side
     for a in range(len(prints)):
         for b in range(a + 1, len(prints)):
-            if side[a] == side[b] and (len(prints[a]) > 1 or len(prints[b]) > 1):
-                choices.shared[a, b] = np.array(
-                    [[shared_cost(*p, *q, sight, base, soft) for q in prints[b]] for p in prints[a]]
+            if side[a] != side[b] or len(prints[a]) * len(prints[b]) < 2:
+                continue
+            if b in fitter.neighbours[a]:
+                choices.crossed[a, b] = np.array(
+                    [
+                        [legs_cross(fitter, a, p, b, q) for q in choices.joints[b]]
+                        for p in choices.joints[a]
+                    ]
                 )
+            choices.shared[a, b] = np.array(
+                [[shared_cost(*p, *q, sight, base, soft) for q in prints[b]] for p in prints[a]]
+            )
+
+
+def legs_cross(fitter: FrameFitter, a: int, one: np.ndarray, b: int, other: np.ndarray) -> bool:
+    """Return whether leg a and leg b cross, with their joints where given."""
+    n = fitter.layout.n_segments
+    return bool(chains_cross(one, n[a], other, n[b]))
 
 
 def _worth_keeping(alone: np.ndarray, most: int) -> np.ndarray:
@@ -244,6 +263,6 @@ def side_energy(choices: Choices, legs: Sequence[int], share: float) -> np.ndarr
         for j in range(i + 1, len(legs)):
             pair = choices.shared.get((leg, legs[j]))
             if pair is not None:
-                shaped = pair.reshape([shape[k] if k in (i, j) else 1 for k in range(len(legs))])
-                out += share * shaped
+                pair = share * pair + _CROSSED * choices.crossed.get((leg, legs[j]), 0.0)
+                out += pair.reshape([shape[k] if k in (i, j) else 1 for k in range(len(legs))])
     return out

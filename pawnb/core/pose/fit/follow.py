@@ -13,6 +13,7 @@ from pawnb.core.pose.fit.choices import (
     Choices,
     add_candidates,
     fit_leg,
+    legs_cross,
     limb_candidates,
     only_choice,
     side_energy,
@@ -21,7 +22,7 @@ from pawnb.core.pose.fit.choices import (
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.path import Trellis
 from pawnb.core.pose.fit.priors import about
-from pawnb.core.pose.fit.solve_loops import Prior, Sight
+from pawnb.core.pose.fit.solve_loops import Prior, Sight, prior_cost
 from pawnb.core.views import Frame
 
 _COARSE_BLUR = 4.0
@@ -31,6 +32,8 @@ _LEG_LOST, _TIP_LOST = 0.75, 0.5
 _UNEXPLAINED_SHARE = 0.12
 """Dark pixels left over beyond the usual, as a share of a leg's area, from which on legs are
 looked for."""
+_UNLIKELY = 5.0
+"""Cost of a leg's pose by anatomy from which on it is doubted."""
 _USUAL_GROWS = 1.02
 _FIRST_FRAMES = 2
 """Frames after the start in which it is not known yet how the legs move."""
@@ -124,7 +127,7 @@ class Follower:
         """Add candidates to a frame that gives reason to doubt, and those of the frame before."""
         fitter = self.fitter
         extra: dict[int, list[np.ndarray]] = {}
-        doubted = self._doubted(choices, sight)
+        doubted = self._doubted(choices, sight, anatomy)
         for leg in range(len(fitter.numbers)):
             more = self._continued(leg, choices.pose, sight, anatomy)
             if doubted[leg]:
@@ -145,7 +148,7 @@ class Follower:
             for numbers in self.kept[-1].legs[leg][1:]
         ]
 
-    def _doubted(self, choices: Choices, sight: Sight) -> np.ndarray:
+    def _doubted(self, choices: Choices, sight: Sight, anatomy: Prior) -> np.ndarray:
         """Return which legs may be elsewhere."""
         fitter = self.fitter
         support = fitter.support(choices.pose, sight)
@@ -156,12 +159,16 @@ class Follower:
         on_right = (fitter.layout.side > 0).astype(int)
         doubted |= (left_over > usual + _UNEXPLAINED_SHARE * self._leg_area)[on_right]
         self._usual = usual
-        joints = choices.joints
+        joints = [j[0] for j in choices.joints]
         for legs in self.sides:
-            for a, b in itertools.pairwise(legs):
-                gap = np.hypot(*(joints[a][0] - joints[b][0]).T)
+            for a, b in zip(legs[:-1], legs[1:], strict=True):
+                gap = np.hypot(*(joints[a] - joints[b]).T)
                 close = np.nanmin(gap[-3:]) < 2 * SAME_PX
-                doubted[[a, b]] |= close
+                if close or legs_cross(fitter, a, joints[a], b, joints[b]):
+                    doubted[[a, b]] = True
+        for leg, numbers in enumerate(fitter.numbers):
+            if prior_cost(choices.pose, anatomy, numbers) > _UNLIKELY:
+                doubted[leg] = True
         return doubted
 
     def _decide(self, choices: Choices, sight: Sight, prior: Prior) -> np.ndarray:

@@ -179,6 +179,24 @@ def chains_apart(one: np.ndarray, other: np.ndarray, n: int) -> float:
 
 
 @compiled
+def chains_cross(one: np.ndarray, n_one: int, other: np.ndarray, n_other: int) -> bool:
+    """Return whether two chains of segments cross anywhere."""
+    for i in range(n_one):
+        au, av = one[i, 0], one[i, 1]
+        bu, bv = one[i + 1, 0] - au, one[i + 1, 1] - av
+        for j in range(n_other):
+            cu, cv = other[j, 0] - au, other[j, 1] - av
+            du, dv = other[j + 1, 0] - other[j, 0], other[j + 1, 1] - other[j, 1]
+            det = bu * dv - bv * du
+            if abs(det) > 1e-9:
+                t = (cu * dv - cv * du) / det
+                s = (cu * bv - cv * bu) / det
+                if 0.0 <= t <= 1.0 and 0.0 <= s <= 1.0:
+                    return True
+    return False
+
+
+@compiled
 def _distinct(
     beam: np.ndarray, places: np.ndarray, support: np.ndarray, filled: int, most: int,
     apart: float,

@@ -11,6 +11,8 @@ from pawnb.core.pose.fit.solve_loops import Prior
 _RANGE_MORE = 1.3
 _RANGE_MORE_DEG = 8.0
 """Limits are soft: Pullar's own Table 4.6 goes beyond the ranges of Table 3.2."""
+_RANGE_SD, _RANGE_SD_DEG = 0.6, 6.0
+"""Standard deviation of an angle about its natural orientation: share of half its range, and more."""
 _START_MORE_DEG = 25.0
 _WALL_DEG = 4.0
 _FORESHORTENED = (0.45, 1.06)
@@ -57,7 +59,7 @@ def anatomy(animal: StickAnimal, start: np.ndarray, *, foreshortening_sd: float)
     reach = _RANGE_MORE * half + np.radians(_RANGE_MORE_DEG)
     more = np.radians(_START_MORE_DEG)
     middle[angles] = natural
-    precision[angles] = 1.0 / (half + np.radians(15.0)) ** 2
+    precision[angles] = 1.0 / (_RANGE_SD * half + np.radians(_RANGE_SD_DEG)) ** 2
     low[angles] = np.minimum(natural - reach, start[angles] - more)
     high[angles] = np.maximum(natural + reach, start[angles] + more)
     wall[angles] = 1.0 / np.radians(_WALL_DEG) ** 2

@@ -43,7 +43,7 @@ class PoseSettings:
     soft_error: float = 0.3
     angle_step_deg: float = 8.0
     foreshortening_sd: float = 0.06
-    candidates: int = 5
+    candidates: int = 6
     evidence_share: float = 0.1
     jump_px: float = 4.0
     choose_path: bool = True
