@@ -25,7 +25,13 @@ from pawnb.core.pose.mincut import cut_grid, grid_energy
 from pawnb.core.pose.paper_settings import EnergyParameters, PaperPoseSettings, fill_parameters
 from pawnb.core.pose.poses import Poses
 from pawnb.core.pose.presence import grey
-from pawnb.core.pose.sticks import Sticks, distance_map, make_sticks
+from pawnb.core.pose.sticks import (
+    Sticks,
+    distance_map,
+    from_body,
+    from_line,
+    make_sticks,
+)
 
 Box = tuple[int, int, int, int]
 
@@ -46,8 +52,8 @@ class FrameCosts:
         Cost of neighbours with different labels.
     background_sum : float
         Sum of the crop's cost if all of it is background.
-    most_px : float
-        Distance from the stick animal beyond which no pixel of the frame is subject.
+    pairs : float
+        Most that the neighbours of a pixel can cost together.
     """
 
     box: Box
@@ -56,7 +62,7 @@ class FrameCosts:
     right: np.ndarray
     down: np.ndarray
     background_sum: float
-    most_px: float
+    pairs: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,6 +105,8 @@ class PaperEnergy:
         What was set or estimated.
     middle_deg, half_deg : ndarray, shape (n_joints,)
         Middle and half of each free joint's range.
+    span_px : float
+        Leg span.
     """
 
     def __init__(
@@ -124,6 +132,7 @@ class PaperEnergy:
             subject=subject_statistics(seen, cost, box_share=settings.box_share),
         )
         self.middle_deg, self.half_deg = animal.natural_deg, animal.range_deg / 2
+        self.span_px = animal.span * float(start.scale[0])
         self.stiffness = settings.limit_stiffness * self.parameters.sigma
 
     def frame(self, picture: np.ndarray, pose: np.ndarray, *, slack_px: float) -> FrameCosts:
@@ -145,9 +154,9 @@ class PaperEnergy:
 
         Notes
         -----
-        A pixel further from the shape than ``most_px`` costs more as subject than its own
-        likelihood and all its neighbours together can make good, so it is background in every
-        labelling of least energy.
+        A pixel so far from the shape that it costs more as subject than its own likelihood and
+        all its neighbours together can make good is background in every labelling of least
+        energy. The crop holds all others.
         """
         seen, p = grey(picture), self.parameters
         whole = background_cost(seen, self.background, sd_floor_grey=self.settings.sd_floor_grey)
@@ -155,10 +164,13 @@ class PaperEnergy:
         level = float(whole.mean(dtype=float))
         if self.settings.subject == "gaussian":
             level = math.log(p.subject_sd)  # the least that a subject pixel can cost
-        gain = max(0.0, float(whole.max()) - level) + 4 * (p.ising + p.contrast)
-        most = p.thickness_px + gain / p.steepness + 1.0
-        box = self._box(pose, most + slack_px, (width, height))
-        u0, v0, u1, v1 = box
+        pairs = 4 * (p.ising + p.contrast)
+        most = p.thickness_px + (max(0.0, float(whole.max()) - level) + pairs) / p.steepness
+        wide = self._box(pose, most + slack_px, (width, height))
+        inner = self._box(pose, slack_px, (width, height))
+        box = u0, v0, u1, v1 = _needed(
+            whole, wide, inner, (level, pairs, p.thickness_px, p.steepness)
+        )
         crop, back = seen[v0:v1, u0:u1], whole[v0:v1, u0:u1]
         if self.settings.subject == "gaussian":
             own = subject_cost(crop, mean=p.subject_mean, sd=p.subject_sd) - back
@@ -174,16 +186,21 @@ class PaperEnergy:
             right=right,
             down=down,
             background_sum=float(back.sum(dtype=float)),
-            most_px=most,
+            pairs=pairs,
         )
 
     def cut(self, frame: FrameCosts, pose: np.ndarray) -> Cut:
         """Return the labelling of least energy for a pose (Eq. 3.16), and that energy."""
         p, sticks = self.parameters, self.sticks
         u0, v0, u1, v1 = frame.box
+        points, parts = sticks.points(pose), sticks.parts(pose)
+        near_px = p.thickness_px + frame.pairs / p.steepness + 1.0
         away = distance_map(
-            (u0, v0), (v1 - v0, u1 - u0), pose[2], sticks.points(pose), sticks.n_links,
-            sticks.parts(pose), frame.most_px,
+            (u0, v0), (v1 - v0, u1 - u0), pose[2], points, sticks.n_links, parts, near_px
+        )
+        _refine(
+            away, frame.own, (u0, v0), pose[2], points, sticks.n_links, parts, near_px,
+            frame.pairs, p.thickness_px, p.steepness,
         )  # fmt: skip
         own, near = _with_shape(frame.own, away, p.thickness_px, p.steepness)
         labels = cut_grid(own, frame.right, frame.down)
@@ -228,3 +245,57 @@ def _with_shape(
             out[v, u] = own[v, u] + x
             near += softplus(-x)
     return out, near
+
+
+@compiled
+def _refine(
+    away: np.ndarray,
+    own: np.ndarray,
+    origin: tuple[int, int],
+    heading: float,
+    points: np.ndarray,
+    n_links: np.ndarray,
+    parts: np.ndarray,
+    near_px: float,
+    pairs: float,
+    thickness: float,
+    steepness: float,
+) -> None:
+    """Put exact distances where the map was cut off and a pixel may be subject all the same."""
+    limit = pairs - steepness * (near_px - thickness)
+    cos, sin = math.cos(math.radians(heading)), math.sin(math.radians(heading))
+    for v in range(away.shape[0]):
+        for u in range(away.shape[1]):
+            if away[v, u] >= np.float32(near_px) and own[v, u] < limit:
+                x, y = float(u + origin[0]), float(v + origin[1])
+                best = from_body(x, y, cos, sin, parts, np.inf)
+                for i in range(len(n_links)):
+                    best = min(best, from_line(x, y, points[i], n_links[i]))
+                away[v, u] = best
+
+
+@compiled
+def _needed(
+    cost: np.ndarray,
+    wide: tuple[int, int, int, int],
+    inner: tuple[int, int, int, int],
+    numbers: tuple[float, float, float, float],
+) -> tuple[int, int, int, int]:
+    """Return the smallest box about ``inner`` outside which every pixel is background.
+
+    ``numbers``: the subject's cost, the most that neighbours cost, d_r and mu. The animal is
+    within ``inner``, which bounds the distance of pixels outside from below.
+    """
+    level, pairs, thickness, steepness = numbers
+    u0, v0, u1, v1 = inner
+    for v in range(wide[1], wide[3]):
+        dv = max(inner[1] - v, v - inner[3] + 1, 0)
+        for u in range(wide[0], wide[2]):
+            du = max(inner[0] - u, u - inner[2] + 1, 0)
+            if du == 0 and dv == 0:
+                continue
+            away = math.sqrt(float(du * du + dv * dv))
+            if level - cost[v, u] + steepness * (away - thickness) <= pairs:
+                u0, v0 = min(u0, u), min(v0, v)
+                u1, v1 = max(u1, u + 1), max(v1, v + 1)
+    return u0, v0, u1, v1

@@ -13,10 +13,12 @@ import math
 import numpy as np
 
 from pawnb.core.compiled import compiled
-from pawnb.core.pose.sticks import distance_map, from_body, from_line, leg_points
+from pawnb.core.pose.sticks import HALF_LINE_PX, distance_map, from_body, from_line, leg_points
 
 FLAT = 30.0
 """log(1 + exp(-x)) beyond this is nothing."""
+_NEAR_PX = 8.0
+"""Distances up to this are taken from a map of all of them, larger ones are worked out singly."""
 
 
 @compiled
@@ -46,9 +48,10 @@ def part_distances(
 ) -> np.ndarray:
     """Return the distance of each pixel (n, 2; u, v) from the body and each leg: (1 + legs, n)."""
     out = np.empty((1 + len(n_links), len(pixels)))
+    cos, sin = math.cos(math.radians(heading)), math.sin(math.radians(heading))
     for k in range(len(pixels)):
         u, v = pixels[k, 0], pixels[k, 1]
-        out[0, k] = from_body(u, v, heading, parts)
+        out[0, k] = from_body(u, v, cos, sin, parts, np.inf)
         for i in range(len(n_links)):
             out[1 + i, k] = from_line(u, v, points[i], n_links[i])
     return out
@@ -56,14 +59,12 @@ def part_distances(
 
 @compiled
 def shape_cost(
-    pixels: np.ndarray,
     labels: np.ndarray,
     origin: tuple[int, int],
     heading: float,
     points: np.ndarray,
     n_links: np.ndarray,
     parts: np.ndarray,
-    reach: np.ndarray,
     thickness: float,
     steepness: float,
 ) -> float:
@@ -71,8 +72,6 @@ def shape_cost(
 
     Parameters
     ----------
-    pixels : ndarray, shape (n, 2)
-        u, v of the subject's pixels.
     labels : ndarray of bool, shape (H, W)
         Labels of the crop.
     origin : tuple of int
@@ -81,8 +80,6 @@ def shape_cost(
         Direction of the body, degrees.
     points, n_links, parts : ndarray
         The stick animal in the picture.
-    reach : ndarray, shape (n_legs,)
-        Length of each leg, px.
     thickness, steepness : float
         d_r and mu.
 
@@ -91,20 +88,22 @@ def shape_cost(
     float
         The cost.
     """
-    cost = 0.0
-    for k in range(len(pixels)):
-        u, v = pixels[k, 0], pixels[k, 1]
-        best = from_body(u, v, heading, parts)
-        for i in range(len(n_links)):
-            if math.hypot(u - points[i, 0, 0], v - points[i, 0, 1]) - reach[i] - 0.5 < best:
-                best = min(best, from_line(u, v, points[i], n_links[i]))
-        cost += softplus(steepness * (best - thickness))
-    most = thickness + FLAT / steepness
+    most = max(_NEAR_PX, thickness + FLAT / steepness)
     near = distance_map(origin, labels.shape, heading, points, n_links, parts, most)
-    for v in range(labels.shape[0]):
-        for u in range(labels.shape[1]):
-            if near[v, u] < most and not labels[v, u]:
-                cost += softplus(steepness * (thickness - near[v, u]))
+    cos, sin = math.cos(math.radians(heading)), math.sin(math.radians(heading))
+    cost = 0.0
+    for y in range(labels.shape[0]):
+        for x in range(labels.shape[1]):
+            away = float(near[y, x])
+            if not labels[y, x]:
+                cost += softplus(steepness * (thickness - away))
+                continue
+            if away >= np.float32(most):
+                u, v = float(x + origin[0]), float(y + origin[1])
+                away = from_body(u, v, cos, sin, parts, np.inf)
+                for i in range(len(n_links)):
+                    away = min(away, from_line(u, v, points[i], n_links[i]))
+            cost += softplus(steepness * (away - thickness))
     return cost
 
 
@@ -112,9 +111,9 @@ def shape_cost(
 def _leg_cost(
     points: np.ndarray,
     n_links: int,
-    reach: float,
     pixels: np.ndarray,
     others: np.ndarray,
+    without: np.ndarray,
     near: np.ndarray,
     labels: np.ndarray,
     origin: tuple[int, int],
@@ -122,18 +121,33 @@ def _leg_cost(
     thickness: float,
     steepness: float,
 ) -> float:
-    """Return what the shape prior costs, as far as it depends on this leg.
+    """Return by how much this leg changes what the shape prior costs without it.
 
-    ``others`` is the distance of each subject pixel from the other parts, ``near`` the map of
-    distances from them, cut off where background pixels no longer cost.
+    ``others`` is the distance of each subject pixel from the other parts, ``without`` its cost
+    for that, and ``near`` the map of distances from them, cut off where background pixels no
+    longer cost.
     """
+    left, right = points[: n_links + 1, 0].min(), points[: n_links + 1, 0].max()
+    top, bottom = points[: n_links + 1, 1].min(), points[: n_links + 1, 1].max()
+    step = np.empty((n_links, 3))
+    for i in range(n_links):
+        step[i, :2] = points[i + 1] - points[i]
+        step[i, 2] = 1.0 / max(step[i, 0] ** 2 + step[i, 1] ** 2, 1e-12)
     cost = 0.0
     for k in range(len(pixels)):
-        u, v = pixels[k, 0], pixels[k, 1]
-        best = others[k]
-        if math.hypot(u - points[0, 0], v - points[0, 1]) - reach - 0.5 < best:
-            best = min(best, from_line(u, v, points, n_links))
-        cost += softplus(steepness * (best - thickness))
+        u, v, far = pixels[k, 0], pixels[k, 1], others[k] + HALF_LINE_PX
+        if u < left - far or u > right + far or v < top - far or v > bottom + far:
+            continue
+        best = np.inf
+        for i in range(n_links):
+            pu, pv = u - points[i, 0], v - points[i, 1]
+            share = (pu * step[i, 0] + pv * step[i, 1]) * step[i, 2]
+            share = min(max(share, 0.0), 1.0)
+            pu, pv = pu - share * step[i, 0], pv - share * step[i, 1]
+            best = min(best, pu * pu + pv * pv)
+        if best < far * far:
+            away = max(0.0, math.sqrt(best) - HALF_LINE_PX)
+            cost += softplus(steepness * (away - thickness)) - without[k]
     most = thickness + FLAT / steepness
     for i in range(n_links):
         cost += _along_link(
@@ -247,7 +261,9 @@ def turn_leg(
         By how much the energy was lowered.
     """
     points = np.empty((n_links + 1, 2))
-    reach = length.sum()
+    without = np.empty(len(others))
+    for k in range(len(others)):
+        without[k] = softplus(steepness * (others[k] - thickness))
     first, lowest = 0.0, 0.0
     trial = angles.copy()
     for t in range(-1, len(trials)):
@@ -267,7 +283,17 @@ def turn_leg(
             points,
         )
         cost = limit_cost(trial, middle, half, stiffness) + _leg_cost(
-            points, n_links, reach, pixels, others, near, labels, origin, size, thickness, steepness
+            points,
+            n_links,
+            pixels,
+            others,
+            without,
+            near,
+            labels,
+            origin,
+            size,
+            thickness,
+            steepness,
         )
         if t < 0:
             first = lowest = cost

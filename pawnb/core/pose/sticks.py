@@ -221,13 +221,14 @@ def from_ellipse(x: float, y: float, a: float, b: float) -> float:
 
 
 @compiled
-def from_body(u: float, v: float, heading: float, parts: np.ndarray) -> float:
-    """Return the distance of a pixel's centre from the body, 0 inside it."""
-    cos, sin = math.cos(math.radians(heading)), math.sin(math.radians(heading))
-    best = np.inf
+def from_body(u: float, v: float, cos: float, sin: float, parts: np.ndarray, best: float) -> float:
+    """Return the distance of a pixel's centre from the body, 0 inside it, or ``best`` if less.
+
+    ``cos`` and ``sin`` are those of the heading.
+    """
     for i in range(len(parts)):
         du, dv = u - parts[i, 0], v - parts[i, 1]
-        if math.hypot(du, dv) - max(parts[i, 2], parts[i, 3]) < best:
+        if math.sqrt(du * du + dv * dv) - max(parts[i, 2], parts[i, 3]) < best:
             x, y = du * cos + dv * sin, dv * cos - du * sin
             best = min(best, from_ellipse(x, y, parts[i, 2], parts[i, 3]))
     return best
@@ -278,7 +279,7 @@ def distance_map(
             for u in range(u0, u1):
                 du, dv = u + origin[0] - parts[i, 0], v + origin[1] - parts[i, 1]
                 x, y = du * cos + dv * sin, dv * cos - du * sin
-                if math.hypot(du, dv) - max(parts[i, 2], parts[i, 3]) < out[v, u]:
+                if math.sqrt(du * du + dv * dv) - max(parts[i, 2], parts[i, 3]) < out[v, u]:
                     away = from_ellipse(x, y, parts[i, 2], parts[i, 3])
                     out[v, u] = min(out[v, u], np.float32(away))
     for leg in range(len(n_links)):

@@ -67,9 +67,10 @@ def test_map_is_the_least_distance_of_body_and_legs():
     points, parts = sticks.points(vector), sticks.parts(vector)
     made = distance_map((30, 20), (150, 140), 33.0, points, sticks.n_links, parts, 12.0)
     rng = np.random.default_rng(2)
+    turn = np.cos(np.radians(33)), np.sin(np.radians(33))
     for v, u in zip(rng.integers(0, 150, 300), rng.integers(0, 140, 300), strict=True):
         one = [from_line(u + 30.0, v + 20.0, points[i], 5) for i in range(8)]
-        expected = min(*one, from_body(u + 30.0, v + 20.0, 33.0, parts), 12.0)
+        expected = min(*one, from_body(u + 30.0, v + 20.0, *turn, parts, np.inf), 12.0)
         assert made[v, u] == pytest.approx(expected, abs=1e-3)
 
 

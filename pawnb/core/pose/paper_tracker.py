@@ -1,0 +1,301 @@
+"""The pose tracker of Pullar 2009, method ``paper``: frame by frame, both ways from the start."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+
+import cv2
+import numpy as np
+
+from pawnb.core.pose.animal import StickAnimal
+from pawnb.core.pose.energy import PaperEnergy
+from pawnb.core.pose.likelihood import EmptyScene, background_cost
+from pawnb.core.pose.paper_inference import FramePose, infer_pose
+from pawnb.core.pose.paper_settings import PaperPoseSettings
+from pawnb.core.pose.poses import Poses
+from pawnb.core.pose.presence import grey
+from pawnb.core.pose.sticks import distance_map, pose_vector
+from pawnb.core.pose.track_result import PoseTrack, plain_track
+from pawnb.core.views import ViewReader
+from pawnb.errors import InputError, InputWarning
+from pawnb.schema import ORIGIN_CODE
+
+_SLACK_OF_SPAN = 0.12
+"""How far parts may move from the guess in one frame before the crop is made anew."""
+_BODY_SHARE = 0.5
+"""Least share of the body's place that must differ from the background in the start frame."""
+_BEYOND_OF_SPAN = 0.04
+_OTHER_SHARE = 0.4
+"""Something else this large beside the animal may be a second one."""
+_SEEN_SHARE = 0.3
+"""A leg of which less than this lies on subject pixels was not placed by the picture."""
+
+
+def track_pose_paper(
+    reader: ViewReader,
+    start: Poses,
+    *,
+    animal: StickAnimal,
+    background: EmptyScene,
+    settings: PaperPoseSettings | None = None,
+    frames: tuple[int, int],
+    progress: Callable[[int, int], None] | None = None,
+    stop: Callable[[], bool] | None = None,
+) -> PoseTrack:
+    """Track a jointed animal with the method of Pullar 2009, both ways from a start frame.
+
+    Parameters
+    ----------
+    reader : ViewReader
+        The view.
+    start : Poses
+        The animal's pose in one frame; of several frames, the first within ``frames`` is used.
+        Its scale and segment lengths are kept throughout.
+    animal : StickAnimal
+        The animal.
+    background : Background
+        The empty scene.
+    settings : PaperPoseSettings, optional
+        Settings; see there.
+    frames : tuple of int
+        First frame and one past the last.
+    progress : callable, optional
+        Called with frames done and frames in all.
+    stop : callable, optional
+        Tracking ends early, with what it has, when this returns True.
+
+    Returns
+    -------
+    PoseTrack
+        One row for every frame of ``frames``: NaN and origin missing where the animal was not
+        tracked. Confidence is the share of a leg's line on pixels labelled subject. The
+        method knows no standard deviations.
+
+    Raises
+    ------
+    InputError
+        If no start pose lies within ``frames``, it reaches outside the picture, or the animal
+        is not there.
+
+    Warns
+    -----
+    InputWarning
+        If a leg reaches outside the picture: tracking ends there. If there is something as
+        large as another animal.
+
+    Notes
+    -----
+    The guess in each frame is the pose before, moved on with the velocity between the two
+    poses before it (§3.4.2). Parameters are estimated from the start frame (Table 3.3).
+    """
+    settings = settings or PaperPoseSettings()
+    numbers = np.arange(*frames)
+    inside = np.flatnonzero(np.isin(start.frames, numbers))
+    if not len(inside):
+        raise InputError(
+            f"the start pose is of frame {', '.join(map(str, start.frames))}, but frames "
+            f"{frames[0]} to {frames[1] - 1} are tracked; give a start pose within them."
+        )
+    tracker = _Tracker(
+        reader, start.take([int(inside[0])]), animal, background, settings, len(numbers)
+    )
+    tracker.run(frames, progress, stop)
+    return tracker.result(numbers)
+
+
+class _Tracker:
+    """Keeps the energy, the poses found, and what is asked after each frame."""
+
+    def __init__(
+        self,
+        reader: ViewReader,
+        start: Poses,
+        animal: StickAnimal,
+        background: EmptyScene,
+        settings: PaperPoseSettings,
+        total: int,
+    ) -> None:
+        self.reader, self.start, self.animal = reader, start, animal
+        self.settings, self.total = settings, total
+        self.first = int(start.frames[0])
+        picture = reader.frame(self.first).image()
+        self.energy = PaperEnergy(
+            animal, start, picture=picture, background=background, settings=settings
+        )
+        check_start(self.energy, picture, start)
+        self.found: dict[int, np.ndarray] = {}
+        self.confidence: dict[int, np.ndarray] = {}
+
+    def run(
+        self,
+        frames: tuple[int, int],
+        progress: Callable[[int, int], None] | None,
+        stop: Callable[[], bool] | None,
+    ) -> None:
+        """Track the start frame, then forwards, then backwards."""
+        begun = self._fit(self.first, pose_vector(self.start))
+        for numbers, word in (
+            (range(self.first + 1, frames[1]), "forwards"),
+            (range(self.first - 1, frames[0] - 1, -1), "backwards"),
+        ):
+            before = last = begun
+            for done, i in enumerate(numbers):
+                if progress is not None:
+                    progress(min(len(self.found), self.total), self.total)
+                if stop is not None and stop():
+                    return
+                leg = self._outside(last)
+                if leg is not None:
+                    warnings.warn(
+                        f"frame {i - numbers.step}: {leg} reaches outside the picture; "
+                        f"tracking {word} ends there, {len(numbers) - done} frames early.",
+                        InputWarning,
+                        stacklevel=3,
+                    )
+                    break
+                before, last = last, self._fit(i, 2 * last - before)
+        if progress is not None:
+            progress(self.total, self.total)
+
+    def result(self, numbers: np.ndarray) -> PoseTrack:
+        """Return the track of all frames, NaN where there is none."""
+        n, joints = len(numbers), len(self.animal.joints)
+        vectors = np.full((n, 3 + joints), np.nan)
+        confidence = np.zeros((n, len(self.animal.legs)))
+        origin = np.full(confidence.shape, ORIGIN_CODE["missing"], dtype=np.int8)
+        for row, i in enumerate(numbers):
+            if int(i) in self.found:
+                vectors[row], confidence[row] = self.found[int(i)], self.confidence[int(i)]
+                seen = confidence[row] >= _SEEN_SHARE
+                origin[row] = np.where(seen, ORIGIN_CODE["measured"], ORIGIN_CODE["predicted"])
+        there = np.isfinite(vectors[:, 0])
+        poses = Poses(
+            frames=numbers,
+            xy=vectors[:, :2],
+            heading_deg=vectors[:, 2],
+            scale=np.where(there, self.start.scale[0], np.nan),
+            angles_deg=vectors[:, 3:],
+            lengths_px=np.where(there[:, None], self.start.lengths_px, np.nan),
+        )
+        return plain_track(self.animal, poses, confidence=confidence, origin=origin)
+
+    def _fit(self, number: int, guess: np.ndarray) -> np.ndarray:
+        """Find the pose in a frame, on a crop that is made anew while the animal leaves it."""
+        picture = self.reader.frame(number).image()
+        rng = np.random.default_rng([self.settings.seed, number])
+        slack = _SLACK_OF_SPAN * self.energy.span_px
+        for _ in range(3):
+            frame = self.energy.frame(picture, guess, slack_px=slack)
+            fit = infer_pose(self.energy, frame, guess, rng=rng)
+            moved = np.abs(np.subtract(self.energy.extent(fit.pose), self.energy.extent(guess)))
+            if moved.max() <= slack:
+                break
+            guess = fit.pose
+        self.found[number] = fit.pose
+        self.confidence[number] = _on_subject(self.energy, fit, frame.box[:2])
+        return fit.pose
+
+    def _outside(self, pose: np.ndarray) -> str | None:
+        """Return what part of the animal lies outside the picture, if any."""
+        return part_outside(self.energy, pose, (self.reader.width, self.reader.height))
+
+
+def check_start(energy: PaperEnergy, picture: np.ndarray, start: Poses) -> None:
+    """Refuse a start pose that is not on the animal or reaches outside the picture.
+
+    Parameters
+    ----------
+    energy : PaperEnergy
+        The energy, made of the start frame.
+    picture : ndarray, shape (H, W) or (H, W, 3)
+        The start frame.
+    start : Poses
+        The start pose.
+
+    Raises
+    ------
+    InputError
+        If the body's place differs from the background in less than half of its area, or
+        part of the animal lies outside the picture.
+
+    Warns
+    -----
+    InputWarning
+        If something apart from the animal is at least 40 % as large as it.
+    """
+    where = f"the start pose of frame {start.frames[0]}"
+    pose, height, width = pose_vector(start), picture.shape[0], picture.shape[1]
+    part = part_outside(energy, pose, (width, height))
+    if part is not None:
+        raise InputError(
+            f"{where}: {part} reaches outside the picture ({width} x {height} px); start in "
+            "a frame that shows the whole animal."
+        )
+    cost = background_cost(
+        grey(picture), energy.background, sd_floor_grey=energy.settings.sd_floor_grey
+    )
+    stands_out = cost > cost.mean(dtype=float)
+    sticks = energy.sticks
+    nothing = np.empty((0, 2, 2)), np.empty(0, dtype=np.int64)
+    body = distance_map((0, 0), cost.shape, pose[2], *nothing, sticks.parts(pose), 1.0) <= 0
+    share = float(stands_out[body].mean())
+    if share < _BODY_SHARE:
+        u0, v0, u1, v1 = energy.parameters.subject_box
+        raise InputError(
+            f"{where} is not on the animal: only {100 * share:.0f} % of the body's place differs "
+            f"from the background; something that does lies between ({u0}, {v0}) and "
+            f"({u1 - 1}, {v1 - 1}) px: move the pose there."
+        )
+    away = distance_map(
+        (0, 0), cost.shape, pose[2], sticks.points(pose), sticks.n_links, sticks.parts(pose), 4.0
+    )
+    _, names, stats, middles = cv2.connectedComponentsWithStats(stands_out.astype(np.uint8))
+    areas = stats[:, cv2.CC_STAT_AREA].astype(float)
+    areas[0] = 0.0
+    mine = np.zeros(len(areas), bool)
+    mine[np.unique(names[(away < 4.0) & stands_out])] = True
+    other = int(np.argmax(np.where(mine, 0.0, areas)))
+    if areas[other] > _OTHER_SHARE * areas[mine].sum() and not mine[other]:
+        warnings.warn(
+            f"frame {start.frames[0]}: something {100 * areas[other] / areas[mine].sum():.0f} % as "
+            f"large as the animal lies about ({middles[other][0]:.0f}, {middles[other][1]:.0f}) "
+            "px; if it is a second animal, crop the view to one.",
+            InputWarning,
+            stacklevel=4,
+        )
+
+
+def part_outside(energy: PaperEnergy, pose: np.ndarray, size: tuple[int, int]) -> str | None:
+    """Return what lies outside the picture: a leg's name, the body, or None.
+
+    A leg may reach 4 % of the leg span beyond the edge: the stick animal's legs are as long as
+    when they lie flat, longer than they look.
+    """
+    points = energy.sticks.points(pose)
+    low, high = (
+        -_BEYOND_OF_SPAN * energy.span_px,
+        np.array(size) - 1 + _BEYOND_OF_SPAN * energy.span_px,
+    )
+    for name, line in zip(energy.animal.leg_names, points, strict=True):
+        line = line[np.isfinite(line[:, 0])]
+        if (line < low).any() or (line > high).any():
+            return f"leg {name}"
+    middle = energy.sticks.parts(pose)[:, :2]
+    return "the body" if (middle < 0).any() or (middle > np.array(size) - 1).any() else None
+
+
+def _on_subject(energy: PaperEnergy, fit: FramePose, origin: tuple[int, int]) -> np.ndarray:
+    """Return the share of each leg's line that lies on pixels labelled subject."""
+    points, out = energy.sticks.points(fit.pose), []
+    height, width = fit.cut.labels.shape
+    for line, n in zip(points, energy.sticks.n_links, strict=True):
+        steps = [
+            np.linspace(line[i], line[i + 1], max(2, int(np.hypot(*(line[i + 1] - line[i])))))
+            for i in range(n)
+        ]
+        u, v = np.round(np.concatenate(steps) - origin).astype(int).T
+        inside = (u >= 0) & (v >= 0) & (u < width) & (v < height)
+        hit = fit.cut.labels[v.clip(0, height - 1), u.clip(0, width - 1)] & inside
+        out.append(hit.mean())
+    return np.array(out)
