@@ -21,6 +21,7 @@ from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.follow import Follower
 from pawnb.core.pose.fit.layout import make_layout, pose_vectors, poses_of_vectors
 from pawnb.core.pose.fit.priors import anatomy
+from pawnb.core.pose.fit.relearn import learn_again, usual_lengths
 from pawnb.core.pose.fit.rethink import chosen_poses, look_back
 from pawnb.core.pose.fit.settings import PoseSettings
 from pawnb.core.pose.fit.start import fit_start
@@ -93,6 +94,7 @@ def track_pose(
     steps = _Steps(2 * len(numbers), progress, stop)
     found = _both_ways(reader, int(start.frames[0]), pose, fitter, frames, steps)
     poses = chosen_poses(fitter, found)
+    poses = learn_again(fitter, found, poses)
     settled = _finish(fitter, found, poses, steps)
     return _result(animal, start, fitter, numbers, found, settled)
 
@@ -204,9 +206,7 @@ def _finish(
     """Return the last fit of every frame, on two threads."""
     if not found:
         return []
-    middle = fitter.anatomy.middle.copy()
-    middle[fitter.lengths] = np.median(poses[:, fitter.lengths], axis=0)
-    known = fitter.anatomy._replace(middle=middle)
+    known = usual_lengths(fitter, poses)
     expected = expected_between(poses)
 
     def work(part: range) -> list[Settled]:

@@ -48,6 +48,7 @@ class FrameFitter:
         settings: PoseSettings,
     ) -> None:
         self.animal, self.layout, self.evidence = animal, layout, evidence
+        self.first = layout
         self.anatomy, self.settings = anatomy, settings
         self.angles, self.lengths = parameter_kinds(animal)
         self.n = N_BODY + len(self.angles) + len(self.lengths)

@@ -35,8 +35,10 @@ class Layout(NamedTuple):
         forwards), its length where it lies flat.
     radius, dark : ndarray, shape (legs, segments + 1)
         Half the thickness, and the darkness relative to the background, at the ends of segments.
-    ellipse : ndarray, shape (parts, 5)
-        Centre forward and right, half axes along and across, darkness.
+    ellipse : ndarray, shape (parts, 6)
+        Centre forward and right, half axes along and across, darkness, and how much broader the
+        part is in front of its middle than behind, as an egg is: its half width at the share a of
+        its half length is the half axis across times 1 + egg * a.
     """
 
     side: np.ndarray
@@ -92,7 +94,7 @@ def make_layout(
         paler[i, : len(leg.segments) + 1] = np.linspace(1.0, 0.6, len(leg.segments) + 1)
     n_links = np.array([int(links_of(leg)[0][-1]) + 1 for leg in legs])
     body = [(*part.centre, part.length / 2, part.width / 2) for part in animal.body]
-    ellipse = np.column_stack([np.array(body) * px_per_unit, np.full(len(body), dark)])
+    ellipse = np.column_stack([np.array(body) * px_per_unit, np.full(len(body), dark), np.zeros(len(body))])
     return Layout(
         side=np.array([leg.side for leg in legs], dtype=float),
         attach=np.array([leg.attach for leg in legs]) * px_per_unit,

@@ -13,7 +13,7 @@ from pawnb.core.pose.fit.solve_loops import Sight
 
 _RADIUS_SD, _RADIUS_STEP_SD = 0.4, 0.1
 _DARK_SD, _DARK_STEP_SD = 0.3, 0.1
-_BODY_SD = (0.15, 0.15, 0.5)
+_BODY_SD = (0.15, 0.15, 0.5, 0.15)
 _LEAST_DARK, _MOST_DARK = 0.08, 1.1
 _LEAST_OF_DARKEST = 0.5
 """A leg's palest place, as a share of its darkest: an end laid on the background would be learnt
@@ -71,7 +71,7 @@ def _one_round(
     legs, nodes = layout.radius.shape
     matrix, vector = np.zeros((legs, 2 * nodes, 2 * nodes)), np.zeros((legs, 2 * nodes))
     parts = len(layout.ellipse)
-    body_matrix, body_vector = np.zeros((parts, 3, 3)), np.zeros((parts, 3))
+    body_matrix, body_vector = np.zeros((parts, 4, 4)), np.zeros((parts, 4))
     for pose, sight in frames:
         canvas = make_canvas(*sight.seen.shape, layout)
         paint(layout, pose, blur, sight.box, *canvas)
@@ -123,12 +123,14 @@ def _body_step(
     for part in range(len(ellipse)):
         longer = np.log(ellipse[part, 2] / first.ellipse[part, 2])
         wider = np.log(ellipse[part, 3] / first.ellipse[part, 3])
-        now = np.array([longer, wider, ellipse[part, 4] - first.ellipse[part, 4]])
+        darker = ellipse[part, 4] - first.ellipse[part, 4]
+        now = np.array([longer, wider, darker, ellipse[part, 5]])
         stiff = n_frames * np.diag(1.0 / np.array(_BODY_SD) ** 2)
         move = np.linalg.solve(matrix[part] + stiff, -(vector[part] + stiff @ now))
-        longer, wider, darker = now + np.clip(move, -0.2, 0.2)
+        longer, wider, darker, egg = now + np.clip(move, -0.2, 0.2)
         ellipse[part, 0] = first.ellipse[part, 0] * np.exp(longer)
         ellipse[part, 2] = first.ellipse[part, 2] * np.exp(longer)
         ellipse[part, 3] = first.ellipse[part, 3] * np.exp(wider)
+        ellipse[part, 5] = np.clip(egg, -0.4, 0.4)
         ellipse[part, 4] = np.clip(first.ellipse[part, 4] + darker, _LEAST_DARK, _MOST_DARK)
     return ellipse

@@ -8,7 +8,7 @@ import numpy as np
 
 from pawnb.core.compiled import compiled
 from pawnb.core.pose.fit.layout import Layout
-from pawnb.core.pose.fit.paint_loops import slope, step
+from pawnb.core.pose.fit.paint_loops import egg_shape, slope, step
 
 
 @compiled
@@ -61,35 +61,31 @@ def body_equations(
     owner: np.ndarray, seen: np.ndarray, weight: np.ndarray, soft: float,
     matrix: np.ndarray, vector: np.ndarray,
 ) -> None:  # fmt: skip
-    """Add the equations of the body's parts: log length, log width, darkness of each.
+    """Add the equations of the body's parts: log length, log width, darkness, egg.
 
     A part that grows in length keeps its place relative to the origin: its middle moves too.
-    ``matrix`` and ``vector`` are (parts, 3, 3) and (parts, 3).
+    ``matrix`` and ``vector`` are (parts, 4, 4) and (parts, 4).
     """
     cos, sin = math.cos(pose[2]), math.sin(pose[2])
-    row = np.zeros(3)
+    row = np.zeros(4)
     for v in range(value.shape[0]):
         for u in range(value.shape[1]):
             part = -2 - owner[v, u]
             if part < 0:
                 continue
-            forward, right, half, across, dark = layout.ellipse[part]
+            forward, right, half, across, dark, egg = layout.ellipse[part]
             du, dv = u + box[0] - pose[0], v + box[1] - pose[1]
             x, y = du * cos + dv * sin, -du * sin + dv * cos
-            a, b = (x - forward) / half, (y - right) / across
-            f = math.sqrt(a * a + b * b)
-            if f < 1e-6:
-                continue
-            ga, gb = a / half, b / across
-            size = math.sqrt(ga * ga + gb * gb)
-            outside = (f - 1.0) * f / size
+            outside, na, nb = egg_shape(x - forward, y - right, half, across, egg)
             edge = dark * slope(-outside / blur) / blur
-            row[0] = edge * ga / size * x
-            row[1] = edge * gb / size * (y - right)
+            a = (x - forward) / half
+            row[0] = edge * na * x
+            row[1] = edge * nb * (y - right)
             row[2] = step(-outside / blur)
+            row[3] = edge * nb * (y - right) * a / max(1.0 + egg * a, 0.2)
             error = value[v, u] - seen[v, u]
             w = weight[v, u] / (1.0 + error * error / (soft * soft))
-            for i in range(3):
+            for i in range(4):
                 vector[part, i] += w * row[i] * error
-                for j in range(3):
+                for j in range(4):
                     matrix[part, i, j] += w * row[i] * row[j]

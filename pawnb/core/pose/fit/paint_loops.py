@@ -70,6 +70,25 @@ def clear(value: np.ndarray, owner: np.ndarray) -> None:
 
 
 @compiled
+def egg_shape(
+    x: float, y: float, half: float, across: float, egg: float
+) -> tuple[float, float, float]:
+    """Return how far outside an egg a place is, px, and the slope of that along x and y.
+
+    The place is relative to the egg's middle. To first order near the outline.
+    """
+    a = x / half
+    wide = max(1.0 + egg * a, 0.2)
+    b = y / (across * wide)
+    f = math.sqrt(a * a + b * b)
+    if f < 1e-6:
+        return -min(half, across), 0.0, 0.0
+    ga, gb = (a - b * b * egg / wide) / half, b / (across * wide)
+    size = max(math.sqrt(ga * ga + gb * gb), 1e-9)
+    return (f - 1.0) * f / size, ga / size, gb / size
+
+
+@compiled
 def paint_body(
     layout: Layout, pose: np.ndarray, blur: float, box: np.ndarray, value: np.ndarray,
     owner: np.ndarray,
@@ -78,19 +97,14 @@ def paint_body(
     height, width = value.shape
     cos, sin = math.cos(pose[2]), math.sin(pose[2])
     for e in range(layout.ellipse.shape[0]):
-        forward, right, along, across, dark = layout.ellipse[e]
+        forward, right, along, across, dark, egg = layout.ellipse[e]
         cu = pose[0] + forward * cos - right * sin - box[0]
         cv = pose[1] + forward * sin + right * cos - box[1]
-        reach = max(along, across) + blur + 1.0
+        reach = max(along, across * (1.0 + abs(egg))) + blur + 1.0
         for v in range(max(0, int(cv - reach)), min(height, int(cv + reach) + 2)):
             for u in range(max(0, int(cu - reach)), min(width, int(cu + reach) + 2)):
-                a = ((u - cu) * cos + (v - cv) * sin) / along
-                b = (-(u - cu) * sin + (v - cv) * cos) / across
-                f = math.sqrt(a * a + b * b)
-                if f < 1e-6:
-                    outside = -min(along, across)
-                else:
-                    outside = (f - 1.0) * f / math.sqrt((a / along) ** 2 + (b / across) ** 2)
+                x, y = (u - cu) * cos + (v - cv) * sin, -(u - cu) * sin + (v - cv) * cos
+                outside, _, _ = egg_shape(x, y, along, across, egg)
                 if outside >= blur:
                     continue
                 here = dark * step(-outside / blur)
@@ -157,21 +171,15 @@ def body_slope(
 ) -> bool:  # fmt: skip
     """Write how a pixel of the body changes with x, y, heading; False where it does not."""
     cos, sin = math.cos(pose[2]), math.sin(pose[2])
-    forward, right, half, across, dark = layout.ellipse[part]
+    forward, right, half, across, dark, egg = layout.ellipse[part]
     du = u - pose[0]
     dv = v - pose[1]
-    a = (du * cos + dv * sin - forward) / half
-    b = (-du * sin + dv * cos - right) / across
-    f = math.sqrt(a * a + b * b)
-    if f < 1e-6:
-        return False
-    ga, gb = a / half, b / across
-    size = math.sqrt(ga * ga + gb * gb)
-    outside = (f - 1.0) * f / size
+    x, y = du * cos + dv * sin - forward, -du * sin + dv * cos - right
+    outside, na, nb = egg_shape(x, y, half, across, egg)
     change = dark * slope(-outside / blur) / blur
     if change == 0.0:
         return False
-    nu, nv = (ga * cos - gb * sin) / size, (ga * sin + gb * cos) / size
+    nu, nv = na * cos - nb * sin, na * sin + nb * cos
     row[0], row[1] = change * nu, change * nv
     row[2] = change * (-nu * dv + nv * du)
     return True

@@ -84,7 +84,7 @@ def fit_start(
         How dark the body's place is relative to what is expected, 0 to 1.
     """
     fitter.layout = _first_darkness(fitter, frame, pose)
-    first = fitter.layout
+    fitter.first = fitter.layout
     partner = partners(fitter.animal)
     settings = fitter.settings
     prior = start_prior(fitter, pose)
@@ -98,7 +98,7 @@ def fit_start(
             pose = _choose(fitter, frame.index, pose, sight, (image, box), prior)
         pose, _ = fitter.fit(pose, sight, prior, rounds=20)
         fitter.layout = learn_look(
-            fitter.layout, [(pose, sight)], first=first, partner=partner, blur=fitter.blur,
+            fitter.layout, [(pose, sight)], first=fitter.first, partner=partner, blur=fitter.blur,
             soft=settings.soft_error,
         )  # fmt: skip
     sight, _, _ = fitter.look(frame, pose)

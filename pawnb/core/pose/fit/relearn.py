@@ -1,0 +1,59 @@
+"""Thickness, darkness and lengths once more, from sure frames of the whole recording."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pawnb.core.pose.fit.choices import Choices
+from pawnb.core.pose.fit.fitter import FrameFitter
+from pawnb.core.pose.fit.learn import learn_look
+from pawnb.core.pose.fit.solve_loops import Prior
+from pawnb.core.pose.fit.start import partners
+
+_FRAMES = 12
+_ROUNDS = 2
+
+
+def learn_again(fitter: FrameFitter, found: list[Choices], poses: np.ndarray) -> np.ndarray:
+    """Learn the animal's look from sure frames; return all poses, those of these frames refitted.
+
+    Parameters
+    ----------
+    fitter : FrameFitter
+        Its layout is replaced.
+    found : list of Choices
+        Every frame.
+    poses : ndarray, shape (n, n_parameters)
+        Their poses.
+
+    Returns
+    -------
+    ndarray, shape (n, n_parameters)
+        Poses.
+    """
+    if not found:
+        return poses
+    poses = poses.copy()
+    sure = [i for i, choices in enumerate(found) if not choices.is_open]
+    if len(sure) < _FRAMES:
+        sure = list(range(len(found)))
+    chosen = sorted({sure[k] for k in np.linspace(0, len(sure) - 1, _FRAMES).astype(int)})
+    for _ in range(_ROUNDS):
+        known = usual_lengths(fitter, poses)
+        frames = []
+        for i in chosen:
+            sight = fitter.sight(found[i].image.astype(float), found[i].box, poses[i])
+            poses[i], _ = fitter.fit(poses[i], sight, known, rounds=6)
+            frames.append((poses[i], sight))
+        fitter.layout = learn_look(
+            fitter.layout, frames, first=fitter.first, partner=partners(fitter.animal),
+            blur=fitter.blur, soft=fitter.settings.soft_error, rounds=2,
+        )  # fmt: skip
+    return poses
+
+
+def usual_lengths(fitter: FrameFitter, poses: np.ndarray) -> Prior:
+    """Return anatomy with each link's usual foreshortening in these poses."""
+    middle = fitter.anatomy.middle.copy()
+    middle[fitter.lengths] = np.median(poses[:, fitter.lengths], axis=0)
+    return fitter.anatomy._replace(middle=middle)
