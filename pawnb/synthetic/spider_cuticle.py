@@ -45,7 +45,10 @@ class Hair:
 
 
 def leg_hairs(leg: Leg, rng: np.random.Generator) -> list[Hair]:
-    """Draw the hairs of one leg: sparse spines on femur to metatarsus, a brush at the tip."""
+    """Draw the hairs of one leg: spines on femur to metatarsus, short ones on the tarsus.
+
+    None reaches beyond the tip: it is where the leg ends.
+    """
     hairs = []
     for segment, name in enumerate(leg.segments):
         spines = {"Fe": 5, "Pa": 2, "Ti": 7, "Me": 6, "Ta": 4}.get(name, 0)
@@ -54,7 +57,7 @@ def leg_hairs(leg: Leg, rng: np.random.Generator) -> list[Hair]:
             hairs.append(
                 Hair(
                     segment=segment,
-                    along=float(rng.uniform(0.1, 0.9)),
+                    along=float(rng.uniform(0.1, 0.6 if name == "Ta" else 0.9)),
                     side=1 if rng.random() < 0.5 else -1,
                     angle=float(rng.uniform(0.4, 0.9)),
                     length=float(long),
