@@ -8,12 +8,15 @@ from typing import Any
 
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.background import Background
+from pawnb.core.pose.energy_view import EnergyView
+from pawnb.core.pose.paper_settings import PaperPoseSettings
 from pawnb.core.pose.poses import Poses
 from pawnb.core.video import ViewSet, open_views
-from pawnb.errors import InputError
+from pawnb.errors import InputError, PawnbError
 from pawnb.trial import Trial, load_trial
 from pawnb.widgets.click_initialiser import trial_span
 from pawnb.widgets.frame_canvas import MOUSE_AND_KEYS, FrameCanvas, Overlay
+from pawnb.widgets.stick_layers import LAYERS, SETTINGS, EnergyLayers, in_words
 from pawnb.widgets.stick_pose import LEAST_FACTOR, MOST_FACTOR
 from pawnb.widgets.stick_session import StickSession, describe
 from pawnb.workflow.propose_pose import (
@@ -42,6 +45,7 @@ _KEYS = (
     ("P, Enter", "propose a pose, accept it as it is"),
     ("F", "the pose belongs to this frame"),
     ("Ctrl+Z, Ctrl+Y", "undo, redo"),
+    ("Show", "segmentation, shape prior and costs of the published method, with its settings"),
 )
 _LENGTH_STEP = 1.02
 
@@ -72,6 +76,8 @@ class StickPoser(FrameCanvas):
     ----------
     session : StickSession
         The pose; works without a browser.
+    layers : EnergyLayers
+        What the published method makes of the picture, shown on demand, and the settings tried.
 
     Raises
     ------
@@ -96,6 +102,7 @@ class StickPoser(FrameCanvas):
         self._shown = shown
         self.view = pose_view(trial)
         self._background: Background | None = None
+        self.layers = EnergyLayers()
         reader = shown.readers[self.view]
         self.session = StickSession(
             trial,
@@ -137,8 +144,12 @@ class StickPoser(FrameCanvas):
             chips.append(
                 {"id": name, "state": state, "title": f"{name}: {words}", "colour": colour}
             )
-        here = {"stick": stick, "chips": chips}
-        return {"views": {self.view: here}, "current": [self.view, session.leg]}
+        here: dict[str, Any] = {"stick": stick, "chips": chips}
+        told: Overlay = {"views": {self.view: here}, "current": [self.view, session.leg]}
+        if frame == session.frame and (view := self._energy()) is not None:
+            here["tint"] = self.layers.tint(view)
+            told["caption"] = f"energy {view.energy:.0f}"
+        return told
 
     def edit(self, what: str, message: Mapping[str, Any]) -> int | None:
         """Do what a person did; see :meth:`FrameCanvas.edit`."""
@@ -202,10 +213,33 @@ class StickPoser(FrameCanvas):
         }
         if action == "length":
             session.set_length(float(value))
+        elif action == "layer":
+            self.layers.show("" if value == "nothing" else str(value))
+        elif action == "estimate":
+            self.layers.reset()
+        elif action in SETTINGS:
+            self.layers.set(action, float(value))
         elif action in simple:
             simple[action]()
         else:
             raise InputError(f"{action} is no action of this widget.")
+
+    def _energy(self) -> EnergyView | None:
+        """Return the energy of the pose in the frame looked at, where a layer of it is shown."""
+        if not self.layers.layer:
+            return None
+        picture = self._shown.frame(self.session.frame)[self.view].image()
+        try:
+            return self.layers.look(self.session, picture, self.background())
+        except PawnbError as error:  # a frame without the animal: nothing to explain
+            self.layers.show("")
+            self.alarm = str(error)
+            return None
+
+    @property
+    def settings(self) -> PaperPoseSettings:
+        """The settings tried, as ``pawnb.track(..., method="paper")`` takes them."""
+        return self.layers.settings
 
     def _look_at(self, change: Mapping[str, Any]) -> None:
         """Say whose frame this is once a person has gone to another."""
@@ -213,19 +247,32 @@ class StickPoser(FrameCanvas):
             if change["new"] != self.session.frame:
                 self.session.go(int(change["new"]))
                 self._show_state()
+                if self.layers.layer:
+                    self.refresh()
 
     def _show_state(self) -> None:
         session = self.session
         where = f"Saved in {session.path.name}." if session.saved else "Not saved yet."
-        self.status = f"{session.prompt()}\n{session.remarks()} {where}"
+        told = f"{session.prompt()}\n{session.remarks()} {where}"
+        view = self._energy()
+        self.status = told if view is None else f"{told}\n{in_words(view)}"
         leg = session.leg
         length = round(session.pose.length_of(leg), 3)
         self.sliders = [
             {"id": "length", "text": f"Length of {leg}", "min": LEAST_FACTOR, "max": 2.0,
              "step": 0.01, "value": min(length, MOST_FACTOR),
              "title": "Times the length in the species file ([ and ])"},
+            *self.layers.sliders(),
         ]  # fmt: skip
-        self.actions = _actions(session)
+        shown = LAYERS.get(self.layers.layer, "nothing")
+        layers = {"id": "layer", "text": f"Show: {shown}",
+                  "title": "What the published method makes of the picture",
+                  "options": [["nothing", "Nothing"], *map(list, LAYERS.items())]}  # fmt: skip
+        self.actions = [*_actions(session), layers]
+        if self.layers.chosen:
+            again = {"id": "estimate", "text": "Estimate settings",
+                     "title": "Let every setting be estimated from the picture again"}  # fmt: skip
+            self.actions = [*self.actions, again]
 
 
 def _actions(session: StickSession) -> list[dict[str, Any]]:

@@ -13,7 +13,7 @@ from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.background import Background, find_background
 from pawnb.core.pose.pose_table import write_start
 from pawnb.core.pose.poses import Poses
-from pawnb.core.pose.propose import MOST_FRAMES, propose_pose
+from pawnb.core.pose.propose import propose_pose
 from pawnb.core.pose.species_file import built_in_species, load_species
 from pawnb.core.video import ViewSet, open_views
 from pawnb.errors import InputError
@@ -123,7 +123,8 @@ def propose_pose_start(
     trial : Trial, str or Path
         A trial of kind ``pose``, its ``trial.toml``, or the folder that holds it.
     frames : sequence of int, optional
-        Frames to look through; default 40 spread over the trial.
+        Frames that may be looked through; default all: 40 spread over them are, and 40 more
+        where a leg is in doubt.
     progress : callable, optional
         ``progress(done, total)``; default a bar on a terminal or in a notebook.
 
@@ -180,7 +181,7 @@ def propose_pose_in_views(
     animal = trial_animal(trial)
     first, stop = trial.frames or (views.first_frame, views.n_frames)
     if frames is None:
-        frames = range(first, stop, max(1, -(-(stop - first) // MOST_FRAMES)))
+        frames = range(first, stop)
     wrong = [frame for frame in frames if not views.first_frame <= frame < views.n_frames]
     if wrong or not len(frames):
         raise InputError(

@@ -153,6 +153,38 @@ def test_the_proposal_lies_on_the_animal_and_is_accepted(posing):
     notebook.assert_no_errors()
 
 
+def test_layers_of_the_published_method_follow_its_settings(posing):
+    notebook, file = posing
+    notebook.focus()
+    notebook.press("p")
+    notebook.settle()
+    menu = notebook.page.locator("[data-action=layer]")
+    menu.select_option("segmentation")
+    notebook.settle()
+    notebook.wait("c.stages[0].tint && c.stages[0].tint.image.complete")
+    u0, v0, u1, v1 = notebook.js("c.stages[0].tint.box")
+    assert u0 < scene.XY[0] < u1
+    assert v0 < scene.XY[1] < v1
+    assert "Energy: likelihood" in notebook.page.locator(".pawnb-status").inner_text()
+    before = notebook.js("c.stages[0].tint.url")
+    menu.select_option("shape_prior")
+    notebook.settle()
+    prior = notebook.js("c.stages[0].tint.url")
+    assert prior != before
+    notebook.page.locator("[data-slider=thickness_px] input").fill("3")
+    notebook.settle()
+    notebook.until("w.settings.thickness_px", 3.0)
+    assert notebook.js("c.stages[0].tint.url") != prior
+    notebook.page.locator("[data-action=estimate]").click()
+    notebook.settle()
+    notebook.until("w.settings.thickness_px", None)
+    notebook.page.locator("[data-action=layer]").select_option("nothing")
+    notebook.settle()
+    assert notebook.js("c.stages[0].tint") is None
+    assert not file.exists()  # looking changes nothing
+    notebook.assert_no_errors()
+
+
 def test_keys_reach_the_notebook_only_outside(posing):
     notebook, file = posing
     cells = notebook.n_cells()

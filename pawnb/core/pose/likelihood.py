@@ -17,8 +17,13 @@ from pawnb.errors import InputError
 class EmptyScene(Protocol):
     """The empty scene: grey values and their standard deviation, shape (H, W)."""
 
-    mean: np.ndarray
-    sd: np.ndarray
+    @property
+    def mean(self) -> np.ndarray:
+        """Mean grey value of every pixel."""
+
+    @property
+    def sd(self) -> np.ndarray:
+        """Its standard deviation."""
 
 
 def background_cost(

@@ -17,7 +17,7 @@ UNMATCHED = 12.0
 """Cost of a leg without a limb; a limb that fits worse than this is nobody's."""
 _DIRECTION_DEG = 22.0
 _ROOT_DEG = 18.0
-_LENGTH = 0.18
+_FIRST_LENGTH, _LENGTH = 0.4, 0.18
 _SWAP = 3.0
 """Cost difference of two assignments at which one is clearly better."""
 _SAMPLES = np.array([0.34, 0.67, 1.0])
@@ -66,12 +66,15 @@ def assign_limbs(
     cost : float
         How badly all legs together fit.
     """
-    costs = np.array([[_cost(leg, body, limb) for limb in limbs] for leg in animal.legs])
-    costs = np.minimum(costs.reshape(len(animal.legs), len(limbs)), 3 * UNMATCHED)
-    nobody = np.where(np.eye(len(animal.legs), dtype=bool), UNMATCHED, 10 * UNMATCHED)
-    whole = np.concatenate([costs, nobody], axis=1)
-    rows, columns = linear_sum_assignment(whole)
-    columns = columns[np.argsort(rows)]
+    columns, whole = _cheapest(animal, body, limbs, longer=0.0, slack=_FIRST_LENGTH)
+    ratios = [
+        _length_ratio(leg, body, limbs[k])
+        for leg, k in zip(animal.legs, columns, strict=True)
+        if k < len(limbs)
+    ]
+    # a species may have longer or shorter legs than its file says
+    longer = float(np.clip(np.median(ratios), -0.7, 0.7)) if ratios else 0.0
+    columns, whole = _cheapest(animal, body, limbs, longer=longer, slack=_LENGTH)
     # a limb that is long and nobody's counts against the assignment
     longest = max((limb.own for limb in limbs), default=1.0)
     left = sum(limb.own / longest for k, limb in enumerate(limbs) if k not in columns)
@@ -172,17 +175,42 @@ def count_crossings(chains: Sequence[np.ndarray]) -> int:
     return count
 
 
-def _cost(leg: Leg, body: BodyFit, limb: Limb) -> float:
+def _cheapest(
+    animal: StickAnimal, body: BodyFit, limbs: Sequence[Limb], *, longer: float, slack: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the cheapest limb of each leg, and the cost of each pair.
+
+    Columns from ``len(limbs)`` on stand for having no limb.
+    """
+    costs = np.array(
+        [
+            [_cost(leg, body, limb, longer=longer, slack=slack) for limb in limbs]
+            for leg in animal.legs
+        ]
+    )
+    costs = np.minimum(costs.reshape(len(animal.legs), len(limbs)), 3 * UNMATCHED)
+    nobody = np.where(np.eye(len(animal.legs), dtype=bool), UNMATCHED, 10 * UNMATCHED)
+    whole = np.concatenate([costs, nobody], axis=1)
+    rows, columns = linear_sum_assignment(whole)
+    return columns[np.argsort(rows)], whole
+
+
+def _length_ratio(leg: Leg, body: BodyFit, limb: Limb) -> float:
+    """Return the logarithm of a limb's length over the leg's."""
+    attach = body.place(np.array(leg.attach))
+    arc = limb.length + float(np.hypot(*(limb.root - attach)))
+    return float(np.log(arc / (body.scale * sum(leg.lengths))))
+
+
+def _cost(leg: Leg, body: BodyFit, limb: Limb, *, longer: float, slack: float) -> float:
     """Return how badly a limb fits a leg: squares of deviations over their usual size."""
     attach = body.place(np.array(leg.attach))
     lengths = np.array(leg.lengths)
-    total = body.scale * float(lengths.sum())
     reach = limb.tip - attach
     usual = _natural_tip_deg(leg)
     direction = _forward_deg(leg, reach, body.heading_deg)
     turned = _wrapped(direction - usual) / _DIRECTION_DEG
-    arc = limb.length + float(np.hypot(*(limb.root - attach)))
-    length = np.log(arc / total) / _LENGTH
+    length = (_length_ratio(leg, body, limb) - longer) / slack
     length *= 1.0 if length > 0 else 0.6  # a raised leg is shorter in the picture
     # where the limb leaves the body, seen from the middle of the legs' roots
     out = _wrapped(_forward_deg(leg, limb.root - attach, body.heading_deg) - leg.natural_deg[0])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Protocol
 
 import numpy as np
@@ -23,6 +23,10 @@ from pawnb.errors import InputError
 
 MOST_FRAMES = 40
 """Frames that are looked through, spread evenly, where none are named."""
+_DOUBTFUL = 0.25
+"""Where a leg is less sure in the best of these frames, as many more are looked through."""
+_SHORTEST = 0.2
+"""A limb's own part is at least this share of a leg's length."""
 _TRIED = 5
 """So many of the best frames are fitted whole."""
 _TRAVEL = 8.0
@@ -101,7 +105,8 @@ def propose_pose(
     background : Background
         The empty scene.
     frames : sequence of int, optional
-        Frames to look through; default 40 spread over the recording.
+        Frames that may be looked through; default all. At most 40 spread over them are, and
+        where the best of these leaves a leg in doubt, 40 more.
     px_per_unit : float, optional
         Where the picture is calibrated; then a note says how much larger or smaller the
         animal is than its species file. The scale itself comes from the body in the picture.
@@ -118,13 +123,21 @@ def propose_pose(
     InputError
         If no frame shows the whole animal away from the edges of the picture.
     """
-    if frames is None:
-        most = min(MOST_FRAMES, reader.n_frames)
-        frames = [int(f) for f in np.linspace(0, reader.n_frames - 1, most).round()]
-    frames = sorted({int(frame) for frame in frames})
-    looks = _look_through(reader, animal, background, frames, progress)
-    best = _fit_best(animal, looks)
-    look, legs = best
+    every = sorted({int(frame) for frame in frames or range(reader.n_frames)})
+    first = _spread(every, MOST_FRAMES)
+    looks = _look_through(reader, animal, background, first, progress)
+    if looks:
+        look, legs = _fit_best(animal, _with_travel(animal, looks))
+    if not looks or min(fit.sure for fit in legs.values()) < _DOUBTFUL:
+        more = _spread([frame for frame in every if frame not in first], MOST_FRAMES)
+        looks += _look_through(reader, animal, background, more, progress)
+        if not looks:
+            raise InputError(
+                f"no animal was found whole in {len(first) + len(more)} frames looked at: none is "
+                "there, or it touches the edge of the picture; expected at least one frame with "
+                "the whole animal inside. Pose the stick animal by hand."
+            )
+        look, legs = _fit_best(animal, _with_travel(animal, looks))
     pose = _pose_of(animal, look, legs)
     sure = {name: round(fit.sure, 3) for name, fit in legs.items()}
     return PoseProposal(pose, sure, tuple(_notes(animal, look, pose, px_per_unit)))
@@ -137,36 +150,39 @@ def _look_through(
     frames: Sequence[int],
     progress: Callable[[int, int], None] | None,
 ) -> list[_Look]:
-    """Look at every frame; keep those that show the whole animal, each way round."""
-    outlines: dict[int, Silhouette] = {}
-    seen = 0
+    """Look at every frame; return those that show the whole animal, each way round."""
+    looks: list[_Look] = []
     for done, frame in enumerate(frames):
         outline = find_silhouette(reader.frame(frame).image(), background)
-        seen += outline is not None
         if outline is not None and not outline.at_edge:
-            outlines[frame] = outline
+            looks += _both_ways(animal, frame, outline)
         if progress is not None:
             progress(done + 1, len(frames))
-    if not outlines:
-        raise InputError(
-            f"no animal was found whole in {len(frames)} frames looked at "
-            f"({'it touches the edge of the picture in ' + str(seen) if seen else 'none shows one'}"
-            "); expected at least one with the whole animal inside. Pose the stick animal by hand."
-        )
-    usual = float(np.median([o.mask.sum() * o.shrink**2 for o in outlines.values()]))
+    areas = {look.frame: look.outline.mask.sum() * look.outline.shrink**2 for look in looks}
+    usual = float(np.median(list(areas.values()))) if areas else 0.0
+    # others show half an animal, or something else
+    return [look for look in looks if 0.6 < areas[look.frame] / usual < 1.6]
+
+
+def _both_ways(animal: StickAnimal, frame: int, outline: Silhouette) -> list[_Look]:
+    """Return what one frame says of either way round of the body."""
+    bodies = fit_body(animal, outline)
+    usual_leg = float(np.median([sum(leg.lengths) for leg in animal.legs]))
+    shortest = _SHORTEST * bodies[0].scale * usual_leg
+    limbs = trace_limbs(outline, shortest=shortest, most=len(animal.legs) + 4)
     looks = []
-    for frame, outline in outlines.items():
-        if not 0.6 < outline.mask.sum() * outline.shrink**2 / usual < 1.6:
-            continue  # half hidden, or something else
-        bodies = fit_body(animal, outline)
-        usual_leg = float(np.median([sum(leg.lengths) for leg in animal.legs]))
-        shortest = 0.2 * bodies[0].scale * usual_leg
-        limbs = trace_limbs(outline, shortest=shortest, most=len(animal.legs) + 4)
-        for body in bodies:
-            found, margins, cost = assign_limbs(animal, body, limbs)
-            cost += _MISFIT * body.misfit
-            looks.append(_Look(frame, outline, body, found, margins, cost))
-    return _with_travel(animal, looks)
+    for body in bodies:
+        found, margins, cost = assign_limbs(animal, body, limbs)
+        cost += _MISFIT * body.misfit
+        looks.append(_Look(frame, outline, body, found, margins, cost))
+    return looks
+
+
+def _spread(frames: Sequence[int], most: int) -> list[int]:
+    """Return at most so many of the frames, evenly spread."""
+    if len(frames) <= most:
+        return list(frames)
+    return [frames[int(k)] for k in np.linspace(0, len(frames) - 1, most).round()]
 
 
 def _with_travel(animal: StickAnimal, looks: list[_Look]) -> list[_Look]:
@@ -185,7 +201,7 @@ def _with_travel(animal: StickAnimal, looks: list[_Look]) -> list[_Look]:
         turn = np.radians(look.body.heading_deg)
         forward = float(travelled[look.frame] @ [np.cos(turn), np.sin(turn)]) / (0.5 * size)
         cost = look.cost - _TRAVEL * float(np.clip(forward, -1.0, 1.0))
-        out.append(_Look(look.frame, look.outline, look.body, look.found, look.margins, cost))
+        out.append(replace(look, cost=cost))
     return out
 
 

@@ -20,6 +20,8 @@ _NOISE_SDS = 4.0
 """A pixel further than this from the background, in SD of it, may be animal."""
 _PALE = 0.25
 """... and at least this share of the contrast between the animal's body and the background."""
+_DARK = 20.0
+"""Background pixels darker than this grey value tell nothing of the light."""
 _GAP_COST = 6.0
 """Walking through a pixel outside the outline costs so much more than through one inside."""
 _CORE = 0.45
@@ -136,7 +138,10 @@ def find_silhouette(image: np.ndarray, background: BackgroundModel) -> Silhouett
     Silhouette or None
         None where nothing stands out from the background.
     """
-    low, high = _thresholded(grey(image), background)
+    picture = grey(image)
+    away = np.abs(picture - _light_change(picture, background.mean) * background.mean)
+    away = cv2.GaussianBlur(away, (0, 0), 0.8)
+    low, high = _thresholded(away, background)
     mask, others = _animal_of(low, high)
     if mask is None:
         return None
@@ -145,12 +150,14 @@ def find_silhouette(image: np.ndarray, background: BackgroundModel) -> Silhouett
     at_edge = bool(u.min() < 2 or v.min() < 2 or u.max() > width - 3 or v.max() > height - 3)
     box, shrink = _box_of(u, v, mask.shape)
     u0, v0, u1, v1 = box
-    part = mask[v0:v1, u0:u1]
+    share, signal = mask[v0:v1, u0:u1].astype(np.float32), away[v0:v1, u0:u1]
     if shrink > 1:
-        size = (part.shape[1] // shrink, part.shape[0] // shrink)
-        part = cv2.resize(part.astype(np.float32), size, interpolation=cv2.INTER_AREA) > 0.35
+        size = (share.shape[1] // shrink, share.shape[0] // shrink)
+        share = np.asarray(cv2.resize(share, size, interpolation=cv2.INTER_AREA), np.float32)
+        signal = cv2.resize(signal, size, interpolation=cv2.INTER_AREA)
+    part = share > 0.35
     depth = cv2.distanceTransform(part.astype(np.uint8), cv2.DIST_L2, 5)
-    core = _core_of(depth)
+    core = _core_of(_sharp_depth(part, depth, signal))
     if not core.any():
         return None
     thin: Callable[[np.ndarray], np.ndarray] = skeletonize  # it comes without types
@@ -206,21 +213,52 @@ def trace_limbs(outline: Silhouette, *, shortest: float, most: int) -> list[Limb
     return limbs
 
 
-def _thresholded(picture: np.ndarray, background: BackgroundModel) -> tuple[np.ndarray, np.ndarray]:
+def _sharp_depth(part: np.ndarray, depth: np.ndarray, signal: np.ndarray) -> np.ndarray:
+    """Return the distance to the outline where it is sharp: half as far from the background.
+
+    The mask reaches further, to where the picture begins to differ, so as to hold pale tips.
+    """
+    size = 2 * max(1, int(0.35 * float(depth.max()))) + 1
+    around = cv2.dilate(signal, cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size)))
+    sharp = part & (signal > 0.5 * around)
+    closed = cv2.morphologyEx(sharp.astype(np.uint8), cv2.MORPH_CLOSE, np.ones((3, 3), np.uint8))
+    return np.asarray(cv2.distanceTransform(closed, cv2.DIST_L2, 5))
+
+
+def _thresholded(away: np.ndarray, background: BackgroundModel) -> tuple[np.ndarray, np.ndarray]:
     """Return where the picture may be animal, and where it surely is."""
-    mean = background.mean
-    # the light of the whole scene may have changed
-    gain = float(np.median(picture[::4, ::4] / np.maximum(mean[::4, ::4], 1.0)))
-    away = cv2.GaussianBlur(np.abs(picture - gain * mean), (0, 0), 0.8)
     noise = max(float(np.median(background.sd)), 0.5)
     floor = _NOISE_SDS * np.sqrt(background.sd**2 + noise**2) * 0.6  # blurring halves the noise
     candidates = away[away > np.maximum(floor, 1.5 * _NOISE_SDS * noise)]
     if candidates.size < 20:
-        empty = np.zeros(picture.shape, dtype=bool)
+        empty = np.zeros(away.shape, dtype=bool)
         return empty, empty
     contrast = float(np.percentile(candidates, 90))
     low = away > np.maximum(floor, _PALE * contrast)
     return low, low & (away > 0.6 * contrast)
+
+
+def _light_change(picture: np.ndarray, mean: np.ndarray) -> np.ndarray:
+    """Return how much lighter each part of the scene is than it was, (H, W) about 1.
+
+    The median ratio of blocks larger than the animal's parts, and of their neighbours: a
+    shadow that sweeps over the scene changes many, the animal few.
+    """
+    height, width = mean.shape
+    size = max(8, min(height, width) // 12)
+    rows, columns = max(1, height // size), max(1, width // size)
+    lit = mean > _DARK
+    ratio = np.where(lit, picture / np.maximum(mean, 1.0), np.nan)[::2, ::2]
+    whole = float(np.median(ratio[np.isfinite(ratio)])) if lit[::2, ::2].any() else 1.0
+    blocks = np.full((rows, columns), whole, np.float32)
+    for i, band in enumerate(np.array_split(ratio, rows)):
+        for j, block in enumerate(np.array_split(band, columns, axis=1)):
+            known = block[np.isfinite(block)]
+            if known.size > 0.3 * block.size:
+                blocks[i, j] = np.median(known)
+    if min(rows, columns) >= 3:
+        blocks = cv2.medianBlur(blocks, 3)
+    return cv2.resize(blocks, (width, height), interpolation=cv2.INTER_LINEAR)
 
 
 def _animal_of(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray | None, float]:

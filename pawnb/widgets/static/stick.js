@@ -178,18 +178,23 @@ class Stick {
     g.setLineDash([]);
   }
 
-  // A segment whose joint is beyond its range is red.
+  // A segment whose joint is beyond its range is red with white dashes, and so is what cannot
+  // turn further out.
   drawLeg(g, k, stage, leg, dash) {
     const places = this.places(leg);
     g.setLineDash(dash);
     const width = leg.name === this.spec.leg ? 2.6 : 1.6;
+    let beyond = false;
     for (let i = 0; i < leg.lengths.length; i++) {
-      const beyond = Math.abs(leg.angles[i] - leg.natural[i]) > leg.half[i] + 0.5;
-      const colour = beyond ? BEYOND : leg.colour;
-      stage.outlined(g, k, width, colour, () => {
-        this.path(g, stage, [places[i], places[i + 1]]);
-        g.stroke();
-      }, 1.4);
+      if (leg.free[i]) beyond = Math.abs(leg.angles[i] - leg.natural[i]) > leg.half[i] + 0.5;
+      const line = () => { this.path(g, stage, [places[i], places[i + 1]]); g.stroke(); };
+      stage.outlined(g, k, beyond ? width + 0.8 : width, beyond ? BEYOND : leg.colour, line, 1.4);
+      if (!beyond) continue;
+      g.setLineDash([3 * k, 5 * k]);
+      g.lineWidth = 1.2 * k;
+      g.strokeStyle = "#fff";
+      line();
+      g.setLineDash(dash);
     }
     g.setLineDash([]);
   }
