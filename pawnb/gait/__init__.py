@@ -3,5 +3,14 @@
 from pawnb.gait.analysis import GaitTables, analyse, analyse_events, pool
 from pawnb.gait.body_angles import body_angles
 from pawnb.gait.events import EventSettings
+from pawnb.gait.pose_body import leg_angles
 
-__all__ = ["EventSettings", "GaitTables", "analyse", "analyse_events", "body_angles", "pool"]
+__all__ = [
+    "EventSettings",
+    "GaitTables",
+    "analyse",
+    "analyse_events",
+    "body_angles",
+    "leg_angles",
+    "pool",
+]

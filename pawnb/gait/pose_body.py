@@ -5,13 +5,59 @@ from __future__ import annotations
 import dataclasses
 
 import numpy as np
+import pandas as pd
 
+from pawnb.errors import InputError
 from pawnb.gait.body import BodyPoints
+from pawnb.gait.legs import sort_legs
 from pawnb.gait.paths import FootPaths, get_foot_paths
-from pawnb.schema import Tracks
+from pawnb.schema import Tracks, check_tracks
 
 BODY, ROOT = "body", "BC"
 """Names of the point at the body's origin, and of the joint that a leg turns about."""
+
+
+def leg_angles(tracks: Tracks, *, individual: str | None = None) -> pd.DataFrame:
+    """Return the total angle of every leg in every frame (Pullar 2009, §3.6).
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks of a jointed animal.
+    individual : str, optional
+        Which animal; default the first.
+
+    Returns
+    -------
+    pandas.DataFrame
+        ``frame, time_s, leg, leg_angle`` (degrees: of tarsus, body-coxa joint and contralateral
+        body-coxa joint, 0 where perpendicular to the body, positive forwards), leg by leg; NaN
+        where a leg was not tracked.
+
+    Raises
+    ------
+    InputError
+        If the Tracks hold no pose.
+    """
+    check_tracks(tracks)
+    who = individual or str(tracks["individual"].to_numpy()[0])
+    points = [str(point) for point in tracks["keypoint"].to_numpy()]
+    legs = sort_legs(p for p in points if f"{p}.{ROOT}" in points)
+    feet = get_foot_paths(tracks, {leg: leg for leg in legs}, individual=who)
+    posed = pose_body(tracks, feet[0], individual=who) if feet else None
+    if posed is None or posed[1].angle_deg is None:
+        raise InputError(
+            f"these tracks hold no pose: leg angles need a heading, the point {BODY!r} and "
+            f"body-coxa joints such as L1.{ROOT}."
+        )
+    frame, time = tracks["frame"].to_numpy(), tracks["time"].to_numpy()
+    return pd.concat(
+        [
+            pd.DataFrame({"frame": frame, "time_s": time, "leg": leg, "leg_angle": angle})
+            for leg, angle in zip(posed[1].legs, posed[1].angle_deg.T, strict=True)
+        ],
+        ignore_index=True,
+    )
 
 
 def pose_body(

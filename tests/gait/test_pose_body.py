@@ -12,6 +12,7 @@ from pawnb.core.pose.pose_table import read_start_pose
 from pawnb.core.pose.poses import leg_angles
 from pawnb.core.pose.species_file import load_species
 from pawnb.core.pose.track_result import plain_track
+from pawnb.errors import InputError
 from pawnb.gait.grid import put_on_grid
 from pawnb.gait.paths import get_foot_paths
 from pawnb.gait.pose_body import pose_body
@@ -80,7 +81,20 @@ def test_speed_is_that_of_the_body_in_real_units(run):
 def test_points_alone_are_analysed_by_position(run):
     trial, *_ = run
     tables = gait.analyse(_tracks(*run).drop_vars("heading"), trial=trial)
+    with pytest.raises(InputError, match="hold no pose"):
+        gait.leg_angles(_tracks(*run).drop_vars("heading"))
     assert all("fore-aft" in m for m in tables.events["method"] if "foot speed" not in m)
+
+
+def test_leg_angles_are_a_table(run):
+    _, animal, poses = run
+    table = gait.leg_angles(_tracks(*run))
+    assert list(table.columns) == ["frame", "time_s", "leg", "leg_angle"]
+    wide = table.pivot_table(index="frame", columns="leg", values="leg_angle")[
+        list(animal.leg_names)
+    ]
+    np.testing.assert_allclose(wide, leg_angles(animal, poses), atol=1e-9)
+    assert table["time_s"].iloc[0] == poses.frames[0] / 125
 
 
 def test_a_heading_across_the_wrap_is_interpolated_where_time_stamps_are_uneven(run):
