@@ -70,6 +70,9 @@ PHASE_SUMMARY_COLUMNS = (
     "n_animals",
     *_PHASE_STATISTICS,
     *(f"{name}_strides" for name in _PHASE_STATISTICS),
+    "moore_r",
+    "moore_p",
+    "note",
 )
 DROPPED_COLUMNS = ("animal", "trial", "leg", "start_s", "end_s", "what", "why")
 SUSPECTS_COLUMNS = ("frame", "view", "point", "reason", "score")

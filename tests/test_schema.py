@@ -71,7 +71,8 @@ def test_phase_summary_has_animals_first_then_strides():
     # design, section 5: the second set of columns has the same names with _strides
     first = schema.PHASE_SUMMARY_COLUMNS[4:12]
     assert schema.PHASE_SUMMARY_COLUMNS[:4] == ("leg", "reference", "n", "n_animals")
-    assert schema.PHASE_SUMMARY_COLUMNS[12:] == tuple(f"{name}_strides" for name in first)
+    assert schema.PHASE_SUMMARY_COLUMNS[12:20] == tuple(f"{name}_strides" for name in first)
+    assert schema.PHASE_SUMMARY_COLUMNS[20:] == ("moore_r", "moore_p", "note")
 
 
 @dataclass(frozen=True)

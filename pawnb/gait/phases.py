@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from pawnb.gait.animals import phase_of_animals
 from pawnb.gait.circular import circular_sd, mean_interval, mean_vector, rayleigh_p
 from pawnb.schema import DROPPED_COLUMNS, PHASE_SUMMARY_COLUMNS, PHASES_COLUMNS
 
@@ -102,11 +103,13 @@ def build_phases(
 def summarise_phases(phases: pd.DataFrame) -> pd.DataFrame:
     """Summarise phases by pair of legs, over animals and over strides.
 
-    The first set of statistics counts animals: each animal's mean phase is one unit
-    vector, whatever its number of strides. With one animal only its mean is given;
-    spread, interval, test and pattern say nothing about animals then and are blank.
-    The set named ``..._strides`` counts every stride as if it were independent of the
-    others, which strides of one animal are not: it describes, and its p is too small.
+    The first set of statistics counts animals
+    (:func:`pawnb.gait.animals.phase_of_animals`): each animal's mean phase is one unit
+    vector, whatever its number of strides, and the interval is made for few animals. With
+    one animal only its mean is given; spread, interval, test and pattern say nothing
+    about animals then and are blank, and the note says so. The set named ``..._strides``
+    counts every stride as if it were independent of the others, which strides of one animal
+    are not: it describes, and its p is too small.
 
     A pattern is **random** where Rayleigh's p is above 0.05, else **in-phase** for a mean
     below 0.25 or above 0.75 of a cycle and **anti-phase** between (paper 2009, section 3.6).
@@ -122,25 +125,31 @@ def summarise_phases(phases: pd.DataFrame) -> pd.DataFrame:
         ``PHASE_SUMMARY_COLUMNS``, pairs in their order of appearance. Standard
         deviation: :func:`~pawnb.gait.circular.circular_sd`; p: exact,
         :func:`~pawnb.gait.circular.rayleigh_p`; interval of 95 %:
-        :func:`~pawnb.gait.circular.mean_interval`.
+        :func:`~pawnb.gait.animals.interval_of_phases` for animals,
+        :func:`~pawnb.gait.circular.mean_interval` for strides. ``moore_r`` and ``moore_p``:
+        Moore's second-order test of the animals' mean vectors.
     """
     rows = []
     for (leg, reference), group in phases.groupby(["leg", "reference"], sort=False):
-        animals = [
-            mean_vector(own["phase"].to_numpy()).mean
-            for _, own in group.groupby("animal", sort=True)
-        ]
-        by_animal = np.array([m for m in animals if math.isfinite(m)])
+        strides = group["phase"].to_numpy()
+        found = phase_of_animals(strides, group["animal"].tolist())
         row: dict[str, Any] = {"leg": leg, "reference": reference, "n": len(group)}
         row["n_animals"] = group["animal"].nunique()
-        row |= describe_phases(by_animal)
-        row |= {f"{k}_strides": v for k, v in describe_phases(group["phase"].to_numpy()).items()}
+        row |= {
+            "mean": found.mean, "ci_low": found.low, "ci_high": found.high, "r": found.r,
+            "circular_sd": found.circular_sd, "rayleigh_z": found.rayleigh_z,
+            "rayleigh_p": found.rayleigh_p, "moore_r": found.moore_r, "moore_p": found.moore_p,
+            "note": found.note,
+        }  # fmt: skip
+        tested = found.n_animals > 1
+        row["pattern"] = name_pattern(found.mean, found.rayleigh_p) if tested else None
+        row |= {f"{k}_strides": v for k, v in describe_phases(strides).items()}
         rows.append(row)
     return pd.DataFrame(rows, columns=list(PHASE_SUMMARY_COLUMNS))
 
 
 def describe_phases(phases: np.ndarray) -> dict[str, Any]:
-    """Describe one sample of phases.
+    """Describe one sample of phases, taken to be independent.
 
     Parameters
     ----------
