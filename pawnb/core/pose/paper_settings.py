@@ -51,6 +51,10 @@ class PaperPoseSettings:
     limit_stiffness : float
         Cost of a joint beyond its range, in sigma per squared degree (ranges are soft at their
         ends: two legs of the thesis go beyond them). 0: no ranges.
+    leg_lengths : {"fitted", "start"}
+        Whether each leg is made as long as it looks in the start frame, where raised legs look
+        short, or keeps its length in the start pose (the thesis: one leg span, adjusted by eye).
+        Either way lengths stay the same throughout.
     first_multiplier : int
         Angle steps start with so many degrees and end with one ("generally 5").
     combinations : int
@@ -74,6 +78,7 @@ class PaperPoseSettings:
     box_share: float = 1.0
     sd_floor_grey: float = 1.0
     limit_stiffness: float = 1.0
+    leg_lengths: Literal["fitted", "start"] = "fitted"
     first_multiplier: int = 5
     combinations: int = 40
     max_rounds: int = 15

@@ -10,6 +10,7 @@ import numpy as np
 
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.energy import PaperEnergy
+from pawnb.core.pose.leg_lengths import fit_leg_lengths, per_segment
 from pawnb.core.pose.likelihood import EmptyScene, background_cost
 from pawnb.core.pose.paper_inference import FramePose, infer_pose
 from pawnb.core.pose.paper_settings import PaperPoseSettings
@@ -51,7 +52,8 @@ def track_pose_paper(
         The view.
     start : Poses
         The animal's pose in one frame; of several frames, the first within ``frames`` is used.
-        Its scale and segment lengths are kept throughout.
+        Its scale is kept throughout, and so are its segment lengths or, by default, how long
+        each leg looks in that frame.
     animal : StickAnimal
         The animal.
     background : Background
@@ -124,8 +126,20 @@ class _Tracker:
             animal, start, picture=picture, background=background, settings=settings
         )
         check_start(self.energy, picture, start)
+        self.lengths_px = start.lengths_px[0]
+        if settings.leg_lengths == "fitted":
+            self._fit_lengths(picture)
         self.found: dict[int, np.ndarray] = {}
         self.confidence: dict[int, np.ndarray] = {}
+
+    def _fit_lengths(self, picture: np.ndarray) -> None:
+        """Give the stick animal legs as long as they look in the start frame."""
+        pose = pose_vector(self.start)
+        slack = _SLACK_OF_SPAN * self.energy.span_px
+        frame = self.energy.frame(picture, pose, slack_px=slack)
+        rng = np.random.default_rng(self.settings.seed)
+        factors = fit_leg_lengths(self.energy, frame, pose, rng=rng)
+        self.lengths_px = self.lengths_px * per_segment(self.animal, factors)
 
     def run(
         self,
@@ -176,7 +190,7 @@ class _Tracker:
             heading_deg=vectors[:, 2],
             scale=np.where(there, self.start.scale[0], np.nan),
             angles_deg=vectors[:, 3:],
-            lengths_px=np.where(there[:, None], self.start.lengths_px, np.nan),
+            lengths_px=np.where(there[:, None], self.lengths_px, np.nan),
         )
         return plain_track(self.animal, poses, confidence=confidence, origin=origin)
 

@@ -1,0 +1,83 @@
+"""How long each leg looks in the start frame.
+
+Seen from above a leg is shorter than it is, since it is raised. In the thesis a person adjusts the
+leg span by eye, so that "a balance had to be struck between having some of the stick model legs
+too long and/or short" (Pullar 2009, §5.1.2). Here each leg has its factor, chosen by the energy.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+
+from pawnb.core.pose.animal import StickAnimal
+from pawnb.core.pose.energy import FrameCosts, PaperEnergy
+from pawnb.core.pose.limb_steps import shape_cost
+from pawnb.core.pose.paper_inference import infer_pose
+from pawnb.core.pose.sticks import Sticks
+
+FACTORS = np.arange(0.5, 1.101, 0.02)
+_ROUNDS = 4
+
+
+def fit_leg_lengths(
+    energy: PaperEnergy, frame: FrameCosts, pose: np.ndarray, *, rng: np.random.Generator
+) -> np.ndarray:
+    """Find how long each leg looks, and give the energy's stick animal those lengths.
+
+    Parameters
+    ----------
+    energy : PaperEnergy
+        The energy; its ``sticks`` change.
+    frame : FrameCosts
+        The start frame's costs.
+    pose : ndarray, shape (3 + n_joints,)
+        The start pose.
+    rng : numpy.random.Generator
+        Source of the random combinations.
+
+    Returns
+    -------
+    ndarray, shape (n_legs,)
+        Factor of each leg's length, 0.5 to 1.1. The pose and the factors are fitted in turn, at
+        most four times: for the labels found, each leg gets the factor of least energy.
+    """
+    whole = energy.sticks
+    factors = np.ones(len(whole.n_links))
+    for _ in range(_ROUNDS):
+        fit = infer_pose(energy, frame, pose, rng=rng)
+        pose, before = fit.pose, factors.copy()
+        for leg in range(len(factors)):
+            costs = []
+            for factor in FACTORS:
+                factors[leg] = factor
+                costs.append(_cost(energy, frame, scaled(whole, factors), pose, fit.cut.labels))
+            factors[leg] = FACTORS[int(np.argmin(costs))]
+        energy.sticks = scaled(whole, factors)
+        if np.abs(factors - before).max() < 0.03:
+            break
+    return factors
+
+
+def scaled(sticks: Sticks, factors: np.ndarray) -> Sticks:
+    """Return the shape with each leg's lengths multiplied by its factor."""
+    return dataclasses.replace(sticks, length=sticks.length * factors[:, None])
+
+
+def per_segment(animal: StickAnimal, factors: np.ndarray) -> np.ndarray:
+    """Return the factor of each segment, shape (n_segments,), from those of the legs."""
+    return np.repeat(factors, [len(leg.segments) for leg in animal.legs])
+
+
+def _cost(
+    energy: PaperEnergy, frame: FrameCosts, sticks: Sticks, pose: np.ndarray, labels: np.ndarray
+) -> float:
+    """Return the shape prior's cost for labels that stay."""
+    p = energy.parameters
+    return float(
+        shape_cost(
+            labels, frame.box[:2], pose[2], sticks.points(pose), sticks.n_links,
+            sticks.parts(pose), p.thickness_px, p.steepness,
+        )
+    )  # fmt: skip
