@@ -18,6 +18,8 @@ UNMATCHED = 12.0
 _DIRECTION_DEG = 22.0
 _ROOT_DEG = 18.0
 _FIRST_LENGTH, _LENGTH = 0.4, 0.18
+_THICK = 1.25
+"""A limb this much thicker than usual may be two legs side by side."""
 _SWAP = 3.0
 """Cost difference of two assignments at which one is clearly better."""
 _SAMPLES = np.array([0.34, 0.67, 1.0])
@@ -92,6 +94,46 @@ def assign_limbs(
         swapped[columns[others] >= len(limbs)] = np.inf
         margins[leg.name] = float(min((swapped - now).min(), UNMATCHED))
     return found, margins, cost
+
+
+def shared_limb(
+    leg: Leg, body: BodyFit, found: dict[str, Limb], *, outline: Silhouette
+) -> Limb | None:
+    """Return the limb that a leg without one shares with another that lies close beside it.
+
+    Parameters
+    ----------
+    leg : Leg
+        The leg without a limb.
+    body : BodyFit
+        Where the body lies.
+    found : dict of str to Limb
+        Limbs of the other legs.
+    outline : Silhouette
+        The outline.
+
+    Returns
+    -------
+    Limb or None
+        The likeliest limb that is thick enough for two, cut to the leg's length; None where
+        there is none.
+    """
+    thick = {name: _thickness(limb, outline) for name, limb in found.items()}
+    usual = float(np.median(list(thick.values()))) if thick else 0.0
+    best, least = None, UNMATCHED
+    for name, limb in found.items():
+        if thick[name] < _THICK * usual:
+            continue
+        along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(limb.path, axis=0).T))])
+        rest = body.scale * sum(leg.lengths) - float(
+            np.hypot(*(limb.root - body.place(np.array(leg.attach))))
+        )
+        inner = along <= max(rest, 0.5 * along[-1])
+        cut = Limb(limb.path[inner], float(along[inner][-1]), 0.0)
+        cost = _cost(leg, body, cut, longer=0.0, slack=_LENGTH)
+        if cost < least:
+            best, least = cut, cost
+    return best
 
 
 def fit_leg(leg: Leg, body: BodyFit, limb: Limb, *, outline: Silhouette, margin: float) -> LegFit:
@@ -193,6 +235,12 @@ def _cheapest(
     whole = np.concatenate([costs, nobody], axis=1)
     rows, columns = linear_sum_assignment(whole)
     return columns[np.argsort(rows)], whole
+
+
+def _thickness(limb: Limb, outline: Silhouette) -> float:
+    """Return the mean half thickness of a limb's inner half, grid px."""
+    inner = limb.path[: max(1, len(limb.path) // 2)]
+    return float(np.mean(sample_grid(outline.depth, inner)))
 
 
 def _length_ratio(leg: Leg, body: BodyFit, limb: Limb) -> float:

@@ -8,9 +8,15 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from pawnb.core.pose.animal import StickAnimal
+from pawnb.core.pose.animal import Leg, StickAnimal
 from pawnb.core.pose.body_fit import BodyFit, fit_body
-from pawnb.core.pose.limb_fit import LegFit, assign_limbs, count_crossings, fit_leg
+from pawnb.core.pose.limb_fit import (
+    LegFit,
+    assign_limbs,
+    count_crossings,
+    fit_leg,
+    shared_limb,
+)
 from pawnb.core.pose.poses import Poses, joint_positions
 from pawnb.core.pose.silhouette import (
     BackgroundModel,
@@ -213,18 +219,7 @@ def _fit_best(animal: StickAnimal, looks: list[_Look]) -> tuple[_Look, dict[str,
             by_frame[look.frame] = look
     tried = []
     for look in sorted(by_frame.values(), key=lambda x: x.cost)[:_TRIED]:
-        legs = {
-            leg.name: fit_leg(
-                leg,
-                look.body,
-                look.found[leg.name],
-                outline=look.outline,
-                margin=look.margins[leg.name],
-            )
-            if leg.name in look.found
-            else LegFit(np.array(leg.natural_deg)[np.array(leg.free)], 1.0, 0.0)
-            for leg in animal.legs
-        }
+        legs = {leg.name: _fit_one(leg, look) for leg in animal.legs}
         places = joint_positions(animal, _pose_of(animal, look, legs))[0]
         chains = [c[np.isfinite(c[:, 0])][1:] for c in places]
         doubt = sum(1.0 - fit.sure for fit in legs.values())
@@ -232,6 +227,17 @@ def _fit_best(animal: StickAnimal, looks: list[_Look]) -> tuple[_Look, dict[str,
         tried.append((cost, look, legs))
     _, look, legs = min(tried, key=lambda t: t[0])
     return look, legs
+
+
+def _fit_one(leg: Leg, look: _Look) -> LegFit:
+    """Bend one leg along its limb; without one, along that of a leg beside it, or not at all."""
+    limb, margin = look.found.get(leg.name), look.margins[leg.name]
+    if limb is None:
+        limb = shared_limb(leg, look.body, look.found, outline=look.outline)
+        margin = 0.0
+    if limb is None:
+        return LegFit(np.array(leg.natural_deg)[np.array(leg.free)], 1.0, 0.0)
+    return fit_leg(leg, look.body, limb, outline=look.outline, margin=margin)
 
 
 def _pose_of(animal: StickAnimal, look: _Look, legs: dict[str, LegFit]) -> Poses:
@@ -254,8 +260,8 @@ def _notes(animal: StickAnimal, look: _Look, pose: Poses, px_per_unit: float | N
     missing = [leg.name for leg in animal.legs if leg.name not in look.found]
     if missing:
         notes.append(
-            f"No limb was found for {', '.join(missing)} in frame {look.frame}; pose "
-            f"{'it' if len(missing) == 1 else 'them'} by hand, or say that the leg is missing."
+            f"No limb of its own was found for {', '.join(missing)} in frame {look.frame}: look "
+            "at it, pose it by hand, or say that the leg is missing."
         )
     if look.outline.others > _SECOND:
         notes.append(
