@@ -12,8 +12,9 @@ from pawnb.synthetic.spider_scene import Individual, SpiderScene
 
 _TEXELS = 16.0  # per unit of the species file
 _HALF_LENGTH, _HALF_WIDTH = 22.0, 9.0  # of the texture, units of the species file
-_DENSITY = 4.5
-_STEP = 40.0
+BODY_DENSITY = 4.5
+DENSITY_STEP = 40.0
+"""Units of the 8-bit buffers of density in an optical density of 1."""
 
 
 @dataclass(frozen=True)
@@ -133,8 +134,8 @@ class BodyTexture:
         pattern = cv2.warpAffine(
             self._grey, matrix, size, flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE
         )
-        np.copyto(grey, pattern, where=cover > 0.3 * _DENSITY)
-        np.maximum(density, (cover * _STEP).astype(np.uint8), out=density)
+        np.copyto(grey, pattern, where=cover > 0.3 * BODY_DENSITY)
+        np.maximum(density, (cover * DENSITY_STEP).astype(np.uint8), out=density)
 
     def _fill(self, outline: np.ndarray, value: float, *, what: np.ndarray) -> None:
         """Fill a polygon given in the body's frame (forward, right)."""
@@ -148,9 +149,9 @@ class BodyTexture:
             middle = part.centre[0]
             # the carapace is broadest behind its middle, the abdomen before its end
             skew = 0.16 if middle > 0 else 0.12
-            self._fill(_egg((middle, part.length, wide), skew), _DENSITY, what=self._density)
+            self._fill(_egg((middle, part.length, wide), skew), BODY_DENSITY, what=self._density)
         stalk = np.array([[-1.5, -1.3], [1.5, -1.3], [1.5, 1.3], [-1.5, 1.3]])
-        self._fill(stalk, _DENSITY, what=self._density)
+        self._fill(stalk, BODY_DENSITY, what=self._density)
         front = max(p.centre[0] + p.length / 2 for p in individual.animal.body)
         rear = min(p.centre[0] - p.length / 2 for p in individual.animal.body)
         self._fill(_egg((rear - 0.1, 1.6, 1.6), 0.0), 2.5, what=self._density)

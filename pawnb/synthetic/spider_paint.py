@@ -9,16 +9,16 @@ is the panel; what is stopped is replaced by the grey of the cuticle.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import cv2
 import numpy as np
 
-from pawnb.synthetic.spider_cuticle import BodyTexture, Hair, leg_hairs
+from pawnb.synthetic.spider_cuticle import DENSITY_STEP, BodyTexture, Hair, leg_hairs
 from pawnb.synthetic.spider_scene import Individual, SpiderScene
 
 _SHIFT = 4  # fractional bits of OpenCV's drawing
-_STEP = 40.0  # units of density in the 8-bit buffers
-_BODY_DENSITY, _ROOT_DENSITY = 4.5, 3.2
+_ROOT_DENSITY = 3.2
 _MARGIN_MM = 3.0
 _PIECES = 4
 _HAIR_WIDTH = 0.13
@@ -44,6 +44,22 @@ class Shade:
     own: np.ndarray
 
 
+class Body(Protocol):
+    """Paints the body of the animal; the methods are those of :class:`BodyTexture`."""
+
+    extent_px: float
+
+    def paint(
+        self,
+        density: np.ndarray,
+        grey: np.ndarray,
+        body: tuple[np.ndarray, float],
+        *,
+        fine_px_per_mm: float,
+    ) -> None:
+        """Paint the body over a fine picture."""
+
+
 class SpiderPainter:
     """Paints one individual.
 
@@ -53,16 +69,20 @@ class SpiderPainter:
         The scene.
     individual : Individual
         The animal.
+    body : object, optional
+        Paints the body; default a :class:`BodyTexture`, the body from above.
     """
 
-    def __init__(self, scene: SpiderScene, individual: Individual) -> None:
+    def __init__(
+        self, scene: SpiderScene, individual: Individual, *, body: Body | None = None
+    ) -> None:
         self._scene, self._individual = scene, individual
         self._fine = 4 if scene.scale > 0.7 else 6
-        self._body = BodyTexture(scene, individual)
+        self._body = body or BodyTexture(scene, individual)
         rng = scene.rng(6)
         self._hairs = [leg_hairs(leg, rng) for leg in individual.animal.legs]
         self._bands = rng.uniform(0.04, 0.14)
-        levels = np.arange(256) / _STEP
+        levels = np.arange(256) / DENSITY_STEP
         self._through = np.exp(-levels).astype(np.float32)
 
     def paint(self, joints_px: np.ndarray, body: np.ndarray) -> Shade:
@@ -115,7 +135,7 @@ class SpiderPainter:
     def _fine_picture(
         self, places: np.ndarray, body: tuple[np.ndarray, float], size: tuple[int, int]
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Return density (units of 1/_STEP) and grey of the animal in the fine picture."""
+        """Return density (units of 1/DENSITY_STEP) and grey of the animal in the fine picture."""
         density = np.zeros(size[::-1], dtype=np.uint8)
         for number in range(len(places)):
             low = np.maximum(np.floor(places[number].min(0)).astype(int) - 60, 0)
@@ -197,4 +217,4 @@ def _paint_hair(out: np.ndarray, hair: Hair, places: np.ndarray, unit: float) ->
 
 def _level(density: float) -> int:
     """Return a density in the units of the buffers."""
-    return int(min(255, round(density * _STEP)))
+    return int(min(255, round(density * DENSITY_STEP)))

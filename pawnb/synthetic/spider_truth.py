@@ -67,19 +67,19 @@ def point_names(animal: StickAnimal) -> tuple[str, ...]:
     return ("body", *animal.leg_names, *joints)
 
 
-def points_px(poses: Poses, joints_px: np.ndarray) -> np.ndarray:
-    """Return the points of :func:`point_names`, shape (n, points, 2).
+def points_px(body: np.ndarray, joints: np.ndarray) -> np.ndarray:
+    """Return the points of :func:`point_names`, shape (n, points, k).
 
     Parameters
     ----------
-    poses : Poses
-        Poses; gives the body.
-    joints_px : ndarray (n, legs, segments + 1, 2)
+    body : ndarray (n, k)
+        The cephalothorax-abdomen joint.
+    joints : ndarray (n, legs, segments + 1, k)
         Joints and tips.
     """
-    n = len(poses)
-    inner = joints_px[:, :, :-1].reshape(n, -1, 2)
-    return np.concatenate([poses.xy[:, None], joints_px[:, :, -1], inner], axis=1)
+    n, k = body.shape
+    inner = joints[:, :, :-1].reshape(n, -1, k)
+    return np.concatenate([body[:, None], joints[:, :, -1], inner], axis=1)
 
 
 def tracks_truth(

@@ -1,5 +1,6 @@
 """The run of the synthetic spider: feet that stand still, phases and numbers of the thesis."""
 
+import dataclasses
 import itertools
 
 import numpy as np
@@ -44,6 +45,16 @@ def test_feet_stay_between_the_walls(difficulty, seed):
     t = np.linspace(0.0, DURATION_S, 200)
     for foot in plan(difficulty, seed).feet.values():
         assert np.abs(foot.place(t)[:, 1] - middle).max() < 50.0
+
+
+def test_an_animal_beside_the_wall_puts_its_feet_down_before_it():
+    scene = dataclasses.replace(spider_scene("normal", seed=3), off_centre_mm=(32.0, 32.0))
+    run = plan_motion(scene, draw_individual(scene), duration_s=DURATION_S)
+    middle = 1024 / 4.84 / 2
+    side = np.sign(run.body.start_mm[1] - middle)
+    outmost = [side * (foot.places_mm[:, 1] - middle) for foot in run.feet.values()]
+    # 32 mm and the 25 mm of a leg would be beyond the wall at 50 mm
+    assert 48.0 < max(places.max() for places in outmost) < 50.0
 
 
 @settings(max_examples=30, deadline=None)
