@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+
 import numpy as np
 
 from pawnb.core.pose.animal import StickAnimal
@@ -70,6 +72,12 @@ class FrameFitter:
         self.reach = 1.03 * float(reach.max()) + 6.0
         self.blur = SQRT5 * settings.blur_px
         self._room = make_canvas(1, 1, layout)
+
+    def twin(self) -> FrameFitter:
+        """Return a fitter that is the same but for the canvas, for another thread."""
+        other = copy.copy(self)
+        other._room = make_canvas(1, 1, self.layout)
+        return other
 
     def canvas(self, sight: Sight) -> tuple[np.ndarray, ...]:
         """Return a canvas of a sight's size; its content does not last."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
@@ -65,17 +66,21 @@ class Follower:
         area = (2 * layout.radius[:, :-1] * layout.length).sum(axis=1)
         self._leg_area = float(np.median(area))
         self._usual = np.full(2, np.inf)
+        # numpy's own part is small: the compiled loops of two sides run side by side
+        self._twins = [fitter.twin() for _ in self.sides]
+        self._pool = ThreadPoolExecutor(len(self.sides), thread_name_prefix="pawnb-legs")
         self._lost = 0
 
     def run(
         self, frames: Iterable[Frame], *, done: Callable[[], None] | None = None
     ) -> list[Choices]:
         """Follow through frames until they end or the animal leaves; return what was found."""
-        for frame in frames:
-            if not self.advance(frame):
-                break
-            if done is not None:
-                done()
+        with self._pool:
+            for frame in frames:
+                if not self.advance(frame):
+                    break
+                if done is not None:
+                    done()
         return self.kept
 
     def advance(self, frame: Frame) -> bool:
@@ -125,26 +130,29 @@ class Follower:
 
     def _add(self, choices: Choices, sight: Sight, anatomy: Prior) -> None:
         """Add candidates to a frame that gives reason to doubt, and those of the frame before."""
-        fitter = self.fitter
-        extra: dict[int, list[np.ndarray]] = {}
         doubted = self._doubted(choices, sight, anatomy)
-        for leg in range(len(fitter.numbers)):
-            more = self._continued(leg, choices.pose, sight, anatomy)
-            if doubted[leg]:
-                more += limb_candidates(fitter, choices.pose, leg, sight, anatomy)
-            if more:
-                extra[leg] = more
+
+        def search(legs: list[int], fitter: FrameFitter) -> dict[int, list[np.ndarray]]:
+            found = {}
+            for leg in legs:
+                found[leg] = self._continued(fitter, leg, choices.pose, sight, anatomy)
+                if doubted[leg]:
+                    found[leg] += limb_candidates(fitter, choices.pose, leg, sight, anatomy)
+            return found
+
+        parts = self._pool.map(search, self.sides, self._twins)
+        extra = {leg: more for part in parts for leg, more in part.items() if more}
         if extra:
-            add_candidates(fitter, choices, extra, sight, anatomy)
+            add_candidates(self.fitter, choices, extra, sight, anatomy)
 
     def _continued(
-        self, leg: int, pose: np.ndarray, sight: Sight, anatomy: Prior
+        self, fitter: FrameFitter, leg: int, pose: np.ndarray, sight: Sight, anatomy: Prior
     ) -> list[np.ndarray]:
         """Return the last frame's other candidates of a leg, moved with the body and fitted."""
         if not self.kept or len(self.kept[-1].legs[leg]) < 2:
             return []
         return [
-            fit_leg(self.fitter, pose, leg, numbers, sight, anatomy, rounds=3)
+            fit_leg(fitter, pose, leg, numbers, sight, anatomy, rounds=3)
             for numbers in self.kept[-1].legs[leg][1:]
         ]
 

@@ -94,7 +94,9 @@ def make_layout(
         paler[i, : len(leg.segments) + 1] = np.linspace(1.0, 0.6, len(leg.segments) + 1)
     n_links = np.array([int(links_of(leg)[0][-1]) + 1 for leg in legs])
     body = [(*part.centre, part.length / 2, part.width / 2) for part in animal.body]
-    ellipse = np.column_stack([np.array(body) * px_per_unit, np.full(len(body), dark), np.zeros(len(body))])
+    ellipse = np.column_stack(
+        [np.array(body) * px_per_unit, np.full(len(body), dark), np.zeros(len(body))]
+    )
     return Layout(
         side=np.array([leg.side for leg in legs], dtype=float),
         attach=np.array([leg.attach for leg in legs]) * px_per_unit,

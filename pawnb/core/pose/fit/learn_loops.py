@@ -48,7 +48,7 @@ def look_equations(
             row[0], row[1] = thicker * (1 - t) * r0, thicker * t * r1
             row[2], row[3] = cover * (1 - t), cover * t
             error = value[v, u] - seen[v, u]
-            w = weight[v, u] / (1.0 + error * error / (soft * soft))
+            w = weight[v, u] / (1.0 + error * error / (soft * soft)) ** 2
             for i in range(4):
                 vector[leg, which[i]] += w * row[i] * error
                 for j in range(4):
@@ -84,7 +84,7 @@ def body_equations(
             row[2] = step(-outside / blur)
             row[3] = edge * nb * (y - right) * a / max(1.0 + egg * a, 0.2)
             error = value[v, u] - seen[v, u]
-            w = weight[v, u] / (1.0 + error * error / (soft * soft))
+            w = weight[v, u] / (1.0 + error * error / (soft * soft)) ** 2
             for i in range(4):
                 vector[part, i] += w * row[i] * error
                 for j in range(4):

@@ -250,8 +250,12 @@ def leg_slope(
 
 @compiled
 def misfit(error: float, soft: float) -> float:
-    """Return the cost of a pixel's error: quadratic when small, logarithmic beyond ``soft``."""
-    return 0.5 * soft * soft * math.log(1.0 + error * error / (soft * soft))
+    """Return the cost of a pixel's error: quadratic when small, level beyond ``soft``.
+
+    The function of Geman and McClure.
+    """
+    square = error * error
+    return 0.5 * square / (1.0 + square / (soft * soft))
 
 
 @compiled
@@ -288,7 +292,7 @@ def normal_equations(
             error = value[v, u] - seen[v, u]
             w = weight[v, u]
             total += w * (misfit(error, soft) - misfit(seen[v, u], soft))
-            w /= 1.0 + error * error / (soft * soft)
+            w /= (1.0 + error * error / (soft * soft)) ** 2
             pu, pv = u + box[0], v + box[1]
             if piece < 0:
                 if not body_slope(layout, pose, -2 - piece, blur, pu, pv, row):

@@ -15,7 +15,7 @@ _RANGE_SD, _RANGE_SD_DEG = 0.6, 6.0
 """Standard deviation of an angle about its natural orientation: share of half its range, and more."""
 _START_MORE_DEG = 25.0
 _WALL_DEG = 4.0
-_FORESHORTENED = (0.45, 1.06)
+_FORESHORTENED = (0.3, 1.06)
 _WALL_LENGTH = 0.03
 _TOGETHER = 0.95
 """A leg that is raised is shorter as a whole: this takes most of the cost of that."""

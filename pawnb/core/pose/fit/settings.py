@@ -40,9 +40,9 @@ class PoseSettings:
     working_span_px: float = 150.0
     blur_px: float = 0.8
     unexplained_sd: float = 0.12
-    soft_error: float = 0.3
+    soft_error: float = 0.45
     angle_step_deg: float = 8.0
-    foreshortening_sd: float = 0.06
+    foreshortening_sd: float = 0.12
     candidates: int = 6
     evidence_share: float = 0.1
     jump_px: float = 4.0

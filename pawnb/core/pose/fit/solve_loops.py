@@ -66,9 +66,7 @@ class Sight(NamedTuple):
 
 
 @compiled
-def group_sums(
-    pose: np.ndarray, prior: Prior, active: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+def group_sums(pose: np.ndarray, prior: Prior, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the precision of each group, and its errors weighted with their precision."""
     most = prior.group.max() + 1
     weights, errors = np.zeros(most + 1), np.zeros(most + 1)
