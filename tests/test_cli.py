@@ -9,6 +9,7 @@ import pandas as pd
 import pytest
 
 from pawnb import cli
+from pawnb.trial import load_trial
 from pawnb.workflow import lab
 
 
@@ -39,6 +40,18 @@ def test_demo_check_track_gait_in_a_row(tmp_path, capsys):
     assert (
         out / "results" / "figures" / "gait_diagram_synthetic-03_synthetic-normal-03.png"
     ).exists()
+
+
+def test_demo_spider_is_a_trial_with_its_truth(tmp_path, capsys):
+    out = tmp_path / "spider"
+    status, said, _ = run(capsys, "demo", "spider", "--out", out, "--frames", 70, "--scale", 0.15)
+    assert status == 0
+    assert f"pawnb track {out}" in said
+    assert load_trial(out).kind == "pose"
+    assert pd.read_csv(out / "truth" / "pose.csv")["frame"].max() == 69
+    status, _, err = run(capsys, "demo", "spider", "--out", out, "--frames", 12)
+    assert (status, err.count("\n")) == (2, 1)
+    assert "never wholly in view" in err
 
 
 def change(folder, file, old, new):

@@ -36,6 +36,10 @@ def test_legs_taper_and_pale_towards_the_tip():
     joints, painted = shade()
     darkest = [np.median(sections(joints, painted, j).min(axis=1)) for j in (FEMUR, TIBIA, TARSUS)]
     assert darkest[0] < darkest[1] < darkest[2] < 0.5
+    # as dark at the tip as at the root, only thin, the same leg lets less light through
+    _, dark = shade(tip_density=3.2)
+    thin = np.median(sections(joints, dark, TARSUS).min(axis=1))
+    assert thin < darkest[2] - 0.08
     wide = [np.median((sections(joints, painted, j) < 0.6).sum(axis=1)) for j in (TIBIA, 5, TARSUS)]
     assert wide[0] > wide[1] > wide[2] > 0
 
