@@ -56,6 +56,28 @@ class BodyFrame:
         """
         return along(positions - self.origin[:, :, None], self.forward)
 
+    def lateral(self, positions: np.ndarray, *, up: np.ndarray | None = None) -> np.ndarray:
+        """Return how far to the right of the origin each foot is.
+
+        Parameters
+        ----------
+        positions : ndarray, shape (n, d, k)
+            Positions of the feet.
+        up : ndarray, shape (3,), optional
+            Direction upwards, in space. In a picture the animal is taken to be seen from
+            above: right is a quarter turn from forward, from u towards v.
+
+        Returns
+        -------
+        ndarray, shape (n, k)
+            Position across forward, positive to the animal's right.
+        """
+        if up is None:
+            right = np.stack([-self.forward[:, 1], self.forward[:, 0]], axis=-1)
+        else:
+            right = np.cross(self.forward, np.broadcast_to(up, self.forward.shape))
+        return along(positions - self.origin[:, :, None], right)
+
 
 def along(positions: np.ndarray, forward: np.ndarray) -> np.ndarray:
     """Project positions on a direction.

@@ -20,6 +20,7 @@ from pawnb.gait.legs import default_pairs, sort_legs
 from pawnb.gait.paths import get_foot_paths
 from pawnb.gait.phases import build_phases, summarise_phases
 from pawnb.gait.pose_body import pose_body
+from pawnb.gait.stride_measures import measure_strides
 from pawnb.gait.strides import Motion, build_strides, choose_stride_event
 from pawnb.schema import EVENTS_COLUMNS, Tracks, build_settings, check_columns, check_tracks
 from pawnb.trial import Trial
@@ -363,7 +364,17 @@ def _analyse_one(
         _in_order(table, list(legs)), who, pairs=pairs, settings=settings, motion=motion,
         gaps=pd.DataFrame(gaps, columns=list(_GAP_COLUMNS)), legs=list(legs),
         dropped=dropped_table(dropped, who), notes=notes, signals=signals,
+        body_length=_body_length(dense, trial, spaces[0].unit),
     )  # fmt: skip
+
+
+def _body_length(tracks: Tracks, trial: Trial | None, unit: str) -> float | None:
+    """Return the length of the body in the unit of the positions, where anybody says it."""
+    if "body_length" in tracks.attrs:
+        return float(tracks.attrs["body_length"])
+    said = trial.animal.extra.get("body_length") if trial is not None else None
+    known = trial.calibration.unit if trial is not None and trial.calibration else "px"
+    return float(said) if isinstance(said, int | float) and unit == known else None
 
 
 def _least_confidence(tracks: Tracks, settings: EventSettings) -> float:
@@ -403,6 +414,7 @@ def _tables(
     dropped: pd.DataFrame | None = None,
     notes: Sequence[str] = (),
     signals: Sequence[LegSignals] = (),
+    body_length: float | None = None,
 ) -> GaitTables:
     """Make every table of one animal and trial from its events."""
     legs = sort_legs(events["leg"]) if legs is None else legs
@@ -411,6 +423,7 @@ def _tables(
     strides, no_strides = build_strides(
         events, start_event=start, motion=motion, gaps=gaps, max_stride_s=settings.max_stride_s
     )
+    strides = measure_strides(strides, motion=motion, signals=signals, body_length=body_length)
     phases, no_phases = build_phases(events, strides, chosen, start_event=start)
     all_dropped = [t for t in (dropped, no_strides, no_phases) if t is not None]
     remarks = list(notes)

@@ -65,6 +65,8 @@ class FoundBody:
         Cut-offs and times.
     standing : ndarray of bool, shape (n,)
         Samples in which an animal on the ground does not get on.
+    from_points : bool
+        Whether the frame comes from points of the body, so that it tells right from left.
     notes : list of str
         What a reader should know.
     """
@@ -73,6 +75,7 @@ class FoundBody:
     frame: BodyFrame
     scales: Scales
     standing: np.ndarray
+    from_points: bool
     notes: list[str]
 
 
@@ -144,7 +147,12 @@ def find_body(
         feet, trial, body, direction, scales, fs, treadmill=treadmill, stride_hz=frequency
     )
     return FoundBody(
-        treadmill=treadmill, frame=frame, scales=scales, standing=standing, notes=notes
+        treadmill=treadmill,
+        frame=frame,
+        scales=scales,
+        standing=standing,
+        from_points=body is not None,
+        notes=notes,
     )
 
 

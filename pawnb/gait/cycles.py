@@ -26,6 +26,7 @@ AVERAGE_COLUMNS = (
     "leg", "percent", "mean", "low", "high", "n_animals", "n_strides", "band", "signal", "unit",
 )  # fmt: skip
 LEG_ANGLE, POSITION, HEIGHT = "leg angle", "fore-aft position", "height"
+LATERAL = "lateral position"
 _STRIDES = ("animal", "trial", "leg", "stride", "start_s", "period_s", "stance_s")
 _FEWEST_SAMPLES = 4
 

@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 
 from pawnb.gait.body import BodyPoints, find_body
-from pawnb.gait.cycles import HEIGHT, LEG_ANGLE, POSITION, LegSignals
+from pawnb.gait.cycles import HEIGHT, LATERAL, LEG_ANGLE, POSITION, LegSignals
 from pawnb.gait.direction import find_up
 from pawnb.gait.events import (
     Contact,
@@ -128,6 +128,9 @@ def analyse_space(
     kinds = [(turning, LEG_ANGLE, "deg")] if feet.angle_deg is not None else []
     kinds += [(position, POSITION, feet.unit)]
     kinds += [(height, HEIGHT, feet.unit)] if height is not None else []
+    across = frame.lateral(feet.positions, up=up)
+    if up is not None or found_body.from_points:
+        kinds += [(_smooth(across, scales.cutoff_hz, fs, max_gap), LATERAL, feet.unit)]
     signals = [
         LegSignals(**who, legs=feet.legs, time_s=grid.time_s, samples=x, signal=name, unit=unit)
         for x, name, unit in kinds
@@ -258,9 +261,19 @@ def _motion(
     body = np.concatenate(([0.0], np.cumsum(np.where(np.isfinite(steps), steps, 0.0)))) + rolled
     return Motion(
         time_s=grid.time_s,
+        heading_deg=_heading_deg(frame.forward),
         body=np.where(known, body, np.nan),
         feet={leg: lab[:, k] + rolled for k, leg in enumerate(feet.legs)},
     )
+
+
+def _heading_deg(forward: np.ndarray) -> np.ndarray:
+    """Return the direction of unit vectors, not wrapped, bridged where it is not known."""
+    heading = np.arctan2(forward[:, 1], forward[:, 0])
+    known = np.flatnonzero(np.isfinite(heading))
+    if not len(known):
+        return np.full(len(heading), np.nan)
+    return np.degrees(np.interp(np.arange(len(heading)), known, np.unwrap(heading[known])))
 
 
 def _add_extremes(

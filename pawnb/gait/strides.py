@@ -44,11 +44,15 @@ class Motion:
         Distance run by the body along forward, from an arbitrary zero.
     feet : mapping
         The same of each foot, by the name of its leg.
+    heading_deg : ndarray, shape (n,), optional
+        Direction of the body, not wrapped, from the first axis of the positions towards the
+        second.
     """
 
     time_s: np.ndarray
     body: np.ndarray
     feet: Mapping[str, np.ndarray] = field(default_factory=dict)
+    heading_deg: np.ndarray | None = None
 
     def body_between(self, start_s: np.ndarray, end_s: np.ndarray) -> np.ndarray:
         """Return the distances run by the body between pairs of times; NaN where not known."""
@@ -59,6 +63,21 @@ class Motion:
         if leg not in self.feet:
             return np.full(len(start_s), np.nan)
         return self._between(self.feet[leg], start_s, end_s)
+
+    def place_of(self, leg: str, time_s: np.ndarray) -> np.ndarray:
+        """Return how far along forward a foot is at some times, from the common zero."""
+        return np.interp(time_s, self.time_s, self.feet[leg])
+
+    def heading_between(
+        self, start_s: np.ndarray, end_s: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return mean heading in [-180, 180) and its change between pairs of times, degrees."""
+        if self.heading_deg is None:
+            unknown = np.full(len(start_s), np.nan)
+            return unknown, unknown
+        ends = [np.interp(t, self.time_s, self.heading_deg) for t in (start_s, end_s)]
+        middle = (ends[0] + ends[1]) / 2.0
+        return (middle + 180.0) % 360.0 - 180.0, ends[1] - ends[0]
 
     def _between(self, distance: np.ndarray, start_s: np.ndarray, end_s: np.ndarray) -> np.ndarray:
         ends = np.interp(end_s, self.time_s, distance)

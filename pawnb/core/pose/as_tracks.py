@@ -110,6 +110,8 @@ def tracks_from_poses(
         tracks = tracks.assign(sd=(dims, sd[..., None] * factor, {"units": tracks.attrs["unit"]}))
     if px_per_unit is not None:
         tracks = tracks.assign_attrs(px_per_unit=float(px_per_unit))
+    body_length = animal.body_length * float(np.nanmedian(poses.scale)) * factor
+    tracks = tracks.assign_attrs(body_length=body_length)
     return tracks.assign_attrs(stick_animal=json.dumps(_document(animal), sort_keys=True))
 
 
