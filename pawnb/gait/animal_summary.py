@@ -125,5 +125,6 @@ def variance_shares(values: np.ndarray, animals: Sequence[object]) -> tuple[floa
     between = float((each * (means - values.mean()) ** 2).sum()) / (k - 1)
     typical = (n - float((each**2).sum()) / n) / (k - 1)
     whole = between + (typical - 1.0) * within
-    icc = max(0.0, (between - within) / whole) if whole > 0.0 else math.nan
+    least = 1e-24 * float(values @ values) / n  # below it is rounding
+    icc = max(0.0, (between - within) / whole) if whole > least else math.nan
     return math.sqrt(within), icc

@@ -324,6 +324,36 @@ def slope_of_animals(
     InputError
         If values are missing, animals or level cannot be used, or no animal has a slope.
     """
+    slopes, note = slopes_by_animal(x, y, animals, circular=circular)
+    return estimate_of(slopes, n=np.size(x), expected=expected, level=level, note=note)
+
+
+def slopes_by_animal(
+    x: np.ndarray, y: np.ndarray, animals: Sequence[object], *, circular: bool = False
+) -> tuple[np.ndarray, str]:
+    """Fit a line to each animal's own values; see :func:`slope_of_animals`.
+
+    Parameters
+    ----------
+    x, y : ndarray, shape (n,)
+        One pair a stride.
+    animals : sequence, shape (n,)
+        Animal of each.
+    circular : bool
+        Whether y is a phase in cycles.
+
+    Returns
+    -------
+    slopes : ndarray, shape (k,)
+        Slope of each animal that has one.
+    note : str
+        How many have none, or empty.
+
+    Raises
+    ------
+    InputError
+        If values are missing, animals cannot be used, or no animal has a slope.
+    """
     x, y = check_values(x), check_values(y)
     if len(x) != len(y):
         raise InputError(f"slope: found {len(x)} values of x and {len(y)} of y; expected pairs.")
@@ -346,8 +376,7 @@ def slope_of_animals(
             "point an animal."
         )
     left = k - len(slopes)
-    note = f"{left} of {k} animals without a slope left out" if left else ""
-    return estimate_of(np.array(slopes), n=len(x), expected=expected, level=level, note=note)
+    return np.array(slopes), f"{left} of {k} animals without a slope left out" if left else ""
 
 
 def check_values(values: np.ndarray) -> np.ndarray:

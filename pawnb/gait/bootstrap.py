@@ -14,6 +14,7 @@ have no end at the outermost of few resamples.
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
 from collections.abc import Callable
@@ -24,7 +25,7 @@ import pandas as pd
 from scipy.stats import norm
 
 from pawnb.errors import InputError
-from pawnb.gait.animals import check_level
+from pawnb.gait.animals import WHOLE_CYCLE, check_level, check_values
 from pawnb.gait.circular import mean_vector, wrap
 from pawnb.gait.circular_describe import difference
 from pawnb.gait.circular_sample import ONE_ANIMAL
@@ -114,8 +115,7 @@ def bootstrap_animals(
     """
     check_columns(table, ["animal"], where="bootstrap")
     check_level(level)
-    if n_resamples < 100:
-        raise InputError(f"n_resamples is {n_resamples}; expected 100 or more.")
+    _check_resamples(n_resamples)
     codes, names = pd.factorize(table["animal"], sort=True)
     rows = [np.flatnonzero(codes == i) for i in range(len(names))]
     k, estimate = len(rows), float(statistic(table)) if len(table) else math.nan
@@ -124,38 +124,80 @@ def bootstrap_animals(
             f"bootstrap: the statistic of all {len(table)} rows is {estimate}; expected a number."
         )
     if k < 2:
-        low = high = math.nan
-        return BootstrapInterval(estimate, low, high, len(table), k, level, "none", ONE_ANIMAL)
+        blank = (math.nan, math.nan, len(table), k, level, "none", ONE_ANIMAL)
+        return BootstrapInterval(estimate, *blank)
     rng = np.random.default_rng(seed)
-    whole = not strides and k <= _MOST_ENUMERATED
-    if whole:
-        draws, weights = _all_draws(k)
-    else:
-        draws = rng.integers(0, k, (n_resamples, k))
-        weights = np.full(n_resamples, 1.0 / n_resamples)
+    draws, weights, what = _draws(k, n_resamples, rng, whole=not strides)
     again = rng if strides else None
     values = np.array([statistic(_drawn(table, [rows[i] for i in draw], again)) for draw in draws])
-    what = "all draws" if whole else f"{n_resamples} draws"
     method = f"bootstrap of animals{' and strides' if strides else ''}, {what}"
+    low, high, note = _interval(
+        values.astype(float), weights, estimate,
+        k=k, circular=circular, corrected=corrected, level=level,
+    )  # fmt: skip
     method += ", stretched for few animals" if corrected else ", percentiles"
-    valid = np.isfinite(values.astype(float))
-    share = float(weights[valid].sum())
-    common = (len(table), k, level, method)
-    if share < _FEWEST_VALID:
-        note = f"the statistic exists in {100 * share:.0f} % of the draws only: no interval"
-        return BootstrapInterval(estimate, math.nan, math.nan, *common, note)
-    away = difference(values[valid], estimate) if circular else values[valid] - estimate
-    low, high = _ends(away, weights[valid] / share, level)
-    if corrected:
-        stretch = t_quantile(level, k - 1) / float(norm.isf((1.0 - level) / 2.0))
-        stretch *= math.sqrt(k / (k - 1))
-        low, high = low * stretch, high * stretch
-    if not circular:
-        return BootstrapInterval(estimate, estimate + low, estimate + high, *common)
-    if high - low >= 1.0:
-        note = "the animals do not determine a mean phase: any is possible"
-        return BootstrapInterval(wrap(estimate), math.nan, math.nan, *common, note)
-    return BootstrapInterval(wrap(estimate), wrap(estimate + low), wrap(estimate + high), *common)
+    mean = wrap(estimate) if circular else estimate
+    return BootstrapInterval(mean, low, high, len(table), k, level, method, note)
+
+
+def bootstrap_units(
+    units: np.ndarray,
+    *,
+    circular: bool = False,
+    corrected: bool = True,
+    level: float = 0.95,
+    n_resamples: int = 10_000,
+    seed: int = 0,
+) -> BootstrapInterval:
+    """Compute the interval of the mean of one number an animal: its mean, phase or slope.
+
+    What :func:`bootstrap_animals` does for means by animal, on arrays and so much faster.
+
+    Parameters
+    ----------
+    units : ndarray, shape (k,)
+        One number an animal, for instance of :func:`pawnb.gait.animals.slopes_by_animal`.
+    circular : bool
+        Whether they are phases in cycles.
+    corrected : bool
+        Whether to stretch the interval for the number of animals.
+    level : float
+        Level of the interval.
+    n_resamples, seed : int
+        Number and seed of random draws, for more than 6 animals.
+
+    Returns
+    -------
+    BootstrapInterval
+        Mean and interval; ``n`` is the number of animals.
+
+    Raises
+    ------
+    InputError
+        If numbers are missing or not finite, phases cancel out, or level or the number of
+        draws cannot be used.
+    """
+    units = check_values(units)
+    check_level(level)
+    _check_resamples(n_resamples)
+    k = len(units)
+    estimate = mean_vector(units).mean if circular else float(units.mean())
+    if not math.isfinite(estimate):
+        raise InputError("bootstrap: the phases cancel out; expected some that have a mean.")
+    if k < 2:
+        return BootstrapInterval(estimate, math.nan, math.nan, k, k, level, "none", ONE_ANIMAL)
+    draws, weights, what = _draws(k, n_resamples, np.random.default_rng(seed), whole=True)
+    if circular:
+        sums = np.exp(2j * np.pi * units)[draws].sum(axis=1)
+        values = np.where(np.abs(sums) > 1e-12, np.angle(sums) / (2.0 * np.pi), np.nan)
+    else:
+        values = units[draws].mean(axis=1)
+    low, high, note = _interval(
+        values, weights, estimate, k=k, circular=circular, corrected=corrected, level=level
+    )
+    method = f"bootstrap of animals, {what}"
+    method += ", stretched for few animals" if corrected else ", percentiles"
+    return BootstrapInterval(estimate, low, high, k, k, level, method, note)
 
 
 def mean_by_animal(column: str, *, circular: bool = False) -> Callable[[pd.DataFrame], float]:
@@ -186,6 +228,23 @@ def mean_by_animal(column: str, *, circular: bool = False) -> Callable[[pd.DataF
     return mean_phase if circular else linear_mean
 
 
+def _check_resamples(n_resamples: int) -> None:
+    """Refuse too few draws for a percentile."""
+    if n_resamples < 100:
+        raise InputError(f"n_resamples is {n_resamples}; expected 100 or more.")
+
+
+def _draws(
+    k: int, n_resamples: int, rng: np.random.Generator, *, whole: bool
+) -> tuple[np.ndarray, np.ndarray, str]:
+    """Return draws of k animals (rows of their numbers), their probabilities, and what they are."""
+    if whole and k <= _MOST_ENUMERATED:
+        return *_all_draws(k), "all draws"
+    weights = np.full(n_resamples, 1.0 / n_resamples)
+    return rng.integers(0, k, (n_resamples, k)), weights, f"{n_resamples} draws"
+
+
+@functools.cache
 def _all_draws(k: int) -> tuple[np.ndarray, np.ndarray]:
     """Return every draw of k animals (rows of their numbers) and the probability of each."""
     draws = np.array(list(itertools.combinations_with_replacement(range(k), k)))
@@ -202,6 +261,35 @@ def _drawn(
         rows = [own[rng.integers(0, len(own), len(own))] for own in rows]
     names = np.repeat(np.arange(len(rows)), [len(own) for own in rows])
     return table.iloc[np.concatenate(rows)].assign(animal=names)
+
+
+def _interval(
+    values: np.ndarray,
+    weights: np.ndarray,
+    estimate: float,
+    *,
+    k: int,
+    circular: bool,
+    corrected: bool,
+    level: float,
+) -> tuple[float, float, str]:
+    """Return the ends of the interval of the drawn values, and a note where there is none."""
+    valid = np.isfinite(values)
+    share = float(weights[valid].sum())
+    if share < _FEWEST_VALID:
+        note = f"the statistic exists in {100 * share:.0f} % of the draws only: no interval"
+        return math.nan, math.nan, note
+    away = difference(values[valid], estimate) if circular else values[valid] - estimate
+    low, high = _ends(away, weights[valid] / share, level)
+    if corrected:
+        stretch = t_quantile(level, k - 1) / float(norm.isf((1.0 - level) / 2.0))
+        stretch *= math.sqrt(k / (k - 1))
+        low, high = low * stretch, high * stretch
+    if not circular:
+        return estimate + low, estimate + high, ""
+    if high - low >= 1.0:
+        return math.nan, math.nan, WHOLE_CYCLE
+    return wrap(estimate + low), wrap(estimate + high), ""
 
 
 def _ends(away: np.ndarray, weights: np.ndarray, level: float) -> tuple[float, float]:
