@@ -14,6 +14,8 @@ from pawnb.core.paws.whole.store import CandidateStore
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.background import Background
 from pawnb.core.pose.fit.settings import PoseSettings
+from pawnb.core.pose.paper_settings import PaperPoseSettings
+from pawnb.core.pose.paper_tracker import track_pose_paper
 from pawnb.core.pose.poses import Poses
 from pawnb.core.pose.track_result import PoseTrack
 from pawnb.core.pose.tracker import track_pose
@@ -30,14 +32,18 @@ POSE_METHODS = ("pawnb", "paper")
 """Methods of the pose tracker; the first is the default."""
 
 TrackerSettings = WholeSettings | PaperSettings
-PoseTrackerSettings = PoseSettings
+PoseTrackerSettings = PoseSettings | PaperPoseSettings
 
 _SETTINGS: dict[str, type[TrackerSettings]] = {
     method: WholeSettings if method == "pawnb" else PaperSettings for method in METHODS
 }
-_POSE_TRACKERS: dict[str, Callable[..., PoseTrack]] = {"pawnb": track_pose}
+_POSE_TRACKERS: dict[str, Callable[..., PoseTrack]] = {
+    "pawnb": track_pose,
+    "paper": track_pose_paper,
+}
 _POSE_SETTINGS: dict[str, type[PoseTrackerSettings]] = {
     "pawnb": PoseSettings,
+    "paper": PaperPoseSettings,
 }
 
 

@@ -16,6 +16,7 @@ from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.as_tracks import tracks_from_poses
 from pawnb.core.pose.pose_table import pose_names, poses_from_table
 from pawnb.core.pose.poses import Poses
+from pawnb.core.pose.presence import find_animal_frames
 from pawnb.core.pose.track_result import PoseTrack
 from pawnb.core.video import ViewReader, ViewSet, open_views
 from pawnb.errors import InputError, InputWarning
@@ -81,6 +82,8 @@ def track_pose_trial(
         span = _frame_range(trial, views, poses, frames)
         check_in_picture(poses, reader)
         background = trial_background(trial, views)
+        if method == "paper" and not (frames or trial.frames) and background.n_frames > 1:
+            span = _with_animal(reader, view, span, poses)
         bar = contextlib.nullcontext(progress) if progress else progress_bar("tracking")
         with bar as report:
             track = run_pose_tracker(
@@ -245,6 +248,20 @@ def _frame_range(
             "animal in a frame within, or change the range."
         )
     return first, last
+
+
+def _with_animal(
+    reader: ViewReader, view: View, span: tuple[int, int], poses: Poses
+) -> tuple[int, int]:
+    """Return the frames that show the animal (Pullar 2009, §3.1), if the start is among them.
+
+    The method of the thesis follows what it is given; it does not know an animal that is gone.
+    """
+    shown = find_animal_frames(reader, frames=span, known=view.background_frames)
+    if shown.first is None or shown.last is None:
+        return span
+    inside = (poses.frames >= shown.first) & (poses.frames <= shown.last)
+    return (shown.first, shown.last + 1) if inside.any() else span
 
 
 def _known_part(track: PoseTrack, trial: Trial) -> PoseTrack:
