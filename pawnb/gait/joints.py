@@ -19,6 +19,7 @@ EXTREME_COLUMNS = (
 RANGE_COLUMNS = (
     "joint", "pair", "n_animals", "max_mean_deg", "max_sd_deg", "min_mean_deg", "min_sd_deg",
     "range_mean_deg", "range_sd_deg", "mechanical_deg", "share_percent",
+    "mechanical_low_deg", "mechanical_high_deg",
 )  # fmt: skip
 JOINTS = ("BC", "CT", "TF", "FP", "PT", "TM", "MT")
 """Joints of a spider's leg from the body outwards, in the names of ``pose.csv``."""
@@ -140,7 +141,8 @@ def joint_range_table(
         ``ANGLE_COLUMNS``.
     mechanical : pandas.DataFrame, optional
         The whole range that each joint could move: ``joint``, ``leg`` (or ``pair``),
-        ``range_deg``. Of both legs of a pair, the mean is taken.
+        ``range_deg``, and optionally ``natural_deg``, the angle in the middle of it. Of both
+        legs of a pair, the mean is taken.
     trim : float
         See :func:`joint_extremes`.
 
@@ -168,8 +170,11 @@ def joint_range_table(
         table[f"{short}_sd_deg"] = groups[name].std(ddof=1)
     table = table.reset_index()
     known = _mechanical_ranges(mechanical)
-    whole = [known.get(key, np.nan) for key in zip(table["joint"], table["pair"], strict=True)]
-    table["mechanical_deg"] = whole
+    keys = list(zip(table["joint"], table["pair"], strict=True))
+    whole = np.array([known.get(key, (np.nan, np.nan)) for key in keys])
+    table["mechanical_deg"] = whole[:, 0]
+    table["mechanical_low_deg"] = whole[:, 1] - whole[:, 0] / 2.0
+    table["mechanical_high_deg"] = whole[:, 1] + whole[:, 0] / 2.0
     possible = table["mechanical_deg"].where(table["mechanical_deg"] > 0.0)
     table["share_percent"] = 100.0 * table["range_mean_deg"] / possible
     order = {name: k for k, name in enumerate([*JOINTS, *_others(table["joint"])])}
@@ -178,8 +183,10 @@ def joint_range_table(
     return table[list(RANGE_COLUMNS)].reset_index(drop=True)
 
 
-def _mechanical_ranges(mechanical: pd.DataFrame | None) -> dict[tuple[str, str], float]:
-    """Return the mechanical range by joint and pair of legs."""
+def _mechanical_ranges(
+    mechanical: pd.DataFrame | None,
+) -> dict[tuple[str, str], tuple[float, float]]:
+    """Return the mechanical range, and the angle in its middle, by joint and pair of legs."""
     if mechanical is None:
         return {}
     if "pair" in mechanical:
@@ -190,9 +197,12 @@ def _mechanical_ranges(mechanical: pd.DataFrame | None) -> dict[tuple[str, str],
     check_columns(table, ("joint", "range_deg"), where="mechanical ranges")
     if not (table["range_deg"] >= 0.0).all():
         raise InputError("mechanical ranges: a range is negative or missing; expected degrees.")
-    means = table.groupby(["joint", "pair"])["range_deg"].mean().reset_index()
+    if "natural_deg" not in table:
+        table = table.assign(natural_deg=np.nan)
+    means = table.groupby(["joint", "pair"])[["range_deg", "natural_deg"]].mean().reset_index()
     keys = zip(means["joint"].astype(str), means["pair"], strict=True)
-    return dict(zip(keys, means["range_deg"].astype(float), strict=True))
+    values = zip(means["range_deg"].astype(float), means["natural_deg"].astype(float), strict=True)
+    return dict(zip(keys, values, strict=True))
 
 
 def _pair(leg: str) -> str:

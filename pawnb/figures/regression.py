@@ -1,0 +1,266 @@
+"""Scatter with regression, its band, and individuals by marker (paper 2009, Fig. 4.1-4.11)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+
+from pawnb.errors import InputError
+from pawnb.figures.panels import add_animal_legend, draw_points, make_panels, say_counts
+from pawnb.figures.style import OKABE_ITO, mark_animals, small_pt, style
+from pawnb.gait.regression import Line, fit_line, fit_power, fit_rma, fit_within_animals
+from pawnb.schema import check_columns
+
+COLUMNS = (
+    "outcome", "predictor", "row", "animal", "x", "y", "x_sd", "y_sd", "low", "high", "points",
+    "kind", "method", "n", "n_animals", "a", "b", "ci_low", "ci_high", "r2", "p", "significant",
+    "b_within", "p_within", "significant_within",
+)  # fmt: skip
+_STEPS = 60
+_UNITS = {"animal": "animal", "trial": "trial", "row": "stride"}
+
+
+def build_regression_table(
+    measures: pd.DataFrame,
+    pairs: Sequence[tuple[str, str]],
+    *,
+    points: Literal["animal", "trial", "row"] = "animal",
+    kind: Literal["linear", "power"] = "linear",
+    method: Literal["OLS", "RMA"] = "OLS",
+    level: float = 0.95,
+) -> pd.DataFrame:
+    """Fit a line for each pair of columns, and keep what it was fitted to.
+
+    Parameters
+    ----------
+    measures : pandas.DataFrame
+        Strides or trials: animal, trial (optional), and the columns of the pairs.
+    pairs : sequence of (outcome, predictor)
+        Columns: y and x of each panel.
+    points : {"animal", "trial", "row"}
+        What a point is: an animal (mean over its trials, with their standard deviation), a
+        trial (mean over its strides), or a row. With several points an animal the p of the
+        line takes them as independent; the slope within animals stands beside it.
+    kind : {"linear", "power"}
+        Straight line or power law.
+    method : {"OLS", "RMA"}
+        Least squares or reduced major axis.
+    level : float
+        Level of band and intervals.
+
+    Returns
+    -------
+    pandas.DataFrame
+        ``row`` is ``point`` (``animal, x, y, x_sd, y_sd``), ``line`` (``x, y, low, high``) or
+        ``within`` (``animal, x, y``: the animal's own line, of the slope shared by all); the
+        columns from ``points`` on are the same in each row of a pair. ``b_within`` and
+        ``p_within`` are NaN where there is one point an animal.
+
+    Raises
+    ------
+    InputError
+        If a column is missing, there is no pair, a setting is not known, or a line cannot be
+        fitted.
+    """
+    if not pairs or points not in _UNITS or kind not in ("linear", "power"):
+        raise InputError(
+            f"regression figure: {len(pairs)} pairs, points {points!r}, kind {kind!r}; expected "
+            "at least one pair, points animal, trial or row, kind linear or power."
+        )
+    names = list(dict.fromkeys(name for pair in pairs for name in pair))
+    check_columns(measures, ["animal", *names], where="measures")
+    values = _average(measures, names, points)
+    tables = []
+    for outcome, predictor in pairs:
+        known = values.dropna(subset=[outcome, predictor])
+        x, y = known[predictor].to_numpy(float), known[outcome].to_numpy(float)
+        animals = known["animal"].astype(str).to_numpy()
+        line = _fit(x, y, animals, kind=kind, method=method, level=level)
+        shown = pd.DataFrame(
+            {
+                "row": "point", "animal": animals, "x": x, "y": y,
+                "x_sd": known[f"{predictor}_sd"].to_numpy(float),
+                "y_sd": known[f"{outcome}_sd"].to_numpy(float),
+            }
+        )  # fmt: skip
+        grid = line.predict(np.linspace(line.x_low, line.x_high, _STEPS))
+        drawn = grid.rename(columns={"fit": "y"}).assign(row="line", animal="")
+        whole = pd.concat([shown, drawn], ignore_index=True)
+        inside = _within(x, y, animals, kind=kind, level=level)
+        if inside is not None:
+            whole = pd.concat([whole, _own_lines(shown, inside)], ignore_index=True)
+        tables.append(
+            whole.assign(
+                outcome=outcome, predictor=predictor, points=points, kind=kind, method=method,
+                n=line.n, n_animals=line.n_animals, a=line.a, b=line.b, ci_low=line.b_low,
+                ci_high=line.b_high, r2=line.r2, p=line.p, significant=line.significant,
+                b_within=inside.b if inside else math.nan,
+                p_within=inside.p if inside else math.nan,
+                significant_within=inside.significant if inside else False,
+            )
+        )  # fmt: skip
+    return pd.concat(tables, ignore_index=True).reindex(columns=list(COLUMNS))
+
+
+def _average(measures: pd.DataFrame, names: list[str], points: str) -> pd.DataFrame:
+    """Return one row a point, with the standard deviation over an animal's trials."""
+    blank = {f"{name}_sd": math.nan for name in names}
+    if points == "row":
+        return measures[["animal", *names]].assign(**blank)
+    trials = measures[["animal", *names]]
+    if "trial" in measures:
+        trials = measures.groupby(["animal", "trial"], sort=True)[names].mean().reset_index()
+    elif points == "trial":
+        raise InputError("regression figure: measures have no column trial; use points='animal'.")
+    if points == "trial":
+        return trials.assign(**blank)
+    groups = trials.groupby("animal", sort=True)[names]
+    spread = groups.std(ddof=1).add_suffix("_sd")
+    return groups.mean().join(spread).reset_index()
+
+
+def _fit(
+    x: np.ndarray, y: np.ndarray, animals: np.ndarray, *, kind: str, method: str, level: float
+) -> Line:
+    """Fit the line that was asked for."""
+    if method == "RMA":
+        power: Literal["linear", "power"] = "power" if kind == "power" else "linear"
+        return fit_rma(x, y, kind=power, animals=animals.tolist(), level=level)
+    if method != "OLS":
+        raise InputError(f"method is {method!r}; expected 'OLS' or 'RMA'.")
+    fit = fit_power if kind == "power" else fit_line
+    return fit(x, y, animals=animals.tolist(), level=level)
+
+
+def _within(
+    x: np.ndarray,
+    y: np.ndarray,
+    animals: np.ndarray,
+    *,
+    kind: Literal["linear", "power"],
+    level: float,
+) -> Line | None:
+    """Return the line within animals, or None where they have a point each."""
+    table = pd.DataFrame({"animal": animals, "x": x})
+    if len(x) < table["animal"].nunique() + 2 or table.groupby("animal")["x"].nunique().max() < 2:
+        return None
+    return fit_within_animals(x, y, animals=animals.tolist(), kind=kind, level=level)
+
+
+def _own_lines(points: pd.DataFrame, inside: Line) -> pd.DataFrame:
+    """Return the line of each animal, of the shared slope, over its own x."""
+    parts = []
+    power = inside.kind == "power"
+    for animal, own in points.groupby("animal", sort=True):
+        x, y = (own[name].to_numpy(float) for name in ("x", "y"))
+        if np.ptp(x) == 0.0:
+            continue
+        ends = np.linspace(x.min(), x.max(), 12)
+        if power:
+            drawn = np.exp(np.mean(np.log(y) - inside.b * np.log(x))) * ends**inside.b
+        else:
+            drawn = np.mean(y - inside.b * x) + inside.b * ends
+        parts.append(pd.DataFrame({"row": "within", "animal": animal, "x": ends, "y": drawn}))
+    return pd.concat(parts, ignore_index=True)
+
+
+def plot_regression(
+    table: pd.DataFrame,
+    *,
+    ax: Axes | None = None,
+    names: Mapping[str, str] | None = None,
+    log: bool = False,
+) -> Axes:
+    """Draw scatter plots with regression lines, a panel for each pair.
+
+    One point an animal: the line is solid with its confidence band where its interval excludes
+    0, else dashed and without band; bars are one standard deviation over the animal's trials.
+    Several points an animal: each animal has its own line, of the slope that all share, solid
+    where that slope's interval excludes 0; the line through all points as if they were
+    independent is grey and dashed. Each animal has a mark.
+
+    Parameters
+    ----------
+    table : pandas.DataFrame
+        From :func:`build_regression_table`.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw a single pair; default a new figure.
+    names : mapping, optional
+        What columns are called on the axes, with units: ``{"speed": "Speed (cm/s)"}``.
+    log : bool
+        Logarithmic axes.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The first panel; all are in ``ax.figure.axes``.
+
+    Raises
+    ------
+    InputError
+        If a column is missing, the table is empty, or ``ax`` is given for several pairs.
+    """
+    check_columns(table, COLUMNS, where="regression figure")
+    pairs = [own for _, own in table.groupby(["outcome", "predictor"], sort=False)]
+    called = dict(names or {})
+    with style():
+        panels = make_panels(len(pairs), where="regression figure", ax=ax, height_mm=56.0)
+        marks = mark_animals(table.loc[table["row"] == "point", "animal"])
+        for panel, own in zip(panels, pairs, strict=True):
+            first = own.iloc[0]
+            _draw(panel, own, marks)
+            panel.set_xlabel(called.get(first["predictor"], first["predictor"]))
+            panel.set_ylabel(called.get(first["outcome"], first["outcome"]))
+            panel.set_title(_words(first), fontsize=small_pt(), loc="right", linespacing=1.15)
+            if log:
+                panel.set_xscale("log")
+                panel.set_yscale("log")
+        add_animal_legend(panels[0], marks)
+    return panels[0]
+
+
+def _draw(ax: Any, own: pd.DataFrame, marks: Mapping[str, Any]) -> None:
+    """Draw points and lines of one pair."""
+    first, line = own.iloc[0], own[own["row"] == "line"]
+    inside = own[own["row"] == "within"]
+    certain = bool(first["significant"]) and len(inside) == 0
+    colour = OKABE_ITO["vermillion"]
+    if certain and line["low"].notna().any():
+        ax.fill_between(line["x"], line["low"], line["high"], color=colour, alpha=0.2,
+                        linewidth=0.0)  # fmt: skip
+    ax.plot(line["x"], line["y"], color=colour if certain else "0.55",
+            linestyle="-" if certain else "--")  # fmt: skip
+    for _, part in inside.groupby("animal", sort=True):
+        ax.plot(part["x"], part["y"], color=colour, linewidth=0.8, zorder=2,
+                linestyle="-" if first["significant_within"] else ":")  # fmt: skip
+    for animal, points in own[own["row"] == "point"].groupby("animal", sort=True):
+        if points[["x_sd", "y_sd"]].notna().any(axis=None):
+            ax.errorbar(points["x"], points["y"], xerr=points["x_sd"], yerr=points["y_sd"],
+                        linestyle="none", color="0.6", linewidth=0.5, zorder=1.5)  # fmt: skip
+        draw_points(ax, points["x"], points["y"], mark=marks[str(animal)], zorder=3)
+
+
+def _words(first: pd.Series) -> str:
+    """Say the fit of one pair in two or three short lines."""
+    if first["kind"] == "power":
+        law = f"y = {first['a']:.3g} x$^{{{first['b']:.3g}}}$"
+    else:
+        law = f"y = {first['a']:.3g} {'+' if first['b'] >= 0 else '−'} {abs(first['b']):.3g} x"
+    law += f"{' (RMA)' if first['method'] == 'RMA' else ''}, $r^2$ = {first['r2']:.2f}"
+    counted = say_counts(int(first["n"]), _UNITS[first["points"]], int(first["n_animals"]))
+    if first["points"] == "animal":
+        return f"{law}\n{_say_p(first['p'])}, {counted.split(', ')[0]}"
+    if not math.isfinite(first["b_within"]):
+        return f"{law}\n{_say_p(first['p'])}, {counted}"
+    inside = f"within animals: b = {first['b_within']:.3g}, {_say_p(first['p_within'])}"
+    return f"all: {law}\n{inside}\n{counted}"
+
+
+def _say_p(p: float) -> str:
+    """Say a p value."""
+    return "p < 0.001" if p < 0.001 else f"p = {p:.3f}" if p < 0.1 else f"p = {p:.2f}"

@@ -1,0 +1,140 @@
+"""Residual analysis: how a cut-off is chosen (paper 2009, Fig. 3.11)."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+
+from pawnb.errors import InputError
+from pawnb.figures.panels import add_note, make_panels, with_unit
+from pawnb.figures.style import OKABE_ITO, style
+from pawnb.gait.residuals import CURVE_COLUMNS, POOLED, analyse_residuals
+from pawnb.schema import check_columns
+
+COLUMNS = ("signal", *CURVE_COLUMNS, "chosen_hz", "noise_rms", "reason")
+
+
+def build_residual_analysis_table(
+    signals: pd.DataFrame,
+    *,
+    fs_hz: float,
+    order: int = 4,
+    band_hz: tuple[float, float] | None = None,
+) -> pd.DataFrame:
+    """Compute the residual curve of each signal, and of all pooled.
+
+    Parameters
+    ----------
+    signals : pandas.DataFrame
+        One column a signal, all in one unit; NaN where missing.
+    fs_hz : float
+        Sampling rate, in Hz.
+    order : int
+        Order of the Butterworth filter, both passes together.
+    band_hz : tuple of float, optional
+        Straight part of the curve; default: found.
+
+    Returns
+    -------
+    pandas.DataFrame
+        ``signal``, the curve (``cutoff_hz, residual, noise_line, in_band``) and, the same in
+        each row of a signal, ``chosen_hz, noise_rms, reason``. ``pooled`` comes last where
+        there are several.
+
+    Raises
+    ------
+    InputError
+        If there is no signal, or one cannot be analysed.
+    """
+    if signals.shape[1] == 0:
+        raise InputError("residual analysis: no signal; expected at least one column.")
+    parts = {str(name): signals[[name]].to_numpy(dtype=float) for name in signals}
+    if len(parts) > 1:
+        parts[POOLED] = signals.to_numpy(dtype=float)
+    tables = []
+    for name, values in parts.items():
+        found = analyse_residuals(values, fs_hz=fs_hz, order=order, band_hz=band_hz)
+        tables.append(
+            found.curve.assign(
+                signal=name,
+                chosen_hz=found.cutoff_hz,
+                noise_rms=found.noise_rms,
+                reason=found.reason,
+            )
+        )
+    return pd.concat(tables, ignore_index=True)[list(COLUMNS)]
+
+
+def plot_residual_analysis(
+    table: pd.DataFrame, *, ax: Axes | None = None, unit: str | None = None
+) -> Axes:
+    """Draw residual curves with the noise line and the cut-off, a panel for each signal.
+
+    The height is cut at six times the noise, for the curve rises far beyond it at the left.
+
+    Parameters
+    ----------
+    table : pandas.DataFrame
+        From :func:`build_residual_analysis_table`.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw a single signal; default a new figure.
+    unit : str, optional
+        Unit of the signals.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The first panel; all are in ``ax.figure.axes``.
+
+    Raises
+    ------
+    InputError
+        If a column is missing, the table is empty, or ``ax`` is given for several signals.
+    """
+    check_columns(table, COLUMNS, where="residual analysis")
+    signals = [own for _, own in table.groupby("signal", sort=False)]
+    with style():
+        panels = make_panels(len(signals), where="residual analysis", ax=ax, height_mm=52.0)
+        for panel, own in zip(panels, signals, strict=True):
+            _draw(panel, own)
+            if len(signals) > 1:
+                panel.set_title(str(own["signal"].iloc[0]))
+        name = "Residual (RMS)" if unit is None else with_unit("Residual, RMS", unit)
+        for panel in panels:
+            panel.set_xlabel("Cut-off (Hz)")
+            panel.set_ylabel(name)
+    return panels[0]
+
+
+def _draw(ax: Any, own: pd.DataFrame) -> None:
+    """Draw one signal."""
+    first = own.iloc[0]
+    chosen, noise = float(first["chosen_hz"]), float(first["noise_rms"])
+    cutoff = own["cutoff_hz"].to_numpy()
+    ax.plot(cutoff, own["residual"], color="black")
+    ax.set_xlim(0.0, cutoff[-1])
+    ax.set_ylim(0.0, 1.05 * float(own["residual"].max()))
+    if not math.isfinite(noise):
+        add_note(ax, "no cut-off found")
+        return
+    band = own[own["in_band"]]
+    ax.plot(band["cutoff_hz"], band["residual"], color=OKABE_ITO["sky blue"], linewidth=3.0,
+            alpha=0.6, zorder=1, label="noise alone")  # fmt: skip
+    slope = np.polyfit(cutoff, own["noise_line"], 1)[0]
+    ax.plot([0.0, cutoff[-1]], [noise, noise + slope * cutoff[-1]], linestyle="--",
+            color=OKABE_ITO["blue"], label="noise line")  # fmt: skip
+    if noise > 0.0:
+        ax.set_ylim(0.0, min(6.0 * noise, 1.05 * float(own["residual"].max())))
+    if math.isfinite(chosen):
+        ax.plot([0.0, chosen, chosen], [noise, noise, 0.0], color=OKABE_ITO["vermillion"],
+                linewidth=0.8)  # fmt: skip
+        ax.plot([chosen], [noise], marker="o", markersize=3.5, color=OKABE_ITO["vermillion"])
+        ax.annotate(f"$f_c'$ = {chosen:.2f} Hz", (chosen, noise), xytext=(5.0, 8.0),
+                    textcoords="offset points")  # fmt: skip
+    else:
+        add_note(ax, "no cut-off found")
+    ax.legend(loc="upper right", handlelength=1.5)
