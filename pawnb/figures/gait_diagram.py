@@ -139,7 +139,7 @@ def plot_gait_diagram(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
             _, ax = plt.subplots(figsize=figure_size(1, 20.0 + 5.0 * len(legs)))
         colours = colour_legs(legs)
         for bar in table.itertuples():
-            _draw_bar(ax, bar, legs.index(str(bar.leg)), colours[str(bar.leg)])
+            draw_stance_bar(ax, bar, legs.index(str(bar.leg)), colour=colours[str(bar.leg)])
         ax.set_yticks(range(len(legs)), legs)
         ax.set_ylim(len(legs) - 0.4, -0.6)
         if table["start_s"].min() < table["end_s"].max():
@@ -160,8 +160,20 @@ def plot_gait_diagram(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
     return ax
 
 
-def _draw_bar(ax: Axes, bar: Any, row: int, colour: str) -> None:
-    """Draw one bar; what is not known for certain looks different."""
+def draw_stance_bar(ax: Axes, bar: Any, row: int, *, colour: str) -> None:
+    """Draw one bar; what is not known for certain looks different.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+        Where.
+    bar : row of the table
+        With start_s, end_s, phase and cut.
+    row : int
+        Place of its leg, from the top.
+    colour : str
+        Colour of the leg.
+    """
     width = bar.end_s - bar.start_s
     if bar.phase == "unknown":
         ax.barh(row, width, left=bar.start_s, height=0.7, facecolor="white",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -10,6 +11,10 @@ from matplotlib.axes import Axes
 
 from pawnb.errors import InputError
 from pawnb.figures.style import AnimalMark, figure_size, get_style, small_pt
+from pawnb.gait.legs import find_leg_place, sort_legs
+
+SECOND_LEG = (0, (3, 1.2))
+"""Line of the second leg (the right one) of a pair that shares a panel."""
 
 _ALPHABET = "abcdefghijklmnopqrstuvwxyz"
 
@@ -137,6 +142,55 @@ def add_note(ax: Axes, text: str, *, at: tuple[float, float] = (1.0, 1.0), **opt
     ax.text(*at, text, transform=ax.transAxes, **options)
 
 
+def add_heading(ax: Axes, title: str, details: str) -> None:
+    """Write a title above a panel, and details in small letters between it and the panel.
+
+    Parameters
+    ----------
+    ax : matplotlib axes
+        The panel.
+    title : str
+        Title.
+    details : str
+        One or more short lines.
+    """
+    size = small_pt()
+    lines = details.count("\n") + 1
+    ax.set_title(title, pad=4.0 + 1.25 * size * lines)
+    ax.annotate(details, (0.5, 1.0), xytext=(0.0, 2.0), xycoords="axes fraction",
+                textcoords="offset points", ha="center", va="bottom", fontsize=size)  # fmt: skip
+
+
+def label_outer(panels: Sequence[Axes], *, x: str, y: str) -> None:
+    """Name the axes of panels that share their scales: only the left ones and the lowest.
+
+    Parameters
+    ----------
+    panels : sequence of matplotlib axes
+        From :func:`make_panels`.
+    x, y : str
+        Names of the axes, with their units.
+    """
+    places = [panel.get_subplotspec() for panel in panels]
+    wide = max((p.colspan.stop for p in places if p is not None), default=1)
+    for k, (panel, place) in enumerate(zip(panels, places, strict=True)):
+        if place is None or place.is_first_col():
+            panel.set_ylabel(y)
+        if place is None or k + wide >= len(panels):
+            panel.set_xlabel(x)
+            panel.tick_params(axis="x", labelbottom=True)
+
+
+def say_lines(counts: str, legs: Sequence[str]) -> str:
+    """Add to the counts which leg of a pair is drawn dashed."""
+    return f"{counts}\ndashed: {legs[1]}" if len(legs) > 1 else counts
+
+
+def say_phase(phase: float) -> str:
+    """Return a phase with two digits; 0.999 is 0.00, as phases lie in [0, 1)."""
+    return f"{round(phase, 2) % 1.0:.2f}"
+
+
 def add_animal_legend(ax: Any, marks: dict[str, AnimalMark], *, most: int = 12) -> None:
     """Name the animals below a figure, where there are several and not too many.
 
@@ -164,8 +218,34 @@ def add_animal_legend(ax: Any, marks: dict[str, AnimalMark], *, most: int = 12) 
     fit = max(1, int(figure.get_size_inches()[0] * 72.0 / widest))
     figure.legend(
         handles, list(marks), loc="outside lower center", ncols=min(fit, len(marks)),
-        handletextpad=0.2, columnspacing=1.0,
+        handletextpad=0.2, columnspacing=1.0, handlelength=1.2,
     )  # fmt: skip
+
+
+def group_legs(legs: Iterable[str]) -> list[tuple[str, list[str]]]:
+    """Group legs into panels: the left and the right leg of a pair share one.
+
+    Parameters
+    ----------
+    legs : iterable of str
+        Names, each counted once.
+
+    Returns
+    -------
+    list of (str, list of str)
+        Title and legs (left, then right) of each panel, from the front; legs whose names say
+        no place have a panel each.
+    """
+    groups: dict[str, list[str]] = {}
+    for leg in sort_legs(legs):
+        place = find_leg_place(leg)
+        if place is None:
+            groups[leg] = [leg]
+        else:
+            words = {"F": "Fore legs", "M": "Middle legs", "H": "Hind legs"}
+            letter = leg.replace("L", "", 1).replace("R", "", 1)
+            groups.setdefault(words.get(letter, f"Legs {letter}"), []).append(leg)
+    return [(title, sorted(own)) for title, own in groups.items()]
 
 
 def say_counts(n: int, what: str, n_animals: int) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -11,22 +12,35 @@ import pandas as pd
 from matplotlib.projections.polar import PolarAxes
 
 from pawnb.errors import InputError
-from pawnb.figures.style import COLUMN_MM, OKABE_ITO, PAGE_MM, size_mm, style
+from pawnb.figures.panels import say_counts, say_phase
+from pawnb.figures.phases_shown import choose_pairs, mean_of_pair
+from pawnb.figures.style import OKABE_ITO, figure_size, get_style, small_pt, style
 from pawnb.gait.circular import mean_vector
-from pawnb.schema import PHASES_COLUMNS, check_columns
+from pawnb.schema import check_columns
 
 COLUMNS = (
     "leg", "reference", "bin_start", "bin_end", "count", "n", "n_animals", "mean", "r",
+    "basis", "basis_mean", "basis_r", "ci_low", "ci_high",
 )  # fmt: skip
 
 
-def build_phase_rose_table(phases: pd.DataFrame, *, bins: int = 20) -> pd.DataFrame:
+def build_phase_rose_table(
+    phases: pd.DataFrame,
+    *,
+    summary: pd.DataFrame | None = None,
+    pairs: Sequence[tuple[str, str]] | None = None,
+    bins: int = 20,
+) -> pd.DataFrame:
     """Count the phases of every pair of legs in equal sectors of the cycle.
 
     Parameters
     ----------
     phases : pandas.DataFrame
         ``PHASES_COLUMNS``.
+    summary : pandas.DataFrame, optional
+        Their ``phase_summary``; default made from the phases.
+    pairs : sequence of (leg, reference), optional
+        Pairs to show, in this order; default all of them.
     bins : int
         Number of sectors.
 
@@ -35,7 +49,10 @@ def build_phase_rose_table(phases: pd.DataFrame, *, bins: int = 20) -> pd.DataFr
     pandas.DataFrame
         One row a pair and sector: ``leg, reference, bin_start, bin_end`` (cycles, half
         open), ``count``; and, the same in each row of a pair, ``n`` strides,
-        ``n_animals``, ``mean`` (cycles) and ``r`` over strides.
+        ``n_animals``, ``mean`` (cycles) and ``r`` over strides. ``basis_mean`` and ``basis_r``
+        count what ``basis`` says: ``animals`` where there are two or more, each by its mean
+        phase, else ``strides``; ``ci_low`` and ``ci_high`` are the interval of the mean over
+        animals, which may wrap (NaN for one animal).
 
     Raises
     ------
@@ -43,21 +60,19 @@ def build_phase_rose_table(phases: pd.DataFrame, *, bins: int = 20) -> pd.DataFr
         If a column is missing, there is no phase, a phase is outside [0, 1), or bins
         is below 4.
     """
-    check_columns(phases, PHASES_COLUMNS, where="phases")
-    if len(phases) == 0:
-        raise InputError("phase rose: no phases; expected at least one.")
+    groups = choose_pairs(phases, pairs, where="phase rose")
     if bins < 4:
         raise InputError(f"bins is {bins}; expected 4 or more.")
-    if not phases["phase"].between(0.0, 1.0, inclusive="left").all():
-        raise InputError("phase rose: a phase is not in [0, 1); give phases in cycles.")
     rows: list[dict[str, Any]] = []
-    for (leg, reference), own in phases.groupby(["leg", "reference"], sort=False):
+    for (leg, reference), own in groups:
         values = own["phase"].to_numpy(dtype=float)
         mean, r, n = mean_vector(values)
+        about = mean_of_pair(own, summary)
+        basis = [about[name] for name in ("basis", "mean", "r", "ci_low", "ci_high")]
         count = np.bincount(np.minimum((values * bins).astype(int), bins - 1), minlength=bins)
         for k in range(bins):
             row = (leg, reference, k / bins, (k + 1) / bins, int(count[k]), n,
-                   own["animal"].nunique(), mean, r)  # fmt: skip
+                   own["animal"].nunique(), mean, r, *basis)  # fmt: skip
             rows.append(dict(zip(COLUMNS, row, strict=True)))
     return pd.DataFrame(rows, columns=list(COLUMNS))
 
@@ -66,8 +81,9 @@ def plot_phase_rose(table: pd.DataFrame, *, ax: PolarAxes | None = None) -> Pola
     """Draw phase roses: sectors whose area is the number of strides, and the mean vector.
 
     The phase runs clockwise from the top. The radius of a sector is the square root of
-    its count, relative to the fullest sector; the arrow is the mean vector, and reaches
-    the outer circle at r = 1.
+    its count, relative to the fullest sector; the arrow is the mean vector over animals (over
+    strides where there is one animal), and reaches the outer circle at r = 1. The arc outside
+    it is the interval of the mean over animals.
 
     Parameters
     ----------
@@ -103,10 +119,11 @@ def plot_phase_rose(table: pd.DataFrame, *, ax: PolarAxes | None = None) -> Pola
             return ax
         columns = min(len(pairs), 2 if len(pairs) <= 2 else 3 if len(pairs) <= 9 else 4)
         lines = math.ceil(len(pairs) / columns)
-        width = COLUMN_MM if columns <= 2 else PAGE_MM
-        height = 0.7 * width / columns + 22.0
+        page = 1 if columns <= 2 else 2
+        width = get_style().column_mm if page == 1 else get_style().page_mm
+        height = 0.62 * width / columns + 22.0
         _, grid = plt.subplots(
-            lines, columns, figsize=size_mm(width, height * lines), squeeze=False,
+            lines, columns, figsize=figure_size(page, height * lines), squeeze=False,
             subplot_kw={"projection": "polar"},
         )  # fmt: skip
         panels: list[Any] = list(grid.flat)
@@ -127,12 +144,17 @@ def _draw_rose(ax: PolarAxes, own: pd.DataFrame) -> None:
     count = own["count"].to_numpy()
     ax.bar(centre, np.sqrt(count / count.max()), width=width, color=OKABE_ITO["sky blue"],
            edgecolor="white", linewidth=0.4)  # fmt: skip
-    if math.isfinite(first["mean"]):
+    if math.isfinite(first["basis_mean"]):
         ax.annotate(
-            "", xy=(2.0 * math.pi * first["mean"], first["r"]), xytext=(0.0, 0.0),
+            "", xy=(2.0 * math.pi * first["basis_mean"], first["basis_r"]), xytext=(0.0, 0.0),
             arrowprops={"arrowstyle": "-|>", "color": "black", "linewidth": 1.2,
                         "shrinkA": 0.0, "shrinkB": 0.0, "mutation_scale": 7.0},
         )  # fmt: skip
+    low, high = first["ci_low"], first["ci_high"]
+    if math.isfinite(low) and math.isfinite(high):
+        arc = 2.0 * math.pi * (low + np.linspace(0.0, (high - low) % 1.0, 91))
+        ax.plot(arc, np.full(len(arc), 1.05), color="black", linewidth=2.0, clip_on=False,
+                solid_capstyle="butt")  # fmt: skip
     ax.set_ylim(0.0, 1.0)
     ax.set_yticks([0.5], [""])
     ax.set_xticks(np.arange(4) * math.pi / 2.0, ["0", "0.25", "0.5", "0.75"])
@@ -140,10 +162,14 @@ def _draw_rose(ax: PolarAxes, own: pd.DataFrame) -> None:
     ax.grid(linewidth=0.3, color="0.8")
     ax.set_axisbelow(True)
     strides, animals = int(first["n"]), int(first["n_animals"])
-    found = f"mean {first['mean']:.2f} cycle, " if math.isfinite(first["mean"]) else ""
+    found = "no mean, "
+    if math.isfinite(first["basis_mean"]):
+        found = f"mean {say_phase(first['basis_mean'])} "
+        found += f"[{say_phase(low)}, {say_phase(high)}] " if math.isfinite(low) else ""
+        found += "cycle, "
     ax.set_title(f"{first['leg']} relative to {first['reference']}", pad=8.0)
     ax.set_xlabel(
-        f"{found}r {first['r']:.2f}\n"
-        f"{strides} stride{'s' * (strides != 1)}, {animals} animal{'s' * (animals != 1)}\n"
-        f"fullest sector: {int(count.max())}"
+        f"{found}r {first['basis_r']:.2f}\n"
+        f"{say_counts(strides, 'stride', animals)}\nfullest sector: {int(count.max())}",
+        fontsize=small_pt(),
     )

@@ -83,7 +83,7 @@ def test_phase_zero_is_on_top_and_runs_clockwise():
 def test_opposite_phases_have_no_arrow():
     ax = plot_phase_rose(build_phase_rose_table(phases([0.1, 0.6])))
     assert not any(getattr(t, "arrow_patch", None) for t in ax.texts)
-    assert ax.get_xlabel().startswith("r 0.00\n2 strides")
+    assert ax.get_xlabel().startswith("no mean, r 0.00\n2 strides")
 
 
 def test_several_pairs_have_a_panel_each():
