@@ -1,30 +1,63 @@
 """Figures from tables, one a file: ``build_..._table`` makes the numbers, ``plot_...`` draws."""
 
+from pawnb.figures.aligned_acceleration import (
+    build_aligned_acceleration_table,
+    plot_aligned_acceleration,
+)
 from pawnb.figures.animal_presence import (
     build_animal_presence_table,
     plot_animal_presence,
 )
 from pawnb.figures.compare_methods import build_compare_methods_table, plot_compare_methods
 from pawnb.figures.gait_diagram import build_gait_diagram_table, plot_gait_diagram
+from pawnb.figures.hildebrand import build_hildebrand_diagram_table, plot_hildebrand_diagram
 from pawnb.figures.leg_angles import plot_leg_angles
+from pawnb.figures.paths_3d import build_paths_3d_table, plot_paths_3d
+from pawnb.figures.pattern_distances import plot_pattern_distances
+from pawnb.figures.phase_histogram import build_phase_histogram_table, plot_phase_histogram
+from pawnb.figures.phase_plane import build_phase_plane_table, plot_phase_plane
 from pawnb.figures.phase_rose import build_phase_rose_table, plot_phase_rose
+from pawnb.figures.phase_speed import build_phase_speed_table, plot_phase_speed
 from pawnb.figures.pose_overlay import build_pose_overlay_table, plot_pose_overlay
+from pawnb.figures.stepping_pattern import build_stepping_pattern_table, plot_stepping_pattern
+from pawnb.figures.stride_average import plot_stride_average
 from pawnb.figures.style import StyleOptions, get_style, set_style, style
+from pawnb.figures.support_shares import plot_support_shares
+from pawnb.figures.template_fit import build_template_fit_table, plot_template_fit
 
 __all__ = [
     "StyleOptions",
+    "build_aligned_acceleration_table",
     "build_animal_presence_table",
     "build_compare_methods_table",
     "build_gait_diagram_table",
+    "build_hildebrand_diagram_table",
+    "build_paths_3d_table",
+    "build_phase_histogram_table",
+    "build_phase_plane_table",
     "build_phase_rose_table",
+    "build_phase_speed_table",
     "build_pose_overlay_table",
+    "build_stepping_pattern_table",
+    "build_template_fit_table",
     "get_style",
+    "plot_aligned_acceleration",
     "plot_animal_presence",
     "plot_compare_methods",
     "plot_gait_diagram",
+    "plot_hildebrand_diagram",
     "plot_leg_angles",
+    "plot_paths_3d",
+    "plot_pattern_distances",
+    "plot_phase_histogram",
+    "plot_phase_plane",
     "plot_phase_rose",
+    "plot_phase_speed",
     "plot_pose_overlay",
+    "plot_stepping_pattern",
+    "plot_stride_average",
+    "plot_support_shares",
+    "plot_template_fit",
     "set_style",
     "style",
 ]
