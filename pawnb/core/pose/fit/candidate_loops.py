@@ -131,7 +131,7 @@ def leg_support(
 def unexplained(
     owner: np.ndarray, sight: Sight, dark: float, reach: float, pose: np.ndarray
 ) -> np.ndarray:
-    """Return the numbers of dark pixels near the animal that nothing painted covers: left, right."""
+    """Return how many dark pixels near the animal nothing painted covers: left, right."""
     total = np.zeros(2)
     cos, sin = math.cos(pose[2]), math.sin(pose[2])
     for v in range(owner.shape[0]):

@@ -142,7 +142,7 @@ def _about_leg(sight: Sight, joints: np.ndarray) -> Sight:
     return Sight(
         np.ascontiguousarray(sight.seen[v0:v1, u0:u1]),
         np.ascontiguousarray(sight.weight[v0:v1, u0:u1]),
-        sight.box + (float(u0), float(v0)),
+        sight.box + np.array([float(u0), float(v0)]),
     )
 
 

@@ -140,9 +140,10 @@ class FrameFitter:
     def information(self, pose: np.ndarray, sight: Sight, prior: Prior) -> np.ndarray:
         """Return the Gauss-Newton matrix of picture and prior, lower triangle made whole."""
         matrix, vector = np.zeros((self.n, self.n)), np.zeros(self.n)
+        value, owner, along, joints = self.canvas(sight)
         normal_matrix(
             self.layout, pose, sight, prior, self.everything, self.all_shown, self.blur,
-            self.settings.soft_error, *self.canvas(sight), matrix, vector,
+            self.settings.soft_error, value, owner, along, joints, matrix, vector,
         )  # fmt: skip
         return matrix + np.tril(matrix, -1).T
 

@@ -29,6 +29,7 @@ from pawnb.core.views import Frame
 _COARSE_BLUR = 4.0
 _BODY_LOST = 0.5
 """Share of the body's darkness below which it is not there."""
+_LOST_FRAMES = 2
 _LEG_LOST, _TIP_LOST = 0.75, 0.5
 _UNEXPLAINED_SHARE = 0.12
 """Dark pixels left over beyond the usual, as a share of a leg's area, from which on legs are
@@ -81,6 +82,8 @@ class Follower:
                     break
                 if done is not None:
                     done()
+        if self._lost:  # the last frames were kept in case the body came back
+            del self.kept[len(self.kept) - min(self._lost, _LOST_FRAMES) :]
         return self.kept
 
     def advance(self, frame: Frame) -> bool:
@@ -95,8 +98,7 @@ class Follower:
         pose = self.fit_from(expected, sight)
         if fitter.body_support(pose, sight) < _BODY_LOST:
             self._lost += 1
-            if self._lost > 2:
-                del self.kept[len(self.kept) - 2 :]
+            if self._lost > _LOST_FRAMES:
                 return False
         else:
             self._lost = 0
@@ -169,7 +171,7 @@ class Follower:
         self._usual = usual
         joints = [j[0] for j in choices.joints]
         for legs in self.sides:
-            for a, b in zip(legs[:-1], legs[1:], strict=True):
+            for a, b in itertools.pairwise(legs):
                 gap = np.hypot(*(joints[a] - joints[b]).T)
                 close = np.nanmin(gap[-3:]) < 2 * SAME_PX
                 if close or legs_cross(fitter, a, joints[a], b, joints[b]):

@@ -73,7 +73,7 @@ def _one_round(
     parts = len(layout.ellipse)
     body_matrix, body_vector = np.zeros((parts, 4, 4)), np.zeros((parts, 4))
     for pose, sight in frames:
-        canvas = make_canvas(*sight.seen.shape, layout)
+        canvas = make_canvas(len(sight.seen), sight.seen.shape[1], layout)
         paint(layout, pose, blur, sight.box, *canvas)
         value, owner, along, joints = canvas
         look_equations(

@@ -12,7 +12,7 @@ _RANGE_MORE = 1.3
 _RANGE_MORE_DEG = 8.0
 """Limits are soft: Pullar's own Table 4.6 goes beyond the ranges of Table 3.2."""
 _RANGE_SD, _RANGE_SD_DEG = 0.6, 6.0
-"""Standard deviation of an angle about its natural orientation: share of half its range, and more."""
+"""Standard deviation of an angle about its natural orientation: share of half its range, more."""
 _START_MORE_DEG = 25.0
 _WALL_DEG = 4.0
 _FORESHORTENED = (0.3, 1.06)

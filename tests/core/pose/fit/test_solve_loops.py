@@ -1,0 +1,96 @@
+"""The damped Gauss-Newton fit: its linear algebra, its prior, and that it finds a painted pose."""
+
+import numpy as np
+
+from pawnb.core.pose.fit import solve_loops as loops
+from pawnb.core.pose.fit.layout import make_layout, pose_vectors
+from pawnb.core.pose.fit.paint_loops import make_canvas, paint
+from pawnb.core.pose.fit.priors import about, anatomy, parameter_kinds
+from pawnb.core.pose.poses import natural_pose
+from pawnb.core.pose.species_file import load_species
+
+
+def test_cholesky_solves_as_numpy_does():
+    rng = np.random.default_rng(0)
+    root = rng.normal(size=(12, 12))
+    matrix, vector = root @ root.T + np.eye(12), rng.normal(size=12)
+    expected = np.linalg.solve(matrix, vector)
+    found = vector.copy()
+    assert loops.solve_in_place(matrix.copy(), found)
+    np.testing.assert_allclose(found, expected, rtol=1e-9)
+    assert not loops.solve_in_place(-np.eye(3), np.ones(3))
+
+
+def prior_of_spider():
+    animal = load_species("dolomedes")
+    pose = pose_vectors(animal, natural_pose(animal, xy=(90.0, 90.0), scale=2.0))[0]
+    return animal, pose, anatomy(animal, pose, foreshortening_sd=0.1)
+
+
+def test_prior_gradient_and_matrix_are_those_of_its_cost():
+    _, pose, prior = prior_of_spider()
+    rng = np.random.default_rng(1)
+    pose = pose + rng.normal(0, 0.3, len(pose))
+    active = np.arange(len(pose))
+    matrix, vector = np.zeros((len(pose),) * 2), np.zeros(len(pose))
+    loops.add_prior(pose, prior, active, matrix, vector)
+    whole = matrix + np.tril(matrix, -1).T
+    step = 1e-5
+    for k in range(3, len(pose), 7):
+        up, down = pose.copy(), pose.copy()
+        up[k] += step
+        down[k] -= step
+        change = loops.prior_cost(up, prior, active) - loops.prior_cost(down, prior, active)
+        np.testing.assert_allclose(change / (2 * step), vector[k], rtol=1e-4, atol=1e-4)
+        more = np.zeros(len(pose))
+        matrix_up = np.zeros_like(matrix)
+        loops.add_prior(up, prior, active, matrix_up, more)
+        np.testing.assert_allclose((more - vector) / step, whole[k], rtol=1e-3, atol=1e-3)
+
+
+def test_a_leg_that_is_shorter_as_a_whole_costs_less_than_one_link_alone():
+    animal, pose, prior = prior_of_spider()
+    _, lengths = parameter_kinds(animal)
+    active = np.arange(len(pose))
+    all_links, one_link = pose.copy(), pose.copy()
+    all_links[lengths[:5]] -= 0.2
+    one_link[lengths[0]] -= 0.2
+    costs = [loops.prior_cost(p, prior, active) for p in (pose, all_links, one_link)]
+    assert costs[1] - costs[0] < 0.5 * (costs[2] - costs[0])
+
+
+def test_about_is_the_product_of_two_gaussians():
+    _, pose, prior = prior_of_spider()
+    sd = np.full(len(pose), np.inf)
+    sd[5] = 1 / np.sqrt(prior.precision[5])
+    both = about(prior, pose + 1.0, sd)
+    assert both.precision[5] == 2 * prior.precision[5]
+    np.testing.assert_allclose(both.middle[5], (prior.middle[5] + pose[5] + 1.0) / 2)
+    np.testing.assert_array_equal(np.delete(both.precision, 5), np.delete(prior.precision, 5))
+
+
+def test_the_fit_finds_a_painted_pose_to_a_hundredth_of_a_pixel():
+    animal, pose, prior = prior_of_spider()
+    layout = make_layout(animal, px_per_unit=2.0)
+    angles, lengths = parameter_kinds(animal)
+    rng = np.random.default_rng(2)
+    pose[angles] += rng.normal(0, 0.08, len(angles))
+    canvas = make_canvas(180, 180, layout)
+    paint(layout, pose, 2.0, np.zeros(2), *canvas)
+    sight = loops.Sight(canvas[0].copy(), np.full((180, 180), 70.0), np.zeros(2))
+    first = pose.copy()
+    first[:2] += (1.2, -0.8)
+    first[angles] += rng.normal(0, 0.03, len(angles))
+    free = prior._replace(precision=0.01 * prior.precision)
+    active, shown = np.arange(len(pose)), np.ones(len(animal.legs) + 1, bool)
+    fitted, _ = loops.fit_pose(
+        layout, first, sight, free, active, shown, 2.0, 0.45, 40, 1e-6, *canvas
+    )
+    np.testing.assert_allclose(fitted[:2], pose[:2], atol=0.01)
+    np.testing.assert_allclose(fitted[2], pose[2], atol=1e-3)
+    # only what is listed moves
+    fixed, _ = loops.fit_pose(
+        layout, first, sight, free, angles, shown, 2.0, 0.45, 5, 1e-6, *canvas
+    )
+    np.testing.assert_array_equal(fixed[lengths], first[lengths])
+    np.testing.assert_array_equal(fixed[:3], first[:3])

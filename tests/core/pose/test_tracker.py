@@ -1,0 +1,92 @@
+"""The whole tracker on painted frames: error, both ways, missing frames, bad input."""
+
+import dataclasses
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parent / "fit"))
+from painted_walk import painted_walk
+
+from pawnb.core.pose.poses import leg_angles, tip_positions
+from pawnb.core.pose.tracker import track_pose
+from pawnb.errors import InputError
+from pawnb.schema import ORIGIN_CODE
+
+
+@pytest.fixture(scope="module")
+def walk():
+    animal, poses, reader, background = painted_walk(12)
+    reader.images[11] = background.mean.astype(np.uint8)  # the animal has gone
+    return animal, poses, reader, background
+
+
+def disturbed(pose, seed):
+    rng = np.random.default_rng(seed)
+    return dataclasses.replace(
+        pose,
+        xy=pose.xy + rng.normal(0, 2.5, (1, 2)),
+        heading_deg=pose.heading_deg + rng.normal(0, 5.0),
+        angles_deg=pose.angles_deg + rng.normal(0, 5.0, pose.angles_deg.shape),
+    )
+
+
+@pytest.fixture(scope="module")
+def track(walk):
+    animal, poses, reader, background = walk
+    start = disturbed(poses.at_frame(5), 1)
+    return track_pose(reader, start, animal=animal, background=background, frames=(0, 12))
+
+
+def test_poses_are_those_painted(walk, track):
+    animal, poses, _, _ = walk
+    found, true = track.poses.take(slice(0, 11)), poses.take(slice(0, 11))
+    assert np.hypot(*(found.xy - true.xy).T).max() < 0.25
+    tips = np.linalg.norm(tip_positions(animal, found) - tip_positions(animal, true), axis=-1)
+    assert np.median(tips) < 0.01 * animal.span * true.scale[0]
+    apart = leg_angles(animal, found) - leg_angles(animal, true)
+    assert np.sqrt((apart**2).mean()) < 1.5
+    assert (track.confidence[:11] > 0.3).mean() > 0.95
+
+
+def test_frames_without_the_animal_are_missing(track):
+    assert np.isnan(track.poses.xy[11]).all()
+    assert (track.origin[11] == ORIGIN_CODE["missing"]).all()
+    assert (track.confidence[11] == 0).all()
+    assert (track.origin[:11] != ORIGIN_CODE["missing"]).all()
+    np.testing.assert_array_equal(track.poses.frames, np.arange(12))
+
+
+def test_standard_deviations_are_of_the_size_of_the_errors(walk, track):
+    _, poses, _, _ = walk
+    error = np.abs(track.poses.xy[:11] - poses.xy[:11])
+    assert 0.0 < np.median(track.xy_sd_px[:11]) < 0.5
+    assert np.isfinite(track.places_sd_px[:11]).all()
+    assert error.max() < 10 * track.xy_sd_px[:11].max()
+
+
+def test_progress_counts_up_and_stop_ends_early(walk):
+    animal, poses, reader, background = walk
+    seen = []
+    part = track_pose(
+        reader, poses.at_frame(0), animal=animal, background=background, frames=(0, 12),
+        progress=lambda done, total: seen.append((done, total)), stop=lambda: len(seen) > 2,
+    )  # fmt: skip
+    assert seen == sorted(seen)
+    assert np.isnan(part.poses.xy[-1]).all()
+    assert np.isfinite(part.poses.xy[0]).all()
+
+
+def test_start_poses_that_cannot_be(walk):
+    animal, poses, reader, background = walk
+    start = poses.at_frame(5)
+    with pytest.raises(InputError, match="give a start pose within them"):
+        track_pose(reader, start, animal=animal, background=background, frames=(6, 9))
+    off = dataclasses.replace(start, xy=np.array([[20.0, 240.0]]))
+    with pytest.raises(InputError, match="is not on the animal"):
+        track_pose(reader, off, animal=animal, background=background, frames=(0, 12))
+    outside = dataclasses.replace(start, xy=np.array([[-300.0, 20.0]]))
+    with pytest.raises(InputError, match="outside the view"):
+        track_pose(reader, outside, animal=animal, background=background, frames=(0, 12))
