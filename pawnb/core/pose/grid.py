@@ -23,8 +23,8 @@ _HARMONICS = 4
 """The strongest peaks of the spectrum are tried as the first to fourth multiple of a grid's."""
 _HIGHEST = 0.34
 """Multiples above this frequency (per px) are left out: noise and compression rule there."""
-_NOISE = 1.8
-"""Logarithm of power over its surroundings that the largest of nine pixels of noise has."""
+_NOISE = 0.7
+"""A multiple counts against a grid where its power is no more than e to this times that between."""
 _SURE = 4.0
 """Least evidence along each direction: noise and vignetting alone give at most about 2."""
 _BIN_PX = 0.25
@@ -165,12 +165,14 @@ def scale_from_grid(picture: np.ndarray, *, spacing: float) -> PxPerUnit:
 
 
 def _flattened(picture: np.ndarray) -> np.ndarray:
-    """Return the picture without slow changes of light, its outliers (animal, walls) cut."""
+    """Return the picture without slow changes of light, as even in contrast as it can be.
+
+    Contrast is measured about each place: the edge of the arena is far stronger than the grid.
+    """
     size = max(picture.shape) / 40
-    slow = cv2.GaussianBlur(cv2.medianBlur(picture, 5), (0, 0), size)
-    flat = picture - slow
-    spread = 1.4826 * float(np.median(np.abs(flat - np.median(flat)))) + 1e-3
-    return np.asarray(np.clip(flat, -6 * spread, 6 * spread), dtype=np.float32)
+    flat = picture - cv2.GaussianBlur(cv2.medianBlur(picture, 5), (0, 0), size)
+    spread = np.sqrt(cv2.GaussianBlur(flat**2, (0, 0), size)) + 0.05
+    return np.asarray(np.clip(flat / spread, -3, 3), dtype=np.float32)
 
 
 def _find_pitch(flat: np.ndarray) -> tuple[float, float] | None:
@@ -202,7 +204,27 @@ def _find_pitch(flat: np.ndarray) -> tuple[float, float] | None:
             if min(one, two) > _SURE and (best is None or one + two > best[0]):
                 angle = float(np.degrees(np.arctan2(refined[0], refined[1])))
                 best = (one + two, 1 / float(np.hypot(*refined)), angle)
-    return None if best is None else best[1:]
+    return None if best is None else (best[1] / _repeats(log, best[1], best[2]), best[2])
+
+
+def _repeats(log: np.ndarray, pitch: float, angle_deg: float) -> int:
+    """Return how many lines there really are in what was taken for one period.
+
+    If only every second (third) multiple of the frequency stands out, there are two (three).
+    """
+    turn = np.radians(angle_deg)
+    along = np.array([np.sin(turn), np.cos(turn)]) / pitch
+    heights = []
+    for step in (along, np.array([-along[1], along[0]])):
+        top = min(24, int(_HIGHEST / np.hypot(*step)))
+        heights.append([_height(log, k * step) - _between(log, k * step, step) for k in
+                        range(1, top + 1)])  # fmt: skip
+    for many in (2, 3):
+        others = [h for row in heights for k, h in enumerate(row, 1) if k % many]
+        every = [h for row in heights for k, h in enumerate(row, 1) if not k % many]
+        if every and np.mean(others) < 0.25 * np.mean(every):
+            return many * _repeats(log, pitch / many, angle_deg)
+    return 1
 
 
 def _evidence(log: np.ndarray, frequency: np.ndarray) -> tuple[float, np.ndarray]:
@@ -215,12 +237,25 @@ def _evidence(log: np.ndarray, frequency: np.ndarray) -> tuple[float, np.ndarray
         if not ((place > 1) & (place < cycles - 2)).all():
             break
         near = log[place[0] - 1 : place[0] + 2, place[1] - 1 : place[1] + 2]
-        excess = float(near.max()) - _NOISE
-        total += float(np.clip(excess, -0.5, 3.0))
-        if excess > 1.0:
+        # a single edge has all frequencies of its direction, a grid none between multiples
+        excess = float(near.max()) - _between(log, k * best, best)
+        total += float(np.clip(excess - _NOISE, -_NOISE, 3.0))
+        if excess > 1.5:
             summit = place + np.array(np.unravel_index(np.argmax(near), near.shape)) - 1
             best = (_summit(log, summit) - middle) / cycles / k
     return total, best
+
+
+def _between(log: np.ndarray, at: np.ndarray, step: np.ndarray) -> float:
+    """Return the mean height of the spectrum half a step before and after a frequency."""
+    return (_height(log, at - 0.5 * step) + _height(log, at + 0.5 * step)) / 2
+
+
+def _height(log: np.ndarray, frequency: np.ndarray) -> float:
+    """Return the height of the spectrum at a frequency (v, u; per px) or beside it."""
+    cycles = np.array(log.shape)
+    v, u = np.clip(np.round(cycles // 2 + frequency * cycles).astype(int), 1, cycles - 2)
+    return float(log[v - 1 : v + 2, u - 1 : u + 2].max())
 
 
 def _summit(log: np.ndarray, place: np.ndarray) -> np.ndarray:
@@ -251,11 +286,6 @@ def _profile(flat: np.ndarray, angle_deg: float) -> tuple[np.ndarray, np.ndarray
     return places[used], total[used] / count[used]
 
 
-def _comb(places: np.ndarray, values: np.ndarray, pitch: float) -> complex:
-    """Return strength and phase of a profile's repetition."""
-    return complex(np.mean(values * np.exp(-2j * np.pi * places / pitch)))
-
-
 def _refined_angle(flat: np.ndarray, angle_deg: float) -> float:
     """Return the direction in which the profile is sharpest, near the one given."""
     for step in (0.2, 0.05, 0.0125):
@@ -272,31 +302,35 @@ def _measure(flat: np.ndarray, pitch: float, angle_deg: float) -> tuple[float, f
     """Return spacing, its standard error (px) and the number of lines along a direction."""
     places, values = _profile(flat, angle_deg)
     values = values - np.median(values)
-    tries = pitch * (1 + 0.02 * np.linspace(-1, 1, 81))
-    pitch = float(tries[int(np.argmax([abs(_comb(places, values, p)) for p in tries]))])
-    # the shape of one line: all of them laid on each other
-    wave = _comb(places, values, pitch)
-    darkest = -np.angle(wave) * pitch / (2 * np.pi)  # of +cos: the brightest place
-    phase = (places - darkest + pitch / 2) % pitch - pitch / 2
-    bins = ((phase + pitch / 2) / _BIN_PX).astype(int)
-    folded = np.bincount(bins, weights=values) / np.maximum(np.bincount(bins), 1)
-    folded = folded - np.median(folded)
-    sign = 1.0 if folded.max() > -folded.min() else -1.0
-    centre = (int(np.argmax(sign * folded)) + 0.5) * _BIN_PX - pitch / 2
-    origin = darkest + centre
+    tries = pitch * (1 + 0.01 * np.linspace(-1, 1, 41))
+    folds = [_folded(places, values, float(p)) for p in tries]
+    best = int(np.argmax([np.abs(fold).max() for fold in folds]))
+    pitch, fold = float(tries[best]), folds[best]
+    sign = 1.0 if fold.max() > -fold.min() else -1.0
+    origin = (int(np.argmax(sign * fold)) + 0.5) / len(fold) * pitch
+    first, last = np.ceil((places[0] - origin) / pitch), (places[-1] - origin) / pitch
     numbers, lines = [], []
-    for n in range(
-        int(np.ceil((places[0] - origin) / pitch)), int((places[-1] - origin) / pitch) + 1
-    ):
+    for n in np.arange(first, np.floor(last) + 1):
         near = np.abs(places - origin - n * pitch) < 0.25 * pitch
         if not near.any() or np.ptp(places[near]) < 0.4 * pitch:
             continue  # a line at the edge of the picture
         lifted = sign * values[near]
+        if lifted.max() < 0.4 * np.abs(fold).max():
+            continue  # where the arena is dark, or something lies on the line
         lifted = np.maximum(lifted - 0.5 * lifted.max(), 0.0)
-        if lifted.sum() > 0:
-            numbers.append(n)
-            lines.append(float(np.average(places[near], weights=lifted)))
-    return _slope(np.array(numbers, dtype=float), np.array(lines), pitch)
+        numbers.append(n)
+        lines.append(float(np.average(places[near], weights=lifted)))
+    return _slope(np.array(numbers), np.array(lines), pitch)
+
+
+def _folded(places: np.ndarray, values: np.ndarray, pitch: float) -> np.ndarray:
+    """Return the shape of one period: the median of all, so that walls and dirt do not count."""
+    n = max(8, int(pitch / (2 * _BIN_PX)))
+    bins = ((places % pitch) / pitch * n).astype(int) % n
+    order = np.argsort(bins, kind="stable")
+    parts = np.split(values[order], np.searchsorted(bins[order], np.arange(1, n)))
+    fold = np.array([np.median(part) if len(part) else 0.0 for part in parts])
+    return np.asarray(fold - np.median(fold))
 
 
 def _slope(numbers: np.ndarray, lines: np.ndarray, pitch: float) -> tuple[float, float, int] | None:

@@ -58,6 +58,21 @@ def test_bright_lines_and_a_spider_on_the_grid_do_no_harm():
     assert scale_from_grid(picture, spacing=5).px_per_unit == pytest.approx(6.05, rel=1e-3)
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_walls_far_stronger_than_the_grid_do_no_harm(seed):
+    # an arena with bright walls, dark outside: edges have all frequencies of their direction
+    rng = np.random.default_rng(seed)
+    pitch = 24.2
+    picture = grid(pitch, 0.15, rng, depth=0.06, width=0.6, noise=0.0).astype(float)
+    picture[:100] = picture[410:] = 15.0
+    for v in (126, 130, 382, 386):
+        picture[v : v + 2] = 235.0 if v in (126, 386) else 60.0
+    picture = np.clip(picture + rng.normal(0, 1, picture.shape), 0, 255).astype(np.uint8)
+    found = scale_from_grid(picture, spacing=10.0)
+    assert found.px_per_unit == pytest.approx(pitch / 10, rel=3e-3)
+    assert sum(found.n_lines) > 25
+
+
 def test_colour_and_jpeg():
     picture = grid(37.4, 5.0, np.random.default_rng(5))
     _, data = cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, 60])
