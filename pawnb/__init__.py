@@ -21,6 +21,7 @@ _HOME = {
     "batch": "pawnb.workflow.batch",
     "check_trial": "pawnb.workflow.check",
     "count_errors": "pawnb.workflow.evaluation",
+    "evaluate": "pawnb.workflow.evaluate",
     "load_trial": "pawnb.trial",
     "propose_start": "pawnb.workflow.propose",
     "read_tracks": "pawnb.io.native",

@@ -77,6 +77,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_track(commands)
     _add_batch(commands)
     _add_gait(commands)
+    _add_evaluate(commands)
     _add_compare(commands)
     _add_convert(commands)
     _add_lab(commands)
@@ -157,6 +158,24 @@ def _add_gait(commands: Any) -> None:
     command.add_argument("--fps", type=float, help="frame rate, where the input does not say")
     command.add_argument("--legs", nargs="+", metavar="LEG", help="legs to use (default: all)")
     command.set_defaults(run=_gait)
+
+
+def _add_evaluate(commands: Any) -> None:
+    text = "errors of results against truth, or against tracks made by hand"
+    command = commands.add_parser("evaluate", help=text, description=text)
+    command.add_argument("results", metavar="RESULTS", help="folder of results, or a tracks.nc")
+    command.add_argument(
+        "truth", metavar="TRUTH", help="folder with pose.csv or tracks.csv, or one of these files"
+    )
+    command.add_argument(
+        "--threshold",
+        type=float,
+        default=20.0,
+        metavar="PX",
+        help="points further off than this are wrong (default: 20, for pictures 2048 px wide)",
+    )
+    command.add_argument("--out", help="folder to write the tables to")
+    command.set_defaults(run=_evaluate)
 
 
 def _add_compare(commands: Any) -> None:
@@ -284,6 +303,15 @@ def _gait(options: argparse.Namespace, argv: list[str]) -> None:
         options.inputs, out=options.out, fps=options.fps, legs=options.legs, command=argv
     )
     print(done.text())
+
+
+def _evaluate(options: argparse.Namespace, _argv: list[str]) -> None:
+    from pawnb.workflow.evaluate import evaluate
+
+    found = evaluate(
+        options.results, options.truth, threshold_px=options.threshold, out=options.out
+    )
+    print(found.text)
 
 
 def _compare(options: argparse.Namespace, _argv: list[str]) -> None:

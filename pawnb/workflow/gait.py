@@ -140,7 +140,7 @@ def run_gait(
         If an input is missing, is none of the above, or cannot be analysed.
     """
     sources = [read_source(path, fps=fps) for path in inputs]
-    parts = [_analyse(source, legs=legs, settings=settings) for source in sources]
+    parts = [analyse_source(source, legs=legs, settings=settings) for source in sources]
     tables = gait.pool(parts) if len(parts) > 1 else parts[0]
     if out is None:
         out = sources[0].folder if len(sources) == 1 else Path(RESULTS_FOLDER)
@@ -282,10 +282,33 @@ def _needed_fps(fps: float | None, path: Path) -> float:
     return fps
 
 
-def _analyse(
-    source: GaitSource, *, legs: Sequence[str] | None, settings: Mapping[str, Any] | None
+def analyse_source(
+    source: GaitSource,
+    *,
+    legs: Sequence[str] | None = None,
+    settings: Mapping[str, Any] | None = None,
 ) -> GaitTables:
-    """Analyse one input."""
+    """Analyse one input.
+
+    Parameters
+    ----------
+    source : GaitSource
+        What :func:`read_source` returned.
+    legs : sequence of str, optional
+        Legs to use; default all.
+    settings : mapping, optional
+        Settings of the event detection.
+
+    Returns
+    -------
+    GaitTables
+        The tables.
+
+    Raises
+    ------
+    InputError
+        If it cannot be analysed.
+    """
     if source.events is not None:
         events = source.events
         if legs is not None:
