@@ -106,7 +106,7 @@ def fit_body(
             known = [] if scale is None else [30.0 * (p[3] - np.log(scale))]
             return np.concatenate([to_core, to_model * np.sqrt(len(model) / len(rim)), known])
 
-        found = least_squares(residuals, start, loss="soft_l1", f_scale=1.0, max_nfev=60)
+        found = least_squares(residuals, start, loss="cauchy", f_scale=1.0, max_nfev=60)
         x, y, turn, log = found.x
         size = float(np.exp(log))
         misfit = float(np.median(np.abs(residuals(found.x)))) / (size * animal.body_length)

@@ -17,7 +17,7 @@ from pawnb.core.pose.limb_steps import shape_cost
 from pawnb.core.pose.paper_inference import infer_pose
 from pawnb.core.pose.sticks import Sticks
 
-FACTORS = np.arange(0.5, 1.101, 0.02)
+FACTORS = np.arange(0.6, 1.101, 0.02)
 _ROUNDS = 4
 
 
@@ -40,10 +40,11 @@ def fit_leg_lengths(
     Returns
     -------
     ndarray, shape (n_legs,)
-        Factor of each leg's length, 0.5 to 1.1. The pose and the factors are fitted in turn, at
-        most four times: for the labels found, each leg gets the factor of least energy.
+        Factor of each leg's length, 0.6 to 1.1. The pose and the factors are fitted in turn, at
+        most four times: each leg gets the factor for which the shape prior costs least, the
+        labels being those of the likelihood alone (Fig. 3.6b), which keep the thin ends of legs.
     """
-    whole = energy.sticks
+    whole, dark = energy.sticks, frame.own < 0
     factors = np.ones(len(whole.n_links))
     for _ in range(_ROUNDS):
         fit = infer_pose(energy, frame, pose, rng=rng)
@@ -52,7 +53,7 @@ def fit_leg_lengths(
             costs = []
             for factor in FACTORS:
                 factors[leg] = factor
-                costs.append(_cost(energy, frame, scaled(whole, factors), pose, fit.cut.labels))
+                costs.append(_cost(energy, frame, scaled(whole, factors), pose, dark))
             factors[leg] = FACTORS[int(np.argmin(costs))]
         energy.sticks = scaled(whole, factors)
         if np.abs(factors - before).max() < 0.03:

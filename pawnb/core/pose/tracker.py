@@ -32,6 +32,8 @@ from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE
 
 _THREADS = 2
+_SWEEPS = 2
+"""How often all frames are fitted for good, each time with their neighbours' last poses."""
 _START_BODY = 0.5
 _SURE, _DOUBTFUL = 0.85, 0.35
 """Support of a leg's outer third from which it is sure, and below which it is not there."""
@@ -207,23 +209,24 @@ def _finish(
     if not found:
         return []
     known = usual_lengths(fitter, poses)
-    expected = expected_between(poses)
-
-    def work(part: range) -> list[Settled]:
-        own = FrameFitter(
-            fitter.animal, fitter.layout, evidence=fitter.evidence, anatomy=known,
-            settings=fitter.settings,
-        )  # fmt: skip
-        out = []
-        for i in part:
-            out.append(settle(own, found[i], poses[i], expected[i]))
-            steps.one()
-        return out
-
     half = len(found) // _THREADS
+    parts = [range(half), range(half, len(found))]
+    out: list[Settled] = []
     with ThreadPoolExecutor(_THREADS) as pool:
-        parts = [range(half), range(half, len(found))]
-        return [settled for part in pool.map(work, parts) for settled in part]
+        for _ in range(_SWEEPS):
+            expected = expected_between(poses)
+
+            def work(part: range, poses: np.ndarray, expected: np.ndarray) -> list[Settled]:
+                own = fitter.twin()
+                own.anatomy = known
+                return [settle(own, found[i], poses[i], expected[i]) for i in part]
+
+            both = pool.map(work, parts, [poses] * 2, [expected] * 2)
+            out = [settled for part in both for settled in part]
+            poses = np.array([settled.pose for settled in out])
+    for _ in found:
+        steps.one()
+    return out
 
 
 def _result(

@@ -6,8 +6,9 @@ from painted_walk import PX_PER_MM, painted_walk
 
 from pawnb.core.pose.fit.layout import make_layout, pose_vectors
 from pawnb.core.pose.fit.limb_loops import chains_apart, chains_cross, find_limbs
-from pawnb.core.pose.fit.paint_loops import leg_chain
+from pawnb.core.pose.fit.paint_loops import leg_chain, make_canvas
 from pawnb.core.pose.fit.priors import anatomy
+from pawnb.core.pose.fit.solve_loops import paint_some
 from pawnb.core.pose.poses import joint_positions
 
 
@@ -25,23 +26,23 @@ def test_crossing():
 
 
 def test_one_of_the_best_limbs_of_each_leg_is_the_painted_one():
-    animal, poses, reader, background = painted_walk(1)
+    animal, poses, reader, _ = painted_walk(1)
     pose = pose_vectors(animal, poses)[0]
-    seen = 1.0 - reader.images[0] / background.mean
     layout = make_layout(animal, px_per_unit=PX_PER_MM, dark=0.75)
+    canvas = make_canvas(reader.height, reader.width, layout)
     prior = anatomy(animal, pose, foreshortening_sd=0.12)
     body = pose.copy()
     body[3:] = 0.0
     true = joint_positions(animal, poses)[0]
     for leg in range(8):
-        numbers, support = find_limbs(
-            layout, body, leg, seen.astype(float), np.zeros(2), prior, 24, 5, 5.0
-        )
+        # one leg alone: where all eight are seen, a neighbour's limb may offer more
+        shown = np.arange(9) == leg
+        paint_some(layout, pose, 1.8, np.zeros(2), shown, *canvas)
+        numbers, support = find_limbs(layout, body, leg, canvas[0], np.zeros(2), prior, 24, 5, 5.0)
         assert (np.diff(support) <= 0).all()
         trial, joints, away = body.copy(), np.zeros((8, 2)), []
         for found in numbers:
             trial[layout.first[leg] : layout.first[leg] + 10] = found
             leg_chain(layout, trial, leg, joints)
             away.append(chains_apart(joints, true[leg], 7))
-        print(leg, np.round(away, 1), np.round(support))
-        assert min(away) < 80.0
+        assert min(away) < 8.0
