@@ -13,13 +13,14 @@ from matplotlib.axes import Axes
 from pawnb.errors import InputError
 from pawnb.figures.panels import add_animal_legend, draw_points, make_panels, say_counts
 from pawnb.figures.style import OKABE_ITO, mark_animals, small_pt, style
-from pawnb.gait.regression import Line, fit_line, fit_power, fit_rma, fit_within_animals
+from pawnb.gait.regression import AnimalSlopes, Line, fit_line, fit_power, fit_rma
+from pawnb.gait.scaling import animal_slopes
 from pawnb.schema import check_columns
 
 COLUMNS = (
     "outcome", "predictor", "row", "animal", "x", "y", "x_sd", "y_sd", "low", "high", "points",
     "kind", "method", "n", "n_animals", "a", "b", "ci_low", "ci_high", "r2", "p", "significant",
-    "b_within", "p_within", "significant_within",
+    "b_animals", "p_animals", "significant_animals",
 )  # fmt: skip
 _STEPS = 60
 _UNITS = {"animal": "animal", "trial": "trial", "row": "stride"}
@@ -45,7 +46,7 @@ def build_regression_table(
     points : {"animal", "trial", "row"}
         What a point is: an animal (mean over its trials, with their standard deviation), a
         trial (mean over its strides), or a row. With several points an animal the p of the
-        line takes them as independent; the slope within animals stands beside it.
+        line takes them as independent; the mean slope of the animals stands beside it.
     kind : {"linear", "power"}
         Straight line or power law.
     method : {"OLS", "RMA"}
@@ -57,9 +58,9 @@ def build_regression_table(
     -------
     pandas.DataFrame
         ``row`` is ``point`` (``animal, x, y, x_sd, y_sd``), ``line`` (``x, y, low, high``) or
-        ``within`` (``animal, x, y``: the animal's own line, of the slope shared by all); the
-        columns from ``points`` on are the same in each row of a pair. ``b_within`` and
-        ``p_within`` are NaN where there is one point an animal.
+        ``animal`` (``animal, x, y``: the animal's own line); the
+        columns from ``points`` on are the same in each row of a pair. ``b_animals`` and
+        ``p_animals`` are NaN where there is one point an animal.
 
     Raises
     ------
@@ -91,7 +92,10 @@ def build_regression_table(
         grid = line.predict(np.linspace(line.x_low, line.x_high, _STEPS))
         drawn = grid.rename(columns={"fit": "y"}).assign(row="line", animal="")
         whole = pd.concat([shown, drawn], ignore_index=True)
-        inside = _within(x, y, animals, kind=kind, level=level)
+        inside = None
+        if line.n != line.n_animals:
+            points_of = shown.rename(columns={"x": "predictor", "y": "outcome"})
+            inside = animal_slopes(points_of, "predictor", "outcome", kind=kind, level=level)
         if inside is not None:
             whole = pd.concat([whole, _own_lines(shown, inside)], ignore_index=True)
         tables.append(
@@ -99,9 +103,9 @@ def build_regression_table(
                 outcome=outcome, predictor=predictor, points=points, kind=kind, method=method,
                 n=line.n, n_animals=line.n_animals, a=line.a, b=line.b, ci_low=line.b_low,
                 ci_high=line.b_high, r2=line.r2, p=line.p, significant=line.significant,
-                b_within=inside.b if inside else math.nan,
-                p_within=inside.p if inside else math.nan,
-                significant_within=inside.significant if inside else False,
+                b_animals=inside.b if inside else math.nan,
+                p_animals=inside.p if inside else math.nan,
+                significant_animals=inside.significant if inside else False,
             )
         )  # fmt: skip
     return pd.concat(tables, ignore_index=True).reindex(columns=list(COLUMNS))
@@ -137,35 +141,15 @@ def _fit(
     return fit(x, y, animals=animals.tolist(), level=level)
 
 
-def _within(
-    x: np.ndarray,
-    y: np.ndarray,
-    animals: np.ndarray,
-    *,
-    kind: Literal["linear", "power"],
-    level: float,
-) -> Line | None:
-    """Return the line within animals, or None where they have a point each."""
-    table = pd.DataFrame({"animal": animals, "x": x})
-    if len(x) < table["animal"].nunique() + 2 or table.groupby("animal")["x"].nunique().max() < 2:
-        return None
-    return fit_within_animals(x, y, animals=animals.tolist(), kind=kind, level=level)
-
-
-def _own_lines(points: pd.DataFrame, inside: Line) -> pd.DataFrame:
-    """Return the line of each animal, of the shared slope, over its own x."""
+def _own_lines(points: pd.DataFrame, inside: AnimalSlopes) -> pd.DataFrame:
+    """Return the own line of each animal, over its own x."""
     parts = []
-    power = inside.kind == "power"
-    for animal, own in points.groupby("animal", sort=True):
-        x, y = (own[name].to_numpy(float) for name in ("x", "y"))
-        if np.ptp(x) == 0.0:
-            continue
+    for animal, slope in inside.slopes.items():
+        x = points.loc[points["animal"] == animal, "x"].to_numpy(float)
         ends = np.linspace(x.min(), x.max(), 12)
-        if power:
-            drawn = np.exp(np.mean(np.log(y) - inside.b * np.log(x))) * ends**inside.b
-        else:
-            drawn = np.mean(y - inside.b * x) + inside.b * ends
-        parts.append(pd.DataFrame({"row": "within", "animal": animal, "x": ends, "y": drawn}))
+        start = inside.intercepts[animal]
+        drawn = math.exp(start) * ends**slope if inside.kind == "power" else start + slope * ends
+        parts.append(pd.DataFrame({"row": "animal", "animal": animal, "x": ends, "y": drawn}))
     return pd.concat(parts, ignore_index=True)
 
 
@@ -180,8 +164,8 @@ def plot_regression(
 
     One point an animal: the line is solid with its confidence band where its interval excludes
     0, else dashed and without band; bars are one standard deviation over the animal's trials.
-    Several points an animal: each animal has its own line, of the slope that all share, solid
-    where that slope's interval excludes 0; the line through all points as if they were
+    Several points an animal: each animal has its own line, solid where the interval of the
+    animals' mean slope excludes 0, else dotted; the line through all points as if they were
     independent is grey and dashed. Each animal has a mark.
 
     Parameters
@@ -227,7 +211,7 @@ def plot_regression(
 def _draw(ax: Any, own: pd.DataFrame, marks: Mapping[str, Any]) -> None:
     """Draw points and lines of one pair."""
     first, line = own.iloc[0], own[own["row"] == "line"]
-    inside = own[own["row"] == "within"]
+    inside = own[own["row"] == "animal"]
     certain = bool(first["significant"]) and len(inside) == 0
     colour = OKABE_ITO["vermillion"]
     if certain and line["low"].notna().any():
@@ -237,7 +221,7 @@ def _draw(ax: Any, own: pd.DataFrame, marks: Mapping[str, Any]) -> None:
             linestyle="-" if certain else "--")  # fmt: skip
     for _, part in inside.groupby("animal", sort=True):
         ax.plot(part["x"], part["y"], color=colour, linewidth=0.8, zorder=2,
-                linestyle="-" if first["significant_within"] else ":")  # fmt: skip
+                linestyle="-" if first["significant_animals"] else ":")  # fmt: skip
     for animal, points in own[own["row"] == "point"].groupby("animal", sort=True):
         if points[["x_sd", "y_sd"]].notna().any(axis=None):
             ax.errorbar(points["x"], points["y"], xerr=points["x_sd"], yerr=points["y_sd"],
@@ -255,9 +239,9 @@ def _words(first: pd.Series) -> str:
     counted = say_counts(int(first["n"]), _UNITS[first["points"]], int(first["n_animals"]))
     if first["points"] == "animal":
         return f"{law}\n{_say_p(first['p'])}, {counted.split(', ')[0]}"
-    if not math.isfinite(first["b_within"]):
+    if not math.isfinite(first["b_animals"]):
         return f"{law}\n{_say_p(first['p'])}, {counted}"
-    inside = f"within animals: b = {first['b_within']:.3g}, {_say_p(first['p_within'])}"
+    inside = f"mean of animals: b = {first['b_animals']:.3g}, {_say_p(first['p_animals'])}"
     return f"all: {law}\n{inside}\n{counted}"
 
 

@@ -139,6 +139,49 @@ class SlopeTest:
     differs: bool
 
 
+@dataclass(frozen=True, kw_only=True)
+class AnimalSlopes:
+    """Slopes of single animals, and their mean.
+
+    Parameters
+    ----------
+    kind : {"linear", "power"}
+        Whether slopes are of values or of their logarithms.
+    slopes, intercepts : dict
+        Slope and intercept (of a power law: the logarithm of its factor) by animal.
+    left_out : tuple of str
+        Animals without two points of different x.
+    b, b_low, b_high : float
+        Mean slope with its interval.
+    t, df, p : float
+        Two-tailed t test of a mean slope of 0, animals counted once.
+    level : float
+        Level of the interval.
+    """
+
+    kind: Literal["linear", "power"]
+    slopes: dict[str, float]
+    intercepts: dict[str, float]
+    left_out: tuple[str, ...]
+    b: float
+    b_low: float
+    b_high: float
+    t: float
+    df: int
+    p: float
+    level: float
+
+    @property
+    def n_animals(self) -> int:
+        """Animals that have a slope."""
+        return len(self.slopes)
+
+    @property
+    def significant(self) -> bool:
+        """Whether the interval excludes 0."""
+        return self.b_low > 0.0 or self.b_high < 0.0
+
+
 def compare_slope(line: Line, expected: float) -> SlopeTest:
     """Test whether a slope differs from an expected one (paper 2009, Table 4.4).
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import pandas as pd
 
 from pawnb.errors import InputError
-from pawnb.gait.lines import Line
-from pawnb.gait.regression import compare_slope, fit_line, fit_power, fit_rma, fit_within_animals
+from pawnb.gait.lines import AnimalSlopes, Line
+from pawnb.gait.regression import compare_slope, fit_line, fit_power, fit_rma, slope_over_animals
 from pawnb.schema import check_columns
 
 STATISTICS = ("mean", "min", "max")
@@ -24,8 +24,8 @@ EXPECTED_COLUMNS = (
 )  # fmt: skip
 SPEED_COLUMNS = (
     "outcome", "predictor", "a", "b", "ci_low", "ci_high", "r2", "p_if_independent",
-    "b_within", "ci_low_within", "ci_high_within", "r2_within", "p_within", "significant",
-    "n_points", "n_animals",
+    "b_animals", "ci_low_animals", "ci_high_animals", "p", "significant", "n_points",
+    "n_animals", "n_slopes",
 )  # fmt: skip
 
 
@@ -235,9 +235,9 @@ def speed_table(
     """Fit gait measures on speed, one point a trial (paper 2009, Table 4.5).
 
     The paper's line runs through all trials as if they were independent; its p is named for
-    that. Beside it stands the slope within animals (:func:`fit_within_animals`), whose
-    interval decides ``significant``: trials of one animal are alike, and animals that are
-    fast are often large.
+    that. Trials of one animal are alike, and animals that are fast are often large: beside it
+    stands the mean slope of the animals (:func:`pawnb.gait.regression.slope_over_animals`),
+    each counted once, whose interval decides ``significant``.
 
     Parameters
     ----------
@@ -254,9 +254,11 @@ def speed_table(
     Returns
     -------
     pandas.DataFrame
-        ``SPEED_COLUMNS``: ``outcome = a + b predictor``. Where there is one trial an animal
-        the columns within are NaN, points are animals, and ``significant`` follows the
-        interval of b.
+        ``SPEED_COLUMNS``: ``outcome = a + b predictor``; ``b_animals`` with interval and ``p``
+        over the ``n_slopes`` animals that have trials of different speed. With one trial an
+        animal points are animals: those columns are NaN but for ``p``, which is that of b, and
+        ``significant`` follows the interval of b. Where some but fewer than two animals have
+        several trials, nothing can be said of animals: ``p`` is NaN and ``significant`` False.
 
     Raises
     ------
@@ -277,27 +279,57 @@ def speed_table(
             x, y = known[predictor].to_numpy(float), known[outcome].to_numpy(float)
             animals = known["animal"].astype(str).tolist()
             line = fit_line(x, y, animals=animals, level=level)
-            own = _within(line, known, predictor, outcome)
-            inside = (own.b, own.b_low, own.b_high, own.r2, own.p) if own else (math.nan,) * 5
+            nan = math.nan
+            over: tuple[float | None, ...]
+            if line.n == line.n_animals:
+                over = (nan, nan, nan, line.p, line.significant, line.n, line.n_animals, 0)
+            elif (own := animal_slopes(known, predictor, outcome, level=level)) is None:
+                over = (nan, nan, nan, nan, False, line.n, line.n_animals, 0)
+            else:
+                over = (own.b, own.b_low, own.b_high, own.p, own.significant, line.n,
+                        line.n_animals, own.n_animals)  # fmt: skip
             rows.append(
                 (outcome, predictor, line.a, line.b, line.b_low, line.b_high, line.r2, line.p,
-                 *inside, (own or line).significant, line.n, line.n_animals)
+                 *over)
             )  # fmt: skip
     return pd.DataFrame(rows, columns=list(SPEED_COLUMNS))
 
 
-def _within(line: Line, known: pd.DataFrame, predictor: str, outcome: str) -> Line | None:
-    """Return the line within animals, or None where too few animals have several points."""
-    if (
-        known.groupby("animal")[predictor].nunique().max() < 2
-        or line.n < known["animal"].nunique() + 2
-    ):
+def animal_slopes(
+    points: pd.DataFrame,
+    predictor: str,
+    outcome: str,
+    *,
+    kind: Literal["linear", "power"] = "linear",
+    level: float = 0.95,
+) -> AnimalSlopes | None:
+    """Return the animals' slopes, or None where fewer than two animals have one.
+
+    Parameters
+    ----------
+    points : pandas.DataFrame
+        ``animal`` and the two columns, a row a point, none missing.
+    predictor, outcome : str
+        Columns of x and y.
+    kind : {"linear", "power"}
+        Whether to fit the values or their logarithms.
+    level : float
+        Level of the interval.
+
+    Returns
+    -------
+    AnimalSlopes or None
+        See :func:`pawnb.gait.regression.slope_over_animals`.
+    """
+    groups = points.groupby("animal")[predictor]
+    if int((groups.max() > groups.min()).sum()) < 2:
         return None
-    return fit_within_animals(
-        known[predictor].to_numpy(float),
-        known[outcome].to_numpy(float),
-        animals=known["animal"].astype(str).tolist(),
-        level=line.level,
+    return slope_over_animals(
+        points[predictor].to_numpy(float),
+        points[outcome].to_numpy(float),
+        animals=points["animal"].astype(str).tolist(),
+        kind=kind,
+        level=level,
     )
 
 

@@ -49,7 +49,7 @@ def test_points_are_animals_with_the_spread_of_their_trials():
     again = law.predict(drawn["x"].to_numpy())
     np.testing.assert_allclose(drawn[["y", "low", "high"]], again[["fit", "low", "high"]])
     assert table["n"].eq(6).all()
-    assert table["b_within"].isna().all()
+    assert table["b_animals"].isna().all()
 
 
 def test_trials_keep_their_animals():
@@ -57,15 +57,16 @@ def test_trials_keep_their_animals():
     first = table.iloc[0]
     assert (first["n"], first["n_animals"]) == (18, 6)
     assert first["b"] < 0
-    assert first["b_within"] == pytest.approx(0.8, abs=0.05)
-    own = table[(table["row"] == "within") & (table["animal"] == "a2")]
+    assert first["b_animals"] == pytest.approx(0.8, abs=0.05)
+    own = table[(table["row"] == "animal") & (table["animal"] == "a2")]
     points = table[(table["row"] == "point") & (table["animal"] == "a2")]
-    assert np.polyfit(own["x"], own["y"], 1)[0] == pytest.approx(first["b_within"])
+    expected = np.polyfit(points["x"], points["y"], 1)[0]
+    assert np.polyfit(own["x"], own["y"], 1)[0] == pytest.approx(expected)
     assert own["y"].mean() == pytest.approx(points["y"].mean())
     assert own["x"].max() == points["x"].max()
 
 
-def test_lines_within_animals_are_drawn_and_the_other_is_grey():
+def test_lines_of_animals_are_drawn_and_the_other_is_grey():
     pairs = [("frequency_hz", "speed"), ("speed", "mass")]
     table = build_regression_table(study(), pairs, points="trial")
     ax = plot_regression(table, names={"speed": "Speed (cm/s)"})

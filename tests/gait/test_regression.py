@@ -18,6 +18,7 @@ from pawnb.gait.regression import (
     fit_power,
     fit_rma,
     fit_within_animals,
+    slope_over_animals,
     sprugel_factor,
 )
 
@@ -192,6 +193,24 @@ def test_slope_within_subjects_is_that_of_bland_and_altman():
     assert round(twin.r, 5) != -0.50677
 
 
+def test_mean_slope_of_animals_is_a_one_sample_t_test():
+    # Student's (1908) sleep data: extra hours under drug 2 minus drug 1; R: t.test(extra, paired)
+    # gives t = 4.0621, df = 9, p = 0.002833, interval 0.7001142 to 2.4598858, mean 1.58
+    one = [0.7, -1.6, -0.2, -1.2, -0.1, 3.4, 3.7, 0.8, 0.0, 2.0]
+    two = [1.9, 0.8, 1.1, 0.1, -0.1, 4.4, 5.5, 1.6, 4.6, 3.4]
+    x, animals = np.repeat([0.0, 1.0], 10), list("abcdefghij") * 2
+    found = slope_over_animals(x, [*one, *two], animals=animals)
+    assert (round(found.b, 2), round(found.t, 4), found.df) == (1.58, 4.0621, 9)
+    assert round(found.p, 6) == 0.002833
+    assert (found.b_low, found.b_high) == pytest.approx((0.7001142, 2.4598858), abs=1e-7)
+    assert found.n_animals == 10
+    twin = slope_over_animals(x, [*one, *two[:-1], 4.4], animals=animals)
+    assert round(twin.t, 4) != 4.0621
+    more = slope_over_animals([*x, 5.0], [*one, *two, 9.0], animals=[*animals, "k"])
+    assert more.left_out == ("k",)
+    assert more.p == found.p
+
+
 def test_animals_are_counted():
     line = fit_line(PACO2, PH, animals=SUBJECT)
     assert (line.n, line.n_animals) == (47, 8)
@@ -251,6 +270,10 @@ def test_stars_follow_the_interval_and_units_do_not_matter(seed, scale, shift, n
         (
             lambda: fit_within_animals([1, 1, 2, 2], [1, 2, 3, 4], animals=list("aabb")),
             r"x that does not vary in them; expected more points than animals",
+        ),
+        (
+            lambda: slope_over_animals([1, 2, 2, 2], [1, 2, 3, 4], animals=list("aabb")),
+            r"^slopes of animals: 1 animals have two points of different x; expected",
         ),
         (lambda: compare_slope(fit_line([1, 2, 3], [1, 2, 4]), math.nan), r"^expected slope is n"),
         (lambda: compare_slope(fit_rma([1, 2, 3], [1, 2, 4]), 0.0), r"^expected slope is 0\.0;"),

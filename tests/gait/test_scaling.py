@@ -98,7 +98,8 @@ def test_speed_between_animals_is_not_speed_within():
     assert (table["n_points"], table["n_animals"]) == (45, 15)
     # heavy animals are fast at no higher frequency, which flattens the line through all points
     assert table["b"] < 0.12
-    assert table["b_within"] == pytest.approx(0.2, abs=1e-6)
+    assert table["b_animals"] == pytest.approx(0.2, abs=1e-6)
+    assert table["n_slopes"] == 15
     assert table["significant"]
 
 
@@ -106,10 +107,38 @@ def test_one_trial_an_animal_has_no_slope_within():
     strides = strides_of_many(trials=1)
     table = speed_table(strides, ["stride_length", "speed"], ["speed"])
     assert len(table) == 1  # speed on speed is left out
-    assert np.isnan(table["b_within"].iloc[0])
+    assert np.isnan(table["b_animals"].iloc[0])
+    assert table["p"].iloc[0] == table["p_if_independent"].iloc[0]
     assert table["n_points"].iloc[0] == table["n_animals"].iloc[0] == 15
     excludes = (table["ci_low"] > 0) | (table["ci_high"] < 0)
     assert (table["significant"] == excludes).all()
+
+
+def test_one_animal_with_several_trials_says_nothing_of_animals():
+    strides = strides_of_many(animals=6)
+    some = strides[(strides["trial"] == "t0") | (strides["animal"] == "a00")]
+    table = speed_table(some, ["frequency_hz"]).iloc[0]
+    assert (table["n_points"], table["n_animals"], table["n_slopes"]) == (8, 6, 0)
+    assert np.isnan(table["p"])
+    assert not table["significant"]
+
+
+def test_false_alarms_where_animals_differ_in_slope():
+    # no effect over animals; slopes of single animals vary about 0
+    rng = np.random.default_rng(0)
+    naive = counted = 0
+    for _ in range(300):
+        animal = np.repeat(np.arange(8), 5)
+        x = rng.normal(0, 1, 40)
+        y = rng.normal(0, 1, 8)[animal] + rng.normal(0, 0.6, 8)[animal] * x
+        y += rng.normal(0, 0.3, 40)
+        points = pd.DataFrame({"animal": animal, "speed": x, "y": y})
+        row = speed_table(points, ["y"]).iloc[0]
+        naive += row["p_if_independent"] < 0.05
+        counted += row["significant"]
+    # nominally 0.05; 300 studies have a standard error of 0.013
+    assert counted / 300 < 0.09
+    assert naive / 300 > 0.12
 
 
 @pytest.mark.parametrize(
