@@ -11,11 +11,10 @@ import pandas as pd
 
 from pawnb.errors import InputError
 from pawnb.figures.panels import with_unit
-from pawnb.figures.style import colour_legs, figure_size, style
+from pawnb.figures.style import colour_legs, figure_size, small_pt, style
 from pawnb.schema import check_columns
 
 COLUMNS = ("point", "frame", "x", "y", "z")
-_SIDE_MM = 40.0
 
 
 def build_paths_3d_table(
@@ -98,10 +97,11 @@ def plot_paths_3d(
     names = [str(name) for name in dict.fromkeys(table["point"])]
     colours = colour_legs(names)
     with style():
-        figure = plt.figure(figsize=figure_size(2, 75.0))
+        figure = plt.figure(figsize=figure_size(2, 70.0))
         grid = figure.add_gridspec(2, 2, width_ratios=[1.15, 1.0])
         space: Any = figure.add_subplot(grid[:, 0], projection="3d")
-        side, above = figure.add_subplot(grid[0, 1]), figure.add_subplot(grid[1, 1])
+        side = figure.add_subplot(grid[0, 1])
+        above = figure.add_subplot(grid[1, 1])
         for name in names:
             own = table[table["point"] == name]
             x, y, z = (own[axis].to_numpy(dtype=float) for axis in "xyz")
@@ -109,11 +109,12 @@ def plot_paths_3d(
             space.plot(x, y, z, **line)
             side.plot(x, z, **line)
             above.plot(x, y, **line)
-        _finish_space(space, table, unit, view_deg)
-        for panel, (across, up) in ((side, "xz"), (above, "xy")):
+        _finish_space(space, table, unit)
+        space.view_init(elev=view_deg[0], azim=view_deg[1])
+        for panel, up in ((side, "z"), (above, "y")):
             panel.set_aspect("equal", adjustable="datalim")
-            panel.set_xlabel(with_unit(across, unit))
             panel.set_ylabel(with_unit(up, unit))
+        above.set_xlabel(with_unit("x", unit))
         for letter, panel in zip("abc", (space, side, above), strict=True):
             panel.set_title(letter, loc="left", fontweight="bold")
         handles, words = side.get_legend_handles_labels()
@@ -121,20 +122,23 @@ def plot_paths_3d(
     return space
 
 
-def _finish_space(ax: Any, table: pd.DataFrame, unit: str | None, view_deg: Any) -> None:
-    """Give the three axes one scale, few numbers, and names."""
-    low, high = table[["x", "y", "z"]].min(), table[["x", "y", "z"]].max()
-    span = (high - low).to_numpy(dtype=float)
+def _finish_space(ax: Any, table: pd.DataFrame, unit: str | None) -> None:
+    """Give the three axes one scale, and show it by three short lines instead of numbers."""
+    low, high = (getattr(table[["x", "y", "z"]], k)().to_numpy(dtype=float) for k in ("min", "max"))
     # a path in a plane has no height: the box keeps a twentieth of its length
-    box = np.maximum(span, 0.05 * span.max() if span.max() > 0 else 1.0)
-    middle = ((high + low) / 2.0).to_numpy(dtype=float)
-    ax.set_box_aspect(box, zoom=0.95)
+    widest = float((high - low).max())
+    box = np.maximum(high - low, 0.05 * widest if widest > 0 else 1.0)
+    middle = (high + low) / 2.0
+    ax.set_box_aspect(box.copy(), zoom=0.95)  # it scales the array it is given
     for k, axis in enumerate("xyz"):
         getattr(ax, f"set_{axis}lim")(middle[k] - 0.52 * box[k], middle[k] + 0.52 * box[k])
-        narrow = box[k] < 0.4 * box.max()
-        ax.locator_params(axis=axis, nbins=2 if narrow else 5)
-        ax.tick_params(axis=axis, pad=-2.0)
-    ax.set_xlabel(with_unit("x", unit), labelpad=2.0)
-    ax.set_ylabel(with_unit("y", unit), labelpad=-2.0)
-    ax.set_zlabel(with_unit("z", unit), labelpad=-4.0)
-    ax.view_init(elev=view_deg[0], azim=view_deg[1])
+    ax.set_axis_off()
+    power = 10.0 ** np.floor(np.log10(box.max() / 8.0))
+    length = max(step * power for step in (1.0, 2.0, 5.0) if step * power <= box.max() / 8.0)
+    corner = middle + [-0.5, -0.5, -0.5] * box - [0.0, 0.0, 1.6 * length]
+    for k, axis in enumerate("xyz"):
+        end = corner + length * np.eye(3)[k]
+        ax.plot(*np.stack([corner, end], axis=-1), color="black", linewidth=0.8)
+        ax.text(*(corner + 1.35 * length * np.eye(3)[k]), axis, ha="center", va="center")
+    ax.text2D(0.5, 0.0, f"each line: {length:g} {unit or 'units'}", transform=ax.transAxes,
+              ha="center", va="bottom", fontsize=small_pt())  # fmt: skip

@@ -93,7 +93,7 @@ def plot_template_fit(table: pd.DataFrame) -> Axes:
         for k, (ax, name) in enumerate(zip(axes, "uv", strict=True)):
             for part, colour in colours.items():
                 own = table[table["part"] == part]
-                if len(own):
+                if own[name].notna().any():
                     ax.plot(own["frame"], own[name], linestyle="none", marker="o",
                             markersize=2.2, markeredgewidth=0.0, color=colour,
                             label=f"tracked, {part}")  # fmt: skip
