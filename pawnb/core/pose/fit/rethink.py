@@ -11,6 +11,9 @@ from pawnb.core.pose.fit.path import Trellis
 
 _KEEP_VELOCITY = 0.9
 _MOST_BACK = 60
+_BRIDGES = (1, 2, 3)
+_STRAYS_PX = 4.0
+"""A joint further than this from the middle of the frames before and after strays, working px."""
 """Frames that a leg is followed back from where it is found again."""
 
 
@@ -36,6 +39,8 @@ def look_back(follower: Follower) -> None:
     if _follow_back(follower, paths):
         paths = _paths(follower)
     _adopt(follower, paths)
+    if _bridge(follower):
+        _adopt(follower, _paths(follower))
 
 
 def _adopt(follower: Follower, paths: list[dict[int, int]]) -> None:
@@ -45,6 +50,32 @@ def _adopt(follower: Follower, paths: list[dict[int, int]]) -> None:
         for leg, which in paths[t].items():
             pose[follower.fitter.numbers[leg]] = choices.legs[leg][which]
         choices.pose = pose
+
+
+def _bridge(follower: Follower) -> bool:
+    """Offer legs that stray for a few frames the places between those before and after."""
+    fitter, kept = follower.fitter, follower.kept
+    joints = np.array([fitter.joints(choices.pose) for choices in kept])
+    extra: dict[int, dict[int, list[np.ndarray]]] = {}
+    for span in _BRIDGES:
+        if len(kept) <= 2 * span:
+            break
+        between = (joints[: -2 * span] + joints[2 * span :]) / 2
+        away = np.nanmax(np.abs(joints[span:-span] - between), axis=(2, 3))
+        for t, leg in zip(*np.nonzero(away > _STRAYS_PX * span), strict=True):
+            numbers = fitter.numbers[leg]
+            mean = (kept[t].pose[numbers] + kept[t + 2 * span].pose[numbers]) / 2
+            extra.setdefault(int(t) + span, {}).setdefault(int(leg), []).append(mean)
+    for t, legs in extra.items():
+        choices = kept[t]
+        sight = fitter.sight(choices.image.astype(float), choices.box, choices.pose)
+        anatomy, _ = follower.priors(choices.pose)
+        more = {
+            leg: [fit_leg(fitter, choices.pose, leg, g, sight, anatomy) for g in guesses]
+            for leg, guesses in legs.items()
+        }
+        add_candidates(fitter, choices, more, sight, anatomy)
+    return bool(extra)
 
 
 def _second_pass(follower: Follower) -> None:
