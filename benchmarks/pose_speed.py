@@ -47,7 +47,7 @@ def main() -> None:
         marks.clear()
         track = track_pose(
             reader, start, animal=animal, background=background, frames=(0, reader.n_frames),
-            progress=lambda done, total: marks.append(time.perf_counter()),
+            progress=lambda *_: marks.append(time.perf_counter()),
         )  # fmt: skip
         took, cpu = time.perf_counter() - began, time.process_time() - cpu
     n = int(np.isfinite(track.poses.xy[:, 0]).sum())
