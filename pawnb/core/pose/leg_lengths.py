@@ -9,16 +9,20 @@ from __future__ import annotations
 
 import dataclasses
 
+import cv2
 import numpy as np
 
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.energy import FrameCosts, PaperEnergy
 from pawnb.core.pose.limb_steps import shape_cost
 from pawnb.core.pose.paper_inference import infer_pose
-from pawnb.core.pose.sticks import Sticks
+from pawnb.core.pose.sticks import Sticks, distance_map
 
 FACTORS = np.arange(0.6, 1.101, 0.02)
 _ROUNDS = 4
+_REACH = 5.0
+"""Pixels as many d_r from the shape may be its legs."""
+_SPECK_PX = 6
 
 
 def fit_leg_lengths(
@@ -42,13 +46,15 @@ def fit_leg_lengths(
     ndarray, shape (n_legs,)
         Factor of each leg's length, 0.6 to 1.1. The pose and the factors are fitted in turn, at
         most four times: each leg gets the factor for which the shape prior costs least, the
-        labels being those of the likelihood alone (Fig. 3.6b), which keep the thin ends of legs.
+        labels being those of the likelihood alone (Fig. 3.6b) near the legs, which keep their
+        thin ends.
     """
-    whole, dark = energy.sticks, frame.own < 0
+    whole = energy.sticks
     factors = np.ones(len(whole.n_links))
     for _ in range(_ROUNDS):
         fit = infer_pose(energy, frame, pose, rng=rng)
         pose, before = fit.pose, factors.copy()
+        dark = _dark_along(energy, frame, scaled(whole, np.full(len(factors), FACTORS[-1])), pose)
         for leg in range(len(factors)):
             costs = []
             for factor in FACTORS:
@@ -69,6 +75,23 @@ def scaled(sticks: Sticks, factors: np.ndarray) -> Sticks:
 def per_segment(animal: StickAnimal, factors: np.ndarray) -> np.ndarray:
     """Return the factor of each segment, shape (n_segments,), from those of the legs."""
     return np.repeat(factors, [len(leg.segments) for leg in animal.legs])
+
+
+def _dark_along(
+    energy: PaperEnergy, frame: FrameCosts, sticks: Sticks, pose: np.ndarray
+) -> np.ndarray:
+    """Return the pixels near the shape that stand out of the background, specks left out."""
+    u0, v0, u1, v1 = frame.box
+    reach = _REACH * energy.parameters.thickness_px
+    away = distance_map(
+        (u0, v0), (v1 - v0, u1 - u0), pose[2], sticks.points(pose), sticks.n_links,
+        sticks.parts(pose), reach,
+    )  # fmt: skip
+    dark = (frame.own < 0) & (away < reach)
+    _, names, stats, _ = cv2.connectedComponentsWithStats(dark.astype(np.uint8), connectivity=8)
+    large = stats[:, cv2.CC_STAT_AREA] >= _SPECK_PX
+    large[0] = False
+    return large[names]
 
 
 def _cost(
