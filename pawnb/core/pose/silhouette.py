@@ -24,7 +24,7 @@ _DARK = 20.0
 """Background pixels darker than this grey value tell nothing of the light."""
 _GAP_COST = 6.0
 """Walking through a pixel outside the outline costs so much more than through one inside."""
-_CORE = 0.45
+_CORE = 0.55
 """The body is what a disc reaches whose radius is this share of the widest disc inside."""
 LARGEST_PX = 420
 """Longest side of the animal's box that is looked at without reducing it."""

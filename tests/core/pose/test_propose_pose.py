@@ -63,7 +63,7 @@ def errors(animal, found, poses):
 )
 def test_right_whichever_way_the_animal_looks(species, scale, seed):
     animal = load_species(species)
-    poses, reader = scene(animal, seed=seed, scale=scale)
+    poses, reader = scene(animal, seed=seed, scale=scale, frames=6)
     found = propose_pose(reader, animal, BACKGROUND)
     tip, body, heading = errors(animal, found, poses)
     # the aim of the issue: 5 % and 3 % of the leg span, 5 degrees
