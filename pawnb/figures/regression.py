@@ -212,7 +212,7 @@ def _draw(ax: Any, own: pd.DataFrame, marks: Mapping[str, Any]) -> None:
     """Draw points and lines of one pair."""
     first, line = own.iloc[0], own[own["row"] == "line"]
     inside = own[own["row"] == "animal"]
-    certain = bool(first["significant"]) and len(inside) == 0
+    certain = bool(first["significant"]) and first["n"] == first["n_animals"]
     colour = OKABE_ITO["vermillion"]
     if certain and line["low"].notna().any():
         ax.fill_between(line["x"], line["low"], line["high"], color=colour, alpha=0.2,

@@ -218,8 +218,7 @@ def compare_slope(line: Line, expected: float) -> SlopeTest:
         r = (squares - target) / spread if spread else 0.0
         t = r * math.sqrt(line.df / max(1.0 - r**2, 1e-300))
     else:
-        off = line.b - expected
-        t = off / line.b_se if line.b_se else math.copysign(math.inf, off) if off else 0.0
+        t = t_of(line.b - expected, line.b_se)
     p = float(2.0 * student.sf(abs(t), line.df))
     return SlopeTest(
         observed=line.b, expected=expected, t=t, df=line.df, p=p, differs=p < 1.0 - line.level
@@ -267,3 +266,21 @@ def t_quantile(level: float, df: int) -> float:
         The quantile, above 0.
     """
     return float(student.ppf((1.0 + level) / 2.0, df))
+
+
+def t_of(estimate: float, se: float) -> float:
+    """Return an estimate over its standard error.
+
+    Parameters
+    ----------
+    estimate, se : float
+        Estimate and standard error.
+
+    Returns
+    -------
+    float
+        t; infinite where the error is 0 and the estimate is not, 0 where both are.
+    """
+    if se > 0.0:
+        return estimate / se
+    return math.copysign(math.inf, estimate) if estimate else 0.0

@@ -242,13 +242,14 @@ def fit_within_animals(
     fitted = OLS(y, np.column_stack((x, np.eye(len(who))[codes]))).fit()
     low, high = (float(v) for v in fitted.conf_int(alpha=1.0 - level)[0])
     b = float(fitted.params[0])
+    t = t_of(b, float(fitted.bse[0]))
     a = float(y.mean() - b * x.mean())
     r = float(dx @ dy) / math.sqrt(squares * float(dy @ dy)) if np.any(dy) else 0.0
     return Line(
         kind=kind, method="within", n=len(x), n_animals=len(who),
         a=math.exp(a) if kind == "power" else a, b=b, b_se=float(fitted.bse[0]),
         b_low=low, b_high=high, a_low=math.nan, a_high=math.nan, r=r, r2=r**2,
-        t=float(fitted.tvalues[0]), df=df, p=float(fitted.pvalues[0]),
+        t=t, df=df, p=float(2.0 * student.sf(abs(t), df)),
         see=math.sqrt(fitted.scale), correction=1.0, level=level, x_low=x_low, x_high=x_high,
         x_mean=float(x.mean()), x_squares=squares,
     )  # fmt: skip
@@ -311,7 +312,7 @@ def slope_over_animals(
     values = np.array(list(slopes.values()))
     df, mean = len(values) - 1, float(values.mean())
     se = float(values.std(ddof=1)) / math.sqrt(len(values))
-    t = mean / se if se > 0.0 else math.copysign(math.inf, mean) if mean else 0.0
+    t = t_of(mean, se)
     half = t_quantile(level, df) * se
     return AnimalSlopes(
         kind=kind, slopes=slopes, intercepts=intercepts,
@@ -334,6 +335,7 @@ def _least_squares(
     fitted = OLS(y, np.column_stack((np.ones(len(x)), x))).fit()
     (a_low, a_high), (b_low, b_high) = fitted.conf_int(alpha=1.0 - level)
     a, b = (float(v) for v in fitted.params)
+    t = t_of(b, float(fitted.bse[1]))
     see = math.sqrt(max(float(fitted.scale), 0.0))
     factor = sprugel_factor(see) if corrected else 1.0
     ends = (float(a_low), a, float(a_high))
@@ -344,8 +346,8 @@ def _least_squares(
     return Line(
         kind=kind, method="OLS", n=len(x), n_animals=_count(names), a=ends[1], b=b,
         b_se=float(fitted.bse[1]), b_low=float(b_low), b_high=float(b_high), a_low=ends[0],
-        a_high=ends[2], r=r, r2=r**2, t=float(fitted.tvalues[1]), df=len(x) - 2,
-        p=float(fitted.pvalues[1]), see=see, correction=factor, level=level,
+        a_high=ends[2], r=r, r2=r**2, t=t, df=len(x) - 2,
+        p=float(2.0 * student.sf(abs(t), len(x) - 2)), see=see, correction=factor, level=level,
         x_low=float(span[0]), x_high=float(span[1]), x_mean=float(x.mean()),
         x_squares=float(np.sum((x - x.mean()) ** 2)),
     )  # fmt: skip

@@ -79,10 +79,13 @@ def test_tables_of_the_paper():
 def test_one_wrong_frame_can_be_trimmed():
     angles = study()
     angles.iloc[20, angles.columns.get_loc("angle_deg")] = 170.0
+    angles.iloc[21, angles.columns.get_loc("angle_deg")] = -170.0
     wild = joint_extremes(angles)
     tame = joint_extremes(angles, trim=0.05)
     assert wild["max_deg"].max() == 170.0
     assert tame["max_deg"].max() < 66.0
+    assert wild["min_deg"].min() == -170.0
+    assert tame["min_deg"].min() > -60.0
     assert set(tame["n_frames"]) == {41}
 
 

@@ -211,6 +211,16 @@ def test_mean_slope_of_animals_is_a_one_sample_t_test():
     assert more.p == found.p
 
 
+def test_what_never_varies_has_no_slope_and_no_nan():
+    x, animals = np.arange(6.0), list("aaabbb")
+    line, inside = fit_line(x, 0 * x), fit_within_animals(x, 0 * x, animals=animals)
+    over = slope_over_animals(x, 0 * x, animals=animals)
+    for found in (line, inside, over):
+        assert (found.b, found.t, found.p, found.significant) == (0.0, 0.0, 1.0, False)
+    assert compare_slope(line, 1.0).differs
+    assert not compare_slope(line, 0.0).differs
+
+
 def test_animals_are_counted():
     line = fit_line(PACO2, PH, animals=SUBJECT)
     assert (line.n, line.n_animals) == (47, 8)

@@ -126,6 +126,8 @@ def test_a_stride_is_used_once():
     two = pd.concat([strides_of(1).iloc[:1].assign(start_s=s) for s in (0.03, 0.01, 0.2)])
     matched = match_strides(one, two)
     assert matched["start_s_2"].tolist() == [0.01]
+    both = pd.concat([strides_of(0).iloc[:1].assign(start_s=s) for s in (0.0, 0.015)])
+    assert match_strides(both, two.iloc[1:2])["start_s_1"].tolist() == [0.015]
 
 
 @pytest.mark.parametrize(

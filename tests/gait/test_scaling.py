@@ -80,6 +80,18 @@ def test_known_scaling_is_recovered_and_animals_are_counted():
     assert (axis["b"] > table[table["size"] == "mass"]["b"].to_numpy()).all()
 
 
+def test_size_is_the_mean_of_what_was_estimated():
+    # body length estimated anew in each trial, 10 % up or down about the same mean
+    strides = strides_of_many(trials=2)
+    up = np.where(strides["trial"] == "t0", 0.9, 1.1)
+    one = scaling_table(strides, ["stride_length"], ["body_length"], statistics=["max"])
+    two = scaling_table(
+        strides.assign(body_length=strides["body_length"] * up),
+        ["stride_length"], ["body_length"], statistics=["max"],
+    )  # fmt: skip
+    assert two["a"].iloc[0] == pytest.approx(one["a"].iloc[0])
+
+
 def test_expected_exponents():
     strides = strides_of_many().assign(relative_speed=lambda t: t["speed"] / t["body_length"])
     table = expected_slopes_table(strides)

@@ -82,6 +82,7 @@ def test_unwrapping_undoes_wrapping(steps, start, missing):
 def test_turns_are_not_counted_over_long_gaps():
     x = np.array([350.0, 10.0, np.nan, np.nan, 20.0, 350.0])
     np.testing.assert_array_equal(unwrap_angles(x, max_gap=1), [350, 370, np.nan, np.nan, 20, -10])
+    np.testing.assert_array_equal(unwrap_angles(x, max_gap=2), unwrap_angles(x))
     np.testing.assert_array_equal(unwrap_angles(x), [350, 370, np.nan, np.nan, 380, 350])
     cycles = unwrap_angles(np.array([0.9, 0.1]), turn=1.0)
     np.testing.assert_allclose(cycles, [0.9, 1.1])
