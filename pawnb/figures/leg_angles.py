@@ -28,7 +28,8 @@ def plot_leg_angles(
     events : pandas.DataFrame, optional
         Events of the same trial: AEP are marked by triangles that point up, PEP down.
     ax : matplotlib.axes.Axes, optional
-        Where to draw; default a new figure, one column wide.
+        Where to draw; default a new figure, one column wide. The second leg of a pair is
+        dashed.
 
     Returns
     -------
@@ -48,9 +49,13 @@ def plot_leg_angles(
         if ax is None:
             _, ax = plt.subplots(figsize=figure_size(1, 50.0))
         colours = colour_legs(legs)
+        drawn: list[str] = []
         for leg in legs:
             own = table[table["leg"] == leg]
-            ax.plot(own["time_s"], own["leg_angle"], color=colours[leg], label=leg)
+            # legs of one pair share a colour
+            dashes = "--" if colours[leg] in drawn else "-"
+            drawn.append(colours[leg])
+            ax.plot(own["time_s"], own["leg_angle"], dashes, color=colours[leg], label=leg)
             if events is None:
                 continue
             for event, marker in _MARKERS.items():
@@ -59,5 +64,5 @@ def plot_leg_angles(
                 ax.plot(at, angle, marker, color=colours[leg], markersize=3.5)
         ax.set_xlabel("Time (s)")
         ax.set_ylabel("Leg angle (°)")
-        ax.legend(ncols=4)
+        ax.legend(ncols=4, loc="lower left", bbox_to_anchor=(0.0, 1.0))
     return ax

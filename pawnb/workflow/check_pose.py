@@ -27,7 +27,7 @@ _ON_ANIMAL = 0.5
 _SECOND_ANIMAL = 0.3
 """Things this large, as a share of the animal, may be a second one."""
 _OTHER_SIZE = 1.5
-_SPARE_SPAN = 0.06
+_SPARE_SPAN = 0.1
 _SEVERAL = 3
 _MOVES_GREY = 12.0
 _MOVES_SHARE = 3e-4

@@ -201,8 +201,13 @@ def retrack(
     Raises
     ------
     InputError
-        If the frame is not among those of the tracks.
+        If the frame is not among those of the tracks, or the animal is a jointed one.
     """
+    if trial.kind == "pose":
+        raise InputError(
+            f"trial {trial.name!r} is of kind 'pose', which is not tracked again from a frame; "
+            "pose the animal in another start frame with pawnb.widgets.StickPoser, then track."
+        )
     known = tracks["frame"].to_numpy()
     if frame not in known:
         raise InputError(
