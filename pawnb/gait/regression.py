@@ -23,6 +23,7 @@ from pawnb.gait.lines import (
     SlopeTest,
     compare_slope,
     sprugel_factor,
+    t_of,
     t_quantile,
 )
 
