@@ -25,10 +25,10 @@ from pawnb.core.pose.fit.solve_loops import Prior, Sight
 from pawnb.core.views import Frame
 
 _START_SD_PX, _START_SD_DEG = 6.0, 8.0
-_LONGER, _LONGER_SD = 1.3, 0.08
+_LONGER, _LONGER_SD = 1.12, 0.08
 """In the start frame links may be this much longer than given, with this spread within a leg:
 the person's scale and the species file's proportions need not be this animal's."""
-_LATER_LONGER = 1.05
+_LATER_LONGER = 1.02
 _SHORTER = (0.05, -0.05, -0.15, -0.25, -0.4)
 """Logarithms of foreshortening of whole legs that are tried in the start frame."""
 _COARSE_BLURS = (8.0, 4.0)
