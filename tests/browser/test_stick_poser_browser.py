@@ -194,7 +194,8 @@ def test_keys_reach_the_notebook_only_outside(posing):
     notebook.settle()
     assert notebook.n_cells() == cells
     notebook.page.locator(".jp-Cell").last.click()
-    notebook.press("m")
-    notebook.press("p")
+    notebook.press("Escape")  # to command mode, where brackets do nothing
+    notebook.press("]")
+    notebook.press("[")
     assert not file.exists()
     assert notebook.py("w.session.can_undo") is False
