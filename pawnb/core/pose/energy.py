@@ -44,8 +44,6 @@ class FrameCosts:
     ----------
     box : tuple of int
         The crop: u0, v0, u1, v1, half open, px of the view.
-    size : tuple of int
-        Width and height of the whole view.
     own : ndarray of float32, shape (H, W)
         Cost of calling a pixel subject less that of calling it background.
     right, down : ndarray of float32
@@ -57,7 +55,6 @@ class FrameCosts:
     """
 
     box: Box
-    size: tuple[int, int]
     own: np.ndarray
     right: np.ndarray
     down: np.ndarray
@@ -181,7 +178,6 @@ class PaperEnergy:
         )
         return FrameCosts(
             box=box,
-            size=(width, height),
             own=np.ascontiguousarray(own),
             right=right,
             down=down,

@@ -23,6 +23,7 @@ _ROUNDS = 4
 _REACH = 5.0
 """Pixels as many d_r from the shape may be its legs."""
 _SPECK_PX = 6
+_MARGIN_OF_SPAN = 0.15
 
 
 def fit_leg_lengths(
@@ -98,10 +99,13 @@ def _cost(
     energy: PaperEnergy, frame: FrameCosts, sticks: Sticks, pose: np.ndarray, labels: np.ndarray
 ) -> float:
     """Return the shape prior's cost for labels that stay."""
-    p = energy.parameters
+    p, margin = energy.parameters, int(_MARGIN_OF_SPAN * energy.span_px)
+    # beyond the picture there is no animal either
+    wide = np.pad(labels, margin)
+    origin = (frame.box[0] - margin, frame.box[1] - margin)
     return float(
         shape_cost(
-            labels, frame.box[:2], pose[2], sticks.points(pose), sticks.n_links,
+            wide, origin, pose[2], sticks.points(pose), sticks.n_links,
             sticks.parts(pose), p.thickness_px, p.steepness,
         )
     )  # fmt: skip

@@ -117,7 +117,6 @@ def _leg_cost(
     near: np.ndarray,
     labels: np.ndarray,
     origin: tuple[int, int],
-    size: tuple[int, int],
     thickness: float,
     steepness: float,
 ) -> float:
@@ -150,9 +149,7 @@ def _leg_cost(
             cost += softplus(steepness * (away - thickness)) - without[k]
     most = thickness + FLAT / steepness
     for i in range(n_links):
-        cost += _along_link(
-            i, points, n_links, near, labels, origin, size, most, thickness, steepness
-        )
+        cost += _along_link(i, points, n_links, near, labels, origin, most, thickness, steepness)
     return cost
 
 
@@ -164,7 +161,6 @@ def _along_link(
     near: np.ndarray,
     labels: np.ndarray,
     origin: tuple[int, int],
-    size: tuple[int, int],
     most: float,
     thickness: float,
     steepness: float,
@@ -172,7 +168,8 @@ def _along_link(
     """Return the cost of background pixels along a link that no earlier link is as near to.
 
     Pixels are visited along the link: at each step along its longer direction, those across it
-    that are within ``most``. Beyond the crop every pixel is background and far from the rest.
+    that are within ``most``. Beyond the crop every pixel is background and far from the rest, also
+    beyond the picture: else a leg that is too long would be bent out of it.
     """
     du, dv = points[link + 1, 0] - points[link, 0], points[link + 1, 1] - points[link, 1]
     length = max(math.hypot(du, dv), 1e-9)
@@ -189,8 +186,6 @@ def _along_link(
         middle = points[link, other] + slope * (at - points[link, one])
         for b in range(math.floor(middle - across), math.ceil(middle + across) + 1):
             u, v = (b, a) if steep else (a, b)
-            if not (0 <= u < size[0] and 0 <= v < size[1]):
-                continue
             mine = from_line(float(u), float(v), points[link:], 1)
             if mine >= most:
                 continue
@@ -233,7 +228,6 @@ def turn_leg(
     near: np.ndarray,
     labels: np.ndarray,
     origin: tuple[int, int],
-    size: tuple[int, int],
     thickness: float,
     steepness: float,
 ) -> float:
@@ -251,9 +245,9 @@ def turn_leg(
         The leg, see :class:`pawnb.core.pose.sticks.Sticks`.
     middle, half, stiffness
         Ranges of the joints and the cost of leaving them.
-    pixels, others, near, labels, origin, size, thickness, steepness
+    pixels, others, near, labels, origin, thickness, steepness
         The labelled picture and the shape prior, see :func:`shape_cost`; ``others`` and
-        ``near`` are distances from the other parts, ``size`` is the whole picture's.
+        ``near`` are distances from the other parts.
 
     Returns
     -------
@@ -291,7 +285,6 @@ def turn_leg(
             near,
             labels,
             origin,
-            size,
             thickness,
             steepness,
         )

@@ -187,7 +187,7 @@ def _turn_limbs(
             pose[:3], angles, trials, sticks.length[i, :n], sticks.joint[i, :n],
             sticks.fixed_deg[i, :n], n, sticks.attach[i], sticks.side[i],
             energy.middle_deg[own], energy.half_deg[own], energy.stiffness, pixels[used],
-            others[used], near, labels, frame.box[:2], frame.size, p.thickness_px, p.steepness,
+            others[used], near, labels, frame.box[:2], p.thickness_px, p.steepness,
         )  # fmt: skip
         if lowered > 0:
             pose[3:][own] = angles

@@ -10,13 +10,13 @@ import numpy as np
 
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.energy import PaperEnergy
-from pawnb.core.pose.leg_lengths import fit_leg_lengths, per_segment
+from pawnb.core.pose.leg_lengths import fit_leg_lengths, per_segment, scaled
 from pawnb.core.pose.likelihood import EmptyScene, background_cost
 from pawnb.core.pose.paper_inference import FramePose, infer_pose
 from pawnb.core.pose.paper_settings import PaperPoseSettings
 from pawnb.core.pose.poses import Poses
 from pawnb.core.pose.presence import grey
-from pawnb.core.pose.sticks import distance_map, pose_vector
+from pawnb.core.pose.sticks import Sticks, distance_map, pose_vector
 from pawnb.core.pose.track_result import PoseTrack, plain_track
 from pawnb.core.views import ViewReader
 from pawnb.errors import InputError, InputWarning
@@ -26,7 +26,9 @@ _SLACK_OF_SPAN = 0.12
 """How far parts may move from the guess in one frame before the crop is made anew."""
 _BODY_SHARE = 0.5
 """Least share of the body's place that must differ from the background in the start frame."""
-_BEYOND_OF_SPAN = 0.04
+_BEYOND = 0.04
+_RAISED = 0.75
+"""In the start frame legs may look this much shorter than they are."""
 _OTHER_SHARE = 0.4
 """Something else this large beside the animal may be a second one."""
 _SEEN_SHARE = 0.3
@@ -212,7 +214,9 @@ class _Tracker:
 
     def _outside(self, pose: np.ndarray) -> str | None:
         """Return what part of the animal lies outside the picture, if any."""
-        return part_outside(self.energy, pose, (self.reader.width, self.reader.height))
+        return part_outside(
+            self.energy.sticks, pose, (self.reader.width, self.reader.height), animal=self.animal
+        )
 
 
 def check_start(energy: PaperEnergy, picture: np.ndarray, start: Poses) -> None:
@@ -240,7 +244,8 @@ def check_start(energy: PaperEnergy, picture: np.ndarray, start: Poses) -> None:
     """
     where = f"the start pose of frame {start.frames[0]}"
     pose, height, width = pose_vector(start), picture.shape[0], picture.shape[1]
-    part = part_outside(energy, pose, (width, height))
+    raised = scaled(energy.sticks, np.full(len(energy.sticks.n_links), _RAISED))
+    part = part_outside(raised, pose, (width, height), animal=energy.animal)
     if part is not None:
         raise InputError(
             f"{where}: {part} reaches outside the picture ({width} x {height} px); start in "
@@ -280,23 +285,24 @@ def check_start(energy: PaperEnergy, picture: np.ndarray, start: Poses) -> None:
         )
 
 
-def part_outside(energy: PaperEnergy, pose: np.ndarray, size: tuple[int, int]) -> str | None:
-    """Return what lies outside the picture: a leg's name, the body, or None.
+def part_outside(
+    sticks: Sticks, pose: np.ndarray, size: tuple[int, int], *, animal: StickAnimal
+) -> str | None:
+    """Return what lies outside a picture of that width and height: a leg's name, the body, or None.
 
-    A leg may reach 4 % of the leg span beyond the edge: the stick animal's legs are as long as
-    when they lie flat, longer than they look.
+    A leg may reach 4 % of the longest leg pair beyond the edge: the stick animal's legs do not
+    shorten when they are raised. The body must be inside with its front and rear ends.
     """
-    points = energy.sticks.points(pose)
-    low, high = (
-        -_BEYOND_OF_SPAN * energy.span_px,
-        np.array(size) - 1 + _BEYOND_OF_SPAN * energy.span_px,
-    )
-    for name, line in zip(energy.animal.leg_names, points, strict=True):
+    beyond = _BEYOND * 2 * float(sticks.length.sum(axis=1).max())
+    low, high = -beyond, np.array(size) - 1 + beyond
+    for name, line in zip(animal.leg_names, sticks.points(pose), strict=True):
         line = line[np.isfinite(line[:, 0])]
         if (line < low).any() or (line > high).any():
             return f"leg {name}"
-    middle = energy.sticks.parts(pose)[:, :2]
-    return "the body" if (middle < 0).any() or (middle > np.array(size) - 1).any() else None
+    parts, turn = sticks.parts(pose), np.radians(pose[2])
+    forward = parts[:, 2:3] * np.array([np.cos(turn), np.sin(turn)])
+    ends = np.concatenate([parts[:, :2] + forward, parts[:, :2] - forward])
+    return "the body" if (ends < 0).any() or (ends > np.array(size) - 1).any() else None
 
 
 def _on_subject(energy: PaperEnergy, fit: FramePose, origin: tuple[int, int]) -> np.ndarray:
