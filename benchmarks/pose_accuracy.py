@@ -156,9 +156,10 @@ def print_errors(name: str, parts: list[dict[str, np.ndarray]]) -> None:
     low, high = rate_interval(swaps, total)
     event = np.median(joined["event_frames"]) if len(joined["event_frames"]) else np.nan
     lost = int(np.isnan(joined["body_px"]).sum())
+    body_median, body_95 = np.nanpercentile(joined["body_px"], (50, 95))
     print(
         f"{name:12s} frames {total:5d} lost {lost:3d} | body "
-        f"{np.nanmedian(joined['body_px']):.2f} (95 % {np.nanpercentile(joined['body_px'], 95):.2f})"
+        f"{body_median:.2f} px (95 % {body_95:.2f})"
         f" | tip % {np.nanmedian(joined['tip_percent']):.2f} "
         f"(95 % {np.nanpercentile(joined['tip_percent'], 95):.2f}) | leg deg {rmse['leg_deg']:.2f} "
         f"| joint deg {rmse['joint_deg']:.2f} | swaps/1000 {1000 * swaps / total:.1f} "
