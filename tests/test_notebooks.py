@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 
 import nbformat
@@ -106,3 +107,21 @@ def test_spider_notebook_runs_on_the_real_spider(tmp_path, real_data):
     median = float(text.split("joints and tips: median ")[1].split(" px")[0])
     assert median < 3.0  # the lines are drawn to about 2 px
     assert shown(notebook, "image/png") == 4
+
+
+def test_foreign_tracks_notebook_recovers_the_truth_of_its_sample(tmp_path):
+    notebook = execute(ROOT / "notebooks" / "04_from_deeplabcut.ipynb", tmp_path)
+    text = printed(notebook)
+    assert "FR is 'forepaw_R'" in text
+    error = float(re.search(r"largest error of the period: ([0-9.]+)%", text)[1])
+    assert error < 1.0
+    assert shown(notebook, "image/png") == 2
+    assert (tmp_path / "results" / "deeplabcut" / "strides.csv").exists()
+
+
+def test_residual_notebook_draws_and_warns(tmp_path):
+    notebook = execute(ROOT / "notebooks" / "05_residual_analysis.ipynb", tmp_path)
+    text = printed(notebook)
+    assert "An estimate, not a measurement" in text
+    assert re.search(r"residual: [0-9.]+ Hz", text)
+    assert shown(notebook, "image/png") == 3

@@ -8,6 +8,7 @@ either can be made. movement itself is only needed to read other programs' files
 from __future__ import annotations
 
 import json
+import warnings
 from pathlib import Path
 from typing import Any, Literal
 
@@ -73,9 +74,14 @@ def load_with_movement(
     InputError
         If the file is missing, or movement cannot read it.
     """
-    # imported here: movement takes seconds to import, and most runs read no foreign file
+    # imported here: movement takes seconds to import, and most runs read no foreign file; it
+    # also takes over the warnings of every package and options of xarray, which are put back
+    show, options_before = warnings.showwarning, xr.get_options()  # type: ignore[no-untyped-call]
     from loguru import logger
     from movement.io import load_poses
+
+    warnings.showwarning = show
+    xr.set_options(**options_before)  # type: ignore[no-untyped-call]
 
     path = Path(path)
     if not path.is_file():

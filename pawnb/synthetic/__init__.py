@@ -9,12 +9,14 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from pawnb.synthetic.deeplabcut_sample import write_deeplabcut_sample
     from pawnb.synthetic.mouse_trial import render_mouse_trial
     from pawnb.synthetic.scene import SceneSettings, scene_settings
     from pawnb.synthetic.spider_scene import SpiderScene, spider_scene
     from pawnb.synthetic.spider_trial import render_spider_trial
 
 _HOME = {
+    "write_deeplabcut_sample": "pawnb.synthetic.deeplabcut_sample",
     "SceneSettings": "pawnb.synthetic.scene",
     "SpiderScene": "pawnb.synthetic.spider_scene",
     "render_mouse_trial": "pawnb.synthetic.mouse_trial",
@@ -30,6 +32,7 @@ __all__ = [
     "render_spider_trial",
     "scene_settings",
     "spider_scene",
+    "write_deeplabcut_sample",
 ]
 
 

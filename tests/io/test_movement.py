@@ -7,6 +7,8 @@ xarray when it is imported; the fixture keeps all of that away from other tests.
 from __future__ import annotations
 
 import importlib
+import subprocess
+import sys
 import warnings
 
 import numpy as np
@@ -208,3 +210,18 @@ def test_what_holds_no_poses_is_refused():
         from_movement(poses().isel(individuals=0, drop=True), where="d")
     with pytest.raises(InputError, match="expected 'plural' or 'singular'"):
         to_movement(example(), dims="both")
+
+
+def test_reading_with_movement_leaves_the_warnings_of_others_alone(tmp_path):
+    # movement reroutes all warnings to its own log when it is imported
+    code = (
+        "import warnings, xarray; before = warnings.showwarning, xarray.get_options()\n"
+        "from pawnb.io.movement import load_with_movement\n"
+        "from pathlib import Path\n"
+        f"path = Path({str(tmp_path)!r}) / 'a.csv'\n"
+        "path.write_text('scorer,n,n,n\\nbodyparts,a,a,a\\ncoords,x,y,likelihood\\n0,1,2,1\\n')\n"
+        "load_with_movement('from_dlc_file', path, fps=1.0, program='DeepLabCut')\n"
+        "assert (warnings.showwarning, xarray.get_options()) == before\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
