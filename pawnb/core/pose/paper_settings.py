@@ -80,7 +80,7 @@ class PaperPoseSettings:
     limit_stiffness: float = 1.0
     leg_lengths: Literal["fitted", "start"] = "fitted"
     first_multiplier: int = 5
-    combinations: int = 40
+    combinations: int = 20
     max_rounds: int = 15
     seed: int = 0
 
