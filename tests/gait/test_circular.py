@@ -95,6 +95,13 @@ def test_three_phases_against_monte_carlo():
     assert rayleigh_p(3, 0.95) == pytest.approx(0.0419, abs=0.0004)
 
 
+def test_p_of_nearly_equal_phases_goes_as_a_power():
+    # n - 1 differences near 0: p goes as (1 - r)^((n - 1) / 2)
+    for far, near in ((4e-6, 1e-6), (1.1e-5, 0.9e-5), (4e-4, 3.9e-4)):
+        ratio = rayleigh_p(5, 1 - far) / rayleigh_p(5, 1 - near)
+        assert ratio == pytest.approx((far / near) ** 2, rel=1e-3)
+
+
 def test_many_phases_approach_exp_minus_z():
     # Rayleigh's own limit for large n
     assert rayleigh_p(5000, 0.03) == pytest.approx(math.exp(-5000 * 0.03**2), rel=0.01)
