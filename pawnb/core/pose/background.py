@@ -15,7 +15,8 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from pawnb.core.pose.presence import KNOWN_FRAMES, find_animal_frames, grey
+from pawnb.core.pose.contrast import squared_gradient
+from pawnb.core.pose.presence import KNOWN_FRAMES, Presence, find_animal_frames, grey
 from pawnb.core.video import open_view
 from pawnb.core.views import ViewReader
 from pawnb.errors import InputError, InputWarning
@@ -189,7 +190,7 @@ def _found(reader: ViewReader, view: View, frames: tuple[int, int]) -> Backgroun
         return background
     median = median_background(reader, frames=frames)
     known = mean_background(reader, range(first, first + KNOWN_FRAMES))
-    if _shows_animal(reader, known, median, frames):
+    if _shows_animal(known, median):
         warnings.warn(
             f"no empty frames: the animal is there in frame {first} already; the background is "
             f"the {median.source}, right wherever the animal does not stay half the time: {how}",
@@ -198,35 +199,46 @@ def _found(reader: ViewReader, view: View, frames: tuple[int, int]) -> Backgroun
         )
         return median
     presence = find_animal_frames(reader, frames=frames)
-    if presence.first is None:
+    if not _is_seen(reader, presence, known):
         warnings.warn(
             f"nothing moves in frames {first} to {stop - 1}: they are all taken for empty; {how}",
             InputWarning,
             stacklevel=3,
         )
+        return mean_background(reader, range(first, stop))
     empty = presence.empty_frames()
     return mean_background(
         reader, empty if len(empty) >= KNOWN_FRAMES else range(first, first + KNOWN_FRAMES)
     )
 
 
-def _shows_animal(
-    reader: ViewReader, known: Background, median: Background, frames: tuple[int, int]
-) -> bool:
-    """Say whether frames thought to be empty show the animal: a blob of its kind of grey.
+def _is_seen(reader: ViewReader, presence: Presence, known: Background) -> bool:
+    """Say whether something as large as an animal is there in the frames that differ."""
+    if presence.first is None or presence.last is None:
+        return False
+    middle = (presence.first + presence.last) // 2
+    return bool(_blobs(grey(reader.frame(middle).image()) - known.mean, known))
 
-    Whether the animal is darker or lighter than the scene is told by the pixels that stand out
-    of the median in single frames.
+
+def _shows_animal(known: Background, median: Background) -> bool:
+    """Say whether frames thought to be empty show an animal that the median does not.
+
+    Where the two differ in a blob, one of them shows an animal there: the one with more edges.
     """
-    lean = 0.0
-    for i in _spread(np.arange(*frames), 12):
-        out = _outstanding(grey(reader.frame(int(i)).image()) - median.mean, median)
-        lean += float(out.sum(dtype=float))
-    step = _outstanding(known.mean - median.mean, median)
-    blob = (step > 0) if lean > 0 else (step < 0)
-    _, _, stats, _ = cv2.connectedComponentsWithStats(blob.astype(np.uint8), connectivity=8)
-    areas = stats[1:, cv2.CC_STAT_AREA]
-    return bool(len(areas) and areas.max() > _BLOB_SHARE * blob.size)
+    for blob in _blobs(known.mean - median.mean, median):
+        near = cv2.dilate(blob, np.ones((5, 5), np.uint8)) > 0
+        edges = [squared_gradient(picture)[near].sum() for picture in (known.mean, median.mean)]
+        if edges[0] > edges[1]:
+            return True
+    return False
+
+
+def _blobs(step: np.ndarray, background: Background) -> list[np.ndarray]:
+    """Return masks of what stands out of the background and is as large as an animal."""
+    out = (_outstanding(step, background) != 0).astype(np.uint8)
+    _, names, stats, _ = cv2.connectedComponentsWithStats(out, connectivity=8)
+    large = np.flatnonzero(stats[:, cv2.CC_STAT_AREA] > _BLOB_SHARE * out.size)
+    return [(names == i).astype(np.uint8) for i in large if i > 0]
 
 
 def _outstanding(step: np.ndarray, median: Background) -> np.ndarray:

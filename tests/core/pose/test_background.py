@@ -148,3 +148,16 @@ def test_a_recording_in_which_nothing_moves_is_said(tmp_path):
     with pytest.warns(InputWarning, match="nothing moves"):
         background = find_background(reader, View(name="top", video="x"), folder=tmp_path)
     assert background.n_frames == 12
+
+
+def test_an_animal_that_comes_and_stays_does_not_make_the_empty_frames_doubtful(tmp_path):
+    # the median shows the animal here, for it stays most of the time
+    reader = recording([None] * 10 + [(120.0, 80.0)] * 30)
+    background = find_background(reader, View(name="top", video="x"), folder=tmp_path)
+    assert background.source == "frames 0 to 7"
+
+
+def test_an_animal_that_never_moves_is_said(tmp_path):
+    reader = recording([(120.0, 80.0)] * 30)
+    with pytest.warns(InputWarning, match="nothing moves in frames 0 to 29"):
+        find_background(reader, View(name="top", video="x"), folder=tmp_path)
