@@ -1,9 +1,10 @@
 """Gait statistics on tracks or events from any source; this part knows no video."""
 
-from pawnb.gait.analysis import GaitTables, analyse, analyse_events, pool
+from pawnb.gait.analysis import analyse, analyse_events
 from pawnb.gait.body_angles import body_angles
 from pawnb.gait.events import EventSettings
 from pawnb.gait.pose_body import leg_angles
+from pawnb.gait.tables import GaitTables, pool
 
 __all__ = [
     "EventSettings",

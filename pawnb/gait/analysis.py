@@ -3,60 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from pawnb.errors import InputError, did_you_mean
+from pawnb.errors import InputError
 from pawnb.gait.body import BodyPoints
 from pawnb.gait.cycles import LegSignals
 from pawnb.gait.events import EventSettings
 from pawnb.gait.feet import EVENT_TABLE_COLUMNS, analyse_space, dropped_table
 from pawnb.gait.grid import Grid, put_on_grid
 from pawnb.gait.leg_names import guess_body, guess_legs
-from pawnb.gait.legs import default_pairs, sort_legs
+from pawnb.gait.legs import sort_legs
 from pawnb.gait.paths import get_foot_paths
-from pawnb.gait.phases import build_phases, summarise_phases
 from pawnb.gait.pose_body import pose_body
-from pawnb.gait.stride_measures import measure_strides
-from pawnb.gait.strides import Motion, build_strides, choose_stride_event
+from pawnb.gait.strides import Motion
+from pawnb.gait.tables import GaitTables, Pairs, build_tables, pool
 from pawnb.schema import EVENTS_COLUMNS, Tracks, build_settings, check_columns, check_tracks
 from pawnb.trial import Trial
 
-Pairs = Sequence[tuple[str, str]]
 _EVENTS = ("AEP", "PEP", "TD", "LO")
 _LEAST_CONFIDENCE = {"DeepLabCut": 0.6}
 _GAP_COLUMNS = ("leg", "start_s", "end_s", "what")
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class GaitTables:
-    """The tables of a gait analysis.
-
-    Parameters
-    ----------
-    events, strides, phases, phase_summary, dropped : pandas.DataFrame
-        Tables with the columns of :mod:`pawnb.schema`, some with further columns on the
-        right. Rows are ordered by trial, leg and time.
-    notes : tuple of str
-        What was assumed or estimated, one sentence each.
-    settings : EventSettings
-        The settings that were asked for.
-    signals : tuple of LegSignals
-        The smoothed signals the events were found in, of analyses of Tracks; see
-        :mod:`pawnb.gait.cycles`.
-    """
-
-    events: pd.DataFrame
-    strides: pd.DataFrame
-    phases: pd.DataFrame
-    phase_summary: pd.DataFrame
-    dropped: pd.DataFrame
-    notes: tuple[str, ...] = ()
-    settings: EventSettings = field(default_factory=EventSettings)
-    signals: tuple[LegSignals, ...] = ()
 
 
 def analyse(
@@ -173,63 +143,8 @@ def analyse_events(
     for (animal, trial), own in events.groupby(["animal", "trial"], sort=False):
         own = _in_order(own, sort_legs(own["leg"]))
         who = {"animal": str(animal), "trial": str(trial)}
-        parts.append(_tables(own, who, pairs=pairs, settings=settings))
+        parts.append(build_tables(own, who, pairs=pairs, settings=settings))
     return pool(parts)
-
-
-def pool(parts: Sequence[GaitTables]) -> GaitTables:
-    """Put several analyses together; the phase summary is made anew over all of them.
-
-    Parameters
-    ----------
-    parts : sequence of GaitTables
-        Analyses of trials. Trials of one animal must carry the same animal's name.
-
-    Returns
-    -------
-    GaitTables
-        Tables one below the other, in the order given.
-
-    Raises
-    ------
-    InputError
-        If there is nothing to pool, two parts hold the same animal and trial, or their
-        settings differ.
-    """
-    if not parts:
-        raise InputError("nothing to pool: expected at least one analysis.")
-    seen: set[tuple[str, str]] = set()
-    for part in parts:
-        both = (part.events, part.dropped)
-        own = {pair for t in both for pair in zip(t["animal"], t["trial"], strict=True)}
-        double = sorted(seen & own)
-        if double:
-            raise InputError(
-                f"animal {double[0][0]!r}, trial {double[0][1]!r} is there twice; give every "
-                "trial its own name."
-            )
-        seen |= own
-        if part.settings != parts[0].settings:
-            raise InputError(
-                "the analyses were made with different settings; make them again with the same."
-            )
-    tables = {
-        name: _stack([getattr(part, name) for part in parts])
-        for name in ("events", "strides", "phases", "dropped")
-    }
-    return GaitTables(
-        **tables,
-        phase_summary=summarise_phases(tables["phases"]),
-        notes=tuple(dict.fromkeys(note for part in parts for note in part.notes)),
-        settings=parts[0].settings,
-        signals=tuple(one for part in parts for one in part.signals),
-    )
-
-
-def _stack(tables: list[pd.DataFrame]) -> pd.DataFrame:
-    """Put tables below each other; empty ones only lend their columns."""
-    full = [t for t in tables if len(t)]
-    return pd.concat(full, ignore_index=True) if full else tables[0].reset_index(drop=True)
 
 
 def _in_order(events: pd.DataFrame, legs: list[str]) -> pd.DataFrame:
@@ -360,7 +275,7 @@ def _analyse_one(
         motion |= dict.fromkeys(space.legs, found.motion)
     table = pd.DataFrame([{**who, **e} for e in events], columns=list(EVENT_TABLE_COLUMNS))
     table = table.astype({"frame": float, "time_s": float, "position": float})
-    return _tables(
+    return build_tables(
         _in_order(table, list(legs)), who, pairs=pairs, settings=settings, motion=motion,
         gaps=pd.DataFrame(gaps, columns=list(_GAP_COLUMNS)), legs=list(legs),
         dropped=dropped_table(dropped, who), notes=notes, signals=signals,
@@ -400,58 +315,6 @@ def _body_points(
             along = space.positions[:, :, order]
             return BodyPoints(points=along, names=tuple(names), guessed=not named)
     return None
-
-
-def _tables(
-    events: pd.DataFrame,
-    who: Mapping[str, str],
-    *,
-    pairs: Pairs | None,
-    settings: EventSettings,
-    motion: Mapping[str, Motion] | None = None,
-    gaps: pd.DataFrame | None = None,
-    legs: Sequence[str] | None = None,
-    dropped: pd.DataFrame | None = None,
-    notes: Sequence[str] = (),
-    signals: Sequence[LegSignals] = (),
-    body_length: float | None = None,
-) -> GaitTables:
-    """Make every table of one animal and trial from its events."""
-    legs = sort_legs(events["leg"]) if legs is None else legs
-    chosen = default_pairs(legs) if pairs is None else _checked_pairs(pairs, legs)
-    start = choose_stride_event(events, settings.stride_events)
-    strides, no_strides = build_strides(
-        events, start_event=start, motion=motion, gaps=gaps, max_stride_s=settings.max_stride_s
-    )
-    strides = measure_strides(strides, motion=motion, signals=signals, body_length=body_length)
-    phases, no_phases = build_phases(events, strides, chosen, start_event=start)
-    all_dropped = [t for t in (dropped, no_strides, no_phases) if t is not None]
-    remarks = list(notes)
-    if not chosen:
-        remarks.append(f"{who['trial']}: no pair of legs by name; name them with pairs for phases.")
-    return GaitTables(
-        events=events,
-        strides=strides,
-        phases=phases,
-        phase_summary=summarise_phases(phases),
-        dropped=_stack(all_dropped),
-        notes=tuple(f"{who['trial']}: {note}" if motion else note for note in remarks),
-        settings=settings,
-        signals=tuple(signals),
-    )
-
-
-def _checked_pairs(pairs: Pairs, legs: Sequence[str]) -> list[tuple[str, str]]:
-    """Return the pairs; refuse a leg that is not there or is its own reference."""
-    for pair in pairs:
-        if len(pair) != 2 or pair[0] == pair[1]:
-            raise InputError(f"pairs: {tuple(pair)} is not a leg and another one as reference.")
-        for leg in pair:
-            if leg not in legs:
-                raise InputError(
-                    f"pairs: no leg {leg!r}{did_you_mean(leg, legs)}; there are {', '.join(legs)}."
-                )
-    return [(a, b) for a, b in pairs]
 
 
 def _checked_events(events: pd.DataFrame) -> pd.DataFrame:

@@ -14,8 +14,8 @@ import pandas as pd
 from scipy.stats import f_oneway
 
 from pawnb.errors import InputError
-from pawnb.gait.analysis import GaitTables
 from pawnb.gait.phases import summarise_phases
+from pawnb.gait.tables import GaitTables
 from pawnb.schema import DROPPED_COLUMNS
 
 STEADINESS_COLUMNS = (

@@ -1,0 +1,189 @@
+"""The tables of a gait analysis: made from events, and pooled over trials and animals."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import pandas as pd
+
+from pawnb.errors import InputError, did_you_mean
+from pawnb.gait.cycles import LegSignals
+from pawnb.gait.events import EventSettings
+from pawnb.gait.legs import default_pairs, sort_legs
+from pawnb.gait.phases import build_phases, summarise_phases
+from pawnb.gait.stride_measures import measure_strides
+from pawnb.gait.strides import Motion, build_strides, choose_stride_event
+
+Pairs = Sequence[tuple[str, str]]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class GaitTables:
+    """The tables of a gait analysis.
+
+    Parameters
+    ----------
+    events, strides, phases, phase_summary, dropped : pandas.DataFrame
+        Tables with the columns of :mod:`pawnb.schema`, some with further columns on the
+        right. Rows are ordered by trial, leg and time.
+    notes : tuple of str
+        What was assumed or estimated, one sentence each.
+    settings : EventSettings
+        The settings that were asked for.
+    signals : tuple of LegSignals
+        The smoothed signals the events were found in, of analyses of Tracks; see
+        :mod:`pawnb.gait.cycles`.
+    """
+
+    events: pd.DataFrame
+    strides: pd.DataFrame
+    phases: pd.DataFrame
+    phase_summary: pd.DataFrame
+    dropped: pd.DataFrame
+    notes: tuple[str, ...] = ()
+    settings: EventSettings = field(default_factory=EventSettings)
+    signals: tuple[LegSignals, ...] = ()
+
+
+def pool(parts: Sequence[GaitTables]) -> GaitTables:
+    """Put several analyses together; the phase summary is made anew over all of them.
+
+    Parameters
+    ----------
+    parts : sequence of GaitTables
+        Analyses of trials. Trials of one animal must carry the same animal's name.
+
+    Returns
+    -------
+    GaitTables
+        Tables one below the other, in the order given.
+
+    Raises
+    ------
+    InputError
+        If there is nothing to pool, two parts hold the same animal and trial, or their
+        settings differ.
+    """
+    if not parts:
+        raise InputError("nothing to pool: expected at least one analysis.")
+    seen: set[tuple[str, str]] = set()
+    for part in parts:
+        both = (part.events, part.dropped)
+        own = {pair for t in both for pair in zip(t["animal"], t["trial"], strict=True)}
+        double = sorted(seen & own)
+        if double:
+            raise InputError(
+                f"animal {double[0][0]!r}, trial {double[0][1]!r} is there twice; give every "
+                "trial its own name."
+            )
+        seen |= own
+        if part.settings != parts[0].settings:
+            raise InputError(
+                "the analyses were made with different settings; make them again with the same."
+            )
+    tables = {
+        name: _stack([getattr(part, name) for part in parts])
+        for name in ("events", "strides", "phases", "dropped")
+    }
+    return GaitTables(
+        **tables,
+        phase_summary=summarise_phases(tables["phases"]),
+        notes=tuple(dict.fromkeys(note for part in parts for note in part.notes)),
+        settings=parts[0].settings,
+        signals=tuple(one for part in parts for one in part.signals),
+    )
+
+
+def build_tables(
+    events: pd.DataFrame,
+    who: Mapping[str, str],
+    *,
+    pairs: Pairs | None,
+    settings: EventSettings,
+    motion: Mapping[str, Motion] | None = None,
+    gaps: pd.DataFrame | None = None,
+    legs: Sequence[str] | None = None,
+    dropped: pd.DataFrame | None = None,
+    notes: Sequence[str] = (),
+    signals: Sequence[LegSignals] = (),
+    body_length: float | None = None,
+) -> GaitTables:
+    """Make every table of one animal and trial from its events.
+
+    Parameters
+    ----------
+    events : pandas.DataFrame
+        Events of one animal and trial, in order.
+    who : mapping
+        ``animal`` and ``trial``.
+    pairs : sequence of (leg, reference), optional
+        Pairs whose phase is measured; None for the usual ones.
+    settings : EventSettings
+        Settings.
+    motion : mapping, optional
+        Motion by the name of the leg.
+    gaps : pandas.DataFrame, optional
+        Stretches that no stride may hold; see :func:`pawnb.gait.strides.build_strides`.
+    legs : sequence of str, optional
+        Legs in anatomical order; default those of the events.
+    dropped : pandas.DataFrame, optional
+        What was dropped before.
+    notes : sequence of str
+        What a reader should know.
+    signals : sequence of LegSignals
+        Smoothed signals of the legs.
+    body_length : float, optional
+        Length of the body in the unit of the positions.
+
+    Returns
+    -------
+    GaitTables
+        The tables.
+
+    Raises
+    ------
+    InputError
+        If a pair names a leg that is not there.
+    """
+    legs = sort_legs(events["leg"]) if legs is None else legs
+    chosen = default_pairs(legs) if pairs is None else _checked_pairs(pairs, legs)
+    start = choose_stride_event(events, settings.stride_events)
+    strides, no_strides = build_strides(
+        events, start_event=start, motion=motion, gaps=gaps, max_stride_s=settings.max_stride_s
+    )
+    strides = measure_strides(strides, motion=motion, signals=signals, body_length=body_length)
+    phases, no_phases = build_phases(events, strides, chosen, start_event=start)
+    all_dropped = [t for t in (dropped, no_strides, no_phases) if t is not None]
+    remarks = list(notes)
+    if not chosen:
+        remarks.append(f"{who['trial']}: no pair of legs by name; name them with pairs for phases.")
+    return GaitTables(
+        events=events,
+        strides=strides,
+        phases=phases,
+        phase_summary=summarise_phases(phases),
+        dropped=_stack(all_dropped),
+        notes=tuple(f"{who['trial']}: {note}" if motion else note for note in remarks),
+        settings=settings,
+        signals=tuple(signals),
+    )
+
+
+def _stack(tables: list[pd.DataFrame]) -> pd.DataFrame:
+    """Put tables below each other; empty ones only lend their columns."""
+    full = [t for t in tables if len(t)]
+    return pd.concat(full, ignore_index=True) if full else tables[0].reset_index(drop=True)
+
+
+def _checked_pairs(pairs: Pairs, legs: Sequence[str]) -> list[tuple[str, str]]:
+    """Return the pairs; refuse a leg that is not there or is its own reference."""
+    for pair in pairs:
+        if len(pair) != 2 or pair[0] == pair[1]:
+            raise InputError(f"pairs: {tuple(pair)} is not a leg and another one as reference.")
+        for leg in pair:
+            if leg not in legs:
+                raise InputError(
+                    f"pairs: no leg {leg!r}{did_you_mean(leg, legs)}; there are {', '.join(legs)}."
+                )
+    return [(a, b) for a, b in pairs]
