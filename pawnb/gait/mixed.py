@@ -105,7 +105,7 @@ def fit_mixed(
         Whether animals have slopes of their own.
     trials : bool
         Whether trials of one animal may differ; used where an animal has several trials with
-        several strides.
+        several strides, and ``trial`` is no term.
 
     Returns
     -------
@@ -115,32 +115,28 @@ def fit_mixed(
     Raises
     ------
     InputError
-        If a column is missing, there are fewer than 2 animals, as many terms between animals
-        as animals, as many strides as terms and animals, or terms that repeat one another.
+        If a column is missing or infinite, there are fewer than 2 animals, as many terms
+        between animals as animals, too few strides, or terms that repeat one another or the
+        animals.
     """
     check_columns(table, ["animal", outcome, *terms], where="mixed model")
     check_level(level)
+    if {"animal", outcome} & set(terms):
+        raise InputError(f"mixed model: animal and {outcome} cannot be terms; leave them out.")
     known = table.dropna(subset=["animal", outcome, *terms])
     design, names = _design(known, terms)
     y = known[outcome].to_numpy(dtype=float)
     codes, k = animal_codes(known["animal"].tolist(), len(y)) if len(y) else (np.array([]), 0)
+    if not (np.isfinite(y).all() and np.isfinite(design).all()):
+        raise InputError("mixed model: some values are infinite; leave those strides out.")
     within = [_varies_within(column, codes) for column in design.T]
     n_between = len(names) - sum(within)
-    if k < 2 or k <= n_between or len(y) < k + len(names):
-        raise InputError(
-            f"mixed model: {len(y)} strides of {k} animals for {len(names)} terms, {n_between} of "
-            "them between animals; expected more animals than terms between them, and several "
-            "strides an animal."
-        )
-    scale = np.maximum(np.abs(design).max(axis=0), 1e-300)
-    if np.linalg.matrix_rank(design / scale) < len(names):
-        raise InputError("mixed model: the terms repeat one another; leave one out.")
-    if np.ptp(y) <= 1e-12 * np.abs(y).max():
-        raise InputError(f"mixed model: {outcome} is the same in all strides; nothing to explain.")
+    scale = np.maximum(np.abs(design).max(axis=0, initial=0.0), 1e-300)
+    _check_fit(y, design / scale, k, n_between)
     parts = {"animal": np.ones(len(y))}
     random = {name for name, w in zip(names, within, strict=True) if w and slopes}
     parts |= {name: design[:, names.index(name)] for name in names if name in random}
-    trial_codes = _trials(known, codes) if trials else None
+    trial_codes = _trials(known, codes) if trials and "trial" not in terms else None
     centre, unit = float(y.mean()), float(y.std())  # the optimiser wants numbers near 1
     blocks = _Blocks((y - centre) / unit, design / scale, codes, parts, trial_codes)
     variances, converged = blocks.fit()
@@ -167,6 +163,21 @@ def fit_mixed(
         sd_slopes={name: spread[name] for name in parts if name != "animal"},
         n=len(y), n_animals=k, note="; ".join(notes),
     )  # fmt: skip
+
+
+def _check_fit(y: np.ndarray, design: np.ndarray, k: int, n_between: int) -> None:
+    """Refuse data that do not determine the model."""
+    n, n_terms = design.shape
+    if k < 2 or k <= n_between or n < k + n_terms:
+        raise InputError(
+            f"mixed model: {n} strides of {k} animals for {n_terms} terms, {n_between} of "
+            "them between animals; expected more animals than terms between them, and several "
+            "strides an animal."
+        )
+    if np.linalg.matrix_rank(design) < n_terms:
+        raise InputError("mixed model: the terms repeat one another; leave one out.")
+    if np.ptp(y) <= 1e-12 * np.abs(y).max():
+        raise InputError("mixed model: the outcome is the same in all strides; nothing to explain.")
 
 
 def _design(known: pd.DataFrame, terms: Sequence[str]) -> tuple[np.ndarray, list[str]]:

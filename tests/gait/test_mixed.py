@@ -121,6 +121,12 @@ def test_animals_with_slopes_of_their_own_widen_the_interval():
     assert (own["df"], common["df"]) == (5, 72 - 6 - 1)
 
 
+def test_trial_as_a_term_is_not_random_too():
+    found = fit_mixed(strides(), "duty", ["trial"])
+    assert math.isnan(found.sd_trials)
+    assert found.terms["term"].tolist() == ["intercept", "trial"]
+
+
 def test_no_variance_between_animals_is_told():
     rng = np.random.default_rng(3)
     table = pd.DataFrame({"animal": np.repeat(list("abcde"), 10), "y": rng.normal(0, 1, 50)})
@@ -155,7 +161,9 @@ def test_level_with_five_animals():
             lambda t: (t.assign(twice=2 * t["speed"]), ["speed", "twice"]),
             "terms repeat one another",
         ),
-        (lambda t: (t.assign(duty=0.5), []), "^mixed model: duty is the same in all strides"),
+        (lambda t: (t.assign(duty=0.5), []), "the outcome is the same in all strides"),
+        (lambda t: (t, ["animal"]), "^mixed model: animal and duty cannot be terms"),
+        (lambda t: (t.assign(speed=np.inf), ["speed"]), "some values are infinite"),
         (lambda t: (t, ["mass"]), "column 'mass' is missing"),
     ],
 )
