@@ -60,16 +60,17 @@ def summarise_animals(
     for key, own in groups:
         for measure in measures:
             known = own[["animal", measure]].dropna()
-            if known.empty:
-                continue
             row = dict(zip(by, key, strict=True)) | {"measure": measure}
+            if known.empty:
+                rows.append(row | {"n": 0, "n_animals": 0, "note": "no values"})
+                continue
             rows.append(row | _describe_measure(known, measure, level))
     return pd.DataFrame(rows, columns=[*by, *ANIMAL_COLUMNS])
 
 
 def _describe_measure(known: pd.DataFrame, measure: str, level: float) -> dict[str, object]:
     """Describe one measure; see :func:`summarise_animals`."""
-    values = known[measure].to_numpy(dtype=float)
+    values = check_values(known[measure].to_numpy())
     animals = known["animal"].tolist()
     found = mean_of_animals(values, animals, level=level)
     half = math.nan

@@ -19,9 +19,9 @@ import numpy as np
 from scipy.stats import t as student
 
 from pawnb.errors import InputError
-from pawnb.gait.circular import circular_sd, mean_vector, rayleigh_p, wrap
+from pawnb.gait.circular import as_numbers, circular_sd, mean_vector, rayleigh_p, wrap
 from pawnb.gait.circular_describe import difference
-from pawnb.gait.circular_sample import NO_MEAN, ONE_ANIMAL, animal_codes, phase_standard_error
+from pawnb.gait.circular_sample import NO_MEAN, ONE_ANIMAL, TINY, animal_codes, phase_standard_error
 from pawnb.gait.lines import t_quantile
 from pawnb.gait.second_order import animal_vectors, moore_test
 
@@ -193,7 +193,7 @@ def estimate_of(
     if expected is not None:
         away = mean - expected
         t = away / error if error > 0.0 else (0.0 if away == 0.0 else math.inf)
-        p = float(2.0 * student.sf(abs(t), k - 1))
+        p = max(float(2.0 * student.sf(abs(t), k - 1)), TINY)
     method = f"t of animals' values, {k - 1} df"
     return AnimalEstimate(mean, mean - half, mean + half, sd, p, n, k, level, method, note)
 
@@ -397,7 +397,7 @@ def check_values(values: np.ndarray) -> np.ndarray:
     InputError
         If there is none, or one is not finite.
     """
-    values = np.asarray(values, dtype=float).ravel()
+    values = as_numbers(values, "values")
     bad = int((~np.isfinite(values)).sum())
     if len(values) == 0 or bad:
         found = f"{bad} of {len(values)} are not finite" if bad else "none was given"

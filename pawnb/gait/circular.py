@@ -299,7 +299,7 @@ def check_phases(phases: np.ndarray) -> np.ndarray:
     InputError
         If there is none, or one is not a finite number.
     """
-    phases = np.asarray(phases, dtype=float).ravel()
+    phases = as_numbers(phases, "phases")
     bad = int((~np.isfinite(phases)).sum())
     if len(phases) == 0 or bad:
         found = f"{bad} of {len(phases)} are not finite" if bad else "none was given"
@@ -308,6 +308,32 @@ def check_phases(phases: np.ndarray) -> np.ndarray:
             "leave out what was not measured."
         )
     return phases
+
+
+def as_numbers(values: np.ndarray, name: str) -> np.ndarray:
+    """Return values as a flat array of floats; they may be missing.
+
+    Parameters
+    ----------
+    values : array_like
+        Numbers.
+    name : str
+        What the message calls them.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        The same numbers.
+
+    Raises
+    ------
+    InputError
+        If one is no number.
+    """
+    try:
+        return np.asarray(values, dtype=float).ravel()
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name}: expected numbers ({error}).") from error
 
 
 def check_r(r: float) -> None:

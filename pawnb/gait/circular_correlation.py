@@ -13,9 +13,8 @@ from scipy.stats import f as fisher
 
 from pawnb.errors import InputError
 from pawnb.gait.circular import check_phases
-from pawnb.gait.circular_sample import AS_INDEPENDENT, animal_codes
+from pawnb.gait.circular_sample import AS_INDEPENDENT, TINY, animal_codes
 
-_TINY = float(np.finfo(float).tiny)
 _MOST_ORDERS = 5_040
 
 
@@ -127,7 +126,7 @@ def angular_linear(
     by_permutation = _permuted_p(squared, n, n_permutations, seed)
     note = AS_INDEPENDENT if n_animals is None else ""
     counts = (len(phases), n_animals, how, note)
-    return CircularCorrelation(math.sqrt(r2), statistic, max(p, _TINY), by_permutation, *counts)
+    return CircularCorrelation(math.sqrt(r2), statistic, max(p, TINY), by_permutation, *counts)
 
 
 def angular_angular(
@@ -190,7 +189,7 @@ def angular_angular(
         return CircularCorrelation(r, r, by_permutation, by_permutation, *counts)
     u, v = _about_mean(a) ** 2, _about_mean(b) ** 2
     statistic = r * math.sqrt(n * u.mean() * v.mean() / (u * v).mean())
-    p = max(2.0 * float(norm.sf(abs(statistic))), _TINY)
+    p = max(2.0 * float(norm.sf(abs(statistic))), TINY)
     counts = (len(phases), n_animals, "normal approximation", note)
     return CircularCorrelation(r, statistic, p, by_permutation, *counts)
 

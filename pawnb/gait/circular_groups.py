@@ -18,9 +18,8 @@ from scipy.stats import f as fisher
 from pawnb.errors import InputError
 from pawnb.gait.circular import check_phases, mean_vector
 from pawnb.gait.circular_describe import concentration
-from pawnb.gait.circular_sample import CircularTest, animal_codes, animal_sample, make_result
+from pawnb.gait.circular_sample import TINY, CircularTest, animal_codes, animal_sample, make_result
 
-_TINY = float(np.finfo(float).tiny)
 _MOST_ARRANGEMENTS = 20_000
 
 
@@ -67,7 +66,7 @@ def watson_williams_test(
         )
     correction = 1.0 + 3.0 / (8.0 * concentration(lengths / n, method="fisher"))
     f = correction * (n - k) * (lengths - n * r) / ((k - 1) * (n - lengths))
-    p = max(float(fisher.sf(f, k - 1, n - k)), _TINY)
+    p = max(float(fisher.sf(f, k - 1, n - k)), TINY)
     counts = (len(phases), n_animals, f"F, {k - 1} and {n - k} df")
     found = make_result("Watson-Williams F", f, p, counts=counts)
     if lengths / n >= 0.45:
@@ -181,7 +180,7 @@ def wheeler_watson_test(
     if method == "chi2":
         which = np.repeat(np.arange(len(sizes)), sizes)
         w = scale * sum(abs(vectors[which == i].sum()) ** 2 / m for i, m in enumerate(sizes))
-        p = max(float(chi2.sf(w, 2 * (len(sizes) - 1))), _TINY)
+        p = max(float(chi2.sf(w, 2 * (len(sizes) - 1))), TINY)
         counts = (len(phases), n_animals, f"chi², {2 * (len(sizes) - 1)} df")
         return make_result("Wheeler-Watson W", float(w), p, counts=counts)
 

@@ -12,6 +12,7 @@ from pawnb.errors import InputError
 from pawnb.gait.circular import check_phases, mean_vector
 
 ONE_ANIMAL = "one animal: nothing can be said of animals"
+TINY = float(np.finfo(float).tiny)  # no p is 0
 NO_MEAN = "the phases cancel out: no mean exists"
 AS_INDEPENDENT = "p as if the phases were independent; give animals= to count animals"
 
@@ -116,7 +117,11 @@ def animal_codes(animals: Sequence[object], n: int) -> tuple[np.ndarray, int]:
     InputError
         If there is not one animal a value.
     """
-    names = [str(a) for a in animals]
+    given = list(animals)
+    missing = sum(a is None or a != a for a in given)  # NaN is not equal to itself
+    if missing:
+        raise InputError(f"animals: {missing} of {len(given)} have no name; expected one each.")
+    names = [str(a) for a in given]
     if len(names) != n:
         raise InputError(f"animals: found {len(names)} names for {n} values; expected one a value.")
     found, codes = np.unique(names, return_inverse=True)

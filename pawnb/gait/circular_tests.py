@@ -21,13 +21,12 @@ from pawnb.gait.circular_describe import circular_median, difference
 from pawnb.gait.circular_sample import (
     NO_MEAN,
     ONE_ANIMAL,
+    TINY,
     CircularTest,
     animal_sample,
     make_result,
     phase_standard_error,
 )
-
-_TINY = float(np.finfo(float).tiny)
 
 
 def rayleigh_test(
@@ -154,10 +153,10 @@ def mean_test(
     if n_animals is not None:
         error = phase_standard_error(sample)
         t = away / error if error > 0.0 else math.copysign(math.inf, away) if away else 0.0
-        p = float(2.0 * student.sf(abs(t), n - 1))
+        p = max(float(2.0 * student.sf(abs(t), n - 1)), TINY)
         return make_result("t of mean phase", t, p, counts=(*counts, f"Student's t, {n - 1} df"))
     statistic = _upton_chi2(away, r, n)
-    p = max(float(chi2.sf(statistic, 1)), _TINY)
+    p = max(float(chi2.sf(statistic, 1)), TINY)
     return make_result("chi² of mean phase", statistic, p, counts=(*counts, "chi², 1 df"))
 
 
@@ -331,7 +330,7 @@ def _exact_v_p(v: float, n: int) -> float:
     ``1 / (2 pi i) * integral of I0(s)^n exp(-s v) / s ds`` along a line Re s = k > 0.
     """
     if v <= -n or v >= n:
-        return 1.0 if v <= -n else _TINY
+        return 1.0 if v <= -n else TINY
     if v < 0.0:
         return 1.0 - _exact_v_p(-v, n)
     if n == 1:
@@ -343,4 +342,4 @@ def _exact_v_p(v: float, n: int) -> float:
     s = height + 1j * step * np.arange(math.ceil(reach / step))
     # ive is scaled by exp(-Re s); put back here
     values = np.exp(n * (np.log(ive(0, s)) + height) - s * v - np.log(s)).real
-    return float(np.clip(step * (values.sum() - values[0] / 2.0) / math.pi, _TINY, 1.0))
+    return float(np.clip(step * (values.sum() - values[0] / 2.0) / math.pi, TINY, 1.0))

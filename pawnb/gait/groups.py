@@ -24,7 +24,7 @@ from pawnb.errors import InputError
 from pawnb.gait.animals import WHOLE_CYCLE, check_level
 from pawnb.gait.circular import mean_vector
 from pawnb.gait.circular_describe import difference
-from pawnb.gait.circular_sample import animal_sample, phase_standard_error
+from pawnb.gait.circular_sample import TINY, animal_sample, phase_standard_error
 from pawnb.schema import check_columns
 
 GROUP_COLUMNS = (
@@ -118,6 +118,9 @@ def compare_groups(
     check_level(level)
     if correction not in CORRECTIONS:
         raise InputError(f"correction is {correction!r}; expected one of {CORRECTIONS}.")
+    words = [name for name in measures if not pd.api.types.is_numeric_dtype(table[name])]
+    if words:
+        raise InputError(f"column {words[0]!r} does not hold numbers; expected a measure.")
     pairs = _pairs(table, group, reference)
     rows: list[dict[str, Any]] = []
     parts = table.groupby(list(by), sort=False) if by else [((), table)]
@@ -125,10 +128,11 @@ def compare_groups(
         for measure, (a, b) in itertools.product(measures, pairs):
             known = part[["animal", group, measure]].dropna()
             one, two = (known[known[group].astype(str) == name] for name in (a, b))
-            if one.empty or two.empty:
-                continue
             head = dict(zip(by, key, strict=True))
             head |= {"measure": measure, "group_a": a, "group_b": b}
+            if one.empty or two.empty:
+                rows.append(head | {"note": f"no values in {a if one.empty else b}"})
+                continue
             rows.append(head | _compare(one, two, measure, (paired, circular, level)))
     found = pd.DataFrame(rows, columns=[*by, *GROUP_COLUMNS])
     found["correction"] = correction
@@ -379,11 +383,12 @@ def _welch(
     """Return half the interval, p and the degrees of freedom of a difference of two means."""
     whole = squares[0] + squares[1]
     if whole <= 0.0:
-        return 0.0, 1.0 if away == 0.0 else 0.0, float(sum(dfs))
+        return 0.0, 1.0 if away == 0.0 else TINY, float(sum(dfs))
     df = whole**2 / (squares[0] ** 2 / dfs[0] + squares[1] ** 2 / dfs[1])
     error = math.sqrt(whole)
     quantile = float(student.ppf((1.0 + level) / 2.0, df))
-    return quantile * error, float(2.0 * student.sf(abs(away) / error, df)), df
+    p = max(float(2.0 * student.sf(abs(away) / error, df)), TINY)
+    return quantile * error, p, df
 
 
 def _no_test(mean_a: float, mean_b: float, away: float) -> Difference:

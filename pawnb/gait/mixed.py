@@ -23,6 +23,7 @@ from scipy.stats import t as student
 
 from pawnb.errors import InputError
 from pawnb.gait.animals import check_level
+from pawnb.gait.circular import as_numbers
 from pawnb.gait.circular_sample import animal_codes
 from pawnb.schema import check_columns
 
@@ -125,7 +126,7 @@ def fit_mixed(
         raise InputError(f"mixed model: animal and {outcome} cannot be terms; leave them out.")
     known = table.dropna(subset=["animal", outcome, *terms])
     design, names = _design(known, terms)
-    y = known[outcome].to_numpy(dtype=float)
+    y = as_numbers(known[outcome].to_numpy(), outcome)
     codes, k = animal_codes(known["animal"].tolist(), len(y)) if len(y) else (np.array([]), 0)
     if not (np.isfinite(y).all() and np.isfinite(design).all()):
         raise InputError("mixed model: some values are infinite; leave those strides out.")

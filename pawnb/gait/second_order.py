@@ -18,9 +18,7 @@ from scipy.stats import rankdata
 
 from pawnb.errors import InputError
 from pawnb.gait.circular import MeanVector, check_phases, resultant_p, wrap
-from pawnb.gait.circular_sample import ONE_ANIMAL, CircularTest, animal_codes
-
-_TINY = float(np.finfo(float).tiny)
+from pawnb.gait.circular_sample import ONE_ANIMAL, TINY, CircularTest, animal_codes
 
 
 class AnimalVectors(NamedTuple):
@@ -149,7 +147,7 @@ def hotelling_test(
         note = ONE_ANIMAL if k == 1 else "fewer than 3 animals, or vectors on a line: no test"
         return CircularTest("Hotelling F", math.nan, math.nan, k, k, "none", note)
     if method == "f":
-        p, how = max(float(fisher.sf(f, 2, k - 2)), _TINY), f"F, 2 and {k - 2} df"
+        p, how = max(float(fisher.sf(f, 2, k - 2)), TINY), f"F, 2 and {k - 2} df"
     else:
         turned = np.random.default_rng(seed).random((n_rotations, k)) * 2.0 * np.pi
         length = np.hypot(x, y)
@@ -201,6 +199,8 @@ def moore_test(means: np.ndarray, lengths: np.ndarray) -> CircularTest:
     k = len(x)
     if k == 1:
         return CircularTest("Moore R'", math.nan, math.nan, 1, 1, "none", ONE_ANIMAL)
+    if not np.hypot(x, y).all():
+        raise InputError("a mean vector of length 0 has no direction; leave that animal out.")
     ranks = rankdata(np.round(np.hypot(x, y), 12))
     angles = np.arctan2(y, x)
     total = abs(complex((ranks * np.exp(1j * angles)).sum()))

@@ -187,6 +187,8 @@ def test_summary_of_measures():
     assert math.isnan(found.iloc[1]["icc"])  # nothing varies
     table.loc[0, "duty_factor"] = np.nan
     assert summarise_animals(table, ["duty_factor"]).iloc[0]["n"] == 39
+    empty = summarise_animals(table.assign(duty_factor=np.nan), ["duty_factor"]).iloc[0]
+    assert (empty["n"], empty["note"]) == (0, "no values")
     assert summarise_animals(table, ["period_s"], by=[]).columns[0] == "measure"
 
 
@@ -205,6 +207,8 @@ def test_variance_shares_by_hand():
     ("call", "message"),
     [
         (lambda: mean_of_animals([1.0, np.nan], list("ab")), "^values: 1 of 2 are not finite"),
+        (lambda: mean_of_animals(["x"], ["a"]), "^values: expected numbers"),
+        (lambda: mean_of_animals([1.0, 2], [None, np.nan]), "^animals: 2 of 2 have no name"),
         (lambda: mean_of_animals([], []), "^values: none was given"),
         (lambda: mean_of_animals([1.0, 2], list("abc")), "^animals: found 3 names for 2 values"),
         (lambda: mean_of_animals([1.0, 2], list("ab"), level=95), "^level is 95; expected between"),

@@ -194,6 +194,15 @@ def test_conditions_of_the_same_animals():
     assert -0.5 <= circular["difference"] < 0.5
 
 
+def test_a_group_without_values_is_told():
+    table = strides()
+    table.loc[table["group"] == "sham", "duty_factor"] = np.nan
+    found = compare_groups(table, ["duty_factor"])
+    assert found["note"].tolist() == ["", "no values in sham", "no values in sham"]
+    with pytest.raises(InputError, match=r"^column 'leg' does not hold numbers"):
+        compare_groups(table, ["leg"])
+
+
 def test_one_animal_in_a_group_has_no_p():
     table = strides()
     table = table[~table["animal"].isin(["sham1", "sham2", "sham3"])]

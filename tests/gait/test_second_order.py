@@ -108,6 +108,7 @@ def test_vectors_on_a_line_have_no_hotelling():
 @pytest.mark.parametrize(
     ("call", "message"),
     [
+        (lambda: moore_test(D4_MEANS, 0 * D4_LENGTHS), "^a mean vector of length 0 has no direct"),
         (lambda: moore_test(D4_MEANS, D4_LENGTHS[:3]), "^lengths: expected 7 numbers from 0 to 1"),
         (lambda: moore_test(D4_MEANS, D4_LENGTHS * 2), "^lengths: expected 7 numbers from 0 to 1"),
         (lambda: hotelling_test(D4_MEANS, D4_LENGTHS, method="x"), "^method is 'x'; expected"),
