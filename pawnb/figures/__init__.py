@@ -8,9 +8,13 @@ from pawnb.figures.animal_presence import (
     build_animal_presence_table,
     plot_animal_presence,
 )
+from pawnb.figures.bland_altman import build_bland_altman_table, plot_bland_altman
 from pawnb.figures.compare_methods import build_compare_methods_table, plot_compare_methods
+from pawnb.figures.estimation import build_estimation_table, plot_estimation
+from pawnb.figures.filter_effect import build_filter_effect_table, plot_filter_effect
 from pawnb.figures.gait_diagram import build_gait_diagram_table, plot_gait_diagram
 from pawnb.figures.hildebrand import build_hildebrand_diagram_table, plot_hildebrand_diagram
+from pawnb.figures.joint_ranges import build_joint_ranges_table, plot_joint_ranges
 from pawnb.figures.leg_angles import plot_leg_angles
 from pawnb.figures.paths_3d import build_paths_3d_table, plot_paths_3d
 from pawnb.figures.pattern_distances import plot_pattern_distances
@@ -19,9 +23,13 @@ from pawnb.figures.phase_plane import build_phase_plane_table, plot_phase_plane
 from pawnb.figures.phase_rose import build_phase_rose_table, plot_phase_rose
 from pawnb.figures.phase_speed import build_phase_speed_table, plot_phase_speed
 from pawnb.figures.pose_overlay import build_pose_overlay_table, plot_pose_overlay
+from pawnb.figures.regression import build_regression_table, plot_regression
+from pawnb.figures.residual_analysis import build_residual_analysis_table, plot_residual_analysis
+from pawnb.figures.scaling import build_scaling_table, plot_scaling
 from pawnb.figures.stepping_pattern import build_stepping_pattern_table, plot_stepping_pattern
 from pawnb.figures.stride_average import plot_stride_average
 from pawnb.figures.style import StyleOptions, get_style, set_style, style
+from pawnb.figures.summary_page import build_summary_page_table, plot_summary_page
 from pawnb.figures.support_shares import plot_support_shares
 from pawnb.figures.template_fit import build_template_fit_table, plot_template_fit
 
@@ -29,23 +37,35 @@ __all__ = [
     "StyleOptions",
     "build_aligned_acceleration_table",
     "build_animal_presence_table",
+    "build_bland_altman_table",
     "build_compare_methods_table",
+    "build_estimation_table",
+    "build_filter_effect_table",
     "build_gait_diagram_table",
     "build_hildebrand_diagram_table",
+    "build_joint_ranges_table",
     "build_paths_3d_table",
     "build_phase_histogram_table",
     "build_phase_plane_table",
     "build_phase_rose_table",
     "build_phase_speed_table",
     "build_pose_overlay_table",
+    "build_regression_table",
+    "build_residual_analysis_table",
+    "build_scaling_table",
     "build_stepping_pattern_table",
+    "build_summary_page_table",
     "build_template_fit_table",
     "get_style",
     "plot_aligned_acceleration",
     "plot_animal_presence",
+    "plot_bland_altman",
     "plot_compare_methods",
+    "plot_estimation",
+    "plot_filter_effect",
     "plot_gait_diagram",
     "plot_hildebrand_diagram",
+    "plot_joint_ranges",
     "plot_leg_angles",
     "plot_paths_3d",
     "plot_pattern_distances",
@@ -54,8 +74,12 @@ __all__ = [
     "plot_phase_rose",
     "plot_phase_speed",
     "plot_pose_overlay",
+    "plot_regression",
+    "plot_residual_analysis",
+    "plot_scaling",
     "plot_stepping_pattern",
     "plot_stride_average",
+    "plot_summary_page",
     "plot_support_shares",
     "plot_template_fit",
     "set_style",

@@ -193,7 +193,11 @@ def plot_regression(
     pairs = [own for _, own in table.groupby(["outcome", "predictor"], sort=False)]
     called = dict(names or {})
     with style():
-        panels = make_panels(len(pairs), where="regression figure", ax=ax, height_mm=56.0)
+        # three and more side by side need two columns of a page for their words
+        columns = 3 if len(pairs) == 3 else None
+        panels = make_panels(
+            len(pairs), where="regression figure", ax=ax, columns=columns, height_mm=56.0
+        )
         marks = mark_animals(table.loc[table["row"] == "point", "animal"])
         for panel, own in zip(panels, pairs, strict=True):
             first = own.iloc[0]

@@ -30,7 +30,7 @@ from pawnb.workflow.results import (
     provenance_steps,
     results_folder,
 )
-from pawnb.workflow.save_figures import save_gait_figures
+from pawnb.workflow.save_figures import Which, save_gait_figures
 
 TABLES = ("events", "strides", "phases", "phase_summary", "dropped")
 
@@ -106,6 +106,7 @@ def run_gait(
     fps: float | None = None,
     legs: Sequence[str] | None = None,
     settings: Mapping[str, Any] | None = None,
+    figures: Which = "all",
     command: Sequence[str] | None = None,
 ) -> GaitRun:
     """Analyse the gait of one or more inputs; write tables and figures.
@@ -126,6 +127,9 @@ def run_gait(
         Legs to use; default every point that is named like a leg.
     settings : mapping, optional
         Settings of the event detection.
+    figures : {"all", "main", "none"}
+        Figures to draw: every one that the tables allow (which takes longer than the
+        analysis), gait diagrams and phase roses, or none.
     command : sequence of str, optional
         The command line, for the provenance.
 
@@ -164,7 +168,7 @@ def run_gait(
         files.append(path)
     for name, table in coordination_tables(tables).items():
         files.append(write_table(table, folder / f"{name}.csv"))
-    files += save_gait_figures(tables, folder / "figures", record=step)
+    files += save_gait_figures(tables, folder / "figures", record=step, which=figures)
     write_provenance([step], folder / "provenance.json")
     files.append(folder / "provenance.json")
     return GaitRun(tables, folder, tuple(files))

@@ -2,25 +2,34 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
+import matplotlib.pyplot as plt
+import pandas as pd
 from matplotlib.figure import Figure
 
 from pawnb import figures
+from pawnb.errors import InputError
 from pawnb.gait import GaitTables
 from pawnb.io.tables import write_table
+from pawnb.workflow.gait_drawings import gait_drawings
 
+Which = Literal["all", "main", "none"]
+MAIN = ("gait_diagram", "phase_rose")
 FORMATS = ("png", "pdf", "svg")
-DPI = 300
 
 
 def save_gait_figures(
-    tables: GaitTables, folder: str | Path, *, record: Mapping[str, Any]
+    tables: GaitTables, folder: str | Path, *, record: Mapping[str, Any], which: Which = "all"
 ) -> list[Path]:
-    """Draw the gait diagram of each trial and the phase rose; save them with their tables.
+    """Draw every figure that the tables allow; save each with the table it draws.
+
+    Figures of trials and of animals carry their names. What cannot be drawn (no speed, one leg,
+    no signals) is left out, and ``not_drawn.csv`` says which and why.
 
     Parameters
     ----------
@@ -30,30 +39,43 @@ def save_gait_figures(
         Folder to write; made where it is absent.
     record : mapping
         Provenance that goes into the metadata of each file.
+    which : {"all", "main", "none"}
+        All of them, gait diagrams and phase roses only, or none.
 
     Returns
     -------
     list of Path
         The files: png, pdf and svg of each figure, and the csv of what it draws.
+
+    Raises
+    ------
+    InputError
+        If ``which`` is none of these.
     """
+    if which not in ("all", "main", "none"):
+        raise InputError(f"figures is {which!r}; expected 'all', 'main' or 'none'.")
+    if which == "none":
+        return []
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    files = []
-    drawings = []
-    for (animal, trial), events in tables.events.groupby(["animal", "trial"], sort=False):
-        own = tables.dropped
-        own = own[(own["animal"] == animal) & (own["trial"] == trial)]
-        table = figures.build_gait_diagram_table(events.reset_index(drop=True), dropped=own)
-        drawings.append((f"gait_diagram_{_safe(f'{animal}_{trial}')}", table, "gait_diagram"))
-    if len(tables.phases):
-        table = figures.build_phase_rose_table(tables.phases)
-        drawings.append(("phase_rose", table, "phase_rose"))
-    for name, table, kind in drawings:
+    files: list[Path] = []
+    absent: list[tuple[str, str]] = []
+    for drawing in gait_drawings(tables):
+        if which == "main" and drawing.kind not in MAIN:
+            continue
         with figures.style():
-            ax = getattr(figures, f"plot_{kind}")(table)
-            files += save_figure(ax, folder / name, record={**record, "figure": kind})
-        write_table(table, folder / f"{name}.csv")
-        files.append(folder / f"{name}.csv")
+            try:
+                table, ax = drawing.draw()
+            except InputError as error:
+                absent.append((drawing.name, str(error)))
+                plt.close("all")
+                continue
+            own = {**record, "figure": drawing.kind}
+            files += save_figure(ax, folder / drawing.name, record=own)
+        files.append(write_table(table, folder / f"{drawing.name}.csv"))
+    if absent:
+        table = pd.DataFrame(absent, columns=["figure", "why"])
+        files.append(write_table(table, folder / "not_drawn.csv"))
     return files
 
 
@@ -75,9 +97,10 @@ def save_figure(ax: Any, path: Path, *, record: Mapping[str, Any]) -> list[Path]
     list of Path
         The files.
     """
-    import matplotlib.pyplot as plt
-
-    figure: Figure = ax.figure
+    figure: Figure = ax.get_figure(root=True)
+    chosen = figures.get_style()
+    if chosen != figures.StyleOptions():  # then the recipe needs it
+        record = {**record, "style": dataclasses.asdict(chosen)}
     recipe = json.dumps(record, sort_keys=True)
     metadata: dict[str, dict[str, Any]] = {
         "png": {"Description": recipe, "Software": None},
@@ -85,15 +108,13 @@ def save_figure(ax: Any, path: Path, *, record: Mapping[str, Any]) -> list[Path]
                 "Creator": "pawnb"},
         "svg": {"Description": recipe, "Date": None, "Creator": "pawnb"},
     }  # fmt: skip
+    # panels are laid out once, not anew for each format
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
     files = []
     for ending in FORMATS:
         file = path.with_name(f"{path.name}.{ending}")
-        figure.savefig(file, dpi=DPI, metadata=metadata[ending])
+        figure.savefig(file, dpi=chosen.dpi, metadata=metadata[ending])
         files.append(file)
     plt.close(figure)
     return files
-
-
-def _safe(name: str) -> str:
-    """Return a name that every file system takes."""
-    return "".join(c if c.isalnum() or c in "-_" else "-" for c in name)

@@ -55,7 +55,7 @@ def results(tmp_path):
 
 
 def test_tables_have_the_columns_of_the_contract(results):
-    run = run_gait([results])
+    run = run_gait([results], figures="main")
     assert run.out == results
     for name in ("events", "strides", "phases", "phase_summary", "dropped"):
         columns = getattr(schema, f"{name.upper()}_COLUMNS")
@@ -80,7 +80,7 @@ def test_tables_have_the_columns_of_the_contract(results):
 def test_figures_carry_the_recipe_and_are_the_same_each_time(results, tmp_path):
     from PIL import Image
 
-    run = run_gait([results], command=["pawnb", "gait", str(results)])
+    run = run_gait([results], figures="main", command=["pawnb", "gait", str(results)])
     figures = sorted(p.name for p in (results / "figures").iterdir())
     assert figures == [
         "gait_diagram_m1_t1.csv",
@@ -97,7 +97,9 @@ def test_figures_carry_the_recipe_and_are_the_same_each_time(results, tmp_path):
     assert recipe["figure"] == "phase_rose"
     assert recipe["command"] == "pawnb gait results"
     assert recipe["inputs"]["results/tracks.nc"].startswith("sha256:")
-    again = run_gait([results], out=tmp_path / "again", command=["pawnb", "gait", str(results)])
+    again = run_gait(
+        [results], figures="main", out=tmp_path / "again", command=["pawnb", "gait", str(results)]
+    )
     for path in run.files:
         twin = again.out / path.relative_to(run.out)
         assert twin.read_bytes() == path.read_bytes(), path.name
@@ -111,7 +113,7 @@ def test_inputs_are_pooled_by_animal(tmp_path):
         path.parent.mkdir()
         write_tracks(walking_tracks(trial, animal), path)
         paths.append(path)
-    run = run_gait(paths, out=tmp_path / "pooled")
+    run = run_gait(paths, figures="main", out=tmp_path / "pooled")
     summary = run.tables.phase_summary.set_index(["leg", "reference"])
     assert (summary["n_animals"] == 2).all()
     assert run.tables.strides["animal"].nunique() == 2
@@ -129,7 +131,7 @@ def test_events_scored_by_hand_will_do(tmp_path):
     ]
     path = tmp_path / "events.csv"
     pd.DataFrame(rows, columns=["leg", "event", "frame"]).to_csv(path, index=False)
-    run = run_gait([path], fps=250.0)
+    run = run_gait([path], figures="main", fps=250.0)
     assert run.out == tmp_path / "results"
     strides = run.tables.strides
     np.testing.assert_allclose(strides["period_s"], 0.2)
@@ -140,7 +142,7 @@ def test_events_scored_by_hand_will_do(tmp_path):
 
 def test_points3d_of_another_program_need_only_a_frame_rate(tmp_path):
     write_table(points3d_table(walking_tracks("t1", "m1")), tmp_path / "points3d.csv")
-    run = run_gait([tmp_path / "points3d.csv"], fps=FPS, out=tmp_path / "out")
+    run = run_gait([tmp_path / "points3d.csv"], figures="main", fps=FPS, out=tmp_path / "out")
     assert run.tables.strides["frequency_hz"].median() == pytest.approx(5.0, rel=0.01)
 
 
@@ -181,7 +183,7 @@ def test_real_rats_trot(real_data, tmp_path):
         f'[tracks]\nfile = "{(folder / f"cam1.f.{name}").resolve()}"\n'
         f'[calibration]\ndlt = "{(folder / f"DLT.{name}").resolve()}"\nunit = "mm"\n'
     )
-    run = run_gait([tmp_path])
+    run = run_gait([tmp_path], figures="main")
     middle = run.tables.strides.groupby("leg")[["frequency_hz", "duty_factor"]].median()
     assert middle["frequency_hz"].between(1, 3).all()
     assert middle["duty_factor"].between(0.5, 0.8).all()
@@ -206,7 +208,7 @@ def test_deeplabcut_csv_goes_straight_to_the_tables(tmp_path):
         rows.append([i, *[v for k in range(len(names)) for v in (*xy[i, :, k], 0.99)]])
     path = tmp_path / "m1_run1DLC.csv"
     path.write_text("\n".join(",".join(map(str, row)) for row in rows) + "\n")
-    run = run_gait([path], fps=FPS, out=tmp_path / "out")
+    run = run_gait([path], figures="main", fps=FPS, out=tmp_path / "out")
     own = run_gait_of(tracks, tmp_path)
     assert set(run.tables.strides["leg"]) == set(names)
     assert set(run.tables.strides["animal"]) == {"m1_run1DLC"}
@@ -221,14 +223,14 @@ def test_deeplabcut_csv_goes_straight_to_the_tables(tmp_path):
 def run_gait_of(tracks, folder):
     """Analyse tracks as pawnb writes them."""
     write_tracks(tracks, folder / "own.nc")
-    return run_gait([folder / "own.nc"], out=folder / "own")
+    return run_gait([folder / "own.nc"], figures="main", out=folder / "own")
 
 
 def test_contact_by_hand_is_read_as_events(tmp_path):
     down = [1] * 6 + [0] * 4
     rows = ["frame,LF,RF"] + [f"{i},{down[i % 10]},{down[(i + 5) % 10]}" for i in range(100)]
     (tmp_path / "fly.csv").write_text("\n".join(rows) + "\n")
-    run = run_gait([tmp_path / "fly.csv"], fps=100.0, out=tmp_path / "out")
+    run = run_gait([tmp_path / "fly.csv"], figures="main", fps=100.0, out=tmp_path / "out")
     np.testing.assert_allclose(run.tables.strides["period_s"], 0.1)
     np.testing.assert_allclose(run.tables.strides["duty_factor"], 0.6)
     np.testing.assert_allclose(run.tables.phases["phase"], 0.5)

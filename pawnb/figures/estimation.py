@@ -1,0 +1,170 @@
+"""Groups of animals side by side, and their differences with intervals (estimation plot)."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+
+from pawnb.errors import InputError
+from pawnb.figures.panels import add_animal_legend, add_letter, draw_points
+from pawnb.figures.style import figure_size, mark_animals, small_pt, style
+from pawnb.gait.groups import compare_groups
+from pawnb.schema import check_columns
+
+COLUMNS = (
+    "row", "measure", "group", "against", "animal", "value", "ci_low", "ci_high", "effect", "p",
+    "p_adjusted", "n", "n_animals", "paired",
+)  # fmt: skip
+_FROM_COMPARISON = ("ci_low", "ci_high", "effect", "p", "p_adjusted")
+
+
+def build_estimation_table(
+    table: pd.DataFrame,
+    measure: str,
+    *,
+    group: str = "group",
+    paired: bool = False,
+    reference: str | None = None,
+    level: float = 0.95,
+) -> pd.DataFrame:
+    """Take animals' means, group means, and differences of groups with their intervals.
+
+    Parameters
+    ----------
+    table : pandas.DataFrame
+        Strides or trials: animal, the group, the measure (no phase: those have no axis).
+    measure : str
+        Column to compare.
+    group : str
+        Column of the group or condition.
+    paired : bool
+        Whether the groups are conditions of the same animals.
+    reference : str, optional
+        Group the others are compared with; default the one that comes first.
+    level : float
+        Level of the intervals.
+
+    Returns
+    -------
+    pandas.DataFrame
+        ``row`` is ``animal`` (mean of one animal's ``n`` values), ``mean`` (of a group's
+        animals) or ``difference`` (``group`` less ``against``, from
+        :func:`pawnb.gait.groups.compare_groups`, with Hedges' g as ``effect``).
+
+    Raises
+    ------
+    InputError
+        As compare_groups does.
+    """
+    check_columns(table, ["animal", group, measure], where="estimation plot")
+    known = table[["animal", group, measure]].dropna()
+    names = list(dict.fromkeys(known[group].astype(str)))
+    if not names:
+        raise InputError(f"estimation plot: no value of {measure!r} with a {group}.")
+    found = compare_groups(
+        known, [measure], group=group, paired=paired, level=level, reference=reference or names[0]
+    )
+    means = known.groupby([known[group].astype(str), known["animal"].astype(str)], sort=True)
+    rows: list[dict[str, Any]] = []
+    for name in names:
+        own = means[measure].agg(["mean", "size"]).loc[name]
+        rows += [
+            {"row": "animal", "group": name, "animal": animal, "value": mean, "n": n}
+            for animal, mean, n in zip(own.index, own["mean"], own["size"], strict=True)
+        ]
+        rows.append({"row": "mean", "group": name, "value": float(own["mean"].mean()),
+                     "n": int(own["size"].sum()), "n_animals": len(own)})  # fmt: skip
+    for pair in found.to_dict("records"):
+        rows.append({"row": "difference", "group": pair["group_b"], "against": pair["group_a"],
+                     "value": pair["difference"], "n": pair["n_a"] + pair["n_b"],
+                     "n_animals": pair["n_animals_a"] + pair["n_animals_b"] * (not paired),
+                     **{name: pair[name] for name in _FROM_COMPARISON}})  # fmt: skip
+    whole = pd.DataFrame(rows).assign(measure=measure, paired=paired)
+    return whole.reindex(columns=list(COLUMNS))
+
+
+def plot_estimation(table: pd.DataFrame, *, label: str | None = None) -> Axes:
+    """Draw each animal and the means of groups above, the differences with intervals below.
+
+    Parameters
+    ----------
+    table : pandas.DataFrame
+        From :func:`build_estimation_table`.
+    label : str, optional
+        What the measure is called, with its unit: ``"Stride length (mm)"``.
+
+    Returns
+    -------
+    matplotlib axes
+        The upper panel; the lower is the second of ``ax.figure.axes``.
+
+    Raises
+    ------
+    InputError
+        If a column is missing or the table is empty.
+    """
+    check_columns(table, COLUMNS, where="estimation plot")
+    if len(table) == 0:
+        raise InputError("estimation plot: the table is empty.")
+    animals = table[table["row"] == "animal"]
+    groups = list(dict.fromkeys(animals["group"]))
+    marks = mark_animals(animals["animal"])
+    paired = bool(table["paired"].iloc[0])
+    label = label or str(table["measure"].iloc[0])
+    with style():
+        figure, (above, below) = plt.subplots(
+            2, 1, figsize=figure_size(1, 105.0), sharex=True, height_ratios=[1.3, 1.0]
+        )
+        places = {}
+        for x, name in enumerate(groups):
+            own = animals[animals["group"] == name]
+            # animals lie side by side, so that equal means are seen
+            across = x + (np.linspace(-0.22, 0.22, len(own)) if len(own) > 1 else np.zeros(1))
+            for at, animal, value in zip(across, own["animal"], own["value"], strict=True):
+                spot = float(x) if paired else float(at)
+                places[name, animal] = spot, float(value)
+                draw_points(above, [spot], [value], mark=marks[animal], color="0.35", zorder=3)
+            mean = table[(table["row"] == "mean") & (table["group"] == name)]
+            above.plot([x - 0.3, x + 0.3], [mean["value"].iloc[0]] * 2, color="black",
+                       linewidth=1.6, zorder=2)  # fmt: skip
+        if paired:
+            for animal in marks:
+                line = [places[name, animal] for name in groups if (name, animal) in places]
+                above.plot(*zip(*line, strict=True), color="0.75", linewidth=0.6, zorder=1)
+        _draw_differences(below, table, groups)
+        means = table[table["row"] == "mean"].set_index("group")
+        counts = means["n_animals"].astype(int)
+        words = [f"{g}\n{counts[g]} animal{'s' * int(counts[g] != 1)}" for g in groups]
+        below.set_xticks(range(len(groups)), words)
+        below.set_xlim(-0.6, len(groups) - 0.25)
+        above.set_ylabel(label)
+        below.set_ylabel(f"Difference in\n{label[:1].lower()}{label[1:]}")
+        add_letter(above, 0)
+        add_letter(below, 1)
+        if paired:
+            add_animal_legend(above, marks)
+        figure.align_ylabels([above, below])
+    return above
+
+
+def _draw_differences(ax: Axes, table: pd.DataFrame, groups: list[str]) -> None:
+    """Draw differences with intervals, and write effect size and p beside them."""
+    ax.axhline(0.0, color="0.4", linewidth=0.7, linestyle=(0, (4, 2)))
+    for pair in table[table["row"] == "difference"].to_dict("records"):
+        x, value = groups.index(pair["group"]), pair["value"]
+        if math.isfinite(pair["ci_low"]):
+            ax.plot([x, x], [pair["ci_low"], pair["ci_high"]], color="black", linewidth=1.6)
+        ax.plot([x], [value], marker="o", markersize=5.0, color="black")
+        said = f"less {pair['against']}"
+        if math.isfinite(pair["effect"]):
+            said += f"\ng {pair['effect']:.2f}"
+        if math.isfinite(pair["p_adjusted"]):
+            p = pair["p_adjusted"]
+            said += "\np < 0.001" if p < 0.001 else f"\np {p:.3f}"
+        ax.annotate(said, (x, value), xytext=(6.0, 0.0), textcoords="offset points",
+                    va="center", fontsize=small_pt())  # fmt: skip

@@ -1,0 +1,85 @@
+"""Estimation plot: animals count once, differences are those of compare_groups."""
+
+from __future__ import annotations
+
+import matplotlib as mpl
+import matplotlib.pyplot as plt
+import numpy as np
+import pandas as pd
+import pytest
+from scipy.stats import ttest_ind, ttest_rel
+
+from pawnb.errors import InputError
+from pawnb.figures import build_estimation_table, plot_estimation
+
+mpl.use("Agg")
+
+
+@pytest.fixture(autouse=True)
+def _close():
+    yield
+    plt.close("all")
+
+
+def strides(paired=False):
+    """Two values an animal, one below and one above its mean."""
+    rows = []
+    for group, means in (("control", (1.0, 2.0, 3.0)), ("lesion", (4.0, 5.0, 7.0))):
+        for k, mean in enumerate(means):
+            animal = f"m{k}" if paired else f"{group}{k}"
+            rows += [(animal, group, mean - 0.5), (animal, group, mean + 0.5)]
+    return pd.DataFrame(rows, columns=["animal", "group", "length"])
+
+
+def test_animals_means_and_differences_by_hand():
+    table = build_estimation_table(strides(), "length")
+    animals = table[table["row"] == "animal"]
+    assert animals["value"].tolist() == [1.0, 2.0, 3.0, 4.0, 5.0, 7.0]
+    assert (animals["n"] == 2).all()
+    means = table[table["row"] == "mean"]
+    assert means["value"].tolist() == pytest.approx([2.0, 16.0 / 3.0])
+    (away,) = table[table["row"] == "difference"].to_dict("records")
+    welch = ttest_ind([4.0, 5.0, 7.0], [1.0, 2.0, 3.0], equal_var=False)
+    interval = welch.confidence_interval(0.95)
+    assert away["value"] == pytest.approx(10.0 / 3.0)
+    assert (away["ci_low"], away["ci_high"]) == pytest.approx(tuple(interval))
+    assert away["p"] == pytest.approx(welch.pvalue)
+    assert (away["group"], away["against"], away["n_animals"]) == ("lesion", "control", 6)
+
+
+def test_conditions_of_the_same_animals():
+    table = build_estimation_table(strides(paired=True), "length", paired=True)
+    (away,) = table[table["row"] == "difference"].to_dict("records")
+    assert away["p"] == pytest.approx(ttest_rel([4.0, 5.0, 7.0], [1.0, 2.0, 3.0]).pvalue)
+    assert away["n_animals"] == 3
+    above = plot_estimation(table).figure.axes[0]
+    joined = [line for line in above.lines if line.get_linewidth() == 0.6]
+    assert [line.get_ydata()[:2].tolist() for line in joined if len(line.get_xdata()) == 2] == [
+        [1.0, 4.0], [2.0, 5.0], [3.0, 7.0],
+    ]  # fmt: skip
+
+
+def test_points_means_and_intervals_are_drawn():
+    table = build_estimation_table(strides(), "length")
+    above, below = plot_estimation(table, label="Stride length (mm)").figure.axes
+    dots = [line.get_ydata()[0] for line in above.lines if line.get_linestyle() == "None"]
+    assert dots == [1.0, 2.0, 3.0, 4.0, 5.0, 7.0]
+    bars = [line.get_ydata()[0] for line in above.lines if line.get_linewidth() == 1.6]
+    assert bars == pytest.approx([2.0, 16.0 / 3.0])
+    away = table[table["row"] == "difference"].iloc[0]
+    interval = next(line for line in below.lines if line.get_linewidth() == 1.6)
+    assert interval.get_ydata().tolist() == [away["ci_low"], away["ci_high"]]
+    assert above.get_ylabel() == "Stride length (mm)"
+    assert below.get_ylabel() == "Difference in\nstride length (mm)"
+    assert [t.get_text() for t in below.get_xticklabels()] == [
+        "control\n3 animals", "lesion\n3 animals",
+    ]  # fmt: skip
+
+
+def test_bad_input_is_refused():
+    with pytest.raises(InputError, match=r"expected two groups or more"):
+        build_estimation_table(strides().query("group == 'control'"), "length")
+    with pytest.raises(InputError, match=r"^estimation plot: no value of 'length' with a group"):
+        build_estimation_table(strides().assign(length=np.nan), "length")
+    with pytest.raises(InputError, match=r"^estimation plot: the table is empty"):
+        plot_estimation(build_estimation_table(strides(), "length").iloc[:0])
