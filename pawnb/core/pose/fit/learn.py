@@ -84,6 +84,37 @@ def _one_round(
             layout, pose, blur, sight.box, value, owner, sight.seen, sight.weight, soft,
             body_matrix, body_vector,
         )  # fmt: skip
+    legs_learnt = learn_legs(layout, first, partner, (matrix, vector), n_frames=len(frames))
+    ellipse = _body_step(layout, first, body_matrix, body_vector, len(frames))
+    return legs_learnt._replace(ellipse=ellipse)
+
+
+def learn_legs(
+    layout: Layout,
+    first: Layout,
+    partner: np.ndarray,
+    equations: tuple[np.ndarray, np.ndarray],
+    *,
+    n_frames: int,
+) -> Layout:
+    """Return the layout with legs as thick and dark as one step of the equations has them.
+
+    Parameters
+    ----------
+    layout, first, partner
+        As in :func:`learn_look`.
+    equations : tuple of ndarray
+        Matrix and vector that ``look_equations`` filled; changed.
+    n_frames : int
+        How many frames they are of.
+
+    Returns
+    -------
+    Layout
+        The body is unchanged.
+    """
+    matrix, vector = equations
+    legs, nodes = layout.radius.shape
     radius, dark = layout.radius.copy(), layout.dark.copy()
     both = np.arange(legs) != partner
     matrix[both] += matrix[partner[both]]
@@ -91,7 +122,7 @@ def _one_round(
     for leg in range(legs):
         n = int(layout.n_segments[leg]) + 1
         keep = np.concatenate([np.arange(n), nodes + np.arange(n)])
-        share = len(frames) * (2.0 if both[leg] else 1.0)
+        share = n_frames * (2.0 if both[leg] else 1.0)
         now = np.concatenate([np.log(radius[leg, :n]), dark[leg, :n]])
         goal = np.concatenate([np.log(first.radius[leg, :n]), first.dark[leg, :n]])
         stiff = share * _look_prior(n)
@@ -101,8 +132,7 @@ def _one_round(
         radius[leg, :n] = np.maximum(np.exp(now[:n]), _LEAST_RADIUS_PX)
         least = max(_LEAST_DARK, _LEAST_OF_DARKEST * float(now[n:].max()))
         dark[leg, :n] = np.clip(now[n:], least, _MOST_DARK)
-    ellipse = _body_step(layout, first, body_matrix, body_vector, len(frames))
-    return layout._replace(radius=radius, dark=dark, ellipse=ellipse)
+    return layout._replace(radius=radius, dark=dark)
 
 
 def _look_prior(n: int) -> np.ndarray:

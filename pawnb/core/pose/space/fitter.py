@@ -1,0 +1,293 @@
+"""One frame in space: heights chosen first, then every joint fitted to both views."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import binary_dilation, label
+
+from pawnb.core import dlt
+from pawnb.core.pose.fit.evidence import BackgroundPicture, Evidence
+from pawnb.core.pose.fit.paint_loops import make_canvas, picture_cost
+from pawnb.core.pose.fit.solve_loops import Sight
+from pawnb.core.pose.space.arch import arch, slide
+from pawnb.core.pose.space.geometry import view_slope
+from pawnb.core.pose.space.model import SpaceModel
+from pawnb.core.pose.space.picture_loops import (
+    Known,
+    add_known,
+    add_picture,
+    paint_parts,
+    paint_space,
+)
+from pawnb.core.views import Frame
+
+_SQRT5 = float(np.sqrt(5.0))
+_ROUNDS = 12
+_ENOUGH = 0.05
+_ANIMAL_DARK = 0.2
+_DARK_SHARE = 0.12
+_BODY_STEP = 0.007
+"""Step with which the body is looked for, leg spans."""
+_COARSE = 2.5
+"""How much broader the blur of the first fit is, which draws from further away."""
+"""How far places in the first view let a segment's length stray when heights are chosen."""
+
+
+@dataclass
+class SpaceFrame:
+    """What both views show of one frame.
+
+    Parameters
+    ----------
+    xy, heading_deg : ndarray, float
+        The body in the first view, px and degrees.
+    places, precision : ndarray
+        Joints in the first view and how sure they are; see ``first_view_places``.
+    image : ndarray, shape (H, W)
+        The second view's crop, grey working pixels.
+    box : tuple of int
+        Where it lies.
+    """
+
+    xy: np.ndarray
+    heading_deg: float
+    places: np.ndarray
+    precision: np.ndarray
+    image: np.ndarray
+    box: tuple[int, int, int, int]
+
+
+class SpaceFitter:
+    """Fits frames in space.
+
+    Parameters
+    ----------
+    model : SpaceModel
+        The animal and the views.
+    background : Background
+        The second view without the animal.
+    frame : Frame
+        A frame of the second view with the animal; tells whether it is dark or light.
+    """
+
+    def __init__(self, model: SpaceModel, background: BackgroundPicture, frame: Frame) -> None:
+        self.model = model
+        settings = model.settings
+        self.evidence = Evidence(
+            background, factor=model.factor, light=0.0, spread=settings.unexplained_sd
+        )
+        whole = (0, 0, self.evidence.width, self.evidence.height)
+        image = self.evidence.pixels(frame, whole)
+        change = image - self.evidence.mean
+        strong = np.abs(change) > np.percentile(np.abs(change), 98)
+        if np.median(change[strong]) > 0:
+            self.evidence.light = float(np.percentile(image[strong], 75))
+        self.blur = _SQRT5 * settings.blur_px
+        self.shown = np.ones(len(model.animal.legs), bool)
+
+    def crop(
+        self, frame: Frame, xy: np.ndarray, places: np.ndarray, heights: tuple[float, float]
+    ) -> tuple[np.ndarray, tuple[int, int, int, int]]:
+        """Return the second view's crop that holds the animal at some heights, and its box."""
+        lines = self.model.lines
+        uv = np.concatenate([xy[None], places.reshape(-1, 2)])
+        start, direction = lines.lines(uv[np.isfinite(uv).all(axis=1)])
+        ends = np.concatenate([start + h * direction for h in heights])
+        seen = dlt.project(self.model.coefs, ends)[:, 0]
+        size = np.array([self.evidence.width, self.evidence.height])
+        low = np.clip(np.floor(seen.min(axis=0)) - 8, 0, size - 2).astype(int)
+        high = np.clip(np.ceil(seen.max(axis=0)) + 9, low + 2, size).astype(int)
+        box = (int(low[0]), int(low[1]), int(high[0]), int(high[1]))
+        return self.evidence.pixels(frame, box), box
+
+    def sight(self, image: np.ndarray, box: tuple[int, int, int, int]) -> Sight:
+        """Return the darkness of a crop of the second view."""
+        u0, v0, u1, v1 = box
+        mean, sd = self.evidence.mean[v0:v1, u0:u1], self.evidence.sd[v0:v1, u0:u1]
+        animal = np.abs(image - mean) > np.maximum(_DARK_SHARE * mean, 4.0 * sd)
+        covered = np.where(binary_dilation(animal, iterations=2), 0, -1)
+        return self.evidence.sight(image.astype(float), box, covered)
+
+    def canvas(self, sight: Sight) -> tuple[np.ndarray, ...]:
+        """Return an empty canvas of a sight's size."""
+        height, width = sight.seen.shape
+        return make_canvas(height, width, self.model.layout)
+
+    def known(self, one: SpaceFrame, expected: np.ndarray | None, expected_sd: float) -> Known:
+        """Return what is known of a frame without its second picture."""
+        model, settings = self.model, self.model.settings
+        legs, joints = one.places.shape[:2]
+        nothing = np.full(1 + legs * joints, np.nan)
+        return Known(
+            axis=model.lines.axis,
+            about=model.lines.about,
+            top=model.lines.coefs,
+            seen=np.nan_to_num(one.places),
+            weight=np.nan_to_num(one.precision),
+            length=model.lengths,
+            length_sd=settings.length_sd * model.lengths + 1e-3 * model.span,
+            bend_sd=settings.bend_sd,
+            root=model.root,
+            root_sd=settings.root_share * model.span,
+            expected=nothing if expected is None else expected,
+            expected_sd=expected_sd,
+            ground=model.ground,
+            ground_sd=settings.ground_share * model.span,
+        )
+
+    def body_height(self, one: SpaceFrame, sight: Sight, heights: np.ndarray) -> float:
+        """Return at which of some heights the body explains most of the second picture."""
+        value, owner, _, _ = self.canvas(sight)
+        costs = []
+        for height in heights:
+            parts = self.model.body_parts(one.xy, one.heading_deg, float(height))
+            value[:] = 0.0
+            owner[:] = -1
+            paint_parts(parts, float(height), self.blur, sight.box, value, owner)
+            soft = self.model.settings.soft_error
+            costs.append(picture_cost(value, owner, sight.seen, sight.weight, soft))
+        return float(heights[int(np.argmin(costs))])
+
+    def guess(self, one: SpaceFrame, sight: Sight, body: float | None = None) -> np.ndarray:
+        """Return unknowns to start from: every leg in an even arch from body to ground.
+
+        Parameters
+        ----------
+        one : SpaceFrame
+            The frame.
+        sight : Sight
+            Its second picture.
+        body : float, optional
+            The body's height; default where the second picture shows it.
+
+        Returns
+        -------
+        ndarray
+            The unknowns; see :mod:`.picture_loops`.
+        """
+        model = self.model
+        if body is None:
+            step = _BODY_STEP * model.span
+            lowest = np.fmax(model.heights[0], model.ground)
+            body = self.body_height(one, sight, np.arange(lowest, model.heights[1], step))
+        places, heights = self.arches(one, body)
+        joints = np.nan_to_num(model.lines.at(places, heights))
+        return np.concatenate([[body], joints.ravel()])
+
+    def arches(self, one: SpaceFrame, body: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return the joints of legs in even arches from body to ground.
+
+        Returns
+        -------
+        places : ndarray, shape (legs, joints, 2)
+            Where the first view would see them, on the legs' lines there.
+        heights : ndarray, shape (legs, joints)
+            Their heights.
+        """
+        model = self.model
+        places, heights = one.places.copy(), np.full(one.places.shape[:2], np.nan)
+        ground = model.ground if np.isfinite(model.ground) else body
+        for i in range(len(places)):
+            n = int(model.layout.n_segments[i])
+            at = model.lines.at(one.places[i, : n + 1], body)
+            reach = float(np.linalg.norm(np.diff(at, axis=0), axis=1).sum())
+            root = body + model.root[i]
+            out, up = arch(model.lengths[i, :n], reach, ground - root)
+            places[i, : n + 1] = slide(one.places[i, : n + 1], out)
+            heights[i, : n + 1] = root + up
+        return places, heights
+
+    def refine(
+        self, one: SpaceFrame, sight: Sight, x: np.ndarray, known: Known, *, coarse: bool = False
+    ) -> tuple[np.ndarray, float]:
+        """Return the unknowns that fit both views best near ``x``, and their cost.
+
+        ``coarse`` looks further away first.
+        """
+        if coarse:
+            x, _ = self._descend(one, sight, x, known, _COARSE * self.blur)
+        return self._descend(one, sight, x, known, self.blur)
+
+    def _descend(
+        self, one: SpaceFrame, sight: Sight, x: np.ndarray, known: Known, blur: float
+    ) -> tuple[np.ndarray, float]:
+        """Return the unknowns at the bottom of the cost's valley, and their cost."""
+        cost, matrix, vector = self.equations(one, sight, x, known, blur=blur)
+        damping = 1e-3
+        for _ in range(_ROUNDS):
+            step = self.solve(matrix, -vector, damping)
+            most = 0.04 * self.model.span
+            step = np.clip(step, -most, most)
+            new = self.equations(one, sight, x + step, known, blur=blur)
+            gained = cost - new[0]
+            if gained > 0:
+                x, damping = x + step, max(damping / 4, 1e-6)
+                cost, matrix, vector = new
+                if gained < _ENOUGH:
+                    break
+            else:
+                damping = damping * 8 + 1e-4
+                if damping > 1e4:
+                    break
+        return x, cost
+
+    def solve(self, matrix: np.ndarray, right: np.ndarray, damping: float) -> np.ndarray:
+        """Return the solution of the damped equations; legs meet only through the body's height."""
+        legs = len(self.model.animal.legs)
+        m = (len(right) - 1) // legs
+        blocks = matrix[1:, 1:].reshape(legs, m, legs, m)[np.arange(legs), :, np.arange(legs)]
+        blocks = blocks + damping * np.eye(m) * blocks
+        border = matrix[1:, 0].reshape(legs, m)
+        both = np.linalg.solve(blocks, np.stack([right[1:].reshape(legs, m), border], axis=-1))
+        body = matrix[0, 0] * (1.0 + damping) - (border * both[..., 1]).sum()
+        first = (right[0] - (border * both[..., 0]).sum()) / body
+        return np.concatenate([[first], (both[..., 0] - first * both[..., 1]).ravel()])
+
+    def ground_below(self, one: SpaceFrame, sight: Sight) -> float:
+        """Return the lowest height that the animal in the second picture reaches."""
+        model = self.model
+        middle = model.lines.at(one.xy, 0.0)
+        change = view_slope(model.coefs, middle) @ model.lines.axis
+        # where the scene itself is dark, noise looks like an animal
+        sure = sight.weight > 0.5 / model.settings.unexplained_sd**2
+        names, n = label((sight.seen > _ANIMAL_DARK) & sure)
+        if not n:
+            return np.nan
+        largest = 1 + int(np.argmax(np.bincount(names.ravel())[1:]))
+        dark = np.argwhere(names == largest)[:, ::-1] + sight.box
+        heights = (dark - dlt.project(model.coefs, middle)[0]) @ change / (change @ change)
+        return float(heights.min())
+
+    def equations(
+        self, one: SpaceFrame, sight: Sight, x: np.ndarray, known: Known, *, blur: float
+    ) -> tuple[float, np.ndarray, np.ndarray]:
+        """Return cost, Gauss-Newton matrix and gradient at ``x``."""
+        model, settings = self.model, self.model.settings
+        parts = model.body_parts(one.xy, one.heading_deg, float(x[0]))
+        value, owner, along, joints = self.canvas(sight)
+        paint_space(
+            model.layout, x, model.coefs, parts, self.shown, blur, sight.box, value, owner,
+            along, joints,
+        )  # fmt: skip
+        matrix, vector = np.zeros((len(x), len(x))), np.zeros(len(x))
+        matrix[0, 0] = 1e-9
+        cost = add_picture(
+            model.layout, x, model.coefs, parts, blur, sight.box, value, owner, along, joints,
+            sight.seen, sight.weight, settings.soft_error, settings.evidence_share, matrix, vector,
+        )  # fmt: skip
+        cost += add_known(model.layout, x, known, matrix, vector)
+        return cost, matrix, vector
+
+    def painted(self, one: SpaceFrame, sight: Sight, x: np.ndarray) -> tuple[np.ndarray, ...]:
+        """Return the second picture as ``x`` has it: value, owner, along and joints."""
+        model = self.model
+        parts = model.body_parts(one.xy, one.heading_deg, float(x[0]))
+        canvas = self.canvas(sight)
+        value, owner, along, joints = canvas
+        paint_space(
+            model.layout, x, model.coefs, parts, self.shown, self.blur, sight.box, value, owner,
+            along, joints,
+        )  # fmt: skip
+        return canvas

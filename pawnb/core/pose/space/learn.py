@@ -1,0 +1,159 @@
+"""The animal's own look and proportions, learnt from frames whose joints are known in space."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from pawnb.core.pose.fit.layout import Layout
+from pawnb.core.pose.fit.learn import learn_legs
+from pawnb.core.pose.fit.learn_loops import look_equations
+from pawnb.core.pose.fit.paint_loops import picture_cost
+from pawnb.core.pose.fit.solve_loops import Sight
+from pawnb.core.pose.fit.start import partners
+from pawnb.core.pose.space.fitter import SpaceFitter, SpaceFrame
+from pawnb.core.pose.space.model import SpaceModel
+from pawnb.core.pose.space.picture_loops import paint_parts, paint_space
+
+Sample = tuple[SpaceFrame, Sight, np.ndarray]
+"""A frame, its second picture and its unknowns."""
+
+_THICKNESS = np.linspace(0.35, 1.25, 10)
+_PITCHES = np.linspace(-0.3, 0.3, 13)
+_PITCH_SD = 0.15
+"""Rise of the body forwards, as a share of the way."""
+_SAME_LENGTH = 0.05
+"""How far a leg's length may be from the species', as a share."""
+_LENGTH_SEEN = 0.02
+"""How sure the median over frames of a leg's length is, as a share."""
+
+
+def learn_model(fitter: SpaceFitter, samples: Sequence[Sample], first: Layout) -> SpaceModel:
+    """Return the model with body, legs' look, lengths and roots as the pictures have them.
+
+    Parameters
+    ----------
+    fitter : SpaceFitter
+        With the model as known so far.
+    samples : sequence of Sample
+        Fitted frames.
+    first : Layout
+        Thickness and darkness as the species file has them.
+
+    Returns
+    -------
+    SpaceModel
+        The changed model.
+    """
+    model = _learn_body(fitter, samples[::2])
+    fitter.model = model
+    layout = _learn_legs(fitter, samples, first)
+    return model.changed(
+        layout=layout, lengths=_learn_lengths(model, samples), root=_learn_roots(model, samples)
+    )
+
+
+def _learn_body(fitter: SpaceFitter, samples: Sequence[Sample]) -> SpaceModel:
+    """Return the model with the body as thick and as pitched as the second view has it."""
+    model = fitter.model
+    no_body = np.zeros((0, 10))
+    pictures = []
+    for _, sight, x in samples:
+        value, owner, along, joints = fitter.canvas(sight)
+        paint_space(
+            model.layout, x, model.coefs, no_body, fitter.shown, fitter.blur, sight.box, value,
+            owner, along, joints,
+        )  # fmt: skip
+        pictures.append((value, owner))
+    front = model.size * np.array([part.centre[0] for part in model.animal.body])
+    for _ in range(2):
+        trials = []
+        for slope in _PITCHES:
+            trial = model.changed(lift=slope * front)
+            trials.append((trial, 0.5 * len(samples) * (slope / _PITCH_SD) ** 2))
+        model = _cheapest(trials, fitter.blur, samples, pictures)
+        for part in range(len(front)):
+            trials = []
+            for thick in _THICKNESS:
+                thickness = model.thickness.copy()
+                thickness[part] = thick
+                trials.append((model.changed(thickness=thickness), 0.0))
+            model = _cheapest(trials, fitter.blur, samples, pictures)
+    return model
+
+
+def _cheapest(
+    trials: Sequence[tuple[SpaceModel, float]],
+    blur: float,
+    samples: Sequence[Sample],
+    pictures: Sequence[tuple[np.ndarray, ...]],
+) -> SpaceModel:
+    """Return the model that explains the samples best; each has a cost of its own."""
+    costs = [own + _picture_costs(model, blur, samples, pictures) for model, own in trials]
+    return trials[int(np.argmin(costs))][0]
+
+
+def _picture_costs(
+    model: SpaceModel,
+    blur: float,
+    samples: Sequence[Sample],
+    pictures: Sequence[tuple[np.ndarray, ...]],
+) -> float:
+    """Return the cost of all samples with this body painted on their legs."""
+    total = 0.0
+    for (one, sight, x), (value, owner) in zip(samples, pictures, strict=True):
+        value, owner = value.copy(), owner.copy()
+        parts = model.body_parts(one.xy, one.heading_deg, float(x[0]))
+        paint_parts(parts, float(x[0]), blur, sight.box, value, owner)
+        total += picture_cost(value, owner, sight.seen, sight.weight, model.settings.soft_error)
+    return total
+
+
+def _learn_legs(fitter: SpaceFitter, samples: Sequence[Sample], first: Layout) -> Layout:
+    """Return the layout with legs as thick and dark, and the body as dark, as they are seen."""
+    model = fitter.model
+    layout = model.layout
+    partner = partners(model.animal)
+    for _ in range(3):
+        legs, nodes = layout.radius.shape
+        matrix, vector = np.zeros((legs, 2 * nodes, 2 * nodes)), np.zeros((legs, 2 * nodes))
+        fitter.model = model.changed(layout=layout)
+        body_dark = []
+        for one, sight, x in samples:
+            value, owner, along, joints = fitter.painted(one, sight, x)
+            look_equations(
+                layout, fitter.blur, sight.box, value, owner, along, joints, sight.seen,
+                sight.weight, model.settings.soft_error, matrix, vector,
+            )  # fmt: skip
+            body_dark.append(np.median(sight.seen[owner < -1]) if (owner < -1).any() else np.nan)
+        layout = learn_legs(layout, first, partner, (matrix, vector), n_frames=len(samples))
+        ellipse = layout.ellipse.copy()
+        if np.isfinite(body_dark).any():
+            ellipse[:, 4] = np.nanmedian(body_dark)
+        layout = layout._replace(ellipse=ellipse)
+    return layout
+
+
+def _learn_lengths(model: SpaceModel, samples: Sequence[Sample]) -> np.ndarray:
+    """Return the lengths of segments, each leg longer or shorter as a whole."""
+    lengths = model.lengths.copy()
+    seen = np.array([_sizes(model, x) for _, _, x in samples])
+    for i, n in enumerate(model.layout.n_segments):
+        factor = np.median(seen[:, i, :n].sum(axis=1)) / lengths[i, :n].sum()
+        trust = _SAME_LENGTH**2 / (_SAME_LENGTH**2 + _LENGTH_SEEN**2)
+        lengths[i, :n] *= 1.0 + trust * (factor - 1.0)
+    return lengths
+
+
+def _sizes(model: SpaceModel, x: np.ndarray) -> np.ndarray:
+    """Return the lengths (legs, segments) of segments of one frame's unknowns."""
+    joints = x[1:].reshape(len(model.animal.legs), -1, 3)
+    return np.asarray(np.linalg.norm(np.diff(joints, axis=1), axis=-1))
+
+
+def _learn_roots(model: SpaceModel, samples: Sequence[Sample]) -> np.ndarray:
+    """Return the usual heights of the body-coxa joints above the body's."""
+    joints = np.array([x[1:].reshape(len(model.animal.legs), -1, 3)[:, 0] for _, _, x in samples])
+    body = np.array([x[0] for _, _, x in samples])
+    return np.asarray(np.median(model.lines.height(joints) - body[:, None], axis=0))

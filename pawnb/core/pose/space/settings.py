@@ -1,0 +1,45 @@
+"""Settings of the fit in space."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpaceSettings:
+    """What is known of an animal in space; lengths as shares of its leg span.
+
+    Parameters
+    ----------
+    across_share, tip_along_share, joint_along_share : float
+        Standard deviation of a place in the first view: across the leg, along it at the tip, and
+        along it at the joints, which a straight leg hardly shows.
+    length_sd : float
+        Standard deviation of a segment's length about its own, as a share of it.
+    bend_sd : float
+        Standard deviation of the change of direction from one segment to the next, radians.
+    root_share : float
+        Standard deviation of the height of a body-coxa joint above the body's.
+    ground_share : float
+        How near to the ground a foot stands; a lifted one costs little.
+    height_step_share : float
+        Standard deviation of a height about that expected from the frames beside.
+    evidence_share : float
+        Weight of the second picture: neighbouring pixels do not err independently.
+    blur_px, soft_error, unexplained_sd, working_span_px
+        As in :class:`pawnb.core.pose.fit.settings.PoseSettings`.
+    """
+
+    across_share: float = 0.004
+    tip_along_share: float = 0.006
+    joint_along_share: float = 0.02
+    length_sd: float = 0.02
+    bend_sd: float = 0.6
+    root_share: float = 0.01
+    ground_share: float = 0.01
+    height_step_share: float = 0.008
+    evidence_share: float = 0.3
+    blur_px: float = 0.8
+    soft_error: float = 0.45
+    unexplained_sd: float = 0.12
+    working_span_px: float = 150.0

@@ -1,0 +1,309 @@
+"""Joints in space over a recording, from poses in one view and the pictures of a second.
+
+Pullar 2009, Eq. 5.1 sums the energy over views. Here the first view is the pose already tracked
+in it, with its uncertainty across and along each leg; the second is painted and compared with
+its own background. Segments have their lengths in space, so what is short in the first view must
+rise or fall. Each frame is fitted alone first, every leg from an even arch; the animal's look and
+proportions are learnt; frames take over their neighbours' heights where that explains more; in
+the end heights are fitted with those of the frames beside.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+
+from pawnb.core import dlt
+from pawnb.core.pose.animal import StickAnimal
+from pawnb.core.pose.fit.evidence import BackgroundPicture
+from pawnb.core.pose.fit.solve_loops import Sight
+from pawnb.core.pose.space.fitter import SpaceFitter, SpaceFrame
+from pawnb.core.pose.space.learn import learn_model
+from pawnb.core.pose.space.model import first_view_places, make_model
+from pawnb.core.pose.space.settings import SpaceSettings
+from pawnb.core.pose.space.track import SpaceTrack
+from pawnb.core.pose.track_result import PoseTrack
+from pawnb.core.rig import Rig
+from pawnb.core.views import Frame, ViewReader
+from pawnb.errors import InputError
+
+_THREADS = 2
+_LEARN_FROM = 16
+"""Frames from which look and proportions are learnt."""
+_SETTLE = 2
+"""How often all heights are fitted with those of the frames beside."""
+
+
+def place_in_space(
+    reader: ViewReader,
+    track: PoseTrack,
+    *,
+    animal: StickAnimal,
+    rig: Rig,
+    views: tuple[str, str],
+    first_size: tuple[int, int],
+    background: BackgroundPicture,
+    settings: SpaceSettings | None = None,
+    progress: Callable[[int, int], None] | None = None,
+    stop: Callable[[], bool] | None = None,
+) -> SpaceTrack:
+    """Find the joints of a tracked animal in space with a second view.
+
+    Parameters
+    ----------
+    reader : ViewReader
+        The second view.
+    track : PoseTrack
+        Poses in the first view; joints are found where it has one.
+    animal : StickAnimal
+        The animal.
+    rig : Rig
+        Calibration of both views.
+    views : tuple of str
+        The view of the track, and the second.
+    first_size : tuple of int
+        Width and height of the first view, px.
+    background : Background
+        The second view without the animal.
+    settings : SpaceSettings, optional
+        Settings; see there.
+    progress : callable, optional
+        Called with frames done and frames in all.
+    stop : callable, optional
+        Ends early where it returns True: frames not yet fitted stay NaN.
+
+    Returns
+    -------
+    SpaceTrack
+        One row for every frame of the track.
+
+    Raises
+    ------
+    CalibrationError
+        If a view is not calibrated, or both look in nearly the same direction.
+    InputError
+        If the second view does not show the animal.
+    """
+    settings = settings or SpaceSettings()
+    model = make_model(
+        animal,
+        track,
+        rig,
+        views=views,
+        sizes=(first_size, (reader.width, reader.height)),
+        settings=settings,
+    )
+    rows = np.flatnonzero(np.isfinite(track.poses.xy).all(axis=1))
+    places, precision = first_view_places(model, track)
+    middle = reader.frame(int(track.poses.frames[rows[len(rows) // 2]]))
+    fitter = SpaceFitter(model, background, middle)
+    frames = []
+    for row, frame in _read(reader, track.poses.frames[rows], stop):
+        k = rows[row]
+        image, box = fitter.crop(frame, track.poses.xy[k], places[k], model.heights)
+        frames.append(
+            SpaceFrame(
+                xy=track.poses.xy[k],
+                heading_deg=float(track.poses.heading_deg[k]),
+                places=places[k],
+                precision=precision[k],
+                image=image.astype(np.float32),
+                box=box,
+            )
+        )
+        if progress is not None:
+            progress(len(frames), (2 + _SETTLE) * len(rows))
+    if not frames:
+        return _blank(len(track), places.shape[1:3])
+    solver = _Solver(fitter, frames, track.poses.frames[rows[: len(frames)]], progress, len(rows))
+    solver.run()
+    return solver.result(len(track), rows[: len(frames)])
+
+
+def _read(
+    reader: ViewReader, numbers: Iterable[int], stop: Callable[[], bool] | None
+) -> Iterator[tuple[int, Frame]]:
+    """Yield frames with their place in ``numbers`` until stopped."""
+    for row, number in enumerate(numbers):
+        if stop is not None and stop():
+            return
+        yield row, reader.frame(int(number))
+
+
+class _Solver:
+    """Fits all frames, again and again.
+
+    Parameters
+    ----------
+    fitter : SpaceFitter
+        The fitter; its model is learnt here.
+    frames : list of SpaceFrame
+        The frames.
+    numbers : ndarray of int
+        Their frame numbers.
+    progress, total
+        Told after each pass over the frames, of frames in all.
+    """
+
+    def __init__(
+        self,
+        fitter: SpaceFitter,
+        frames: list[SpaceFrame],
+        numbers: np.ndarray,
+        progress: Callable[[int, int], None] | None,
+        total: int,
+    ) -> None:
+        self.fitter, self.frames, self.numbers = fitter, frames, numbers
+        self.progress, self.total, self.passes = progress, total, 1
+        self.x = np.zeros((len(frames), 1 + 3 * frames[0].places[..., 0].size))
+        self.cost = np.full(len(frames), np.inf)
+
+    def sight(self, k: int) -> Sight:
+        """Return what the second view shows of a frame."""
+        return self.fitter.sight(self.frames[k].image, self.frames[k].box)
+
+    def run(self) -> None:
+        """Fit all frames."""
+        fitter = self.fitter
+        some = self._sample()
+        ground = [fitter.ground_below(self.frames[k], self.sight(k)) for k in some]
+        if not np.isfinite(ground).any():
+            raise InputError(
+                "the second view shows nothing that differs from its background; look at the "
+                "background and the order of the views."
+            )
+        first = fitter.model.layout
+        fitter.model = fitter.model.changed(ground=float(np.nanmedian(ground)))
+        for k in some:
+            self._alone(k)
+        for _ in range(2):
+            samples = [(self.frames[k], self.sight(k), self.x[k]) for k in some]
+            fitter.model = learn_model(fitter, samples, first)
+            for k in some:
+                self._alone(k)
+        self._each(self._alone)
+        # a frame may lie in the wrong valley where its neighbour does not
+        for order in (range(1, len(self.x)), range(len(self.x) - 2, -1, -1)):
+            for k in order:
+                self._take_over(k, k - order.step)
+        for _ in range(_SETTLE):
+            self._each(self._settle)
+
+    def _sample(self) -> list[int]:
+        """Return some frames over all."""
+        n = len(self.frames)
+        return sorted({int(k) for k in np.linspace(0, n - 1, min(n, _LEARN_FROM))})
+
+    def _each(self, work: Callable[[int], None]) -> None:
+        """Do something with every frame, on two threads."""
+        with ThreadPoolExecutor(_THREADS) as pool:
+            list(pool.map(work, range(len(self.frames))))
+        self.passes += 1
+        if self.progress is not None:
+            self.progress(self.passes * self.total, (2 + _SETTLE) * self.total)
+
+    def _alone(self, k: int) -> None:
+        """Fit one frame from even arches."""
+        one, sight = self.frames[k], self.sight(k)
+        known = self.fitter.known(one, None, 1.0)
+        start = self.fitter.guess(one, sight)
+        self.x[k], self.cost[k] = self.fitter.refine(one, sight, start, known, coarse=True)
+
+    def _take_over(self, k: int, other: int) -> None:
+        """Fit one frame from the heights of another, and keep what explains more."""
+        if abs(self.numbers[k] - self.numbers[other]) != 1:
+            return
+        one, sight = self.frames[k], self.sight(k)
+        known = self.fitter.known(one, None, 1.0)
+        x, cost = self.fitter.refine(one, sight, self._moved(other, k), known)
+        if cost < self.cost[k]:
+            self.x[k], self.cost[k] = x, cost
+
+    def _moved(self, other: int, k: int) -> np.ndarray:
+        """Return the unknowns of one frame moved to where the first view has another."""
+        lines = self.fitter.model.lines
+        joints = self.x[other, 1:].reshape(*self.frames[k].places.shape[:2], 3)
+        slid = dlt.project(lines.coefs, joints)[..., 0, :] - self.frames[other].places
+        moved = lines.at(self.frames[k].places + slid, lines.height(joints))
+        return np.concatenate([self.x[other, :1], np.nan_to_num(moved).ravel()])
+
+    def _settle(self, k: int) -> None:
+        """Fit one frame with the heights of the frames beside."""
+        model = self.fitter.model
+        one, sight = self.frames[k], self.sight(k)
+        known = self.fitter.known(
+            one, self._expected(k), model.settings.height_step_share * model.span
+        )
+        self.x[k], self.cost[k] = self.fitter.refine(one, sight, self.x[k], known)
+
+    def _expected(self, k: int) -> np.ndarray | None:
+        """Return the heights between those of the frames beside."""
+        beside = [
+            j for j in (k - 1, k + 1)
+            if 0 <= j < len(self.x) and abs(self.numbers[j] - self.numbers[k]) == 1
+        ]  # fmt: skip
+        if len(beside) < 2:
+            return None
+        return np.asarray(np.mean([self._heights(j) for j in beside], axis=0))
+
+    def _heights(self, k: int) -> np.ndarray:
+        """Return the heights of body and joints of a frame."""
+        joints = self.x[k, 1:].reshape(-1, 3)
+        return np.concatenate([self.x[k, :1], self.fitter.model.lines.height(joints)])
+
+    def result(self, n: int, rows: np.ndarray) -> SpaceTrack:
+        """Return what was found as rows of n."""
+        model = self.fitter.model
+        shape = self.frames[0].places.shape[:2]
+        out = _blank(n, shape)
+        padded = np.arange(shape[1]) > model.layout.n_segments[:, None]
+        for k, row in enumerate(rows):
+            one, x = self.frames[k], self.x[k]
+            joints = np.where(padded[..., None], np.nan, x[1:].reshape(*shape, 3))
+            sd, support = self._sureness(k)
+            out.body[row] = model.lines.at(one.xy, x[0])
+            out.joints[row] = joints
+            out.body_sd[row] = sd[0] * np.abs(model.lines.axis)
+            out.joints_sd[row] = np.where(padded[..., None], np.nan, sd[1:].reshape(*shape, 3))
+            out.support[row] = support
+            both = dlt.project(np.column_stack([model.lines.coefs, model.coefs]), joints)
+            out.residual_px[row] = np.linalg.norm(both[..., 0, :] - one.places, axis=-1)
+            out.seen_uv[row] = both[..., 1, :] * model.factor + (model.factor - 1) / 2
+            body = dlt.project(model.coefs, out.body[row])[0]
+            out.body_uv[row] = body * model.factor + (model.factor - 1) / 2
+        return out
+
+    def _sureness(self, k: int) -> tuple[np.ndarray, np.ndarray]:
+        """Return standard deviations of a frame's unknowns, and the support of its legs."""
+        fitter, model = self.fitter, self.fitter.model
+        one, sight = self.frames[k], self.sight(k)
+        known = fitter.known(one, self._expected(k), model.settings.height_step_share * model.span)
+        _, matrix, _ = fitter.equations(one, sight, self.x[k], known, blur=fitter.blur)
+        sd = np.sqrt(np.diag(np.linalg.inv(matrix)))
+        _, _, _, drawn = fitter.painted(one, sight, self.x[k])
+        height, width = sight.seen.shape
+        support = np.zeros(len(drawn))
+        for i, n in enumerate(model.layout.n_segments):
+            share = np.linspace(0.0, 1.0, 9)[:, None, None]
+            line = drawn[i, :n] + share * np.diff(drawn[i, : n + 1], axis=0)
+            u, v = np.rint(line - sight.box).astype(int).reshape(-1, 2).T
+            inside = (u >= 0) & (v >= 0) & (u < width) & (v < height)
+            dark = np.repeat(0.5 * model.layout.dark[i, :n][None], 9, axis=0).ravel()
+            support[i] = (sight.seen[v[inside], u[inside]] > dark[inside]).sum() / len(u)
+        return sd, support
+
+
+def _blank(n: int, shape: tuple[int, int]) -> SpaceTrack:
+    """Return a track of n frames without any joint."""
+    return SpaceTrack(
+        body=np.full((n, 3), np.nan),
+        joints=np.full((n, *shape, 3), np.nan),
+        body_sd=np.full((n, 3), np.nan),
+        joints_sd=np.full((n, *shape, 3), np.nan),
+        seen_uv=np.full((n, *shape, 2), np.nan),
+        body_uv=np.full((n, 2), np.nan),
+        residual_px=np.full((n, *shape), np.nan),
+        support=np.full((n, shape[0]), np.nan),
+    )
