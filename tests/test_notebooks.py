@@ -92,7 +92,7 @@ def test_spider_notebook_goes_from_video_to_leg_angles(tmp_path):
     body = float(text.split("body: median distance ")[1].split(" px")[0])
     assert body < 1.0
     assert shown(notebook, "application/vnd.jupyter.widget-view+json") >= 1
-    assert shown(notebook, "image/png") == 3
+    assert shown(notebook, "image/png") == 4
     results = tmp_path / "sample" / "spider" / "results"
     assert (results / "pose.csv").exists()
 
@@ -106,7 +106,7 @@ def test_spider_notebook_runs_on_the_real_spider(tmp_path, real_data):
     text = printed(notebook)
     median = float(text.split("joints and tips: median ")[1].split(" px")[0])
     assert median < 3.0  # the lines are drawn to about 2 px
-    assert shown(notebook, "image/png") == 4
+    assert shown(notebook, "image/png") == 5
 
 
 def test_foreign_tracks_notebook_recovers_the_truth_of_its_sample(tmp_path):
