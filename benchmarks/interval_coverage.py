@@ -8,6 +8,13 @@ each default test says p <= 0.05 where nothing is there (to be at most 6 %), bes
 naive way that takes strides to be independent. With 2000 studies the standard error of a
 coverage of 95 % is 0.5 %. An interval that is left blank because any mean phase is possible
 is counted as holding the truth; how many there were is printed.
+
+Found with 2000 studies of 5 animals of 10 strides: mean phase 93.2-96.7 % in 24 settings
+(bootstrap 92.2-95.5, plain percentiles 81.7-85.3, strides as independent 44-97); duty factor
+93.5-95.0 % though skewed between animals (naive 42-93), slope of phase on speed 94.7-95.7 %.
+False positives of the default tests at most 6.0 % (naive 5-77). Hotelling's F as in the books
+has 10-11 % where animals are regular and differ at random, and so is not the default.
+Set OMP_NUM_THREADS=1: the matrices are small.
 """
 
 from __future__ import annotations
