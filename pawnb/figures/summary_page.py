@@ -119,7 +119,7 @@ def plot_summary_page(
         left, low = 15.0 / A4_MM[0], 15.0 / A4_MM[1]
         layout: Any = figure.get_layout_engine()
         layout.set(rect=(left, low, 1.0 - 2.0 * left, 1.0 - 2.0 * low), h_pad=0.06, hspace=0.03)
-        ratios = [0.12, 0.45 + 0.08 * len(table), 1.0, 0.4 + 0.1 * len(table), 1.1]
+        ratios = [0.12, 0.45 + 0.08 * len(table), 1.1, 0.4 + 0.1 * len(table), 1.1]
         rows: Any = figure.subfigures(5, 1, height_ratios=ratios)
         first = _draw_diagram(rows[1], events, strides)
         _draw_roses(rows[2], phases)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -123,6 +123,31 @@ def cut_cycles(
         part = own.loc[own.index.repeat(n_points), ["animal", "trial", "leg", "stride"]]
         parts.append(part.assign(percent=np.tile(percent, len(own)), **found))
     return _stack(parts, CYCLE_COLUMNS, signals)
+
+
+def centre_signals(signals: Sequence[LegSignals]) -> list[LegSignals]:
+    """Take the place of the animal out of positions, so that trials can be put together.
+
+    On a treadmill positions along forward are counted from the laboratory's origin, and animals
+    run further in front or further back. The mean over all legs and times of a trial is
+    subtracted; how the legs lie to each other stays.
+
+    Parameters
+    ----------
+    signals : sequence of LegSignals
+        Positions of one or more trials.
+
+    Returns
+    -------
+    list of LegSignals
+        The same, each about the mean of its legs.
+    """
+    centred = []
+    for one in signals:
+        legs = one.samples[:, np.isfinite(one.samples).any(axis=0)]
+        middle = float(np.nanmean(legs, axis=0).mean()) if legs.size else 0.0
+        centred.append(replace(one, samples=one.samples - middle))
+    return centred
 
 
 def align_acceleration(

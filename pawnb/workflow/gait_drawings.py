@@ -21,6 +21,7 @@ from pawnb.gait.cycles import (
     LegSignals,
     align_acceleration,
     average_cycles,
+    centre_signals,
     cut_cycles,
 )
 
@@ -131,7 +132,11 @@ def _of_signals(tables: GaitTables) -> Iterator[Drawing]:
     """Averages over the stride of every signal; phase plane and acceleration of the first."""
     strides = tables.strides
     by_kind: dict[str, list[LegSignals]] = {}
+    for one in centre_signals([one for one in tables.signals if one.signal == POSITION]):
+        by_kind.setdefault(POSITION, []).append(one)
     for one in tables.signals:
+        if one.signal == POSITION:
+            continue
         by_kind.setdefault(one.signal, []).append(one)
     kinds = [kind for kind in (LEG_ANGLE, POSITION, HEIGHT) if kind in by_kind]
     for kind in kinds:

@@ -16,6 +16,7 @@ from pawnb.gait.cycles import (
     LegSignals,
     align_acceleration,
     average_cycles,
+    centre_signals,
     cut_cycles,
 )
 
@@ -101,6 +102,16 @@ def test_one_animal_has_the_sd_of_its_strides_and_a_single_stride_no_band():
     single = average_cycles(cut_cycles([cosine()], strides(starts=(0.5,))))
     assert single["low"].isna().all()
     assert single["mean"].notna().all()
+
+
+def test_centred_signals_keep_what_lies_between_legs():
+    t = np.arange(10.0)
+    samples = np.column_stack([t, t + 6.0, np.full(10, np.nan)])
+    samples[0, 0] = np.nan
+    one = LegSignals(animal="a", trial="t", legs=("FR", "HR", "FL"), time_s=t, samples=samples)
+    (centred,) = centre_signals([one])
+    # means over time: 5 (of 1 to 9) and 10.5; their mean is 7.75
+    np.testing.assert_allclose(centred.samples, samples - 7.75)
 
 
 @pytest.mark.parametrize(
