@@ -99,19 +99,52 @@ def pose_body(
     heading = np.radians(dense["heading"].sel(individual=individual).to_numpy().astype(float))
     front = np.stack([np.cos(heading), np.sin(heading)], axis=-1)
     origin = body[:, :, 0]
+    tips = feet.positions
+    ahead_of = front
+    if body.shape[1] == 3:
+        # angles are those seen in the view of the pose, as with one view
+        seen = _in_picture(dense, {BODY: BODY, **roots}, individual)
+        ahead_of = _forward_in_space(seen, np.concatenate([body, root], axis=-1), front)
+        body, root = seen[:, :, :1], seen[:, :, 1:]
+        tips = _in_picture(dense, {leg: leg for leg in feet.legs}, individual)
     ahead = BodyPoints(
-        points=np.stack([origin, origin + front], axis=-1),
+        points=np.stack([origin, origin + ahead_of], axis=-1),
         names=(BODY, "heading"),
         guessed=False,
     )
     # y is down: to the right of the heading the cross product is positive
     out = root - body
     side = np.sign(np.nanmedian(front[:, :1] * out[:, 1] - front[:, 1:] * out[:, 0], axis=0))
-    reach = feet.positions - root
+    reach = tips - root
     forwards = np.einsum("ndk,nd->nk", reach, front)
     outwards = side * (front[:, :1] * reach[:, 1] - front[:, 1:] * reach[:, 0])
     angle = np.degrees(np.arctan2(forwards, outwards))
     return ahead, dataclasses.replace(feet, angle_deg=angle)
+
+
+def _in_picture(dense: Tracks, points: dict[str, str], individual: str) -> np.ndarray:
+    """Return points (n, 2, k) in the first view, in the order given."""
+    one = dense["image_position"].sel(individual=individual).isel(view=0)
+    one = one.sel(keypoint=list(points.values()))
+    return np.asarray(one.transpose("time", "image_space", "keypoint").to_numpy(), dtype=float)
+
+
+def _forward_in_space(seen: np.ndarray, places: np.ndarray, front: np.ndarray) -> np.ndarray:
+    """Return the body's direction in space, (n, 3), unit length.
+
+    The points of the body, ``seen`` (n, 2, k) in the picture and at ``places`` (n, 3, k), say how
+    a step in the picture goes on in space; NaN where they are not known.
+    """
+    flat = seen - seen.mean(axis=2, keepdims=True)
+    solid = places - places.mean(axis=2, keepdims=True)
+    known = np.isfinite(flat).all(axis=(1, 2)) & np.isfinite(solid).all(axis=(1, 2))
+    out = np.full((len(seen), 3), np.nan)
+    square = np.einsum("nik,njk->nij", flat[known], flat[known])
+    cross = np.einsum("nik,njk->nij", flat[known], solid[known])
+    step = np.linalg.solve(square, cross)
+    ahead = np.einsum("ni,nij->nj", front[known], step)
+    out[known] = ahead / np.linalg.norm(ahead, axis=1, keepdims=True)
+    return out
 
 
 def _in_space(

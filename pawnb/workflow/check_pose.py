@@ -7,18 +7,19 @@ import warnings
 import numpy as np
 
 from pawnb.core.pose.animal import StickAnimal
-from pawnb.core.pose.background import Background
+from pawnb.core.pose.background import Background, find_background
 from pawnb.core.pose.pose_suspects import joints_beyond_range
 from pawnb.core.pose.poses import Poses, joint_positions
 from pawnb.core.pose.silhouette import find_silhouette
 from pawnb.core.video import ViewReader, ViewSet
 from pawnb.errors import InputWarning, PawnbError
-from pawnb.trial import Trial
+from pawnb.trial import Trial, View
 from pawnb.workflow.check_report import CheckReport
+from pawnb.workflow.pose_in_space import load_second
 from pawnb.workflow.propose_pose import trial_animal, trial_background
 from pawnb.workflow.track_pose import (
     check_in_picture,
-    only_view,
+    pose_views,
     start_pose,
 )
 
@@ -47,7 +48,7 @@ def check_pose_trial(trial: Trial, views: ViewSet, report: CheckReport) -> None:
         The report.
     """
     try:
-        view = only_view(trial)
+        view, second = pose_views(trial)
         species = trial_animal(trial)
     except PawnbError as error:
         report.faults.append(str(error))
@@ -56,7 +57,9 @@ def check_pose_trial(trial: Trial, views: ViewSet, report: CheckReport) -> None:
         f"species {species.name}: {len(species.legs)} legs, {species.n_dof} degrees of freedom"
     )
     px_per_unit = None if trial.calibration is None else trial.calibration.px_per_unit
-    if px_per_unit is None:
+    if second is not None:
+        _check_second(trial, views, second, report)
+    elif px_per_unit is None:
         report.doubts.append("no px_per_unit in [calibration]: positions will be in px")
     reader = views.readers[view.name]
     background = _find_background(trial, views, report)
@@ -78,6 +81,20 @@ def check_pose_trial(trial: Trial, views: ViewSet, report: CheckReport) -> None:
         _check_joints(animal, poses.take([row]), reader, report, px_per_unit=px_per_unit)
         if background is not None:
             _check_on_animal(animal, poses.take([row]), reader, background, report)
+
+
+def _check_second(trial: Trial, views: ViewSet, second: View, report: CheckReport) -> None:
+    """Say what the second view gives, and what keeps it from doing so."""
+    try:
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always", InputWarning)
+            load_second(trial, views)
+            empty = find_background(views.readers[second.name], second, folder=trial.folder)
+    except PawnbError as error:
+        report.faults.append(str(error))
+        return
+    report.doubts += [str(warning.message) for warning in caught]
+    report.found.append(f"second view {second.name}: joints in space; background: {empty.source}")
 
 
 def _find_background(trial: Trial, views: ViewSet, report: CheckReport) -> Background | None:

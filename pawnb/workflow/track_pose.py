@@ -17,7 +17,10 @@ from pawnb.core.pose.as_tracks import tracks_from_poses
 from pawnb.core.pose.pose_table import pose_names, poses_from_table
 from pawnb.core.pose.poses import Poses
 from pawnb.core.pose.presence import find_animal_frames
+from pawnb.core.pose.space.as_tracks import tracks_in_space
+from pawnb.core.pose.space.track import SpaceTrack
 from pawnb.core.pose.track_result import PoseTrack
+from pawnb.core.rig import Rig
 from pawnb.core.video import ViewReader, ViewSet, open_views
 from pawnb.errors import InputError, InputWarning
 from pawnb.io.pose import check_pose, read_pose
@@ -25,6 +28,7 @@ from pawnb.schema import Tracks, add_provenance
 from pawnb.trial import Trial, View
 from pawnb.workflow.interrupt import interruptible
 from pawnb.workflow.methods import POSE_METHODS, pose_tracker_settings, run_pose_tracker
+from pawnb.workflow.pose_in_space import find_in_space, load_second
 from pawnb.workflow.progress import Progress, progress_bar
 from pawnb.workflow.propose_pose import trial_animal, trial_background
 from pawnb.workflow.provenance import build_step, trial_checksums, trial_fingerprint
@@ -48,7 +52,8 @@ def track_pose_trial(
     Parameters
     ----------
     trial : Trial
-        A trial of kind ``pose`` with one view.
+        A trial of kind ``pose`` with one view, or with two and a DLT calibration: the pose is
+        tracked in the first, and the second tells where the joints are in space.
     method : {"pawnb", "paper"}
         ``"paper"``: segmentation by min-cut and a stick animal, after Pullar 2009.
     settings : mapping, optional
@@ -71,14 +76,14 @@ def track_pose_trial(
         If anything the trial names is missing or does not fit.
     """
     chosen = pose_tracker_settings(trial, method=method, settings=settings)
-    view = only_view(trial)
+    view, _ = pose_views(trial)
     animal, poses, table = start_pose(trial, start)
     with contextlib.ExitStack() as stack:
         asked = stack.enter_context(interruptible()) if stop is None else stop
         views = stack.enter_context(open_views(trial))
         for note in views.notes:
             warnings.warn(note, InputWarning, stacklevel=3)
-        reader = views.readers[view.name]
+        reader, rig = views.readers[view.name], load_second(trial, views)
         span = _frame_range(trial, views, poses, frames)
         check_in_picture(poses, reader)
         background = trial_background(trial, views)
@@ -101,18 +106,15 @@ def track_pose_trial(
         track = _known_part(track, trial)
         if stop is None and not complete:
             _tell_interrupted(track, span)
+        space = None
+        if rig is not None:
+            space = find_in_space(
+                trial, views, track, animal=animal, rig=rig, progress=progress, stop=asked
+            )
+            complete = complete and not asked()
         # where the rate varies these are the file's own time stamps
         times = views.time_s[track.poses.frames]
-    calibration = trial.calibration
-    tracks = tracks_from_poses(
-        animal,
-        track,
-        fps=trial.fps,
-        view=view.name,
-        individual=trial.animal.id,
-        px_per_unit=None if calibration is None else calibration.px_per_unit,
-        unit="px" if calibration is None else calibration.unit,
-    )
+    tracks = _as_tracks(trial, animal, track, space, rig)
     tracks = describe_trial(tracks.assign_coords(time=times), trial)
     step = build_step(
         "track",
@@ -126,6 +128,7 @@ def track_pose_trial(
         trial=trial_fingerprint(trial),
         start=[{k: v for k, v in row.items() if v == v} for row in table.to_dict("records")],
         background=background.source,
+        **({} if space is None else {"second_view": str(trial.views[1].name)}),
     )
     tracks = add_provenance(tracks, **step)
     if out is not None:
@@ -175,8 +178,8 @@ def start_pose(
     return animal, poses, table
 
 
-def only_view(trial: Trial) -> View:
-    """Return the one view of a trial of kind ``pose``.
+def pose_views(trial: Trial) -> tuple[View, View | None]:
+    """Return the view of a trial of kind ``pose`` in which it is tracked, and the second.
 
     Parameters
     ----------
@@ -185,26 +188,36 @@ def only_view(trial: Trial) -> View:
 
     Returns
     -------
-    View
-        Its view.
+    first : View
+        The view that poses are in.
+    second : View or None
+        The view that tells where joints are in space, where there is one.
 
     Raises
     ------
     InputError
-        If it has several, or its frames are not counted from the file's first.
+        If it has more than two, a second one without calibration, or frames of the first that
+        are not counted from the file's first.
     """
-    if len(trial.views) != 1:
+    n = len(trial.views)
+    if n > 2:
         raise InputError(
-            f"trial {trial.name!r} has {len(trial.views)} views; a pose is tracked in one view: "
-            "keep one, or make a trial of each."
+            f"trial {trial.name!r} has {n} views; a pose is tracked in one view, and a second one "
+            "gives the joints in space: keep one or two."
+        )
+    if n == 2 and (trial.calibration is None or trial.calibration.dlt is None):
+        raise InputError(
+            f"trial {trial.name!r} has a second view, {trial.views[1].name!r}, but no calibration "
+            'that says how it lies to the first; add [calibration] dlt = "DLTcoefs.csv" '
+            "(`pawnb calibrate` makes it), or keep one view."
         )
     view = trial.views[0]
     if view.offset:
         raise InputError(
-            f"view {view.name!r}: offset is {view.offset}; a pose is tracked in one view, whose "
-            "frames are counted from the first of its file: leave offset out."
+            f"view {view.name!r}: offset is {view.offset}; a pose is tracked in the first view, "
+            "whose frames are counted from the first of its file: leave offset out there."
         )
-    return view
+    return view, trial.views[1] if n == 2 else None
 
 
 def check_in_picture(poses: Poses, reader: ViewReader) -> None:
@@ -229,6 +242,31 @@ def check_in_picture(poses: Poses, reader: ViewReader) -> None:
                 f"start pose: the body of frame {frame} is at x = {x:g}, y = {y:g}, outside the "
                 f"picture of {size[0]} x {size[1]} px; put it on the animal."
             )
+
+
+def _as_tracks(
+    trial: Trial,
+    animal: StickAnimal,
+    track: PoseTrack,
+    space: SpaceTrack | None,
+    rig: Rig | None,
+) -> Tracks:
+    """Return what was found as Tracks: in space where there is a second view."""
+    who, calibration = trial.animal.id, trial.calibration
+    if space is not None and rig is not None:
+        names = (trial.views[0].name, trial.views[1].name)
+        return tracks_in_space(
+            animal, track, space, rig=rig, fps=trial.fps, views=names, individual=who
+        )
+    return tracks_from_poses(
+        animal,
+        track,
+        fps=trial.fps,
+        view=trial.views[0].name,
+        individual=who,
+        px_per_unit=None if calibration is None else calibration.px_per_unit,
+        unit="px" if calibration is None else calibration.unit,
+    )
 
 
 def _frame_range(

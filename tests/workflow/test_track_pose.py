@@ -153,5 +153,5 @@ def test_a_recording_without_empty_frames_is_doubted(small_spider):
     trial = load_trial(small_spider)
     with open_views(trial) as views, pytest.warns(InputWarning, match="background_frames"):
         trial_background(trial, views)
-    with pytest.raises(InputError, match="offset is 10; a pose is tracked in one view"):
+    with pytest.raises(InputError, match="offset is 10; a pose is tracked in the first view"):
         track(trial)

@@ -77,8 +77,8 @@ def tracks_from_poses(
         individual=individual,
         unit="px" if px_per_unit is None else unit,
     )
-    places = _by_point(animal, poses.xy, joint_positions(animal, poses))
-    sd = _by_point(animal, track.xy_sd_px, track.places_sd_px)
+    places = by_point(animal, poses.xy, joint_positions(animal, poses))
+    sd = by_point(animal, track.xy_sd_px, track.places_sd_px)
     leg_of_point = np.array(
         [*range(len(legs)), *(i for i, leg in enumerate(legs) for _ in leg.joints)]
     )
@@ -160,7 +160,8 @@ def poses_of(tracks: Tracks) -> PoseTrack:
     points = [str(name) for name in one["keypoint"].to_numpy()]
     sd = np.full((n, len(animal.legs), most + 1, 2), np.nan)
     xy_sd = np.full((n, 2), np.nan)
-    if "sd" in one:
+    # in space it is not that of the view's px
+    if "sd" in one and one.sizes["space"] == 2:
         px = float(one.attrs.get("px_per_unit", 1.0))
         values = one["sd"].transpose("time", "keypoint", "space").to_numpy() * px
         xy_sd = values[:, points.index(BODY)]
@@ -168,6 +169,11 @@ def poses_of(tracks: Tracks) -> PoseTrack:
             names = [*(f"{leg.name}.{joint}" for joint in leg.joints), leg.name]
             sd[:, i, : len(names)] = values[:, [points.index(name) for name in names]]
     tips = [points.index(name) for name in animal.leg_names]
+    seen = ("confidence", "origin")
+    if one.sizes["space"] == 3:
+        seen = ("image_confidence", "image_origin")
+        one = one.isel(view=0)
+    confidence, origin = (one[name].transpose("time", "keypoint").to_numpy() for name in seen)
     return PoseTrack(
         poses=Poses(
             frames=one["frame"].to_numpy(),
@@ -181,13 +187,28 @@ def poses_of(tracks: Tracks) -> PoseTrack:
         heading_sd_deg=one["heading_sd"].to_numpy(),
         angles_sd_deg=one["joint_angle_sd"].transpose("time", "joint").to_numpy(),
         places_sd_px=sd,
-        confidence=one["confidence"].transpose("time", "keypoint").to_numpy()[:, tips],
-        origin=one["origin"].transpose("time", "keypoint").to_numpy()[:, tips],
+        confidence=confidence[:, tips],
+        origin=origin[:, tips],
     )
 
 
-def _by_point(animal: StickAnimal, body: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """Return values of body (n, 2) and joints (n, legs, most + 1, 2) as (n, 2, points)."""
+def by_point(animal: StickAnimal, body: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Return values of body and joints in the order of :func:`point_names`.
+
+    Parameters
+    ----------
+    animal : StickAnimal
+        The animal.
+    body : ndarray, shape (n, d)
+        Values of the body.
+    places : ndarray, shape (n, n_legs, most segments + 1, d)
+        Values of joints and tips.
+
+    Returns
+    -------
+    ndarray, shape (n, d, n_points)
+        The values.
+    """
     tips = [places[:, i, len(leg.segments)] for i, leg in enumerate(animal.legs)]
     joints = [
         places[:, i, j] for i, leg in enumerate(animal.legs) for j in range(len(leg.segments))

@@ -23,8 +23,13 @@ _BLOCKS_ACROSS = 9
 class BackgroundPicture(Protocol):
     """The empty scene: grey values and their standard deviation, shape (H, W)."""
 
-    mean: np.ndarray
-    sd: np.ndarray
+    @property
+    def mean(self) -> np.ndarray:
+        """Mean grey values."""
+
+    @property
+    def sd(self) -> np.ndarray:
+        """Their standard deviation."""
 
 
 class Evidence:

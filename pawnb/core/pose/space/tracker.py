@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from typing import Protocol
 
 import numpy as np
 
@@ -26,7 +27,7 @@ from pawnb.core.pose.space.settings import SpaceSettings
 from pawnb.core.pose.space.track import SpaceTrack
 from pawnb.core.pose.track_result import PoseTrack
 from pawnb.core.rig import Rig
-from pawnb.core.views import Frame, ViewReader
+from pawnb.core.views import Frame
 from pawnb.errors import InputError
 
 _THREADS = 2
@@ -36,8 +37,18 @@ _SETTLE = 2
 """How often all heights are fitted with those of the frames beside."""
 
 
+class Pictures(Protocol):
+    """A view: its size, and its frames by their numbers in the trial."""
+
+    width: int
+    height: int
+
+    def frame(self, index: int, /) -> Frame:
+        """Return a frame."""
+
+
 def place_in_space(
-    reader: ViewReader,
+    reader: Pictures,
     track: PoseTrack,
     *,
     animal: StickAnimal,
@@ -53,7 +64,7 @@ def place_in_space(
 
     Parameters
     ----------
-    reader : ViewReader
+    reader : Pictures
         The second view.
     track : PoseTrack
         Poses in the first view; joints are found where it has one.
@@ -123,7 +134,7 @@ def place_in_space(
 
 
 def _read(
-    reader: ViewReader, numbers: Iterable[int], stop: Callable[[], bool] | None
+    reader: Pictures, numbers: Iterable[int], stop: Callable[[], bool] | None
 ) -> Iterator[tuple[int, Frame]]:
     """Yield frames with their place in ``numbers`` until stopped."""
     for row, number in enumerate(numbers):

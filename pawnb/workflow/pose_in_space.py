@@ -1,0 +1,126 @@
+"""The second view of a trial of a jointed animal: its joints in space."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable
+
+import numpy as np
+
+from pawnb.core.pose.animal import StickAnimal
+from pawnb.core.pose.background import find_background
+from pawnb.core.pose.space.geometry import SightLines, check_second_view
+from pawnb.core.pose.space.track import SpaceTrack
+from pawnb.core.pose.space.tracker import place_in_space
+from pawnb.core.pose.track_result import PoseTrack
+from pawnb.core.rig import Rig, load_rig
+from pawnb.core.sightlines import find_look_point
+from pawnb.core.video import ViewReader, ViewSet
+from pawnb.core.views import Frame
+from pawnb.trial import Trial
+from pawnb.workflow.progress import Progress, progress_bar
+
+
+class ShiftedReader:
+    """The frames of a view by their numbers in the trial.
+
+    Parameters
+    ----------
+    reader : ViewReader
+        The view.
+    offset : int
+        Its file's frame that belongs to frame 0 of the trial.
+    """
+
+    def __init__(self, reader: ViewReader, offset: int) -> None:
+        self._reader, self._offset = reader, offset
+        self.width, self.height = reader.width, reader.height
+
+    def frame(self, index: int) -> Frame:
+        """Return a frame of the trial."""
+        return self._reader.frame(index + self._offset)
+
+
+def load_second(trial: Trial, views: ViewSet) -> Rig | None:
+    """Return the rig of a trial with a second view, in the pixels of its views.
+
+    Parameters
+    ----------
+    trial : Trial
+        A trial of kind ``pose``.
+    views : ViewSet
+        Its open views.
+
+    Returns
+    -------
+    Rig or None
+        None where there is one view only.
+
+    Raises
+    ------
+    CalibrationError
+        If the calibration cannot be read, or both views look in nearly the same direction.
+    """
+    if len(trial.views) < 2:
+        return None
+    sizes = {name: (r.source.width, r.source.height) for name, r in views.readers.items()}
+    rig = load_rig(trial, sizes=sizes)
+    if rig is not None:
+        lines = SightLines(rig.coefs[:, 0], find_look_point(rig.coefs), np.array(rig.up))
+        check_second_view(lines, rig.coefs[:, 1], (rig.names[0], rig.names[1]))
+    return rig
+
+
+def find_in_space(
+    trial: Trial,
+    views: ViewSet,
+    track: PoseTrack,
+    *,
+    animal: StickAnimal,
+    rig: Rig,
+    progress: Progress | None = None,
+    stop: Callable[[], bool] | None = None,
+) -> SpaceTrack:
+    """Find joints in space from poses in the first view and the pictures of the second.
+
+    Parameters
+    ----------
+    trial : Trial
+        A trial with two views.
+    views : ViewSet
+        Its open views.
+    track : PoseTrack
+        Poses in the first.
+    animal : StickAnimal
+        The animal.
+    rig : Rig
+        The calibrated views.
+    progress, stop
+        As for :func:`pawnb.track`.
+
+    Returns
+    -------
+    SpaceTrack
+        One row for every frame of the track.
+
+    Raises
+    ------
+    CalibrationError, InputError
+        If the second view does not serve: see :func:`place_in_space`.
+    """
+    first, second = trial.views
+    reader = views.readers[second.name]
+    background = find_background(reader, second, folder=trial.folder)
+    bar = contextlib.nullcontext(progress) if progress else progress_bar("joints in space")
+    with bar as report:
+        return place_in_space(
+            ShiftedReader(reader, second.offset),
+            track,
+            animal=animal,
+            rig=rig,
+            views=(first.name, second.name),
+            first_size=(views.readers[first.name].width, views.readers[first.name].height),
+            background=background,
+            progress=report,
+            stop=stop,
+        )
