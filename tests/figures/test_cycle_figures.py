@@ -78,6 +78,31 @@ def test_the_phase_plane_of_a_cosine_is_an_ellipse():
     assert (own["n_strides"] == 6).all()
 
 
+def test_animals_count_once_in_the_phase_plane():
+    """Animal a, about 0 degrees, has three strides, b, about 4 degrees, one: the mean is 2."""
+    signals, strides = make()
+    kept = strides[(strides["animal"] == "a") | (strides["stride"] == 1)]
+    table = build_phase_plane_table(cut_cycles(signals, kept), legs=["L1"])
+    mean = table[table["kind"] == "mean"]
+    assert (mean["value"].max() + mean["value"].min()) / 2.0 == pytest.approx(2.0, abs=0.05)
+
+
+def test_the_mean_acceleration_ends_where_half_of_the_strides_end():
+    """Two strides of five reach to 50 percent of the swing, the others to 20."""
+    rows = [
+        {"animal": "a", "trial": "t", "leg": "L1", "stride": k, "phase": "swing",
+         "percent": float(p), "acceleration": 1.0, "peak_velocity": 1.0, "signal": "leg angle",
+         "unit": "deg"}
+        for k, reach in enumerate((50, 50, 20, 20, 20))
+        for p in range(-20, reach + 1, 10)
+    ]  # fmt: skip
+    table = build_aligned_acceleration_table(pd.DataFrame(rows))
+    assert table.loc[table["kind"] == "mean", "percent"].max() == 20.0
+    # four of them: half reach to 50
+    table = build_aligned_acceleration_table(pd.DataFrame(rows).query("stride < 4"))
+    assert table.loc[table["kind"] == "mean", "percent"].max() == 50.0
+
+
 def test_few_of_many_strides_are_drawn_but_all_are_averaged():
     signals, strides = make(n_strides=4)
     table = build_phase_plane_table(cut_cycles(signals, strides), legs=["L1"], most=3)

@@ -73,6 +73,25 @@ def test_area_is_the_count_and_the_arrow_the_mean_vector():
     assert lines[1:] == ["5 strides, 1 animal", "fullest sector: 4"]
 
 
+def test_several_animals_count_once_each_and_have_an_interval():
+    """Animal a has one phase of 0.1, b three of 0.3: over animals the mean is 0.2."""
+    values = phases([0.1, 0.3, 0.3, 0.3], animals=list("abbb"))
+    table = build_phase_rose_table(values)
+    assert set(table["basis"]) == {"animals"}
+    np.testing.assert_allclose(table["basis_mean"], 0.2)
+    assert (table["mean"] > 0.22).all()
+    summary = pd.DataFrame(
+        [{"leg": "FL", "reference": "FR", "mean": 0.2, "r": 0.8, "ci_low": 0.95, "ci_high": 0.45,
+          "pattern": "in-phase"}]
+    )  # fmt: skip
+    ax = plot_phase_rose(build_phase_rose_table(values, summary=summary))
+    arrow = next(t for t in ax.texts if getattr(t, "arrow_patch", None) is not None)
+    np.testing.assert_allclose(arrow.xy, (2 * np.pi * 0.2, 0.8))
+    arc = ax.lines[0].get_xdata() / 2 / np.pi
+    assert (arc[0], arc[-1]) == pytest.approx((0.95, 1.45))  # half a cycle, across 0
+    assert ax.get_xlabel().startswith("mean 0.20 [0.95, 0.45] cycle, r 0.80\n4 strides, 2 animals")
+
+
 def test_phase_zero_is_on_top_and_runs_clockwise():
     ax = plot_phase_rose(build_phase_rose_table(phases([0.3])))
     assert ax.get_theta_offset() == pytest.approx(np.pi / 2)
