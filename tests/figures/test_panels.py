@@ -1,0 +1,81 @@
+"""Panels: how many, how wide, lettered; notes that can be read; legs that share a panel."""
+
+from __future__ import annotations
+
+import matplotlib as mpl
+import matplotlib.pyplot as plt
+import pytest
+
+from pawnb.errors import InputError
+from pawnb.figures.panels import (
+    add_animal_legend,
+    add_letter,
+    add_note,
+    group_legs,
+    make_panels,
+    say_phase,
+)
+from pawnb.figures.style import mark_animals, style
+
+mpl.use("Agg")
+
+
+@pytest.fixture(autouse=True)
+def _close():
+    yield
+    plt.close("all")
+
+
+@pytest.mark.parametrize(("n", "width_mm"), [(1, 85.0), (4, 85.0), (5, 170.0), (7, 170.0)])
+def test_panels_fill_one_or_two_columns(n, width_mm):
+    with style():
+        panels = make_panels(n, where="test")
+    figure = panels[0].figure
+    assert len(panels) == n == len(figure.axes)
+    assert figure.get_size_inches()[0] * 25.4 == pytest.approx(width_mm)
+    letters = [panel.get_title(loc="left") for panel in panels]
+    assert letters == ([""] if n == 1 else list("abcdefg"[:n]))
+
+
+def test_letters_go_on_after_z():
+    ax = plt.subplot()
+    add_letter(ax, 27)
+    assert ax.get_title(loc="left") == "ab"
+
+
+def test_notes_can_be_read():
+    with style():
+        ax = plt.subplot()
+        add_note(ax, "note")
+        assert ax.texts[0].get_fontsize() == 6.0
+    with style(font_size_pt=9):
+        add_note(ax, "note")
+    assert ax.texts[1].get_fontsize() == 8.0
+
+
+def test_one_animal_or_too_many_have_no_legend():
+    ax = plt.subplot()
+    add_animal_legend(ax, mark_animals(["a"]))
+    add_animal_legend(ax, mark_animals(map(str, range(13))))
+    assert ax.figure.legends == []
+    with style():
+        ax = plt.figure(layout="constrained").add_subplot()
+        add_animal_legend(ax, mark_animals(["b", "a"]))
+    assert [t.get_text() for t in ax.figure.legends[0].get_texts()] == ["a", "b"]
+
+
+def test_left_and_right_share_a_panel():
+    assert group_legs(["R2", "L1", "R1"]) == [("Legs 1", ["L1", "R1"]), ("Legs 2", ["R2"])]
+    assert group_legs(["HL", "FR", "FL"]) == [("Fore legs", ["FL", "FR"]), ("Hind legs", ["HL"])]
+    assert group_legs(["paw"]) == [("paw", ["paw"])]
+
+
+def test_phases_are_never_written_as_one():
+    assert [say_phase(p) for p in (0.996, 0.994, 0.0)] == ["0.00", "0.99", "0.00"]
+
+
+def test_nothing_or_too_much_is_refused():
+    with pytest.raises(InputError, match=r"^test: the table is empty\.$"):
+        make_panels(0, where="test")
+    with pytest.raises(InputError, match=r"^test: 2 panels for one axes; choose one of them"):
+        make_panels(2, where="test", ax=plt.subplot())
