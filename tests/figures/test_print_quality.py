@@ -37,9 +37,8 @@ def tables():
 
 
 def letters(figure):
-    """Return every text that is seen, with its size."""
-    shown = [t for t in figure.findobj(mpl.text.Text) if t.get_visible() and t.get_text().strip()]
-    return [t for t in shown if not hasattr(t, "arrow_patch") or t.get_text()]
+    """Return every text that is seen."""
+    return [t for t in figure.findobj(mpl.text.Text) if t.get_visible() and t.get_text().strip()]
 
 
 KINDS = (
