@@ -81,7 +81,9 @@ def load_with_movement(
     from movement.io import load_poses
 
     warnings.showwarning = show
-    xr.set_options(**options_before)  # type: ignore[no-untyped-call]
+    options_now = xr.get_options()  # type: ignore[no-untyped-call]
+    changed = {k: v for k, v in options_before.items() if options_now[k] != v}
+    xr.set_options(**changed)  # type: ignore[no-untyped-call]
 
     path = Path(path)
     if not path.is_file():
