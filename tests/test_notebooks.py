@@ -109,6 +109,7 @@ def test_spider_notebook_runs_on_the_real_spider(tmp_path, real_data):
     assert shown(notebook, "image/png") == 5
 
 
+@pytest.mark.slow
 def test_foreign_tracks_notebook_recovers_the_truth_of_its_sample(tmp_path):
     notebook = execute(ROOT / "notebooks" / "04_from_deeplabcut.ipynb", tmp_path)
     text = printed(notebook)
@@ -119,6 +120,7 @@ def test_foreign_tracks_notebook_recovers_the_truth_of_its_sample(tmp_path):
     assert (tmp_path / "results" / "deeplabcut" / "strides.csv").exists()
 
 
+@pytest.mark.slow
 def test_residual_notebook_draws_and_warns(tmp_path):
     notebook = execute(ROOT / "notebooks" / "05_residual_analysis.ipynb", tmp_path)
     text = printed(notebook)

@@ -105,6 +105,7 @@ def test_phase_of_animals_agrees_with_its_tests():
     assert mean_test(phases, expected=found.high, animals=animals).p == pytest.approx(0.05)
 
 
+@pytest.mark.slow
 def test_default_test_of_randomness_holds_its_level_where_the_naive_does_not():
     rng = np.random.default_rng(3)
     low = np.zeros(2)

@@ -135,6 +135,7 @@ def test_one_animal_with_several_trials_says_nothing_of_animals():
     assert not table["significant"]
 
 
+@pytest.mark.slow
 def test_false_alarms_where_animals_differ_in_slope():
     # no effect over animals; slopes of single animals vary about 0
     rng = np.random.default_rng(0)

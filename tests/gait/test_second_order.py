@@ -74,6 +74,7 @@ def test_vectors_of_animals():
 
 
 @pytest.mark.parametrize("test", [hotelling_test, moore_test])
+@pytest.mark.slow
 def test_level_under_random_phases_of_animals(test):
     # every animal regular, its phase random: 5 % expected, standard error 1 %
     rng = np.random.default_rng(1)

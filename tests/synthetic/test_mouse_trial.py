@@ -206,6 +206,7 @@ def test_fewer_views(tmp_path, n_views):
     ]
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_bytes_and_another_does_not(tmp_path):
     for name, seed in (("a", 5), ("b", 5), ("c", 6)):
         render_mouse_trial(tmp_path / name, frames=3, scale=0.1, seed=seed, difficulty="hard")
@@ -226,6 +227,7 @@ def test_progress_counts_to_the_end(tmp_path):
     assert path == tmp_path / "trial.toml"
 
 
+@pytest.mark.slow
 def test_a_run_that_is_stopped_leaves_no_trial(tmp_path):
     render_mouse_trial(tmp_path, frames=2, scale=0.05)
 

@@ -61,6 +61,7 @@ def test_joints_turn_within_their_ranges(difficulty):
         assert np.ptp(posture.poses.angles_deg, axis=0)[hip].min() > 12.0
 
 
+@pytest.mark.slow
 def test_every_animal_can_reach_its_feet():
     for difficulty in ("easy", "normal", "hard"):
         for seed in range(100, 125):

@@ -107,6 +107,7 @@ _THESIS = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 def test_phases_are_near_those_of_the_thesis():
     assert set(_THESIS) <= set(PAIRS)
     runs = [plan("normal", seed, 1.5) for seed in range(12)]
