@@ -157,6 +157,12 @@ def _add_gait(commands: Any) -> None:
     command.add_argument("--out", help="folder to write (default: results beside the first input)")
     command.add_argument("--fps", type=float, help="frame rate, where the input does not say")
     command.add_argument("--legs", nargs="+", metavar="LEG", help="legs to use (default: all)")
+    command.add_argument(
+        "--figures",
+        choices=["all", "main", "none"],
+        default="all",
+        help="which figures to draw (default: all that the tables allow)",
+    )
     command.set_defaults(run=_gait)
 
 
@@ -300,7 +306,12 @@ def _gait(options: argparse.Namespace, argv: list[str]) -> None:
     from pawnb.workflow.gait import run_gait
 
     done = run_gait(
-        options.inputs, out=options.out, fps=options.fps, legs=options.legs, command=argv
+        options.inputs,
+        out=options.out,
+        fps=options.fps,
+        legs=options.legs,
+        figures=options.figures,
+        command=argv,
     )
     print(done.text())
 

@@ -6,8 +6,12 @@ import os
 import shutil
 from pathlib import Path
 
-import pytest
-from hypothesis import settings
+# a worker a core: libraries that start threads of their own would only be in each other's way
+for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+    os.environ.setdefault(name, "1")
+
+import pytest  # noqa: E402
+from hypothesis import settings  # noqa: E402
 
 # a property is right or wrong, however busy the machine is
 settings.register_profile("pawnb", deadline=None)
