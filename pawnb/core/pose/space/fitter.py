@@ -81,7 +81,7 @@ class SpaceFitter:
         whole = (0, 0, self.evidence.width, self.evidence.height)
         image = self.evidence.pixels(frame, whole)
         change = image - self.evidence.mean
-        strong = np.abs(change) > np.percentile(np.abs(change), 98)
+        strong = np.abs(change) >= np.percentile(np.abs(change), 98)
         if np.median(change[strong]) > 0:
             self.evidence.light = float(np.percentile(image[strong], 75))
         self.blur = _SQRT5 * settings.blur_px
@@ -129,7 +129,6 @@ class SpaceFitter:
             length=model.lengths,
             length_sd=settings.length_sd * model.lengths + 1e-3 * model.span,
             bend_sd=settings.bend_sd,
-            root=model.root,
             root_sd=settings.root_share * model.span,
             expected=nothing if expected is None else expected,
             expected_sd=expected_sd,
@@ -193,10 +192,9 @@ class SpaceFitter:
             n = int(model.layout.n_segments[i])
             at = model.lines.at(one.places[i, : n + 1], body)
             reach = float(np.linalg.norm(np.diff(at, axis=0), axis=1).sum())
-            root = body + model.root[i]
-            out, up = arch(model.lengths[i, :n], reach, ground - root)
+            out, up = arch(model.lengths[i, :n], reach, ground - body)
             places[i, : n + 1] = slide(one.places[i, : n + 1], out)
-            heights[i, : n + 1] = root + up
+            heights[i, : n + 1] = body + up
         return places, heights
 
     def refine(

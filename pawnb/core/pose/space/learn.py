@@ -30,7 +30,7 @@ _LENGTH_SEEN = 0.02
 
 
 def learn_model(fitter: SpaceFitter, samples: Sequence[Sample], first: Layout) -> SpaceModel:
-    """Return the model with body, legs' look, lengths and roots as the pictures have them.
+    """Return the model with body, legs' look and lengths as the pictures have them.
 
     Parameters
     ----------
@@ -49,9 +49,7 @@ def learn_model(fitter: SpaceFitter, samples: Sequence[Sample], first: Layout) -
     model = _learn_body(fitter, samples[::2])
     fitter.model = model
     layout = _learn_legs(fitter, samples, first)
-    return model.changed(
-        layout=layout, lengths=_learn_lengths(model, samples), root=_learn_roots(model, samples)
-    )
+    return model.changed(layout=layout, lengths=_learn_lengths(model, samples))
 
 
 def _learn_body(fitter: SpaceFitter, samples: Sequence[Sample]) -> SpaceModel:
@@ -150,10 +148,3 @@ def _sizes(model: SpaceModel, x: np.ndarray) -> np.ndarray:
     """Return the lengths (legs, segments) of segments of one frame's unknowns."""
     joints = x[1:].reshape(len(model.animal.legs), -1, 3)
     return np.asarray(np.linalg.norm(np.diff(joints, axis=1), axis=-1))
-
-
-def _learn_roots(model: SpaceModel, samples: Sequence[Sample]) -> np.ndarray:
-    """Return the usual heights of the body-coxa joints above the body's."""
-    joints = np.array([x[1:].reshape(len(model.animal.legs), -1, 3)[:, 0] for _, _, x in samples])
-    body = np.array([x[0] for _, _, x in samples])
-    return np.asarray(np.median(model.lines.height(joints) - body[:, None], axis=0))

@@ -49,8 +49,6 @@ class SpaceModel:
     thickness, lift : ndarray, shape (parts,)
         Of the body's parts: height as a share of width, and how far the middle lies above the
         body's height, as the body is pitched.
-    root : ndarray, shape (legs,)
-        Heights of the body-coxa joints above the body's.
     ground : float
         Height of the ground; NaN where it is not known.
     settings : SpaceSettings
@@ -67,7 +65,6 @@ class SpaceModel:
     heights: tuple[float, float]
     thickness: np.ndarray
     lift: np.ndarray
-    root: np.ndarray
     ground: float
     settings: SpaceSettings
 
@@ -198,7 +195,6 @@ def make_model(
         heights=heights,
         thickness=np.full(len(animal.body), _FIRST_THICKNESS),
         lift=np.zeros(len(animal.body)),
-        root=np.zeros(len(animal.legs)),
         ground=np.nan,
         settings=settings,
     )

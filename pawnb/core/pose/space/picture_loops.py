@@ -44,8 +44,8 @@ class Known(NamedTuple):
         Lengths in space.
     bend_sd : float
         Change of direction between segments, radians.
-    root, root_sd : ndarray (legs,), float
-        Heights of the body-coxa joints above the body.
+    root_sd : float
+        How far the body-coxa joints are from the body's height.
     expected, expected_sd : ndarray, shape (1 + legs * joints,), float
         Heights expected from other frames, the body's first; NaN where unknown.
     ground, ground_sd : float
@@ -60,7 +60,6 @@ class Known(NamedTuple):
     length: np.ndarray
     length_sd: np.ndarray
     bend_sd: float
-    root: np.ndarray
     root_sd: float
     expected: np.ndarray
     expected_sd: float
@@ -254,7 +253,7 @@ def add_known(
                 height += known.axis[c] * (x[k + c] - known.about[c])
             total += _add_height(height, known, 1 + i * most + j, k, j == n, matrix, vector)
             if j == 0:
-                total += _add_root(height - x[0] - known.root[i], known, k, matrix, vector)
+                total += _add_root(height - x[0], known, k, matrix, vector)
     if not math.isnan(known.expected[0]):
         error = x[0] - known.expected[0]
         matrix[0, 0] += 1.0 / known.expected_sd**2
@@ -304,7 +303,7 @@ def _add_height(
 
 @compiled
 def _add_root(error: float, known: Known, k: int, matrix: np.ndarray, vector: np.ndarray) -> float:
-    """Add how far a body-coxa joint is from its usual height above the body."""
+    """Add how far a body-coxa joint is from the body's height."""
     precision = 1.0 / known.root_sd**2
     matrix[0, 0] += precision
     vector[0] -= precision * error

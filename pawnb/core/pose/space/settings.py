@@ -19,7 +19,7 @@ class SpaceSettings:
     bend_sd : float
         Standard deviation of the change of direction from one segment to the next, radians.
     root_share : float
-        Standard deviation of the height of a body-coxa joint above the body's.
+        Standard deviation of the height of a body-coxa joint about the body's.
     ground_share : float
         How near to the ground a foot stands; a lifted one costs little.
     height_step_share : float
@@ -34,7 +34,7 @@ class SpaceSettings:
     tip_along_share: float = 0.006
     joint_along_share: float = 0.02
     length_sd: float = 0.02
-    bend_sd: float = 0.6
+    bend_sd: float = 1.0
     root_share: float = 0.01
     ground_share: float = 0.01
     height_step_share: float = 0.008

@@ -1,0 +1,113 @@
+"""A jointed animal with a second view: its joints in space, and what is refused."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from pawnb import gait
+from pawnb.core.pose.as_tracks import animal_of, poses_of
+from pawnb.core.pose.poses import leg_angles
+from pawnb.core.video import open_views
+from pawnb.errors import CalibrationError, InputError
+from pawnb.io.native import read_tracks
+from pawnb.schema import POINTS3D_COLUMNS
+from pawnb.synthetic import render_spider_trial
+from pawnb.trial import load_trial
+from pawnb.workflow.check import check_trial
+from pawnb.workflow.pose_in_space import load_second
+from pawnb.workflow.track import track
+from pawnb.workflow.track_pose import pose_views
+
+
+@pytest.fixture(scope="module")
+def two_views(tmp_path_factory):
+    """Return a trial of a running spider seen from above and, through a mirror, from the side."""
+    folder = tmp_path_factory.mktemp("two")
+    render_spider_trial(folder, frames=56, scale=0.4, seed=3, views=2)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def found(two_views, tmp_path_factory):
+    out = tmp_path_factory.mktemp("results")
+    return track(two_views, out=out), out
+
+
+@pytest.mark.slow
+def test_joints_and_tips_are_near_the_truth_in_space(found, two_views):
+    """Medians within 1 % of the leg span, nineteen of twenty within 5 %."""
+    tracks, out = found
+    table = pd.read_csv(out / "points3d.csv")
+    assert tuple(table.columns) == POINTS3D_COLUMNS
+    truth = pd.read_csv(two_views / "truth" / "points3d.csv")
+    both = table.merge(truth, on=["frame", "point"], suffixes=("", "_true"))
+    assert len(both) == 65 * tracks.sizes["time"] > 65 * 10
+    off = np.sqrt(sum((both[c] - both[f"{c}_true"]) ** 2 for c in "xyz"))
+    span = 60.0  # mm, of this small individual's legs
+    tips = both["point"].str.len() == 2
+    for which in (tips, ~tips):
+        assert off[which].median() < 0.01 * span
+        assert off[which].quantile(0.95) < 0.05 * span
+    assert off[both["point"] == "body"].max() < 0.02 * span
+
+
+@pytest.mark.slow
+def test_tracks_hold_both_views_and_the_pose_of_the_first(found, two_views):
+    tracks, out = found
+    assert tracks.attrs["unit"] == "mm"
+    assert tracks.sizes["space"] == 3
+    assert tracks["view"].to_numpy().tolist() == ["top", "side"]
+    assert read_tracks(out / "tracks.nc").identical(tracks)
+    seen = pd.read_csv(out / "tracks.csv")
+    truth = pd.read_csv(two_views / "truth" / "tracks.csv")
+    both = seen.merge(truth, on=["frame", "view", "point"], suffixes=("", "_true"))
+    off = np.hypot(both["u"] - both["u_true"], both["v"] - both["v_true"])
+    assert off.groupby(both["view"]).median().max() < 1.5
+    assert (tracks["sd"].to_numpy() > 0).mean() > 0.95
+    # the pose is that of the first view: its numbers are px of it
+    poses = poses_of(tracks)
+    image = tracks["image_position"].sel(view="top", keypoint="body").to_numpy()[..., 0]
+    np.testing.assert_allclose(poses.poses.xy, image)
+    assert poses.confidence.shape == (tracks.sizes["time"], 8)
+    (step,) = json.loads((out / "provenance.json").read_text())["steps"]
+    assert step["second_view"] == "side"
+    assert "DLTcoefs.csv" in step["inputs"]
+
+
+@pytest.mark.slow
+def test_leg_angles_of_gait_are_those_of_the_pose(found):
+    tracks, _ = found
+    table = gait.leg_angles(tracks)
+
+    own = leg_angles(animal_of(tracks), poses_of(tracks).poses)
+    for number, leg in enumerate(animal_of(tracks).leg_names):
+        angle = table.loc[table["leg"] == leg, "leg_angle"]
+        np.testing.assert_allclose(angle, own[:, number], atol=1e-6)
+
+
+def test_a_second_view_without_calibration_is_told(small_spider):
+    trial = load_trial(small_spider)
+    (view,) = trial.views
+    assert pose_views(trial) == (view, None)
+    two = (view, dataclasses.replace(view, name="side"))
+    with pytest.raises(InputError, match="has a second view, 'side', but no calibration"):
+        track(dataclasses.replace(trial, views=two, calibration=None))
+    three = (*two, dataclasses.replace(view, name="front"))
+    with pytest.raises(InputError, match="has 3 views; a pose is tracked in one view"):
+        track(dataclasses.replace(trial, views=three))
+
+
+def test_two_views_of_one_direction_are_refused_before_tracking(tmp_path):
+    render_spider_trial(tmp_path, frames=14, scale=0.1, seed=2, views=2, motion="still")
+    coefs = np.loadtxt(tmp_path / "DLTcoefs.csv", delimiter=",")
+    assert "second view side" in check_trial(tmp_path).text()
+    np.savetxt(tmp_path / "DLTcoefs.csv", coefs[:, [0, 0]], delimiter=",")
+    trial = load_trial(tmp_path)
+    with open_views(trial) as views, pytest.raises(CalibrationError, match="nearly the same dir"):
+        load_second(trial, views)
+    assert "nearly the same direction" in check_trial(tmp_path).text()
