@@ -184,3 +184,18 @@ def test_an_animal_that_the_second_view_cannot_show_is_told():
             animal, track, rig, views=VIEWS, sizes=((1000, 350), (400, 130)),
             settings=SpaceSettings(),
         )  # fmt: skip
+
+
+def test_the_body_is_an_ellipsoid_seen_from_the_side():
+    """Walking along u, a part is as long as it is and as high as its thickness says; 2 px a mm."""
+    model = _scene()[0].model.changed(thickness=np.array([0.5, 0.5]), lift=np.array([1.0, 0.0]))
+    xy = np.array([240.0, 150.0])
+    parts = model.body_parts(xy, 0.0, 3.0)
+    body = model.lines.at(xy, 3.0)
+    for part, ellipse, lift in zip(model.animal.body, parts, (1.0, 0.0), strict=True):
+        half = 0.9 * np.array([part.length, 0.5 * part.width]) / 2 * 2.0
+        np.testing.assert_allclose(ellipse[7:9], half, rtol=1e-6)
+        np.testing.assert_allclose(ellipse[4:7], [half[0] ** -2, 0, half[1] ** -2], atol=1e-6)
+        np.testing.assert_allclose(ellipse[2:4], [0.0, -2.0], atol=1e-9)
+        middle = dlt.project(SIDE, body + [0.9 * part.centre[0], 0.0, lift])[0]
+        np.testing.assert_allclose(ellipse[:2] + 3.0 * ellipse[2:4], middle, atol=1e-6)
