@@ -197,5 +197,5 @@ def test_the_body_is_an_ellipsoid_seen_from_the_side():
         np.testing.assert_allclose(ellipse[7:9], half, rtol=1e-6)
         np.testing.assert_allclose(ellipse[4:7], [half[0] ** -2, 0, half[1] ** -2], atol=1e-6)
         np.testing.assert_allclose(ellipse[2:4], [0.0, -2.0], atol=1e-9)
-        middle = dlt.project(SIDE, body + [0.9 * part.centre[0], 0.0, lift])[0]
+        middle = dlt.project(SIDE, body + np.array([0.9 * part.centre[0], 0, lift]))[0]
         np.testing.assert_allclose(ellipse[:2] + 3.0 * ellipse[2:4], middle, atol=1e-6)
