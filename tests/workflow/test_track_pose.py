@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 
+import cv2
 import numpy as np
 import pandas as pd
 import pytest
@@ -149,9 +150,20 @@ def test_a_start_pose_off_the_picture_and_a_missing_one_are_refused(small_spider
 
 
 def test_a_recording_without_empty_frames_is_doubted(small_spider):
-    change(small_spider, "trial.toml", "background_frames = [\n    0,\n    10,\n]", "offset = 10")
+    # only the frames in which the spider is there, and it holds still: nothing tells it apart
+    (small_spider / "pictures").mkdir()
+    with open_views(load_trial(small_spider)) as views:
+        for i in range(10, 24):
+            picture = views.frame(i)["top"].image()
+            cv2.imwrite(str(small_spider / "pictures" / f"{i:03d}.png"), picture)
+    change(small_spider, "trial.toml", "background_frames = [\n    0,\n    10,\n]", "")
+    change(small_spider, "trial.toml", 'video = "spider.avi"', 'video = "pictures"')
     trial = load_trial(small_spider)
     with open_views(trial) as views, pytest.warns(InputWarning, match="background_frames"):
         trial_background(trial, views)
+
+
+def test_an_offset_is_refused(small_spider):
+    change(small_spider, "trial.toml", "background_frames = [\n    0,\n    10,\n]", "offset = 10")
     with pytest.raises(InputError, match="offset is 10; a pose is tracked in the first view"):
-        track(trial)
+        track(load_trial(small_spider))
