@@ -5,6 +5,8 @@ Pullar 2009, section 4.2.4 and Fig. 5.1 (after Hughes 1952 and Shultz 1987).
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 import pandas as pd
 
@@ -18,6 +20,7 @@ SUPPORT_RULE_COLUMNS = ("animal", "leg", "behind", "n_protractions", "n_obeyed",
 COUPLING_COLUMNS = ("animal", "kind", "n_pairs", "n_strides", "circular_sd", "r")
 
 
+@functools.cache
 def kind_of_pair(leg: str, reference: str) -> str:
     """Say how two legs lie to each other.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
@@ -32,6 +33,7 @@ class LegPlace(NamedTuple):
     rank: int
 
 
+@functools.cache
 def find_leg_place(name: str) -> LegPlace | None:
     """Read side and place from a leg's name.
 

@@ -16,6 +16,7 @@ from pawnb.gait.stride_measures import measure_strides
 from pawnb.gait.strides import Motion, build_strides, choose_stride_event
 
 Pairs = Sequence[tuple[str, str]]
+_KEYS = ["animal", "trial"]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -69,8 +70,8 @@ def pool(parts: Sequence[GaitTables]) -> GaitTables:
         raise InputError("nothing to pool: expected at least one analysis.")
     seen: set[tuple[str, str]] = set()
     for part in parts:
-        both = (part.events, part.dropped)
-        own = {pair for t in both for pair in zip(t["animal"], t["trial"], strict=True)}
+        both = (part.events[_KEYS], part.dropped[_KEYS])
+        own = {tuple(row) for t in both for row in t.drop_duplicates().to_numpy()}
         double = sorted(seen & own)
         if double:
             raise InputError(
@@ -109,7 +110,7 @@ def build_tables(
     signals: Sequence[LegSignals] = (),
     body_length: float | None = None,
 ) -> GaitTables:
-    """Make every table of one animal and trial from its events.
+    """Make the tables of one animal and trial from its events; :func:`pool` sums up phases.
 
     Parameters
     ----------
@@ -139,7 +140,7 @@ def build_tables(
     Returns
     -------
     GaitTables
-        The tables.
+        The tables, the summary of phases still empty.
 
     Raises
     ------
@@ -162,7 +163,7 @@ def build_tables(
         events=events,
         strides=strides,
         phases=phases,
-        phase_summary=summarise_phases(phases),
+        phase_summary=summarise_phases(phases.head(0)),
         dropped=_stack(all_dropped),
         notes=tuple(f"{who['trial']}: {note}" if motion else note for note in remarks),
         settings=settings,

@@ -65,7 +65,7 @@ def dlt_coefs(scene: SpiderScene) -> np.ndarray:
 
 
 def points3d_truth(
-    recording: Recording, names: tuple[str, ...], points: np.ndarray, heights: np.ndarray
+    recording: Recording, names: tuple[str, ...], *, points: np.ndarray, heights: np.ndarray
 ) -> pd.DataFrame:
     """Return the columns of points3d.csv in the space of :func:`dlt_coefs`.
 

@@ -126,7 +126,9 @@ def _tables(recording: Recording, trial: Trial) -> dict[str, pd.DataFrame]:
         seen = _within(side, (scene.width, scene.height - split_row(scene)))
         more = tracks_truth(names, poses.frames, side, view=SIDE, visible=seen)
         tracks = pd.concat([tracks, more]).sort_values("frame", kind="stable")
-        tables["truth/points3d.csv"] = points3d_truth(recording, names, points, heights)
+        tables["truth/points3d.csv"] = points3d_truth(
+            recording, names, points=points, heights=heights
+        )
     events = pd.DataFrame(columns=list(EVENTS_COLUMNS))
     if scene.motion == "run":
         events = events_truth(

@@ -200,7 +200,7 @@ class PaperEnergy:
         )  # fmt: skip
         own, near = _with_shape(frame.own, away, p.thickness_px, p.steepness)
         labels = cut_grid(own, frame.right, frame.down)
-        pixels, pairs = grid_energy(labels, own, frame.right, frame.down)
+        pixels, pairs = grid_energy(labels, own, right=frame.right, down=frame.down)
         total = frame.background_sum + near + pixels + pairs + self.limits(pose)
         return Cut(labels, total)
 

@@ -113,7 +113,7 @@ def explain_energy(
     different = float(
         (cut.labels[:, 1:] != cut.labels[:, :-1]).sum() + (cut.labels[1:] != cut.labels[:-1]).sum()
     )
-    _, pairs = grid_energy(cut.labels, frame.own, frame.right, frame.down)
+    _, pairs = grid_energy(cut.labels, frame.own, right=frame.right, down=frame.down)
     terms = {
         "likelihood": float((back + frame.own * cut.labels).sum(dtype=float)),
         "shape prior": float(shape),

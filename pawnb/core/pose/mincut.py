@@ -46,7 +46,7 @@ def cut_grid(own: np.ndarray, right: np.ndarray, down: np.ndarray) -> np.ndarray
 
 
 def grid_energy(
-    labels: np.ndarray, own: np.ndarray, right: np.ndarray, down: np.ndarray
+    labels: np.ndarray, own: np.ndarray, *, right: np.ndarray, down: np.ndarray
 ) -> tuple[float, float]:
     """Return the energy of labels: the sum of pixels' own costs, and that of pairs.
 

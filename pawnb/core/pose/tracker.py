@@ -219,7 +219,7 @@ def _finish(
             def work(part: range, poses: np.ndarray, expected: np.ndarray) -> list[Settled]:
                 own = fitter.twin()
                 own.anatomy = known
-                return [settle(own, found[i], poses[i], expected[i]) for i in part]
+                return [settle(own, found[i], poses[i], expected=expected[i]) for i in part]
 
             both = pool.map(work, parts, [poses] * 2, [expected] * 2)
             out = [settled for part in both for settled in part]

@@ -23,7 +23,7 @@ def problem(rng, shape, *, pull):
 
 def least_energy_of_all(own, right, down):
     return min(
-        sum(grid_energy(np.reshape(labels, own.shape), own, right, down))
+        sum(grid_energy(np.reshape(labels, own.shape), own, right=right, down=down))
         for labels in itertools.product([False, True], repeat=own.size)
     )
 
@@ -34,7 +34,10 @@ def least_energy_of_all(own, right, down):
 )
 def test_no_labelling_of_a_small_grid_costs_less(seed, pull, shape):
     costs = problem(np.random.default_rng(seed), shape, pull=pull)
-    assert sum(grid_energy(cut_grid(*costs), *costs)) == least_energy_of_all(*costs)
+    own, right, down = costs
+    assert sum(grid_energy(cut_grid(*costs), own, right=right, down=down)) == least_energy_of_all(
+        *costs
+    )
 
 
 @pytest.mark.parametrize("pull", [4, 9, 25])
@@ -50,7 +53,7 @@ def test_energy_is_that_of_the_maximum_flow_of_the_whole_grid(pull):
     graph = csr_array((w.astype(np.int32), (a, b)), shape=(sink + 1, sink + 1))
     # least energy = flow + what every pixel labelled 1 costs at least
     expected = maximum_flow(graph, source, sink).flow_value + np.minimum(own, 0).sum()
-    assert sum(grid_energy(cut_grid(own, right, down), own, right, down)) == expected
+    assert sum(grid_energy(cut_grid(own, right, down), own, right=right, down=down)) == expected
 
 
 def test_strong_pixels_are_decided_without_a_cut_and_weak_ones_are_not():
@@ -69,7 +72,7 @@ def test_energy_counts_each_different_pair_once():
     own = np.array([[1.0, 10.0], [100.0, 1000.0]])
     right, down = np.array([[2.0], [3.0]]), np.array([[5.0, 7.0]])
     # by hand: pixels 1 + 100 + 1000; pairs top (2) and right column (7)
-    assert grid_energy(labels, own, right, down) == (1101.0, 9.0)
+    assert grid_energy(labels, own, right=right, down=down) == (1101.0, 9.0)
 
 
 def test_a_flat_picture_gets_one_label():

@@ -214,6 +214,6 @@ def test_energy_of_labels_matches_the_cut(scene):
     frame = energy.frame(scene.picture, vector, slack_px=5.0)
     best = energy.cut(frame, vector)
     own = np.zeros_like(frame.own)
-    assert grid_energy(best.labels, own, frame.right, frame.down)[1] > 0
+    assert grid_energy(best.labels, own, right=frame.right, down=frame.down)[1] > 0
     worse = energy.cut(frame, vector + np.r_[9.0, np.zeros(len(vector) - 1)])
     assert worse.energy > best.energy

@@ -126,11 +126,13 @@ def test_exact_places_lengths_and_picture_give_the_joints_back(near):
     """From even arches; of a leg span of 75 mm the median within 0.2 mm, all within 2 mm."""
     fitter, one, sight, truth = _scene(near=near)
     known = fitter.known(one, None, 1.0)
-    found, cost = fitter.refine(one, sight, fitter.guess(one, sight, truth[0]), known, coarse=True)
+    found, cost = fitter.refine(
+        one, sight, fitter.guess(one, sight, truth[0]), known=known, coarse=True
+    )
     off = np.linalg.norm((found - truth)[1:].reshape(-1, 3), axis=1)
     assert np.median(off) < 0.2
     assert off.max() < 2.0
-    assert cost < fitter.equations(one, sight, truth, known, blur=fitter.blur)[0] + 1.0
+    assert cost < fitter.equations(one, sight, truth, known=known, blur=fitter.blur)[0] + 1.0
 
 
 def test_the_body_is_found_where_the_second_view_shows_it():
@@ -163,7 +165,7 @@ def test_the_gradient_is_that_of_the_cost():
 def test_equations_are_solved_leg_by_leg_as_in_one():
     fitter, one, sight, truth = _scene()
     known = fitter.known(one, None, 1.0)
-    _, matrix, vector = fitter.equations(one, sight, truth + 0.2, known, blur=fitter.blur)
+    _, matrix, vector = fitter.equations(one, sight, truth + 0.2, known=known, blur=fitter.blur)
     damped = matrix + 0.1 * np.diag(np.diag(matrix))
     both = fitter.solve(matrix, vector, 0.1)
     np.testing.assert_allclose(both, np.linalg.solve(damped, vector), rtol=1e-5, atol=1e-9)

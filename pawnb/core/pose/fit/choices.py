@@ -71,7 +71,7 @@ class Choices:
 
 
 def only_choice(
-    fitter: FrameFitter, frame: int, pose: np.ndarray, image: np.ndarray, box: tuple
+    fitter: FrameFitter, frame: int, pose: np.ndarray, *, image: np.ndarray, box: tuple
 ) -> Choices:
     """Return the frame with one pose of each leg."""
     joints = fitter.joints(pose)
@@ -88,7 +88,7 @@ def only_choice(
 
 
 def limb_candidates(
-    fitter: FrameFitter, pose: np.ndarray, leg: int, sight: Sight, prior: Prior
+    fitter: FrameFitter, pose: np.ndarray, leg: int, *, sight: Sight, prior: Prior
 ) -> list[np.ndarray]:
     """Return poses of a leg that the silhouette offers, each fitted.
 
@@ -109,17 +109,17 @@ def limb_candidates(
             fitter.layout, pose, leg, open_to, sight.box, prior, _BEAM, most, 2 * SAME_PX
         )
         found.extend(numbers)
-    return [fit_leg(fitter, pose, leg, guess, sight, prior) for guess in found]
+    return [fit_leg(fitter, pose, leg, guess=guess, sight=sight, prior=prior) for guess in found]
 
 
 def fit_leg(
     fitter: FrameFitter,
     pose: np.ndarray,
     leg: int,
+    *,
     guess: np.ndarray,
     sight: Sight,
     prior: Prior,
-    *,
     rounds: int = 4,
 ) -> np.ndarray:
     """Return one leg's part of the pose vector, fitted with the body as it is."""
@@ -150,6 +150,7 @@ def add_candidates(
     fitter: FrameFitter,
     choices: Choices,
     extra: dict[int, list[np.ndarray]],
+    *,
     sight: Sight,
     prior: Prior,
 ) -> None:
@@ -176,10 +177,10 @@ def add_candidates(
                 choices.legs[leg] = np.concatenate([choices.legs[leg], numbers[None]])
                 choices.joints[leg] = np.concatenate([choices.joints[leg], joints[None]])
     if choices.is_open:
-        weigh(fitter, choices, sight, prior)
+        _weigh(fitter, choices, sight, prior)
 
 
-def weigh(fitter: FrameFitter, choices: Choices, sight: Sight, prior: Prior) -> None:
+def _weigh(fitter: FrameFitter, choices: Choices, sight: Sight, prior: Prior) -> None:
     """Fill in what candidates are worth alone and in pairs, and drop the worthless."""
     value, owner, along, joints = fitter.canvas(sight)
     paint_base(fitter.layout, choices.pose, fitter.blur, sight, value, owner)
@@ -213,7 +214,7 @@ def weigh(fitter: FrameFitter, choices: Choices, sight: Sight, prior: Prior) -> 
             if b in fitter.neighbours[a]:
                 choices.crossed[a, b] = np.array(
                     [
-                        [legs_cross(fitter, a, p, b, q) for q in choices.joints[b]]
+                        [legs_cross(fitter, (a, p), (b, q)) for q in choices.joints[b]]
                         for p in choices.joints[a]
                     ]
                 )
@@ -222,10 +223,12 @@ def weigh(fitter: FrameFitter, choices: Choices, sight: Sight, prior: Prior) -> 
             )
 
 
-def legs_cross(fitter: FrameFitter, a: int, one: np.ndarray, b: int, other: np.ndarray) -> bool:
-    """Return whether leg a and leg b cross, with their joints where given."""
+def legs_cross(
+    fitter: FrameFitter, one: tuple[int, np.ndarray], other: tuple[int, np.ndarray]
+) -> bool:
+    """Return whether two legs, each given by its number and its joints, cross."""
     n = fitter.layout.n_segments
-    return bool(chains_cross(one, n[a], other, n[b]))
+    return bool(chains_cross(one[1], n[one[0]], other[1], n[other[0]]))
 
 
 def _worth_keeping(alone: np.ndarray, most: int) -> np.ndarray:

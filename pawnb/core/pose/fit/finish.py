@@ -39,7 +39,7 @@ class Settled:
 
 
 def settle(
-    fitter: FrameFitter, choices: Choices, pose: np.ndarray, expected: np.ndarray
+    fitter: FrameFitter, choices: Choices, pose: np.ndarray, *, expected: np.ndarray
 ) -> Settled:
     """Fit one frame for good.
 

@@ -102,7 +102,7 @@ class Follower:
                 return False
         else:
             self._lost = 0
-        choices = only_choice(fitter, frame.index, pose, image, box)
+        choices = only_choice(fitter, frame.index, pose, image=image, box=box)
         if fitter.settings.choose_path:
             self._add(choices, sight, anatomy)
             pose = self._decide(choices, sight, prior)
@@ -139,13 +139,15 @@ class Follower:
             for leg in legs:
                 found[leg] = self._continued(fitter, leg, choices.pose, sight, anatomy)
                 if doubted[leg]:
-                    found[leg] += limb_candidates(fitter, choices.pose, leg, sight, anatomy)
+                    found[leg] += limb_candidates(
+                        fitter, choices.pose, leg, sight=sight, prior=anatomy
+                    )
             return found
 
         parts = self._pool.map(search, self.sides, self._twins)
         extra = {leg: more for part in parts for leg, more in part.items() if more}
         if extra:
-            add_candidates(self.fitter, choices, extra, sight, anatomy)
+            add_candidates(self.fitter, choices, extra, sight=sight, prior=anatomy)
 
     def _continued(
         self, fitter: FrameFitter, leg: int, pose: np.ndarray, sight: Sight, anatomy: Prior
@@ -154,7 +156,7 @@ class Follower:
         if not self.kept or len(self.kept[-1].legs[leg]) < 2:
             return []
         return [
-            fit_leg(fitter, pose, leg, numbers, sight, anatomy, rounds=3)
+            fit_leg(fitter, pose, leg, guess=numbers, sight=sight, prior=anatomy, rounds=3)
             for numbers in self.kept[-1].legs[leg][1:]
         ]
 
@@ -174,7 +176,7 @@ class Follower:
             for a, b in itertools.pairwise(legs):
                 gap = np.hypot(*(joints[a] - joints[b]).T)
                 close = np.nanmin(gap[-3:]) < 2 * SAME_PX
-                if close or legs_cross(fitter, a, joints[a], b, joints[b]):
+                if close or legs_cross(fitter, (a, joints[a]), (b, joints[b])):
                     doubted[[a, b]] = True
         for leg, numbers in enumerate(fitter.numbers):
             if prior_cost(choices.pose, anatomy, numbers) > _UNLIKELY:

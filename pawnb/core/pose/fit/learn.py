@@ -84,7 +84,9 @@ def _one_round(
             layout, pose, blur, sight.box, value, owner, sight.seen, sight.weight, soft,
             body_matrix, body_vector,
         )  # fmt: skip
-    legs_learnt = learn_legs(layout, first, partner, (matrix, vector), n_frames=len(frames))
+    legs_learnt = learn_legs(
+        layout, first, partner, equations=(matrix, vector), n_frames=len(frames)
+    )
     ellipse = _body_step(layout, first, body_matrix, body_vector, len(frames))
     return legs_learnt._replace(ellipse=ellipse)
 
@@ -93,8 +95,8 @@ def learn_legs(
     layout: Layout,
     first: Layout,
     partner: np.ndarray,
-    equations: tuple[np.ndarray, np.ndarray],
     *,
+    equations: tuple[np.ndarray, np.ndarray],
     n_frames: int,
 ) -> Layout:
     """Return the layout with legs as thick and dark as one step of the equations has them.

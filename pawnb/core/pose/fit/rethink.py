@@ -71,10 +71,13 @@ def _bridge(follower: Follower) -> bool:
         sight = fitter.sight(choices.image.astype(float), choices.box, choices.pose)
         anatomy, _ = follower.priors(choices.pose)
         more = {
-            leg: [fit_leg(fitter, choices.pose, leg, g, sight, anatomy) for g in guesses]
+            leg: [
+                fit_leg(fitter, choices.pose, leg, guess=g, sight=sight, prior=anatomy)
+                for g in guesses
+            ]
             for leg, guesses in legs.items()
         }
-        add_candidates(fitter, choices, more, sight, anatomy)
+        add_candidates(fitter, choices, more, sight=sight, prior=anatomy)
     return bool(extra)
 
 
@@ -94,7 +97,7 @@ def _second_pass(follower: Follower) -> None:
         anatomy, _ = follower.priors(expected)
         found = follower.fit_from(expected, sight)
         extra = {leg: [found[numbers]] for leg, numbers in enumerate(fitter.numbers)}
-        add_candidates(fitter, choices, extra, sight, anatomy)
+        add_candidates(fitter, choices, extra, sight=sight, prior=anatomy)
         velocity = found - pose
         velocity[fitter.lengths] = 0.0
         pose = found
@@ -139,10 +142,16 @@ def _trace(follower: Follower, leg: int, t: int, numbers: np.ndarray) -> bool:
         choices = kept[back]
         sight = fitter.sight(choices.image.astype(float), choices.box, choices.pose)
         found = fit_leg(
-            fitter, choices.pose, leg, numbers + velocity, sight, fitter.anatomy, rounds=6
+            fitter,
+            choices.pose,
+            leg,
+            guess=numbers + velocity,
+            sight=sight,
+            prior=fitter.anatomy,
+            rounds=6,
         )
         count = len(choices.legs[leg])
-        add_candidates(fitter, choices, {leg: [found]}, sight, fitter.anatomy)
+        add_candidates(fitter, choices, {leg: [found]}, sight=sight, prior=fitter.anatomy)
         if len(choices.legs[leg]) == count:
             break
         velocity = np.clip(found - numbers, -0.2, 0.2)

@@ -144,16 +144,17 @@ def _choose(
     fitter: FrameFitter, frame: int, pose: np.ndarray, sight: Sight, crop: tuple, prior: Prior
 ) -> np.ndarray:
     """Return the pose with each leg at the best of the places that the silhouette offers."""
-    choices: Choices = only_choice(fitter, frame, pose, *crop)
+    choices: Choices = only_choice(fitter, frame, pose, image=crop[0], box=crop[1])
     extra = {}
     for leg, numbers in enumerate(fitter.numbers):
-        extra[leg] = limb_candidates(fitter, pose, leg, sight, prior)
+        extra[leg] = limb_candidates(fitter, pose, leg, sight=sight, prior=prior)
         n = len(numbers) // 2
         for shorter in _SHORTER:
             guess = prior.middle[numbers].copy()
             guess[n:] += shorter
-            extra[leg].append(fit_leg(fitter, pose, leg, guess, sight, prior, rounds=8))
-    add_candidates(fitter, choices, extra, sight, prior)
+            fitted = fit_leg(fitter, pose, leg, guess=guess, sight=sight, prior=prior, rounds=8)
+            extra[leg].append(fitted)
+    add_candidates(fitter, choices, extra, sight=sight, prior=prior)
     if not choices.is_open:
         return pose
     best = pose.copy()

@@ -88,7 +88,7 @@ class SpaceFitter:
         self.shown = np.ones(len(model.animal.legs), bool)
 
     def crop(
-        self, frame: Frame, xy: np.ndarray, places: np.ndarray, heights: tuple[float, float]
+        self, frame: Frame, xy: np.ndarray, *, places: np.ndarray, heights: tuple[float, float]
     ) -> tuple[np.ndarray, tuple[int, int, int, int]]:
         """Return the second view's crop that holds the animal at some heights, and its box."""
         lines = self.model.lines
@@ -198,7 +198,7 @@ class SpaceFitter:
         return places, heights
 
     def refine(
-        self, one: SpaceFrame, sight: Sight, x: np.ndarray, known: Known, *, coarse: bool = False
+        self, one: SpaceFrame, sight: Sight, x: np.ndarray, *, known: Known, coarse: bool = False
     ) -> tuple[np.ndarray, float]:
         """Return the unknowns that fit both views best near ``x``, and their cost.
 
@@ -212,13 +212,13 @@ class SpaceFitter:
         self, one: SpaceFrame, sight: Sight, x: np.ndarray, known: Known, blur: float
     ) -> tuple[np.ndarray, float]:
         """Return the unknowns at the bottom of the cost's valley, and their cost."""
-        cost, matrix, vector = self.equations(one, sight, x, known, blur=blur)
+        cost, matrix, vector = self.equations(one, sight, x, known=known, blur=blur)
         damping = 1e-3
         for _ in range(_ROUNDS):
             step = self.solve(matrix, -vector, damping)
             most = 0.04 * self.model.span
             step = np.clip(step, -most, most)
-            new = self.equations(one, sight, x + step, known, blur=blur)
+            new = self.equations(one, sight, x + step, known=known, blur=blur)
             gained = cost - new[0]
             if gained > 0:
                 x, damping = x + step, max(damping / 4, 1e-6)
@@ -259,7 +259,7 @@ class SpaceFitter:
         return float(heights.min())
 
     def equations(
-        self, one: SpaceFrame, sight: Sight, x: np.ndarray, known: Known, *, blur: float
+        self, one: SpaceFrame, sight: Sight, x: np.ndarray, *, known: Known, blur: float
     ) -> tuple[float, np.ndarray, np.ndarray]:
         """Return cost, Gauss-Newton matrix and gradient at ``x``."""
         model, settings = self.model, self.model.settings

@@ -125,7 +125,9 @@ def _learn_legs(fitter: SpaceFitter, samples: Sequence[Sample], first: Layout) -
                 sight.weight, model.settings.soft_error, matrix, vector,
             )  # fmt: skip
             body_dark.append(np.median(sight.seen[owner < -1]) if (owner < -1).any() else np.nan)
-        layout = learn_legs(layout, first, partner, (matrix, vector), n_frames=len(samples))
+        layout = learn_legs(
+            layout, first, partner, equations=(matrix, vector), n_frames=len(samples)
+        )
         ellipse = layout.ellipse.copy()
         if np.isfinite(body_dark).any():
             ellipse[:, 4] = np.nanmedian(body_dark)

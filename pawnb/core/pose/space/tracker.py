@@ -113,7 +113,7 @@ def place_in_space(
     frames = []
     for row, frame in _read(reader, track.poses.frames[rows], stop):
         k = rows[row]
-        image, box = fitter.crop(frame, track.poses.xy[k], places[k], model.heights)
+        image, box = fitter.crop(frame, track.poses.xy[k], places=places[k], heights=model.heights)
         frames.append(
             SpaceFrame(
                 xy=track.poses.xy[k],
@@ -220,7 +220,7 @@ class _Solver:
         one, sight = self.frames[k], self.sight(k)
         known = self.fitter.known(one, None, 1.0)
         start = self.fitter.guess(one, sight)
-        self.x[k], self.cost[k] = self.fitter.refine(one, sight, start, known, coarse=True)
+        self.x[k], self.cost[k] = self.fitter.refine(one, sight, start, known=known, coarse=True)
 
     def _take_over(self, k: int, other: int) -> None:
         """Fit one frame from the heights of another, and keep what explains more."""
@@ -228,7 +228,7 @@ class _Solver:
             return
         one, sight = self.frames[k], self.sight(k)
         known = self.fitter.known(one, None, 1.0)
-        x, cost = self.fitter.refine(one, sight, self._moved(other, k), known)
+        x, cost = self.fitter.refine(one, sight, self._moved(other, k), known=known)
         if cost < self.cost[k]:
             self.x[k], self.cost[k] = x, cost
 
@@ -247,7 +247,7 @@ class _Solver:
         known = self.fitter.known(
             one, self._expected(k), model.settings.height_step_share * model.span
         )
-        self.x[k], self.cost[k] = self.fitter.refine(one, sight, self.x[k], known)
+        self.x[k], self.cost[k] = self.fitter.refine(one, sight, self.x[k], known=known)
 
     def _expected(self, k: int) -> np.ndarray | None:
         """Return the heights between those of the frames beside."""
@@ -291,7 +291,7 @@ class _Solver:
         fitter, model = self.fitter, self.fitter.model
         one, sight = self.frames[k], self.sight(k)
         known = fitter.known(one, self._expected(k), model.settings.height_step_share * model.span)
-        _, matrix, _ = fitter.equations(one, sight, self.x[k], known, blur=fitter.blur)
+        _, matrix, _ = fitter.equations(one, sight, self.x[k], known=known, blur=fitter.blur)
         sd = np.sqrt(np.diag(np.linalg.inv(matrix)))
         _, _, _, drawn = fitter.painted(one, sight, self.x[k])
         height, width = sight.seen.shape
