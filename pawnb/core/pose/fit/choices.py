@@ -51,6 +51,9 @@ class Choices:
         Of pairs of legs, the cost of both together less that of each, (candidates, candidates).
     crossed : dict
         Of neighbouring legs, whether they cross, (candidates, candidates).
+    rivals : list of ndarray
+        Of each leg, the candidates that may still be right by what was known when the frame was
+        first seen, other than the one chosen then.
     """
 
     frame: int
@@ -63,11 +66,17 @@ class Choices:
     unlikely: list[np.ndarray]
     shared: dict[tuple[int, int], np.ndarray] = field(default_factory=dict)
     crossed: dict[tuple[int, int], np.ndarray] = field(default_factory=dict)
+    rivals: list[np.ndarray] = field(default_factory=list)
 
     @property
     def is_open(self) -> bool:
         """Whether any leg has more than one candidate."""
         return any(len(c) > 1 for c in self.legs)
+
+    @property
+    def is_doubtful(self) -> bool:
+        """Whether any leg had a rival."""
+        return any(len(c) for c in self.rivals)
 
 
 def only_choice(

@@ -41,6 +41,8 @@ _FIRST_FRAMES = 2
 """Frames after the start in which it is not known yet how the legs move."""
 _KEEP_VELOCITY = 0.9
 _LEAP_PX = 12.0
+_RIVAL = 30.0
+"""A candidate whose best path costs this much more than the best is followed no further."""
 _LEARN_LENGTH = 0.03
 
 
@@ -110,9 +112,14 @@ class Follower:
         self.kept.append(choices)
         return True
 
-    def fit_from(self, expected: np.ndarray, sight: Sight) -> np.ndarray:
-        """Return the pose near the expected one that fits best: first blurred, then sharp."""
-        fitter = self.fitter
+    def fit_from(
+        self, expected: np.ndarray, sight: Sight, fitter: FrameFitter | None = None
+    ) -> np.ndarray:
+        """Return the pose near the expected one that fits best: first blurred, then sharp.
+
+        Another thread brings its own ``fitter``.
+        """
+        fitter = fitter or self.fitter
         _, prior = self.priors(expected)
         soft = blurred(sight, _COARSE_BLUR)
         pose, _ = fitter.fit(expected, soft, prior, blur=fitter.blur + _COARSE_BLUR, rounds=2)
@@ -152,12 +159,12 @@ class Follower:
     def _continued(
         self, fitter: FrameFitter, leg: int, pose: np.ndarray, sight: Sight, anatomy: Prior
     ) -> list[np.ndarray]:
-        """Return the last frame's other candidates of a leg, moved with the body and fitted."""
-        if not self.kept or len(self.kept[-1].legs[leg]) < 2:
+        """Return the last frame's rivals of a leg's pose, moved with the body and fitted."""
+        if not self.kept:
             return []
         return [
             fit_leg(fitter, pose, leg, guess=numbers, sight=sight, prior=anatomy, rounds=3)
-            for numbers in self.kept[-1].legs[leg][1:]
+            for numbers in self.kept[-1].rivals[leg]
         ]
 
     def _doubted(self, choices: Choices, sight: Sight, anatomy: Prior) -> np.ndarray:
@@ -188,10 +195,14 @@ class Follower:
         fitter, pose = self.fitter, choices.pose.copy()
         share = fitter.settings.evidence_share
         changed = False
+        choices.rivals = [c[:0] for c in choices.legs]
         for legs, trellis in zip(self.sides, self.trellises, strict=True):
             energy = side_energy(choices, legs, share)
             state = trellis.push(energy, [choices.joints[leg] for leg in legs])
-            for leg, which in zip(legs, state, strict=True):
+            for leg, which, cost in zip(legs, state, trellis.marginals(), strict=True):
+                near = cost < cost[which] + _RIVAL
+                near[which] = False
+                choices.rivals[leg] = choices.legs[leg][near]
                 if which:
                     pose[fitter.numbers[leg]] = choices.legs[leg][which]
                     changed = True

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 
 from pawnb.core.pose.fit.choices import Choices, add_candidates, fit_leg, side_energy
@@ -10,10 +13,10 @@ from pawnb.core.pose.fit.follow import Follower
 from pawnb.core.pose.fit.path import Trellis
 
 _KEEP_VELOCITY = 0.9
-_MOST_BACK = 60
 _BRIDGES = (1, 2, 3)
 _STRAYS_PX = 4.0
 """A joint further than this from the middle of the frames before and after strays, working px."""
+_MOST_BACK = 60
 """Frames that a leg is followed back from where it is found again."""
 
 
@@ -34,7 +37,8 @@ def look_back(follower: Follower) -> None:
     if not settings.choose_path or not any(c.is_open for c in kept):
         return
     _adopt(follower, _paths(follower))
-    _second_pass(follower)
+    doubtful = [t for t, choices in enumerate(kept) if choices.is_doubtful]
+    _on_two_threads(follower, doubtful, lambda own, part: _second_pass(follower, own, part))
     paths = _paths(follower)
     if _follow_back(follower, paths):
         paths = _paths(follower)
@@ -66,8 +70,29 @@ def _bridge(follower: Follower) -> bool:
             numbers = fitter.numbers[leg]
             mean = (kept[t].pose[numbers] + kept[t + 2 * span].pose[numbers]) / 2
             extra.setdefault(int(t) + span, {}).setdefault(int(leg), []).append(mean)
-    for t, legs in extra.items():
-        choices = kept[t]
+    _on_two_threads(follower, sorted(extra), lambda own, part: _offer(follower, own, part, extra))
+    return bool(extra)
+
+
+def _on_two_threads(
+    follower: Follower, frames: list[int], work: Callable[[FrameFitter, list[int]], None]
+) -> None:
+    """Work through frames in two halves, each with a fitter of its own."""
+    half = len(frames) // 2
+    twins = [follower.fitter.twin() for _ in range(2)]
+    with ThreadPoolExecutor(2, thread_name_prefix="pawnb-back") as pool:
+        list(pool.map(work, twins, [frames[:half], frames[half:]]))
+
+
+def _offer(
+    follower: Follower,
+    fitter: FrameFitter,
+    frames: list[int],
+    extra: dict[int, dict[int, list[np.ndarray]]],
+) -> None:
+    """Fit the guesses for some frames and add them to their candidates."""
+    for t in frames:
+        choices, legs = follower.kept[t], extra[t]
         sight = fitter.sight(choices.image.astype(float), choices.box, choices.pose)
         anatomy, _ = follower.priors(choices.pose)
         more = {
@@ -78,24 +103,24 @@ def _bridge(follower: Follower) -> bool:
             for leg, guesses in legs.items()
         }
         add_candidates(fitter, choices, more, sight=sight, prior=anatomy)
-    return bool(extra)
 
 
-def _second_pass(follower: Follower) -> None:
-    """Follow the animal backwards through frames with open choices, adding what is found."""
-    fitter, kept = follower.fitter, follower.kept
-    pose, velocity = kept[-1].pose, np.zeros(fitter.n)
-    for t in range(len(kept) - 1, -1, -1):
+def _second_pass(follower: Follower, fitter: FrameFitter, frames: list[int]) -> None:
+    """Follow the animal backwards through doubtful frames, adding what is found."""
+    kept, last = follower.kept, len(follower.kept) - 1
+    before = -1
+    for t in reversed(frames):
         choices = kept[t]
-        if not choices.is_open:
-            velocity = choices.pose - kept[min(t + 1, len(kept) - 1)].pose
+        if before != t + 1:  # not followed to here: the sure frames after it say how it moves
+            after = min(t + 1, last)
+            pose = kept[after].pose
+            velocity = pose - kept[min(t + 2, last)].pose
             velocity[fitter.lengths] = 0.0
-            pose = choices.pose
-            continue
+        before = t
         expected = pose + _KEEP_VELOCITY * velocity
         sight = fitter.sight(choices.image.astype(float), choices.box, choices.pose)
         anatomy, _ = follower.priors(expected)
-        found = follower.fit_from(expected, sight)
+        found = follower.fit_from(expected, sight, fitter)
         extra = {leg: [found[numbers]] for leg, numbers in enumerate(fitter.numbers)}
         add_candidates(fitter, choices, extra, sight=sight, prior=anatomy)
         velocity = found - pose
