@@ -16,7 +16,7 @@ import numpy as np
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.fit.choices import Choices
 from pawnb.core.pose.fit.evidence import BackgroundPicture, Evidence, grey
-from pawnb.core.pose.fit.finish import Settled, expected_between, settle
+from pawnb.core.pose.fit.finish import Settled, expected_between, hold_met, settle
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.follow import Follower
 from pawnb.core.pose.fit.layout import make_layout, pose_vectors, poses_of_vectors
@@ -212,14 +212,22 @@ def _finish(
     half = len(found) // _THREADS
     parts = [range(half), range(half, len(found))]
     out: list[Settled] = []
+    poses, held = hold_met(fitter, poses)
+    straight = poses
     with ThreadPoolExecutor(_THREADS) as pool:
         for _ in range(_SWEEPS):
             expected = expected_between(poses)
+            for leg, numbers in enumerate(fitter.numbers):
+                rows = np.flatnonzero(held[:, leg])[:, None]
+                expected[rows, numbers] = straight[rows, numbers]
 
             def work(part: range, poses: np.ndarray, expected: np.ndarray) -> list[Settled]:
                 own = fitter.twin()
                 own.anatomy = known
-                return [settle(own, found[i], poses[i], expected=expected[i]) for i in part]
+                return [
+                    settle(own, found[i], poses[i], expected=expected[i], held=held[i])
+                    for i in part
+                ]
 
             both = pool.map(work, parts, [poses] * 2, [expected] * 2)
             out = [settled for part in both for settled in part]
