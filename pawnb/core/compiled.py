@@ -13,8 +13,8 @@ _F = TypeVar("_F", bound=Callable)
 def compiled(function: _F) -> _F:
     """Compile a function of arrays and numbers when it is first called.
 
-    While it runs, other threads run too. The code is kept beside the module, or else in the user's cache folder; where neither
-    can be written, it is compiled again in every session.
+    While it runs, other threads run too. The code is kept beside the module, or else in the
+    user's cache folder; where neither can be written, it is compiled again in every session.
 
     Parameters
     ----------
