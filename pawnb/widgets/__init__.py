@@ -8,11 +8,12 @@ from typing import Any
 _HOME = {
     "ClickInitialiser": "pawnb.widgets.click_initialiser",
     "FrameCanvas": "pawnb.widgets.frame_canvas",
+    "ResidualExplorer": "pawnb.widgets.residual_explorer",
     "StickPoser": "pawnb.widgets.stick_poser",
     "TrackReviewer": "pawnb.widgets.track_reviewer",
 }
 
-__all__ = ["ClickInitialiser", "FrameCanvas", "StickPoser", "TrackReviewer"]
+__all__ = ["ClickInitialiser", "FrameCanvas", "ResidualExplorer", "StickPoser", "TrackReviewer"]
 
 
 def __getattr__(name: str) -> Any:

@@ -1,0 +1,115 @@
+"""State of the ResidualExplorer: signals, the cut-off in the hand, what it does to each."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pandas as pd
+
+from pawnb.errors import InputError, did_you_mean
+from pawnb.gait.residuals import ResidualAnalysis, analyse_residuals, compare_cutoffs
+from pawnb.signals import SmoothedMotion, differentiate, smooth_motion
+
+POOLED = "pooled"
+
+
+class ResidualSession:
+    """Signals, and the cut-off that a person tries on them; works without a browser.
+
+    Parameters
+    ----------
+    signals : pandas.DataFrame
+        One column a signal, all in one unit; NaN where missing.
+    fs_hz : float
+        Sampling rate, in Hz.
+    order : int
+        Order of the Butterworth filter, both passes together.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Names of the signals.
+    name : str
+        The one that is shown.
+    cutoff_hz : float
+        The cut-off in the hand; at first that of residual analysis over all signals.
+    choices : pandas.DataFrame
+        What three methods would choose, see :func:`pawnb.gait.residuals.compare_cutoffs`.
+
+    Raises
+    ------
+    InputError
+        If there is no signal, or the rate or order cannot be.
+    """
+
+    def __init__(self, signals: pd.DataFrame, *, fs_hz: float, order: int = 4) -> None:
+        self._signals, self.fs_hz, self.order = signals, fs_hz, order
+        self.names = tuple(str(name) for name in signals)
+        self.choices = compare_cutoffs(signals, fs_hz=fs_hz, order=order)
+        self.name = self.names[0]
+        self.cutoff_hz = self._first_cutoff()
+
+    def _first_cutoff(self) -> float:
+        """Return the first choice over all signals there is, else a tenth of the rate."""
+        wanted = POOLED if len(self.names) > 1 else self.names[0]
+        known = self.choices.loc[self.choices["signal"] == wanted, "cutoff_hz"].dropna()
+        return float(known.iloc[0]) if len(known) else self.fs_hz / 10.0
+
+    @property
+    def highest_hz(self) -> float:
+        """Highest cut-off that the residual curve reaches."""
+        return float(self.residuals().curve["cutoff_hz"].iloc[-1])
+
+    def show(self, name: str) -> None:
+        """Show another signal; raises InputError for an unknown one."""
+        if name not in self.names:
+            raise InputError(
+                f"no signal {name!r}{did_you_mean(name, self.names)}; there are "
+                f"{', '.join(self.names)}."
+            )
+        self.name = name
+
+    def set_cutoff(self, cutoff_hz: float) -> float:
+        """Take another cut-off into the hand, within what the filter can do; return it."""
+        if not math.isfinite(cutoff_hz):
+            raise InputError(f"cutoff_hz is {cutoff_hz}; expected a number.")
+        lowest = float(self.residuals().curve["cutoff_hz"].iloc[0])
+        self.cutoff_hz = float(np.clip(cutoff_hz, lowest, self.highest_hz))
+        return self.cutoff_hz
+
+    @property
+    def signal(self) -> np.ndarray:
+        """The signal that is shown, shape (n,)."""
+        return self._signals[self.name].to_numpy(dtype=float)
+
+    @property
+    def time_s(self) -> np.ndarray:
+        """Times of its samples."""
+        return np.arange(len(self.signal)) / self.fs_hz
+
+    def residuals(self) -> ResidualAnalysis:
+        """Return the residual curve of the signal that is shown."""
+        return analyse_residuals(self.signal, fs_hz=self.fs_hz, order=self.order)
+
+    def smoothed(self) -> SmoothedMotion:
+        """Return position, velocity and acceleration with the cut-off in the hand."""
+        return smooth_motion(
+            self.signal, fs_hz=self.fs_hz, cutoff_hz=self.cutoff_hz, order=self.order
+        )
+
+    def raw(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return position, velocity and acceleration without a filter."""
+        x, dt = self.signal, 1.0 / self.fs_hz
+        return x, differentiate(x, dt=dt), differentiate(x, dt=dt, order=2)
+
+    def text(self) -> str:
+        """Say in words what the three methods would choose for the signal that is shown."""
+        own = self.choices[self.choices["signal"] == self.name]
+        told = [
+            f"{row['method']} {row['cutoff_hz']:.2f} Hz"
+            if math.isfinite(row["cutoff_hz"])
+            else f"{row['method']}: {row['reason']}"
+            for row in own.to_dict("records")
+        ]
+        return f"{self.name}: cut-off {self.cutoff_hz:.2f} Hz. By method: {'; '.join(told)}."

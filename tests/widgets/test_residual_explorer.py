@@ -1,0 +1,69 @@
+"""The ResidualExplorer: what its state does, and that slider, line and curves go together."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from pawnb.errors import InputError
+from pawnb.gait.residuals import analyse_residuals
+from pawnb.signals import smooth_motion
+from pawnb.widgets.residual_session import ResidualSession
+
+FS = 100.0
+T = np.arange(400) / FS
+RNG = np.random.default_rng(3)
+SIGNALS = pd.DataFrame(
+    {
+        "a": 10 * np.sin(2 * np.pi * 2 * T) + 0.3 * RNG.standard_normal(400),
+        "b": 5 * np.cos(2 * np.pi * 1.5 * T) + 0.3 * RNG.standard_normal(400),
+    }
+)
+
+
+def test_session_begins_at_the_pooled_choice_and_filters_with_the_hand():
+    session = ResidualSession(SIGNALS, fs_hz=FS)
+    pooled = analyse_residuals(SIGNALS.to_numpy(), fs_hz=FS)
+    assert session.cutoff_hz == pytest.approx(pooled.cutoff_hz)
+    session.show("b")
+    session.set_cutoff(7.0)
+    expected = smooth_motion(SIGNALS["b"].to_numpy(), fs_hz=FS, cutoff_hz=7.0)
+    np.testing.assert_allclose(session.smoothed().velocity, expected.velocity)
+    assert session.text().startswith("b: cut-off 7.00 Hz. By method: residual ")
+
+
+def test_cutoffs_stay_within_what_the_filter_can_do():
+    session = ResidualSession(SIGNALS, fs_hz=FS)
+    assert session.set_cutoff(1e6) == session.highest_hz
+    assert session.set_cutoff(-3.0) > 0
+    with pytest.raises(InputError, match="expected a number"):
+        session.set_cutoff(np.nan)
+    with pytest.raises(InputError, match="no signal 'c'; there are a, b"):
+        session.show("c")
+
+
+class Mouse:
+    """What matplotlib tells of the pointer."""
+
+    def __init__(self, ax, x):
+        self.inaxes, self.xdata = ax, x
+
+
+@pytest.mark.filterwarnings("ignore:Passing unrecognized arguments:DeprecationWarning")  # ipympl
+def test_slider_line_and_curves_go_together():
+    explorer = pytest.importorskip("pawnb.widgets.residual_explorer").ResidualExplorer(
+        SIGNALS, fs_hz=FS, unit="mm"
+    )
+    explorer._slider.value = 6.0
+    assert explorer.cutoff_hz == 6.0
+    assert explorer._line.get_xdata()[0] == 6.0
+    expected = smooth_motion(SIGNALS["a"].to_numpy(), fs_hz=FS, cutoff_hz=6.0).acceleration
+    np.testing.assert_allclose(explorer._smooth["acceleration"].get_ydata(), expected)
+    explorer._on_press(Mouse(explorer._curve, 9.0))
+    explorer._on_move(Mouse(explorer._curve, 12.0))
+    explorer._on_release(Mouse(explorer._curve, 12.0))
+    explorer._on_move(Mouse(explorer._curve, 20.0))  # no longer held
+    assert explorer.cutoff_hz == pytest.approx(12.0, abs=0.1)
+    assert explorer._slider.value == pytest.approx(12.0, abs=0.1)
+    explorer._choice.value = "b"
+    assert explorer.session.name == "b"
+    assert "b: cut-off" in explorer._told.value
