@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from pawnb.synthetic.mouse_trial import render_mouse_trial
     from pawnb.synthetic.scene import SceneSettings, scene_settings
     from pawnb.synthetic.spider_scene import SpiderScene, spider_scene
+    from pawnb.synthetic.spider_study import simulate_spider_study
     from pawnb.synthetic.spider_trial import render_spider_trial
 
 _HOME = {
@@ -22,6 +23,7 @@ _HOME = {
     "render_mouse_trial": "pawnb.synthetic.mouse_trial",
     "render_spider_trial": "pawnb.synthetic.spider_trial",
     "scene_settings": "pawnb.synthetic.scene",
+    "simulate_spider_study": "pawnb.synthetic.spider_study",
     "spider_scene": "pawnb.synthetic.spider_scene",
 }
 
@@ -31,6 +33,7 @@ __all__ = [
     "render_mouse_trial",
     "render_spider_trial",
     "scene_settings",
+    "simulate_spider_study",
     "spider_scene",
     "write_deeplabcut_sample",
 ]
