@@ -55,7 +55,7 @@ class ResidualExplorer(widgets.VBox):  # type: ignore[misc]
         self._figure = Figure(figsize=(9.0, 5.0), layout="constrained")
         self._canvas = Canvas(self._figure)
         FigureManager(self._canvas, 0)
-        self._canvas.header_visible = False
+        self._canvas.header_visible = self._canvas.toolbar_visible = False
         self._choice = widgets.Dropdown(options=self.session.names, description="signal")
         self._slider = widgets.FloatSlider(
             value=self.session.cutoff_hz,

@@ -48,6 +48,7 @@ class ResidualSession:
         self.names = tuple(str(name) for name in signals)
         self.choices = compare_cutoffs(signals, fs_hz=fs_hz, order=order)
         self.name = self.names[0]
+        self._found: dict[str, ResidualAnalysis] = {}
         self.cutoff_hz = self._first_cutoff()
 
     def _first_cutoff(self) -> float:
@@ -90,7 +91,10 @@ class ResidualSession:
 
     def residuals(self) -> ResidualAnalysis:
         """Return the residual curve of the signal that is shown."""
-        return analyse_residuals(self.signal, fs_hz=self.fs_hz, order=self.order)
+        if self.name not in self._found:
+            found = analyse_residuals(self.signal, fs_hz=self.fs_hz, order=self.order)
+            self._found[self.name] = found
+        return self._found[self.name]
 
     def smoothed(self) -> SmoothedMotion:
         """Return position, velocity and acceleration with the cut-off in the hand."""

@@ -117,8 +117,8 @@ class NotebookPage:
         page.goto(url + ("/lab/tree/test.ipynb?reset" if app == "lab" else "/notebooks/test.ipynb"))
         self.wait_idle()
 
-    def show(self, source):
-        """Run the source in the first cell and wait for the canvas ``w`` that it shows."""
+    def run(self, source):
+        """Run the source in the first cell."""
         self.errors.clear()
         self.page.evaluate(
             """async (source) => {
@@ -129,6 +129,10 @@ class NotebookPage:
             await app.commands.execute('notebook:run-cell'); }""",
             source,
         )
+
+    def show(self, source):
+        """Run the source in the first cell and wait for the canvas ``w`` that it shows."""
+        self.run(source)
         self.page.locator(".pawnb-root").first.wait_for(timeout=60_000)
         self.wait("!!c && c.painted !== undefined && c.painted !== null && c.stages[0].fitted")
         self.settle()
