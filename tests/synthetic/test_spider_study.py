@@ -96,7 +96,8 @@ def test_strides_are_found_again(study):
 
     A leg turns fast from stance to swing, so the extreme between two frames is found about 0.06
     frames towards the stance: stances of 13 frames come out 1 % short. Between frames angles are
-    interpolated by straight lines, which cut the peaks: excursions come out up to 3 % short.
+    interpolated by straight lines, which cut the peaks: excursions come out up to 3 % short,
+    and with swings of 5 frames 0.13 frames too long, angular velocities of swing up to 8 % low.
     """
     parts = [gait.analyse(run.tracks(noise_px=0.05), trial=run.trial) for run in study.runs]
     found, true = gait.pool(parts).strides, study.truth("strides")
@@ -104,7 +105,7 @@ def test_strides_are_found_again(study):
     names += ["excursion_deg", "swing_velocity_deg_s", "stance_velocity_deg_s"]
     means = [table.groupby(["animal", "trial"])[names].mean() for table in (found, true)]
     for name, tolerance in zip(
-        names, (0.01, 0.03, 0.02, 0.02, 0.03, 0.05, 0.05, 0.05), strict=True
+        names, (0.01, 0.03, 0.02, 0.02, 0.03, 0.05, 0.09, 0.05), strict=True
     ):
         np.testing.assert_allclose(means[0][name], means[1][name], rtol=tolerance, err_msg=name)
 
