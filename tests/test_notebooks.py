@@ -144,3 +144,13 @@ def test_thesis_notebook_says_what_is_recovered(tmp_path):
     off = float(re.search(r"16 pairs are off by ([0-9.]+) cycles at most", text)[1])
     assert 0.0 < off < 0.01
     assert shown(notebook, "image/png") == 19
+
+
+@pytest.mark.slow
+def test_statistics_notebook_recovers_the_phases_of_its_spiders(tmp_path):
+    notebook = execute(ROOT / "notebooks" / "03_gait_statistics.ipynb", tmp_path)
+    text = printed(notebook)
+    found = re.search(r"largest difference of (\d+) mean phases from the truth: ([0-9.]+)", text)
+    assert int(found[1]) == 16
+    assert float(found[2]) < 0.02
+    assert shown(notebook, "image/png") == 3
