@@ -21,6 +21,7 @@ from pawnb.io.tables import read_cells, read_numbers, write_table
 from pawnb.schema import Tracks, check_columns
 from pawnb.trial import Animal, Trial, load_trial
 from pawnb.workflow.foreign_tracks import read_foreign_tracks
+from pawnb.workflow.gait_statistics import joint_angles_of, statistics_tables
 from pawnb.workflow.provenance import build_step, file_checksum, write_provenance
 from pawnb.workflow.results import (
     RESULTS_FOLDER,
@@ -109,7 +110,7 @@ def run_gait(
     figures: Which = "all",
     command: Sequence[str] | None = None,
 ) -> GaitRun:
-    """Analyse the gait of one or more inputs; write tables and figures.
+    """Analyse the gait of one or more inputs; write tables, statistics and figures.
 
     Parameters
     ----------
@@ -166,12 +167,32 @@ def run_gait(
         path = folder / f"{name}.csv"
         write_table(getattr(tables, name), path)
         files.append(path)
-    for name, table in coordination_tables(tables).items():
+    statistics, remarks = _statistics(sources, parts, tables)
+    tables = dataclasses.replace(tables, notes=(*tables.notes, *remarks))
+    for name, table in (coordination_tables(tables) | statistics).items():
         files.append(write_table(table, folder / f"{name}.csv"))
     files += save_gait_figures(tables, folder / "figures", record=step, which=figures)
     write_provenance([step], folder / "provenance.json")
     files.append(folder / "provenance.json")
     return GaitRun(tables, folder, tuple(files))
+
+
+def _statistics(
+    sources: Sequence[GaitSource], parts: Sequence[GaitTables], tables: GaitTables
+) -> tuple[dict[str, pd.DataFrame], list[str]]:
+    """Return the tables of statistics, with the groups and joint angles of the inputs."""
+    groups: dict[tuple[str, str], str] = {}
+    posed = []
+    for source, part in zip(sources, parts, strict=True):
+        trial = source.trial
+        if trial is not None and trial.animal.group is not None:
+            pairs = part.strides[["animal", "trial"]].drop_duplicates().astype(str)
+            groups |= dict.fromkeys(map(tuple, pairs.to_numpy()), trial.animal.group)
+        if source.tracks is not None:
+            alone = trial is not None and source.tracks.sizes["individual"] == 1
+            animal = trial.animal.id if trial is not None and alone else None
+            posed.append((source.tracks, animal, trial.name if trial is not None else "trial"))
+    return statistics_tables(tables, groups=groups, angles=joint_angles_of(posed))
 
 
 def read_source(path: str | Path, *, fps: float | None = None) -> GaitSource:

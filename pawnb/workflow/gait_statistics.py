@@ -1,0 +1,145 @@
+"""The statistics that ``pawnb gait`` writes beside its tables: each where the input allows it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import pandas as pd
+
+from pawnb.errors import InputError
+from pawnb.gait import GaitTables
+from pawnb.gait.animal_summary import summarise_animals
+from pawnb.gait.groups import adjust_p, compare_groups
+from pawnb.gait.joints import get_joint_angles, joint_range_table
+from pawnb.gait.scaling import speed_table
+from pawnb.gait.selection import steadiness
+from pawnb.gait.stride_measures import MEASURE_COLUMNS
+from pawnb.schema import Tracks
+
+MEASURES = (
+    "period_s", "frequency_hz", "stance_s", "swing_s", "duty_factor", "contact_duty_factor",
+    "stride_length", "speed", "step_displacement",
+    *(name for name in MEASURE_COLUMNS if name not in ("heading_deg", "heading_change_deg")),
+)  # fmt: skip
+"""Measures of strides that are summarised and compared."""
+
+AGAINST_SPEED = ("frequency_hz", "stride_length", "swing_s", "stance_s", "duty_factor")
+_FEWEST_TRIALS = 3
+
+Groups = Mapping[tuple[str, str], str]
+"""(animal, trial) to its group."""
+
+
+def statistics_tables(
+    tables: GaitTables, *, groups: Groups | None = None, angles: pd.DataFrame | None = None
+) -> tuple[dict[str, pd.DataFrame], list[str]]:
+    """Build the tables of statistics that an analysis allows.
+
+    Parameters
+    ----------
+    tables : GaitTables
+        The result of an analysis.
+    groups : mapping, optional
+        (animal, trial) to group; trials without one are left out of the comparison.
+    angles : pandas.DataFrame, optional
+        Joint angles (:data:`pawnb.gait.joints.ANGLE_COLUMNS`) of jointed animals.
+
+    Returns
+    -------
+    found : dict
+        Name to table, those left out that cannot be made: ``animals`` (every measure of the
+        strides, leg by leg, counting animals), ``steadiness`` (trial by trial),
+        ``against_speed`` (Pullar 2009, Table 4.5; three trials or more of known speed),
+        ``joint_ranges`` (Table 4.6) and ``groups`` (two groups or more: measures leg by leg
+        and phases pair by pair, p adjusted by Holm over all rows).
+    notes : list of str
+        Why a table that was asked for is not there.
+    """
+    strides = tables.strides
+    found: dict[str, pd.DataFrame] = {}
+    notes: list[str] = []
+    if len(strides):
+        found["animals"] = summarise_animals(strides, known_measures(strides))
+        found["steadiness"] = steadiness(strides)
+        found["against_speed"] = _against_speed(strides)
+    if angles is not None and len(angles):
+        found["joint_ranges"] = joint_range_table(angles)
+    if groups:
+        try:
+            found["groups"] = _compare(tables, groups)
+        except InputError as error:
+            notes.append(f"groups are not compared: {error}")
+    return {name: table for name, table in found.items() if len(table)}, notes
+
+
+def known_measures(strides: pd.DataFrame) -> list[str]:
+    """Return the measures that any stride has, in the order of :data:`MEASURES`."""
+    return [name for name in MEASURES if name in strides and strides[name].notna().any()]
+
+
+def joint_angles_of(
+    sources: Sequence[tuple[Tracks, str | None, str]],
+) -> pd.DataFrame | None:
+    """Collect the joint angles of jointed animals.
+
+    Parameters
+    ----------
+    sources : sequence of (tracks, animal, trial)
+        Tracks, those of points too; ``animal`` None takes the names that the Tracks give.
+
+    Returns
+    -------
+    pandas.DataFrame or None
+        :data:`pawnb.gait.joints.ANGLE_COLUMNS`; None where no Tracks hold any angle.
+    """
+    parts = []
+    for tracks, animal, trial in sources:
+        if "joint_angle" not in tracks or np.isnan(tracks["joint_angle"]).all():
+            continue
+        own = get_joint_angles(tracks, trial=trial)
+        parts.append(own if animal is None else own.assign(animal=animal))
+    return pd.concat(parts, ignore_index=True) if parts else None
+
+
+def _against_speed(strides: pd.DataFrame) -> pd.DataFrame:
+    """Fit measures on speed over trials; empty where there are too few of different speed."""
+    predictors = ["speed", "speed_bl"]
+    means = strides.groupby(["animal", "trial"])[[*AGAINST_SPEED, *predictors]].mean()
+    # a line needs three points that are not at one speed
+    usable = [x for x in predictors if means[x].nunique() >= _FEWEST_TRIALS]
+    parts = []
+    for outcome in AGAINST_SPEED:
+        for x in usable:
+            known = means[[outcome, x]].dropna()
+            if len(known) >= _FEWEST_TRIALS and known[x].nunique() >= _FEWEST_TRIALS:
+                parts.append(speed_table(strides, [outcome], [x]))
+    return pd.concat(parts, ignore_index=True) if parts else pd.DataFrame()
+
+
+def _compare(tables: GaitTables, groups: Groups) -> pd.DataFrame:
+    """Compare measures and phases between groups, or between conditions of the same animals."""
+    strides, phases = (_with_group(table, groups) for table in (tables.strides, tables.phases))
+    if len(strides["group"].unique()) < 2:
+        return pd.DataFrame()
+    # an animal that is in two groups was filmed in two conditions
+    both = strides[["animal", "group"]].drop_duplicates()
+    paired = bool(both["animal"].duplicated().any())
+    found = compare_groups(strides, known_measures(strides), by=["leg"], paired=paired)
+    if len(phases["group"].unique()) > 1:
+        other = compare_groups(
+            phases, ["phase"], by=["leg", "reference"], paired=paired, circular=True
+        )
+        found = pd.concat([found, other], ignore_index=True)
+        found["p_adjusted"] = adjust_p(found["p"].to_numpy(dtype=float))
+    columns = ["measure", "leg", "reference"]
+    found = found.reindex(columns=[*columns, *(c for c in found.columns if c not in columns)])
+    return found.assign(design="paired" if paired else "unpaired")
+
+
+def _with_group(table: pd.DataFrame, groups: Groups) -> pd.DataFrame:
+    """Return the rows of trials that have a group, with it."""
+    keys = zip(table["animal"].astype(str), table["trial"].astype(str), strict=True)
+    names = [groups.get(key) for key in keys]
+    named = table.assign(group=pd.Series(names, index=table.index, dtype=object))
+    return named[named["group"].notna()].reset_index(drop=True)

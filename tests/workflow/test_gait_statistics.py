@@ -1,0 +1,151 @@
+"""The statistics that pawnb gait writes: from inputs whose differences are known."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from pawnb import gait
+from pawnb.gait.groups import adjust_p
+from pawnb.io.native import write_tracks
+from pawnb.synthetic.spider_study import simulate_spider_study
+from pawnb.workflow.gait import run_gait
+from pawnb.workflow.gait_statistics import joint_angles_of, statistics_tables
+from pawnb.workflow.results import describe_trial
+
+OWN = (-0.006, -0.002, 0.001, 0.007)
+"""How far the periods of four animals are from the mean of their group, s; they sum to 0."""
+
+
+def events_of(animal, trial, period_s, *, lag=0.5):
+    """Ten strides of two legs that never vary: duty factor 0.6."""
+    rows = []
+    for leg, shift in (("L1", lag), ("R1", 0.0)):
+        for k in range(11):
+            start = (k + shift) * period_s
+            rows += [(animal, trial, leg, "AEP", start)]
+            rows += [(animal, trial, leg, "PEP", start + 0.6 * period_s)]
+    return pd.DataFrame(rows, columns=["animal", "trial", "leg", "event", "time_s"])
+
+
+def two_groups(*, same_animals=False):
+    """Four animals a group, periods 0.20 s in a and 0.25 s in b; phases 0.5 in a, 0.6 in b."""
+    events, groups = [], {}
+    for group, period, lag in (("a", 0.20, 0.5), ("b", 0.25, 0.6)):
+        for k, own in enumerate(OWN):
+            animal = f"m{k}" if same_animals else f"{group}{k}"
+            trial = f"{animal}-{group}"
+            events.append(events_of(animal, trial, period + own, lag=lag + own))
+            groups[animal, trial] = group
+    return gait.analyse_events(pd.concat(events, ignore_index=True)), groups
+
+
+def test_groups_differ_by_what_was_put_in():
+    tables, groups = two_groups()
+    found, notes = statistics_tables(tables, groups=groups)
+    assert notes == []
+    table = found["groups"].set_index(["measure", "leg"])
+    period = table.loc[("period_s", "L1")]
+    assert period["difference"] == pytest.approx(0.05)
+    # Welch's t of two samples of four: their standard error is that of OWN, twice
+    error = np.sqrt(2 * np.var(OWN, ddof=1) / 4)
+    # t(0.975, 6 df) = 2.446912, any table
+    assert period["ci_high"] - 0.05 == pytest.approx(2.446912 * error, rel=1e-5)
+    assert (period["n_animals_a"], period["n_animals_b"]) == (4, 4)
+    phase = found["groups"].loc[found["groups"]["measure"] == "phase"].iloc[0]
+    assert (phase["leg"], phase["reference"]) == ("L1", "R1")
+    assert phase["difference"] == pytest.approx(0.1, abs=1e-6)
+    assert set(found["groups"]["design"]) == {"unpaired"}
+    # one family of tests: Holm over all rows, those of phases too
+    p = found["groups"]["p"].to_numpy()
+    np.testing.assert_allclose(found["groups"]["p_adjusted"], adjust_p(p))
+
+
+def test_conditions_of_the_same_animals_are_paired():
+    tables, groups = two_groups(same_animals=True)
+    table = statistics_tables(tables, groups=groups)[0]["groups"]
+    assert set(table["design"]) == {"paired"}
+    period = table[(table["measure"] == "period_s") & (table["leg"] == "R1")].iloc[0]
+    # every animal differs by 0.05 s exactly: its own period cancels
+    assert period["difference"] == pytest.approx(0.05)
+    assert period["ci_high"] - period["ci_low"] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_trials_without_group_are_left_out_and_one_group_is_not_compared():
+    tables, groups = two_groups()
+    some = {key: group for key, group in groups.items() if key[0] != "b3"}
+    table = statistics_tables(tables, groups=some)[0]["groups"]
+    assert table.loc[0, "n_animals_b"] == 3
+    alone = {key: group for key, group in groups.items() if group == "a"}
+    assert "groups" not in statistics_tables(tables, groups=alone)[0]
+    assert "groups" not in statistics_tables(tables)[0]
+
+
+def test_groups_that_cannot_be_compared_are_a_note_and_no_error():
+    tables, _ = two_groups(same_animals=True)
+    # m0 in both conditions a and b, nobody in both a and c
+    groups = {("m0", "m0-a"): "a", ("m0", "m0-b"): "b", ("m1", "m1-a"): "c"}
+    found, notes = statistics_tables(tables, groups=groups)
+    assert "groups" not in found
+    assert "animals" in found
+    assert len(notes) == 1
+    assert notes[0].startswith("groups are not compared: paired: no animal is in both")
+
+
+def test_events_alone_give_no_speed():
+    tables, _ = two_groups()
+    found, _ = statistics_tables(tables)
+    assert set(found) == {"animals", "steadiness"}
+    period = found["animals"].set_index(["leg", "measure"]).loc[("L1", "period_s")]
+    assert period["mean"] == pytest.approx(0.225)
+    assert period["n_animals"] == 8
+    assert "stride_length" not in set(found["animals"]["measure"])
+
+
+def test_nothing_at_all_gives_no_table():
+    tables, _ = two_groups()
+    empty = dataclasses.replace(tables, strides=tables.strides.head(0))
+    assert statistics_tables(empty) == ({}, [])
+
+
+def test_the_command_writes_them(tmp_path):
+    study = simulate_spider_study(animals=4, trials=1, seed=2)
+    paths = []
+    for k, run in enumerate(study.runs):
+        animal = dataclasses.replace(run.trial.animal, group="first" if k < 2 else "second")
+        trial = dataclasses.replace(run.trial, animal=animal)
+        folder = tmp_path / f"run{k}"
+        folder.mkdir()
+        tracks = run.tracks(noise_px=0.2, angle_noise_deg=0.0)
+        write_tracks(describe_trial(tracks, trial), folder / "tracks.nc")
+        paths.append(folder)
+    out = tmp_path / "all"
+    run = run_gait(paths, out=out, figures="none")
+    written = {path.name for path in run.files}
+    names = ("animals", "steadiness", "against_speed", "joint_ranges", "groups")
+    assert {f"{name}.csv" for name in names} <= written
+    assert all((out / name).is_file() for name in written)
+    against = pd.read_csv(out / "against_speed.csv")
+    assert set(against["predictor"]) == {"speed", "speed_bl"}
+    assert set(against["n_animals"]) == {4}
+    ranges = pd.read_csv(out / "joint_ranges.csv", dtype={"pair": str})
+    true = study.true_angles()
+    knee = true[(true["joint"] == "TM") & true["leg"].isin(["L2", "R2"])]
+    each = knee.groupby(["animal", "leg"])["angle_deg"].agg(np.ptp).mean()
+    own = ranges[(ranges["joint"] == "TM") & (ranges["pair"] == "2")].iloc[0]
+    assert own["range_mean_deg"] == pytest.approx(each, abs=1e-6)
+    assert own["n_animals"] == 4
+    groups = pd.read_csv(out / "groups.csv")
+    assert set(groups["group_a"]) == {"first"}
+    assert set(groups["n_animals_b"]) == {2}
+
+
+def test_angles_take_the_name_of_the_trials_animal():
+    run = simulate_spider_study(animals=1, trials=1).runs[0]
+    angles = joint_angles_of([(run.tracks(), "nora", "t1")])
+    assert set(angles["animal"]) == {"nora"}
+    assert set(angles["trial"]) == {"t1"}
+    assert joint_angles_of([(run.tracks().drop_vars("joint_angle"), None, "t1")]) is None
