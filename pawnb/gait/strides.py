@@ -111,6 +111,7 @@ def build_strides(
     motion: Mapping[str, Motion] | None = None,
     gaps: pd.DataFrame | None = None,
     max_stride_s: float | None = None,
+    excluded: pd.DataFrame | None = None,
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Build the strides of one animal in one trial.
 
@@ -131,6 +132,8 @@ def build_strides(
         the reason says of them; default "not tracked").
     max_stride_s : float, optional
         Longer strides are dropped as pauses.
+    excluded : pandas.DataFrame, optional
+        Strides that shall not count: leg, time_s (any time within the stride) and why.
 
     Returns
     -------
@@ -146,6 +149,9 @@ def build_strides(
         who = {"animal": own["animal"].iloc[0], "trial": own["trial"].iloc[0], "leg": leg}
         spans = _spans(own, start_event)
         fault = _faults(spans, _gaps_of(gaps, leg), start_event, max_stride_s)
+        if excluded is not None:
+            for no in excluded[excluded["leg"] == leg].itertuples():
+                fault[(spans.start_s < no.time_s) & (no.time_s < spans.end_s)] = no.why
         for i in np.flatnonzero(fault != ""):
             span = {"start_s": spans.start_s[i], "end_s": spans.end_s[i]}
             dropped.append({**who, **span, "what": "stride", "why": str(fault[i])})

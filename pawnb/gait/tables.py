@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import pandas as pd
 
@@ -17,6 +17,24 @@ from pawnb.gait.strides import Motion, build_strides, choose_stride_event
 
 Pairs = Sequence[tuple[str, str]]
 _KEYS = ["animal", "trial"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TrialBasis:
+    """What the tables of one animal and trial are made from beside its events.
+
+    The arguments of :func:`build_tables`, kept so that :func:`rebuild_tables` can make the
+    tables again from other events.
+    """
+
+    who: Mapping[str, str]
+    pairs: Pairs | None
+    motion: Mapping[str, Motion] | None
+    gaps: pd.DataFrame | None
+    legs: Sequence[str] | None
+    dropped: pd.DataFrame | None
+    signals: Sequence[LegSignals]
+    body_length: float | None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -35,6 +53,8 @@ class GaitTables:
     signals : tuple of LegSignals
         The smoothed signals the events were found in, of analyses of Tracks; see
         :mod:`pawnb.gait.cycles`.
+    bases : tuple of TrialBasis
+        What the tables of each trial were made from, for :func:`rebuild_tables`.
     """
 
     events: pd.DataFrame
@@ -45,6 +65,7 @@ class GaitTables:
     notes: tuple[str, ...] = ()
     settings: EventSettings = field(default_factory=EventSettings)
     signals: tuple[LegSignals, ...] = ()
+    bases: tuple[TrialBasis, ...] = ()
 
 
 def pool(parts: Sequence[GaitTables]) -> GaitTables:
@@ -93,7 +114,49 @@ def pool(parts: Sequence[GaitTables]) -> GaitTables:
         notes=tuple(dict.fromkeys(note for part in parts for note in part.notes)),
         settings=parts[0].settings,
         signals=tuple(one for part in parts for one in part.signals),
+        bases=tuple(one for part in parts for one in part.bases),
     )
+
+
+def rebuild_tables(
+    tables: GaitTables, events: pd.DataFrame, *, excluded: pd.DataFrame | None = None
+) -> GaitTables:
+    """Make strides, phases and their summary again from other events.
+
+    Parameters
+    ----------
+    tables : GaitTables
+        The result of an analysis; a selection made from it later is not kept.
+    events : pandas.DataFrame
+        Events of the same trials, in the order of ``tables.events``.
+    excluded : pandas.DataFrame, optional
+        Strides that shall not count: ``animal, trial, leg, time_s`` (within the stride), ``why``.
+
+    Returns
+    -------
+    GaitTables
+        The tables, with the notes, settings and signals they had.
+
+    Raises
+    ------
+    InputError
+        If the tables do not come from an analysis.
+    """
+    if not tables.bases:
+        raise InputError(
+            "these tables do not say what they were made from; analyse tracks or events again."
+        )
+    parts = []
+    for basis in tables.bases:
+        own = _of_trial(events, basis.who).reset_index(drop=True)
+        without = None if excluded is None else _of_trial(excluded, basis.who)
+        parts.append(build_tables(own, settings=tables.settings, excluded=without, **vars(basis)))
+    return replace(pool(parts), notes=tables.notes, bases=tables.bases)
+
+
+def _of_trial(table: pd.DataFrame, who: Mapping[str, str]) -> pd.DataFrame:
+    """Return the rows of one animal and trial."""
+    return table[(table["animal"] == who["animal"]) & (table["trial"] == who["trial"])]
 
 
 def build_tables(
@@ -109,6 +172,7 @@ def build_tables(
     notes: Sequence[str] = (),
     signals: Sequence[LegSignals] = (),
     body_length: float | None = None,
+    excluded: pd.DataFrame | None = None,
 ) -> GaitTables:
     """Make the tables of one animal and trial from its events; :func:`pool` sums up phases.
 
@@ -136,6 +200,8 @@ def build_tables(
         Smoothed signals of the legs.
     body_length : float, optional
         Length of the body in the unit of the positions.
+    excluded : pandas.DataFrame, optional
+        Strides that shall not count; see :func:`pawnb.gait.strides.build_strides`.
 
     Returns
     -------
@@ -151,8 +217,9 @@ def build_tables(
     chosen = default_pairs(legs) if pairs is None else _checked_pairs(pairs, legs)
     start = choose_stride_event(events, settings.stride_events)
     strides, no_strides = build_strides(
-        events, start_event=start, motion=motion, gaps=gaps, max_stride_s=settings.max_stride_s
-    )
+        events, start_event=start, motion=motion, gaps=gaps, max_stride_s=settings.max_stride_s,
+        excluded=excluded,
+    )  # fmt: skip
     strides = measure_strides(strides, motion=motion, signals=signals, body_length=body_length)
     phases, no_phases = build_phases(events, strides, chosen, start_event=start)
     all_dropped = [t for t in (dropped, no_strides, no_phases) if t is not None]
@@ -168,7 +235,13 @@ def build_tables(
         notes=tuple(f"{who['trial']}: {note}" if motion else note for note in remarks),
         settings=settings,
         signals=tuple(signals),
-    )
+        bases=(
+            TrialBasis(
+                who=who, pairs=pairs, motion=motion, gaps=gaps, legs=legs, dropped=dropped,
+                signals=signals, body_length=body_length,
+            ),
+        ),
+    )  # fmt: skip
 
 
 def _stack(tables: list[pd.DataFrame]) -> pd.DataFrame:
