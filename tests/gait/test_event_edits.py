@@ -196,7 +196,7 @@ def test_another_window_is_noticed(tables, tmp_path):
 @pytest.mark.parametrize(
     ("edit", "message"),
     [
-        (move(0.55), "cannot go to 0.5500 s; expected a time between its neighbours, 0.3200 to 0.52"),
+        (move(0.55), "cannot go to 0.5500 s; expected a time between its neighbours, 0.3200"),
         (move(0.3), "cannot go to 0.3000"),
         (move(0.42, time_s=0.41), "R1 has no AEP at 0.4100 s"),
         (move(0.42, leg="L9"), "no events of leg 'L9'"),
