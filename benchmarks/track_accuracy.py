@@ -25,11 +25,11 @@ from pawnb.core.video import open_views
 from pawnb.schema import Tracks
 from pawnb.synthetic import render_mouse_trial
 from pawnb.trial import Trial, load_trial
+from pawnb.workflow.corrected_run import track_with_corrections
 from pawnb.workflow.evaluation import (
     THRESHOLD_PX,
     ErrorReport,
     count_errors,
-    track_with_corrections,
 )
 from pawnb.workflow.track import METHODS, retrack, track
 

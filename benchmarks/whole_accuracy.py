@@ -36,7 +36,8 @@ from pawnb.core.video import open_views
 from pawnb.schema import Tracks
 from pawnb.synthetic import render_mouse_trial
 from pawnb.trial import Trial, load_trial
-from pawnb.workflow.evaluation import THRESHOLD_PX, count_errors, track_with_corrections
+from pawnb.workflow.corrected_run import track_with_corrections
+from pawnb.workflow.evaluation import THRESHOLD_PX, count_errors
 from pawnb.workflow.track import retrack, track
 
 REFERENCE_WIDTH_PX = 2048

@@ -9,7 +9,7 @@ from pathlib import Path
 import h5py
 
 from pawnb.errors import InputError, did_you_mean
-from pawnb.io import native
+from pawnb.io import native, track_tables
 from pawnb.io.anipose import read_anipose
 from pawnb.io.deeplabcut import read_deeplabcut
 from pawnb.io.dltdv import read_dltdv_points, read_dltdv_points3d
@@ -122,8 +122,8 @@ def read_any_tracks(
     if found == "dltdv":
         return read_dltdv_points(path, fps=fps)
     if found == "csv-3d":
-        return native.read_points3d_table(path, fps=fps)
-    return native.read_tracks_table(path, fps=fps)
+        return track_tables.read_points3d_table(path, fps=fps)
+    return track_tables.read_tracks_table(path, fps=fps)
 
 
 def _recognise_hdf5(path: Path) -> str | None:

@@ -1,4 +1,4 @@
-"""pawnb's own files: ``tracks.nc``, its csv exports, and the belt's speed.
+"""pawnb's own files: ``tracks.nc`` in and out, and its csv exports.
 
 ``tracks.nc`` is the record and loses nothing; ``tracks.csv`` and ``points3d.csv`` are
 exports for other programs, with rounded numbers (see :mod:`pawnb.io.tables`).
@@ -6,7 +6,7 @@ exports for other programs, with rounded numbers (see :mod:`pawnb.io.tables`).
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -14,10 +14,10 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from pawnb.errors import InputError, did_you_mean
+from pawnb.errors import InputError
 from pawnb.io.movement import from_movement, is_movement
 from pawnb.io.start import check_start, read_start, write_start
-from pawnb.io.tables import read_cells, read_numbers, write_table, write_text
+from pawnb.io.tables import write_table, write_text
 from pawnb.schema import (
     ORIGIN_CODE,
     ORIGINS,
@@ -25,16 +25,13 @@ from pawnb.schema import (
     TRACKS_COLUMNS,
     Tracks,
     check_tracks,
-    make_tracks,
 )
 
 __all__ = [
     "check_start",
     "points3d_table",
-    "read_belt_speed",
     "read_start",
     "read_tracks",
-    "read_tracks_table",
     "tracks_table",
     "write_start",
     "write_table",
@@ -247,202 +244,6 @@ def points3d_table(tracks: Tracks) -> pd.DataFrame:
         who = np.repeat(np.array(_names(tracks, "individual"), dtype=object), m)
         table["individual"] = np.tile(who, n)
     return table
-
-
-def read_tracks_table(
-    path: str | Path,
-    *,
-    fps: float,
-    points3d: str | Path | None = None,
-    unit: str = "px",
-    individual: str = "animal",
-) -> Tracks:
-    """Read ``tracks.csv``, and ``points3d.csv`` where there is one, as Tracks.
-
-    Parameters
-    ----------
-    path : str or Path
-        A csv with the columns ``frame, view, point, u, v, confidence, origin``; others are
-        ignored.
-    fps : float
-        Frames per second.
-    points3d : str or Path, optional
-        A csv with ``frame, point, x, y, z, residual_px, origin``. Without it, the positions
-        of a single view are its image positions in px; those of several are missing.
-    unit : str
-        Unit of x, y, z.
-    individual : str
-        The animal's id.
-
-    Returns
-    -------
-    xarray.Dataset
-        Tracks of every frame from the first to the last in the file; what the file does
-        not hold is missing.
-
-    Raises
-    ------
-    InputError
-        For a missing column, a cell that is not what it should be, or a row given twice.
-    """
-    where = Path(path).name
-    table = _read_points(path, TRACKS_COLUMNS, ("view", "point"), ("u", "v", "confidence"))
-    views, points = (list(dict.fromkeys(table[name])) for name in ("view", "point"))
-    space_table = None
-    frames = table["frame"]
-    if points3d is not None:
-        space_table = _read_points(
-            points3d, POINTS3D_COLUMNS, ("point",), ("x", "y", "z", "residual_px")
-        )
-        points += [p for p in dict.fromkeys(space_table["point"]) if p not in points]
-        frames = pd.concat([frames, space_table["frame"]])
-    if frames.empty:
-        raise InputError(f"{where}: no rows; expected one for each frame, view and point.")
-    flat = points3d is None and len(views) == 1
-    tracks = make_tracks(
-        np.arange(frames.min(), frames.max() + 1),
-        points,
-        fps=fps,
-        views=views,
-        space=("x", "y") if flat else ("x", "y", "z"),
-        individual=individual,
-        unit="px" if points3d is None else unit,
-    )
-    at = table["frame"] - frames.min()
-    view, point = (table[n].map(names.index) for n, names in (("view", views), ("point", points)))
-    for axis, name in enumerate(("u", "v")):
-        tracks["image_position"].to_numpy()[at, view, axis, point, 0] = table[name]
-    tracks["image_confidence"].to_numpy()[at, view, point, 0] = table["confidence"]
-    tracks["image_origin"].to_numpy()[at, view, point, 0] = table["origin"]
-    if flat:
-        tracks["position"].to_numpy()[:] = tracks["image_position"].to_numpy()[:, 0]
-        tracks["confidence"].to_numpy()[:] = tracks["image_confidence"].to_numpy()[:, 0]
-        tracks["origin"].to_numpy()[:] = tracks["image_origin"].to_numpy()[:, 0]
-    if space_table is not None:
-        _fill_space(tracks, space_table, points)
-    return tracks
-
-
-def read_points3d_table(
-    path: str | Path, *, fps: float, unit: str = "mm", individual: str = "animal"
-) -> Tracks:
-    """Read ``points3d.csv`` alone as Tracks without image positions.
-
-    Parameters
-    ----------
-    path : str or Path
-        A csv with ``frame, point, x, y, z, residual_px, origin``.
-    fps : float
-        Frames per second.
-    unit : str
-        Unit of x, y, z.
-    individual : str
-        The animal's id.
-
-    Returns
-    -------
-    xarray.Dataset
-        Tracks; confidence is 1 where a point is known.
-
-    Raises
-    ------
-    InputError
-        For a missing column, a cell that is not what it should be, or a row given twice.
-    """
-    table = _read_points(path, POINTS3D_COLUMNS, ("point",), ("x", "y", "z", "residual_px"))
-    if table.empty:
-        raise InputError(f"{Path(path).name}: no rows; expected one for each frame and point.")
-    points = list(dict.fromkeys(table["point"]))
-    first, last = table["frame"].min(), table["frame"].max()
-    tracks = make_tracks(
-        np.arange(first, last + 1), points, fps=fps, individual=individual, unit=unit
-    )
-    at, point = table["frame"] - first, table["point"].map(points.index)
-    _enter_space(tracks, table, at, point)
-    known = tracks["origin"].to_numpy() != ORIGIN_CODE["missing"]
-    tracks["confidence"].to_numpy()[:] = known
-    return tracks
-
-
-def _enter_space(tracks: Tracks, table: pd.DataFrame, at: pd.Series, point: pd.Series) -> None:
-    """Enter positions, residuals and origins at rows ``at`` of the points ``point``."""
-    for axis, name in enumerate("xyz"):
-        tracks["position"].to_numpy()[at, axis, point, 0] = table[name]
-    tracks["residual"].to_numpy()[at, point, 0] = table["residual_px"]
-    tracks["origin"].to_numpy()[at, point, 0] = table["origin"]
-
-
-def _fill_space(tracks: Tracks, table: pd.DataFrame, points: Sequence[str]) -> None:
-    """Enter the rows of ``points3d.csv``; confidence is the mean of the views that see it."""
-    at = table["frame"] - int(tracks["frame"].to_numpy()[0])
-    _enter_space(tracks, table, at, table["point"].map(list(points).index))
-    seen = tracks["image_origin"].to_numpy() != ORIGIN_CODE["missing"]
-    total = np.where(seen, tracks["image_confidence"].to_numpy(), 0.0).sum(axis=1)
-    mean = total / np.maximum(seen.sum(axis=1), 1)
-    known = tracks["origin"].to_numpy() != ORIGIN_CODE["missing"]
-    tracks["confidence"].to_numpy()[:] = np.where(known, mean, 0.0)
-
-
-def _read_points(
-    path: str | Path, columns: Sequence[str], keys: Sequence[str], numbers: Sequence[str]
-) -> pd.DataFrame:
-    """Read one of the two exports: frames whole, numbers or empty, origins as codes."""
-    where = Path(path).name
-    table = read_cells(path, columns)
-    table["frame"] = read_numbers(table, "frame", where=where, whole=True)
-    for name in numbers:
-        table[name] = read_numbers(table, name, where=where, empty=True)
-    unknown = ~table["origin"].isin(ORIGINS)
-    if unknown.any():
-        line = int(np.argmax(unknown))
-        word = table["origin"].iloc[line]
-        raise InputError(
-            f"{where}: line {line + 2}, origin is {word!r}{did_you_mean(word, ORIGINS)}; expected "
-            f"{', '.join(ORIGINS)}."
-        )
-    table["origin"] = table["origin"].map(ORIGIN_CODE)
-    twice = table.duplicated(["frame", *keys])
-    if twice.any():
-        row = table[twice].iloc[0]
-        named = ", ".join(f"{key} {row[key]}" for key in ("frame", *keys))
-        raise InputError(f"{where}: {named} is there twice; keep one of them.")
-    return table
-
-
-def read_belt_speed(path: str | Path) -> pd.DataFrame:
-    """Read the speed of a treadmill's belt.
-
-    Parameters
-    ----------
-    path : str or Path
-        A csv with the columns ``frame, speed`` (unit of length / s).
-
-    Returns
-    -------
-    pandas.DataFrame
-        ``frame`` (whole numbers, rising) and ``speed``.
-
-    Raises
-    ------
-    InputError
-        For a missing column, a cell that is not a number, or a frame given twice.
-    """
-    where = Path(path).name
-    table = read_cells(path, ("frame", "speed"))
-    clean = pd.DataFrame(
-        {
-            "frame": read_numbers(table, "frame", where=where, whole=True),
-            "speed": read_numbers(table, "speed", where=where),
-        }
-    ).sort_values("frame", ignore_index=True)
-    if clean.empty:
-        raise InputError(f"{where}: no rows; expected frame and speed of at least one frame.")
-    twice = clean["frame"].duplicated()
-    if twice.any():
-        raise InputError(
-            f"{where}: frame {clean['frame'][twice].iloc[0]} is there twice; keep one of them."
-        )
-    return clean
 
 
 def _names(tracks: Tracks, dim: str) -> list[str]:

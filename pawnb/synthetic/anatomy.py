@@ -11,6 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
+from pawnb.synthetic.surfaces import unit
+
 # forward, height of the middle, half height, half width of the trunk and head
 _TRUNK_TABLE = np.array(
     [
@@ -140,3 +142,36 @@ def posture(nodes: tuple[tuple[float, float], ...]) -> PchipInterpolator:
     phase = np.concatenate([phase[:-1] - 2.0, phase, phase[1:] + 2.0])
     angle = np.radians(np.concatenate([angle[:-1], angle, angle[1:]]))
     return PchipInterpolator(phase, angle)
+
+
+def two_links(
+    top: np.ndarray, end: np.ndarray, *, lengths: tuple[float, float], bend: np.ndarray
+) -> np.ndarray:
+    """Return the middle joint of two links that bend.
+
+    Where the end is out of reach the links stretch, so the limb never comes apart.
+
+    Parameters
+    ----------
+    top, end : ndarray, shape (3,)
+        Where the first link begins and the second ends.
+    lengths : tuple of float
+        Lengths of the two links.
+    bend : ndarray, shape (3,)
+        Direction that the joint points to.
+
+    Returns
+    -------
+    ndarray, shape (3,)
+        The joint between them.
+    """
+    a, b = lengths
+    span = end - top
+    distance = float(np.linalg.norm(span))
+    along = span / distance
+    stretch = max(1.0, distance / (0.985 * (a + b)))
+    a, b = a * stretch, b * stretch
+    reach = (a**2 - b**2 + distance**2) / (2 * distance)
+    height = np.sqrt(max(a**2 - reach**2, 0.0))
+    across = bend - (bend @ along) * along
+    return top + reach * along + height * unit(across)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pawnb.synthetic import anatomy
-from pawnb.synthetic.anatomy import Limb
+from pawnb.synthetic.anatomy import Limb, two_links
 from pawnb.synthetic.gait_model import Gait
 from pawnb.synthetic.hair import Hairs, draw_hairs, hair_triangles
 from pawnb.synthetic.scene import LEGS, SceneSettings
@@ -291,7 +291,8 @@ class Mouse:
         joint = np.array([limb.joint[0], side * limb.joint[1], limb.joint[2]])
         top = pose.place(joint[None])[0]
         top = top + limb.slide * ((point - top) @ forward) * forward
-        knee = _two_links(top, ankle, (limb.upper * size, limb.lower * size), limb.bend * forward)
+        lengths = (limb.upper * size, limb.lower * size)
+        knee = two_links(top, ankle, lengths=lengths, bend=limb.bend * forward)
         # where the limb is folded the skin of the flank holds the joint
         knee[2] = np.clip(knee[2], size * limb.bend_height[0], size * limb.bend_height[1])
         knee = knee + side * left * (1.5 if limb is anatomy.HIND else 1.0) * size
@@ -394,22 +395,3 @@ class Mouse:
             return tube_faces(rings, segments), np.minimum(colour, 255.0), skin, bare
 
         self._builder.add(part, vertices, unit(normals), fixed=fixed)
-
-
-def _two_links(
-    top: np.ndarray, end: np.ndarray, lengths: tuple[float, float], bend: np.ndarray
-) -> np.ndarray:
-    """Return the middle joint of two links from top to end that bends towards ``bend``.
-
-    Where the end is out of reach the links stretch, so the limb never comes apart.
-    """
-    a, b = lengths
-    span = end - top
-    distance = float(np.linalg.norm(span))
-    along = span / distance
-    stretch = max(1.0, distance / (0.985 * (a + b)))
-    a, b = a * stretch, b * stretch
-    reach = (a**2 - b**2 + distance**2) / (2 * distance)
-    height = np.sqrt(max(a**2 - reach**2, 0.0))
-    across = bend - (bend @ along) * along
-    return top + reach * along + height * unit(across)

@@ -21,7 +21,8 @@ from pawnb.schema import START_COLUMNS, check_columns
 from pawnb.trial import Trial
 from pawnb.widgets.colours import point_colours
 from pawnb.widgets.start_marks import Slot, draw_view
-from pawnb.widgets.start_points import MOUSE_PAWS, points_by_view, read_unfinished
+from pawnb.widgets.start_points import points_by_view, read_unfinished
+from pawnb.widgets.start_words import next_step, what_is_missing
 
 
 @dataclass(frozen=True)
@@ -298,37 +299,11 @@ class StartSession:
 
     def prompt(self) -> str:
         """Say what to do next."""
-        here = any(f == self.frame for f, _, _ in self._state.clicks)
-        others = sorted({f for f, _, _ in self._state.clicks} - {self.frame})
-        if not here and len(others) == MAX_FRAMES:
-            return f"Frames {others[0]} and {others[1]} have the clicks; go there to change them."
-        if not here and others:
-            return (
-                f"Frame {others[0]} has the clicks. Clicking the points here too is optional: two "
-                "frames give the tracker the first velocities."
-            )
-        if self.current is None:
-            return "All points are placed or marked as hidden. Drag a point to adjust it."
-        view, point = self.current
-        more = f" ({MOUSE_PAWS[point]})" if point in MOUSE_PAWS else ""
-        return f"Click {point}{more} in {view}, or press H if it is hidden there."
+        return next_step(self)
 
     def missing(self) -> str:
         """Say what a tracker would still lack, or that nothing is missing."""
-        nowhere, alone = [], []
-        for point in self.points:
-            views = {v for _, v, p in self._state.clicks if p == point}
-            tracked = [v for v, points in self.points_by_view.items() if point in points]
-            if not views:
-                nowhere.append(point)
-            elif len(views) == 1 and len(tracked) > 1 and self.rig is not None:
-                alone.append(f"{point} ({views.pop()})")
-        parts = []
-        if nowhere:
-            parts.append(f"Not clicked in any view yet: {', '.join(nowhere)}.")
-        if alone:
-            parts.append(f"Clicked in one view only, two are needed in 3D: {', '.join(alone)}.")
-        return " ".join(parts) or "Nothing is missing."
+        return what_is_missing(self)
 
     # --- what is drawn ------------------------------------------------------------------
 

@@ -28,7 +28,8 @@ from pawnb.errors import InputError, did_you_mean
 from pawnb.io.tables import write_table
 from pawnb.schema import ORIGIN_CODE, Tracks
 from pawnb.trial import Trial, load_trial
-from pawnb.workflow.evaluation import THRESHOLD_PX, count_errors, track_with_corrections
+from pawnb.workflow.corrected_run import track_with_corrections
+from pawnb.workflow.evaluation import THRESHOLD_PX, count_errors
 from pawnb.workflow.methods import METHODS, setting_names
 from pawnb.workflow.results import make_folder
 from pawnb.workflow.save_figures import save_figure

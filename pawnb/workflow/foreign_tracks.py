@@ -9,8 +9,10 @@ import pandas as pd
 from pawnb.core.reconstruct import triangulate_tracks
 from pawnb.core.rig import Rig
 from pawnb.errors import InputError
-from pawnb.io import authors2019, native
+from pawnb.io import authors2019
+from pawnb.io.belt import read_belt_speed
 from pawnb.io.formats import read_any_tracks, recognise_format
+from pawnb.io.track_tables import read_tracks_table
 from pawnb.schema import Tracks
 from pawnb.trial import Trial
 
@@ -55,7 +57,7 @@ def read_foreign_tracks(trial: Trial) -> Tracks:
     program = recognise_format(path)
     if program == "csv":
         points3d = path.with_name("points3d.csv")
-        return native.read_tracks_table(
+        return read_tracks_table(
             path,
             fps=trial.fps,
             points3d=points3d if points3d.exists() else None,
@@ -86,4 +88,4 @@ def read_belt(path: str | Path) -> pd.DataFrame:
     path = Path(path)
     if path.name.lower().startswith("speed_time"):
         return authors2019.read_authors_speed(path)[["frame", "speed"]]
-    return native.read_belt_speed(path)
+    return read_belt_speed(path)

@@ -19,7 +19,8 @@ from pawnb.core.paws import PaperSettings
 from pawnb.core.paws.template import StrideTemplate, average_strides, cut_strides
 from pawnb.core.rig import load_rig
 from pawnb.errors import InputError, PawnbError
-from pawnb.io.native import read_tracks, read_tracks_table
+from pawnb.io.native import read_tracks
+from pawnb.io.track_tables import read_tracks_table
 from pawnb.schema import Tracks, build_settings
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.trial_views import points_by_view, view_facing

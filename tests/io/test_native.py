@@ -10,7 +10,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from pawnb.errors import InputError
-from pawnb.io import native
+from pawnb.io import native, track_tables
+from pawnb.io.belt import read_belt_speed
 from pawnb.schema import (
     ORIGIN_CODE,
     ORIGINS,
@@ -213,7 +214,7 @@ def test_csv_round_trip(tmp_path):
     tracks = example()
     native.write_table(native.tracks_table(tracks), tmp_path / "tracks.csv")
     native.write_table(native.points3d_table(tracks), tmp_path / "points3d.csv")
-    found = native.read_tracks_table(
+    found = track_tables.read_tracks_table(
         tmp_path / "tracks.csv", fps=250.0, points3d=tmp_path / "points3d.csv", unit="mm",
         individual="m07",
     )  # fmt: skip
@@ -236,7 +237,7 @@ def test_csv_of_one_view_gives_positions_in_px(tmp_path):
         "frame,view,point,u,v,confidence,origin\n"
         "4,cam1,FR,1.5,2.5,0.9,edited\n6,cam1,FR,,,0,missing\n"
     )
-    tracks = native.read_tracks_table(tmp_path / "t.csv", fps=100.0)
+    tracks = track_tables.read_tracks_table(tmp_path / "t.csv", fps=100.0)
     assert tracks["frame"].to_numpy().tolist() == [4, 5, 6]
     assert tracks["position"].to_numpy()[:, :, 0, 0].tolist()[0] == [1.5, 2.5]
     assert np.isnan(tracks["position"].to_numpy()[1:]).all()
@@ -264,7 +265,7 @@ def test_csv_of_one_view_gives_positions_in_px(tmp_path):
 def test_bad_tracks_csv_is_refused(tmp_path, text, message):
     (tmp_path / "t.csv").write_text(text)
     with pytest.raises(InputError, match=message):
-        native.read_tracks_table(tmp_path / "t.csv", fps=100.0)
+        track_tables.read_tracks_table(tmp_path / "t.csv", fps=100.0)
 
 
 def test_write_table_is_the_same_everywhere(tmp_path):
@@ -286,7 +287,7 @@ def test_write_table_is_the_same_everywhere(tmp_path):
 
 def test_belt_speed_is_read_in_the_order_of_the_frames(tmp_path):
     (tmp_path / "b.csv").write_text("speed, frame ,note\n300,2,a\n350.5,0,\n")
-    table = native.read_belt_speed(tmp_path / "b.csv")
+    table = read_belt_speed(tmp_path / "b.csv")
     assert table.to_dict("list") == {"frame": [0, 2], "speed": [350.5, 300.0]}
 
 
@@ -303,6 +304,6 @@ def test_belt_speed_is_read_in_the_order_of_the_frames(tmp_path):
 def test_bad_belt_speed_is_refused(tmp_path, text, message):
     (tmp_path / "b.csv").write_text(text)
     with pytest.raises(InputError, match=message):
-        native.read_belt_speed(tmp_path / "b.csv")
+        read_belt_speed(tmp_path / "b.csv")
     with pytest.raises(InputError, match="no such file"):
-        native.read_belt_speed(tmp_path / "c.csv")
+        read_belt_speed(tmp_path / "c.csv")

@@ -15,7 +15,8 @@ from pawnb.core.pose.pose_table import read_start_pose
 from pawnb.core.pose.species_file import load_species
 from pawnb.core.pose.track_result import plain_track
 from pawnb.errors import InputError
-from pawnb.io.native import read_tracks_table, write_tracks
+from pawnb.io.native import write_tracks
+from pawnb.io.track_tables import read_tracks_table
 from pawnb.workflow.evaluate import compare_events, evaluate
 
 

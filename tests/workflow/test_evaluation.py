@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE, make_tracks
-from pawnb.workflow.evaluation import count_errors, track_with_corrections
+from pawnb.workflow.corrected_run import track_with_corrections
+from pawnb.workflow.evaluation import count_errors
 
 N = 200
 VIEWS, POINTS = ("cam1", "cam2"), ("FR", "HR")

@@ -10,7 +10,8 @@ import pandas as pd
 from pawnb.io.native import read_tracks
 from pawnb.schema import ORIGIN_CODE
 from pawnb.trial import load_trial
-from pawnb.workflow.evaluation import count_errors, track_with_corrections
+from pawnb.workflow.corrected_run import track_with_corrections
+from pawnb.workflow.evaluation import count_errors
 from pawnb.workflow.reproject import reproject
 from pawnb.workflow.track import retrack, track
 

@@ -1,0 +1,34 @@
+"""Direct linear transform: fit, project and triangulate, on plain arrays.
+
+A view is described by 11 coefficients, ``L1 .. L11``, with
+
+    u = (L1 X + L2 Y + L3 Z + L4) / (L9 X + L10 Y + L11 Z + 1)
+    v = (L5 X + L6 Y + L7 Z + L8) / (L9 X + L10 Y + L11 Z + 1)
+
+(Abdel-Aziz & Karara 1971; paper 2019, Eq. 1). Coefficients of several views are the
+columns of one array of shape (11, n_views). An affine view has L9 = L10 = L11 = 0.
+Missing image positions are NaN.
+"""
+
+from pawnb.core.dlt.fit import FLAT, MIN_POINTS, DltFit, fit_dlt
+from pawnb.core.dlt.projection import (
+    Triangulation,
+    project,
+    reprojection_error,
+    to_matrix,
+    transform_image,
+    triangulate,
+)
+
+__all__ = [
+    "FLAT",
+    "MIN_POINTS",
+    "DltFit",
+    "Triangulation",
+    "fit_dlt",
+    "project",
+    "reprojection_error",
+    "to_matrix",
+    "transform_image",
+    "triangulate",
+]

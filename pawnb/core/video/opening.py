@@ -1,0 +1,113 @@
+"""Opening what the views of a trial name: a video file, a folder or a glob of pictures."""
+
+from __future__ import annotations
+
+import contextlib
+from pathlib import Path
+
+from pawnb.core.lens import Lens, load_lenses
+from pawnb.core.pictures import SUFFIXES, PictureFolder, is_glob
+from pawnb.core.video.file import VideoFile
+from pawnb.core.views import Source, ViewReader
+from pawnb.core.viewset import ViewSet
+from pawnb.errors import VideoError, did_you_mean
+from pawnb.trial import Trial, View
+
+
+def open_view(
+    view: View, folder: Path, *, lens: Lens | None = None, fps: float | None = None
+) -> ViewReader:
+    """Open one view.
+
+    Parameters
+    ----------
+    view : View
+        What was filmed: a video file, a folder or a glob of pictures, and what to show.
+    folder : Path
+        Folder that ``view.video`` is relative to.
+    lens : Lens, optional
+        Distortion to remove.
+    fps : float, optional
+        Frames per second of the recording; without it ``time_s`` is the file's own time.
+
+    Returns
+    -------
+    ViewReader
+        The open view; frame 0 is the first of the file.
+
+    Raises
+    ------
+    VideoError
+        If the video is missing or damaged, or the crop reaches outside the picture.
+    """
+    return _reader(view, _open_source(view, Path(folder)), lens, fps)
+
+
+def open_views(trial: Trial) -> ViewSet:
+    """Open every view of a trial; views of one file share its decoder.
+
+    Parameters
+    ----------
+    trial : Trial
+        What was filmed.
+
+    Returns
+    -------
+    ViewSet
+        The open views, a context manager; its ``notes`` say what a user should know.
+
+    Raises
+    ------
+    VideoError
+        If a video is missing or damaged, a crop reaches outside its picture, or
+        ``trial.frames`` asks for frames that a view does not have.
+    InputError
+        If the lens file is wrong or lacks a view.
+    """
+    if not trial.views:
+        raise VideoError(f"trial {trial.name!r} has no views; add [[views]] to its trial.toml.")
+    lenses: dict[str, Lens] = {}
+    if trial.calibration is not None and trial.calibration.lens is not None:
+        lenses = load_lenses(trial.path(trial.calibration.lens))
+        for view in trial.views:
+            if view.name not in lenses:
+                raise VideoError(
+                    f"{trial.calibration.lens}: no section [{view.name}]"
+                    f"{did_you_mean(view.name, lenses)}; expected one for each view."
+                )
+    sources: dict[str, Source] = {}
+    with contextlib.ExitStack() as on_error:
+        readers = {}
+        for view in trial.views:
+            if view.video not in sources:
+                sources[view.video] = _open_source(view, trial.folder)
+                on_error.callback(sources[view.video].close)
+            source = sources[view.video]
+            readers[view.name] = _reader(view, source, lenses.get(view.name), trial.fps)
+        views = ViewSet(readers, fps=trial.fps, offsets={v.name: v.offset for v in trial.views})
+        if trial.frames is not None:
+            views.check_range(*trial.frames)
+        on_error.pop_all()
+    return views
+
+
+def _reader(view: View, source: Source, lens: Lens | None, fps: float | None) -> ViewReader:
+    """Make the reader of a view, and close its file if it does not fit the view."""
+    with contextlib.ExitStack() as on_error:
+        on_error.callback(source.close)
+        reader = ViewReader(view, source, lens=lens, fps=fps)
+        on_error.pop_all()
+    return reader
+
+
+def _open_source(view: View, folder: Path) -> Source:
+    """Open what a view names, by what it is; messages begin with the view's name."""
+    path = folder / view.video
+    try:
+        if path.is_dir() or (is_glob(view.video) and not path.exists()):
+            return PictureFolder(path)
+        if path.exists() and path.suffix.lower() in SUFFIXES:
+            return PictureFolder(path)
+        return VideoFile(path)
+    except VideoError as error:
+        raise VideoError(f"view {view.name!r}: {error}") from None

@@ -1,0 +1,67 @@
+"""``trial.toml`` in and out."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+
+import tomli_w
+
+from pawnb.errors import InputError
+from pawnb.trial.description import Trial
+from pawnb.trial.document import trial_document, trial_from_document
+
+
+def load_trial(path: str | Path) -> Trial:
+    """Read ``trial.toml``.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file, or the folder that holds it.
+
+    Returns
+    -------
+    Trial
+        The checked description.
+
+    Raises
+    ------
+    InputError
+        If the file is missing or is not TOML, if a section or field is unknown or has
+        the wrong type, or if a required one (such as ``fps``) is missing.
+    """
+    path = Path(path)
+    if path.is_dir():
+        path = path / "trial.toml"
+    try:
+        document = tomllib.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise InputError(
+            f"{path}: no such trial; expected a trial.toml or the folder that holds one."
+        ) from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: not a TOML file ({error}); mend that line.") from None
+    return trial_from_document(document, where=str(path), folder=path.parent)
+
+
+def save_trial(trial: Trial, path: str | Path) -> Path:
+    """Write a Trial as TOML so that :func:`load_trial` gives it back.
+
+    Parameters
+    ----------
+    trial : Trial
+        What to write; its paths stay relative to the file's folder.
+    path : str or Path
+        The file to write.
+
+    Returns
+    -------
+    Path
+        The file.
+    """
+    path = Path(path)
+    temporary = path.with_name(path.name + ".part")
+    temporary.write_text(tomli_w.dumps(trial_document(trial)), encoding="utf-8")
+    temporary.replace(path)
+    return path
