@@ -156,7 +156,18 @@ def _add_gait(commands: Any) -> None:
     )
     command.add_argument("--out", help="folder to write (default: results beside the first input)")
     command.add_argument("--fps", type=float, help="frame rate, where the input does not say")
-    command.add_argument("--legs", nargs="+", metavar="LEG", help="legs to use (default: all)")
+    command.add_argument(
+        "--legs",
+        nargs="+",
+        metavar="LEG[=POINT]",
+        help="legs to use (default: all); with =POINT its name in the file, as HR=hindpaw_R",
+    )
+    command.add_argument(
+        "--event-names",
+        nargs="+",
+        metavar="NAME=EVENT",
+        help="what a table of events calls them, as down=TD up=LO",
+    )
     command.add_argument(
         "--figures",
         choices=["all", "main", "none"],
@@ -309,7 +320,8 @@ def _gait(options: argparse.Namespace, argv: list[str]) -> None:
         options.inputs,
         out=options.out,
         fps=options.fps,
-        legs=options.legs,
+        legs=_legs(options.legs),
+        event_names=_event_names(options.event_names),
         figures=options.figures,
         command=argv,
     )
@@ -360,6 +372,21 @@ def _lab(options: argparse.Namespace, _argv: list[str]) -> None:
     from pawnb.workflow.lab import open_lab
 
     open_lab(options.notebook, browser=not options.no_browser, port=options.port)
+
+
+def _legs(words: Sequence[str] | None) -> list[str] | dict[str, str] | None:
+    """Return the legs that were named, with their points where any was given with one."""
+    if words is None or not any("=" in word for word in words):
+        return None if words is None else list(words)
+    return {leg: point or leg for leg, _, point in (word.partition("=") for word in words)}
+
+
+def _event_names(words: Sequence[str] | None) -> dict[str, str] | None:
+    """Split NAME=EVENT words."""
+    for word in words or ():
+        if "=" not in word:
+            raise InputError(f"--event-names {word}: expected NAME=EVENT, for instance down=TD.")
+    return None if words is None else dict(word.split("=", 1) for word in words)
 
 
 def _settings(words: Sequence[str]) -> dict[str, str]:

@@ -19,12 +19,12 @@ from pawnb.gait.leg_names import guess_body, guess_legs
 from pawnb.gait.legs import sort_legs
 from pawnb.gait.paths import get_foot_paths
 from pawnb.gait.pose_body import pose_body
+from pawnb.gait.scored import check_scored_events
 from pawnb.gait.strides import Motion
 from pawnb.gait.tables import GaitTables, Pairs, build_tables, pool
-from pawnb.schema import EVENTS_COLUMNS, Tracks, build_settings, check_columns, check_tracks
+from pawnb.schema import Tracks, build_settings, check_columns, check_tracks
 from pawnb.trial import Trial
 
-_EVENTS = ("AEP", "PEP", "TD", "LO")
 _LEAST_CONFIDENCE = {"DeepLabCut": 0.6}
 _GAP_COLUMNS = ("leg", "start_s", "end_s", "what")
 
@@ -111,6 +111,7 @@ def analyse(
 def analyse_events(
     events: pd.DataFrame,
     *,
+    event_names: Mapping[str, str] | None = None,
     pairs: Pairs | None = None,
     settings: EventSettings | Mapping[str, Any] | None = None,
 ) -> GaitTables:
@@ -121,6 +122,9 @@ def analyse_events(
     events : pandas.DataFrame
         Columns leg, event (AEP, PEP, TD, LO) and time_s; animal, trial, frame and
         method are filled in where they are missing.
+    event_names : mapping, optional
+        What the table calls its events, where it has other names for them:
+        ``{"down": "TD", "up": "LO"}``.
     pairs : sequence of (leg, reference), optional
         Pairs whose phase is measured; default
         :func:`~pawnb.gait.legs.default_pairs`.
@@ -138,7 +142,7 @@ def analyse_events(
         If a column is missing, an event is unknown, or a time is not a number.
     """
     settings = _settings(settings)
-    events = _checked_events(events)
+    events = check_scored_events(events, names=event_names)
     parts = []
     for (animal, trial), own in events.groupby(["animal", "trial"], sort=False):
         own = _in_order(own, sort_legs(own["leg"]))
@@ -184,7 +188,8 @@ def _choose_legs(
     if not named:
         raise InputError(
             f"{where}: none of the points {', '.join(points)} is named like a leg (FR, HR, FL, "
-            "HL; L1, R1, ...; LF, RH, ...); say which are with legs."
+            f"HL; L1, R1, ...; LF, RH, ...); say which are, with legs={{'HR': {points[-1]!r}}} or "
+            f"on the command line --legs HR={points[-1]!r}."
         )
     return {leg: named[leg] for leg in sort_legs(named)}
 
@@ -315,31 +320,3 @@ def _body_points(
             along = space.positions[:, :, order]
             return BodyPoints(points=along, names=tuple(names), guessed=not named)
     return None
-
-
-def _checked_events(events: pd.DataFrame) -> pd.DataFrame:
-    """Return an events table with every column; refuse what cannot be meant."""
-    check_columns(events, ("leg", "event", "time_s"), where="events")
-    if len(events) == 0:
-        raise InputError("events: the table has no rows; expected at least one event.")
-    events = events.copy()
-    for name, default in (("animal", "animal"), ("trial", "trial"), ("method", "scored")):
-        if name not in events:
-            events[name] = default
-    if "frame" not in events:
-        events["frame"] = np.nan
-    unknown = sorted({str(e) for e in events["event"]} - set(_EVENTS))
-    if unknown:
-        raise InputError(
-            f"events: unknown event {unknown[0]!r}; expected {', '.join(_EVENTS)} (touch-down is "
-            "TD, lift-off LO)."
-        )
-    times = pd.to_numeric(events["time_s"], errors="coerce")
-    if not np.isfinite(times.to_numpy(dtype=float)).all():
-        row = int(np.flatnonzero(~np.isfinite(times.to_numpy(dtype=float)))[0])
-        raise InputError(
-            f"events: time_s in row {row + 1} is {events['time_s'].iloc[row]!r}; expected seconds."
-        )
-    events["time_s"] = times.astype(float)
-    extra = [c for c in events.columns if c not in EVENTS_COLUMNS]
-    return events[[*EVENTS_COLUMNS, *extra]]

@@ -61,8 +61,9 @@ def pattern_distances(
         One row for animal and pattern, nearest first: ``distance`` is the root mean square
         over the pairs of the difference between mean and ideal phase, cycles (0: the same,
         0.29 on average for phases at random, 0.5: opposite). ``free_lag`` is the fitted lag of
-        the metachronal wave, NaN for others. ``nearest`` marks the smallest distance; look at
-        the others before naming a gait after it.
+        the metachronal wave, NaN for others. ``nearest`` marks the smallest distance (several
+        patterns, where the pairs cannot tell them apart); look at the others before naming a
+        gait after it.
 
     Raises
     ------
@@ -84,8 +85,10 @@ def pattern_distances(
         if patterns is None and max(p.rank for pair in pairs for p in pair) >= 3:
             found.append((METACHRONAL, *_fit_wave(observed, pairs)))
         found.sort(key=lambda one: one[1])
-        for i, (name, distance, lag) in enumerate(found):
-            rows.append([animal, name, len(pairs), distance, lag, i == 0])
+        for name, distance, lag in found:
+            # patterns that these pairs cannot tell apart are equally near
+            nearest = distance <= found[0][1] + 1e-9
+            rows.append([animal, name, len(pairs), distance, lag, nearest])
     return pd.DataFrame(rows, columns=list(PATTERN_COLUMNS))
 
 

@@ -11,7 +11,7 @@ from typing import Any
 import pandas as pd
 
 from pawnb import gait
-from pawnb.errors import InputError
+from pawnb.errors import InputError, did_you_mean
 from pawnb.gait import GaitTables
 from pawnb.gait.contacts import events_from_contacts, is_contact_table
 from pawnb.gait.coordination import coordination_tables
@@ -32,6 +32,9 @@ from pawnb.workflow.results import (
     results_folder,
 )
 from pawnb.workflow.save_figures import Which, save_gait_figures
+
+Legs = Sequence[str] | Mapping[str, str]
+"""Legs to use, or names of legs to names of points."""
 
 TABLES = ("events", "strides", "phases", "phase_summary", "dropped")
 
@@ -105,7 +108,8 @@ def run_gait(
     *,
     out: str | Path | None = None,
     fps: float | None = None,
-    legs: Sequence[str] | None = None,
+    legs: Legs | None = None,
+    event_names: Mapping[str, str] | None = None,
     settings: Mapping[str, Any] | None = None,
     figures: Which = "all",
     command: Sequence[str] | None = None,
@@ -124,8 +128,11 @@ def run_gait(
         single results or tracks file, and ``results`` in the current folder for several.
     fps : float, optional
         Frames per second, for inputs that do not say.
-    legs : sequence of str, optional
-        Legs to use; default every point that is named like a leg.
+    legs : sequence of str or mapping, optional
+        Legs to use, or names of legs to names of points; default every point that is named
+        like a leg.
+    event_names : mapping, optional
+        What tables of events call touch-down and lift-off: ``{"down": "TD", "up": "LO"}``.
     settings : mapping, optional
         Settings of the event detection.
     figures : {"all", "main", "none"}
@@ -145,7 +152,10 @@ def run_gait(
         If an input is missing, is none of the above, or cannot be analysed.
     """
     sources = [read_source(path, fps=fps) for path in inputs]
-    parts = [analyse_source(source, legs=legs, settings=settings) for source in sources]
+    parts = [
+        analyse_source(source, legs=legs, event_names=event_names, settings=settings)
+        for source in sources
+    ]
     tables = gait.pool(parts) if len(parts) > 1 else parts[0]
     if out is None:
         out = sources[0].folder if len(sources) == 1 else Path(RESULTS_FOLDER)
@@ -155,7 +165,8 @@ def run_gait(
         command=command,
         inputs={_label(source): file_checksum(source.path) for source in sources},
         settings=dataclasses.asdict(tables.settings),
-        legs=list(legs) if legs else None,
+        legs=dict(legs) if isinstance(legs, Mapping) else list(legs) if legs else None,
+        event_names=dict(event_names) if event_names else None,
         sources={
             _label(source): provenance_steps(source.tracks)
             for source in sources
@@ -310,7 +321,8 @@ def _needed_fps(fps: float | None, path: Path) -> float:
 def analyse_source(
     source: GaitSource,
     *,
-    legs: Sequence[str] | None = None,
+    legs: Legs | None = None,
+    event_names: Mapping[str, str] | None = None,
     settings: Mapping[str, Any] | None = None,
 ) -> GaitTables:
     """Analyse one input.
@@ -319,8 +331,11 @@ def analyse_source(
     ----------
     source : GaitSource
         What :func:`read_source` returned.
-    legs : sequence of str, optional
-        Legs to use; default all.
+    legs : sequence of str or mapping, optional
+        Legs to use, or names of legs to names of points (or of legs in a table of events);
+        default all.
+    event_names : mapping, optional
+        What a table of events calls its events.
     settings : mapping, optional
         Settings of the event detection.
 
@@ -337,10 +352,10 @@ def analyse_source(
     if source.events is not None:
         events = source.events
         if legs is not None:
-            events = events[events["leg"].isin(legs)]
+            events = _choose_event_legs(events, legs, source.path)
         if "trial" not in events:
             events = events.assign(trial=source.path.stem)
-        return gait.analyse_events(events, settings=settings)
+        return gait.analyse_events(events, event_names=event_names, settings=settings)
     tracks, trial, belt = source.tracks, source.trial, None
     if tracks is None:
         raise InputError(f"{source.path}: neither tracks nor events.")
@@ -349,6 +364,20 @@ def analyse_source(
         belt = belt.rename(columns={"belt_speed": "speed"})
         trial = None if trial is None else dataclasses.replace(trial, belt_speed=None)
     return gait.analyse(tracks, trial=trial, legs=legs, belt_speed=belt, settings=settings)
+
+
+def _choose_event_legs(events: pd.DataFrame, legs: Legs, path: Path) -> pd.DataFrame:
+    """Return the events of some legs, under the names that were asked for."""
+    named = dict(legs) if isinstance(legs, Mapping) else {leg: leg for leg in legs}
+    there = events["leg"].astype(str)
+    for name in named.values():
+        if name not in set(there):
+            raise InputError(
+                f"{path}: no leg {name!r}{did_you_mean(name, set(there))}; there are "
+                f"{', '.join(sorted(set(there)))}."
+            )
+    chosen = events[there.isin(named.values())]
+    return chosen.assign(leg=chosen["leg"].astype(str).map({v: k for k, v in named.items()}))
 
 
 def _label(source: GaitSource) -> str:

@@ -84,3 +84,13 @@ def test_hildebrand_takes_the_hind_foot_and_the_fore_lag():
     assert found["lag_percent"].tolist() == [50.0, 50.0]
     with pytest.raises(InputError, match="for four legs"):
         hildebrand_table(strides, table({("L1", "R1"): 0.5}))
+
+
+def test_patterns_that_the_pairs_cannot_tell_apart_are_equally_near():
+    # one side alone: fore against hind is half a cycle apart in trot and in bound
+    phases = pd.DataFrame(
+        {"animal": "a", "leg": "FR", "reference": "HR", "phase": [0.5, 0.48, 0.52]}
+    )
+    found = pattern_distances(phases).set_index("pattern")
+    assert found.loc[["trot", "bound"], "nearest"].all()
+    assert not found.loc["pace", "nearest"]

@@ -234,3 +234,36 @@ def test_contact_by_hand_is_read_as_events(tmp_path):
     np.testing.assert_allclose(run.tables.strides["period_s"], 0.1)
     np.testing.assert_allclose(run.tables.strides["duty_factor"], 0.6)
     np.testing.assert_allclose(run.tables.phases["phase"], 0.5)
+
+
+def test_real_events_under_their_own_names(real_data, tmp_path):
+    # a tardigrade's eight legs, "up" and "down" scored by hand: 95 steps, as published to 1e-3
+    folder = real_data("tardigrade-8leg-events")
+    names = {"down": "TD", "up": "LO"}
+    run = run_gait(
+        [folder / "events_long.csv"], event_names=names, figures="none", out=tmp_path / "out"
+    )
+    found = pd.read_csv(tmp_path / "out" / "strides.csv").sort_values(["leg", "start_s"])
+    published = pd.read_csv(folder / "step_timing.csv").sort_values(["legID", "DownTime"])
+    assert len(found) == 95 == len(run.tables.strides)
+    for ours, theirs in (("stance_s", "stance"), ("period_s", "gait"), ("duty_factor", "duty")):
+        np.testing.assert_allclose(found[ours], published[theirs], atol=1e-3)
+    with pytest.raises(InputError, match=r"--event-names down=TD\.$"):
+        run_gait([folder / "events_long.csv"], out=tmp_path / "out")
+
+
+def test_legs_of_events_get_the_names_asked_for(tmp_path):
+    rows = [
+        (leg, event, 0.2 * k + late + 0.12 * (event == "off"))
+        for leg, late in (("links", 0.0), ("rechts", 0.1), ("tail", 0.05))
+        for k in range(5)
+        for event in ("on", "off")
+    ]
+    path = tmp_path / "events.csv"
+    pd.DataFrame(rows, columns=["leg", "event", "time_s"]).to_csv(path, index=False)
+    options = {"event_names": {"on": "TD", "off": "LO"}, "figures": "none"}
+    run = run_gait([path], legs={"HL": "links", "HR": "rechts"}, **options)
+    assert set(run.tables.strides["leg"]) == {"HL", "HR"}
+    np.testing.assert_allclose(run.tables.phases["phase"], 0.5)
+    with pytest.raises(InputError, match=r"no leg 'link' .did you mean 'links'"):
+        run_gait([path], legs={"HL": "link"}, **options)
