@@ -1,0 +1,212 @@
+"""The default pose tracker on two real animals: a hanging orb weaver and a walking fly.
+
+python benchmarks/pose_real.py [--seeds 0 1 2] [--only spider fly] [--pictures FOLDER]
+
+The spider starts in frame 0 from legs that someone drew in frame 600 (she hangs still),
+disturbed by 5 px and 5 degrees a joint. The fly starts from SLEAP's points of its first frame, as
+if clicked. Recordings: see real_animals.py; what is not there is skipped.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from pathlib import Path
+
+import cv2
+import numpy as np
+import real_animals as real
+
+from pawnb.core.pose.animal import StickAnimal
+from pawnb.core.pose.poses import Poses, joint_positions, tip_positions
+from pawnb.core.pose.track_result import PoseTrack
+from pawnb.core.pose.tracker import track_pose
+from pawnb.core.views import ViewReader
+from pawnb.workflow.pose_evaluation import build_jitter_table
+
+STILL = (0, 1900)
+"""Frames in which the spider holds still under an even light."""
+BEFORE, SHADOW = (1850, 1905), (1905, 1975)
+SCORED = 0.5
+"""SLEAP's score from which a tip counts."""
+FLY_PX, SPIDER_PX = 12.0, 6.0
+_COLOURS = ((0, 0, 255), (0, 160, 0), (255, 0, 0), (0, 150, 255))
+
+
+def line_errors(animal: StickAnimal, pose: Poses, lines: dict[str, np.ndarray]) -> dict[str, float]:
+    """Return, of each leg, how far leg and drawn line are apart at most, px.
+
+    From every place of either to the nearest of the other, the part near the body left out.
+    """
+    places = joint_positions(animal, pose)[0]
+    shares, out = np.linspace(0.1, 1.0, 60), {}
+    for i, leg in enumerate(animal.legs):
+        one = real.along(places[i, : len(leg.segments) + 1], shares)
+        other = real.along(lines[leg.name], shares)
+        fine = np.linspace(0.0, 1.0, 400)
+        whole = real.along(places[i, : len(leg.segments) + 1], fine)
+        line = real.along(lines[leg.name], fine)
+        out[leg.name] = float(max(_farthest(one, line), _farthest(other, whole)))
+    return out
+
+
+def _farthest(points: np.ndarray, line: np.ndarray) -> float:
+    """Return the greatest distance of a point from the points of a line."""
+    return float(np.linalg.norm(points[:, None] - line[None], axis=-1).min(axis=1).max())
+
+
+def tracked(
+    reader: ViewReader, background: object, *, animal: StickAnimal, start: Poses, stop: int
+) -> tuple[PoseTrack, float]:
+    """Return the track of frames 0 to ``stop`` and ms a frame."""
+    began = time.perf_counter()
+    track = track_pose(reader, start, animal=animal, background=background, frames=(0, stop))  # type: ignore[arg-type]
+    return track, 1000 * (time.perf_counter() - began) / stop
+
+
+def places_of(animal: StickAnimal, poses: Poses) -> np.ndarray:
+    """Return body and all joints and tips, shape (n, places, 2)."""
+    joints = joint_positions(animal, poses).reshape(len(poses), -1, 2)
+    joints = joints[:, np.isfinite(joints).all(axis=2).any(axis=0)]
+    return np.concatenate([poses.xy[:, None], joints], axis=1)
+
+
+def moved_by_shadow(animal: StickAnimal, poses: Poses) -> tuple[float, float, float]:
+    """Return how far the shadow moves body, joints and tips (most), px."""
+    before, under = (poses.take(slice(*part)) for part in (BEFORE, SHADOW))
+    rest = np.median(places_of(animal, before), axis=0)
+    away = np.linalg.norm(places_of(animal, under) - rest, axis=-1)
+    tips = np.linalg.norm(
+        tip_positions(animal, under) - np.median(tip_positions(animal, before), axis=0), axis=-1
+    )
+    return float(away[:, 0].max()), float(away.max()), float(tips.max())
+
+
+def measure_spider(folder: Path, seeds: list[int], pictures: Path | None) -> None:
+    """Print the spider's table; the first seed is tracked under the shadow too."""
+    lines = real.drawn_legs(folder)
+    with real.opened(real.SPIDER, folder) as (reader, background):
+        for i, seed in enumerate(seeds):
+            animal, drawn = real.spider_start(folder, frame=0)
+            stop = SHADOW[1] if i == 0 else real.DRAWN_FRAME + 1
+            track, ms = tracked(
+                reader, background, animal=animal, start=real.disturbed(drawn, seed), stop=stop
+            )
+            poses = track.poses
+            away = line_errors(animal, poses.at_frame(real.DRAWN_FRAME), lines)
+            legs = ", ".join(f"{leg} {px:.1f}" for leg, px in away.items())
+            good = sum(px <= SPIDER_PX for px in away.values())
+            print(
+                f"spider, start {seed}: {good} of {len(away)} legs within {SPIDER_PX:g} px of the "
+                f"drawn ones in frame {real.DRAWN_FRAME} ({legs}); {ms:.0f} ms a frame",
+                flush=True,
+            )
+            if pictures:
+                draw(reader, animal, poses.at_frame(0), pictures / f"spider{seed}_0.png")
+                draw(reader, animal, poses.at_frame(600), pictures / f"spider{seed}_600.png")
+            if i == 0:
+                print_still(animal, poses)
+                if pictures:
+                    for frame in range(SHADOW[0], SHADOW[1], 10):
+                        name = pictures / f"spider{seed}_{frame}.png"
+                        draw(reader, animal, poses.at_frame(frame), name)
+
+
+def print_still(animal: StickAnimal, poses: Poses) -> None:
+    """Print how much the pose of the still spider varies, and what the shadow does to it."""
+    table = build_jitter_table(animal, poses.take(slice(*STILL)))
+    print(f"spider still, frames {STILL[0]} to {STILL[1] - 1} (Table 4.1):")
+    print(table.round(3).to_string(index=False))
+    body, most, tips = moved_by_shadow(animal, poses)
+    print(
+        f"shadow, frames {SHADOW[0]} to {SHADOW[1] - 1}: body moved by up to {body:.2f} px, "
+        f"tips {tips:.2f} px, any joint {most:.2f} px",
+        flush=True,
+    )
+
+
+def measure_fly(folder: Path, pictures: Path | None) -> None:
+    """Print the fly's table."""
+    animal, start = real.fly_start(folder)
+    tips = real.fly_tips(folder)
+    with real.opened(real.FLY, folder) as (reader, background):
+        track, ms = tracked(reader, background, animal=animal, start=start, stop=reader.n_frames)
+        found = tip_positions(animal, track.poses)
+        print(f"fly: {int(np.isfinite(found[:, 0, 0]).sum())} frames, {ms:.0f} ms a frame")
+        near = 0
+        tips = tips[tips["score"] > SCORED]
+        for leg, part in tips.groupby("leg"):
+            at = found[part["frame"], animal.leg_names.index(str(leg))]
+            away = np.nan_to_num(np.hypot(*(at - part[["u", "v"]].to_numpy()).T), nan=np.inf)
+            near += int((away <= FLY_PX).sum())
+            print(
+                f"  {leg}: {100 * np.mean(away <= FLY_PX):.0f} % of {len(part)} tips within "
+                f"{FLY_PX:g} px of SLEAP's, median {np.median(away):.1f} px"
+            )
+        print(f"  all: {100 * near / len(tips):.0f} % of {len(tips)}", flush=True)
+        if pictures:
+            for frame in range(0, reader.n_frames, 5):
+                name = pictures / f"fly_{frame:03d}.png"
+                marks = tips.loc[tips["frame"] == frame, ["u", "v"]].to_numpy()
+                draw(reader, animal, track.poses.at_frame(frame), name, marks=marks)
+
+
+def draw(
+    reader: ViewReader, animal: StickAnimal, pose: Poses, path: Path, *,
+    marks: np.ndarray | None = None, zoom: int = 4,
+) -> None:  # fmt: skip
+    """Save a picture of a pose and of marks."""
+    if np.isnan(pose.xy).any():
+        return
+    places = joint_positions(animal, pose)[0]
+    low = np.nanmin(places, axis=(0, 1)) - 30
+    high = np.nanmax(places, axis=(0, 1)) + 30
+    u0, v0 = (int(max(0, x)) for x in low)
+    u1, v1 = int(min(reader.width, high[0])), int(min(reader.height, high[1]))
+    crop = reader.frame(int(pose.frames[0])).crop(u0, v0, u1, v1)
+    crop = np.repeat(crop[..., None], 3, axis=2) if crop.ndim == 2 else crop[..., ::-1]
+    picture = cv2.resize(
+        np.ascontiguousarray(crop), None, fx=zoom, fy=zoom, interpolation=cv2.INTER_CUBIC
+    )
+
+    def at(points: np.ndarray) -> np.ndarray:
+        return np.round((points - [u0, v0] + 0.5) * zoom).astype(int)
+
+    for i, leg in enumerate(animal.legs):
+        corners = at(places[i, : len(leg.segments) + 1])
+        colour = _COLOURS[i % len(_COLOURS)]
+        cv2.polylines(picture, [corners.reshape(-1, 1, 2)], False, colour, 1, cv2.LINE_AA)
+        for corner in corners:
+            cv2.circle(picture, (int(corner[0]), int(corner[1])), 2, colour, -1)
+        end = (int(corners[-1, 0]), int(corners[-1, 1]))
+        cv2.putText(picture, leg.name, end, cv2.FONT_HERSHEY_SIMPLEX, 0.5, colour, 1)
+    body = at(pose.xy)[0]
+    cv2.circle(picture, (int(body[0]), int(body[1])), 4, (255, 0, 255), -1)
+    for mark in at(marks) if marks is not None else ():
+        cv2.circle(picture, (int(mark[0]), int(mark[1])), 6, (0, 0, 0), 1)
+    cv2.imwrite(str(path), picture)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seeds", nargs="+", type=int, default=[0, 1, 2])
+    parser.add_argument("--only", nargs="+", choices=["spider", "fly"], default=["spider", "fly"])
+    parser.add_argument("--pictures", type=Path, help="folder for pictures with the pose drawn")
+    args = parser.parse_args()
+    if args.pictures:
+        args.pictures.mkdir(parents=True, exist_ok=True)
+    spider = real.data_folder("spider-nephila")
+    fly = real.data_folder("flies-topview") / "clip_inverted"
+    for name, folder in (("spider", spider), ("fly", fly)):
+        if name not in args.only:
+            continue
+        if not folder.exists():
+            print(f"{name} left out: {folder} is not there (set PAWNB_TEST_DATA).")
+        elif name == "spider":
+            measure_spider(folder, args.seeds, args.pictures)
+        else:
+            measure_fly(folder, args.pictures)
+
+
+if __name__ == "__main__":
+    main()
