@@ -20,8 +20,6 @@ from pawnb.core.reproject import fill_reprojected
 from pawnb.core.rig import Rig
 from pawnb.core.video import ViewSet, open_views
 from pawnb.errors import InputError, InputWarning
-from pawnb.io import native
-from pawnb.io.start import check_start, read_start
 from pawnb.schema import ORIGIN_CODE, Tracks, add_provenance
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.interrupt import interruptible
@@ -32,7 +30,12 @@ from pawnb.workflow.methods import (
     run_tracker,
     tracker_settings,
 )
-from pawnb.workflow.placed import clicks_begun_with, clicks_by_hand
+from pawnb.workflow.placed import (
+    clicks_begun_with,
+    clicks_by_hand,
+    clicks_of_frame,
+    start_clicks,
+)
 from pawnb.workflow.progress import Progress, progress_bar
 from pawnb.workflow.provenance import build_step, trial_checksums, trial_fingerprint
 from pawnb.workflow.results import (
@@ -43,6 +46,7 @@ from pawnb.workflow.results import (
 )
 from pawnb.workflow.track_pose import track_pose_trial
 from pawnb.workflow.trial_views import points_by_view, trial_rig, view_facing
+from pawnb.workflow.unfinished import join_earlier, unfinished_tracks
 
 
 def track(
@@ -80,12 +84,12 @@ def track(
         (of a jointed animal, all).
     out : str or Path, optional
         Folder for ``tracks.nc``, its tables, ``suspects.csv``, ``provenance.json`` and
-        ``candidates.bin``, from which method ``pawnb`` goes on after an interruption.
+        ``candidates.bin``. After an interruption a second run goes on from what is there.
     progress : callable, optional
         ``progress(done, total)``; default a bar on a terminal or in a notebook.
     stop : callable, optional
         Asked before each frame; when it answers True, what is done is kept. By default an
-        interrupt (Ctrl-C) does that. Called again, method ``pawnb`` goes on from there.
+        interrupt (Ctrl-C) does that. Called again with the same ``out``, it goes on from there.
     command : sequence of str, optional
         The command line, for the provenance.
 
@@ -117,12 +121,27 @@ def track(
         views = stack.enter_context(open_views(trial))
         for note in views.notes:
             warnings.warn(note, InputWarning, stacklevel=2)
-        clicks = _start_clicks(trial, views, start)
+        clicks = start_clicks(trial, views, start)
         rig = trial_rig(trial, views, method=method)
         first, last = _frame_range(trial, views, clicks, frames)
         store = _store(trial, method, out, stack)
+        step = build_step(
+            "track",
+            command=command,
+            # clicks that were handed over stand in the record themselves
+            inputs=trial_checksums(trial, start=start is None),
+            settings=dataclasses.asdict(chosen),
+            method=method,
+            frames=[first, last],
+            trial=trial_fingerprint(trial),
+            start=clicks.to_dict(orient="records"),
+        )
+        # method pawnb keeps its candidates instead
+        earlier = unfinished_tracks(Path(out), step) if out and method != METHODS[0] else None
+        begin = first if earlier is None else int(earlier["frame"][-1])
         with _progress(progress, "tracking") as report:
-            task = _task(trial, rig, clicks, frames=(first, last), progress=report, stop=asked)
+            span = {"frames": (begin, last), "tracks": earlier}
+            task = _task(trial, rig, clicks, progress=report, stop=asked, **span)
             tracks = run_tracker(method, views, clicks, task=task, settings=chosen, store=store)
         if stop is None and tracks.sizes["time"] < last - first:
             _tell_interrupted(tracks, first, last)
@@ -131,20 +150,11 @@ def track(
         # where the rate varies these are the file's own time stamps
         times = views.time_s[tracks["frame"].to_numpy()]
     tracks = _in_real_units(tracks, trial, rig)
+    if earlier is not None:
+        step["gone_on_from"] = begin
+        tracks = join_earlier(earlier, tracks)
     tracks = describe_trial(tracks.assign_coords(time=times), trial)
-    step = build_step(
-        "track",
-        command=command,
-        # clicks that were handed over stand in the record themselves
-        inputs=trial_checksums(trial, start=start is None),
-        settings=dataclasses.asdict(chosen),
-        method=method,
-        frames=[first, last],
-        complete=tracks.sizes["time"] == last - first,
-        trial=trial_fingerprint(trial),
-        start=clicks.to_dict(orient="records"),
-    )
-    tracks = add_provenance(tracks, **step)
+    tracks = add_provenance(tracks, **step, complete=tracks.sizes["time"] == last - first)
     if out is not None:
         write_track_results(tracks, out, rig=rig)
     return tracks
@@ -216,7 +226,7 @@ def retrack(
     method, settings = method_of_tracks(trial, tracks)
     placed = corrected_points(tracks, frame)
     learnt = _frames_learnt_in(tracks) | (dict.fromkeys(placed, frame) if learn else {})
-    clicks = _clicks_of_frame(trial, tracks, frame)
+    clicks = clicks_of_frame(trial, tracks, frame)
     begin = int(frame)
     old: Tracks | None = tracks
     kept: dict[str, Any] = {}
@@ -339,36 +349,6 @@ def _in_real_units(tracks: Tracks, trial: Trial, rig: Rig | None) -> Tracks:
     unit = trial.calibration.unit
     scaled = (tracks["position"] / scale).assign_attrs(units=unit)
     return tracks.assign(position=scaled).assign_attrs(unit=unit)
-
-
-def _clicks_of_frame(trial: Trial, tracks: Tracks, frame: int) -> pd.DataFrame:
-    """Return a frame of Tracks as start clicks: what each view tracks and has a position for."""
-    table = native.tracks_table(tracks.isel(time=tracks["frame"].to_numpy() == frame))
-    tracked = np.array(
-        [
-            not view.points or point in view.points
-            for view, point in zip(map(trial.view, table["view"]), table["point"], strict=True)
-        ],
-        dtype=bool,
-    )
-    known = table["u"].notna() & (table["origin"] != "reprojected")
-    columns = ["frame", "view", "point", "u", "v"]
-    return table.loc[known & tracked, columns].reset_index(drop=True)
-
-
-def _start_clicks(trial: Trial, views: ViewSet, start: pd.DataFrame | None) -> pd.DataFrame:
-    """Return the checked start clicks."""
-    if start is None:
-        file = trial.start_file()
-        if file is None:
-            raise InputError(
-                f"trial {trial.name!r} has no start points; click them with "
-                "pawnb.widgets.ClickInitialiser, or name a csv under [start] points."
-            )
-        start = read_start(trial.path(file), trial)
-    sizes = {name: (r.width, r.height) for name, r in views.readers.items()}
-    check_start(start, trial, sizes)
-    return start
 
 
 def _frame_range(

@@ -5,6 +5,8 @@ from __future__ import annotations
 import shutil
 import signal
 
+import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 
@@ -15,6 +17,7 @@ from pawnb.io.native import read_tracks
 from pawnb.trial import load_trial
 from pawnb.workflow import kept_candidates
 from pawnb.workflow.kept_candidates import FILE_NAME
+from pawnb.workflow.results import provenance_steps
 from pawnb.workflow.track import retrack, track
 
 N = 12
@@ -66,6 +69,56 @@ def test_a_second_run_goes_on_and_ends_as_one_run_would(small_trial, tmp_path, d
         if name != "tracks.nc":  # HDF5 writes the same data, not always the same bytes
             left, right = (tmp_path / folder / name for folder in ("whole", "parts"))
             assert left.read_bytes() == right.read_bytes(), name
+
+
+@pytest.mark.parametrize("method", ["paper", "slic-2d"])
+def test_methods_that_go_frame_by_frame_go_on_as_well(small_trial, tmp_path, decoded, method):
+    trial = load_trial(small_trial)
+    ask = {"method": method, "frames": (0, N)}
+    whole = track(trial, **ask)
+    with pytest.warns(InputWarning, match="interrupted"):
+        part = track(trial, **ask, out=tmp_path, progress=interrupt_at(5))
+    done = part.sizes["time"]
+    assert 5 <= done < N
+    decoded.clear()
+    again = track(trial, **ask, out=tmp_path)
+    # the last frame done is entered again, so that colours are those of its paws
+    assert decoded == [(done - 1, N)]
+    # every state is made anew from the rows before, as after a correction: the same to
+    # within a pixel of pictures 2048 px wide, not to the last digit
+    scale = 2048 / 1024
+    away = np.abs(again["image_position"] - whole["image_position"]).to_numpy() * scale
+    assert np.nanmax(away) < 1.0
+    assert again["time"].equals(whole["time"])
+    assert (again["image_origin"] == whole["image_origin"]).all()
+    made = provenance_steps(again)
+    assert [(step["complete"], step["gone_on_from"]) for step in made] == [(True, done - 1)]
+
+
+def test_one_view_with_a_scale_goes_on_in_the_same_unit(small_trial, tmp_path):
+    document, *views = (small_trial / "trial.toml").read_text().split("[[views]]")
+    start = views[-1][views[-1].index("[start]") :]
+    scale = '[calibration]\npx_per_unit = 2.0\nunit = "mm"\n'
+    (small_trial / "trial.toml").write_text(document + "[[views]]" + views[0] + start + scale)
+    clicks = pd.read_csv(small_trial / "start.csv")
+    clicks[clicks["view"] == "cam1"].to_csv(small_trial / "start.csv", index=False)
+    ask = {"method": "slic-2d", "frames": (0, N), "out": tmp_path}
+    with pytest.warns(InputWarning, match="interrupted"):
+        track(small_trial, **ask, progress=interrupt_at(5))
+    again = track(small_trial, **ask)
+    in_px = again["image_position"].isel(view=0).to_numpy()
+    np.testing.assert_allclose(again["position"], in_px / 2.0)
+
+
+@pytest.mark.parametrize("change", [{"settings": {"n_best": 2}}, {"frames": (0, N - 1)}])
+def test_a_run_that_differs_starts_anew(small_trial, tmp_path, decoded, change):
+    trial = load_trial(small_trial)
+    ask = {"method": "slic-3d", "frames": (0, N), "out": tmp_path}
+    with pytest.warns(InputWarning, match="interrupted"):
+        track(trial, **ask, progress=interrupt_at(5))
+    decoded.clear()
+    track(trial, **{**ask, **change})
+    assert decoded[0][0] == 0
 
 
 def test_another_video_is_searched_anew(small_trial, tmp_path, decoded):
