@@ -134,7 +134,13 @@ def _add_batch(commands: Any) -> None:
     command.add_argument(
         "trials", nargs="+", metavar="TRIAL", help="trials, or folders that hold folders of trials"
     )
-    command.add_argument("--workers", type=int, default=1, help="trials at once (default: 1)")
+    where = command.add_mutually_exclusive_group()
+    where.add_argument("--workers", type=int, help="trials at once on this machine (default: 1)")
+    where.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="track on the workers of a Dask scheduler instead, such as tcp://cluster:8786",
+    )
     command.add_argument(
         "--out", help="folder for a folder of results each (default: results beside each trial)"
     )
@@ -161,6 +167,9 @@ def _add_gait(commands: Any) -> None:
         nargs="+",
         metavar="LEG[=POINT]",
         help="legs to use (default: all); with =POINT its name in the file, as HR=hindpaw_R",
+    )
+    command.add_argument(
+        "--animals", nargs="+", metavar="ID", help="whose each input is, in their order"
     )
     command.add_argument(
         "--event-names",
@@ -302,6 +311,7 @@ def _batch(options: argparse.Namespace, argv: list[str]) -> None:
         settings=_settings(options.set),
         out=options.out,
         workers=options.workers,
+        scheduler=options.scheduler,
         report=lambda line: print(line, flush=True),
         command=argv,
     )
@@ -322,6 +332,7 @@ def _gait(options: argparse.Namespace, argv: list[str]) -> None:
         fps=options.fps,
         legs=_legs(options.legs),
         event_names=_event_names(options.event_names),
+        animals=options.animals,
         figures=options.figures,
         command=argv,
     )

@@ -3,28 +3,28 @@
 A trial whose results are whole, and were made from the same files with the same method and
 settings, is skipped. What fails is collected and does not stop the others. Each trial is tracked
 by :mod:`pawnb.workflow.batch_worker` in a process of its own, so that one that crashes or fills
-the memory takes no other with it.
+the memory takes no other with it: on this machine, or where a scheduler's workers are
+(:mod:`pawnb.workflow.batch_places`, :mod:`pawnb.workflow.batch_scheduler`).
 """
 
 from __future__ import annotations
 
+import contextlib
 import json
-import subprocess
-import sys
-import tempfile
 import time
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 import pandas as pd
 
 from pawnb.errors import InputError, PawnbError
 from pawnb.io.native import read_tracks
 from pawnb.trial import Trial, load_trial
+from pawnb.workflow.batch_places import Places, Processes
+from pawnb.workflow.batch_scheduler import Scheduler
 from pawnb.workflow.interrupt import interruptible
 from pawnb.workflow.methods import METHODS, settings_in_force
 from pawnb.workflow.provenance import trial_checksums, trial_fingerprint
@@ -75,9 +75,6 @@ class _Job:
     out: str | None = None
     status: str = "stopped"
     said: str = "not begun"
-    process: subprocess.Popen[str] | None = None
-    errors: IO[str] | None = None
-    stopping: bool = False
 
 
 def batch(
@@ -86,7 +83,8 @@ def batch(
     method: str | None = None,
     settings: Mapping[str, Any] | None = None,
     out: str | Path | None = None,
-    workers: int = 1,
+    workers: int | None = None,
+    scheduler: str | None = None,
     report: Callable[[str], None] | None = None,
     command: Sequence[str] | None = None,
 ) -> BatchReport:
@@ -103,8 +101,11 @@ def batch(
     out : str or Path, optional
         Folder for a folder of results for each trial, by its name; default ``results`` beside
         each trial.
-    workers : int
-        How many trials at once.
+    workers : int, optional
+        How many trials at once on this machine; default 1.
+    scheduler : str, optional
+        Address of a Dask scheduler, whose workers then track: as many trials at once as they
+        have threads. They must reach trials and results under the same paths.
     report : callable, optional
         Told a line about each trial as it ends.
     command : sequence of str, optional
@@ -119,33 +120,53 @@ def batch(
     Raises
     ------
     InputError
-        If there is no trial, ``workers`` is below 1, or two trials would share their results.
+        If there is no trial, ``workers`` is below 1 or given beside ``scheduler``, or no
+        scheduler answers.
     """
-    if workers < 1:
+    if workers is not None and scheduler is not None:
+        raise InputError(
+            "workers and scheduler were both given; a scheduler has its own workers: leave one out."
+        )
+    if workers is not None and workers < 1:
         raise InputError(f"workers is {workers}; expected 1 or more.")
     jobs = [_Job(path, number) for number, path in enumerate(find_trials(trials), start=1)]
     tell = report if report is not None else lambda _line: None
-    folders: dict[Path, Path] = {}
-    waiting, running = deque(jobs), list[_Job]()
     asked = {"method": method, "settings": dict(settings or {}), "command": list(command or ())}
-    with interruptible() as stopped:
-        while (waiting and not stopped()) or running:
-            while waiting and len(running) < workers and not stopped():
-                job = waiting.popleft()
-                if _begin(job, asked, out, folders):
-                    running.append(job)
-                else:
-                    tell(_line(job, len(jobs)))
-            if stopped():
-                for job in running:
-                    job.stopping = True
-                    _ask_to_stop(job)
-            for job in [job for job in running if _ended(job)]:
-                running.remove(job)
-                tell(_line(job, len(jobs)))
-            time.sleep(_WAIT_S if running else 0.0)
+    places: Places = Processes(workers or 1) if scheduler is None else Scheduler(scheduler)
+    with contextlib.closing(places):
+        _work(jobs, places, asked, out=out, tell=tell)
     rows = [(str(job.path), job.out or "", job.status, job.said) for job in jobs]
     return BatchReport(pd.DataFrame(rows, columns=["trial", "out", "status", "said"]))
+
+
+def _work(
+    jobs: Sequence[_Job],
+    places: Places,
+    asked: Mapping[str, Any],
+    *,
+    out: str | Path | None,
+    tell: Callable[[str], None],
+) -> None:
+    """Track every job where there is room, until all are done or an interrupt stops them."""
+    folders: dict[Path, Path] = {}
+    waiting, running = deque(jobs), dict[int, _Job]()
+    with interruptible() as stopped:
+        while (waiting and not stopped()) or running:
+            while waiting and not stopped() and places.has_room():
+                job = waiting.popleft()
+                order = _order(job, asked, out, folders)
+                if order is None:
+                    tell(_line(job, len(jobs)))
+                else:
+                    places.begin(job.number, order)
+                    running[job.number] = job
+            if stopped():
+                places.stop()
+            for number, answer in places.ended().items():
+                job = running.pop(number)
+                job.status, job.said = answer
+                tell(_line(job, len(jobs)))
+            time.sleep(_WAIT_S if running else 0.0)
 
 
 def find_trials(trials: Sequence[str | Path]) -> list[Path]:
@@ -225,17 +246,17 @@ def _tracked_before(out: Path, kind: str) -> dict[str, Any] | None:
     """Return the record of the last tracking in whole results, or None."""
     if not all((out / name).exists() for name in RESULT_FILES[kind]):
         return None
-    with suppress(PawnbError):
+    with contextlib.suppress(PawnbError):
         steps = provenance_steps(read_tracks(out / "tracks.nc"))
         made = [step for step in steps if step["step"] == "track"]
         return made[-1] if made else None
     return None
 
 
-def _begin(
+def _order(
     job: _Job, asked: Mapping[str, Any], out: str | Path | None, folders: dict[Path, Path]
-) -> bool:
-    """Start the process of a job, or say why not: False where there is nothing to wait for."""
+) -> dict[str, Any] | None:
+    """Return what a worker is to do for a job; None, and the reason, where there is nothing."""
     try:
         trial = load_trial(job.path)
         method = asked["method"] or METHODS[0]
@@ -246,7 +267,7 @@ def _begin(
             raise InputError(f"its results would overwrite those of {first}; rename one of them.")
         if is_tracked(trial, folder, method=method, settings=asked["settings"]):
             job.status, job.said = "skipped", f"tracked already, {folder}"
-            return False
+            return None
         if (folder / "edits.jsonl").exists():
             raise InputError(
                 f"{folder} holds corrections made by hand to tracks of other files or settings; "
@@ -254,63 +275,8 @@ def _begin(
             )
     except PawnbError as error:
         job.status, job.said = "failed", str(error)
-        return False
-    _start(job, {**asked, "trial": str(job.path), "method": method, "out": job.out})
-    return True
-
-
-def _start(job: _Job, order: Mapping[str, Any]) -> None:
-    """Start the process of a job and give it its order."""
-    job.errors = tempfile.TemporaryFile("w+")  # noqa: SIM115 (closed when the process has ended)
-    job.process = subprocess.Popen(
-        [sys.executable, "-m", "pawnb.workflow.batch_worker"],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        stderr=job.errors,
-        text=True,
-        # an interrupt from the terminal is for this process, which asks the others to stop
-        start_new_session=True,
-    )
-    if job.process.stdin is not None:
-        with suppress(BrokenPipeError):
-            job.process.stdin.write(json.dumps(order) + "\n")
-            job.process.stdin.flush()
-
-
-def _ask_to_stop(job: _Job) -> None:
-    """Close the standard input of a worker: it keeps what is done and ends."""
-    if job.process is not None and job.process.stdin is not None:
-        with suppress(BrokenPipeError):
-            job.process.stdin.close()
-
-
-def _ended(job: _Job) -> bool:
-    """Say whether a worker has ended; then note what it said."""
-    process = job.process
-    if process is None or process.poll() is None:
-        return False
-    said, errors = _read_out(process.stdout), _read_out(job.errors, rewind=True)
-    _ask_to_stop(job)
-    try:
-        answer = json.loads(said[-1])
-        job.status, job.said = answer["status"], answer["said"]
-    except (IndexError, json.JSONDecodeError):
-        last = errors[-1] if errors else "nothing was said"
-        job.status = "failed"
-        job.said = f"its process ended with status {process.returncode}: {last}"
-    if job.stopping and job.status == "failed":
-        job.status, job.said = "stopped", "interrupted before anything was done"
-    return True
-
-
-def _read_out(stream: IO[str] | None, *, rewind: bool = False) -> list[str]:
-    """Return the lines of a stream, and close it."""
-    if stream is None:
-        return []
-    with stream:
-        if rewind:
-            stream.seek(0)
-        return stream.read().strip().splitlines()
+        return None
+    return {**asked, "trial": str(job.path), "method": method, "out": job.out}
 
 
 def _line(job: _Job, total: int) -> str:

@@ -14,6 +14,7 @@ from pawnb.schema import add_provenance
 from pawnb.trial import load_trial
 from pawnb.workflow import batch as batch_module
 from pawnb.workflow.batch import batch, find_trials, is_tracked
+from pawnb.workflow.batch_places import Processes
 from pawnb.workflow.results import write_track_results
 from pawnb.workflow.track import track
 
@@ -47,7 +48,7 @@ def test_failures_are_collected_and_what_is_done_is_skipped(trials, monkeypatch)
         .identical(alone.drop_attrs())
     )
     began = []
-    monkeypatch.setattr(batch_module, "_start", lambda job, _order: began.append(job.path.name))
+    monkeypatch.setattr(Processes, "begin", lambda _self, _number, order: began.append(order))
     again = batch([trials / "a", trials / "b"], settings=QUICK)
     assert again.table["status"].tolist() == ["skipped", "skipped"]
     assert began == []
@@ -118,14 +119,14 @@ def test_results_in_one_folder_have_the_names_of_the_trials(trials, tmp_path):
 @pytest.mark.slow
 def test_a_process_that_dies_takes_no_other_with_it(trials, monkeypatch):
     """The interpreter itself ends while the first is tracked."""
-    original = batch_module._start
+    original = Processes.begin
 
-    def start(job, order):
-        original(job, order)
-        if job.path.name == "a":
-            job.process.kill()
+    def begin(self, number, order):
+        original(self, number, order)
+        if number == 1:
+            self._running[number].kill()
 
-    monkeypatch.setattr(batch_module, "_start", start)
+    monkeypatch.setattr(Processes, "begin", begin)
     done = batch([trials / "a", trials / "b"], settings=QUICK)
     assert done.table["status"].tolist() == ["failed", "tracked"]
     assert done.failed["said"].item().startswith("its process ended with status -9")
