@@ -19,24 +19,22 @@ import numpy as np
 
 from pawnb.core.edit_effects import Retracker, RigLike, apply_edit, check_editable
 from pawnb.core.edit_records import (
+    EDIT_LINES,
     Accept,
     Edit,
-    EditFile,
     Entry,
     Hide,
     Move,
     Retrack,
     Swap,
-    edit_from_line,
-    edit_to_line,
-    read_edits,
 )
 from pawnb.errors import InputError
+from pawnb.io.journal import Journal, enter_step
 from pawnb.schema import Tracks, add_provenance
 
 __all__ = [
-    "Accept", "Edit", "EditFile", "EditLog", "Hide", "Move", "Retrack", "Swap", "apply_edit",
-    "describe_edit", "edit_from_line", "edit_to_line", "read_edits", "replay",
+    "EDIT_LINES", "Accept", "Edit", "EditLog", "Hide", "Move", "Retrack", "Swap", "apply_edit",
+    "describe_edit", "replay",
 ]  # fmt: skip
 
 
@@ -94,7 +92,7 @@ class EditLog:
     ) -> None:
         check_editable(tracks)
         self._rig, self._px_per_unit, self._retrack = rig, px_per_unit, retrack
-        self._file = EditFile(path) if path is not None else None
+        self._file = None if path is None else Journal(path, EDIT_LINES, made_in="tracks")
         entries = self._file.entries if self._file is not None else []
         self.notes: list[str] = list(self._file.notes) if self._file is not None else []
         self._contained, self._past, self._future, note = _settle(entries, tracks)
@@ -338,15 +336,7 @@ def _settle(
     future: list[Edit] = []
     met = False
     for entry in entries:
-        if entry == "undo":
-            if past:
-                future.append(past.pop())
-        elif entry == "redo":
-            if future:
-                past.append(future.pop())
-        else:
-            past.append(entry)
-            future.clear()
+        enter_step(past, future, entry)
         met = met or _contains(past, stamp)
     if stamp is None:
         return 0, past, future, []
@@ -374,7 +364,7 @@ def _contains(past: Sequence[Edit], stamp: dict | None) -> bool:
 
 def _checksum(edits: Sequence[Edit]) -> str:
     """Return a checksum of corrections, independent of undone ones between them."""
-    return hashlib.sha256("\n".join(map(edit_to_line, edits)).encode()).hexdigest()
+    return hashlib.sha256("\n".join(map(EDIT_LINES.to_line, edits)).encode()).hexdigest()
 
 
 def _hidden_by_hand(past: Sequence[Edit]) -> list[Hide]:

@@ -18,16 +18,17 @@ import pandas as pd
 from pawnb.errors import InputError
 from pawnb.gait.cycles import POSITION
 from pawnb.gait.event_edit_records import (
+    EVENT_EDIT_LINES,
     FILE_NAME,
     DeleteEvent,
     Entry,
     EventEdit,
-    EventEditFile,
     ExcludeStride,
     MoveEvent,
 )
 from pawnb.gait.strides import choose_stride_event
 from pawnb.gait.tables import GaitTables, rebuild_tables
+from pawnb.io.journal import Journal, enter_step
 
 HAND = "hand"
 """``method`` of events that a person moved."""
@@ -67,9 +68,12 @@ class EventEdits:
 
     def __init__(self, tables: GaitTables, path: str | Path | None = None) -> None:
         self._found = tables
-        self._file = None if path is None else EventEditFile(path)
+        self._file = None if path is None else Journal(path, EVENT_EDIT_LINES, made_in="analysis")
         self.notes = [] if self._file is None else list(self._file.notes)
-        self._past, self._future = _settle([] if self._file is None else self._file.entries)
+        self._past: list[EventEdit] = []
+        self._future: list[EventEdit] = []
+        for entry in [] if self._file is None else self._file.entries:
+            enter_step(self._past, self._future, entry)
         self.tables = apply_event_edits(tables, self._past)
 
     @property
@@ -278,20 +282,3 @@ def _excluded(
     if any(row[:3] == other[:3] and abs(middle - other[3]) < _CLOSE_S for other in before):
         raise InputError(f"the stride of {edit.leg} at {edit.start_s:.4f} s is excluded already.")
     return (*row, f"excluded by hand: {edit.reason.strip()}")
-
-
-def _settle(entries: Sequence[Entry]) -> tuple[list[EventEdit], list[EventEdit]]:
-    """Return the corrections in force, and those that were undone last."""
-    past: list[EventEdit] = []
-    future: list[EventEdit] = []
-    for entry in entries:
-        if entry == "undo":
-            if past:
-                future.append(past.pop())
-        elif entry == "redo":
-            if future:
-                past.append(future.pop())
-        elif not isinstance(entry, str):
-            past.append(entry)
-            future.clear()
-    return past, future

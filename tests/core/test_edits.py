@@ -291,7 +291,7 @@ RECORDS = st.one_of(
 
 @given(RECORDS)
 def test_a_line_gives_back_the_very_record(record):
-    assert edits.edit_from_line(edits.edit_to_line(record)) == record
+    assert edits.EDIT_LINES.from_line(edits.EDIT_LINES.to_line(record), where="here") == record
 
 
 @settings(max_examples=40, deadline=None)

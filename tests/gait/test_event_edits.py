@@ -224,7 +224,7 @@ def test_a_stride_is_excluded_once(tables):
     [
         ("move it", "line 1: not a JSON object"),
         ('{"edit": "moved"}', "unknown kind of edit 'moved' .did you mean 'move'"),
-        ('{"edit": "delete", "leg": "R1"}', "a delete has animal, trial, leg, event, time_s"),
+        ('{"edit": "delete", "leg": "R1"}', "a delete needs 'animal'"),
         ('{"edit": "exclude", "animal": "a", "trial": "t", "leg": "R1", "start_s": "0", '
          '"reason": "x"}',
          "start_s is '0'; expected a number"),
