@@ -14,6 +14,7 @@ from typing import Any, NoReturn
 
 import pawnb
 from pawnb.errors import InputError, InputWarning, PawnbError
+from pawnb.workflow.words import split_event_names, split_legs, split_settings
 
 EXIT_BAD_INPUT = 2
 EXIT_INTERRUPTED = 130
@@ -291,7 +292,7 @@ def _track(options: argparse.Namespace, argv: list[str]) -> None:
         tracks = track(
             trial,
             method=options.method or METHODS[0],
-            settings=_settings(options.set),
+            settings=split_settings(options.set),
             out=out,
             stop=interrupted,
             command=argv,
@@ -308,7 +309,7 @@ def _batch(options: argparse.Namespace, argv: list[str]) -> None:
     done = batch(
         options.trials,
         method=options.method,
-        settings=_settings(options.set),
+        settings=split_settings(options.set),
         out=options.out,
         workers=options.workers,
         scheduler=options.scheduler,
@@ -330,8 +331,8 @@ def _gait(options: argparse.Namespace, argv: list[str]) -> None:
         options.inputs,
         out=options.out,
         fps=options.fps,
-        legs=_legs(options.legs),
-        event_names=_event_names(options.event_names),
+        legs=split_legs(options.legs),
+        event_names=split_event_names(options.event_names),
         animals=options.animals,
         figures=options.figures,
         command=argv,
@@ -356,7 +357,7 @@ def _compare(options: argparse.Namespace, _argv: list[str]) -> None:
     comparison = compare_methods(
         options.trials,
         methods=[name.strip() for name in methods],
-        settings=_settings(options.set),
+        settings=split_settings(options.set),
         frames=None if options.frames is None else (0, options.frames),
         corrections=not options.no_corrections,
         out=options.out,
@@ -383,32 +384,6 @@ def _lab(options: argparse.Namespace, _argv: list[str]) -> None:
     from pawnb.workflow.lab import open_lab
 
     open_lab(options.notebook, browser=not options.no_browser, port=options.port)
-
-
-def _legs(words: Sequence[str] | None) -> list[str] | dict[str, str] | None:
-    """Return the legs that were named, with their points where any was given with one."""
-    if words is None or not any("=" in word for word in words):
-        return None if words is None else list(words)
-    return {leg: point or leg for leg, _, point in (word.partition("=") for word in words)}
-
-
-def _event_names(words: Sequence[str] | None) -> dict[str, str] | None:
-    """Split NAME=EVENT words."""
-    for word in words or ():
-        if "=" not in word:
-            raise InputError(f"--event-names {word}: expected NAME=EVENT, for instance down=TD.")
-    return None if words is None else dict(word.split("=", 1) for word in words)
-
-
-def _settings(words: Sequence[str]) -> dict[str, str]:
-    """Split NAME=VALUE words."""
-    settings = {}
-    for word in words:
-        name, equals, value = word.partition("=")
-        if not equals or not name:
-            raise InputError(f"--set {word}: expected NAME=VALUE, for instance --set median_px=3.")
-        settings[name.strip()] = value.strip()
-    return settings
 
 
 if __name__ == "__main__":

@@ -15,7 +15,7 @@ from pawnb.gait.cycles import LegSignals
 from pawnb.gait.events import EventSettings
 from pawnb.gait.feet import EVENT_TABLE_COLUMNS, analyse_space, dropped_table
 from pawnb.gait.grid import Grid, put_on_grid
-from pawnb.gait.leg_names import guess_body, guess_legs
+from pawnb.gait.leg_names import choose_legs, guess_body
 from pawnb.gait.legs import sort_legs
 from pawnb.gait.paths import get_foot_paths
 from pawnb.gait.pose_body import pose_body
@@ -84,7 +84,7 @@ def analyse(
     where = f"trial {trial.name!r}" if trial is not None else "these tracks"
     settings = _settings(settings)
     check_tracks(tracks, where=where)
-    named = _choose_legs(tracks, trial, legs, where)
+    named = choose_legs(tracks, trial=trial, legs=legs, where=where)
     grid, dense = put_on_grid(tracks, where=where)
     belt = _belt_on_grid(belt_speed, trial, grid)
     individuals = [str(i) for i in tracks["individual"].to_numpy()]
@@ -163,35 +163,6 @@ def _settings(settings: EventSettings | Mapping[str, Any] | None) -> EventSettin
     if isinstance(settings, EventSettings):
         return settings
     return build_settings(EventSettings, settings or {}, where="gait")
-
-
-def _choose_legs(
-    tracks: Tracks,
-    trial: Trial | None,
-    legs: Sequence[str] | Mapping[str, str] | None,
-    where: str,
-) -> dict[str, str]:
-    """Return names of legs to names of points, in anatomical order."""
-    points = [str(p) for p in tracks["keypoint"].to_numpy()]
-    if isinstance(legs, str):
-        raise InputError(f"legs is {legs!r}; expected a list such as ['FR', 'HR'].")
-    if isinstance(legs, Mapping):
-        named = dict(legs)
-    elif legs is not None:
-        named = {leg: leg for leg in legs}
-    elif trial is not None and trial.tracks_legs:
-        found = dict(trial.tracks_legs)
-        # readers may have given the points the names of the legs already
-        named = {leg: leg if leg in points else point for leg, point in found.items()}
-    else:
-        named = guess_legs(points)
-    if not named:
-        raise InputError(
-            f"{where}: none of the points {', '.join(points)} is named like a leg (FR, HR, FL, "
-            f"HL; L1, R1, ...; LF, RH, ...); say which are, with legs={{'HR': {points[-1]!r}}} or "
-            f"on the command line --legs HR={points[-1]!r}."
-        )
-    return {leg: named[leg] for leg in sort_legs(named)}
 
 
 def _belt_on_grid(

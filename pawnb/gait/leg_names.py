@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 
-from pawnb.gait.legs import find_leg_place
+from pawnb.errors import InputError
+from pawnb.gait.legs import find_leg_place, sort_legs
+from pawnb.schema import Tracks
+from pawnb.trial import Trial
 
 _SIDES = {"l": "L", "left": "L", "r": "R", "right": "R"}
 _RANKS = {
@@ -69,6 +72,59 @@ def guess_legs(points: Iterable[str]) -> dict[str, str]:
     return {
         _leg_name(side, rank, six=six): point for (side, rank), (_, point) in sorted(best.items())
     }
+
+
+def choose_legs(
+    tracks: Tracks,
+    *,
+    trial: Trial | None = None,
+    legs: Sequence[str] | Mapping[str, str] | None = None,
+    where: str = "these tracks",
+) -> dict[str, str]:
+    """Choose which points of tracks are the feet.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks.
+    trial : Trial, optional
+        Its ``[tracks] legs`` are used where none are named.
+    legs : sequence of str or mapping, optional
+        Points that are feet, or names of legs to names of points; default the trial's, else
+        guessed (:func:`guess_legs`).
+    where : str
+        How the message names the tracks.
+
+    Returns
+    -------
+    dict
+        Names of legs to names of points, in anatomical order.
+
+    Raises
+    ------
+    InputError
+        If no leg is named and none can be guessed.
+    """
+    points = [str(p) for p in tracks["keypoint"].to_numpy()]
+    if isinstance(legs, str):
+        raise InputError(f"legs is {legs!r}; expected a list such as ['FR', 'HR'].")
+    if isinstance(legs, Mapping):
+        named = dict(legs)
+    elif legs is not None:
+        named = {leg: leg for leg in legs}
+    elif trial is not None and trial.tracks_legs:
+        found = dict(trial.tracks_legs)
+        # readers may have given the points the names of the legs already
+        named = {leg: leg if leg in points else point for leg, point in found.items()}
+    else:
+        named = guess_legs(points)
+    if not named:
+        raise InputError(
+            f"{where}: none of the points {', '.join(points)} is named like a leg (FR, HR, FL, "
+            f"HL; L1, R1, ...; LF, RH, ...); say which are, with legs={{'HR': {points[-1]!r}}} or "
+            f"on the command line --legs HR={points[-1]!r}."
+        )
+    return {leg: named[leg] for leg in sort_legs(named)}
 
 
 def _leg_name(side: str, rank: str, *, six: bool) -> str:

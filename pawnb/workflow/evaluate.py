@@ -16,7 +16,8 @@ from pawnb.io.pose import read_pose
 from pawnb.io.tables import read_cells, read_numbers, write_table
 from pawnb.schema import TRACKS_COLUMNS, Tracks
 from pawnb.workflow.evaluation import THRESHOLD_PX, count_errors
-from pawnb.workflow.gait import analyse_source, read_source
+from pawnb.workflow.gait import analyse_source
+from pawnb.workflow.gait_sources import read_source
 from pawnb.workflow.pose_evaluation import measure_pose_errors
 from pawnb.workflow.results import make_folder
 

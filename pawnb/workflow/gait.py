@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -13,55 +14,21 @@ import pandas as pd
 from pawnb import gait
 from pawnb.errors import InputError, did_you_mean
 from pawnb.gait import GaitTables
-from pawnb.gait.contacts import events_from_contacts, is_contact_table
 from pawnb.gait.coordination import coordination_tables
-from pawnb.io import native
-from pawnb.io.formats import OWN_FORMATS, read_any_tracks, recognise_format
-from pawnb.io.tables import read_cells, read_numbers, write_table
-from pawnb.schema import Tracks, check_columns
-from pawnb.trial import Animal, Trial, load_trial
-from pawnb.workflow.foreign_tracks import read_foreign_tracks
-from pawnb.workflow.gait_statistics import joint_angles_of, statistics_tables
+from pawnb.gait.leg_names import choose_legs
+from pawnb.io.tables import write_table
+from pawnb.workflow.gait_drawings import gait_drawings
+from pawnb.workflow.gait_sources import GaitSource, read_source
+from pawnb.workflow.gait_statistics import Groups, joint_angles_of, statistics_tables
 from pawnb.workflow.provenance import build_step, file_checksum, write_provenance
-from pawnb.workflow.results import (
-    RESULTS_FOLDER,
-    describe_trial,
-    described_trial,
-    make_folder,
-    provenance_steps,
-    results_folder,
-)
+from pawnb.workflow.results import RESULTS_FOLDER, make_folder, provenance_steps
 from pawnb.workflow.save_figures import Which, save_gait_figures
+from pawnb.workflow.source_drawings import SourceTracks, source_drawings
 
 Legs = Sequence[str] | Mapping[str, str]
 """Legs to use, or names of legs to names of points."""
 
 TABLES = ("events", "strides", "phases", "phase_summary", "dropped")
-
-
-@dataclass(frozen=True)
-class GaitSource:
-    """One input of the gait analysis, ready to analyse.
-
-    Parameters
-    ----------
-    path : Path
-        The file that was read.
-    folder : Path
-        Where results go by default.
-    tracks : xarray.Dataset, optional
-        Tracks, or
-    events : pandas.DataFrame, optional
-        events scored elsewhere.
-    trial : Trial, optional
-        What is known of the recording.
-    """
-
-    path: Path
-    folder: Path
-    tracks: Tracks | None = None
-    events: pd.DataFrame | None = None
-    trial: Trial | None = None
 
 
 @dataclass(frozen=True)
@@ -110,6 +77,7 @@ def run_gait(
     fps: float | None = None,
     legs: Legs | None = None,
     event_names: Mapping[str, str] | None = None,
+    animals: Sequence[str] | None = None,
     settings: Mapping[str, Any] | None = None,
     figures: Which = "all",
     command: Sequence[str] | None = None,
@@ -133,6 +101,9 @@ def run_gait(
         like a leg.
     event_names : mapping, optional
         What tables of events call touch-down and lift-off: ``{"down": "TD", "up": "LO"}``.
+    animals : sequence of str, optional
+        Id of the animal of each input, in their order; default as the input says. A file of
+        another program does not say, and counts as an animal of its own.
     settings : mapping, optional
         Settings of the event detection.
     figures : {"all", "main", "none"}
@@ -151,7 +122,7 @@ def run_gait(
     InputError
         If an input is missing, is none of the above, or cannot be analysed.
     """
-    sources = [read_source(path, fps=fps) for path in inputs]
+    sources = _read_sources(inputs, fps=fps, animals=animals)
     parts = [
         analyse_source(source, legs=legs, event_names=event_names, settings=settings)
         for source in sources
@@ -178,144 +149,79 @@ def run_gait(
         path = folder / f"{name}.csv"
         write_table(getattr(tables, name), path)
         files.append(path)
-    statistics, remarks = _statistics(sources, parts, tables)
-    tables = dataclasses.replace(tables, notes=(*tables.notes, *remarks))
+    groups = _groups_of(sources, parts)
+    seen = _tracks_of(sources, legs)
+    angles = joint_angles_of([(one.tracks, one.animal, one.trial) for one in seen])
+    statistics, remarks = statistics_tables(tables, groups=groups, angles=angles)
+    tables = dataclasses.replace(
+        tables, notes=(*_who_is_who(sources, animals), *tables.notes, *remarks)
+    )
     for name, table in (coordination_tables(tables) | statistics).items():
         files.append(write_table(table, folder / f"{name}.csv"))
-    files += save_gait_figures(tables, folder / "figures", record=step, which=figures)
+    drawings = itertools.chain(
+        gait_drawings(tables, groups=groups), source_drawings(seen, angles=angles)
+    )
+    files += save_gait_figures(drawings, folder / "figures", record=step, which=figures)
     write_provenance([step], folder / "provenance.json")
     files.append(folder / "provenance.json")
     return GaitRun(tables, folder, tuple(files))
 
 
-def _statistics(
-    sources: Sequence[GaitSource], parts: Sequence[GaitTables], tables: GaitTables
-) -> tuple[dict[str, pd.DataFrame], list[str]]:
-    """Return the tables of statistics, with the groups and joint angles of the inputs."""
+def _read_sources(
+    inputs: Sequence[str | Path], *, fps: float | None, animals: Sequence[str] | None
+) -> list[GaitSource]:
+    """Read every input, under the animals' ids that were given."""
+    if animals is None:
+        return [read_source(path, fps=fps) for path in inputs]
+    if len(animals) != len(inputs):
+        raise InputError(
+            f"animals: {len(animals)} for {len(inputs)} inputs; give the id of each input's animal."
+        )
+    return [
+        read_source(path, fps=fps).of_animal(animal)
+        for path, animal in zip(inputs, animals, strict=True)
+    ]
+
+
+def _who_is_who(sources: Sequence[GaitSource], animals: Sequence[str] | None) -> list[str]:
+    """Say where files that name no animal were counted as animals of their own."""
+    guessed = [source.path.stem for source in sources if source.guessed]
+    if animals is not None or len(sources) < 2 or not guessed:
+        return []
+    return [
+        f"these files do not name their animal, so each counts as one of its own: "
+        f"{', '.join(guessed)}. Several of one animal must not: say whose they are with --animals, "
+        "one id for each input."
+    ]
+
+
+def _groups_of(sources: Sequence[GaitSource], parts: Sequence[GaitTables]) -> Groups:
+    """Return the group of every animal and trial that has one."""
     groups: dict[tuple[str, str], str] = {}
-    posed = []
     for source, part in zip(sources, parts, strict=True):
-        trial = source.trial
-        if trial is not None and trial.animal.group is not None:
+        if source.trial is not None and source.trial.animal.group is not None:
             pairs = part.strides[["animal", "trial"]].drop_duplicates().astype(str)
-            groups |= dict.fromkeys(map(tuple, pairs.to_numpy()), trial.animal.group)
-        if source.tracks is not None:
-            alone = trial is not None and source.tracks.sizes["individual"] == 1
-            animal = trial.animal.id if trial is not None and alone else None
-            posed.append((source.tracks, animal, trial.name if trial is not None else "trial"))
-    return statistics_tables(tables, groups=groups, angles=joint_angles_of(posed))
+            groups |= dict.fromkeys(map(tuple, pairs.to_numpy()), source.trial.animal.group)
+    return groups
 
 
-def read_source(path: str | Path, *, fps: float | None = None) -> GaitSource:
-    """Read one input of the gait analysis, whatever kind it is.
-
-    Parameters
-    ----------
-    path : str or Path
-        A trial, a results folder, a file of tracks, or an ``events.csv``.
-    fps : float, optional
-        Frames per second, for files that do not say.
-
-    Returns
-    -------
-    GaitSource
-        What was read.
-
-    Raises
-    ------
-    InputError
-        If there is nothing at ``path``, or it is none of these.
-    """
-    path = Path(path)
-    if path.is_dir():
-        for name in ("trial.toml", "tracks.nc", "events.csv"):
-            if (path / name).exists():
-                return read_source(path / name, fps=fps)
-        raise InputError(
-            f"{path}: neither a trial nor results; expected a trial.toml, a tracks.nc or an "
-            "events.csv in it."
+def _tracks_of(sources: Sequence[GaitSource], legs: Legs | None) -> list[SourceTracks]:
+    """Return the tracks among the inputs, with what the tables call animal, trial and legs."""
+    found = []
+    for source in sources:
+        tracks, trial = source.tracks, source.trial
+        if tracks is None:
+            continue
+        alone = trial is not None and tracks.sizes["individual"] == 1
+        found.append(
+            SourceTracks(
+                tracks=tracks,
+                animal=trial.animal.id if trial is not None and alone else None,
+                trial=trial.name if trial is not None else "trial",
+                legs=choose_legs(tracks, trial=trial, legs=legs),
+            )
         )
-    if not path.exists():
-        raise InputError(
-            f"{path}: no such file; expected a trial, a results folder, tracks or an events.csv."
-        )
-    if path.suffix == ".toml":
-        return _read_trial(load_trial(path))
-    if path.suffix == ".csv":
-        cells = read_cells(path, ())
-        if "event" in cells:
-            return _read_events(path, fps)
-        if is_contact_table(cells):
-            return _read_contacts(path, cells, fps)
-    program = recognise_format(path)
-    tracks = read_any_tracks(path, fps=fps, program=program)
-    trial = described_trial(tracks, where=str(path), folder=path.parent)
-    if trial is None and program not in OWN_FORMATS:
-        trial = _foreign_trial(tracks, path)
-    return GaitSource(path, path.parent, tracks=tracks, trial=trial)
-
-
-def _read_trial(trial: Trial) -> GaitSource:
-    """Read the tracks of a trial: those made elsewhere, or those that pawnb made."""
-    out = results_folder(trial)
-    if trial.kind == "tracks" and trial.tracks_file is not None:
-        tracks = describe_trial(read_foreign_tracks(trial), trial)
-        return GaitSource(trial.path(trial.tracks_file), out, tracks=tracks, trial=trial)
-    path = out / "tracks.nc"
-    if not path.exists():
-        raise InputError(f"{path}: trial {trial.name!r} is not tracked yet; run pawnb track first.")
-    return GaitSource(path, out, tracks=native.read_tracks(path), trial=trial)
-
-
-def _read_events(path: Path, fps: float | None) -> GaitSource:
-    """Read a csv of events scored by hand."""
-    cells = read_cells(path, ("leg", "event"))
-    events = cells.copy()
-    for name in ("frame", "time_s"):
-        if name in events:
-            events[name] = read_numbers(cells, name, where=str(path), empty=True)
-    if "time_s" not in events:
-        check_columns(cells, ("frame",), where=f"{path} (without time_s)")
-        events["time_s"] = events["frame"] / _needed_fps(fps, path)
-    return GaitSource(path, path.parent / RESULTS_FOLDER, events=events)
-
-
-def _read_contacts(path: Path, cells: pd.DataFrame, fps: float | None) -> GaitSource:
-    """Read a csv of ground contact scored by hand: frame, and 0 or 1 for each leg."""
-    numbers = {
-        name: read_numbers(
-            cells, name, where=str(path), whole=name == "frame", empty=name != "frame"
-        )
-        for name in map(str, cells)
-    }
-    events = events_from_contacts(
-        pd.DataFrame(numbers), fps=_needed_fps(fps, path), animal=path.stem, trial=path.stem
-    )
-    return GaitSource(path, path.parent / RESULTS_FOLDER, events=events)
-
-
-def _foreign_trial(tracks: Tracks, path: Path) -> Trial | None:
-    """Return what is known of tracks of another program: the file's name is trial and animal."""
-    if tracks.sizes["individual"] != 1:
-        return None  # the file names its animals
-    return Trial(
-        kind="tracks",
-        name=path.stem,
-        fps=float(tracks.attrs["fps"]),
-        animal=Animal(id=path.stem),
-        folder=path.parent,
-        tracks_file=path.name,
-    )
-
-
-def _needed_fps(fps: float | None, path: Path) -> float:
-    """Return the frame rate, or say that it is needed."""
-    if fps is None:
-        raise InputError(
-            f"{path}: this file does not say its frame rate; give it with --fps, for instance "
-            "--fps 250."
-        )
-    return fps
+    return found
 
 
 def analyse_source(

@@ -24,6 +24,7 @@ from pawnb.gait.cycles import (
     centre_signals,
     cut_cycles,
 )
+from pawnb.workflow.gait_statistics import Groups, is_paired, with_group
 
 Drawn = tuple[pd.DataFrame, Any]
 
@@ -47,13 +48,15 @@ class Drawing:
     draw: Callable[[], Drawn]
 
 
-def gait_drawings(tables: GaitTables) -> Iterator[Drawing]:
+def gait_drawings(tables: GaitTables, *, groups: Groups | None = None) -> Iterator[Drawing]:
     """List the figures of an analysis.
 
     Parameters
     ----------
     tables : GaitTables
         The result of an analysis.
+    groups : mapping, optional
+        (animal, trial) to its group: measures of the groups are drawn side by side.
 
     Yields
     ------
@@ -66,6 +69,8 @@ def gait_drawings(tables: GaitTables) -> Iterator[Drawing]:
     yield from _of_coordination(tables)
     yield from _of_signals(tables)
     yield from _of_strides(tables, unit)
+    if groups:
+        yield from _of_groups(tables, groups, unit)
 
 
 def length_unit(tables: GaitTables) -> str | None:
@@ -74,8 +79,27 @@ def length_unit(tables: GaitTables) -> str | None:
     return units.pop() if len(units) == 1 else None
 
 
-def _drawing(name: str, kind: str, build: Callable[[], pd.DataFrame], **options: Any) -> Drawing:
-    """Return a drawing whose table is built when it is drawn."""
+def make_drawing(
+    name: str, kind: str, build: Callable[[], pd.DataFrame], **options: Any
+) -> Drawing:
+    """Return a drawing whose table is built when it is drawn.
+
+    Parameters
+    ----------
+    name : str
+        Name of its files.
+    kind : str
+        ``plot_<kind>`` of :mod:`pawnb.figures` draws it.
+    build : callable
+        Makes the table.
+    **options
+        Of ``plot_<kind>``.
+
+    Returns
+    -------
+    Drawing
+        The drawing.
+    """
 
     def draw() -> Drawn:
         table = build()
@@ -90,8 +114,8 @@ def _of_trials(tables: GaitTables) -> Iterator[Drawing]:
         gone = tables.dropped
         gone = gone[(gone["animal"] == animal) & (gone["trial"] == trial)]
         events = own.reset_index(drop=True)
-        yield _drawing(
-            f"gait_diagram_{_safe(f'{animal}_{trial}')}",
+        yield make_drawing(
+            f"gait_diagram_{safe_name(f'{animal}_{trial}')}",
             "gait_diagram",
             partial(figures.build_gait_diagram_table, events, dropped=gone),
         )
@@ -103,16 +127,16 @@ def _of_phases(tables: GaitTables, unit: str | None) -> Iterator[Drawing]:
     steps = partial(
         figures.build_stepping_pattern_table, tables.events, strides, dropped=tables.dropped
     )
-    yield _drawing("stepping_pattern", "stepping_pattern", steps, unit=unit)
+    yield make_drawing("stepping_pattern", "stepping_pattern", steps, unit=unit)
     rose = partial(figures.build_phase_rose_table, phases, summary=summary)
-    yield _drawing("phase_rose", "phase_rose", rose)
+    yield make_drawing("phase_rose", "phase_rose", rose)
     histogram = partial(figures.build_phase_histogram_table, phases, summary=summary)
-    yield _drawing("phase_histogram", "phase_histogram", histogram)
+    yield make_drawing("phase_histogram", "phase_histogram", histogram)
     speed = partial(figures.build_phase_speed_table, phases, strides)
-    yield _drawing("phase_speed", "phase_speed", speed, unit=unit)
+    yield make_drawing("phase_speed", "phase_speed", speed, unit=unit)
     if {"FR", "HR"} <= set(strides["leg"]) or {"FL", "HL"} <= set(strides["leg"]):
         both = partial(figures.build_hildebrand_diagram_table, strides, phases)
-        yield _drawing("hildebrand_diagram", "hildebrand_diagram", both)
+        yield make_drawing("hildebrand_diagram", "hildebrand_diagram", both)
 
 
 def _of_coordination(tables: GaitTables) -> Iterator[Drawing]:
@@ -124,8 +148,8 @@ def _of_coordination(tables: GaitTables) -> Iterator[Drawing]:
             raise InputError(f"{name}: these events and phases give no such table.")
         return found[name]
 
-    yield _drawing("support_shares", "support_shares", partial(build, "support_shares"))
-    yield _drawing("pattern_distances", "pattern_distances", partial(build, "patterns"))
+    yield make_drawing("support_shares", "support_shares", partial(build, "support_shares"))
+    yield make_drawing("pattern_distances", "pattern_distances", partial(build, "patterns"))
 
 
 def _of_signals(tables: GaitTables) -> Iterator[Drawing]:
@@ -141,14 +165,16 @@ def _of_signals(tables: GaitTables) -> Iterator[Drawing]:
     kinds = [kind for kind in (LEG_ANGLE, POSITION, HEIGHT) if kind in by_kind]
     for kind in kinds:
         name = "stride_average_" + kind.replace(" ", "_").replace("-", "_")
-        yield _drawing(name, "stride_average", partial(_average, by_kind[kind], strides))
+        yield make_drawing(name, "stride_average", partial(_average, by_kind[kind], strides))
     if not kinds:
         return
     first = by_kind[kinds[0]]
-    yield _drawing("phase_plane", "phase_plane", partial(_plane, first, strides))
+    yield make_drawing("phase_plane", "phase_plane", partial(_plane, first, strides))
     for phase in ("swing", "stance"):
         name = f"aligned_acceleration_{phase}"
-        yield _drawing(name, "aligned_acceleration", partial(_aligned, first, strides, phase=phase))
+        yield make_drawing(
+            name, "aligned_acceleration", partial(_aligned, first, strides, phase=phase)
+        )
 
 
 def _one_unit(signals: list[LegSignals]) -> None:
@@ -182,18 +208,13 @@ def _aligned(signals: list[LegSignals], strides: pd.DataFrame, *, phase: str) ->
 def _of_strides(tables: GaitTables, unit: str | None) -> Iterator[Drawing]:
     """Stride measures against speed, and a page for every animal."""
     strides = tables.strides
-    names = {
-        "speed": with_unit("Speed", speed_unit(unit)),
-        "frequency_hz": "Stride frequency (Hz)",
-        "stride_length": with_unit("Stride length", unit),
-        "duty_factor": "Duty factor (fraction)",
-    }
+    names = _axis_names(unit)
     pairs = [(name, "speed") for name in names if name != "speed"]
     lines = partial(figures.build_regression_table, strides, pairs, points="trial")
-    yield _drawing("against_speed", "regression", lines, names=names)
+    yield make_drawing("against_speed", "regression", lines, names=names)
     for animal in sorted(strides["animal"].astype(str).unique()):
-        yield _drawing(
-            f"summary_{_safe(animal)}",
+        yield make_drawing(
+            f"summary_{safe_name(animal)}",
             "summary_page",
             partial(figures.build_summary_page_table, strides, animal=animal),
             events=tables.events,
@@ -203,6 +224,39 @@ def _of_strides(tables: GaitTables, unit: str | None) -> Iterator[Drawing]:
         )
 
 
-def _safe(name: str) -> str:
-    """Return a name that every file system takes."""
+def _axis_names(unit: str | None) -> dict[str, str]:
+    """Return what the main measures are called on an axis."""
+    return {
+        "speed": with_unit("Speed", speed_unit(unit)),
+        "frequency_hz": "Stride frequency (Hz)",
+        "stride_length": with_unit("Stride length", unit),
+        "duty_factor": "Duty factor (fraction)",
+    }
+
+
+def _of_groups(tables: GaitTables, groups: Groups, unit: str | None) -> Iterator[Drawing]:
+    """Each animal, means of groups, and their differences with intervals."""
+    strides = with_group(tables.strides, groups)
+    if strides["group"].nunique() < 2:
+        return
+    paired = is_paired(strides)
+    for measure, label in _axis_names(unit).items():
+        if strides[measure].notna().any():
+            build = partial(figures.build_estimation_table, strides, measure, paired=paired)
+            yield make_drawing(f"estimation_{measure}", "estimation", build, label=label)
+
+
+def safe_name(name: str) -> str:
+    """Return a name that every file system takes.
+
+    Parameters
+    ----------
+    name : str
+        Any name.
+
+    Returns
+    -------
+    str
+        With ``-`` for every sign but letters, digits, ``-`` and ``_``.
+    """
     return "".join(c if c.isalnum() or c in "-_" else "-" for c in name)

@@ -119,12 +119,10 @@ def _against_speed(strides: pd.DataFrame) -> pd.DataFrame:
 
 def _compare(tables: GaitTables, groups: Groups) -> pd.DataFrame:
     """Compare measures and phases between groups, or between conditions of the same animals."""
-    strides, phases = (_with_group(table, groups) for table in (tables.strides, tables.phases))
+    strides, phases = (with_group(table, groups) for table in (tables.strides, tables.phases))
     if len(strides["group"].unique()) < 2:
         return pd.DataFrame()
-    # an animal that is in two groups was filmed in two conditions
-    both = strides[["animal", "group"]].drop_duplicates()
-    paired = bool(both["animal"].duplicated().any())
+    paired = is_paired(strides)
     found = compare_groups(strides, known_measures(strides), by=["leg"], paired=paired)
     if len(phases["group"].unique()) > 1:
         other = compare_groups(
@@ -137,8 +135,38 @@ def _compare(tables: GaitTables, groups: Groups) -> pd.DataFrame:
     return found.assign(design="paired" if paired else "unpaired")
 
 
-def _with_group(table: pd.DataFrame, groups: Groups) -> pd.DataFrame:
-    """Return the rows of trials that have a group, with it."""
+def is_paired(strides: pd.DataFrame) -> bool:
+    """Say whether groups are conditions of the same animals.
+
+    Parameters
+    ----------
+    strides : pandas.DataFrame
+        Columns animal and group.
+
+    Returns
+    -------
+    bool
+        True where an animal is in two groups: it was filmed in two conditions.
+    """
+    both = strides[["animal", "group"]].drop_duplicates()
+    return bool(both["animal"].duplicated().any())
+
+
+def with_group(table: pd.DataFrame, groups: Groups) -> pd.DataFrame:
+    """Return the rows of trials that have a group, with it.
+
+    Parameters
+    ----------
+    table : pandas.DataFrame
+        Columns animal and trial.
+    groups : mapping
+        (animal, trial) to its group.
+
+    Returns
+    -------
+    pandas.DataFrame
+        Those rows, with a column ``group``.
+    """
     keys = zip(table["animal"].astype(str), table["trial"].astype(str), strict=True)
     names = [groups.get(key) for key in keys]
     named = table.assign(group=pd.Series(names, index=table.index, dtype=object))

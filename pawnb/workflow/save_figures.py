@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, Literal
 
@@ -14,9 +14,8 @@ from matplotlib.figure import Figure
 
 from pawnb import figures
 from pawnb.errors import InputError
-from pawnb.gait import GaitTables
 from pawnb.io.tables import write_table
-from pawnb.workflow.gait_drawings import gait_drawings
+from pawnb.workflow.gait_drawings import Drawing
 
 Which = Literal["all", "main", "none"]
 MAIN = ("gait_diagram", "phase_rose")
@@ -24,17 +23,22 @@ FORMATS = ("png", "pdf", "svg")
 
 
 def save_gait_figures(
-    tables: GaitTables, folder: str | Path, *, record: Mapping[str, Any], which: Which = "all"
+    drawings: Iterable[Drawing],
+    folder: str | Path,
+    *,
+    record: Mapping[str, Any],
+    which: Which = "all",
 ) -> list[Path]:
-    """Draw every figure that the tables allow; save each with the table it draws.
+    """Draw figures; save each with the table it draws.
 
     Figures of trials and of animals carry their names. What cannot be drawn (no speed, one leg,
     no signals) is left out, and ``not_drawn.csv`` says which and why.
 
     Parameters
     ----------
-    tables : GaitTables
-        What to draw.
+    drawings : iterable of Drawing
+        What to draw: of :func:`~pawnb.workflow.gait_drawings.gait_drawings`, of
+        :func:`~pawnb.workflow.source_drawings.source_drawings`.
     folder : str or Path
         Folder to write; made where it is absent.
     record : mapping
@@ -60,7 +64,7 @@ def save_gait_figures(
     folder.mkdir(parents=True, exist_ok=True)
     files: list[Path] = []
     absent: list[tuple[str, str]] = []
-    for drawing in gait_drawings(tables):
+    for drawing in drawings:
         if which == "main" and drawing.kind not in MAIN:
             continue
         with figures.style():

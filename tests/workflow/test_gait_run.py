@@ -211,7 +211,7 @@ def test_deeplabcut_csv_goes_straight_to_the_tables(tmp_path):
     run = run_gait([path], figures="main", fps=FPS, out=tmp_path / "out")
     own = run_gait_of(tracks, tmp_path)
     assert set(run.tables.strides["leg"]) == set(names)
-    assert set(run.tables.strides["animal"]) == {"m1_run1DLC"}
+    assert set(run.tables.strides["animal"]) == {"m1_run1"}
     assert any("FR is 'Front Paw R'" in note for note in run.tables.notes)
     np.testing.assert_allclose(
         run.tables.strides["period_s"].mean(), own.tables.strides["period_s"].mean(), rtol=0.01
@@ -267,3 +267,27 @@ def test_legs_of_events_get_the_names_asked_for(tmp_path):
     np.testing.assert_allclose(run.tables.phases["phase"], 0.5)
     with pytest.raises(InputError, match=r"no leg 'link' .did you mean 'links'"):
         run_gait([path], legs={"HL": "link"}, **options)
+
+
+def contact_csv(path, *, period=10):
+    """Contact of two legs, half a stride apart, six tenths of the stride on the ground."""
+    down = [i % period < 0.6 * period for i in range(2 * period)]
+    rows = ["frame,LF,RF"]
+    for i in range(100):
+        rows.append(f"{i},{int(down[i % period])},{int(down[(i + period // 2) % period])}")
+    path.write_text("\n".join(rows) + "\n")
+    return path
+
+
+def test_files_of_one_animal_count_once(tmp_path):
+    paths = [contact_csv(tmp_path / f"{name}.csv") for name in ("a", "b", "c")]
+    options = {"fps": 100.0, "figures": "none", "out": tmp_path / "out"}
+    each = run_gait(paths, **options)
+    assert each.tables.phase_summary["n_animals"].tolist() == [3]
+    assert any("each counts as one of its own: a, b, c." in note for note in each.tables.notes)
+    told = run_gait(paths, animals=["m1", "m1", "m2"], **options)
+    assert told.tables.phase_summary["n_animals"].tolist() == [2]
+    assert set(told.tables.strides["trial"]) == {"a", "b", "c"}
+    assert not any("each counts as one" in note for note in told.tables.notes)
+    with pytest.raises(InputError, match=r"^animals: 2 for 3 inputs; give the id of each"):
+        run_gait(paths, animals=["m1", "m2"], **options)

@@ -13,6 +13,7 @@ from pawnb import figures
 from pawnb.errors import InputError
 from pawnb.gait import analyse_events
 from pawnb.workflow import save_figures
+from pawnb.workflow.gait_drawings import gait_drawings
 from pawnb.workflow.save_figures import save_gait_figures
 
 mpl.use("Agg")
@@ -43,7 +44,9 @@ def drawn(files):
 
 
 def test_two_legs_scored_by_hand_give_what_they_can(tmp_path, only_png):
-    files = save_gait_figures(analyse_events(events()), tmp_path, record={"step": "gait"})
+    files = save_gait_figures(
+        gait_drawings(analyse_events(events())), tmp_path, record={"step": "gait"}
+    )
     assert drawn(files) == [
         "gait_diagram_a_t1", "phase_histogram", "phase_rose",
         "stepping_pattern", "summary_a", "support_shares",
@@ -56,7 +59,7 @@ def test_two_legs_scored_by_hand_give_what_they_can(tmp_path, only_png):
 
 
 def test_one_leg_is_no_error(tmp_path, only_png):
-    files = save_gait_figures(analyse_events(events(("L1",))), tmp_path, record={})
+    files = save_gait_figures(gait_drawings(analyse_events(events(("L1",)))), tmp_path, record={})
     assert "gait_diagram_a_t1" in drawn(files)
     absent = pd.read_csv(tmp_path / "not_drawn.csv")["figure"].tolist()
     assert {"phase_rose", "phase_histogram", "phase_speed"} <= set(absent)
@@ -66,7 +69,7 @@ def test_a_style_that_was_set_is_in_the_recipe(tmp_path, only_png):
     tables = analyse_events(events())
     try:
         figures.set_style(column_mm=60, dpi=100)
-        save_gait_figures(tables, tmp_path, record={"step": "gait"}, which="main")
+        save_gait_figures(gait_drawings(tables), tmp_path, record={"step": "gait"}, which="main")
     finally:
         figures.set_style()
     with Image.open(tmp_path / "gait_diagram_a_t1.png") as picture:
@@ -74,15 +77,15 @@ def test_a_style_that_was_set_is_in_the_recipe(tmp_path, only_png):
         assert picture.width == pytest.approx(60 / 25.4 * 100, abs=1)
     assert recipe["figure"] == "gait_diagram"
     assert recipe["style"]["column_mm"] == 60
-    save_gait_figures(tables, tmp_path, record={"step": "gait"}, which="main")
+    save_gait_figures(gait_drawings(tables), tmp_path, record={"step": "gait"}, which="main")
     with Image.open(tmp_path / "gait_diagram_a_t1.png") as picture:
         assert "style" not in json.loads(picture.text["Description"])
 
 
 def test_main_and_none(tmp_path, only_png):
     tables = analyse_events(events(trials=("t1", "t2")))
-    files = save_gait_figures(tables, tmp_path, record={}, which="main")
+    files = save_gait_figures(gait_drawings(tables), tmp_path, record={}, which="main")
     assert drawn(files) == ["gait_diagram_a_t1", "gait_diagram_a_t2", "phase_rose"]
-    assert save_gait_figures(tables, tmp_path / "no", record={}, which="none") == []
+    assert save_gait_figures(gait_drawings(tables), tmp_path / "no", record={}, which="none") == []
     with pytest.raises(InputError, match=r"^figures is 'few'; expected 'all', 'main' or 'none'"):
-        save_gait_figures(tables, tmp_path, record={}, which="few")
+        save_gait_figures(gait_drawings(tables), tmp_path, record={}, which="few")

@@ -1,0 +1,179 @@
+"""The inputs of the gait analysis: trials, results, tracks of any program, events by hand."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import pandas as pd
+
+from pawnb.errors import InputError
+from pawnb.gait.contacts import events_from_contacts, is_contact_table
+from pawnb.io import native
+from pawnb.io.formats import OWN_FORMATS, read_any_tracks, recognise_format
+from pawnb.io.tables import read_cells, read_numbers
+from pawnb.schema import Tracks, check_columns
+from pawnb.trial import Animal, Trial, load_trial
+from pawnb.workflow.foreign_tracks import read_foreign_tracks
+from pawnb.workflow.results import (
+    RESULTS_FOLDER,
+    describe_trial,
+    described_trial,
+    results_folder,
+)
+
+
+@dataclass(frozen=True)
+class GaitSource:
+    """One input of the gait analysis, ready to analyse.
+
+    Parameters
+    ----------
+    path : Path
+        The file that was read.
+    folder : Path
+        Where results go by default.
+    tracks : xarray.Dataset, optional
+        Tracks, or
+    events : pandas.DataFrame, optional
+        events scored elsewhere.
+    trial : Trial, optional
+        What is known of the recording.
+    guessed : bool
+        Whether the animal's id is only the name of the file.
+    """
+
+    path: Path
+    folder: Path
+    tracks: Tracks | None = None
+    events: pd.DataFrame | None = None
+    trial: Trial | None = None
+    guessed: bool = False
+
+    def of_animal(self, animal: str) -> GaitSource:
+        """Return the same input as that of one animal."""
+        if self.events is not None:
+            return replace(self, events=self.events.assign(animal=animal), guessed=False)
+        if self.trial is None or (self.tracks is not None and self.tracks.sizes["individual"] > 1):
+            raise InputError(
+                f"{self.path}: these tracks name their animals themselves; leave animals "
+                "(--animals) away."
+            )
+        own = replace(self.trial.animal, id=animal)
+        return replace(self, trial=replace(self.trial, animal=own), guessed=False)
+
+
+def read_source(path: str | Path, *, fps: float | None = None) -> GaitSource:
+    """Read one input of the gait analysis, whatever kind it is.
+
+    Parameters
+    ----------
+    path : str or Path
+        A trial, a results folder, a file of tracks, or an ``events.csv``.
+    fps : float, optional
+        Frames per second, for files that do not say.
+
+    Returns
+    -------
+    GaitSource
+        What was read.
+
+    Raises
+    ------
+    InputError
+        If there is nothing at ``path``, or it is none of these.
+    """
+    path = Path(path)
+    if path.is_dir():
+        for name in ("trial.toml", "tracks.nc", "events.csv"):
+            if (path / name).exists():
+                return read_source(path / name, fps=fps)
+        raise InputError(
+            f"{path}: neither a trial nor results; expected a trial.toml, a tracks.nc or an "
+            "events.csv in it."
+        )
+    if not path.exists():
+        raise InputError(
+            f"{path}: no such file; expected a trial, a results folder, tracks or an events.csv."
+        )
+    if path.suffix == ".toml":
+        return _read_trial(load_trial(path))
+    if path.suffix == ".csv":
+        cells = read_cells(path, ())
+        if "event" in cells:
+            return _read_events(path, fps)
+        if is_contact_table(cells):
+            return _read_contacts(path, cells, fps)
+    program = recognise_format(path)
+    tracks = read_any_tracks(path, fps=fps, program=program)
+    trial = described_trial(tracks, where=str(path), folder=path.parent)
+    guessed = trial is None and program not in OWN_FORMATS
+    if guessed:
+        trial = _foreign_trial(tracks, path, program)
+    return GaitSource(path, path.parent, tracks=tracks, trial=trial, guessed=guessed)
+
+
+def _read_trial(trial: Trial) -> GaitSource:
+    """Read the tracks of a trial: those made elsewhere, or those that pawnb made."""
+    out = results_folder(trial)
+    if trial.kind == "tracks" and trial.tracks_file is not None:
+        tracks = describe_trial(read_foreign_tracks(trial), trial)
+        return GaitSource(trial.path(trial.tracks_file), out, tracks=tracks, trial=trial)
+    path = out / "tracks.nc"
+    if not path.exists():
+        raise InputError(f"{path}: trial {trial.name!r} is not tracked yet; run pawnb track first.")
+    return GaitSource(path, out, tracks=native.read_tracks(path), trial=trial)
+
+
+def _read_events(path: Path, fps: float | None) -> GaitSource:
+    """Read a csv of events scored by hand."""
+    cells = read_cells(path, ("leg", "event"))
+    events = cells.copy()
+    for name in ("frame", "time_s"):
+        if name in events:
+            events[name] = read_numbers(cells, name, where=str(path), empty=True)
+    if "time_s" not in events:
+        check_columns(cells, ("frame",), where=f"{path} (without time_s)")
+        events["time_s"] = events["frame"] / _needed_fps(fps, path)
+    return GaitSource(path, path.parent / RESULTS_FOLDER, events=events)
+
+
+def _read_contacts(path: Path, cells: pd.DataFrame, fps: float | None) -> GaitSource:
+    """Read a csv of ground contact scored by hand: frame, and 0 or 1 for each leg."""
+    numbers = {
+        name: read_numbers(
+            cells, name, where=str(path), whole=name == "frame", empty=name != "frame"
+        )
+        for name in map(str, cells)
+    }
+    events = events_from_contacts(
+        pd.DataFrame(numbers), fps=_needed_fps(fps, path), animal=path.stem, trial=path.stem
+    )
+    return GaitSource(path, path.parent / RESULTS_FOLDER, events=events, guessed=True)
+
+
+def _foreign_trial(tracks: Tracks, path: Path, program: str) -> Trial | None:
+    """Return what is known of tracks of another program: the file's name is trial and animal."""
+    if tracks.sizes["individual"] != 1:
+        return None  # the file names its animals
+    # DeepLabCut puts the name of its network behind that of the video
+    name = re.sub(r"(?<=.)DLC(_.*)?$", "", path.stem) if program == "deeplabcut" else path.stem
+    return Trial(
+        kind="tracks",
+        name=name,
+        fps=float(tracks.attrs["fps"]),
+        animal=Animal(id=name),
+        folder=path.parent,
+        tracks_file=path.name,
+    )
+
+
+def _needed_fps(fps: float | None, path: Path) -> float:
+    """Return the frame rate, or say that it is needed."""
+    if fps is None:
+        raise InputError(
+            f"{path}: this file does not say its frame rate; give it with --fps, for instance "
+            "--fps 250."
+        )
+    return fps
