@@ -8,12 +8,16 @@ from typing import Any
 _HOME = {
     "ClickInitialiser": "pawnb.widgets.click_initialiser",
     "FrameCanvas": "pawnb.widgets.frame_canvas",
+    "GaitExplorer": "pawnb.widgets.gait_explorer",
     "ResidualExplorer": "pawnb.widgets.residual_explorer",
     "StickPoser": "pawnb.widgets.stick_poser",
     "TrackReviewer": "pawnb.widgets.track_reviewer",
 }
 
-__all__ = ["ClickInitialiser", "FrameCanvas", "ResidualExplorer", "StickPoser", "TrackReviewer"]
+__all__ = [
+    "ClickInitialiser", "FrameCanvas", "GaitExplorer", "ResidualExplorer", "StickPoser",
+    "TrackReviewer",
+]  # fmt: skip
 
 
 def __getattr__(name: str) -> Any:
