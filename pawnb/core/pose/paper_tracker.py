@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+import itertools
 import warnings
 from collections.abc import Callable
 
@@ -53,9 +55,9 @@ def track_pose_paper(
     reader : ViewReader
         The view.
     start : Poses
-        The animal's pose in one frame; of several frames, the first within ``frames`` is used.
-        Its scale is kept throughout, and so are its segment lengths or, by default, how long
-        each leg looks in that frame.
+        The animal's pose in one frame or more; those outside ``frames`` are left out. The scale
+        of the first is kept throughout, and so are its segment lengths or, by default, how long
+        each leg looks in that frame. Frames between two poses are tracked from the nearer one.
     animal : StickAnimal
         The animal.
     background : Background
@@ -101,9 +103,9 @@ def track_pose_paper(
             f"the start pose is of frame {', '.join(map(str, start.frames))}, but frames "
             f"{frames[0]} to {frames[1] - 1} are tracked; give a start pose within them."
         )
-    tracker = _Tracker(
-        reader, start.take([int(inside[0])]), animal, background, settings, len(numbers)
-    )
+    start = start.take(inside[np.argsort(start.frames[inside])])
+    start = dataclasses.replace(start, heading_deg=np.unwrap(start.heading_deg, period=360.0))
+    tracker = _Tracker(reader, start, animal, background, settings, len(numbers))
     tracker.run(frames, progress, stop)
     return tracker.result(numbers)
 
@@ -120,10 +122,10 @@ class _Tracker:
         settings: PaperPoseSettings,
         total: int,
     ) -> None:
-        self.reader, self.start, self.animal = reader, start, animal
+        self.reader, self.starts, self.animal = reader, start, animal
         self.settings, self.total = settings, total
-        self.first = int(start.frames[0])
-        picture = reader.frame(self.first).image()
+        start = self.start = start.take([0])
+        picture = reader.frame(int(start.frames[0])).image()
         self.energy = PaperEnergy(
             animal, start, picture=picture, background=background, settings=settings
         )
@@ -149,18 +151,39 @@ class _Tracker:
         progress: Callable[[int, int], None] | None,
         stop: Callable[[], bool] | None,
     ) -> None:
-        """Track the start frame, then forwards, then backwards."""
-        begun = self._fit(self.first, pose_vector(self.start))
+        """Track each start frame, then forwards, then backwards, halfway to the next."""
+        numbers = self.starts.frames.tolist()
+        ends = [frames[0], *((a + b + 1) // 2 for a, b in itertools.pairwise(numbers)), frames[1]]
+        for i in range(len(numbers)):
+            one = self.starts.take([i])
+            if i:
+                picture = self.reader.frame(numbers[i]).image()
+                check_start(self.energy, picture, one)
+            if not self._both_ways(one, (ends[i], ends[i + 1]), progress, stop):
+                return
+        if progress is not None:
+            progress(self.total, self.total)
+
+    def _both_ways(
+        self,
+        start: Poses,
+        frames: tuple[int, int],
+        progress: Callable[[int, int], None] | None,
+        stop: Callable[[], bool] | None,
+    ) -> bool:
+        """Track a start frame and both ways from it; False where a person stopped it."""
+        first = int(start.frames[0])
+        begun = self._fit(first, pose_vector(start))
         for numbers, word in (
-            (range(self.first + 1, frames[1]), "forwards"),
-            (range(self.first - 1, frames[0] - 1, -1), "backwards"),
+            (range(first + 1, frames[1]), "forwards"),
+            (range(first - 1, frames[0] - 1, -1), "backwards"),
         ):
             before = last = begun
             for done, i in enumerate(numbers):
                 if progress is not None:
                     progress(min(len(self.found), self.total), self.total)
                 if stop is not None and stop():
-                    return
+                    return False
                 leg = self._outside(last)
                 if leg is not None:
                     warnings.warn(
@@ -171,8 +194,7 @@ class _Tracker:
                     )
                     break
                 before, last = last, self._fit(i, 2 * last - before)
-        if progress is not None:
-            progress(self.total, self.total)
+        return True
 
     def result(self, numbers: np.ndarray) -> PoseTrack:
         """Return the track of all frames, NaN where there is none."""

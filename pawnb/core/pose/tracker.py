@@ -8,21 +8,22 @@ and explains most of the picture (:mod:`.fit.path`).
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
 from pawnb.core.pose.animal import StickAnimal
+from pawnb.core.pose.fit.anchors import fit_known, follow_all
 from pawnb.core.pose.fit.choices import Choices
 from pawnb.core.pose.fit.evidence import BackgroundPicture, Evidence, grey
 from pawnb.core.pose.fit.finish import Settled, expected_between, hold_met, settle
 from pawnb.core.pose.fit.fitter import FrameFitter
-from pawnb.core.pose.fit.follow import Follower
 from pawnb.core.pose.fit.layout import make_layout, pose_vectors, poses_of_vectors
 from pawnb.core.pose.fit.priors import anatomy
 from pawnb.core.pose.fit.relearn import learn_again, usual_lengths
-from pawnb.core.pose.fit.rethink import chosen_poses, look_back
+from pawnb.core.pose.fit.rethink import chosen_poses
 from pawnb.core.pose.fit.settings import PoseSettings
 from pawnb.core.pose.fit.start import fit_start
 from pawnb.core.pose.poses import Poses, joint_positions
@@ -50,15 +51,15 @@ def track_pose(
     progress: Callable[[int, int], None] | None = None,
     stop: Callable[[], bool] | None = None,
 ) -> PoseTrack:
-    """Track a jointed animal through a recording, both ways from a start frame.
+    """Track a jointed animal through a recording, both ways from each start frame.
 
     Parameters
     ----------
     reader : ViewReader
         The view.
     start : Poses
-        The animal's pose in one frame, roughly; of several frames, the first within ``frames``
-        is used.
+        The animal's pose in one frame or more, roughly; those outside ``frames`` are left out.
+        The animal's look is learnt in the first.
     animal : StickAnimal
         The animal.
     background : Background
@@ -91,10 +92,14 @@ def track_pose(
             f"the start pose is of frame {', '.join(map(str, start.frames))}, but frames "
             f"{frames[0]} to {frames[1] - 1} are tracked; give a start pose within them."
         )
-    start = start.take([int(inside[0])])
-    fitter, pose = _begin(reader, start, animal, background, settings)
-    steps = _Steps(2 * len(numbers), progress, stop)
-    found = _both_ways(reader, int(start.frames[0]), pose, fitter, frames, steps)
+    start = start.take(inside[np.argsort(start.frames[inside])])
+    fitter, known = _begin(reader, start, animal, background, settings)
+    # frames between two known ones are followed twice
+    between = max(known) - min(known)
+    steps = _Steps(2 * len(numbers) + between, progress, stop)
+    found = follow_all(
+        fitter, known, frames, read=lambda some: _read_ahead(reader, some, steps), done=steps.one
+    )
     poses = chosen_poses(fitter, found)
     poses = learn_again(fitter, found, poses)
     settled = _finish(fitter, found, poses, steps)
@@ -129,24 +134,30 @@ def _begin(
     animal: StickAnimal,
     background: BackgroundPicture,
     settings: PoseSettings,
-) -> tuple[FrameFitter, np.ndarray]:
-    """Return a fitter that knows the animal's look, and the fitted start pose."""
+) -> tuple[FrameFitter, dict[int, np.ndarray]]:
+    """Return a fitter that knows the animal's look, and the fitted start poses by frame."""
     scale = float(start.scale[0])
     factor = max(1, int(animal.span * scale / settings.working_span_px))
     frame = reader.frame(int(start.frames[0]))
     light = _animal_light(frame, start, animal, background)
     evidence = Evidence(background, factor=factor, light=light, spread=settings.unexplained_sd)
-    vector = pose_vectors(animal, start, factor=factor)[0]
-    known = anatomy(animal, vector, foreshortening_sd=settings.foreshortening_sd)
+    # one animal has one size: where another start pose is larger, its legs are longer
+    start = dataclasses.replace(start, scale=np.full(len(start), scale))
+    vectors = pose_vectors(animal, start, factor=factor)
+    prior = anatomy(animal, vectors[0], foreshortening_sd=settings.foreshortening_sd)
     layout = make_layout(animal, px_per_unit=scale / factor)
-    fitter = FrameFitter(animal, layout, evidence=evidence, anatomy=known, settings=settings)
-    pose, support = fit_start(fitter, frame, vector)
-    if support < _START_BODY:
-        raise InputError(
-            f"the start pose of frame {frame.index} is not on the animal: only {100 * support:.0f} "
-            "% of the body's place differs from the background; move it onto the animal."
-        )
-    return fitter, pose
+    fitter = FrameFitter(animal, layout, evidence=evidence, anatomy=prior, settings=settings)
+    known: dict[int, np.ndarray] = {}
+    for number, vector in zip(start.frames.tolist(), vectors, strict=True):
+        fit = fit_known if known else fit_start
+        pose, support = fit(fitter, reader.frame(number) if known else frame, vector)
+        if support < _START_BODY:
+            raise InputError(
+                f"the start pose of frame {number} is not on the animal: only {100 * support:.0f} "
+                "% of the body's place differs from the background; move it onto the animal."
+            )
+        known[number] = pose
+    return fitter, known
 
 
 def _animal_light(
@@ -165,24 +176,6 @@ def _animal_light(
     image = grey(frame.crop(u0, v0, u1, v1))
     empty = np.asarray(background.mean)[v0:v1, u0:u1]
     return float(np.percentile(image, 75)) if np.median(image - empty) > 0 else 0.0
-
-
-def _both_ways(
-    reader: ViewReader,
-    first: int,
-    pose: np.ndarray,
-    fitter: FrameFitter,
-    frames: tuple[int, int],
-    steps: _Steps,
-) -> list[Choices]:
-    """Return what every frame leaves open, in the order of frames, each way looked back once."""
-    found: list[Choices] = []
-    for numbers in (range(first - 1, frames[0] - 1, -1), range(first, frames[1])):
-        follower = Follower(fitter, pose)
-        part = follower.run(_read_ahead(reader, numbers, steps), done=steps.one)
-        look_back(follower)
-        found = found + (part[::-1] if numbers.step < 0 else part)
-    return found
 
 
 def _read_ahead(reader: ViewReader, numbers: range, steps: _Steps) -> Iterator[Frame]:

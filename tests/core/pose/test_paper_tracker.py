@@ -84,6 +84,26 @@ def test_walk_is_followed_both_ways_from_a_frame_in_the_middle(walk):
     assert seen[-1] == (6, 6)
 
 
+def test_frames_between_two_start_poses_are_tracked_from_the_nearer(walk):
+    """The first pose stands a leg on its neighbour's place; the second, three frames on, is right.
+
+    Tracked from the first alone, frames 9 and 10 keep that leg wrong.
+    """
+    poses, reader, background = walk
+    wrong = poses.take([0])
+    angles = wrong.angles_deg.copy()
+    angles[0, ANIMAL.joints.index("L2_BC")] = angles[0, ANIMAL.joints.index("L1_BC")]
+    starts = join_poses([dataclasses.replace(wrong, angles_deg=angles), poses.take([4])])
+    track = track_pose_paper(
+        reader, starts, animal=ANIMAL, background=background, settings=QUICK, frames=(6, 12)
+    )
+    assert np.isfinite(track.poses.xy).all()
+    away = np.nanmedian(error_px(track.poses, poses), axis=(1, 2))
+    assert away[2:].max() < 2.5
+    turned = np.abs(leg_angles(ANIMAL, track.poses) - leg_angles(ANIMAL, poses))
+    assert turned[2:].max() < 12.0
+
+
 def test_runs_are_repeatable_and_the_seed_matters(walk):
     poses, reader, background = walk
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parent / "fit"))
-from painted_walk import painted_walk
+from painted_walk import PaintedReader, painted_walk
 
-from pawnb.core.pose.poses import leg_angles, tip_positions
+from pawnb.core.pose.poses import join_poses, leg_angles, tip_positions
 from pawnb.core.pose.tracker import track_pose
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE
@@ -77,6 +77,44 @@ def test_progress_counts_up_and_stop_ends_early(walk):
     assert seen == sorted(seen)
     assert np.isnan(part.poses.xy[-1]).all()
     assert np.isfinite(part.poses.xy[0]).all()
+
+
+def test_several_start_poses_are_all_used(walk):
+    """The animal is away in frames 5 and 6: from frame 2 alone nothing after them is found.
+
+    The second pose is written a whole turn further round, as a person's file may have it.
+    """
+    animal, poses, reader, background = walk
+    images = list(reader.images)
+    images[5] = images[6] = background.mean.astype(np.uint8)
+    images[7] = images[6]
+    gap = PaintedReader(images)
+    starts = join_poses([disturbed(poses.at_frame(9), 2), disturbed(poses.at_frame(2), 1)])
+    starts = dataclasses.replace(starts, heading_deg=starts.heading_deg + np.array([360.0, 0.0]))
+    one, two = (
+        track_pose(gap, start, animal=animal, background=background, frames=(0, 11))
+        for start in (starts.take([1]), starts)
+    )
+    assert np.isnan(one.poses.xy[8:]).all()
+    there = [0, 1, 2, 3, 4, 8, 9, 10]
+    assert np.isnan(two.poses.xy[5:8]).all()
+    assert np.hypot(*(two.poses.xy - poses.xy[:11])[there].T).max() < 0.25
+    assert np.abs(np.diff(two.poses.heading_deg[there])).max() < 10.0
+    off = tip_positions(animal, two.poses) - tip_positions(animal, poses.take(slice(0, 11)))
+    assert np.median(np.hypot(*np.moveaxis(off[there], -1, 0))) < 0.01 * animal.span * 2.1
+
+
+def test_a_path_between_two_start_poses_goes_through_both(walk):
+    animal, poses, reader, background = walk
+    starts = join_poses([disturbed(poses.at_frame(1), 3), disturbed(poses.at_frame(8), 4)])
+    seen = []
+    track = track_pose(
+        reader, starts, animal=animal, background=background, frames=(0, 11),
+        progress=lambda done, total: seen.append((done, total)),
+    )  # fmt: skip
+    assert np.hypot(*(track.poses.xy - poses.xy[:11]).T).max() < 0.25
+    # 11 frames are followed and fitted for good, the 7 up to the second start twice
+    assert seen[-1] == (29, 29)
 
 
 def test_start_poses_that_cannot_be(walk):

@@ -1,0 +1,152 @@
+"""Several known frames: between two of them the animal is followed from both, and the path joins.
+
+A leg that follows its neighbour from one side may be right from the other: what either way finds
+becomes a candidate, and the path goes from the one known pose to the other.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterable
+
+import numpy as np
+
+from pawnb.core.pose.fit.blurred import blurred
+from pawnb.core.pose.fit.choices import Choices, add_candidates, only_choice
+from pawnb.core.pose.fit.fitter import FrameFitter
+from pawnb.core.pose.fit.follow import Follower
+from pawnb.core.pose.fit.rethink import look_back
+from pawnb.core.pose.fit.start import start_prior
+from pawnb.core.views import Frame
+
+HEADING = 2
+"""Where a pose vector has the heading."""
+
+_COARSE_BLURS = (8.0, 4.0)
+
+Read = Callable[[range], Iterable[Frame]]
+"""Yields the frames of a range, in its order."""
+
+
+def fit_known(fitter: FrameFitter, frame: Frame, pose: np.ndarray) -> tuple[np.ndarray, float]:
+    """Fit a further known frame, once the start frame has shown how the animal looks.
+
+    Parameters
+    ----------
+    fitter : FrameFitter
+        Knows the animal's look.
+    frame : Frame
+        The frame.
+    pose : ndarray, shape (n_parameters,)
+        The person's pose, working pixels.
+
+    Returns
+    -------
+    pose : ndarray
+        The fitted pose.
+    support : float
+        How dark the body's place is relative to what is expected, 0 to 1.
+    """
+    prior = start_prior(fitter, pose)
+    sight, _, _ = fitter.look(frame, pose)
+    for blur in _COARSE_BLURS:
+        soft = blurred(sight, blur)
+        pose, _ = fitter.fit(pose, soft, prior, blur=fitter.blur + blur, rounds=8)
+    sight, _, _ = fitter.look(frame, pose)
+    pose, _ = fitter.fit(pose, sight, prior, rounds=20)
+    return pose, fitter.body_support(pose, sight)
+
+
+def follow_all(
+    fitter: FrameFitter,
+    known: dict[int, np.ndarray],
+    frames: tuple[int, int],
+    *,
+    read: Read,
+    done: Callable[[], None],
+) -> list[Choices]:
+    """Follow the animal both ways from every known frame.
+
+    Parameters
+    ----------
+    fitter : FrameFitter
+        Knows the animal's look.
+    known : dict of int to ndarray, shape (n_parameters,)
+        Frame to pose, working pixels; one or more, within ``frames``. Of one alone the pose is
+        where following begins; of several, each is kept as it is.
+    frames : tuple of int
+        First frame and one past the last.
+    read : callable
+        Yields the frames of a range.
+    done : callable
+        Called after each frame that is followed.
+
+    Returns
+    -------
+    list of Choices
+        What every frame leaves open, frames ascending.
+    """
+    numbers = sorted(known)
+    first, last = numbers[0], numbers[-1]
+    before = Follower(fitter, known[first])
+    found = before.run(read(range(first - 1, frames[0] - 1, -1)), done=done)
+    look_back(before)
+    found = found[::-1]
+    for one, other in itertools.pairwise(numbers):
+        found += _between(fitter, (one, other), known, read, done)
+    after = Follower(fitter, known[last])
+    part = after.run(read(range(last, frames[1])), done=done)
+    if len(known) > 1:
+        _pin(fitter, part, known)
+    look_back(after)
+    return _unwrapped(found + part)
+
+
+def _between(
+    fitter: FrameFitter,
+    ends: tuple[int, int],
+    known: dict[int, np.ndarray],
+    read: Read,
+    done: Callable[[], None],
+) -> list[Choices]:
+    """Return what frames leave open from one known frame to before the next."""
+    first, last = ends
+    backward = Follower(fitter, known[last])
+    back = {c.frame: c for c in backward.run(read(range(last, first, -1)), done=done)}
+    forward = Follower(fitter, known[first])
+    forward.run(read(range(first, last)), done=done)
+    kept = forward.kept
+    for choices in kept:
+        if (other := back.pop(choices.frame, None)) is not None:
+            _add(fitter, choices, other.pose)
+    kept += [back[number] for number in sorted(back)]
+    _pin(fitter, kept, known)
+    _unwrapped(kept)
+    look_back(forward)
+    return [choices for choices in kept if choices.frame != last]
+
+
+def _add(fitter: FrameFitter, choices: Choices, pose: np.ndarray) -> None:
+    """Make each leg of another pose a candidate."""
+    sight = fitter.sight(choices.image.astype(float), choices.box, choices.pose)
+    extra = {leg: [pose[numbers]] for leg, numbers in enumerate(fitter.numbers)}
+    add_candidates(fitter, choices, extra, sight=sight, prior=fitter.anatomy)
+
+
+def _pin(fitter: FrameFitter, kept: list[Choices], known: dict[int, np.ndarray]) -> None:
+    """Leave nothing open in known frames."""
+    for i, choices in enumerate(kept):
+        pose = known.get(choices.frame)
+        if pose is not None:
+            image = choices.image.astype(float)
+            kept[i] = only_choice(fitter, choices.frame, pose, image=image, box=choices.box)
+            kept[i].rivals = [c[:0] for c in kept[i].legs]
+
+
+def _unwrapped(kept: list[Choices]) -> list[Choices]:
+    """Give headings no leaps of a whole turn: each known pose has its own."""
+    turns = np.unwrap([choices.pose[HEADING] for choices in kept])
+    for choices, turn in zip(kept, turns, strict=True):
+        choices.pose = choices.pose.copy()
+        choices.pose[HEADING] = turn
+    return kept
