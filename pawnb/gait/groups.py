@@ -37,7 +37,25 @@ _BLANK = (math.nan,) * 3
 
 
 class Difference(NamedTuple):
-    """Difference between two samples of animals; see :func:`compare_groups`."""
+    """Difference between two samples of animals; see :func:`compare_groups`.
+
+    Attributes
+    ----------
+    mean_a, mean_b : float
+        Means of the samples.
+    difference, ci_low, ci_high : float
+        b less a, with its interval.
+    effect, effect_low, effect_high : float
+        Hedges' g with its interval; NaN for phases.
+    p : float
+        p of no difference.
+    n_animals_a, n_animals_b : int
+        Numbers in the samples.
+    method : str
+        How it was found.
+    note : str
+        What the reader must know, else empty.
+    """
 
     mean_a: float
     mean_b: float
@@ -48,6 +66,8 @@ class Difference(NamedTuple):
     effect_low: float
     effect_high: float
     p: float
+    n_animals_a: int
+    n_animals_b: int
     method: str
     note: str = ""
 
@@ -192,10 +212,11 @@ def compare_two(a: np.ndarray, b: np.ndarray, *, level: float = 0.95) -> Differe
     Difference
         b less a. Without interval where a sample has one animal.
     """
+    counts = len(a), len(b)
     means = float(a.mean()), float(b.mean())
     away = means[1] - means[0]
     if min(len(a), len(b)) < 2:
-        return _no_test(*means, away)
+        return _no_test(*means, away, counts)
     squares = a.var(ddof=1) / len(a), b.var(ddof=1) / len(b)
     half, p, df = _welch(away, squares, (len(a) - 1, len(b) - 1), level)
     pooled_df = len(a) + len(b) - 2
@@ -203,7 +224,7 @@ def compare_two(a: np.ndarray, b: np.ndarray, *, level: float = 0.95) -> Differe
     size = 1.0 / math.sqrt(1.0 / len(a) + 1.0 / len(b))
     effect = hedges_g(away / pooled, size, pooled_df, level=level) if pooled > 0 else _BLANK
     method = f"Welch's t, {df:.1f} df"
-    return Difference(*means, away, away - half, away + half, *effect, p, method)
+    return Difference(*means, away, away - half, away + half, *effect, p, *counts, method)
 
 
 def compare_two_phases(a: np.ndarray, b: np.ndarray, *, level: float = 0.95) -> Difference:
@@ -221,16 +242,19 @@ def compare_two_phases(a: np.ndarray, b: np.ndarray, *, level: float = 0.95) -> 
     Difference
         b less a, the short way round. Without interval where a sample has one animal.
     """
+    counts = len(a), len(b)
     means = mean_vector(a).mean, mean_vector(b).mean
     away = float(difference(np.array([means[1]]), means[0])[0])
     if min(len(a), len(b)) < 2 or not math.isfinite(away):
-        return _no_test(*means, away)
+        return _no_test(*means, away, counts)
     squares = phase_standard_error(a) ** 2, phase_standard_error(b) ** 2
     half, p, df = _welch(away, squares, (len(a) - 1, len(b) - 1), level)
     method = f"Welch's t of phases, {df:.1f} df"
     if half >= 0.5:
-        return Difference(*means, away, *_BLANK, math.nan, math.nan, p, method, WHOLE_CYCLE)
-    return Difference(*means, away, away - half, away + half, *_BLANK, p, method)
+        return Difference(
+            *means, away, *_BLANK, math.nan, math.nan, p, *counts, method, WHOLE_CYCLE
+        )
+    return Difference(*means, away, away - half, away + half, *_BLANK, p, *counts, method)
 
 
 def compare_paired(
@@ -253,6 +277,7 @@ def compare_paired(
         Mean of b less a. Without interval for one animal.
     """
     k = len(a)
+    counts = k, k
     if circular:
         means = mean_vector(a).mean, mean_vector(b).mean
         each = np.mod(b - a, 1.0)
@@ -263,15 +288,17 @@ def compare_paired(
         away = float(each.mean())
         error = float(each.std(ddof=1)) / math.sqrt(k) if k > 1 else math.nan
     if k < 2 or not math.isfinite(away):
-        return _no_test(*means, away)
+        return _no_test(*means, away, counts)
     half, p, df = _welch(away, (error**2, 0.0), (k - 1, 1), level)
     method = f"paired t{' of phases' if circular else ''}, {df:.0f} df"
     if circular and half >= 0.5:
-        return Difference(*means, away, *_BLANK, math.nan, math.nan, p, method, WHOLE_CYCLE)
+        return Difference(
+            *means, away, *_BLANK, math.nan, math.nan, p, *counts, method, WHOLE_CYCLE
+        )
     effect = _BLANK
     if not circular and error > 0.0:
         effect = hedges_g(away / (error * math.sqrt(k)), math.sqrt(k), k - 1, level=level)
-    return Difference(*means, away, away - half, away + half, *effect, p, method)
+    return Difference(*means, away, away - half, away + half, *effect, p, *counts, method)
 
 
 def hedges_g(d: float, size: float, df: int, *, level: float = 0.95) -> tuple[float, float, float]:
@@ -360,10 +387,8 @@ def _compare(
     strides = (part[measure].to_numpy(dtype=float) for part in (one, two))
     naive = (compare_two_phases if circular else compare_two)(*strides)
     notes = "; ".join(part for part in (found.note, note) if part)
-    return found._asdict() | {
-        "n_animals_a": len(a), "n_animals_b": len(b), "n_a": len(one), "n_b": len(two),
-        "p_strides": naive.p, "note": notes,
-    }  # fmt: skip
+    counts = {"n_a": len(one), "n_b": len(two)}
+    return found._asdict() | counts | {"p_strides": naive.p, "note": notes}
 
 
 def _by_animal(part: pd.DataFrame, measure: str, circular: bool) -> pd.Series:
@@ -391,9 +416,9 @@ def _welch(
     return quantile * error, p, df
 
 
-def _no_test(mean_a: float, mean_b: float, away: float) -> Difference:
+def _no_test(mean_a: float, mean_b: float, away: float, counts: tuple[int, int]) -> Difference:
     """Return a difference that has neither interval nor p."""
     note = "one animal in a group: no interval and no p"
     if not math.isfinite(away):
         note = "a group has no mean phase"
-    return Difference(mean_a, mean_b, away, *((math.nan,) * 6), "none", note)
+    return Difference(mean_a, mean_b, away, *_BLANK, *_BLANK, *counts, "none", note)

@@ -1,7 +1,7 @@
-"""Which trials run steadily and straight, and whether the legs keep one rhythm.
+"""Which trials run steadily and straight.
 
 Pullar 2009, sections 3.6 and 3.7: only trials of reasonably constant speed and little deviation
-in heading were used, and stride durations did not differ between legs.
+in heading were used.
 """
 
 from __future__ import annotations
@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy.stats import f_oneway
 
 from pawnb.errors import InputError
 from pawnb.gait.phases import summarise_phases
@@ -21,9 +20,6 @@ from pawnb.schema import DROPPED_COLUMNS
 STEADINESS_COLUMNS = (
     "animal", "trial", "n_strides", "speed", "speed_cv", "heading_deg", "heading_sd_deg", "steady",
     "why",
-)  # fmt: skip
-DURATION_COLUMNS = (
-    "animal", "trial", "n_legs", "n_strides", "period_s", "f", "p", "longest", "shortest",
 )  # fmt: skip
 _KEYS = ["animal", "trial"]
 
@@ -163,34 +159,3 @@ def select_steady(tables: GaitTables, **thresholds: float) -> GaitTables:
         dropped=dropped,
         notes=(*tables.notes, f"{len(kept)} of {len(table)} trials are steady and were kept."),
     )
-
-
-def stride_duration_by_leg(strides: pd.DataFrame) -> pd.DataFrame:
-    """Compare stride durations between the legs of each trial (one-way analysis of variance).
-
-    Parameters
-    ----------
-    strides : pandas.DataFrame
-        Strides.
-
-    Returns
-    -------
-    pandas.DataFrame
-        ``DURATION_COLUMNS``, one row a trial: F and p of the hypothesis that all legs have one
-        mean period, within this trial only (its strides are the sample; p says nothing about
-        animals), and the legs with the longest and shortest mean. NaN with fewer than two legs
-        of two strides.
-    """
-    rows = []
-    for (animal, trial), own in strides.groupby(_KEYS, sort=False):
-        legs = {str(leg): part["period_s"].to_numpy(float) for leg, part in own.groupby("leg")}
-        usable = {leg: period for leg, period in legs.items() if len(period) > 1}
-        f = p = np.nan
-        if len(usable) > 1 and any(np.ptp(period) > 0 for period in usable.values()):
-            f, p = f_oneway(*usable.values())
-        means = {leg: period.mean() for leg, period in legs.items()}
-        longest, shortest = max(means, key=means.__getitem__), min(means, key=means.__getitem__)
-        n = sum(len(period) for period in usable.values())
-        mean = float(own["period_s"].mean())
-        rows.append([animal, trial, len(usable), n, mean, float(f), float(p), longest, shortest])
-    return pd.DataFrame(rows, columns=list(DURATION_COLUMNS))

@@ -10,6 +10,7 @@ import pandas as pd
 from pawnb.errors import InputError
 from pawnb.gait import GaitTables
 from pawnb.gait.animal_summary import summarise_animals
+from pawnb.gait.durations import compare_legs, stride_duration_by_leg
 from pawnb.gait.groups import adjust_p, compare_groups
 from pawnb.gait.joints import get_joint_angles, joint_range_table
 from pawnb.gait.scaling import speed_table
@@ -24,6 +25,7 @@ MEASURES = (
 )  # fmt: skip
 """Measures of strides that are summarised and compared."""
 
+BY_LEG = ("period_s", "stance_s", "swing_s", "duty_factor", "stride_length")
 AGAINST_SPEED = ("frequency_hz", "stride_length", "swing_s", "stance_s", "duty_factor")
 _FEWEST_TRIALS = 3
 
@@ -50,6 +52,8 @@ def statistics_tables(
     found : dict
         Name to table, those left out that cannot be made: ``animals`` (every measure of the
         strides, leg by leg, counting animals), ``steadiness`` (trial by trial),
+        ``stride_durations`` (whether legs keep one rhythm, trial by trial), ``legs`` (whether
+        measures differ between legs, over two animals or more),
         ``against_speed`` (Pullar 2009, Table 4.5; three trials or more of known speed),
         ``joint_ranges`` (Table 4.6) and ``groups`` (two groups or more: measures leg by leg
         and phases pair by pair, p adjusted by Holm over all rows).
@@ -62,6 +66,8 @@ def statistics_tables(
     if len(strides):
         found["animals"] = summarise_animals(strides, known_measures(strides))
         found["steadiness"] = steadiness(strides)
+        found["stride_durations"] = stride_duration_by_leg(strides)
+        found["legs"] = _compare_legs(strides)
         found["against_speed"] = _against_speed(strides)
     if angles is not None and len(angles):
         found["joint_ranges"] = joint_range_table(angles)
@@ -100,6 +106,21 @@ def joint_angles_of(
         own = get_joint_angles(tracks, trial=trial)
         parts.append(own if animal is None else own.assign(animal=animal))
     return pd.concat(parts, ignore_index=True) if parts else None
+
+
+def _compare_legs(strides: pd.DataFrame) -> pd.DataFrame:
+    """Compare measures between legs over animals; empty with one animal or one leg."""
+    if strides["animal"].nunique() < 2 or strides["leg"].nunique() < 2:
+        return pd.DataFrame()
+    rows = []
+    for measure in BY_LEG:
+        known = strides.dropna(subset=[measure])
+        counted = known.groupby("animal")["leg"].nunique()
+        if len(known) and (counted == known["leg"].nunique()).any():
+            row = compare_legs(known, measure=measure)._asdict()
+            row["means"] = " ".join(f"{mean:.6g}" for mean in row["means"])
+            rows.append({"measure": measure, **row, "legs": " ".join(row["legs"])})
+    return pd.DataFrame(rows)
 
 
 def _against_speed(strides: pd.DataFrame) -> pd.DataFrame:

@@ -1,4 +1,4 @@
-"""Selection of steady trials, by hand; stride durations against scipy's textbook example."""
+"""Selection of steady trials, by hand."""
 
 import dataclasses
 
@@ -9,7 +9,7 @@ from walking import Walk
 
 from pawnb.errors import InputError
 from pawnb.gait import analyse, pool
-from pawnb.gait.selection import select_steady, steadiness, stride_duration_by_leg
+from pawnb.gait.selection import select_steady, steadiness
 from pawnb.trial import Animal, Calibration, Trial
 
 
@@ -61,22 +61,3 @@ def test_unsteady_trials_are_dropped_with_a_reason():
     assert (kept.phase_summary["n_animals"] == 1).all()
     with pytest.raises(InputError, match="none of 2 trials is steady"):
         select_steady(both, max_speed_cv=1e-9)
-
-
-def test_stride_durations_between_legs():
-    # scipy.stats.f_oneway's documented example (mussel shells, McDonald 2014): F 7.121, p 0.000281
-    shells = {
-        "L1": [0.0571, 0.0813, 0.0831, 0.0976, 0.0817, 0.0859, 0.0735, 0.0659, 0.0923, 0.0836],
-        "L2": [0.0873, 0.0662, 0.0672, 0.0819, 0.0749, 0.0649, 0.0835, 0.0725],
-        "L3": [0.0974, 0.1352, 0.0817, 0.1016, 0.0968, 0.1064, 0.105],
-        "L4": [0.1033, 0.0915, 0.0781, 0.0685, 0.0677, 0.0697, 0.0764, 0.0689],
-        "R1": [0.0703, 0.1026, 0.0956, 0.0973, 0.1039, 0.1045],
-    }
-    table = pd.concat(
-        [pd.DataFrame({"animal": "a", "trial": "t", "leg": k, "period_s": v})
-         for k, v in shells.items()]
-    )  # fmt: skip
-    row = stride_duration_by_leg(table).iloc[0]
-    assert row["f"] == pytest.approx(7.121, abs=1e-3)
-    assert row["p"] == pytest.approx(0.000281, abs=1e-6)
-    assert (row["longest"], row["shortest"]) == ("L3", "L2")

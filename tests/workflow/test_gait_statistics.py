@@ -98,7 +98,7 @@ def test_groups_that_cannot_be_compared_are_a_note_and_no_error():
 def test_events_alone_give_no_speed():
     tables, _ = two_groups()
     found, _ = statistics_tables(tables)
-    assert set(found) == {"animals", "steadiness"}
+    assert set(found) == {"animals", "steadiness", "stride_durations", "legs"}
     period = found["animals"].set_index(["leg", "measure"]).loc[("L1", "period_s")]
     assert period["mean"] == pytest.approx(0.225)
     assert period["n_animals"] == 8
@@ -149,3 +149,16 @@ def test_angles_take_the_name_of_the_trials_animal():
     assert set(angles["animal"]) == {"nora"}
     assert set(angles["trial"]) == {"t1"}
     assert joint_angles_of([(run.tracks().drop_vars("joint_angle"), None, "t1")]) is None
+
+
+def test_legs_are_compared_over_animals():
+    tables, _ = two_groups()
+    found, _ = statistics_tables(tables)
+    row = found["legs"].set_index("measure").loc["period_s"]
+    assert (row["legs"], row["n_animals"]) == ("L1 R1", 8)
+    # both legs of an animal have one period: see events_of
+    assert "the legs differ by the same in every animal" in row["note"]
+    assert set(found["stride_durations"]["n_animals"]) == {1}
+    assert len(found["stride_durations"]) == 8
+    one = gait.analyse_events(events_of("m", "t", 0.2))
+    assert "legs" not in statistics_tables(one)[0]
