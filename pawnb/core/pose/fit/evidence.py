@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
+import cv2
 import numpy as np
 
 from pawnb.core.pose.fit.evidence_loops import block_gains, darkness, smooth_gains
@@ -18,6 +19,10 @@ from pawnb.core.views import Frame
 _LUMA = np.array([0.299, 0.587, 0.114])
 _BLOCKS_ACROSS = 9
 """Blocks along the crop in which the light is estimated."""
+_LEVELS = 200.0
+"""Steps of darkness, so that the opening works on bytes."""
+_UNEVEN, _BLACK = 0.02, 0.9
+"""Darkness below which a wide thing is unevenness of the background; and at most of one."""
 
 
 class BackgroundPicture(Protocol):
@@ -100,6 +105,40 @@ class Evidence:
         seen, weight = np.empty(image.shape), np.empty(image.shape)
         darkness(image, mean, sd, gains, block, self.light, self.spread, seen, weight)
         return Sight(seen, weight, np.array([float(u0), float(v0)]))
+
+
+def without_wide(sight: Sight, body: np.ndarray, *, size: int) -> Sight:
+    """Return a sight in which only the body and what is as thin as a leg is dark.
+
+    Wings, the shadow of someone who passes, a lump of debris that a leg touches: whatever holds a
+    disc wider than the thickest leg is no leg. It is taken as a filter before which legs are
+    seen, as far as it is not black.
+
+    Parameters
+    ----------
+    sight : Sight
+        What the crop shows.
+    body : ndarray of bool, shape (H, W)
+        Where the body may be, which is wide itself: it stays as it is.
+    size : int
+        Diameter of the disc, working px.
+
+    Returns
+    -------
+    Sight
+        Darkness relative to the light that is left, and its weight.
+
+    Notes
+    -----
+    The filter is the grey opening by the disc (Serra 1982), and what is left the top hat of the
+    picture, divided by the light that the filter lets through.
+    """
+    whole = np.round(_LEVELS * np.clip(sight.seen, 0.0, 1.0)).astype(np.uint8)
+    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
+    wide = cv2.morphologyEx(whole, cv2.MORPH_OPEN, disc) / _LEVELS
+    wide = np.where(body, 0.0, np.clip(wide - _UNEVEN, 0.0, _BLACK))
+    left = 1.0 - wide
+    return Sight((sight.seen - wide) / left, sight.weight * left**2, sight.box)
 
 
 def grey(pixels: np.ndarray) -> np.ndarray:

@@ -8,9 +8,9 @@ import numpy as np
 
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.fit.candidate_loops import leg_support, unexplained
-from pawnb.core.pose.fit.evidence import Evidence
+from pawnb.core.pose.fit.evidence import Evidence, without_wide
 from pawnb.core.pose.fit.layout import N_BODY, Layout
-from pawnb.core.pose.fit.paint_loops import leg_chain, make_canvas
+from pawnb.core.pose.fit.paint_loops import NOTHING, leg_chain, make_canvas
 from pawnb.core.pose.fit.priors import parameter_kinds
 from pawnb.core.pose.fit.settings import PoseSettings
 from pawnb.core.pose.fit.solve_loops import Prior, Sight, fit_pose, normal_matrix, paint_some
@@ -19,6 +19,10 @@ from pawnb.core.views import Frame
 SQRT5 = float(np.sqrt(5.0))
 _COVER_BLUR_PX = 7.0
 """Blur of the painted prediction that keeps the animal out of the estimate of the light."""
+_BODY_MARGIN_PX = 7.0
+"""How far from its expected place the body's edge may be, working px."""
+_WIDER = 2.2
+"""A disc of so many thicknesses is no part of legs, even where two lie side by side."""
 _ENOUGH = 0.5
 """A fit ends when a step lowers its cost by less."""
 
@@ -98,24 +102,42 @@ class FrameFitter:
         """Return the crop that holds the expected animal."""
         return self.evidence.crop_box(expected[:2], self.reach)
 
-    def look(self, frame: Frame, expected: np.ndarray) -> tuple[Sight, np.ndarray, tuple]:
+    def look(
+        self, frame: Frame, expected: np.ndarray, *, margin: float = _BODY_MARGIN_PX
+    ) -> tuple[Sight, np.ndarray, tuple]:
         """Return what a frame shows about the expected pose, its grey pixels and their box."""
         box = self.box(expected)
         image = self.evidence.pixels(frame, box)
-        return self.sight(image, box, expected), image, box
+        return self.sight(image, box, expected, margin=margin), image, box
 
     def sight(
-        self, image: np.ndarray, box: tuple[int, int, int, int], expected: np.ndarray
+        self,
+        image: np.ndarray,
+        box: tuple[int, int, int, int],
+        expected: np.ndarray,
+        *,
+        margin: float = _BODY_MARGIN_PX,
     ) -> Sight:
-        """Return what grey pixels show, the expected animal left out of the light."""
+        """Return what grey pixels show, the expected animal left out of the light.
+
+        What is wider than a leg and further than ``margin`` (working px) from the expected body
+        does not count as dark; see :func:`.evidence.without_wide`.
+        """
         empty = Sight(image, image, np.array([float(box[0]), float(box[1])]))
         value, owner, along, joints = self.canvas(empty)
         paint_some(
             self.layout, expected, _COVER_BLUR_PX, empty.box, self.all_shown,
             value, owner, along, joints,
         )  # fmt: skip
-        covered = np.where(owner == -1, -1, 0)
-        return self.evidence.sight(image, box, covered)
+        covered = np.where(owner == NOTHING, NOTHING, 0)
+        seen = self.evidence.sight(image, box, covered)
+        if np.isinf(margin):
+            return seen
+        paint_some(
+            self.layout, expected, margin, empty.box, self.body_shown, value, owner, along, joints
+        )
+        thickest = 2.0 * float(self.layout.radius.max()) + self.blur
+        return without_wide(seen, owner != NOTHING, size=2 * round(_WIDER * thickest / 2) + 1)
 
     def fit(
         self,

@@ -19,7 +19,7 @@ from pawnb.core.pose.fit.choices import (
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.layout import N_BODY, Layout
 from pawnb.core.pose.fit.learn import learn_look
-from pawnb.core.pose.fit.paint_loops import NOTHING
+from pawnb.core.pose.fit.paint_loops import NOTHING, paint, picture_cost
 from pawnb.core.pose.fit.priors import about
 from pawnb.core.pose.fit.solve_loops import Prior, Sight
 from pawnb.core.views import Frame
@@ -33,6 +33,10 @@ _SHORTER = (0.05, -0.05, -0.15, -0.25, -0.4)
 """Logarithms of foreshortening of whole legs that are tried in the start frame."""
 _COARSE_BLURS = (8.0, 4.0)
 _DARK_LIMITS = (0.2, 1.0)
+_BLUR_STEP = 0.85
+_BLURS = (0.75, 4.0)
+"""Half widths of the blur that are tried, working px: with a narrower one the painted edge lies
+between the middles of pixels, and the fit does not feel which way to move it."""
 
 
 def partners(animal: StickAnimal) -> np.ndarray:
@@ -102,6 +106,7 @@ def fit_start(
             soft=settings.soft_error,
         )  # fmt: skip
     sight, _, _ = fitter.look(frame, pose)
+    _learn_blur(fitter, pose, sight, partner=partner)
     pose, _ = fitter.fit(pose, sight, prior, rounds=20)
     high = fitter.anatomy.high.copy()
     longest = pose[fitter.lengths] + np.log(_LATER_LONGER)
@@ -110,9 +115,40 @@ def fit_start(
     return pose, fitter.body_support(pose, sight)
 
 
+def _learn_blur(
+    fitter: FrameFitter, pose: np.ndarray, sight: Sight, *, partner: np.ndarray
+) -> None:
+    """Make the fitter's blur, and with it its layout, those that explain the start frame best.
+
+    Too wide a blur paints a halo about a thin leg that costs nearly as much as the leg explains:
+    its pale end is given up.
+    """
+
+    def learnt(blur: float) -> tuple[float, Layout]:
+        layout = learn_look(
+            fitter.layout, [(pose, sight)], first=fitter.first, partner=partner, blur=blur,
+            soft=fitter.settings.soft_error,
+        )  # fmt: skip
+        value, owner, along, joints = fitter.canvas(sight)
+        paint(layout, pose, blur, sight.box, value, owner, along, joints)
+        soft = fitter.settings.soft_error
+        return picture_cost(value, owner, sight.seen, sight.weight, soft), layout
+
+    best, _ = learnt(fitter.blur)
+    for factor in (_BLUR_STEP, 1.0 / _BLUR_STEP):
+        first = fitter.blur
+        while _BLURS[0] <= fitter.blur * factor <= _BLURS[1]:
+            cost, layout = learnt(fitter.blur * factor)
+            if cost >= best:
+                break
+            best, fitter.layout, fitter.blur = cost, layout, fitter.blur * factor
+        if fitter.blur != first:
+            return
+
+
 def _first_darkness(fitter: FrameFitter, frame: Frame, pose: np.ndarray) -> Layout:
     """Return the layout as dark as the place that the person gave the body."""
-    sight, _, _ = fitter.look(frame, pose)
+    sight, _, _ = fitter.look(frame, pose, margin=np.inf)
     canvas = fitter.canvas(sight)
     paint_base(fitter.layout, pose, fitter.blur, sight, canvas[0], canvas[1])
     inside = sight.seen[canvas[1] != NOTHING]
@@ -130,7 +166,7 @@ def _fit_body(fitter: FrameFitter, frame: Frame, pose: np.ndarray, prior: Prior)
     """Return the pose with its body moved onto the picture, coarse to fine."""
     shown = np.zeros(len(fitter.animal.legs) + 1, bool)
     shown[-1] = True
-    sight, _, _ = fitter.look(frame, pose)
+    sight, _, _ = fitter.look(frame, pose, margin=np.inf)
     for blur in (16.0, 8.0, 3.0):
         soft = blurred(sight, blur)
         pose, _ = fitter.fit(
