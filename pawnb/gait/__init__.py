@@ -2,6 +2,7 @@
 
 from pawnb.gait.analysis import analyse, analyse_events
 from pawnb.gait.body_angles import body_angles
+from pawnb.gait.event_edits import replay_event_edits
 from pawnb.gait.events import EventSettings
 from pawnb.gait.pose_body import leg_angles
 from pawnb.gait.tables import GaitTables, pool
@@ -14,4 +15,5 @@ __all__ = [
     "body_angles",
     "leg_angles",
     "pool",
+    "replay_event_edits",
 ]

@@ -7,6 +7,7 @@ that were found are never changed: reading the file again gives the present stat
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from collections.abc import Sequence
 from pathlib import Path
@@ -28,7 +29,7 @@ from pawnb.gait.event_edit_records import (
 )
 from pawnb.gait.strides import choose_stride_event
 from pawnb.gait.tables import GaitTables, rebuild_tables
-from pawnb.io.journal import Journal, enter_step
+from pawnb.io.journal import Journal, enter_step, read_journal
 
 HAND = "hand"
 """``method`` of events that a person moved."""
@@ -37,7 +38,7 @@ _CLOSE_S = 1e-6
 
 __all__ = [
     "FILE_NAME", "DeleteEvent", "EventEdit", "EventEdits", "ExcludeStride", "MoveEvent",
-    "apply_event_edits", "replay_event_edits",
+    "apply_event_edits", "read_event_edits", "replay_event_edits",
 ]  # fmt: skip
 
 
@@ -47,7 +48,8 @@ class EventEdits:
     Parameters
     ----------
     tables : GaitTables
-        The analysis; it is not modified.
+        The analysis; it is not modified. Where it holds corrections already, they give way to
+        those of ``path``.
     path : str or Path, optional
         ``event_edits.jsonl``. What it holds already is applied; without a path nothing is kept.
 
@@ -67,14 +69,14 @@ class EventEdits:
     """
 
     def __init__(self, tables: GaitTables, path: str | Path | None = None) -> None:
-        self._found = tables
+        self._found = tables if tables.found is None else tables.found
         self._file = None if path is None else Journal(path, EVENT_EDIT_LINES, made_in="analysis")
         self.notes = [] if self._file is None else list(self._file.notes)
         self._past: list[EventEdit] = []
         self._future: list[EventEdit] = []
         for entry in [] if self._file is None else self._file.entries:
             enter_step(self._past, self._future, entry)
-        self.tables = apply_event_edits(tables, self._past)
+        self.tables = apply_event_edits(self._found, self._past)
 
     @property
     def active(self) -> tuple[EventEdit, ...]:
@@ -134,27 +136,83 @@ class EventEdits:
         return tables
 
 
-def replay_event_edits(tables: GaitTables, path: str | Path) -> GaitTables:
-    """Return an analysis with the corrections of a file; a file that is not there has none.
+def replay_event_edits(tables: GaitTables, paths: str | Path | Sequence[str | Path]) -> GaitTables:
+    """Return an analysis with the corrections of files; a file that is not there has none.
 
     Parameters
     ----------
     tables : GaitTables
-        The analysis as it came from tracks or events.
-    path : str or Path
-        ``event_edits.jsonl``.
+        The analysis as it came from tracks or events, of one trial or pooled; corrections that
+        it holds already give way to those of the files.
+    paths : str, Path or a sequence of them
+        Files ``event_edits.jsonl``; they are only read.
 
     Returns
     -------
     GaitTables
-        The tables with every correction in force.
+        The tables with every correction in force. Their notes say how many there are, and how
+        many are of trials or legs that are not in this analysis and therefore left out.
 
     Raises
     ------
     InputError
-        If the file cannot be read, or a correction does not fit these events.
+        If a file cannot be read, or a correction does not fit these events.
     """
-    return EventEdits(tables, path).tables
+    tables = tables if tables.found is None else tables.found
+    files = [Path(path) for path in ([paths] if isinstance(paths, str | Path) else paths)]
+    here = set(tables.events[["animal", "trial", "leg"]].itertuples(index=False, name=None))
+    fitting: list[EventEdit] = []
+    notes: list[str] = []
+    for file in files:
+        edits, remarks = read_event_edits(file)
+        own = [edit for edit in edits if (edit.animal, edit.trial, edit.leg) in here]
+        fitting += own
+        notes += remarks
+        if own:
+            notes.append(f"{file.name}: corrections by hand in force: {len(own)}.")
+        odd = [edit for edit in edits if edit not in own]
+        if odd:
+            notes.append(
+                f"{file.name}: corrections left out, as their trial or leg is not in this "
+                f"analysis: {len(odd)} (the first is of {odd[0].leg} of {odd[0].animal}, "
+                f"{odd[0].trial})."
+            )
+    try:
+        corrected = apply_event_edits(tables, fitting)
+    except InputError as error:
+        names = ", ".join(str(file) for file in files if file.exists())
+        raise InputError(
+            f"{names}: {error} To analyse without these corrections, give the file another name."
+        ) from None
+    return dataclasses.replace(corrected, notes=(*tables.notes, *notes))
+
+
+def read_event_edits(path: str | Path) -> tuple[list[EventEdit], list[str]]:
+    """Read the corrections that are in force, without changing the file.
+
+    Parameters
+    ----------
+    path : str or Path
+        ``event_edits.jsonl``; one that does not exist holds none.
+
+    Returns
+    -------
+    edits : list of MoveEvent, DeleteEvent or ExcludeStride
+        In the order they were made, without what was undone.
+    notes : list of str
+        What a person should know of the file.
+
+    Raises
+    ------
+    InputError
+        If a line other than the last cannot be read.
+    """
+    entries, notes = read_journal(path, EVENT_EDIT_LINES)
+    past: list[EventEdit] = []
+    future: list[EventEdit] = []
+    for entry in entries:
+        enter_step(past, future, entry)
+    return past, notes
 
 
 def apply_event_edits(tables: GaitTables, edits: Sequence[EventEdit]) -> GaitTables:
@@ -163,7 +221,8 @@ def apply_event_edits(tables: GaitTables, edits: Sequence[EventEdit]) -> GaitTab
     Parameters
     ----------
     tables : GaitTables
-        The analysis as it came from tracks or events.
+        The analysis as it came from tracks or events; corrections that it holds already give way
+        to these.
     edits : sequence of EventEdit
         Corrections, in the order they were made.
 
@@ -171,13 +230,14 @@ def apply_event_edits(tables: GaitTables, edits: Sequence[EventEdit]) -> GaitTab
     -------
     GaitTables
         The tables. Moved events have the method ``"hand"``; excluded strides are among what was
-        dropped, with their reason.
+        dropped, with their reason. ``found`` is the analysis without corrections.
 
     Raises
     ------
     InputError
         If a correction does not fit the events.
     """
+    tables = tables if tables.found is None else tables.found
     if not edits:
         return tables
     events = tables.events.copy()
@@ -190,9 +250,13 @@ def apply_event_edits(tables: GaitTables, edits: Sequence[EventEdit]) -> GaitTab
         else:
             events = _moved(events, edit, tables)
     columns = ["animal", "trial", "leg", "time_s", "why"]
-    return rebuild_tables(
-        tables, events.reset_index(drop=True), excluded=pd.DataFrame(excluded, columns=columns)
+    corrected = rebuild_tables(
+        tables,
+        events.reset_index(drop=True),
+        excluded=pd.DataFrame(excluded, columns=columns),
+        trials={(edit.animal, edit.trial) for edit in edits},
     )
+    return dataclasses.replace(corrected, found=tables)
 
 
 def _own(events: pd.DataFrame, edit: EventEdit) -> pd.DataFrame:

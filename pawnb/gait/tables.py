@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import pandas as pd
@@ -55,6 +55,8 @@ class GaitTables:
         :mod:`pawnb.gait.cycles`.
     bases : tuple of TrialBasis
         What the tables of each trial were made from, for :func:`rebuild_tables`.
+    found : GaitTables, optional
+        The same analysis before events were corrected by hand; None where none were.
     """
 
     events: pd.DataFrame
@@ -66,6 +68,7 @@ class GaitTables:
     settings: EventSettings = field(default_factory=EventSettings)
     signals: tuple[LegSignals, ...] = ()
     bases: tuple[TrialBasis, ...] = ()
+    found: GaitTables | None = None
 
 
 def pool(parts: Sequence[GaitTables]) -> GaitTables:
@@ -115,22 +118,38 @@ def pool(parts: Sequence[GaitTables]) -> GaitTables:
         settings=parts[0].settings,
         signals=tuple(one for part in parts for one in part.signals),
         bases=tuple(one for part in parts for one in part.bases),
+        found=_pool_found(parts),
     )
 
 
+def _pool_found(parts: Sequence[GaitTables]) -> GaitTables | None:
+    """Return what the parts were before corrections; None where no part has any."""
+    if all(part.found is None for part in parts):
+        return None
+    return pool([part if part.found is None else part.found for part in parts])
+
+
 def rebuild_tables(
-    tables: GaitTables, events: pd.DataFrame, *, excluded: pd.DataFrame | None = None
+    tables: GaitTables,
+    events: pd.DataFrame,
+    *,
+    excluded: pd.DataFrame | None = None,
+    trials: Collection[tuple[str, str]] | None = None,
 ) -> GaitTables:
     """Make strides, phases and their summary again from other events.
 
     Parameters
     ----------
     tables : GaitTables
-        The result of an analysis; a selection made from it later is not kept.
+        The result of an analysis; a selection made from it later is not kept in what is made
+        again.
     events : pandas.DataFrame
         Events of the same trials, in the order of ``tables.events``.
     excluded : pandas.DataFrame, optional
         Strides that shall not count: ``animal, trial, leg, time_s`` (within the stride), ``why``.
+    trials : collection of (animal, trial), optional
+        Where events or excluded strides are others; the rest stays as it is, which is far
+        quicker than making it again. Default all.
 
     Returns
     -------
@@ -148,10 +167,26 @@ def rebuild_tables(
         )
     parts = []
     for basis in tables.bases:
+        if trials is not None and (basis.who["animal"], basis.who["trial"]) not in trials:
+            parts.append(_part_of(tables, basis))
+            continue
         own = _of_trial(events, basis.who).reset_index(drop=True)
         without = None if excluded is None else _of_trial(excluded, basis.who)
         parts.append(build_tables(own, settings=tables.settings, excluded=without, **vars(basis)))
     return replace(pool(parts), notes=tables.notes, bases=tables.bases)
+
+
+def _part_of(tables: GaitTables, basis: TrialBasis) -> GaitTables:
+    """Return the tables of one animal and trial as they are; :func:`pool` sums up phases."""
+    return GaitTables(
+        events=_of_trial(tables.events, basis.who),
+        strides=_of_trial(tables.strides, basis.who),
+        phases=_of_trial(tables.phases, basis.who),
+        phase_summary=tables.phase_summary.head(0),
+        dropped=_of_trial(tables.dropped, basis.who),
+        settings=tables.settings,
+        signals=tuple(basis.signals),
+    )
 
 
 def _of_trial(table: pd.DataFrame, who: Mapping[str, str]) -> pd.DataFrame:

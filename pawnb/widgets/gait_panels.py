@@ -27,7 +27,7 @@ _PICKED = OKABE_ITO["yellow"]
 _EVENT = OKABE_ITO["vermillion"]
 """The event that is picked, on the yellow of its stride."""
 _LINE = OKABE_ITO["blue"]
-_DASHES = {"AEP": "-", "PEP": "--", "TD": "-.", "LO": ":"}
+_DASHES: dict[str, Any] = {"AEP": "-", "PEP": "--", "TD": "-.", "LO": ":"}
 _SCREEN_PT = 9.0
 """The figures' own 7 pt are for paper; on a screen at 100 dots per inch that is too small."""
 _EDGED = [withStroke(linewidth=5.0, foreground="black")]

@@ -83,6 +83,7 @@ class GaitSession:
         own = [(str(leg), str(reference)) for leg, reference in pairs.to_numpy().tolist()]
         self.pairs: tuple[tuple[str, str], ...] = tuple(own)
         self.pair = self.pairs[0] if self.pairs else (self.all_legs[0], self.all_legs[-1])
+        self._leg = self.pair[0]
         self.stride = self.event = None
         self._missed = ""
 
@@ -97,7 +98,7 @@ class GaitSession:
         """Show the phases of another pair; raises InputError where it has none."""
         if (leg, reference) not in self.pairs:
             raise InputError(f"the phase of {leg} to {reference} was not measured.")
-        self.pair = (leg, reference)
+        self.pair, self._leg = (leg, reference), leg
 
     def _of_trial(self, table: pd.DataFrame) -> pd.DataFrame:
         """Return the rows of the trial that is shown."""
@@ -151,14 +152,14 @@ class GaitSession:
 
     @property
     def shown_leg(self) -> str:
-        """The leg whose signal is shown: that of the stride picked, else of the pair."""
-        return self.stride[0] if self.stride is not None else self.pair[0]
+        """The leg whose signal is shown: that of the stride picked, else the one clicked last."""
+        return self.stride[0] if self.stride is not None else self._leg
 
     def pick(self, leg: str, time_s: float) -> tuple[str, float] | None:
         """Pick the stride of a leg at a time; None where there is none that counts."""
         row = self._stride_at(leg, time_s)
         self.stride = None if row is None else (leg, float(row["start_s"]))
-        self.event = None
+        self.event, self._leg = None, leg
         self._missed = "" if row is not None else self._why_none(leg, time_s)
         return self.stride
 

@@ -15,6 +15,7 @@ from pawnb import gait
 from pawnb.errors import InputError, did_you_mean
 from pawnb.gait import GaitTables
 from pawnb.gait.coordination import coordination_tables
+from pawnb.gait.event_edits import FILE_NAME
 from pawnb.gait.leg_names import choose_legs
 from pawnb.io.tables import write_table
 from pawnb.workflow.gait_drawings import gait_drawings
@@ -84,6 +85,9 @@ def run_gait(
 ) -> GaitRun:
     """Analyse the gait of one or more inputs; write tables, statistics and figures.
 
+    Corrections of events made by hand (``event_edits.jsonl`` in the results of an input, or in
+    ``out``) are made again.
+
     Parameters
     ----------
     inputs : sequence of str or Path
@@ -131,15 +135,17 @@ def run_gait(
     if out is None:
         out = sources[0].folder if len(sources) == 1 else Path(RESULTS_FOLDER)
     folder = make_folder(out)
+    edits = _event_edit_files(sources, folder)
+    tables = gait.replay_event_edits(tables, edits)
     step = build_step(
         "gait",
         command=command,
-        inputs={_label(source): file_checksum(source.path) for source in sources},
+        inputs={_label(path): file_checksum(path) for path in (*(s.path for s in sources), *edits)},
         settings=dataclasses.asdict(tables.settings),
         legs=dict(legs) if isinstance(legs, Mapping) else list(legs) if legs else None,
         event_names=dict(event_names) if event_names else None,
         sources={
-            _label(source): provenance_steps(source.tracks)
+            _label(source.path): provenance_steps(source.tracks)
             for source in sources
             if source.tracks is not None
         },
@@ -286,6 +292,12 @@ def _choose_event_legs(events: pd.DataFrame, legs: Legs, path: Path) -> pd.DataF
     return chosen.assign(leg=chosen["leg"].astype(str).map({v: k for k, v in named.items()}))
 
 
-def _label(source: GaitSource) -> str:
+def _event_edit_files(sources: Sequence[GaitSource], out: Path) -> list[Path]:
+    """Return the corrections of events beside the results of the inputs, and of this run."""
+    folders = {folder.resolve(): folder for folder in (*(s.folder for s in sources), out)}
+    return [path for f in folders.values() if (path := f / FILE_NAME).exists()]
+
+
+def _label(path: Path) -> str:
     """Name an input in the provenance without its absolute path."""
-    return f"{source.path.parent.name}/{source.path.name}"
+    return f"{path.parent.name}/{path.name}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -136,6 +137,65 @@ def test_other_trials_are_left_alone(tables):
     second = out.strides[out.strides["trial"] == "t2"]["period_s"]
     np.testing.assert_allclose(second, 0.2)
     assert out.phase_summary["n"].sum() == both.phase_summary["n"].sum()
+
+
+def test_only_corrected_trials_are_made_again_and_the_rest_is_the_same(tracked):
+    """All trials made again by build_tables, and only the one corrected, give the same tables."""
+    run = simulate_spider_study(animals=1, trials=1, seed=4).runs[0]
+    other = gait.analyse(run.tracks(noise_px=0.2), trial=replace(run.trial, name="second"))
+    both = gait.pool([tracked, other])
+    own = other.strides.iloc[4]
+    edit = ExcludeStride(animal=own["animal"], trial="second", leg=own["leg"],
+                         start_s=own["start_s"], reason="x")  # fmt: skip
+    out = apply_event_edits(both, [edit])
+    same(out, gait.pool([tracked, apply_event_edits(other, [edit])]))
+    assert len(out.strides) == len(both.strides) - 1
+    assert len(out.signals) == len(both.signals)
+
+
+def test_corrections_are_made_in_what_was_found_not_twice(tables, tmp_path):
+    path = tmp_path / "event_edits.jsonl"
+    log = EventEdits(tables, path)
+    log.apply(move(0.42))
+    once = replay_event_edits(tables, path)
+    same(replay_event_edits(once, path), once)
+    assert replay_event_edits(once, path).notes == once.notes
+    # opened on corrected tables, pooled with others, they can still be undone
+    other = gait.analyse_events(tables.events.assign(trial="t2"))
+    again = EventEdits(gait.pool([once, other]), path)
+    assert len(again.active) == 1
+    same(again.undo(), gait.pool([tables, other]))
+
+
+def test_corrections_of_other_trials_and_legs_are_left_out_and_said(tables, tmp_path):
+    path = tmp_path / "event_edits.jsonl"
+    both = gait.pool([tables, gait.analyse_events(tables.events.assign(trial="t2"))])
+    log = EventEdits(both, path)
+    log.apply(move(0.42))
+    log.apply(replace(move(0.38), trial="t2"))
+    out = replay_event_edits(tables, path)
+    same(out, apply_event_edits(tables, [move(0.42)]))
+    assert out.notes[-2:] == (
+        "event_edits.jsonl: corrections by hand in force: 1.",
+        "event_edits.jsonl: corrections left out, as their trial or leg is not in this analysis: "
+        "1 (the first is of R1 of m1, t2).",
+    )
+    assert replay_event_edits(tables, tmp_path / "none.jsonl").notes == tables.notes
+    # one file for each trial: both count
+    second = tmp_path / "second.jsonl"
+    EventEdits(both, second).apply(ExcludeStride(**WHO, leg="L1", start_s=0.3, reason="x"))
+    twice = replay_event_edits(tables, [path, second])
+    assert len(twice.strides) == len(tables.strides) - 1
+    assert np.isclose(strides_of(twice, "R1")["start_s"], 0.42).any()
+
+
+def test_events_found_anew_are_told_with_the_file(tables, tmp_path):
+    path = tmp_path / "event_edits.jsonl"
+    EventEdits(tables, path).apply(move(0.42))
+    moved = tables.events.assign(time_s=tables.events["time_s"] + 0.003)
+    message = r"event_edits.jsonl: trial 't1': R1 has no AEP at 0.4000 s; .* give the file another"
+    with pytest.raises(InputError, match=message):
+        replay_event_edits(gait.analyse_events(moved), path)
 
 
 def test_undo_redo_and_replay(tables, tmp_path):

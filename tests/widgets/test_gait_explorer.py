@@ -245,6 +245,7 @@ def test_a_stride_that_does_not_count_says_why(tables):
     session.exclude_stride("stumbled")
     assert session.pick("R1", 0.45) is None
     assert "this stride of R1 does not count: excluded by hand: stumbled" in session.text()
+    assert session.shown_leg == "R1"  # the leg that was clicked, not the pair's L1
     session.pick("R1", 5.0)
     assert "R1 has no whole stride at 5.000 s" in session.text()
     session.undo()

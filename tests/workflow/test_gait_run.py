@@ -10,6 +10,7 @@ import pytest
 
 from pawnb import schema
 from pawnb.errors import InputError
+from pawnb.gait.event_edits import EventEdits, ExcludeStride, MoveEvent
 from pawnb.io.native import points3d_table, write_tracks
 from pawnb.io.tables import write_table
 from pawnb.trial import Animal, Calibration, Trial
@@ -119,6 +120,46 @@ def test_inputs_are_pooled_by_animal(tmp_path):
     assert run.tables.strides["animal"].nunique() == 2
     sources = json.loads((tmp_path / "pooled" / "provenance.json").read_text())["steps"][0]
     assert sorted(sources["inputs"]) == ["t1/tracks.nc", "t2/tracks.nc", "t3/tracks.nc"]
+
+
+def test_corrections_of_events_are_made_again(tmp_path):
+    folders = [tmp_path / trial / "results" for trial in ("t1", "t2")]
+    for trial, folder in zip(("t1", "t2"), folders, strict=True):
+        folder.mkdir(parents=True)
+        write_tracks(walking_tracks(trial, "m1"), folder / "tracks.nc")
+    before = run_gait([folders[0]], figures="none")
+    stride = before.tables.strides.iloc[2]
+    edits = EventEdits(before.tables, folders[0] / "event_edits.jsonl")
+    who = {"animal": "m1", "trial": "t1", "leg": stride["leg"]}
+    edits.apply(ExcludeStride(**who, start_s=stride["start_s"], reason="stumbled"))
+    end_s = stride["start_s"] + stride["period_s"]
+    edits.apply(MoveEvent(**who, event="AEP", time_s=end_s, to_s=end_s + 0.01))
+    run = run_gait([folders[0]], figures="none")
+    assert len(run.tables.strides) == len(before.tables.strides) - 1
+    dropped = pd.read_csv(folders[0] / "dropped.csv")
+    assert dropped["why"].eq("excluded by hand: stumbled").sum() == 1
+    events = pd.read_csv(folders[0] / "events.csv")
+    np.testing.assert_allclose(events.loc[events["method"] == "hand", "time_s"], end_s + 0.01)
+    assert "note: event_edits.jsonl: corrections by hand in force: 2." in run.text()
+    inputs = json.loads((folders[0] / "provenance.json").read_text())["steps"][0]["inputs"]
+    assert sorted(inputs) == ["results/event_edits.jsonl", "results/tracks.nc"]
+    # what was found is still there: corrections are not made twice, and can be undone
+    again = EventEdits(run.tables, folders[0] / "event_edits.jsonl")
+    again.undo()
+    assert not again.tables.events["method"].eq("hand").any()
+
+    # pooled, beside corrections of the pooled analysis
+    out = tmp_path / "pooled"
+    pooled = run_gait(folders, figures="none", out=out)
+    second = pooled.tables.strides.query("trial == 't2'").iloc[0]
+    EventEdits(pooled.tables, out / "event_edits.jsonl").apply(
+        ExcludeStride(
+            animal="m1", trial="t2", leg=second["leg"], start_s=second["start_s"], reason="turned"
+        )
+    )
+    pooled = run_gait(folders, figures="none", out=out)
+    why = pooled.tables.dropped["why"].tolist()
+    assert why.count("excluded by hand: stumbled") == why.count("excluded by hand: turned") == 1
 
 
 def test_events_scored_by_hand_will_do(tmp_path):
