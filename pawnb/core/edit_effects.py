@@ -8,7 +8,9 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from pawnb.core.edit_records import Accept, Edit, Hide, Move, Retrack, Swap
+from pawnb.core.edit_records import Accept, Edit, Hide, Move, Pose, Retrack, Swap
+from pawnb.core.pose.as_tracks import is_pose
+from pawnb.core.pose.corrected import put_pose
 from pawnb.errors import InputError, did_you_mean
 from pawnb.schema import ORIGIN_CODE, Tracks, check_tracks
 
@@ -54,8 +56,8 @@ def apply_edit(
     ----------
     tracks : xarray.Dataset
         Tracks of one individual with image positions; not modified.
-    edit : Move, Accept, Hide, Swap or Retrack
-        The correction.
+    edit : Move, Accept, Hide, Swap, Pose or Retrack
+        The correction. Of a jointed animal it is a whole pose, or tracking again.
     rig : Rig, optional
         The calibrated views.
     px_per_unit : float, optional
@@ -76,14 +78,24 @@ def apply_edit(
     Raises
     ------
     InputError
-        If the frame, view or point is not in the tracks.
+        If the frame, view or point is not in the tracks, or the correction is of another kind
+        of animal.
     """
     check_editable(tracks)
     row = _row(tracks, edit.frame)
+    if isinstance(edit, Pose):
+        return put_pose(tracks, edit.frame, edit.pose)
     if isinstance(edit, Retrack):
         if retrack is not None and edit.learn:
             retrack = partial(retrack, learn=True)
+        if is_pose(tracks):
+            return _poses_again(tracks, edit.frame, retrack)
         return _retracked(tracks, edit.frame, retrack, rig, px_per_unit, hidden)
+    if is_pose(tracks):
+        raise InputError(
+            "a point of a jointed animal cannot be moved by itself; correct its pose with "
+            "pawnb.widgets.StickPoser(trial, tracks=tracks)."
+        )
     new = tracks.copy(deep=True)
     solve = _Solver(new, rig, px_per_unit)
     if isinstance(edit, Swap):
@@ -159,6 +171,23 @@ def _swap(tracks: Tracks, edit: Swap, row: int, solve: _Solver) -> None:
             values[:, pair] = values[:, pair[::-1]]
 
 
+def _poses_again(tracks: Tracks, frame: int, retrack: Retracker | None) -> Tracks:
+    """Track poses again about a frame: the tracker itself keeps what a person posed."""
+    new = _tracker(retrack, frame)(tracks.copy(deep=True), frame)
+    check_editable(new)
+    return new
+
+
+def _tracker(retrack: Retracker | None, frame: int) -> Retracker:
+    """Return the tracker, or say that none was given."""
+    if retrack is None:
+        raise InputError(
+            f"tracking again from frame {frame} is not possible here: no tracker was given; "
+            "open the tracks together with their trial."
+        )
+    return retrack
+
+
 def _retracked(
     tracks: Tracks,
     frame: int,
@@ -168,12 +197,7 @@ def _retracked(
     hidden: Iterable[Hide],
 ) -> Tracks:
     """Track again from a frame, then put back what a person had corrected from there on."""
-    if retrack is None:
-        raise InputError(
-            f"tracking again from frame {frame} is not possible here: no tracker was given; "
-            "open the tracks together with their trial."
-        )
-    new = retrack(tracks.copy(deep=True), frame).copy(deep=True)
+    new = _tracker(retrack, frame)(tracks.copy(deep=True), frame).copy(deep=True)
     check_editable(new)
     for name in ("view", "keypoint"):
         if list(new[name].to_numpy()) != list(tracks[name].to_numpy()):

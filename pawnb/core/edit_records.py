@@ -88,6 +88,23 @@ class Swap:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Pose:
+    """The jointed animal stands like this.
+
+    Parameters
+    ----------
+    frame : int
+        Frame number.
+    pose : dict of str to float
+        The columns of ``pose.csv`` that describe a pose: x, y, heading, the joints, scale and
+        projected lengths; see :func:`pawnb.core.pose.corrected.pose_values`.
+    """
+
+    frame: int
+    pose: dict[str, float]
+
+
+@dataclass(frozen=True, kw_only=True)
 class Retrack:
     """The trial was tracked again from a frame on, every state of the tracker reset.
 
@@ -103,10 +120,17 @@ class Retrack:
     learn: bool = False
 
 
-Edit: TypeAlias = Move | Accept | Hide | Swap | Retrack
+Edit: TypeAlias = Move | Accept | Hide | Swap | Pose | Retrack
 Entry: TypeAlias = Edit | Step
 
 EDIT_LINES: LineFormat[Edit] = LineFormat(
-    {"move": Move, "accept": Accept, "hide": Hide, "swap": Swap, "retrack": Retrack}
+    {
+        "move": Move,
+        "accept": Accept,
+        "hide": Hide,
+        "swap": Swap,
+        "pose": Pose,
+        "retrack": Retrack,
+    }
 )
 """The lines of ``edits.jsonl``."""

@@ -25,6 +25,7 @@ from pawnb.core.edit_records import (
     Entry,
     Hide,
     Move,
+    Pose,
     Retrack,
     Swap,
 )
@@ -33,8 +34,8 @@ from pawnb.io.journal import Journal, enter_step
 from pawnb.schema import Tracks, add_provenance
 
 __all__ = [
-    "EDIT_LINES", "Accept", "Edit", "EditLog", "Hide", "Move", "Retrack", "Swap", "apply_edit",
-    "describe_edit", "replay",
+    "EDIT_LINES", "Accept", "Edit", "EditLog", "Hide", "Move", "Pose", "Retrack", "Swap",
+    "apply_edit", "describe_edit", "replay",
 ]  # fmt: skip
 
 
@@ -127,7 +128,7 @@ class EditLog:
 
         Parameters
         ----------
-        edit : Move, Accept, Hide, Swap or Retrack
+        edit : Move, Accept, Hide, Swap, Pose or Retrack
             The correction.
 
         Returns
@@ -311,6 +312,8 @@ def describe_edit(edit: Edit) -> str:
         case Swap():
             place = "" if edit.view is None else f" in {edit.view}"
             return f"{edit.first} and {edit.second} exchanged{place} from frame {edit.frame} on"
+        case Pose():
+            return f"posed in frame {edit.frame}"
         case Retrack():
             learnt = ", colours learnt there" if edit.learn else ""
             return f"tracked again from frame {edit.frame} on{learnt}"

@@ -23,7 +23,11 @@ Step: TypeAlias = Literal["undo", "redo"]
 _STEPS: tuple[Step, ...] = ("undo", "redo")
 # what a crash left of a line is kept under this name, so that the file stays readable
 _FRAGMENT = "unfinished"
-_WORDS = {int: "a whole number", float: "a number", bool: "true or false", str: "text"}
+_NUMBERS = dict[str, float]
+_WORDS = {
+    int: "a whole number", float: "a number", bool: "true or false", str: "text",
+    _NUMBERS: "numbers by name",
+}  # fmt: skip
 
 
 class LineFormat(Generic[RecordT]):
@@ -33,7 +37,7 @@ class LineFormat(Generic[RecordT]):
     ----------
     kinds : mapping of str to type
         The name of each kind in a line, and its frozen dataclass. Fields are whole numbers,
-        numbers, texts or switches; a text may be None.
+        numbers, texts, switches or numbers by name; a text may be None.
     """
 
     def __init__(self, kinds: Mapping[str, type[RecordT]]) -> None:
@@ -124,6 +128,8 @@ def _fits(value: Any, expected: Any) -> bool:
     """Whether a value of a line has the type of its field."""
     if value is None:
         return NoneType in get_args(expected)
+    if expected == _NUMBERS:
+        return isinstance(value, dict) and all(_fits(number, float) for number in value.values())
     if isinstance(value, bool) or expected is bool:
         return isinstance(value, bool) and expected is bool
     if expected is float:

@@ -180,6 +180,31 @@ def method_of_tracks(trial: Trial, tracks: Tracks) -> tuple[str, TrackerSettings
     return method, build_settings(_SETTINGS[method], made[-1]["settings"], where=where)
 
 
+def pose_method_of_tracks(trial: Trial, tracks: Tracks) -> tuple[str, PoseTrackerSettings]:
+    """Return the method that made a jointed animal's tracks; else as :func:`method_of_tracks`.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial of the tracks.
+    tracks : xarray.Dataset
+        Tracks.
+
+    Returns
+    -------
+    method : str
+        One of :data:`POSE_METHODS`.
+    settings : PoseSettings or PaperPoseSettings
+        Its settings.
+    """
+    made = [step for step in provenance_steps(tracks) if step["step"] == "track"]
+    if not made:
+        return POSE_METHODS[0], pose_tracker_settings(trial)
+    method = made[-1]["method"]
+    where = "settings of these tracks"
+    return method, build_settings(_POSE_SETTINGS[method], made[-1]["settings"], where=where)
+
+
 def run_pose_tracker(
     method: str,
     reader: ViewReader,
@@ -189,6 +214,7 @@ def run_pose_tracker(
     background: Background,
     settings: PoseTrackerSettings,
     frames: tuple[int, int],
+    look: Poses | None = None,
     progress: Callable[[int, int], None] | None = None,
     stop: Callable[[], bool] | None = None,
 ) -> PoseTrack:
@@ -210,6 +236,8 @@ def run_pose_tracker(
         Settings of that method.
     frames : tuple of int
         Half-open range of frames.
+    look : Poses, optional
+        One frame from which the animal's look is learnt; default the first to start from.
     progress, stop : callable, optional
         As for :func:`pawnb.track`.
 
@@ -220,7 +248,7 @@ def run_pose_tracker(
     """
     return _POSE_TRACKERS[method](
         reader, start, animal=animal, background=background, settings=settings, frames=frames,
-        progress=progress, stop=stop,
+        look=look, progress=progress, stop=stop,
     )  # fmt: skip
 
 

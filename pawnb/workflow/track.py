@@ -44,6 +44,7 @@ from pawnb.workflow.results import (
     results_folder,
     write_track_results,
 )
+from pawnb.workflow.retrack_pose import retrack_pose
 from pawnb.workflow.track_pose import track_pose_trial
 from pawnb.workflow.trial_views import points_by_view, trial_rig, view_facing
 from pawnb.workflow.unfinished import join_earlier, unfinished_tracks
@@ -184,6 +185,8 @@ def retrack(
     in place by hand as certain. Other points then take their new rows, too, about where
     they have moved: where one paw was taken for another, both are set right.
 
+    Of a jointed animal see :func:`pawnb.workflow.retrack_pose.retrack_pose`.
+
     Parameters
     ----------
     trial : Trial
@@ -211,13 +214,10 @@ def retrack(
     Raises
     ------
     InputError
-        If the frame is not among those of the tracks, or the animal is a jointed one.
+        If the frame is not among those of the tracks.
     """
     if trial.kind == "pose":
-        raise InputError(
-            f"trial {trial.name!r} is of kind 'pose', which is not tracked again from a frame; "
-            "pose the animal in another start frame with pawnb.widgets.StickPoser, then track."
-        )
+        return retrack_pose(trial, tracks, frame, progress=progress, stop=stop)
     known = tracks["frame"].to_numpy()
     if frame not in known:
         raise InputError(

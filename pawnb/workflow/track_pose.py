@@ -114,7 +114,7 @@ def track_pose_trial(
             complete = complete and not asked()
         # where the rate varies these are the file's own time stamps
         times = views.time_s[track.poses.frames]
-    tracks = _as_tracks(trial, animal, track, space, rig)
+    tracks = pose_tracks(trial, animal, track, space, rig)
     tracks = describe_trial(tracks.assign_coords(time=times), trial)
     step = build_step(
         "track",
@@ -244,14 +244,33 @@ def check_in_picture(poses: Poses, reader: ViewReader) -> None:
             )
 
 
-def _as_tracks(
+def pose_tracks(
     trial: Trial,
     animal: StickAnimal,
     track: PoseTrack,
     space: SpaceTrack | None,
     rig: Rig | None,
 ) -> Tracks:
-    """Return what was found as Tracks: in space where there is a second view."""
+    """Return what was found as Tracks: in space where there is a second view.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    animal : StickAnimal
+        Its animal.
+    track : PoseTrack
+        Poses in the first view.
+    space : SpaceTrack or None
+        Joints in space, row for row.
+    rig : Rig or None
+        The calibrated views, where there are two.
+
+    Returns
+    -------
+    xarray.Dataset
+        Tracks.
+    """
     who, calibration = trial.animal.id, trial.calibration
     if space is not None and rig is not None:
         names = (trial.views[0].name, trial.views[1].name)

@@ -414,7 +414,7 @@ def test_every_cut_of_the_file_can_be_opened_and_gone_on_with(tmp_path):
         (
             '{"edit": "mvoe", "frame": 1}',
             "edits.jsonl, line 1: unknown kind of edit 'mvoe' (did you mean 'move'?); expected "
-            "move, accept, hide, swap, retrack, undo, redo.",
+            "move, accept, hide, swap, pose, retrack, undo, redo.",
         ),
         (
             '{"edit": "hide", "frame": 1, "view": "a"}',
@@ -435,7 +435,7 @@ def test_every_cut_of_the_file_can_be_opened_and_gone_on_with(tmp_path):
         (
             "[1]",
             "edits.jsonl, line 1: unknown kind of edit None; expected "
-            "move, accept, hide, swap, retrack, undo, redo.",
+            "move, accept, hide, swap, pose, retrack, undo, redo.",
         ),
     ],
 )

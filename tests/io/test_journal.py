@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import pytest
 from hypothesis import given
@@ -19,6 +19,7 @@ class Note:
     text: str
     author: str | None = None
     loud: bool = False
+    sizes: dict[str, float] = field(default_factory=dict)
 
 
 LINES = LineFormat({"note": Note})
@@ -29,6 +30,7 @@ NOTES = st.builds(
     text=st.text(),
     author=st.none() | st.text(),
     loud=st.booleans(),
+    sizes=st.dictionaries(st.text(), st.floats(allow_nan=False, allow_infinity=False)),
 )
 
 
@@ -42,7 +44,7 @@ def test_a_line_gives_back_the_record(note):
 def test_a_switch_that_is_off_is_left_out():
     note = Note(page=1, height=2.5, text="x")
     assert LINES.to_line(note) == (
-        '{"edit": "note", "page": 1, "height": 2.5, "text": "x", "author": null}'
+        '{"edit": "note", "page": 1, "height": 2.5, "text": "x", "author": null, "sizes": {}}'
     )
 
 
@@ -55,6 +57,8 @@ def test_a_switch_that_is_off_is_left_out():
         ("height", '"1"', "a number"),
         ("height", "Infinity", "a number"),
         ("height", "false", "a number"),
+        ("sizes", '{"a": "1"}', "numbers by name"),
+        ("sizes", "[1]", "numbers by name"),
         ("text", "1", "text"),
         ("text", "null", "text"),
         ("author", "1", "text"),

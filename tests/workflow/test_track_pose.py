@@ -19,7 +19,7 @@ from pawnb.schema import SUSPECTS_COLUMNS, TRACKS_COLUMNS
 from pawnb.trial import load_trial
 from pawnb.workflow.propose_pose import trial_background
 from pawnb.workflow.results import RESULT_FILES
-from pawnb.workflow.track import retrack, track
+from pawnb.workflow.track import track
 
 
 @pytest.fixture(scope="module")
@@ -93,11 +93,6 @@ def test_the_published_method_follows_the_frames_that_show_the_animal(rendered_s
     truth = pd.read_csv(rendered_spider / "truth" / "pose.csv")
     pose = pd.read_csv(tmp_path / "pose.csv")
     assert np.hypot(pose["x"] - truth["x"], pose["y"] - truth["y"]).max() < 3.0
-
-
-def test_a_pose_is_not_tracked_again_from_a_frame(rendered_spider, tracked):
-    with pytest.raises(InputError, match="pose the animal in another start frame"):
-        retrack(load_trial(rendered_spider), tracked[0], 12)
 
 
 def test_stopping_keeps_what_is_done_and_says_so(rendered_spider, tmp_path):

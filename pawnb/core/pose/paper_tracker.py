@@ -45,6 +45,7 @@ def track_pose_paper(
     background: EmptyScene,
     settings: PaperPoseSettings | None = None,
     frames: tuple[int, int],
+    look: Poses | None = None,
     progress: Callable[[int, int], None] | None = None,
     stop: Callable[[], bool] | None = None,
 ) -> PoseTrack:
@@ -55,9 +56,8 @@ def track_pose_paper(
     reader : ViewReader
         The view.
     start : Poses
-        The animal's pose in one frame or more; those outside ``frames`` are left out. The scale
-        of the first is kept throughout, and so are its segment lengths or, by default, how long
-        each leg looks in that frame. Frames between two poses are tracked from the nearer one.
+        The animal's pose in one frame or more; those outside ``frames`` are left out.
+        Frames between two poses are tracked from the nearer one.
     animal : StickAnimal
         The animal.
     background : Background
@@ -66,6 +66,10 @@ def track_pose_paper(
         Settings; see there.
     frames : tuple of int
         First frame and one past the last.
+    look : Poses, optional
+        One frame, also outside ``frames``, from which parameters are estimated (Table 3.3);
+        default the first start pose. Its scale is kept throughout, and so are its segment lengths
+        or, by default, how long each leg looks in that frame.
     progress : callable, optional
         Called with frames done and frames in all.
     stop : callable, optional
@@ -93,7 +97,7 @@ def track_pose_paper(
     Notes
     -----
     The guess in each frame is the pose before, moved on with the velocity between the two
-    poses before it (§3.4.2). Parameters are estimated from the start frame (Table 3.3).
+    poses before it (§3.4.2).
     """
     settings = settings or PaperPoseSettings()
     numbers = np.arange(*frames)
@@ -105,7 +109,8 @@ def track_pose_paper(
         )
     start = start.take(inside[np.argsort(start.frames[inside])])
     start = dataclasses.replace(start, heading_deg=np.unwrap(start.heading_deg, period=360.0))
-    tracker = _Tracker(reader, start, animal, background, settings, len(numbers))
+    look = start.take([0]) if look is None else look
+    tracker = _Tracker(reader, (start, look), animal, background, settings, len(numbers))
     tracker.run(frames, progress, stop)
     return tracker.result(numbers)
 
@@ -116,15 +121,16 @@ class _Tracker:
     def __init__(
         self,
         reader: ViewReader,
-        start: Poses,
+        poses: tuple[Poses, Poses],
         animal: StickAnimal,
         background: EmptyScene,
         settings: PaperPoseSettings,
         total: int,
     ) -> None:
-        self.reader, self.starts, self.animal = reader, start, animal
+        self.reader, self.animal = reader, animal
         self.settings, self.total = settings, total
-        start = self.start = start.take([0])
+        self.starts, self.start = poses
+        start = self.start
         picture = reader.frame(int(start.frames[0])).image()
         self.energy = PaperEnergy(
             animal, start, picture=picture, background=background, settings=settings
@@ -156,7 +162,7 @@ class _Tracker:
         ends = [frames[0], *((a + b + 1) // 2 for a, b in itertools.pairwise(numbers)), frames[1]]
         for i in range(len(numbers)):
             one = self.starts.take([i])
-            if i:
+            if numbers[i] != int(self.start.frames[0]):
                 picture = self.reader.frame(numbers[i]).image()
                 check_start(self.energy, picture, one)
             if not self._both_ways(one, (ends[i], ends[i + 1]), progress, stop):

@@ -48,6 +48,7 @@ def track_pose(
     background: BackgroundPicture,
     settings: PoseSettings | None = None,
     frames: tuple[int, int],
+    look: Poses | None = None,
     progress: Callable[[int, int], None] | None = None,
     stop: Callable[[], bool] | None = None,
 ) -> PoseTrack:
@@ -59,7 +60,6 @@ def track_pose(
         The view.
     start : Poses
         The animal's pose in one frame or more, roughly; those outside ``frames`` are left out.
-        The animal's look is learnt in the first.
     animal : StickAnimal
         The animal.
     background : Background
@@ -68,6 +68,9 @@ def track_pose(
         Settings; see there.
     frames : tuple of int
         First frame and one past the last.
+    look : Poses, optional
+        One frame, also outside ``frames``, from which the animal's look is learnt; default the
+        first start pose.
     progress : callable, optional
         Called with frames done and frames in all.
     stop : callable, optional
@@ -93,7 +96,8 @@ def track_pose(
             f"{frames[0]} to {frames[1] - 1} are tracked; give a start pose within them."
         )
     start = start.take(inside[np.argsort(start.frames[inside])])
-    fitter, known = _begin(reader, start, animal, background, settings)
+    look = start.take([0]) if look is None else look
+    fitter, known = _begin(reader, (start, look), animal, background, settings)
     # frames between two known ones are followed twice
     between = max(known) - min(known)
     steps = _Steps(2 * len(numbers) + between, progress, stop)
@@ -103,7 +107,7 @@ def track_pose(
     poses = chosen_poses(fitter, found)
     poses = learn_again(fitter, found, poses)
     settled = _finish(fitter, found, poses, steps)
-    return _result(animal, start, fitter, numbers, found, settled)
+    return _result(animal, look, fitter, numbers, found, settled)
 
 
 class _Steps:
@@ -130,34 +134,44 @@ class _Steps:
 
 def _begin(
     reader: ViewReader,
-    start: Poses,
+    poses: tuple[Poses, Poses],
     animal: StickAnimal,
     background: BackgroundPicture,
     settings: PoseSettings,
 ) -> tuple[FrameFitter, dict[int, np.ndarray]]:
-    """Return a fitter that knows the animal's look, and the fitted start poses by frame."""
-    scale = float(start.scale[0])
+    """Return a fitter that knows the animal's look, and the fitted start poses by frame.
+
+    Of ``poses``, the first are to start from, the second is the one to learn the look from.
+    """
+    start, look = poses
+    scale = float(look.scale[0])
     factor = max(1, int(animal.span * scale / settings.working_span_px))
-    frame = reader.frame(int(start.frames[0]))
-    light = _animal_light(frame, start, animal, background)
+    frame = reader.frame(int(look.frames[0]))
+    light = _animal_light(frame, look, animal, background)
     evidence = Evidence(background, factor=factor, light=light, spread=settings.unexplained_sd)
     # one animal has one size: where another start pose is larger, its legs are longer
     start = dataclasses.replace(start, scale=np.full(len(start), scale))
     vectors = pose_vectors(animal, start, factor=factor)
-    prior = anatomy(animal, vectors[0], foreshortening_sd=settings.foreshortening_sd)
+    first = pose_vectors(animal, look, factor=factor)[0]
+    prior = anatomy(animal, first, foreshortening_sd=settings.foreshortening_sd)
     layout = make_layout(animal, px_per_unit=scale / factor)
     fitter = FrameFitter(animal, layout, evidence=evidence, anatomy=prior, settings=settings)
-    known: dict[int, np.ndarray] = {}
+    known = {frame.index: _checked(*fit_start(fitter, frame, first), frame=frame.index)}
     for number, vector in zip(start.frames.tolist(), vectors, strict=True):
-        fit = fit_known if known else fit_start
-        pose, support = fit(fitter, reader.frame(number) if known else frame, vector)
-        if support < _START_BODY:
-            raise InputError(
-                f"the start pose of frame {number} is not on the animal: only {100 * support:.0f} "
-                "% of the body's place differs from the background; move it onto the animal."
-            )
-        known[number] = pose
-    return fitter, known
+        if number not in known:
+            fitted = fit_known(fitter, reader.frame(number), vector)
+            known[number] = _checked(*fitted, frame=number)
+    return fitter, {number: known[number] for number in start.frames.tolist()}
+
+
+def _checked(pose: np.ndarray, support: float, *, frame: int) -> np.ndarray:
+    """Return a fitted start pose, if it is on the animal."""
+    if support < _START_BODY:
+        raise InputError(
+            f"the start pose of frame {frame} is not on the animal: only {100 * support:.0f} % of "
+            "the body's place differs from the background; move it onto the animal."
+        )
+    return pose
 
 
 def _animal_light(
@@ -232,7 +246,7 @@ def _finish(
 
 def _result(
     animal: StickAnimal,
-    start: Poses,
+    look: Poses,
     fitter: FrameFitter,
     numbers: np.ndarray,
     found: list[Choices],
@@ -249,7 +263,7 @@ def _result(
         vectors[row], sds[row] = one.pose, one.sd
         places[row] = one.places_sd * factor
         support[row] = np.fmin(one.support[:, 0], one.support[:, 1])
-    scale = float(start.scale[0])
+    scale = float(look.scale[0])
     poses = poses_of_vectors(animal, vectors, frames=numbers, scale=scale, factor=factor)
     poses.scale[np.isnan(vectors[:, 0])] = np.nan
     confidence = np.clip((np.nan_to_num(support) - _DOUBTFUL) / (_SURE - _DOUBTFUL), 0.0, 1.0)
