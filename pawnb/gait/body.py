@@ -133,7 +133,11 @@ def find_body(
         )
         notes += said
     frame = _frame(feet, trial, body, direction, scales, fs, treadmill=treadmill, stride_hz=guess)
-    bouts = None if treadmill or not settings.bouts else _bouts(frame, settings, guess, fs)
+    bouts = None
+    if settings.bouts and not treadmill:
+        bouts = _bouts(_body_speed(frame, guess, fs), settings, guess, fs)
+    elif settings.bouts and belt is None:
+        bouts = _bouts(_stepping_speed(feet, guess, fs), settings, guess, fs)
     standing = np.zeros(len(path), dtype=bool)
     for start, stop in bouts.pauses if bouts is not None else ():
         standing[start:stop] = True
@@ -210,11 +214,36 @@ def _frame(
     return body_frame_of_feet(path, direction, treadmill=treadmill)
 
 
-def _bouts(frame: BodyFrame, settings: EventSettings, frequency: float, fs: float) -> Bouts:
-    """Find the bouts in the speed of the body, smoothed over about a stride."""
-    stride_s = 1.0 / frequency if np.isfinite(frequency) else 1.0
-    path = smooth_path(frame.path[:, :, None], cutoff_hz=0.5 / stride_s, fs_hz=fs)
-    speed = np.linalg.norm(np.gradient(path, axis=0), axis=1) * fs
+def _body_speed(frame: BodyFrame, frequency: float, fs: float) -> np.ndarray:
+    """Return the speed of the body over the ground, smoothed over about a stride."""
+    path = smooth_path(frame.path[:, :, None], cutoff_hz=0.5 * _stride_hz(frequency), fs_hz=fs)
+    return np.asarray(np.linalg.norm(np.gradient(path, axis=0), axis=1) * fs)
+
+
+def _stepping_speed(feet: FootPaths, frequency: float, fs: float) -> np.ndarray:
+    """Return how fast the feet move on the whole, smoothed over about a stride.
+
+    A belt that runs carries every foot that stands, so that all of them are never slow. Where
+    they are, what the animal runs on stands with it, as a ball does under a tethered fly.
+    """
+    step = np.linalg.norm(np.diff(feet.positions, axis=0), axis=1) * fs
+    known = np.isfinite(step)
+    total = np.where(known, step, 0.0).sum(axis=1)
+    count = known.sum(axis=1)
+    mean = np.where(count > 0, total / np.maximum(count, 1), np.nan)
+    return smooth_path(
+        np.append(mean, mean[-1:])[:, None, None], cutoff_hz=0.5 * _stride_hz(frequency), fs_hz=fs
+    )[:, 0]
+
+
+def _stride_hz(frequency: float) -> float:
+    """Return the stride frequency, or 1 Hz where it is not known."""
+    return frequency if np.isfinite(frequency) else 1.0
+
+
+def _bouts(speed: np.ndarray, settings: EventSettings, frequency: float, fs: float) -> Bouts:
+    """Find the bouts in a smoothed speed."""
+    stride_s = 1.0 / _stride_hz(frequency)
     return find_bouts(
         speed,
         fs_hz=fs,

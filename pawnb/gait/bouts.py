@@ -56,7 +56,7 @@ def find_bouts(
     min_bout_s : float
         Shorter bouts count as pauses.
     min_pause_s : float
-        Shorter pauses are part of the bout around them.
+        Shorter pauses are part of the bout around or beside them.
 
     Returns
     -------
@@ -76,7 +76,8 @@ def find_bouts(
         if (filled[first:last] > start).any():
             going[first:last] = True
     for first, last in find_runs(~going):
-        if first > 0 and last < n and last - first < min_pause_s * fs_hz:
+        # at the ends too: the smoothing says least there
+        if going.any() and last - first < min_pause_s * fs_hz:
             going[first:last] = True
     for first, last in find_runs(going):
         if last - first < min_bout_s * fs_hz:

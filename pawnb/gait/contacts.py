@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 
@@ -11,7 +13,7 @@ from pawnb.schema import EVENTS_COLUMNS
 
 AGREEMENT_COLUMNS = (
     "leg", "n_frames", "agreement", "kappa", "duty_by_hand", "duty_found", "n_td", "td_shift_s",
-    "n_lo", "lo_shift_s",
+    "n_lo", "lo_shift_s", "agreement_one_frame", "td_missed", "td_extra", "lo_missed", "lo_extra",
 )  # fmt: skip
 
 
@@ -95,7 +97,11 @@ def contact_agreement(
         Cohen's kappa (1: perfect, 0: chance), duty factors as shares of the compared frames,
         and for each event by hand the nearest found one within half a usual stride:
         ``td_shift_s``, ``lo_shift_s`` are medians of found minus by hand. Frames before the
-        first and after the last found event of a leg are not compared.
+        first and after the last found event of a leg are not compared. ``agreement_one_frame``
+        is the share of frames that agree or lie next to a change by hand: where the film has
+        few frames a swing, the hand itself cannot tell better. ``..._missed`` and ``..._extra``
+        count events by hand, and found ones, without a partner, between the first and last of
+        the others.
 
     Raises
     ------
@@ -112,32 +118,56 @@ def contact_agreement(
         at = np.searchsorted(own["frame"].to_numpy(dtype=float), frame, side="right")
         inside = (at > 0) & (at < len(own)) & np.isfinite(state)
         found = (own["event"] == start).to_numpy()[np.maximum(at - 1, 0)] if len(own) else inside
-        a, b = state[inside] == 1, found[inside]
-        row = {"leg": leg, "n_frames": int(inside.sum()), "agreement": np.nan, "kappa": np.nan}
-        row |= {"duty_by_hand": np.nan, "duty_found": np.nan}
+        row: dict[str, Any] = {"leg": leg, "n_frames": int(inside.sum())}
         if inside.any():
-            same = float((a == b).mean())
-            chance = a.mean() * b.mean() + (1 - a.mean()) * (1 - b.mean())
-            row["agreement"] = same
-            row["kappa"] = (same - chance) / (1 - chance) if chance < 1 else np.nan
-            row["duty_by_hand"], row["duty_found"] = float(a.mean()), float(b.mean())
+            row |= _agreement_of_frames(frame, state, found, inside)
         for name, label, kind in (("td", "TD", start), ("lo", "LO", end)):
             by_hand = hand.loc[(hand["leg"] == leg) & (hand["event"] == label), "time_s"]
             times = own.loc[own["event"] == kind, "time_s"]
-            shift = _nearest_shift(by_hand.to_numpy(dtype=float), times.to_numpy(dtype=float))
-            row[f"n_{name}"] = len(shift)
-            row[f"{name}_shift_s"] = float(np.median(shift)) if len(shift) else np.nan
+            pairs = _match(by_hand.to_numpy(dtype=float), times.to_numpy(dtype=float))
+            row |= {f"{name}_{key}": value for key, value in pairs.items() if key != "n"}
+            row[f"n_{name}"] = pairs["n"]
         rows.append(row)
     return pd.DataFrame(rows, columns=list(AGREEMENT_COLUMNS))
 
 
-def _nearest_shift(by_hand: np.ndarray, found: np.ndarray) -> np.ndarray:
-    """Return found minus by hand for every event that has one within half a usual stride."""
+def _agreement_of_frames(
+    frame: np.ndarray, state: np.ndarray, found: np.ndarray, inside: np.ndarray
+) -> dict[str, float]:
+    """Compare the state in every frame that both know."""
+    a, b = state[inside] == 1, found[inside]
+    same = float((a == b).mean())
+    chance = a.mean() * b.mean() + (1 - a.mean()) * (1 - b.mean())
+    # a change by hand lies between two frames: either may be wrong by one
+    changes = (np.abs(np.diff(state)) == 1) & (np.diff(frame) == 1)
+    beside = np.append(changes, False) | np.append(False, changes)
+    return {
+        "agreement": same,
+        "kappa": (same - chance) / (1 - chance) if chance < 1 else np.nan,
+        "duty_by_hand": float(a.mean()),
+        "duty_found": float(b.mean()),
+        "agreement_one_frame": float(((a == b) | beside[inside]).mean()),
+    }
+
+
+def _match(by_hand: np.ndarray, found: np.ndarray) -> dict[str, float]:
+    """Pair events that are nearest to each other, within half a usual stride."""
     if len(by_hand) < 2 or not len(found):
-        return np.empty(0)
-    apart = found[None, :] - by_hand[:, None]
-    nearest = apart[np.arange(len(by_hand)), np.argmin(np.abs(apart), axis=1)]
-    return nearest[np.abs(nearest) < np.median(np.diff(by_hand)) / 2.0]
+        return {"n": 0, "shift_s": np.nan, "missed": np.nan, "extra": np.nan}
+    apart = np.abs(found[None, :] - by_hand[:, None])
+    nearest, back = apart.argmin(axis=1), apart.argmin(axis=0)
+    own = np.arange(len(by_hand))
+    paired = (back[nearest] == own) & (apart[own, nearest] < np.median(np.diff(by_hand)) / 2.0)
+    extra = np.setdiff1d(np.arange(len(found)), nearest[paired])
+    lost = by_hand[~paired]
+    return {
+        "n": int(paired.sum()),
+        "shift_s": float(np.median(found[nearest[paired]] - by_hand[paired]))
+        if paired.any()
+        else np.nan,
+        "missed": int(((lost > found.min()) & (lost < found.max())).sum()),
+        "extra": int(((found[extra] > by_hand.min()) & (found[extra] < by_hand.max())).sum()),
+    }
 
 
 def _legs_of(contacts: pd.DataFrame) -> list[str]:

@@ -7,7 +7,7 @@ samples, which the caller turns into frames and seconds.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Literal, NamedTuple
@@ -255,15 +255,45 @@ def stance_velocity(velocity: np.ndarray, extremes: Sequence[Extreme]) -> float:
     float
         Median velocity over the middle half of every stance; NaN without a stance.
     """
-    values: list[float] = []
+    parts = [part for _, part in _mid_stances(velocity, extremes)]
+    return float(np.median(np.concatenate(parts))) if parts else math.nan
+
+
+def stance_velocity_over_time(velocity: np.ndarray, extremes: Sequence[Extreme]) -> np.ndarray:
+    """Measure how fast a foot moves in stance, from stance to stance.
+
+    Parameters
+    ----------
+    velocity : ndarray, shape (n,)
+        Velocity along forward.
+    extremes : sequence of Extreme
+        AEP and PEP in order.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Median velocity over the middle half of each stance, straight lines between; NaN
+        without a stance.
+    """
+    found = [(middle, float(np.median(part))) for middle, part in _mid_stances(velocity, extremes)]
+    if not found:
+        return np.full(len(velocity), np.nan)
+    middles, medians = np.array(found).T
+    return np.asarray(np.interp(np.arange(len(velocity)), middles, medians))
+
+
+def _mid_stances(
+    velocity: np.ndarray, extremes: Sequence[Extreme]
+) -> Iterator[tuple[float, np.ndarray]]:
+    """Yield the middle of each stance and the known velocities in its middle half."""
     for a, b in pairwise(extremes):
         if a.kind > 0 and b.kind < 0:
             quarter = (b.sample - a.sample) / 4.0
             first, last = math.ceil(a.sample + quarter), math.floor(b.sample - quarter)
-            values += velocity[first : last + 1].tolist()
-    known = np.array(values, dtype=float)
-    known = known[np.isfinite(known)]
-    return float(np.median(known)) if len(known) else math.nan
+            part = velocity[first : last + 1]
+            part = part[np.isfinite(part)]
+            if len(part):
+                yield (a.sample + b.sample) / 2.0, part
 
 
 class Height(NamedTuple):
@@ -361,16 +391,15 @@ def find_contacts(
     -------
     list of Contact
         In order of time. A change that does not come before the foot moves on to its
-        next extreme, or before a gap, is left out.
+        next extreme, or before a gap, is left out, and so is a swing that never gets faster
+        than ``fraction`` of the usual peak: the foot is carried along on the ground.
     """
     contacts = []
-    for i, (a, b) in enumerate(pairwise(extremes)):
-        swing = speed[math.ceil(a.sample) : math.floor(b.sample) + 1]
-        if a.kind > 0 or len(swing) == 0 or not np.isfinite(swing).all():
-            continue  # a gap lies between the two, or it is a stance
-        peak = math.ceil(a.sample) + int(np.argmax(swing))
-        if not speed[peak] > 0.0:
-            continue
+    peaks = _swing_peaks(speed, extremes)
+    usual = float(np.median([speed[peak] for peak in peaks.values()])) if peaks else 0.0
+    for i, peak in peaks.items():
+        if not speed[peak] > max(0.0, fraction * usual):
+            continue  # it never went faster than a foot that has landed: no swing
         before = extremes[i - 1].sample if i > 0 else 0.0
         after = extremes[i + 2].sample if i + 2 < len(extremes) else len(speed) - 1.0
         for kind, stop, step in (("LO", math.floor(before), -1), ("TD", math.ceil(after), 1)):
@@ -386,6 +415,16 @@ def find_contacts(
                 further = min(further, abs(rest - near))
             contacts.append(Contact(float(np.clip(near + step * further, before, after)), kind))
     return contacts
+
+
+def _swing_peaks(speed: np.ndarray, extremes: Sequence[Extreme]) -> dict[int, int]:
+    """Return the fastest sample of each swing without a gap, by the place of its PEP."""
+    peaks = {}
+    for i, (a, b) in enumerate(pairwise(extremes)):
+        swing = speed[math.ceil(a.sample) : math.floor(b.sample) + 1]
+        if a.kind < 0 and len(swing) and np.isfinite(swing).all():
+            peaks[i] = math.ceil(a.sample) + int(np.argmax(swing))
+    return peaks
 
 
 def _excess(

@@ -26,6 +26,7 @@ from pawnb.gait.events import (
     find_extremes,
     measure_height,
     stance_velocity,
+    stance_velocity_over_time,
 )
 from pawnb.gait.grid import Grid
 from pawnb.gait.paths import FootPaths
@@ -150,8 +151,13 @@ def analyse_space(
         _add_pauses(result, leg, standing, grid)
         if belt_here is not None:
             foot_height = None if height is None else height[:, k]
-            slip = _own_slip(velocity[:, k] + belt_here, extremes[k], belt_here)
-            speed = velocity[:, k] + belt_here - slip
+            over = velocity[:, k] + belt_here
+            if found_body.treadmill and belt_here is not belt:
+                # not stated: a ball turns under one side faster than under the other
+                slip = np.nan_to_num(stance_velocity_over_time(over, extremes[k]))
+            else:
+                slip = np.full(len(over), _own_slip(over, extremes[k], belt_here))
+            speed = over - slip
             found = _find_contacts(speed, foot_height, extremes[k], settings, _rise(scales, fs))
             _add_contacts(result, leg, *found, grid)
     return result
@@ -236,10 +242,11 @@ def _belt(
     if not (math.isfinite(own) and own > 0):
         return None
     notes.append(
-        f"{who}: belt speed {own:.4g} {feet.unit}/s, taken from the feet in stance because none "
-        f"is known in {feet.unit}/s."
+        f"{who}: belt speed about {own:.4g} {feet.unit}/s, taken from the feet in stance, stride "
+        f"by stride, because none is known in {feet.unit}/s."
     )
-    return np.full(n, own)
+    local = [stance_velocity_over_time(v, e) for v, e in zip(velocity.T, extremes, strict=True)]
+    return -np.mean([one for one in local if np.isfinite(one).all()], axis=0)
 
 
 def _own_slip(speed: np.ndarray, extremes: list[Extreme], belt: np.ndarray) -> float:

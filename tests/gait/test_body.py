@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from walking import Walk
 
 from pawnb import gait
 from pawnb.gait.leg_names import guess_body
@@ -105,3 +106,34 @@ def test_a_real_mouse_in_an_open_field_trots(real_data):
         assert abs((lags[pair] + 0.5) % 1 - 0.5) < 0.12
     assert 2.5 < tables.strides["frequency_hz"].median() < 6.0
     assert len(tables.strides) > 200
+
+
+def test_a_ball_that_stops_and_changes_speed_is_told_from_the_feet():
+    # a tethered animal: its clock runs at 1, stands from 2 to 3 s, then runs at 0.5
+    walk = Walk(period=0.25, duty=0.7, speed=200.0)
+    t = np.arange(0, 6.0, 1 / FS)
+    rate = np.select([t < 2.0, t < 3.0], [1.0, 0.0], 0.5)
+    clock = np.concatenate(([0.0], np.cumsum(rate[:-1] / FS)))
+    legs = list(walk.phases)
+    tracks = make_tracks(range(len(t)), legs, fps=FS, space=("x", "y"), unit="mm")
+    for k, leg in enumerate(legs):
+        tracks["position"].data[:, 0, k, 0] = walk.foot(leg, clock)[0] - walk.speed * clock
+        tracks["position"].data[:, 1, k, 0] = 10.0 * k
+    tracks["origin"][:] = ORIGIN_CODE["measured"]
+    tracks["confidence"][:] = 1.0
+    tables = gait.analyse(tracks, settings={"substrate": "treadmill"})
+    pause = tables.dropped[tables.dropped["what"] == "pause"]
+    assert pause["start_s"].min() == pytest.approx(2.0, abs=0.2)
+    assert pause["end_s"].max() == pytest.approx(3.0, abs=0.2)
+    early = tables.strides[tables.strides["start_s"] < 1.6]
+    late = tables.strides[tables.strides["start_s"] > 3.5]
+    assert early["speed"].mean() == pytest.approx(200.0, rel=0.03)
+    assert late["speed"].mean() == pytest.approx(100.0, rel=0.03)
+    # one stride is 50 mm long at either speed; seven tenths of it the foot is down
+    assert tables.strides["stride_length"].median() == pytest.approx(50.0, rel=0.03)
+    assert early["contact_duty_factor"].mean() == pytest.approx(0.7, abs=0.05)
+    assert late["contact_duty_factor"].mean() == pytest.approx(0.7, abs=0.05)
+    assert any("belt speed about" in note for note in tables.notes)
+    # with a belt that is stated nothing of the kind is assumed
+    told = gait.analyse(tracks, belt_speed=200.0)
+    assert not (told.dropped["what"] == "pause").any()

@@ -47,6 +47,27 @@ def test_agreement_of_equal_and_of_late_events():
     assert late.loc["LF", "td_shift_s"] == pytest.approx(0.1)
     # LF from frame 2 to 11: one frame wrong after each of 4 changes that are compared
     assert late.loc["LF", "agreement"] == pytest.approx(6 / 10)
+    # each of these lies next to a change by hand
+    assert late.loc["LF", "agreement_one_frame"] == 1.0
+    assert (same[["td_missed", "td_extra", "lo_missed", "lo_extra"]] == 0).all(axis=None)
+
+
+def test_missed_and_extra_events_are_counted():
+    events = events_from_contacts(CONTACTS, fps=10.0).query("leg == 'LF'")
+    # the stride in the middle is not found, and one is found at 2 s where the foot is down
+    gone = events[~events["frame"].isin([3.5, 5.5])]
+    row = contact_agreement(gone, CONTACTS, fps=10.0).set_index("leg").loc["LF"]
+    assert row["td_missed"] == 1
+    assert row["lo_missed"] == 0  # it lies before the only lift-off that is left
+    assert (row["td_extra"], row["lo_extra"]) == (0, 0)
+    assert row["agreement"] == pytest.approx(8 / 10)
+    more = pd.DataFrame({"leg": "LF", "event": ["LO", "TD"], "frame": [6.7, 7.2],
+                         "time_s": [0.67, 0.72]})  # fmt: skip
+    row = (
+        contact_agreement(pd.concat([events, more]), CONTACTS, fps=10.0).set_index("leg").loc["LF"]
+    )
+    assert (row["td_extra"], row["lo_extra"]) == (1, 1)
+    assert (row["td_missed"], row["n_td"]) == (0, 3)
 
 
 def test_tables_that_are_no_contacts_are_refused():

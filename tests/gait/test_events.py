@@ -18,6 +18,7 @@ from pawnb.gait.events import (
     find_extremes,
     measure_height,
     stance_velocity,
+    stance_velocity_over_time,
 )
 from pawnb.schema import build_settings
 from pawnb.signals import differentiate
@@ -215,3 +216,30 @@ def test_extremes_know_nothing_of_an_empty_track():
 def test_settings_that_cannot_be_meant_are_refused(values, message):
     with pytest.raises(InputError, match=message):
         build_settings(EventSettings, values, where="test")
+
+
+def test_stance_velocity_from_stance_to_stance():
+    # stances from AEP at 0 and 20 to PEP at 10 and 30: -2 in the first, -4 in the second
+    velocity = np.full(41, 3.0)
+    velocity[:11], velocity[20:31] = -2.0, -4.0
+    extremes = [Extreme(float(s), kind, 0.0) for s, kind in ((0, 1), (10, -1), (20, 1), (30, -1))]
+    found = stance_velocity_over_time(velocity, extremes)
+    assert found[5] == -2.0
+    assert found[15] == pytest.approx(-3.0)  # half way between the middles at 5 and 25
+    assert found[[25, 40]].tolist() == [-4.0, -4.0]
+    assert np.isnan(stance_velocity_over_time(velocity, extremes[:1])).all()
+
+
+def test_a_foot_that_is_carried_along_has_no_swing():
+    # three swings of speed 10 and one, drifting, of 1: less than 0.2 of the usual peak
+    speed = np.zeros(81)
+    extremes = []
+    for k, top in enumerate((10.0, 10.0, 1.0, 10.0)):
+        speed[20 * k + 10 : 20 * k + 18] = top
+        extremes += [Extreme(20.0 * k + 9, -1, 0.0), Extreme(20.0 * k + 18, 1, 1.0)]
+    extremes.append(Extreme(80.0, -1, 0.0))
+    found = find_contacts(speed, extremes, fraction=0.2)
+    assert [c.kind for c in found] == ["LO", "TD"] * 3
+    assert not any(40 < c.sample < 60 for c in found)
+    all_alike = np.where(speed == 1.0, 10.0, speed)
+    assert len(find_contacts(all_alike, extremes, fraction=0.2)) == 8

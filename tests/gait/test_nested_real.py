@@ -10,6 +10,7 @@ from pawnb.gait import analyse
 from pawnb.gait.contacts import contact_agreement
 from pawnb.gait.groups import compare_groups
 from pawnb.gait.mixed import fit_mixed
+from pawnb.io.formats import read_any_tracks
 from pawnb.schema import ORIGIN_CODE, make_tracks
 
 
@@ -58,11 +59,38 @@ def test_contact_told_from_positions_agrees_with_the_hand_on_a_fly(real_data):
     tracks["origin"][:] = ORIGIN_CODE["measured"]
     tracks["confidence"][:] = 1.0
     tables = analyse(tracks, settings={"substrate": "treadmill"})
-    agreement = contact_agreement(tables.events, contacts, fps=100.0, start="AEP", end="PEP")
-    agreement = agreement.set_index("leg")
-    # the hind left leg's contact by hand has long gaps, says the data set
-    good = agreement.drop(index="LH")
-    assert (good["agreement"] > 0.75).all()
-    assert good["kappa"].median() > 0.4
-    assert good["td_shift_s"].abs().median() <= 0.02  # two frames
-    np.testing.assert_allclose(good["duty_found"], good["duty_by_hand"], atol=0.2)
+    found = contact_agreement(tables.events, contacts, fps=100.0).set_index("leg")
+    # measured 0.88-0.93 and 0.69-0.84; half of what disagrees is one frame next to a change
+    assert (found["agreement"] > 0.87).all()
+    assert (found["kappa"] > 0.65).all()
+    assert (found["agreement_one_frame"] > 0.95).all()
+    assert found[["td_shift_s", "lo_shift_s"]].abs().max(axis=None) < 0.0125  # a frame is 0.01
+    np.testing.assert_allclose(found["duty_found"], found["duty_by_hand"], atol=0.07)
+    assert found[["td_missed", "lo_missed"]].sum(axis=None) <= 0.1 * 2 * found["n_td"].sum()
+    assert found[["td_extra", "lo_extra"]].sum(axis=None) <= 0.1 * 2 * found["n_td"].sum()
+
+
+@pytest.mark.parametrize(("mouse", "run"), [("14", 3), ("15", 3), ("16", 18), ("17", 3)])
+def test_swings_scored_by_hand_are_found_in_mice_on_a_beam(real_data, mouse, run):
+    """Hind paws of DeepLabCut at 100 frames per second, swings scored by hand.
+
+    The run of a fifth mouse (18) is left out: its paw stands still in the swings of the table
+    and moves in the stances, and fits best 0.20 s later, so the table is of another stretch.
+    """
+    folder = real_data("mouse-autogaita-beam")
+    (path,) = folder.glob(f"PCCD3_Mouse{mouse}_25mm_run{run}-6DLC_resnet50_SIMINew*.csv")
+    tracks = read_any_tracks(path, fps=100.0)
+    points = {str(p).strip(): str(p) for p in tracks["keypoint"].to_numpy()}
+    legs = {"HR": points["Hind paw tao"], "FR": points["Front paw tao"]}
+    events = analyse(tracks, legs=legs).events.query("leg == 'HR'")
+    hand = pd.read_csv(folder / "annotation_tidy.csv", dtype={"mouse": str, "run": str})
+    hand = hand[(hand["mouse"] == mouse) & (hand["run"] == str(run))]
+    assert len(hand) in (3, 4)
+    for event, column in (("LO", "swing_start_s"), ("TD", "swing_end_s")):
+        times = events.loc[events["event"] == event, "time_s"].to_numpy()
+        # the table's first frame is 1: the paw's speed fits its swings best one frame earlier
+        scored = hand[column].to_numpy() - 0.01
+        shift = np.array([times[np.argmin(np.abs(times - t))] - t for t in scored])
+        assert abs(np.median(shift)) < 0.02  # two frames
+        # one swing of 0.27 s by hand, twice as long as any other, holds a stop
+        assert np.sort(np.abs(shift))[:-1].max() < 0.03
