@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import Any
 
 import ipywidgets as widgets
-from ipympl.backend_nbagg import Canvas, FigureManager
 from matplotlib.figure import Figure
 
 from pawnb.errors import InputError
 from pawnb.gait import GaitTables
 from pawnb.widgets.gait_panels import GaitPanels
 from pawnb.widgets.gait_session import GaitSession
+from pawnb.widgets.plot_canvas import make_canvas
 
 _REACH = 0.02
 """How near to an event a click must be, as a share of the width of the axes: about 12 px."""
@@ -58,12 +58,8 @@ class GaitExplorer(widgets.VBox):  # type: ignore[misc]
     def __init__(self, tables: GaitTables, path: str | Path | None = None) -> None:
         super().__init__()
         self.session = GaitSession(tables, path)
-        # no interactive pyplot figure: it would show a second time in the notebook
         self._figure = Figure(figsize=(10.0, 6.4), dpi=100)
-        self._canvas = Canvas(self._figure)
-        FigureManager(self._canvas, 0)
-        self._canvas.header_visible = self._canvas.toolbar_visible = False
-        self._canvas.footer_visible = False
+        self._canvas = make_canvas(self._figure)
         self._panels = GaitPanels(self._figure, self.session)
         self._pressed: float | None = None
         self._filling = False

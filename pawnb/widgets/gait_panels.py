@@ -62,7 +62,7 @@ class GaitPanels:
         with style(font_size_pt=_SCREEN_PT):
             grid = figure.add_gridspec(
                 2, 2, width_ratios=[2.9, 1.0], left=0.065, right=0.965, bottom=0.085, top=0.93,
-                hspace=0.42, wspace=0.2,
+                hspace=0.5, wspace=0.2,
             )  # fmt: skip
             self.diagram: Axes = figure.add_subplot(grid[0, 0])
             self.signal: Axes = figure.add_subplot(grid[1, 0], sharex=self.diagram)
@@ -214,6 +214,8 @@ class GaitPanels:
         ax.set_title(f"strides of {self.session.shown_leg}")
         ax.plot(own["period_s"], own["duty_factor"], "o", markersize=5, color=_LINE, alpha=0.8)
         ax.margins(0.12)
+        for axis, values in (("x", own["period_s"]), ("y", own["duty_factor"])):
+            _at_least(ax, axis, 0.05 * float(values.mean()) if len(own) else 1.0)
         ax.locator_params(nbins=4)
         ax.set(xlabel="Period (s)", ylabel="Duty factor")
         if own.empty:
@@ -234,6 +236,14 @@ class GaitPanels:
         away = np.hypot(*(at - (x, y)).T)
         nearest = int(away.argmin())
         return float(own["start_s"].iloc[nearest]) if away[nearest] <= 12.0 else None
+
+
+def _at_least(ax: Axes, axis: str, width: float) -> None:
+    """Widen an axis about its middle, where equal strides leave it nearly no width."""
+    low, high = getattr(ax, f"get_{axis}lim")()
+    if high - low < width:
+        middle = (low + high) / 2.0
+        getattr(ax, f"set_{axis}lim")(middle - width / 2.0, middle + width / 2.0)
 
 
 def _say(ax: Axes, text: str) -> None:

@@ -7,9 +7,9 @@ from typing import Any
 import ipywidgets as widgets
 import numpy as np
 import pandas as pd
-from ipympl.backend_nbagg import Canvas, FigureManager
 from matplotlib.figure import Figure
 
+from pawnb.widgets.plot_canvas import make_canvas
 from pawnb.widgets.residual_session import ResidualSession
 
 _RAW, _SMOOTH, _HAND = "0.6", "#0072B2", "#D55E00"
@@ -53,9 +53,7 @@ class ResidualExplorer(widgets.VBox):  # type: ignore[misc]
         self.session = ResidualSession(signals, fs_hz=fs_hz, order=order)
         self._unit, self._dragging = unit, False
         self._figure = Figure(figsize=(9.0, 5.0), layout="constrained")
-        self._canvas = Canvas(self._figure)
-        FigureManager(self._canvas, 0)
-        self._canvas.header_visible = self._canvas.toolbar_visible = False
+        self._canvas = make_canvas(self._figure)
         self._choice = widgets.Dropdown(options=self.session.names, description="signal")
         self._slider = widgets.FloatSlider(
             value=self.session.cutoff_hz,
