@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import ipywidgets as widgets
@@ -9,18 +10,30 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
+from pawnb.figures.style import OKABE_ITO, style
 from pawnb.widgets.plot_canvas import make_canvas
 from pawnb.widgets.residual_session import ResidualSession
 
-_RAW, _SMOOTH, _HAND = "0.6", "#0072B2", "#D55E00"
-_PANELS = ("position", "velocity", "acceleration")
+_RAW, _SMOOTH, _HAND = "0.7", OKABE_ITO["blue"], OKABE_ITO["vermillion"]
+_PANELS = {"position": "", "velocity": "/s", "acceleration": "/s²"}
+_METHODS = {
+    "residual": ("residual analysis", "o"),
+    "gcv": ("cross-validation", "s"),
+    "autocorrelation": ("whiteness", "^"),
+}
+"""Names of the methods in words, and their marks on the curve."""
+_SCREEN_PT = 9.0
+_ROOM = 1.6
+"""Height of a panel in ranges of its filtered signal: noise of derivatives would fill it else."""
 
 
 class ResidualExplorer(widgets.VBox):  # type: ignore[misc]
     """Choose the cut-off of the filter by eye, with the methods' choices beside it.
 
     Drag the slider, or press and drag the upright line in the residual curve: the filtered
-    signal, its velocity and its acceleration follow. Grey is without a filter.
+    signal, its velocity and its acceleration follow. Grey is without a filter; where it is far
+    larger than what is left of it, it is cut at the edge of its panel. A button takes the
+    cut-off of a method.
 
     Parameters
     ----------
@@ -52,7 +65,7 @@ class ResidualExplorer(widgets.VBox):  # type: ignore[misc]
         super().__init__()
         self.session = ResidualSession(signals, fs_hz=fs_hz, order=order)
         self._unit, self._dragging = unit, False
-        self._figure = Figure(figsize=(9.0, 5.0), layout="constrained")
+        self._figure = Figure(figsize=(10.0, 5.4), dpi=100)
         self._canvas = make_canvas(self._figure)
         self._choice = widgets.Dropdown(options=self.session.names, description="signal")
         self._slider = widgets.FloatSlider(
@@ -65,7 +78,8 @@ class ResidualExplorer(widgets.VBox):  # type: ignore[misc]
             continuous_update=True,
             layout=widgets.Layout(width="32em"),
         )
-        self._told = widgets.Label(value=self.session.text())
+        self._told = widgets.Label()
+        self._takers = widgets.HBox()
         self._draw_all()
         self._choice.observe(self._on_signal, names="value")
         self._slider.observe(self._on_slider, names="value")
@@ -76,7 +90,7 @@ class ResidualExplorer(widgets.VBox):  # type: ignore[misc]
         ):
             self._canvas.mpl_connect(name, handler)
         controls = widgets.HBox([self._choice, self._slider])
-        self.children = (controls, self._told, self._canvas)
+        self.children = (controls, self._takers, self._told, self._canvas)
 
     @property
     def fs_step(self) -> float:
@@ -90,31 +104,94 @@ class ResidualExplorer(widgets.VBox):  # type: ignore[misc]
 
     def _draw_all(self) -> None:
         """Draw the residual curve and the three panels anew, for the signal that is shown."""
-        session, unit = self.session, f" ({self._unit})" if self._unit else ""
         self._figure.clear()
-        grid = self._figure.add_gridspec(3, 2, width_ratios=[1.0, 1.6])
-        self._curve = self._figure.add_subplot(grid[:, 0])
-        found = session.residuals()
-        self._curve.plot(found.curve["cutoff_hz"], found.curve["residual"], color="k")
-        self._curve.axhline(found.noise_rms, color=_SMOOTH, linestyle="--", linewidth=1)
-        self._line = self._curve.axvline(session.cutoff_hz, color=_HAND, linewidth=2)
-        self._curve.set(xlabel="Cut-off (Hz)", ylabel=f"Residual, RMS{unit}")
-        high = np.nanpercentile(found.curve["residual"], 90)
-        self._curve.set_ylim(0, 3.0 * float(high) or 1.0)
-        self._smooth: dict[str, Any] = {}
-        for row, (name, before) in enumerate(zip(_PANELS, session.raw(), strict=True)):
-            ax = self._figure.add_subplot(grid[row, 1])
-            ax.plot(session.time_s, before, color=_RAW, linewidth=0.8)
-            (self._smooth[name],) = ax.plot(session.time_s, before, color=_SMOOTH, linewidth=1.2)
-            ax.set_ylabel(name)
-        ax.set_xlabel("Time (s)")
+        with style(font_size_pt=_SCREEN_PT):
+            grid = self._figure.add_gridspec(
+                3, 2, width_ratios=[1.0, 1.6], left=0.07, right=0.985, bottom=0.1, top=0.94,
+                wspace=0.24, hspace=0.16,
+            )  # fmt: skip
+            self._draw_curve(grid)
+            self._draw_motion(grid)
+        self._offer_methods()
         self._show_cutoff()
+
+    def _draw_curve(self, grid: Any) -> None:
+        """Draw the residual curve, what the methods choose on it, and the line of the hand."""
+        session, found = self.session, self.session.residuals()
+        self._curve = ax = self._figure.add_subplot(grid[:, 0])
+        cutoff, residual = (found.curve[name].to_numpy() for name in ("cutoff_hz", "residual"))
+        ax.plot(cutoff, residual, color="black")
+        top = 3.0 * float(np.nanpercentile(residual, 90)) or 1.0
+        if found.noise_rms > 0.0:  # not where no noise line was found
+            top = 4.0 * found.noise_rms
+            slope = np.polyfit(cutoff, found.curve["noise_line"], 1)[0]
+            ax.plot([0.0, cutoff[-1]], [found.noise_rms, found.noise_rms + slope * cutoff[-1]],
+                    color=_SMOOTH, linestyle="--", linewidth=1, label="noise line")  # fmt: skip
+            ax.axhline(found.noise_rms, color=_SMOOTH, linestyle=":", linewidth=1,
+                       label="its height at 0 Hz")  # fmt: skip
+        for name, (chosen, _) in session.chosen().items():
+            words, marker = _METHODS[name]
+            if math.isfinite(chosen):
+                ax.plot(chosen, np.interp(chosen, cutoff, residual), marker, color="white",
+                        markeredgecolor="black", label=words, zorder=4)  # fmt: skip
+        self._line = ax.axvline(session.cutoff_hz, color=_HAND, linewidth=2, label="in your hand")
+        ax.set(xlabel="Cut-off (Hz)", ylabel=f"Residual, RMS{self._in('')}")
+        ax.set_xlim(0.0, cutoff[-1])
+        ax.set_ylim(0.0, min(top, 1.05 * float(np.nanmax(residual)) or 1.0))
+        ax.legend(loc="upper right")
+
+    def _draw_motion(self, grid: Any) -> None:
+        """Draw the signal and its derivatives, without a filter and with it."""
+        session = self.session
+        self._smooth: dict[str, Any] = {}
+        first = None
+        for row, ((name, per), before) in enumerate(
+            zip(_PANELS.items(), session.raw(), strict=True)
+        ):
+            ax = self._figure.add_subplot(grid[row, 1], sharex=first)
+            first = first or ax
+            ax.plot(session.time_s, before, color=_RAW, linewidth=0.8, label="no filter")
+            (self._smooth[name],) = ax.plot(
+                session.time_s, before, color=_SMOOTH, linewidth=1.3, label="filtered"
+            )
+            if row:
+                _show_range(ax, getattr(session.smoothed(), name))
+            ax.set_ylabel(f"{name}{self._in(per)}")
+            ax.tick_params(labelbottom=row == len(_PANELS) - 1)
+        ax.set_xlabel("Time (s)")
+        ax.set_xlim(session.time_s[0], session.time_s[-1])
+        self._figure.axes[1].legend(
+            loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.2
+        )
+        self._figure.align_ylabels(self._figure.axes[1:])
+
+    def _in(self, per: str) -> str:
+        """Return the unit of a derivative in brackets; nothing where the unit is not known."""
+        return f" ({self._unit}{per})" if self._unit else ""
+
+    def _offer_methods(self) -> None:
+        """Make a button for the cut-off of each method; its reason shows under the pointer."""
+        buttons = []
+        for name, (chosen, reason) in self.session.chosen().items():
+            known = math.isfinite(chosen)
+            said = f"{chosen:.2f} Hz" if known else "none found"
+            button = widgets.Button(
+                description=f"{_METHODS[name][0]}: {said}", tooltip=reason, disabled=not known,
+                layout={"width": "16em"},
+            )  # fmt: skip
+            button.on_click(lambda _, hz=chosen: setattr(self._slider, "value", hz))
+            buttons.append(button)
+        self._takers.children = (widgets.Label("take the cut-off of"), *buttons)
 
     def _show_cutoff(self) -> None:
         """Move the line and the filtered curves to the cut-off in the hand."""
         self._line.set_xdata([self.session.cutoff_hz] * 2)
         for name, values in self.session.smoothed()._asdict().items():
-            self._smooth[name].set_ydata(values)
+            line = self._smooth[name]
+            line.set_ydata(values)
+            low, high = line.axes.get_ylim()
+            if np.nanmin(values) < low or np.nanmax(values) > high:
+                _show_range(line.axes, values)
         self._told.value = self.session.text()
         self._canvas.draw_idle()
 
@@ -142,3 +219,11 @@ class ResidualExplorer(widgets.VBox):  # type: ignore[misc]
     def _on_release(self, _event: Any) -> None:
         """Stop dragging."""
         self._dragging = False
+
+
+def _show_range(ax: Any, values: np.ndarray) -> None:
+    """Give a panel the height of its filtered signal, and some room."""
+    low, high = float(np.nanmin(values)), float(np.nanmax(values))
+    room = (_ROOM - 1.0) / 2.0 * (high - low)
+    if room > 0.0:
+        ax.set_ylim(low - room, high + room)

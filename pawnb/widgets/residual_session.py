@@ -107,13 +107,20 @@ class ResidualSession:
         x, dt = self.signal, 1.0 / self.fs_hz
         return x, differentiate(x, dt=dt), differentiate(x, dt=dt, order=2)
 
-    def text(self) -> str:
-        """Say in words what the three methods would choose for the signal that is shown."""
+    def chosen(self) -> dict[str, tuple[float, str]]:
+        """Return cut-off (Hz; NaN for none) and reason of each method for the signal shown."""
         own = self.choices[self.choices["signal"] == self.name]
-        told = [
-            f"{row['method']} {row['cutoff_hz']:.2f} Hz"
-            if math.isfinite(row["cutoff_hz"])
-            else f"{row['method']}: {row['reason']}"
+        return {
+            str(row["method"]): (float(row["cutoff_hz"]), str(row["reason"]))
             for row in own.to_dict("records")
+        }
+
+    def text(self) -> str:
+        """Say which cut-off is in the hand, and which methods have none, and why."""
+        told = [f"{self.name}: cut-off {self.cutoff_hz:.2f} Hz."]
+        told += [
+            f"{method}: {reason}"
+            for method, (cutoff_hz, reason) in self.chosen().items()
+            if not math.isfinite(cutoff_hz)
         ]
-        return f"{self.name}: cut-off {self.cutoff_hz:.2f} Hz. By method: {'; '.join(told)}."
+        return " ".join(told)

@@ -28,7 +28,17 @@ def test_session_begins_at_the_pooled_choice_and_filters_with_the_hand():
     session.set_cutoff(7.0)
     expected = smooth_motion(SIGNALS["b"].to_numpy(), fs_hz=FS, cutoff_hz=7.0)
     np.testing.assert_allclose(session.smoothed().velocity, expected.velocity)
-    assert session.text().startswith("b: cut-off 7.00 Hz. By method: residual ")
+    assert session.text() == "b: cut-off 7.00 Hz."
+    own = analyse_residuals(SIGNALS["b"].to_numpy(), fs_hz=FS)
+    assert session.chosen()["residual"] == (pytest.approx(own.cutoff_hz), own.reason)
+
+
+def test_a_method_without_a_choice_says_why():
+    # a straight line has no noise: residual analysis finds no cut-off
+    session = ResidualSession(pd.DataFrame({"a": T}), fs_hz=FS)
+    cutoff_hz, reason = session.chosen()["residual"]
+    assert np.isnan(cutoff_hz)
+    assert f"residual: {reason}" in session.text()
 
 
 def test_cutoffs_stay_within_what_the_filter_can_do():
@@ -64,6 +74,19 @@ def test_slider_line_and_curves_go_together():
     explorer._on_move(Mouse(explorer._curve, 20.0))  # no longer held
     assert explorer.cutoff_hz == pytest.approx(12.0, abs=0.1)
     assert explorer._slider.value == pytest.approx(12.0, abs=0.1)
+    # what the filter leaves is never cut off, however little it filters
+    explorer._slider.value = explorer.session.highest_hz
+    low, high = explorer._figure.axes[3].get_ylim()
+    acceleration = explorer._smooth["acceleration"].get_ydata()
+    assert low < acceleration.min() < acceleration.max() < high
+    # a button takes what a method chose
+    taker = explorer._takers.children[1]
+    assert taker.description.startswith("residual analysis: ")
+    taker.click()
+    assert explorer.cutoff_hz == pytest.approx(explorer.session.chosen()["residual"][0], abs=0.05)
+    assert explorer._line.get_xdata()[0] == explorer.cutoff_hz
+    labels = [ax.get_ylabel() for ax in explorer._figure.axes[1:]]
+    assert labels == ["position (mm)", "velocity (mm/s)", "acceleration (mm/s²)"]
     explorer._choice.value = "b"
     assert explorer.session.name == "b"
     assert "b: cut-off" in explorer._told.value
