@@ -28,12 +28,8 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import pandas as pd
 
-from pawnb.gait.animals import (
-    interval_of_phases,
-    mean_of_animals,
-    slope_of_animals,
-    slopes_by_animal,
-)
+from pawnb.gait.animal_phases import interval_of_phases
+from pawnb.gait.animals import mean_of_animals, slope_of_animals, slopes_by_animal
 from pawnb.gait.bootstrap import bootstrap_units
 from pawnb.gait.circular import mean_interval, mean_vector
 from pawnb.gait.circular_correlation import angular_linear

@@ -3,7 +3,7 @@
 from pawnb.gait.analysis import analyse, analyse_events
 from pawnb.gait.body_angles import body_angles
 from pawnb.gait.event_edits import replay_event_edits
-from pawnb.gait.events import EventSettings
+from pawnb.gait.event_settings import EventSettings
 from pawnb.gait.pose_body import leg_angles
 from pawnb.gait.tables import GaitTables, pool
 

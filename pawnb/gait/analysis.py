@@ -12,7 +12,7 @@ import pandas as pd
 from pawnb.errors import InputError
 from pawnb.gait.body import BodyPoints
 from pawnb.gait.cycles import LegSignals
-from pawnb.gait.events import EventSettings
+from pawnb.gait.event_settings import EventSettings
 from pawnb.gait.feet import EVENT_TABLE_COLUMNS, analyse_space, dropped_table
 from pawnb.gait.grid import Grid, put_on_grid
 from pawnb.gait.leg_names import choose_legs, guess_body

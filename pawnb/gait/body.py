@@ -8,7 +8,7 @@ import numpy as np
 
 from pawnb.gait.bouts import Bouts, find_bouts
 from pawnb.gait.direction import choose_direction, find_up
-from pawnb.gait.events import EventSettings
+from pawnb.gait.event_settings import EventSettings
 from pawnb.gait.paths import FootPaths
 from pawnb.gait.scales import Scales, choose_scales, say_scales, stepping_frequency
 from pawnb.kinematics import (

@@ -25,7 +25,8 @@ import pandas as pd
 from scipy.stats import norm
 
 from pawnb.errors import InputError
-from pawnb.gait.animals import WHOLE_CYCLE, check_level, check_values
+from pawnb.gait.animal_phases import WHOLE_CYCLE
+from pawnb.gait.animals import check_level, check_values
 from pawnb.gait.circular import mean_vector, wrap
 from pawnb.gait.circular_describe import difference
 from pawnb.gait.circular_sample import ONE_ANIMAL

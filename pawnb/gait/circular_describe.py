@@ -71,7 +71,7 @@ def describe_circular(phases: np.ndarray, *, level: float = 0.95) -> CircularDes
     -------
     CircularDescription
         Numbers of the sample. The interval takes the phases to be independent: strides of
-        one animal are not; see :func:`pawnb.gait.animals.phase_of_animals`.
+        one animal are not; see :func:`pawnb.gait.animal_phases.phase_of_animals`.
 
     Raises
     ------

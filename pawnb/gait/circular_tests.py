@@ -121,7 +121,7 @@ def mean_test(
     section 27.1d asks whether the expected phase lies within the interval): ``statistic``
     is chi² with 1 degree of freedom. With animals: Student's t of the sines of the animals'
     mean phases about the common mean, with as many degrees of freedom as animals less
-    one; it agrees with :func:`pawnb.gait.animals.phase_of_animals`'s interval.
+    one; it agrees with :func:`pawnb.gait.animal_phases.phase_of_animals`'s interval.
 
     Parameters
     ----------

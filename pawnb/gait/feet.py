@@ -17,28 +17,24 @@ import pandas as pd
 from pawnb.gait.body import BodyPoints, find_body
 from pawnb.gait.cycles import HEIGHT, LATERAL, LEG_ANGLE, POSITION, LegSignals
 from pawnb.gait.direction import find_up
+from pawnb.gait.event_settings import EventSettings
 from pawnb.gait.events import (
-    Contact,
-    EventSettings,
     Extreme,
     Rejected,
-    find_contacts,
     find_extremes,
-    measure_height,
-    stance_velocity,
-    stance_velocity_over_time,
 )
 from pawnb.gait.grid import Grid
+from pawnb.gait.landings import Contact, find_contacts, measure_height
 from pawnb.gait.paths import FootPaths
 from pawnb.gait.scales import Scales, least_excursion
 from pawnb.gait.strides import Motion
-from pawnb.kinematics import BodyFrame, along
+from pawnb.gait.substrate import find_belt_speed, measure_motion, speed_over_substrate
+from pawnb.kinematics import along
 from pawnb.schema import DROPPED_COLUMNS, EVENTS_COLUMNS
 from pawnb.signals import butterworth_lowpass, differentiate, fill_gaps, find_jumps, find_runs
 from pawnb.trial import Trial
 
 EVENT_TABLE_COLUMNS = (*EVENTS_COLUMNS, "position")
-_SLIP_ALLOWED = 0.15
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -120,17 +116,19 @@ def analyse_space(
         turning, how = _smooth(feet.angle_deg, scales.cutoff_hz, fs, max_gap), "leg angle"
     extremes, rejected = _extremes_of_feet(turning, fs, settings, scales, standing)
     velocity = differentiate(lab, dt=1.0 / fs)
-    belt_here = _belt(feet, velocity, extremes, belt, found_body.treadmill, notes)
+    treadmill = found_body.treadmill
+    belt_here, said = find_belt_speed(feet, velocity, extremes, stated=belt, treadmill=treadmill)
+    notes += said
     height = None
     if up is not None and settings.use_height:
         level = np.tile(up, (len(raw), 1))
         height = _smooth(along(feet.positions, level), scales.cutoff_hz, fs, max_gap)
-    motion = _motion(feet, frame, lab, belt_here, grid)
+    motion = measure_motion(feet, frame, lab=lab, belt=belt_here, grid=grid)
     kinds = [(turning, LEG_ANGLE, "deg")] if feet.angle_deg is not None else []
     kinds += [(position, POSITION, feet.unit)]
     kinds += [(height, HEIGHT, feet.unit)] if height is not None else []
-    across = frame.lateral(feet.positions, up=up)
     if up is not None or found_body.from_points:
+        across = frame.lateral(feet.positions, up=up)
         kinds += [(_smooth(across, scales.cutoff_hz, fs, max_gap), LATERAL, feet.unit)]
     signals = [
         LegSignals(**who, legs=feet.legs, time_s=grid.time_s, samples=x, signal=name, unit=unit)
@@ -151,14 +149,10 @@ def analyse_space(
         _add_pauses(result, leg, standing, grid)
         if belt_here is not None:
             foot_height = None if height is None else height[:, k]
-            over = velocity[:, k] + belt_here
-            if found_body.treadmill and belt_here is not belt:
-                # not stated: a ball turns under one side faster than under the other
-                slip = np.nan_to_num(stance_velocity_over_time(over, extremes[k]))
-            else:
-                slip = np.full(len(over), _own_slip(over, extremes[k], belt_here))
-            speed = over - slip
-            found = _find_contacts(speed, foot_height, extremes[k], settings, _rise(scales, fs))
+            speed = speed_over_substrate(
+                velocity[:, k], belt_here, where, follow=treadmill and belt_here is not belt
+            )
+            found = _find_contacts(speed, foot_height, where, settings, _rise(scales, fs))
             _add_contacts(result, leg, *found, grid)
     return result
 
@@ -210,77 +204,6 @@ def _with_positions(extremes: list[Extreme], position: np.ndarray) -> list[Extre
         extreme._replace(position=float(np.interp(extreme.sample, samples, position)))
         for extreme in extremes
     ]
-
-
-def _belt(
-    feet: FootPaths,
-    velocity: np.ndarray,
-    extremes: list[list[Extreme]],
-    belt: np.ndarray | None,
-    treadmill: bool,
-    notes: list[str],
-) -> np.ndarray | None:
-    """Return the speed of the substrate backwards, in the unit of the positions per second."""
-    n = len(velocity)
-    if not treadmill:
-        return np.zeros(n)
-    who = feet.label
-    stance = [stance_velocity(v, e) for v, e in zip(velocity.T, extremes, strict=True)]
-    known = [s for s in stance if math.isfinite(s)]
-    own = -float(np.median(known)) if known else math.nan
-    if belt is not None:
-        usual = float(np.median(belt))
-        if not math.isfinite(own) or abs(own - usual) <= _SLIP_ALLOWED * abs(usual):
-            return belt
-        if feet.unit != "px":
-            notes.append(
-                f"{who}: feet in stance go backwards at {own:.4g} {feet.unit}/s where the belt "
-                f"is said to run at {usual:.4g}; check belt_speed and its unit. Contact is told "
-                "from the feet's own stance; speed and stride length use the stated belt speed."
-            )
-            return belt
-    if not (math.isfinite(own) and own > 0):
-        return None
-    notes.append(
-        f"{who}: belt speed about {own:.4g} {feet.unit}/s, taken from the feet in stance, stride "
-        f"by stride, because none is known in {feet.unit}/s."
-    )
-    local = [stance_velocity_over_time(v, e) for v, e in zip(velocity.T, extremes, strict=True)]
-    return -np.mean([one for one in local if np.isfinite(one).all()], axis=0)
-
-
-def _own_slip(speed: np.ndarray, extremes: list[Extreme], belt: np.ndarray) -> float:
-    """Return the foot's speed in stance relative to the belt where that is too much to be slip."""
-    slip = stance_velocity(speed, extremes)
-    return slip if abs(slip) > _SLIP_ALLOWED * abs(float(np.median(belt))) > 0 else 0.0
-
-
-def _motion(
-    feet: FootPaths, frame: BodyFrame, lab: np.ndarray, belt: np.ndarray | None, grid: Grid
-) -> Motion:
-    """Sum up how far body and feet have come relative to the ground or belt."""
-    steps = np.einsum("nd,nd->n", np.diff(frame.path, axis=0), frame.forward[:-1])
-    if belt is None:
-        unknown = np.full(len(lab), np.nan)
-        return Motion(time_s=grid.time_s, body=unknown)
-    rolled = np.concatenate(([0.0], np.cumsum((belt[1:] + belt[:-1]) / 2.0) / grid.fs_hz))
-    known = np.isfinite(frame.path).all(axis=1)
-    body = np.concatenate(([0.0], np.cumsum(np.where(np.isfinite(steps), steps, 0.0)))) + rolled
-    return Motion(
-        time_s=grid.time_s,
-        heading_deg=_heading_deg(frame.forward),
-        body=np.where(known, body, np.nan),
-        feet={leg: lab[:, k] + rolled for k, leg in enumerate(feet.legs)},
-    )
-
-
-def _heading_deg(forward: np.ndarray) -> np.ndarray:
-    """Return the direction of unit vectors, not wrapped, bridged where it is not known."""
-    heading = np.arctan2(forward[:, 1], forward[:, 0])
-    known = np.flatnonzero(np.isfinite(heading))
-    if not len(known):
-        return np.full(len(heading), np.nan)
-    return np.degrees(np.interp(np.arange(len(heading)), known, np.unwrap(heading[known])))
 
 
 def _add_extremes(

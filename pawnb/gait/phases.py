@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pawnb.gait.animals import phase_of_animals
+from pawnb.gait.animal_phases import phase_of_animals
 from pawnb.gait.circular import circular_sd, mean_interval, mean_vector, rayleigh_p
 from pawnb.schema import DROPPED_COLUMNS, PHASE_SUMMARY_COLUMNS, PHASES_COLUMNS
 
@@ -104,7 +104,7 @@ def summarise_phases(phases: pd.DataFrame) -> pd.DataFrame:
     """Summarise phases by pair of legs, over animals and over strides.
 
     The first set of statistics counts animals
-    (:func:`pawnb.gait.animals.phase_of_animals`): each animal's mean phase is one unit
+    (:func:`pawnb.gait.animal_phases.phase_of_animals`): each animal's mean phase is one unit
     vector, whatever its number of strides, and the interval is made for few animals. With
     one animal only its mean is given; spread, interval, test and pattern say nothing
     about animals then and are blank, and the note says so. The set named ``..._strides``
@@ -125,7 +125,7 @@ def summarise_phases(phases: pd.DataFrame) -> pd.DataFrame:
         ``PHASE_SUMMARY_COLUMNS``, pairs in their order of appearance. Standard
         deviation: :func:`~pawnb.gait.circular.circular_sd`; p: exact,
         :func:`~pawnb.gait.circular.rayleigh_p`; interval of 95 %:
-        :func:`~pawnb.gait.animals.interval_of_phases` for animals,
+        :func:`~pawnb.gait.animal_phases.interval_of_phases` for animals,
         :func:`~pawnb.gait.circular.mean_interval` for strides. ``moore_r`` and ``moore_p``:
         Moore's second-order test of the animals' mean vectors.
     """

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pawnb.gait.events import EventSettings
+from pawnb.gait.event_settings import EventSettings
 from pawnb.gait.paths import FootPaths
 from pawnb.signals import fill_gaps, find_turns
 

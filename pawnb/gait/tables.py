@@ -9,7 +9,7 @@ import pandas as pd
 
 from pawnb.errors import InputError, did_you_mean
 from pawnb.gait.cycles import LegSignals
-from pawnb.gait.events import EventSettings
+from pawnb.gait.event_settings import EventSettings
 from pawnb.gait.legs import default_pairs, sort_legs
 from pawnb.gait.phases import build_phases, summarise_phases
 from pawnb.gait.stride_measures import measure_strides

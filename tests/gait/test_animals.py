@@ -11,13 +11,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pawnb.errors import InputError
+from pawnb.gait.animal_phases import interval_of_phases, phase_of_animals
 from pawnb.gait.animal_summary import summarise_animals, variance_shares
-from pawnb.gait.animals import (
-    interval_of_phases,
-    mean_of_animals,
-    phase_of_animals,
-    slope_of_animals,
-)
+from pawnb.gait.animals import mean_of_animals, slope_of_animals
 from pawnb.gait.circular_tests import mean_test, rayleigh_test
 
 T4 = 2.7764451051977987  # Student's t, 0.975, 4 degrees of freedom (tables)

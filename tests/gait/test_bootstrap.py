@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from pawnb.errors import InputError
-from pawnb.gait.animals import interval_of_phases
+from pawnb.gait.animal_phases import interval_of_phases
 from pawnb.gait.bootstrap import bootstrap_animals, bootstrap_units, mean_by_animal
 
 

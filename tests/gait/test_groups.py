@@ -12,15 +12,8 @@ from statsmodels.stats.multitest import multipletests
 
 from pawnb.errors import InputError
 from pawnb.gait.circular_tests import mean_test
-from pawnb.gait.groups import (
-    GROUP_COLUMNS,
-    adjust_p,
-    compare_groups,
-    compare_paired,
-    compare_two,
-    compare_two_phases,
-    hedges_g,
-)
+from pawnb.gait.differences import compare_paired, compare_two, compare_two_phases, hedges_g
+from pawnb.gait.groups import GROUP_COLUMNS, adjust_p, compare_groups
 
 A = np.array([3.0, 4, 1, 2, 5])
 B = np.array([7.0, 5, 6, 9, 8, 4])

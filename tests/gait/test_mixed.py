@@ -10,7 +10,7 @@ import pytest
 
 from pawnb.errors import InputError
 from pawnb.gait.animals import mean_of_animals
-from pawnb.gait.groups import compare_two
+from pawnb.gait.differences import compare_two
 from pawnb.gait.mixed import MIXED_COLUMNS, fit_mixed
 
 
