@@ -94,7 +94,7 @@ def apply_edit(
     if is_pose(tracks):
         raise InputError(
             "a point of a jointed animal cannot be moved by itself; correct its pose with "
-            "pawnb.widgets.StickPoser(trial, tracks=tracks)."
+            "pawnb.widgets.PoseReviewer(trial, tracks)."
         )
     new = tracks.copy(deep=True)
     solve = _Solver(new, rig, px_per_unit)

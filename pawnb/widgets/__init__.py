@@ -9,14 +9,15 @@ _HOME = {
     "ClickInitialiser": "pawnb.widgets.click_initialiser",
     "FrameCanvas": "pawnb.widgets.frame_canvas",
     "GaitExplorer": "pawnb.widgets.gait_explorer",
+    "PoseReviewer": "pawnb.widgets.pose_reviewer",
     "ResidualExplorer": "pawnb.widgets.residual_explorer",
     "StickPoser": "pawnb.widgets.stick_poser",
     "TrackReviewer": "pawnb.widgets.track_reviewer",
 }
 
 __all__ = [
-    "ClickInitialiser", "FrameCanvas", "GaitExplorer", "ResidualExplorer", "StickPoser",
-    "TrackReviewer",
+    "ClickInitialiser", "FrameCanvas", "GaitExplorer", "PoseReviewer", "ResidualExplorer",
+    "StickPoser", "TrackReviewer",
 ]  # fmt: skip
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -11,32 +10,21 @@ import numpy as np
 import pandas as pd
 
 from pawnb.core.edit_effects import Retracker, triangulate_views, usable_views
-from pawnb.core.edits import (
-    Accept,
-    Edit,
-    EditLog,
-    Hide,
-    Move,
-    Retrack,
-    Swap,
-    describe_edit,
-)
+from pawnb.core.edits import Accept, Hide, Move, Swap
+from pawnb.core.pose.as_tracks import is_pose
 from pawnb.core.rig import Rig
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE, ORIGINS, Tracks
 from pawnb.trial import Trial
 from pawnb.widgets.colours import point_colours
+from pawnb.widgets.corrected_tracks import CorrectedTracks
 
 TRAIL = 20
 """Frames of the past that a trail shows."""
 
-_WAIT = "the trial is being tracked again; wait until that is done, or stop it."
 
-
-class ReviewSession:
-    """Tracks under review: corrections, undo, tracking again, and what is drawn.
-
-    Safe to use from several threads.
+class ReviewSession(CorrectedTracks):
+    """Points under review: what :class:`CorrectedTracks` can, and what is drawn of them.
 
     Parameters
     ----------
@@ -46,25 +34,14 @@ class ReviewSession:
         Its tracks; not modified.
     rig : Rig, optional
         The calibrated views.
-    edits : str or Path, optional
-        ``edits.jsonl``; what it holds already is applied. None keeps nothing.
-    retrack : callable, optional
-        ``retrack(tracks, frame) -> Tracks`` tracks again from a frame on; it is given
-        ``learn=True`` as well where colours are to be learnt anew.
-    save : callable, optional
-        ``save(tracks)`` writes the tracks.
-
-    Attributes
-    ----------
-    tracks : xarray.Dataset
-        The present state, its corrections listed in its provenance.
-    notes : list of str
-        What a person should know about ``edits.jsonl``.
+    edits, retrack, save
+        As for :class:`CorrectedTracks`.
 
     Raises
     ------
     InputError
-        If the tracks have no image positions, or ``edits.jsonl`` does not fit them.
+        As :class:`CorrectedTracks`, and for tracks of a jointed animal, whose points are not moved
+        one by one.
     """
 
     def __init__(
@@ -77,56 +54,17 @@ class ReviewSession:
         retrack: Retracker | None = None,
         save: Callable[[Tracks], object] | None = None,
     ) -> None:
+        if is_pose(tracks):
+            raise InputError(
+                "these are tracks of a jointed animal, which is corrected as a whole; open them "
+                "with pawnb.widgets.PoseReviewer(trial, tracks)."
+            )
+        super().__init__(trial, tracks, rig=rig, edits=edits, retrack=retrack, save=save)
         self.trial, self.rig = trial, rig
-        self.edits = Path(edits) if edits is not None else None
-        self._lock = threading.RLock()
-        self._tracker, self._save = retrack, save
-        self._ready: Tracks | None = None  # made outside the lock, for the log to take over
-        self.busy = False
-        calibration = trial.calibration
-        self._log = EditLog(
-            tracks,
-            edits,
-            rig=rig,
-            px_per_unit=calibration.px_per_unit if calibration is not None else None,
-            retrack=self._retracked if retrack is not None else None,
-        )
-        self.notes = list(self._log.notes)
-        self._n_saved: int | None = None
         self.views = [str(name) for name in tracks["view"].to_numpy()]
         self.points = [str(name) for name in tracks["keypoint"].to_numpy()]
         self.colours = point_colours(self.points)
         self.points_by_view = self._points_by_view()
-
-    # --- what there is ------------------------------------------------------------------
-
-    @property
-    def tracks(self) -> Tracks:
-        """The present state, its corrections listed in its provenance."""
-        with self._lock:
-            return self._log.stamped()
-
-    @property
-    def corrections(self) -> tuple[Edit, ...]:
-        """Every correction in force."""
-        with self._lock:
-            return self._log.active
-
-    @property
-    def can_undo(self) -> bool:
-        """Whether there is a correction to undo."""
-        return self._log.can_undo
-
-    @property
-    def can_redo(self) -> bool:
-        """Whether an undone correction can be made again."""
-        return self._log.can_redo
-
-    @property
-    def span(self) -> tuple[int, int]:
-        """First and last frame of the tracks."""
-        frames = self._log.tracks["frame"].to_numpy()
-        return int(frames[0]), int(frames[-1])
 
     def pairs(self) -> list[tuple[str, str]]:
         """Return the pairs of points that some view tracks both of: those one can mistake."""
@@ -141,11 +79,11 @@ class ReviewSession:
 
     def move(self, frame: int, view: str, point: str, *, u: float, v: float) -> str:
         """Put a point at (u, v) px of a view; returns what was done, in words."""
-        return self._apply(Move(frame=frame, view=view, point=point, u=round(u, 3), v=round(v, 3)))
+        return self.apply(Move(frame=frame, view=view, point=point, u=round(u, 3), v=round(v, 3)))
 
     def hide(self, frame: int, view: str, point: str) -> str:
         """Mark a point as not visible in a view; returns what was done, in words."""
-        return self._apply(Hide(frame=frame, view=view, point=point))
+        return self.apply(Hide(frame=frame, view=view, point=point))
 
     def accept(self, frame: int, view: str, point: str) -> str:
         """Say that a point is right as it is; returns what was done, in words.
@@ -158,77 +96,16 @@ class ReviewSession:
         uv = self.position(frame, view, point)
         if uv is None:
             raise InputError(f"{point} has no position in {view}, frame {frame}; click it first.")
-        return self._apply(Accept(frame=frame, view=view, point=point, u=uv[0], v=uv[1]))
+        return self.apply(Accept(frame=frame, view=view, point=point, u=uv[0], v=uv[1]))
 
     def swap(self, frame: int, first: str, second: str) -> str:
         """Exchange two points from a frame on; returns what was done, in words."""
-        return self._apply(Swap(frame=frame, first=first, second=second))
-
-    def undo(self) -> Edit | None:
-        """Take back the last correction; returns it, or None where there was none."""
-        return self._step(self._log.undo)
-
-    def redo(self) -> Edit | None:
-        """Make the correction that was undone last again; returns it, or None."""
-        return self._step(self._log.redo)
-
-    def retrack(self, frame: int, *, learn: bool = False) -> str:
-        """Track again from a frame on; returns what was done, in words.
-
-        Pictures and points can be looked at meanwhile, but not corrected.
-
-        Parameters
-        ----------
-        frame : int
-            The corrected frame.
-        learn : bool
-            Learn the colours of the corrected points anew there.
-
-        Returns
-        -------
-        str
-            What was done.
-
-        Raises
-        ------
-        InputError
-            If no tracker was given, it is running already, or it fails.
-        """
-        if self._tracker is None:
-            raise InputError("no tracker was given; open the review with retrack=.")
-        with self._lock:
-            self._check_idle()
-            before = self._log.tracks
-            self.busy = True
-        try:
-            options = {"learn": True} if learn else {}
-            ready = self._tracker(before.copy(deep=True), frame, **options)
-            edit = Retrack(frame=frame, learn=learn)
-            with self._lock:
-                self._ready = ready
-                self._log.apply(edit)
-        finally:
-            self._ready, self.busy = None, False
-        return describe_edit(edit)
-
-    def save(self) -> None:
-        """Write the tracks with the ``save`` that was given.
-
-        Raises
-        ------
-        InputError
-            If none was given, or it fails.
-        """
-        if self._save is None:
-            raise InputError("no place to save was given; open the review with save=.")
-        with self._lock:
-            self._save(self._log.stamped())
-            self._n_saved = len(self._log.active)
+        return self.apply(Swap(frame=frame, first=first, second=second))
 
     def position(self, frame: int, view: str, point: str) -> tuple[float, float] | None:
         """Return where a point is in px of a view, or None where it is missing."""
-        with self._lock:
-            tracks = self._log.tracks
+        with self.lock:
+            tracks = self.present
             uv = tracks["image_position"].to_numpy()[
                 self._row(frame), self.views.index(view), :, self.points.index(point), 0
             ]
@@ -238,8 +115,8 @@ class ReviewSession:
 
     def overlay(self, frame: int) -> dict[str, Any]:
         """Return what is drawn over a frame; see ``frame_canvas.Overlay``."""
-        with self._lock:
-            tracks = self._log.tracks
+        with self.lock:
+            tracks = self.present
             row = self._row(frame)
             past = slice(max(0, row - TRAIL), row + 1)
             trail = tracks["image_position"].to_numpy()[past, ..., 0]  # (n, V, 2, P)
@@ -301,35 +178,8 @@ class ReviewSession:
 
     # --- inside -------------------------------------------------------------------------
 
-    def _apply(self, edit: Edit) -> str:
-        with self._lock:
-            self._check_idle()
-            self._log.apply(edit)
-        return describe_edit(edit)
-
-    def _step(self, action: Callable[[], Edit | None]) -> Edit | None:
-        """Undo or redo; a file saved with what is now undone is written again."""
-        with self._lock:
-            self._check_idle()
-            edit = action()
-            if self._n_saved is not None and len(self._log.active) < self._n_saved:
-                self.save()
-            return edit
-
-    def _check_idle(self) -> None:
-        if self.busy:
-            raise InputError(_WAIT)
-
-    def _retracked(self, tracks: Tracks, frame: int, **options: bool) -> Tracks:
-        """Hand over what was tracked outside the lock; on opening, track now."""
-        if self._ready is not None:
-            return self._ready
-        if self._tracker is None:
-            raise InputError("no tracker was given; open the review with retrack=.")
-        return self._tracker(tracks, frame, **options)
-
     def _row(self, frame: int) -> int:
-        frames = self._log.tracks["frame"].to_numpy()
+        frames = self.present["frame"].to_numpy()
         rows = np.flatnonzero(frames == frame)
         if not len(rows):
             raise InputError(f"frame {frame} is not in the tracks ({frames[0]} to {frames[-1]}).")
@@ -338,7 +188,7 @@ class ReviewSession:
     def _points_by_view(self) -> dict[str, tuple[str, ...]]:
         """Return what each view tracks: what the trial says, else what was found in it."""
         listed: Mapping[str, Sequence[str]] = {v.name: v.points for v in self.trial.views}
-        origin = self._log.tracks["image_origin"].to_numpy()[..., 0]
+        origin = self.present["image_origin"].to_numpy()[..., 0]
         own = (origin != ORIGIN_CODE["missing"]) & (origin != ORIGIN_CODE["reprojected"])
         found = own.any(axis=0)  # (V, P)
         return {

@@ -17,7 +17,7 @@ from pawnb.trial import Trial, load_trial
 from pawnb.widgets.click_initialiser import trial_span
 from pawnb.widgets.frame_canvas import MOUSE_AND_KEYS, FrameCanvas, Overlay
 from pawnb.widgets.stick_layers import LAYERS, SETTINGS, EnergyLayers, in_words
-from pawnb.widgets.stick_pose import LEAST_FACTOR, MOST_FACTOR
+from pawnb.widgets.stick_pose import LEAST_FACTOR, MOST_FACTOR, StickPose
 from pawnb.widgets.stick_session import StickSession, describe
 from pawnb.workflow.propose_pose import (
     PoseStart,
@@ -27,7 +27,7 @@ from pawnb.workflow.propose_pose import (
     trial_background,
 )
 
-_KEYS = (
+HANDLES = (
     ("Drag the disc", "move the body"),
     (
         "Drag a square",
@@ -38,6 +38,9 @@ _KEYS = (
         "bend the leg there; what is further out follows, and the joint's range is shown",
     ),
     ("Drag a tip", "the whole leg follows; with Ctrl only its last joint turns"),
+)
+_KEYS = (
+    *HANDLES,
     ("[, ]", "the chosen leg 2 % shorter, longer"),
     ("M, Delete", "the chosen leg is missing, or there after all"),
     ("N", "the chosen leg back to its natural orientation"),
@@ -69,8 +72,8 @@ class StickPoser(FrameCanvas):
         or changed), or one that was made before with :func:`pawnb.propose_start`.
     **options
         ``path`` (file for the pose; default the trial's ``[start] pose``, else
-        ``start_pose.csv`` beside the trial), ``views`` (when they are open already), and the
-        options of :class:`FrameCanvas`.
+        ``start_pose.csv`` beside the trial), ``views`` (when they are open already),
+        ``session`` (one that was made before), and the options of :class:`FrameCanvas`.
 
     Attributes
     ----------
@@ -93,6 +96,7 @@ class StickPoser(FrameCanvas):
         propose: bool | PoseStart = False,
         path: str | Path | None = None,
         views: ViewSet | None = None,
+        session: StickSession | None = None,
         **options: Any,
     ) -> None:
         trial = trial if isinstance(trial, Trial) else load_trial(trial)
@@ -103,15 +107,7 @@ class StickPoser(FrameCanvas):
         self.view = pose_view(trial)
         self._background: Background | None = None
         self.layers = EnergyLayers()
-        reader = shown.readers[self.view]
-        self.session = StickSession(
-            trial,
-            trial_animal(trial),
-            size=(reader.width, reader.height),
-            span=trial_span(trial, shown),
-            frame=frame,
-            path=path,
-        )
+        self.session = session or self._new_session(frame, path)
         if propose:
             self._propose(propose if isinstance(propose, PoseStart) else None)
         super().__init__(shown, frame=self.session.frame, span=self.session.span, **options)
@@ -120,6 +116,18 @@ class StickPoser(FrameCanvas):
         self.tell_selected = True
         self._show_state()
         self.observe(self._look_at, names="frame")
+
+    def _new_session(self, frame: int | None, path: str | Path | None) -> StickSession:
+        """Return a session on the trial's start pose."""
+        reader = self._shown.readers[self.view]
+        return StickSession(
+            self.trial,
+            trial_animal(self.trial),
+            size=(reader.width, reader.height),
+            span=trial_span(self.trial, self._shown),
+            frame=frame,
+            path=path,
+        )
 
     @property
     def start(self) -> Poses:
@@ -134,8 +142,8 @@ class StickPoser(FrameCanvas):
     def overlay(self, frame: int) -> Overlay:
         """Return what is drawn over a frame: the stick animal, and a button for each leg."""
         session = self.session
-        stick = describe(session)
-        stick["dashed"] = stick["dashed"] or frame != session.pose_frame
+        pose, is_proposed = self._pose_shown(frame)
+        stick = describe(session, pose) | {"dashed": is_proposed}
         chips = []
         for name, colour in session.colours.items():
             missing = session.pose.legs[name].missing
@@ -150,6 +158,11 @@ class StickPoser(FrameCanvas):
             here["tint"] = self.layers.tint(view)
             told["caption"] = f"energy {view.energy:.0f}"
         return told
+
+    def _pose_shown(self, frame: int) -> tuple[StickPose, bool]:
+        """Return the pose drawn over a frame, and whether it is only proposed there."""
+        session = self.session
+        return session.pose, session.proposed or frame != session.pose_frame
 
     def edit(self, what: str, message: Mapping[str, Any]) -> int | None:
         """Do what a person did; see :meth:`FrameCanvas.edit`."""
@@ -250,10 +263,10 @@ class StickPoser(FrameCanvas):
                 if self.layers.layer:
                     self.refresh()
 
-    def _show_state(self) -> None:
+    def _show_state(self, said: str = "", *, busy: bool = False) -> None:
+        """Say what was done or is to be done, and which buttons can be pressed."""
         session = self.session
-        where = f"Saved in {session.path.name}." if session.saved else "Not saved yet."
-        told = f"{session.prompt()}\n{session.remarks()} {where}"
+        told = f"{said or session.prompt()}\n{session.remarks()} {self._kept()}"
         view = self._energy()
         self.status = told if view is None else f"{told}\n{in_words(view)}"
         leg = session.leg
@@ -268,15 +281,38 @@ class StickPoser(FrameCanvas):
         layers = {"id": "layer", "text": f"Show: {shown}",
                   "title": "What the published method makes of the picture",
                   "options": [["nothing", "Nothing"], *map(list, LAYERS.items())]}  # fmt: skip
-        self.actions = [*_actions(session), layers]
+        actions = [*self._own_actions(busy=busy), layers]
         if self.layers.chosen:
             again = {"id": "estimate", "text": "Estimate settings",
                      "title": "Let every setting be estimated from the picture again"}  # fmt: skip
-            self.actions = [*self.actions, again]
+            actions.append(again)
+        for action in actions:
+            action["enabled"] = action.get("enabled", True) and (not busy or action["id"] == "stop")
+        self.actions = actions
+
+    def _kept(self) -> str:
+        """Say where the pose is kept."""
+        session = self.session
+        return f"Saved in {session.path.name}." if session.saved else "Not saved yet."
+
+    def _own_actions(self, *, busy: bool) -> list[dict[str, Any]]:  # noqa: ARG002 (for a review)
+        """Return the buttons and menus, before those of the layers."""
+        return stick_actions(self.session)
 
 
-def _actions(session: StickSession) -> list[dict[str, Any]]:
-    """Return the buttons and their keys."""
+def stick_actions(session: StickSession) -> list[dict[str, Any]]:
+    """Return the buttons that change a pose, and their keys.
+
+    Parameters
+    ----------
+    session : StickSession
+        The pose.
+
+    Returns
+    -------
+    list of dict
+        id, text, keys, title, enabled; see ``static/frame_canvas.js``.
+    """
     leg = session.leg
     lost = session.pose.legs[leg].missing
     actions: list[dict[str, Any]] = [

@@ -27,8 +27,8 @@ _USUAL_SHARE = 0.5
 
 
 @dataclass(frozen=True)
-class _State:
-    """What undo goes back to."""
+class State:
+    """A pose, the frame it belongs to, and who made it: what undo goes back to."""
 
     pose: StickPose
     frame: int
@@ -86,9 +86,9 @@ class StickSession:
         self.leg = species.leg_names[0]
         self.notes: tuple[str, ...] = ()
         self.saved = False
-        self._past: list[_State] = []
-        self._future: list[_State] = []
-        self._state = self._read() if self.path.exists() else self._first(frame)
+        self._past: list[State] = []
+        self._future: list[State] = []
+        self._state = self._begin(frame)
         self.frame = self._checked_frame(self._state.frame if frame is None else frame)
 
     # --- what there is --------------------------------------------------------------------
@@ -174,7 +174,7 @@ class StickSession:
 
     def propose(self, animal: StickAnimal, pose: Poses, *, notes: tuple[str, ...] = ()) -> None:
         """Offer a pose of one frame to accept or change, and look at it."""
-        state = _State(stick_pose(self.species, animal, pose), int(pose.frames[0]), "proposed")
+        state = State(stick_pose(self.species, animal, pose), int(pose.frames[0]), "proposed")
         self._checked_frame(state.frame)
         self._past.append(self._state)
         self._future.clear()
@@ -253,7 +253,11 @@ class StickSession:
         width, height = self.size
         return not (-0.5 <= u < width - 0.5 and -0.5 <= v < height - 0.5)
 
-    def _first(self, frame: int | None) -> _State:
+    def _begin(self, frame: int | None) -> State:
+        """Return the pose to begin with."""
+        return self._read() if self.path.exists() else self._first(frame)
+
+    def _first(self, frame: int | None) -> State:
         """Return a natural pose in the middle of the picture."""
         width, height = self.size
         known = self.trial.calibration
@@ -262,20 +266,20 @@ class StickSession:
             scale = known.px_per_unit
         pose = natural_pose(self.species, xy=((width - 1) / 2, (height - 1) / 2), scale=scale)
         first = self.span[0] if frame is None else frame
-        return _State(
+        return State(
             stick_pose(self.species, self.species, pose), self._checked_frame(first), "first"
         )
 
-    def _read(self) -> _State:
+    def _read(self) -> State:
         """Return the pose in the file: that of its first frame."""
         animal, poses = read_start_pose(self.path, self.species)
         frame = self._checked_frame(int(poses.frames[0]))
-        return _State(stick_pose(self.species, animal, poses.take([0])), frame)
+        return State(stick_pose(self.species, animal, poses.take([0])), frame)
 
     def _change(self, pose: StickPose, *, frame: int | None = None) -> None:
         """Take over a new pose and save it; it belongs to the frame looked at."""
         before = self._state
-        self._state = _State(pose, self.frame if frame is None else frame)
+        self._state = State(pose, self.frame if frame is None else frame)
         try:
             self.save()
         except (InputError, OSError):
@@ -284,7 +288,7 @@ class StickSession:
         self._past.append(before)
         self._future.clear()
 
-    def _step(self, source: list[_State], target: list[_State]) -> bool:
+    def _step(self, source: list[State], target: list[State]) -> bool:
         """Move one state from one pile to the other; used by undo and redo."""
         if not source:
             return False
@@ -324,13 +328,15 @@ def _span_at(session: StickSession) -> float:
     return 180.0
 
 
-def describe(session: StickSession) -> dict[str, Any]:
+def describe(session: StickSession, pose: StickPose | None = None) -> dict[str, Any]:
     """Return the stick animal as ``static/stick.js`` draws and drags it: plain JSON.
 
     Parameters
     ----------
     session : StickSession
         The session.
+    pose : StickPose, optional
+        The pose; default that of the session.
 
     Returns
     -------
@@ -338,7 +344,7 @@ def describe(session: StickSession) -> dict[str, Any]:
         xy, heading (degrees), scale, span, body (ellipses) and legs: attach, lengths (units,
         as in the picture), angles, natural, half (of the range), free, joints.
     """
-    pose = session.pose
+    pose = session.pose if pose is None else pose
     legs = []
     for leg in session.species.legs:
         bent = pose.legs[leg.name]

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -14,14 +13,14 @@ from pawnb.core.edits import Edit, describe_edit
 from pawnb.core.rig import Rig
 from pawnb.core.suspects import find_suspects
 from pawnb.core.video import open_views
-from pawnb.errors import InputError, PawnbError
+from pawnb.errors import InputError
 from pawnb.schema import Tracks
 from pawnb.trial import Trial, load_trial
 from pawnb.widgets.click_initialiser import view_rig
-from pawnb.widgets.frame_canvas import MOUSE_AND_KEYS, FrameCanvas, Overlay, Views
+from pawnb.widgets.frame_canvas import MOUSE_AND_KEYS, Overlay, Views
+from pawnb.widgets.retracking import Retracking, RetrackTrial
 from pawnb.widgets.review_session import ReviewSession, suspect_options
 from pawnb.workflow.results import results_folder, write_track_results
-from pawnb.workflow.track import retrack as workflow_retrack
 
 _KEYS = (
     ("Drag a point", "correct it; it is written to edits.jsonl before the next frame shows"),
@@ -38,10 +37,8 @@ _MARKS = (
     "Hollow diamond: where the other views put it."
 )
 
-RetrackTrial = Callable[..., Tracks]
 
-
-class TrackReviewer(FrameCanvas):
+class TrackReviewer(Retracking):
     """Review tracks over the video: all views at once, correct, track again, undo.
 
     Rings are the tracked points, with a trail of the last 20 frames; hollow diamonds show
@@ -91,14 +88,11 @@ class TrackReviewer(FrameCanvas):
         **options: Any,
     ) -> None:
         trial = trial if isinstance(trial, Trial) else load_trial(trial)
-        self._trial = trial
+        self._prepare(trial, retrack)
         self._own_views = open_views(trial) if views is None else None
         shown: Views = self._own_views if self._own_views is not None else views  # type: ignore[assignment]
         edits = Path(edits) if edits is not None else results_folder(trial) / "edits.jsonl"
         folder = Path(out) if out is not None else edits.parent
-        self._retrack_trial = retrack
-        self._stop = threading.Event()
-        self._worker: threading.Thread | None = None
         rig = view_rig(trial, shown) if rig is None else rig
         self._finds_suspects = suspects is None
         self._suspects = suspect_options(suspects)
@@ -111,6 +105,7 @@ class TrackReviewer(FrameCanvas):
             retrack=self._track_again,
             save=lambda present: write_track_results(present, folder, rig=rig),
         )
+        self.corrected = self.session
         self._find_suspects()
         first, last = self.session.span
         self._times = np.asarray(getattr(shown, "time_s", np.arange(shown.n_frames) / trial.fps))
@@ -144,33 +139,8 @@ class TrackReviewer(FrameCanvas):
             return self._act(str(message["action"]), frame, message)
         return None
 
-    def retrack(self, frame: int, *, learn: bool = False) -> None:
-        """Begin to track again from a frame on, in a thread of its own.
-
-        Parameters
-        ----------
-        frame : int
-            The corrected frame: the points put in place there are tracked on.
-        learn : bool
-            Learn their colours anew in that frame.
-
-        Raises
-        ------
-        InputError
-            If that is being done already.
-        """
-        if self.session.busy:
-            raise InputError("the trial is being tracked again already; wait, or stop it.")
-        self._stop.clear()
-        self._worker = threading.Thread(target=self._retrack_now, args=(frame, learn), daemon=True)
-        self._worker.start()
-
     def close(self) -> None:
         """Take the widget away, stop the tracker, and close the videos it opened."""
-        worker = getattr(self, "_worker", None)
-        if worker is not None and worker is not threading.current_thread():
-            self._stop.set()
-            worker.join()
         super().close()
         if (own := getattr(self, "_own_views", None)) is not None:
             own.close()
@@ -208,49 +178,17 @@ class TrackReviewer(FrameCanvas):
             return int(value)
         return None
 
-    def _retrack_now(self, frame: int, learn: bool) -> None:
-        """Track again and show the result; runs in its own thread."""
-        go = None
-        try:
-            self._show_state(f"tracking again from frame {frame} on", busy=True)
-            said, go = self.session.retrack(frame, learn=learn), frame
-            self._find_suspects()
-        except (PawnbError, OSError) as error:
-            self.alarm, said = str(error), "the tracks are as they were"
-        except BaseException:
-            self.alarm = f"tracking again from frame {frame} failed; see the kernel's messages."
-            self._show_state("the tracks are as they were")
-            raise
-        self._show_state(said)
-        self.refresh(go)
-
     def _find_suspects(self) -> None:
         """List the frames to look at anew, unless they were given."""
         if self._finds_suspects:
             found = find_suspects(self.session.tracks, rig=self.session.rig)
             self._suspects = suspect_options(found)
 
-    def _track_again(self, tracks: Tracks, frame: int, **options: Any) -> Tracks:
-        """Call the tracker; a person who stops it keeps the tracks as they were."""
-        if self._retrack_trial is not None:
-            return self._retrack_trial(self._trial, tracks, frame, **options)
-        new = workflow_retrack(
-            self._trial,
-            tracks,
-            frame,
-            progress=self._show_progress,
-            stop=self._stop.is_set,
-            **options,
-        )
-        if self._stop.is_set():
-            raise InputError(f"tracking again from frame {frame} was stopped.")
-        return new
+    def _tracked_again(self) -> None:
+        """Look for doubtful frames anew."""
+        self._find_suspects()
 
-    def _show_progress(self, done: int, total: int) -> None:
-        if done % 10 == 0 or done == total:
-            self._show_state(f"tracking again: {done} of {total} frames", busy=True)
-
-    def _show_state(self, said: str, *, busy: bool = False) -> None:
+    def _show_state(self, said: str = "", *, busy: bool = False) -> None:
         """Say what was done, and which buttons can be pressed."""
         session = self.session
         n = len(session.corrections)

@@ -73,7 +73,7 @@ def test_points_of_a_jointed_animal_are_not_moved_alone(tracks):
         Hide(frame=8, view="top", point="L1"),
         Swap(frame=8, first="L1", second="L2"),
     ):
-        with pytest.raises(InputError, match="StickPoser"):
+        with pytest.raises(InputError, match="PoseReviewer"):
             log.apply(edit)
     with pytest.raises(InputError, match="frame 400 is not in the tracks"):
         log.apply(Pose(frame=400, pose=pose_values(ANIMAL, walking_poses(ANIMAL, 1))))

@@ -1,0 +1,148 @@
+"""Reviewing and correcting poses: everything the widget does, without the widget."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pawnb.core.edits import Pose
+from pawnb.core.pose.as_tracks import animal_of, poses_of
+from pawnb.core.pose.corrected import pose_values
+from pawnb.core.pose.pose_suspects import find_pose_suspects
+from pawnb.errors import InputError
+from pawnb.trial import Trial
+from pawnb.widgets.corrected_tracks import CorrectedTracks
+from pawnb.widgets.review_session import suspect_options
+from pawnb.widgets.stick_pose import StickPose, stick_pose
+from pawnb.widgets.stick_session import State, StickSession
+
+
+class PoseReviewSession(StickSession):
+    """The tracked poses of one animal, each of which can be corrected.
+
+    What a person does with the stick animal is a correction of the frame looked at, and is in
+    ``edits.jsonl`` at once.
+
+    Parameters
+    ----------
+    trial : Trial
+        A trial of kind ``pose``.
+    corrected : CorrectedTracks
+        Its tracks.
+    size : tuple of int
+        Width and height of the view, px.
+    frame : int, optional
+        Frame to begin with; default the first of the tracks.
+
+    Raises
+    ------
+    InputError
+        If the tracks are not those of a jointed animal, or do not hold the frame.
+    """
+
+    def __init__(
+        self,
+        trial: Trial,
+        corrected: CorrectedTracks,
+        *,
+        size: tuple[int, int],
+        frame: int | None = None,
+    ) -> None:
+        self.corrected = corrected
+        super().__init__(
+            trial,
+            animal_of(corrected.present),
+            size=size,
+            span=corrected.span,
+            frame=corrected.span[0] if frame is None else frame,
+            path=corrected.edits,
+        )
+        self.saved = True
+        self.go(self.frame)
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is a correction to undo."""
+        return self.corrected.can_undo
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether an undone correction can be made again."""
+        return self.corrected.can_redo
+
+    def pose_at(self, frame: int) -> StickPose | None:
+        """Return the pose of a frame; None where the animal was not found."""
+        with self.corrected.lock:
+            tracks = self.corrected.present
+        row = int(np.flatnonzero(tracks["frame"].to_numpy() == self._checked_frame(frame))[0])
+        track = poses_of(tracks.isel(time=slice(row, row + 1)))
+        if not np.isfinite(track.poses.xy).all():
+            return None
+        return stick_pose(self.species, self.species, track.poses)
+
+    def go(self, frame: int) -> None:
+        """Look at another frame: its pose is the one that is corrected.
+
+        Where the animal was not found, the pose looked at before is proposed.
+        """
+        super().go(frame)
+        pose = self.pose_at(self.frame)
+        self._state = (
+            State(pose, self.frame)
+            if pose is not None
+            else State(self.pose, self.frame, "proposed")
+        )
+
+    def toggle_missing(self, leg: str | None = None) -> None:
+        """Refuse: tracks have the legs they were made with."""
+        raise InputError(
+            f"{self._named(leg)}: the tracks were made with these legs; say in the start pose "
+            "which are missing (pawnb.widgets.StickPoser), and track again."
+        )
+
+    def retrack(self, frame: int) -> str:
+        """Track again about a frame; returns what was done, in words."""
+        said = self.corrected.retrack(frame)
+        self.go(self.frame)
+        return said
+
+    def undo(self) -> bool:
+        """Take back the last correction, and look at its frame; say whether there was one."""
+        return self._stepped(self.corrected.undo())
+
+    def redo(self) -> bool:
+        """Make the correction that was undone last again; say whether there was one."""
+        return self._stepped(self.corrected.redo())
+
+    def suspects(self) -> list[list[str]]:
+        """Return the frames that a person should look at, as choices of a menu."""
+        return suspect_options(find_pose_suspects(self.corrected.present))
+
+    def prompt(self) -> str:
+        """Say what to do next."""
+        if self.proposed:
+            return "The animal was not found in this frame: drag the stick animal onto it."
+        return "Step through the frames, drag what is wrong, then track again from there (R)."
+
+    def _begin(self, frame: int | None) -> State:
+        """Return the first pose there is."""
+        poses = poses_of(self.corrected.present).poses
+        known = np.flatnonzero(np.isfinite(poses.xy).all(axis=1))
+        if not len(known):
+            raise InputError("the animal was found in no frame of these tracks; track it first.")
+        first = poses.take(known[:1])
+        begin = int(first.frames[0]) if frame is None else self._checked_frame(frame)
+        return State(stick_pose(self.species, self.species, first), begin, "proposed")
+
+    def _change(self, pose: StickPose, *, frame: int | None = None) -> None:
+        """Make the pose the correction of the frame looked at."""
+        where = self.frame if frame is None else frame
+        values = pose_values(self.species, pose.poses(where))
+        self.corrected.apply(Pose(frame=where, pose=values))
+        self.go(where)
+
+    def _stepped(self, edit: object) -> bool:
+        """Look at the frame that was corrected."""
+        if edit is None:
+            return False
+        self.go(int(getattr(edit, "frame", self.frame)))
+        return True

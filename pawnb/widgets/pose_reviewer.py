@@ -1,0 +1,157 @@
+"""*PoseReviewer*: look at tracked poses over the video, correct them, and track on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from pawnb.core.video import ViewSet, open_views
+from pawnb.schema import Tracks
+from pawnb.trial import Trial, load_trial
+from pawnb.widgets.corrected_tracks import CorrectedTracks
+from pawnb.widgets.frame_canvas import MOUSE_AND_KEYS
+from pawnb.widgets.pose_review_session import PoseReviewSession
+from pawnb.widgets.retracking import Retracking, RetrackTrial
+from pawnb.widgets.stick_pose import StickPose
+from pawnb.widgets.stick_poser import HANDLES, StickPoser, stick_actions
+from pawnb.workflow.propose_pose import pose_view
+from pawnb.workflow.results import results_folder, write_track_results
+
+_KEYS = (
+    *HANDLES,
+    ("N", "the chosen leg back to its natural orientation"),
+    ("Enter", "the pose is right as it is"),
+    ("R", "track again both ways from this frame, with its pose as certain"),
+    ("Ctrl+Z, Ctrl+Y", "undo, redo"),
+    ("Ctrl+S", "save the tracks"),
+)
+
+
+class PoseReviewer(StickPoser, Retracking):
+    """Review the tracked poses of a jointed animal: step, correct, track again, undo.
+
+    The stick animal shows the pose of every frame. What a person drags corrects the frame looked
+    at; *Track again* then tracks the stretch around it again, both ways, up to where the new
+    track meets the old one or the next frame that a person posed. Every correction is in
+    ``edits.jsonl``, on disk, at once, and is made again when the review is opened again.
+
+    Parameters
+    ----------
+    trial : Trial, str or Path
+        A trial of kind ``pose``, its ``trial.toml``, or the folder that holds it.
+    tracks : xarray.Dataset
+        Its tracks, for instance of :func:`pawnb.track`; not modified.
+    edits : str or Path, optional
+        The file of corrections; default ``results/edits.jsonl`` beside the trial.
+    retrack : callable, optional
+        ``retrack(trial, tracks, frame) -> Tracks``; default
+        :func:`pawnb.workflow.track.retrack`.
+    **options
+        ``out`` (folder for *Save*; default the folder of ``edits``), ``frame`` (to begin with),
+        ``views`` (when they are open already), and the options of :class:`FrameCanvas`.
+
+    Attributes
+    ----------
+    session : PoseReviewSession
+        The poses under review; works without a browser.
+
+    Raises
+    ------
+    InputError
+        If the tracks are not those of a jointed animal, or the trial, its video or
+        ``edits.jsonl`` cannot be used.
+    """
+
+    session: PoseReviewSession
+
+    def __init__(
+        self,
+        trial: Trial | str | Path,
+        tracks: Tracks,
+        *,
+        edits: str | Path | None = None,
+        retrack: RetrackTrial | None = None,
+        out: str | Path | None = None,
+        frame: int | None = None,
+        views: ViewSet | None = None,
+        **options: Any,
+    ) -> None:
+        trial = trial if isinstance(trial, Trial) else load_trial(trial)
+        self._prepare(trial, retrack)
+        edits = Path(edits) if edits is not None else results_folder(trial) / "edits.jsonl"
+        folder = Path(out) if out is not None else edits.parent
+        self.corrected = CorrectedTracks(
+            trial,
+            tracks,
+            edits=edits,
+            retrack=self._track_again,
+            save=lambda present: write_track_results(present, folder),
+        )
+        shown = open_views(trial) if views is None else views
+        reader = shown.readers[pose_view(trial)]
+        size = (reader.width, reader.height)
+        session = PoseReviewSession(trial, self.corrected, size=size, frame=frame)
+        self._suspects = session.suspects()
+        super().__init__(trial, session=session, views=shown, **options)
+        self._own_views = shown if views is None else None
+        self.label = "Review poses"
+        self.keys_help = [list(line) for line in (*_KEYS, *MOUSE_AND_KEYS)]
+        self._show_state(" ".join(self.corrected.notes))
+
+    @property
+    def tracks(self) -> Tracks:
+        """The tracks as corrected so far."""
+        return self.corrected.tracks
+
+    def edit(self, what: str, message: Mapping[str, Any]) -> int | None:
+        """Do what a person did; see :meth:`FrameCanvas.edit`."""
+        self.session.go(int(message["frame"]))
+        action = str(message.get("action")) if what == "action" else ""
+        value = message.get("value")
+        if action == "retrack":
+            self.retrack(self.session.frame)
+        elif action == "stop":
+            self._stop.set()
+        elif action == "save":
+            self.corrected.save()
+            self._show_state("Tracks saved.")
+        elif action == "suspect" and value:
+            return int(value)
+        else:
+            return super().edit(what, message)
+        return None
+
+    def _pose_shown(self, frame: int) -> tuple[StickPose, bool]:
+        """Return the pose drawn over a frame, and whether it is only proposed."""
+        pose = self.session.pose_at(frame)
+        return (self.session.pose, True) if pose is None else (pose, False)
+
+    def _tracked_again(self) -> None:
+        """Look for doubtful frames anew, and at the new pose."""
+        self._suspects = self.session.suspects()
+        self.session.go(self.session.frame)
+
+    def _kept(self) -> str:
+        """Say how many corrections there are, and where."""
+        n = len(self.corrected.corrections)
+        return f"{n} correction{'' if n == 1 else 's'} in {self.session.path.name}."
+
+    def _own_actions(self, *, busy: bool) -> list[dict[str, Any]]:
+        """Return what a review does, and what changes a pose."""
+        own: list[dict[str, Any]] = [
+            {"id": "retrack", "text": "Track again from here", "keys": ["r"],
+             "title": "Track both ways from this frame, with its pose as certain (R)"},
+            {"id": "accept", "text": "This pose is right", "keys": ["Enter"],
+             "title": "Keep this pose as certain when other frames are tracked again (Enter)"},
+            {"id": "save", "text": "Save tracks", "keys": ["Ctrl+s"],
+             "title": "Write tracks.nc and its tables; corrections are kept anyway (Ctrl+S)"},
+        ]  # fmt: skip
+        if self._suspects:
+            own.append({"id": "suspect", "text": "Jump to a doubtful frame",
+                        "title": "Frames that the tracker doubts, the most doubtful first",
+                        "options": self._suspects})  # fmt: skip
+        if busy:
+            own.append({"id": "stop", "text": "Stop", "title": "Stop tracking again"})
+        unfit = ("propose", "missing", "accept")  # these are about the start pose
+        return [*own, *(a for a in stick_actions(self.session) if a["id"] not in unfit)]

@@ -1,0 +1,104 @@
+"""Tracking again from a widget: in a thread of its own, with progress and a way to stop it."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from typing import Any
+
+from pawnb.errors import InputError, PawnbError
+from pawnb.schema import Tracks
+from pawnb.trial import Trial
+from pawnb.widgets.frame_canvas import FrameCanvas
+from pawnb.workflow.track import retrack as workflow_retrack
+
+RetrackTrial = Callable[..., Tracks]
+
+
+class Retracking(FrameCanvas):
+    """A canvas whose tracks can be tracked again.
+
+    What stands on it has the corrections (``corrected``), says how things stand
+    (:meth:`_show_state`), and calls :meth:`_prepare` before anything else.
+    """
+
+    corrected: Any  # CorrectedTracks; traitlets wants no stricter word here
+
+    def _prepare(self, trial: Trial, retrack: RetrackTrial | None) -> None:
+        """Remember the trial and how it is tracked again."""
+        self._trial, self._retrack_trial = trial, retrack
+        self._stop = threading.Event()
+        self._worker: threading.Thread | None = None
+
+    def retrack(self, frame: int, *, learn: bool = False) -> None:
+        """Begin to track again from a frame on, in a thread of its own.
+
+        Parameters
+        ----------
+        frame : int
+            The corrected frame: what was put in place there is tracked on.
+        learn : bool
+            Learn the colours of corrected points anew in that frame.
+
+        Raises
+        ------
+        InputError
+            If that is being done already.
+        """
+        if self.corrected.busy:
+            raise InputError("the trial is being tracked again already; wait, or stop it.")
+        self._stop.clear()
+        self._worker = threading.Thread(target=self._retrack_now, args=(frame, learn), daemon=True)
+        self._worker.start()
+
+    def close(self) -> None:
+        """Take the widget away and stop the tracker."""
+        worker = getattr(self, "_worker", None)
+        if worker is not None and worker is not threading.current_thread():
+            self._stop.set()
+            worker.join()
+        super().close()
+
+    def _show_state(self, said: str = "", *, busy: bool = False) -> None:
+        """Say what was done, and which buttons can be pressed."""
+        raise NotImplementedError
+
+    def _tracked_again(self) -> None:
+        """Take notice of new tracks, before they are shown."""
+        raise NotImplementedError
+
+    def _retrack_now(self, frame: int, learn: bool) -> None:
+        """Track again and show the result; runs in its own thread."""
+        go = None
+        try:
+            self._show_state(f"tracking again from frame {frame} on", busy=True)
+            said, go = self.corrected.retrack(frame, learn=learn), frame
+            self._tracked_again()
+        except (PawnbError, OSError) as error:
+            self.alarm, said = str(error), "the tracks are as they were"
+        except BaseException:
+            self.alarm = f"tracking again from frame {frame} failed; see the kernel's messages."
+            self._show_state("the tracks are as they were")
+            raise
+        self._show_state(said)
+        self.refresh(go)
+
+    def _track_again(self, tracks: Tracks, frame: int, **options: Any) -> Tracks:
+        """Call the tracker; a person who stops it keeps the tracks as they were."""
+        if self._retrack_trial is not None:
+            return self._retrack_trial(self._trial, tracks, frame, **options)
+        new = workflow_retrack(
+            self._trial,
+            tracks,
+            frame,
+            progress=self._show_progress,
+            stop=self._stop.is_set,
+            **options,
+        )
+        if self._stop.is_set():
+            raise InputError(f"tracking again from frame {frame} was stopped.")
+        return new
+
+    def _show_progress(self, done: int, total: int) -> None:
+        if done % 10 == 0 or done == total:
+            self._show_state(f"tracking again: {done} of {total} frames", busy=True)

@@ -1,0 +1,115 @@
+"""PoseReviewer without a browser: every pose is shown, corrected, tracked again and kept."""
+
+import json
+
+import numpy as np
+import pytest
+
+from pawnb.core.pose.as_tracks import poses_of
+from pawnb.core.pose.corrected import posed_frames
+from pawnb.errors import InputError
+from pawnb.io.native import read_tracks
+from pawnb.widgets.pose_reviewer import PoseReviewer
+from pawnb.widgets.track_reviewer import TrackReviewer
+from pawnb.workflow.track import track
+
+
+@pytest.fixture(scope="module")
+def tracks(rendered_spider):
+    return track(
+        rendered_spider, settings={"choose_path": False}, progress=lambda _done, _total: None
+    )
+
+
+@pytest.fixture
+def reviewer(rendered_spider, tracks, tmp_path):
+    """Open the review of 14 frames, 10 to 23; what is tracked again comes from a stand-in."""
+
+    def again(_trial, some, frame):
+        new = some.copy(deep=True)
+        new["heading"].to_numpy()[new["frame"].to_numpy() == frame + 1] += 1.0
+        return new
+
+    widget = PoseReviewer(
+        rendered_spider, tracks, edits=tmp_path / "edits.jsonl", retrack=again, frame=15
+    )
+    yield widget
+    widget.close()
+
+
+def drag(widget, frame, leg="L2", by=(9.0, -6.0)):
+    """Drag a tip, and return where it was and where it should be."""
+    was = widget.session.pose_at(frame).places(leg)[-1]
+    u, v = was + by
+    widget.edit("moved", {"frame": frame, "point": leg, "u": u, "v": v, "whole": True})
+    return was, np.array([u, v])
+
+
+def tip(widget, frame, leg="L2"):
+    at = widget.tracks["image_position"].sel(keypoint=leg, view="top", individual="spider-01")
+    return at.to_numpy()[frame - 10]
+
+
+def test_each_frame_shows_its_own_pose(reviewer, tracks):
+    for frame in (10, 23):
+        stick = reviewer.overlay(frame)["views"]["top"]["stick"]
+        np.testing.assert_allclose(stick["xy"], poses_of(tracks).poses.xy[frame - 10])
+        assert not stick["dashed"]
+
+
+def test_a_drag_corrects_the_frame_looked_at_and_undo_takes_it_back(reviewer, tracks):
+    was, to = drag(reviewer, 17)
+    np.testing.assert_allclose(tip(reviewer, 17), to, atol=1.0)
+    np.testing.assert_array_equal(posed_frames(reviewer.tracks), [17])
+    assert "1 correction in edits.jsonl" in reviewer.status
+    line = json.loads(reviewer.session.path.read_text())
+    assert (line["edit"], line["frame"]) == ("pose", 17)
+    reviewer.edit("action", {"frame": 12, "action": "undo"})
+    np.testing.assert_allclose(tip(reviewer, 17), was, atol=1e-6)
+    assert reviewer.session.frame == 17
+    reviewer.edit("action", {"frame": 17, "action": "redo"})
+    np.testing.assert_allclose(tip(reviewer, 17), to, atol=1.0)
+
+
+def test_accepting_keeps_the_pose_as_certain(reviewer, tracks):
+    reviewer.edit("action", {"frame": 13, "action": "accept"})
+    np.testing.assert_array_equal(posed_frames(reviewer.tracks), [13])
+    kept = tracks["image_position"].sel(keypoint="L2", view="top").isel(time=3, individual=0)
+    np.testing.assert_allclose(tip(reviewer, 13), kept, atol=1e-3)
+
+
+def test_tracking_again_saving_and_opening_again(reviewer, rendered_spider, tracks, tmp_path):
+    drag(reviewer, 17)
+    before = reviewer.tracks["heading"].to_numpy()[8, 0]
+    reviewer.edit("action", {"frame": 17, "action": "retrack"})
+    reviewer._worker.join()
+    assert reviewer.alarm == ""
+    assert reviewer.tracks["heading"].to_numpy()[8, 0] == pytest.approx(before + 1.0)
+    assert "2 corrections" in reviewer.status
+    reviewer.edit("action", {"frame": 17, "action": "save"})
+    saved = read_tracks(tmp_path / "tracks.nc")
+    np.testing.assert_allclose(saved["heading"], reviewer.tracks["heading"])
+    again = PoseReviewer(rendered_spider, saved, edits=tmp_path / "edits.jsonl")
+    assert "2 corrections" in again.status
+    assert not again.session.can_undo
+    again.close()
+
+
+def test_points_of_poses_are_not_reviewed_one_by_one(rendered_spider, tracks, reviewer, tmp_path):
+    with pytest.raises(InputError, match="PoseReviewer"):
+        TrackReviewer(rendered_spider, tracks, edits=tmp_path / "other.jsonl")
+    with pytest.raises(InputError, match="which are missing"):
+        reviewer.edit("hide", {"frame": 15, "point": "L2"})
+
+
+def test_a_frame_without_the_animal_can_be_posed(rendered_spider, tracks, tmp_path):
+    gone = tracks.copy(deep=True)
+    for name in ("heading", "scale", "joint_angle", "segment_length", "image_position"):
+        gone[name].to_numpy()[5] = np.nan
+    widget = PoseReviewer(rendered_spider, gone, edits=tmp_path / "edits.jsonl", frame=15)
+    assert widget.overlay(15)["views"]["top"]["stick"]["dashed"]
+    assert "was not found in this frame" in widget.status
+    widget.edit("action", {"frame": 15, "action": "accept"})
+    assert np.isfinite(tip(widget, 15)).all()
+    assert not widget.overlay(15)["views"]["top"]["stick"]["dashed"]
+    widget.close()
