@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pawnb.core.compiled import compiled
+from pawnb.core.grey import grey
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.contrast import neighbour_costs
 from pawnb.core.pose.likelihood import (
@@ -24,7 +25,6 @@ from pawnb.core.pose.limb_steps import limit_cost, softplus
 from pawnb.core.pose.mincut import cut_grid, grid_energy
 from pawnb.core.pose.paper_settings import EnergyParameters, PaperPoseSettings, fill_parameters
 from pawnb.core.pose.poses import Poses
-from pawnb.core.pose.presence import grey
 from pawnb.core.pose.sticks import (
     Sticks,
     distance_map,

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.core.grey import grey
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.contrast import edge_fall, squared_gradient
 from pawnb.core.pose.energy import Box, PaperEnergy
@@ -17,7 +18,6 @@ from pawnb.core.pose.likelihood import EmptyScene, background_cost
 from pawnb.core.pose.mincut import grid_energy
 from pawnb.core.pose.paper_settings import EnergyParameters, PaperPoseSettings
 from pawnb.core.pose.poses import Poses
-from pawnb.core.pose.presence import grey
 from pawnb.core.pose.sticks import distance_map, pose_vector
 
 

@@ -12,7 +12,7 @@ import cv2
 import numpy as np
 from scipy import fft
 
-from pawnb.core.pose.presence import grey
+from pawnb.core.grey import grey
 from pawnb.errors import InputError
 
 _SHORTEST_PX = 6.0

@@ -10,6 +10,7 @@ from collections.abc import Callable
 import cv2
 import numpy as np
 
+from pawnb.core.grey import grey
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.energy import PaperEnergy
 from pawnb.core.pose.leg_lengths import fit_leg_lengths, per_segment, scaled
@@ -17,7 +18,6 @@ from pawnb.core.pose.likelihood import EmptyScene, background_cost
 from pawnb.core.pose.paper_inference import FramePose, infer_pose
 from pawnb.core.pose.paper_settings import PaperPoseSettings
 from pawnb.core.pose.poses import Poses
-from pawnb.core.pose.presence import grey
 from pawnb.core.pose.sticks import Sticks, distance_map, pose_vector
 from pawnb.core.pose.track_result import PoseTrack, plain_track
 from pawnb.core.views import ViewReader

@@ -11,10 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import t as student_t
 
+from pawnb.core.grey import grey
 from pawnb.core.views import ViewReader
 from pawnb.errors import InputError
-
-_LUMA = np.array([0.299, 0.587, 0.114])
 
 KNOWN_FRAMES = 5
 """The thesis: videos always held at least five frames of background before the animal came."""
@@ -166,13 +165,6 @@ def prediction_limit(values: np.ndarray, *, confidence: float) -> float:
     n = len(values)
     t = float(student_t.ppf(confidence, n - 1))
     return float(values.mean() + t * values.std(ddof=1) * math.sqrt(1 + 1 / n))
-
-
-def grey(pixels: np.ndarray) -> np.ndarray:
-    """Return grey values of RGB or grey pixels: (H, W, 3) or (H, W) to (H, W) float32."""
-    if pixels.ndim == 3:
-        return (pixels @ _LUMA).astype(np.float32)
-    return pixels.astype(np.float32)
 
 
 def _difference(reader: ViewReader, index: int, reference: np.ndarray) -> float:

@@ -14,7 +14,7 @@ import numpy as np
 from skimage.graph import MCP_Geometric
 from skimage.morphology import skeletonize
 
-from pawnb.core.pose.presence import grey
+from pawnb.core.grey import grey
 
 _NOISE_SDS = 4.0
 """A pixel further than this from the background, in SD of it, may be animal."""

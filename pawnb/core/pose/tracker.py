@@ -14,10 +14,11 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
+from pawnb.core.grey import grey
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.fit.anchors import fit_known, follow_all
 from pawnb.core.pose.fit.choices import Choices
-from pawnb.core.pose.fit.evidence import BackgroundPicture, Evidence, grey
+from pawnb.core.pose.fit.evidence import BackgroundPicture, Evidence
 from pawnb.core.pose.fit.finish import Settled, expected_between, hold_met, settle
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.layout import make_layout, pose_vectors, poses_of_vectors
@@ -187,7 +188,7 @@ def _animal_light(
             f"the start pose of frame {frame.index} lies at ({u}, {v}), outside the view of "
             f"{frame.width} x {frame.height} px; move it onto the animal."
         )
-    image = grey(frame.crop(u0, v0, u1, v1))
+    image = grey(frame.crop(u0, v0, u1, v1), np.float64)
     empty = np.asarray(background.mean)[v0:v1, u0:u1]
     return float(np.percentile(image, 75)) if np.median(image - empty) > 0 else 0.0
 

@@ -12,11 +12,11 @@ from typing import Protocol
 import cv2
 import numpy as np
 
+from pawnb.core.grey import grey
 from pawnb.core.pose.fit.evidence_loops import block_gains, darkness, smooth_gains
 from pawnb.core.pose.fit.solve_loops import Sight
 from pawnb.core.views import Frame
 
-_LUMA = np.array([0.299, 0.587, 0.114])
 _BLOCKS_ACROSS = 9
 """Blocks along the crop in which the light is estimated."""
 _LEVELS = 200.0
@@ -76,7 +76,7 @@ class Evidence:
         """Return the crop of a frame as grey working pixels."""
         f = self.factor
         u0, v0, u1, v1 = (f * edge for edge in box)
-        return grey(frame.reduced(u0, v0, u1, v1, factor=f))
+        return grey(frame.reduced(u0, v0, u1, v1, factor=f), np.float64)
 
     def sight(
         self, image: np.ndarray, box: tuple[int, int, int, int], covered: np.ndarray
@@ -139,11 +139,6 @@ def without_wide(sight: Sight, body: np.ndarray, *, size: int) -> Sight:
     wide = np.where(body, 0.0, np.clip(wide - _UNEVEN, 0.0, _BLACK))
     left = 1.0 - wide
     return Sight((sight.seen - wide) / left, sight.weight * left**2, sight.box)
-
-
-def grey(pixels: np.ndarray) -> np.ndarray:
-    """Return RGB or grey pixels as grey values, float."""
-    return pixels @ _LUMA if pixels.ndim == 3 else pixels.astype(float)
 
 
 def reduced(picture: np.ndarray, factor: int) -> np.ndarray:
