@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import matplotlib as mpl
+import matplotlib.pyplot as plt
 from matplotlib.figure import Figure
 
 
@@ -25,6 +26,9 @@ def make_canvas(figure: Figure) -> Any:
         The canvas; its manager is set.
     """
     before = mpl.get_backend()
+    # a notebook's backend shows figures at the end of a cell only if it is loaded while it is in
+    # force, which pyplot leaves to the first figure
+    plt.switch_backend(before)
     from ipympl.backend_nbagg import Canvas, FigureManager
 
     mpl.use(before)
