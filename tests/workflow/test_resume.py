@@ -11,6 +11,7 @@ import pytest
 import xarray as xr
 
 from pawnb import cli
+from pawnb.core.rig import load_rig
 from pawnb.core.viewset import ViewSet
 from pawnb.errors import InputWarning
 from pawnb.io.native import read_tracks
@@ -119,6 +120,32 @@ def test_a_run_that_differs_starts_anew(small_trial, tmp_path, decoded, change):
     decoded.clear()
     track(trial, **{**ask, **change})
     assert decoded[0][0] == 0
+
+
+def test_landmarks_go_on_with_the_paws(small_trial, tmp_path, decoded):
+    text = (small_trial / "trial.toml").read_text()
+    for leg in ("HR", "HL"):
+        text = text.replace(f'"{leg}",', f'"{leg}", "nose",')
+    (small_trial / "trial.toml").write_text(text)
+    trial = load_trial(small_trial)
+    truth = pd.read_csv(small_trial / "truth" / "landmarks3d.csv").query("frame == 0")
+    rig = load_rig(trial)
+    nose = rig.project(truth.set_index("point").loc[["nose"], ["x", "y", "z"]].to_numpy())[0]
+    clicks = pd.DataFrame(
+        [(0, name, "nose", *uv) for name, uv in zip(rig.names, nose, strict=True)],
+        columns=["frame", "view", "point", "u", "v"],
+    )
+    ask = {"frames": (0, N), "start": pd.concat([pd.read_csv(small_trial / "start.csv"), clicks])}
+    whole = track(trial, **ask, out=tmp_path / "whole")
+    with pytest.warns(InputWarning, match="interrupted"):
+        part = track(trial, **ask, out=tmp_path / "parts", progress=interrupt_at(5))
+    done = part.sizes["time"]
+    assert np.isfinite(part["position"].sel(keypoint="nose")).all()
+    decoded.clear()
+    again = track(trial, **ask, out=tmp_path / "parts")
+    # paws are not looked for twice; the nose is followed through all frames
+    assert decoded == [(0, done), (done, N)]
+    xr.testing.assert_identical(again, whole)
 
 
 def test_another_video_is_searched_anew(small_trial, tmp_path, decoded):

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Protocol
+from dataclasses import dataclass, replace
+from typing import Any, Protocol
 
 import numpy as np
 import pandas as pd
@@ -110,6 +110,31 @@ class Layout:
         """Tell whether a position lies inside the picture of a view."""
         width, height = self.sizes[view]
         return bool(-0.5 <= uv[0] < width - 0.5 and -0.5 <= uv[1] < height - 0.5)
+
+    def only(self, which: np.ndarray) -> Layout:
+        """Return the layout of some of the points.
+
+        Parameters
+        ----------
+        which : ndarray of bool, shape (P,)
+            Those that stay.
+
+        Returns
+        -------
+        Layout
+            The same views, with these points.
+        """
+
+        def kept(values: Sequence[Any]) -> tuple[Any, ...]:
+            return tuple(value for value, stays in zip(values, which, strict=True) if stays)
+
+        return replace(
+            self,
+            points=kept(self.points),
+            tracked=self.tracked[:, which],
+            weights=kept(self.weights),
+            kinds=kept(self.kinds),
+        )
 
 
 def make_layout(
@@ -247,6 +272,31 @@ class Placement:
     uv: np.ndarray
     origin: str = "edited"
     confidence: float = 1.0
+
+
+def only_points(
+    placed: Mapping[int, Sequence[Placement]], which: np.ndarray
+) -> dict[int, list[Placement]]:
+    """Return the placements of some points, numbered as in :meth:`Layout.only`.
+
+    Parameters
+    ----------
+    placed : mapping
+        Frame to placements.
+    which : ndarray of bool, shape (P,)
+        The points that stay.
+
+    Returns
+    -------
+    dict
+        Frame to placements, of frames that have any.
+    """
+    number = np.cumsum(which) - 1
+    kept = {
+        frame: [replace(p, point=int(number[p.point])) for p in here if which[p.point]]
+        for frame, here in placed.items()
+    }
+    return {frame: here for frame, here in kept.items() if here}
 
 
 def read_start(

@@ -13,7 +13,10 @@ REFERENCE_WIDTH_PX = 2048
 
 N_FEATURES = 8
 
-_PAW = re.compile(r"[FH][RL]|[fh][rl]?(?![A-Za-z])|[FH](?![A-Za-z])|(?i:front|fore(?!head)|hind)")
+_PAW = re.compile(
+    r"(?:(?i:left|right)[_ .-]?)?(?:(?=[FH][RL])|(?=[fh][rl]?(?![A-Za-z]))|(?=[FH](?![A-Za-z]))"
+    r"|(?=(?i:front|fore(?!head)|hind)))(\w)|(?:[RL](?=[FH](?![A-Za-z]))|[rl](?=[fh](?![A-Za-z])))(\w)"
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -176,15 +179,18 @@ class PaperSettings:
         """Return ``"front"``, ``"hind"`` or ``"other"`` for a point.
 
         What ``front`` and ``hind`` name comes first; else F or H alone or with R or L, as in
-        the mouse's FR, FL, HR, HL, and names that begin with front, fore or hind. Others,
-        such as head, forehead, hip or flank, are landmarks.
+        the mouse's FR, FL, HR, HL or in LF, RH, and names that begin with front, fore or hind,
+        with or without left or right before it. Others, such as head, forehead, hip or flank,
+        are landmarks.
         """
         if point in self.front:
             return "front"
         if point in self.hind:
             return "hind"
         found = _PAW.match(point)
-        return "other" if found is None else {"f": "front", "h": "hind"}[found[0][0].lower()]
+        if found is None:
+            return "other"
+        return {"f": "front", "h": "hind"}[(found[1] or found[2]).lower()]
 
 
 @dataclass(frozen=True)

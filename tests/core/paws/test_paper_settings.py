@@ -38,9 +38,21 @@ def test_landmarks_are_no_paws():
     """Only names of paws are; a paw that was named otherwise is listed."""
     settings = PaperSettings()
     paws = {"fr": "front", "HL": "hind", "FR_paw": "front", "HRtoe": "hind", "F": "front",
-            "h2": "hind", "frontleft": "front", "forepaw": "front", "Hind_R": "hind"}  # fmt: skip
+            "h2": "hind", "frontleft": "front", "forepaw": "front", "Hind_R": "hind", "LF": "front",
+            "rh": "hind", "left_front": "front", "Right-Hind": "hind"}  # fmt: skip
     assert {name: settings.kind(name) for name in paws} == paws
-    for name in ("head", "forehead", "hip", "flank", "fluke", "ear_L", "tail_base", "Hump"):
+    for name in (
+        "head",
+        "forehead",
+        "hip",
+        "flank",
+        "fluke",
+        "ear_L",
+        "tail_base",
+        "Hump",
+        "leftear",
+        "L3",
+    ):
         assert settings.kind(name) == "other", name
 
 

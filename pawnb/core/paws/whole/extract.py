@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import contextlib
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field
+from typing import TypeAlias
 
 import numpy as np
 
@@ -16,6 +17,8 @@ from pawnb.core.paws.whole.appearance import Appearance, reduce
 from pawnb.core.paws.whole.candidates import Look, find_candidates
 from pawnb.core.paws.whole.store import CandidateStore
 from pawnb.core.views import Frame
+
+Watch: TypeAlias = Callable[[int, Mapping[str, Picture]], None]
 
 FOLLOW = 0.06
 """Share by which the searched region follows the candidates from frame to frame."""
@@ -89,6 +92,7 @@ def extract(
     looks: Sequence[Look],
     regions: Sequence[Region],
     store: CandidateStore | None = None,
+    watch: Watch | None = None,
     progress: Callable[[int], None] | None = None,
     stop: Callable[[], bool] | None = None,
 ) -> list[list[np.ndarray]]:
@@ -104,6 +108,8 @@ def extract(
         How and where to search, one a view; regions are moved.
     store : CandidateStore, optional
         What an earlier run found is taken from it, and the rest is kept in it.
+    watch : callable, optional
+        ``watch(frame, pictures)`` is shown every frame in order, also those of the store.
     progress : callable, optional
         Called with the number of frames done.
     stop : callable, optional
@@ -116,13 +122,12 @@ def extract(
         :func:`~pawnb.core.paws.whole.candidates.find_candidates`).
     """
     store = store or CandidateStore()
-    found = store.begin(len(looks), frames[0], looks, regions)[: frames[1] - frames[0]]
-    for here in found:
-        for region, rows in zip(regions, here, strict=True):
-            region.follow(rows)
+    found = _found_before(store, frames, looks, regions)
+    begin = frames[0] + len(found)
+    if watch is not None:
+        deque(_shown(views, (frames[0], begin), watch), maxlen=0)
     if found and progress is not None:
         progress(len(found))
-    begin = frames[0] + len(found)
     if begin == frames[1]:
         return found
 
@@ -146,7 +151,7 @@ def extract(
             if progress is not None:
                 progress(len(found))
 
-        for _, pictures in views.frames(begin, frames[1]):
+        for pictures in _shown(views, (begin, frames[1]), watch):
             if stop is not None and stop():
                 break
             waiting.append(
@@ -158,6 +163,32 @@ def extract(
         while waiting:
             finish()
     return found
+
+
+def _found_before(
+    store: CandidateStore,
+    frames: tuple[int, int],
+    looks: Sequence[Look],
+    regions: Sequence[Region],
+) -> list[list[np.ndarray]]:
+    """Return what an earlier run has found, with the regions moved as far."""
+    found = store.begin(len(looks), frames[0], looks, regions)[: frames[1] - frames[0]]
+    for here in found:
+        for region, rows in zip(regions, here, strict=True):
+            region.follow(rows)
+    return found
+
+
+def _shown(
+    views: Views,
+    frames: tuple[int, int],
+    watch: Callable[[int, Mapping[str, Picture]], None] | None,
+) -> Iterator[Mapping[str, Picture]]:
+    """Go through frames, each shown to whoever watches."""
+    for i, pictures in views.frames(*frames):
+        if watch is not None:
+            watch(i, pictures)
+        yield pictures
 
 
 def _reduced(picture: Picture, box: tuple[int, int, int, int], factor: int) -> np.ndarray:

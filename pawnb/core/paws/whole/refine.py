@@ -49,6 +49,11 @@ class Refined:
     measured: np.ndarray
     quality: np.ndarray
 
+    def take(self, which: np.ndarray, tracks: Refined) -> None:
+        """Take in the tracks of some points: those that ``which`` (P,) picks out, in order."""
+        self.x[:, which], self.sd[:, which] = tracks.x, tracks.sd
+        self.measured[:, which], self.quality[:, which] = tracks.measured, tracks.quality
+
 
 @dataclass(frozen=True)
 class Refinement:

@@ -39,6 +39,10 @@ class WholeSettings:
         Places in space considered in each frame.
     links : int
         Pieces of path considered after each.
+    landmarks : tuple of str
+        Points that are no paws and are followed by their own picture (nose, ears, a mark on
+        the back). Points whose names tell no paw are landmarks without being named where
+        other names do (``FR``, ``LH``, ``hind_left``).
     """
 
     acceleration: float = 500.0
@@ -54,3 +58,4 @@ class WholeSettings:
     looks: int = 2
     places: int = 16
     links: int = 16
+    landmarks: tuple[str, ...] = ()

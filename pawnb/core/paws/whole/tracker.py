@@ -13,12 +13,16 @@ from pawnb.core.paws.layout import (
     Views,
     check_every_point_started,
     make_layout,
+    only_points,
     read_start,
 )
 from pawnb.core.paws.settings import PaperSettings
 from pawnb.core.paws.task import Task
 from pawnb.core.paws.whole.decide import decide
 from pawnb.core.paws.whole.extract import extract
+from pawnb.core.paws.whole.geometry import Geometry
+from pawnb.core.paws.whole.landmark_tracks import check_landmarks, choose_landmarks, join_views
+from pawnb.core.paws.whole.landmarks import Follower
 from pawnb.core.paws.whole.refine import Refined
 from pawnb.core.paws.whole.scene import Scene, move_anchors, read_scene
 from pawnb.core.paws.whole.settings import WholeSettings
@@ -43,6 +47,7 @@ def track_whole(
     that follow each other without doubt make pieces of path; which pieces belong to which
     point is decided for all points and all frames at once, with gaps where a point is
     hidden; then every view's candidates are taken in again and the tracks are smoothed.
+    Points that are no paws (:func:`choose_landmarks`) are followed by their own picture.
 
     Parameters
     ----------
@@ -78,7 +83,7 @@ def track_whole(
     ------
     InputError
         If a click does not fit the views, points or frames, or a point has no click, or
-        there are several views and no rig.
+        there are several views and no rig, or a landmark was clicked in one of several views.
     CalibrationError
         If the rig lacks a view.
     """
@@ -92,20 +97,21 @@ def track_whole(
         )
     layout = make_layout(views, start, task, settings=PaperSettings())
     clicks, anchors = _placements(start, layout, frames, tracks)
-    first = min(anchors)
-    begin = first
+    first = begin = min(anchors)
     if looked is not None and len(looked):
         clicks = read_start(looked, layout, (0, frames[1]))
         begin = min(first, *clicks)
-        scene = read_scene(views, layout, clicks, anchors=clicks, settings=settings)
-        scene = move_anchors(scene, layout, anchors)
-    else:
-        scene = read_scene(views, layout, clicks, anchors=anchors, settings=settings)
-    total, progress = frames[1] - begin, task.progress
-    found = extract(
-        views, (begin, frames[1]), looks=scene.looks, regions=scene.regions, store=store,
-        progress=None if progress is None else lambda done: progress(done, total), stop=task.stop,
-    )[first - begin :]  # fmt: skip
+    marks = choose_landmarks(layout.points, layout.kinds, settings.landmarks)
+    scene = follower = None
+    if not marks.all():
+        scene = _paws_scene(views, layout.only(~marks), settings,
+                            *(only_points(one, ~marks) for one in (clicks, anchors)),
+                            is_looked=looked is not None and len(looked) > 0)  # fmt: skip
+    if marks.any():
+        marked = only_points(anchors, marks)
+        check_landmarks(layout.only(marks), marked)
+        follower = Follower(layout.only(marks), marked)
+    found = _look_through(views, (begin, frames[1]), scene, follower, store, task)[first - begin :]
     rows = np.arange(frames[0], first + len(found))
     kept = np.empty(0, int)
     if tracks is not None:
@@ -120,7 +126,23 @@ def track_whole(
     new["sd"] = new["position"].copy()
     if found:
         row = int(np.searchsorted(rows, first))
-        _solve(new, row, found, scene, layout, anchors, first, task.fps, settings)
+        inside = {t - first: here for t, here in anchors.items() if t - first < len(found)}
+        result = _empty_result(len(found), layout)
+        if scene is not None:
+            own = only_points(inside, ~marks)
+            paws = _solve(found, scene, layout.only(~marks), own, first, task.fps, settings)
+            result.take(~marks, paws)
+        if follower is not None:
+            uv, likeness = (
+                np.swapaxes(np.array(values[first - begin :][: len(found)]), 1, 2)
+                for values in (follower.uv, follower.likeness)
+            )
+            result.take(marks, join_views(
+                uv, likeness, layout=layout.only(marks), fps=task.fps,
+                by_hand=_by_hand(only_points(inside, marks), likeness.shape),
+                longest_gap_s=settings.longest_gap_s,
+            ))  # fmt: skip
+        _write(new, row, result, inside, layout)
     if tracks is not None:
         new = _keep_rows(tracks, new, kept)
     return new
@@ -165,20 +187,80 @@ def _placements(
     return by_hand or anchors, anchors
 
 
+def _paws_scene(
+    views: Views,
+    layout: Layout,
+    settings: WholeSettings,
+    clicks: Mapping[int, Sequence[Placement]],
+    anchors: Mapping[int, Sequence[Placement]],
+    *,
+    is_looked: bool,
+) -> Scene:
+    """Return what the clicks on paws say; ``is_looked``: those of an earlier run."""
+    if not is_looked:
+        return read_scene(views, layout, clicks, anchors=anchors, settings=settings)
+    scene = read_scene(views, layout, clicks, anchors=clicks, settings=settings)
+    return move_anchors(scene, layout, anchors)
+
+
+def _look_through(
+    views: Views,
+    frames: tuple[int, int],
+    scene: Scene | None,
+    follower: Follower | None,
+    store: CandidateStore | None,
+    task: Task,
+) -> list[list[np.ndarray]]:
+    """Go through the video once, for paws and landmarks; return the paws' candidates."""
+    total, progress = frames[1] - frames[0], task.progress
+    report = None if progress is None else lambda done: progress(done, total)
+    watch = None if follower is None else follower.step
+    if scene is not None:
+        return extract(
+            views, frames, looks=scene.looks, regions=scene.regions, store=store, watch=watch,
+            progress=report, stop=task.stop,
+        )  # fmt: skip
+    found: list[list[np.ndarray]] = []
+    for i, pictures in views.frames(*frames):
+        if task.stop is not None and task.stop():
+            break
+        if watch is not None:
+            watch(i, pictures)
+        found.append([])
+        if report is not None:
+            report(len(found))
+    return found
+
+
+def _empty_result(n: int, layout: Layout) -> Refined:
+    """Return tracks of all points in which nothing is known yet."""
+    n_views, n_points = layout.tracked.shape
+    d = 2 if layout.rig is None else 3
+    x = np.full((n, n_points, d), np.nan)
+    measured = np.full((n, n_points, n_views, 2), np.nan)
+    return Refined(x, x.copy(), measured, np.zeros((n, n_points, n_views)))
+
+
+def _by_hand(placed: Mapping[int, Sequence[Placement]], shape: tuple[int, ...]) -> np.ndarray:
+    """Return where (n, P, V) points are certain."""
+    certain = np.zeros(shape, dtype=bool)
+    for t, here in placed.items():
+        for place in here:
+            certain[t, place.point, place.view] = True
+    return certain
+
+
 def _solve(
-    new: Tracks,
-    begin: int,
     found: list[list[np.ndarray]],
     scene: Scene,
     layout: Layout,
-    anchors: Mapping[int, Sequence[Placement]],
+    inside: Mapping[int, Sequence[Placement]],
     first: int,
     fps: float,
     settings: WholeSettings,
-) -> None:
-    """Track the points through the candidates and write them from row ``begin`` on."""
+) -> Refined:
+    """Track the paws through the candidates; ``inside``: what is placed, by row."""
     n, n_points, n_views = len(found), len(layout.points), len(layout.views)
-    inside = {t - first: here for t, here in anchors.items() if t - first < n}
     fixed = {t - first: here for t, here in scene.anchors.items() if t - first < n}
     certain = np.full((n, n_points, n_views, 2), np.nan)
     for t, here in inside.items():
@@ -187,7 +269,7 @@ def _solve(
     result = decide(found, fixed, certain, scene=scene, layout=layout, fps=fps, settings=settings)
     started = np.array([min(t for t, h in fixed.items() if p in h) for p in range(n_points)])
     result.x[np.arange(n)[:, None] < started] = np.nan
-    _write(new, begin, result, inside, scene)
+    return result
 
 
 def _write(
@@ -195,12 +277,12 @@ def _write(
     begin: int,
     result: Refined,
     anchors: Mapping[int, Sequence[Placement]],
-    scene: Scene,
+    layout: Layout,
 ) -> None:
     """Write refined tracks into Tracks."""
     n, _, d = result.x.shape
     rows = slice(begin, begin + n)
-    uv = scene.geometry.project(result.x)
+    uv = Geometry(None if layout.rig is None else layout.rig.coefs).project(result.x)
     seen = np.isfinite(result.measured[..., 0])
     known = np.isfinite(result.x[..., 0])
     count = seen.sum(axis=-1)
