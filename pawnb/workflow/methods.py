@@ -17,6 +17,7 @@ from pawnb.core.pose.fit.settings import PoseSettings
 from pawnb.core.pose.paper_settings import PaperPoseSettings
 from pawnb.core.pose.paper_tracker import track_pose_paper
 from pawnb.core.pose.poses import Poses
+from pawnb.core.pose.space.settings import SpaceSettings
 from pawnb.core.pose.track_result import PoseTrack
 from pawnb.core.pose.tracker import track_pose
 from pawnb.core.video import ViewReader, ViewSet
@@ -33,6 +34,9 @@ POSE_METHODS = ("pawnb", "paper")
 
 TrackerSettings = WholeSettings | PaperSettings
 PoseTrackerSettings = PoseSettings | PaperPoseSettings
+
+_SPACE = "space"
+"""Where settings of joints in space stand among those of a pose tracker."""
 
 _SETTINGS: dict[str, type[TrackerSettings]] = {
     method: WholeSettings if method == "pawnb" else PaperSettings for method in METHODS
@@ -98,7 +102,53 @@ def pose_tracker_settings(
     InputError
         As :func:`tracker_settings`.
     """
-    return _settings_in_force(_POSE_SETTINGS, trial, method, settings)
+    own, _ = _apart(settings or {})
+    tracking, _ = _apart(trial.tracking)
+    bare = dataclasses.replace(trial, tracking=tracking)
+    return _settings_in_force(_POSE_SETTINGS, bare, method, own)
+
+
+def space_settings(trial: Trial, *, settings: Mapping[str, Any] | None = None) -> SpaceSettings:
+    """Return the settings in force for joints in space, of a trial with a second view.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial; ``[tracking.space]`` holds such settings.
+    settings : mapping, optional
+        Settings that go first: ``space.NAME``, or a mapping named ``space``.
+
+    Returns
+    -------
+    SpaceSettings
+        The settings.
+
+    Raises
+    ------
+    InputError
+        For an unknown setting, a value of the wrong type, or a trial with one view.
+    """
+    _, given = _apart(settings or {})
+    if given and len(trial.views) < 2:
+        name = next(iter(given))
+        raise InputError(
+            f"setting 'space.{name}' is about a second view, but trial {trial.name!r} has one."
+        )
+    where = "trial.toml: [tracking.space]"
+    written = build_settings(SpaceSettings, _apart(trial.tracking)[1], where=where)
+    return build_settings(
+        SpaceSettings, {**dataclasses.asdict(written), **given}, where="settings of space"
+    )
+
+
+def _apart(settings: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Part settings of a tracker in the view from those of joints in space."""
+    rest = {n: v for n, v in settings.items() if n != _SPACE and not n.startswith(f"{_SPACE}.")}
+    given = settings.get(_SPACE, {})
+    if not isinstance(given, Mapping):
+        raise InputError(f"{_SPACE} is {given!r}; write its settings as space.NAME=VALUE.")
+    dotted = {n.split(".", 1)[1]: v for n, v in settings.items() if n.startswith(f"{_SPACE}.")}
+    return rest, {**given, **dotted}
 
 
 def settings_in_force(
@@ -125,8 +175,11 @@ def settings_in_force(
     InputError
         As :func:`tracker_settings`.
     """
-    make = pose_tracker_settings if trial.kind == "pose" else tracker_settings
-    return dataclasses.asdict(make(trial, method=method, settings=settings))
+    if trial.kind != "pose":
+        return dataclasses.asdict(tracker_settings(trial, method=method, settings=settings))
+    chosen = dataclasses.asdict(pose_tracker_settings(trial, method=method, settings=settings))
+    space = space_settings(trial, settings=settings)
+    return chosen | ({_SPACE: dataclasses.asdict(space)} if len(trial.views) > 1 else {})
 
 
 def _settings_in_force(
@@ -202,7 +255,17 @@ def pose_method_of_tracks(trial: Trial, tracks: Tracks) -> tuple[str, PoseTracke
         return POSE_METHODS[0], pose_tracker_settings(trial)
     method = made[-1]["method"]
     where = "settings of these tracks"
-    return method, build_settings(_POSE_SETTINGS[method], made[-1]["settings"], where=where)
+    own, _ = _apart(made[-1]["settings"])
+    return method, build_settings(_POSE_SETTINGS[method], own, where=where)
+
+
+def space_settings_of_tracks(trial: Trial, tracks: Tracks) -> SpaceSettings:
+    """Return the settings that joints in space were found with, or those in force by default."""
+    made = [step for step in provenance_steps(tracks) if step["step"] == "track"]
+    known = _apart(made[-1]["settings"])[1] if made else {}
+    if not known:
+        return space_settings(trial)
+    return build_settings(SpaceSettings, known, where="settings of these tracks")
 
 
 def run_pose_tracker(

@@ -9,7 +9,9 @@ import numpy as np
 
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.background import find_background
+from pawnb.core.pose.space.first_view import corrected_first_view
 from pawnb.core.pose.space.geometry import SightLines, check_second_view
+from pawnb.core.pose.space.settings import SpaceSettings
 from pawnb.core.pose.space.track import SpaceTrack
 from pawnb.core.pose.space.tracker import place_in_space
 from pawnb.core.pose.track_result import PoseTrack
@@ -78,9 +80,10 @@ def find_in_space(
     *,
     animal: StickAnimal,
     rig: Rig,
+    settings: SpaceSettings,
     progress: Progress | None = None,
     stop: Callable[[], bool] | None = None,
-) -> SpaceTrack:
+) -> tuple[SpaceTrack, PoseTrack]:
     """Find joints in space from poses in the first view and the pictures of the second.
 
     Parameters
@@ -95,13 +98,17 @@ def find_in_space(
         The animal.
     rig : Rig
         The calibrated views.
+    settings : SpaceSettings
+        Settings; see there.
     progress, stop
         As for :func:`pawnb.track`.
 
     Returns
     -------
-    SpaceTrack
+    space : SpaceTrack
         One row for every frame of the track.
+    track : PoseTrack
+        The poses in the first view, corrected by them unless ``settings`` say otherwise.
 
     Raises
     ------
@@ -113,7 +120,7 @@ def find_in_space(
     background = find_background(reader, second, folder=trial.folder)
     bar = contextlib.nullcontext(progress) if progress else progress_bar("joints in space")
     with bar as report:
-        return place_in_space(
+        space = place_in_space(
             ShiftedReader(reader, second.offset),
             track,
             animal=animal,
@@ -121,6 +128,11 @@ def find_in_space(
             views=(first.name, second.name),
             first_size=(views.readers[first.name].width, views.readers[first.name].height),
             background=background,
+            settings=settings,
             progress=report,
             stop=stop,
         )
+    if not settings.correct_first:
+        return space, track
+    coefs = rig.coefs[:, rig.names.index(first.name)]
+    return space, corrected_first_view(animal, track, space, coefs=coefs, settings=settings)

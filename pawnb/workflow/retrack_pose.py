@@ -18,7 +18,11 @@ from pawnb.core.video import ViewSet, open_views
 from pawnb.errors import InputError
 from pawnb.schema import Tracks, add_provenance
 from pawnb.trial import Trial
-from pawnb.workflow.methods import pose_method_of_tracks, run_pose_tracker
+from pawnb.workflow.methods import (
+    pose_method_of_tracks,
+    run_pose_tracker,
+    space_settings_of_tracks,
+)
 from pawnb.workflow.pose_in_space import find_in_space, load_second
 from pawnb.workflow.progress import Progress, progress_bar
 from pawnb.workflow.propose_pose import trial_background
@@ -219,7 +223,8 @@ def _whole(
     """Return Tracks of all rows, of which only ``rows`` are new."""
     rig, space = load_second(trial, views), None
     if rig is not None:
-        space = find_in_space(trial, views, track, animal=animal, rig=rig)
+        in_space = space_settings_of_tracks(trial, tracks)
+        space, track = find_in_space(trial, views, track, animal=animal, rig=rig, settings=in_space)
     new = pose_tracks(trial, animal, track, space, rig).assign_coords(time=tracks["time"])
     new = describe_trial(new.assign_attrs(tracks.attrs), trial)
     for name, variable in new.data_vars.items():

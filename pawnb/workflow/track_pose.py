@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import dataclasses
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -27,7 +26,13 @@ from pawnb.io.pose import check_pose, read_pose
 from pawnb.schema import Tracks, add_provenance
 from pawnb.trial import Trial, View
 from pawnb.workflow.interrupt import interruptible
-from pawnb.workflow.methods import POSE_METHODS, pose_tracker_settings, run_pose_tracker
+from pawnb.workflow.methods import (
+    POSE_METHODS,
+    pose_tracker_settings,
+    run_pose_tracker,
+    settings_in_force,
+    space_settings,
+)
 from pawnb.workflow.pose_in_space import find_in_space, load_second
 from pawnb.workflow.progress import Progress, progress_bar
 from pawnb.workflow.propose_pose import trial_animal, trial_background
@@ -76,6 +81,7 @@ def track_pose_trial(
         If anything the trial names is missing or does not fit.
     """
     chosen = pose_tracker_settings(trial, method=method, settings=settings)
+    in_space = space_settings(trial, settings=settings)
     view, _ = pose_views(trial)
     animal, poses, table = start_pose(trial, start)
     with contextlib.ExitStack() as stack:
@@ -108,8 +114,15 @@ def track_pose_trial(
             _tell_interrupted(track, span)
         space = None
         if rig is not None:
-            space = find_in_space(
-                trial, views, track, animal=animal, rig=rig, progress=progress, stop=asked
+            space, track = find_in_space(
+                trial,
+                views,
+                track,
+                animal=animal,
+                rig=rig,
+                settings=in_space,
+                progress=progress,
+                stop=asked,
             )
             complete = complete and not asked()
         # where the rate varies these are the file's own time stamps
@@ -121,13 +134,14 @@ def track_pose_trial(
         command=command,
         # a pose that was handed over stands in the record itself
         inputs=trial_checksums(trial, start=start is None),
-        settings=dataclasses.asdict(chosen),
+        settings=settings_in_force(trial, method=method, settings=settings),
         method=method,
         frames=list(span),
         complete=complete,
         trial=trial_fingerprint(trial),
         start=[{k: v for k, v in row.items() if v == v} for row in table.to_dict("records")],
         background=background.source,
+        estimated=dict(track.estimated),
         **({} if space is None else {"second_view": str(trial.views[1].name)}),
     )
     tracks = add_provenance(tracks, **step)

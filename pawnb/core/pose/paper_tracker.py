@@ -80,7 +80,7 @@ def track_pose_paper(
     PoseTrack
         One row for every frame of ``frames``: NaN and origin missing where the animal was not
         tracked. Confidence is the share of a leg's line on pixels labelled subject. The
-        method knows no standard deviations.
+        method knows no standard deviations. ``estimated`` are the parameters of the energy.
 
     Raises
     ------
@@ -222,7 +222,9 @@ class _Tracker:
             angles_deg=vectors[:, 3:],
             lengths_px=np.where(there[:, None], self.lengths_px, np.nan),
         )
-        return plain_track(self.animal, poses, confidence=confidence, origin=origin)
+        track = plain_track(self.animal, poses, confidence=confidence, origin=origin)
+        estimated = dataclasses.asdict(self.energy.parameters)
+        return dataclasses.replace(track, estimated=estimated)
 
     def _fit(self, number: int, guess: np.ndarray) -> np.ndarray:
         """Find the pose in a frame, on a crop that is made anew while the animal leaves it."""

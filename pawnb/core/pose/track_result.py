@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -37,6 +39,8 @@ class PoseTrack:
     origin : ndarray of int8, shape (n, n_legs)
         Codes of :data:`pawnb.schema.ORIGIN_CODE`: ``measured`` where the picture placed the
         leg, ``predicted`` where only its motion and its neighbours did.
+    estimated : mapping
+        What the method estimated by itself, for the provenance: names to plain values.
 
     Raises
     ------
@@ -51,6 +55,7 @@ class PoseTrack:
     places_sd_px: np.ndarray
     confidence: np.ndarray
     origin: np.ndarray
+    estimated: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         n, joints = self.poses.angles_deg.shape
@@ -78,10 +83,12 @@ class PoseTrack:
     def take(self, which: np.ndarray | slice) -> PoseTrack:
         """Return some of the frames: an index array, a mask or a slice."""
         rest = {name: getattr(self, name)[which] for name in _ARRAYS}
-        return PoseTrack(poses=self.poses.take(which), **rest)
+        return PoseTrack(poses=self.poses.take(which), estimated=self.estimated, **rest)
 
 
-_ARRAYS = tuple(f.name for f in dataclasses.fields(PoseTrack) if f.name != "poses")
+_ARRAYS = tuple(
+    f.name for f in dataclasses.fields(PoseTrack) if f.name not in ("poses", "estimated")
+)
 
 
 def plain_track(
@@ -124,6 +131,11 @@ def plain_track(
 
 
 def join_tracks(parts: list[PoseTrack]) -> PoseTrack:
-    """Return tracks of several stretches in one, in the order given."""
+    """Return tracks of several stretches in one, in the order given.
+
+    What was ``estimated`` is that of the first.
+    """
     joined = {name: np.concatenate([getattr(p, name) for p in parts]) for name in _ARRAYS}
-    return PoseTrack(poses=join_poses([p.poses for p in parts]), **joined)
+    return PoseTrack(
+        poses=join_poses([p.poses for p in parts]), estimated=parts[0].estimated, **joined
+    )

@@ -81,7 +81,8 @@ def track_pose(
     -------
     PoseTrack
         One row for every frame of ``frames``: NaN and origin missing where the animal is not
-        there.
+        there. ``estimated`` says how many pixels of the view make a working pixel, and how
+        blurred the animal's edge is, px of the view.
 
     Raises
     ------
@@ -279,4 +280,5 @@ def _result(
         places_sd_px=places,
         confidence=confidence,
         origin=origin.astype(np.int8),
+        estimated={"working_px": factor, "blur_px": float(fitter.blur * factor)},
     )

@@ -26,6 +26,12 @@ class SpaceSettings:
         Standard deviation of a height about that expected from the frames beside.
     evidence_share : float
         Weight of the second picture: neighbouring pixels do not err independently.
+    correct_first : bool
+        Whether the pose in the first view is corrected by the joints in space.
+    angle_sd_deg : float
+        Then: standard deviation of a joint's angle about that of the first view alone, degrees.
+    least_support : float
+        Then: least share of a leg that the second view must show.
     blur_px, soft_error, unexplained_sd, working_span_px
         As in :class:`pawnb.core.pose.fit.settings.PoseSettings`.
     """
@@ -39,6 +45,9 @@ class SpaceSettings:
     ground_share: float = 0.01
     height_step_share: float = 0.008
     evidence_share: float = 0.3
+    correct_first: bool = True
+    angle_sd_deg: float = 2.0
+    least_support: float = 0.5
     blur_px: float = 0.8
     soft_error: float = 0.45
     unexplained_sd: float = 0.12
