@@ -131,7 +131,7 @@ def test_settings_of_space_are_checked(two_views, small_spider):
     assert pose_tracker_settings(written, settings={"space.bend_sd": 2}).candidates == 3
     assert settings_in_force(written, method="pawnb")["space"]["length_sd"] == 0.05
     assert "space" not in settings_in_force(load_trial(small_spider), method="pawnb")
-    with pytest.raises(InputError, match="unknown name 'lenght_sd' .did you mean 'length_sd'"):
+    with pytest.raises(InputError, match=r"unknown name 'lenght_sd' .did you mean 'length_sd'"):
         track(trial, settings={"space.lenght_sd": "0.1"})
     with pytest.raises(InputError, match="is about a second view, but trial"):
         track(small_spider, settings={"space.length_sd": "0.1"})
