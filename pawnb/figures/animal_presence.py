@@ -10,7 +10,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from pawnb.errors import InputError
-from pawnb.figures.style import COLUMN_MM, OKABE_ITO, size_mm, style
+from pawnb.figures.style import OKABE_ITO, figure_size, style
 from pawnb.schema import check_columns
 
 COLUMNS = ("frame", "difference", "threshold", "has_animal")
@@ -85,7 +85,7 @@ def plot_animal_presence(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes
         raise InputError("animal presence: the table is empty.")
     with style():
         if ax is None:
-            _, ax = plt.subplots(figsize=size_mm(COLUMN_MM, 55.0))
+            _, ax = plt.subplots(figsize=figure_size(1, 55.0))
         frames, there = table["frame"].to_numpy(), table["has_animal"].to_numpy(dtype=bool)
         starts = np.flatnonzero(there & ~np.r_[False, there[:-1]])
         ends = np.flatnonzero(there & ~np.r_[there[1:], False])

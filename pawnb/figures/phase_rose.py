@@ -158,7 +158,7 @@ def _draw_rose(ax: PolarAxes, own: pd.DataFrame) -> None:
     ax.set_ylim(0.0, 1.0)
     ax.set_yticks([0.5], [""])
     ax.set_xticks(np.arange(4) * math.pi / 2.0, ["0", "0.25", "0.5", "0.75"])
-    ax.tick_params(axis="x", pad=-2.0)
+    ax.tick_params(axis="x", pad=0.0)
     ax.grid(linewidth=0.3, color="0.8")
     ax.set_axisbelow(True)
     strides, animals = int(first["n"]), int(first["n_animals"])

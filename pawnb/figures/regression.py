@@ -236,10 +236,10 @@ def _draw(ax: Any, own: pd.DataFrame, marks: Mapping[str, Any]) -> None:
 def _words(first: pd.Series) -> str:
     """Say the fit of one pair in two or three short lines."""
     if first["kind"] == "power":
-        law = f"y = {first['a']:.3g} x$^{{{first['b']:.3g}}}$"
+        law = f"y = {first['a']:.3g} x^{first['b']:.3g}"  # raised, it would be below 6 pt
     else:
         law = f"y = {first['a']:.3g} {'+' if first['b'] >= 0 else '−'} {abs(first['b']):.3g} x"
-    law += f"{' (RMA)' if first['method'] == 'RMA' else ''}, $r^2$ = {first['r2']:.2f}"
+    law += f"{' (RMA)' if first['method'] == 'RMA' else ''}, r² = {first['r2']:.2f}"
     counted = say_counts(int(first["n"]), _UNITS[first["points"]], int(first["n_animals"]))
     if first["points"] == "animal":
         return f"{law}\n{_say_p(first['p'])}, {counted.split(', ')[0]}"

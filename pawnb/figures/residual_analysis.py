@@ -133,7 +133,7 @@ def _draw(ax: Any, own: pd.DataFrame) -> None:
         ax.plot([0.0, chosen, chosen], [noise, noise, 0.0], color=OKABE_ITO["vermillion"],
                 linewidth=0.8)  # fmt: skip
         ax.plot([chosen], [noise], marker="o", markersize=3.5, color=OKABE_ITO["vermillion"])
-        ax.annotate(f"$f_c'$ = {chosen:.2f} Hz", (chosen, noise), xytext=(5.0, 8.0),
+        ax.annotate(f"cut-off {chosen:.2f} Hz", (chosen, noise), xytext=(5.0, 8.0),
                     textcoords="offset points")  # fmt: skip
     else:
         add_note(ax, "no cut-off found")

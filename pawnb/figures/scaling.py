@@ -167,7 +167,7 @@ def _draw_laws(ax: Any, lines: pd.DataFrame) -> list[Any]:
         if k == 0:
             ax.fill_between(line["x"], line["low"], line["high"], color=colour, alpha=0.15,
                             linewidth=0.0)  # fmt: skip
-        words = f"{name}: $x^{{{first['b']:.3g}}}$, $r^2$ = {first['r2']:.2f}, n = {first['n']:.0f}"
+        words = f"{name}: x^{first['b']:.3g}, r² = {first['r2']:.2f}, n = {first['n']:.0f}"
         drawn += ax.plot(
             line["x"], line["y"], color=colour, linestyle=_LINE_STYLES[k % 4], label=words
         )

@@ -67,7 +67,7 @@ def write_deeplabcut_sample(
         table = _walk(rng, period, duty, lags, seconds)
         paths.append(folder / f"{name}DLC.csv")
         table.to_csv(paths[-1], lineterminator="\n")
-        row = {"animal": f"{name}DLC", "group": "B" if late else "A", "period_s": period}
+        row = {"animal": name, "group": "B" if late else "A", "period_s": period}
         row["contact_duty_factor"] = duty
         truth.append(row | {f"phase_{_LEGS[p]}": lag % 1.0 for p, lag in lags.items()})
     pd.DataFrame(truth).to_csv(folder / "truth.csv", index=False, lineterminator="\n")

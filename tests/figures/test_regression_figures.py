@@ -94,7 +94,7 @@ def test_band_only_where_the_interval_excludes_zero():
     ax = plot_regression(steep)
     assert len(ax.collections) == 1
     line = fit_line(table["x"], table["y"] + table["x"])
-    assert f"$r^2$ = {line.r2:.2f}" in ax.get_title(loc="right")
+    assert f"r² = {line.r2:.2f}" in ax.get_title(loc="right")
     axis = build_regression_table(table.assign(y=lambda t: t["y"] + t["x"]), [("y", "x")],
                                   method="RMA")  # fmt: skip
     assert axis.loc[axis["row"] == "line", "low"].isna().all()

@@ -56,7 +56,7 @@ def test_residual_figure_shows_curve_line_and_cutoff():
         curve = ax.lines[0].get_xydata()
         np.testing.assert_array_equal(curve, own[["cutoff_hz", "residual"]])
         chosen = own["chosen_hz"].iloc[0]
-        assert ax.texts[0].get_text() == f"$f_c'$ = {chosen:.2f} Hz"
+        assert ax.texts[0].get_text() == f"cut-off {chosen:.2f} Hz"
         corner = ax.lines[3].get_xydata()
         np.testing.assert_allclose(corner[1], [chosen, own["noise_rms"].iloc[0]])
 
