@@ -14,15 +14,14 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from pawnb.core.grey import grey
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.fit.anchors import fit_known, follow_all
 from pawnb.core.pose.fit.choices import Choices
-from pawnb.core.pose.fit.evidence import BackgroundPicture, Evidence
+from pawnb.core.pose.fit.evidence import BackgroundPicture
 from pawnb.core.pose.fit.finish import Settled, expected_between, hold_met, settle
 from pawnb.core.pose.fit.fitter import FrameFitter
-from pawnb.core.pose.fit.layout import make_layout, pose_vectors, poses_of_vectors
-from pawnb.core.pose.fit.priors import anatomy
+from pawnb.core.pose.fit.layout import pose_vectors, poses_of_vectors
+from pawnb.core.pose.fit.prepare import check_on_animal, prepare_fitter
 from pawnb.core.pose.fit.relearn import learn_again, usual_lengths
 from pawnb.core.pose.fit.rethink import chosen_poses
 from pawnb.core.pose.fit.settings import PoseSettings
@@ -36,7 +35,6 @@ from pawnb.schema import ORIGIN_CODE
 _THREADS = 2
 _SWEEPS = 2
 """How often all frames are fitted for good, each time with their neighbours' last poses."""
-_START_BODY = 0.5
 _SURE, _DOUBTFUL = 0.85, 0.35
 """Support of a leg's outer third from which it is sure, and below which it is not there."""
 
@@ -146,18 +144,13 @@ def _begin(
     Of ``poses``, the first are to start from, the second is the one to learn the look from.
     """
     start, look = poses
-    scale = float(look.scale[0])
-    factor = max(1, int(animal.span * scale / settings.working_span_px))
     frame = reader.frame(int(look.frames[0]))
-    light = _animal_light(frame, look, animal, background)
-    evidence = Evidence(background, factor=factor, light=light, spread=settings.unexplained_sd)
+    fitter, first = prepare_fitter(
+        frame, look, animal=animal, background=background, settings=settings
+    )
     # one animal has one size: where another start pose is larger, its legs are longer
-    start = dataclasses.replace(start, scale=np.full(len(start), scale))
-    vectors = pose_vectors(animal, start, factor=factor)
-    first = pose_vectors(animal, look, factor=factor)[0]
-    prior = anatomy(animal, first, foreshortening_sd=settings.foreshortening_sd)
-    layout = make_layout(animal, px_per_unit=scale / factor)
-    fitter = FrameFitter(animal, layout, evidence=evidence, anatomy=prior, settings=settings)
+    start = dataclasses.replace(start, scale=np.full(len(start), float(look.scale[0])))
+    vectors = pose_vectors(animal, start, factor=fitter.evidence.factor)
     known = {frame.index: _checked(*fit_start(fitter, frame, first), frame=frame.index)}
     for number, vector in zip(start.frames.tolist(), vectors, strict=True):
         if number not in known:
@@ -168,30 +161,8 @@ def _begin(
 
 def _checked(pose: np.ndarray, support: float, *, frame: int) -> np.ndarray:
     """Return a fitted start pose, if it is on the animal."""
-    if support < _START_BODY:
-        raise InputError(
-            f"the start pose of frame {frame} is not on the animal: only {100 * support:.0f} % of "
-            "the body's place differs from the background; move it onto the animal."
-        )
+    check_on_animal(support, frame=frame)
     return pose
-
-
-def _animal_light(
-    frame: Frame, start: Poses, animal: StickAnimal, background: BackgroundPicture
-) -> float:
-    """Return 0 for an animal darker than the background, else its grey value."""
-    u, v = (round(float(x)) for x in start.xy[0])
-    half = max(3, round(0.15 * animal.body_length * float(start.scale[0])))
-    u0, v0 = max(0, u - half), max(0, v - half)
-    u1, v1 = min(frame.width, u + half + 1), min(frame.height, v + half + 1)
-    if u1 - u0 < 2 or v1 - v0 < 2:
-        raise InputError(
-            f"the start pose of frame {frame.index} lies at ({u}, {v}), outside the view of "
-            f"{frame.width} x {frame.height} px; move it onto the animal."
-        )
-    image = grey(frame.crop(u0, v0, u1, v1), np.float64)
-    empty = np.asarray(background.mean)[v0:v1, u0:u1]
-    return float(np.percentile(image, 75)) if np.median(image - empty) > 0 else 0.0
 
 
 def _read_ahead(reader: ViewReader, numbers: range, steps: _Steps) -> Iterator[Frame]:

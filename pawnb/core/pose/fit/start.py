@@ -87,7 +87,7 @@ def fit_start(
     support : float
         How dark the body's place is relative to what is expected, 0 to 1.
     """
-    fitter.layout = _first_darkness(fitter, frame, pose)
+    fitter.layout = first_darkness(fitter, frame, pose)
     fitter.first = fitter.layout
     partner = partners(fitter.animal)
     settings = fitter.settings
@@ -146,8 +146,23 @@ def _learn_blur(
             return
 
 
-def _first_darkness(fitter: FrameFitter, frame: Frame, pose: np.ndarray) -> Layout:
-    """Return the layout as dark as the place that the person gave the body."""
+def first_darkness(fitter: FrameFitter, frame: Frame, pose: np.ndarray) -> Layout:
+    """Return the layout as dark as the place that the person gave the body.
+
+    Parameters
+    ----------
+    fitter : FrameFitter
+        Not changed.
+    frame : Frame
+        The start frame.
+    pose : ndarray, shape (n_parameters,)
+        The person's pose, working pixels.
+
+    Returns
+    -------
+    Layout
+        The fitter's, darker or lighter.
+    """
     sight, _, _ = fitter.look(frame, pose, margin=np.inf)
     canvas = fitter.canvas(sight)
     paint_base(fitter.layout, pose, fitter.blur, sight, canvas[0], canvas[1])
