@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import Any, Literal
 
 import matplotlib.pyplot as plt
+import numpy as np
 import pandas as pd
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, SubFigure
 
 from pawnb import figures
 from pawnb.errors import InputError
@@ -20,6 +21,7 @@ from pawnb.workflow.gait_drawings import Drawing
 Which = Literal["all", "main", "none"]
 MAIN = ("gait_diagram", "phase_rose")
 FORMATS = ("png", "pdf", "svg")
+_PLACES = 8
 
 
 def save_gait_figures(
@@ -115,6 +117,7 @@ def save_figure(ax: Any, path: Path, *, record: Mapping[str, Any]) -> list[Path]
     # panels are laid out once, not anew for each format
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
+    _round_layout(figure)
     files = []
     for ending in FORMATS:
         file = path.with_name(f"{path.name}.{ending}")
@@ -122,3 +125,17 @@ def save_figure(ax: Any, path: Path, *, record: Mapping[str, Any]) -> list[Path]
         files.append(file)
     plt.close(figure)
     return files
+
+
+def _round_layout(figure: Figure | SubFigure) -> None:
+    """Round where panels lie: the solver of the layout varies in the last bits from run to run.
+
+    A hundred-millionth of the page moves nothing that is seen, but a line that lies on the edge
+    of a pixel would else be drawn in one or the other.
+    """
+    for ax in figure.get_axes():
+        ax.set_position(np.round(ax.get_position(original=True).bounds, _PLACES).tolist())
+    for part in figure.subfigs:
+        box = part.bbox_relative
+        box.p0, box.p1 = np.round(box.p0, _PLACES), np.round(box.p1, _PLACES)
+        _round_layout(part)
