@@ -241,10 +241,11 @@ def _words(first: pd.Series) -> str:
         law = f"y = {first['a']:.3g} {'+' if first['b'] >= 0 else '−'} {abs(first['b']):.3g} x"
     law += f"{' (RMA)' if first['method'] == 'RMA' else ''}, r² = {first['r2']:.2f}"
     counted = say_counts(int(first["n"]), _UNITS[first["points"]], int(first["n_animals"]))
-    if first["points"] == "animal":
-        return f"{law}\n{_say_p(first['p'])}, {counted.split(', ')[0]}"
-    if not math.isfinite(first["b_animals"]):
-        return f"{law}\n{_say_p(first['p'])}, {counted}"
+    if first["points"] == "animal" or first["n"] == first["n_animals"]:
+        return f"{law}\n{_say_p(first['p'])}, {counted.split(', ')[1]}"
+    if not math.isfinite(first["b_animals"]):  # nothing can be said of animals
+        what, of_whom = counted.split(", ")
+        return f"{law}\n{_say_p(first['p'])} if {what}\nof {of_whom} were independent"
     inside = f"mean of animals: b = {first['b_animals']:.3g}, {_say_p(first['p_animals'])}"
     return f"all: {law}\n{inside}\n{counted}"
 

@@ -199,3 +199,16 @@ def test_joint_figure_shows_means_animals_and_share():
 def test_bad_input_is_refused(call, message):
     with pytest.raises(InputError, match=message):
         call(study())
+
+
+def test_a_p_that_takes_strides_as_independent_says_so():
+    own = study().query("animal == 'a0'")
+    pair = [("frequency_hz", "speed")]
+    alone = plot_regression(build_regression_table(own, pair, points="row"))
+    said = alone.get_title(loc="right").splitlines()
+    assert said[1].endswith("if 12 strides")
+    assert said[2] == "of 1 animal were independent"
+    # one trial of each animal: the points are animals
+    first = study().query("trial == 't0'")
+    each = plot_regression(build_regression_table(first, pair, points="trial"))
+    assert each.get_title(loc="right").splitlines()[1].endswith(", 6 animals")
