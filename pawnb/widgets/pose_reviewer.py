@@ -13,8 +13,9 @@ from pawnb.widgets.corrected_tracks import CorrectedTracks
 from pawnb.widgets.frame_canvas import MOUSE_AND_KEYS
 from pawnb.widgets.pose_review_session import PoseReviewSession
 from pawnb.widgets.retracking import Retracking, RetrackTrial
+from pawnb.widgets.stick_actions import HANDLES, stick_actions
 from pawnb.widgets.stick_pose import StickPose
-from pawnb.widgets.stick_poser import HANDLES, StickPoser, stick_actions
+from pawnb.widgets.stick_poser import StickPoser
 from pawnb.workflow.propose_pose import pose_view
 from pawnb.workflow.results import results_folder, write_track_results
 
@@ -153,5 +154,5 @@ class PoseReviewer(StickPoser, Retracking):
                         "options": self._suspects})  # fmt: skip
         if busy:
             own.append({"id": "stop", "text": "Stop", "title": "Stop tracking again"})
-        unfit = ("propose", "missing", "accept")  # these are about the start pose
+        unfit = ("propose", "missing", "accept", "scale")  # these are about the start pose
         return [*own, *(a for a in stick_actions(self.session) if a["id"] not in unfit)]

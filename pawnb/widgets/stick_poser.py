@@ -8,15 +8,20 @@ from typing import Any
 
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.background import Background
-from pawnb.core.pose.energy_view import EnergyView
+from pawnb.core.pose.fit.settings import PoseSettings
+from pawnb.core.pose.fit.view import fit_to_picture
 from pawnb.core.pose.paper_settings import PaperPoseSettings
 from pawnb.core.pose.poses import Poses
 from pawnb.core.video import ViewSet, open_views
 from pawnb.errors import InputError, PawnbError
 from pawnb.trial import Trial, load_trial
 from pawnb.widgets.click_initialiser import trial_span
+from pawnb.widgets.fit_layers import FitLayers
 from pawnb.widgets.frame_canvas import MOUSE_AND_KEYS, FrameCanvas, Overlay
-from pawnb.widgets.stick_layers import LAYERS, SETTINGS, EnergyLayers, in_words
+from pawnb.widgets.picture_layers import PictureLayers
+from pawnb.widgets.scale_clicks import ScaleClicks
+from pawnb.widgets.stick_actions import KEYS, stick_actions
+from pawnb.widgets.stick_layers import EnergyLayers
 from pawnb.widgets.stick_pose import LEAST_FACTOR, MOST_FACTOR, StickPose
 from pawnb.widgets.stick_session import StickSession, describe
 from pawnb.workflow.propose_pose import (
@@ -26,30 +31,8 @@ from pawnb.workflow.propose_pose import (
     trial_animal,
     trial_background,
 )
+from pawnb.workflow.scale import write_scale
 
-HANDLES = (
-    ("Drag the disc", "move the body"),
-    (
-        "Drag a square",
-        "in front: turn the body; on the far side: make the animal larger or smaller",
-    ),
-    (
-        "Drag a dot",
-        "bend the leg there; what is further out follows, and the joint's range is shown",
-    ),
-    ("Drag a tip", "the whole leg follows; with Ctrl only its last joint turns"),
-)
-_KEYS = (
-    *HANDLES,
-    ("[, ]", "the chosen leg 2 % shorter, longer"),
-    ("M, Delete", "the chosen leg is missing, or there after all"),
-    ("N", "the chosen leg back to its natural orientation"),
-    ("Shift+L, Shift+R", "copy the left legs to the right side, the right ones to the left"),
-    ("P, Enter", "propose a pose, accept it as it is"),
-    ("F", "the pose belongs to this frame"),
-    ("Ctrl+Z, Ctrl+Y", "undo, redo"),
-    ("Show", "segmentation, shape prior and costs of the published method, with its settings"),
-)
 _LENGTH_STEP = 1.02
 
 
@@ -79,8 +62,12 @@ class StickPoser(FrameCanvas):
     ----------
     session : StickSession
         The pose; works without a browser.
+    fits : FitLayers
+        What the default method sees and would paint, shown on demand, and the settings tried.
     layers : EnergyLayers
-        What the published method makes of the picture, shown on demand, and the settings tried.
+        The same of the published method.
+    measuring : ScaleClicks or None
+        The two clicks of a scale, while they are made.
 
     Raises
     ------
@@ -106,13 +93,14 @@ class StickPoser(FrameCanvas):
         self._shown = shown
         self.view = pose_view(trial)
         self._background: Background | None = None
-        self.layers = EnergyLayers()
+        self.fits, self.layers = FitLayers(), EnergyLayers()
+        self.measuring: ScaleClicks | None = None
         self.session = session or self._new_session(frame, path)
         if propose:
             self._propose(propose if isinstance(propose, PoseStart) else None)
         super().__init__(shown, frame=self.session.frame, span=self.session.span, **options)
         self.label = "Pose the stick animal"
-        self.keys_help = [list(line) for line in (*_KEYS, *MOUSE_AND_KEYS)]
+        self.keys_help = [list(line) for line in (*KEYS, *MOUSE_AND_KEYS)]
         self.tell_selected = True
         self._show_state()
         self.observe(self._look_at, names="frame")
@@ -154,9 +142,11 @@ class StickPoser(FrameCanvas):
             )
         here: dict[str, Any] = {"stick": stick, "chips": chips}
         told: Overlay = {"views": {self.view: here}, "current": [self.view, session.leg]}
-        if frame == session.frame and (view := self._energy()) is not None:
-            here["tint"] = self.layers.tint(view)
-            told["caption"] = f"energy {view.energy:.0f}"
+        if self.measuring is not None:
+            told["views"] = {self.view: self.measuring.marks()}
+        elif frame == session.frame and (seen := self._look()) is not None:
+            shown, view = seen
+            here["tint"], told["caption"] = shown.tint(view), shown.caption(view)
         return told
 
     def _pose_shown(self, frame: int) -> tuple[StickPose, bool]:
@@ -169,7 +159,9 @@ class StickPoser(FrameCanvas):
         session, before = self.session, int(message["frame"])
         session.go(before)
         point = message.get("point")
-        if what == "moved":
+        if self.measuring is not None and what in ("click", "moved"):
+            self._measure(what, message)
+        elif what == "moved":
             whole = bool(message.get("whole", True))
             session.drag(str(point), float(message["u"]), float(message["v"]), whole=whole)
         elif what == "select":
@@ -215,6 +207,9 @@ class StickPoser(FrameCanvas):
             "natural": session.reset_leg,
             "here": session.pose_here,
             "propose": self._propose,
+            "fit": self._fit,
+            "scale": self._toggle_measuring,
+            "use_scale": self._use_scale,
             "from_left": lambda: session.mirror("left"),
             "from_right": lambda: session.mirror("right"),
             "longer": lambda: session.set_length(
@@ -227,25 +222,71 @@ class StickPoser(FrameCanvas):
         if action == "length":
             session.set_length(float(value))
         elif action == "layer":
-            self.layers.show("" if value == "nothing" else str(value))
+            for layers in (self.fits, self.layers):
+                layers.show(str(value) if value in layers.names else "")
         elif action == "estimate":
-            self.layers.reset()
-        elif action in SETTINGS:
-            self.layers.set(action, float(value))
+            self._shown_layers().reset()
+        elif action == "known_length" and self.measuring is not None:
+            self.measuring.set_length(float(value))
+        elif action in (shown := self._shown_layers()).sliders_of:
+            shown.set(action, float(value))
         elif action in simple:
             simple[action]()
         else:
             raise InputError(f"{action} is no action of this widget.")
 
-    def _energy(self) -> EnergyView | None:
-        """Return the energy of the pose in the frame looked at, where a layer of it is shown."""
-        if not self.layers.layer:
+    def _fit(self) -> None:
+        """Fit the pose to the frame that it belongs to."""
+        session = self.session
+        frame = self._shown.frame(session.pose_frame)[self.view]
+        animal = session.animal()
+        pose, _ = fit_to_picture(
+            frame,
+            session.poses(),
+            animal=animal,
+            background=self.background(),
+            settings=self.fit_settings,
+        )
+        session.take(animal, pose)
+
+    def _toggle_measuring(self) -> None:
+        """Begin to measure the scale, or leave it."""
+        self.measuring = ScaleClicks() if self.measuring is None else None
+
+    def _measure(self, what: str, message: Mapping[str, Any]) -> None:
+        """Place an end of the known length."""
+        if self.measuring is None:
+            return
+        u, v = float(message["u"]), float(message["v"])
+        if what == "click":
+            self.measuring.click(u, v)
+        else:
+            self.measuring.move(str(message["point"]), u, v)
+
+    def _use_scale(self) -> None:
+        """Write the measured scale into the trial; a pose that nobody made yet takes it."""
+        found = None if self.measuring is None else self.measuring.result()
+        if found is None:
+            raise InputError("click both ends of a known length first.")
+        self.trial = write_scale(self.trial, found.px_per_unit)
+        self.session.calibrated(self.trial)
+        self.measuring = None
+
+    def _shown_layers(self) -> PictureLayers[Any, Any]:
+        """Return the layers of the method that is shown; those of the default where none is."""
+        return self.layers if self.layers.layer else self.fits
+
+    def _look(self) -> tuple[PictureLayers[Any, Any], Any] | None:
+        """Return what a method makes of the pose in the frame looked at, where it is shown."""
+        shown = self._shown_layers()
+        if not shown.layer or self.measuring is not None:
             return None
-        picture = self._shown.frame(self.session.frame)[self.view].image()
+        frame = self._shown.frame(self.session.frame)[self.view]
+        picture = frame.image() if shown is self.layers else frame
         try:
-            return self.layers.look(self.session, picture, self.background())
+            return shown, shown.look(self.session, picture, self.background())
         except PawnbError as error:  # a frame without the animal: nothing to explain
-            self.layers.show("")
+            shown.show("")
             self.alarm = str(error)
             return None
 
@@ -254,41 +295,67 @@ class StickPoser(FrameCanvas):
         """The settings tried, as ``pawnb.track(..., method="paper")`` takes them."""
         return self.layers.settings
 
+    @property
+    def fit_settings(self) -> PoseSettings:
+        """The settings tried, as ``pawnb.track(..., method="pawnb")`` takes them."""
+        return self.fits.settings
+
     def _look_at(self, change: Mapping[str, Any]) -> None:
         """Say whose frame this is once a person has gone to another."""
         with self._edit_lock:
             if change["new"] != self.session.frame:
                 self.session.go(int(change["new"]))
                 self._show_state()
-                if self.layers.layer:
+                if self._shown_layers().layer:
                     self.refresh()
 
     def _show_state(self, said: str = "", *, busy: bool = False) -> None:
         """Say what was done or is to be done, and which buttons can be pressed."""
         session = self.session
+        if self.measuring is not None:
+            self._show_measuring(self.measuring)
+            return
         told = f"{said or session.prompt()}\n{session.remarks()} {self._kept()}"
-        view = self._energy()
-        self.status = told if view is None else f"{told}\n{in_words(view)}"
-        leg = session.leg
+        seen = self._look()
+        self.status = told if seen is None else f"{told}\n{seen[0].in_words(seen[1])}"
+        leg, layers = session.leg, self._shown_layers()
         length = round(session.pose.length_of(leg), 3)
         self.sliders = [
             {"id": "length", "text": f"Length of {leg}", "min": LEAST_FACTOR, "max": 2.0,
              "step": 0.01, "value": min(length, MOST_FACTOR),
              "title": "Times the length in the species file ([ and ])"},
-            *self.layers.sliders(),
+            *layers.sliders(),
         ]  # fmt: skip
-        shown = LAYERS.get(self.layers.layer, "nothing")
-        layers = {"id": "layer", "text": f"Show: {shown}",
-                  "title": "What the published method makes of the picture",
-                  "options": [["nothing", "Nothing"], *map(list, LAYERS.items())]}  # fmt: skip
-        actions = [*self._own_actions(busy=busy), layers]
-        if self.layers.chosen:
-            again = {"id": "estimate", "text": "Estimate settings",
-                     "title": "Let every setting be estimated from the picture again"}  # fmt: skip
+        choices = self.fits.names | self.layers.names
+        menu = {"id": "layer", "text": f"Show: {choices.get(layers.layer, 'nothing')}",
+                "title": "What the default and the published method (2009) make of the picture",
+                "options": [["nothing", "Nothing"], *map(list, choices.items())]}  # fmt: skip
+        actions = [*self._own_actions(busy=busy), menu]
+        if layers.chosen:
+            again = {"id": "estimate", "text": "Usual settings",
+                     "title": "Every setting as it was, or as the picture says"}  # fmt: skip
             actions.append(again)
         for action in actions:
             action["enabled"] = action.get("enabled", True) and (not busy or action["id"] == "stop")
         self.actions = actions
+
+    def _show_measuring(self, measuring: ScaleClicks) -> None:
+        """Say what to click for the scale."""
+        calibration = self.trial.calibration
+        unit = "mm" if calibration is None else calibration.unit
+        found = measuring.result()
+        words = "" if found is None else f"\n{found.text(unit)}."
+        self.status = f"{measuring.prompt(unit)}{words}"
+        self.sliders = [
+            {"id": "known_length", "text": f"Known length, {unit}", "number": True, "min": 0,
+             "max": None, "step": "any", "value": measuring.length,
+             "title": "How far apart the two ends are"},
+        ]  # fmt: skip
+        self.actions = [
+            {"id": "use_scale", "text": "Use this scale", "keys": ["Enter"],
+             "enabled": found is not None, "title": "Write px_per_unit into trial.toml (Enter)"},
+            {"id": "scale", "text": "Leave", "keys": ["c"], "title": "Keep the scale as it is (C)"},
+        ]  # fmt: skip
 
     def _kept(self) -> str:
         """Say where the pose is kept."""
@@ -298,50 +365,6 @@ class StickPoser(FrameCanvas):
     def _own_actions(self, *, busy: bool) -> list[dict[str, Any]]:  # noqa: ARG002 (for a review)
         """Return the buttons and menus, before those of the layers."""
         return stick_actions(self.session)
-
-
-def stick_actions(session: StickSession) -> list[dict[str, Any]]:
-    """Return the buttons that change a pose, and their keys.
-
-    Parameters
-    ----------
-    session : StickSession
-        The pose.
-
-    Returns
-    -------
-    list of dict
-        id, text, keys, title, enabled; see ``static/frame_canvas.js``.
-    """
-    leg = session.leg
-    lost = session.pose.legs[leg].missing
-    actions: list[dict[str, Any]] = [
-        {"id": "propose", "text": "Propose", "keys": ["p"],
-         "title": "Find the animal by its outline and lay the stick animal on it (P)"},
-        {"id": "from_left", "text": "Mirror left → right", "keys": ["Shift+L"],
-         "title": "Bend the right legs like the left ones (Shift+L)"},
-        {"id": "from_right", "text": "Mirror right → left", "keys": ["Shift+R"],
-         "title": "Bend the left legs like the right ones (Shift+R)"},
-        {"id": "missing", "text": f"{leg} is there" if lost else f"{leg} is missing",
-         "keys": ["m"], "title": "The animal has lost the chosen leg, or has it after all (M)"},
-        {"id": "natural", "text": f"Straighten {leg}", "keys": ["n"],
-         "title": "Put the chosen leg at its natural orientation (N)"},
-        {"id": "undo", "text": "Undo", "keys": ["Ctrl+z"], "enabled": session.can_undo,
-         "title": "Take back the last change (Ctrl+Z)"},
-        {"id": "redo", "text": "Redo", "keys": ["Ctrl+y", "Ctrl+Shift+Z"],
-         "enabled": session.can_redo, "title": "Make it again (Ctrl+Y)"},
-        {"id": "shorter", "text": "Shorter", "keys": ["["], "title": f"{leg} 2 % shorter ([)"},
-        {"id": "longer", "text": "Longer", "keys": ["]"], "title": f"{leg} 2 % longer (])"},
-    ]  # fmt: skip
-    if session.frame != session.pose_frame:
-        here = {"id": "here", "text": "Pose this frame", "keys": ["f"],
-                "title": "The pose belongs to the frame looked at (F)"}  # fmt: skip
-        actions.insert(0, here)
-    elif session.proposed:
-        accept = {"id": "accept", "text": "Accept", "keys": ["Enter"],
-                  "title": "Take the proposed pose as it is (Enter)"}  # fmt: skip
-        actions.insert(0, accept)
-    return actions
 
 
 def _silent(_done: int, _total: int) -> None:

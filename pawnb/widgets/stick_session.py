@@ -181,6 +181,16 @@ class StickSession:
         self._state, self.frame, self.notes = state, state.frame, notes
         self.saved = False
 
+    def take(self, animal: StickAnimal, pose: Poses) -> None:
+        """Take over a pose of the frame that the pose belongs to, such as a fitted one."""
+        self._change(stick_pose(self.species, animal, pose), frame=self.pose_frame)
+
+    def calibrated(self, trial: Trial) -> None:
+        """Take over a trial whose scale was measured; a pose that nobody made yet follows."""
+        self.trial = trial
+        if self._state.origin == "first":
+            self._state = self._first(self.pose_frame)
+
     def accept(self) -> None:
         """Take a proposal as it is."""
         self._change(self.pose, frame=self.pose_frame)

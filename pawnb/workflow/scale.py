@@ -1,19 +1,24 @@
-"""Px per unit of a trial, from a grid of known spacing in its empty scene."""
+"""Px per unit of a trial: from a grid of known spacing in its empty scene, and into its file."""
 
 from __future__ import annotations
 
+import dataclasses
+import re
+import tomllib
 from pathlib import Path
 
 from pawnb.core.pose.grid import PxPerUnit, scale_from_grid
 from pawnb.core.video import open_views
-from pawnb.trial import Trial, load_trial
+from pawnb.errors import InputError
+from pawnb.io.tables import write_text
+from pawnb.trial import Calibration, Trial, load_trial
 from pawnb.workflow.propose_pose import trial_background
 
 
 def find_grid_scale(trial: Trial | str | Path, *, spacing: float) -> PxPerUnit:
     """Measure the grid under the animal in the empty scene of a trial's first view.
 
-    Write ``px_per_unit`` into ``[calibration]`` of ``trial.toml`` to use it.
+    :func:`write_scale` writes it into ``trial.toml``.
 
     Parameters
     ----------
@@ -36,3 +41,71 @@ def find_grid_scale(trial: Trial | str | Path, *, spacing: float) -> PxPerUnit:
     trial = trial if isinstance(trial, Trial) else load_trial(trial)
     with open_views(trial) as views:
         return scale_from_grid(trial_background(trial, views).mean, spacing=spacing)
+
+
+def write_scale(trial: Trial, px_per_unit: float) -> Trial:
+    """Write ``px_per_unit`` into ``[calibration]`` of a trial's ``trial.toml``.
+
+    Everything else in the file, comments included, stays as it is.
+
+    Parameters
+    ----------
+    trial : Trial
+        A trial that was read from its ``trial.toml``.
+    px_per_unit : float
+        Px of the view per unit of the calibration (mm where it names none).
+
+    Returns
+    -------
+    Trial
+        The trial with that scale.
+
+    Raises
+    ------
+    InputError
+        If the trial is calibrated by DLT coefficients, has no ``trial.toml``, or writes its
+        calibration in a way that cannot be changed here.
+    """
+    calibration = trial.calibration or Calibration()
+    if calibration.dlt is not None:
+        raise InputError(
+            f"trial {trial.name!r} is calibrated by {calibration.dlt}, which has its own scale; "
+            "px_per_unit is for a single view."
+        )
+    path = trial.path("trial.toml")
+    value = float(f"{px_per_unit:.6g}")
+    if not path.is_file():
+        raise InputError(
+            f"{path}: no such file; write px_per_unit = {value:g} under [calibration] of the "
+            "trial's file."
+        )
+    before = path.read_text(encoding="utf-8")
+    after = _with_scale(before, value)
+    expected = tomllib.loads(before)
+    expected.setdefault("calibration", {"unit": calibration.unit})["px_per_unit"] = value
+    try:
+        is_right = tomllib.loads(after) == expected
+    except tomllib.TOMLDecodeError:
+        is_right = False
+    if not is_right:
+        raise InputError(
+            f"{path}: its calibration is not written as a section [calibration]; write "
+            f"px_per_unit = {value:g} there yourself."
+        )
+    write_text(after, path)
+    return dataclasses.replace(
+        trial, calibration=dataclasses.replace(calibration, px_per_unit=value)
+    )
+
+
+def _with_scale(text: str, value: float) -> str:
+    """Return the text of a trial with another scale."""
+    line = f"px_per_unit = {value!r}"
+    section = re.search(r"^\[calibration\][^\n]*\n((?:(?!\[).*\n?)*)", text, re.MULTILINE)
+    if section is None:
+        return f'{text.rstrip()}\n\n[calibration]\n{line}\nunit = "mm"\n'
+    body = section.group(1)
+    changed, count = re.subn(r"^px_per_unit\s*=\s*[^\s#]+", line, body, flags=re.MULTILINE)
+    if not count:
+        changed = f"{line}\n{body}"
+    return text[: section.start(1)] + changed + text[section.end(1) :]

@@ -7,7 +7,7 @@ import small_pose_trial as scene
 from pawnb.core.pose.background import Background
 from pawnb.errors import InputError
 from pawnb.trial import Animal, Trial
-from pawnb.widgets.stick_layers import LAYERS, SETTINGS, EnergyLayers, in_words, paint_layer
+from pawnb.widgets.stick_layers import LAYERS, SETTINGS, EnergyLayers
 from pawnb.widgets.stick_session import StickSession
 
 
@@ -44,12 +44,12 @@ def test_segmentation_and_prior_lie_on_the_animal(layers, session, empty):
     dark = scene.picture(scene.EMPTY)[v0:v1, u0:u1] < 125
     assert (view.segmentation & dark).sum() / (view.segmentation | dark).sum() > 0.8
     for name in LAYERS:
-        assert paint_layer(view, name).shape == (v1 - v0, u1 - u0, 4)
-    clear = paint_layer(view, "segmentation")[..., 3] == 0
+        assert layers.paint(view, name).shape == (v1 - v0, u1 - u0, 4)
+    clear = layers.paint(view, "segmentation")[..., 3] == 0
     np.testing.assert_array_equal(clear, ~view.segmentation)
-    opaque = paint_layer(view, "shape_prior")[..., 3]
+    opaque = layers.paint(view, "shape_prior")[..., 3]
     assert opaque[dark].mean() > 4 * opaque[~dark].mean()
-    assert all(word in in_words(view) for word in ("likelihood", "shape prior", "Ising"))
+    assert all(word in layers.in_words(view) for word in ("likelihood", "shape prior", "Ising"))
 
 
 def test_a_setting_has_its_effect_and_can_be_estimated_again(layers, session, empty):

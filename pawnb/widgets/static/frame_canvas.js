@@ -130,24 +130,26 @@ class Canvas {
       line.title = title;
       name.textContent = text;
       input.setAttribute("aria-label", text);
-      if (input === document.activeElement && this.sliding) return;
-      Object.assign(input, { min, max, step, value });
-      shown.textContent = value;
+      const typing = input.type === "number" || this.sliding;
+      if (input === document.activeElement && typing) return;
+      Object.assign(input, { min, max: max ?? "", step, value });
+      shown.textContent = input.type === "number" ? "" : value;
     });
   }
 
-  makeSlider({ id }) {
+  makeSlider({ id, number }) {
     const line = element("label", "pawnb-line");
     line.dataset.slider = id;
-    const input = element("input", "", { type: "range" });
+    const input = element("input", "", { type: number ? "number" : "range" });
     const shown = element("span", "pawnb-value");
     line.append(element("span", ""), input, shown);
-    input.oninput = () => {
-      shown.textContent = input.value;
+    const take = () => {
       this.sliding = { id, value: +input.value };
       this.slide();
     };
-    input.onchange = () => { this.slide(); this.focus(); };
+    input.oninput = number ? null : () => { shown.textContent = input.value; take(); };
+    // a number is sent once it is typed: Enter, or a click elsewhere
+    input.onchange = () => { number ? take() : this.slide(); this.focus(); };
     return line;
   }
 
@@ -345,7 +347,7 @@ class Canvas {
   key(e) {
     e.stopPropagation(); // nothing typed here is meant for the notebook
     const control = { SELECT: /./, INPUT: /Arrow|Home|End|Page/, BUTTON: /^( |Enter)$/, SUMMARY: /^( |Enter)$/ };
-    const used = control[e.target.tagName];
+    const used = e.target.type === "number" ? /./ : control[e.target.tagName];
     if (used && used.test(e.key)) return; // the control that has the focus needs it
     const command = e.ctrlKey || e.metaKey ? "Ctrl+" : "";
     const typed = command + (e.shiftKey ? "Shift+" : "") + e.key;
