@@ -94,7 +94,8 @@ def plot_joint_ranges(
         for panel, own in zip(panels, joints, strict=True):
             _draw(panel, own, marks)
             joint = str(own["joint"].iloc[0])
-            panel.set_title(called.get(joint, joint))
+            # in the middle, long names would run into the letter of the panel
+            panel.set_title(called.get(joint, joint), loc="right")
             panel.set_ylabel("Angle (°)")
             panel.set_xlabel("Pair of legs")
     return panels[0]

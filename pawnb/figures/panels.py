@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from functools import partial
 from typing import Any
 
 import matplotlib.pyplot as plt
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
+from matplotlib.ticker import FuncFormatter
 
 from pawnb.errors import InputError
 from pawnb.figures.style import AnimalMark, figure_size, get_style, small_pt
@@ -93,6 +96,28 @@ def add_letter(ax: Axes, k: int) -> None:
     """
     letter = _ALPHABET[k % 26] if k < 26 else _ALPHABET[k // 26 - 1] + _ALPHABET[k % 26]
     ax.set_title(letter, loc="left", fontweight="bold")
+
+
+def use_log_axes(ax: Axes) -> None:
+    """Make both axes logarithmic, with plain numbers: powers of ten would be below 6 pt.
+
+    Parameters
+    ----------
+    ax : matplotlib axes
+        The panel.
+    """
+    ax.set_xscale("log")
+    ax.set_yscale("log")
+    for axis in (ax.xaxis, ax.yaxis):
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axis.set_minor_formatter(FuncFormatter(partial(_say_minor, axis)))
+
+
+def _say_minor(axis: Axis, value: float, _: int | None = None) -> str:
+    """Say the minor ticks at 2 and 5 where the axis is not longer than two decades."""
+    low, high = axis.get_view_interval()
+    said = f"{value:g}" if high <= 100.0 * low else ""
+    return said if said.strip("0.")[:1] in ("2", "5") else ""
 
 
 def draw_points(ax: Axes, x: Any, y: Any, *, mark: AnimalMark, **options: Any) -> Any:

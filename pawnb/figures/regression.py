@@ -11,7 +11,13 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from pawnb.errors import InputError
-from pawnb.figures.panels import add_animal_legend, draw_points, make_panels, say_counts
+from pawnb.figures.panels import (
+    add_animal_legend,
+    draw_points,
+    make_panels,
+    say_counts,
+    use_log_axes,
+)
 from pawnb.figures.style import OKABE_ITO, mark_animals, small_pt, style
 from pawnb.gait.regression import AnimalSlopes, Line, fit_line, fit_power, fit_rma
 from pawnb.gait.scaling import animal_slopes
@@ -206,8 +212,7 @@ def plot_regression(
             panel.set_ylabel(called.get(first["outcome"], first["outcome"]))
             panel.set_title(_words(first), fontsize=small_pt(), loc="right", linespacing=1.15)
             if log:
-                panel.set_xscale("log")
-                panel.set_yscale("log")
+                use_log_axes(panel)
         add_animal_legend(panels[0], marks)
     return panels[0]
 
@@ -236,9 +241,11 @@ def _draw(ax: Any, own: pd.DataFrame, marks: Mapping[str, Any]) -> None:
 def _words(first: pd.Series) -> str:
     """Say the fit of one pair in two or three short lines."""
     if first["kind"] == "power":
-        law = f"y = {first['a']:.3g} x^{first['b']:.3g}"  # raised, it would be below 6 pt
+        # raised, the exponent would be below 6 pt
+        law = f"y = {_number(first['a'])} x^{_number(first['b'])}"
     else:
-        law = f"y = {first['a']:.3g} {'+' if first['b'] >= 0 else '−'} {abs(first['b']):.3g} x"
+        sign = "+" if first["b"] >= 0 else "−"
+        law = f"y = {_number(first['a'])} {sign} {_number(abs(first['b']))} x"
     law += f"{' (RMA)' if first['method'] == 'RMA' else ''}, r² = {first['r2']:.2f}"
     counted = say_counts(int(first["n"]), _UNITS[first["points"]], int(first["n_animals"]))
     if first["points"] == "animal" or first["n"] == first["n_animals"]:
@@ -246,8 +253,14 @@ def _words(first: pd.Series) -> str:
     if not math.isfinite(first["b_animals"]):  # nothing can be said of animals
         what, of_whom = counted.split(", ")
         return f"{law}\n{_say_p(first['p'])} if {what}\nof {of_whom} were independent"
-    inside = f"mean of animals: b = {first['b_animals']:.3g}, {_say_p(first['p_animals'])}"
+    inside = f"animals: b = {_number(first['b_animals'])}, {_say_p(first['p_animals'])}"
     return f"all: {law}\n{inside}\n{counted}"
+
+
+def _number(value: float) -> str:
+    """Write three digits, as short as they can be: 5030 and not 5.03e+03."""
+    words = f"{value:.3g}" if abs(value) < 1000.0 or abs(value) >= 1e6 else f"{value:.0f}"
+    return words.replace("e-0", "e-").replace("-", "−")
 
 
 def _say_p(p: float) -> str:

@@ -10,7 +10,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from pawnb.errors import InputError
-from pawnb.figures.panels import draw_points
+from pawnb.figures.panels import draw_points, use_log_axes
 from pawnb.figures.style import OKABE_ITO, figure_size, mark_animals, small_pt, style
 from pawnb.gait.regression import fit_power
 from pawnb.schema import check_columns
@@ -146,8 +146,7 @@ def plot_scaling(
                     draw_points(ax, some["x"], some["y"], mark=mark._replace(filled=own), **look)
                 )
         drawn = _draw_laws(ax, table[table["row"] == "line"])
-        ax.set_xscale("log")
-        ax.set_yscale("log")
+        use_log_axes(ax)
         ax.set_xlabel(size_name)
         ax.set_ylabel(value_name)
         ax.legend(handles=drawn, loc="upper left", fontsize=small_pt(), handlelength=1.8)

@@ -101,6 +101,29 @@ def test_band_only_where_the_interval_excludes_zero():
     assert "(RMA)" in plot_regression(axis, log=False).get_title(loc="right")
 
 
+def test_words_of_a_fit_are_short_and_plain():
+    x = np.linspace(0.1, 0.2, 12)
+    table = pd.DataFrame({"animal": [f"a{k}" for k in range(12)], "x": x, "y": 1500 - 5678 * x})
+    table["y"] += np.tile([0.1, -0.1], 6)
+    ax = plot_regression(build_regression_table(table, [("y", "x")]))
+    assert ax.get_title(loc="right").startswith("y = 1500 − 5678 x, r² = 1.00")
+    table["y"] = 2e-5 * x + np.tile([1e-9, -1e-9], 6)
+    ax = plot_regression(build_regression_table(table, [("y", "x")]))
+    assert " + 2e−5 x" in ax.get_title(loc="right")
+
+
+def test_logarithmic_axes_have_plain_numbers():
+    power = species().assign(animal=lambda t: t["name"])
+    ax = plot_regression(build_regression_table(power, [("speed", "mass")], kind="power"), log=True)
+    ax.figure.canvas.draw()
+    assert {"0.01", "0.1", "1", "10"} <= {t.get_text() for t in ax.get_xticklabels()}
+    # five decades of mass, but little more than one of speed: there 2 and 5 are said
+    assert {t.get_text() for t in ax.get_xticklabels(minor=True)} == {""}
+    minor = {t.get_text() for t in ax.get_yticklabels(minor=True)}
+    assert {"2", "5"} <= minor
+    assert "3" not in minor
+
+
 def species():
     rng = np.random.default_rng(2)
     mass = 10 ** rng.uniform(-3, 2, 30)
@@ -169,7 +192,7 @@ def test_joint_figure_shows_means_animals_and_share():
     means = table[table["row"] == "mean"]
     assert means["share_percent"].tolist() == [80.0, 50.0]  # 44 of 55, 40 of 80
     ax = plot_joint_ranges(table)
-    assert ax.get_title() == "Body-coxa"
+    assert ax.get_title(loc="right") == "Body-coxa"
     bars = [(p.get_y(), p.get_y() + p.get_height()) for p in ax.patches]
     np.testing.assert_allclose(bars, [(7.5, 62.5), (-26.0, 54.0), (12.0, 56.0), (-8.0, 32.0)])
     assert [text.get_text() for text in ax.texts] == ["80 %", "50 %"]
