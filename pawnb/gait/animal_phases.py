@@ -63,11 +63,17 @@ def phase_of_animals(
 
     Each animal counts by its mean phase, as a unit vector. The interval is that of Student's
     t on the sines of the animals' phases about their mean: half its width is
-    ``t(k - 1) sd(sin) / (sqrt(k) r)``. Measured at 5 animals of 10 strides it covers 93-97 %,
-    from phases all alike down to an r of 0.45 between animals and within; a plain
-    percentile bootstrap covers 82-85 % there. It is blank where it would be the whole
-    cycle: in up to 18 % of the most diffuse of these studies. Where animals share even less
-    of a direction no interval of a mean phase covers as it should; Rayleigh's p tells.
+    ``t(k - 1) sd(sin) / (sqrt(k) r)``. It is the whole cycle, and so blank, where half of it is
+    half the cycle, or where the animals may well share no direction: where Rayleigh's p of
+    their means is above twice 1 - level. Without that, animals that share little of a
+    direction show one by chance, with an interval beside the truth. Twice, because of studies
+    without any direction the 10 % then pass, and six in ten of these miss: about the 5 % that
+    the interval may err.
+
+    Measured over 2000 studies of 5 animals of 10 strides each it holds the truth in 94.5 to
+    97.2 %, from phases all alike to a concentration of 0.5 between animals (r 0.24); a plain
+    percentile bootstrap has 73-85 %. Blank are 2-18 % of the studies at an r of 0.86 between
+    animals, 28-46 % at 0.70, 66-73 % at 0.45 and 83-86 % at 0.24.
 
     Parameters
     ----------
@@ -125,8 +131,7 @@ def interval_of_phases(means: np.ndarray, *, level: float = 0.95) -> tuple[float
     Returns
     -------
     low, high : float
-        Ends in [0, 1), in cycles; may wrap. NaN for one animal, or where half the interval
-        is half the cycle or more.
+        Ends in [0, 1), in cycles; may wrap. NaN for one animal, and where it is the whole cycle.
 
     Raises
     ------
@@ -134,8 +139,8 @@ def interval_of_phases(means: np.ndarray, *, level: float = 0.95) -> tuple[float
         If phases or level cannot be used.
     """
     check_level(level)
-    mean, _, k = mean_vector(means)
-    if k < 2 or not math.isfinite(mean):
+    mean, r, k = mean_vector(means)
+    if k < 2 or not math.isfinite(mean) or rayleigh_p(k, r) > 2.0 * (1.0 - level):
         return math.nan, math.nan
     half = t_quantile(level, k - 1) * phase_standard_error(means)
     return (math.nan, math.nan) if half >= 0.5 else (wrap(mean - half), wrap(mean + half))

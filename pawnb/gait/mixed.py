@@ -25,6 +25,7 @@ from pawnb.errors import InputError
 from pawnb.gait.animals import check_level
 from pawnb.gait.circular import as_numbers
 from pawnb.gait.circular_sample import animal_codes
+from pawnb.gait.variance_shares import icc_interval
 from pawnb.schema import check_columns
 
 MIXED_COLUMNS = (
@@ -49,6 +50,9 @@ class MixedFit:
     icc : float
         Intraclass correlation: share of the variance that the terms leave which lies
         between animals (at the mean of terms with random slopes).
+    icc_low, icc_high : float
+        Its interval (:func:`pawnb.gait.variance_shares.icc_interval`). NaN where trials or slopes
+        are random too, for which there is no exact one; fit without them for it.
     sd_animals, sd_trials, sd_residual : float
         Standard deviations between animals, between trials of an animal (NaN where
         trials are not told apart), and of strides within.
@@ -62,6 +66,8 @@ class MixedFit:
 
     terms: pd.DataFrame
     icc: float
+    icc_low: float
+    icc_high: float
     sd_animals: float
     sd_trials: float
     sd_residual: float
@@ -158,8 +164,12 @@ def fit_mixed(
     notes = [] if converged else ["the fit did not converge: do not use it"]
     if spread["animal"] ** 2 <= 1e-6 * residual:
         notes.append("no variance between animals found; with few animals this is no proof")
+    icc_low = icc_high = math.nan
+    if blocks.names == ["animal"]:
+        icc_low, icc_high = icc_interval(y, known["animal"].tolist(), design=design, level=level)
     return MixedFit(
         terms=frame[list(MIXED_COLUMNS)], icc=spread["animal"] ** 2 / whole,
+        icc_low=icc_low, icc_high=icc_high,
         sd_animals=spread["animal"], sd_trials=sd_trials, sd_residual=math.sqrt(residual),
         sd_slopes={name: spread[name] for name in parts if name != "animal"},
         n=len(y), n_animals=k, note="; ".join(notes),

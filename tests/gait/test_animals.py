@@ -12,9 +12,10 @@ from hypothesis import strategies as st
 
 from pawnb.errors import InputError
 from pawnb.gait.animal_phases import interval_of_phases, phase_of_animals
-from pawnb.gait.animal_summary import summarise_animals, variance_shares
+from pawnb.gait.animal_summary import summarise_animals
 from pawnb.gait.animals import mean_of_animals, slope_of_animals
 from pawnb.gait.circular_tests import mean_test, rayleigh_test
+from pawnb.gait.variance_shares import variance_shares
 
 T4 = 2.7764451051977987  # Student's t, 0.975, 4 degrees of freedom (tables)
 
@@ -76,7 +77,9 @@ def test_interval_turns_with_the_phases(turn, seed):
     assert two.moore_p == pytest.approx(one.moore_p, rel=1e-4)
 
 
-@pytest.mark.parametrize(("between", "within"), [(200, 10), (math.inf, 2), (10, 1), (3, 3)])
+@pytest.mark.parametrize(
+    ("between", "within"), [(200, 10), (math.inf, 2), (10, 1), (3, 3), (0.5, 3)]
+)
 def test_coverage_at_five_animals_of_ten_strides(between, within):
     # 600 studies: standard error 0.9 %; benchmarks/interval_coverage.py draws more
     rng = np.random.default_rng(7)
