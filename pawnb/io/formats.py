@@ -14,10 +14,12 @@ from pawnb.io.anipose import read_anipose
 from pawnb.io.deeplabcut import read_deeplabcut
 from pawnb.io.dltdv import read_dltdv_points, read_dltdv_points3d
 from pawnb.io.sleap import read_sleap
+from pawnb.io.wide import is_wide_table, read_wide_table
 from pawnb.schema import Tracks
 
 FORMATS = (
     "pawnb", "movement", "deeplabcut", "sleap", "anipose", "dltdv-3d", "dltdv", "csv", "csv-3d",
+    "table",
 )  # fmt: skip
 """Names of the formats that are read."""
 
@@ -41,7 +43,7 @@ def recognise_format(path: str | Path) -> str:
     -------
     str
         One of :data:`FORMATS`: ``"csv"`` and ``"csv-3d"`` are pawnb's tables ``tracks.csv``
-        and ``points3d.csv``.
+        and ``points3d.csv``, ``"table"`` a csv with ``<point>_x, <point>_y`` of every point.
 
     Raises
     ------
@@ -62,7 +64,8 @@ def recognise_format(path: str | Path) -> str:
         raise InputError(
             f"{path.name}: not tracks that are read here; expected tracks.nc, tracks.csv, "
             "points3d.csv, or a file of DeepLabCut (.csv, .h5), SLEAP (.slp, .h5), Anipose (.csv), "
-            "DLTdv (xypts.csv, xyzpts.csv) or movement (.nc)."
+            "DLTdv (xypts.csv, xyzpts.csv) or movement (.nc), or a csv with frame and <point>_x, "
+            "<point>_y (and _z) of every point."
         )
     return found
 
@@ -121,6 +124,8 @@ def read_any_tracks(
         return read_dltdv_points3d(path, fps=fps, unit=unit or "mm")
     if found == "dltdv":
         return read_dltdv_points(path, fps=fps)
+    if found == "table":
+        return read_wide_table(path, fps=fps, unit=unit)
     if found == "csv-3d":
         return track_tables.read_points3d_table(path, fps=fps)
     return track_tables.read_tracks_table(path, fps=fps)
@@ -162,4 +167,6 @@ def _recognise_csv(path: Path) -> str | None:
         return "dltdv"
     if sum(bool(_DLTDV_SPACE.fullmatch(name)) for name in names) >= 3:
         return "dltdv-3d"
+    if is_wide_table(names):
+        return "table"
     return None

@@ -144,3 +144,33 @@ def test_real_dltdv_files(real_data):
     assert space["position"].to_numpy()[0, :, 0, 0].tolist() == [24.43962, -12.287519, 1.381808]
     image = read_any_tracks(folder / "1864_1x_xypts.csv", fps=1000.0)
     assert list(image["view"].to_numpy()) == ["cam1", "cam2", "cam3", "cam4"]
+
+
+@pytest.mark.parametrize("axes", ["xy", "xyz"])
+def test_a_plain_table_of_points(tmp_path, axes):
+    rows = [
+        "frame," + ",".join(f"{p}_{a}" for p in ("LF_Claw", "b") for a in axes) + ",note",
+        "4," + ",".join(["1.5"] * len(axes) + [""] * len(axes)) + ",x",
+        "5," + ",".join(["2.5"] * len(axes) + ["7"] * len(axes)) + ",y",
+    ]
+    path = tmp_path / "points.csv"
+    path.write_text("\n".join(rows) + "\n")
+    assert recognise_format(path) == "table"
+    tracks = read_any_tracks(path, fps=10.0)
+    assert list(tracks["keypoint"].to_numpy()) == ["LF_Claw", "b"]
+    assert tracks["frame"].to_numpy().tolist() == [4, 5]
+    assert tracks.attrs["unit"] == ("px" if axes == "xy" else "mm")
+    place = tracks["position"].isel(individual=0)
+    assert place.sel(keypoint="LF_Claw").to_numpy().tolist() == [[1.5] * len(axes),
+                                                                 [2.5] * len(axes)]  # fmt: skip
+    assert np.isnan(place.sel(keypoint="b").to_numpy()[0]).all()
+    path.write_text("frame,a_x,a_y,b_x\n0,1,2,3\n")
+    with pytest.raises(InputError, match=r"^points\.csv: column 'b_y' is missing"):
+        read_any_tracks(path, fps=10.0)
+
+
+def test_real_claws_of_a_fly_in_a_plain_table(real_data):
+    tracks = read_any_tracks(real_data("fly-6leg-contact") / "fly1_pose_aligned.csv", fps=100.0)
+    assert tracks.sizes["keypoint"] == 24
+    assert tracks.sizes["time"] == 1000
+    assert np.isfinite(tracks["position"].sel(keypoint="RH_Claw")).all()
