@@ -11,7 +11,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from pawnb.figures.panels import draw_points, make_panels
-from pawnb.figures.style import OKABE_ITO, mark_animals, small_pt, style
+from pawnb.figures.style import OKABE_ITO, get_style, mark_animals, small_pt, style
 from pawnb.gait.joints import RANGE_COLUMNS, joint_extremes, joint_range_table
 from pawnb.schema import check_columns
 
@@ -90,12 +90,13 @@ def plot_joint_ranges(
     called = {**JOINT_NAMES, **(names or {})}
     with style():
         panels = make_panels(len(joints), where="joint ranges", ax=ax, height_mm=48.0, columns=2)
+        font_pt = get_style().font_size_pt
         marks = mark_animals(table.loc[table["row"] == "animal", "animal"])
         for panel, own in zip(panels, joints, strict=True):
             _draw(panel, own, marks)
             joint = str(own["joint"].iloc[0])
-            # in the middle, long names would run into the letter of the panel
-            panel.set_title(called.get(joint, joint), loc="right")
+            # in the middle and larger, long names would run into the letter of the panel
+            panel.set_title(called.get(joint, joint), loc="right", fontsize=font_pt)
             panel.set_ylabel("Angle (°)")
             panel.set_xlabel("Pair of legs")
     return panels[0]
