@@ -199,3 +199,52 @@ def test_keys_reach_the_notebook_only_outside(posing):
     notebook.press("[")
     assert not file.exists()
     assert notebook.py("w.session.can_undo") is False
+
+
+def test_a_scale_is_clicked_and_the_length_typed(posing):
+    """Digits typed in the field are not keys of the canvas: 0 would show the picture whole."""
+    notebook, file = posing
+    notebook.focus()
+    notebook.press("c")
+    notebook.settle()
+    notebook.click("top", 20, 40)
+    notebook.settle()
+    notebook.click("top", 20, 100)
+    notebook.settle()
+    field = notebook.page.locator("[data-slider=known_length] input")
+    field.fill("20")
+    field.press("Enter")
+    notebook.settle()
+    assert "3 ± " in notebook.page.locator(".pawnb-status").inner_text()
+    assert notebook.js("c.stages[0].stick") is None
+    notebook.drag("top", np.array([20.0, 100.0]), (20, 120))
+    notebook.settle()
+    ends = notebook.py("w.measuring.ends")  # the page may scroll under the hand
+    assert ends["end 2"][1] > 103
+    np.testing.assert_allclose(ends["end 1"], (20, 40), atol=0.5)
+    notebook.focus()
+    notebook.press("c")
+    notebook.settle()
+    assert notebook.js("c.stages[0].stick !== null")
+    assert not file.exists()
+    notebook.assert_no_errors()
+
+
+def test_the_default_method_is_looked_at_and_fits(posing):
+    notebook, file = posing
+    drag(notebook, "body", np.add(scene.XY, (3, -2)))
+    notebook.settle()
+    turn = np.radians(scene.HEADING)
+    drag(notebook, "heading", np.array(scene.XY) + 60 * np.array([np.cos(turn), np.sin(turn)]))
+    notebook.settle()
+    notebook.page.locator("[data-action=layer]").select_option("unexplained")
+    notebook.settle()
+    notebook.wait("c.stages[0].tint && c.stages[0].tint.image.complete")
+    before = notebook.js("c.stages[0].tint.url")
+    notebook.focus()
+    notebook.press("t")
+    notebook.settle()
+    np.testing.assert_allclose(saved(file)[1].xy[0], scene.XY, atol=0.6)
+    assert notebook.js("c.stages[0].tint.url") != before
+    assert "explained" in notebook.page.locator(".pawnb-status").inner_text()
+    notebook.assert_no_errors()
