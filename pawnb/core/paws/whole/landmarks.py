@@ -28,16 +28,21 @@ _AROUND = 3
 """Half the side of the region that is searched, in patches."""
 _ALIKE, _LOST = 0.75, 0.6
 """Correlation from which a patch is the clicked one; below the other, flow alone is no help."""
-_SAME = 0.9
-"""Correlation from which a patch that was sought everywhere around is the clicked one."""
+_SAME, _ABOUT, _FORGET = 0.9, 0.97, 0.1
+"""Correlation from which a patch that was sought everywhere around is the clicked one, or the
+share of its usual one in the frames before where that is less: pictures may be noisy."""
 _BACK_PX = 0.5
 """Flow there and back again ends as near as this to where it began, or it is not believed."""
 _CHANGED_FRAMES = 5
 """A patch that flow alone has followed this long is how the landmark looks now."""
 _MOST_PATCHES = 8
+_YOUNG_FRAMES, _LARGEST = 3, 3
+"""A patch grows in its first frames, to so many times its side, until it can be told."""
+_LEAST_LIKENESS = 0.05
+_BLUR_PX = 1.0
 _APART, _TOGETHER = 1 / 3, 1 / 6
-"""Views that disagree by more than the first, in patches, hold one that is wrong if all the
-others agree to within the second."""
+"""Views that disagree by more than the first, in patches, hold one that is wrong: the one
+without which the others agree to within the second, or of two the one that looks less alike."""
 _STOP = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 20, 0.01)
 
 
@@ -63,12 +68,26 @@ class _State:
         How it looks: first as it was clicked.
     on_flow : int
         Frames in a row in which flow alone followed it.
+    window : int
+        Side of its patch, px.
+    age : int
+        Frames since it was placed.
+    usual : float
+        How much it usually looks like its patches where it is seen.
     """
 
     uv: np.ndarray
+    window: int
     is_seen: bool = True
     patches: list[_Patch] = field(default_factory=list)
     on_flow: int = 0
+    age: int = 0
+    usual: float = 1.0
+
+    @property
+    def same(self) -> float:
+        """Correlation from which a patch that was lost is found again."""
+        return max(_ALIKE, min(_SAME, _ABOUT * self.usual))
 
 
 class Follower:
@@ -116,7 +135,8 @@ class Follower:
                     uv[key], likeness[key] = self._follow(key, state, pictures)
         for key, place in here.items():
             uv[key], likeness[key] = place.uv, 1.0
-            self._states[key] = _State(place.uv.copy(), patches=[self._patch(key, place, pictures)])
+            patch = self._patch(key, place, pictures)
+            self._states[key] = _State(place.uv.copy(), self._windows[key[0]], patches=[patch])
         self._agree(uv, likeness)
         self.uv.append(uv)
         self.likeness.append(likeness)
@@ -144,7 +164,9 @@ class Follower:
     ) -> np.ndarray:
         """Return the grey values of a region."""
         part = np.ascontiguousarray(pictures[self._layout.views[view]].crop(*box))
-        return part if part.ndim == 2 else cv2.cvtColor(part, cv2.COLOR_RGB2GRAY)
+        grey = part if part.ndim == 2 else cv2.cvtColor(part, cv2.COLOR_RGB2GRAY)
+        # single pixels are noise
+        return cv2.GaussianBlur(grey, (0, 0), _BLUR_PX)
 
     def _follow(
         self, key: tuple[int, int], state: _State, pictures: Mapping[str, Picture]
@@ -152,30 +174,22 @@ class Follower:
         """Follow one landmark in one view; NaN and 0 where it is not seen."""
         if self._before is None or not np.isfinite(state.uv).all():
             return np.full(2, np.nan), 0.0
-        window = self._windows[key[0]]
         box = self._box(key[0], state.uv)
-        corner = np.array(box[:2], dtype=float)
         was, now = (self._grey(frame, key[0], box) for frame in (self._before, pictures))
-        begin = state.uv - corner
-        flown = _flow(was, now, begin, window) if state.is_seen else None
-        at, alike = _align(state.patches, now, begin if flown is None else flown, window)
-        near = flown is None or np.linalg.norm(at - flown) <= window / 2
-        if alike >= _ALIKE and near and (state.is_seen or alike >= _SAME):
-            state.on_flow = 0
-        elif flown is not None and _correlate(was, begin, now, flown, window) >= _SAME:
-            at, state.on_flow = flown, state.on_flow + 1
-            alike = max(alike, 0.0) if near else 0.0
-            if state.on_flow >= _CHANGED_FRAMES:
-                # the first patch is what was clicked: it is never let go
-                state.patches[1:] = [*state.patches[1:], _Patch(now, at)][1 - _MOST_PATCHES :]
-                state.on_flow = 0
-        else:
-            at, alike = _seek(state.patches, now, window)
-            if alike < _SAME:
-                state.is_seen = False
-                return np.full(2, np.nan), 0.0
-        state.is_seen, state.uv = True, at + corner
-        return state.uv.copy(), max(alike, 0.05)
+        begin = state.uv - np.array(box[:2], dtype=float)
+        state.age += 1
+        found = _find(state, was, now, begin)
+        largest = _LARGEST * self._windows[key[0]]
+        while found is None and state.age <= _YOUNG_FRAMES and state.window < largest:
+            # what was clicked has too little texture: its surroundings help
+            state.window = round(1.5 * state.window) // 2 * 2 + 1
+            found = _find(state, was, now, begin)
+        state.is_seen = found is not None
+        if found is None:
+            return np.full(2, np.nan), 0.0
+        at, alike = found
+        state.uv = at + box[:2]
+        return state.uv.copy(), max(alike, _LEAST_LIKENESS)
 
     def _agree(self, uv: np.ndarray, likeness: np.ndarray) -> None:
         """Let the views correct each other: one of three may be wrong, a lost one is helped."""
@@ -187,18 +201,52 @@ class Follower:
             if len(seen) < 2:
                 continue
             xyz = rig.triangulate(uv[:, point]).xyz
-            if len(seen) > 2:
-                windows = np.array(self._windows, dtype=float)
-                xyz = _without_worst(rig, uv[:, point], likeness[:, point], xyz, windows)
+            away = np.linalg.norm(rig.project(xyz) - uv[:, point], axis=-1) / self._windows
+            if np.nanmax(away) > _APART:
+                if len(seen) == 2:
+                    self._lose(seen[likeness[seen, point].argmin()], point, uv, likeness)
+                    continue
+                worst, place = _contradicted(rig, uv[:, point], self._windows)
+                if worst is not None:
+                    self._lose(worst, point, uv, likeness)
+                    xyz = place
             for view, place in enumerate(rig.project(xyz)):
                 if (view, point) in self._states and np.isnan(uv[view, point, 0]):
                     self._states[view, point].uv = place
                     self._states[view, point].is_seen = False
 
+    def _lose(self, view: int, point: int, uv: np.ndarray, likeness: np.ndarray) -> None:
+        """Take back that a view has seen a landmark."""
+        uv[view, point], likeness[view, point] = np.nan, 0.0
+        self._states[view, point].is_seen = False
+
 
 def window_px(width: int) -> int:
     """Return the side of a patch in a picture of some width, px: an odd number."""
     return max(LEAST_WINDOW_PX, round(WINDOW_SHARE * width)) // 2 * 2 + 1
+
+
+def _find(
+    state: _State, was: np.ndarray, now: np.ndarray, begin: np.ndarray
+) -> tuple[np.ndarray, float] | None:
+    """Find a landmark in the region where it was at ``begin``: where, and how much alike."""
+    window = state.window
+    flown = _flow(was, now, begin, window) if state.is_seen else None
+    at, alike = _align(state.patches, now, begin if flown is None else flown, window)
+    near = flown is None or np.linalg.norm(at - flown) <= window / 2
+    if alike >= (_ALIKE if state.is_seen else state.same) and near:
+        state.on_flow = 0
+        state.usual += _FORGET * (alike - state.usual)
+        return at, alike
+    if flown is not None and _correlate(was, begin, now, flown, window) >= _SAME:
+        state.on_flow += 1
+        if state.on_flow >= _CHANGED_FRAMES:
+            # the first patch is what was clicked: it is never let go
+            state.patches[1:] = [*state.patches[1:], _Patch(now, flown)][1 - _MOST_PATCHES :]
+            state.on_flow = 0
+        return flown, max(alike, 0.0) if near else 0.0
+    at, alike = _seek(state.patches, now, window)
+    return (at, alike) if alike >= state.same else None
 
 
 def _flow(was: np.ndarray, now: np.ndarray, at: np.ndarray, window: int) -> np.ndarray | None:
@@ -282,13 +330,10 @@ def _correlate(
     return float(cv2.matchTemplate(first, second, cv2.TM_CCOEFF_NORMED)[0, 0])
 
 
-def _without_worst(
-    rig: Rig, uv: np.ndarray, likeness: np.ndarray, xyz: np.ndarray, windows: np.ndarray
-) -> np.ndarray:
-    """Leave out the view that the others contradict; return the place without it."""
-    away = np.linalg.norm(rig.project(xyz) - uv, axis=-1) / windows
-    if not np.nanmax(away) > _APART:
-        return xyz
+def _contradicted(
+    rig: Rig, uv: np.ndarray, windows: Sequence[int]
+) -> tuple[int | None, np.ndarray]:
+    """Return the view without which the others agree, if there is one, and their place."""
     tried = []
     for view in np.flatnonzero(np.isfinite(uv[:, 0])):
         rest = uv.copy()
@@ -297,7 +342,4 @@ def _without_worst(
         left = np.nanmax(np.linalg.norm(rig.project(place) - rest, axis=-1) / windows)
         tried.append((float(left), int(view), place))
     left, worst, place = min(tried, key=lambda one: one[0])
-    if left > _TOGETHER:
-        return xyz
-    uv[worst], likeness[worst] = np.nan, 0.0
-    return place
+    return (worst if left <= _TOGETHER else None), place
