@@ -9,6 +9,7 @@ import numpy as np
 from pawnb.core.paws.whole.bridging import Stories, Telling, state_after
 from pawnb.core.paws.whole.cycle import Cycle
 from pawnb.core.paws.whole.geometry import Geometry
+from pawnb.core.paws.whole.limbs import learn_limbs
 from pawnb.core.paws.whole.manner import Manner
 from pawnb.core.paws.whole.sights import Sights
 
@@ -189,10 +190,16 @@ def _candidate_costs(
         # one candidate is enough to explain a point
         near[away > away.min(axis=-1, keepdims=True)] = 0.0
         explained[:, p] = np.where(there[:, p], trust[:, p], 0.0)[:, None, None] * near
+    believed = np.where(there, trust, 0.0)
+    limbs = learn_limbs(uv, believed, sights, thickness_px=thickness_px)
+    for p in range(n_points):
+        limb = limbs.against(uv[:, p], sights, p, thickness_px=thickness_px)
+        limb = believed[:, p, None, None] * limb
+        explained[:, p] = np.maximum(_OTHER * explained[:, p], limb)
     for p in range(n_points):
         others = np.delete(explained, p, axis=1)
         if others.shape[1]:
-            cost[:, p] += _OTHER * others.max(axis=1)
+            cost[:, p] += others.max(axis=1)
     return cost
 
 
