@@ -23,9 +23,6 @@ FORMATS = (
 )  # fmt: skip
 """Names of the formats that are read."""
 
-OWN_FORMATS = ("pawnb", "csv", "csv-3d")
-"""Those that pawnb writes."""
-
 _ANIPOSE = re.compile(r"(.+)_(x|y|z|error|ncams|score)")
 _DLTDV_SPACE = re.compile(r".+_[XYZ]")
 _DLTDV_IMAGE = re.compile(r".+_cam\d+_[XY]")

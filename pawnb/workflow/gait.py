@@ -191,7 +191,11 @@ def _read_sources(
 
 def _who_is_who(sources: Sequence[GaitSource], animals: Sequence[str] | None) -> list[str]:
     """Say where files that name no animal were counted as animals of their own."""
-    guessed = [source.path.stem for source in sources if source.guessed]
+    guessed = [
+        source.trial.animal.id if source.trial is not None else source.path.stem
+        for source in sources
+        if source.guessed
+    ]
     if animals is not None or len(sources) < 2 or not guessed:
         return []
     return [

@@ -11,7 +11,7 @@ import pandas as pd
 from pawnb.errors import InputError
 from pawnb.gait.contacts import events_from_contacts, is_contact_table
 from pawnb.io import native
-from pawnb.io.formats import OWN_FORMATS, read_any_tracks, recognise_format
+from pawnb.io.formats import read_any_tracks, recognise_format
 from pawnb.io.tables import read_cells, read_numbers
 from pawnb.schema import Tracks, check_columns
 from pawnb.trial import Animal, Trial, load_trial
@@ -108,9 +108,9 @@ def read_source(path: str | Path, *, fps: float | None = None) -> GaitSource:
     program = recognise_format(path)
     tracks = read_any_tracks(path, fps=fps, program=program)
     trial = described_trial(tracks, where=str(path), folder=path.parent)
-    guessed = trial is None and program not in OWN_FORMATS
-    if guessed:
-        trial = _foreign_trial(tracks, path, program)
+    if trial is not None:
+        return GaitSource(path, path.parent, tracks=tracks, trial=trial)
+    trial, guessed = _file_as_trial(tracks, path, program)
     return GaitSource(path, path.parent, tracks=tracks, trial=trial, guessed=guessed)
 
 
@@ -153,20 +153,29 @@ def _read_contacts(path: Path, cells: pd.DataFrame, fps: float | None) -> GaitSo
     return GaitSource(path, path.parent / RESULTS_FOLDER, events=events, guessed=True)
 
 
-def _foreign_trial(tracks: Tracks, path: Path, program: str) -> Trial | None:
-    """Return what is known of tracks of another program: the file's name is trial and animal."""
+def _file_as_trial(tracks: Tracks, path: Path, program: str) -> tuple[Trial | None, bool]:
+    """Return what is known of tracks without a trial, and whether the animal's id is a guess.
+
+    The file's name is the trial's (that of its folder, where it is only ``tracks`` or
+    ``points3d``), and the animal's too where the file gives it none.
+    """
     if tracks.sizes["individual"] != 1:
-        return None  # the file names its animals
+        return None, False  # the file names its animals
     # DeepLabCut puts the name of its network behind that of the video
     name = re.sub(r"(?<=.)DLC(_.*)?$", "", path.stem) if program == "deeplabcut" else path.stem
-    return Trial(
+    if name in ("tracks", "points3d"):
+        name = path.resolve().parent.name
+    own = str(tracks["individual"].to_numpy()[0])
+    guessed = re.fullmatch(r"animal|(individual|id|track)_?\d+", own) is not None
+    trial = Trial(
         kind="tracks",
         name=name,
         fps=float(tracks.attrs["fps"]),
-        animal=Animal(id=name),
+        animal=Animal(id=name if guessed else own),
         folder=path.parent,
         tracks_file=path.name,
     )
+    return trial, guessed
 
 
 def _needed_fps(fps: float | None, path: Path) -> float:
