@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from pawnb.core.paws.layout import Layout
 from pawnb.core.paws.whole.cycle import learn_cycle
 from pawnb.core.paws.whole.gaps import Known, bridge_gaps
+from pawnb.core.paws.whole.likeness import Judge, score_at_clicks
 from pawnb.core.paws.whole.offsets import learn_offsets
 from pawnb.core.paws.whole.paths import PathChoice
 from pawnb.core.paws.whole.refine import Refined, Refinement, refine
@@ -84,8 +86,12 @@ def decide(
         for alike in (~below, below)
     ]  # fmt: skip
     offsets = [kinds_of_view[int(one)] for one in below]
-    sights = read_sights(found, offsets, thickness_px=thickness_px, facing=facing, distal=distal)
-    paths = PathChoice(found, fixed, scene, fps=fps, settings=settings, kinds=kinds)
+    judge = Judge(distal, thickness_px)
+    if scene.geometry.coefs is not None and scene.lead is None:
+        # the curves were learnt from views from the side that agree in space
+        judge = replace(judge, score=score_at_clicks(certain[clicked], said, judge))
+    sights = read_sights(found, offsets, facing=facing, judge=judge)
+    paths = PathChoice(found, fixed, scene, fps=fps, settings=settings, kinds=kinds, judge=judge)
     first = paths.first()
     if extra and _share_seen(first[:, n_points:]) < _LEAST_SEEN:
         return decide(

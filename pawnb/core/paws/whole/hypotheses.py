@@ -10,7 +10,7 @@ import numpy as np
 
 from pawnb.core import dlt
 from pawnb.core.paws.whole import hypotheses_loops as loops
-from pawnb.core.paws.whole.candidates import worth
+from pawnb.core.paws.whole.likeness import Judge
 from pawnb.core.paws.whole.side_by_side import side_by_side
 
 _AT_ONCE = 200
@@ -81,8 +81,8 @@ class Pairing:
         Where paws can be.
     tolerance_px : ndarray, shape (V,)
         Distance at which candidates of two views still count as one point.
-    distal : sequence of (float, float)
-        For each view, see :class:`~pawnb.core.paws.whole.candidates.Look`.
+    judge : Judge
+        Tells how much candidates look like paws.
     apart : float
         Hypotheses closer than this are one.
     most : int
@@ -95,11 +95,11 @@ class Pairing:
         volume: Volume,
         *,
         tolerance_px: np.ndarray,
-        distal: Sequence[tuple[float, float]],
+        judge: Judge,
         apart: float,
         most: int,
     ) -> None:
-        self.distal = distal
+        self.judge = judge
         self.coefs, self.volume, self.tolerance_px = coefs, volume, tolerance_px
         self.apart, self.most = apart, most
         matrices = [dlt.to_matrix(coefs[:, v]) for v in range(coefs.shape[1])]
@@ -156,8 +156,10 @@ class Pairing:
         """Return in how many views, softly counted, a candidate lies at each point (k,)."""
         good = np.stack(
             [
-                worth(rows[:, v].reshape(-1, rows.shape[-1]), distal).reshape(is_there[:, v].shape)
-                for v, distal in enumerate(self.distal)
+                self.judge.likeness(rows[:, v].reshape(-1, rows.shape[-1]), v).reshape(
+                    is_there[:, v].shape
+                )
+                for v in range(rows.shape[1])
             ],
             axis=1,
         )

@@ -12,6 +12,7 @@ from pawnb.core.paws.whole.cycle import Cycle
 from pawnb.core.paws.whole.flow import Flow, FlowCosts
 from pawnb.core.paws.whole.habit import follow_body, habit_cost, learn_habits
 from pawnb.core.paws.whole.hypotheses import Pairing, Places
+from pawnb.core.paws.whole.likeness import Judge
 from pawnb.core.paws.whole.manner import FASTEST, Manner
 from pawnb.core.paws.whole.meetings import cut_meetings, cut_takeovers
 from pawnb.core.paws.whole.scene import Scene
@@ -65,6 +66,8 @@ class PathChoice:
     kinds : sequence of str
         Kind of each point: "front", "hind" or "other". Points after the last that was
         clicked are strangers: nobody said where they are.
+    judge : Judge
+        Tells how much candidates look like paws.
 
     Attributes
     ----------
@@ -83,6 +86,7 @@ class PathChoice:
         fps: float,
         settings: WholeSettings,
         kinds: Sequence[str],
+        judge: Judge,
     ) -> None:
         self.scene, self.kinds = scene, kinds
         lead = scene.lead
@@ -91,7 +95,7 @@ class PathChoice:
         self.fixed = fixed
         self.shape = (len(found), len(kinds), scene.geometry.n_coordinates)
         self.body_frames = max(3, round(settings.body_s * fps))
-        places = find_places(found, scene, settings)
+        places = find_places(found, scene, settings, judge=judge)
         for t, here in fixed.items():
             away = places[t].distance(np.stack(list(here.values())))
             free = away > 1.2 * scene.thickness
@@ -205,7 +209,11 @@ def _manner(places: Sequence[Places], scene: Scene, fps: float, settings: WholeS
 
 
 def find_places(
-    found: Sequence[Sequence[np.ndarray]], scene: Scene, settings: WholeSettings
+    found: Sequence[Sequence[np.ndarray]],
+    scene: Scene,
+    settings: WholeSettings,
+    *,
+    judge: Judge,
 ) -> list[Places]:
     """Return the places of every frame."""
     coefs = scene.geometry.coefs
@@ -214,7 +222,7 @@ def find_places(
     if coefs is None or scene.volume is None:
         return [_flat_places(rows[0], scene.distal[0]) for rows in found]
     pairing = Pairing(
-        coefs, scene.volume, tolerance_px=0.8 * scene.thickness_px, distal=scene.distal,
+        coefs, scene.volume, tolerance_px=0.8 * scene.thickness_px, judge=judge,
         apart=scene.thickness, most=settings.places,
     )  # fmt: skip
     return pairing.places(found)

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pawnb.core.paws.whole.candidates import worth
 from pawnb.core.paws.whole.geometry import Geometry
+from pawnb.core.paws.whole.likeness import Judge
 from pawnb.core.paws.whole.offsets import Offsets
 from pawnb.core.paws.whole.side_by_side import side_by_side
 
@@ -39,9 +39,8 @@ def read_sights(
     found: Sequence[Sequence[np.ndarray]],
     offsets: Offsets | Sequence[Offsets],
     *,
-    thickness_px: np.ndarray,
     facing: Sequence[int],
-    distal: Sequence[tuple[float, float]],
+    judge: Judge,
 ) -> Sights:
     """Return what candidates say.
 
@@ -51,12 +50,10 @@ def read_sights(
         Candidates of every frame and view.
     offsets : Offsets or sequence of Offsets
         Where the tracked points lie relative to them, in all views or in each.
-    thickness_px : ndarray, shape (V,)
-        Thickness of a paw in each view.
     facing : sequence of int
         +1 or -1 for each view.
-    distal : sequence of (float, float)
-        See :class:`~pawnb.core.paws.whole.candidates.Look`.
+    judge : Judge
+        Tells how much candidates look like paws.
 
     Returns
     -------
@@ -71,9 +68,11 @@ def read_sights(
     at = np.empty((n, n_points, n_views, most, 2))
     for v in range(n_views):
         flat = rows[:, v].reshape(-1, rows.shape[-1])
-        quality[:, v] = worth(flat, distal[v]).reshape(n, -1)
+        quality[:, v] = judge.likeness(flat, v).reshape(n, -1)
         for p in range(n_points):
-            moved = by_view[v].apply(flat, p, thickness_px=thickness_px[v], facing=facing[v] or 1)
+            moved = by_view[v].apply(
+                flat, p, thickness_px=judge.thickness_px[v], facing=facing[v] or 1
+            )
             at[:, p, v] = moved.reshape(n, -1, 2)
     return Sights(rows[..., :2].astype(float), at, quality, is_there)
 

@@ -4,6 +4,7 @@ import numpy as np
 
 from pawnb.core import dlt
 from pawnb.core.paws.whole.hypotheses import Pairing, Volume
+from pawnb.core.paws.whole.likeness import Judge
 
 RNG = np.random.default_rng(3)
 
@@ -31,7 +32,8 @@ def candidates(uv):
 
 def pairing(**options):
     return Pairing(
-        COEFS, VOLUME, tolerance_px=np.full(3, 2.0), distal=[(0.0, 1.0)] * 3,
+        COEFS, VOLUME, tolerance_px=np.full(3, 2.0),
+        judge=Judge([(0.0, 1.0)] * 3, np.full(3, 8.0)),
         **{"apart": 3.0, "most": 8, **options},
     )  # fmt: skip
 

@@ -7,6 +7,7 @@ from pawnb.core.paws.layout import Placement
 from pawnb.core.paws.whole.geometry import Geometry
 from pawnb.core.paws.whole.hypotheses import Volume
 from pawnb.core.paws.whole.lead import Lead, find_lead
+from pawnb.core.paws.whole.likeness import Judge
 from pawnb.core.paws.whole.meetings import cut_meetings, cut_takeovers
 from pawnb.core.paws.whole.offsets import Offsets
 from pawnb.core.paws.whole.sights import read_sights
@@ -81,7 +82,7 @@ def test_heights_come_from_the_side_view_through_what_is_wrong_there(hidden):
         side += [(320.0 - 3.0 * i, 100.0), sunk, (40.0, 90.0)]
         found.append([rows(*side), rows(uv[i, 1])])
     sights = read_sights(
-        found, NOWHERE, thickness_px=THICKNESS, facing=(1, 1), distal=[(0.7, 0.7), (1.0, 0.0)]
+        found, NOWHERE, facing=(1, 1), judge=Judge([(0.7, 0.7), (1.0, 0.0)], THICKNESS)
     )
     flat = LEAD.flat(truth)[:, None]
     assert np.abs(flat[:, 0] - truth).max() > 10.0
@@ -93,7 +94,7 @@ def test_where_no_view_tells_the_height_it_is_that_of_the_ground():
     truth = np.array([[[100.0, 90.0, 50.0]], [[103.0, 90.0, 50.0]]])
     found = [[rows(), rows(RIG.project(x[0])[1])] for x in truth]
     sights = read_sights(
-        found, NOWHERE, thickness_px=THICKNESS, facing=(1, 1), distal=[(0.7, 0.7), (1.0, 0.0)]
+        found, NOWHERE, facing=(1, 1), judge=Judge([(0.7, 0.7), (1.0, 0.0)], THICKNESS)
     )
     np.testing.assert_allclose(LEAD.lift(LEAD.flat(truth), sights, 1.5), truth, atol=1e-6)
 

@@ -6,6 +6,7 @@ import pytest
 from pawnb.core.paws.whole.cycle import learn_cycle
 from pawnb.core.paws.whole.geometry import Geometry
 from pawnb.core.paws.whole.hypotheses import Volume
+from pawnb.core.paws.whole.likeness import Judge
 from pawnb.core.paws.whole.paths import PathChoice
 from pawnb.core.paws.whole.scene import Scene
 from pawnb.core.paws.whole.settings import WholeSettings
@@ -63,7 +64,7 @@ def candidates(truth, hidden, seed=0):
 def choice(truth, hidden):
     return PathChoice(
         candidates(truth, hidden), {0: dict(enumerate(truth[0]))}, scene(truth), fps=FPS,
-        settings=WholeSettings(), kinds=KINDS,
+        settings=WholeSettings(), kinds=KINDS, judge=Judge([(0.6, 0.8)] * 3, np.full(3, 16.0)),
     )  # fmt: skip
 
 

@@ -3,6 +3,7 @@
 import numpy as np
 
 from pawnb.core.paws.whole.geometry import Geometry
+from pawnb.core.paws.whole.likeness import Judge
 from pawnb.core.paws.whole.offsets import Offsets
 from pawnb.core.paws.whole.sights import read_sights, tracked_points
 
@@ -25,8 +26,8 @@ def rows(*ends):
 def read(found, offsets, facing=(1, 1, 1)):
     n_views = len(found[0])
     return read_sights(
-        found, offsets, thickness_px=THICKNESS[:n_views], facing=facing[:n_views],
-        distal=[(0.6, 0.8)] * n_views,
+        found, offsets, facing=facing[:n_views],
+        judge=Judge([(0.6, 0.8)] * n_views, THICKNESS[:n_views]),
     )  # fmt: skip
 
 

@@ -10,6 +10,7 @@ from pawnb.core.paws import Task
 from pawnb.core.paws.whole import WholeSettings, track_whole
 from pawnb.core.paws.whole.flow import Flow, FlowCosts
 from pawnb.core.paws.whole.geometry import Geometry
+from pawnb.core.paws.whole.likeness import Judge
 from pawnb.core.paws.whole.paths import PathChoice
 from pawnb.core.paws.whole.scene import Scene, unclicked_kinds
 from pawnb.core.paws.whole.strangers import nearer, with_strangers
@@ -82,7 +83,7 @@ def test_paths_through_the_crossings_of_near_and_far_paws():
     for count in (4, 2):
         paths = PathChoice(
             found, setting.anchors, setting, fps=250.0, settings=WholeSettings(),
-            kinds=kinds[:count],
+            kinds=kinds[:count], judge=Judge(setting.distal, setting.thickness_px),
         )  # fmt: skip
         x = paths.first()[:, :2]
         seen = np.isfinite(x[..., 0])

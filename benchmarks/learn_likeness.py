@@ -1,0 +1,182 @@
+"""Learn what paws look like among candidates: the curves of `whole/likeness.py`.
+
+Run it from the project's root, on scenes whose truth is known:
+
+    python benchmarks/learn_likeness.py --trials my/a/trial.toml my/b/trial.toml
+    python benchmarks/learn_likeness.py --render scenes --seeds 51 52 53 54
+
+Candidates of every scene are found as the tracker finds them. A candidate is a paw if a paw
+of which more than 30 % is seen is within 0.6 of the limit of a wrong label (20 px in a picture
+2048 px wide), and none if no paw, seen or hidden, is within 1.2 of it; those between are left
+out. A logistic regression on linear splines (knots as in `whole/likeness.py`) gives the
+curves. Every scene weighs the same. Each scene is then judged by curves learnt from
+scenes of other seeds: the chance that a paw is ranked above another candidate (area under
+the curve), for the plain rule, for the curves and for the geometric mean of both that is used.
+"""
+
+from __future__ import annotations
+
+import argparse
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from scipy.stats import rankdata
+from whole_accuracy import trials
+
+from pawnb.core.paws import Task
+from pawnb.core.paws.layout import make_layout, read_start
+from pawnb.core.paws.settings import PaperSettings
+from pawnb.core.paws.whole.candidates import worth
+from pawnb.core.paws.whole.extract import extract
+from pawnb.core.paws.whole.likeness import CURVES, Judge, measures, score_at_clicks
+from pawnb.core.paws.whole.scene import read_scene
+from pawnb.core.paws.whole.settings import WholeSettings
+from pawnb.core.video import open_views
+from pawnb.io.start import read_start as read_clicks
+from pawnb.trial import Trial, load_trial
+from pawnb.workflow.evaluation import THRESHOLD_PX
+from pawnb.workflow.trial_views import points_by_view, trial_rig, view_facing
+
+REFERENCE_WIDTH_PX = 2048
+VISIBLE_FROM = 0.3
+PAW, NO_PAW = 0.6, 1.2
+"""Shares of the limit of a wrong label."""
+EVERY = 3
+"""Frames are alike: every third is enough."""
+RIDGE = 1.0
+"""Weight of small values, where a scene weighs a thousand."""
+
+
+@dataclass(frozen=True)
+class Sample:
+    """Candidates of one scene: whether each is a paw, its measures, and the plain rule's word."""
+
+    name: str
+    is_paw: np.ndarray
+    measured: dict[str, np.ndarray]
+    plain: np.ndarray
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--trials", type=Path, nargs="*", help="trials with truth/ beside them")
+    parser.add_argument("--render", type=Path, metavar="FOLDER",
+                        help="keep rendered scenes here, and use those that are there")  # fmt: skip
+    parser.add_argument("--difficulty", nargs="*", default=["easy", "normal", "hard"])
+    parser.add_argument("--seeds", type=int, nargs="*", default=[51, 52, 53, 54])
+    parser.add_argument("--frames", type=int, default=300, help="(%(default)s)")
+    parser.add_argument("--scales", type=float, nargs="*", default=[0.5],
+                        help="of 2048 x 700 (%(default)s)")  # fmt: skip
+    arguments = parser.parse_args()
+    arguments.vary = True
+    with tempfile.TemporaryDirectory() as folder:
+        paths = list(trials(arguments, arguments.render or Path(folder)))
+        samples = [one for one in map(sample, map(load_trial, paths)) if one is not None]
+    report(samples)
+    print("\nCURVES = {")
+    for name, values in learn(samples).items():
+        knots = ", ".join(f"{knot:g}" for knot in CURVES[name][0])
+        print(f'    "{name}": (({knots}),\n        ({", ".join(f"{v:.1f}" for v in values)})),')
+    print("}")
+
+
+def sample(trial: Trial) -> Sample | None:
+    """Find the candidates of a trial and tell by its truth which are paws."""
+    clicks = read_clicks(trial.folder / "start.csv", trial)
+    with open_views(trial) as views:
+        sizes = {name: (r.width, r.height) for name, r in views.readers.items()}
+        rig = trial_rig(trial, views)
+        task = Task(
+            frames=(0, views.n_frames), fps=trial.fps, rig=rig,
+            points_by_view=points_by_view(trial, clicks), facing=view_facing(trial, rig),
+        )  # fmt: skip
+        layout = make_layout(views, clicks, task, settings=PaperSettings())
+        placed = read_start(clicks, layout, task.frames)
+        scene = read_scene(views, layout, placed, anchors=placed, settings=WholeSettings())
+        found = extract(views, task.frames, looks=scene.looks, regions=scene.regions)
+    uv = np.full((1, len(layout.points), len(layout.views), 2), np.nan)
+    first = min(placed)
+    for place in placed[first]:
+        uv[0, place.point, place.view] = place.uv
+    judge = Judge(scene.distal, scene.thickness_px)
+    score = score_at_clicks(uv, {first: found[first]}, judge)
+    if score is None or scene.lead is not None:
+        return None
+    truth = pd.read_csv(trial.folder / "truth" / "tracks.csv").groupby(["frame", "view"])
+    limit = THRESHOLD_PX * max(width for width, _ in sizes.values()) / REFERENCE_WIDTH_PX
+    is_paw, measured, plain = [], [], []
+    for t in range(0, len(found), EVERY):
+        for v, name in enumerate(layout.views):
+            here, rows = truth.get_group((t, name)), found[t][v]
+            if not len(rows):
+                continue
+            away = np.linalg.norm(rows[:, None, :2] - here[["u", "v"]].to_numpy(), axis=-1)
+            seen = here["visible_fraction"].to_numpy() > VISIBLE_FROM
+            paw = np.where(seen, away, np.inf).min(axis=1) < PAW * limit
+            keep = paw | (away.min(axis=1) > NO_PAW * limit)
+            is_paw.append(paw[keep])
+            plain.append(worth(rows[keep], scene.distal[v]))
+            measured.append(measures(rows[keep], scene.distal[v], score=score,
+                                     thickness_px=scene.thickness_px[v]))  # fmt: skip
+    return Sample(
+        trial.folder.name, np.concatenate(is_paw),
+        {name: np.concatenate([one[name] for one in measured]) for name in CURVES},
+        np.concatenate(plain),
+    )  # fmt: skip
+
+
+def design(measured: dict[str, np.ndarray]) -> np.ndarray:
+    """Return what each knot weighs for each candidate."""
+    parts = []
+    for name, (knots, _) in CURVES.items():
+        hats = np.eye(len(knots))
+        parts += [np.interp(measured[name], knots, hat) for hat in hats]
+    return np.column_stack(parts)
+
+
+def learn(samples: list[Sample]) -> dict[str, np.ndarray]:
+    """Fit the curves: Newton's method for the logistic regression with a ridge."""
+    X = np.concatenate([design(one.measured) for one in samples])
+    y = np.concatenate([one.is_paw for one in samples]).astype(float)
+    weight = np.concatenate([np.full(len(s.is_paw), 1000.0 / len(s.is_paw)) for s in samples])
+    b = np.zeros(X.shape[1])
+    for _ in range(12):
+        p = 1.0 / (1.0 + np.exp(-(X @ b)))
+        H = (X * (weight * p * (1.0 - p))[:, None]).T @ X + RIDGE * np.eye(len(b))
+        b = b + np.linalg.solve(H, X.T @ (weight * (y - p)) - RIDGE * b)
+    ends = np.cumsum([len(knots) for knots, _ in CURVES.values()])[:-1]
+    return dict(zip(CURVES, np.split(b, ends), strict=True))
+
+
+def report(samples: list[Sample]) -> None:
+    """Print how well each scene's paws are told by curves from scenes of other seeds."""
+    print("scene                     candidates   plain rule   curves   both")
+    for one in samples:
+        rest = [other for other in samples if seed(other) != seed(one)]
+        if not rest:
+            continue
+        curves = learn(rest)
+        odds = sum(np.interp(one.measured[k], CURVES[k][0], v) for k, v in curves.items())
+        both = one.plain / (1.0 + np.exp(-odds))
+        areas = [area(one.is_paw, value) for value in (one.plain, odds, both)]
+        print(f"{one.name:25s} {len(one.is_paw):10d} " + "".join(f"{a:10.3f}" for a in areas))
+
+
+def seed(one: Sample) -> str:
+    """Return the seed of a rendered scene by its folder's name, else the whole name."""
+    parts = one.name.split("-")
+    return parts[1] if len(parts) > 1 else one.name
+
+
+def area(is_paw: np.ndarray, value: np.ndarray) -> float:
+    """Return the chance that a paw has a higher value than another candidate."""
+    rank = rankdata(value)
+    hits, misses = int(is_paw.sum()), int((~is_paw).sum())
+    return float((rank[is_paw].sum() - hits * (hits + 1) / 2) / (hits * misses))
+
+
+if __name__ == "__main__":
+    main()
