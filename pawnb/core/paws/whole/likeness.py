@@ -46,7 +46,7 @@ CURVES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
         (-0.3, -2, -0.3, 1, -1.1, -1.5, -0.6, -0.5),
     ),
 }
-"""Log-odds by each measure: its knots, and the curve's values there (26 scenes, 0.4 million rows)."""
+"""Log-odds by each measure: its knots, and the curve's values there (learnt from 26 scenes)."""
 
 
 @dataclass(frozen=True)
