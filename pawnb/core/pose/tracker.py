@@ -3,7 +3,8 @@
 Every frame is fitted with sub-pixel precision on a crop that follows the animal
 (:mod:`.fit.solve_loops`); where a leg may be elsewhere, its other places are kept
 (:mod:`.fit.choices`), and in the end the path is chosen that is smoothest over the whole recording
-and explains most of the picture (:mod:`.fit.path`).
+and explains most of the picture (:mod:`.fit.path`). Then all frames are fitted together, with how
+evenly this animal's legs move (:mod:`.fit.finish`).
 """
 
 from __future__ import annotations
@@ -18,11 +19,11 @@ from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.fit.anchors import fit_known, follow_all
 from pawnb.core.pose.fit.choices import Choices
 from pawnb.core.pose.fit.evidence import BackgroundPicture
-from pawnb.core.pose.fit.finish import Settled, expected_between, hold_met, settle
+from pawnb.core.pose.fit.finish import Settled, settle_all
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.layout import pose_vectors, poses_of_vectors
 from pawnb.core.pose.fit.prepare import check_on_animal, prepare_fitter
-from pawnb.core.pose.fit.relearn import learn_again, usual_lengths
+from pawnb.core.pose.fit.relearn import learn_again
 from pawnb.core.pose.fit.rethink import chosen_poses
 from pawnb.core.pose.fit.settings import PoseSettings
 from pawnb.core.pose.fit.start import fit_start
@@ -32,9 +33,6 @@ from pawnb.core.views import Frame, ViewReader
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE
 
-_THREADS = 2
-_SWEEPS = 2
-"""How often all frames are fitted for good, each time with their neighbours' last poses."""
 _SURE, _DOUBTFUL = 0.85, 0.35
 """Support of a leg's outer third from which it is sure, and below which it is not there."""
 
@@ -185,36 +183,11 @@ def _read_ahead(reader: ViewReader, numbers: range, steps: _Steps) -> Iterator[F
 def _finish(
     fitter: FrameFitter, found: list[Choices], poses: np.ndarray, steps: _Steps
 ) -> list[Settled]:
-    """Return the last fit of every frame, on two threads."""
-    if not found:
-        return []
-    known = usual_lengths(fitter, poses)
-    half = len(found) // _THREADS
-    parts = [range(half), range(half, len(found))]
-    out: list[Settled] = []
-    poses, held = hold_met(fitter, poses)
-    straight = poses
-    with ThreadPoolExecutor(_THREADS) as pool:
-        for _ in range(_SWEEPS):
-            expected = expected_between(poses)
-            for leg, numbers in enumerate(fitter.numbers):
-                rows = np.flatnonzero(held[:, leg])[:, None]
-                expected[rows, numbers] = straight[rows, numbers]
-
-            def work(part: range, poses: np.ndarray, expected: np.ndarray) -> list[Settled]:
-                own = fitter.twin()
-                own.anatomy = known
-                return [
-                    settle(own, found[i], poses[i], expected=expected[i], held=held[i])
-                    for i in part
-                ]
-
-            both = pool.map(work, parts, [poses] * 2, [expected] * 2)
-            out = [settled for part in both for settled in part]
-            poses = np.array([settled.pose for settled in out])
+    """Return the last fit of every frame."""
+    settled = settle_all(fitter, found, poses)
     for _ in found:
         steps.one()
-    return out
+    return settled
 
 
 def _result(

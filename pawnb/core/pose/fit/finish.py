@@ -1,29 +1,43 @@
-"""The last fit of every frame, with its neighbours in time on both sides, and how sure it is."""
+"""The last fit of every frame, with all other frames in mind, and how sure it is.
+
+A leg that lies along another is not seen to end, and can be fitted anywhere on it. Its picture
+then says little, and the frames before and after say where it is: the legs of this animal move
+evenly, by as much as was learnt from the whole recording. No direction is preferred.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import partial
+from typing import TypeVar
 
 import numpy as np
 
 from pawnb.core.pose.fit.choices import Choices
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.paint_loops import paint
-from pawnb.core.pose.fit.priors import about
+from pawnb.core.pose.fit.relearn import usual_lengths
+from pawnb.core.pose.fit.smooth import first_motion, learn_motion, others_say
+from pawnb.core.pose.fit.solve_loops import Prior, Sight
+from pawnb.core.pose.fit.start import partners
 from pawnb.core.pose.fit.uncertainty_loops import error_ratio, place_sds
 
-_ANGLE_SD_DEG = 4.0
-_LENGTH_SD = 0.06
-_MET_PX = 5.0
-"""Tips of two legs nearer than this have met, working px."""
-_MET_FRAMES = 8
-"""Legs that have met for longer are not held."""
-_HELD_ANGLE_SD_DEG, _HELD_LENGTH_SD = 1.0, 0.01
+_SWEEPS = 6
+"""How often frames are fitted at most, each time with what the last fits of the others say."""
+_GAIN = 0.2
+"""A frame is fitted again where the cost of one of its legs is expected to fall by this, which is
+that of 0.6 standard deviations."""
+_ROUNDS = 3
+_THREADS = 2
 _ALIKE_PX = 4.5
 """Errors of pixels nearer than this go together: so many pixels count as one in each direction."""
 _MODEL_SD_PX = 0.5
 """What the painted shape errs by itself, alike in all frames (hairs, shadow, bends), working px;
 set, as the line above, on rendered spiders."""
+
+_T = TypeVar("_T")
 
 
 @dataclass(frozen=True)
@@ -46,108 +60,175 @@ class Settled:
     support: np.ndarray
 
 
-def settle(
-    fitter: FrameFitter,
-    choices: Choices,
-    pose: np.ndarray,
-    *,
-    expected: np.ndarray,
-    held: np.ndarray,
-) -> Settled:
-    """Fit one frame for good.
+@dataclass(frozen=True)
+class _Own:
+    """What a frame's own picture says near a pose.
 
-    Parameters
+    Attributes
     ----------
-    fitter : FrameFitter
-        Fitter of this thread; its anatomy has the recording's mean foreshortening.
-    choices : Choices
-        The frame's pixels.
-    pose : ndarray
-        The pose that the path goes through.
-    expected : ndarray
-        Middle of the poses of the frames before and after.
-    held : ndarray of bool, shape (legs,)
-        Legs that the picture does not show apart, see :func:`hold_met`: they stay close to
-        ``expected``.
-
-    Returns
-    -------
-    Settled
-        The pose and its uncertainty.
+    pose : ndarray, shape (n_parameters,)
+        The pose.
+    precision : ndarray, shape (n_parameters, n_parameters)
+        Of picture and anatomy.
+    slope : ndarray, shape (n_parameters,)
+        How their cost changes with the pose.
+    many : float
+        So many times are precision and slope less than those of the fit's cost, in which pixels
+        err independently.
+    support : ndarray, shape (legs, 2)
+        As in :class:`Settled`.
     """
-    sight = fitter.sight(choices.image.astype(float), choices.box, pose)
-    sd = np.full(fitter.n, np.inf)
-    sd[fitter.angles] = np.radians(_ANGLE_SD_DEG)
-    sd[fitter.lengths] = _LENGTH_SD
-    for leg in np.flatnonzero(held):
-        angles, lengths = np.split(fitter.numbers[leg], 2)
-        sd[angles], sd[lengths] = np.radians(_HELD_ANGLE_SD_DEG), _HELD_LENGTH_SD
-    prior = about(fitter.anatomy, expected, sd)
-    pose, _ = fitter.fit(pose, sight, prior, rounds=5)
-    information = fitter.information(pose, sight, prior)
-    canvas = fitter.canvas(sight)
-    paint(fitter.layout, pose, fitter.blur, sight.box, *canvas)
-    ratio = error_ratio(canvas[0], canvas[1], sight, fitter.settings.soft_error)
-    covariance = np.linalg.inv(information) * (ratio * _ALIKE_PX**2)
-    places = np.full((*fitter.layout.radius.shape, 2), np.nan)
-    place_sds(fitter.layout, pose, covariance, canvas[3], places)
-    return Settled(
-        pose=pose,
-        sd=np.sqrt(np.maximum(np.diag(covariance), 0.0)),
-        places_sd=np.hypot(places, _MODEL_SD_PX),
-        support=fitter.support(pose, sight),
-    )
+
+    pose: np.ndarray
+    precision: np.ndarray
+    slope: np.ndarray
+    many: float
+    support: np.ndarray
 
 
-def hold_met(fitter: FrameFitter, poses: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return poses in which legs whose tips meet for a few frames go straight on, and where.
+@dataclass(frozen=True)
+class _Others:
+    """What the other frames say of each frame.
 
-    A leg that lies along a longer one is easily taken to be as long: nothing shows its tip. Its
-    angles and lengths are those between the frames before and after.
+    Attributes
+    ----------
+    around : ndarray, shape (n, n_parameters)
+        Its legs' numbers; 0 for the body.
+    pull : ndarray, shape (n, n_parameters, n_parameters)
+        How surely, a precision; 0 for the body.
+    gain : ndarray, shape (n,)
+        How much the cost of a leg would fall at most by heeding it.
+    """
+
+    around: np.ndarray
+    pull: np.ndarray
+    gain: np.ndarray
+
+
+def settle_all(fitter: FrameFitter, found: Sequence[Choices], poses: np.ndarray) -> list[Settled]:
+    """Fit every frame of a path for good.
 
     Parameters
     ----------
     fitter : FrameFitter
         A fitter.
+    found : sequence of Choices
+        The frames, ascending.
     poses : ndarray, shape (n, n_parameters)
         The path.
 
     Returns
     -------
-    poses : ndarray, shape (n, n_parameters)
-        The path, such legs replaced.
-    held : ndarray of bool, shape (n, legs)
-        Where.
+    list of Settled
+        One a frame.
     """
-    n_legs = len(fitter.numbers)
-    n_segments = fitter.layout.n_segments
-    tips = np.array([fitter.joints(pose)[np.arange(n_legs), n_segments] for pose in poses])
-    apart = np.hypot(*np.moveaxis(tips[:, :, None] - tips[:, None], -1, 0))
-    apart[:, np.arange(n_legs), np.arange(n_legs)] = np.inf
-    met = apart.min(axis=2) < _MET_PX
-    out, held = poses.copy(), np.zeros_like(met)
-    for leg, numbers in enumerate(fitter.numbers):
-        edges = np.diff(np.concatenate([[0], met[:, leg].astype(int), [0]]))
-        for first, end in zip(np.flatnonzero(edges == 1), np.flatnonzero(edges == -1), strict=True):
-            before, after = first - 1, end
-            if before < 0 or after >= len(poses) or end - first > _MET_FRAMES:
-                continue
-            share = (np.arange(first, end) - before)[:, None] / (after - before)
-            ends = poses[before, numbers], poses[after, numbers]
-            out[first:end, numbers] = (1 - share) * ends[0] + share * ends[1]
-            held[first:end, leg] = True
-    return out, held
+    if not found:
+        return []
+    anatomy = usual_lengths(fitter, poses)
+    frames = np.array([choices.frame for choices in found])
+    stretches = np.split(np.arange(len(frames)), np.flatnonzero(np.diff(frames) > 1) + 1)
+
+    def first(own: FrameFitter, t: int) -> _Own:
+        sight = own.sight(found[t].image.astype(float), found[t].box, poses[t])
+        return _own_near(own, poses[t], sight, anatomy)
+
+    own = _on_threads(fitter, range(len(found)), first)
+    motions = [first_motion(len(numbers) // 2) for numbers in fitter.numbers]
+    motions = _learnt(fitter, own, motions, stretches)
+    for _ in range(_SWEEPS):
+        others = _from_others(fitter, own, motions, stretches)
+        again = np.flatnonzero(others.gain > _GAIN)
+        if not len(again):
+            break
+        pulls = {
+            int(t): anatomy._replace(around=others.around[t], pull=own[t].many * others.pull[t])
+            for t in again
+        }
+        _on_threads(fitter, again, partial(_fit_again, found=found, own=own, priors=pulls))
+        motions = _learnt(fitter, own, motions, stretches)
+    others = _from_others(fitter, own, motions, stretches)
+    return [_settled(fitter, one, pull) for one, pull in zip(own, others.pull, strict=True)]
 
 
-def expected_between(poses: np.ndarray) -> np.ndarray:
-    """Return, for each frame of a path, the middle of the poses before and after.
+def _on_threads(
+    fitter: FrameFitter, frames: Sequence[int] | np.ndarray, work: Callable[[FrameFitter, int], _T]
+) -> list[_T]:
+    """Return what ``work`` makes of frames, each thread with a fitter of its own."""
+    parts = np.array_split(np.asarray(frames), _THREADS)
+    fitters = [fitter.twin() for _ in parts]
+    with ThreadPoolExecutor(_THREADS, thread_name_prefix="pawnb-last") as pool:
+        done = pool.map(lambda f, part: [work(f, int(t)) for t in part], fitters, parts)
+        return [one for part in done for one in part]
 
-    At the ends the line through the nearest frames is continued.
-    """
-    if len(poses) < 3:
-        return poses.copy()
-    out = poses.copy()
-    out[1:-1] = (poses[:-2] + poses[2:]) / 2
-    out[0] = 2 * poses[1] - poses[2]
-    out[-1] = 2 * poses[-2] - poses[-3]
+
+def _from_others(
+    fitter: FrameFitter, own: Sequence[_Own], motions: list[np.ndarray], stretches: list[np.ndarray]
+) -> _Others:
+    """Return what the other frames of its stretch say of each frame; the legs are independent."""
+    n = len(own)
+    around, pull = np.zeros((n, fitter.n)), np.zeros((n, fitter.n, fitter.n))
+    gain = np.zeros(n)
+    for numbers, motion in zip(fitter.numbers, motions, strict=True):
+        poses = np.array([one.pose[numbers] for one in own])
+        precision = np.array([one.precision[np.ix_(numbers, numbers)] for one in own])
+        slope = np.array([one.slope[numbers] for one in own])
+        vector = np.einsum("tij,tj->ti", precision, poses) - slope
+        for rows in stretches:
+            place, sure = others_say(precision[rows], vector[rows], motion)
+            around[np.ix_(rows, numbers)] = place
+            pull[np.ix_(rows, numbers, numbers)] = sure
+            down = slope[rows] + np.einsum("tij,tj->ti", sure, poses[rows] - place)
+            step = np.linalg.solve(precision[rows] + sure, down[..., None])[..., 0]
+            gain[rows] = np.maximum(gain[rows], 0.5 * (down * step).sum(axis=1))
+    return _Others(around, pull, gain)
+
+
+def _learnt(
+    fitter: FrameFitter, own: Sequence[_Own], motions: list[np.ndarray], stretches: list[np.ndarray]
+) -> list[np.ndarray]:
+    """Return how each leg moves, that of the other side alike."""
+    poses, partner = np.array([one.pose for one in own]), partners(fitter.animal)
+    out = []
+    for leg, motion in enumerate(motions):
+        alike = {leg, int(partner[leg])}
+        parts = [poses[np.ix_(rows, fitter.numbers[i])] for rows in stretches for i in alike]
+        out.append(learn_motion(parts, motion))
     return out
+
+
+def _own_near(fitter: FrameFitter, pose: np.ndarray, sight: Sight, anatomy: Prior) -> _Own:
+    """Return what a frame's picture says near a pose."""
+    value, owner, along, joints = fitter.canvas(sight)
+    paint(fitter.layout, pose, fitter.blur, sight.box, value, owner, along, joints)
+    ratio = error_ratio(value, owner, sight, fitter.settings.soft_error)
+    many = ratio * _ALIKE_PX**2
+    precision, slope = fitter.equations(pose, sight, anatomy)
+    return _Own(pose, precision / many, slope / many, many, fitter.support(pose, sight))
+
+
+def _fit_again(
+    fitter: FrameFitter,
+    t: int,
+    *,
+    found: Sequence[Choices],
+    own: list[_Own],
+    priors: dict[int, Prior],
+) -> None:
+    """Fit frame t with the others in mind; replace what its picture says."""
+    pose, prior = own[t].pose, priors[t]
+    sight = fitter.sight(found[t].image.astype(float), found[t].box, pose)
+    pose, _ = fitter.fit(pose, sight, prior, rounds=_ROUNDS)
+    own[t] = _own_near(fitter, pose, sight, prior._replace(pull=np.zeros((0, 0))))
+
+
+def _settled(fitter: FrameFitter, own: _Own, pull: np.ndarray) -> Settled:
+    """Return a frame's last fit with its uncertainty, by its picture and all others."""
+    covariance = np.linalg.inv(own.precision + pull)
+    places = np.full((*fitter.layout.radius.shape, 2), np.nan)
+    place_sds(fitter.layout, own.pose, covariance, np.zeros_like(places), places)
+    return Settled(
+        pose=own.pose,
+        sd=np.sqrt(np.maximum(np.diag(covariance), 0.0)),
+        places_sd=np.hypot(places, _MODEL_SD_PX),
+        support=own.support,
+    )

@@ -159,15 +159,17 @@ class FrameFitter:
             self.settings.soft_error, rounds, _ENOUGH, *self.canvas(sight),
         )  # fmt: skip
 
-    def information(self, pose: np.ndarray, sight: Sight, prior: Prior) -> np.ndarray:
-        """Return the Gauss-Newton matrix of picture and prior, lower triangle made whole."""
-        matrix, vector = np.zeros((self.n, self.n)), np.zeros(self.n)
+    def equations(
+        self, pose: np.ndarray, sight: Sight, prior: Prior
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return the Gauss-Newton matrix and the gradient of picture and prior."""
+        matrix, slope = np.zeros((self.n, self.n)), np.zeros(self.n)
         value, owner, along, joints = self.canvas(sight)
         normal_matrix(
             self.layout, pose, sight, prior, self.everything, self.all_shown, self.blur,
-            self.settings.soft_error, value, owner, along, joints, matrix, vector,
+            self.settings.soft_error, value, owner, along, joints, matrix, slope,
         )  # fmt: skip
-        return matrix + np.tril(matrix, -1).T
+        return matrix + np.tril(matrix, -1).T, slope  # the loops fill the lower triangle
 
     def joints(self, pose: np.ndarray) -> np.ndarray:
         """Return the joints and tips of all legs, shape (legs, segments + 1, 2)."""

@@ -71,7 +71,10 @@ def anatomy(animal: StickAnimal, start: np.ndarray, *, foreshortening_sd: float)
         links = int(links_of(leg)[0][-1]) + 1
         group[lengths[at : at + links]] = i
         at += links
-    return Prior(middle, precision, low, high, wall, group, np.array([_TOGETHER]))
+    return Prior(
+        middle, precision, low, high, wall, group, np.array([_TOGETHER]),
+        np.zeros(n), np.zeros((0, 0)),
+    )  # fmt: skip
 
 
 def about(prior: Prior, pose: np.ndarray, sd: np.ndarray) -> Prior:

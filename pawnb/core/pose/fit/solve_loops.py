@@ -36,6 +36,9 @@ class Prior(NamedTuple):
         links do where it is raised, share a group from 0 up; others have -1.
     together : ndarray, shape (1,)
         How little it costs when a whole group strays alike: 0, all of it; 1, nothing.
+    around, pull : ndarray, shape (n_parameters,) and (n_parameters, n_parameters)
+        Where the frames before and after have the pose, and the precision of that; shape (0, 0)
+        where they say nothing.
     """
 
     middle: np.ndarray
@@ -45,6 +48,8 @@ class Prior(NamedTuple):
     wall: np.ndarray
     group: np.ndarray
     together: np.ndarray
+    around: np.ndarray
+    pull: np.ndarray
 
 
 class Sight(NamedTuple):
@@ -91,6 +96,12 @@ def prior_cost(pose: np.ndarray, prior: Prior, active: np.ndarray) -> float:
     for g in range(weights.shape[0]):
         if weights[g] > 0.0:
             total -= 0.5 * prior.together[0] * errors[g] ** 2 / weights[g]
+    if prior.pull.shape[0]:
+        for i in active:
+            for j in active:
+                if prior.pull[i, j] != 0.0:
+                    away = (pose[i] - prior.around[i]) * (pose[j] - prior.around[j])
+                    total += 0.5 * prior.pull[i, j] * away
     return total
 
 
@@ -117,6 +128,12 @@ def add_prior(
             for j in active:
                 if j <= i and prior.group[j] == g:
                     matrix[i, j] -= part * prior.precision[j]
+    if prior.pull.shape[0]:
+        for i in active:
+            for j in active:
+                vector[i] += prior.pull[i, j] * (pose[j] - prior.around[j])
+                if j <= i:
+                    matrix[i, j] += prior.pull[i, j]
 
 
 @compiled

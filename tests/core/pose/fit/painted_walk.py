@@ -54,11 +54,11 @@ def walking_poses(animal: StickAnimal, n: int) -> Poses:
 
 
 def painted_walk(
-    n: int = 12, *, seed: int = 0
+    n: int = 12, *, seed: int = 0, poses: Poses | None = None
 ) -> tuple[StickAnimal, Poses, PaintedReader, SimpleNamespace]:
-    """Return the animal, its true poses, its frames and the background."""
+    """Return the animal, its true poses (or those given), its frames and the background."""
     animal = load_species("dolomedes")
-    poses = walking_poses(animal, n)
+    poses = walking_poses(animal, n) if poses is None else poses
     rng = np.random.default_rng(seed)
     height, width = 270, 240 + 4 * n
     layout = make_layout(animal, px_per_unit=PX_PER_MM, dark=0.75)
