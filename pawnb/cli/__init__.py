@@ -1,0 +1,59 @@
+"""The commands of ``pawnb``, from ``demo`` and ``check`` to ``lab``.
+
+Exit status 0 on success, 2 on bad input with one sentence on standard error.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import warnings
+from collections.abc import Sequence
+
+from pawnb.cli.arguments import EXIT_BAD_INPUT, build_parser
+from pawnb.errors import InputWarning, PawnbError
+
+__all__ = ["EXIT_BAD_INPUT", "EXIT_INTERRUPTED", "main"]
+
+EXIT_INTERRUPTED = 130
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run one command.
+
+    Parameters
+    ----------
+    argv : sequence of str, optional
+        Words after ``pawnb``; default those of the command line.
+
+    Returns
+    -------
+    int
+        0 on success, 2 on bad input, 130 when interrupted.
+    """
+    words = list(sys.argv[1:] if argv is None else argv)
+    options = build_parser().parse_args(words)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", InputWarning)
+        status = _run(options, ["pawnb", *words])
+    for warning in caught:
+        if issubclass(warning.category, InputWarning):
+            print(f"pawnb: note: {warning.message}", file=sys.stderr)
+        else:
+            warnings.warn_explicit(
+                warning.message, warning.category, warning.filename, warning.lineno
+            )
+    return status
+
+
+def _run(options: argparse.Namespace, argv: list[str]) -> int:
+    """Run the chosen command and turn what it raises into an exit status."""
+    try:
+        options.run(options, argv)
+    except PawnbError as error:
+        print(f"pawnb: {error}", file=sys.stderr)
+        return EXIT_BAD_INPUT
+    except KeyboardInterrupt:
+        print("pawnb: interrupted", file=sys.stderr)
+        return EXIT_INTERRUPTED
+    return 0

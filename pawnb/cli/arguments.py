@@ -1,0 +1,230 @@
+"""What may stand behind ``pawnb`` on a command line."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any, NoReturn
+
+import pawnb
+from pawnb.cli import commands
+
+EXIT_BAD_INPUT = 2
+
+
+class _Parser(argparse.ArgumentParser):
+    """Says what is wrong in one sentence instead of printing the usage too."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(EXIT_BAD_INPUT, f"{self.prog}: {message}; see {self.prog} --help.\n")
+
+
+def build_parser() -> argparse.ArgumentParser:
+    """Return the parser of all commands."""
+    parser = _Parser(prog="pawnb", description="Video of a running animal to gait statistics.")
+    parser.add_argument("--version", action="version", version=f"pawnb {pawnb.__version__}")
+    parsers = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    _add_demo(parsers)
+    _add_check(parsers)
+    _add_track(parsers)
+    _add_batch(parsers)
+    _add_gait(parsers)
+    _add_evaluate(parsers)
+    _add_compare(parsers)
+    _add_convert(parsers)
+    _add_lab(parsers)
+    return parser
+
+
+def _add_demo(parsers: Any) -> None:
+    text = "render a synthetic trial with its truth, ready to track"
+    command = parsers.add_parser("demo", help=text, description=text)
+    command.add_argument(
+        "scene",
+        choices=["paws", "spider"],
+        help="paws: a mouse on a treadmill; spider: a spider seen from above",
+    )
+    command.add_argument("--out", default=None, help="folder to write (default: demo-SCENE)")
+    command.add_argument("--frames", type=int, default=120, help="how many (default: 120)")
+    command.add_argument(
+        "--scale",
+        type=float,
+        default=0.5,
+        help="1 is 2048 x 700 px a view, of the spider 1280 x 1024 px (default: 0.5)",
+    )
+    command.add_argument("--seed", type=int, default=0, help="another animal (default: 0)")
+    command.set_defaults(run=commands.run_demo)
+
+
+def _add_check(parsers: Any) -> None:
+    text = "say what a trial has, what is missing, and what looks wrong"
+    command = parsers.add_parser("check", help=text, description=text)
+    command.add_argument("trial", help="trial.toml, or the folder that holds it")
+    command.set_defaults(run=commands.run_check)
+
+
+def _add_track(parsers: Any) -> None:
+    text = "track the points, or the pose, of a trial"
+    command = parsers.add_parser("track", help=text, description=text)
+    command.add_argument("trial", help="trial.toml, or the folder that holds it")
+    command.add_argument("--out", help="folder to write (default: results beside the trial)")
+    command.add_argument(
+        "--method",
+        default=None,
+        help="pawnb (default); paper: the published method (paws 2019, poses 2009); slic-3d, "
+        "slic-2d: lesser variants of that of paws",
+    )
+    command.add_argument(
+        "--set", action="append", default=[], metavar="NAME=VALUE", help="a setting of the tracker"
+    )
+    command.set_defaults(run=commands.run_track)
+
+
+def _add_batch(parsers: Any) -> None:
+    text = "track many trials, one process each; run again, it goes on where it stopped"
+    command = parsers.add_parser("batch", help=text, description=text)
+    command.add_argument(
+        "trials", nargs="+", metavar="TRIAL", help="trials, or folders that hold folders of trials"
+    )
+    where = command.add_mutually_exclusive_group()
+    where.add_argument("--workers", type=int, help="trials at once on this machine (default: 1)")
+    where.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="track on the workers of a Dask scheduler instead, such as tcp://cluster:8786",
+    )
+    command.add_argument(
+        "--out", help="folder for a folder of results each (default: results beside each trial)"
+    )
+    command.add_argument("--method", help="as for pawnb track")
+    command.add_argument(
+        "--set", action="append", default=[], metavar="NAME=VALUE", help="a setting of the tracker"
+    )
+    command.set_defaults(run=commands.run_batch)
+
+
+def _add_gait(parsers: Any) -> None:
+    text = "events, strides, phases and figures; several inputs are pooled by animal"
+    command = parsers.add_parser("gait", help=text, description=text)
+    command.add_argument(
+        "inputs",
+        nargs="+",
+        metavar="TRIAL|RESULTS|TRACKS|EVENTS",
+        help="a trial, its results folder, a tracks file, or an events.csv scored by hand",
+    )
+    command.add_argument("--out", help="folder to write (default: results beside the first input)")
+    command.add_argument("--fps", type=float, help="frame rate, where the input does not say")
+    command.add_argument(
+        "--legs",
+        nargs="+",
+        metavar="LEG[=POINT]",
+        help="legs to use (default: all); with =POINT its name in the file, as HR=hindpaw_R",
+    )
+    command.add_argument(
+        "--animals", nargs="+", metavar="ID", help="whose each input is, in their order"
+    )
+    command.add_argument(
+        "--event-names",
+        nargs="+",
+        metavar="NAME=EVENT",
+        help="what a table of events calls them, as down=TD up=LO",
+    )
+    command.add_argument(
+        "--figures",
+        choices=["all", "main", "none"],
+        default="all",
+        help="which figures to draw (default: all that the tables allow)",
+    )
+    command.set_defaults(run=commands.run_gait)
+
+
+def _add_evaluate(parsers: Any) -> None:
+    text = "errors of results against truth, or against tracks made by hand"
+    more = f"{text}; without TRUTH, how steady poses are: --still (a) or --directions (b)"
+    command = parsers.add_parser("evaluate", help=text, description=more)
+    command.add_argument(
+        "results", metavar="RESULTS", help="folder of results, or a tracks.nc; a trial for (b)"
+    )
+    command.add_argument(
+        "truth",
+        metavar="TRUTH",
+        nargs="?",
+        help="folder with pose.csv or tracks.csv, or one of these files",
+    )
+    command.add_argument(
+        "--still",
+        nargs=2,
+        type=int,
+        metavar=("FIRST", "LAST"),
+        help="(a) how much the pose varies over frames in which the animal keeps still",
+    )
+    command.add_argument(
+        "--directions",
+        action="store_true",
+        help="(b) track a trial forwards and in reverse, and compare the poses",
+    )
+    command.add_argument(
+        "--disturb",
+        nargs=2,
+        type=float,
+        default=(0.0, 0.0),
+        metavar=("PX", "DEG"),
+        help="for (b): standard deviation of what is added to each start pose",
+    )
+    command.add_argument("--method", default="pawnb", help="for (b): method of the tracker")
+    command.add_argument(
+        "--threshold",
+        type=float,
+        default=20.0,
+        metavar="PX",
+        help="points further off than this are wrong (default: 20, for pictures 2048 px wide)",
+    )
+    command.add_argument("--out", help="folder to write the tables to")
+    command.set_defaults(run=commands.run_evaluate)
+
+
+def _add_compare(parsers: Any) -> None:
+    text = "compare methods of the tracker on trials with truth, as the 2019 paper does"
+    command = parsers.add_parser("compare", help=text, description=text)
+    command.add_argument(
+        "trials", nargs="+", metavar="TRIAL", help="trial with truth/tracks.csv beside it"
+    )
+    command.add_argument("--methods", help="names with commas between (default: all)")
+    command.add_argument(
+        "--out", default="comparison", help="folder to write (default: %(default)s)"
+    )
+    command.add_argument("--frames", type=int, help="track only so many frames of each trial")
+    command.add_argument(
+        "--no-corrections",
+        action="store_true",
+        help="do not count with corrections, which tracks again after each",
+    )
+    command.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="[METHOD.]NAME=VALUE",
+        help="a setting of every method that has it, or of one, as paper.n_superpixels=150",
+    )
+    command.set_defaults(run=commands.run_compare)
+
+
+def _add_convert(parsers: Any) -> None:
+    text = "tracks of another program to those of pawnb, or to tables"
+    command = parsers.add_parser("convert", help=text, description=text)
+    command.add_argument(
+        "source", metavar="IN", help="of DeepLabCut, SLEAP, Anipose, DLTdv, movement or pawnb"
+    )
+    command.add_argument("target", metavar="OUT", help="tracks.nc, tracks.csv or points3d.csv")
+    command.add_argument("--fps", type=float, help="frame rate, where the input does not say")
+    command.add_argument("--from", dest="program", help="whose file it is (default: as it looks)")
+    command.add_argument("--unit", help="unit of 3D points, where the input does not say")
+    command.set_defaults(run=commands.run_convert)
+
+
+def _add_lab(parsers: Any) -> None:
+    text = "open JupyterLab on the notebooks, on 127.0.0.1"
+    command = parsers.add_parser("lab", help=text, description=text)
+    command.add_argument("notebook", nargs="?", help="default: 00_quickstart.ipynb")
+    command.add_argument("--no-browser", action="store_true", help="print the address only")
+    command.add_argument("--port", type=int, help="default: a free one from 8888 on")
+    command.set_defaults(run=commands.run_lab)

@@ -1,0 +1,170 @@
+"""What each command does: it calls the workflow and prints what was found."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from pawnb.errors import InputError
+from pawnb.workflow.words import split_event_names, split_legs, split_settings
+
+
+def run_demo(options: argparse.Namespace, _argv: list[str]) -> None:
+    """Render a synthetic trial."""
+    from pawnb.synthetic import render_mouse_trial, render_spider_trial
+    from pawnb.workflow.progress import progress_bar
+
+    render = render_spider_trial if options.scene == "spider" else render_mouse_trial
+    out = Path(options.out or f"demo-{options.scene}")
+    with progress_bar("rendering") as progress:
+        path = render(
+            out,
+            frames=options.frames,
+            scale=options.scale,
+            seed=options.seed,
+            progress=progress,
+        )
+    print(f"wrote {path}; next: pawnb track {path.parent}")
+
+
+def run_check(options: argparse.Namespace, _argv: list[str]) -> None:
+    """Say what a trial has and lacks."""
+    from pawnb.workflow.check import check_trial
+
+    report = check_trial(options.trial)
+    print(report.text())
+    if report.faults:
+        raise InputError(report.verdict())
+
+
+def run_track(options: argparse.Namespace, argv: list[str]) -> None:
+    """Track a trial and write its results."""
+    from pawnb.trial import load_trial
+    from pawnb.workflow.interrupt import interruptible
+    from pawnb.workflow.methods import METHODS
+    from pawnb.workflow.results import results_folder
+    from pawnb.workflow.track import track
+
+    trial = load_trial(options.trial)
+    out = results_folder(trial, options.out)
+    with interruptible() as interrupted:
+        tracks = track(
+            trial,
+            method=options.method or METHODS[0],
+            settings=split_settings(options.set),
+            out=out,
+            stop=interrupted,
+            command=argv,
+        )
+    if interrupted():
+        print(f"tracked {tracks.sizes['time']} frames and wrote {out}; run it again to go on")
+        raise KeyboardInterrupt
+    print(f"tracked {tracks.sizes['time']} frames; wrote {out}; next: pawnb gait {out}")
+
+
+def run_batch(options: argparse.Namespace, argv: list[str]) -> None:
+    """Track many trials."""
+    from pawnb.workflow.batch import batch
+
+    done = batch(
+        options.trials,
+        method=options.method,
+        settings=split_settings(options.set),
+        out=options.out,
+        workers=options.workers,
+        scheduler=options.scheduler,
+        report=lambda line: print(line, flush=True),
+        command=argv,
+    )
+    print(done.text())
+    if (done.table["status"] == "stopped").any():
+        print("run it again to go on")
+        raise KeyboardInterrupt
+    if len(done.failed):
+        raise InputError(done.verdict())
+
+
+def run_gait(options: argparse.Namespace, argv: list[str]) -> None:
+    """Analyse gait and write tables and figures."""
+    from pawnb.workflow.gait import run_gait
+
+    done = run_gait(
+        options.inputs,
+        out=options.out,
+        fps=options.fps,
+        legs=split_legs(options.legs),
+        event_names=split_event_names(options.event_names),
+        animals=options.animals,
+        figures=options.figures,
+        command=argv,
+    )
+    print(done.text())
+
+
+def run_evaluate(options: argparse.Namespace, _argv: list[str]) -> None:
+    """Print errors of results, or how steady poses are."""
+    from pawnb.workflow.evaluate import evaluate
+    from pawnb.workflow.evaluate_pose import evaluate_directions, evaluate_still
+
+    asked = [options.truth is not None, options.still is not None, options.directions]
+    if sum(asked) != 1:
+        raise InputError("expected one of TRUTH, --still FIRST LAST and --directions.")
+    if options.still is not None:
+        print(evaluate_still(options.results, frames=tuple(options.still), out=options.out).text)
+        return
+    if options.directions:
+        px, deg = options.disturb
+        print(
+            evaluate_directions(
+                options.results,
+                method=options.method,
+                disturb_px=px,
+                disturb_deg=deg,
+                out=options.out,
+            ).text
+        )
+        return
+    found = evaluate(
+        options.results, options.truth, threshold_px=options.threshold, out=options.out
+    )
+    print(found.text)
+
+
+def run_compare(options: argparse.Namespace, _argv: list[str]) -> None:
+    """Compare methods on trials with truth."""
+    from pawnb.workflow.compare import compare_methods
+    from pawnb.workflow.methods import METHODS
+
+    methods = options.methods.split(",") if options.methods else METHODS
+    comparison = compare_methods(
+        options.trials,
+        methods=[name.strip() for name in methods],
+        settings=split_settings(options.set),
+        frames=None if options.frames is None else (0, options.frames),
+        corrections=not options.no_corrections,
+        out=options.out,
+        report=print,
+    )
+    print(comparison.text())
+    print(f"wrote {options.out}")
+
+
+def run_convert(options: argparse.Namespace, _argv: list[str]) -> None:
+    """Convert tracks."""
+    from pawnb.workflow.convert import convert_tracks
+
+    path = convert_tracks(
+        options.source,
+        options.target,
+        fps=options.fps,
+        program=options.program,
+        unit=options.unit,
+    )
+    print(f"wrote {path}")
+
+
+def run_lab(options: argparse.Namespace, _argv: list[str]) -> None:
+    """Open JupyterLab."""
+    from pawnb.workflow.lab import open_lab
+
+    open_lab(options.notebook, browser=not options.no_browser, port=options.port)
