@@ -14,19 +14,22 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.as_tracks import animal_of, is_pose, poses_of
 from pawnb.core.pose.pose_table import pose_table
-from pawnb.core.pose.poses import Poses
+from pawnb.core.pose.poses import Poses, tip_positions
 from pawnb.core.pose.track_result import plain_track
+from pawnb.core.video import open_views
 from pawnb.errors import InputError
 from pawnb.io.native import read_tracks
 from pawnb.io.tables import write_table
-from pawnb.schema import ORIGIN_CODE, Tracks
+from pawnb.schema import Tracks
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.evaluate import Evaluation
 from pawnb.workflow.methods import POSE_METHODS
 from pawnb.workflow.pose_evaluation import build_jitter_table, compare_directions
 from pawnb.workflow.progress import Progress
+from pawnb.workflow.propose_pose import pose_view
 from pawnb.workflow.results import make_folder, provenance_steps, results_folder
 from pawnb.workflow.track import track
 
@@ -120,9 +123,7 @@ def evaluate_directions(
         )
     found = _found(trial, method, settings, progress)
     animal, poses = animal_of(found), poses_of(found).poses
-    # where the animal comes in or goes out, legs that nobody sees would be compared
-    measured = (poses_of(found).origin == ORIGIN_CODE["measured"]).all(axis=1)
-    known = np.flatnonzero(measured)
+    known = np.flatnonzero(_whole_in_view(trial, animal, poses))
     if len(known) < 2:
         raise InputError(
             f"trial {trial.name!r}: every leg is seen in {len(known)} frames; expected 2 or more."
@@ -159,6 +160,18 @@ def _found(
         if is_pose(tracks) and made[-1:] == [method]:
             return tracks
     return track(trial, method=method, settings=settings, progress=progress)
+
+
+def _whole_in_view(trial: Trial, animal: StickAnimal, poses: Poses) -> np.ndarray:
+    """Return in which frames every tip lies in the picture.
+
+    Where the animal comes in or goes out, legs that nobody sees would be compared.
+    """
+    with open_views(trial) as views:
+        reader = views.readers[pose_view(trial)]
+        size = np.array([reader.width, reader.height])
+    tips = tip_positions(animal, poses)
+    return np.asarray(((tips >= 0) & (tips <= size - 1)).all(axis=(1, 2)))  # NaN is outside
 
 
 def _name(row: Any) -> str:

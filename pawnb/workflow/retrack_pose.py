@@ -225,7 +225,7 @@ def _whole(
     if rig is not None:
         in_space = space_settings_of_tracks(trial, tracks)
         space, track = find_in_space(trial, views, track, animal=animal, rig=rig, settings=in_space)
-    new = pose_tracks(trial, animal, track, space, rig).assign_coords(time=tracks["time"])
+    new = pose_tracks(trial, animal, track, space=space, rig=rig).assign_coords(time=tracks["time"])
     new = describe_trial(new.assign_attrs(tracks.attrs), trial)
     for name, variable in new.data_vars.items():
         if "time" in variable.dims and name in tracks:

@@ -127,7 +127,7 @@ def track_pose_trial(
             complete = complete and not asked()
         # where the rate varies these are the file's own time stamps
         times = views.time_s[track.poses.frames]
-    tracks = pose_tracks(trial, animal, track, space, rig)
+    tracks = pose_tracks(trial, animal, track, space=space, rig=rig)
     tracks = describe_trial(tracks.assign_coords(time=times), trial)
     step = build_step(
         "track",
@@ -262,8 +262,9 @@ def pose_tracks(
     trial: Trial,
     animal: StickAnimal,
     track: PoseTrack,
-    space: SpaceTrack | None,
-    rig: Rig | None,
+    *,
+    space: SpaceTrack | None = None,
+    rig: Rig | None = None,
 ) -> Tracks:
     """Return what was found as Tracks: in space where there is a second view.
 
@@ -275,9 +276,9 @@ def pose_tracks(
         Its animal.
     track : PoseTrack
         Poses in the first view.
-    space : SpaceTrack or None
+    space : SpaceTrack, optional
         Joints in space, row for row.
-    rig : Rig or None
+    rig : Rig, optional
         The calibrated views, where there are two.
 
     Returns
