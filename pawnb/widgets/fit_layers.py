@@ -81,7 +81,7 @@ class FitLayers(PictureLayers[Frame, FitView]):
     def _explain(self, session: StickSession, picture: Frame, background: Background) -> FitView:
         return explain_fit(
             picture,
-            session.poses(),
+            session.pose.poses(session.pose_frame),
             animal=session.animal(),
             background=background,
             settings=self.settings,

@@ -6,7 +6,6 @@ when the browser or the kernel ends.
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -20,6 +19,7 @@ from pawnb.io.start import MAX_FRAMES, write_start
 from pawnb.schema import START_COLUMNS, check_columns
 from pawnb.trial import Trial
 from pawnb.widgets.colours import point_colours
+from pawnb.widgets.draft import Draft
 from pawnb.widgets.start_marks import Slot, draw_view
 from pawnb.widgets.start_points import points_by_view, read_unfinished
 from pawnb.widgets.start_words import next_step, what_is_missing
@@ -34,7 +34,7 @@ class _State:
     frame: int = 0
 
 
-class StartSession:
+class StartSession(Draft[_State]):
     """The clicks of one trial, and which one is asked for next.
 
     Parameters
@@ -87,10 +87,10 @@ class StartSession:
         rig: Rig | None = None,
         path: str | Path | None = None,
     ) -> None:
-        self.trial, self.rig = trial, rig
-        self.sizes, self.span = dict(sizes), span
-        self.path = Path(path) if path else trial.path(trial.start_points or "start.csv")
-        self._kept_before = not self.path.exists()
+        super().__init__(
+            Path(path) if path else trial.path(trial.start_points or "start.csv"), span
+        )
+        self.trial, self.rig, self.sizes = trial, rig, dict(sizes)
         if start is None and self.path.exists():
             start = read_unfinished(self.path)
         self.points_by_view = points_by_view(trial, start)
@@ -102,10 +102,7 @@ class StartSession:
             frame = min((f for f, _, _ in clicks), default=span[0])
         self._state = _State(clicks=clicks, frame=self._checked_frame(frame))
         self.proposed: dict[Slot, tuple[float, float]] = {}
-        self._past: list[_State] = []
-        self._future: list[_State] = []
         self.current: tuple[str, str] | None = None
-        self.saved = False
         self._offer_next()
 
     # --- what there is ------------------------------------------------------------------
@@ -124,16 +121,6 @@ class StartSession:
     def hidden(self) -> frozenset[Slot]:
         """Every (frame, view, point) marked as hidden."""
         return self._state.hidden
-
-    @property
-    def can_undo(self) -> bool:
-        """Whether there is something to undo."""
-        return bool(self._past)
-
-    @property
-    def can_redo(self) -> bool:
-        """Whether something undone can be made again."""
-        return bool(self._future)
 
     def table(self) -> pd.DataFrame:
         """Return the clicks as they are saved: frame, view, point, u, v, in a fixed order."""
@@ -268,33 +255,6 @@ class StartSession:
             if frame == self.frame and (view, point) in self._open_slots():
                 self.place(view, point, *uv)
 
-    def undo(self) -> bool:
-        """Take back the last change; say whether there was one."""
-        return self._step(self._past, self._future)
-
-    def redo(self) -> bool:
-        """Make the change that was undone last again; say whether there was one."""
-        return self._step(self._future, self._past)
-
-    def save(self) -> Path:
-        """Write the clicks to the file, whole or not at all.
-
-        A file that was there before this session is kept beside it as ``*.before.csv``.
-
-        Returns
-        -------
-        Path
-            The file.
-        """
-        if not self._kept_before:
-            before = self.path.with_name(f"{self.path.stem}.before{self.path.suffix}")
-            shutil.copyfile(self.path, before)
-            self._kept_before = True
-        self.path.parent.mkdir(parents=True, exist_ok=True)
-        write_start(self.table(), self.path)
-        self.saved = True
-        return self.path
-
     # --- in words -----------------------------------------------------------------------
 
     def prompt(self) -> str:
@@ -339,43 +299,20 @@ class StartSession:
 
     def _change(self, state: _State) -> None:
         """Take over a new state, save it, and ask for the next point."""
-        before = self._state
-        self._state = state
-        try:
-            self.save()
-        except (InputError, OSError):
-            self._state = before
-            raise
-        self._past.append(before)
-        self._future.clear()
+        self._make(state)
         self._offer_next()
 
-    def _step(self, source: list[_State], target: list[_State]) -> bool:
-        """Move one state from one pile to the other; used by undo and redo."""
-        if not source:
-            return False
-        before, self._state = self._state, source[-1]
-        try:
-            self.save()
-        except (InputError, OSError):
-            self._state = before
-            raise
-        target.append(before)
-        source.pop()
-        # look at the frame where something changed, and ask for what is open again
+    def _write(self) -> None:
+        write_start(self.table(), self.path)
+
+    def _look_at_change(self, before: _State) -> None:
+        """Look at the frame where something changed, and ask for what is open again."""
         was, now = before.clicks, self._state.clicks
         changed = {slot for slot in {*was, *now} if was.get(slot) != now.get(slot)}
         for frame, view, point in changed | (before.hidden ^ self.hidden):
             self._state = replace(self._state, frame=frame)
             self.current = (view, point)
         self._offer_next()
-        return True
-
-    def _checked_frame(self, frame: int) -> int:
-        first, last = self.span
-        if not first <= frame <= last:
-            raise InputError(f"frame {frame} is not in the trial ({first} to {last}).")
-        return int(frame)
 
     def _check(self, view: str, point: str) -> None:
         if point not in self.points_by_view.get(view, ()):

@@ -28,6 +28,7 @@ KEYS = (
     ("T", "fit the pose to the picture, as tracking with the default method begins"),
     ("C", "scale: click the two ends of a known length"),
     ("F", "the pose belongs to this frame"),
+    ("Shift+F, Shift+Delete", "tracking starts from this frame as well, or not"),
     ("Ctrl+Z, Ctrl+Y", "undo, redo"),
     ("Show", "what the default and the published method make of the picture, with their settings"),
 )
@@ -71,11 +72,18 @@ def stick_actions(session: StickSession) -> list[dict[str, Any]]:
         {"id": "longer", "text": "Longer", "keys": ["]"], "title": f"{leg} 2 % longer (])"},
     ]  # fmt: skip
     if session.frame != session.pose_frame:
-        here = {"id": "here", "text": "Pose this frame", "keys": ["f"],
-                "title": "The pose belongs to the frame looked at (F)"}  # fmt: skip
-        actions.insert(0, here)
+        actions[:0] = [
+            {"id": "here", "text": "Pose this frame", "keys": ["f"],
+             "title": "The pose belongs to the frame looked at (F)"},
+            {"id": "here_too", "text": "This frame, too", "keys": ["Shift+F"],
+             "title": "Tracking starts from this frame as well: give it a pose (Shift+F)"},
+        ]  # fmt: skip
     elif session.proposed:
         accept = {"id": "accept", "text": "Accept", "keys": ["Enter"],
                   "title": "Take the proposed pose as it is (Enter)"}  # fmt: skip
         actions.insert(0, accept)
+    elif len(session.posed_frames) > 1:
+        drop = {"id": "drop", "text": "Not this frame", "keys": ["Shift+Delete"],
+                "title": "Do not start from this frame (Shift+Delete)"}  # fmt: skip
+        actions.insert(0, drop)
     return actions

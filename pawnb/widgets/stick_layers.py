@@ -115,7 +115,7 @@ class EnergyLayers(PictureLayers[np.ndarray, EnergyView]):
     ) -> EnergyView:
         view = explain_energy(
             picture,
-            session.poses(),
+            session.pose.poses(session.pose_frame),
             animal=session.animal(),
             background=background,
             settings=self.settings,

@@ -244,6 +244,14 @@ class StickPose:
             raise InputError(f"{self.species.name}: no leg has a partner on the other side.")
         return replace(self, legs=legs)
 
+    def built_like(self, other: StickPose) -> StickPose:
+        """Return the pose of an animal with the proportions and missing legs of another pose."""
+        legs = {
+            name: replace(pose, own=other.legs[name].own, missing=other.legs[name].missing)
+            for name, pose in self.legs.items()
+        }
+        return replace(self, legs=legs)
+
     # --- in and out -----------------------------------------------------------------------
 
     def animal(self) -> StickAnimal:

@@ -206,6 +206,8 @@ class StickPoser(FrameCanvas):
             "missing": session.toggle_missing,
             "natural": session.reset_leg,
             "here": session.pose_here,
+            "here_too": session.pose_here_too,
+            "drop": session.drop,
             "propose": self._propose,
             "fit": self._fit,
             "scale": self._toggle_measuring,
@@ -242,7 +244,7 @@ class StickPoser(FrameCanvas):
         animal = session.animal()
         pose, _ = fit_to_picture(
             frame,
-            session.poses(),
+            session.pose.poses(session.pose_frame),
             animal=animal,
             background=self.background(),
             settings=self.fit_settings,

@@ -6,8 +6,8 @@ the kernel ends. A proposal is written only when it is accepted or changed.
 
 from __future__ import annotations
 
-import shutil
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -15,10 +15,11 @@ import numpy as np
 
 from pawnb.core.pose.animal import LEFT, RIGHT, StickAnimal
 from pawnb.core.pose.pose_table import read_start_pose, write_start
-from pawnb.core.pose.poses import Poses, natural_pose
+from pawnb.core.pose.poses import Poses, join_poses, natural_pose
 from pawnb.errors import InputError
 from pawnb.trial import Trial
 from pawnb.widgets.colours import point_colours
+from pawnb.widgets.draft import Draft
 from pawnb.widgets.stick_pose import StickPose, stick_pose
 
 _SIDES = {"left": LEFT, "right": RIGHT}
@@ -28,15 +29,22 @@ _USUAL_SHARE = 0.5
 
 @dataclass(frozen=True)
 class State:
-    """A pose, the frame it belongs to, and who made it: what undo goes back to."""
+    """A pose, the frame it belongs to, and who made it: what undo goes back to.
+
+    ``others`` are the poses that start the tracking in further frames.
+    """
 
     pose: StickPose
     frame: int
     origin: Literal["first", "proposed", "person"] = "person"
+    others: Mapping[int, StickPose] = field(default_factory=dict)
 
 
-class StickSession:
-    """The pose of one animal in one frame of a trial.
+class StickSession(Draft[State]):
+    """The pose of one animal in one frame of a trial, or in several.
+
+    One pose at a time is changed: that of the frame looked at where it has one. The animal's
+    proportions and missing legs are the same in all.
 
     Parameters
     ----------
@@ -79,17 +87,17 @@ class StickSession:
         frame: int | None = None,
         path: str | Path | None = None,
     ) -> None:
-        self.trial, self.species, self.size, self.span = trial, species, size, span
-        self.path = Path(path) if path else trial.path(trial.start_pose or "start_pose.csv")
-        self._kept_before = not self.path.exists()
+        super().__init__(
+            Path(path) if path else trial.path(trial.start_pose or "start_pose.csv"), span
+        )
+        self.trial, self.species, self.size = trial, species, size
         self.colours = point_colours(species.leg_names)
         self.leg = species.leg_names[0]
         self.notes: tuple[str, ...] = ()
-        self.saved = False
-        self._past: list[State] = []
-        self._future: list[State] = []
         self._state = self._begin(frame)
-        self.frame = self._checked_frame(self._state.frame if frame is None else frame)
+        self.frame = self._state.frame
+        if frame is not None:
+            StickSession.go(self, frame)
 
     # --- what there is --------------------------------------------------------------------
 
@@ -109,18 +117,16 @@ class StickSession:
         return self._state.origin == "proposed"
 
     @property
-    def can_undo(self) -> bool:
-        """Whether there is something to undo."""
-        return bool(self._past)
-
-    @property
-    def can_redo(self) -> bool:
-        """Whether something undone can be made again."""
-        return bool(self._future)
+    def posed_frames(self) -> list[int]:
+        """The frames that have a pose, ascending."""
+        return sorted({self.pose_frame, *self._state.others})
 
     def poses(self) -> Poses:
-        """Return the pose as :func:`pawnb.core.pose.tracker.track_pose` takes it for ``start``."""
-        return self.pose.poses(self.pose_frame)
+        """Return all poses as :func:`pawnb.core.pose.tracker.track_pose` takes them to start."""
+        every = {**self._state.others, self.pose_frame: self.pose}
+        return join_poses(
+            [pose.built_like(self.pose).poses(frame) for frame, pose in sorted(every.items())]
+        )
 
     def animal(self) -> StickAnimal:
         """Return the animal with its own legs and proportions."""
@@ -129,8 +135,13 @@ class StickSession:
     # --- what a person does ---------------------------------------------------------------
 
     def go(self, frame: int) -> None:
-        """Look at another frame; the pose stays where it belongs until it is changed."""
+        """Look at another frame: its pose is the one to change, where it has one.
+
+        Elsewhere the pose looked at before stays where it belongs until it is changed.
+        """
         self.frame = self._checked_frame(frame)
+        if self.frame in self._state.others:
+            self._state = self._moved_on(self.frame)
 
     def select(self, leg: str) -> None:
         """Choose the leg that buttons and keys are about; a joint chooses its leg."""
@@ -172,14 +183,26 @@ class StickSession:
         """Say that the pose belongs to the frame looked at."""
         self._change(self.pose)
 
+    def pose_here_too(self) -> None:
+        """Say that the frame looked at has a pose as well: the same, until it is changed."""
+        if self.frame != self.pose_frame:
+            others = {**self._state.others, self.pose_frame: self.pose}
+            self._make(State(self.pose, self.frame, others=others))
+
+    def drop(self) -> None:
+        """Take the pose of the frame looked at out of the start; raises for the only one."""
+        others = self._state.others
+        if self.frame != self.pose_frame or not others:
+            raise InputError("a start needs at least one pose.")
+        nearest = min(others, key=lambda frame: (abs(frame - self.frame), frame))
+        self._make(replace(self._moved_on(nearest), others=_without(others, nearest)))
+
     def propose(self, animal: StickAnimal, pose: Poses, *, notes: tuple[str, ...] = ()) -> None:
         """Offer a pose of one frame to accept or change, and look at it."""
-        state = State(stick_pose(self.species, animal, pose), int(pose.frames[0]), "proposed")
-        self._checked_frame(state.frame)
-        self._past.append(self._state)
-        self._future.clear()
-        self._state, self.frame, self.notes = state, state.frame, notes
-        self.saved = False
+        frame = self._checked_frame(int(pose.frames[0]))
+        others = _without(self._state.others, frame)
+        self._make(State(stick_pose(self.species, animal, pose), frame, "proposed", others))
+        self.frame, self.notes = frame, notes
 
     def take(self, animal: StickAnimal, pose: Poses) -> None:
         """Take over a pose of the frame that the pose belongs to, such as a fitted one."""
@@ -195,47 +218,21 @@ class StickSession:
         """Take a proposal as it is."""
         self._change(self.pose, frame=self.pose_frame)
 
-    def undo(self) -> bool:
-        """Take back the last change; say whether there was one."""
-        return self._step(self._past, self._future)
-
-    def redo(self) -> bool:
-        """Make the change that was undone last again; say whether there was one."""
-        return self._step(self._future, self._past)
-
-    def save(self) -> Path:
-        """Write the pose to the file, whole or not at all.
-
-        A file that was there before this session is kept beside it as ``*.before.csv``.
-
-        Returns
-        -------
-        Path
-            The file.
-        """
-        if not self._kept_before:
-            before = self.path.with_name(f"{self.path.stem}.before{self.path.suffix}")
-            shutil.copyfile(self.path, before)
-            self._kept_before = True
-        self.path.parent.mkdir(parents=True, exist_ok=True)
-        write_start(self.path, self.animal(), self.poses(), species=self.species)
-        self.saved = True
-        return self.path
-
     # --- in words -------------------------------------------------------------------------
 
     def prompt(self) -> str:
         """Say what to do next."""
         if self.frame != self.pose_frame:
             return (
-                f"The pose belongs to frame {self.pose_frame}. Drag anything, or press F, to pose "
-                "this frame instead."
+                f"{self._where()} Drag anything, or press F, to pose this frame instead; press "
+                "Shift+F to start from this frame, too."
             )
         if self.proposed:
             return "This pose is proposed: drag what is wrong, or press Enter to accept it."
         if self._state.origin == "first":
             return "Press P for a proposal, or drag the stick animal onto the animal."
-        return "Drag the joints until the stick animal lies on the animal."
+        drag = "Drag the joints until the stick animal lies on the animal."
+        return f"{drag} {self._where()}" if self._state.others else drag
 
     def remarks(self) -> str:
         """Say what looks wrong, or that nothing does."""
@@ -254,6 +251,13 @@ class StickSession:
         if self.proposed:
             parts += self.notes
         return " ".join(parts) or "All joints are within their range."
+
+    def _where(self) -> str:
+        """Say which frames have poses."""
+        if not self._state.others:
+            return f"The pose belongs to frame {self.pose_frame}."
+        *most, last = self.posed_frames
+        return f"Frames {', '.join(map(str, most))} and {last} have poses to start from."
 
     # --- inside ---------------------------------------------------------------------------
 
@@ -281,49 +285,48 @@ class StickSession:
         )
 
     def _read(self) -> State:
-        """Return the pose in the file: that of its first frame."""
+        """Return the poses in the file; that of its first frame is the one to change."""
         animal, poses = read_start_pose(self.path, self.species)
-        frame = self._checked_frame(int(poses.frames[0]))
-        return State(stick_pose(self.species, animal, poses.take([0])), frame)
+        every = {
+            self._checked_frame(int(poses.frames[k])): stick_pose(
+                self.species, animal, poses.take([k])
+            )
+            for k in range(len(poses))
+        }
+        first = min(every)
+        return State(every[first], first, others=_without(every, first))
+
+    def _moved_on(self, frame: int) -> State:
+        """Return the state in which the pose of another frame that has one is changed."""
+        state = self._state
+        others = dict(state.others)
+        if state.origin == "person":  # a proposal that nobody took is let go
+            others[state.frame] = state.pose
+        pose = others.pop(frame).built_like(state.pose)
+        return State(pose, frame, others=others)
 
     def _change(self, pose: StickPose, *, frame: int | None = None) -> None:
         """Take over a new pose and save it; it belongs to the frame looked at."""
-        before = self._state
-        self._state = State(pose, self.frame if frame is None else frame)
-        try:
-            self.save()
-        except (InputError, OSError):
-            self._state = before
-            raise
-        self._past.append(before)
-        self._future.clear()
+        where = self.frame if frame is None else frame
+        self._make(State(pose, where, others=_without(self._state.others, where)))
 
-    def _step(self, source: list[State], target: list[State]) -> bool:
-        """Move one state from one pile to the other; used by undo and redo."""
-        if not source:
-            return False
-        before, self._state = self._state, source[-1]
-        try:
-            if self._state.origin == "person":
-                self.save()
-            else:  # the file keeps the pose that a person made last
-                self.saved = False
-        except (InputError, OSError):
-            self._state = before
-            raise
-        target.append(before)
-        source.pop()
+    def _write(self) -> None:
+        write_start(self.path, self.animal(), self.poses(), species=self.species)
+
+    def _keep(self, state: State) -> bool:
+        """Say yes to poses that a person made: the file keeps these."""
+        return state.origin == "person"
+
+    def _look_at_change(self, before: State) -> None:  # noqa: ARG002 (the frame tells)
         self.frame = self.pose_frame
-        return True
 
     def _named(self, leg: str | None) -> str:
         return self.leg if leg is None else self.species.leg(leg).name
 
-    def _checked_frame(self, frame: int) -> int:
-        first, last = self.span
-        if not first <= frame <= last:
-            raise InputError(f"frame {frame} is not in the trial ({first} to {last}).")
-        return int(frame)
+
+def _without(poses: Mapping[int, StickPose], frame: int) -> dict[int, StickPose]:
+    """Return poses of other frames than one."""
+    return {other: pose for other, pose in poses.items() if other != frame}
 
 
 def _span_at(session: StickSession) -> float:

@@ -248,3 +248,23 @@ def test_the_default_method_is_looked_at_and_fits(posing):
     assert notebook.js("c.stages[0].tint.url") != before
     assert "explained" in notebook.page.locator(".pawnb-status").inner_text()
     notebook.assert_no_errors()
+
+
+def test_a_second_frame_starts_the_tracking_as_well(posing):
+    notebook, file = posing
+    drag(notebook, "body", scene.XY)
+    notebook.settle()
+    notebook.press("ArrowRight")
+    notebook.wait(f"c.painted === {scene.EMPTY + 1}")
+    notebook.until("w.session.frame", scene.EMPTY + 1)
+    notebook.wait("c.model.get('actions').some((a) => a.id === 'here_too')")
+    notebook.press("Shift+F")
+    notebook.settle()
+    assert saved(file)[1].frames.tolist() == [scene.EMPTY, scene.EMPTY + 1]
+    drag(notebook, "body", np.add(scene.XY, (12, -9)))
+    notebook.settle()
+    np.testing.assert_allclose(saved(file)[1].xy, [scene.XY, np.add(scene.XY, (12, -9))], atol=0.6)
+    notebook.press("Shift+Delete")
+    notebook.settle()
+    assert saved(file)[1].frames.tolist() == [scene.EMPTY]
+    notebook.assert_no_errors()

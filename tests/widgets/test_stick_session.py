@@ -244,6 +244,55 @@ def test_a_pose_belongs_to_one_frame(session):
         session.go(100)
 
 
+def test_tracking_may_start_from_several_frames(session):
+    """Two poses, each changed where it belongs, are in the file; lengths are of the animal."""
+    session.go(60)
+    assert "Shift+F" in session.prompt()
+    session.pose_here_too()
+    assert session.posed_frames == [20, 60]
+    session.drag("body", 100.0, 120.0)
+    session.set_length(0.8, "L2")
+    animal, poses = read_start_pose(session.path, SPECIES)
+    assert poses.frames.tolist() == [20, 60]
+    np.testing.assert_allclose(poses.xy, [XY, (100.0, 120.0)])
+    flat = poses.scale[:, None] * animal.lengths
+    np.testing.assert_allclose(poses.lengths_px, flat, rtol=1e-4)
+    # at the other frame, its own pose is the one that is changed
+    session.go(20)
+    assert (session.pose_frame, session.pose.xy) == (20, XY)
+    session.drag("body", 310.0, 260.0)
+    assert session.poses().xy.tolist() == [[310.0, 260.0], [100.0, 120.0]]
+    assert "Frames 20 and 60 have poses" in session.prompt()
+    # opened again, both are there
+    again = StickSession(session.trial, SPECIES, size=(640, 512), span=(0, 99), frame=60)
+    assert again.posed_frames == [20, 60]
+    assert (again.frame, again.pose.xy) == (60, (100.0, 120.0))
+    assert again.pose.length_of("L2") == pytest.approx(0.8)
+    again.drop()
+    assert read_start_pose(again.path, SPECIES)[1].frames.tolist() == [20]
+    with pytest.raises(InputError, match="at least one pose"):
+        again.drop()
+    assert again.undo()
+    assert (again.posed_frames, again.frame) == ([20, 60], 60)
+    assert read_start_pose(again.path, SPECIES)[1].frames.tolist() == [20, 60]
+    # a pose that moves onto a frame that has one takes its place
+    again.go(40)
+    again.pose_here()
+    assert again.posed_frames == [20, 40]
+
+
+def test_a_proposal_leaves_the_poses_of_other_frames(session):
+    pose = natural_pose(SPECIES, frame=70, xy=(200.0, 200.0), scale=SCALE)
+    session.go(50)
+    session.pose_here_too()
+    session.propose(SPECIES, pose)
+    assert session.proposed
+    assert read_start_pose(session.path, SPECIES)[1].frames.tolist() == [20, 50]
+    session.accept()
+    # it takes the place of the pose that was looked at
+    assert read_start_pose(session.path, SPECIES)[1].frames.tolist() == [20, 70]
+
+
 def test_ranges_are_advice_and_are_spoken_of(session):
     assert "within their range" in session.remarks()
     where = places(session)[0]
