@@ -103,7 +103,9 @@ def analyse(
     told = legs is not None or (trial is not None and trial.tracks_legs)
     if not told and any(leg != point for leg, point in named.items()):
         guess = ", ".join(f"{leg} is {point!r}" for leg, point in named.items())
-        note = f"legs were guessed from the names of points: {guess}; say others with legs (--legs)."
+        note = (
+            f"legs were guessed from the names of points: {guess}; say others with legs (--legs)."
+        )
         tables = replace(tables, notes=(note, *tables.notes))
     return tables
 

@@ -214,10 +214,12 @@ def _resultant_integral(lengths: np.ndarray, total: float) -> float:
     """Evaluate the shifted integral of :func:`resultant_p` by the trapezoid rule."""
     n = len(lengths)
     unit = total / float(lengths.sum())
-    lengths, total = lengths / lengths.mean(), n * unit
+    # thousands of equal lengths are one length, thousands of times
+    lengths, times = np.unique(lengths / lengths.mean(), return_counts=True)
+    total = n * unit
 
     def excess(k: float) -> float:
-        return float((lengths * ive(1, lengths * k) / ive(0, lengths * k)).sum()) - total
+        return float((times * lengths * ive(1, lengths * k) / ive(0, lengths * k)).sum()) - total
 
     height = max(brentq(excess, 0.0, 10.0 * n / (1.0 - unit)), n**-0.5)
     width = math.sqrt(2.0 / n) * max(1.0, 0.7 * height)  # of the peak at u = 0
@@ -227,8 +229,8 @@ def _resultant_integral(lengths: np.ndarray, total: float) -> float:
     t = step * np.arange(math.ceil(reach / step)) + 1j * height
     # logarithms with the growth of both factors taken out: ive and hankel1e are scaled
     log_j0 = np.zeros(len(t), dtype=complex)
-    for length, times in zip(*np.unique(lengths, return_counts=True), strict=True):
-        log_j0 += times * (np.log(ive(0, -1j * length * t)) + length * height)
+    for length, often in zip(lengths, times, strict=True):
+        log_j0 += often * (np.log(ive(0, -1j * length * t)) + length * height)
     log_h1 = np.log(hankel1e(1, total * t)) + 1j * total * t
     values = np.exp(log_j0 + log_h1).real  # the value at -u is the complex conjugate
     integral = step * (2.0 * values.sum() - values[0])

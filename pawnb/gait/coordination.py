@@ -8,7 +8,12 @@ from pawnb.errors import InputError
 from pawnb.gait.coupling import alternation_rule, coupling_strength, support_rule
 from pawnb.gait.legs import find_leg_place
 from pawnb.gait.patterns import pattern_distances
-from pawnb.gait.support import regularity_index, support_shares, support_table
+from pawnb.gait.support import (
+    regularity_index,
+    support_shares,
+    support_table,
+    whole_stretches,
+)
 from pawnb.gait.symmetry import MEASURES, symmetry_table
 from pawnb.gait.tables import GaitTables
 
@@ -27,17 +32,17 @@ def coordination_tables(tables: GaitTables) -> dict[str, pd.DataFrame]:
     -------
     dict
         Name to table, those that would be empty left out: ``support`` (feet on the ground,
-        stretch by stretch) and ``support_shares``, ``symmetry`` (left against right),
-        ``patterns`` (distances to ideal gaits), ``coupling`` (tightness along, across and
-        diagonally), ``alternation`` and ``support_rule`` (Hughes' rules), ``regularity``
-        (four legs, trial by trial).
+        stretch by stretch, where every leg is within a stride that counts) and
+        ``support_shares``, ``symmetry`` (left against right), ``patterns`` (distances to ideal
+        gaits), ``coupling`` (tightness along, across and diagonally), ``alternation`` and
+        ``support_rule`` (Hughes' rules), ``regularity`` (four legs, trial by trial).
     """
     events, strides, phases = tables.events, tables.strides, tables.phases
     found: dict[str, pd.DataFrame] = {}
     if len(events):
-        found["support"] = support_table(events)
-        found["support_rule"] = support_rule(events)
-        found["regularity"] = _regularity(events)
+        found["support"] = support_table(events, strides=strides)
+        found["support_rule"] = support_rule(events, strides=strides)
+        found["regularity"] = _regularity(events, strides)
     if len(found.get("support", ())):
         found["support_shares"] = support_shares(found["support"])
     if len(strides):
@@ -53,12 +58,14 @@ def coordination_tables(tables: GaitTables) -> dict[str, pd.DataFrame]:
     return {name: table for name, table in found.items() if len(table)}
 
 
-def _regularity(events: pd.DataFrame) -> pd.DataFrame:
+def _regularity(events: pd.DataFrame, strides: pd.DataFrame) -> pd.DataFrame:
     """Return the regularity index of every trial of a four-legged animal."""
     rows = []
+    stretches = whole_stretches(events, strides)
     for (animal, trial), own in events.groupby(["animal", "trial"], sort=False):
+        here = (stretches["animal"] == animal) & (stretches["trial"] == trial)
         try:
-            found = regularity_index(own)
+            found = regularity_index(own, stretches=stretches[here])
         except InputError:
             continue  # not four legs, or too few footfalls: there is no such index
         rows.append([animal, trial, found.percent, found.n_footfalls, found.n_sequences])

@@ -72,13 +72,16 @@ def alternation_rule(phases: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=list(ALTERNATION_COLUMNS))
 
 
-def support_rule(events: pd.DataFrame) -> pd.DataFrame:
+def support_rule(events: pd.DataFrame, *, strides: pd.DataFrame | None = None) -> pd.DataFrame:
     """Test Hughes' second rule: no leg is protracted until the leg behind supports the body.
 
     Parameters
     ----------
     events : pandas.DataFrame
         AEP and PEP (or TD and LO, where there is no AEP) of one or more animals.
+    strides : pandas.DataFrame, optional
+        Their strides: the state of the leg behind is known only within its strides then, and
+        not across gaps and pauses. Without them it is between its first and last event.
 
     Returns
     -------
@@ -97,8 +100,11 @@ def support_rule(events: pd.DataFrame) -> pd.DataFrame:
                 if kind_of_pair(leg, behind) != IPSILATERAL or not _is_behind(behind, leg):
                     continue
                 n, obeyed = 0, 0
-                for _, trial in own.groupby("trial", sort=False):
-                    state = _state_at_protraction(trial, leg, behind, begin=begin, end=end)
+                for name, trial in own.groupby("trial", sort=False):
+                    known = None if strides is None else _spans(strides, animal, name, behind)
+                    state = _state_at_protraction(
+                        trial, (leg, behind), begin=begin, end=end, known=known
+                    )
                     n, obeyed = n + len(state), obeyed + int(state.sum())
                 rows.append([animal, leg, behind, n, obeyed, obeyed / n if n else np.nan])
     return pd.DataFrame(rows, columns=list(SUPPORT_RULE_COLUMNS))
@@ -110,17 +116,37 @@ def _is_behind(behind: str, leg: str) -> bool:
     return a is not None and b is not None and a.rank > b.rank
 
 
+def _spans(strides: pd.DataFrame, animal: object, trial: object, leg: str) -> np.ndarray:
+    """Return start and end of the strides of one leg in one trial, shape (n, 2), in order."""
+    own = strides[
+        (strides["leg"] == leg) & (strides["animal"] == animal) & (strides["trial"] == trial)
+    ].sort_values("start_s")
+    start = own["start_s"].to_numpy(dtype=float)
+    return np.column_stack((start, start + own["period_s"].to_numpy(dtype=float)))
+
+
 def _state_at_protraction(
-    events: pd.DataFrame, leg: str, behind: str, *, begin: str, end: str
+    events: pd.DataFrame,
+    pair: tuple[str, str],
+    *,
+    begin: str,
+    end: str,
+    known: np.ndarray | None,
 ) -> np.ndarray:
     """Say of each protraction of a leg whether the one behind is in stance, where known."""
+    leg, behind = pair
     lifts = events.loc[(events["leg"] == leg) & (events["event"] == end), "time_s"]
+    lifted = lifts.to_numpy(dtype=float)
     other = events[(events["leg"] == behind) & events["event"].isin((begin, end))]
     other = other.sort_values("time_s", kind="stable")
     times = other["time_s"].to_numpy(dtype=float)
-    at = np.searchsorted(times, lifts.to_numpy(dtype=float), side="right")
-    known = (at > 0) & (at < len(times))
-    return (other["event"] == begin).to_numpy()[at[known] - 1]
+    at = np.searchsorted(times, lifted, side="right")
+    told = (at > 0) & (at < len(times))
+    if known is not None:
+        stride = np.searchsorted(known[:, 0], lifted, side="right") - 1
+        told &= stride >= 0
+        told[told] = lifted[told] < known[stride[told], 1]
+    return (other["event"] == begin).to_numpy()[at[told] - 1]
 
 
 def coupling_strength(phases: pd.DataFrame) -> pd.DataFrame:

@@ -11,7 +11,9 @@ from scipy.spatial import ConvexHull, QhullError
 
 from pawnb.errors import InputError
 from pawnb.gait.legs import find_leg_place, sort_legs
+from pawnb.signals import find_runs
 
+_TRIAL = ["animal", "trial"]
 SUPPORT_COLUMNS = ("animal", "trial", "start_s", "end_s", "n_down", "legs")
 
 _NORMAL_SEQUENCES = {
@@ -141,43 +143,102 @@ def _way_to_edge(depth: np.ndarray, slope: np.ndarray) -> float:
     return float(min(front, rear)) if front + rear >= 0 else np.nan
 
 
-def support_table(events: pd.DataFrame) -> pd.DataFrame:
+def whole_stretches(events: pd.DataFrame, strides: pd.DataFrame) -> pd.DataFrame:
+    """Find the stretches in which every leg is within a stride that counts.
+
+    Before and after them a leg is not tracked, the animal stands, or a stride was dropped:
+    which feet are on the ground is not known there.
+
+    Parameters
+    ----------
+    events : pandas.DataFrame
+        Events of one or more trials: they say which legs there are.
+    strides : pandas.DataFrame
+        Their strides.
+
+    Returns
+    -------
+    pandas.DataFrame
+        animal, trial, start_s, end_s, in order of time.
+    """
+    legs = events.groupby(_TRIAL, sort=False)["leg"].nunique()
+    rows: list[list[object]] = []
+    for key, own in strides.groupby(_TRIAL, sort=False):
+        start = own["start_s"].to_numpy(dtype=float)
+        end = start + own["period_s"].to_numpy(dtype=float)
+        # of strides that follow each other the end comes before the start, to rounding
+        time = np.concatenate((np.round(start, 9), np.round(end, 9)))
+        step = np.repeat((1, -1), len(start))
+        order = np.argsort(time, kind="stable")
+        at, first = np.unique(time[order], return_index=True)
+        level = np.add.reduceat(step[order], first).cumsum()
+        for i, j in find_runs(level == legs.get(key, 0)):
+            rows.append([*key, at[i], at[j]])
+    return pd.DataFrame(rows, columns=[*_TRIAL, "start_s", "end_s"])
+
+
+def support_table(events: pd.DataFrame, *, strides: pd.DataFrame | None = None) -> pd.DataFrame:
     """List which feet are on the ground, stretch by stretch.
 
     Parameters
     ----------
     events : pandas.DataFrame
         TD and LO (where there are any), else AEP and PEP, of one or more trials.
+    strides : pandas.DataFrame, optional
+        Their strides: only what lies in :func:`whole_stretches` is listed then. Without them
+        everything is, from the time at which the state of every leg is known to the last at
+        which it is; that is for events without gaps and pauses.
 
     Returns
     -------
     pandas.DataFrame
-        animal, trial, start_s, end_s, n_down and legs (names with + between), from the time
-        at which the state of every leg is known to the last at which it is.
+        animal, trial, start_s, end_s, n_down and legs (names with + between).
     """
-    rows = []
-    for (animal, trial), own in events.groupby(["animal", "trial"], sort=False):
+    allowed = None if strides is None else whole_stretches(events, strides)
+    parts = []
+    for (animal, trial), own in events.groupby(_TRIAL, sort=False):
         contact = own["event"].isin(("TD", "LO")).any()
         begin, end = ("TD", "LO") if contact else ("AEP", "PEP")
         own = own[own["event"].isin((begin, end))].sort_values("time_s", kind="stable")
-        legs = sort_legs(own["leg"])
         spans = own.groupby("leg")["time_s"].agg(["min", "max"])
-        first, last = float(spans["min"].max()), float(spans["max"].min())
-        state: dict[str, bool] = {}
-        since = first
-        for leg, kind, time in zip(own["leg"], own["event"], own["time_s"], strict=True):
-            if first < time <= last and len(state) == len(legs):
-                rows.append([animal, trial, since, time, *_down(state, legs)])
-                since = time
-            state[leg] = kind == begin
-    table = pd.DataFrame(rows, columns=list(SUPPORT_COLUMNS))
-    return table[table["end_s"] > table["start_s"]].reset_index(drop=True)
+        stretches = [(float(spans["min"].max()), float(spans["max"].min()))]
+        if allowed is not None:
+            here = (allowed["animal"] == animal) & (allowed["trial"] == trial)
+            spans = allowed.loc[here, ["start_s", "end_s"]]
+            stretches = list(spans.itertuples(index=False, name=None))
+        part = _support_of(own, begin, stretches)
+        part["animal"], part["trial"] = str(animal), str(trial)
+        parts.append(part[list(SUPPORT_COLUMNS)])
+    parts = [part for part in parts if len(part)]
+    if not parts:
+        return pd.DataFrame(columns=list(SUPPORT_COLUMNS))
+    return pd.concat(parts, ignore_index=True)
 
 
-def _down(state: dict[str, bool], legs: Sequence[str]) -> tuple[int, str]:
-    """Return number and names of the legs that are down."""
-    names = [leg for leg in legs if state[leg]]
-    return len(names), "+".join(names)
+def _support_of(
+    events: pd.DataFrame, begin: str, stretches: Sequence[tuple[float, float]]
+) -> pd.DataFrame:
+    """List which feet of one trial are down between its events, within some stretches."""
+    time = events["time_s"].to_numpy(dtype=float)
+    cuts = [np.unique([a, *time[(time > a) & (time < b)], b]) for a, b in stretches if b > a]
+    start = np.concatenate([cut[:-1] for cut in cuts] or [np.empty(0)])
+    end = np.concatenate([cut[1:] for cut in cuts] or [np.empty(0)])
+    legs = sort_legs(events["leg"])
+    down = np.zeros((len(start), len(legs)), dtype=bool)
+    for k, leg in enumerate(legs):
+        own = (events["leg"] == leg).to_numpy()
+        begins = (events["event"] == begin).to_numpy()[own]
+        at = np.searchsorted(time[own], start, side="right") - 1
+        # before its first event a foot was in the other state
+        down[:, k] = np.where(at >= 0, begins[np.maximum(at, 0)], ~begins[0])
+    patterns, which = np.unique(down, axis=0, return_inverse=True)
+    names = np.array(
+        ["+".join(leg for leg, on in zip(legs, row, strict=True) if on) for row in patterns],
+        dtype=object,
+    )
+    counts = down.sum(axis=1)
+    which = which.reshape(-1)
+    return pd.DataFrame({"start_s": start, "end_s": end, "n_down": counts, "legs": names[which]})
 
 
 def support_shares(support: pd.DataFrame) -> pd.DataFrame:
@@ -218,7 +279,7 @@ class Regularity(NamedTuple):
     shares: dict[str, float]
 
 
-def regularity_index(events: pd.DataFrame) -> Regularity:
+def regularity_index(events: pd.DataFrame, *, stretches: pd.DataFrame | None = None) -> Regularity:
     """Compute the regularity index of a four-legged animal in one trial.
 
     ``RI = 100 * 4 * NSSP / PP``: normal step sequence patterns times four, over paw
@@ -228,6 +289,9 @@ def regularity_index(events: pd.DataFrame) -> Regularity:
     ----------
     events : pandas.DataFrame
         Events of one trial; TD where there are any, else AEP.
+    stretches : pandas.DataFrame, optional
+        start_s and end_s: only footfalls in these are counted, and no sequence goes on from one
+        to the next. Default all as one.
 
     Returns
     -------
@@ -248,21 +312,31 @@ def regularity_index(events: pd.DataFrame) -> Regularity:
             f"the regularity index needs footfalls of FR, HR, FL and HL; found {len(own)} of "
             f"{', '.join(sort_legs(set(own['leg']))) or 'no leg'}."
         )
-    order = own["leg"].tolist()
+    runs = [own["leg"].tolist()]
+    if stretches is not None:
+        time = own["time_s"]
+        runs = [
+            own.loc[(time >= a - 1e-9) & (time <= b + 1e-9), "leg"].tolist()
+            for a, b in stretches[["start_s", "end_s"]].to_numpy(dtype=float)
+        ]
     turned = {
         (*steps[i:], *steps[:i]): name
         for name, steps in _NORMAL_SEQUENCES.items()
         for i in range(4)
     }
     counts = dict.fromkeys(_NORMAL_SEQUENCES, 0)
-    at = 0
-    while at + 4 <= len(order):
-        name = turned.get(tuple(order[at : at + 4]))
-        if name is None:
-            at += 1
-        else:
-            counts[name] += 1
-            at += 4
+    for order in runs:
+        at = 0
+        while at + 4 <= len(order):
+            name = turned.get(tuple(order[at : at + 4]))
+            if name is None:
+                at += 1
+            else:
+                counts[name] += 1
+                at += 4
     total = sum(counts.values())
+    n = sum(len(order) for order in runs)
+    if n < 4:
+        raise InputError("the regularity index needs four footfalls in one stretch at least.")
     shares = {name: count / total if total else 0.0 for name, count in counts.items()}
-    return Regularity(400.0 * total / len(order), len(order), total, shares)
+    return Regularity(400.0 * total / n, n, total, shares)

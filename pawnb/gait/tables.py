@@ -13,6 +13,7 @@ from pawnb.gait.event_settings import EventSettings
 from pawnb.gait.legs import default_pairs, sort_legs
 from pawnb.gait.phases import build_phases, summarise_phases
 from pawnb.gait.stride_measures import measure_strides
+from pawnb.gait.stride_support import measure_support
 from pawnb.gait.strides import Motion, build_strides, choose_stride_event
 
 Pairs = Sequence[tuple[str, str]]
@@ -256,6 +257,7 @@ def build_tables(
         excluded=excluded,
     )  # fmt: skip
     strides = measure_strides(strides, motion=motion, signals=signals, body_length=body_length)
+    strides = measure_support(strides, events, signals=signals)
     phases, no_phases = build_phases(events, strides, chosen, start_event=start)
     all_dropped = [t for t in (dropped, no_strides, no_phases) if t is not None]
     remarks = list(notes)

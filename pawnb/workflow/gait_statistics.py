@@ -16,12 +16,14 @@ from pawnb.gait.joints import get_joint_angles, joint_range_table
 from pawnb.gait.scaling import speed_table
 from pawnb.gait.selection import steadiness
 from pawnb.gait.stride_measures import MEASURE_COLUMNS
+from pawnb.gait.stride_support import SUPPORT_MEASURES
 from pawnb.schema import Tracks
 
 MEASURES = (
     "period_s", "frequency_hz", "stance_s", "swing_s", "duty_factor", "contact_duty_factor",
     "stride_length", "speed", "step_displacement",
     *(name for name in MEASURE_COLUMNS if name not in ("heading_deg", "heading_change_deg")),
+    *SUPPORT_MEASURES,
 )  # fmt: skip
 """Measures of strides that are summarised and compared."""
 

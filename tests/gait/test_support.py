@@ -1,5 +1,7 @@
 """Support and stability: polygons by hand, the thesis's limits, footfall orders by definition."""
 
+import itertools
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -14,6 +16,7 @@ from pawnb.gait.support import (
     support_shares,
     support_table,
     wave_gait_margin,
+    whole_stretches,
 )
 
 SQUARE = np.array([[[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]]])
@@ -100,6 +103,51 @@ def test_feet_on_the_ground():
     row = table[(table["start_s"] < 0.62) & (table["end_s"] > 0.62)].iloc[0]
     # by hand: at 0.62 s FL (0.6), HL (0.5) and FR (0.4) are down, HR left at 0.55 s
     assert row["legs"] == "FR+FL+HL"
+
+
+def strides_of(landings, period=0.4):
+    """Strides of each leg from its landings that follow each other after one period."""
+    rows = [
+        ("a", "t", leg, t, period)
+        for leg, own in landings.groupby("leg")["time_s"]
+        for t, after in itertools.pairwise(own)
+        if after - t < 1.5 * period
+    ]
+    return pd.DataFrame(rows, columns=["animal", "trial", "leg", "start_s", "period_s"])
+
+
+def test_a_pause_is_no_support():
+    # two bouts of three rounds, 10 s apart: the animal stands between, and that does not count
+    first = events(["FR", "HL", "FL", "HR"] * 3)
+    later = first.assign(time_s=first["time_s"] + 10.0)
+    both = pd.concat([first, later], ignore_index=True)
+    strides = strides_of(both[both["event"] == "TD"])
+    spans = whole_stretches(both, strides)
+    # by hand: HR lands first at 0.3 s, FR last at 0.8 s; then 10 s later
+    assert spans[["start_s", "end_s"]].to_numpy().ravel() == pytest.approx([0.3, 0.8, 10.3, 10.8])
+    table = support_table(both, strides=strides)
+    assert (table["end_s"] - table["start_s"]).sum() == pytest.approx(1.0)
+    shares = support_shares(table).set_index("n_down")["share"]
+    assert shares.to_dict() == pytest.approx({2: 0.5, 3: 0.5})
+    # without strides the pause was most of it
+    assert support_shares(support_table(both))["share"].max() > 0.8
+    # a leg with events and no stride: nothing is known of all feet
+    lame = strides[strides["leg"] != "HL"]
+    assert whole_stretches(both, lame).empty
+    assert support_table(both, strides=lame).empty
+
+
+def test_no_sequence_goes_on_across_a_pause():
+    order = ["FR", "HR", "FL", "HL"] * 2 + ["FR", "HR"]
+    two = events(order)
+    two.loc[two["time_s"] >= 0.8, "time_s"] += 5.0
+    one = regularity_index(events([*order, "FL", "HL"]))
+    assert one.n_sequences == 3
+    spans = pd.DataFrame({"start_s": [0.0, 5.8], "end_s": [0.7, 6.0]})
+    both = regularity_index(two, stretches=spans)
+    assert (both.n_footfalls, both.n_sequences) == (10, 2)
+    with pytest.raises(InputError, match="needs four footfalls in one stretch"):
+        regularity_index(two, stretches=spans.tail(1))
 
 
 def test_regularity_index():
