@@ -86,12 +86,13 @@ def paint_base(
 
 @compiled
 def leg_support(
-    layout: Layout, joints: np.ndarray, leg: int, sight: Sight, share: float
+    layout: Layout, joints: np.ndarray, leg: int, sight: Sight, share: float, body: np.ndarray
 ) -> tuple[float, float]:
     """Return how dark a leg's axis is relative to what is expected: whole leg, outer part.
 
     ``share`` is the part of the leg, from the tip inwards, that counts as outer. Places outside
-    the crop do not count; where nothing counts, the answer is NaN.
+    the crop do not count, nor do those where the painted ``body`` is as dark as the leg: they
+    look the same without it. Where nothing counts, the answer is NaN.
     """
     height, width = sight.seen.shape
     n = layout.n_segments[leg]
@@ -114,6 +115,8 @@ def leg_support(
                     layout.radius[leg, s + 1] - layout.radius[leg, s]
                 )
                 expected = max(dark * min(1.0, radius), 0.05)  # thin ends are blurred
+                if body[v, u] > 0.7 * expected:
+                    continue
                 here = min(max(sight.seen[v, u] / expected, 0.0), 1.0)
                 found += here * piece / steps
                 length += piece / steps

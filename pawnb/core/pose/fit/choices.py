@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from pawnb.core.pose.fit.candidate_loops import leg_footprint, paint_base, shared_cost
+from pawnb.core.pose.fit.candidate_loops import leg_footprint, shared_cost
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.limb_loops import chains_apart, chains_cross, find_limbs
 from pawnb.core.pose.fit.paint_loops import NOTHING, leg_chain
@@ -108,11 +108,13 @@ def limb_candidates(
     neutral = _NEUTRAL * float(np.median(fitter.layout.dark[leg]))
     found: list[np.ndarray] = []
     canvas = fitter.canvas(sight)
+    near_body = fitter.body_zone(pose, sight) > 0.0
     for absent in (leg, *fitter.neighbours[leg]):
         shown = fitter.all_shown.copy()
         shown[absent] = False
         paint_some(fitter.layout, pose, fitter.blur, sight.box, shown, *canvas)
-        open_to = np.where(canvas[1] == NOTHING, sight.seen, np.minimum(sight.seen, neutral))
+        taken = near_body | (canvas[1] != NOTHING)
+        open_to = np.where(taken, np.minimum(sight.seen, neutral), sight.seen)
         most = 2 if absent == leg else 1
         numbers, _ = find_limbs(
             fitter.layout, pose, leg, open_to, sight.box, prior, _BEAM, most, 2 * SAME_PX
@@ -192,8 +194,7 @@ def add_candidates(
 def _weigh(fitter: FrameFitter, choices: Choices, sight: Sight, prior: Prior) -> None:
     """Fill in what candidates are worth alone and in pairs, and drop the worthless."""
     value, owner, along, joints = fitter.canvas(sight)
-    paint_base(fitter.layout, choices.pose, fitter.blur, sight, value, owner)
-    base = value.copy()
+    base = fitter.body_zone(choices.pose, sight).copy()
     soft = fitter.settings.soft_error
     prints: list[list[tuple[np.ndarray, np.ndarray]]] = []
     for leg, numbers in enumerate(fitter.numbers):

@@ -7,7 +7,8 @@ import copy
 import numpy as np
 
 from pawnb.core.pose.animal import StickAnimal
-from pawnb.core.pose.fit.candidate_loops import leg_support, unexplained
+from pawnb.core.pose.fit.blurred import blurred
+from pawnb.core.pose.fit.candidate_loops import leg_support, paint_base, unexplained
 from pawnb.core.pose.fit.evidence import Evidence, without_wide
 from pawnb.core.pose.fit.layout import N_BODY, Layout
 from pawnb.core.pose.fit.paint_loops import NOTHING, leg_chain, make_canvas
@@ -19,8 +20,14 @@ from pawnb.core.views import Frame
 SQRT5 = float(np.sqrt(5.0))
 _COVER_BLUR_PX = 7.0
 """Blur of the painted prediction that keeps the animal out of the estimate of the light."""
-_BODY_MARGIN_PX = 7.0
-"""How far from its expected place the body's edge may be, working px."""
+_BODY_MARGIN_PX = 3.0
+"""How far from its place the body's edge may be, working px."""
+_NO_LEG = 2.0
+"""Painted where a leg would not be seen: darker than any."""
+_BODY_BLURS = (6.0, 2.0)
+_BODY_ASTRAY_PX = 3.0
+"""A body that lies further than this from its expected place is looked for before its legs are:
+less far, the legs say where it is more precisely than its outline does."""
 _WIDER = 2.2
 """A disc of so many thicknesses is no part of legs, even where two lie side by side."""
 _ENOUGH = 0.5
@@ -74,6 +81,7 @@ class FrameFitter:
         ]
         reach = np.hypot(*layout.attach.T) + layout.length.sum(axis=1)
         self.reach = 1.03 * float(reach.max()) + 6.0
+        self.body_radius = float((np.abs(layout.ellipse[:, 0]) + layout.ellipse[:, 2]).max())
         self.blur = SQRT5 * settings.blur_px
         self._room = make_canvas(1, 1, layout)
 
@@ -136,7 +144,7 @@ class FrameFitter:
         paint_some(
             self.layout, expected, margin, empty.box, self.body_shown, value, owner, along, joints
         )
-        thickest = 2.0 * float(self.layout.radius.max()) + self.blur
+        thickest = 2.0 * float(min(self.layout.radius.max(), self.first.radius.max())) + self.blur
         return without_wide(seen, owner != NOTHING, size=2 * round(_WIDER * thickest / 2) + 1)
 
     def fit(
@@ -159,6 +167,18 @@ class FrameFitter:
             self.settings.soft_error, rounds, _ENOUGH, *self.canvas(sight),
         )  # fmt: skip
 
+    def body_found(self, expected: np.ndarray, sight: Sight) -> np.ndarray:
+        """Return the expected pose, moved as a whole onto the body where that is elsewhere."""
+        pose = expected
+        known = self.anatomy
+        for blur in _BODY_BLURS:
+            pose, _ = self.fit(
+                pose, blurred(sight, blur), known, active=self.body, shown=self.body_shown,
+                blur=self.blur + blur, rounds=6,
+            )  # fmt: skip
+        away = np.hypot(*(pose[:2] - expected[:2])) + self.body_radius * abs(pose[2] - expected[2])
+        return pose if away > _BODY_ASTRAY_PX else expected
+
     def equations(
         self, pose: np.ndarray, sight: Sight, prior: Prior
     ) -> tuple[np.ndarray, np.ndarray]:
@@ -179,10 +199,16 @@ class FrameFitter:
         return out
 
     def support(self, pose: np.ndarray, sight: Sight) -> np.ndarray:
-        """Return how much of each leg, and of its outer third, is dark, shape (legs, 2)."""
-        joints = self.joints(pose)
+        """Return how much of each leg, and of its outer third, is dark, shape (legs, 2).
+
+        What lies on the body does not count; NaN where nothing is left.
+        """
+        joints, body = self.joints(pose), self.body_zone(pose, sight)
         return np.array(
-            [leg_support(self.layout, joints[leg], leg, sight, 0.33) for leg in range(len(joints))]
+            [
+                leg_support(self.layout, joints[leg], leg, sight, 0.33, body)
+                for leg in range(len(joints))
+            ]
         )
 
     def body_support(self, pose: np.ndarray, sight: Sight) -> float:
@@ -196,6 +222,19 @@ class FrameFitter:
         if total == 0.0:
             return 0.0
         return float(np.minimum(sight.seen[inside], value[inside]).sum()) / total
+
+    def body_zone(self, pose: np.ndarray, sight: Sight) -> np.ndarray:
+        """Return the painted body, and more than black where its edge may be; it does not last.
+
+        A body is no perfect egg: what is dark beside it is as well more of it as a leg that
+        lies along its edge.
+        """
+        value, owner, _, _ = self.canvas(sight)
+        layout, ellipse = self.layout, self.layout.ellipse.copy()
+        ellipse[:, 2:4] += _BODY_MARGIN_PX
+        paint_base(layout._replace(ellipse=ellipse), pose, self.blur, sight, value, owner)
+        value[owner != NOTHING] = _NO_LEG
+        return value
 
     def unexplained(self, pose: np.ndarray, sight: Sight) -> np.ndarray:
         """Return the dark working pixels near the animal that it does not cover.

@@ -95,7 +95,9 @@ class Follower:
         evidence = fitter.evidence
         if not (0 <= expected[0] < evidence.width and 0 <= expected[1] < evidence.height):
             return False
-        sight, image, box = fitter.look(frame, expected)
+        sight, image, box = fitter.look(frame, expected, margin=np.inf)
+        expected = fitter.body_found(expected, sight)
+        sight = fitter.sight(image, box, expected)
         anatomy, prior = self.priors(expected)
         pose = self.fit_from(expected, sight)
         if fitter.body_support(pose, sight) < _BODY_LOST:
@@ -171,7 +173,7 @@ class Follower:
         """Return which legs may be elsewhere."""
         fitter = self.fitter
         support = fitter.support(choices.pose, sight)
-        doubted = (support[:, 0] < _LEG_LOST) | (support[:, 1] < _TIP_LOST)
+        doubted = ~((support[:, 0] >= _LEG_LOST) & (support[:, 1] >= _TIP_LOST))
         doubted |= len(self.kept) < _FIRST_FRAMES
         left_over = fitter.unexplained(choices.pose, sight)
         usual = np.minimum(self._usual * _USUAL_GROWS + 1.0, left_over)

@@ -19,6 +19,8 @@ _LEAST_OF_DARKEST = 0.5
 """A leg's palest place, as a share of its darkest: an end laid on the background would be learnt
 as transparent, and stay there."""
 _LEAST_RADIUS_PX = 0.25
+_MOST_RADIUS = 1.2
+"""A leg's thickness as a share of the species file's: one that lay on a wing would grow to it."""
 
 
 def learn_look(
@@ -131,7 +133,8 @@ def learn_legs(
         left = matrix[leg][np.ix_(keep, keep)] + stiff
         move = np.linalg.solve(left, -(vector[leg, keep] + stiff @ (now - goal)))
         now += np.clip(move, -0.4, 0.4)
-        radius[leg, :n] = np.maximum(np.exp(now[:n]), _LEAST_RADIUS_PX)
+        most = np.maximum(_MOST_RADIUS * first.radius[leg, :n], _LEAST_RADIUS_PX)
+        radius[leg, :n] = np.clip(np.exp(now[:n]), _LEAST_RADIUS_PX, most)
         least = max(_LEAST_DARK, _LEAST_OF_DARKEST * float(now[n:].max()))
         dark[leg, :n] = np.clip(now[n:], least, _MOST_DARK)
     return layout._replace(radius=radius, dark=dark)

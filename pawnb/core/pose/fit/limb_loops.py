@@ -15,7 +15,7 @@ from pawnb.core.pose.fit.layout import Layout
 from pawnb.core.pose.fit.solve_loops import Prior
 
 N_TURNS = 17
-SHORTER = (-0.4, -0.2, 0.0)
+SHORTER = (-0.4, -0.2, 0.0, 0.2, 0.4)
 SHORTER_COST = 6.0
 """Cost of a link's squared logarithmic foreshortening, px: little, as whole legs are raised."""
 
@@ -107,6 +107,8 @@ def find_limbs(
                 turn = prior.low[a] + (prior.high[a] - prior.low[a]) * i / (N_TURNS - 1)
                 for shorter in SHORTER:
                     factor = prior.middle[q] + shorter
+                    if factor > max(prior.high[q], prior.middle[q]):
+                        continue
                     gain = follow_link(
                         layout, leg, k, places[b, k], forwards[b] + turn, factor, pose[2], seen,
                         box, ends[n],
