@@ -63,7 +63,8 @@ def put_on_grid(tracks: Tracks, *, where: str) -> tuple[Grid, Tracks]:
     frames = tracks["frame"].to_numpy().astype(np.int64)
     times = tracks["time"].to_numpy().astype(float)
     if len(frames) < 3:
-        raise InputError(f"{where}: {len(frames)} frames; expected at least three.")
+        frame_s = "frame" if len(frames) == 1 else "frames"
+        raise InputError(f"{where}: {len(frames)} {frame_s}; expected at least three.")
     if not (np.all(np.diff(frames) > 0) and np.all(np.diff(times) > 0)):
         raise InputError(f"{where}: frame numbers and times must rise; sort them, no doubles.")
     step = int(np.gcd.reduce(np.diff(frames)))

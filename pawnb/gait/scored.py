@@ -51,9 +51,9 @@ def check_scored_events(
     times = pd.to_numeric(events["time_s"], errors="coerce")
     if not np.isfinite(times.to_numpy(dtype=float)).all():
         row = int(np.flatnonzero(~np.isfinite(times.to_numpy(dtype=float)))[0])
-        raise InputError(
-            f"events: time_s in row {row + 1} is {events['time_s'].iloc[row]!r}; expected seconds."
-        )
+        found = events["time_s"].iloc[row]
+        shown = repr(found) if isinstance(found, str) else found
+        raise InputError(f"events: time_s in row {row + 1} is {shown}; expected seconds.")
     events["time_s"] = times.astype(float)
     extra = [c for c in events.columns if c not in EVENTS_COLUMNS]
     return events[[*EVENTS_COLUMNS, *extra]]
