@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
 from pawnb.errors import InputError
+from pawnb.figures.panels import open_grid
 from pawnb.figures.style import OKABE_ITO, figure_size, style
 from pawnb.schema import check_columns
 
@@ -79,13 +79,15 @@ def build_compare_methods_table(trials: pd.DataFrame, reprojection: pd.DataFrame
     )
 
 
-def plot_compare_methods(table: pd.DataFrame) -> Axes:
+def plot_compare_methods(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
     """Draw the comparison: bars are means over trials, whiskers one SD, dots the trials.
 
     Parameters
     ----------
     table : pandas.DataFrame
         From :func:`build_compare_methods_table`.
+    ax : matplotlib axes, optional
+        The panels divide its place in its figure; default a new figure.
 
     Returns
     -------
@@ -104,25 +106,27 @@ def plot_compare_methods(table: pd.DataFrame) -> Axes:
     colours = {m: OKABE_ITO[_COLOURS[k % len(_COLOURS)]] for k, m in enumerate(methods)}
     with style():
         # the last panel holds a group for each camera and kind of paw
-        figure, axes = plt.subplots(
-            1, 4, figsize=figure_size(2, 75.0), width_ratios=[1.0, 1.0, 1.0, 2.6]
-        )
-        for letter, ax, panel in zip("abcd", axes, PANELS, strict=True):
+        figure, grid = open_grid(
+            1, 4, where="comparison of methods", size=figure_size(2, 75.0), ax=ax,
+            width_ratios=[1.0, 1.0, 1.0, 2.6],
+        )  # fmt: skip
+        axes = [figure.add_subplot(grid[k]) for k in range(4)]
+        for letter, place, panel in zip("abcd", axes, PANELS, strict=True):
             own = table[table["panel"] == panel]
             groups = list(dict.fromkeys(zip(own["view"], own["kind"], strict=True)))
             groups.sort(key=lambda group: (group[1], group[0]))
             for i, group in enumerate(groups):
                 here = own[(own["view"] == group[0]) & (own["kind"] == group[1])]
-                _draw_group(ax, here, methods, colours, centre=i)
-            ax.set_ylabel(PANELS[panel])
-            ax.set_title(letter, loc="left", fontweight="bold")
-            ax.set_ylim(bottom=0.0)
+                _draw_group(place, here, methods, colours, centre=i)
+            place.set_ylabel(PANELS[panel])
+            place.set_title(letter, loc="left", fontweight="bold")
+            place.set_ylim(bottom=0.0)
             if panel == "reprojection":
                 # eight groups share half a page: upright names would run into each other
                 names = [f"{view} {kind}" for view, kind in groups]
-                ax.set_xticks(range(len(groups)), names, rotation=90)
+                place.set_xticks(range(len(groups)), names, rotation=90)
             else:
-                ax.set_xticks([])
+                place.set_xticks([])
         handles = [Patch(color=colours[m]) for m in methods]
         n = table[table["panel"] == "time"].groupby("method")["trial"].nunique()
         words = [f"{m} ({n[m]} trial{'s' * int(n[m] != 1)})" for m in methods]

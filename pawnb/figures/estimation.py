@@ -5,13 +5,12 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
 from pawnb.errors import InputError
-from pawnb.figures.panels import add_animal_legend, add_letter, draw_points
+from pawnb.figures.panels import add_animal_legend, add_letter, draw_points, open_grid
 from pawnb.figures.style import figure_size, mark_animals, small_pt, style
 from pawnb.gait.groups import compare_groups
 from pawnb.schema import check_columns
@@ -88,20 +87,24 @@ def build_estimation_table(
     return whole.reindex(columns=list(COLUMNS))
 
 
-def plot_estimation(table: pd.DataFrame, *, label: str | None = None) -> Axes:
+def plot_estimation(
+    table: pd.DataFrame, *, ax: Axes | None = None, label: str | None = None
+) -> Axes:
     """Draw each animal and the means of groups above, the differences with intervals below.
 
     Parameters
     ----------
     table : pandas.DataFrame
         From :func:`build_estimation_table`.
+    ax : matplotlib axes, optional
+        The panels divide its place in its figure; default a new figure.
     label : str, optional
         What the measure is called, with its unit: ``"Stride length (mm)"``.
 
     Returns
     -------
     matplotlib axes
-        The upper panel; the lower is the second of ``ax.figure.axes``.
+        The upper panel; the lower comes after it in ``ax.figure.axes``.
 
     Raises
     ------
@@ -117,9 +120,13 @@ def plot_estimation(table: pd.DataFrame, *, label: str | None = None) -> Axes:
     paired = bool(table["paired"].iloc[0])
     label = label or str(table["measure"].iloc[0])
     with style():
-        figure, (above, below) = plt.subplots(
-            2, 1, figsize=figure_size(1, 105.0), sharex=True, height_ratios=[1.3, 1.0]
-        )
+        figure, grid = open_grid(
+            2, 1, where="estimation plot", size=figure_size(1, 105.0), ax=ax,
+            height_ratios=[1.3, 1.0],
+        )  # fmt: skip
+        above = figure.add_subplot(grid[0])
+        below = figure.add_subplot(grid[1], sharex=above)
+        above.tick_params(labelbottom=False)
         places = {}
         for x, name in enumerate(groups):
             own = animals[animals["group"] == name]

@@ -84,6 +84,48 @@ def make_panels(
     return panels[:n]
 
 
+def open_grid(
+    rows: int, columns: int, *, where: str, size: tuple[float, float], ax: Any = None, **ratios: Any
+) -> tuple[Any, Any]:
+    """Make the grid of a figure of unlike panels, or divide the place of the axes given.
+
+    Parameters
+    ----------
+    rows, columns : int
+        Shape of the grid.
+    where : str
+        Name of the figure, for messages.
+    size : tuple of float
+        Size of a new figure, inches.
+    ax : matplotlib axes, optional
+        The panels take its place in its figure; it is removed.
+    **ratios
+        ``height_ratios``, ``width_ratios``.
+
+    Returns
+    -------
+    figure, grid
+        For ``figure.add_subplot(grid[i, j])``.
+
+    Raises
+    ------
+    InputError
+        If the axes have no place in a grid, as those of ``figure.add_axes``.
+    """
+    if ax is None:
+        figure = plt.figure(figsize=size)
+        return figure, figure.add_gridspec(rows, columns, **ratios)
+    place = ax.get_subplotspec()
+    if place is None:
+        raise InputError(
+            f"{where}: its panels divide the place of the axes given, and these have none; make "
+            "them with plt.subplots."
+        )
+    figure = ax.figure
+    ax.remove()
+    return figure, place.subgridspec(rows, columns, **ratios)
+
+
 def add_letter(ax: Axes, k: int) -> None:
     """Put the letter of a panel above its left edge.
 

@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 
 from pawnb.errors import InputError
-from pawnb.figures.panels import with_unit
+from pawnb.figures.panels import open_grid, with_unit
 from pawnb.figures.style import colour_legs, figure_size, small_pt, style
 from pawnb.schema import check_columns
 
@@ -68,7 +67,11 @@ def build_paths_3d_table(
 
 
 def plot_paths_3d(
-    table: pd.DataFrame, *, unit: str | None = None, view_deg: tuple[float, float] = (22.0, -60.0)
+    table: pd.DataFrame,
+    *,
+    ax: Any = None,
+    unit: str | None = None,
+    view_deg: tuple[float, float] = (22.0, -60.0),
 ) -> Any:
     """Draw the paths in perspective, from the side and from above, all axes to one scale.
 
@@ -76,6 +79,8 @@ def plot_paths_3d(
     ----------
     table : pandas.DataFrame
         From :func:`build_paths_3d_table`.
+    ax : matplotlib axes, optional
+        The panels divide its place in its figure; default a new figure.
     unit : str, optional
         Unit of the positions.
     view_deg : tuple of float
@@ -97,8 +102,9 @@ def plot_paths_3d(
     names = [str(name) for name in dict.fromkeys(table["point"])]
     colours = colour_legs(names)
     with style():
-        figure = plt.figure(figsize=figure_size(2, 70.0))
-        grid = figure.add_gridspec(2, 2, width_ratios=[1.15, 1.0])
+        figure, grid = open_grid(
+            2, 2, where="paths", size=figure_size(2, 70.0), ax=ax, width_ratios=[1.15, 1.0]
+        )
         space: Any = figure.add_subplot(grid[:, 0], projection="3d")
         side = figure.add_subplot(grid[0, 1])
         above = figure.add_subplot(grid[1, 1])

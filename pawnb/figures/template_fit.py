@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
 from pawnb.errors import InputError
-from pawnb.figures.panels import add_letter
-from pawnb.figures.style import OKABE_ITO, figure_size, style
+from pawnb.figures.panels import add_letter, open_grid
+from pawnb.figures.style import OKABE_ITO, figure_size, small_pt, style
 from pawnb.schema import check_columns
 
 COLUMNS = ("frame", "u", "v", "u_fit", "v_fit", "part")
@@ -66,13 +65,15 @@ def build_template_fit_table(
     return pd.DataFrame(dict(zip(COLUMNS, columns, strict=True)))
 
 
-def plot_template_fit(table: pd.DataFrame) -> Axes:
+def plot_template_fit(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
     """Draw u and v of the paw as dots, of the template as a line.
 
     Parameters
     ----------
     table : pandas.DataFrame
         From :func:`build_template_fit_table`.
+    ax : matplotlib axes, optional
+        The panels divide its place in its figure; default a new figure.
 
     Returns
     -------
@@ -88,23 +89,29 @@ def plot_template_fit(table: pd.DataFrame) -> Axes:
     if len(table) == 0:
         raise InputError("template fit: the table is empty.")
     with style():
-        figure, axes = plt.subplots(2, 1, figsize=figure_size(1, 85.0), sharex=True)
+        figure, grid = open_grid(2, 1, where="template fit", size=figure_size(1, 85.0), ax=ax)
+        first = figure.add_subplot(grid[0])
+        axes = [first, figure.add_subplot(grid[1], sharex=first)]
+        first.tick_params(labelbottom=False)
         colours = {USED: "black", FORETOLD: OKABE_ITO["sky blue"], OTHER: "0.65"}
-        for k, (ax, name) in enumerate(zip(axes, "uv", strict=True)):
+        for k, (panel, name) in enumerate(zip(axes, "uv", strict=True)):
             for part, colour in colours.items():
                 own = table[table["part"] == part]
                 if own[name].notna().any():
-                    ax.plot(own["frame"], own[name], linestyle="none", marker="o",
+                    panel.plot(own["frame"], own[name], linestyle="none", marker="o",
                             markersize=2.2, markeredgewidth=0.0, color=colour,
                             label=f"tracked, {part}")  # fmt: skip
-            ax.plot(table["frame"], table[f"{name}_fit"], color=OKABE_ITO["vermillion"],
+            panel.plot(table["frame"], table[f"{name}_fit"], color=OKABE_ITO["vermillion"],
                     label="template")  # fmt: skip
             hidden = table.loc[table["part"] == FORETOLD, "frame"]
             if len(hidden):
-                ax.axvspan(hidden.min() - 0.5, hidden.max() + 0.5, color="0.93", linewidth=0,
-                           label="collision", zorder=0)  # fmt: skip
-            ax.set_ylabel(f"{name} (px)")
-            add_letter(ax, k)
+                panel.axvspan(hidden.min() - 0.5, hidden.max() + 0.5, color="0.93", linewidth=0,
+                           label="hidden or in a collision", zorder=0)  # fmt: skip
+            panel.set_ylabel(f"{name} (px)")
+            add_letter(panel, k)
+        if {"leg", "view"} <= set(table):  # as pawnb gait writes them
+            about = f"{table['leg'].iloc[0]}, view {table['view'].iloc[0]}"
+            first.set_title(about, loc="right", fontsize=small_pt())
         axes[1].invert_yaxis()  # v points down in a picture
         axes[1].set_xlabel("Frame")
         handles, words = axes[0].get_legend_handles_labels()

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import inspect
+
 import matplotlib as mpl
 import matplotlib.pyplot as plt
+import pandas as pd
 import pytest
 
+from pawnb import figures
 from pawnb.errors import InputError
 from pawnb.figures.panels import (
     add_animal_legend,
@@ -79,3 +83,34 @@ def test_nothing_or_too_much_is_refused():
         make_panels(0, where="test")
     with pytest.raises(InputError, match=r"^test: 2 panels for one axes; choose one of them"):
         make_panels(2, where="test", ax=plt.subplot())
+
+
+@pytest.mark.parametrize("kind", ["compare_methods", "estimation", "paths_3d", "template_fit"])
+def test_figures_of_unlike_panels_take_the_place_they_are_given(kind):
+    import test_same_bytes as made
+
+    if kind == "estimation":
+        rows = [(f"{g}{k}", g, 0.5 + 0.1 * k) for g in "ab" for k in range(3)]
+        strides = pd.DataFrame(rows, columns=["animal", "group", "duty_factor"])
+        table = figures.build_estimation_table(strides, "duty_factor")
+    else:
+        table = made.OTHERS[kind](None)
+    figure, (own, place) = plt.subplots(1, 2, layout="constrained")
+    drawn = getattr(figures, f"plot_{kind}")(table, ax=place)
+    assert drawn.figure is figure
+    assert own in figure.axes
+    assert place not in figure.axes
+    figure.draw_without_rendering()
+    # the panels lie in the right half, where the axes were
+    assert all(ax.get_position().x0 > 0.4 for ax in figure.axes if ax is not own)
+    loose = plt.figure().add_axes((0.1, 0.1, 0.8, 0.8))
+    with pytest.raises(InputError, match=r"these have none; make them with plt\.subplots"):
+        getattr(figures, f"plot_{kind}")(table, ax=loose)
+    plt.close("all")
+
+
+def test_every_figure_of_a_table_takes_axes():
+    # the summary page is a whole page of subfigures and takes none
+    plots = [name for name in figures.__all__ if name.startswith("plot_")]
+    without = [n for n in plots if "ax" not in inspect.signature(getattr(figures, n)).parameters]
+    assert without == ["plot_summary_page"]

@@ -66,6 +66,7 @@ def test_template_foretells_what_was_hidden():
     period = load_template().kinds["front"].period_s * FPS
     assert len(used) == pytest.approx(period, abs=1)
     assert ax.get_ylabel() == "u (px)"
+    assert ax.get_title(loc="right") == "FR, view cam1"
 
 
 def test_a_paw_that_was_never_hidden_shows_the_fit_to_its_last_stride():
