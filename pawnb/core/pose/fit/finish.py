@@ -24,18 +24,18 @@ from pawnb.core.pose.fit.solve_loops import Prior, Sight
 from pawnb.core.pose.fit.start import partners
 from pawnb.core.pose.fit.uncertainty_loops import error_ratio, place_sds
 
-_SWEEPS = 6
+_SWEEPS = 5
 """How often frames are fitted at most, each time with what the last fits of the others say."""
-_GAIN = 0.2
+_GAIN = 0.5
 """A frame is fitted again where the cost of one of its legs is expected to fall by this, which is
-that of 0.6 standard deviations."""
+that of one standard deviation."""
 _ROUNDS = 3
 _THREADS = 2
 _ALIKE_PX = 4.5
 """Errors of pixels nearer than this go together: so many pixels count as one in each direction."""
-_MODEL_SD_PX = 0.5
-"""What the painted shape errs by itself, alike in all frames (hairs, shadow, bends), working px;
-set, as the line above, on rendered spiders."""
+_MODEL_SD = 0.45
+"""What the painted shape errs by itself, alike in all frames (hairs, shadow, bends), half widths of
+the picture's blur; set, as the line above, on rendered spiders."""
 
 _T = TypeVar("_T")
 
@@ -94,15 +94,22 @@ class _Others:
     ----------
     around : ndarray, shape (n, n_parameters)
         Its legs' numbers; 0 for the body.
-    pull : ndarray, shape (n, n_parameters, n_parameters)
-        How surely, a precision; 0 for the body.
+    pulls : list of ndarray, shape (n, d, d)
+        Of each leg, how surely: a precision of its d numbers.
     gain : ndarray, shape (n,)
         How much the cost of a leg would fall at most by heeding it.
     """
 
     around: np.ndarray
-    pull: np.ndarray
+    pulls: list[np.ndarray]
     gain: np.ndarray
+
+    def pull(self, fitter: FrameFitter, t: int) -> np.ndarray:
+        """Return how surely they say it of frame t, a precision of the whole pose."""
+        out = np.zeros((fitter.n, fitter.n))
+        for numbers, pull in zip(fitter.numbers, self.pulls, strict=True):
+            out[np.ix_(numbers, numbers)] = pull[t]
+        return out
 
 
 def settle_all(fitter: FrameFitter, found: Sequence[Choices], poses: np.ndarray) -> list[Settled]:
@@ -140,14 +147,11 @@ def settle_all(fitter: FrameFitter, found: Sequence[Choices], poses: np.ndarray)
         again = np.flatnonzero(others.gain > _GAIN)
         if not len(again):
             break
-        pulls = {
-            int(t): anatomy._replace(around=others.around[t], pull=own[t].many * others.pull[t])
-            for t in again
-        }
-        _on_threads(fitter, again, partial(_fit_again, found=found, own=own, priors=pulls))
+        work = partial(_fit_again, found=found, own=own, others=others, anatomy=anatomy)
+        _on_threads(fitter, again, work)
         motions = _learnt(fitter, own, motions, stretches)
     others = _from_others(fitter, own, motions, stretches)
-    return [_settled(fitter, one, pull) for one, pull in zip(own, others.pull, strict=True)]
+    return [_settled(fitter, one, others.pull(fitter, t)) for t, one in enumerate(own)]
 
 
 def _on_threads(
@@ -165,22 +169,26 @@ def _from_others(
     fitter: FrameFitter, own: Sequence[_Own], motions: list[np.ndarray], stretches: list[np.ndarray]
 ) -> _Others:
     """Return what the other frames of its stretch say of each frame; the legs are independent."""
-    n = len(own)
-    around, pull = np.zeros((n, fitter.n)), np.zeros((n, fitter.n, fitter.n))
-    gain = np.zeros(n)
-    for numbers, motion in zip(fitter.numbers, motions, strict=True):
+
+    def of_leg(leg: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        numbers = fitter.numbers[leg]
         poses = np.array([one.pose[numbers] for one in own])
         precision = np.array([one.precision[np.ix_(numbers, numbers)] for one in own])
         slope = np.array([one.slope[numbers] for one in own])
         vector = np.einsum("tij,tj->ti", precision, poses) - slope
+        around, pull = np.empty_like(poses), np.empty_like(precision)
         for rows in stretches:
-            place, sure = others_say(precision[rows], vector[rows], motion)
-            around[np.ix_(rows, numbers)] = place
-            pull[np.ix_(rows, numbers, numbers)] = sure
-            down = slope[rows] + np.einsum("tij,tj->ti", sure, poses[rows] - place)
-            step = np.linalg.solve(precision[rows] + sure, down[..., None])[..., 0]
-            gain[rows] = np.maximum(gain[rows], 0.5 * (down * step).sum(axis=1))
-    return _Others(around, pull, gain)
+            around[rows], pull[rows] = others_say(precision[rows], vector[rows], motions[leg])
+        down = slope + np.einsum("tij,tj->ti", pull, poses - around)
+        step = np.linalg.solve(precision + pull, down[..., None])[..., 0]
+        return around, pull, 0.5 * (down * step).sum(axis=1)
+
+    with ThreadPoolExecutor(_THREADS, thread_name_prefix="pawnb-last") as pool:
+        arounds, pulls, gains = zip(*pool.map(of_leg, range(len(motions))), strict=True)
+    around = np.zeros((len(own), fitter.n))
+    for numbers, place in zip(fitter.numbers, arounds, strict=True):
+        around[:, numbers] = place
+    return _Others(around, list(pulls), np.max(gains, axis=0))
 
 
 def _learnt(
@@ -212,13 +220,15 @@ def _fit_again(
     *,
     found: Sequence[Choices],
     own: list[_Own],
-    priors: dict[int, Prior],
+    others: _Others,
+    anatomy: Prior,
 ) -> None:
     """Fit frame t with the others in mind; replace what its picture says."""
-    pose, prior = own[t].pose, priors[t]
+    pose, pull = own[t].pose, own[t].many * others.pull(fitter, t)
+    prior = anatomy._replace(around=others.around[t], pull=pull)
     sight = fitter.sight(found[t].image.astype(float), found[t].box, pose)
     pose, _ = fitter.fit(pose, sight, prior, rounds=_ROUNDS)
-    own[t] = _own_near(fitter, pose, sight, prior._replace(pull=np.zeros((0, 0))))
+    own[t] = _own_near(fitter, pose, sight, anatomy)
 
 
 def _settled(fitter: FrameFitter, own: _Own, pull: np.ndarray) -> Settled:
@@ -229,6 +239,6 @@ def _settled(fitter: FrameFitter, own: _Own, pull: np.ndarray) -> Settled:
     return Settled(
         pose=own.pose,
         sd=np.sqrt(np.maximum(np.diag(covariance), 0.0)),
-        places_sd=np.hypot(places, _MODEL_SD_PX),
+        places_sd=np.hypot(places, _MODEL_SD * fitter.blur),
         support=own.support,
     )

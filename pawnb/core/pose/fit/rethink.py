@@ -13,9 +13,6 @@ from pawnb.core.pose.fit.follow import Follower
 from pawnb.core.pose.fit.path import Trellis
 
 _KEEP_VELOCITY = 0.9
-_BRIDGES = (1, 2, 3)
-_STRAYS_PX = 4.0
-"""A joint further than this from the middle of the frames before and after strays, working px."""
 _MOST_BACK = 60
 """Frames that a leg is followed back from where it is found again."""
 
@@ -43,8 +40,6 @@ def look_back(follower: Follower) -> None:
     if _follow_back(follower, paths):
         paths = _paths(follower)
     _adopt(follower, paths)
-    if _bridge(follower):
-        _adopt(follower, _paths(follower))
 
 
 def _adopt(follower: Follower, paths: list[dict[int, int]]) -> None:
@@ -56,24 +51,6 @@ def _adopt(follower: Follower, paths: list[dict[int, int]]) -> None:
         choices.pose = pose
 
 
-def _bridge(follower: Follower) -> bool:
-    """Offer legs that stray for a few frames the places between those before and after."""
-    fitter, kept = follower.fitter, follower.kept
-    joints = np.array([fitter.joints(choices.pose) for choices in kept])
-    extra: dict[int, dict[int, list[np.ndarray]]] = {}
-    for span in _BRIDGES:
-        if len(kept) <= 2 * span:
-            break
-        between = (joints[: -2 * span] + joints[2 * span :]) / 2
-        away = np.nanmax(np.abs(joints[span:-span] - between), axis=(2, 3))
-        for t, leg in zip(*np.nonzero(away > _STRAYS_PX * span), strict=True):
-            numbers = fitter.numbers[leg]
-            mean = (kept[t].pose[numbers] + kept[t + 2 * span].pose[numbers]) / 2
-            extra.setdefault(int(t) + span, {}).setdefault(int(leg), []).append(mean)
-    _on_two_threads(follower, sorted(extra), lambda own, part: _offer(follower, own, part, extra))
-    return bool(extra)
-
-
 def _on_two_threads(
     follower: Follower, frames: list[int], work: Callable[[FrameFitter, list[int]], None]
 ) -> None:
@@ -82,27 +59,6 @@ def _on_two_threads(
     twins = [follower.fitter.twin() for _ in range(2)]
     with ThreadPoolExecutor(2, thread_name_prefix="pawnb-back") as pool:
         list(pool.map(work, twins, [frames[:half], frames[half:]]))
-
-
-def _offer(
-    follower: Follower,
-    fitter: FrameFitter,
-    frames: list[int],
-    extra: dict[int, dict[int, list[np.ndarray]]],
-) -> None:
-    """Fit the guesses for some frames and add them to their candidates."""
-    for t in frames:
-        choices, legs = follower.kept[t], extra[t]
-        sight = fitter.sight(choices.image.astype(float), choices.box, choices.pose)
-        anatomy, _ = follower.priors(choices.pose)
-        more = {
-            leg: [
-                fit_leg(fitter, choices.pose, leg, guess=g, sight=sight, prior=anatomy)
-                for g in guesses
-            ]
-            for leg, guesses in legs.items()
-        }
-        add_candidates(fitter, choices, more, sight=sight, prior=anatomy)
 
 
 def _second_pass(follower: Follower, fitter: FrameFitter, frames: list[int]) -> None:
