@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pawnb.gait.animals import check_level
+from pawnb.gait.checks import check_level
 from pawnb.gait.circular import circular_sd, mean_vector, rayleigh_p, wrap
 from pawnb.gait.circular_sample import NO_MEAN, ONE_ANIMAL, phase_standard_error
 from pawnb.gait.lines import t_quantile

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 
 import pandas as pd
 
-from pawnb.gait.animals import check_values, mean_of_animals
+from pawnb.gait.animals import mean_of_animals
+from pawnb.gait.checks import check_values
 from pawnb.gait.lines import t_quantile
 from pawnb.gait.variance_shares import icc_interval, variance_shares
 from pawnb.schema import check_columns

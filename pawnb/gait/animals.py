@@ -19,7 +19,8 @@ import numpy as np
 from scipy.stats import t as student
 
 from pawnb.errors import InputError
-from pawnb.gait.circular import as_numbers, mean_vector
+from pawnb.gait.checks import check_level, check_values
+from pawnb.gait.circular import mean_vector
 from pawnb.gait.circular_describe import difference
 from pawnb.gait.circular_sample import ONE_ANIMAL, TINY, animal_codes
 from pawnb.gait.lines import t_quantile
@@ -250,48 +251,3 @@ def slopes_by_animal(
         )
     left = k - len(slopes)
     return np.array(slopes), f"{left} of {k} animals without a slope left out" if left else ""
-
-
-def check_values(values: np.ndarray) -> np.ndarray:
-    """Return numbers as a flat array of floats.
-
-    Parameters
-    ----------
-    values : array_like
-        Numbers.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        The same numbers.
-
-    Raises
-    ------
-    InputError
-        If there is none, or one is not finite.
-    """
-    values = as_numbers(values, "values")
-    bad = int((~np.isfinite(values)).sum())
-    if len(values) == 0 or bad:
-        found = f"{bad} of {len(values)} are not finite" if bad else "none was given"
-        raise InputError(
-            f"values: {found}; expected finite numbers: leave out what was not measured."
-        )
-    return values
-
-
-def check_level(level: float) -> None:
-    """Refuse a level that no interval can have.
-
-    Parameters
-    ----------
-    level : float
-        What should be a level.
-
-    Raises
-    ------
-    InputError
-        If it is not between 0 and 1.
-    """
-    if not 0.0 < level < 1.0:
-        raise InputError(f"level is {level}; expected between 0 and 1, for instance 0.95.")

@@ -26,7 +26,7 @@ from scipy.stats import norm
 
 from pawnb.errors import InputError
 from pawnb.gait.animal_phases import WHOLE_CYCLE
-from pawnb.gait.animals import check_level, check_values
+from pawnb.gait.checks import check_level, check_values
 from pawnb.gait.circular import mean_vector, wrap
 from pawnb.gait.circular_describe import difference
 from pawnb.gait.circular_sample import ONE_ANIMAL

@@ -16,6 +16,7 @@ from scipy.special import hankel1e, ive
 from scipy.stats import chi2
 
 from pawnb.errors import InputError
+from pawnb.gait.checks import as_numbers, check_level
 
 _NEARLY_ONE = 1.0 - 1e-5
 _TINY = float(np.finfo(float).tiny)
@@ -267,8 +268,7 @@ def mean_interval(mean: float, r: float, n: int, *, level: float = 0.95) -> tupl
         If r or level is out of range.
     """
     check_r(r)
-    if not 0.0 < level < 1.0:
-        raise InputError(f"level is {level}; expected between 0 and 1, for instance 0.95.")
+    check_level(level)
     quantile = float(chi2.ppf(level, 1))
     total = n * r
     if n < 2 or not math.isfinite(mean) or 2.0 * total**2 <= n * quantile:
@@ -310,32 +310,6 @@ def check_phases(phases: np.ndarray) -> np.ndarray:
             "leave out what was not measured."
         )
     return phases
-
-
-def as_numbers(values: np.ndarray, name: str) -> np.ndarray:
-    """Return values as a flat array of floats; they may be missing.
-
-    Parameters
-    ----------
-    values : array_like
-        Numbers.
-    name : str
-        What the message calls them.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        The same numbers.
-
-    Raises
-    ------
-    InputError
-        If one is no number.
-    """
-    try:
-        return np.asarray(values, dtype=float).ravel()
-    except (TypeError, ValueError) as error:
-        raise InputError(f"{name}: expected numbers ({error}).") from error
 
 
 def check_r(r: float) -> None:

@@ -11,6 +11,7 @@ import pandas as pd
 from scipy.stats import t as student
 
 from pawnb.errors import InputError
+from pawnb.gait.checks import check_level
 from pawnb.schema import check_columns
 from pawnb.signals import differentiate
 
@@ -246,8 +247,7 @@ def average_cycles(
     """
     names = ("animal", "leg", "stride", "percent", value, "signal", "unit")
     check_columns(cycles, names, where="cycles")
-    if not 0.0 < level < 1.0:
-        raise InputError(f"level is {level}; expected between 0 and 1, for instance 0.95.")
+    check_level(level)
     known = cycles[cycles[value].notna()]
     by_animal = known.groupby(["leg", "percent", "animal"], sort=True)[value]
     animals = by_animal.agg(["mean", "std", "size"]).reset_index()

@@ -19,6 +19,7 @@ from pawnb.gait.animal_phases import WHOLE_CYCLE
 from pawnb.gait.circular import mean_vector
 from pawnb.gait.circular_describe import difference
 from pawnb.gait.circular_sample import TINY, phase_standard_error
+from pawnb.gait.lines import t_quantile
 
 _BLANK = (math.nan,) * 3
 
@@ -220,7 +221,7 @@ def _welch(
         return 0.0, 1.0 if away == 0.0 else TINY, float(sum(dfs))
     df = whole**2 / (squares[0] ** 2 / dfs[0] + squares[1] ** 2 / dfs[1])
     error = math.sqrt(whole)
-    quantile = float(student.ppf((1.0 + level) / 2.0, df))
+    quantile = t_quantile(level, df)
     p = max(float(2.0 * student.sf(abs(away) / error, df)), TINY)
     return quantile * error, p, df
 

@@ -16,7 +16,7 @@ import pandas as pd
 from scipy.stats import false_discovery_control
 
 from pawnb.errors import InputError
-from pawnb.gait.animals import check_level
+from pawnb.gait.checks import check_level
 from pawnb.gait.circular_sample import animal_sample
 from pawnb.gait.differences import compare_paired, compare_two, compare_two_phases
 from pawnb.schema import check_columns

@@ -250,14 +250,14 @@ def sprugel_factor(see: float, *, base: float = math.e) -> float:
     return math.exp((see * math.log(base)) ** 2 / 2.0)
 
 
-def t_quantile(level: float, df: int) -> float:
+def t_quantile(level: float, df: float) -> float:
     """Return Student's quantile of a two-sided interval.
 
     Parameters
     ----------
     level : float
         Level of the interval.
-    df : int
+    df : float
         Degrees of freedom.
 
     Returns

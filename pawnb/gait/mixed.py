@@ -22,8 +22,7 @@ from scipy.optimize import minimize
 from scipy.stats import t as student
 
 from pawnb.errors import InputError
-from pawnb.gait.animals import check_level
-from pawnb.gait.circular import as_numbers
+from pawnb.gait.checks import as_numbers, check_level
 from pawnb.gait.circular_sample import animal_codes
 from pawnb.gait.variance_shares import icc_interval
 from pawnb.schema import check_columns

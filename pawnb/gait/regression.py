@@ -17,6 +17,7 @@ from scipy.stats import t as student
 from statsmodels.regression.linear_model import OLS
 
 from pawnb.errors import InputError
+from pawnb.gait.checks import check_level
 from pawnb.gait.lines import (
     AnimalSlopes,
     Line,
@@ -365,8 +366,7 @@ def _points(
             f"regression: x has shape {x.shape}, y {y.shape}"
             f"{'' if names is None else f', animals {names.shape}'}; expected one value a point."
         )
-    if not 0.0 < level < 1.0:
-        raise InputError(f"level is {level}; expected between 0 and 1, for instance 0.95.")
+    check_level(level)
     known = np.isfinite(x) & np.isfinite(y)
     x, y = x[known], y[known]
     if len(x) < LEAST_POINTS or np.ptp(x) == 0.0:

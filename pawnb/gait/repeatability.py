@@ -12,6 +12,7 @@ from scipy.stats import f as fisher
 from scipy.stats import t as student
 
 from pawnb.errors import InputError
+from pawnb.gait.lines import t_quantile
 from pawnb.schema import check_columns
 
 MEASURES = (
@@ -122,7 +123,7 @@ def bland_altman(
             "above 0."
         )
     n = len(difference)
-    quantile = float(student.ppf((1.0 + level) / 2.0, n - 1))
+    quantile = t_quantile(level, n - 1)
     bias, sd = float(difference.mean()), float(difference.std(ddof=1))
     reach = quantile * sd / math.sqrt(n)
     error = quantile * sd * math.sqrt(1.0 / n + factor**2 / (2.0 * (n - 1)))

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.stats import f as fisher
 
-from pawnb.gait.animals import check_level, check_values
+from pawnb.gait.checks import check_level, check_values
 from pawnb.gait.circular_sample import animal_codes
 
 _LARGEST_RATIO = 1e12

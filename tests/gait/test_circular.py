@@ -17,13 +17,7 @@ from hypothesis import strategies as st
 from zar_samples import D1, D7, M6
 
 from pawnb.errors import InputError
-from pawnb.gait.circular import (
-    circular_sd,
-    mean_interval,
-    mean_vector,
-    rayleigh_p,
-    wrap,
-)
+from pawnb.gait.circular import circular_sd, mean_interval, mean_vector, rayleigh_p, wrap
 
 phases = st.lists(st.floats(0, 1, exclude_max=True), min_size=2, max_size=30)
 

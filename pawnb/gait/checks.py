@@ -1,0 +1,78 @@
+"""What numbers and levels must be, for every part of the statistics."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pawnb.errors import InputError
+
+
+def as_numbers(values: np.ndarray, name: str) -> np.ndarray:
+    """Return values as a flat array of floats; they may be missing.
+
+    Parameters
+    ----------
+    values : array_like
+        Numbers.
+    name : str
+        What the message calls them.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        The same numbers.
+
+    Raises
+    ------
+    InputError
+        If one is no number.
+    """
+    try:
+        return np.asarray(values, dtype=float).ravel()
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name}: expected numbers ({error}).") from error
+
+
+def check_values(values: np.ndarray) -> np.ndarray:
+    """Return numbers as a flat array of floats.
+
+    Parameters
+    ----------
+    values : array_like
+        Numbers.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        The same numbers.
+
+    Raises
+    ------
+    InputError
+        If there is none, or one is not finite.
+    """
+    values = as_numbers(values, "values")
+    bad = int((~np.isfinite(values)).sum())
+    if len(values) == 0 or bad:
+        found = f"{bad} of {len(values)} are not finite" if bad else "none was given"
+        raise InputError(
+            f"values: {found}; expected finite numbers: leave out what was not measured."
+        )
+    return values
+
+
+def check_level(level: float) -> None:
+    """Refuse a level that no interval can have.
+
+    Parameters
+    ----------
+    level : float
+        What should be a level.
+
+    Raises
+    ------
+    InputError
+        If it is not between 0 and 1.
+    """
+    if not 0.0 < level < 1.0:
+        raise InputError(f"level is {level}; expected between 0 and 1, for instance 0.95.")
