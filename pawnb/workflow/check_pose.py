@@ -17,6 +17,7 @@ from pawnb.trial import Trial, View
 from pawnb.workflow.check_report import CheckReport
 from pawnb.workflow.pose_in_space import load_second
 from pawnb.workflow.propose_pose import trial_animal, trial_background
+from pawnb.workflow.start_doubts import start_doubts
 from pawnb.workflow.track_pose import (
     check_in_picture,
     pose_views,
@@ -25,8 +26,6 @@ from pawnb.workflow.track_pose import (
 
 _ON_ANIMAL = 0.5
 """Least share of the body's middle line that must lie on the animal."""
-_SECOND_ANIMAL = 0.3
-"""Things this large, as a share of the animal, may be a second one."""
 _OTHER_SIZE = 1.5
 _SPARE_SPAN = 0.1
 _SEVERAL = 3
@@ -173,16 +172,7 @@ def _check_on_animal(
             f"nothing in frame {frame} of the start pose differs from the background"
         )
         return
-    if outline.at_edge:
-        report.doubts.append(
-            f"the animal touches the edge of the picture in frame {frame} of the start pose; start "
-            "in a frame with the whole animal in view"
-        )
-    if outline.others > _SECOND_ANIMAL:
-        report.doubts.append(
-            f"frame {frame} shows something else of {100 * outline.others:.0f} % of the animal's "
-            "size, perhaps a second animal; crop the view to one"
-        )
+    report.doubts += start_doubts(outline, frame)
     ends = [part.centre[0] + side * part.length / 2 for part in animal.body for side in (-1, 1)]
     along = np.linspace(min(ends), max(ends), 21)[1:-1] * float(pose.scale[0])
     turn = np.radians(float(pose.heading_deg[0]))

@@ -13,9 +13,11 @@ import pandas as pd
 
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.as_tracks import tracks_from_poses
+from pawnb.core.pose.background import Background
 from pawnb.core.pose.pose_table import pose_names, poses_from_table
 from pawnb.core.pose.poses import Poses
 from pawnb.core.pose.presence import find_animal_frames
+from pawnb.core.pose.silhouette import find_silhouette
 from pawnb.core.pose.space.as_tracks import tracks_in_space
 from pawnb.core.pose.space.track import SpaceTrack
 from pawnb.core.pose.track_result import PoseTrack
@@ -38,6 +40,7 @@ from pawnb.workflow.progress import Progress, progress_bar
 from pawnb.workflow.propose_pose import trial_animal, trial_background
 from pawnb.workflow.provenance import build_step, trial_checksums, trial_fingerprint
 from pawnb.workflow.results import describe_trial, write_track_results
+from pawnb.workflow.start_doubts import start_doubts
 
 
 def track_pose_trial(
@@ -93,6 +96,7 @@ def track_pose_trial(
         span = _frame_range(trial, views, poses, frames)
         check_in_picture(poses, reader)
         background = trial_background(trial, views)
+        _tell_doubts(poses, reader, background)
         if method == "paper" and not (frames or trial.frames) and background.n_frames > 1:
             span = _with_animal(reader, view, span, poses)
         bar = contextlib.nullcontext(progress) if progress else progress_bar("tracking")
@@ -182,9 +186,10 @@ def start_pose(
         table = check_pose(start, names=names, where="start pose")
     else:
         file = trial.start_pose_file()
-        if file is None:
+        if file is None or not trial.path(file).is_file():
+            there = "" if file is None else f" ({file}: no such file)"
             raise InputError(
-                f"trial {trial.name!r} has no start pose; pose the animal with "
+                f"trial {trial.name!r} has no start pose{there}; pose the animal with "
                 "pawnb.widgets.StickPoser, or name a csv under [start] pose."
             )
         table = read_pose(trial.path(file), names=names)
@@ -256,6 +261,14 @@ def check_in_picture(poses: Poses, reader: ViewReader) -> None:
                 f"start pose: the body of frame {frame} is at x = {x:g}, y = {y:g}, outside the "
                 f"picture of {size[0]} x {size[1]} px; put it on the animal."
             )
+
+
+def _tell_doubts(poses: Poses, reader: ViewReader, background: Background) -> None:
+    """Warn of start frames in which the animal touches the edge or may not be alone."""
+    for frame in poses.frames.tolist():
+        outline = find_silhouette(reader.frame(frame).image(), background)
+        for doubt in start_doubts(outline, frame) if outline is not None else ():
+            warnings.warn(f"{doubt}.", InputWarning, stacklevel=4)
 
 
 def pose_tracks(

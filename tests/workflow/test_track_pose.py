@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import dataclasses
 import json
 
 import cv2
@@ -162,3 +164,34 @@ def test_an_offset_is_refused(small_spider):
     change(small_spider, "trial.toml", "background_frames = [\n    0,\n    10,\n]", "offset = 10")
     with pytest.raises(InputError, match="offset is 10; a pose is tracked in the first view"):
         track(load_trial(small_spider))
+
+
+@pytest.mark.parametrize("method", ["pawnb", "paper"])
+def test_a_second_animal_and_the_edge_are_said(small_spider, method):
+    """The spider twice in the picture, side by side; and a view that cuts two of its legs off."""
+    still = {"pawnb": {"choose_path": False}, "paper": {"combinations": 2, "max_rounds": 1}}
+    run = {"method": method, "settings": still[method], "frames": (10, 12)}
+    trial = load_trial(small_spider)
+    with open_views(trial) as views:
+        pictures = [views.frame(i)["top"].image().astype(int) for i in range(13)]
+    folder = small_spider / "twice"
+    folder.mkdir()
+    for i, picture in enumerate(pictures):
+        beside = np.minimum(np.roll(picture - pictures[0], 130, axis=1), 0) if i >= 10 else 0
+        cv2.imwrite(str(folder / f"{i:03d}.png"), np.clip(picture + beside, 0, 255))
+    twice = dataclasses.replace(trial.views[0], video="twice")
+    with pytest.warns(InputWarning, match="perhaps a second animal; crop the view to one"):
+        track(dataclasses.replace(trial, views=(twice,)), **run)
+    tips = pd.read_csv(small_spider / "truth" / "tracks.csv").query("frame == 10")
+    tips = tips[tips["point"].str.len() == 2]["u"]
+    cut = int(np.sort(tips)[1]) + 2
+    width, height = pictures[0].shape[1], pictures[0].shape[0]
+    crop = dataclasses.replace(trial.views[0], crop=(cut, 0, width, height))
+    start = pd.read_csv(small_spider / "start_pose.csv").assign(x=lambda table: table["x"] - cut)
+    # the method of the thesis cannot go on without a leg, and says so too
+    refused = pytest.raises(InputError, match="L1 reaches outside the picture")
+    with (
+        pytest.warns(InputWarning, match="touches the edge of the picture in frame 10"),
+        refused if method == "paper" else contextlib.nullcontext(),
+    ):
+        track(dataclasses.replace(trial, views=(crop,)), start=start, **run)

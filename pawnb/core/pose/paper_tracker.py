@@ -7,7 +7,6 @@ import itertools
 import warnings
 from collections.abc import Callable
 
-import cv2
 import numpy as np
 
 from pawnb.core.grey import grey
@@ -31,8 +30,6 @@ _BODY_SHARE = 0.5
 _BEYOND = 0.04
 _RAISED = 0.75
 """In the start frame legs may look this much shorter than they are."""
-_OTHER_SHARE = 0.4
-"""Something else this large beside the animal may be a second one."""
 _SEEN_SHARE = 0.3
 """A leg of which less than this lies on subject pixels was not placed by the picture."""
 
@@ -91,8 +88,7 @@ def track_pose_paper(
     Warns
     -----
     InputWarning
-        If a leg reaches outside the picture: tracking ends there. If there is something as
-        large as another animal.
+        If a leg reaches outside the picture: tracking ends there.
 
     Notes
     -----
@@ -266,11 +262,6 @@ def check_start(energy: PaperEnergy, picture: np.ndarray, start: Poses) -> None:
     InputError
         If the body's place differs from the background in less than half of its area, or
         part of the animal lies outside the picture.
-
-    Warns
-    -----
-    InputWarning
-        If something apart from the animal is at least 40 % as large as it.
     """
     where = f"the start pose of frame {start.frames[0]}"
     pose, height, width = pose_vector(start), picture.shape[0], picture.shape[1]
@@ -295,23 +286,6 @@ def check_start(energy: PaperEnergy, picture: np.ndarray, start: Poses) -> None:
             f"{where} is not on the animal: only {100 * share:.0f} % of the body's place differs "
             f"from the background; something that does lies between ({u0}, {v0}) and "
             f"({u1 - 1}, {v1 - 1}) px: move the pose there."
-        )
-    away = distance_map(
-        (0, 0), cost.shape, pose[2], sticks.points(pose), sticks.n_links, sticks.parts(pose), 4.0
-    )
-    _, names, stats, middles = cv2.connectedComponentsWithStats(stands_out.astype(np.uint8))
-    areas = stats[:, cv2.CC_STAT_AREA].astype(float)
-    areas[0] = 0.0
-    mine = np.zeros(len(areas), bool)
-    mine[np.unique(names[(away < 4.0) & stands_out])] = True
-    other = int(np.argmax(np.where(mine, 0.0, areas)))
-    if areas[other] > _OTHER_SHARE * areas[mine].sum() and not mine[other]:
-        warnings.warn(
-            f"frame {start.frames[0]}: something {100 * areas[other] / areas[mine].sum():.0f} % as "
-            f"large as the animal lies about ({middles[other][0]:.0f}, {middles[other][1]:.0f}) "
-            "px; if it is a second animal, crop the view to one.",
-            InputWarning,
-            stacklevel=4,
         )
 
 

@@ -105,6 +105,7 @@ def track_pose(
     poses = chosen_poses(fitter, found)
     poses = learn_again(fitter, found, poses)
     settled = _finish(fitter, found, poses, steps)
+    steps.end()
     return _result(animal, look, fitter, numbers, found, settled)
 
 
@@ -125,6 +126,11 @@ class _Steps:
         self.done += 1
         if self.progress is not None:
             self.progress(min(self.done, self.total), self.total)
+
+    def end(self) -> None:
+        """Say that all is done, also where the animal was not there in every frame."""
+        if self.progress is not None and not self.stopped():
+            self.progress(self.total, self.total)
 
     def stopped(self) -> bool:
         return self.stop is not None and self.stop()

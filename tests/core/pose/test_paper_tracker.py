@@ -2,7 +2,6 @@
 
 import dataclasses
 
-import cv2
 import numpy as np
 import pytest
 from painted_spider import PaintedReader, paint
@@ -207,16 +206,6 @@ def test_tracking_ends_where_the_animal_leaves_the_picture():
     assert lost[-1]
     assert not lost[0]
     assert (track.origin[lost] == ORIGIN_CODE["missing"]).all()
-
-
-def test_a_second_animal_is_said(walk):
-    poses, reader, background = walk
-    pictures = [picture.copy() for picture in reader.pictures]
-    for picture in pictures[6:]:
-        cv2.ellipse(picture, (290, 35), (40, 22), 0, 0, 360, 50, -1)
-    with pytest.warns(InputWarning, match=r"as large as the animal lies about \(290, 35\)"):
-        track_pose_paper(PaintedReader(pictures), poses.take([0]), animal=ANIMAL,
-                         background=background, settings=QUICK, frames=(6, 7))  # fmt: skip
 
 
 def test_tracking_can_be_stopped(walk):

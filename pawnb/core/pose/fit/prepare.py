@@ -81,9 +81,10 @@ def check_on_animal(support: float, *, frame: int) -> None:
         If it is less than half.
     """
     if support < _ON_ANIMAL:
+        share = 100 * max(support, 0.0)  # what is lighter than the background counts against it
         raise InputError(
-            f"the start pose of frame {frame} is not on the animal: only {100 * support:.0f} % of "
-            "the body's place differs from the background; move it onto the animal."
+            f"the start pose of frame {frame} is not on the animal: only {share:.0f} % of the "
+            "body's place differs from the background; move it onto the animal."
         )
 
 
