@@ -159,10 +159,6 @@ def _bounds(
             lower, price[:] = value, now
         if k % 4 == 0:
             upper = min(upper, _one_by_one(first, tail, head, cost, begin, need, now, k))
-        if since == 10:
-            # too far each time: shorter steps, from the best prices
-            eager, since = 0.5 * eager, 0
-            now[:] = price
         step = passed - 1.0
         step[(step < 0) & (now <= 0) & ~need] = 0.0
         square = (step**2).sum()
@@ -171,6 +167,10 @@ def _bounds(
             upper = min(upper, value)
         if square == 0.0 or upper - lower <= 1e-9 * (1.0 + abs(lower)) or eager < 1e-3:
             break
+        if since == 10:
+            # too far each time: shorter steps, from the best prices
+            eager, since = 0.5 * eager, 0
+            now[:] = price
         aim = upper if np.isfinite(upper) else value + 100.0
         now = now + eager * max(aim - value, 1e-3) / square * step
         now = np.where(need, now, np.maximum(now, 0.0))

@@ -80,3 +80,30 @@ def test_most_links_of_a_large_network_are_left_out():
     np.testing.assert_allclose(again, best, atol=1e-6)
     # pieces that nobody must pass have no negative price
     assert (price[~need] >= 0).all()
+
+
+CONTESTED = """
+0,5,17,1772 0,17,22,2285 0,22,27,2189 0,27,40,35 0,40,43,1356 0,40,45,1861 0,0,5,82 0,43,-1,0
+0,45,-1,0 1,4,6,25 1,4,10,372 1,6,14,1216 1,10,14,1124 1,14,18,714 1,18,21,1289 1,21,26,1742
+1,26,30,23 1,26,36,647 1,30,31,37 1,31,34,82 1,31,41,1136 1,34,36,82 1,36,38,155 1,36,43,1603
+1,38,39,870 1,39,44,501 1,41,42,1194 1,1,4,63 1,42,-1,0 1,43,-1,0 1,44,-1,350 2,7,8,18 2,8,9,9
+2,9,15,1418 2,15,16,316 2,16,20,1658 2,20,23,132 2,23,25,1347 2,25,28,2229 2,28,32,502
+2,28,33,682 2,28,34,733 2,28,37,959 2,32,33,12 2,32,41,1054 2,33,35,11 2,33,42,1461 2,34,41,1056
+2,34,42,1498 2,35,41,993 2,37,41,878 2,41,42,370 2,2,7,512 2,2,15,1972 2,42,-1,0 3,4,6,108
+3,6,12,331 3,7,8,30 3,8,9,11 3,9,11,24 3,11,12,23 3,12,13,115 3,13,19,3038 3,19,23,2110
+3,19,24,3167 3,23,24,894 3,24,29,1552 3,29,30,656 3,29,32,850 3,29,33,965 3,29,39,1401
+3,29,38,1193 3,29,37,1255 3,30,31,162 3,31,38,322 3,32,33,17 3,32,38,298 3,33,35,7 3,35,38,122
+3,37,45,2455 3,38,39,130 3,39,44,229 3,3,4,272 3,3,7,518 3,3,11,773 3,44,-1,350 3,45,-1,0
+"""
+"""Links (point, from, to, ten times the cost) of a recording in which prices overshoot."""
+
+
+def test_bounds_hold_where_prices_go_back_to_better_ones():
+    # an upper bound was told from prices that had already been given up: nothing was kept
+    table = np.array([[float(x) for x in link.split(",")] for link in CONTESTED.split()])
+    rows, cost, begin = table[:, :3].astype(int), table[:, 3] / 10.0, np.arange(4)
+    need = np.zeros(46, bool)
+    keep = useful_links(rows, cost, rank=np.arange(46), begin=begin, need=need, price=np.zeros(46))
+    best = cost @ _optimum(rows, cost, begin, need)
+    again = cost[keep] @ _optimum(rows[keep], cost[keep], begin, need)
+    np.testing.assert_allclose(again, best, atol=1e-6)
