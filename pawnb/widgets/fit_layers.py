@@ -28,6 +28,8 @@ SETTINGS = {
 """Settings with a slider that show in a single frame, with step and limits; see
 :class:`pawnb.core.pose.fit.settings.PoseSettings`."""
 
+_FAINT, _PLAIN = 0.08, 0.5
+"""Darkness from which a layer begins to show, and from which it shows in full."""
 _POOR = 0.6
 """Legs that are explained less are named."""
 
@@ -63,8 +65,8 @@ class FitLayers(PictureLayers[Frame, FitView]):
     def paint(self, view: FitView, layer: str) -> np.ndarray:
         """Paint one layer of a fit, uint8 (H, W, 4): blue, green, red, opacity."""
         values = np.clip(np.asarray(getattr(view, layer), dtype=float), 0, 1)
-        # what is light lets the picture through, and a little darkness is seen already
-        return shaded(values, opacity=np.sqrt(values))
+        # noise lets the picture through, and half of an animal's darkness is seen well
+        return shaded(values, opacity=(values - _FAINT) / (_PLAIN - _FAINT))
 
     def caption(self, view: FitView) -> str:
         """Return the cost."""

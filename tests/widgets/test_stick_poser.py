@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import small_pose_trial as scene
 
-from pawnb.core.pose.poses import tip_positions
+from pawnb.core.pose.poses import leg_angles
 from pawnb.errors import InputError
 from pawnb.trial import load_trial
 from pawnb.widgets.fit_layers import SETTINGS as FIT_SETTINGS
@@ -81,9 +81,8 @@ def test_a_rough_pose_is_fitted_and_can_be_undone(poser):
     act(poser, "fit")
     found = poser.session.poses()
     np.testing.assert_allclose(found.xy[0], scene.XY, atol=0.6)
-    off = tip_positions(scene.SPECIES, found) - tip_positions(scene.SPECIES, scene.truth())
-    # the legs are painted with round ends, about 1.5 px beyond their tips
-    assert np.hypot(*np.moveaxis(off, -1, 0)).max() < 2.5
+    off = leg_angles(scene.SPECIES, found) - leg_angles(scene.SPECIES, scene.truth())
+    assert np.abs(off).max() < 1.5
     act(poser, "undo")
     assert poser.session.pose.xy == before
 
