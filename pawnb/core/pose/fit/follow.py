@@ -44,6 +44,9 @@ _LEAP_PX = 12.0
 _RIVAL = 30.0
 """A candidate whose best path costs this much more than the best is followed no further."""
 _LEARN_LENGTH = 0.03
+_JUMP_OF_MEDIAN, _JUMP_FRAMES = 1.5, 30
+"""Spread of the places of legs, as a multiple of how far the middle one strays over so many frames:
+a walking fly takes half a step between two frames at 25 a second."""
 
 
 class Follower:
@@ -73,6 +76,8 @@ class Follower:
         self._twins = [fitter.twin() for _ in self.sides]
         self._pool = ThreadPoolExecutor(len(self.sides), thread_name_prefix="pawnb-legs")
         self._lost = 0
+        self._astray: list[float] = []
+        self.jump_px = fitter.settings.jump_px
 
     def run(
         self, frames: Iterable[Frame], *, done: Callable[[], None] | None = None
@@ -110,6 +115,7 @@ class Follower:
         if fitter.settings.choose_path:
             self._add(choices, sight, anatomy)
             pose = self._decide(choices, sight, prior)
+            self._learn_jump(expected, pose)
         self._move_on(pose)
         self.kept.append(choices)
         return True
@@ -213,6 +219,16 @@ class Follower:
             sd[fitter.angles] = np.radians(fitter.settings.angle_step_deg)
             pose, _ = fitter.fit(pose, sight, about(prior, pose, sd), rounds=4)
         return pose
+
+    def _learn_jump(self, expected: np.ndarray, pose: np.ndarray) -> None:
+        """Let legs jump as far as they are seen to stray from their expected places."""
+        fitter = self.fitter
+        square = ((fitter.joints(pose) - fitter.joints(expected)) ** 2).sum(axis=-1)
+        self._astray.append(float(np.median(np.sqrt(np.nanmean(square, axis=1)))))
+        usual = _JUMP_OF_MEDIAN * float(np.median(self._astray[-_JUMP_FRAMES:]))
+        self.jump_px = max(fitter.settings.jump_px, usual)
+        for trellis in self.trellises:
+            trellis.jump_px = self.jump_px
 
     def _move_on(self, pose: np.ndarray) -> None:
         """Remember the pose, and how it moves."""

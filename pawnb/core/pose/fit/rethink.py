@@ -89,7 +89,7 @@ def _paths(follower: Follower) -> list[dict[int, int]]:
     settings = follower.fitter.settings
     out: list[dict[int, int]] = [{} for _ in follower.kept]
     for legs in follower.sides:
-        trellis = Trellis(settings.jump_px)
+        trellis = Trellis(follower.jump_px)
         for choices in follower.kept:
             energy = side_energy(choices, legs, settings.evidence_share)
             trellis.push(energy, [choices.joints[leg] for leg in legs])
@@ -101,7 +101,7 @@ def _paths(follower: Follower) -> list[dict[int, int]]:
 def _follow_back(follower: Follower, paths: list[dict[int, int]]) -> bool:
     """Follow legs backwards from their leaps; return whether candidates were added."""
     fitter, kept = follower.fitter, follower.kept
-    leap = 6 * fitter.settings.jump_px
+    leap = 6 * follower.jump_px
     leaps = []
     for leg in range(len(fitter.numbers)):
         for t in range(len(kept) - 1, 0, -1):

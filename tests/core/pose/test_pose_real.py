@@ -1,0 +1,47 @@
+"""The default pose tracker on real animals: a hanging orb weaver and a walking fly."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pawnb.core.pose.poses import tip_positions
+from pawnb.core.pose.tracker import track_pose
+
+BENCHMARKS = str(Path(__file__).parents[3] / "benchmarks")
+
+
+@pytest.mark.slow
+def test_legs_of_a_hanging_spider_from_a_disturbed_start(real_data, monkeypatch):
+    monkeypatch.syspath_prepend(BENCHMARKS)
+    import real_animals as real
+    from pose_real import line_errors
+
+    folder = real_data("spider-nephila")
+    animal, drawn = real.spider_start(folder, frame=570)
+    with real.opened(real.SPIDER, folder) as (reader, background):
+        start = real.disturbed(drawn, 0)
+        track = track_pose(reader, start, animal=animal, background=background, frames=(570, 611))
+    away = line_errors(animal, track.poses.at_frame(600), real.drawn_legs(folder))
+    # legs drawn by hand to 2 px; the aim is 6 px
+    assert max(away.values()) < 6.0, away
+
+
+@pytest.mark.slow
+def test_most_leg_tips_of_a_walking_fly(real_data, monkeypatch):
+    monkeypatch.syspath_prepend(BENCHMARKS)
+    import real_animals as real
+
+    folder = real_data("flies-topview") / "clip_inverted"
+    animal, start = real.fly_start(folder)
+    tips = real.fly_tips(folder)
+    tips = tips[(tips["score"] > 0.5) & (tips["frame"] < 60)]
+    with real.opened(real.FLY, folder) as (reader, background):
+        track = track_pose(reader, start, animal=animal, background=background, frames=(0, 60))
+    found = tip_positions(animal, track.poses)
+    legs = [animal.leg_names.index(leg) for leg in tips["leg"]]
+    away = np.hypot(*(found[tips["frame"], legs] - tips[["u", "v"]].to_numpy()).T)
+    near = {leg: np.mean(away[tips["leg"] == leg] <= 12.0) for leg in animal.leg_names}
+    # 12 px is the aim, three times what SLEAP's points are good to; hind legs hide under the wings
+    assert min(near["L1"], near["R1"], near["L2"], near["R2"]) > 0.6, near
+    assert np.mean(away <= 12.0) > 0.6, near
