@@ -9,7 +9,7 @@ import numpy as np
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.background import Background, find_background
 from pawnb.core.pose.pose_suspects import joints_beyond_range
-from pawnb.core.pose.poses import Poses, joint_positions
+from pawnb.core.pose.poses import Poses
 from pawnb.core.pose.silhouette import find_silhouette
 from pawnb.core.video import ViewReader, ViewSet
 from pawnb.errors import InputWarning, PawnbError
@@ -17,7 +17,7 @@ from pawnb.trial import Trial, View
 from pawnb.workflow.check_report import CheckReport
 from pawnb.workflow.pose_in_space import load_second
 from pawnb.workflow.propose_pose import trial_animal, trial_background
-from pawnb.workflow.start_doubts import start_doubts
+from pawnb.workflow.start_doubts import legs_outside, say_outside, start_doubts
 from pawnb.workflow.track_pose import (
     check_in_picture,
     pose_views,
@@ -27,7 +27,6 @@ from pawnb.workflow.track_pose import (
 _ON_ANIMAL = 0.5
 """Least share of the body's middle line that must lie on the animal."""
 _OTHER_SIZE = 1.5
-_SPARE_SPAN = 0.1
 _SEVERAL = 3
 _MOVES_GREY = 12.0
 _MOVES_SHARE = 3e-4
@@ -144,17 +143,9 @@ def _check_joints(
         report.doubts.append(
             f"start pose of frame {frame}: joints beyond their range: {said}{more}"
         )
-    places = joint_positions(animal, pose)[0]
-    size = np.array([reader.width, reader.height])
-    # where no lengths are given, legs that are raised reach too far
-    spare = _SPARE_SPAN * animal.span * scale
-    off = ~((places > -spare) & (places < size + spare)).all(axis=-1) & np.isfinite(places[..., 0])
-    names = [name for name, out in zip(animal.leg_names, off.any(axis=1), strict=True) if out]
+    names = legs_outside(animal, pose, size=(reader.width, reader.height))
     if names:
-        report.doubts.append(
-            f"start pose of frame {frame}: {', '.join(names)} reach off the picture; start in a "
-            "frame with the whole animal in view"
-        )
+        report.doubts.append(say_outside(names, int(frame)))
 
 
 def _check_on_animal(

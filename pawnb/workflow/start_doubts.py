@@ -2,10 +2,52 @@
 
 from __future__ import annotations
 
+import numpy as np
+
+from pawnb.core.pose.animal import StickAnimal
+from pawnb.core.pose.poses import Poses, joint_positions
 from pawnb.core.pose.silhouette import Silhouette
 
 _SECOND_ANIMAL = 0.3
 """Things this large, as a share of the animal, may be a second one."""
+
+
+_SPARE_SPAN = 0.1
+"""How far beyond the picture a leg may seem to reach, of the leg span, where nothing says how
+long it looks: legs that are raised are shorter."""
+
+
+def legs_outside(animal: StickAnimal, pose: Poses, *, size: tuple[int, int]) -> list[str]:
+    """Return the legs of a start pose that reach out of a picture.
+
+    Parameters
+    ----------
+    animal : StickAnimal
+        The animal.
+    pose : Poses
+        One frame.
+    size : tuple of int
+        Width and height of the picture, px.
+
+    Returns
+    -------
+    list of str
+        Their names.
+    """
+    places = joint_positions(animal, pose)[0]
+    flat = np.allclose(pose.lengths_px, pose.scale[:, None] * animal.lengths)
+    spare = _SPARE_SPAN * animal.span * float(pose.scale[0]) if flat else 0.5
+    inside = ((places > -spare) & (places < np.array(size) - 1 + spare)).all(axis=-1)
+    off = (~inside & np.isfinite(places[..., 0])).any(axis=1)
+    return [name for name, out in zip(animal.leg_names, off, strict=True) if out]
+
+
+def say_outside(names: list[str], frame: int) -> str:
+    """Return the sentence about legs that reach out of the picture."""
+    return (
+        f"start pose of frame {frame}: {', '.join(names)} reach off the picture; start in a "
+        "frame with the whole animal in view"
+    )
 
 
 def start_doubts(outline: Silhouette, frame: int) -> list[str]:

@@ -40,7 +40,7 @@ from pawnb.workflow.progress import Progress, progress_bar
 from pawnb.workflow.propose_pose import trial_animal, trial_background
 from pawnb.workflow.provenance import build_step, trial_checksums, trial_fingerprint
 from pawnb.workflow.results import describe_trial, write_track_results
-from pawnb.workflow.start_doubts import start_doubts
+from pawnb.workflow.start_doubts import legs_outside, say_outside, start_doubts
 
 
 def track_pose_trial(
@@ -96,7 +96,7 @@ def track_pose_trial(
         span = _frame_range(trial, views, poses, frames)
         check_in_picture(poses, reader)
         background = trial_background(trial, views)
-        _tell_doubts(poses, reader, background)
+        _tell_doubts(animal, poses, reader, background)
         if method == "paper" and not (frames or trial.frames) and background.n_frames > 1:
             span = _with_animal(reader, view, span, poses)
         bar = contextlib.nullcontext(progress) if progress else progress_bar("tracking")
@@ -263,11 +263,17 @@ def check_in_picture(poses: Poses, reader: ViewReader) -> None:
             )
 
 
-def _tell_doubts(poses: Poses, reader: ViewReader, background: Background) -> None:
+def _tell_doubts(
+    animal: StickAnimal, poses: Poses, reader: ViewReader, background: Background
+) -> None:
     """Warn of start frames in which the animal touches the edge or may not be alone."""
-    for frame in poses.frames.tolist():
+    for i, frame in enumerate(poses.frames.tolist()):
         outline = find_silhouette(reader.frame(frame).image(), background)
-        for doubt in start_doubts(outline, frame) if outline is not None else ():
+        doubts = start_doubts(outline, frame) if outline is not None else []
+        outside = legs_outside(animal, poses.take([i]), size=(reader.width, reader.height))
+        if outside and not (outline is not None and outline.at_edge):  # that is said already
+            doubts.append(say_outside(outside, frame))
+        for doubt in doubts:
             warnings.warn(f"{doubt}.", InputWarning, stacklevel=4)
 
 
