@@ -28,7 +28,9 @@ def test_truth_is_recovered_from_the_csv(tmp_path):
             off = (lags[leg, reference] - expected + 0.5) % 1.0 - 0.5
             assert abs(off) < 0.02
         # no belt speed was given: it is told from the feet in stance
-        (told,) = [n for note in tables.notes for n in re.findall(r"belt speed about (\S+) px/s", note)]
+        (told,) = [
+            n for note in tables.notes for n in re.findall(r"belt speed about (\S+) px/s", note)
+        ]
         assert float(told) == pytest.approx(BELT_PX_S, rel=0.03)
 
 
