@@ -15,7 +15,7 @@ class PoseSettings:
         The view is reduced by the greatest whole factor that leaves the leg span at least this
         long, working pixels.
     blur_px : float
-        Standard deviation of the picture's blur.
+        Standard deviation of the picture's blur, from which that of the start frame is found.
     unexplained_sd : float
         Standard deviation of the darkness that a well fitted animal leaves unexplained.
     soft_error : float
@@ -31,7 +31,8 @@ class PoseSettings:
         Weight of the picture against smoothness when the path through the candidates is chosen:
         neighbouring pixels do not err independently.
     jump_px : float
-        Standard deviation of how far a leg's joints stray from their predicted places.
+        Standard deviation of how far a leg's joints stray from their predicted places, at least;
+        more where the middle leg is seen to stray further.
     choose_path : bool
         Whether candidates are kept and the smoothest path through the recording chosen; without
         it, each frame takes the pose nearest to the prediction.

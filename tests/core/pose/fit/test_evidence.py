@@ -4,7 +4,8 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from pawnb.core.pose.fit.evidence import Evidence, reduced
+from pawnb.core.pose.fit.evidence import Evidence, reduced, without_wide
+from pawnb.core.pose.fit.solve_loops import Sight
 
 
 def scene(light: np.ndarray):
@@ -45,3 +46,21 @@ def test_crop_stays_inside_the_picture_and_reduction_is_the_mean_of_squares():
     np.testing.assert_allclose(evidence.sd, 0.5)
     assert evidence.crop_box(np.array([0.0, 50.0]), 4.0) == (0, 0, 3, 2)
     np.testing.assert_array_equal(reduced(np.ones((5, 5)), 2), np.ones((2, 2)))
+
+
+def test_what_is_wider_than_a_leg_is_taken_as_a_filter_before_it():
+    # a leg 3 px wide that takes 60 % of the light, half of it behind a wing that takes 20 %
+    wing, leg = np.zeros((80, 80)), np.zeros((80, 80))
+    wing[20:60, 40:75] = 0.2
+    leg[39:42, 5:70] = 0.6
+    seen = 1.0 - (1.0 - wing) * (1.0 - leg)
+    nowhere = np.zeros(seen.shape, bool)
+    thin = without_wide(Sight(seen, np.full(seen.shape, 50.0), np.zeros(2)), nowhere, size=11)
+    assert abs(thin.seen[40, 10:35].mean() - 0.6) < 0.01
+    assert abs(thin.seen[40, 45:68].mean() - 0.6) < 0.03
+    assert np.abs(thin.seen[25:35, 45:70]).max() < 0.05
+    assert thin.weight[30, 55] < thin.weight[40, 20]
+    # a body is wide itself
+    body = wing > 0
+    kept = without_wide(Sight(seen, np.full(seen.shape, 50.0), np.zeros(2)), body, size=11)
+    np.testing.assert_allclose(kept.seen[body], seen[body])
