@@ -166,7 +166,7 @@ def make_tracks(
     tracks.attrs = {
         "fps": float(fps),
         "time_unit": "seconds",
-        "unit": unit,
+        "units": unit,
         "ds_type": "poses",
         "source_software": source_software,
         "provenance": "{}",
@@ -178,7 +178,9 @@ def make_tracks(
                 "flag_meanings": " ".join(ORIGINS),
             }
     tracks["position"].attrs["units"] = unit
-    tracks["residual"].attrs["units"] = "px"
+    for name in ("residual", "image_position"):
+        if name in tracks:
+            tracks[name].attrs["units"] = "px"
     return tracks
 
 

@@ -127,3 +127,12 @@ def test_settings_that_make_no_sense_are_refused(values, message):
     with pytest.raises(InputError) as caught:
         schema.build_settings(Example, values, where="--set")
     assert str(caught.value) == message
+
+
+def test_attributes_of_tracks_are_those_of_the_contract():
+    # design.md, section 2: fps, units, provenance as one JSON string
+    tracks = schema.make_tracks([0], ["FR"], fps=250, views=["a"], unit="mm")
+    assert tracks.attrs["fps"] == 250.0
+    assert tracks.attrs["units"] == tracks["position"].attrs["units"] == "mm"
+    assert tracks["image_position"].attrs["units"] == "px"
+    assert isinstance(tracks.attrs["provenance"], str)

@@ -70,7 +70,7 @@ def triangulate_tracks(
     result["confidence"] = (dims, np.where(good, total, 0.0), tracks["confidence"].attrs)
     origin = np.where(good, ORIGIN_CODE["measured"], ORIGIN_CODE["missing"]).astype(np.int8)
     result["origin"] = (dims, origin, tracks["origin"].attrs)
-    result.attrs["unit"] = rig.unit
+    result.attrs["units"] = rig.unit
     return add_provenance(
         result, step="triangulate", views=views, max_residual_px=max_residual_px,
         refused=int(too_far.sum()),

@@ -86,7 +86,7 @@ def collect_evidence(
     if xyz.shape[-1] == 3 and np.isfinite(xyz).any():
         up, forward = ((0.0, 0.0, 1.0), (1.0, 0.0, 0.0)) if rig is None else (rig.up, rig.forward)
         across = np.cross(up, forward)
-        found.append(_out_of_place(xyz @ across, uv, span=span, unit=tracks.attrs["unit"]))
+        found.append(_out_of_place(xyz @ across, uv, span=span, unit=tracks.attrs["units"]))
         found.append(_off_the_ground(xyz @ np.asarray(up), uv, span))
     if other is not None:
         found.append(passes_disagree(tracks, other, uv))

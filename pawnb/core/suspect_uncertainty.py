@@ -85,7 +85,7 @@ def collect_uncertainty(
     uv = image_positions(tracks)
     found = [_hardly_recognised(tracks, uv), _views_disagree(tracks, uv), _vague(tracks, uv)]
     away, off = off_cycle(tracks, rig)
-    unit = tracks.attrs["unit"]
+    unit = tracks.attrs["units"]
 
     def words(key: tuple[int, int, int]) -> str:
         return f"it is {off[key[0], key[2]]:.1f} {unit} from where it is in other strides"
@@ -199,7 +199,7 @@ def _vague(tracks: Tracks, uv: np.ndarray) -> Evidence:
     """Doubt points that are only vaguely known."""
     sd = _uncertainty(tracks)
     score, usual = _relative(sd)
-    unit = tracks.attrs["unit"]
+    unit = tracks.attrs["units"]
 
     def words(key: tuple[int, int, int]) -> str:
         here = sd[key[0], key[2]]

@@ -119,7 +119,7 @@ def _best_space(point: Tracks, least: float) -> tuple[str, str, np.ndarray] | No
             seen.append((int(np.isfinite(path).all(axis=1).sum()), str(view), path))
     most = max((n for n, _, _ in seen), default=0)
     if n_position and 2 * n_position >= most:
-        return "position", str(point.attrs.get("unit", "px")), position
+        return "position", str(point.attrs.get("units", "px")), position
     # the first of the views that are about as good, so that feet stay together
     return next(((view, "px", path) for n, view, path in seen if n and n >= 0.9 * most), None)
 

@@ -36,5 +36,5 @@ def read_anipose(path: str | Path, *, fps: float, unit: str = "mm") -> Tracks:
     dataset = load_with_movement(
         "from_anipose_file", path, fps=fps, program="Anipose", individual_name=_INDIVIDUAL
     )
-    dataset.attrs["unit"] = unit
+    dataset.attrs["units"] = unit
     return from_movement(dataset, fps=fps, where=Path(path).name)

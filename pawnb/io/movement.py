@@ -181,7 +181,7 @@ def from_movement(
         views=views,
         space=("x", "y", "z") if views else space,
         source_software=str(dataset.attrs.get("source_software") or "movement"),
-        unit=str(dataset.attrs.get("unit") or "px"),
+        unit=str(dataset.attrs.get("units") or "px"),
     )
     who = np.array([str(i) for i in dataset["individual"].to_numpy()], dtype=str)
     if len(who) != 1:

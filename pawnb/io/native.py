@@ -137,6 +137,8 @@ def _plain(dataset: xr.Dataset) -> xr.Dataset:
             ]
             dataset = dataset.assign_coords({name: (dataset[name].dims, np.array(values, str))})
     dataset.attrs = _plain_values(dataset.attrs)
+    if "unit" in dataset.attrs:  # the name of the attribute in the first tracks.nc
+        dataset.attrs["units"] = dataset.attrs.pop("unit")
     for variable in dataset.variables.values():
         variable.attrs = _plain_values(variable.attrs)
     return dataset.drop_encoding()

@@ -77,7 +77,7 @@ def describe_trial(tracks: Tracks, trial: Trial) -> Tracks:
         speed = np.interp(frames, known, table["speed"].to_numpy(dtype=float))
     else:
         speed = np.full(tracks.sizes["time"], trial.belt_speed)
-    unit = tracks.attrs["unit"]
+    unit = tracks.attrs["units"]
     return tracks.assign(belt_speed=("time", speed, {"units": f"{unit}/s"}))
 
 

@@ -74,7 +74,7 @@ def source_drawings(
                 who = name if source.animal is not None else safe_name(f"{individual}_{name}")
                 yield make_drawing(
                     f"paths_3d_{who}", "paths_3d", partial(_paths, own, source.legs),
-                    unit=str(tracks.attrs.get("unit", "units")),
+                    unit=str(tracks.attrs.get("units", "units")),
                 )  # fmt: skip
         if "image_position" in tracks and _paws(source.legs):
             yield make_drawing(

@@ -348,7 +348,7 @@ def _in_real_units(tracks: Tracks, trial: Trial, rig: Rig | None) -> Tracks:
         return tracks
     unit = trial.calibration.unit
     scaled = (tracks["position"] / scale).assign_attrs(units=unit)
-    return tracks.assign(position=scaled).assign_attrs(unit=unit)
+    return tracks.assign(position=scaled).assign_attrs(units=unit)
 
 
 def _frame_range(

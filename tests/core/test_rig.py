@@ -411,7 +411,7 @@ def test_triangulate_tracks_fills_what_two_views_see(treadmill):
     assert np.isnan(position[15:, 1]).all()
     assert (found["origin"].to_numpy()[15:, 1, 0] == ORIGIN_CODE["missing"]).all()
     assert (found["confidence"].to_numpy()[:15, :, 0] == 0.5).all()
-    assert found.attrs["unit"] == found["position"].attrs["units"] == "mm"
+    assert found.attrs["units"] == found["position"].attrs["units"] == "mm"
     assert np.isnan(tracks["position"]).all()  # the Tracks given are not changed
 
 

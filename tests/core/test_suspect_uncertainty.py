@@ -14,7 +14,7 @@ def sure_walk():
     """The trot of walk(), from a tracker that knows every place to about 0.3 mm."""
     tracks, uv = walk()
     rng = np.random.default_rng(1)
-    tracks.attrs["unit"] = "mm"
+    tracks.attrs["units"] = "mm"
     tracks["sd"] = tracks["position"].copy()
     tracks["sd"].values[:] = rng.uniform(0.25, 0.35, tracks["sd"].shape)
     return tracks, uv

@@ -80,7 +80,7 @@ def test_anipose_csv(tmp_path):
     assert recognise_format(path) == "anipose"
     tracks = read_any_tracks(path, fps=300.0, unit="cm")
     np.testing.assert_allclose(tracks["position"].to_numpy()[:, :, 0, 0], xyz)
-    assert tracks.attrs["unit"] == "cm"
+    assert tracks.attrs["units"] == "cm"
 
 
 def test_dltdv_files(tmp_path):
@@ -159,7 +159,7 @@ def test_a_plain_table_of_points(tmp_path, axes):
     tracks = read_any_tracks(path, fps=10.0)
     assert list(tracks["keypoint"].to_numpy()) == ["LF_Claw", "b"]
     assert tracks["frame"].to_numpy().tolist() == [4, 5]
-    assert tracks.attrs["unit"] == ("px" if axes == "xy" else "mm")
+    assert tracks.attrs["units"] == ("px" if axes == "xy" else "mm")
     place = tracks["position"].isel(individual=0)
     assert place.sel(keypoint="LF_Claw").to_numpy().tolist() == [[1.5] * len(axes),
                                                                  [2.5] * len(axes)]  # fmt: skip

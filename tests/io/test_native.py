@@ -224,7 +224,7 @@ def test_csv_round_trip(tmp_path):
         np.testing.assert_allclose(found[name], tracks[name], atol=tolerance.get(name, 0), rtol=0)
     for name in ("image_origin", "origin"):
         np.testing.assert_array_equal(found[name], tracks[name])
-    assert (found.attrs["unit"], found.attrs["fps"]) == ("mm", 250.0)
+    assert (found.attrs["units"], found.attrs["fps"]) == ("mm", 250.0)
     # perturbed twin: 0.0001 px is noticed
     with pytest.raises(AssertionError):
         np.testing.assert_allclose(
@@ -242,7 +242,7 @@ def test_csv_of_one_view_gives_positions_in_px(tmp_path):
     assert tracks["position"].to_numpy()[:, :, 0, 0].tolist()[0] == [1.5, 2.5]
     assert np.isnan(tracks["position"].to_numpy()[1:]).all()
     assert tracks["origin"].to_numpy().ravel().tolist() == [ORIGIN_CODE["edited"], 0, 0]
-    assert tracks.attrs["unit"] == "px"
+    assert tracks.attrs["units"] == "px"
 
 
 @pytest.mark.parametrize(
@@ -307,3 +307,12 @@ def test_bad_belt_speed_is_refused(tmp_path, text, message):
         read_belt_speed(tmp_path / "b.csv")
     with pytest.raises(InputError, match="no such file"):
         read_belt_speed(tmp_path / "c.csv")
+
+
+def test_units_of_the_first_files_are_found_under_their_old_name(tmp_path):
+    old = make_tracks([0, 1], ["FR"], fps=250.0).assign_attrs(unit="cm")
+    del old.attrs["units"]
+    native.write_tracks(old, tmp_path / "tracks.nc")
+    found = native.read_tracks(tmp_path / "tracks.nc")
+    assert found.attrs["units"] == "cm"
+    assert "unit" not in found.attrs

@@ -60,7 +60,7 @@ def test_joints_and_tips_are_near_the_truth_in_space(found, two_views):
 @pytest.mark.slow
 def test_tracks_hold_both_views_and_the_pose_of_the_first(found, two_views):
     tracks, out = found
-    assert tracks.attrs["unit"] == "mm"
+    assert tracks.attrs["units"] == "mm"
     assert tracks.sizes["space"] == 3
     assert tracks["view"].to_numpy().tolist() == ["top", "side"]
     assert read_tracks(out / "tracks.nc").identical(tracks)

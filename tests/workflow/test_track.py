@@ -299,7 +299,7 @@ def test_each_of_several_views_is_tracked_by_itself_without_calibration(small_tr
     (small_trial / "trial.toml").write_text(head + rest[rest.index("[start]") :])
     out = small_trial / "results"
     tracks = track(small_trial, method="slic-2d", frames=(0, 8), out=out)
-    assert (tracks.sizes["space"], tracks.attrs["unit"]) == (2, "px")
+    assert (tracks.sizes["space"], tracks.attrs["units"]) == (2, "px")
     for view, points in (("cam1", ["FR", "HR"]), ("cam4", ["FL", "HL"])):
         own = {"view": view, "keypoint": points}
         np.testing.assert_array_equal(
@@ -328,13 +328,13 @@ def test_one_view_needs_no_calibration(small_trial):
     clicks[clicks["view"] == "cam1"].to_csv(small_trial / "start.csv", index=False)
     tracks = track(small_trial, frames=(0, 3), out=small_trial / "results")
     assert tracks.sizes["space"] == 2
-    assert tracks.attrs["unit"] == "px"
+    assert tracks.attrs["units"] == "px"
     assert np.isfinite(tracks["position"]).all()
     # with a scale, the same positions in mm, also after tracking again
     with (small_trial / "trial.toml").open("a") as file:
         file.write('[calibration]\npx_per_unit = 2.0\nunit = "mm"\n')
     scaled = track(small_trial, frames=(0, 3))
-    assert scaled.attrs["unit"] == "mm"
+    assert scaled.attrs["units"] == "mm"
     np.testing.assert_allclose(scaled["position"], tracks["position"] / 2)
     again = retrack(load_trial(small_trial), scaled, 1)
     np.testing.assert_allclose(again["position"][:2], scaled["position"][:2])

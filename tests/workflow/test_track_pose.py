@@ -59,7 +59,7 @@ def test_poses_are_those_of_the_truth(tracked, rendered_spider):
     assert np.median(np.hypot(both["u_x"] - both["u_y"], both["v_x"] - both["v_y"])) < 3.0
     # 4.84 px a mm at full size; u is to the right, and so is x
     position = tracks["position"].sel(keypoint="body", space="x").to_numpy()[0, 0]
-    assert tracks.attrs["unit"] == "mm"
+    assert tracks.attrs["units"] == "mm"
     assert position * 4.84 * 0.3 == pytest.approx(pose["x"].iloc[0], rel=1e-3)
 
 

@@ -107,7 +107,7 @@ def tracks_from_poses(
     )
     if np.isfinite(sd).any():
         dims = ("time", "space", "keypoint", "individual")
-        tracks = tracks.assign(sd=(dims, sd[..., None] * factor, {"units": tracks.attrs["unit"]}))
+        tracks = tracks.assign(sd=(dims, sd[..., None] * factor, {"units": tracks.attrs["units"]}))
     if px_per_unit is not None:
         tracks = tracks.assign_attrs(px_per_unit=float(px_per_unit))
     body_length = animal.body_length * float(np.nanmedian(poses.scale)) * factor

@@ -84,7 +84,7 @@ def put_pose(tracks: Tracks, frame: int, values: Mapping[str, float]) -> Tracks:
         view=str(tracks["view"].to_numpy()[0]),
         individual=str(tracks["individual"].to_numpy()[0]),
         px_per_unit=tracks.attrs.get("px_per_unit"),
-        unit=str(tracks.attrs["unit"]),
+        unit=str(tracks.attrs["units"]),
     )
     return _with_row(tracks, int(rows[0]), flat)
 

@@ -64,7 +64,7 @@ def test_two_views_follow_every_point_in_colour_and_grey(make_scene, grey, affin
     assert tracks["image_confidence"].min() > 0.5
     assert tracks["image_confidence"][1:].max() <= 1.0
     np.testing.assert_allclose(tracks["confidence"], tracks["image_confidence"].mean("view"))
-    assert tracks.attrs["unit"] == "mm"
+    assert tracks.attrs["units"] == "mm"
     np.testing.assert_allclose(tracks["time"], np.arange(scene.n_frames) / 250.0)
 
 
@@ -82,7 +82,7 @@ def test_one_view_without_calibration(make_scene):
     tracks = track(scene, rig=None)
     assert image_error(tracks, scene).max() < 7.0
     assert tracks["space"].to_numpy().tolist() == ["x", "y"]
-    assert tracks.attrs["unit"] == "px"
+    assert tracks.attrs["units"] == "px"
     np.testing.assert_array_equal(tracks["position"], tracks["image_position"].isel(view=0))
     np.testing.assert_array_equal(tracks["origin"], tracks["image_origin"].isel(view=0))
     assert np.isnan(tracks["residual"]).all()

@@ -64,7 +64,7 @@ def test_points_are_body_tips_and_joints_where_the_pose_puts_them():
         image.sel(keypoint="L2.PT"), joint_positions(animal, poses)[:, 1, 4], err_msg="5th joint"
     )
     np.testing.assert_allclose(tracks["position"].isel(individual=0) * 4.0, image)
-    assert tracks.attrs["unit"] == tracks["position"].attrs["units"] == "mm"
+    assert tracks.attrs["units"] == tracks["position"].attrs["units"] == "mm"
     table = tracks_table(tracks)
     assert len(table) == 6 * 65
     assert set(table["view"]) == {"top"}
