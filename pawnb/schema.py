@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import math
 import types
 import typing
 from collections.abc import Mapping, Sequence
@@ -316,6 +317,33 @@ def build_settings(cls: type[SettingsT], values: Mapping[str, Any], *, where: st
             )
         clean[name] = _convert(value, hints[name], f"{where}: {name}")
     return cls(**clean)
+
+
+def check_ranges(
+    settings: Any, *, above_0: Sequence[str] = (), least_0: Sequence[str] = ()
+) -> None:
+    """Refuse settings that are not above 0, or below it; None (work it out) is welcome.
+
+    Parameters
+    ----------
+    settings : dataclass
+        The settings.
+    above_0, least_0 : sequence of str
+        Names of those that must be above 0, and of those that may be 0 too.
+
+    Raises
+    ------
+    InputError
+        For the first number that is out of range, infinite or not a number.
+    """
+    for name in (*above_0, *least_0):
+        value = getattr(settings, name)
+        if value is None or (
+            math.isfinite(value) and (value > 0 or (value == 0 and name in least_0))
+        ):
+            continue
+        words = "a number, 0 or more" if name in least_0 else "a number above 0"
+        raise InputError(f"setting {name!r} is {value}; expected {words}.")
 
 
 def _options(hint: Any) -> tuple[Any, ...]:

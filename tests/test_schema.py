@@ -10,6 +10,11 @@ import pandas as pd
 import pytest
 
 from pawnb import schema
+from pawnb.core.paws.settings import PaperSettings
+from pawnb.core.paws.whole.settings import WholeSettings
+from pawnb.core.pose.fit.settings import PoseSettings
+from pawnb.core.pose.paper_settings import PaperPoseSettings
+from pawnb.core.pose.space.settings import SpaceSettings
 from pawnb.errors import InputError
 
 
@@ -136,3 +141,28 @@ def test_attributes_of_tracks_are_those_of_the_contract():
     assert tracks.attrs["units"] == tracks["position"].attrs["units"] == "mm"
     assert tracks["image_position"].attrs["units"] == "px"
     assert isinstance(tracks.attrs["provenance"], str)
+
+
+@pytest.mark.parametrize(
+    ("cls", "value"),
+    [
+        (WholeSettings, {"places": -4}),
+        (WholeSettings, {"noise": 0.0}),
+        (WholeSettings, {"hide_cost": float("nan")}),
+        (PaperSettings, {"scale": 0.0}),
+        (PoseSettings, {"candidates": -1}),
+        (PoseSettings, {"working_span_px": float("inf")}),
+        (PaperPoseSettings, {"steepness": -0.1}),
+        (SpaceSettings, {"length_sd": 0.0}),
+    ],
+)
+def test_settings_out_of_range_are_refused_by_every_tracker(cls, value):
+    name = next(iter(value))
+    with pytest.raises(InputError, match=f"^setting '{name}' is .*; expected a number"):
+        schema.build_settings(cls, value, where="settings")
+    schema.build_settings(cls, {}, where="settings")  # the defaults are within
+
+
+def test_stride_limits_that_leave_nothing_between_are_refused():
+    with pytest.raises(InputError, match="'shortest_stride_s' is 2, not below"):
+        WholeSettings(shortest_stride_s=2.0)

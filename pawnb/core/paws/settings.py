@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from pawnb.errors import InputError
+from pawnb.schema import check_ranges
 
 REFERENCE_WIDTH_PX = 2048
 """Width of the paper's pictures, for which the lengths in px are given."""
@@ -134,20 +135,18 @@ class PaperSettings:
 
     def __post_init__(self) -> None:
         """Check the ranges."""
-        for name in (
-            "window_u_px", "window_v_px", "min_paw_area_px", "slic_compactness",
-            "slic_iterations", "n_best", "measurement_var", "start_frame_collision",
-            "template_cutoff_hz", "jump_residual_px",
-        ):  # fmt: skip
-            self._check(name, above=0.0)
-        for name in (
-            "process_var", "initial_var", "slic_sigma_px", "median_px", "hidden_distance_px",
-            "hidden_difference", "collision_threshold_px",
-        ):  # fmt: skip
-            self._check(name, least=0.0)
-        for name in ("scale", "n_superpixels"):
-            if getattr(self, name) is not None:
-                self._check(name, above=0.0)
+        check_ranges(
+            self,
+            above_0=(
+                "window_u_px", "window_v_px", "min_paw_area_px", "slic_compactness",
+                "slic_iterations", "n_best", "measurement_var", "start_frame_collision",
+                "template_cutoff_hz", "jump_residual_px", "scale", "n_superpixels",
+            ),
+            least_0=(
+                "process_var", "initial_var", "slic_sigma_px", "median_px", "hidden_distance_px",
+                "hidden_difference", "collision_threshold_px",
+            ),
+        )  # fmt: skip
         for name in ("weights_front", "weights_hind", "weights_other"):
             weights = getattr(self, name)
             if len(weights) != N_FEATURES or min(weights) < 0 or not sum(weights) > 0:
@@ -161,14 +160,6 @@ class PaperSettings:
                 f"setting 'front' and setting 'hind' both name {', '.join(both)}; "
                 "keep each point in one."
             )
-
-    def _check(self, name: str, *, above: float | None = None, least: float | None = None) -> None:
-        """Raise if a number is not above, or not at least, a bound."""
-        value = getattr(self, name)
-        if above is not None and not above < value < float("inf"):
-            raise InputError(f"setting {name!r} is {value}; expected a number above {above:g}.")
-        if least is not None and not least <= value < float("inf"):
-            raise InputError(f"setting {name!r} is {value}; expected a number, {least:g} or more.")
 
     def weights(self, point: str) -> tuple[float, ...]:
         """Return the eight weights of a point, by its kind."""

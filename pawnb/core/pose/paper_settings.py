@@ -5,10 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-import numpy as np
-
 from pawnb.core.pose.animal import StickAnimal
-from pawnb.errors import InputError
+from pawnb.schema import check_ranges
 
 ISING_OF_SIGMA = 0.5
 CONTRAST_OF_SIGMA = 2.0
@@ -85,20 +83,14 @@ class PaperPoseSettings:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        for name in ("ising", "contrast", "limit_stiffness", "seed"):
-            _at_least(name, getattr(self, name), 0)
-        for name in ("edge_grey", "thickness_px", "steepness", "box_share", "sd_floor_grey"):
-            value = getattr(self, name)
-            if value is not None and not (np.isfinite(value) and value > 0):
-                raise InputError(f"{name} is {value}; expected a number above 0.")
-        for name in ("first_multiplier", "combinations", "max_rounds"):
-            _at_least(name, getattr(self, name), 1)
-
-
-def _at_least(name: str, value: float | None, least: float) -> None:
-    """Refuse a value below the least."""
-    if value is not None and not (np.isfinite(value) and value >= least):
-        raise InputError(f"{name} is {value}; expected a number not below {least:g}.")
+        check_ranges(
+            self,
+            above_0=(
+                "edge_grey", "thickness_px", "steepness", "box_share", "sd_floor_grey",
+                "first_multiplier", "combinations", "max_rounds",
+            ),
+            least_0=("ising", "contrast", "limit_stiffness", "seed"),
+        )  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -118,9 +118,9 @@ def test_every_parameter_can_be_set(scene):
 @pytest.mark.parametrize(
     ("setting", "words"),
     [
-        ({"ising": -1.0}, "ising is -1.0; expected a number not below 0"),
-        ({"thickness_px": 0.0}, "thickness_px is 0.0; expected a number above 0"),
-        ({"combinations": 0}, "combinations is 0; expected a number not below 1"),
+        ({"ising": -1.0}, "'ising' is -1.0; expected a number, 0 or more"),
+        ({"thickness_px": 0.0}, "'thickness_px' is 0.0; expected a number above 0"),
+        ({"combinations": 0}, "'combinations' is 0; expected a number above 0"),
     ],
 )
 def test_impossible_settings_are_refused(setting, words):

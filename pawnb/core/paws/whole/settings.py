@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from pawnb.errors import InputError
+from pawnb.schema import check_ranges
+
 
 @dataclass(frozen=True)
 class WholeSettings:
@@ -59,3 +62,18 @@ class WholeSettings:
     places: int = 16
     links: int = 16
     landmarks: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        check_ranges(
+            self,
+            above_0=(
+                "acceleration", "jerk", "noise", "height", "body_s", "shortest_stride_s",
+                "longest_stride_s", "places", "links",
+            ),
+            least_0=("hide_cost", "stay_cost", "longest_gap_s", "looks"),
+        )  # fmt: skip
+        if self.shortest_stride_s >= self.longest_stride_s:
+            raise InputError(
+                f"setting 'shortest_stride_s' is {self.shortest_stride_s:g}, not below "
+                f"'longest_stride_s' {self.longest_stride_s:g}; strides lie between them."
+            )

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from pawnb.schema import check_ranges
+
 
 @dataclass(frozen=True, kw_only=True)
 class PoseSettings:
@@ -48,3 +50,13 @@ class PoseSettings:
     evidence_share: float = 0.1
     jump_px: float = 4.0
     choose_path: bool = True
+
+    def __post_init__(self) -> None:
+        check_ranges(
+            self,
+            above_0=(
+                "working_span_px", "unexplained_sd", "soft_error", "angle_step_deg",
+                "foreshortening_sd", "candidates", "evidence_share", "jump_px",
+            ),
+            least_0=("blur_px",),
+        )  # fmt: skip

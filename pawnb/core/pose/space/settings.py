@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from pawnb.schema import check_ranges
+
 
 @dataclass(frozen=True, kw_only=True)
 class SpaceSettings:
@@ -52,3 +54,14 @@ class SpaceSettings:
     soft_error: float = 0.45
     unexplained_sd: float = 0.12
     working_span_px: float = 150.0
+
+    def __post_init__(self) -> None:
+        check_ranges(
+            self,
+            above_0=(
+                "across_share", "tip_along_share", "joint_along_share", "length_sd", "bend_sd",
+                "root_share", "ground_share", "height_step_share", "evidence_share",
+                "angle_sd_deg", "soft_error", "unexplained_sd", "working_span_px",
+            ),
+            least_0=("least_support", "blur_px"),
+        )  # fmt: skip
