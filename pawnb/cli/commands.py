@@ -57,7 +57,9 @@ def run_track(options: argparse.Namespace, argv: list[str]) -> None:
             command=argv,
         )
     if interrupted():
-        print(f"tracked {tracks.sizes['time']} frames and wrote {out}; run it again to go on")
+        # poses are tracked from the start pose again: only paws keep what lies between
+        again = "to track all of them" if trial.kind == "pose" else "to go on"
+        print(f"tracked {tracks.sizes['time']} frames and wrote {out}; run it again {again}")
         raise KeyboardInterrupt
     print(f"tracked {tracks.sizes['time']} frames; wrote {out}; next: pawnb gait {out}")
 

@@ -82,6 +82,8 @@ def track_pose_trial(
     ------
     InputError
         If anything the trial names is missing or does not fit.
+    KeyboardInterrupt
+        If a person stopped it before any pose was found.
     """
     chosen = pose_tracker_settings(trial, method=method, settings=settings)
     in_space = space_settings(trial, settings=settings)
@@ -113,6 +115,8 @@ def track_pose_trial(
                 stop=asked,
             )
         complete = not asked()
+        if not complete and not np.isfinite(track.poses.xy).any():
+            raise KeyboardInterrupt
         track = _known_part(track, trial)
         if stop is None and not complete:
             _tell_interrupted(track, span)
