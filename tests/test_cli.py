@@ -170,3 +170,42 @@ def test_convert_reads_another_program_and_asks_for_the_frame_rate(tmp_path, cap
     assert "--fps" in capsys.readouterr().err
     assert cli.main(["convert", str(source), str(target), "--fps", "50"]) == 0
     assert pd.read_csv(target)[["u", "v"]].to_numpy().tolist() == [[1.5, 2.5]]
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (("demo", "paws", "--frames", "4", "--scale", "0.1", "--out", "file"), "Not a directory"),
+        (("convert", "points.csv", "file/tracks.nc", "--fps", "9"), "no such folder"),
+        (("convert", "points.csv", "tracks.nc", "--fps", "-2"), "fps is -2; expected"),
+        (("convert", "points.csv", "tracks.nc", "--fps", "nan"), "fps is nan; expected"),
+        (("convert", ".", "tracks.nc"), "a folder; name the file of tracks in it"),
+        (("gait", "points.csv", "--fps", "0"), "fps is 0; expected"),
+        (("gait", "points.csv", "--fps", "9", "--legs", "FR="), "--legs FR=: expected LEG=POINT"),
+        (("gait", "noise.csv"), "noise.csv: not a csv table; expected names of columns"),
+        (("lab", "--port", "99999999", "--no-browser"), "port is 99999999; expected 1 to 65535"),
+        (("batch", "none"), "1 of 1 trials failed: none: none: no such trial"),
+    ],
+)
+def test_bad_input_of_any_command_is_one_sentence(tmp_path, monkeypatch, capsys, words, sentence):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "file").write_text("not a folder")
+    (tmp_path / "noise.csv").write_bytes(bytes(range(256)))
+    (tmp_path / "points.csv").write_text("frame,FR_x,FR_y\n0,1,2\n1,2,3\n")
+    status, _, err = run(capsys, *words)
+    assert (status, err.count("\n")) == (2, 1)
+    assert err.startswith("pawnb: ")
+    assert sentence in err
+
+
+def test_what_the_system_refuses_is_one_sentence(tmp_path, monkeypatch, capsys):
+    def full(*_args, **_more):
+        raise OSError(28, "No space left on device", "tracks.nc.part")
+
+    (tmp_path / "points.csv").write_text("frame,FR_x,FR_y\n0,1,2\n1,2,3\n")
+    monkeypatch.setattr("pawnb.io.native.write_tracks", full)
+    status, _, err = run(
+        capsys, "convert", tmp_path / "points.csv", tmp_path / "tracks.nc", "--fps", 9
+    )
+    assert (status, err.count("\n")) == (2, 1)
+    assert err.startswith("pawnb: tracks.nc.part: No space left on device; ")

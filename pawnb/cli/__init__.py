@@ -53,6 +53,11 @@ def _run(options: argparse.Namespace, argv: list[str]) -> int:
     except PawnbError as error:
         print(f"pawnb: {error}", file=sys.stderr)
         return EXIT_BAD_INPUT
+    except OSError as error:
+        # a full disk, a folder that may not be written: neither a fault of pawnb nor its to mend
+        reason = f"{error.filename}: {error.strerror}" if error.filename else str(error)
+        print(f"pawnb: {reason}; choose another place, or mend this one.", file=sys.stderr)
+        return EXIT_BAD_INPUT
     except KeyboardInterrupt:
         print("pawnb: interrupted", file=sys.stderr)
         return EXIT_INTERRUPTED

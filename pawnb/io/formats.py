@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Sequence
 from pathlib import Path
@@ -48,6 +49,8 @@ def recognise_format(path: str | Path) -> str:
         If there is no such file or it is none of them.
     """
     path = Path(path)
+    if path.is_dir():
+        raise InputError(f"{path}: a folder; name the file of tracks in it.")
     if not path.is_file():
         raise InputError(f"{path}: no such file.")
     found = None
@@ -98,6 +101,7 @@ def read_any_tracks(
         If the file cannot be read, or the frame rate is needed and not given.
     """
     path = Path(path)
+    check_rate(fps)
     found = recognise_format(path) if program is None else program
     if found not in FORMATS:
         raise InputError(
@@ -124,8 +128,25 @@ def read_any_tracks(
     if found == "table":
         return read_wide_table(path, fps=fps, unit=unit)
     if found == "csv-3d":
-        return track_tables.read_points3d_table(path, fps=fps)
+        return track_tables.read_points3d_table(path, fps=fps, unit=unit or "mm")
     return track_tables.read_tracks_table(path, fps=fps)
+
+
+def check_rate(fps: float | None) -> None:
+    """Refuse a frame rate that cannot be, given or not needed.
+
+    Parameters
+    ----------
+    fps : float, optional
+        Frames per second.
+
+    Raises
+    ------
+    InputError
+        If it is not a number above 0.
+    """
+    if fps is not None and not 0 < fps < math.inf:
+        raise InputError(f"fps is {fps:g}; expected frames per second, a number above 0.")
 
 
 def _recognise_hdf5(path: Path) -> str | None:

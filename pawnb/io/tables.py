@@ -111,9 +111,8 @@ def read_cells(path: str | Path, columns: Sequence[str], *, skip_lines: int = 0)
     except (IsADirectoryError, PermissionError) as error:
         raise InputError(f"{path}: cannot be read ({error.strerror}).") from None
     except (pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeDecodeError):
-        raise InputError(
-            f"{path.name}: not a csv table; expected the columns {', '.join(columns)}."
-        ) from None
+        expected = f"the columns {', '.join(columns)}" if columns else "names of columns and rows"
+        raise InputError(f"{path.name}: not a csv table; expected {expected}.") from None
     table.columns = table.columns.str.strip()
     table = check_columns(table, columns, where=path.name)
     return table.apply(lambda column: column.str.strip())

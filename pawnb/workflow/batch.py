@@ -52,9 +52,9 @@ class BatchReport:
         return self.table[self.table["status"] == "failed"]
 
     def verdict(self) -> str:
-        """Return the failures, a sentence each."""
-        lines = [f"{row.trial}: {row.said}" for row in self.failed.itertuples()]
-        return f"{len(lines)} of {len(self.table)} trials failed:\n  " + "\n  ".join(lines)
+        """Return how many failed and why, in one sentence."""
+        said = "; ".join(f"{row.trial}: {row.said.rstrip('.')}" for row in self.failed.itertuples())
+        return f"{len(self.failed)} of {len(self.table)} trials failed: {said}."
 
     def text(self) -> str:
         """Return how many were tracked, skipped, failed and stopped."""

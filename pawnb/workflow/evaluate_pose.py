@@ -56,12 +56,19 @@ def evaluate_still(
     Raises
     ------
     InputError
-        If these are not tracks of a jointed animal, or have fewer than two poses there.
+        If these are not tracks of a jointed animal, if they have not all of these frames, or
+        fewer than two poses there.
     """
     results = Path(results)
     tracks = read_tracks(results / "tracks.nc" if results.is_dir() else results)
     animal, poses = animal_of(tracks), poses_of(tracks).poses
     first, last = frames
+    known = poses.frames
+    if not known.min() <= first <= last <= known.max():
+        raise InputError(
+            f"frames {first} to {last} were asked for; the results have frames {known.min()} to "
+            f"{known.max()}: name the first and the last of those that are still."
+        )
     inside = (poses.frames >= first) & (poses.frames <= last)
     table = build_jitter_table(animal, poses.take(inside))
     head = f"{int(inside.sum())} frames, {first} to {last}: standard deviation (range)"

@@ -11,7 +11,7 @@ import pandas as pd
 from pawnb.errors import InputError
 from pawnb.gait.contacts import events_from_contacts, is_contact_table
 from pawnb.io import native
-from pawnb.io.formats import read_any_tracks, recognise_format
+from pawnb.io.formats import check_rate, read_any_tracks, recognise_format
 from pawnb.io.tables import read_cells, read_numbers
 from pawnb.schema import Tracks, check_columns
 from pawnb.trial import Animal, Trial, load_trial
@@ -85,6 +85,7 @@ def read_source(path: str | Path, *, fps: float | None = None) -> GaitSource:
         If there is nothing at ``path``, or it is none of these.
     """
     path = Path(path)
+    check_rate(fps)
     if path.is_dir():
         for name in ("trial.toml", "tracks.nc", "events.csv"):
             if (path / name).exists():

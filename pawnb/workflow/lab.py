@@ -57,7 +57,7 @@ def lab_command(
     Raises
     ------
     InputError
-        If there is no such notebook.
+        If there is no such notebook, or no such port.
     """
     folder = notebooks_folder()
     name = QUICKSTART if notebook is None else str(notebook)
@@ -74,6 +74,8 @@ def lab_command(
     if not browser:
         words.append("--no-browser")
     if port is not None:
+        if not 0 < port < 65536:
+            raise InputError(f"port is {port}; expected 1 to 65535.")
         words.append(f"--port={port}")
     if hasattr(os, "geteuid") and os.geteuid() == 0:
         # containers run as root; the server listens on this machine only

@@ -41,10 +41,19 @@ def split_legs(words: Sequence[str] | None) -> list[str] | dict[str, str] | None
     -------
     list of str, dict or None
         Leg to point where any word is a pair; else as they are.
+
+    Raises
+    ------
+    InputError
+        If a word lacks one of the two names.
     """
     if words is None or not any("=" in word for word in words):
         return None if words is None else list(words)
-    return {leg: point or leg for leg, _, point in (word.partition("=") for word in words)}
+    pairs = [
+        _split(word, "--legs", "LEG=POINT", "HR=hindpaw_R") if "=" in word else (word, word)
+        for word in words
+    ]
+    return dict(pairs)
 
 
 def split_event_names(words: Sequence[str] | None) -> dict[str, str] | None:
@@ -73,6 +82,6 @@ def split_event_names(words: Sequence[str] | None) -> dict[str, str] | None:
 def _split(word: str, option: str, form: str, example: str) -> tuple[str, str]:
     """Split one word at its first equals sign."""
     name, equals, value = word.partition("=")
-    if not equals or not name:
+    if not equals or not name or not value:
         raise InputError(f"{option} {word}: expected {form}, for instance {example}.")
     return name, value

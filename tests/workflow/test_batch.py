@@ -39,7 +39,8 @@ def test_failures_are_collected_and_what_is_done_is_skipped(trials, monkeypatch)
     assert done.table["status"].tolist() == ["tracked", "tracked", "failed"]
     assert len(lines) == 3
     assert "spider.avi" in done.failed["said"].item()
-    assert done.verdict().startswith("1 of 3 trials failed:\n  ")
+    assert done.verdict().startswith("1 of 3 trials failed: ")
+    assert "\n" not in done.verdict()
     assert done.text() == "2 tracked, 1 failed"
     alone = track(trials / "a", settings=QUICK)
     assert (

@@ -45,6 +45,11 @@ def test_jitter_is_that_of_the_frames_asked_for(still, tmp_path, capsys):
     assert len(pd.read_csv(tmp_path / "e" / "evaluation_still.csv")) > 20
 
 
+def test_frames_that_were_not_tracked_are_refused(still):
+    with pytest.raises(InputError, match=r"^frames 5 to 5000 were asked for; the results have"):
+        evaluate_still(still, frames=(5, 5000))
+
+
 def test_one_question_at_a_time(still, capsys):
     assert main(["evaluate", str(still)]) == 2
     assert "expected one of TRUTH, --still FIRST LAST and --directions" in capsys.readouterr().err
