@@ -77,6 +77,8 @@ class _Own:
         err independently.
     support : ndarray, shape (legs, 2)
         As in :class:`Settled`.
+    sight : Sight
+        What the frame shows, in half precision: that of all frames is kept until the end.
     """
 
     pose: np.ndarray
@@ -84,6 +86,7 @@ class _Own:
     slope: np.ndarray
     many: float
     support: np.ndarray
+    sight: Sight
 
 
 @dataclass(frozen=True)
@@ -137,7 +140,8 @@ def settle_all(fitter: FrameFitter, found: Sequence[Choices], poses: np.ndarray)
 
     def first(own: FrameFitter, t: int) -> _Own:
         sight = own.sight(found[t].image.astype(float), found[t].box, poses[t])
-        return _own_near(own, poses[t], sight, anatomy)
+        half = Sight(sight.seen.astype(np.float16), sight.weight.astype(np.float16), sight.box)
+        return _own_near(own, poses[t], half, anatomy)
 
     own = _on_threads(fitter, range(len(found)), first)
     motions = [first_motion(len(numbers) // 2) for numbers in fitter.numbers]
@@ -147,7 +151,7 @@ def settle_all(fitter: FrameFitter, found: Sequence[Choices], poses: np.ndarray)
         again = np.flatnonzero(others.gain > _GAIN)
         if not len(again):
             break
-        work = partial(_fit_again, found=found, own=own, others=others, anatomy=anatomy)
+        work = partial(_fit_again, own=own, others=others, anatomy=anatomy)
         _on_threads(fitter, again, work)
         motions = _learnt(fitter, own, motions, stretches)
     others = _from_others(fitter, own, motions, stretches)
@@ -206,19 +210,24 @@ def _learnt(
 
 def _own_near(fitter: FrameFitter, pose: np.ndarray, sight: Sight, anatomy: Prior) -> _Own:
     """Return what a frame's picture says near a pose."""
+    half, sight = sight, _whole(sight)
     value, owner, along, joints = fitter.canvas(sight)
     paint(fitter.layout, pose, fitter.blur, sight.box, value, owner, along, joints)
     ratio = error_ratio(value, owner, sight, fitter.settings.soft_error)
     many = ratio * _ALIKE_PX**2
     precision, slope = fitter.equations(pose, sight, anatomy)
-    return _Own(pose, precision / many, slope / many, many, fitter.support(pose, sight))
+    return _Own(pose, precision / many, slope / many, many, fitter.support(pose, sight), half)
+
+
+def _whole(sight: Sight) -> Sight:
+    """Return a sight in full precision."""
+    return Sight(sight.seen.astype(float), sight.weight.astype(float), sight.box)
 
 
 def _fit_again(
     fitter: FrameFitter,
     t: int,
     *,
-    found: Sequence[Choices],
     own: list[_Own],
     others: _Others,
     anatomy: Prior,
@@ -226,9 +235,8 @@ def _fit_again(
     """Fit frame t with the others in mind; replace what its picture says."""
     pose, pull = own[t].pose, own[t].many * others.pull(fitter, t)
     prior = anatomy._replace(around=others.around[t], pull=pull)
-    sight = fitter.sight(found[t].image.astype(float), found[t].box, pose)
-    pose, _ = fitter.fit(pose, sight, prior, rounds=_ROUNDS)
-    own[t] = _own_near(fitter, pose, sight, anatomy)
+    pose, _ = fitter.fit(pose, _whole(own[t].sight), prior, rounds=_ROUNDS)
+    own[t] = _own_near(fitter, pose, own[t].sight, anatomy)
 
 
 def _settled(fitter: FrameFitter, own: _Own, pull: np.ndarray) -> Settled:
