@@ -19,6 +19,7 @@ def run(capsys, *words):
     return status, captured.out, captured.err
 
 
+@pytest.mark.slow
 def test_demo_check_track_gait_in_a_row(tmp_path, capsys):
     out = tmp_path / "demo"
     status, said, _ = run(
@@ -42,6 +43,7 @@ def test_demo_check_track_gait_in_a_row(tmp_path, capsys):
     ).exists()
 
 
+@pytest.mark.slow
 def test_demo_spider_is_a_trial_with_its_truth(tmp_path, capsys):
     out = tmp_path / "spider"
     status, said, _ = run(capsys, "demo", "spider", "--out", out, "--frames", 70, "--scale", 0.15)

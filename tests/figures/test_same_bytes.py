@@ -126,6 +126,7 @@ def check_same(make, tmp_path, monkeypatch):
         figures.set_style()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", OF_ANALYSIS)
 def test_figures_of_an_analysis_are_the_same_each_time(tables, kind, tmp_path, monkeypatch):
     analysis, groups = tables
@@ -134,6 +135,7 @@ def test_figures_of_an_analysis_are_the_same_each_time(tables, kind, tmp_path, m
     check_same(drawing.draw, tmp_path, monkeypatch)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", sorted(OTHERS))
 def test_other_figures_are_the_same_each_time(tables, kind, tmp_path, monkeypatch):
     def make():

@@ -77,6 +77,7 @@ def test_interval_turns_with_the_phases(turn, seed):
     assert two.moore_p == pytest.approx(one.moore_p, rel=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("between", "within"), [(200, 10), (math.inf, 2), (10, 1), (3, 3), (0.5, 3)]
 )

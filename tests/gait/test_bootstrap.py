@@ -85,6 +85,7 @@ def test_scattered_phases_have_no_interval():
     assert "any is possible" in found.note
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("between", "within"), [(0.05, 0.1), (0.02, 0.02)])
 def test_coverage_at_five_animals_of_ten_strides(between, within):
     # 1000 studies: standard error 0.7 %; one phase an animal, as the mean of its strides

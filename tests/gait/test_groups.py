@@ -62,6 +62,7 @@ def test_interval_of_the_effect_size():
     assert hedges_g(40.0, math.sqrt(2.5), 8)[1] > 10
 
 
+@pytest.mark.slow
 def test_coverage_of_the_effect_size():
     # true difference 1 SD; 500 studies, standard error 1 %
     rng = np.random.default_rng(2)

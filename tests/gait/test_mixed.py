@@ -137,6 +137,7 @@ def test_no_variance_between_animals_is_told():
     assert fit_mixed(strides(), "duty").note == ""
 
 
+@pytest.mark.slow
 def test_level_with_five_animals():
     # no slope, animals with slopes of their own: 150 studies, standard error 1.8 %
     rng = np.random.default_rng(4)

@@ -158,6 +158,7 @@ def test_one_animal_says_nothing_about_animals():
     assert summary["r_strides"] > 0.9
 
 
+@pytest.mark.slow
 @settings(deadline=None)
 @given(st.floats(0, 1, exclude_max=True), st.integers(1, 4))
 def test_repeating_an_animals_strides_changes_no_animal_statistic(phase, times):

@@ -62,6 +62,7 @@ def test_derivatives_are_those_of_the_movement():
     np.testing.assert_allclose(speed[inner], np.gradient(true, 1 / FS)[inner], atol=4.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 def test_cross_validation_finds_nearly_the_least_error(seed):
     true, noisy, _ = noisy_angle(sd=2.0, seed=seed)

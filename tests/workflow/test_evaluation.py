@@ -154,6 +154,7 @@ def test_distances_with_and_without_the_constant_offset():
     assert lost.median_px_centred == pytest.approx(0.0, abs=1e-9)
 
 
+@pytest.mark.slow
 @given(st.floats(0.5, 60.0), st.integers(0, N - 1))
 def test_threshold_is_a_sharp_limit(threshold, frame):
     just = make([("FR", None, frame, frame)], by=threshold * 0.999)

@@ -78,6 +78,7 @@ def test_tables_have_the_columns_of_the_contract(results):
     assert "median stride frequency 5.00 Hz, duty factor 0.6" in run.text()
 
 
+@pytest.mark.slow
 def test_figures_carry_the_recipe_and_are_the_same_each_time(results, tmp_path):
     from PIL import Image
 
@@ -213,6 +214,7 @@ def test_an_untracked_trial_says_so(rendered_trial):
         run_gait([rendered_trial])
 
 
+@pytest.mark.slow
 def test_real_rats_trot(real_data, tmp_path):
     """The 2019 authors' tracks of a rat at 0.16 m/s: a few hertz, duty factor above a half,
     left and right half a cycle apart, diagonal legs together (Hildebrand 1965: trot)."""
@@ -234,6 +236,7 @@ def test_real_rats_trot(real_data, tmp_path):
     assert (mean[("FR", "HL")] + 0.5) % 1 == pytest.approx(0.5, abs=0.15)
 
 
+@pytest.mark.slow
 def test_deeplabcut_csv_goes_straight_to_the_tables(tmp_path):
     # the same walk as a csv of DeepLabCut, with names in words: the same strides, legs told
     tracks = walking_tracks("t1", "m1")

@@ -111,6 +111,7 @@ def test_nothing_at_all_gives_no_table():
     assert statistics_tables(empty) == ({}, [])
 
 
+@pytest.mark.slow
 def test_the_command_writes_them(tmp_path):
     study = simulate_spider_study(animals=4, trials=1, seed=2)
     paths = []

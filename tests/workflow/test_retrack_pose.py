@@ -96,6 +96,7 @@ def spoilt(rendered_spider, tmp_path_factory):
     return tracks, wrong
 
 
+@pytest.mark.slow
 def test_a_corrected_frame_mends_its_neighbours_and_is_replayed(spoilt, rendered_spider, tmp_path):
     tracks, wrong = spoilt
     trial = load_trial(rendered_spider)

@@ -326,6 +326,7 @@ def image_path(tracks):
     return np.swapaxes(tracks["image_position"].isel(individual=0).to_numpy(), 2, 3)
 
 
+@pytest.mark.slow
 def test_the_template_brings_a_hidden_paw_through_a_collision(make_scene):
     """Without it the tracker takes the other paw, and stays with it."""
     scene, gap, seen = crossing_scene(make_scene)

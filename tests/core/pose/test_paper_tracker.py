@@ -64,6 +64,7 @@ def error_px(found, true):
     return np.linalg.norm(joint_positions(ANIMAL, found) - joint_positions(ANIMAL, true), axis=-1)
 
 
+@pytest.mark.slow
 def test_walk_is_followed_both_ways_from_a_frame_in_the_middle(walk):
     poses, reader, background = walk
     seen = []

@@ -79,6 +79,7 @@ def test_progress_counts_up_and_stop_ends_early(walk):
     assert np.isfinite(part.poses.xy[0]).all()
 
 
+@pytest.mark.slow
 def test_several_start_poses_are_all_used(walk):
     """The animal is away in frames 5 and 6: from frame 2 alone nothing after them is found.
 

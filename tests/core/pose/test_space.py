@@ -121,6 +121,7 @@ def _scene(*, near=False, seed=0):
     return fitter, one, blank._replace(seen=seen), truth
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("near", [False, True])
 def test_exact_places_lengths_and_picture_give_the_joints_back(near):
     """From even arches; of a leg span of 75 mm the median within 0.2 mm, all within 2 mm."""
