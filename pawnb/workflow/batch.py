@@ -53,7 +53,9 @@ class BatchReport:
 
     def verdict(self) -> str:
         """Return how many failed and why, in one sentence."""
-        said = "; ".join(f"{row.trial}: {str(row.said).rstrip('.')}" for row in self.failed.itertuples())
+        said = "; ".join(
+            f"{row.trial}: {str(row.said).rstrip('.')}" for row in self.failed.itertuples()
+        )
         return f"{len(self.failed)} of {len(self.table)} trials failed: {said}."
 
     def text(self) -> str:
