@@ -230,3 +230,13 @@ def test_what_is_saved_is_what_is_loaded(tmp_path_factory, views, fps, belt, fra
     )
     save_trial(trial, folder / "trial.toml")
     assert load_trial(folder) == trial
+
+
+@pytest.mark.parametrize("name", ["tracking", "calibration", "treadmill", "animal"])
+def test_a_value_where_a_section_belongs_is_said(tmp_path, name):
+    path = tmp_path / "trial.toml"
+    path.write_text(
+        f'{name} = 5\n[trial]\nfps = 250\n[[views]]\nname = "cam1"\nvideo = "cam1.avi"\n'
+    )
+    with pytest.raises(InputError, match=rf"\[{name}\] is 5; expected a section with "):
+        load_trial(path)

@@ -87,6 +87,9 @@ def trial_from_document(document: dict[str, Any], *, where: str, folder: Path) -
     files = build_settings(
         _Files, {**sections["treadmill"], **sections["start"], **tracks}, where=where
     )
+    tracking = document.get("tracking", {})
+    if not isinstance(tracking, dict):
+        raise InputError(f"{where}: [tracking] is {tracking!r}; expected a section with settings.")
     trial = Trial(
         kind=head.kind,
         name=head.name or folder.resolve().name,
@@ -101,7 +104,7 @@ def trial_from_document(document: dict[str, Any], *, where: str, folder: Path) -
         start_pose=files.pose,
         tracks_file=files.file,
         tracks_legs=legs,
-        tracking=document.get("tracking", {}),
+        tracking=tracking,
     )
     if trial.kind == "tracks" and trial.tracks_file is None:
         raise InputError(f"{where}: kind is 'tracks' but [tracks] file is missing; name the file.")
@@ -180,7 +183,10 @@ def _calibration(document: dict[str, Any], where: str) -> Calibration | None:
     if "calibration" not in document:
         return None
     place = f"{where}: [calibration]"
-    calibration = build_settings(Calibration, document["calibration"], where=place)
+    section = document["calibration"]
+    if not isinstance(section, dict):
+        raise InputError(f"{place} is {section!r}; expected a section with fields.")
+    calibration = build_settings(Calibration, section, where=place)
     if calibration.px_per_unit is not None and calibration.px_per_unit <= 0:
         raise InputError(f"{place} px_per_unit is {calibration.px_per_unit}; expected above 0.")
     if calibration.dlt is not None and calibration.px_per_unit is not None:

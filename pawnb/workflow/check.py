@@ -15,7 +15,7 @@ from pawnb.workflow.check_report import CheckReport
 from pawnb.workflow.foreign_tracks import read_belt
 from pawnb.workflow.methods import pose_tracker_settings, tracker_settings
 from pawnb.workflow.results import results_folder
-from pawnb.workflow.trial_views import trial_rig
+from pawnb.workflow.trial_views import frame_range, trial_rig
 
 MAX_CLICK_RESIDUAL_PX = 10.0
 
@@ -141,6 +141,7 @@ def _check_calibration(trial: Trial, views: ViewSet, report: CheckReport) -> Non
     try:
         clicks = read_start(trial.path(file), trial)
         check_start(clicks, trial, sizes)
+        frame_range(trial, views, clicks)
     except PawnbError as error:
         report.faults.append(str(error))
         return

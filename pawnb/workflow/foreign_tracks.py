@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
 from pawnb.core.reconstruct import triangulate_tracks
-from pawnb.core.rig import Rig
+from pawnb.core.rig import Rig, require_rig
 from pawnb.errors import InputError
 from pawnb.io import authors2019
 from pawnb.io.belt import read_belt_speed
 from pawnb.io.formats import read_any_tracks, recognise_format
 from pawnb.io.track_tables import read_tracks_table
 from pawnb.schema import Tracks
-from pawnb.trial import Trial
+from pawnb.trial import Trial, View
+from pawnb.workflow.real_units import in_real_units
 
 MAX_RESIDUAL_PX = 20.0
 """Points whose views disagree by more are left out in space; the provenance says how many."""
@@ -34,26 +37,43 @@ def read_foreign_tracks(trial: Trial) -> Tracks:
     Returns
     -------
     xarray.Dataset
-        Tracks.
+        Tracks of the trial's ``frames``. Points of several views that the file does not give
+        in space are triangulated with ``[calibration] dlt``; positions of a single view are
+        brought to real units by ``px_per_unit``.
 
     Raises
     ------
     InputError
-        If the file is missing or of another format, or needs a calibration that is absent.
+        If the file is missing or of another format, needs a calibration that is absent, or
+        has none of the trial's frames.
     """
     path = trial.path(trial.tracks_file or "")
     stamp = authors2019.trial_stamp(path.name)
     if stamp is not None:
-        tracks = authors2019.read_authors_trial(path.parent, stamp, fps=trial.fps)
-        if trial.calibration is None or trial.calibration.dlt is None:
-            raise InputError(
-                f"trial {trial.name!r} has tracks of four views and no calibration; add "
-                "[calibration] dlt with the DLT file that lies beside them."
-            )
-        coefs = authors2019.read_authors_dlt(trial.path(trial.calibration.dlt))
-        rig = Rig(authors2019.VIEWS, coefs, unit=trial.calibration.unit)
-        return triangulate_tracks(tracks, rig, max_residual_px=MAX_RESIDUAL_PX)
-    unit = trial.calibration.unit if trial.calibration else None
+        tracks = _read_authors(path, stamp, trial)
+    else:
+        tracks = in_real_units(_in_space(_read_file(path, trial), trial), trial)
+    return _chosen_frames(tracks, trial)
+
+
+def _read_authors(path: Path, stamp: str, trial: Trial) -> Tracks:
+    """Read and triangulate a trial of the 2019 authors."""
+    tracks = authors2019.read_authors_trial(path.parent, stamp, fps=trial.fps)
+    if trial.calibration is None or trial.calibration.dlt is None:
+        raise InputError(
+            f"trial {trial.name!r} has tracks of four views and no calibration; add "
+            "[calibration] dlt with the DLT file that lies beside them."
+        )
+    coefs = authors2019.read_authors_dlt(trial.path(trial.calibration.dlt))
+    rig = Rig(authors2019.VIEWS, coefs, unit=trial.calibration.unit)
+    return triangulate_tracks(tracks, rig, max_residual_px=MAX_RESIDUAL_PX)
+
+
+def _read_file(path: Path, trial: Trial) -> Tracks:
+    """Read a file of tracks of any program."""
+    unit = None  # of lengths in the file: one that a scale must make real is in px
+    if trial.calibration is not None and trial.calibration.px_per_unit is None:
+        unit = trial.calibration.unit
     program = recognise_format(path)
     if program == "csv":
         points3d = path.with_name("points3d.csv")
@@ -65,6 +85,38 @@ def read_foreign_tracks(trial: Trial) -> Tracks:
             individual=trial.animal.id,
         )
     return read_any_tracks(path, fps=trial.fps, program=program, unit=unit)
+
+
+def _in_space(tracks: Tracks, trial: Trial) -> Tracks:
+    """Triangulate points of several calibrated views that are not known in space."""
+    if (
+        trial.calibration is None
+        or trial.calibration.dlt is None
+        or tracks.sizes.get("view", 0) < 2
+        or tracks.sizes["space"] != 3
+        or np.isfinite(tracks["position"]).any()
+    ):
+        return tracks
+    if not trial.views:  # the columns of the DLT are then the views of the file
+        named = tuple(View(name=str(name), video="") for name in tracks["view"].to_numpy())
+        trial = replace(trial, views=named)
+    rig = require_rig(trial)
+    return triangulate_tracks(tracks, rig, max_residual_px=MAX_RESIDUAL_PX)
+
+
+def _chosen_frames(tracks: Tracks, trial: Trial) -> Tracks:
+    """Return the tracks of the trial's frames."""
+    if trial.frames is None:
+        return tracks
+    first, stop = trial.frames
+    frames = tracks["frame"].to_numpy()
+    inside = (frames >= first) & (frames < stop)
+    if not inside.any():
+        raise InputError(
+            f"trial {trial.name!r}: {trial.tracks_file} has frames {frames.min()} to "
+            f"{frames.max()}, none of [trial] frames = [{first}, {stop}]."
+        )
+    return tracks.isel(time=inside)
 
 
 def read_belt(path: str | Path) -> pd.DataFrame:

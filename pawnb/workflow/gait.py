@@ -140,7 +140,10 @@ def run_gait(
     step = build_step(
         "gait",
         command=command,
-        inputs={_label(path): file_checksum(path) for path in (*(s.path for s in sources), *edits)},
+        inputs={
+            _label(path): file_checksum(path)
+            for path in (*(f for s in sources for f in (s.path, *s.further)), *edits)
+        },
         settings=dataclasses.asdict(tables.settings),
         legs=dict(legs) if isinstance(legs, Mapping) else list(legs) if legs else None,
         event_names=dict(event_names) if event_names else None,

@@ -42,6 +42,8 @@ class GaitSource:
         What is known of the recording.
     guessed : bool
         Whether the animal's id is only the name of the file.
+    further : tuple of Path
+        Further files that were read: calibration and belt speed of tracks made elsewhere.
     """
 
     path: Path
@@ -50,6 +52,7 @@ class GaitSource:
     events: pd.DataFrame | None = None
     trial: Trial | None = None
     guessed: bool = False
+    further: tuple[Path, ...] = ()
 
     def of_animal(self, animal: str) -> GaitSource:
         """Return the same input as that of one animal."""
@@ -120,11 +123,18 @@ def _read_trial(trial: Trial) -> GaitSource:
     out = results_folder(trial)
     if trial.kind == "tracks" and trial.tracks_file is not None:
         tracks = describe_trial(read_foreign_tracks(trial), trial)
-        return GaitSource(trial.path(trial.tracks_file), out, tracks=tracks, trial=trial)
+        path = trial.path(trial.tracks_file)
+        return GaitSource(path, out, tracks=tracks, trial=trial, further=_further_files(trial))
     path = out / "tracks.nc"
     if not path.exists():
         raise InputError(f"{path}: trial {trial.name!r} is not tracked yet; run pawnb track first.")
     return GaitSource(path, out, tracks=native.read_tracks(path), trial=trial)
+
+
+def _further_files(trial: Trial) -> tuple[Path, ...]:
+    """Return the files besides its tracks that a trial of kind ``tracks`` takes numbers from."""
+    dlt = trial.calibration.dlt if trial.calibration is not None else None
+    return tuple(trial.path(f) for f in (dlt, trial.belt_speed) if isinstance(f, str))
 
 
 def _read_events(path: Path, fps: float | None) -> GaitSource:

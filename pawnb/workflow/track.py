@@ -38,6 +38,7 @@ from pawnb.workflow.placed import (
 )
 from pawnb.workflow.progress import Progress, progress_bar
 from pawnb.workflow.provenance import build_step, trial_checksums, trial_fingerprint
+from pawnb.workflow.real_units import in_real_units
 from pawnb.workflow.results import (
     describe_trial,
     provenance_steps,
@@ -46,7 +47,7 @@ from pawnb.workflow.results import (
 )
 from pawnb.workflow.retrack_pose import retrack_pose
 from pawnb.workflow.track_pose import track_pose_trial
-from pawnb.workflow.trial_views import points_by_view, trial_rig, view_facing
+from pawnb.workflow.trial_views import frame_range, points_by_view, trial_rig, view_facing
 from pawnb.workflow.unfinished import join_earlier, unfinished_tracks
 
 
@@ -124,7 +125,7 @@ def track(
             warnings.warn(note, InputWarning, stacklevel=2)
         clicks = start_clicks(trial, views, start)
         rig = trial_rig(trial, views, method=method)
-        first, last = _frame_range(trial, views, clicks, frames)
+        first, last = frame_range(trial, views, clicks, frames=frames)
         store = _store(trial, method, out, stack)
         step = build_step(
             "track",
@@ -150,7 +151,7 @@ def track(
             tracks = _shown_in_every_view(tracks, rig, _sizes(views))
         # where the rate varies these are the file's own time stamps
         times = views.time_s[tracks["frame"].to_numpy()]
-    tracks = _in_real_units(tracks, trial, rig)
+    tracks = in_real_units(tracks, trial)
     if earlier is not None:
         step["gone_on_from"] = begin
         tracks = join_earlier(earlier, tracks)
@@ -252,7 +253,7 @@ def retrack(
             name: TOLERANCE_PX * reader.width / REFERENCE_WIDTH_PX
             for name, reader in views.readers.items()
         }
-    new = _in_real_units(new, trial, rig)
+    new = in_real_units(new, trial)
     joint = old is None
     if joint and new.sizes["time"] < known[-1] + 1 - known[0]:
         return tracks  # stopped: a part of the recording does not decide over the whole
@@ -333,41 +334,6 @@ def _shown_in_every_view(
 ) -> Tracks:
     """Show points also in the views that do not track them (2019 paper, Fig. 8)."""
     return tracks if rig is None else fill_reprojected(tracks, rig, sizes=sizes)[0]
-
-
-def _px_per_unit(trial: Trial, rig: Rig | None) -> float | None:
-    """Return the scale of a single view whose positions are in real units."""
-    calibration = trial.calibration
-    return None if rig is not None or calibration is None else calibration.px_per_unit
-
-
-def _in_real_units(tracks: Tracks, trial: Trial, rig: Rig | None) -> Tracks:
-    """Bring positions of a single view from px to the calibrated unit."""
-    scale = _px_per_unit(trial, rig)
-    if scale is None or trial.calibration is None:
-        return tracks
-    unit = trial.calibration.unit
-    scaled = (tracks["position"] / scale).assign_attrs(units=unit)
-    return tracks.assign(position=scaled).assign_attrs(units=unit)
-
-
-def _frame_range(
-    trial: Trial, views: ViewSet, clicks: pd.DataFrame, frames: tuple[int, int] | None
-) -> tuple[int, int]:
-    """Return the half-open range of frames to track, checked against the recording."""
-    first, last = frames or trial.frames or (int(clicks["frame"].min()), views.n_frames)
-    first_click = int(clicks["frame"].min())
-    if not 0 <= first < last <= views.n_frames:
-        raise InputError(
-            f"frames {first} to {last - 1} were asked for; the recording has frames 0 to "
-            f"{views.n_frames - 1}: choose a range within."
-        )
-    if not first <= first_click < last:
-        raise InputError(
-            f"the start points were clicked in frame {first_click}, outside frames {first} to "
-            f"{last - 1}; click a frame within, or change the range."
-        )
-    return first_click, last
 
 
 def _progress(progress: Progress | None, label: str) -> Any:

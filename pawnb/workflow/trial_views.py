@@ -8,7 +8,7 @@ import pandas as pd
 
 from pawnb.core.rig import Rig, load_rig
 from pawnb.core.video import ViewSet
-from pawnb.errors import CalibrationError
+from pawnb.errors import CalibrationError, InputError
 from pawnb.trial import Trial
 from pawnb.workflow.methods import METHODS
 
@@ -62,3 +62,44 @@ def view_facing(trial: Trial, rig: Rig | None) -> dict[str, int]:
             with contextlib.suppress(CalibrationError):
                 facing.setdefault(name, rig.facing(name))
     return facing
+
+
+def frame_range(
+    trial: Trial, views: ViewSet, clicks: pd.DataFrame, *, frames: tuple[int, int] | None = None
+) -> tuple[int, int]:
+    """Return the half-open range of frames to track.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    views : ViewSet
+        Its open views.
+    clicks : pandas.DataFrame
+        Its start clicks.
+    frames : tuple of int, optional
+        What was asked for; default the trial's, else from the first click to the end.
+
+    Returns
+    -------
+    tuple of int
+        The frame of the first click, from which tracking starts, and one past the last frame.
+
+    Raises
+    ------
+    InputError
+        If the recording has not all of these frames, or the first click lies outside.
+    """
+    clicked = int(clicks["frame"].min())
+    first, last = frames or trial.frames or (min(clicked, views.n_frames - 1), views.n_frames)
+    if not 0 <= first < last <= views.n_frames:
+        raise InputError(
+            f"frames {first} to {last - 1} were asked for; the recording has frames 0 to "
+            f"{views.n_frames - 1}: choose a range within."
+        )
+    if not first <= clicked < last:
+        raise InputError(
+            f"the start points were clicked in frame {clicked}, outside frames {first} to "
+            f"{last - 1}; click a frame within, or change the range."
+        )
+    return clicked, last

@@ -73,3 +73,10 @@ def test_missing_tracks_and_belt_of_a_trial_made_elsewhere(tmp_path):
     assert len(report.faults) == 2
     assert "belt.csv: no such file" in report.faults[0]
     assert "x.nc: no such tracks" in report.faults[1]
+
+
+def test_clicks_after_the_end_are_found(small_trial):
+    start = small_trial / "start.csv"
+    start.write_text(start.read_text().replace("\n0,", "\n9999,"))
+    report = check_trial(small_trial)
+    assert any("clicked in frame 9999, outside frames" in fault for fault in report.faults)

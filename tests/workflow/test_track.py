@@ -336,6 +336,8 @@ def test_one_view_needs_no_calibration(small_trial):
     scaled = track(small_trial, frames=(0, 3))
     assert scaled.attrs["units"] == "mm"
     np.testing.assert_allclose(scaled["position"], tracks["position"] / 2)
+    assert (tracks["sd"].attrs["units"], scaled["sd"].attrs["units"]) == ("px", "mm")
+    np.testing.assert_allclose(scaled["sd"], tracks["sd"] / 2)
     again = retrack(load_trial(small_trial), scaled, 1)
     np.testing.assert_allclose(again["position"][:2], scaled["position"][:2])
     assert not (small_trial / "results" / "points3d.csv").exists()

@@ -1,0 +1,34 @@
+"""Positions of a single view in the unit of length that its scale gives."""
+
+from __future__ import annotations
+
+from pawnb.schema import Tracks
+from pawnb.trial import Trial
+
+
+def in_real_units(tracks: Tracks, trial: Trial) -> Tracks:
+    """Bring positions of a single view from px to the calibrated unit.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks; not modified.
+    trial : Trial
+        The trial they belong to.
+
+    Returns
+    -------
+    xarray.Dataset
+        Tracks whose ``position`` and ``sd`` are divided by ``[calibration] px_per_unit``;
+        the same Tracks where the trial has none, or where positions are not in px.
+        ``image_position`` stays in px.
+    """
+    calibration = trial.calibration
+    if calibration is None or calibration.px_per_unit is None or tracks.attrs["units"] != "px":
+        return tracks
+    scaled = {
+        name: (tracks[name] / calibration.px_per_unit).assign_attrs(units=calibration.unit)
+        for name in ("position", "sd")
+        if name in tracks
+    }
+    return tracks.assign(scaled).assign_attrs(units=calibration.unit)
