@@ -39,6 +39,8 @@ def read_coefs(path: Path, names: Sequence[str]) -> np.ndarray:
         raise CalibrationError(
             f"{path}: no such file; [calibration] dlt must name the csv with the DLT coefficients."
         ) from None
+    except IsADirectoryError:
+        raise CalibrationError(f"{path}: a folder; expected the csv of DLT coefficients.") from None
     except (pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeDecodeError):
         raise CalibrationError(
             f"{path.name}: not a table of numbers; expected 11 rows, one column a view, no header."
