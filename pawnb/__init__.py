@@ -7,6 +7,7 @@ The everyday names are here and are imported when they are first used, so that
 from __future__ import annotations
 
 import importlib
+from collections.abc import Callable
 from typing import Any
 
 __version__ = "0.1.0"
@@ -32,7 +33,10 @@ _HOME = {
     "track": "pawnb.workflow.track",
     "tracks_table": "pawnb.io.native",
 }
-_MODULES = ("core", "figures", "gait", "io", "synthetic", "widgets", "workflow")
+_MODULES = (
+    "core", "errors", "figures", "gait", "io", "kinematics", "schema", "signals", "synthetic",
+    "trial", "widgets", "workflow",
+)  # fmt: skip
 
 __all__ = ["__version__", *_HOME]
 
@@ -44,6 +48,21 @@ def __getattr__(name: str) -> Any:
     if name in _MODULES:
         return importlib.import_module(f"pawnb.{name}")
     raise AttributeError(f"module 'pawnb' has no attribute {name!r}")
+
+
+def _submodules(package: str) -> Callable[[str], Any]:
+    """Return the ``__getattr__`` of a package whose modules are imported on first use."""
+
+    def load(name: str) -> Any:
+        full = f"{package}.{name}"
+        try:
+            return importlib.import_module(full)
+        except ModuleNotFoundError as error:
+            if error.name != full:
+                raise  # the module is there, but not what it needs
+            raise AttributeError(f"module {package!r} has no attribute {name!r}") from None
+
+    return load
 
 
 def __dir__() -> list[str]:

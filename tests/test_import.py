@@ -36,6 +36,17 @@ def test_every_public_name_is_there(name):
     assert getattr(pawnb, name) is not None
 
 
+@pytest.mark.parametrize(
+    "name",
+    ["io.movement.to_movement", "core.dlt.fit_dlt", "gait.regression", "schema.make_tracks"],
+)
+def test_rooms_of_the_house_need_no_import_of_their_own(name):
+    # in a process of its own: any module that was imported before is there anyway
+    code = f"import pawnb; pawnb.{name}; print(hasattr(pawnb.io, 'nothing'))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "False"
+
+
 def test_unknown_names_are_refused():
     with pytest.raises(AttributeError, match="no attribute 'trak'"):
         _ = pawnb.trak

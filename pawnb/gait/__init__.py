@@ -1,5 +1,6 @@
 """Gait statistics on tracks or events from any source; this part knows no video."""
 
+from pawnb import _submodules
 from pawnb.gait.analysis import analyse, analyse_events
 from pawnb.gait.body_angles import body_angles
 from pawnb.gait.event_edits import replay_event_edits
@@ -17,3 +18,5 @@ __all__ = [
     "pool",
     "replay_event_edits",
 ]
+
+__getattr__ = _submodules(__name__)
