@@ -211,3 +211,20 @@ def test_what_the_system_refuses_is_one_sentence(tmp_path, monkeypatch, capsys):
     )
     assert (status, err.count("\n")) == (2, 1)
     assert err.startswith("pawnb: tracks.nc.part: No space left on device; ")
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        ("frame,view,point,u,v,confidence,origin", "{},cam1,FR,,,0,missing"),
+        ("frame,point,x,y,z,residual_px,origin", "{},FR,,,,,missing"),
+        ("frame,FR_x,FR_y", "{},,"),
+    ],
+)
+def test_tracks_without_a_single_position_are_refused_by_gait(tmp_path, capsys, table):
+    head, row = table
+    rows = [row.format(frame) for frame in range(9)]
+    (tmp_path / "lost.csv").write_text("\n".join([head, *rows]) + "\n")
+    status, _, err = run(capsys, "gait", tmp_path / "lost.csv", "--fps", 100)
+    assert (status, err.count("\n")) == (2, 1)
+    assert "none of the legs FR has a position in any frame" in err

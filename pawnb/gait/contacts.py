@@ -71,6 +71,9 @@ def is_contact_table(table: pd.DataFrame) -> bool:
     if "frame" not in table or not columns:
         return False
     cells = table[columns].apply(pd.to_numeric, errors="coerce").to_numpy(dtype=float)
+    given = (table[columns].notna() & (table[columns] != "")).to_numpy(dtype=bool)
+    if (given.any(axis=0) & ~np.isfinite(cells).any(axis=0)).any():
+        return False  # a column of words is no leg
     return bool(np.isin(cells[np.isfinite(cells)], (0.0, 1.0)).all() and np.isfinite(cells).any())
 
 
