@@ -159,10 +159,18 @@ def _without_folders(value: Any) -> Any:
 
 
 def plain_command(argv: Sequence[str]) -> str:
-    """Return a command line in which absolute paths are cut to their last part."""
+    """Return a command line without ``--out``, its absolute paths cut to their last part.
+
+    Where results were written shapes none of them: the same inputs give the same bytes in
+    any folder.
+    """
     words = []
+    skip = False
     for word in argv:
         name, equals, value = word.partition("=")
+        if skip or name == "--out":
+            skip = not skip and not equals
+            continue
         if equals and Path(value).is_absolute():
             word = f"{name}={Path(value).name}"
         elif Path(word).is_absolute():

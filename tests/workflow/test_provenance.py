@@ -60,12 +60,12 @@ def test_every_file_of_a_trial_is_listed_once(tmp_path):
 def test_no_absolute_path_is_kept(tmp_path):
     record = provenance.build_step(
         "track",
-        command=["pawnb", "track", str(tmp_path / "m 1"), f"--out={tmp_path}/out", "--set", "a=1"],
+        command=["pawnb", "track", str(tmp_path / "m 1"), "--set", f"a={tmp_path}/b"],
         inputs={"b": "2", "a": "1"},
         settings={"median_px": 5},
         method="paper",
     )
-    assert record["command"] == 'pawnb track "m 1" --out=out --set a=1'
+    assert record["command"] == 'pawnb track "m 1" --set a=b'
     assert str(tmp_path) not in json.dumps(record)
     assert record["versions"]["pawnb"]
     path = tmp_path / "provenance.json"
@@ -73,3 +73,9 @@ def test_no_absolute_path_is_kept(tmp_path):
     assert json.loads(path.read_text()) == {"steps": [record]}
     assert record["method"] == "paper"
     assert [p.name for p in tmp_path.iterdir()] == ["provenance.json"]
+
+
+@pytest.mark.parametrize("out", [["--out", "a b"], ["--out=a"], []])
+def test_where_results_are_written_changes_no_byte_of_them(out):
+    command = ["pawnb", "gait", "m1", *out, "--legs", "FR"]
+    assert provenance.plain_command(command) == "pawnb gait m1 --legs FR"
