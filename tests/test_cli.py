@@ -185,6 +185,7 @@ def test_convert_reads_another_program_and_asks_for_the_frame_rate(tmp_path, cap
         (("gait", "points.csv", "--fps", "0"), "fps is 0; expected"),
         (("gait", "points.csv", "--fps", "9", "--legs", "FR="), "--legs FR=: expected LEG=POINT"),
         (("gait", "noise.csv"), "noise.csv: not a csv table; expected names of columns"),
+        (("gait", "cam1.f.rat.2018-06-08_13_30_12.csv"), "a trial.toml of kind 'tracks'"),
         (("lab", "--port", "99999999", "--no-browser"), "port is 99999999; expected 1 to 65535"),
         (("batch", "none"), "1 of 1 trials failed: none: none: no such trial"),
     ],
@@ -193,6 +194,7 @@ def test_bad_input_of_any_command_is_one_sentence(tmp_path, monkeypatch, capsys,
     monkeypatch.chdir(tmp_path)
     (tmp_path / "file").write_text("not a folder")
     (tmp_path / "noise.csv").write_bytes(bytes(range(256)))
+    (tmp_path / "cam1.f.rat.2018-06-08_13_30_12.csv").write_text("1,2\n")
     (tmp_path / "points.csv").write_text("frame,FR_x,FR_y\n0,1,2\n1,2,3\n")
     status, _, err = run(capsys, *words)
     assert (status, err.count("\n")) == (2, 1)

@@ -11,6 +11,7 @@ import pandas as pd
 from pawnb.errors import InputError
 from pawnb.gait.contacts import events_from_contacts, is_contact_table
 from pawnb.io import native
+from pawnb.io.authors2019 import trial_stamp
 from pawnb.io.formats import check_rate, read_any_tracks, recognise_format
 from pawnb.io.tables import read_cells, read_numbers
 from pawnb.schema import Tracks, check_columns
@@ -103,6 +104,11 @@ def read_source(path: str | Path, *, fps: float | None = None) -> GaitSource:
         )
     if path.suffix == ".toml":
         return _read_trial(load_trial(path))
+    if trial_stamp(path.name) is not None:
+        raise InputError(
+            f"{path}: one of the four files of a trial of the 2019 authors, which need their DLT; "
+            "name it under [tracks] file of a trial.toml of kind 'tracks'."
+        )
     if path.suffix == ".csv":
         cells = read_cells(path, ())
         if "event" in cells:
