@@ -8,11 +8,12 @@ import numpy as np
 
 from pawnb.core.video import ViewSet, open_views
 from pawnb.errors import InputError, PawnbError
+from pawnb.gait.leg_names import choose_legs
 from pawnb.io.start import check_start, read_start
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.check_pose import check_pose_trial
 from pawnb.workflow.check_report import CheckReport
-from pawnb.workflow.foreign_tracks import read_belt
+from pawnb.workflow.foreign_tracks import read_belt, read_foreign_tracks
 from pawnb.workflow.methods import pose_tracker_settings, tracker_settings
 from pawnb.workflow.results import results_folder
 from pawnb.workflow.trial_views import frame_range, trial_rig
@@ -77,14 +78,24 @@ def _check_belt(trial: Trial, report: CheckReport) -> None:
 
 
 def _check_tracks_file(trial: Trial, report: CheckReport) -> None:
-    """Say whether the tracks made elsewhere are there."""
+    """Read the tracks made elsewhere as the gait analysis will, and say what they hold."""
     name = trial.tracks_file or ""
-    path = trial.path(name)
-    there = path.exists() or (path.parent.is_dir() and any(path.parent.glob(path.name)))
-    if there:
-        report.found.append(f"tracks in {name}")
-    else:
-        report.faults.append(f"{path}: no such tracks; check [tracks] file.")
+    if not trial.path(name).exists():
+        report.faults.append(f"{trial.path(name)}: no such tracks; check [tracks] file.")
+        return
+    try:
+        tracks = read_foreign_tracks(trial)
+        report.found.append(
+            f"tracks in {name}: {tracks.sizes['time']} frames, positions in {tracks.attrs['units']}"
+        )
+        legs = choose_legs(tracks, trial=trial, where=name)
+    except PawnbError as error:
+        report.faults.append(str(error))
+        return
+    if not np.isfinite(tracks["position"]).any() and "image_position" not in tracks:
+        report.faults.append(f"{name}: no point has a position in any frame.")
+    told = ", ".join(leg if leg == point else f"{leg} is {point!r}" for leg, point in legs.items())
+    report.found.append(f"legs: {told}")
 
 
 def _check_views(trial: Trial, report: CheckReport) -> None:

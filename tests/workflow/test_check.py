@@ -80,3 +80,19 @@ def test_clicks_after_the_end_are_found(small_trial):
     start.write_text(start.read_text().replace("\n0,", "\n9999,"))
     report = check_trial(small_trial)
     assert any("clicked in frame 9999, outside frames" in fault for fault in report.faults)
+
+
+def test_tracks_made_elsewhere_are_read_as_gait_will(tmp_path):
+    trial = tmp_path / "trial.toml"
+    trial.write_text('[trial]\nkind = "tracks"\nfps = 100\n[tracks]\nfile = "x.csv"\n')
+    table = tmp_path / "x.csv"
+    table.write_text("frame,hindpaw_R_x,hindpaw_R_y\n0,1,2\n1,2,3\n")
+    found = check_trial(trial).found
+    assert any("x.csv: 2 frames, positions in px" in line for line in found)
+    assert "legs: HR is 'hindpaw_R'" in found
+    table.write_text("frame,hindpaw_R_x,hindpaw_R_y\n0,,\n1,,\n")
+    assert check_trial(trial).faults == ["x.csv: no point has a position in any frame."]
+    table.write_text("frame,pow_x,pow_y\n0,1,2\n1,2,3\n")
+    assert "named like a leg" in check_trial(trial).faults[0]
+    table.write_text("something else\n")
+    assert "not tracks that are read here" in check_trial(trial).faults[0]
