@@ -22,6 +22,7 @@ from pawnb.gait.pose_body import pose_body
 from pawnb.gait.scored import check_scored_events
 from pawnb.gait.strides import Motion
 from pawnb.gait.tables import GaitTables, Pairs, build_tables, pool
+from pawnb.io.belt import read_belt_speed
 from pawnb.schema import Tracks, build_settings, check_columns, check_tracks
 from pawnb.trial import Trial
 
@@ -182,7 +183,7 @@ def _belt_on_grid(
         path = trial.path(stated)
         if not path.is_file():
             raise InputError(f"{path}: no such table of belt speed; mend [treadmill] belt_speed.")
-        stated = pd.read_csv(path)
+        stated = read_belt_speed(path)
     if isinstance(stated, pd.DataFrame):
         check_columns(stated, ("frame", "speed"), where=where)
         table = stated.sort_values("frame", kind="stable")

@@ -76,15 +76,45 @@ def _read_file(path: Path, trial: Trial) -> Tracks:
         unit = trial.calibration.unit
     program = recognise_format(path)
     if program == "csv":
-        points3d = path.with_name("points3d.csv")
         return read_tracks_table(
             path,
             fps=trial.fps,
-            points3d=points3d if points3d.exists() else None,
+            points3d=_points3d_beside(path),
             unit=unit or "px",
             individual=trial.animal.id,
         )
     return read_any_tracks(path, fps=trial.fps, program=program, unit=unit)
+
+
+def _points3d_beside(path: Path) -> Path | None:
+    """Return the points in space that lie beside a ``tracks.csv``, or None."""
+    points3d = path.with_name("points3d.csv")
+    return points3d if points3d.exists() else None
+
+
+def files_of_tracks(trial: Trial) -> tuple[Path, ...]:
+    """Return every file that the tracks and belt speed of such a trial are read from.
+
+    Parameters
+    ----------
+    trial : Trial
+        A trial of kind ``tracks`` whose tracks can be read.
+
+    Returns
+    -------
+    tuple of Path
+        The named file first.
+    """
+    path = trial.path(trial.tracks_file or "")
+    stamp = authors2019.trial_stamp(path.name)
+    files = [path]
+    if stamp is not None:
+        files += sorted(path.parent.glob(f"cam*{stamp}.csv"))
+    elif recognise_format(path) == "csv":
+        files += [points3d for points3d in (_points3d_beside(path),) if points3d is not None]
+    dlt = trial.calibration.dlt if trial.calibration is not None else None
+    files += [trial.path(name) for name in (dlt, trial.belt_speed) if isinstance(name, str)]
+    return tuple(dict.fromkeys(files))
 
 
 def _in_space(tracks: Tracks, trial: Trial) -> Tracks:

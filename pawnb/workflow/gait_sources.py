@@ -16,7 +16,7 @@ from pawnb.io.formats import check_rate, read_any_tracks, recognise_format
 from pawnb.io.tables import read_cells, read_numbers
 from pawnb.schema import Tracks, check_columns
 from pawnb.trial import Animal, Trial, load_trial
-from pawnb.workflow.foreign_tracks import read_foreign_tracks
+from pawnb.workflow.foreign_tracks import files_of_tracks, read_foreign_tracks
 from pawnb.workflow.results import (
     RESULTS_FOLDER,
     describe_trial,
@@ -44,7 +44,7 @@ class GaitSource:
     guessed : bool
         Whether the animal's id is only the name of the file.
     further : tuple of Path
-        Further files that were read: calibration and belt speed of tracks made elsewhere.
+        Further files that tracks made elsewhere were read from, such as their calibration.
     """
 
     path: Path
@@ -129,18 +129,12 @@ def _read_trial(trial: Trial) -> GaitSource:
     out = results_folder(trial)
     if trial.kind == "tracks" and trial.tracks_file is not None:
         tracks = describe_trial(read_foreign_tracks(trial), trial)
-        path = trial.path(trial.tracks_file)
-        return GaitSource(path, out, tracks=tracks, trial=trial, further=_further_files(trial))
+        path, *further = files_of_tracks(trial)
+        return GaitSource(path, out, tracks=tracks, trial=trial, further=tuple(further))
     path = out / "tracks.nc"
     if not path.exists():
         raise InputError(f"{path}: trial {trial.name!r} is not tracked yet; run pawnb track first.")
     return GaitSource(path, out, tracks=native.read_tracks(path), trial=trial)
-
-
-def _further_files(trial: Trial) -> tuple[Path, ...]:
-    """Return the files besides its tracks that a trial of kind ``tracks`` takes numbers from."""
-    dlt = trial.calibration.dlt if trial.calibration is not None else None
-    return tuple(trial.path(f) for f in (dlt, trial.belt_speed) if isinstance(f, str))
 
 
 def _read_events(path: Path, fps: float | None) -> GaitSource:

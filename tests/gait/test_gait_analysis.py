@@ -490,3 +490,13 @@ def test_tracks_without_any_position_are_refused():
         InputError, match=r"^animal 'animal': none of the legs FR, HR, FL, HL has a"
     ):
         analyse(tracks, belt_speed=300.0)
+
+
+def test_a_table_of_belt_speed_that_is_none_is_said(tmp_path):
+    (tmp_path / "belt.csv").write_text("frame,speed\n0,fast\n")
+    trial = Trial(
+        kind="tracks", name="t", fps=250.0, animal=Animal(id="a"), folder=tmp_path,
+        belt_speed="belt.csv",
+    )  # fmt: skip
+    with pytest.raises(InputError, match=r"^belt\.csv: line 2, column 'speed' is 'fast'"):
+        analyse(Walk().tracks(), trial=trial)

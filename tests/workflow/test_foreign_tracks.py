@@ -10,8 +10,8 @@ import pandas as pd
 import pytest
 
 from pawnb.errors import InputError
-from pawnb.trial import load_trial
-from pawnb.workflow.foreign_tracks import read_foreign_tracks
+from pawnb.trial import Animal, Calibration, Trial, load_trial
+from pawnb.workflow.foreign_tracks import files_of_tracks, read_foreign_tracks
 from pawnb.workflow.gait import run_gait
 
 VIEWS = "".join(f'[[views]]\nname = "cam{i}"\nvideo = "cam{i}.avi"\n' for i in (1, 2, 3, 4))
@@ -92,3 +92,18 @@ def test_every_file_that_was_read_is_in_the_record(rendered_trial, tmp_path):
     record = json.loads((tmp_path / "results" / "provenance.json").read_text())
     names = {name.rpartition("/")[2] for name in record["steps"][0]["inputs"]}
     assert names == {"tracks.csv", "DLTcoefs.csv", "belt.csv"}
+
+
+def test_files_of_the_2019_authors_are_all_in_the_record(real_data):
+    folder = real_data("rat-4cam-tracks")
+    stamp = "2018-06-08_13_42_28"
+    tail = f"rat2.week0.{stamp}.csv"
+    trial = Trial(
+        kind="tracks", name="r", fps=250.0, animal=Animal(id="rat2"), folder=folder,
+        tracks_file=f"cam1.f.{tail}", belt_speed=f"speed_time.{tail}",
+        calibration=Calibration(dlt=f"DLT.{tail}"),
+    )  # fmt: skip
+    names = [path.name for path in files_of_tracks(trial)]
+    # two cameras, front and hind each, and what belongs to them
+    assert len(names) == 6
+    assert all(stamp in name for name in names)
