@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from pawnb.core.pose.fit.blurred import part_of
 from pawnb.core.pose.fit.candidate_loops import leg_footprint, shared_cost
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.limb_loops import chains_apart, chains_cross, find_limbs
@@ -136,25 +137,14 @@ def fit_leg(
     """Return one leg's part of the pose vector, fitted with the body as it is."""
     trial = pose.copy()
     trial[fitter.numbers[leg]] = guess
-    part = _about_leg(sight, _joints(fitter, pose, leg, guess))
+    joints = _joints(fitter, pose, leg, guess)
+    part = part_of(
+        sight, np.nanmin(joints, axis=0) - _ROOM_PX, np.nanmax(joints, axis=0) + _ROOM_PX
+    )
     fitted, _ = fitter.fit(
         trial, part, prior, active=fitter.numbers[leg], shown=fitter.only[leg], rounds=rounds
     )
     return fitted[fitter.numbers[leg]]
-
-
-def _about_leg(sight: Sight, joints: np.ndarray) -> Sight:
-    """Return the part of a sight about a leg."""
-    height, width = sight.seen.shape
-    low = np.floor(np.nanmin(joints, axis=0) - sight.box - _ROOM_PX).astype(int)
-    high = np.ceil(np.nanmax(joints, axis=0) - sight.box + _ROOM_PX).astype(int)
-    u0, v0 = (int(x) for x in np.clip(low, 0, (width - 2, height - 2)))
-    u1, v1 = max(u0 + 2, min(int(high[0]), width)), max(v0 + 2, min(int(high[1]), height))
-    return Sight(
-        np.ascontiguousarray(sight.seen[v0:v1, u0:u1]),
-        np.ascontiguousarray(sight.weight[v0:v1, u0:u1]),
-        sight.box + np.array([float(u0), float(v0)]),
-    )
 
 
 def add_candidates(

@@ -13,7 +13,13 @@ import cv2
 import numpy as np
 
 from pawnb.core.grey import grey
-from pawnb.core.pose.fit.evidence_loops import block_gains, darkness, smooth_gains
+from pawnb.core.pose.fit.evidence_loops import (
+    behind_filter,
+    block_gains,
+    darkness,
+    in_levels,
+    smooth_gains,
+)
 from pawnb.core.pose.fit.solve_loops import Sight
 from pawnb.core.views import Frame
 
@@ -133,12 +139,13 @@ def without_wide(sight: Sight, body: np.ndarray, *, size: int) -> Sight:
     The filter is the grey opening by the disc (Serra 1982), and what is left the top hat of the
     picture, divided by the light that the filter lets through.
     """
-    whole = np.round(_LEVELS * np.clip(sight.seen, 0.0, 1.0)).astype(np.uint8)
+    whole = np.empty(sight.seen.shape, np.uint8)
+    in_levels(sight.seen, _LEVELS, whole)
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
-    wide = cv2.morphologyEx(whole, cv2.MORPH_OPEN, disc) / _LEVELS
-    wide = np.where(body, 0.0, np.clip(wide - _UNEVEN, 0.0, _BLACK))
-    left = 1.0 - wide
-    return Sight((sight.seen - wide) / left, sight.weight * left**2, sight.box)
+    wide = cv2.morphologyEx(whole, cv2.MORPH_OPEN, disc)
+    seen, weight = sight.seen.copy(), sight.weight.copy()
+    behind_filter(wide, 1.0 / _LEVELS, _UNEVEN, _BLACK, body, seen, weight)
+    return Sight(seen, weight, sight.box)
 
 
 def reduced(picture: np.ndarray, factor: int) -> np.ndarray:

@@ -80,23 +80,64 @@ def darkness(
         Receive darkness in [-0.5, 1.5] and one over its variance.
     """
     rows, columns = gains.shape
+    width = image.shape[1]
+    lefts, share = np.empty(width, np.int64), np.empty(width)
+    for u in range(width):
+        x = min(max((u + 0.5) / block - 0.5, 0.0), columns - 1.0)
+        lefts[u] = min(int(x), max(columns - 2, 0))
+        share[u] = x - lefts[u]
+    row = np.empty(columns + 1)  # one more, so that there is a block beside the last
+    gain = np.empty(width)
     for v in range(image.shape[0]):
         y = min(max((v + 0.5) / block - 0.5, 0.0), rows - 1.0)
         i = min(int(y), max(rows - 2, 0))
         b = y - i
         below = min(i + 1, rows - 1)
-        for u in range(image.shape[1]):
-            x = min(max((u + 0.5) / block - 0.5, 0.0), columns - 1.0)
-            j = min(int(x), max(columns - 2, 0))
-            a = x - j
-            beside = min(j + 1, columns - 1)
-            gain = (1 - b) * ((1 - a) * gains[i, j] + a * gains[i, beside])
-            gain += b * ((1 - a) * gains[below, j] + a * gains[below, beside])
-            lit = max(gain * mean[v, u], 1.0)
-            contrast = max(light - lit, 16.0) if light > 0.0 else lit
-            value = (lit - image[v, u]) / contrast
-            if light > 0.0:
-                value = -value
+        for j in range(columns):
+            row[j] = (1 - b) * gains[i, j] + b * gains[below, j]
+        row[columns] = row[columns - 1]
+        for u in range(width):
+            j = lefts[u]
+            gain[u] = row[j] + share[u] * (row[j + 1] - row[j])
+        for u in range(width):
+            lit = max(gain[u] * mean[v, u], 1.0)
+            contrast = max(light - lit, 16.0) if light > 0.0 else -lit
+            value = (image[v, u] - lit) / contrast
             seen[v, u] = min(max(value, -0.5), 1.5)
-            noise = gain * sd[v, u] / contrast
+            noise = gain[u] * sd[v, u] / contrast
             weight[v, u] = 1.0 / (spread * spread + noise * noise)
+
+
+@compiled
+def in_levels(seen: np.ndarray, levels: float, out: np.ndarray) -> None:
+    """Write darkness, cut to 0 to 1, in so many steps into ``out`` (uint8)."""
+    for v in range(seen.shape[0]):
+        for u in range(seen.shape[1]):
+            out[v, u] = np.uint8(levels * min(max(seen[v, u], 0.0), 1.0) + 0.5)
+
+
+@compiled
+def behind_filter(
+    wide: np.ndarray, level: float, least: float, most: float, body: np.ndarray,
+    seen: np.ndarray, weight: np.ndarray,
+) -> None:  # fmt: skip
+    """Make darkness and its weight those before a filter that takes light; in place.
+
+    Parameters
+    ----------
+    wide : ndarray of uint8, shape (H, W)
+        Light that the filter takes, in steps of ``level``.
+    level, least, most : float
+        A step; what does not count of it; and the most that counts.
+    body : ndarray of bool, shape (H, W)
+        Where the body may be: there is no filter.
+    seen, weight : ndarray, shape (H, W)
+        Darkness and its weight, changed.
+    """
+    for v in range(seen.shape[0]):
+        for u in range(seen.shape[1]):
+            taken = min(wide[v, u] * level - least, most)
+            if taken > 0.0 and not body[v, u]:
+                left = 1.0 - taken
+                seen[v, u] = (seen[v, u] - taken) / left
+                weight[v, u] *= left * left

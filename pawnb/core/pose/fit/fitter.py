@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import copy
 
+import cv2
 import numpy as np
 
 from pawnb.core.pose.animal import StickAnimal
-from pawnb.core.pose.fit.blurred import blurred
+from pawnb.core.pose.fit.blurred import blurred, part_of
 from pawnb.core.pose.fit.candidate_loops import leg_support, paint_base, unexplained
 from pawnb.core.pose.fit.evidence import Evidence, without_wide
 from pawnb.core.pose.fit.layout import N_BODY, Layout
@@ -18,20 +19,24 @@ from pawnb.core.pose.fit.solve_loops import Prior, Sight, fit_pose, normal_matri
 from pawnb.core.views import Frame
 
 SQRT5 = float(np.sqrt(5.0))
-_COVER_BLUR_PX = 7.0
-"""Blur of the painted prediction that keeps the animal out of the estimate of the light."""
+_COVER_PX = 7.0
+"""What is nearer to the prediction is kept out of the estimate of the light."""
+_SUBPIXEL = 4
+"""Bits of places between pixels."""
 _BODY_MARGIN_PX = 3.0
 """How far from its place the body's edge may be, working px."""
 _NO_LEG = 2.0
 """Painted where a leg would not be seen: darker than any."""
 _BODY_BLURS = (6.0, 2.0)
-_BODY_ASTRAY_PX = 3.0
-"""A body that lies further than this from its expected place is looked for before its legs are:
-less far, the legs say where it is more precisely than its outline does."""
+_BODY_SURELY_PX = (1.5, 3.0)
+"""A body that lies, with each of these blurs, no further than this from its expected place is in
+it: the legs then say where it is more precisely than its outline does. A wide blur, with which the
+legs pull at the body's outline, is trusted only where it is nearer."""
 _WIDER = 2.2
 """A disc of so many thicknesses is no part of legs, even where two lie side by side."""
-_ENOUGH = 0.5
-"""A fit ends when a step lowers its cost by less."""
+_ENOUGH, _ENOUGH_OF_BODY = 0.5, 5.0
+"""A fit ends when a step lowers its cost by less; that of the body alone earlier, as whole pixels
+will do."""
 
 
 class FrameFitter:
@@ -132,20 +137,32 @@ class FrameFitter:
         does not count as dark; see :func:`.evidence.without_wide`.
         """
         empty = Sight(image, image, np.array([float(box[0]), float(box[1])]))
-        value, owner, along, joints = self.canvas(empty)
+        seen = self.evidence.sight(image, box, self._cover(expected, empty))
+        return seen if np.isinf(margin) else self.narrowed(seen, expected, margin=margin)
+
+    def _cover(self, pose: np.ndarray, sight: Sight) -> np.ndarray:
+        """Return where the animal and what is beside it may be: not -1; it does not last."""
+        value, owner, along, joints = self.canvas(sight)
         paint_some(
-            self.layout, expected, _COVER_BLUR_PX, empty.box, self.all_shown,
-            value, owner, along, joints,
-        )  # fmt: skip
-        covered = np.where(owner == NOTHING, NOTHING, 0)
-        seen = self.evidence.sight(image, box, covered)
-        if np.isinf(margin):
-            return seen
+            self.layout, pose, _COVER_PX, sight.box, self.body_shown, value, owner, along, joints
+        )
+        for places, radius in zip(self.joints(pose), self.layout.radius, strict=True):
+            known = places[np.isfinite(places[:, 0])] - sight.box
+            ends = np.round(known * (1 << _SUBPIXEL)).astype(np.int32)
+            wide = round(2.0 * (float(radius.max()) + _COVER_PX))
+            cv2.polylines(owner, [ends], False, 0, wide, cv2.LINE_8, _SUBPIXEL)
+        return owner
+
+    def narrowed(
+        self, sight: Sight, expected: np.ndarray, *, margin: float = _BODY_MARGIN_PX
+    ) -> Sight:
+        """Return a sight in which what is wider than a leg, but for the body, is not dark."""
+        value, owner, along, joints = self.canvas(sight)
         paint_some(
-            self.layout, expected, margin, empty.box, self.body_shown, value, owner, along, joints
+            self.layout, expected, margin, sight.box, self.body_shown, value, owner, along, joints
         )
         thickest = 2.0 * float(min(self.layout.radius.max(), self.first.radius.max())) + self.blur
-        return without_wide(seen, owner != NOTHING, size=2 * round(_WIDER * thickest / 2) + 1)
+        return without_wide(sight, owner != NOTHING, size=2 * round(_WIDER * thickest / 2) + 1)
 
     def fit(
         self,
@@ -157,6 +174,7 @@ class FrameFitter:
         shown: np.ndarray | None = None,
         blur: float | None = None,
         rounds: int = 6,
+        enough: float = _ENOUGH,
     ) -> tuple[np.ndarray, float]:
         """Return the pose nearby that fits best, and its cost; see :func:`fit_pose`."""
         return fit_pose(
@@ -164,20 +182,26 @@ class FrameFitter:
             self.everything if active is None else active,
             self.all_shown if shown is None else shown,
             self.blur if blur is None else blur,
-            self.settings.soft_error, rounds, _ENOUGH, *self.canvas(sight),
+            self.settings.soft_error, rounds, enough, *self.canvas(sight),
         )  # fmt: skip
 
     def body_found(self, expected: np.ndarray, sight: Sight) -> np.ndarray:
-        """Return the expected pose, moved as a whole onto the body where that is elsewhere."""
+        """Return the expected pose, moved as a whole onto the body where that is elsewhere.
+
+        Where it is in its place, as it is in most frames, that is the array given.
+        """
         pose = expected
-        known = self.anatomy
-        for blur in _BODY_BLURS:
+        reach = 2.0 * self.body_radius + max(_BODY_BLURS)  # further away it is not felt
+        sight = part_of(sight, expected[:2] - reach, expected[:2] + reach)
+        for blur, surely in zip(_BODY_BLURS, _BODY_SURELY_PX, strict=True):
             pose, _ = self.fit(
-                pose, blurred(sight, blur), known, active=self.body, shown=self.body_shown,
-                blur=self.blur + blur, rounds=6,
+                pose, blurred(sight, blur), self.anatomy, active=self.body, shown=self.body_shown,
+                blur=self.blur + blur, rounds=6, enough=_ENOUGH_OF_BODY,
             )  # fmt: skip
-        away = np.hypot(*(pose[:2] - expected[:2])) + self.body_radius * abs(pose[2] - expected[2])
-        return pose if away > _BODY_ASTRAY_PX else expected
+            turned = self.body_radius * abs(pose[2] - expected[2])
+            if np.hypot(*(pose[:2] - expected[:2])) + turned <= surely:
+                return expected
+        return pose
 
     def equations(
         self, pose: np.ndarray, sight: Sight, prior: Prior
@@ -185,8 +209,11 @@ class FrameFitter:
         """Return the Gauss-Newton matrix and the gradient of picture and prior."""
         matrix, slope = np.zeros((self.n, self.n)), np.zeros(self.n)
         value, owner, along, joints = self.canvas(sight)
+        paint_some(
+            self.layout, pose, self.blur, sight.box, self.all_shown, value, owner, along, joints
+        )
         normal_matrix(
-            self.layout, pose, sight, prior, self.everything, self.all_shown, self.blur,
+            self.layout, pose, sight, prior, self.everything, self.blur,
             self.settings.soft_error, value, owner, along, joints, matrix, slope,
         )  # fmt: skip
         return matrix + np.tril(matrix, -1).T, slope  # the loops fill the lower triangle

@@ -101,8 +101,12 @@ class Follower:
         if not (0 <= expected[0] < evidence.width and 0 <= expected[1] < evidence.height):
             return False
         sight, image, box = fitter.look(frame, expected, margin=np.inf)
-        expected = fitter.body_found(expected, sight)
-        sight = fitter.sight(image, box, expected)
+        found = fitter.body_found(expected, sight)
+        if found is expected:  # what is left out of the light is the same
+            sight = fitter.narrowed(sight, expected)
+        else:
+            expected = found
+            sight = fitter.sight(image, box, expected)
         anatomy, prior = self.priors(expected)
         pose = self.fit_from(expected, sight)
         if fitter.body_support(pose, sight) < _BODY_LOST:

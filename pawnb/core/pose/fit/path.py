@@ -60,13 +60,15 @@ class Trellis:
         cost, back, velocity = last.cost, [], []
         for axis, now in enumerate(joints):
             before = last.joints[axis]
+            if len(before) == 1 and len(now) == 1:  # all paths take this step: it decides nothing
+                velocity.append(self._velocity(now - before))
+                back.append(np.zeros(cost.shape, dtype=int))
+                continue
             steps = self._steps(before, last.velocity[axis], now)
             others = tuple(k for k in range(last.cost.ndim) if k != axis)
             marginal = last.cost.min(axis=others) if others else last.cost
             parent = np.argmin(marginal[:, None] + steps, axis=0)
-            moved = now - before[parent]
-            leap = (np.nanmax(np.abs(moved), axis=(1, 2)) > 6 * self.jump_px)[:, None, None]
-            velocity.append(np.where(leap, 0.0, _KEEP_VELOCITY * moved))
+            velocity.append(self._velocity(now - before[parent]))
             # axis of the candidates before becomes that of the candidates now
             moved_cost = np.moveaxis(cost, axis, 0)[:, None]
             tall = steps.reshape(*steps.shape, *([1] * (cost.ndim - 1)))
@@ -103,6 +105,12 @@ class Trellis:
             state = tuple(before)
             states.append(state)
         return states[::-1]
+
+    def _velocity(self, moved: np.ndarray) -> np.ndarray:
+        """Return how joints go on moving, that moved so; those of a leg that leapt do not."""
+        # comparisons with the NaN beyond the tip of a short leg are False
+        leap = (np.abs(moved) > 6 * self.jump_px).any(axis=(1, 2))
+        return np.where(leap[:, None, None], 0.0, _KEEP_VELOCITY * moved)
 
     def _steps(self, before: np.ndarray, velocity: np.ndarray, now: np.ndarray) -> np.ndarray:
         """Return the cost of each step, shape (candidates before, candidates now)."""

@@ -154,12 +154,14 @@ def paint_some(
 @compiled
 def normal_matrix(
     layout: Layout, pose: np.ndarray, sight: Sight, prior: Prior, active: np.ndarray,
-    shown: np.ndarray, blur: float, soft: float,
+    blur: float, soft: float,
     value: np.ndarray, owner: np.ndarray, along: np.ndarray, joints: np.ndarray,
     matrix: np.ndarray, vector: np.ndarray,
 ) -> float:  # fmt: skip
-    """Return cost; fill the Gauss-Newton matrix and gradient of picture and prior."""
-    paint_some(layout, pose, blur, sight.box, shown, value, owner, along, joints)
+    """Return cost; fill the Gauss-Newton matrix and gradient of picture and prior.
+
+    The pose has been painted (:func:`paint_some`).
+    """
     matrix[:] = 0.0
     vector[:] = 0.0
     cost = normal_equations(
@@ -174,13 +176,17 @@ def normal_matrix(
 def solve_in_place(matrix: np.ndarray, vector: np.ndarray) -> bool:
     """Solve matrix x = vector by Cholesky into ``vector``; False if not positive definite.
 
-    Only the lower triangle is read; it is overwritten with the factor.
+    Only the lower triangle is read; it is overwritten with the factor. What a row has of zeros
+    before its first other number stays zero, and costs nothing.
     """
     n = vector.shape[0]
+    starts = np.zeros(n, np.int64)
     for i in range(n):
-        for j in range(i + 1):
+        while starts[i] < i and matrix[i, starts[i]] == 0.0:
+            starts[i] += 1
+        for j in range(starts[i], i + 1):
             total = matrix[i, j]
-            for k in range(j):
+            for k in range(max(starts[i], starts[j]), j):
                 total -= matrix[i, k] * matrix[j, k]
             if i != j:
                 matrix[i, j] = total / matrix[j, j]
@@ -189,7 +195,7 @@ def solve_in_place(matrix: np.ndarray, vector: np.ndarray) -> bool:
             else:
                 matrix[i, i] = np.sqrt(total)
     for i in range(n):
-        for k in range(i):
+        for k in range(starts[i], i):
             vector[i] -= matrix[i, k] * vector[k]
         vector[i] /= matrix[i, i]
     for i in range(n - 1, -1, -1):
@@ -212,7 +218,7 @@ def fit_pose(
     layout, pose, sight, prior
         Animal, first guess, picture, prior.
     active : ndarray of int
-        Numbers of the pose that may change.
+        Numbers of the pose that may change, ascending.
     shown : ndarray of bool, shape (legs + 1,)
         Legs, and last the body, that are painted.
     blur, soft : float
@@ -234,18 +240,21 @@ def fit_pose(
     m = active.shape[0]
     part, side = np.zeros((m, m)), np.zeros(m)
     pose = pose.copy()
-    damping = 1e-3
-    for _ in range(rounds):
+    cost, damping = 0.0, 1e-3
+    paint_some(layout, pose, blur, sight.box, shown, value, owner, along, joints)
+    for _ in range(rounds):  # the pose is on the canvas: that of the last step, which was kept
         cost = normal_matrix(
-            layout, pose, sight, prior, active, shown, blur, soft, value, owner, along, joints,
+            layout, pose, sight, prior, active, blur, soft, value, owner, along, joints,
             matrix, vector,
         )  # fmt: skip
         gained = 0.0
         for _ in range(6):
             for i in range(m):
-                side[i] = -vector[active[i]]
+                # last to first: legs meet only in the body, whose numbers are the first
+                p = active[m - 1 - i]
+                side[i] = -vector[p]
                 for j in range(i + 1):
-                    part[i, j] = matrix[active[i], active[j]]
+                    part[i, j] = matrix[active[m - 1 - j], p]
                 part[i, i] *= 1.0 + damping
                 part[i, i] += 1e-9
             if not solve_in_place(part, side):
@@ -253,7 +262,7 @@ def fit_pose(
                 continue
             trial = pose.copy()
             for i in range(m):
-                trial[active[i]] += side[i]
+                trial[active[i]] += side[m - 1 - i]
             paint_some(layout, trial, blur, sight.box, shown, value, owner, along, joints)
             now = picture_cost(value, owner, sight.seen, sight.weight, soft)
             now += prior_cost(trial, prior, active)

@@ -54,10 +54,11 @@ def slopes(layout, pose):
     loops.paint(layout, pose, BLUR, np.zeros(2), value, owner, along, joints)
     out = np.zeros((180, 180, len(pose)))
     row, which, pull = np.zeros(64), np.zeros(64, np.int64), np.zeros(4)
+    turned = float(np.cos(pose[2])), float(np.sin(pose[2]))
     for v, u in zip(*np.nonzero(owner != loops.NOTHING), strict=True):
         piece = owner[v, u]
         if piece < 0:
-            if loops.body_slope(layout, pose, -2 - piece, BLUR, float(u), float(v), row):
+            if loops.body_slope(layout, pose, -2 - piece, BLUR, float(u), float(v), *turned, row):
                 out[v, u, :3] = row[:3]
             continue
         leg, s = piece // 64, piece % 64
