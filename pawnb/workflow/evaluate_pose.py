@@ -6,6 +6,7 @@ forwards against tracking in reverse (Table 4.2).
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Mapping
 from pathlib import Path
@@ -120,13 +121,18 @@ def evaluate_directions(
     Raises
     ------
     InputError
-        If the trial is of another kind, or the animal is found in fewer than two frames.
+        If the trial is of another kind, the disturbance is below 0, or the animal is found in
+        fewer than two frames.
     """
     trial = trial if isinstance(trial, Trial) else load_trial(trial)
     if trial.kind != "pose":
         raise InputError(
             f"trial {trial.name!r} is of kind {trial.kind!r}; tracking both ways is compared for "
             "jointed animals, kind 'pose'."
+        )
+    if not (0 <= disturb_px < math.inf and 0 <= disturb_deg < math.inf):
+        raise InputError(
+            f"disturb is {disturb_px:g} px, {disturb_deg:g} degrees; expected numbers, 0 or more."
         )
     found = _found(trial, method, settings, progress)
     animal, poses = animal_of(found), poses_of(found).poses

@@ -17,6 +17,7 @@ from pawnb.core.pose.species_file import load_species
 from pawnb.core.pose.track_result import plain_track
 from pawnb.errors import InputError
 from pawnb.io.native import write_tracks
+from pawnb.trial import Animal, Trial
 from pawnb.workflow.evaluate_pose import evaluate_directions, evaluate_still
 
 ANIMAL = load_species("spider")
@@ -48,6 +49,14 @@ def test_jitter_is_that_of_the_frames_asked_for(still, tmp_path, capsys):
 def test_frames_that_were_not_tracked_are_refused(still):
     with pytest.raises(InputError, match=r"^frames 5 to 5000 were asked for; the results have"):
         evaluate_still(still, frames=(5, 5000))
+
+
+@pytest.mark.parametrize("disturb", [{"disturb_px": -1.0}, {"disturb_deg": float("nan")}])
+def test_a_disturbance_that_cannot_be_is_refused(tmp_path, disturb):
+    # refused before anything is opened or tracked
+    trial = Trial(kind="pose", name="t", fps=100.0, animal=Animal(id="a"), folder=tmp_path)
+    with pytest.raises(InputError, match=r"^disturb is .*; expected numbers, 0 or more"):
+        evaluate_directions(trial, **disturb)
 
 
 def test_one_question_at_a_time(still, capsys):
