@@ -7,21 +7,20 @@ evenly, by as much as was learnt from the whole recording. No direction is prefe
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
-from typing import TypeVar
 
 import numpy as np
 
 from pawnb.core.pose.fit.choices import Choices
 from pawnb.core.pose.fit.fitter import FrameFitter
-from pawnb.core.pose.fit.paint_loops import paint
 from pawnb.core.pose.fit.relearn import usual_lengths
 from pawnb.core.pose.fit.smooth import first_motion, learn_motion, others_say
 from pawnb.core.pose.fit.solve_loops import Prior, Sight
 from pawnb.core.pose.fit.start import partners
+from pawnb.core.pose.fit.threads import THREADS, on_threads
 from pawnb.core.pose.fit.uncertainty_loops import error_ratio, place_sds
 
 _SWEEPS = 5
@@ -30,14 +29,11 @@ _GAIN = 0.5
 """A frame is fitted again where the cost of one of its legs is expected to fall by this, which is
 that of one standard deviation."""
 _ROUNDS = 3
-_THREADS = 2
 _ALIKE_PX = 4.5
 """Errors of pixels nearer than this go together: so many pixels count as one in each direction."""
 _MODEL_SD = 0.45
 """What the painted shape errs by itself, alike in all frames (hairs, shadow, bends), half widths of
 the picture's blur; set, as the line above, on rendered spiders."""
-
-_T = TypeVar("_T")
 
 
 @dataclass(frozen=True)
@@ -75,8 +71,6 @@ class _Own:
     many : float
         So many times are precision and slope less than those of the fit's cost, in which pixels
         err independently.
-    support : ndarray, shape (legs, 2)
-        As in :class:`Settled`.
     sight : Sight
         What the frame shows, in half precision: that of all frames is kept until the end.
     """
@@ -85,7 +79,6 @@ class _Own:
     precision: np.ndarray
     slope: np.ndarray
     many: float
-    support: np.ndarray
     sight: Sight
 
 
@@ -140,10 +133,9 @@ def settle_all(fitter: FrameFitter, found: Sequence[Choices], poses: np.ndarray)
 
     def first(own: FrameFitter, t: int) -> _Own:
         sight = own.sight(found[t].image.astype(float), found[t].box, poses[t])
-        half = Sight(sight.seen.astype(np.float16), sight.weight.astype(np.float16), sight.box)
-        return _own_near(own, poses[t], half, anatomy)
+        return _own_near(own, poses[t], sight, anatomy)
 
-    own = _on_threads(fitter, range(len(found)), first)
+    own = on_threads(fitter, range(len(found)), first)
     motions = [first_motion(len(numbers) // 2) for numbers in fitter.numbers]
     motions = _learnt(fitter, own, motions, stretches)
     for _ in range(_SWEEPS):
@@ -152,21 +144,10 @@ def settle_all(fitter: FrameFitter, found: Sequence[Choices], poses: np.ndarray)
         if not len(again):
             break
         work = partial(_fit_again, own=own, others=others, anatomy=anatomy)
-        _on_threads(fitter, again, work)
+        on_threads(fitter, again, work)
         motions = _learnt(fitter, own, motions, stretches)
     others = _from_others(fitter, own, motions, stretches)
-    return [_settled(fitter, one, others.pull(fitter, t)) for t, one in enumerate(own)]
-
-
-def _on_threads(
-    fitter: FrameFitter, frames: Sequence[int] | np.ndarray, work: Callable[[FrameFitter, int], _T]
-) -> list[_T]:
-    """Return what ``work`` makes of frames, each thread with a fitter of its own."""
-    parts = np.array_split(np.asarray(frames), _THREADS)
-    fitters = [fitter.twin() for _ in parts]
-    with ThreadPoolExecutor(_THREADS, thread_name_prefix="pawnb-last") as pool:
-        done = pool.map(lambda f, part: [work(f, int(t)) for t in part], fitters, parts)
-        return [one for part in done for one in part]
+    return on_threads(fitter, range(len(own)), lambda f, t: _settled(f, own[t], others.pull(f, t)))
 
 
 def _from_others(
@@ -187,7 +168,7 @@ def _from_others(
         step = np.linalg.solve(precision + pull, down[..., None])[..., 0]
         return around, pull, 0.5 * (down * step).sum(axis=1)
 
-    with ThreadPoolExecutor(_THREADS, thread_name_prefix="pawnb-last") as pool:
+    with ThreadPoolExecutor(THREADS, thread_name_prefix="pawnb-last") as pool:
         arounds, pulls, gains = zip(*pool.map(of_leg, range(len(motions))), strict=True)
     around = np.zeros((len(own), fitter.n))
     for numbers, place in zip(fitter.numbers, arounds, strict=True):
@@ -210,13 +191,11 @@ def _learnt(
 
 def _own_near(fitter: FrameFitter, pose: np.ndarray, sight: Sight, anatomy: Prior) -> _Own:
     """Return what a frame's picture says near a pose."""
-    half, sight = sight, _whole(sight)
-    value, owner, along, joints = fitter.canvas(sight)
-    paint(fitter.layout, pose, fitter.blur, sight.box, value, owner, along, joints)
-    ratio = error_ratio(value, owner, sight, fitter.settings.soft_error)
-    many = ratio * _ALIKE_PX**2
     precision, slope = fitter.equations(pose, sight, anatomy)
-    return _Own(pose, precision / many, slope / many, many, fitter.support(pose, sight), half)
+    value, owner, _, _ = fitter.canvas(sight)  # the pose is still on it
+    many = error_ratio(value, owner, sight, fitter.settings.soft_error) * _ALIKE_PX**2
+    half = Sight(sight.seen.astype(np.float16), sight.weight.astype(np.float16), sight.box)
+    return _Own(pose, precision / many, slope / many, many, half)
 
 
 def _whole(sight: Sight) -> Sight:
@@ -235,8 +214,9 @@ def _fit_again(
     """Fit frame t with the others in mind; replace what its picture says."""
     pose, pull = own[t].pose, own[t].many * others.pull(fitter, t)
     prior = anatomy._replace(around=others.around[t], pull=pull)
-    pose, _ = fitter.fit(pose, _whole(own[t].sight), prior, rounds=_ROUNDS)
-    own[t] = _own_near(fitter, pose, own[t].sight, anatomy)
+    sight = _whole(own[t].sight)
+    pose, _ = fitter.fit(pose, sight, prior, rounds=_ROUNDS)
+    own[t] = _own_near(fitter, pose, sight, anatomy)
 
 
 def _settled(fitter: FrameFitter, own: _Own, pull: np.ndarray) -> Settled:
@@ -248,5 +228,5 @@ def _settled(fitter: FrameFitter, own: _Own, pull: np.ndarray) -> Settled:
         pose=own.pose,
         sd=np.sqrt(np.maximum(np.diag(covariance), 0.0)),
         places_sd=np.hypot(places, _MODEL_SD * fitter.blur),
-        support=own.support,
+        support=fitter.support(own.pose, _whole(own.sight)),
     )

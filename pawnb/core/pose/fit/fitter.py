@@ -206,7 +206,10 @@ class FrameFitter:
     def equations(
         self, pose: np.ndarray, sight: Sight, prior: Prior
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Return the Gauss-Newton matrix and the gradient of picture and prior."""
+        """Return the Gauss-Newton matrix and the gradient of picture and prior.
+
+        The pose is painted on the canvas.
+        """
         matrix, slope = np.zeros((self.n, self.n)), np.zeros(self.n)
         value, owner, along, joints = self.canvas(sight)
         paint_some(

@@ -22,6 +22,7 @@ from pawnb.core.pose.fit.learn import learn_look
 from pawnb.core.pose.fit.paint_loops import NOTHING, paint, picture_cost
 from pawnb.core.pose.fit.priors import about
 from pawnb.core.pose.fit.solve_loops import Prior, Sight
+from pawnb.core.pose.fit.threads import on_threads
 from pawnb.core.views import Frame
 
 _START_SD_PX, _START_SD_DEG = 6.0, 8.0
@@ -196,15 +197,18 @@ def _choose(
 ) -> np.ndarray:
     """Return the pose with each leg at the best of the places that the silhouette offers."""
     choices: Choices = only_choice(fitter, frame, pose, image=crop[0], box=crop[1])
-    extra = {}
-    for leg, numbers in enumerate(fitter.numbers):
-        extra[leg] = limb_candidates(fitter, pose, leg, sight=sight, prior=prior)
+
+    def places(own: FrameFitter, leg: int) -> list[np.ndarray]:
+        numbers = own.numbers[leg]
+        found = limb_candidates(own, pose, leg, sight=sight, prior=prior)
         n = len(numbers) // 2
         for shorter in _SHORTER:
             guess = prior.middle[numbers].copy()
             guess[n:] += shorter
-            fitted = fit_leg(fitter, pose, leg, guess=guess, sight=sight, prior=prior, rounds=8)
-            extra[leg].append(fitted)
+            found.append(fit_leg(own, pose, leg, guess=guess, sight=sight, prior=prior, rounds=8))
+        return found
+
+    extra = dict(enumerate(on_threads(fitter, range(len(fitter.numbers)), places)))
     add_candidates(fitter, choices, extra, sight=sight, prior=prior)
     if not choices.is_open:
         return pose

@@ -90,3 +90,28 @@ def test_slopes_agree_with_finite_differences(species):
         error = np.abs(analytic[..., k] - numeric)[changed]
         assert np.percentile(error, 95) < 0.05 * np.abs(numeric).max()
         assert np.abs(analytic[..., k] - numeric).max() < 0.25 * np.abs(numeric).max()
+
+
+@pytest.mark.parametrize("species", ["dolomedes", "insect"])
+def test_equations_are_the_sums_over_pixels_of_their_slopes(species):
+    _, layout, pose, _ = bent(species)
+    value, owner, along, joints = loops.make_canvas(180, 180, layout)
+    loops.paint(layout, pose, BLUR, np.zeros(2), value, owner, along, joints)
+    rng = np.random.default_rng(3)
+    seen = value + rng.normal(0.0, 0.3, value.shape)
+    weight = rng.uniform(20.0, 80.0, value.shape)
+    matrix, vector = np.zeros((len(pose),) * 2), np.zeros(len(pose))
+    cost = loops.normal_equations(
+        layout, pose, BLUR, np.zeros(2), value, owner, along, joints, seen, weight, 0.45,
+        matrix, vector,
+    )  # fmt: skip
+    np.testing.assert_allclose(cost, loops.picture_cost(value, owner, seen, weight, 0.45))
+    # Gauss-Newton with the weights of iteratively reweighted least squares: Geman and McClure's
+    # function has the weight 1 / (1 + (error / soft)^2)^2
+    error = value - seen
+    heeded = weight / (1.0 + (error / 0.45) ** 2) ** 2
+    rows = slopes(layout, pose)
+    expected = np.einsum("vu,vui,vuj->ij", heeded, rows, rows, optimize=True)
+    np.testing.assert_allclose(matrix, np.tril(expected), atol=1e-8 * expected.max())
+    gradient = np.einsum("vu,vui->i", heeded * error, rows)
+    np.testing.assert_allclose(vector, gradient, atol=1e-8 * np.abs(gradient).max())

@@ -21,6 +21,20 @@ def test_cholesky_solves_as_numpy_does():
     assert not loops.solve_in_place(-np.eye(3), np.ones(3))
 
 
+def test_cholesky_of_blocks_that_meet_in_the_last_numbers():
+    # as legs that meet in the body: zeros before a row's first number are not gone through
+    rng = np.random.default_rng(4)
+    root = np.zeros((14, 14))
+    root[:6, :6], root[6:11, 6:11] = rng.normal(size=(6, 6)), rng.normal(size=(5, 5))
+    root[11:] = rng.normal(size=(3, 14))
+    matrix, vector = root.T @ root + np.eye(14), rng.normal(size=14)
+    matrix[:6, 6:11] = matrix[6:11, :6] = 0.0
+    matrix += 30.0 * np.eye(14)
+    expected = np.linalg.solve(matrix, vector)
+    assert loops.solve_in_place(matrix, vector)
+    np.testing.assert_allclose(vector, expected, rtol=1e-9)
+
+
 def prior_of_spider():
     animal = load_species("dolomedes")
     pose = pose_vectors(animal, natural_pose(animal, xy=(90.0, 90.0), scale=2.0))[0]
