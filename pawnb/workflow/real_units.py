@@ -6,7 +6,7 @@ from pawnb.schema import Tracks
 from pawnb.trial import Trial
 
 
-def in_real_units(tracks: Tracks, trial: Trial) -> Tracks:
+def in_real_units(tracks: Tracks, trial: Trial, *, units: str | None = None) -> Tracks:
     """Bring positions of a single view from px to the calibrated unit.
 
     Parameters
@@ -15,6 +15,9 @@ def in_real_units(tracks: Tracks, trial: Trial) -> Tracks:
         Tracks; not modified.
     trial : Trial
         The trial they belong to.
+    units : str, optional
+        What positions are in; default what the tracks say. Tracks that were gone on with say
+        what the earlier ones were in.
 
     Returns
     -------
@@ -24,7 +27,9 @@ def in_real_units(tracks: Tracks, trial: Trial) -> Tracks:
         ``image_position`` stays in px.
     """
     calibration = trial.calibration
-    if calibration is None or calibration.px_per_unit is None or tracks.attrs["units"] != "px":
+    if calibration is None or calibration.px_per_unit is None:
+        return tracks
+    if (units or tracks.attrs["units"]) != "px":
         return tracks
     scaled = {
         name: (tracks[name] / calibration.px_per_unit).assign_attrs(units=calibration.unit)

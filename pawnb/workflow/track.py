@@ -151,7 +151,7 @@ def track(
             tracks = _shown_in_every_view(tracks, rig, _sizes(views))
         # where the rate varies these are the file's own time stamps
         times = views.time_s[tracks["frame"].to_numpy()]
-    tracks = in_real_units(tracks, trial)
+    tracks = in_real_units(tracks, trial, units="px")
     if earlier is not None:
         step["gone_on_from"] = begin
         tracks = join_earlier(earlier, tracks)
@@ -253,7 +253,7 @@ def retrack(
             name: TOLERANCE_PX * reader.width / REFERENCE_WIDTH_PX
             for name, reader in views.readers.items()
         }
-    new = in_real_units(new, trial)
+    new = in_real_units(new, trial, units="px")
     joint = old is None
     if joint and new.sizes["time"] < known[-1] + 1 - known[0]:
         return tracks  # stopped: a part of the recording does not decide over the whole
