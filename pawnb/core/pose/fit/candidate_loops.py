@@ -21,21 +21,31 @@ def leg_footprint(
     """Return the pixels a leg covers, how dark it paints them, and what that is worth.
 
     ``base`` is the painted body; the worth is the cost of the picture with body and leg less
-    that with the body alone.
+    that with the body alone. Only the part of the canvas about the leg is painted and looked at.
     """
-    clear(value, owner)
     leg_chain(layout, pose, leg, joints)
-    paint_leg(layout, joints, leg, blur, sight.box, value, owner, along)
     height, width = value.shape
+    top, bottom, left, right = height, 0, width, 0
+    reach = layout.radius[leg].max() + blur + 1.0
+    for s in range(layout.n_segments[leg] + 1):
+        u, v = joints[s, 0] - sight.box[0], joints[s, 1] - sight.box[1]
+        left, right = min(left, math.floor(u - reach)), max(right, math.ceil(u + reach))
+        top, bottom = min(top, math.floor(v - reach)), max(bottom, math.ceil(v + reach))
+    left, right = min(max(left, 0), width), min(right, width)
+    top, bottom = min(max(top, 0), height), min(bottom, height)
+    for v in range(top, bottom):
+        value[v, left:right] = 0.0
+        owner[v, left:right] = NOTHING
+    paint_leg(layout, joints, leg, blur, sight.box, value, owner, along)
     n = 0
-    for v in range(height):
-        for u in range(width):
+    for v in range(top, bottom):
+        for u in range(left, right):
             if value[v, u] > base[v, u] + 0.02:
                 n += 1
     pixels, darks = np.empty(n, np.int64), np.empty(n)
     n, cost = 0, 0.0
-    for v in range(height):
-        for u in range(width):
+    for v in range(top, bottom):
+        for u in range(left, right):
             if value[v, u] > base[v, u] + 0.02:
                 pixels[n], darks[n] = v * width + u, value[v, u]
                 seen = sight.seen[v, u]
@@ -82,6 +92,27 @@ def paint_base(
     """Paint the body alone."""
     clear(value, owner)
     paint_body(layout, pose, blur, sight.box, value, owner)
+
+
+@compiled
+def cover_painted(value: np.ndarray, owner: np.ndarray, dark: float) -> None:
+    """Make what is painted as dark as ``dark``."""
+    for v in range(value.shape[0]):
+        for u in range(value.shape[1]):
+            if owner[v, u] != NOTHING:
+                value[v, u] = dark
+
+
+@compiled
+def free_of_others(
+    seen: np.ndarray, zone: np.ndarray, owner: np.ndarray, neutral: float, out: np.ndarray
+) -> None:
+    """Write darkness, at most ``neutral`` where ``zone`` or another leg lies, into ``out``."""
+    for v in range(seen.shape[0]):
+        for u in range(seen.shape[1]):
+            here = seen[v, u]
+            taken = zone[v, u] or owner[v, u] != NOTHING
+            out[v, u] = min(here, neutral) if taken else here
 
 
 @compiled

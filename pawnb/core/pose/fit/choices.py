@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pawnb.core.pose.fit.blurred import part_of
-from pawnb.core.pose.fit.candidate_loops import leg_footprint, shared_cost
+from pawnb.core.pose.fit.candidate_loops import free_of_others, leg_footprint, shared_cost
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.limb_loops import chains_apart, chains_cross, find_limbs
-from pawnb.core.pose.fit.paint_loops import NOTHING, leg_chain
+from pawnb.core.pose.fit.paint_loops import leg_chain
 from pawnb.core.pose.fit.solve_loops import Prior, Sight, paint_some, prior_cost
 
 SAME_PX = 2.5
@@ -110,12 +110,12 @@ def limb_candidates(
     found: list[np.ndarray] = []
     canvas = fitter.canvas(sight)
     near_body = fitter.body_zone(pose, sight) > 0.0
+    open_to = np.empty_like(sight.seen)
     for absent in (leg, *fitter.neighbours[leg]):
         shown = fitter.all_shown.copy()
         shown[absent] = False
         paint_some(fitter.layout, pose, fitter.blur, sight.box, shown, *canvas)
-        taken = near_body | (canvas[1] != NOTHING)
-        open_to = np.where(taken, np.minimum(sight.seen, neutral), sight.seen)
+        free_of_others(sight.seen, near_body, canvas[1], neutral, open_to)
         most = 2 if absent == leg else 1
         numbers, _ = find_limbs(
             fitter.layout, pose, leg, open_to, sight.box, prior, _BEAM, most, 2 * SAME_PX

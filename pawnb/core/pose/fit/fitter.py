@@ -9,7 +9,12 @@ import numpy as np
 
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.fit.blurred import blurred, part_of
-from pawnb.core.pose.fit.candidate_loops import leg_support, paint_base, unexplained
+from pawnb.core.pose.fit.candidate_loops import (
+    cover_painted,
+    leg_support,
+    paint_base,
+    unexplained,
+)
 from pawnb.core.pose.fit.evidence import Evidence, without_wide
 from pawnb.core.pose.fit.layout import N_BODY, Layout
 from pawnb.core.pose.fit.paint_loops import NOTHING, leg_chain, make_canvas
@@ -263,7 +268,7 @@ class FrameFitter:
         layout, ellipse = self.layout, self.layout.ellipse.copy()
         ellipse[:, 2:4] += _BODY_MARGIN_PX
         paint_base(layout._replace(ellipse=ellipse), pose, self.blur, sight, value, owner)
-        value[owner != NOTHING] = _NO_LEG
+        cover_painted(value, owner, _NO_LEG)
         return value
 
     def unexplained(self, pose: np.ndarray, sight: Sight) -> np.ndarray:

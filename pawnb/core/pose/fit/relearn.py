@@ -7,8 +7,9 @@ import numpy as np
 from pawnb.core.pose.fit.choices import Choices
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.learn import learn_look
-from pawnb.core.pose.fit.solve_loops import Prior
+from pawnb.core.pose.fit.solve_loops import Prior, Sight
 from pawnb.core.pose.fit.start import partners
+from pawnb.core.pose.fit.threads import on_threads
 
 _FRAMES = 12
 _ROUNDS = 2
@@ -40,11 +41,13 @@ def learn_again(fitter: FrameFitter, found: list[Choices], poses: np.ndarray) ->
     chosen = sorted({sure[k] for k in np.linspace(0, len(sure) - 1, _FRAMES).astype(int)})
     for _ in range(_ROUNDS):
         known = usual_lengths(fitter, poses)
-        frames = []
-        for i in chosen:
-            sight = fitter.sight(found[i].image.astype(float), found[i].box, poses[i])
-            poses[i], _ = fitter.fit(poses[i], sight, known, rounds=6)
-            frames.append((poses[i], sight))
+
+        def fitted(own: FrameFitter, i: int, known: Prior = known) -> tuple[np.ndarray, Sight]:
+            sight = own.sight(found[i].image.astype(float), found[i].box, poses[i])
+            return own.fit(poses[i], sight, known, rounds=6)[0], sight
+
+        frames = on_threads(fitter, chosen, fitted)
+        poses[chosen] = [pose for pose, _ in frames]
         fitter.layout = learn_look(
             fitter.layout, frames, first=fitter.first, partner=partners(fitter.animal),
             blur=fitter.blur, soft=fitter.settings.soft_error, rounds=2,
