@@ -11,6 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.core.pose.fit.path_loops import step_costs
+
 _MOST_STEP = 60.0
 """Cost of a leap from anywhere to anywhere."""
 _KEEP_VELOCITY = 0.85
@@ -114,6 +116,4 @@ class Trellis:
 
     def _steps(self, before: np.ndarray, velocity: np.ndarray, now: np.ndarray) -> np.ndarray:
         """Return the cost of each step, shape (candidates before, candidates now)."""
-        away = now[None] - (before + velocity)[:, None]
-        square = np.nanmean((away**2).sum(axis=-1), axis=-1) / self.jump_px**2
-        return np.minimum(0.5 * square, _MOST_STEP)
+        return step_costs(before + velocity, now, self.jump_px, _MOST_STEP)
