@@ -389,6 +389,7 @@ def test_half_written_last_line_is_reported_skipped_and_kept(tmp_path):
     assert [edit.frame for edit in last.active] == [4, 6]
 
 
+@pytest.mark.slow
 def test_every_cut_of_the_file_can_be_opened_and_gone_on_with(tmp_path):
     path = tmp_path / "edits.jsonl"
     log = EditLog(wand(), path, rig=FlatRig())

@@ -48,6 +48,7 @@ KINDS = (
 )  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_figures_can_be_read_in_print(tables, kind):
     drawing = next(one for one in gait_drawings(tables) if one.kind == kind)

@@ -44,6 +44,7 @@ def test_ends_are_stretched_for_few_animals():
     assert "stretched for few animals" in found.method
 
 
+@pytest.mark.slow
 def test_random_draws_approach_all_draws_and_repeat():
     data = table({name: [float(i)] for i, name in enumerate("abcdefg")})
     found = bootstrap_animals(data, mean_by_animal("value"), corrected=False, n_resamples=1000)

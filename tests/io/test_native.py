@@ -84,6 +84,7 @@ def test_netcdf_round_trip_loses_nothing(tmp_path):
         assert_same(found, other)
 
 
+@pytest.mark.slow
 @settings(
     max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )

@@ -91,6 +91,7 @@ def test_noise_is_as_large_as_said(study):
     assert not again["position"].equals(other["position"])
 
 
+@pytest.mark.slow
 def test_strides_are_found_again(study):
     """Independent of the truth's formulas: the gait analysis works on positions.
 
@@ -117,6 +118,7 @@ def test_true_angles_name_leg_and_joint(study):
     np.testing.assert_allclose(own.loc[own["joint"] == "TM", "angle_deg"], run.pose["R3_TM"])
 
 
+@pytest.mark.slow
 def test_the_same_seed_is_the_same_study(study):
     again = simulate_spider_study(animals=2, trials=2, seed=4)
     assert again.truth("events").equals(study.truth("events"))

@@ -108,6 +108,7 @@ def test_figures_carry_the_recipe_and_are_the_same_each_time(results, tmp_path):
     assert str(tmp_path) not in (results / "figures" / "phase_rose.svg").read_text()
 
 
+@pytest.mark.slow
 def test_inputs_are_pooled_by_animal(tmp_path):
     paths = []
     for trial, animal in (("t1", "m1"), ("t2", "m1"), ("t3", "m2")):
@@ -123,6 +124,7 @@ def test_inputs_are_pooled_by_animal(tmp_path):
     assert sorted(sources["inputs"]) == ["t1/tracks.nc", "t2/tracks.nc", "t3/tracks.nc"]
 
 
+@pytest.mark.slow
 def test_corrections_of_events_are_made_again(tmp_path):
     folders = [tmp_path / trial / "results" for trial in ("t1", "t2")]
     for trial, folder in zip(("t1", "t2"), folders, strict=True):

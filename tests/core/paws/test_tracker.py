@@ -47,6 +47,7 @@ def space_error(tracks, scene):
     return np.linalg.norm(found - scene.xyz[tracks["frame"].to_numpy()], axis=-1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("grey", [False, True])
 @pytest.mark.parametrize("affine", [False, True])
 def test_two_views_follow_every_point_in_colour_and_grey(make_scene, grey, affine):

@@ -28,6 +28,7 @@ def least_energy_of_all(own, right, down):
     )
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(
     st.integers(0, 2**32), st.sampled_from([2, 5, 12]), st.sampled_from([(3, 4), (4, 3), (2, 5)])

@@ -84,6 +84,7 @@ def test_walk_is_followed_both_ways_from_a_frame_in_the_middle(walk):
     assert seen[-1] == (6, 6)
 
 
+@pytest.mark.slow
 def test_frames_between_two_start_poses_are_tracked_from_the_nearer(walk):
     """The first pose stands a leg on its neighbour's place; the second, three frames on, is right.
 

@@ -105,6 +105,7 @@ def test_several_start_poses_are_all_used(walk):
     assert np.median(np.hypot(*np.moveaxis(off[there], -1, 0))) < 0.01 * animal.span * 2.1
 
 
+@pytest.mark.slow
 def test_a_path_between_two_start_poses_goes_through_both(walk):
     animal, poses, reader, background = walk
     starts = join_poses([disturbed(poses.at_frame(1), 3), disturbed(poses.at_frame(8), 4)])

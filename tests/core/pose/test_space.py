@@ -142,6 +142,7 @@ def test_the_body_is_found_where_the_second_view_shows_it():
     assert fitter.body_height(one, sight, heights) == pytest.approx(truth[0])
 
 
+@pytest.mark.slow
 def test_the_gradient_is_that_of_the_cost():
     """Central differences of what is known without the picture, near and off the truth."""
     fitter, one, _, truth = _scene()
