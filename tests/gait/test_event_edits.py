@@ -142,6 +142,7 @@ def test_other_trials_are_left_alone(tables):
     assert out.phase_summary["n"].sum() == both.phase_summary["n"].sum()
 
 
+@pytest.mark.slow
 def test_only_corrected_trials_are_made_again_and_the_rest_is_the_same(tracked):
     """All trials made again by build_tables, and only the one corrected, give the same tables."""
     run = simulate_spider_study(animals=1, trials=1, seed=4).runs[0]

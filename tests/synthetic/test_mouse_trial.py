@@ -193,6 +193,7 @@ def test_an_animal_that_runs_the_other_way(turned):
     assert mean.loc["FR", "y"] > mean.loc["FL", "y"]  # and its right towards +Y
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("n_views", [2, 3])
 def test_fewer_views(tmp_path, n_views):
     render_mouse_trial(

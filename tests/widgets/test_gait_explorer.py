@@ -131,6 +131,7 @@ class Mouse:
         self.x, self.y = ax.transData.transform((x, y))
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings(FROM_IPYMPL)
 def test_pointer_and_buttons_reach_the_plots(spider):
     explorer = pytest.importorskip("pawnb.widgets.gait_explorer").GaitExplorer(spider)

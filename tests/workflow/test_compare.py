@@ -144,6 +144,7 @@ def test_bad_input_is_one_sentence(small_trial):
         compare_methods([small_trial])
 
 
+@pytest.mark.slow
 def test_command(rendered_trial, tmp_path, capsys):
     out = tmp_path / "c"
     words = ["compare", str(rendered_trial), "--methods", "slic-2d", "--frames", "4"]

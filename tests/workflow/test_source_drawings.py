@@ -97,6 +97,7 @@ def test_paths_in_space_have_the_names_of_the_legs():
     np.testing.assert_allclose(table.loc[table["point"] == "FR", "x"], own, atol=1e-6)
 
 
+@pytest.mark.slow
 def test_groups_are_drawn_side_by_side():
     parts, groups = [], {}
     for group, belt in (("control", 300.0), ("lesion", 300.0)):

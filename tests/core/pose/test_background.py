@@ -57,6 +57,7 @@ def test_difference_is_the_sum_over_pixels():
     assert list(presence.has_animal) == [False] * 5 + [True]
 
 
+@pytest.mark.slow
 def test_prediction_limit_holds_for_empty_frames():
     # erratum 12: a confidence limit of the mean would flag a tenth and more of empty frames
     rng = np.random.default_rng(3)

@@ -57,6 +57,7 @@ def errors(animal, found, poses):
     return np.hypot(*tips[0].T).max() / span, np.hypot(*body[0]) / span, abs(turn[0])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize(
     ("species", "scale"), [("dolomedes", 2.4), ("spider", 2.6), ("insect", 45)]
