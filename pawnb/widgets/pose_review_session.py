@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 
 from pawnb.core.edits import Pose
@@ -112,6 +114,10 @@ class PoseReviewSession(StickSession):
     def redo(self) -> bool:
         """Make the correction that was undone last again; say whether there was one."""
         return self._stepped(self.corrected.redo())
+
+    def save(self) -> Path:
+        """Return the file of the corrections, which each of them reached as it was made."""
+        return self.path
 
     def suspects(self) -> list[list[str]]:
         """Return the frames that a person should look at, as choices of a menu."""

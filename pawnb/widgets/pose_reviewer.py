@@ -154,5 +154,6 @@ class PoseReviewer(StickPoser, Retracking):
                         "options": self._suspects})  # fmt: skip
         if busy:
             own.append({"id": "stop", "text": "Stop", "title": "Stop tracking again"})
-        unfit = ("propose", "missing", "accept", "scale")  # these are about the start pose
+        # these are about the start pose
+        unfit = ("propose", "missing", "accept", "scale", "here", "here_too", "drop")
         return [*own, *(a for a in stick_actions(self.session) if a["id"] not in unfit)]

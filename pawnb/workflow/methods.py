@@ -38,6 +38,7 @@ PoseTrackerSettings = PoseSettings | PaperPoseSettings
 _SPACE = "space"
 """Where settings of joints in space stand among those of a pose tracker."""
 
+_OF_TRACKS = "settings of these tracks"
 _SETTINGS: dict[str, type[TrackerSettings]] = {
     method: WholeSettings if method == "pawnb" else PaperSettings for method in METHODS
 }
@@ -225,12 +226,11 @@ def method_of_tracks(trial: Trial, tracks: Tracks) -> tuple[str, TrackerSettings
     settings : WholeSettings or PaperSettings
         Its settings.
     """
-    made = [step for step in provenance_steps(tracks) if step["step"] == "track"]
-    if not made:
+    made = _made_by(tracks)
+    if made is None:
         return METHODS[0], tracker_settings(trial)
-    method = made[-1]["method"]
-    where = "settings of these tracks"
-    return method, build_settings(_SETTINGS[method], made[-1]["settings"], where=where)
+    kind = _SETTINGS[made["method"]]
+    return made["method"], build_settings(kind, made["settings"], where=_OF_TRACKS)
 
 
 def pose_method_of_tracks(trial: Trial, tracks: Tracks) -> tuple[str, PoseTrackerSettings]:
@@ -250,22 +250,27 @@ def pose_method_of_tracks(trial: Trial, tracks: Tracks) -> tuple[str, PoseTracke
     settings : PoseSettings or PaperPoseSettings
         Its settings.
     """
-    made = [step for step in provenance_steps(tracks) if step["step"] == "track"]
-    if not made:
+    made = _made_by(tracks)
+    if made is None:
         return POSE_METHODS[0], pose_tracker_settings(trial)
-    method = made[-1]["method"]
-    where = "settings of these tracks"
-    own, _ = _apart(made[-1]["settings"])
-    return method, build_settings(_POSE_SETTINGS[method], own, where=where)
+    own, _ = _apart(made["settings"])
+    kind = _POSE_SETTINGS[made["method"]]
+    return made["method"], build_settings(kind, own, where=_OF_TRACKS)
 
 
 def space_settings_of_tracks(trial: Trial, tracks: Tracks) -> SpaceSettings:
     """Return the settings that joints in space were found with, or those in force by default."""
-    made = [step for step in provenance_steps(tracks) if step["step"] == "track"]
-    known = _apart(made[-1]["settings"])[1] if made else {}
+    made = _made_by(tracks)
+    known = {} if made is None else _apart(made["settings"])[1]
     if not known:
         return space_settings(trial)
-    return build_settings(SpaceSettings, known, where="settings of these tracks")
+    return build_settings(SpaceSettings, known, where=_OF_TRACKS)
+
+
+def _made_by(tracks: Tracks) -> dict[str, Any] | None:
+    """Return the record of the run that made these tracks; None where another program did."""
+    made = [step for step in provenance_steps(tracks) if step["step"] == "track"]
+    return made[-1] if made else None
 
 
 def run_pose_tracker(

@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 
 from pawnb.gait import analyse, pool
+from pawnb.io import authors2019
 from pawnb.schema import make_tracks
 from pawnb.trial import Animal, Trial
 
@@ -87,7 +88,6 @@ def test_landings_of_a_real_mouse_on_the_ground(real_data):
 def test_known_gait_of_real_rats(real_data):
     # trials at about 0.28 m/s; rats trot or walk there: a few strides a second, duty factor
     # between 0.5 and 0.8, left and right half a cycle apart, diagonal feet nearly together
-    authors2019 = pytest.importorskip("pawnb.io.authors2019")
     folder = real_data("rat-4cam-tracks")
     parts = []
     for stamp in ("2018-06-08_13_41_22", "2018-06-08_13_42_28"):

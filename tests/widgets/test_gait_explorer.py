@@ -134,7 +134,9 @@ class Mouse:
 @pytest.mark.slow
 @pytest.mark.filterwarnings(FROM_IPYMPL)
 def test_pointer_and_buttons_reach_the_plots(spider):
-    explorer = pytest.importorskip("pawnb.widgets.gait_explorer").GaitExplorer(spider)
+    from pawnb.widgets.gait_explorer import GaitExplorer
+
+    explorer = GaitExplorer(spider)
     session = explorer.session
     own = spider.strides[spider.strides["leg"] == "R2"].iloc[1]
     row = explorer._panels.rows.index("R2")
@@ -184,7 +186,9 @@ def test_pointer_and_buttons_reach_the_plots(spider):
 
 @pytest.mark.filterwarnings(FROM_IPYMPL)
 def test_another_trial_offers_its_legs(tables):
-    explorer = pytest.importorskip("pawnb.widgets.gait_explorer").GaitExplorer(tables)
+    from pawnb.widgets.gait_explorer import GaitExplorer
+
+    explorer = GaitExplorer(tables)
     explorer._trial.value = ("m1", "t2")
     assert explorer._panels.diagram.get_xlim()[1] == pytest.approx(0.3 * 7.1)
     assert explorer._panels.signal.get_ylabel() == "L1: events"
@@ -197,7 +201,9 @@ def test_another_trial_offers_its_legs(tables):
 
 @pytest.mark.filterwarnings(FROM_IPYMPL)
 def test_a_stride_is_picked_among_the_points_and_its_window_stays(tables):
-    explorer = pytest.importorskip("pawnb.widgets.gait_explorer").GaitExplorer(tables)
+    from pawnb.widgets.gait_explorer import GaitExplorer
+
+    explorer = GaitExplorer(tables)
     session, panels = explorer.session, explorer._panels
     explorer._span.value = (0.3, 0.9)
     # R1 lands at 0.4 s; 20 ms later its stride is 0.18 s and the one before it 0.22 s
@@ -216,7 +222,9 @@ def test_a_stride_is_picked_among_the_points_and_its_window_stays(tables):
 
 @pytest.mark.filterwarnings(FROM_IPYMPL)
 def test_the_line_follows_the_pointer_and_goes_back_where_it_cannot_stay(tables):
-    explorer = pytest.importorskip("pawnb.widgets.gait_explorer").GaitExplorer(tables)
+    from pawnb.widgets.gait_explorer import GaitExplorer
+
+    explorer = GaitExplorer(tables)
     session, panels = explorer.session, explorer._panels
     explorer._on_press(Mouse(panels.diagram, 0.45, panels.rows.index("R1")))
     assert explorer._delete.disabled

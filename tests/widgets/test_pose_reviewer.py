@@ -71,6 +71,17 @@ def test_a_drag_corrects_the_frame_looked_at_and_undo_takes_it_back(reviewer, tr
     np.testing.assert_allclose(tip(reviewer, 17), to, atol=1.0)
 
 
+def test_nothing_of_a_review_writes_over_its_corrections(reviewer):
+    drag(reviewer, 17)
+    path = reviewer.session.path
+    kept = path.read_bytes()
+    reviewer.session.save()
+    assert path.read_bytes() == kept
+    assert [file.name for file in path.parent.glob("*.before*")] == []
+    offered = {action["id"] for action in reviewer.actions}
+    assert not offered & {"here", "here_too", "drop", "propose"}
+
+
 def test_accepting_keeps_the_pose_as_certain(reviewer, tracks):
     reviewer.edit("action", {"frame": 13, "action": "accept"})
     np.testing.assert_array_equal(posed_frames(reviewer.tracks), [13])

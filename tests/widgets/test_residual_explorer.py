@@ -60,9 +60,9 @@ class Mouse:
 
 @pytest.mark.filterwarnings("ignore:Passing unrecognized arguments:DeprecationWarning")  # ipympl
 def test_slider_line_and_curves_go_together():
-    explorer = pytest.importorskip("pawnb.widgets.residual_explorer").ResidualExplorer(
-        SIGNALS, fs_hz=FS, unit="mm"
-    )
+    from pawnb.widgets.residual_explorer import ResidualExplorer
+
+    explorer = ResidualExplorer(SIGNALS, fs_hz=FS, unit="mm")
     explorer._slider.value = 6.0
     assert explorer.cutoff_hz == 6.0
     assert explorer._line.get_xdata()[0] == 6.0

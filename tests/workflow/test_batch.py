@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 import threading
 
 import pytest
@@ -19,18 +18,6 @@ from pawnb.workflow.results import write_track_results
 from pawnb.workflow.track import track
 
 QUICK = {"choose_path": False}
-
-
-@pytest.fixture
-def trials(rendered_spider, tmp_path):
-    """Return two trials of a spider and one whose video is missing, side by side."""
-    folder = tmp_path / "trials"
-    for name in ("a", "b", "broken"):
-        shutil.copytree(rendered_spider, folder / name)
-        toml = folder / name / "trial.toml"
-        toml.write_text(toml.read_text().replace('name = "spider-', f'name = "{name}-'))
-    (folder / "broken" / "spider.avi").unlink()
-    return folder
 
 
 def test_failures_are_collected_and_what_is_done_is_skipped(trials, monkeypatch):

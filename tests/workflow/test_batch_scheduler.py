@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 import sys
 import threading
 
@@ -17,17 +16,6 @@ from pawnb.workflow.batch import batch, is_tracked
 from pawnb.workflow.track import track
 
 QUICK = {"choose_path": False}
-
-
-@pytest.fixture
-def trials(rendered_spider, tmp_path):
-    folder = tmp_path / "trials"
-    for name in ("a", "b", "broken"):
-        shutil.copytree(rendered_spider, folder / name)
-        toml = folder / name / "trial.toml"
-        toml.write_text(toml.read_text().replace('name = "spider-', f'name = "{name}-'))
-    (folder / "broken" / "spider.avi").unlink()
-    return folder
 
 
 @pytest.fixture

@@ -28,6 +28,9 @@ _JERK = 0.01
 """Change of acceleration from frame to frame at 200 frames/s, in patches."""
 _RATE_HZ = 200.0
 _TAIL = 3.0
+"""Residuals beyond this many standard deviations count less and less."""
+_BY_HAND = 10.0
+"""What a person has put in place counts this many times as much as what was seen."""
 _STEPS = 4
 
 
@@ -129,33 +132,53 @@ def join_views(
     d = geometry.n_coordinates
     patch_px = np.array([float(window_px(width)) for width, _ in layout.sizes])
     sigma = _SIGMA * patch_px / np.clip(likeness, 0.3, 1.0)
-    seen = np.isfinite(uv[..., 0])
-    table = np.ascontiguousarray(geometry.table.T)
     x, sd = np.full((n, n_points, d), np.nan), np.full((n, n_points, d), np.nan)
     start = uv[:, :, 0] if layout.rig is None else layout.rig.triangulate(uv).xyz
     for p in range(n_points):
         placed = np.flatnonzero(np.isfinite(start[:, p, 0]))
         if not len(placed):
             continue
-        own = np.stack([np.interp(np.arange(n), placed, start[placed, p, i]) for i in range(d)], 1)
-        per_unit = np.linalg.norm(geometry.jacobian(own[placed[0]]), axis=(-2, -1)) / np.sqrt(2.0)
+        begun = np.stack(
+            [np.interp(np.arange(n), placed, start[placed, p, i]) for i in range(d)], 1
+        )
+        per_unit = np.linalg.norm(geometry.jacobian(begun[placed[0]]), axis=(-2, -1)) / np.sqrt(2.0)
         patch = float(np.median(patch_px / per_unit))
-        jerk2 = np.full(n, (_JERK * patch * (_RATE_HZ / fps) ** 3) ** 2)
-        for step in range(_STEPS):
-            away = np.linalg.norm(uv[:, p] - geometry.project(own), axis=-1)
-            weight = 1.0 / sigma[:, p] ** 2
-            if step:
-                weight *= np.minimum((_TAIL + 1.0) / (_TAIL + (away / sigma[:, p]) ** 2), 1.0)
-            weight = np.where(by_hand[:, p], 10.0 / sigma[:, p] ** 2, weight)
-            weight = np.where(seen[:, p], weight, 0.0)
-            W, z = loops.normal_equations(
-                own[:, None], np.nan_to_num(uv[:, p])[:, None], weight[:, None], table
-            )
-            own, factor = smooth(W[:, 0], z[:, 0], jerk2)
+        jerk = _JERK * patch * (_RATE_HZ / fps) ** 3
+        path, factor = _smoothest(
+            begun, uv[:, p], sigma[:, p], by_hand=by_hand[:, p], jerk=jerk, geometry=geometry
+        )
         known = _near(placed, n, longest_gap_s * fps)
-        x[known, p] = own[known]
+        x[known, p] = path[known]
         sd[known, p] = np.sqrt(variances(factor, d) + (_ALIKE * patch) ** 2)[known]
-    return Refined(x, sd, np.where(seen[..., None], uv, np.nan), likeness)
+    return Refined(x, sd, uv, likeness)
+
+
+def _smoothest(
+    x: np.ndarray,
+    uv: np.ndarray,
+    sigma: np.ndarray,
+    *,
+    by_hand: np.ndarray,
+    jerk: float,
+    geometry: Geometry,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the smoothest path (n, d) through what views (n, V) have seen, and its factor."""
+    table = np.ascontiguousarray(geometry.table.T)
+    seen = np.isfinite(uv[..., 0])
+    jerk2 = np.full(len(x), jerk**2)
+    factor = np.empty(0)
+    for step in range(_STEPS):
+        weight = 1.0 / sigma**2
+        if step:
+            away = np.linalg.norm(uv - geometry.project(x), axis=-1)
+            weight *= np.minimum((_TAIL + 1.0) / (_TAIL + (away / sigma) ** 2), 1.0)
+        weight = np.where(by_hand, _BY_HAND / sigma**2, weight)
+        weight = np.where(seen, weight, 0.0)
+        W, z = loops.normal_equations(
+            x[:, None], np.nan_to_num(uv)[:, None], weight[:, None], table
+        )
+        x, factor = smooth(W[:, 0], z[:, 0], jerk2)
+    return x, factor
 
 
 def _near(placed: np.ndarray, n: int, longest: float) -> np.ndarray:
