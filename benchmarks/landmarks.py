@@ -20,7 +20,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from whole_accuracy import silent, trials
+from whole_accuracy import add_scene_arguments, silent, trials
 
 from pawnb.core.rig import Rig, load_rig
 from pawnb.core.video import open_views
@@ -32,16 +32,7 @@ from pawnb.workflow.track import track
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--trials", type=Path, nargs="*", help="trials with truth/ beside them")
-    parser.add_argument("--render", type=Path, metavar="FOLDER",
-                        help="keep rendered scenes here, and use those that are there")  # fmt: skip
-    parser.add_argument("--difficulty", nargs="*", default=["easy", "normal", "hard"])
-    parser.add_argument("--seeds", type=int, nargs="*", default=[0, 1, 2])
-    parser.add_argument("--frames", type=int, default=200, help="(%(default)s)")
-    parser.add_argument("--scales", type=float, nargs="*", default=[0.5],
-                        help="of 2048 x 700 (%(default)s)")  # fmt: skip
-    parser.add_argument("--vary", action="store_true",
-                        help="vary frame rate, views, speed, colours, light")  # fmt: skip
+    add_scene_arguments(parser)
     parser.add_argument("--methods", nargs="*", choices=METHODS, default=["pawnb"])
     arguments = parser.parse_args()
     rows = []

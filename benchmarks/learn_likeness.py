@@ -24,7 +24,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 from scipy.stats import rankdata
-from whole_accuracy import trials
+from whole_accuracy import add_scene_arguments, trials
 
 from pawnb.core.paws import Task
 from pawnb.core.paws.layout import make_layout, read_start
@@ -62,16 +62,9 @@ class Sample:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--trials", type=Path, nargs="*", help="trials with truth/ beside them")
-    parser.add_argument("--render", type=Path, metavar="FOLDER",
-                        help="keep rendered scenes here, and use those that are there")  # fmt: skip
-    parser.add_argument("--difficulty", nargs="*", default=["easy", "normal", "hard"])
-    parser.add_argument("--seeds", type=int, nargs="*", default=[51, 52, 53, 54])
-    parser.add_argument("--frames", type=int, default=300, help="(%(default)s)")
-    parser.add_argument("--scales", type=float, nargs="*", default=[0.5],
-                        help="of 2048 x 700 (%(default)s)")  # fmt: skip
+    add_scene_arguments(parser)
+    parser.set_defaults(seeds=[51, 52, 53, 54], vary=True)
     arguments = parser.parse_args()
-    arguments.vary = True
     with tempfile.TemporaryDirectory() as folder:
         paths = list(trials(arguments, arguments.render or Path(folder)))
         samples = [one for one in map(sample, map(load_trial, paths)) if one is not None]

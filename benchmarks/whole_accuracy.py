@@ -49,6 +49,19 @@ SHARES = {"wrong": ("n_wrong", "n_labels"), "bridged": ("n_bridged", "n_hidden")
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    add_scene_arguments(parser)
+    parser.add_argument("--alone", action="store_true", help="leave out the corrections")
+    arguments = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        rows = []
+        for path in trials(arguments, arguments.render or Path(folder)):
+            rows.append(measure(load_trial(path), corrected=not arguments.alone))
+            print(line(rows[-1]), flush=True)
+    print(summary(pd.DataFrame(rows)))
+
+
+def add_scene_arguments(parser: argparse.ArgumentParser) -> None:
+    """Let a benchmark be told its scenes: those given, or which are rendered and kept where."""
     parser.add_argument("--trials", type=Path, nargs="*", help="trials with truth/ beside them")
     parser.add_argument("--render", type=Path, metavar="FOLDER",
                         help="keep rendered scenes here, and use those that are there")  # fmt: skip
@@ -59,14 +72,6 @@ def main() -> None:
                         help="of 2048 x 700 (%(default)s)")  # fmt: skip
     parser.add_argument("--vary", action="store_true",
                         help="vary frame rate, views, speed, colours, light")  # fmt: skip
-    parser.add_argument("--alone", action="store_true", help="leave out the corrections")
-    arguments = parser.parse_args()
-    with tempfile.TemporaryDirectory() as folder:
-        rows = []
-        for path in trials(arguments, arguments.render or Path(folder)):
-            rows.append(measure(load_trial(path), corrected=not arguments.alone))
-            print(line(rows[-1]), flush=True)
-    print(summary(pd.DataFrame(rows)))
 
 
 def trials(arguments: argparse.Namespace, folder: Path) -> Iterator[Path]:
