@@ -57,9 +57,7 @@ def run_track(options: argparse.Namespace, argv: list[str]) -> None:
             command=argv,
         )
     if interrupted():
-        # poses are tracked from the start pose again: only paws keep what lies between
-        again = "to track all of them" if trial.kind == "pose" else "to go on"
-        print(f"tracked {tracks.sizes['time']} frames and wrote {out}; run it again {again}")
+        print(f"tracked {tracks.sizes['time']} frames and wrote {out}; run it again to go on")
         raise KeyboardInterrupt
     print(f"tracked {tracks.sizes['time']} frames; wrote {out}; next: pawnb gait {out}")
 

@@ -14,6 +14,7 @@ from pawnb.core.paws.whole.store import CandidateStore
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.background import Background
 from pawnb.core.pose.fit.settings import PoseSettings
+from pawnb.core.pose.kept_frames import KeptFrames
 from pawnb.core.pose.paper_settings import PaperPoseSettings
 from pawnb.core.pose.paper_tracker import track_pose_paper
 from pawnb.core.pose.poses import Poses
@@ -285,6 +286,7 @@ def run_pose_tracker(
     look: Poses | None = None,
     progress: Callable[[int, int], None] | None = None,
     stop: Callable[[], bool] | None = None,
+    kept: KeptFrames | None = None,
 ) -> PoseTrack:
     """Track a jointed animal with one of the methods.
 
@@ -308,6 +310,8 @@ def run_pose_tracker(
         One frame from which the animal's look is learnt; default the first to start from.
     progress, stop : callable, optional
         As for :func:`pawnb.track`.
+    kept : KeptFrames, optional
+        What an interrupted run has found, and what this one finds.
 
     Returns
     -------
@@ -316,7 +320,7 @@ def run_pose_tracker(
     """
     return _POSE_TRACKERS[method](
         reader, start, animal=animal, background=background, settings=settings, frames=frames,
-        look=look, progress=progress, stop=stop,
+        look=look, progress=progress, stop=stop, kept=kept,
     )  # fmt: skip
 
 

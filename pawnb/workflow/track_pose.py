@@ -41,6 +41,7 @@ from pawnb.workflow.propose_pose import trial_animal, trial_background
 from pawnb.workflow.provenance import build_step, trial_checksums, trial_fingerprint
 from pawnb.workflow.results import describe_trial, write_track_results
 from pawnb.workflow.start_doubts import legs_outside, say_outside, start_doubts
+from pawnb.workflow.unfinished import open_kept_frames
 
 
 def track_pose_trial(
@@ -71,7 +72,8 @@ def track_pose_trial(
     frames : tuple of int, optional
         Half-open range of frames; default the trial's, else all.
     out, progress, stop, command
-        As for :func:`pawnb.track`.
+        As for :func:`pawnb.track`. Interrupted, a run leaves ``unfinished.bin`` in ``out``, with
+        which the same run goes on; its results are those of one run.
 
     Returns
     -------
@@ -101,6 +103,19 @@ def track_pose_trial(
         _tell_doubts(animal, poses, reader, background)
         if method == "paper" and not (frames or trial.frames) and background.n_frames > 1:
             span = _with_animal(reader, view, span, poses)
+        step = build_step(
+            "track",
+            command=command,
+            # a pose that was handed over stands in the record itself
+            inputs=trial_checksums(trial, start=start is None),
+            settings=settings_in_force(trial, method=method, settings=settings),
+            method=method,
+            frames=list(span),
+            trial=trial_fingerprint(trial),
+            start=[{k: v for k, v in row.items() if v == v} for row in table.to_dict("records")],
+            background=background.source,
+        )
+        kept = stack.enter_context(open_kept_frames(None if out is None else Path(out), step))
         bar = contextlib.nullcontext(progress) if progress else progress_bar("tracking")
         with bar as report:
             track = run_pose_tracker(
@@ -113,6 +128,7 @@ def track_pose_trial(
                 frames=span,
                 progress=report,
                 stop=asked,
+                kept=kept,
             )
         complete = not asked()
         if not complete and not np.isfinite(track.poses.xy).any():
@@ -137,24 +153,13 @@ def track_pose_trial(
         times = views.time_s[track.poses.frames]
     tracks = pose_tracks(trial, animal, track, space=space, rig=rig)
     tracks = describe_trial(tracks.assign_coords(time=times), trial)
-    step = build_step(
-        "track",
-        command=command,
-        # a pose that was handed over stands in the record itself
-        inputs=trial_checksums(trial, start=start is None),
-        settings=settings_in_force(trial, method=method, settings=settings),
-        method=method,
-        frames=list(span),
-        complete=complete,
-        trial=trial_fingerprint(trial),
-        start=[{k: v for k, v in row.items() if v == v} for row in table.to_dict("records")],
-        background=background.source,
-        estimated=dict(track.estimated),
-        **({} if space is None else {"second_view": str(trial.views[1].name)}),
-    )
-    tracks = add_provenance(tracks, **step)
+    second = {} if space is None else {"second_view": str(trial.views[1].name)}
+    estimated = dict(track.estimated)
+    tracks = add_provenance(tracks, **step, complete=complete, estimated=estimated, **second)
     if out is not None:
         write_track_results(tracks, out)
+    if complete:
+        kept.remove()
     return tracks
 
 

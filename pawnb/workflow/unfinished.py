@@ -3,14 +3,92 @@
 from __future__ import annotations
 
 import json
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from pawnb.core.paws.stretch import keep_rows
+from pawnb.core.pose.kept_frames import KeptFrames
+from pawnb.core.record_file import code_checksum
+from pawnb.errors import InputWarning
 from pawnb.io.native import read_tracks
 from pawnb.schema import Tracks
 from pawnb.workflow.results import provenance_steps
+
+KEPT_FILE = "unfinished.bin"
+"""What a run on a jointed animal has found, frame by frame, until it is whole."""
+
+_PARTS = {
+    "start": "another start pose",
+    "method": "another method",
+    "frames": "other frames",
+    "inputs": "other files",
+    "trial": "another trial.toml",
+    "versions": "other versions",
+    "code": "another version of pawnb",
+}
+
+
+def open_kept_frames(folder: Path | None, step: Mapping[str, Any]) -> KeptFrames:
+    """Return what an interrupted run on a jointed animal has found; what follows is kept there.
+
+    Parameters
+    ----------
+    folder : Path or None
+        Folder of its results; None to keep nothing.
+    step : mapping
+        The record of the run that is asked for.
+
+    Returns
+    -------
+    KeptFrames
+        Empty where there are none, or where anything but the command line differs: a video,
+        the start pose, a setting, a version. Remove it once the run is whole.
+
+    Warns
+    -----
+    InputWarning
+        If the run goes on with an earlier one, or begins anew because that was another.
+    """
+    if folder is None:
+        return KeptFrames()
+    asked = {name: value for name, value in step.items() if name != "command"}
+    asked["code"] = code_checksum("pawnb.core.pose")
+    line = json.dumps(asked, sort_keys=True)
+    kept = KeptFrames(folder / KEPT_FILE, depends_on=line)
+    if kept.other is not None:
+        warnings.warn(
+            f"the run that was interrupted in {folder} had {_differing(kept.other, line)}; "
+            "tracking begins anew.",
+            InputWarning,
+            stacklevel=3,
+        )
+    elif kept.frames:
+        first, last = step["frames"]
+        warnings.warn(
+            f"going on with the run that was interrupted in {folder}: {len(kept.frames)} of "
+            f"{last - first} frames were found before.",
+            InputWarning,
+            stacklevel=3,
+        )
+    return kept
+
+
+def _differing(before: str, now: str) -> str:
+    """Return in words what two runs do not share, of which these are the records."""
+    try:
+        old, new = json.loads(before), json.loads(now)
+        names = [name for name in new if old.get(name) != new[name]]
+        settings = old["settings"] | new["settings"]
+        other = [n for n in settings if old["settings"].get(n, ...) != new["settings"].get(n, ...)]
+    except (ValueError, TypeError, KeyError, AttributeError):
+        return "a record that cannot be read"
+    parts = [_PARTS[name] for name in _PARTS if name in names]
+    # another method has other settings, and another version may change the code
+    if other and "method" not in names:
+        parts.insert(0, f"other settings ({', '.join(sorted(other))})")
+    return " and ".join(parts) or "another beginning"
 
 
 def unfinished_tracks(folder: Path, step: Mapping[str, Any]) -> Tracks | None:

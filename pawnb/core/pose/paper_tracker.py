@@ -12,6 +12,7 @@ import numpy as np
 from pawnb.core.grey import grey
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.energy import PaperEnergy
+from pawnb.core.pose.kept_frames import KeptFrames
 from pawnb.core.pose.leg_lengths import fit_leg_lengths, per_segment, scaled
 from pawnb.core.pose.likelihood import EmptyScene, background_cost
 from pawnb.core.pose.paper_inference import FramePose, infer_pose
@@ -30,6 +31,8 @@ _BODY_SHARE = 0.5
 _BEYOND = 0.04
 _RAISED = 0.75
 """In the start frame legs may look this much shorter than they are."""
+_WAY = "one way"
+"""A frame is come to from one start frame only."""
 _SEEN_SHARE = 0.3
 """A leg of which less than this lies on subject pixels was not placed by the picture."""
 
@@ -45,6 +48,7 @@ def track_pose_paper(
     look: Poses | None = None,
     progress: Callable[[int, int], None] | None = None,
     stop: Callable[[], bool] | None = None,
+    kept: KeptFrames | None = None,
 ) -> PoseTrack:
     """Track a jointed animal with the method of Pullar 2009, both ways from a start frame.
 
@@ -71,6 +75,8 @@ def track_pose_paper(
         Called with frames done and frames in all.
     stop : callable, optional
         Tracking ends early, with what it has, when this returns True.
+    kept : KeptFrames, optional
+        What an interrupted run has found frame by frame, and what this one finds.
 
     Returns
     -------
@@ -107,6 +113,7 @@ def track_pose_paper(
     start = dataclasses.replace(start, heading_deg=np.unwrap(start.heading_deg, period=360.0))
     look = start.take([0]) if look is None else look
     tracker = _Tracker(reader, (start, look), animal, background, settings, len(numbers))
+    tracker.kept = kept or tracker.kept
     tracker.run(frames, progress, stop)
     return tracker.result(numbers)
 
@@ -135,6 +142,7 @@ class _Tracker:
         self.lengths_px = start.lengths_px[0]
         if settings.leg_lengths == "fitted":
             self._fit_lengths(picture)
+        self.kept = KeptFrames()
         self.found: dict[int, np.ndarray] = {}
         self.confidence: dict[int, np.ndarray] = {}
 
@@ -223,7 +231,20 @@ class _Tracker:
         return dataclasses.replace(track, estimated=estimated)
 
     def _fit(self, number: int, guess: np.ndarray) -> np.ndarray:
-        """Find the pose in a frame, on a crop that is made anew while the animal leaves it."""
+        """Find the pose in a frame, where an earlier run has not."""
+        known = self.kept.recall(_WAY, number)
+        if known is None:
+            fit, origin = self._infer(number, guess)
+            known = {"pose": fit.pose, "confidence": _on_subject(self.energy, fit, origin)}
+            self.kept.keep(_WAY, number, known)
+        self.found[number], self.confidence[number] = known["pose"], known["confidence"]
+        return self.found[number]
+
+    def _infer(self, number: int, guess: np.ndarray) -> tuple[FramePose, tuple[int, int]]:
+        """Fit a frame on a crop that is made anew while the animal leaves it.
+
+        Returns the fit and the crop's first pixel.
+        """
         picture = self.reader.frame(number).image()
         rng = np.random.default_rng([self.settings.seed, number])
         slack = _SLACK_OF_SPAN * self.energy.span_px
@@ -234,9 +255,7 @@ class _Tracker:
             if moved.max() <= slack:
                 break
             guess = fit.pose
-        self.found[number] = fit.pose
-        self.confidence[number] = _on_subject(self.energy, fit, frame.box[:2])
-        return fit.pose
+        return fit, frame.box[:2]
 
     def _outside(self, pose: np.ndarray) -> str | None:
         """Return what part of the animal lies outside the picture, if any."""

@@ -27,6 +27,7 @@ from pawnb.core.pose.fit.relearn import learn_again
 from pawnb.core.pose.fit.rethink import chosen_poses
 from pawnb.core.pose.fit.settings import PoseSettings
 from pawnb.core.pose.fit.start import fit_start
+from pawnb.core.pose.kept_frames import KeptFrames
 from pawnb.core.pose.poses import Poses, joint_positions
 from pawnb.core.pose.track_result import PoseTrack
 from pawnb.core.views import Frame, ViewReader
@@ -48,6 +49,7 @@ def track_pose(
     look: Poses | None = None,
     progress: Callable[[int, int], None] | None = None,
     stop: Callable[[], bool] | None = None,
+    kept: KeptFrames | None = None,
 ) -> PoseTrack:
     """Track a jointed animal through a recording, both ways from each start frame.
 
@@ -72,6 +74,9 @@ def track_pose(
         Called with frames done and frames in all.
     stop : callable, optional
         Tracking ends early, with what it has, when this returns True.
+    kept : KeptFrames, optional
+        What an interrupted run has found frame by frame, and what this one finds. The fit of all
+        frames together is done anew.
 
     Returns
     -------
@@ -100,7 +105,12 @@ def track_pose(
     between = max(known) - min(known)
     steps = _Steps(2 * len(numbers) + between, progress, stop)
     found = follow_all(
-        fitter, known, frames, read=lambda some: _read_ahead(reader, some, steps), done=steps.one
+        fitter,
+        known,
+        frames,
+        read=lambda some: _read_ahead(reader, some, steps),
+        done=steps.one,
+        kept=kept or KeptFrames(),
     )
     poses = chosen_poses(fitter, found)
     poses = learn_again(fitter, found, poses)

@@ -10,6 +10,8 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parent / "fit"))
 from painted_walk import PaintedReader, painted_walk
 
+from pawnb.core.pose.fit.follow import Follower
+from pawnb.core.pose.kept_frames import KeptFrames
 from pawnb.core.pose.poses import join_poses, leg_angles, tip_positions
 from pawnb.core.pose.tracker import track_pose
 from pawnb.errors import InputError
@@ -130,3 +132,41 @@ def test_start_poses_that_cannot_be(walk):
     outside = dataclasses.replace(start, xy=np.array([[-300.0, 20.0]]))
     with pytest.raises(InputError, match="outside the view"):
         track_pose(reader, outside, animal=animal, background=background, frames=(0, 12))
+
+
+def states(monkeypatch):
+    """Return all that followers know when their run ends, as plain text."""
+    ended, run = [], Follower.run
+
+    def run_too(self, *args, **options):
+        found = run(self, *args, **options)
+        # what fits and paints holds no memory of earlier frames
+        known = {k: v for k, v in vars(self).items() if k not in ("fitter", "_twins", "_pool")}
+        with np.printoptions(floatmode="unique", threshold=sys.maxsize):
+            ended.append({k: _text(v) for k, v in known.items()})
+        return found
+
+    monkeypatch.setattr(Follower, "run", run_too)
+    return ended
+
+
+def _text(value):
+    if isinstance(value, list):
+        return [_text(item) for item in value]
+    plain = value if isinstance(value, np.ndarray) else getattr(value, "__dict__", value)
+    return {k: _text(v) for k, v in plain.items()} if isinstance(plain, dict) else repr(plain)
+
+
+def test_a_follower_that_goes_on_knows_all_that_it_knew(walk, track, monkeypatch, tmp_path):
+    animal, poses, reader, background = walk
+    ended = states(monkeypatch)
+    start, path = disturbed(poses.at_frame(5), 1), tmp_path / "kept.bin"
+    for _ in range(2):
+        with KeptFrames(path, depends_on="") as kept:
+            again = track_pose(
+                reader, start, animal=animal, background=background, frames=(0, 12), kept=kept
+            )
+    assert kept.frames == set(range(12))
+    np.testing.assert_array_equal(again.poses.angles_deg, track.poses.angles_deg)
+    assert len(ended) == 4
+    assert ended[:2] == ended[2:]

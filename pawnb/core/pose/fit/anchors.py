@@ -17,6 +17,7 @@ from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.follow import Follower
 from pawnb.core.pose.fit.rethink import look_back
 from pawnb.core.pose.fit.start import start_prior
+from pawnb.core.pose.kept_frames import KeptFrames
 from pawnb.core.views import Frame
 
 HEADING = 2
@@ -64,6 +65,7 @@ def follow_all(
     *,
     read: Read,
     done: Callable[[], None],
+    kept: KeptFrames,
 ) -> list[Choices]:
     """Follow the animal both ways from every known frame.
 
@@ -80,6 +82,8 @@ def follow_all(
         Yields the frames of a range.
     done : callable
         Called after each frame that is followed.
+    kept : KeptFrames
+        What an interrupted run has found, and what this one finds.
 
     Returns
     -------
@@ -89,13 +93,14 @@ def follow_all(
     numbers = sorted(known)
     first, last = numbers[0], numbers[-1]
     before = Follower(fitter, known[first])
-    found = before.run(read(range(first - 1, frames[0] - 1, -1)), done=done)
+    numbers_before = range(first - 1, frames[0] - 1, -1)
+    found = before.run(read(numbers_before), done=done, kept=kept, way=f"from {first} back")
     look_back(before)
     found = found[::-1]
     for one, other in itertools.pairwise(numbers):
-        found += _between(fitter, (one, other), known, read, done)
+        found += _between(fitter, (one, other), known, read, done, kept)
     after = Follower(fitter, known[last])
-    part = after.run(read(range(last, frames[1])), done=done)
+    part = after.run(read(range(last, frames[1])), done=done, kept=kept, way=f"from {last}")
     if len(known) > 1:
         _pin(fitter, part, known)
     look_back(after)
@@ -108,22 +113,24 @@ def _between(
     known: dict[int, np.ndarray],
     read: Read,
     done: Callable[[], None],
+    kept: KeptFrames,
 ) -> list[Choices]:
     """Return what frames leave open from one known frame to before the next."""
     first, last = ends
     backward = Follower(fitter, known[last])
-    back = {c.frame: c for c in backward.run(read(range(last, first, -1)), done=done)}
+    frames = read(range(last, first, -1))
+    found = backward.run(frames, done=done, kept=kept, way=f"from {last} back")
+    back = {choices.frame: choices for choices in found}
     forward = Follower(fitter, known[first])
-    forward.run(read(range(first, last)), done=done)
-    kept = forward.kept
-    for choices in kept:
+    found = forward.run(read(range(first, last)), done=done, kept=kept, way=f"from {first}")
+    for choices in found:
         if (other := back.pop(choices.frame, None)) is not None:
             _add(fitter, choices, other.pose)
-    kept += [back[number] for number in sorted(back)]
-    _pin(fitter, kept, known)
-    _unwrapped(kept)
+    found += [back[number] for number in sorted(back)]
+    _pin(fitter, found, known)
+    _unwrapped(found)
     look_back(forward)
-    return [choices for choices in kept if choices.frame != last]
+    return [choices for choices in found if choices.frame != last]
 
 
 def _add(fitter: FrameFitter, choices: Choices, pose: np.ndarray) -> None:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -78,6 +79,28 @@ class Choices:
     def is_doubtful(self) -> bool:
         """Whether any leg had a rival."""
         return any(len(c) for c in self.rivals)
+
+    def record(self) -> dict[str, Any]:
+        """Return all but the picture, as plain values and arrays."""
+        out = {name: getattr(self, name) for name in ("pose", "box", *_OF_LEGS)}
+        return out | {name: [[*k, v] for k, v in getattr(self, name).items()] for name in _OF_PAIRS}
+
+
+_OF_LEGS = ("legs", "joints", "worth", "unlikely", "rivals")
+_OF_PAIRS = ("shared", "crossed")
+
+
+def recalled(
+    fitter: FrameFitter, frame: int, record: Mapping[str, Any], *, image: np.ndarray
+) -> Choices:
+    """Return what :meth:`Choices.record` was made of; ``image`` are the grey pixels of its box."""
+    box = tuple(record["box"])
+    choices = only_choice(fitter, frame, record["pose"], image=image, box=box)
+    for name in _OF_LEGS:
+        setattr(choices, name, record[name])
+    for name in _OF_PAIRS:
+        setattr(choices, name, {(a, b): costs for a, b, costs in record[name]})
+    return choices
 
 
 def only_choice(

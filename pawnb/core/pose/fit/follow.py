@@ -17,6 +17,7 @@ from pawnb.core.pose.fit.choices import (
     legs_cross,
     limb_candidates,
     only_choice,
+    recalled,
     side_energy,
     sides_of,
 )
@@ -24,6 +25,7 @@ from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.path import Trellis
 from pawnb.core.pose.fit.priors import about
 from pawnb.core.pose.fit.solve_loops import Prior, Sight, prior_cost
+from pawnb.core.pose.kept_frames import KeptFrames, Record
 from pawnb.core.views import Frame
 
 _COARSE_BLUR = 4.0
@@ -47,6 +49,8 @@ _LEARN_LENGTH = 0.03
 _JUMP_OF_MEDIAN, _JUMP_FRAMES = 1.5, 30
 """Spread of the places of legs, as a multiple of how far the middle one strays over so many frames:
 a walking fly takes half a step between two frames at 25 a second."""
+_STATE = ("pose", "velocity", "middle", "jump_px", "_usual", "_lost", "_astray")
+"""All that the next frame needs to know of those before, besides what each leaves open."""
 
 
 class Follower:
@@ -80,12 +84,27 @@ class Follower:
         self.jump_px = fitter.settings.jump_px
 
     def run(
-        self, frames: Iterable[Frame], *, done: Callable[[], None] | None = None
+        self,
+        frames: Iterable[Frame],
+        *,
+        done: Callable[[], None] | None = None,
+        kept: KeptFrames | None = None,
+        way: str = "",
     ) -> list[Choices]:
-        """Follow through frames until they end or the animal leaves; return what was found."""
+        """Follow through frames until they end or the animal leaves; return what was found.
+
+        What is found in a frame is kept under the name of this ``way``, and is not looked for
+        where an earlier run has kept it.
+        """
+        kept = kept or KeptFrames()
         with self._pool:
             for frame in frames:
-                if not self.advance(frame):
+                record = kept.recall(way, frame.index)
+                if record is not None:
+                    self._go_on(frame, record)
+                elif self.advance(frame):
+                    kept.keep(way, frame.index, self._record())
+                else:
                     break
                 if done is not None:
                     done()
@@ -123,6 +142,24 @@ class Follower:
         self._move_on(pose)
         self.kept.append(choices)
         return True
+
+    def _record(self) -> Record:
+        """Return what the last frame left open, and what the next one needs to know."""
+        state = {name: getattr(self, name) for name in _STATE}
+        return {"choices": self.kept[-1].record(), "state": state}
+
+    def _go_on(self, frame: Frame, record: Record) -> None:
+        """Be as if the frame had been fitted, of which :meth:`_record` made this."""
+        fitter, box = self.fitter, tuple(record["choices"]["box"])
+        image = fitter.evidence.pixels(frame, box)
+        choices = recalled(fitter, frame.index, record["choices"], image=image)
+        if fitter.settings.choose_path:
+            self._push(choices)
+        for name in _STATE:
+            setattr(self, name, record["state"][name])
+        for trellis in self.trellises:
+            trellis.jump_px = self.jump_px
+        self.kept.append(choices)
 
     def fit_from(
         self, expected: np.ndarray, sight: Sight, fitter: FrameFitter | None = None
@@ -205,12 +242,10 @@ class Follower:
     def _decide(self, choices: Choices, sight: Sight, prior: Prior) -> np.ndarray:
         """Return the pose that is best by what is known so far."""
         fitter, pose = self.fitter, choices.pose.copy()
-        share = fitter.settings.evidence_share
         changed = False
         choices.rivals = [c[:0] for c in choices.legs]
-        for legs, trellis in zip(self.sides, self.trellises, strict=True):
-            energy = side_energy(choices, legs, share)
-            state = trellis.push(energy, [choices.joints[leg] for leg in legs])
+        states = self._push(choices)
+        for legs, trellis, state in zip(self.sides, self.trellises, states, strict=True):
             for leg, which, cost in zip(legs, state, trellis.marginals(), strict=True):
                 near = cost < cost[which] + _RIVAL
                 near[which] = False
@@ -224,12 +259,22 @@ class Follower:
             pose, _ = fitter.fit(pose, sight, about(prior, pose, sd), rounds=4)
         return pose
 
+    def _push(self, choices: Choices) -> list[tuple[int, ...]]:
+        """Add a frame to the paths; return the best state of each side by what is known so far."""
+        share = self.fitter.settings.evidence_share
+        states = []
+        for legs, trellis in zip(self.sides, self.trellises, strict=True):
+            energy = side_energy(choices, legs, share)
+            states.append(trellis.push(energy, [choices.joints[leg] for leg in legs]))
+        return states
+
     def _learn_jump(self, expected: np.ndarray, pose: np.ndarray) -> None:
         """Let legs jump as far as they are seen to stray from their expected places."""
         fitter = self.fitter
         square = ((fitter.joints(pose) - fitter.joints(expected)) ** 2).sum(axis=-1)
         self._astray.append(float(np.median(np.sqrt(np.nanmean(square, axis=1)))))
-        usual = _JUMP_OF_MEDIAN * float(np.median(self._astray[-_JUMP_FRAMES:]))
+        self._astray = self._astray[-_JUMP_FRAMES:]
+        usual = _JUMP_OF_MEDIAN * float(np.median(self._astray))
         self.jump_px = max(fitter.settings.jump_px, usual)
         for trellis in self.trellises:
             trellis.jump_px = self.jump_px
