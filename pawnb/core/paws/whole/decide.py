@@ -16,7 +16,7 @@ from pawnb.core.paws.whole.paths import PathChoice
 from pawnb.core.paws.whole.refine import Refined, Refinement, refine
 from pawnb.core.paws.whole.scene import Scene, unclicked_kinds
 from pawnb.core.paws.whole.settings import WholeSettings
-from pawnb.core.paws.whole.sights import read_sights, tracked_points
+from pawnb.core.paws.whole.sights import Sights, candidate_places, read_sights, tracked_points
 from pawnb.core.paws.whole.strangers import with_strangers
 
 _BELIEVED = 0.25
@@ -91,7 +91,8 @@ def decide(
         # the curves were learnt from views from the side that agree in space
         judge = replace(judge, score=score_at_clicks(certain[clicked], said, judge))
     sights = read_sights(found, offsets, facing=facing, judge=judge)
-    paths = PathChoice(found, fixed, scene, fps=fps, settings=settings, kinds=kinds, judge=judge)
+    meet = fixed if scene.lead is not None else _meetings(fixed, sights, scene)
+    paths = PathChoice(found, meet, scene, fps=fps, settings=settings, kinds=kinds, judge=judge)
     first = paths.first()
     if extra and _share_seen(first[:, n_points:]) < _LEAST_SEEN:
         return decide(
@@ -114,14 +115,17 @@ def decide(
         return refine(known.chosen, sights, bridged, certain=certain, what=what, cycle=known.cycle)
 
     def tracked(places: np.ndarray) -> np.ndarray:
+        view = None
         if scene.lead is not None:
             places = scene.lead.lift(places, sights, paths.manner.acceleration)
-            for t, here in fixed.items():
-                for p, at in here.items():
-                    places[t, p] = at
-        moved = tracked_points(places, sights, geometry=scene.geometry, thickness_px=thickness_px)
-        # what was placed by hand is the tracked point already
-        return np.where(by_hand[..., None], places, moved)
+            view = scene.lead.view
+        moved = tracked_points(
+            places, sights, geometry=scene.geometry, thickness_px=thickness_px, view=view
+        )
+        for t, here in fixed.items():
+            for p, at in here.items():
+                moved[t, p] = at
+        return moved
 
     result = settle(Known(tracked(first), by_hand))
     for _ in range(settings.looks):
@@ -138,6 +142,25 @@ def decide(
         result.x[:, :n_points], result.sd[:, :n_points], result.measured[:, :n_points],
         result.quality[:, :n_points],
     )  # fmt: skip
+
+
+def _meetings(
+    fixed: Mapping[int, Mapping[int, np.ndarray]], sights: Sights, scene: Scene
+) -> dict[int, dict[int, np.ndarray]]:
+    """Return where the candidates meet of points that were placed: paths go through these.
+
+    A click in the middle of a long foot is farther from its end than paws are apart.
+    """
+    meet = {}
+    for t, here in fixed.items():
+        now = sights.only(t)
+        points = np.full((1, sights.at.shape[1], scene.geometry.n_coordinates), np.nan)
+        points[0, list(here)] = list(here.values())
+        places = candidate_places(
+            points, now, geometry=scene.geometry, thickness_px=scene.thickness_px
+        )
+        meet[t] = {p: places[0, p] for p in here}
+    return meet
 
 
 def _share_seen(x: np.ndarray) -> float:

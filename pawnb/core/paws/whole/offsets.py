@@ -13,6 +13,11 @@ _WORSE = 0.3
 """A candidate this much worse than the best of its kind says nothing about offsets."""
 _CLICK = 0.05
 """Least standard deviation of a click, in thicknesses of a paw."""
+_REACH = 2.5
+"""An end farther than so many thicknesses from a click is not that of the clicked paw: half a
+long hind foot, clicked in its middle, measures nearly two."""
+_FAR = 0.25
+"""What an end a thickness farther from the click is worth less: it may be another paw's."""
 
 
 @dataclass(frozen=True)
@@ -54,8 +59,9 @@ def learn_offsets(
 ) -> Offsets:
     """Learn the offsets from the clicked frames.
 
-    The candidate of a click is the nearest one that looks like the end of a paw. Clicks
-    where only something else is near, such as a heel, say nothing if others say more.
+    People click paws at their ends or, more often, in their middle; paths go through ends. So
+    the candidate of a click is the one that looks most like an end, not the nearest, which
+    may be the heel. Clicks where only something else is near say nothing if others say more.
 
     Parameters
     ----------
@@ -87,8 +93,8 @@ def learn_offsets(
             step = click[p, v] - rows[:, :2]
             away = np.hypot(step[:, 0], step[:, 1]) / thickness_px[v]
             good = worth(rows, distal[v])
-            i = int(np.argmin(np.where(away > 1.2, np.inf, away + 0.5 * (1.0 - good))))
-            if away[i] > 1.2:
+            i = int(np.argmax(np.where(away > _REACH, -np.inf, good - _FAR * away)))
+            if away[i] > _REACH:
                 continue
             e = rows[i, 2:4] / max(float(np.hypot(*rows[i, 2:4])), 1e-6)
             side = np.array([-e[1], e[0]]) * (facing[v] or 1)

@@ -31,6 +31,19 @@ def test_the_offset_put_in_comes_out_though_a_heel_is_nearer():
     np.testing.assert_allclose([found.along[0], found.across[0]], [along, across], atol=1e-6)
 
 
+def test_a_click_in_the_middle_is_told_by_the_toes_however_near_the_heel():
+    # half a long foot is 1.8 thicknesses; the heel is nearer, and points back
+    toes, heel = end(118, 50, direction=(5.0, 0.5)), end(88, 50, direction=(-5.0, 0.0))
+    found = learn([[[100, 50]]], [np.stack([heel, toes])])
+    e = np.array([5.0, 0.5]) / np.hypot(5.0, 0.5)
+    assert found.along[0] == pytest.approx(-1.8 * e[0], abs=1e-6)
+
+
+def test_the_end_of_another_paw_farther_away_is_not_the_clicked_one():
+    found = learn([[[101, 50]]], [np.stack([end(100, 50, share=0.33), end(122, 50)])])
+    assert abs(found.along[0]) < 0.2
+
+
 def test_a_view_that_sees_no_end_does_not_count():
     rows = [
         np.stack([end(100, 50)]),

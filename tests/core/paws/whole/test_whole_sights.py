@@ -1,11 +1,13 @@
 """What candidates say of the tracked points: moved by their offsets, exactly."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from pawnb.core.paws.whole.geometry import Geometry
 from pawnb.core.paws.whole.likeness import Judge
 from pawnb.core.paws.whole.offsets import Offsets
-from pawnb.core.paws.whole.sights import read_sights, tracked_points
+from pawnb.core.paws.whole.sights import candidate_places, read_sights, tracked_points
 
 THICKNESS = np.array([8.0, 10.0, 9.0])
 LINEAR = np.zeros((11, 3))
@@ -57,6 +59,35 @@ def test_tracked_points_are_moved_as_their_candidates_say():
     moved = tracked_points(places[None], sights, geometry=RIG, thickness_px=THICKNESS)
     # a trace of what holds the unseen back: a hundredth
     np.testing.assert_allclose(moved[0], places + shift, atol=0.04)
+
+
+def clicked_in_the_middle():
+    """A place where three views see ends, and the point 1.5 to 1.9 thicknesses behind it."""
+    place, point = np.array([3.0, -2.0, 1.0]), np.array([3.0, 1.0, 3.0])
+    ends, middles = RIG.project(place), RIG.project(point)
+    found = [[rows((*end, 1, 0)) for end in ends]]
+    plain = read(found, Offsets(*np.zeros((3, 1))))
+    step = (middles - ends)[None, None, :, None]
+    return place, point, replace(plain, at=plain.raw[:, None] + step)
+
+
+def test_a_click_in_the_middle_of_a_foot_leads_to_where_its_ends_meet_and_back():
+    place, point, sights = clicked_in_the_middle()
+    options = {"geometry": RIG, "thickness_px": THICKNESS}
+    # what holds the unseen back keeps a twentieth of a shift of 3.6
+    met = candidate_places(point[None, None], sights, **options)
+    np.testing.assert_allclose(met[0, 0], place, atol=0.2)
+    back = tracked_points(place[None, None], sights, **options)
+    np.testing.assert_allclose(back[0, 0], point, atol=0.2)
+
+
+def test_places_of_one_view_are_moved_only_as_that_view_says():
+    place, point, sights = clicked_in_the_middle()
+    moved = tracked_points(place[None, None], sights, geometry=RIG, thickness_px=THICKNESS, view=0)
+    shift = (RIG.project(moved[0, 0]) - RIG.project(place))[0]
+    np.testing.assert_allclose(shift, (RIG.project(point) - RIG.project(place))[0], atol=0.2)
+    # the first camera looks along y, of which it says nothing
+    assert moved[0, 0, 1] == place[1]
 
 
 def test_only_what_a_view_tells_is_changed():
