@@ -18,6 +18,8 @@ _REACH = 2.5
 long hind foot, clicked in its middle, measures nearly two."""
 _FAR = 0.25
 """What an end a thickness farther from the click is worth less: it may be another paw's."""
+_BESIDE = 2.0
+"""To the side counts so much more than along: a paw lies behind its own end."""
 
 
 @dataclass(frozen=True)
@@ -90,17 +92,17 @@ def learn_offsets(
             rows = rows_by_view[v]
             if not len(rows):
                 continue
-            step = click[p, v] - rows[:, :2]
-            away = np.hypot(step[:, 0], step[:, 1]) / thickness_px[v]
+            step = (click[p, v] - rows[:, :2]) / thickness_px[v]
+            e = rows[:, 2:4] / np.maximum(np.hypot(rows[:, 2], rows[:, 3]), 1e-6)[:, None]
+            along = (step * e).sum(axis=1)
+            across = (step[:, 1] * e[:, 0] - step[:, 0] * e[:, 1]) * (facing[v] or 1)
             good = worth(rows, distal[v])
-            i = int(np.argmax(np.where(away > _REACH, -np.inf, good - _FAR * away)))
-            if away[i] > _REACH:
-                continue
-            e = rows[i, 2:4] / max(float(np.hypot(*rows[i, 2:4])), 1e-6)
-            side = np.array([-e[1], e[0]]) * (facing[v] or 1)
-            seen[p].append(
-                (step[i] @ e / thickness_px[v], step[i] @ side / thickness_px[v], float(good[i]))
-            )
+            away = np.hypot(step[:, 0], step[:, 1])
+            told = good - _FAR * (away + _BESIDE * np.abs(across))
+            told[away > _REACH] = -np.inf
+            i = int(np.argmax(told))
+            if np.isfinite(told[i]):
+                seen[p].append((float(along[i]), float(across[i]), float(good[i])))
     every = [s for own in seen for s in own] or [(0.0, 0.0, 1.0)]
     alike = [
         [s for other, own in zip(kinds, seen, strict=True) if other == kind for s in own]

@@ -44,6 +44,19 @@ def test_the_end_of_another_paw_farther_away_is_not_the_clicked_one():
     assert abs(found.along[0]) < 0.2
 
 
+def test_an_end_to_the_side_of_the_click_is_another_paw():
+    # the click lies on the axis of the first, and beside that of the second, which looks better
+    own, other = end(110, 54, share=0.33), end(96, 70)
+    found = learn([[[100, 50]]], [np.stack([own, other])])
+    assert found.along[0] < -1.0
+    assert abs(found.across[0]) < 0.1
+
+
+def test_a_candidate_without_a_direction_far_from_the_click_says_nothing():
+    found = learn([[[100, 50]]], [np.stack([end(106, 50), end(160, 90, direction=(0.0, 0.0))])])
+    assert found.along[0] == pytest.approx(-0.6 * 5.0 / np.hypot(5.0, 2.0), abs=1e-6)
+
+
 def test_a_view_that_sees_no_end_does_not_count():
     rows = [
         np.stack([end(100, 50)]),
