@@ -17,7 +17,7 @@ from pawnb.core.pose.fit.choices import (
     sides_of,
 )
 from pawnb.core.pose.fit.fitter import FrameFitter
-from pawnb.core.pose.fit.layout import N_BODY, Layout
+from pawnb.core.pose.fit.layout import Layout
 from pawnb.core.pose.fit.learn import learn_look
 from pawnb.core.pose.fit.paint_loops import NOTHING, paint, picture_cost
 from pawnb.core.pose.fit.priors import about
@@ -25,6 +25,8 @@ from pawnb.core.pose.fit.solve_loops import Prior, Sight
 from pawnb.core.pose.fit.threads import on_threads
 from pawnb.core.views import Frame
 
+_XY = 2
+"""Parameters of a pose that say where it is; the heading comes next."""
 _START_SD_PX, _START_SD_DEG = 6.0, 8.0
 _LONGER, _LONGER_SD = 1.12, 0.08
 """In the start frame links may be this much longer than given, with this spread within a leg:
@@ -33,6 +35,7 @@ _LATER_LONGER = 1.02
 _SHORTER = (0.05, -0.05, -0.15, -0.25, -0.4)
 """Logarithms of foreshortening of whole legs that are tried in the start frame."""
 _COARSE_BLURS = (8.0, 4.0)
+_BODY_BLURS = (16.0, 8.0, 3.0)
 _DARK_LIMITS = (0.2, 1.0)
 _BLUR_STEP = 0.85
 _BLURS = (0.75, 4.0)
@@ -179,14 +182,23 @@ def first_darkness(fitter: FrameFitter, frame: Frame, pose: np.ndarray) -> Layou
 
 
 def _fit_body(fitter: FrameFitter, frame: Frame, pose: np.ndarray, prior: Prior) -> np.ndarray:
-    """Return the pose with its body moved onto the picture, coarse to fine."""
+    """Return the pose with its body moved onto the picture, coarse to fine.
+
+    Never coarser than it is large, and without turning it: a small body that is shown without
+    its legs would be drawn and turned onto what is seen of them.
+    """
     shown = np.zeros(len(fitter.animal.legs) + 1, bool)
     shown[-1] = True
     sight, _, _ = fitter.look(frame, pose, margin=np.inf)
-    for blur in (16.0, 8.0, 3.0):
+    ellipse = fitter.layout.ellipse
+    front, rear = ellipse[:, 0] + ellipse[:, 2], ellipse[:, 0] - ellipse[:, 2]
+    half = float(front.max() - rear.min()) / 2.0
+    for blur in _BODY_BLURS:
+        if blur > max(half, _BODY_BLURS[-1]):
+            continue
         soft = blurred(sight, blur)
         pose, _ = fitter.fit(
-            pose, soft, prior, active=np.arange(N_BODY), shown=shown, blur=fitter.blur + blur,
+            pose, soft, prior, active=np.arange(_XY), shown=shown, blur=fitter.blur + blur,
             rounds=8,
         )  # fmt: skip
     return pose
