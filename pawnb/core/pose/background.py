@@ -33,6 +33,8 @@ _KEPT_SDS, _KEPT_GREY = 3.0, 2.0
 """Values no further than this from a pixel's median tell its standard deviation."""
 _BLOB_GREY, _BLOB_SDS = 12.0, 6.0
 """How far pixels that an animal covers differ from the empty scene, at least."""
+_RARE = 0.15
+"""Share of the frames in which a pixel must be uncovered to be known: some ten of those sampled."""
 _BLOB_SHARE = 3e-4
 """Smallest animal, as a share of the picture's area."""
 
@@ -90,8 +92,8 @@ def find_background(
     Warns
     -----
     InputWarning
-        If no frame is empty: the median of every pixel over the recording is used instead,
-        which is the empty scene wherever the animal does not stay for half the time. Also if
+        If no frame is empty: the median of every pixel over the recording is used instead
+        (:func:`median_background`). Also if
         nothing moves at all.
     """
     if view.background is not None:
@@ -163,11 +165,13 @@ def median_background(reader: ViewReader, *, frames: tuple[int, int] | None = No
     Returns
     -------
     Background
-        Median, and the standard deviation of the values near it: the empty scene wherever the
-        animal is for less than half the time.
+        Median, and the standard deviation of the values near it. Where the median is the animal
+        because it was there for most of the time, the values of the rest of it. That is the
+        empty scene wherever the animal is away for a sixth of the time.
     """
     chosen = _spread(np.arange(*(frames or (0, reader.n_frames))), _SAMPLED)
-    median, sd = _median_and_sd(_stack(reader, chosen))
+    stack = _stack(reader, chosen)
+    median, sd = _uncovered(stack, *_median_and_sd(stack))
     return Background(
         mean=median, sd=sd, n_frames=len(chosen), source=f"median of {len(chosen)} frames"
     )
@@ -194,7 +198,7 @@ def _found(reader: ViewReader, view: View, frames: tuple[int, int]) -> Backgroun
     if _shows_animal(known, median):
         warnings.warn(
             f"no empty frames: the animal is there in frame {first} already; the background is "
-            f"the {median.source}, right wherever the animal does not stay half the time: {how}",
+            f"the {median.source}, right wherever the animal is away for a sixth of the time: {how}",
             InputWarning,
             stacklevel=3,
         )
@@ -295,6 +299,37 @@ def _median_and_sd(stack: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         limit = np.maximum(_KEPT_SDS * _MAD_TO_SD * np.median(away, axis=0), _KEPT_GREY)
         kept = away <= limit
         sd[v : v + 64] = np.sqrt((away**2 * kept).sum(axis=0) / kept.sum(axis=0))
+    return median, _floored(sd)
+
+
+def _uncovered(
+    stack: np.ndarray, median: np.ndarray, sd: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return median and sd with the rarer values where the median shows the animal.
+
+    A pixel that an animal comes over has two usual values. All over the picture either the
+    brighter or the darker are the empty scene's: those that continue what lies around, without
+    an edge where the animal's places end.
+    """
+    count = len(stack)
+    rare = round(_RARE * (count - 1))
+    dark, bright = np.empty_like(median), np.empty_like(median)
+    for v in range(0, stack.shape[1], 64):
+        band = np.sort(stack[:, v : v + 64], axis=0)
+        dark[v : v + 64], bright[v : v + 64] = band[rare], band[count - 1 - rare]
+    limit = max(_BLOB_GREY, _BLOB_SDS * float(np.median(sd)))
+    covered = (bright - dark > limit).astype(np.uint8)
+    covered = cv2.morphologyEx(covered, cv2.MORPH_OPEN, np.ones((3, 3), np.uint8))
+    rim = cv2.morphologyEx(covered, cv2.MORPH_GRADIENT, np.ones((5, 5), np.uint8)) > 0
+    edges = [float(squared_gradient(picture)[rim].sum()) for picture in (dark, bright)]
+    empty = dark if edges[0] < edges[1] else bright
+    wrong = (covered > 0) & (np.abs(median - empty) > limit)
+    values = stack[:, wrong].astype(np.float32)
+    kept = np.abs(values - empty[wrong]) < limit / 2.0
+    n = np.maximum(kept.sum(axis=0), 1)
+    median, sd = median.copy(), sd.copy()
+    median[wrong] = (values * kept).sum(axis=0) / n
+    sd[wrong] = np.sqrt((((values - median[wrong]) ** 2) * kept).sum(axis=0) / n)
     return median, _floored(sd)
 
 

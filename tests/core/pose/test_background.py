@@ -100,6 +100,25 @@ def test_median_of_a_run_is_the_empty_scene():
     assert np.median(background.sd) == pytest.approx(2.0, rel=0.25)
 
 
+@pytest.mark.parametrize("inverted", [False, True])
+def test_an_animal_that_is_nearly_always_there_is_told_from_the_empty_scene(inverted):
+    # it walks a third of its length: parts of the picture are covered in 80 % of the frames
+    reader = recording(run(40, start=90.0, step=0.6))
+    empty = mean_background(recording([None] * 12), range(12)).mean
+    if inverted:  # a light animal on dark ground
+        reader = PaintedReader([255 - picture for picture in reader.pictures])
+        empty = 255.0 - empty
+    found = median_background(reader)
+    pictures = np.stack(reader.pictures).astype(float)
+    covered = (np.abs(pictures - empty) > 25).mean(axis=0)
+    known = covered < 0.8
+    assert (covered[known] > 0.6).sum() > 50
+    assert np.abs(found.mean - empty)[known].max() < 10
+    # nor is it any worse where the animal never was
+    assert np.abs(found.mean - empty)[covered == 0].mean() < 1
+    assert found.sd[known].max() < 15
+
+
 def test_background_comes_from_what_the_view_names(tmp_path):
     reader = recording([None] * 10 + run(20))
     named = View(name="top", video="x.avi", background_frames=(0, 8))
