@@ -198,7 +198,8 @@ def _found(reader: ViewReader, view: View, frames: tuple[int, int]) -> Backgroun
     if _shows_animal(known, median):
         warnings.warn(
             f"no empty frames: the animal is there in frame {first} already; the background is "
-            f"the {median.source}, right wherever the animal is away for a sixth of the time: {how}",
+            f"the {median.source}, right wherever the animal is away for a sixth of the time: "
+            f"{how}",
             InputWarning,
             stacklevel=3,
         )
