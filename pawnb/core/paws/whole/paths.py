@@ -202,9 +202,10 @@ def _manner(places: Sequence[Places], scene: Scene, fps: float, settings: WholeS
     if scene.geometry.n_coordinates == 3:
         axes.insert(1, np.cross(scene.up, scene.forward))
     clicks = np.stack([x for here in scene.anchors.values() for x in here.values()])
+    ground = -np.inf if scene.is_flat else float((clicks @ scene.up).min())
     return Manner(
         settings.acceleration * scene.span / fps**2, settings.jerk * scene.span / fps**3, speed,
-        drift, np.stack(axes), float((clicks @ scene.up).min()), scene.span, scene.thickness,
+        drift, np.stack(axes), ground, scene.span, scene.thickness,
     )  # fmt: skip
 
 
@@ -245,7 +246,7 @@ def _start_prior(
         p: np.mean([h[p] for h in fixed.values() if p in h], axis=0)
         for p in sorted({p for here in fixed.values() for p in here})
     }
-    across = None if scene.volume is None else scene.volume.across
+    across = scene.across
     for i, piece in enumerate(pieces):
         along = piece.at @ scene.forward
         for p, expected in enumerate(usual):

@@ -26,6 +26,9 @@ _BROAD, _BROAD_BELOW = 0.4, 0.7
 """Paws are searched this far to either side, in spans; and in a view from below."""
 _BESIDE, _BESIDE_STRANGE = 0.35, 0.8
 """Paws are this far to the side of the clicks, in spans; and where one side was not clicked."""
+_ROWS = 0.25
+"""A view from below shows left and right paws in two rows this far apart, in distances of front
+from hind paws; from the side, however steep, the far ones are less high."""
 _AROUND_SHARE = 0.06
 """Side of the square that tells a grey paw's surroundings, as a share of the picture's width."""
 
@@ -56,6 +59,9 @@ class Scene:
         Where paws can be; None for one view by itself.
     lead : Lead, optional
         The view from below, where there is one.
+    is_flat : bool
+        Whether there is one view only, from below: up in its picture is to one side of the
+        animal, and positions have no height.
     """
 
     geometry: Geometry
@@ -70,6 +76,14 @@ class Scene:
     forward: np.ndarray
     volume: Volume | None
     lead: Lead | None = None
+    is_flat: bool = False
+
+    @property
+    def across(self) -> np.ndarray | None:
+        """Unit vector to the side of the animal; None for one view from the side."""
+        if self.volume is not None:
+            return self.volume.across
+        return self.up if self.is_flat else None
 
 
 def read_scene(
@@ -110,17 +124,25 @@ def read_scene(
     appearances = _learn_looks(views, layout, clicks)
     thickness = float(np.median([a.thickness_px for a in appearances]) / np.mean(per_unit))
     thickness_px = thickness * per_unit
-    span = max(
-        float(np.linalg.norm(first[:, None] - first[None], axis=-1).max()), _LEAST_SPAN * thickness
-    )
-    ground = float((everyone @ up).min())
-    stage = _Stage(middle, forward, up, ground, span, settings.height)
+    span = float(np.linalg.norm(first[:, None] - first[None], axis=-1).max())
+    ground, height = float((everyone @ up).min()), settings.height
     leading = None
+    is_flat = layout.rig is None and shows_two_rows(placed[min(placed)], layout.kinds, forward)
+    if is_flat:
+        leading = 0
+        # all of the animal's breadth is searched
+        breadth = float(np.ptp(everyone @ up))
+        ground, height = ground - _BESIDE * span, breadth / span + 2.0 * _BESIDE
+    else:
+        span = max(span, _LEAST_SPAN * thickness)
+    stage = _Stage(middle, forward, up, ground, span, height)
     if layout.rig is not None:
         leading = find_lead(
             geometry.jacobian(middle), up, anchors[min(anchors)], n_points=len(layout.points)
         )
     distal = stage.distal(geometry, thickness)
+    if is_flat:
+        distal = [(float(forward[0]), float(forward[1]))]
     regions, hulls = stage.search(geometry, layout.sizes, leading)
     looks = [
         make_look(
@@ -142,8 +164,37 @@ def read_scene(
             lead = Lead(leading, layout.rig.coefs, volume, ground, thickness, thickness_px, distal)
     return Scene(
         geometry, placed, span, thickness, thickness_px, looks, regions, distal, up, forward,
-        volume, lead,
+        volume, lead, is_flat,
     )  # fmt: skip
+
+
+def shows_two_rows(
+    placed: Mapping[int, np.ndarray], kinds: Sequence[str], forward: np.ndarray
+) -> bool:
+    """Tell whether a single picture shows left and right paws in two rows, as from below.
+
+    Parameters
+    ----------
+    placed : mapping
+        Point number to position (2,), px, in one frame.
+    kinds : sequence of str
+        Kind of each point.
+    forward : ndarray, shape (2,)
+        Unit vector along the animal.
+
+    Returns
+    -------
+    bool
+        True where two front and two hind paws lie in two rows well apart.
+    """
+    pairs = [
+        np.array([x for p, x in placed.items() if kinds[p] == kind]) for kind in ("front", "hind")
+    ]
+    if any(len(pair) != 2 for pair in pairs):
+        return False
+    long = abs(float((pairs[0].mean(axis=0) - pairs[1].mean(axis=0)) @ forward))
+    rows = np.sort([pair @ np.array([-forward[1], forward[0]]) for pair in pairs], axis=1)
+    return bool(rows[:, 1].min() - rows[:, 0].max() > _ROWS * long)
 
 
 def unclicked_kinds(kinds: Sequence[str]) -> list[str]:
