@@ -81,6 +81,7 @@ def find_in_space(
     animal: StickAnimal,
     rig: Rig,
     settings: SpaceSettings,
+    rows: range | None = None,
     progress: Progress | None = None,
     stop: Callable[[], bool] | None = None,
 ) -> tuple[SpaceTrack, PoseTrack]:
@@ -100,13 +101,15 @@ def find_in_space(
         The calibrated views.
     settings : SpaceSettings
         Settings; see there.
+    rows : range, optional
+        Rows of the track in which joints are wanted; default all.
     progress, stop
         As for :func:`pawnb.track`.
 
     Returns
     -------
     space : SpaceTrack
-        One row for every frame of the track.
+        One row for every frame of the track; NaN in those that are not wanted.
     track : PoseTrack
         The poses in the first view, corrected by them unless ``settings`` say otherwise.
 
@@ -129,6 +132,7 @@ def find_in_space(
             first_size=(views.readers[first.name].width, views.readers[first.name].height),
             background=background,
             settings=settings,
+            rows=rows,
             progress=report,
             stop=stop,
         )

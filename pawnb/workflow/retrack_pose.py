@@ -34,6 +34,9 @@ _MET_FRAMES = 10
 """The new track has met the old one after so many frames in a row on it, as for paws."""
 _MET_SHARE = 0.02
 """Joints and body within this share of the leg span are the same: twice what a tip may be off."""
+_BESIDE = 10
+"""Joints in space are found in so many frames more on either side of what is new, so that heights
+join those beside: a frame's heights are fitted with those of two frames on either side."""
 _FIRST_REACH = 100
 """Frames on either side that are tracked again at first; twice as many while they do not meet."""
 
@@ -115,7 +118,12 @@ def retrack_pose(
         joined = join_tracks(
             [old.take(slice(0, touched.start)), new, old.take(slice(touched.stop, None))]
         )
-        made = _whole(trial, tracks, views, animal=animal, track=joined, rows=touched)
+        made = _whole(
+            trial, tracks, views, animal=animal, track=joined, rows=touched,
+            progress=progress, stop=stop,
+        )  # fmt: skip
+        if stop is not None and stop():
+            return tracks
     step = build_step(
         "retrack",
         command=None,
@@ -219,12 +227,18 @@ def _whole(
     animal: StickAnimal,
     track: PoseTrack,
     rows: range,
+    progress: Progress | None,
+    stop: Callable[[], bool] | None,
 ) -> Tracks:
     """Return Tracks of all rows, of which only ``rows`` are new."""
     rig, space = load_second(trial, views), None
     if rig is not None:
-        in_space = space_settings_of_tracks(trial, tracks)
-        space, track = find_in_space(trial, views, track, animal=animal, rig=rig, settings=in_space)
+        about = range(max(0, rows.start - _BESIDE), min(len(track), rows.stop + _BESIDE))
+        space, track = find_in_space(
+            trial, views, track, animal=animal, rig=rig,
+            settings=space_settings_of_tracks(trial, tracks),
+            rows=about, progress=progress, stop=stop,
+        )  # fmt: skip
     new = pose_tracks(trial, animal, track, space=space, rig=rig).assign_coords(time=tracks["time"])
     new = describe_trial(new.assign_attrs(tracks.attrs), trial)
     for name, variable in new.data_vars.items():

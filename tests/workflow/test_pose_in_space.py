@@ -11,17 +11,21 @@ import pytest
 
 from pawnb import gait
 from pawnb.core.pose.as_tracks import animal_of, poses_of
+from pawnb.core.pose.corrected import pose_values, put_pose
 from pawnb.core.pose.poses import leg_angles
+from pawnb.core.pose.space.tracker import _Solver
 from pawnb.core.video import open_views
 from pawnb.errors import CalibrationError, InputError
 from pawnb.io.native import read_tracks, tracks_table
 from pawnb.schema import POINTS3D_COLUMNS
 from pawnb.synthetic import render_spider_trial
 from pawnb.trial import load_trial
+from pawnb.workflow import retrack_pose
 from pawnb.workflow.check import check_trial
 from pawnb.workflow.methods import pose_tracker_settings, settings_in_force, space_settings
 from pawnb.workflow.pose_in_space import load_second
-from pawnb.workflow.track import track
+from pawnb.workflow.results import provenance_steps
+from pawnb.workflow.track import retrack, track
 from pawnb.workflow.track_pose import pose_views
 
 
@@ -109,6 +113,44 @@ def test_leg_angles_of_gait_are_those_of_the_pose(found):
     for number, leg in enumerate(animal_of(tracks).leg_names):
         angle = table.loc[table["leg"] == leg, "leg_angle"]
         np.testing.assert_allclose(angle, own[:, number], atol=1e-6)
+
+
+@pytest.mark.slow
+def test_tracking_again_finds_joints_in_space_in_the_touched_stretch_alone(
+    found, two_views, monkeypatch
+):
+    """Leg L2 is put 40 degrees off in four frames, then right in one of them."""
+    tracks, _ = found
+    animal, poses = animal_of(tracks), poses_of(tracks)
+    numbers = poses.poses.frames
+    wrong = tracks
+    for row in range(16, 20):
+        angles = poses.poses.angles_deg[row : row + 1].copy()
+        angles[0, animal.joints.index("L2_BC")] += 40.0
+        bent = dataclasses.replace(poses.poses.take([row]), angles_deg=angles)
+        wrong = put_pose(wrong, int(numbers[row]), pose_values(animal, bent))
+    wrong["image_origin"][:], wrong["origin"][:] = tracks["image_origin"], tracks["origin"]
+    wrong["position"][16:20] = np.nan
+    wrong = put_pose(wrong, int(numbers[18]), pose_values(animal, poses.poses.take([18])))
+    settled, plain = set(), _Solver._settle
+
+    def settle(self, k, **options):
+        settled.add(int(self.numbers[k]))
+        plain(self, k, **options)
+
+    monkeypatch.setattr(_Solver, "_settle", settle)
+    monkeypatch.setattr(retrack_pose, "_BESIDE", 3)
+    again = retrack(load_trial(two_views), wrong, int(numbers[18]))
+    begin, end = provenance_steps(again)[-1]["frames"]
+    assert begin <= numbers[16]
+    assert numbers[19] < end
+    assert settled == set(range(begin - 3, end + 3)) & set(numbers)
+    assert len(settled) < len(numbers)
+    outside = (numbers < begin) | (numbers >= end)
+    assert again["position"][outside].identical(wrong["position"][outside])
+    off = (again["position"] - tracks["position"]).to_numpy()[~outside]
+    # 60 mm of leg span: the same places again
+    assert np.abs(np.delete(off, list(numbers[~outside]).index(numbers[18]), axis=0)).max() < 1.0
 
 
 def test_a_second_view_without_calibration_is_told(small_spider):

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from typing import Protocol
 
 import numpy as np
@@ -57,6 +58,7 @@ def place_in_space(
     first_size: tuple[int, int],
     background: BackgroundPicture,
     settings: SpaceSettings | None = None,
+    rows: range | None = None,
     progress: Callable[[int, int], None] | None = None,
     stop: Callable[[], bool] | None = None,
 ) -> SpaceTrack:
@@ -80,6 +82,9 @@ def place_in_space(
         The second view without the animal.
     settings : SpaceSettings, optional
         Settings; see there.
+    rows : range, optional
+        Rows of the track in which joints are wanted; default all. Look and proportions are
+        learnt from frames of the whole track, so they are the same for any rows.
     progress : callable, optional
         Called with frames done and frames in all.
     stop : callable, optional
@@ -88,7 +93,7 @@ def place_in_space(
     Returns
     -------
     SpaceTrack
-        One row for every frame of the track.
+        One row for every frame of the track; NaN in those that are not wanted.
 
     Raises
     ------
@@ -106,13 +111,16 @@ def place_in_space(
         sizes=(first_size, (reader.width, reader.height)),
         settings=settings,
     )
-    rows = np.flatnonzero(np.isfinite(track.poses.xy).all(axis=1))
+    known = np.flatnonzero(np.isfinite(track.poses.xy).all(axis=1))
+    learn = known[_spread(len(known))]
+    wanted = known if rows is None else np.intersect1d(known, rows)
     places, precision = first_view_places(model, track)
-    middle = reader.frame(int(track.poses.frames[rows[len(rows) // 2]]))
+    middle = reader.frame(int(track.poses.frames[known[len(known) // 2]]))
     fitter = SpaceFitter(model, background, middle)
+    needed = np.union1d(learn, wanted)
     frames = []
-    for row, frame in _read(reader, track.poses.frames[rows], stop):
-        k = rows[row]
+    for at, frame in _read(reader, track.poses.frames[needed], stop):
+        k = needed[at]
         image, box = fitter.crop(frame, track.poses.xy[k], places=places[k], heights=model.heights)
         frames.append(
             SpaceFrame(
@@ -125,12 +133,25 @@ def place_in_space(
             )
         )
         if progress is not None:
-            progress(len(frames), (2 + _SETTLE) * len(rows))
+            progress(len(frames), (2 + _SETTLE) * len(needed))
+    needed = needed[: len(frames)]
     if not frames:
         return _blank(len(track), places.shape[1:3])
-    solver = _Solver(fitter, frames, track.poses.frames[rows[: len(frames)]], progress, len(rows))
+    solver = _Solver(
+        fitter,
+        frames,
+        track.poses.frames[needed],
+        learn=np.flatnonzero(np.isin(needed, learn)).tolist(),
+        wanted=np.flatnonzero(np.isin(needed, wanted)).tolist(),
+        progress=progress,
+    )
     solver.run()
-    return solver.result(len(track), rows[: len(frames)])
+    return solver.result(len(track), needed)
+
+
+def _spread(n: int) -> list[int]:
+    """Return some of n frames, over all of them."""
+    return sorted({int(k) for k in np.linspace(0, n - 1, min(n, _LEARN_FROM))})
 
 
 def _read(
@@ -154,8 +175,10 @@ class _Solver:
         The frames.
     numbers : ndarray of int
         Their frame numbers.
-    progress, total
-        Told after each pass over the frames, of frames in all.
+    learn, wanted : list of int
+        Which of them the model is learnt from, and which are to be fitted.
+    progress : callable, optional
+        Told after each pass over the frames.
     """
 
     def __init__(
@@ -163,11 +186,14 @@ class _Solver:
         fitter: SpaceFitter,
         frames: list[SpaceFrame],
         numbers: np.ndarray,
+        *,
+        learn: list[int],
+        wanted: list[int],
         progress: Callable[[int, int], None] | None,
-        total: int,
     ) -> None:
         self.fitter, self.frames, self.numbers = fitter, frames, numbers
-        self.progress, self.total, self.passes = progress, total, 1
+        self.learn, self.wanted = learn, wanted
+        self.progress, self.passes = progress, 1
         self.x = np.zeros((len(frames), 1 + 3 * frames[0].places[..., 0].size))
         self.cost = np.full(len(frames), np.inf)
 
@@ -178,7 +204,7 @@ class _Solver:
     def run(self) -> None:
         """Fit all frames."""
         fitter = self.fitter
-        some = self._sample()
+        some = self.learn
         ground = [fitter.ground_below(self.frames[k], self.sight(k)) for k in some]
         if not np.isfinite(ground).any():
             raise InputError(
@@ -196,24 +222,22 @@ class _Solver:
                 self._alone(k)
         self._each(self._alone)
         # a frame may lie in the wrong valley where its neighbour does not
-        for order in (range(1, len(self.x)), range(len(self.x) - 2, -1, -1)):
+        for step, order in ((1, self.wanted), (-1, self.wanted[::-1])):
             for k in order:
-                self._take_over(k, k - order.step)
+                if 0 <= k - step < len(self.x):
+                    self._take_over(k, k - step)
         for _ in range(_SETTLE):
-            self._each(self._settle)
-
-    def _sample(self) -> list[int]:
-        """Return some frames over all."""
-        n = len(self.frames)
-        return sorted({int(k) for k in np.linspace(0, n - 1, min(n, _LEARN_FROM))})
+            # all from the heights before, so that the order of the threads does not tell
+            self._each(partial(self._settle, before=self.x.copy()))
 
     def _each(self, work: Callable[[int], None]) -> None:
-        """Do something with every frame, on two threads."""
+        """Do something with every frame that is wanted, on two threads."""
         with ThreadPoolExecutor(_THREADS) as pool:
-            list(pool.map(work, range(len(self.frames))))
+            list(pool.map(work, self.wanted))
         self.passes += 1
         if self.progress is not None:
-            self.progress(self.passes * self.total, (2 + _SETTLE) * self.total)
+            n = len(self.frames)
+            self.progress(self.passes * n, (2 + _SETTLE) * n)
 
     def _alone(self, k: int) -> None:
         """Fit one frame from even arches."""
@@ -240,37 +264,38 @@ class _Solver:
         moved = lines.at(self.frames[k].places + slid, lines.height(joints))
         return np.concatenate([self.x[other, :1], np.nan_to_num(moved).ravel()])
 
-    def _settle(self, k: int) -> None:
-        """Fit one frame with the heights of the frames beside."""
+    def _settle(self, k: int, *, before: np.ndarray) -> None:
+        """Fit one frame with the heights of the frames beside, as they were before."""
         model = self.fitter.model
         one, sight = self.frames[k], self.sight(k)
         known = self.fitter.known(
-            one, self._expected(k), model.settings.height_step_share * model.span
+            one, self._expected(k, before), model.settings.height_step_share * model.span
         )
         self.x[k], self.cost[k] = self.fitter.refine(one, sight, self.x[k], known=known)
 
-    def _expected(self, k: int) -> np.ndarray | None:
-        """Return the heights between those of the frames beside."""
+    def _expected(self, k: int, x: np.ndarray) -> np.ndarray | None:
+        """Return the heights between those that unknowns ``x`` have in the frames beside."""
         beside = [
             j for j in (k - 1, k + 1)
             if 0 <= j < len(self.x) and abs(self.numbers[j] - self.numbers[k]) == 1
         ]  # fmt: skip
         if len(beside) < 2:
             return None
-        return np.asarray(np.mean([self._heights(j) for j in beside], axis=0))
+        return np.asarray(np.mean([self._heights(x[j]) for j in beside], axis=0))
 
-    def _heights(self, k: int) -> np.ndarray:
-        """Return the heights of body and joints of a frame."""
-        joints = self.x[k, 1:].reshape(-1, 3)
-        return np.concatenate([self.x[k, :1], self.fitter.model.lines.height(joints)])
+    def _heights(self, x: np.ndarray) -> np.ndarray:
+        """Return the heights of body and joints of a frame's unknowns."""
+        joints = x[1:].reshape(-1, 3)
+        return np.concatenate([x[:1], self.fitter.model.lines.height(joints)])
 
     def result(self, n: int, rows: np.ndarray) -> SpaceTrack:
-        """Return what was found as rows of n."""
+        """Return what was found as rows of n; ``rows`` are those of the frames."""
         model = self.fitter.model
         shape = self.frames[0].places.shape[:2]
         out = _blank(n, shape)
         padded = np.arange(shape[1]) > model.layout.n_segments[:, None]
-        for k, row in enumerate(rows):
+        for k in self.wanted:
+            row = rows[k]
             one, x = self.frames[k], self.x[k]
             joints = np.where(padded[..., None], np.nan, x[1:].reshape(*shape, 3))
             sd, support = self._sureness(k)
@@ -290,7 +315,7 @@ class _Solver:
         """Return standard deviations of a frame's unknowns, and the support of its legs."""
         fitter, model = self.fitter, self.fitter.model
         one, sight = self.frames[k], self.sight(k)
-        known = fitter.known(one, self._expected(k), model.settings.height_step_share * model.span)
+        known = fitter.known(one, self._expected(k, self.x), model.settings.height_step_share * model.span)
         _, matrix, _ = fitter.equations(one, sight, self.x[k], known=known, blur=fitter.blur)
         sd = np.sqrt(np.diag(np.linalg.inv(matrix)))
         _, _, _, drawn = fitter.painted(one, sight, self.x[k])
