@@ -107,7 +107,8 @@ def summarise_phases(phases: pd.DataFrame) -> pd.DataFrame:
     (:func:`pawnb.gait.animal_phases.phase_of_animals`): each animal's mean phase is one unit
     vector, whatever its number of strides, and the interval is made for few animals. With
     one animal only its mean is given; spread, interval, test and pattern say nothing
-    about animals then and are blank, and the note says so. The set named ``..._strides``
+    about animals then and are blank (one animal's r is 1 and its SD 0, whatever it does), and
+    the note says so. The set named ``..._strides``
     counts every stride as if it were independent of the others, which strides of one animal
     are not: it describes, and its p is too small.
 
@@ -142,6 +143,8 @@ def summarise_phases(phases: pd.DataFrame) -> pd.DataFrame:
             "note": found.note,
         }  # fmt: skip
         tested = found.n_animals > 1
+        if not tested and len(group) > 1:
+            row["note"] += f"; its {len(group)} strides are described in the columns ..._strides"
         row["pattern"] = name_pattern(found.mean, found.rayleigh_p) if tested else None
         row |= {f"{k}_strides": v for k, v in describe_phases(strides).items()}
         rows.append(row)

@@ -14,7 +14,7 @@ from pawnb.gait.legs import default_pairs, sort_legs
 from pawnb.gait.phases import build_phases, summarise_phases
 from pawnb.gait.stride_measures import measure_strides
 from pawnb.gait.stride_support import measure_support
-from pawnb.gait.strides import Motion, build_strides, choose_stride_event
+from pawnb.gait.strides import PARTNER, Motion, build_strides, choose_stride_event
 
 Pairs = Sequence[tuple[str, str]]
 _KEYS = ["animal", "trial"]
@@ -279,6 +279,39 @@ def build_tables(
             ),
         ),
     )  # fmt: skip
+
+
+def say_no_strides(tables: GaitTables) -> list[str]:
+    """Say of each trial without a stride what was found and what is needed.
+
+    Parameters
+    ----------
+    tables : GaitTables
+        The result of an analysis.
+
+    Returns
+    -------
+    list of str
+        One sentence for each trial that has no stride.
+    """
+    said = []
+    for basis in tables.bases:
+        if len(_of_trial(tables.strides, basis.who)):
+            continue
+        events = _of_trial(tables.events, basis.who)
+        start = choose_stride_event(events, tables.settings.stride_events)
+        counts = events.loc[events["event"] == start, "leg"].value_counts()
+        legs = sort_legs(events["leg"]) if basis.legs is None else basis.legs
+        found = ", ".join(f"{counts.get(leg, 0)} of {leg}" for leg in legs)
+        dropped = (_of_trial(tables.dropped, basis.who)["what"] == "stride").sum()
+        if dropped:
+            found += f" ({dropped} from {start} to {start} dropped: see dropped.csv)"
+        said.append(
+            f"{basis.who['trial']}: no stride, for one runs from {start} to {start} of the same "
+            f"leg, with one {PARTNER[start]} between; found {start}: {found}; a longer recording "
+            "is needed, or other settings of the event detection."
+        )
+    return said
 
 
 def _stack(tables: list[pd.DataFrame]) -> pd.DataFrame:

@@ -9,13 +9,14 @@ import numpy as np
 from pawnb.core.video import ViewSet, open_views
 from pawnb.errors import InputError, PawnbError
 from pawnb.gait.leg_names import choose_legs
+from pawnb.io.native import read_tracks
 from pawnb.io.start import check_start, read_start
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.check_pose import check_pose_trial
 from pawnb.workflow.check_report import CheckReport
 from pawnb.workflow.foreign_tracks import read_belt, read_foreign_tracks
 from pawnb.workflow.methods import pose_tracker_settings, tracker_settings
-from pawnb.workflow.results import results_folder
+from pawnb.workflow.results import provenance_steps, results_folder
 from pawnb.workflow.trial_views import frame_range, trial_rig
 
 MAX_CLICK_RESIDUAL_PX = 10.0
@@ -50,10 +51,28 @@ def check_trial(trial: Trial | str | Path) -> CheckReport:
         _check_tracks_file(trial, report)
     else:
         _check_views(trial, report)
-    results = results_folder(trial) / "tracks.nc"
-    if results.exists():
-        report.found.append(f"tracked already: {results.parent.name}/tracks.nc")
+    _check_results(trial, report)
     return report
+
+
+def _check_results(trial: Trial, report: CheckReport) -> None:
+    """Say whether the trial is tracked already, and doubt tracks that cannot be read."""
+    path = results_folder(trial) / "tracks.nc"
+    name = f"{path.parent.name}/{path.name}"
+    if not path.exists():
+        return
+    try:
+        tracks = read_tracks(path)
+    except PawnbError as error:
+        report.doubts.append(
+            f"{name} cannot be read, so the trial counts as not tracked: {str(error).rstrip('.')}; "
+            "delete it and track again, or copy it anew from where it is whole"
+        )
+        return
+    report.found.append(f"tracked already: {name}, {tracks.sizes['time']} frames")
+    made = [step for step in provenance_steps(tracks) if step["step"] == "track"]
+    if made and not made[-1].get("complete", True):
+        report.doubts.append(f"{name} is of a run that was interrupted; track again to go on")
 
 
 def _check_belt(trial: Trial, report: CheckReport) -> None:

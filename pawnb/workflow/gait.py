@@ -17,6 +17,7 @@ from pawnb.gait import GaitTables
 from pawnb.gait.coordination import coordination_tables
 from pawnb.gait.event_edits import FILE_NAME
 from pawnb.gait.leg_names import choose_legs
+from pawnb.gait.tables import say_no_strides
 from pawnb.io.tables import write_table
 from pawnb.workflow.gait_drawings import gait_drawings
 from pawnb.workflow.gait_sources import GaitSource, read_source
@@ -66,7 +67,7 @@ class GaitRun:
                 f"median stride frequency {middle['frequency_hz']:.2f} Hz, duty factor "
                 f"{middle['duty_factor']:.2f}"
             )
-        lines += [f"note: {note}" for note in self.tables.notes]
+        lines += [f"note: {note}" for note in (*say_no_strides(self.tables), *self.tables.notes)]
         lines.append(f"wrote {len(self.files)} files to {self.out}")
         return "\n".join(lines)
 

@@ -11,7 +11,7 @@ from typing import Any
 from pawnb.core.paws.stretch import keep_rows
 from pawnb.core.pose.kept_frames import KeptFrames
 from pawnb.core.record_file import code_checksum
-from pawnb.errors import InputWarning
+from pawnb.errors import InputError, InputWarning
 from pawnb.io.native import read_tracks
 from pawnb.schema import Tracks
 from pawnb.workflow.results import provenance_steps
@@ -111,7 +111,10 @@ def unfinished_tracks(folder: Path, step: Mapping[str, Any]) -> Tracks | None:
     path = folder / "tracks.nc"
     if not path.exists():
         return None
-    tracks = read_tracks(path)
+    try:
+        tracks = read_tracks(path)
+    except InputError:  # damaged: this run makes them again
+        return None
     made = provenance_steps(tracks)[-1]
     asked = json.loads(json.dumps({**step, "command": made["command"], "complete": False}))
     return tracks if asked == {name: made.get(name) for name in asked} else None

@@ -14,6 +14,7 @@ from walking import Walk
 
 from pawnb.errors import InputError
 from pawnb.gait import EventSettings, analyse, analyse_events, pool
+from pawnb.gait.tables import say_no_strides
 from pawnb.schema import (
     DROPPED_COLUMNS,
     EVENTS_COLUMNS,
@@ -500,3 +501,23 @@ def test_a_table_of_belt_speed_that_is_none_is_said(tmp_path):
     )  # fmt: skip
     with pytest.raises(InputError, match=r"^belt\.csv: line 2, column 'speed' is 'fast'"):
         analyse(Walk().tracks(), trial=trial)
+
+
+def test_a_trial_without_a_stride_says_what_was_found_and_what_is_needed():
+    rows = [("FR", "TD", 0.01), ("FR", "LO", 0.09), ("HR", "LO", 0.02), ("HR", "TD", 0.06)]
+    short = pd.DataFrame(rows, columns=["leg", "event", "time_s"])
+    (said,) = say_no_strides(analyse_events(short.assign(animal="m", trial="short")))
+    assert said == (
+        "short: no stride, for one runs from TD to TD of the same leg, with one LO between; found "
+        "TD: 1 of FR, 1 of HR; a longer recording is needed, or other settings of the event "
+        "detection."
+    )
+    again = pd.DataFrame([*rows, ("FR", "TD", 0.12)], columns=short.columns)
+    assert say_no_strides(analyse_events(again.assign(animal="m", trial="long"))) == []
+    both = pool(
+        [analyse_events(t.assign(animal="m", trial=n)) for n, t in (("a", short), ("b", again))]
+    )
+    assert [text.split(":")[0] for text in say_no_strides(both)] == ["a"]
+    no_lift_off = again[again["event"] == "TD"]
+    (said,) = say_no_strides(analyse_events(no_lift_off.assign(animal="m", trial="t")))
+    assert "found TD: 2 of FR, 1 of HR (1 from TD to TD dropped: see dropped.csv); a longer" in said

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from pawnb.io.native import write_tracks
+from pawnb.schema import add_provenance, make_tracks
 from pawnb.workflow.check import check_trial
 
 
@@ -96,3 +98,24 @@ def test_tracks_made_elsewhere_are_read_as_gait_will(tmp_path):
     assert "named like a leg" in check_trial(trial).faults[0]
     table.write_text("something else\n")
     assert "not tracks that are read here" in check_trial(trial).faults[0]
+
+
+def test_tracks_that_are_there_are_read(small_trial):
+    results = small_trial / "results"
+    results.mkdir()
+    (results / "tracks.nc").write_text("not tracks")
+    report = check_trial(small_trial)
+    (doubt,) = report.doubts
+    assert doubt.startswith("results/tracks.nc cannot be read, so the trial counts as not tracked:")
+    assert "not a netCDF file" in doubt
+    assert "delete it and track again" in doubt
+    assert "tracked already" not in report.text()
+    tracks = make_tracks(range(7), ["FR"], fps=250.0, individual="m", unit="mm")
+    step = {"step": "track", "complete": True, "inputs": {}, "settings": {}}
+    write_tracks(add_provenance(tracks, **step), results / "tracks.nc")
+    report = check_trial(small_trial)
+    assert report.doubts == []
+    assert "ok    tracked already: results/tracks.nc, 7 frames" in report.text()
+    write_tracks(add_provenance(tracks, **step | {"complete": False}), results / "tracks.nc")
+    (doubt,) = check_trial(small_trial).doubts
+    assert doubt == "results/tracks.nc is of a run that was interrupted; track again to go on"

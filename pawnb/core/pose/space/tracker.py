@@ -315,7 +315,9 @@ class _Solver:
         """Return standard deviations of a frame's unknowns, and the support of its legs."""
         fitter, model = self.fitter, self.fitter.model
         one, sight = self.frames[k], self.sight(k)
-        known = fitter.known(one, self._expected(k, self.x), model.settings.height_step_share * model.span)
+        known = fitter.known(
+            one, self._expected(k, self.x), model.settings.height_step_share * model.span
+        )
         _, matrix, _ = fitter.equations(one, sight, self.x[k], known=known, blur=fitter.blur)
         sd = np.sqrt(np.diag(np.linalg.inv(matrix)))
         _, _, _, drawn = fitter.painted(one, sight, self.x[k])
