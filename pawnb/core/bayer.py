@@ -5,7 +5,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from pawnb.core.colour import Picture, YuvPicture
+from pawnb.core.colour import PartPicture, Picture, YuvPicture
 from pawnb.errors import VideoError
 
 # cv2 names a pattern after its second row, from the second column on, so its letters
@@ -79,6 +79,8 @@ def debayered(picture: Picture, pattern: str, *, where: str) -> Picture:
     VideoError
         If the picture holds RGB already, or is smaller than 4 x 4 px.
     """
+    if isinstance(picture, PartPicture):
+        picture = picture.whole()
     if isinstance(picture, YuvPicture):
         picture = picture.luma()
     if picture.is_colour:

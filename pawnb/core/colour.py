@@ -175,6 +175,47 @@ class LazyPicture:
         return self._pixels[v0:v1, u0:u1].copy()
 
 
+class PartPicture:
+    """A picture of which only the part that is asked for is decoded, each time anew.
+
+    Parameters
+    ----------
+    width, height : int
+        Size in px.
+    load : callable
+        ``load(u0, v0, u1, v1)`` returns a picture that holds at least that half-open region,
+        and where its left and top are.
+    is_colour : bool
+        Whether regions are RGB.
+    """
+
+    def __init__(
+        self,
+        width: int,
+        height: int,
+        load: Callable[[int, int, int, int], tuple[Picture, tuple[int, int]]],
+        *,
+        is_colour: bool,
+    ) -> None:
+        self.width, self.height = width, height
+        self.is_colour = is_colour
+        self._load = load
+
+    def region(self, u0: int, v0: int, u1: int, v1: int) -> np.ndarray:
+        """Return that half-open region as a fresh array."""
+        picture, box = self.part((u0, v0, u1, v1))
+        return picture.region(*box)
+
+    def part(self, box: tuple[int, int, int, int]) -> tuple[Picture, tuple[int, int, int, int]]:
+        """Return a picture that holds a region, and where the region lies in it."""
+        picture, (left, top) = self._load(*box)
+        return picture, (box[0] - left, box[1] - top, box[2] - left, box[3] - top)
+
+    def whole(self) -> Picture:
+        """Return the whole picture, decoded."""
+        return self._load(0, 0, self.width, self.height)[0]
+
+
 class YuvPicture(_ArrayBased):
     """Planar YUV, 8 bit, with any whole-number chroma subsampling.
 
@@ -329,6 +370,8 @@ def reduce_region(picture: Picture, box: tuple[int, int, int, int], factor: int)
     ndarray, shape (H / factor, W / factor, 3) RGB or (H / factor, W / factor) grey, uint8
         A fresh array.
     """
+    if isinstance(picture, PartPicture):
+        picture, box = picture.part(box)
     if factor == 1:
         return picture.region(*box)
     part = picture.reduced(*box, factor) if isinstance(picture, YuvPicture) else None

@@ -71,8 +71,8 @@ class PictureFolder:
         self.stamps_s: np.ndarray | None = None
         self.is_variable_rate = False
 
-    def grab(self, index: int) -> Picture:
-        """Return a picture; raises VideoError where it cannot be read."""
+    def grab(self, index: int, *, partly: bool = False) -> Picture:  # noqa: ARG002
+        """Return a picture, decoded whole; raises VideoError where it cannot be read."""
         picture = self._load(index)
         if (picture.width, picture.height) != (self.width, self.height):
             raise VideoError(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, TypedDict
 
 import numpy as np
 
@@ -46,18 +46,13 @@ def picture_of_frame(frame: Any) -> Picture:
     palette = None
     if name == "pal8":  # blue, green, red, alpha
         palette = np.frombuffer(frame.planes[1], np.uint8)[:1024].reshape(256, 4)[:, 2::-1]
-    images = [_rows(plane) for plane in frame.planes[: 1 if name == "pal8" else None]]
+    images = planes_of_frame(frame)
     picture = None
-    if images and all(image is not None for image in images):
+    if images:
         picture = picture_of_planes(
-            name,
-            [image for image in images if image is not None],
-            width=frame.width,
-            height=frame.height,
-            standard=_STANDARDS.get(int(frame.colorspace), "bt601"),
-            full_range=int(frame.color_range) == _FULL_RANGE,
-            palette=palette,
-        )
+            name, images, width=frame.width, height=frame.height, palette=palette,
+            **shown_as(frame),
+        )  # fmt: skip
     if picture is None:
         grey = name.startswith("gray") or (palette is not None and is_grey(palette))
         return LazyPicture(
@@ -67,6 +62,30 @@ def picture_of_frame(frame: Any) -> Picture:
             is_colour=not grey,
         )
     return picture
+
+
+def planes_of_frame(frame: Any) -> list[np.ndarray]:
+    """Return a frame's planes with their padding, (rows, bytes); none if stored bottom up.
+
+    Of a frame with a palette, the indices only.
+    """
+    images = [_rows(p) for p in frame.planes[: 1 if frame.format.name == "pal8" else None]]
+    return [] if any(image is None for image in images) else [i for i in images if i is not None]
+
+
+class Shown(TypedDict):
+    """What YUV samples mean."""
+
+    standard: str
+    full_range: bool
+
+
+def shown_as(frame: Any) -> Shown:
+    """Return the standard and the range of a frame, as :func:`picture_of_planes` takes them."""
+    return Shown(
+        standard=_STANDARDS.get(int(frame.colorspace), "bt601"),
+        full_range=int(frame.color_range) == _FULL_RANGE,
+    )
 
 
 def _rows(plane: Any) -> np.ndarray | None:

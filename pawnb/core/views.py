@@ -29,8 +29,11 @@ class Source(Protocol):
     stamps_s: np.ndarray | None
     is_variable_rate: bool
 
-    def grab(self, index: int) -> Picture:
-        """Return the picture of that number; safe to call from any thread."""
+    def grab(self, index: int, *, partly: bool = False) -> Picture:
+        """Return the picture of that number; safe to call from any thread.
+
+        ``partly`` says that small parts of it will be looked at: it may be decoded then.
+        """
 
     def close(self) -> None:
         """Close the file."""
@@ -220,12 +223,15 @@ class ViewReader(Closing):
         """
         return self.frame_of(self.grab(operator.index(index)), index)
 
-    def grab(self, index: int) -> Picture:
-        """Return the undecorated picture of the file; views of one file share it."""
+    def grab(self, index: int, *, partly: bool = False) -> Picture:
+        """Return the undecorated picture of the file; views of one file share it.
+
+        ``partly`` as for :meth:`pawnb.core.viewset.ViewSet.frames`.
+        """
         if not 0 <= index < self.n_frames:
             raise VideoError(f"view {self.name!r}: {no_such_frame(self.source, index)}")
         try:
-            return self.source.grab(index)
+            return self.source.grab(index, partly=partly)
         except VideoError as error:
             raise VideoError(f"view {self.name!r}: {error}") from None
 

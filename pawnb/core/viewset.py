@@ -112,7 +112,7 @@ class ViewSet(Closing):
         return {name: found[name] for name in self.names}
 
     def frames(
-        self, start: int, stop: int, *, step: int = 1
+        self, start: int, stop: int, *, step: int = 1, partly: bool = False
     ) -> Iterator[tuple[int, dict[str, Frame]]]:
         """Iterate over trial frames, read ahead in one thread a file.
 
@@ -120,6 +120,10 @@ class ViewSet(Closing):
         ----------
         start, stop, step : int
             As in :class:`range`: backwards from 99 to 0 is ``frames(99, -1, step=-1)``.
+        partly : bool
+            Whether only small parts of each frame will be looked at. Where the file allows
+            it (Motion JPEG), no more than these is decoded, when they are asked for; what
+            they hold is the same.
 
         Yields
         ------
@@ -137,9 +141,9 @@ class ViewSet(Closing):
         numbers = range(start, stop, step)
         for end in (numbers[0], numbers[-1]) if numbers else ():
             self._check(end)
-        return self._ahead(numbers)
+        return self._ahead(numbers, partly=partly)
 
-    def _ahead(self, numbers: range) -> Iterator[tuple[int, dict[str, Frame]]]:
+    def _ahead(self, numbers: range, *, partly: bool) -> Iterator[tuple[int, dict[str, Frame]]]:
         """Keep up to READ_AHEAD frames of each file in the making or waiting."""
         groups = self._groups()
         pools = [ThreadPoolExecutor(1, thread_name_prefix=f"pawnb-{g[0]}") for g in groups]
@@ -150,7 +154,7 @@ class ViewSet(Closing):
                 while len(waiting) < READ_AHEAD and (following := next(todo, None)) is not None:
                     jobs = zip(pools, groups, strict=True)
                     waiting.append(
-                        (following, [p.submit(self._read, g, following) for p, g in jobs])
+                        (following, [p.submit(self._read, g, following, partly) for p, g in jobs])
                     )
                 index, futures = waiting.popleft()
                 found: dict[str, Frame] = {}
@@ -169,9 +173,9 @@ class ViewSet(Closing):
             groups.setdefault((id(reader.source), self._offsets[name]), []).append(name)
         return list(groups.values())
 
-    def _read(self, group: Sequence[str], index: int) -> dict[str, Frame]:
+    def _read(self, group: Sequence[str], index: int, partly: bool = False) -> dict[str, Frame]:
         """Decode one file's picture once and return the frame of each of its views."""
-        picture = self.readers[group[0]].grab(index + self._offsets[group[0]])
+        picture = self.readers[group[0]].grab(index + self._offsets[group[0]], partly=partly)
         return {name: self.readers[name].frame_of(picture, index) for name in group}
 
     def _check(self, index: int) -> None:

@@ -152,7 +152,7 @@ def test_views_of_one_file_are_decoded_once(clips, monkeypatch):
     grabbed = []
     original = VideoFile.grab
     monkeypatch.setattr(
-        VideoFile, "grab", lambda self, k: (grabbed.append(k), original(self, k))[1]
+        VideoFile, "grab", lambda self, k, **how: (grabbed.append(k), original(self, k, **how))[1]
     )
     left = View(name="left", video="cam1.avi", crop=(0, 0, 80, 64))
     right = View(name="right", video="cam1.avi", crop=(80, 0, 160, 64), mirror=True)

@@ -54,8 +54,10 @@ class Views(Protocol):
         """Return frame i of every view."""
         ...
 
-    def frames(self, start: int, stop: int) -> Iterator[tuple[int, Mapping[str, Picture]]]:
-        """Go through frames start to stop (exclusive) of every view."""
+    def frames(
+        self, start: int, stop: int, *, partly: bool = False
+    ) -> Iterator[tuple[int, Mapping[str, Picture]]]:
+        """Go through frames start to stop (exclusive) of every view; ``partly``: small parts."""
         ...
 
 

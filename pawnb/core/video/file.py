@@ -20,9 +20,10 @@ from pathlib import Path
 import av
 import numpy as np
 
-from pawnb.core.colour import Picture
+from pawnb.core.colour import PartPicture, Picture
 from pawnb.core.packets import Packet, PacketIndex, begins_anew
 from pawnb.core.planes import picture_of_frame
+from pawnb.core.video.parts import PartReader
 from pawnb.errors import VideoError, did_you_mean
 
 _BLOCK_BYTES = 64 * 2**20
@@ -69,7 +70,9 @@ class VideoFile:
         self._lock = threading.RLock()
         self._is_open = True
         self._container, self._stream = self._open()
-        self._decoded: Iterator[tuple[int, av.VideoFrame | None]] = iter(())
+        self._decoded: Iterator[tuple[int, av.VideoFrame | PartPicture | None]] = iter(())
+        self._partly = False
+        self._parts = PartReader() if self._stream.codec_context.name == "mjpeg" else None
         self._kept: OrderedDict[int, Picture] = OrderedDict()
         try:
             self._index = self._list_packets()
@@ -87,13 +90,16 @@ class VideoFile:
             self.close()
             raise
 
-    def grab(self, index: int) -> Picture:
+    def grab(self, index: int, *, partly: bool = False) -> Picture:
         """Return the picture of that number.
 
         Parameters
         ----------
         index : int
             Frame number, 0 for the first that the file shows.
+        partly : bool
+            Whether only small parts of it will be looked at: Motion JPEG is then read
+            through, and decoded where it is looked at. What they hold is the same.
 
         Returns
         -------
@@ -110,6 +116,7 @@ class VideoFile:
                 raise VideoError(f"{self.name} is closed; open it again to read frame {index}.")
             if index in self._kept:
                 return self._kept[index]
+            self._partly = partly
             restart, first = self._index.restart_for(index)
             sought = self._at is None or not first - 1 <= self._at < index
             if sought:
@@ -262,7 +269,7 @@ class VideoFile:
 
     def _decode(
         self, packets: Iterator[tuple[int, av.Packet | None]], first: int
-    ) -> Iterator[tuple[int, av.VideoFrame | None]]:
+    ) -> Iterator[tuple[int, av.VideoFrame | PartPicture | None]]:
         """Yield pictures in the order of display from ``first`` on; None where damaged.
 
         A picture may rest on one that was decoded before it and is shown after it. So each
@@ -276,6 +283,12 @@ class VideoFile:
         for at, packet in packets:
             if packet is not None and index.is_shown(at, first):
                 inside.add(at)
+            part = self._part(packet)
+            if part is not None and index.numbers is not None:
+                inside.discard(at)
+                if index.numbers[at] >= first:
+                    yield int(index.numbers[at]), part
+                continue
             try:
                 frames = self._stream.codec_context.decode(packet)
             except av.FFmpegError:
@@ -301,14 +314,20 @@ class VideoFile:
                 number, came_from, frame = held.popleft()
                 yield number, None if came_from in spoilt else frame
 
-    def _picture(self, frame: av.VideoFrame, number: int) -> Picture:
+    def _part(self, packet: av.Packet | None) -> PartPicture | None:
+        """Return the picture of a packet that need not be decoded now, if there is one."""
+        if packet is None or self._parts is None or not self._partly:
+            return None
+        return self._parts.read(packet, self._stream.codec_context)
+
+    def _picture(self, frame: av.VideoFrame | PartPicture, number: int) -> Picture:
         """Return the decoded planes in the shape that fits their format."""
         if (frame.width, frame.height) != (self.width, self.height):
             raise VideoError(
                 f"{self.name}: frame {number} is {frame.width} x {frame.height} px, but the video "
                 f"is {self.width} x {self.height}; all frames must be of one size."
             )
-        return picture_of_frame(frame)
+        return frame if isinstance(frame, PartPicture) else picture_of_frame(frame)
 
 
 def _no_such_video(path: Path) -> str:

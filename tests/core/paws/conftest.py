@@ -63,7 +63,7 @@ class DiscScene:
     def frame(self, i):
         return {name: Picture(self._draw(i, v)) for v, name in enumerate(self.names)}
 
-    def frames(self, start, stop, *, step=1):
+    def frames(self, start, stop, *, step=1, partly=False):
         for i in range(start, stop, step):
             self.asked.append(i)
             yield i, self.frame(i)

@@ -185,7 +185,7 @@ def _shown(
     watch: Callable[[int, Mapping[str, Picture]], None] | None,
 ) -> Iterator[Mapping[str, Picture]]:
     """Go through frames, each shown to whoever watches."""
-    for i, pictures in views.frames(*frames):
+    for i, pictures in views.frames(*frames, partly=True):
         if watch is not None:
             watch(i, pictures)
         yield pictures

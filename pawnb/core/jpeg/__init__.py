@@ -1,0 +1,1 @@
+"""Baseline JPEG pictures, of which any part can be decoded by itself."""
