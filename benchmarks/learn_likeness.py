@@ -21,10 +21,11 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
+import log_odds
 import numpy as np
 import pandas as pd
 from scipy.stats import rankdata
-from whole_accuracy import add_scene_arguments, trials
+from whole_accuracy import add_scene_arguments, scene_seed, trials
 
 from pawnb.core.paws import Task
 from pawnb.core.paws.layout import make_layout, read_start
@@ -69,11 +70,8 @@ def main() -> None:
         paths = list(trials(arguments, arguments.render or Path(folder)))
         samples = [one for one in map(sample, map(load_trial, paths)) if one is not None]
     report(samples)
-    print("\nCURVES = {")
-    for name, values in learn(samples).items():
-        knots = ", ".join(f"{knot:g}" for knot in CURVES[name][0])
-        print(f'    "{name}": (({knots}),\n        ({", ".join(f"{v:.1f}" for v in values)})),')
-    print("}")
+    print(f"\nlearnt from {len(samples)} scenes:")
+    log_odds.print_curves(learn(samples), CURVES, decimals=1)
 
 
 def sample(trial: Trial) -> Sample | None:
@@ -121,34 +119,20 @@ def sample(trial: Trial) -> Sample | None:
     )  # fmt: skip
 
 
-def design(measured: dict[str, np.ndarray]) -> np.ndarray:
-    """Return what each knot weighs for each candidate."""
-    parts = []
-    for name, (knots, _) in CURVES.items():
-        hats = np.eye(len(knots))
-        parts += [np.interp(measured[name], knots, hat) for hat in hats]
-    return np.column_stack(parts)
-
-
 def learn(samples: list[Sample]) -> dict[str, np.ndarray]:
-    """Fit the curves: Newton's method for the logistic regression with a ridge."""
-    X = np.concatenate([design(one.measured) for one in samples])
+    """Fit the curves."""
+    X = np.concatenate([log_odds.design(one.measured, CURVES) for one in samples])
     y = np.concatenate([one.is_paw for one in samples]).astype(float)
     weight = np.concatenate([np.full(len(s.is_paw), 1000.0 / len(s.is_paw)) for s in samples])
-    b = np.zeros(X.shape[1])
-    for _ in range(12):
-        p = 1.0 / (1.0 + np.exp(-(X @ b)))
-        H = (X * (weight * p * (1.0 - p))[:, None]).T @ X + RIDGE * np.eye(len(b))
-        b = b + np.linalg.solve(H, X.T @ (weight * (y - p)) - RIDGE * b)
-    ends = np.cumsum([len(knots) for knots, _ in CURVES.values()])[:-1]
-    return dict(zip(CURVES, np.split(b, ends), strict=True))
+    values = log_odds.fit(X, y, weight, ridge=RIDGE * np.eye(X.shape[1]))
+    return log_odds.split(values, CURVES)
 
 
 def report(samples: list[Sample]) -> None:
     """Print how well each scene's paws are told by curves from scenes of other seeds."""
     print("scene                     candidates   plain rule   curves   both")
     for one in samples:
-        rest = [other for other in samples if seed(other) != seed(one)]
+        rest = [other for other in samples if scene_seed(other.name) != scene_seed(one.name)]
         if not rest:
             continue
         curves = learn(rest)
@@ -156,12 +140,6 @@ def report(samples: list[Sample]) -> None:
         both = one.plain / (1.0 + np.exp(-odds))
         areas = [area(one.is_paw, value) for value in (one.plain, odds, both)]
         print(f"{one.name:25s} {len(one.is_paw):10d} " + "".join(f"{a:10.3f}" for a in areas))
-
-
-def seed(one: Sample) -> str:
-    """Return the seed of a rendered scene by its folder's name, else the whole name."""
-    parts = one.name.split("-")
-    return parts[1] if len(parts) > 1 else one.name
 
 
 def area(is_paw: np.ndarray, value: np.ndarray) -> float:

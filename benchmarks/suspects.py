@@ -8,7 +8,9 @@ recording. An error counts as found if one of these frames lies within its run o
 frames before or after it, whichever point was doubted there. The list may be shorter than 5 %.
 Beside the suspects stand frames drawn at random, and the most that any choice of as many frames
 could find (each time the frame with the most errors not found yet), which is the limit
-where a trial has more errors than frames may be looked at.
+where a trial has more errors than frames may be looked at. *Together* is what is found when
+the frames of all trials make one list, by their scores: a recording with many errors is then
+looked at more often than one with few.
 
     python benchmarks/suspects.py [TRIAL ...] [--method NAME] [--frames N] [--scale S] [--seeds K]
 """
@@ -18,21 +20,23 @@ from __future__ import annotations
 import argparse
 import tempfile
 from collections.abc import Collection, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
 from pawnb.core.rig import load_rig
+from pawnb.core.suspect_rates import AROUND_FRAMES
 from pawnb.core.suspects import find_suspects
 from pawnb.core.video import open_views
+from pawnb.schema import Tracks
 from pawnb.synthetic import render_mouse_trial
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.evaluation import THRESHOLD_PX, count_errors
 from pawnb.workflow.track import track
 
 SHARES = (0.02, 0.05)
-AROUND_FRAMES = 5
 DRAWS = 50
 REFERENCE_WIDTH_PX = 2048
 COLUMNS = ("errors", "found", "major", "major_found", "random", "limit")
@@ -48,15 +52,18 @@ def main() -> None:
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         trials = options.trials or render(Path(folder), options)
-        measured = pd.concat([measure(load_trial(path), options.method) for path in trials])
+        lists = [listed(load_trial(path), options.method) for path in trials]
+    measured = pd.concat([measure(one) for one in lists])
     total = measured.groupby("looked_at")[list(COLUMNS)].sum()
     for share, row in total.iterrows():
+        together, major = found_together(lists, float(share))
         print(
             f"all trials, {share:.0%} of frames: {row.found:.0f} of {row.errors:.0f} errors found "
             f"({percent(row.found, row.errors)}), major {row.major_found:.0f} of {row.major:.0f} "
             f"({percent(row.major_found, row.major)}); at random "
             f"{percent(row.random, row.errors)}, the most that can be found "
-            f"{percent(row.limit, row.errors)}"
+            f"{percent(row.limit, row.errors)}; together {together} "
+            f"({percent(together, row.errors)}), major {major}"
         )
 
 
@@ -75,29 +82,60 @@ def render(folder: Path, options: argparse.Namespace) -> Iterator[Path]:
             )  # fmt: skip
 
 
-def measure(trial: Trial, method: str) -> pd.DataFrame:
-    """Track one trial and count its errors, all and found, for each share of frames."""
+@dataclass(frozen=True)
+class Listed:
+    """A tracked trial: its frames, its errors, and the suspects, one row a listed frame."""
+
+    name: str
+    frames: np.ndarray
+    errors: pd.DataFrame
+    suspects: pd.DataFrame
+
+
+def listed(trial: Trial, method: str) -> Listed:
+    """Track one trial, count its errors, and list its suspects."""
+    tracks = track(trial, method=method, progress=lambda *_: None)
+    suspects = find_suspects(tracks, rig=load_rig(trial)).drop_duplicates("frame")
+    return Listed(trial.name, tracks["frame"].to_numpy(), count(trial, tracks), suspects)
+
+
+def count(trial: Trial, tracks: Tracks) -> pd.DataFrame:
+    """List the errors of tracks by the trial's truth."""
     truth = pd.read_csv(trial.folder / "truth" / "tracks.csv")
     with open_views(trial) as views:
-        width = views.readers[views.names[0]].width
-    tracks = track(trial, method=method, progress=lambda *_: None)
-    errors = count_errors(
+        width = max(reader.width for reader in views.readers.values())
+    return count_errors(
         tracks, truth, threshold_px=THRESHOLD_PX * width / REFERENCE_WIDTH_PX,
         points_by_view={view.name: view.points for view in trial.views},
     ).errors  # fmt: skip
-    suspects = find_suspects(tracks, rig=load_rig(trial))
-    order = list(dict.fromkeys(suspects["frame"]))
-    frames = tracks["frame"].to_numpy()
+
+
+def measure(one: Listed) -> pd.DataFrame:
+    """Count errors, all and found, for each share of frames."""
+    order, frames, errors = one.suspects["frame"].tolist(), one.frames, one.errors
     major = errors[errors["kind"] == "major"]
     rng = np.random.default_rng(0)
     rows = []
     for share in SHARES:
         k = max(1, round(share * len(frames)))
         drawn = [found(rng.choice(frames, k, replace=False), errors) for _ in range(DRAWS)]
-        rows.append((trial.name, share, len(errors), found(order[:k], errors), len(major),
+        rows.append((one.name, share, len(errors), found(order[:k], errors), len(major),
                      found(order[:k], major), np.mean(drawn), most(frames, errors, k)))  # fmt: skip
         print(dict(zip(("trial", "looked_at", *COLUMNS), rows[-1], strict=True)), flush=True)
     return pd.DataFrame(rows, columns=["trial", "looked_at", *COLUMNS])
+
+
+def found_together(lists: list[Listed], share: float) -> tuple[int, int]:
+    """Return how many errors, and major ones, the highest scores of all trials find."""
+    k = max(1, round(share * sum(len(one.frames) for one in lists)))
+    rows = pd.concat([one.suspects.assign(trial=i) for i, one in enumerate(lists)])
+    looks = rows.sort_values("score", ascending=False, kind="stable").head(k)
+    total = total_major = 0
+    for i, one in enumerate(lists):
+        frames = looks.loc[looks["trial"] == i, "frame"].tolist()
+        total += found(frames, one.errors)
+        total_major += found(frames, one.errors[one.errors["kind"] == "major"])
+    return total, total_major
 
 
 def found(frames: Collection[int], errors: pd.DataFrame) -> int:

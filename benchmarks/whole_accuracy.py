@@ -22,6 +22,7 @@ the record included, and of one correction.
 from __future__ import annotations
 
 import argparse
+import re
 import tempfile
 import time
 from collections.abc import Iterator
@@ -91,6 +92,12 @@ def trials(arguments: argparse.Namespace, folder: Path) -> Iterator[Path]:
                         place, frames=arguments.frames, scale=scale, seed=seed,
                         difficulty=difficulty, settings=changes,
                     )  # fmt: skip
+
+
+def scene_seed(name: str) -> str:
+    """Return the seed of a rendered scene by its folder's name: what scenes share by chance."""
+    number = re.search(r"\d+", name)
+    return name if number is None else str(int(number[0]))
 
 
 def variation(seed: int) -> dict[str, Any]:

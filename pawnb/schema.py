@@ -85,6 +85,7 @@ _DIMS: dict[str, tuple[str, ...]] = {
     "origin": _KEYPOINT_DIMS,
     "residual": _KEYPOINT_DIMS,
     "sd": ("time", "space", "keypoint", "individual"),
+    "revision": _KEYPOINT_DIMS,
     "image_position": ("time", "view", "image_space", "keypoint", "individual"),
     "image_confidence": ("time", "view", "keypoint", "individual"),
     "image_origin": ("time", "view", "keypoint", "individual"),

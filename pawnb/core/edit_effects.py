@@ -260,9 +260,11 @@ class _Solver:
             there, np.where(used, confidence, 0).sum(axis=-1) / count, 0.0
         )
         t["origin"].values[at[0], at[1], 0] = np.where(there, _best(origin, used), MISSING)
+        # the tracker's doubts do not describe what a person placed
         if "sd" in t:
-            # the tracker's uncertainty does not describe what a person placed
             t["sd"].values[at[0], :, at[1], 0] = np.nan
+        if "revision" in t:
+            t["revision"].values[at[0], at[1], 0] = np.nan
         self._refresh_reprojected(rows, points, xyz, origin)
 
     def _first_view(

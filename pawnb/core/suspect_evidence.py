@@ -26,7 +26,8 @@ _USUAL_PERCENT = 90.0
 _STEADY_S = 0.1
 """Time over which confidence is steady, and a paw of a runner is on the ground once: 0.1 s."""
 
-_PAW_SHARE = 0.25
+PAW_SHARE = 0.25
+"""Size of a paw, in the usual distance between two points."""
 _LONG_FRAMES = 4.0
 """A point that was only predicted is doubted more with every so many frames in a row."""
 
@@ -89,7 +90,7 @@ def collect_evidence(
         found.append(_out_of_place(xyz @ across, uv, span=span, unit=tracks.attrs["units"]))
         found.append(_off_the_ground(xyz @ np.asarray(up), uv, span))
     if other is not None:
-        found.append(passes_disagree(tracks, other, uv))
+        found.append(passes_disagree(tracks, other))
     return found
 
 
@@ -236,7 +237,7 @@ def find_nearest(uv: np.ndarray, paw_px: float | None) -> tuple[np.ndarray, np.n
         away[:, np.arange(n_points), np.arange(n_points)] = np.nan
         if not np.isfinite(away).any():
             continue
-        size[v] = paw_px or _PAW_SHARE * float(np.nanmedian(away))
+        size[v] = paw_px or PAW_SHARE * float(np.nanmedian(away))
         filled = np.where(np.isnan(away), np.inf, away)
         near[:, v], who[:, v] = filled.min(axis=-1), filled.argmin(axis=-1)
     return near, who, size
@@ -319,15 +320,41 @@ def in_views(score: np.ndarray, uv: np.ndarray) -> np.ndarray:
     return np.where(np.isfinite(uv[..., 0]), score[:, None, :], 0.0)
 
 
-def passes_disagree(tracks: Tracks, other: Tracks, uv: np.ndarray) -> Evidence:
+def passes_disagree(tracks: Tracks, other: Tracks) -> Evidence:
     """Doubt labels far from where another pass through the recording put them.
 
     Parameters
     ----------
     tracks, other : xarray.Dataset
         Both passes.
-    uv : ndarray, shape (n, V, P, 2)
-        Image positions of the first.
+
+    Raises
+    ------
+    InputError
+        If both share no view and point.
+    """
+    away = distance_between(tracks, other)
+    usual, spread = _robust_level(away)
+    score = _doubt(away, usual, max(spread, 1.0) if np.isfinite(spread) else spread)
+
+    def words(key: tuple[int, int, int]) -> str:
+        return f"two passes through the recording disagree by {away[key]:.0f} px"
+
+    return Evidence(score, words)
+
+
+def distance_between(tracks: Tracks, other: Tracks) -> np.ndarray:
+    """Return how far apart (n, V, P), px, two passes through a recording put each label.
+
+    Parameters
+    ----------
+    tracks, other : xarray.Dataset
+        Both passes.
+
+    Returns
+    -------
+    ndarray
+        For the frames, views and points of ``tracks``; NaN where either has no label.
 
     Raises
     ------
@@ -353,11 +380,4 @@ def passes_disagree(tracks: Tracks, other: Tracks, uv: np.ndarray) -> Evidence:
         .transpose("frame", "view", "keypoint", "image_space")
         .to_numpy()
     )
-    away = np.linalg.norm(there - uv, axis=-1)
-    usual, spread = _robust_level(away)
-    score = _doubt(away, usual, max(spread, 1.0) if np.isfinite(spread) else spread)
-
-    def words(key: tuple[int, int, int]) -> str:
-        return f"two passes through the recording disagree by {away[key]:.0f} px"
-
-    return Evidence(score, words)
+    return np.asarray(np.linalg.norm(there - image_positions(tracks), axis=-1))

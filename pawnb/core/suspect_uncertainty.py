@@ -1,17 +1,20 @@
 """What speaks against the tracks of a tracker that decides over the whole recording.
 
 Such tracks are smooth and their views agree, also where they are wrong: jumps and residuals tell
-little. They carry their uncertainty (``sd``) instead, and what they say of themselves tells more:
-points that are hardly recognised for a while, are only vaguely known, or are not where they
-are at the same moment of other strides. Every kind of evidence counts by how much it is
-above its own median; a point that no view shows counts less, as nobody can put it right there,
-and so does one that moves fast: a paw in swing is out of sight and vague by right, while one that
-stands, or is about to lift off, can be seen and is often taken wrong.
+little. They carry their uncertainty (``sd``) instead, and what they say of themselves tells
+more: points that are hardly recognised for a while, that are only vaguely known, that another
+point passes, that are not where they are at the same moment of other strides, or that were
+moved once the stride was known. Most errors are brief and happen where a paw lifts off or
+lands beside another.
+
+Everything is measured in sizes of a paw, shares and paces, so that one set of curves serves
+all recordings (:mod:`pawnb.core.suspect_rates`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
@@ -20,35 +23,39 @@ from pawnb.core.paws.whole.cycle import learn_cycle
 from pawnb.core.paws.whole.habit import follow_body
 from pawnb.core.paws.whole.settings import WholeSettings
 from pawnb.core.rig import Rig
-from pawnb.core.suspect_evidence import (
-    Evidence,
-    find_nearest,
-    image_positions,
-    in_views,
-    level_off,
-    passes_disagree,
-)
+from pawnb.core.suspect_evidence import PAW_SHARE, distance_between, find_nearest, image_positions
 from pawnb.schema import ORIGIN_CODE, Tracks
 
-_WHILE = 5
-"""Frames over which confidence and residuals are averaged."""
-_CONFIDENCE = 4.0
-"""Evidence against a point that is not recognised at all."""
-_CROSSING = 0.3
-_OFF_CYCLE = 2.0
-"""Standard deviations from the usual place that count one."""
-_NEAR = 0.4
-"""Points cross within about this share of the size of a paw."""
-_UNSEEN = 0.6
-"""Share of the doubt that is left where no view shows the point."""
-_MOVING = 0.5
-"""Doubts are divided by 1 plus this at the speed that a tenth of all labels reach."""
+_WHILE_S = 0.035
+"""Time over which confidence is averaged: a third of a mouse's shortest stride."""
+_SOON_S = 0.02
+"""So long before and after is looked at whether a point stands or swings."""
 _FASTEST = 1.5
-"""Speeds beyond this many times that one count no more."""
-_ORDINARY_PERCENT = 80.0
-"""In so many frames doubts are ordinary."""
+"""Speeds beyond this many times that of the fast tenth count no more."""
+_SIZE_SD = 12.0
+"""Usual standard deviations of a place in the size of a paw, where there is one point only."""
 _VAGUE = 4.0
 """Tracks this many times vaguer than usual count half where the stride is learnt."""
+
+
+@dataclass(frozen=True)
+class Doubt:
+    """One reason to doubt points.
+
+    Parameters
+    ----------
+    measures : mapping
+        What was measured, (n, P) each, by the names of the curves that weigh it; NaN where
+        it is not known.
+    words : callable
+        ``words(row, point)`` says it.
+    is_circumstance : bool
+        Whether it says when errors happen rather than what is wrong.
+    """
+
+    measures: Mapping[str, np.ndarray]
+    words: Callable[[int, int], str]
+    is_circumstance: bool = False
 
 
 def states_uncertainty(tracks: Tracks) -> bool:
@@ -56,10 +63,10 @@ def states_uncertainty(tracks: Tracks) -> bool:
     return "sd" in tracks and bool(np.isfinite(tracks["sd"].to_numpy()).any())
 
 
-def collect_uncertainty(
+def collect_doubts(
     tracks: Tracks, *, rig: Rig | None, other: Tracks | None, paw_px: float | None
-) -> list[Evidence]:
-    """Measure every kind of evidence against tracks that state their uncertainty.
+) -> list[Doubt]:
+    """Measure every reason to doubt tracks that state their uncertainty.
 
     Parameters
     ----------
@@ -74,7 +81,7 @@ def collect_uncertainty(
 
     Returns
     -------
-    list of Evidence
+    list of Doubt
         In a fixed order.
 
     Raises
@@ -83,135 +90,133 @@ def collect_uncertainty(
         If ``other`` shares no view and point with the tracks.
     """
     uv = image_positions(tracks)
-    found = [_hardly_recognised(tracks, uv), _views_disagree(tracks, uv), _vague(tracks, uv)]
-    away, off = off_cycle(tracks, rig)
-    unit = tracks.attrs["units"]
+    size = paw_size(tracks)
+    near, who, size_px = find_nearest(uv, paw_px)
+    return [
+        _hardly_recognised(tracks),
+        _vague(tracks, size),
+        _decided_otherwise(tracks, size),
+        *([] if other is None else [_passes_disagree(tracks, other, size_px)]),
+        _off_cycle(tracks, rig),
+        _crossing(near / size_px[:, None], near, who, tracks["keypoint"].to_numpy().tolist()),
+        _starting_and_stopping(tracks),
+    ]
 
-    def words(key: tuple[int, int, int]) -> str:
-        return f"it is {off[key[0], key[2]]:.1f} {unit} from where it is in other strides"
 
-    found.append(_above_usual(level_off(away / _OFF_CYCLE), uv, words))
-    found.append(_crossing(uv, tracks["keypoint"].to_numpy().tolist(), paw_px))
-    if other is not None:
-        found.append(passes_disagree(tracks, other, uv))
-    return found
+def paw_size(tracks: Tracks) -> float:
+    """Return about the size of a paw: a quarter of the usual distance between two points.
 
-
-def add_up(tracks: Tracks, evidence: list[Evidence]) -> np.ndarray:
-    """Return the doubts (n, V, P) about all labels; 0 for the ordinary ones.
+    A single point has none; then it is as large as is usual for the standard deviation.
 
     Parameters
     ----------
     tracks : xarray.Dataset
-        Tracks with image positions.
-    evidence : list of Evidence
-        What :func:`collect_uncertainty` found.
+        Tracks.
+
+    Returns
+    -------
+    float
+        In the unit of space; NaN where nothing is known.
     """
-    total = np.asarray(np.sum([item.score for item in evidence], axis=0))
-    unseen = ~_recognised(tracks).any(axis=1, keepdims=True)
-    total *= np.where(unseen, _UNSEEN, 1.0) / (1.0 + _MOVING * _pace(tracks))[:, None]
-    known = np.isfinite(image_positions(tracks)[..., 0]).any(axis=1)
-    if not known.any():
-        return np.zeros(total.shape)
-    middle, usual = np.percentile(total.max(axis=1)[known], (50.0, _ORDINARY_PERCENT))
-    total = np.maximum(total - usual, 0.0) / max(float(usual - middle), 0.1)
-    # who has placed a point in one view has seen to all of it
-    by_hand = tracks["image_origin"].isel(individual=0).to_numpy() == ORIGIN_CODE["edited"]
-    total *= ~by_hand.any(axis=1, keepdims=True)
-    # in which view it shows best: where the point is seen, and least like itself
-    sure = tracks["image_confidence"].isel(individual=0).to_numpy()
-    return total * np.where(_recognised(tracks), 1.0 - 1e-3 * sure, 1.0 - 2e-3)
+    x = _positions(tracks)
+    away = np.linalg.norm(x[:, :, None] - x[:, None], axis=-1)
+    pairs = away[:, *np.triu_indices(x.shape[1], 1)]
+    known = pairs[np.isfinite(pairs) & (pairs > 0)]
+    if len(known):
+        return PAW_SHARE * float(np.median(known))
+    return _SIZE_SD * _usual(_uncertainty(tracks))
 
 
-def _pace(tracks: Tracks) -> np.ndarray:
-    """Return how fast points (n, P) move from the ground, 1 where a tenth are faster."""
-    x = np.moveaxis(tracks["position"].isel(individual=0).to_numpy(), 1, -1)
-    frames = tracks["frame"].to_numpy().astype(float)
-    if len(frames) < 2:
-        return np.zeros(x.shape[:2])
-    velocity = np.gradient(x, frames, axis=0)
-    known = np.isfinite(velocity).all(axis=-1)
-    if not known.any():
-        return np.zeros(x.shape[:2])
-    # standing paws go with the ground, and most paws stand
-    speed = np.linalg.norm(velocity - np.median(velocity[known], axis=0), axis=-1)
-    fast = float(np.percentile(speed[known], 90.0))
-    if not fast > 0:
-        return np.zeros(x.shape[:2])
-    return np.minimum(np.where(known, speed, 0.0) / fast, _FASTEST)
+def _usual(values: np.ndarray) -> float:
+    """Return the median of what is known."""
+    known = values[np.isfinite(values)]
+    return float(np.median(known)) if len(known) else np.nan
 
 
-def _recognised(tracks: Tracks) -> np.ndarray:
+def recognised(tracks: Tracks) -> np.ndarray:
     """Return which labels (n, V, P) were found in the picture, or placed by hand."""
     origin = tracks["image_origin"].isel(individual=0).to_numpy()
     return np.asarray((origin == ORIGIN_CODE["measured"]) | (origin == ORIGIN_CODE["edited"]))
 
 
-def _above_usual(
-    values: np.ndarray, uv: np.ndarray, words: Callable[[tuple[int, int, int]], str]
-) -> Evidence:
-    """Make evidence of values (n, P): what they have above their median."""
-    known = values[np.isfinite(values)]
-    usual = float(np.median(known)) if len(known) else 0.0
-    return Evidence(in_views(np.nan_to_num(np.maximum(values - usual, 0.0)), uv), words)
-
-
-def _relative(values: np.ndarray) -> tuple[np.ndarray, float]:
-    """Return the logarithm of 1 + values in units of their median, and the median."""
-    known = values[np.isfinite(values) & (values > 0)]
-    usual = float(np.median(known)) if len(known) else 1.0
-    return np.log1p(np.nan_to_num(values) / usual), usual
-
-
-def _hardly_recognised(tracks: Tracks, uv: np.ndarray) -> Evidence:
-    """Doubt points of which no view is sure for a while."""
-    seen = _recognised(tracks)
-    count = seen.sum(axis=1)
-    confidence = tracks["image_confidence"].isel(individual=0).to_numpy()
-    confidence = np.where(seen, confidence, 0.0).sum(axis=1) / np.maximum(count, 1)
-    # a point that is out of sight is neither right nor wrong
-    unsure = np.where(count > 0, 1.0 - confidence, 0.5)
-    lasting = uniform_filter1d(unsure, _WHILE, axis=0, mode="nearest")
-
-    def words(key: tuple[int, int, int]) -> str:
-        t, _, p = key
-        if count[t, p] == 0:
-            return "no view shows it and it is only predicted"
-        return f"it is hardly recognised here (confidence {1.0 - lasting[t, p]:.2f})"
-
-    return _above_usual(_CONFIDENCE * lasting, uv, words)
-
-
-def _views_disagree(tracks: Tracks, uv: np.ndarray) -> Evidence:
-    """Doubt points whose views disagree for a while."""
-    residual = np.nan_to_num(tracks["residual"].isel(individual=0).to_numpy())
-    lasting = uniform_filter1d(residual, _WHILE, axis=0, mode="nearest")
-    score, usual = _relative(lasting)
-
-    def words(key: tuple[int, int, int]) -> str:
-        here = lasting[key[0], key[2]]
-        return f"the views disagree for a while (by {here:.1f} px, usually {usual:.1f})"
-
-    return _above_usual(score, uv, words)
-
-
-def _vague(tracks: Tracks, uv: np.ndarray) -> Evidence:
-    """Doubt points that are only vaguely known."""
-    sd = _uncertainty(tracks)
-    score, usual = _relative(sd)
-    unit = tracks.attrs["units"]
-
-    def words(key: tuple[int, int, int]) -> str:
-        here = sd[key[0], key[2]]
-        return f"its place is only known to {here:.1f} {unit} (usually {usual:.1f})"
-
-    return _above_usual(score, uv, words)
+def _positions(tracks: Tracks) -> np.ndarray:
+    """Return positions (n, P, d) of the first individual."""
+    return np.moveaxis(tracks["position"].isel(individual=0).to_numpy(), 1, -1)
 
 
 def _uncertainty(tracks: Tracks) -> np.ndarray:
     """Return the standard deviations (n, P) of positions, over all directions together."""
     sd = tracks["sd"].isel(individual=0).to_numpy()
     return np.asarray(np.sqrt(np.square(sd).sum(axis=1)))
+
+
+def _hardly_recognised(tracks: Tracks) -> Doubt:
+    """Doubt points of which no view is sure for a while."""
+    seen = recognised(tracks)
+    count = seen.sum(axis=1)
+    confidence = tracks["image_confidence"].isel(individual=0).to_numpy()
+    confidence = np.where(seen, confidence, 0.0).sum(axis=1) / np.maximum(count, 1)
+    # a point that is out of sight is neither right nor wrong
+    unsure = np.where(count > 0, 1.0 - confidence, 0.5)
+    frames = max(1, round(_WHILE_S * float(tracks.attrs["fps"])))
+    lasting = uniform_filter1d(unsure, frames, axis=0, mode="nearest")
+
+    def words(t: int, p: int) -> str:
+        if count[t, p] == 0:
+            return "no view shows it and it is only predicted"
+        return f"it is hardly recognised here (confidence {1.0 - lasting[t, p]:.2f})"
+
+    return Doubt({"unrecognised": lasting}, words)
+
+
+def _vague(tracks: Tracks, size: float) -> Doubt:
+    """Doubt points that are only vaguely known."""
+    sd = _uncertainty(tracks)
+    usual, unit = _usual(sd), tracks.attrs["units"]
+
+    def words(t: int, p: int) -> str:
+        return f"its place is only known to {sd[t, p]:.1f} {unit} (usually {usual:.1f})"
+
+    with np.errstate(divide="ignore"):
+        return Doubt({"vague": np.log(sd / size)}, words)
+
+
+def _decided_otherwise(tracks: Tracks, size: float) -> Doubt:
+    """Doubt points that the tracker moved when it knew the stride."""
+    moved = np.full(tracks["confidence"].isel(individual=0).shape, np.nan)
+    if "revision" in tracks:
+        moved = tracks["revision"].isel(individual=0).to_numpy()
+    unit = tracks.attrs["units"]
+
+    def words(t: int, p: int) -> str:
+        return f"without the usual stride it would be {moved[t, p]:.1f} {unit} away"
+
+    return Doubt({"revision": moved / size}, words)
+
+
+def _passes_disagree(tracks: Tracks, other: Tracks, size_px: np.ndarray) -> Doubt:
+    """Doubt points that another pass through the recording put elsewhere: as a revision."""
+    away = distance_between(tracks, other)
+    share = away / size_px[:, None]
+    known = np.isfinite(share).any(axis=1)
+    worst = np.where(known, np.nan_to_num(share, nan=-1.0).argmax(axis=1), 0)
+    most = np.take_along_axis(share, worst[:, None], axis=1)[:, 0]
+
+    def words(t: int, p: int) -> str:
+        return f"two passes through the recording disagree by {away[t, worst[t, p], p]:.0f} px"
+
+    return Doubt({"revision": most}, words)
+
+
+def _off_cycle(tracks: Tracks, rig: Rig | None) -> Doubt:
+    """Doubt points that are not where they usually are at that moment."""
+    away, off = off_cycle(tracks, rig)
+    unit = tracks.attrs["units"]
+
+    def words(t: int, p: int) -> str:
+        return f"it is {off[t, p]:.1f} {unit} from where it is in other strides"
+
+    return Doubt({"off_cycle": away}, words)
 
 
 def off_cycle(tracks: Tracks, rig: Rig | None) -> tuple[np.ndarray, np.ndarray]:
@@ -232,7 +237,7 @@ def off_cycle(tracks: Tracks, rig: Rig | None) -> tuple[np.ndarray, np.ndarray]:
     ndarray, shape (n, P)
         The same in the unit of space.
     """
-    x = np.moveaxis(tracks["position"].isel(individual=0).to_numpy(), 1, -1)
+    x = _positions(tracks)
     n, n_points, d = x.shape
     away = np.full((n, n_points), np.nan)
     off = away.copy()
@@ -245,7 +250,7 @@ def off_cycle(tracks: Tracks, rig: Rig | None) -> tuple[np.ndarray, np.ndarray]:
         forward, up = np.asarray(rig.forward, float), np.asarray(rig.up, float)
         axes = np.stack([forward, np.cross(up, forward), up])
     sd = _uncertainty(tracks)[:, often]
-    usual = float(np.nanmedian(sd)) if np.isfinite(sd).any() else 0.0
+    usual = _usual(sd)
     if not usual > 0:
         return away, off
     fps, usually = float(tracks.attrs["fps"]), WholeSettings()
@@ -262,15 +267,49 @@ def off_cycle(tracks: Tracks, rig: Rig | None) -> tuple[np.ndarray, np.ndarray]:
     return away, off
 
 
-def _crossing(uv: np.ndarray, points: list[str], paw_px: float | None) -> Evidence:
+def _crossing(share: np.ndarray, near: np.ndarray, who: np.ndarray, points: list[str]) -> Doubt:
     """Doubt points that are close to another point in some view."""
-    near, who, size = find_nearest(uv, paw_px)
-    share = np.nan_to_num(np.exp(-near / (_NEAR * size)[:, None]), nan=0.0)
-    closest = share.argmax(axis=1)
+    filled = np.where(np.isfinite(share), share, np.inf)
+    closest = filled.argmin(axis=1)
+    least = np.take_along_axis(filled, closest[:, None], axis=1)[:, 0]
 
-    def words(key: tuple[int, int, int]) -> str:
-        t, _, p = key
+    def words(t: int, p: int) -> str:
         v = closest[t, p]
         return f"it is {near[t, v, p]:.0f} px from {points[who[t, v, p]]}: they may be mistaken"
 
-    return _above_usual(_CROSSING * share.max(axis=1), uv, words)
+    return Doubt({"near": np.where(np.isfinite(least), least, np.nan)}, words)
+
+
+def _starting_and_stopping(tracks: Tracks) -> Doubt:
+    """Doubt points that are about to lift off, or have just landed."""
+    pace = _pace(tracks)
+    rows = np.arange(len(pace), dtype=float)
+    soon = _SOON_S * float(tracks.attrs["fps"])
+    before, after = (
+        np.stack([np.interp(rows + step, rows, column) for column in pace.T], axis=1)
+        for step in (-soon, soon)
+    )
+
+    def words(t: int, p: int) -> str:
+        return "it lifts off about here" if after[t, p] > before[t, p] else "it lands about here"
+
+    measures = {"pace_before": before, "pace": pace, "pace_after": after}
+    return Doubt(measures, words, is_circumstance=True)
+
+
+def _pace(tracks: Tracks) -> np.ndarray:
+    """Return how fast points (n, P) move from the ground, 1 where a tenth are faster."""
+    x = _positions(tracks)
+    frames = tracks["frame"].to_numpy().astype(float)
+    if len(frames) < 2:
+        return np.zeros(x.shape[:2])
+    velocity = np.gradient(x, frames, axis=0)
+    known = np.isfinite(velocity).all(axis=-1)
+    if not known.any():
+        return np.zeros(x.shape[:2])
+    # standing paws go with the ground, and most paws stand
+    speed = np.linalg.norm(velocity - np.median(velocity[known], axis=0), axis=-1)
+    fast = float(np.percentile(speed[known], 90.0))
+    if not fast > 0:
+        return np.zeros(x.shape[:2])
+    return np.minimum(np.where(known, speed, 0.0) / fast, _FASTEST)

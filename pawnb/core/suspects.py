@@ -1,20 +1,20 @@
 """Which frames a person should look at, and why: doubts about tracks, most doubtful first.
 
-Nothing is known here of what is true. A label (one point in one view and frame) is
-doubted for several kinds of *evidence*, each measured in units of the trial's own
-level, so that no limit in pixels has to be set: how far its views disagree, how it moves
-compared with how it usually moves, where it is compared with where it usually is, how long
-it was only predicted, whether another point is in the same place, and, where the recording
-was tracked backwards too, how far both passes disagree.
+Nothing is known here of what is true, and what a person has placed is not doubted. Trackers err
+in two ways. Those that decide over the whole recording err briefly, and smoothly; their tracks
+carry their uncertainty (``sd``). What they say of themselves
+(:mod:`pawnb.core.suspect_uncertainty`) is turned into the number of errors to be expected
+(:mod:`pawnb.core.suspect_rates`), and frames are chosen one by one: that where a look is
+expected to find most of what earlier looks have not shown.
 
-Frames are then chosen one by one: the frame with the most doubt over all points comes
-first, and calms the doubts about the frames around it, for whoever looks at one frame
-of a stride sees what is wrong in the rest of it. What a person has placed is not doubted.
-
-Trackers err in two ways. Those that go on from frame to frame lose points for long, and several
-at once; they are judged by how their tracks move and how far their views disagree. Those that
-decide over the whole recording err briefly, and smoothly; their tracks carry their
-uncertainty (``sd``) and are judged by it (:mod:`pawnb.core.suspect_uncertainty`).
+Trackers that go on from frame to frame lose points for long, and several at once. A label (one
+point in one view and frame) is doubted for several kinds of *evidence*, each measured in units
+of the trial's own level, so that no limit in pixels has to be set: how far its views disagree,
+how it moves compared with how it usually moves, where it is compared with where it usually
+is, how long it was only predicted, whether another point is in the same place, and, where the
+recording was tracked backwards too, how far both passes disagree. The frame with the most doubt
+over all points comes first, and calms the doubts about the frames around it, for whoever
+looks at one frame of a stride sees what is wrong in the rest of it.
 """
 
 from __future__ import annotations
@@ -25,8 +25,9 @@ import numpy as np
 import pandas as pd
 
 from pawnb.core.rig import Rig
-from pawnb.core.suspect_evidence import Evidence, collect_evidence
-from pawnb.core.suspect_uncertainty import add_up, collect_uncertainty, states_uncertainty
+from pawnb.core.suspect_evidence import Evidence, collect_evidence, image_positions
+from pawnb.core.suspect_rates import AROUND_FRAMES, choose_looks, error_rates, weigh
+from pawnb.core.suspect_uncertainty import Doubt, collect_doubts, recognised, states_uncertainty
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE, SUSPECTS_COLUMNS, Tracks, check_tracks
 
@@ -35,11 +36,18 @@ _TELLING = 0.5
 
 _APART_FRAMES = 25.0
 """One stride of a fast mouse at 250 frames per second: how long a lost paw is lost."""
-_APART_FRAMES_CERTAIN = 12.0
-"""Half of it: errors of a tracker that states its uncertainty are brief."""
+_LEAST_DEVIATIONS = 1.0
+_LEAST_ERRORS = 0.02
+"""Who looks at fifty frames for one error has found nearly all of them."""
+_LEAST_SHARE = 0.02
+"""This share of frames is listed in any case: a recording may err where no other did."""
 
 _REACH = 8
 """Doubts further away than this many ``apart_frames`` are not calmed (by 0.03 %)."""
+
+
+Row = tuple[int, str, str, str, float]
+"""One row of the list: frame, view, point, reason, score."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,14 +57,16 @@ class SuspectSettings:
     Parameters
     ----------
     apart_frames : float, optional
-        How far apart listed frames should be: doubts about frames nearer than a quarter of
-        this are dropped, others are weakened by exp(-distance / apart_frames). Default: 25,
-        one stride of a fast mouse at 250 frames per second, or 12 for tracks with ``sd``.
+        How far apart listed frames should be. For tracks with ``sd``: what is wrong within half
+        of this is seen from a frame (default 10). For others: doubts about frames nearer
+        than a quarter of this are dropped, others are weakened by exp(-distance /
+        apart_frames) (default 25, one stride of a fast mouse at 250 frames per second).
     paw_px : float, optional
         Size of a paw in px; two points of one view that are nearer than this cross. Default:
         a quarter of the usual distance between two points of that view.
-    least_score : float
-        Frames whose score is below this are left out.
+    least_score : float, optional
+        Frames whose score is below this are left out. Default: 1, or for tracks with
+        ``sd`` 0.02, but then one frame in fifty is listed in any case.
 
     Raises
     ------
@@ -66,7 +76,7 @@ class SuspectSettings:
 
     apart_frames: float | None = None
     paw_px: float | None = None
-    least_score: float = 1.0
+    least_score: float | None = None
 
     def __post_init__(self) -> None:
         """Check the ranges."""
@@ -103,10 +113,11 @@ def find_suspects(
     DataFrame
         frame, view, point, reason (plain words), score; most doubtful first. A listed frame
         has one row for each point that is doubted there, the worst first, in the view
-        where it is doubted most. The score is that of the frame: the doubts about all
-        points added up, in robust standard deviations (for tracks with ``sd``: how much they
-        are above those of four frames in five), less what frames listed before it have
-        calmed.
+        where it is doubted most. The score is that of the frame. For tracks with ``sd`` it is
+        the number of errors that a look at it, and at the five frames before and after, is
+        expected to find besides those that frames listed before it show; scores of
+        several recordings can be compared. For others it is the doubts about all points added
+        up, in robust standard deviations, less what frames listed before have calmed.
 
     Raises
     ------
@@ -119,30 +130,93 @@ def find_suspects(
         raise InputError("these tracks have no image positions; suspects need them.")
     settings = settings or SuspectSettings()
     if states_uncertainty(tracks):
-        evidence = collect_uncertainty(tracks, rig=rig, other=other, paw_px=settings.paw_px)
-        total, apart = add_up(tracks, evidence), _APART_FRAMES_CERTAIN
+        rows = _by_expected_errors(tracks, rig, settings, other)
     else:
-        evidence = collect_evidence(tracks, rig=rig, other=other, paw_px=settings.paw_px)
-        total = np.sqrt(np.sum([np.square(item.score) for item in evidence], axis=0))
-        apart = _APART_FRAMES
+        rows = _by_evidence(tracks, rig, settings, other)
+    return pd.DataFrame(rows, columns=list(SUSPECTS_COLUMNS))
+
+
+def _by_expected_errors(
+    tracks: Tracks, rig: Rig | None, settings: SuspectSettings, other: Tracks | None
+) -> list[Row]:
+    """List the frames of tracks that state their uncertainty."""
     frames = tracks["frame"].to_numpy()
-    views = tracks["view"].to_numpy().tolist()
-    points = tracks["keypoint"].to_numpy().tolist()
-    by_hand = tracks["image_origin"].isel(individual=0).to_numpy() == ORIGIN_CODE["edited"]
-    total[by_hand] = 0.0
+    views, points = (tracks[name].to_numpy().tolist() for name in ("view", "keypoint"))
+    doubts = collect_doubts(tracks, rig=rig, other=other, paw_px=settings.paw_px)
+    # who has placed a point in one view has seen to all of it
+    by_hand = _placed_by_hand(tracks).any(axis=1)
+    known = np.isfinite(image_positions(tracks)[..., 0]).any(axis=1)
+    looks = choose_looks(
+        np.where(known & ~by_hand, error_rates(doubts), 0.0),
+        frames,
+        around=AROUND_FRAMES if settings.apart_frames is None else settings.apart_frames / 2,
+        least=settings.least_score or _LEAST_ERRORS,
+        at_least=0 if settings.least_score else round(_LEAST_SHARE * len(frames)),
+    )
+    weights = np.stack([weigh(doubt) for doubt in doubts])
+    # it shows best where it is seen, and least like itself
+    sure = tracks["image_confidence"].isel(individual=0).to_numpy()
+    showing = np.where(recognised(tracks), 1.0 - np.nan_to_num(sure), -1.0)
+    rows = []
+    for t, score, expected, worst in looks:
+        for p in np.argsort(-expected, kind="stable").tolist():
+            if expected[p] >= _TELLING * expected.max():
+                at = int(worst[p])
+                view = views[int(showing[at, :, p].argmax())]
+                when = _distance_in_words(int(frames[at] - frames[t]))
+                said = when + _heaviest(doubts, weights[:, at, p], at, p)
+                rows.append((int(frames[t]), view, points[p], said, round(score, 3)))
+    return rows
+
+
+def _heaviest(doubts: list[Doubt], weights: np.ndarray, row: int, point: int) -> str:
+    """Return the heaviest reason to doubt a point, and the next if it weighs enough."""
+    # circumstances come first only where nothing else speaks against the point
+    reasons = np.where([doubt.is_circumstance for doubt in doubts], 0.0, weights)
+    first = int(np.argmax(reasons))
+    rest = np.where(np.arange(len(doubts)) == first, -np.inf, weights)
+    second = int(np.argmax(rest))
+    said = [doubts[first].words(row, point)]
+    if weights[second] >= _TELLING * weights[first] > 0:
+        said.append(doubts[second].words(row, point))
+    return "; ".join(said)
+
+
+def _distance_in_words(step: int) -> str:
+    """Say where a doubt lies that is not in the listed frame itself."""
+    if step == 0:
+        return ""
+    return f"{abs(step)} frame{'s' * (abs(step) > 1)} {'later' if step > 0 else 'before'}: "
+
+
+def _by_evidence(
+    tracks: Tracks, rig: Rig | None, settings: SuspectSettings, other: Tracks | None
+) -> list[Row]:
+    """List the frames of tracks that were made from frame to frame."""
+    evidence = collect_evidence(tracks, rig=rig, other=other, paw_px=settings.paw_px)
+    total = np.sqrt(np.sum([np.square(item.score) for item in evidence], axis=0))
+    frames = tracks["frame"].to_numpy()
+    views, points = (tracks[name].to_numpy().tolist() for name in ("view", "keypoint"))
+    total[_placed_by_hand(tracks)] = 0.0
     rows = []
     for t, score, doubts in choose_frames(
         total.max(axis=1),
         frames,
-        apart=settings.apart_frames or apart,
-        least_score=settings.least_score,
+        apart=settings.apart_frames or _APART_FRAMES,
+        least_score=settings.least_score or _LEAST_DEVIATIONS,
     ):
         for p in np.argsort(-doubts, kind="stable").tolist():
             if doubts[p] >= _TELLING * doubts.max():
                 v = int(total[t, :, p].argmax())
                 said = _in_words(evidence, (t, v, p))
                 rows.append((int(frames[t]), views[v], points[p], said, round(score, 3)))
-    return pd.DataFrame(rows, columns=list(SUSPECTS_COLUMNS))
+    return rows
+
+
+def _placed_by_hand(tracks: Tracks) -> np.ndarray:
+    """Return which labels (n, V, P) a person has placed."""
+    origin = tracks["image_origin"].isel(individual=0).to_numpy()
+    return np.asarray(origin == ORIGIN_CODE["edited"])
 
 
 def choose_frames(

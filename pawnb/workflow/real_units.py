@@ -22,8 +22,9 @@ def in_real_units(tracks: Tracks, trial: Trial, *, units: str | None = None) -> 
     Returns
     -------
     xarray.Dataset
-        Tracks whose ``position`` and ``sd`` are divided by ``[calibration] px_per_unit``;
-        the same Tracks where the trial has none, or where positions are not in px.
+        Tracks whose ``position``, ``sd`` and ``revision`` are divided by ``[calibration]
+        px_per_unit``; the same Tracks where the trial has none, or where positions are not
+        in px.
         ``image_position`` stays in px.
     """
     calibration = trial.calibration
@@ -33,7 +34,7 @@ def in_real_units(tracks: Tracks, trial: Trial, *, units: str | None = None) -> 
         return tracks
     scaled = {
         name: (tracks[name] / calibration.px_per_unit).assign_attrs(units=calibration.unit)
-        for name in ("position", "sd")
+        for name in ("position", "sd", "revision")
         if name in tracks
     }
     return tracks.assign(scaled).assign_attrs(units=calibration.unit)

@@ -5,8 +5,8 @@ import re
 import numpy as np
 from walking_tracks import RIG, put, walk
 
-from pawnb.core.suspect_uncertainty import collect_uncertainty, off_cycle, states_uncertainty
-from pawnb.core.suspects import find_suspects
+from pawnb.core.suspect_uncertainty import collect_doubts, off_cycle, states_uncertainty
+from pawnb.core.suspects import SuspectSettings, find_suspects
 from pawnb.schema import ORIGIN_CODE, make_tracks
 
 
@@ -26,16 +26,16 @@ def first_row(tracks):
 
 def test_a_point_hardly_recognised_for_a_while():
     tracks, _ = sure_walk()
-    tracks["image_confidence"].values[200:207, :, 1, 0] = 0.3
+    tracks["image_confidence"].values[200:212, :, 1, 0] = 0.3
     row = first_row(tracks)
-    assert 200 <= row["frame"] <= 206
+    assert 200 <= row["frame"] <= 211
     assert row["point"] == "HR"
-    assert "hardly recognised here (confidence 0.30)" in row["reason"]
+    told = re.search(r"hardly recognised here \(confidence ([\d.]+)\)", row["reason"])
+    assert told is not None
+    assert 0.3 <= float(told[1]) < 0.65  # averaged over 9 frames, 5 of them within at least
     # one poor frame is no doubt: paws flicker
-    tracks, _ = sure_walk()
-    tracks["image_confidence"].values[200:207, :, 1, 0] = 0.5
     tracks["image_confidence"].values[60, :, 0, 0] = 0.1
-    assert 200 <= first_row(tracks)["frame"] <= 206
+    assert 200 <= first_row(tracks)["frame"] <= 211
 
 
 def test_a_vague_place():
@@ -45,14 +45,6 @@ def test_a_vague_place():
     assert 100 <= row["frame"] <= 109
     # three axes of 3 mm and of about 0.3 mm: times the square root of 3
     assert "only known to 5.2 mm (usually 0.5)" in row["reason"], row["reason"]
-
-
-def test_views_that_disagree_for_a_while():
-    tracks, _ = sure_walk()
-    tracks["residual"].values[100:110, 0, 0] = 4.0
-    row = first_row(tracks)
-    assert 100 <= row["frame"] <= 109
-    assert "the views disagree for a while (by 4.0 px" in row["reason"]
 
 
 def test_a_smooth_step_aside_that_all_views_agree_on():
@@ -81,20 +73,6 @@ def test_off_cycle_measures_what_was_planted():
     assert np.isnan(off_cycle(still, RIG)[0]).all()
 
 
-def test_what_no_view_shows_counts_less():
-    tracks, _ = sure_walk()
-    for first in (60, 200):
-        tracks["sd"].values[first : first + 8, :, 0, 0] = 3.0
-        tracks["image_confidence"].values[first : first + 8, :, 0, 0] = 0.5
-    tracks["image_origin"].values[60:68, :, 0, 0] = ORIGIN_CODE["predicted"]
-    table = find_suspects(tracks, rig=RIG)
-    frames = table["frame"].to_numpy()
-    hidden = frames[(frames >= 55) & (frames < 73)]
-    assert 200 <= frames[0] < 208
-    assert len(hidden)
-    assert table["score"].iloc[0] > 1.3 * table.loc[table["frame"] == hidden[0], "score"].iloc[0]
-
-
 def test_what_swings_counts_less_than_what_stands():
     """FR is as vague twice, 6 frames in stance and 6 in swing: only swing moves against
     the ground, which standing paws go with."""
@@ -114,12 +92,12 @@ def test_what_swings_counts_less_than_what_stands():
 
 def test_the_view_told_is_one_that_shows_the_point():
     tracks, _ = sure_walk()
-    tracks["image_confidence"].values[200:207, :, 1, 0] = 0.3
+    tracks["image_confidence"].values[200:212, :, 1, 0] = 0.3
     for hidden, shown in (("cam1", "cam2"), ("cam2", "cam1")):
         one = tracks.copy(deep=True)
         v = RIG.names.index(hidden)
-        one["image_origin"].values[200:207, v, 1, 0] = ORIGIN_CODE["reprojected"]
-        one["image_confidence"].values[200:207, v, 1, 0] = 0.0
+        one["image_origin"].values[200:212, v, 1, 0] = ORIGIN_CODE["reprojected"]
+        one["image_confidence"].values[200:212, v, 1, 0] = 0.0
         assert first_row(one)["view"] == shown
 
 
@@ -127,13 +105,61 @@ def test_points_that_meet_are_told():
     tracks, uv = sure_walk()
     uv[100:105, :, 0] = uv[100:105, :, 1] + 3.0
     put(tracks, uv)
-    found = collect_uncertainty(tracks, rig=RIG, other=None, paw_px=None)
-    [meeting] = [x for x in found if "mistaken" in x.words((102, 0, 0))]
-    assert set(np.flatnonzero(meeting.score[:, 0, 0] > 0.9 * meeting.score.max())) == set(
-        range(100, 105)
-    )
-    # 3 px to the right and 3 px down
-    assert meeting.words((102, 0, 0)) == "it is 4 px from HR: they may be mistaken"
+    found = collect_doubts(tracks, rig=RIG, other=None, paw_px=40.0)
+    [meeting] = [x for x in found if "near" in x.measures]
+    near = meeting.measures["near"][:, 0]
+    assert set(np.flatnonzero(near < 0.12)) == set(range(100, 105))
+    # 3 px to the right and 3 px down, of 40
+    np.testing.assert_allclose(near[102], np.hypot(3, 3) / 40)
+    assert meeting.words(102, 0) == "it is 4 px from HR: they may be mistaken"
+
+
+def test_a_point_moved_when_the_stride_was_known():
+    tracks, _ = sure_walk()
+    tracks["revision"] = tracks["residual"].copy()
+
+    def row_near_107(moved):
+        tracks["revision"].values[106:110, 0, 0] = moved
+        table = find_suspects(tracks, rig=RIG, settings=SuspectSettings(least_score=1e-4))
+        [row] = table[table["frame"].between(101, 114) & (table["point"] == "FR")].to_dict(
+            "records"
+        )[:1]
+        return row
+
+    tracks["revision"].values[:] = 0.0
+    calm, moved, unknown = row_near_107(0.0), row_near_107(40.0), row_near_107(np.nan)
+    assert "without the usual stride it would be 40.0" in moved["reason"]
+    assert "without the usual stride" not in calm["reason"]
+    # 40 mm are more than two paws here, and four in eleven frames that one look shows
+    assert moved["score"] > 2 * calm["score"]
+    assert unknown["score"] < 1.2 * calm["score"]
+
+
+def test_two_passes_that_disagree_are_told_in_px():
+    tracks, uv = sure_walk()
+    other = tracks.copy(deep=True)
+    away = uv.copy()
+    away[200:206, :, 1] += [0.0, 40.0]
+    put(other, away)
+    row = find_suspects(tracks, rig=RIG, other=other).iloc[0]
+    assert 200 <= row["frame"] <= 205
+    assert row["point"] == "HR"
+    assert "two passes through the recording disagree by 40 px" in row["reason"]
+
+
+def test_a_doubt_beside_the_listed_frame_is_told_where_it_is():
+    tracks, _ = sure_walk()
+    # FR and HR are vague one after the other, and one look shows both
+    tracks["sd"].values[100, :, 0, 0] = 30.0
+    tracks["sd"].values[103, :, 1, 0] = 30.0
+    rows = find_suspects(tracks, rig=RIG)
+    rows = rows[rows["frame"] == rows["frame"].iloc[0]]
+    assert rows["frame"].iloc[0] in (100, 103)
+    told = dict(zip(rows["point"], rows["reason"], strict=True))
+    here, there = ("FR", "HR") if rows["frame"].iloc[0] == 100 else ("HR", "FR")
+    assert told[here].startswith("its place is only known to 52.0 mm")
+    way = "later" if here == "FR" else "before"
+    assert told[there].startswith(f"3 frames {way}: its place is only known to 52.0 mm")
 
 
 def test_a_point_placed_by_hand_in_one_view_is_not_doubted():

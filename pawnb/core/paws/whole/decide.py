@@ -128,6 +128,7 @@ def decide(
         return moved
 
     result = settle(Known(tracked(first), by_hand))
+    unaided, revision = result.x, result.revision
     for _ in range(settings.looks):
         sd = result.sd.mean(axis=-1) / scene.thickness
         cycle = learn_cycle(
@@ -138,9 +139,10 @@ def decide(
             break
         trust = 1.0 / (1.0 + (sd / _BELIEVED) ** 2)
         result = settle(Known(tracked(paths.again(cycle)), by_hand, result.x, trust, cycle))
+        revision = np.linalg.norm(result.x - unaided, axis=-1)
     return Refined(
         result.x[:, :n_points], result.sd[:, :n_points], result.measured[:, :n_points],
-        result.quality[:, :n_points],
+        result.quality[:, :n_points], revision[:, :n_points],
     )  # fmt: skip
 
 

@@ -150,7 +150,7 @@ def join_views(
         known = _near(placed, n, longest_gap_s * fps)
         x[known, p] = path[known]
         sd[known, p] = np.sqrt(variances(factor, d) + (_ALIKE * patch) ** 2)[known]
-    return Refined(x, sd, uv, likeness)
+    return Refined(x, sd, uv, likeness, np.full((n, n_points), np.nan))
 
 
 def _smoothest(

@@ -42,17 +42,21 @@ class Refined:
         Candidates taken, corrected by the offsets, NaN where none.
     quality : ndarray, shape (n, P, V)
         How much each of them looks like the end of a paw, 0 to 1.
+    revision : ndarray, shape (n, P)
+        How far each position is from where an earlier decision had it, NaN where there was none.
     """
 
     x: np.ndarray
     sd: np.ndarray
     measured: np.ndarray
     quality: np.ndarray
+    revision: np.ndarray
 
     def take(self, which: np.ndarray, tracks: Refined) -> None:
         """Take in the tracks of some points: those that ``which`` (P,) picks out, in order."""
         self.x[:, which], self.sd[:, which] = tracks.x, tracks.sd
         self.measured[:, which], self.quality[:, which] = tracks.measured, tracks.quality
+        self.revision[:, which] = tracks.revision
 
 
 @dataclass(frozen=True)
@@ -140,7 +144,8 @@ def refine(
     sd = np.sqrt(variances(factors, d)).swapaxes(0, 1)
     # what is alike from frame to frame does not average out
     alike = (0.06**2 + what.unsure**2) * what.thickness**2
-    return Refined(x, np.sqrt(2.0 * sd**2 + alike[:, None]), measured, quality)
+    only = np.full((n, n_points), np.nan)
+    return Refined(x, np.sqrt(2.0 * sd**2 + alike[:, None]), measured, quality, only)
 
 
 def _through_places(

@@ -77,7 +77,9 @@ def track_whole(
         ``reprojected`` where only others saw the point, ``predicted`` where none did.
         ``origin`` is ``measured`` with two views or more (one without a rig), ``resolved``
         with one, else ``predicted``. ``image_confidence`` says how much the candidate looks
-        like the end of a paw, 0 to 1; ``sd`` is the standard deviation of ``position``.
+        like the end of a paw, 0 to 1; ``sd`` is the standard deviation of ``position``, and
+        ``revision`` how far it is from where the point was before its stride was known (NaN
+        where no stride is learnt).
 
     Raises
     ------
@@ -124,6 +126,7 @@ def track_whole(
         unit="px" if rig is None else task.unit,
     )  # fmt: skip
     new["sd"] = new["position"].copy()
+    new["revision"] = new["residual"].copy().assign_attrs(units=new["position"].attrs["units"])
     if found:
         row = int(np.searchsorted(rows, first))
         inside = {t - first: here for t, here in anchors.items() if t - first < len(found)}
@@ -238,7 +241,9 @@ def _empty_result(n: int, layout: Layout) -> Refined:
     d = 2 if layout.rig is None else 3
     x = np.full((n, n_points, d), np.nan)
     measured = np.full((n, n_points, n_views, 2), np.nan)
-    return Refined(x, x.copy(), measured, np.zeros((n, n_points, n_views)))
+    return Refined(
+        x, x.copy(), measured, np.zeros((n, n_points, n_views)), np.full((n, n_points), np.nan)
+    )
 
 
 def _by_hand(placed: Mapping[int, Sequence[Placement]], shape: tuple[int, ...]) -> np.ndarray:
@@ -313,6 +318,7 @@ def _write(
     image_origin = np.where(known[..., None], image_origin, ORIGIN_CODE["missing"])
     new["position"][rows, ..., 0] = np.swapaxes(result.x, 1, 2)
     new["sd"][rows, ..., 0] = np.where(known[:, None], np.swapaxes(result.sd, 1, 2), np.nan)
+    new["revision"][rows, ..., 0] = np.where(known, result.revision, np.nan)
     new["origin"][rows, ..., 0] = origin
     new["confidence"][rows, ..., 0] = np.where(known, confidence, 0.0)
     new["residual"][rows, ..., 0] = residual

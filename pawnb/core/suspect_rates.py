@@ -1,0 +1,132 @@
+"""How many errors are to be expected where: what is measured of tracks, weighed by experience.
+
+The logarithm of the odds that an error of a point lies in a frame is taken as a sum of curves,
+one for each thing that is measured (:mod:`pawnb.core.suspect_uncertainty`), fitted by
+``benchmarks/learn_suspects.py`` to tracks of rendered scenes with truth. An error counts once,
+however long it lasts, so that rates can be added up over the frames that a look shows: the
+sum is the number of errors that the look is expected to find.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from pawnb.core.suspect_uncertainty import Doubt
+
+AROUND_FRAMES = 5
+"""Who looks at a frame sees what is wrong so many frames before and after it."""
+
+_PLATEAU = 0.95
+"""Of frames from which nearly as much is seen, the one that is most doubtful itself is shown."""
+
+Look = tuple[int, float, np.ndarray, np.ndarray]
+"""Row; errors expected to be found; of each point (P,) how many; and where it is most doubtful."""
+
+INTERCEPT = -8.28
+CURVES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
+    "unrecognised": (
+        (0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 1),
+        (-0.48, -0.45, -0.33, -0.02, 0.59, 1.15, 1.13, 1.68, 1.84, 2),
+    ),
+    "vague": (
+        (-3, -2.7, -2.4, -2, -1.6, -1.2, -0.8, -0.4, 0.4),
+        (-0.83, -0.69, -0.17, 0.33, 0.58, 1.77, 2.13, 2.57, 2.55),
+    ),
+    "revision": (
+        (0, 0.03, 0.1, 0.3, 0.6, 1, 2, 4),
+        (-0.04, -0.02, -0.02, 0.1, 1, 1.21, 1.39, 2.03),
+    ),
+    "off_cycle": (
+        (0, 1, 2, 3, 4, 6, 10),
+        (0.01, -0.32, 0.24, 1.13, 1.27, 1.6, 2.19),
+    ),
+    "near": (
+        (0, 0.15, 0.3, 0.5, 0.75, 1, 1.5, 2.5),
+        (1.19, 0.93, 0.88, 0.79, 0.27, -0.15, -0.3, -0.61),
+    ),
+    "pace_before": (
+        (0, 0.1, 0.25, 0.5, 0.75, 1, 1.5),
+        (-0.44, 0.54, 0.02, -0.22, 0.49, 0.49, 0.89),
+    ),
+    "pace": (
+        (0, 0.1, 0.25, 0.5, 0.75, 1, 1.5),
+        (0.72, 0.62, 0.75, -0.24, -2.07, -2.15, -1.44),
+    ),
+    "pace_after": (
+        (0, 0.1, 0.25, 0.5, 0.75, 1, 1.5),
+        (-0.53, -0.1, 0.35, 0.57, 1.52, 0.4, 0.33),
+    ),
+}
+"""Change of the log-odds by each measure: its knots, and the curve's values there; on
+average 0, so that what is not known does not count."""
+
+
+def weigh(doubt: Doubt) -> np.ndarray:
+    """Return how a reason changes the log-odds (n, P) of an error."""
+    parts = []
+    for name, values in doubt.measures.items():
+        parts.append(np.where(np.isnan(values), 0.0, np.interp(values, *CURVES[name])))
+    return np.asarray(np.sum(parts, axis=0))
+
+
+def error_rates(doubts: Iterable[Doubt]) -> np.ndarray:
+    """Return how many errors of each point are expected in each frame (n, P)."""
+    odds = INTERCEPT + np.sum([weigh(doubt) for doubt in doubts], axis=0)
+    return np.asarray(1.0 / (1.0 + np.exp(-odds)))
+
+
+def choose_looks(
+    rates: np.ndarray, frames: np.ndarray, *, around: float, least: float, at_least: int = 0
+) -> list[Look]:
+    """Take the frame where a look finds most errors, and go on with what it did not show.
+
+    Parameters
+    ----------
+    rates : ndarray, shape (n, P)
+        Errors expected of each point in each frame.
+    frames : ndarray of int, shape (n,)
+        Their numbers, ascending.
+    around : float
+        A look shows what is wrong in so many frames before and after.
+    least : float
+        Looks that are expected to find fewer errors are left out.
+    at_least : int
+        So many looks are listed however few errors they are expected to find, if any.
+
+    Returns
+    -------
+    list of (int, float, ndarray, ndarray)
+        Row; errors expected to be found; of each point (P,) how many of them; and in which
+        row it is most doubtful. The look that is expected to find most comes first.
+    """
+    left = rates.copy()
+    first = np.searchsorted(frames, frames - around)
+    stop = np.searchsorted(frames, frames + around, side="right")
+    # a point has hardly more than one error in a look
+    found = -np.expm1(-_sums(left, first, stop))
+    gain = found.sum(axis=1)
+    chosen: list[Look] = []
+    while len(gain) and gain.max() > 0:
+        best = int(gain.argmax())
+        if gain[best] < least and len(chosen) >= at_least:
+            break
+        near = np.arange(first[best], stop[best])
+        good = near[gain[near] >= _PLATEAU * gain[best]]
+        t = int(good[left[good].sum(axis=1).argmax()])
+        shown = slice(first[t], stop[t])
+        chosen.append((t, float(gain[t]), found[t].copy(), first[t] + left[shown].argmax(axis=0)))
+        left[shown] = 0.0
+        touched = slice(first[shown.start], stop[shown.stop - 1])
+        found[touched] = -np.expm1(-_sums(left, first[touched], stop[touched]))
+        gain[touched] = found[touched].sum(axis=1)
+    return sorted(chosen, key=lambda look: -look[1])
+
+
+def _sums(values: np.ndarray, first: np.ndarray, stop: np.ndarray) -> np.ndarray:
+    """Return the sums of rows first to stop."""
+    begin = int(first.min()) if len(first) else 0
+    part = values[begin : int(stop.max(initial=0))]
+    total = np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(part, axis=0)])
+    return np.asarray(total[stop - begin] - total[first - begin])
