@@ -3,9 +3,10 @@
 A colour is looked up in a table of 32 x 32 x 32 bins (in a grey picture: of brightness, of
 what it exceeds the still background by, and of what it exceeds the surroundings by). Its
 entry is the logarithm of how much likelier the colour is on a paw than in the rest of the
-picture around the animal. The paw's density is one Gaussian, grown from the clicks: pixels
-that belong to it and hang together with a click are taken in, and the Gaussian is fitted
-again. The rest is a smoothed histogram.
+picture around the animal. The paws' density is the mean of one Gaussian a picture, as light
+comes from one side; each is grown from its clicks: pixels that belong to it and hang together
+with a click are taken in, and the Gaussian is fitted again. The rest is a smoothed histogram
+of what is near the paws, averaged with that of all that is about the animal.
 """
 
 from __future__ import annotations
@@ -21,14 +22,30 @@ from pawnb.core.paws.whole.still import to_grey
 
 _BINS = 32
 _SHIFT = 3
-_ROUNDS = 4
-_REACH = 0.03
-"""A paw reaches this far from its click, as a share of the picture's width."""
+_ROUNDS = 3
+_REACH, _REACH_GREY = 0.004, 0.03
+"""A paw's look is learnt this far from its click, as a share of the picture's width. Fur,
+shadow and belt that mix with the colour at a paw's edge would pass for paws."""
 _LEARNT_WIDTH = 1024
 """Larger colour pictures are reduced to about this width before their look is learnt."""
-_WIDE = 0.06
+_WIDE = (0.06, 0.2)
+"""What lies this far from clicks tells against paws, as shares of the picture's width: each
+share counts alike, as shadows about the paws are a small part of the picture and fur, ears
+and tail are not near them."""
 _LIMIT = 6.0
 """Largest log-likelihood ratio either way: one pixel never decides alone."""
+_LIKE, _SURE = 1.5, 1.0
+"""Log-likelihood ratio from which pixels about a click are taken for paw, and the one that
+counts as 0 in the end."""
+_USUAL, _MOST_GAIN = 2.5, 3.0
+"""Least ratio that is usual at clicks. Where ears and tail have the colour of the paws it is
+lower; it is raised to this, at most so many times, as scores tell how much more like a clicked
+paw one place is than another."""
+
+_SMOOTH_PX, _FINE = 0.8, 4
+_LOOK_PX, _TOUCH_PX = 16, 2
+"""A paw's thickness is measured in a part of the picture this far about a click, at the pixels
+this near to it."""
 
 
 @dataclass(frozen=True)
@@ -146,10 +163,12 @@ def learn(
         The learnt look, without a background.
     """
     is_colour, shrink = pictures[0].ndim == 3, 1
-    features = _features(is_colour)
     width: float = max(picture.shape[1] for picture in pictures)
+    # a grey animal has other parts as bright as its paws: the whole picture tells against them
+    near, wides = (_REACH, _WIDE) if is_colour else (_REACH_GREY, (1.0,))
     if is_colour:
-        parts = [_about(*one, round(_WIDE * width)) for one in zip(pictures, clicks, strict=True)]
+        reach = round(max(wides) * width)
+        parts = [_about(*one, reach) for one in zip(pictures, clicks, strict=True)]
         # noise and fine marks of a large picture would pass for paws and for what is none
         shrink = max(1, round(width / _LEARNT_WIDTH))
         width /= shrink
@@ -157,33 +176,68 @@ def learn(
         pictures, clicks = [part[0] for part in parts], [part[1] for part in parts]
     still = backgrounds or [None] * len(pictures)
     numbers = [bin_numbers(p, around_px, b) for p, b in zip(pictures, still, strict=True)]
-    reach = [
-        _patch(n.shape, uv, round(_REACH * width)) for n, uv in zip(numbers, clicks, strict=True)
-    ]
-    # a grey animal has other parts as bright as its paws: the whole picture tells against them
-    far = _WIDE if is_colour else 1.0
-    wide = [_patch(n.shape, uv, round(far * width)) for n, uv in zip(numbers, clicks, strict=True)]
-    seeds = [_patch(shape.shape, uv, 1) for shape, uv in zip(numbers, clicks, strict=True)]
-    floor = np.diag([5.0, 2.0, 2.0] if is_colour else [12.0, 12.0, 12.0]) ** 2
-    members = np.concatenate([number[seed] for number, seed in zip(numbers, seeds, strict=True)])
-    grown = seeds
-    for _ in range(_ROUNDS):
-        positive = _gaussian(features, features[members], floor)
-        outside = np.concatenate(
-            [n[w & ~_spread(g)] for n, w, g in zip(numbers, wide, grown, strict=True)]
-        )
-        negative = _histogram(outside)
-        table = np.log(positive + 1e-12) - np.log(negative + 1e-12)
-        limit = 1.5
-        grown = [
-            _grow((_even(table[n]) > limit) & r, seed)
-            for n, r, seed in zip(numbers, reach, seeds, strict=True)
-        ]
-        taken = np.concatenate([n[g] for n, g in zip(numbers, grown, strict=True)])
-        if len(taken) > 9:
-            members = taken
-    table = np.clip(table - limit, -_LIMIT, _LIMIT).astype(np.float32)
+
+    def patches(reach: int) -> list[np.ndarray]:
+        return [_patch(n.shape, uv, reach) for n, uv in zip(numbers, clicks, strict=True)]
+
+    seeds, close = patches(1), patches(round(near * width))
+    ratio = _ratio(
+        numbers, seeds, close, [patches(round(wide * width)) for wide in wides], is_colour=is_colour
+    )
+    at_clicks = [_even(ratio[n])[seed] for n, seed in zip(numbers, seeds, strict=True)]
+    usual = float(np.median(np.concatenate(at_clicks)))
+    limit = _SURE * min(1.0, max(usual, 0.0) / 2.0)
+    gain = float(np.clip(_USUAL / max(usual - limit, 0.1), 1.0, _MOST_GAIN))
+    table = np.clip((ratio - limit) * gain, -_LIMIT, _LIMIT).astype(np.float32)
     return Appearance(table, shrink * _thickness(numbers, table, clicks), around_px)
+
+
+def _ratio(
+    numbers: Sequence[np.ndarray],
+    seeds: Sequence[np.ndarray],
+    close: Sequence[np.ndarray],
+    rest: Sequence[Sequence[np.ndarray]],
+    *,
+    is_colour: bool,
+) -> np.ndarray:
+    """Return the log-likelihood ratio of each bin.
+
+    Parameters
+    ----------
+    numbers : sequence of ndarray, shape (h, w)
+        The bin of every pixel of each picture.
+    seeds, close : sequence of ndarray of bool, shape (h, w)
+        The clicks, and how far paws may reach from them.
+    rest : sequence of sequence of ndarray of bool
+        What tells against paws: parts of all pictures that count alike.
+    is_colour : bool
+        Whether the pictures are in colour.
+    """
+    features = _features(is_colour)
+    floor = np.diag([5.0, 2.0, 2.0] if is_colour else [12.0, 12.0, 12.0]) ** 2
+    members = [n[seed] for n, seed in zip(numbers, seeds, strict=True)]
+    grown = list(seeds)
+    for _ in range(_ROUNDS):
+        positive = np.mean([_gaussian(features, features[m], floor) for m in members], axis=0)
+        free = [~_spread(g) for g in grown]
+        negative = np.mean(
+            [
+                _histogram(
+                    np.concatenate([n[w & f] for n, w, f in zip(numbers, part, free, strict=True)])
+                )
+                for part in rest
+            ],
+            axis=0,
+        )
+        ratio = np.log(positive + 1e-12) - np.log(negative + 1e-12)
+        grown = [
+            _grow((_even(ratio[n]) > _LIKE) & r, seed)
+            for n, r, seed in zip(numbers, close, seeds, strict=True)
+        ]
+        members = [
+            n[g] if g.sum() > 9 else old for n, g, old in zip(numbers, grown, members, strict=True)
+        ]
+    return ratio
 
 
 def _about(picture: np.ndarray, clicks: np.ndarray, reach: int) -> tuple[np.ndarray, np.ndarray]:
@@ -248,15 +302,23 @@ def _grow(mask: np.ndarray, seed: np.ndarray) -> np.ndarray:
 def _thickness(
     numbers: Sequence[np.ndarray], table: np.ndarray, clicks: Sequence[np.ndarray]
 ) -> float:
-    """Measure how thick the paws are at the clicks: twice the distance to their edge."""
+    """Measure how thick the paws are at the clicks: twice the distance to their edge.
+
+    The edge is where the score is half way from that of the paw to that of what is around,
+    smoothed, as single pixels that noise takes out of a paw would make it thin.
+    """
     found = []
     for number, uv in zip(numbers, clicks, strict=True):
-        mask = (cv2.GaussianBlur(table[number], (3, 3), 0.6) > 0).astype(np.uint8)
-        depth = cv2.distanceTransform(mask, cv2.DIST_L2, 5)
-        for u, v in np.round(uv).astype(int):
-            for reach in (1, 2, 3, 5):
-                near = depth[max(v - reach, 0) : v + reach + 1, max(u - reach, 0) : u + reach + 1]
-                if near.max() > 1:
-                    found.append(2.0 * float(near.max()))
-                    break
-    return float(np.median(found)) if found else 6.0
+        score = cv2.GaussianBlur(table[number], (0, 0), _SMOOTH_PX)
+        for place in np.round(uv).astype(int):
+            low = np.maximum(place - _LOOK_PX, 0)
+            u1, v1 = place + _LOOK_PX + 1
+            part = score[low[1] : v1, low[0] : u1]
+            fine = cv2.resize(part, None, fx=_FINE, fy=_FINE, interpolation=cv2.INTER_CUBIC)
+            u, v = ((place - low + 0.5) * _FINE).astype(int)
+            r = _TOUCH_PX * _FINE
+            touched = (slice(max(v - r, 0), v + r + 1), slice(max(u - r, 0), u + r + 1))
+            edge = 0.5 * (fine[touched].max() + np.percentile(part, 20.0))
+            depth = cv2.distanceTransform((fine > edge).astype(np.uint8), cv2.DIST_L2, 5)
+            found.append(2.0 * float(depth[touched].max()) / _FINE)
+    return max(float(np.median(found)), 1.0)

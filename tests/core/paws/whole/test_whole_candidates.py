@@ -88,3 +88,27 @@ def test_fine_marks_of_a_large_picture_do_not_change_how_thick_paws_are():
     large = np.clip(noisy, 0, 255).astype(np.uint8)
     look = learn([large], [(ENDS + 0.5) * 4 - 0.5], around_px=60)
     assert look.thickness_px == pytest.approx(32.0, rel=0.2)
+
+
+def test_paws_are_told_from_a_belt_of_nearly_their_colour_and_shadows_on_it():
+    """A brown belt, dull paws, a soft shadow, noise of two steps of the table of colours."""
+    rng = np.random.default_rng(1)
+    shadow = np.zeros((240, 700), np.float32)
+    cv2.ellipse(shadow, (115, 98), (80, 14), 0, 0, 360, 0.45, -1)
+    image = (
+        np.array([135.0, 108.0, 90.0]) * (1.0 - cv2.GaussianBlur(shadow, (0, 0), 6.0))[..., None]
+    )
+    cv2.rectangle(image, (30, 10), (190, 60), FUR, -1)
+    limbs = np.zeros(image.shape[:2], np.uint8)
+    for start, end in ([(60, 70), (80, 100)], [(150, 62), (150, 95)]):
+        cv2.line(limbs, start, end, 1, 8)
+    image[limbs > 0] = 140.0, 112.0, 101.0
+    image = cv2.GaussianBlur(image, (0, 0), 0.8) + rng.normal(scale=10.0, size=image.shape)
+    seen = np.clip(image, 0, 255).astype(np.uint8)
+    look = learn([seen], [ENDS], around_px=15)
+    score = cv2.GaussianBlur(look.score(seen), (3, 3), 0.6)
+    ground = cv2.dilate(limbs, np.ones((9, 9), np.uint8)) == 0
+    ground[:66] = False  # the body
+    assert (score[limbs > 0] > 0).mean() > 0.45
+    assert (score[ground] > 0).mean() < 0.01
+    assert look.thickness_px == pytest.approx(8.0, rel=0.25)
