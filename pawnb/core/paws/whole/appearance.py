@@ -18,6 +18,7 @@ import cv2
 import numpy as np
 from scipy.ndimage import gaussian_filter
 
+from pawnb.core.paws.whole.candidates_loops import look_up
 from pawnb.core.paws.whole.still import to_grey
 
 _BINS = 32
@@ -95,7 +96,7 @@ class Appearance:
             part = self.background[v0 : v0 + h * shrink, u0 : u0 + w * shrink]
             still = reduce(part, shrink)
         around = 2 * round(self.around_px / shrink / 2) + 1
-        return np.asarray(self.table.take(bin_numbers(pixels, around, still)))
+        return look_up(self.table, bin_numbers(pixels, around, still))
 
 
 def reduce(pixels: np.ndarray, shrink: int) -> np.ndarray:

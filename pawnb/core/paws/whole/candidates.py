@@ -9,12 +9,12 @@ that from the centre of a wider neighbourhood to it.
 
 from __future__ import annotations
 
-import functools
 from dataclasses import dataclass
 
 import cv2
 import numpy as np
 
+from pawnb.core.paws.whole import candidates_loops as loops
 from pawnb.core.paws.whole.appearance import Appearance
 from pawnb.core.paws.whole.spots import find_spots
 
@@ -79,33 +79,32 @@ def find_candidates(pixels: np.ndarray, origin: tuple[int, int], look: Look) -> 
     if look.is_below:
         return _spots(score, origin, look)
     score = cv2.GaussianBlur(score, (3, 3), 0.6)
-    weight = np.clip(score * 0.5 + 0.5, 0.0, 1.0)
+    weight = loops.weigh(score)
     r = look.reach
     side = 2 * r + 1
     share = cv2.blur(weight, (side, side), borderType=cv2.BORDER_REPLICATE)
-    mask = score > 0
-    guarded = np.where(mask, share, np.float32(1.0))
-    lowest = cv2.erode(guarded, np.ones((2 * (r // 2) + 1,) * 2, np.uint8))
-    v, u = np.divmod(np.flatnonzero(mask & (guarded <= lowest)), score.shape[1])
+    v, u = loops.find_ends(score, share, r // 2)
     # specks are not ends: there must be mask behind
     order = np.argsort(share[v, u])
     order = order[share[v[order], u[order]] * side * side > 0.25 * r * r]
     u, v = u[order], v[order]
-    near = _centres(weight, u, v, r)
+    near = loops.centres(weight, u, v, r)
     if len(u) > _LOOKED_AT:
         # edges of all sorts have thin ends: those that look most like paws are kept, in order
-        promise = _likeness(_mean_score(score, near), share[v, u])
+        promise = _likeness(loops.mean_score(score, near), share[v, u])
         best = np.sort(np.argsort(-promise, kind="stable")[:_LOOKED_AT])
         u, v, near = u[best], v[best], near[best]
-    kept = _distinct(near, float(r) * 0.7)
+    kept = loops.distinct(near, float(r) * 0.7)
     ends = (near + 0.5) * look.shrink - 0.5 + origin
     if look.limits is not None:
         inside = ends[kept] @ look.limits[:, :2].T + look.limits[:, 2] >= 0
         kept = kept[inside.all(axis=1)]
     u, v, near = u[kept], v[kept], near[kept]
-    direction = (near - _centres(weight, u, v, 2 * r)) * look.shrink
+    direction = (near - loops.centres(weight, u, v, 2 * r)) * look.shrink
     pixel = (np.column_stack([u, v]) + 0.5) * look.shrink - 0.5 + origin
-    table = np.column_stack([ends[kept], direction, share[v, u], _mean_score(score, near), pixel])
+    table = np.column_stack(
+        [ends[kept], direction, share[v, u], loops.mean_score(score, near), pixel]
+    )
     table = table[np.argsort(-worth(table, look.distal), kind="stable")[:MOST]]
     return table.astype(np.float32)
 
@@ -138,42 +137,3 @@ def _likeness(score: np.ndarray, share: np.ndarray) -> np.ndarray:
     # further along a limb the share is twice that at its end
     end = 1.0 / (1.0 + np.exp((share - _SHARE) / 0.03))
     return np.asarray(np.clip(0.5 * (score - 0.5), 0.05, 1.0) * end)
-
-
-def _centres(weight: np.ndarray, u: np.ndarray, v: np.ndarray, reach: int) -> np.ndarray:
-    """Return the weighted centres (n, 2) of discs about some pixels."""
-    padded = cv2.copyMakeBorder(weight, reach, reach, reach, reach, cv2.BORDER_CONSTANT)
-    side = 2 * reach + 1
-    squares = np.lib.stride_tricks.sliding_window_view(padded, (side, side))
-    moments = squares[v, u].reshape(len(u), side * side) @ _disc(reach)
-    return np.column_stack([u, v]) + moments[:, 1:] / np.maximum(moments[:, :1], 1e-6)
-
-
-@functools.cache
-def _disc(reach: int) -> np.ndarray:
-    """Return what sums up mass and first moments over a disc, (side squared, 3)."""
-    v, u = np.mgrid[-reach : reach + 1, -reach : reach + 1].astype(np.float32)
-    inside = u**2 + v**2 <= (reach + 0.5) ** 2
-    return np.stack([inside, inside * u, inside * v], axis=-1).reshape(-1, 3).astype(np.float32)
-
-
-def _mean_score(score: np.ndarray, centre: np.ndarray) -> np.ndarray:
-    """Return the mean score (n,) of the pixels about some positions."""
-    h, w = score.shape
-    u = np.clip(np.round(centre[:, 0]).astype(int), 1, w - 2)
-    v = np.clip(np.round(centre[:, 1]).astype(int), 1, h - 2)
-    step = np.arange(-1, 2)
-    return score[v[:, None, None] + step[:, None], u[:, None, None] + step].mean(axis=(1, 2))
-
-
-def _distinct(at: np.ndarray, apart: float) -> np.ndarray:
-    """Return the rows to keep: in order, without those within ``apart`` of one kept."""
-    u, v = at[:, 0], at[:, 1]
-    close = (u[:, None] - u) ** 2 + (v[:, None] - v) ** 2 < apart**2
-    free = np.ones(len(at), bool)
-    kept: list[int] = []
-    for i in range(len(at)):
-        if free[i]:
-            kept.append(i)
-            free &= ~close[i]
-    return np.array(kept, int)

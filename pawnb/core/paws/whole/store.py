@@ -24,7 +24,14 @@ from pawnb.core.record_file import RecordFile, code_checksum
 
 _FIRST_LINE = "pawnb candidates 1 {key}"
 _COLUMNS = 8
-_CODE = ("appearance.py", "candidates.py", "extract.py", "spots.py", "still.py")
+_CODE = (
+    "appearance.py",
+    "candidates.py",
+    "candidates_loops.py",
+    "extract.py",
+    "spots.py",
+    "still.py",
+)
 
 
 class CandidateStore(Closing):
