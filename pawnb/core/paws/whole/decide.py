@@ -12,17 +12,19 @@ from pawnb.core.paws.whole.cycle import learn_cycle
 from pawnb.core.paws.whole.gaps import Known, bridge_gaps
 from pawnb.core.paws.whole.likeness import Judge, score_at_clicks
 from pawnb.core.paws.whole.offsets import learn_offsets
-from pawnb.core.paws.whole.paths import PathChoice
+from pawnb.core.paws.whole.paths import PathChoice, find_places
 from pawnb.core.paws.whole.refine import Refined, Refinement, refine
 from pawnb.core.paws.whole.scene import Scene, unclicked_kinds
 from pawnb.core.paws.whole.settings import WholeSettings
-from pawnb.core.paws.whole.sights import Sights, candidate_places, read_sights, tracked_points
+from pawnb.core.paws.whole.sights import Sights, read_sights, tracked_points
 from pawnb.core.paws.whole.strangers import with_strangers
 
 _BELIEVED = 0.25
 """Standard deviation, in thicknesses, at which a track is half believed."""
 _LEARNT_FROM = 0.3
 """The same for learning the stride from it."""
+_SAME = 1.2
+"""A place that says that a point is so many thicknesses from where it was placed is another's."""
 _LEAST_SEEN = 0.3
 """Strangers that are seen in fewer frames are none."""
 
@@ -91,7 +93,14 @@ def decide(
         # the curves were learnt from views from the side that agree in space
         judge = replace(judge, score=score_at_clicks(certain[clicked], said, judge))
     sights = read_sights(found, offsets, facing=facing, judge=judge)
-    meet = fixed if scene.lead is not None else _meetings(fixed, sights, scene)
+    meet = fixed
+    if scene.lead is None:
+        meet = {
+            t: _meetings(
+                here, found[t], sights.only(t), scene=scene, settings=settings, judge=judge
+            )
+            for t, here in fixed.items()
+        }
     paths = PathChoice(found, meet, scene, fps=fps, settings=settings, kinds=kinds, judge=judge)
     first = paths.first()
     if extra and _share_seen(first[:, n_points:]) < _LEAST_SEEN:
@@ -147,21 +156,33 @@ def decide(
 
 
 def _meetings(
-    fixed: Mapping[int, Mapping[int, np.ndarray]], sights: Sights, scene: Scene
-) -> dict[int, dict[int, np.ndarray]]:
-    """Return where the candidates meet of points that were placed: paths go through these.
+    here: Mapping[int, np.ndarray],
+    found: Sequence[np.ndarray],
+    sights: Sights,
+    *,
+    scene: Scene,
+    settings: WholeSettings,
+    judge: Judge,
+) -> dict[int, np.ndarray]:
+    """Return where the candidates of placed points meet, in one frame: paths go through there.
 
-    A click in the middle of a long foot is farther from its end than paws are apart.
+    A click in the middle of a long foot is farther from its end than paws are apart. Of the
+    places that say that the point is where it was placed, its toes and its heel, the one that
+    looks best is taken; without any, the point itself.
     """
-    meet = {}
-    for t, here in fixed.items():
-        now = sights.only(t)
-        points = np.full((1, sights.at.shape[1], scene.geometry.n_coordinates), np.nan)
-        points[0, list(here)] = list(here.values())
-        places = candidate_places(
-            points, now, geometry=scene.geometry, thickness_px=scene.thickness_px
-        )
-        meet[t] = {p: places[0, p] for p in here}
+    places = find_places([found], scene, settings, judge=judge)[0]
+    n_points = sights.at.shape[1]
+    meet = dict(here)
+    price = dict.fromkeys(here, np.inf)
+    for place, cost in zip(places.at, places.cost, strict=True):
+        said = tracked_points(
+            np.tile(place, (1, n_points, 1)), sights, geometry=scene.geometry,
+            thickness_px=scene.thickness_px,
+        )[0]  # fmt: skip
+        for p, at in here.items():
+            away = float(np.linalg.norm(said[p] - at)) / scene.thickness
+            if away < _SAME and cost + away < price[p]:
+                meet[p], price[p] = place, cost + away
     return meet
 
 

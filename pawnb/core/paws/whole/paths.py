@@ -34,6 +34,9 @@ _LOOK_BELOW = 3.0
 """What a place looks like counts so much more from below, where nothing hides a paw."""
 _GOOD = 0.5
 """Largest cost of a place that tells about it."""
+_DEAREST, _WORSE = (0.9, 1.2), 0.2
+"""Pieces of path are no paw if they cost more a frame; the limit is raised, at most to the second,
+to so much above what the clicked paws cost: with their toes spread they look less like ends."""
 _MEETING = 3.0
 """Distance, in thicknesses, at which points meet in a picture."""
 
@@ -96,7 +99,9 @@ class PathChoice:
         self.shape = (len(found), len(kinds), scene.geometry.n_coordinates)
         self.body_frames = max(3, round(settings.body_s * fps))
         places = find_places(found, scene, settings, judge=judge)
+        dearest = _DEAREST[0]
         for t, here in fixed.items():
+            dearest = max(dearest, _dearest_click(places[t], here, scene.thickness) + _WORSE)
             away = places[t].distance(np.stack(list(here.values())))
             free = away > 1.2 * scene.thickness
             if t == min(fixed):
@@ -109,7 +114,7 @@ class PathChoice:
         linking = Linking(self.manner.acceleration, noise, speed, drift, 1.6)
         self.pieces = [
             piece for piece in build_tracklets(places, linking)
-            if piece.cost.mean() < (0.9 if len(piece.picks) > 1 else 0.5)
+            if piece.cost.mean() < (min(dearest, _DEAREST[1]) if len(piece.picks) > 1 else 0.5)
             and piece.first > min(fixed)
         ]  # fmt: skip
         self._clicked = 1 + max(p for here in fixed.values() for p in here)
@@ -192,6 +197,15 @@ class PathChoice:
         if self.scene.lead is None:
             return at
         return self.scene.lead.at_height(at, expected @ self.scene.up)
+
+
+def _dearest_click(places: Places, here: Mapping[int, np.ndarray], thickness: float) -> float:
+    """Return the largest cost of the places where points were put by hand, 0 without any."""
+    away = np.linalg.norm(places.at[:, None] - np.stack(list(here.values())), axis=-1)
+    if not len(away):
+        return 0.0
+    cost = places.cost[away.argmin(axis=0)]
+    return float(cost[away.min(axis=0) < 0.5 * thickness].max(initial=0.0))
 
 
 def _manner(places: Sequence[Places], scene: Scene, fps: float, settings: WholeSettings) -> Manner:

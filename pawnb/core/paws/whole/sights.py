@@ -110,53 +110,17 @@ def tracked_points(
     ndarray, shape (n, P, d)
         The places, each moved by what its candidates say on average.
     """
-    raw = np.broadcast_to(sights.raw[:, None], sights.at.shape)
     which = np.ones(len(thickness_px), bool)
     if view is not None:
         which = np.arange(len(thickness_px)) == view
-    return _moved(places, (raw, sights.at), sights, geometry, thickness_px * which)
-
-
-def candidate_places(
-    points: np.ndarray, sights: Sights, *, geometry: Geometry, thickness_px: np.ndarray
-) -> np.ndarray:
-    """Return the places whose candidates are those of tracked points: the way back.
-
-    Parameters
-    ----------
-    points : ndarray, shape (n, P, d)
-        Tracked points, NaN where there is none.
-    sights, geometry, thickness_px
-        As for :func:`tracked_points`.
-
-    Returns
-    -------
-    ndarray, shape (n, P, d)
-        The points, each moved to where its candidates meet, on average.
-    """
-    raw = np.broadcast_to(sights.raw[:, None], sights.at.shape)
-    return _moved(points, (sights.at, raw), sights, geometry, thickness_px)
-
-
-def _moved(
-    places: np.ndarray,
-    ends: tuple[np.ndarray, np.ndarray],
-    sights: Sights,
-    geometry: Geometry,
-    within_px: np.ndarray,
-) -> np.ndarray:
-    """Move places (n, P, d) as the candidates do that begin near them.
-
-    ``ends`` are where steps begin and end, (n, P, V, C, 2) each.
-    """
-    begin, end = ends
     known = np.isfinite(places[..., 0])
     x = np.nan_to_num(places)
-    away = np.linalg.norm(begin - geometry.project(x)[..., None, :], axis=-1)
-    away = np.where(sights.is_there[:, None], away, np.inf)
+    away = np.linalg.norm(sights.raw[:, None] - geometry.project(x)[..., None, :], axis=-1)
+    away = np.where(sights.is_there[:, None], away / thickness_px[:, None], np.inf)
     nearest = away.argmin(axis=-1)[..., None]
-    near = np.take_along_axis(away, nearest, axis=-1)[..., 0] < within_px
-    step = np.take_along_axis(end - begin, nearest[..., None], axis=3)[:, :, :, 0]
+    near = (np.take_along_axis(away, nearest, axis=-1)[..., 0] < 1.0) & which
+    step = sights.at - sights.raw[:, None]
+    step = np.take_along_axis(step, nearest[..., None], axis=3)[:, :, :, 0]
     J = geometry.jacobian(x) * np.where(near, 1.0, 0.0)[..., None, None]
     normal = np.einsum("npvik,npvil->npkl", J, J, optimize=True)
     # what one view alone does not tell stays as it is

@@ -42,7 +42,7 @@ def scene(truth):
     )  # fmt: skip
 
 
-def candidates(truth, hidden, seed=0):
+def candidates(truth, hidden, seed=0, share=0.22):
     """Candidates of every frame and view: the paws, and things that come and go."""
     rng = np.random.default_rng(seed)
     uv = RIG.project(truth)
@@ -54,16 +54,16 @@ def candidates(truth, hidden, seed=0):
             at = np.array([*at, *rng.uniform([150, 50], [450, 250], (3, 2))])
             rows = np.zeros((len(at), 8), np.float32)
             rows[:, :2] = at + 0.8 * rng.normal(size=at.shape)
-            rows[:, 2:6] = 3.0, 4.0, 0.22, 4.0
+            rows[:, 2:6] = 3.0, 4.0, share, 4.0
             rng.shuffle(rows)
             here.append(rows)
         found.append(here)
     return found
 
 
-def choice(truth, hidden):
+def choice(truth, hidden, **looks):
     return PathChoice(
-        candidates(truth, hidden), {0: dict(enumerate(truth[0]))}, scene(truth), fps=FPS,
+        candidates(truth, hidden, **looks), {0: dict(enumerate(truth[0]))}, scene(truth), fps=FPS,
         settings=WholeSettings(), kinds=KINDS, judge=Judge([(0.6, 0.8)] * 3, np.full(3, 16.0)),
     )  # fmt: skip
 
@@ -82,6 +82,15 @@ def agreement(x, truth, hidden):
     chosen = np.isfinite(x[..., 0])
     away = np.linalg.norm(x - truth, axis=-1)
     return chosen[~hidden].mean(), away[chosen].max()
+
+
+def test_paws_that_look_poor_at_the_clicks_are_followed_all_the_same():
+    truth = walk()
+    hidden = np.zeros((N, 4), bool)
+    paths = choice(truth, hidden, share=0.35)  # toes spread: hardly an end
+    seen, farthest = agreement(paths.first(), truth, hidden)
+    assert seen > 0.9
+    assert farthest < THICKNESS
 
 
 def test_every_paw_keeps_its_own_path(walked):

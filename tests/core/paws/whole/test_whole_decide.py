@@ -1,0 +1,44 @@
+"""Where paths pass of points that were clicked in the middle of a paw."""
+
+from types import SimpleNamespace
+
+import numpy as np
+
+from pawnb.core.paws.whole import decide
+from pawnb.core.paws.whole.geometry import Geometry
+from pawnb.core.paws.whole.hypotheses import Places
+from pawnb.core.paws.whole.sights import Sights
+
+THICKNESS_PX = np.array([8.0, 8.0])
+LINEAR = np.zeros((11, 2))
+# one camera looks along y, the other along x, 4 px a unit
+LINEAR[:8] = np.array([[4, 0, 0, 0, 0, 0, -4, 0], [0, 4, 0, 0, 0, 0, -4, 0]]).T
+RIG = Geometry(LINEAR)
+SCENE = SimpleNamespace(geometry=RIG, thickness=2.0, thickness_px=THICKNESS_PX)
+TOES, HEEL, OTHER = np.array([3.5, 3.0, 1.0]), np.array([-3.5, -3.0, 1.0]), np.array([1.0, 9.0, 1])
+MIDDLE = np.array([0.0, 0.0, 1.0])
+
+
+def meetings(monkeypatch, click, *, cost):
+    """Toes and heel say that the point is in the middle; the other paw says what it says."""
+    ends = np.stack([TOES, HEEL, OTHER])
+    said = np.stack([MIDDLE, MIDDLE, OTHER - 5.0])
+    raw = np.swapaxes(RIG.project(ends), 0, 1)[None]
+    at = np.swapaxes(RIG.project(said), 0, 1)[None, None]
+    sights = Sights(raw, at, np.ones(raw.shape[:3]), np.ones(raw.shape[:3], bool))
+    places = Places(ends, np.array(cost))
+    monkeypatch.setattr(decide, "find_places", lambda *_, **__: [places])
+    return decide._meetings({0: click}, [], sights, scene=SCENE, settings=None, judge=None)[0]
+
+
+def test_the_better_looking_end_of_a_clicked_paw_is_passed(monkeypatch):
+    click = MIDDLE + np.array([0.3, -0.2, 0.1])
+    found = meetings(monkeypatch, click, cost=[0.9, 1.3, 0.0])
+    np.testing.assert_array_equal(found, TOES)
+    found = meetings(monkeypatch, click, cost=[1.3, 0.9, 0.0])
+    np.testing.assert_array_equal(found, HEEL)
+
+
+def test_a_point_that_no_place_speaks_of_stays_where_it_was_clicked(monkeypatch):
+    click = MIDDLE + np.array([0.0, 0.0, 6.0])
+    np.testing.assert_array_equal(meetings(monkeypatch, click, cost=[0.9, 1.3, 0.0]), click)
