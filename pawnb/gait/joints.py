@@ -11,6 +11,8 @@ import pandas as pd
 from pawnb.errors import InputError
 from pawnb.gait.legs import find_leg_place, sort_legs
 from pawnb.schema import Tracks, check_columns
+from pawnb.signals import find_runs, smooth_spline
+from pawnb.signals.splines import LEAST_SAMPLES
 
 ANGLE_COLUMNS = ("animal", "trial", "leg", "joint", "angle_deg")
 EXTREME_COLUMNS = (
@@ -27,7 +29,11 @@ _NOT_ANGLES = ("_sd", "_px", "_scale")
 
 
 def get_joint_angles(
-    pose: Tracks | pd.DataFrame, *, animal: str | None = None, trial: str = "trial"
+    pose: Tracks | pd.DataFrame,
+    *,
+    animal: str | None = None,
+    trial: str = "trial",
+    smooth: bool = False,
 ) -> pd.DataFrame:
     """Take the joint angles out of Tracks, or out of the table of ``pose.csv``.
 
@@ -41,6 +47,11 @@ def get_joint_angles(
         several animals, the one to take; default all.
     trial : str
         Name of the trial.
+    smooth : bool
+        Smooth every joint over time first (:func:`pawnb.signals.smooth_spline`, the cut-off
+        chosen for each by generalised cross-validation). Extremes are the frames with the
+        worst errors: of angles as they are tracked every range comes out too wide, the more
+        so the longer one looks. Stretches of fewer than five frames are left out then.
 
     Returns
     -------
@@ -74,7 +85,7 @@ def get_joint_angles(
             found = re.fullmatch(r"(?P<leg>.+)_(?P<joint>[A-Z]+)", str(column))
             if found is None or str(column).endswith(_NOT_ANGLES):
                 continue
-            angles = pd.to_numeric(table[column]).dropna().to_numpy(dtype=float)
+            angles = _angles_of(table, column, smooth=smooth)
             place = {"animal": name, "trial": trial, **found.groupdict()}
             parts.append(pd.DataFrame({**place, "angle_deg": angles}, index=range(len(angles))))
     if not any(len(part) for part in parts):
@@ -83,6 +94,22 @@ def get_joint_angles(
             "L1_BC."
         )
     return pd.concat(parts, ignore_index=True)[list(ANGLE_COLUMNS)]
+
+
+def _angles_of(table: pd.DataFrame, column: str, *, smooth: bool) -> np.ndarray:
+    """Return the angles of one joint in the frames that have one."""
+    angles = pd.to_numeric(table[column])
+    if smooth:
+        if "frame" in table:  # a table has no rows for frames without a pose
+            angles = angles.set_axis(table["frame"].astype(int))
+            angles = angles.reindex(range(angles.index.min(), angles.index.max() + 1))
+        values = angles.to_numpy(dtype=float)
+        known = find_runs(np.isfinite(values))
+        # five samples are the least of a spline
+        if any(stop - start >= LEAST_SAMPLES for start, stop in known):
+            # the spline is the same in any unit of time
+            angles = pd.Series(smooth_spline(values, fs_hz=1.0))
+    return angles.dropna().to_numpy(dtype=float)
 
 
 def joint_extremes(angles: pd.DataFrame, *, trim: float = 0.0) -> pd.DataFrame:

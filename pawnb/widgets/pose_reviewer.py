@@ -145,15 +145,8 @@ class PoseReviewer(StickPoser, Retracking):
              "title": "Track both ways from this frame, with its pose as certain (R)"},
             {"id": "accept", "text": "This pose is right", "keys": ["Enter"],
              "title": "Keep this pose as certain when other frames are tracked again (Enter)"},
-            {"id": "save", "text": "Save tracks", "keys": ["Ctrl+s"],
-             "title": "Write tracks.nc and its tables; corrections are kept anyway (Ctrl+S)"},
         ]  # fmt: skip
-        if self._suspects:
-            own.append({"id": "suspect", "text": "Jump to a doubtful frame",
-                        "title": "Frames that the tracker doubts, the most doubtful first",
-                        "options": self._suspects})  # fmt: skip
-        if busy:
-            own.append({"id": "stop", "text": "Stop", "title": "Stop tracking again"})
+        own += self._review_actions(busy=busy)
         # these are about the start pose
         unfit = ("propose", "missing", "accept", "scale", "here", "here_too", "drop")
         return [*own, *(a for a in stick_actions(self.session) if a["id"] not in unfit)]

@@ -18,11 +18,13 @@ RetrackTrial = Callable[..., Tracks]
 class Retracking(FrameCanvas):
     """A canvas whose tracks can be tracked again.
 
-    What stands on it has the corrections (``corrected``), says how things stand
-    (:meth:`_show_state`), and calls :meth:`_prepare` before anything else.
+    What stands on it has the corrections (``corrected``) and the doubtful frames as choices of a
+    menu (``_suspects``), says how things stand (:meth:`_show_state`), and calls :meth:`_prepare`
+    before anything else.
     """
 
     corrected: Any  # CorrectedTracks; traitlets wants no stricter word here
+    _suspects: list[list[str]]
 
     def _prepare(self, trial: Trial, retrack: RetrackTrial | None) -> None:
         """Remember the trial and how it is tracked again."""
@@ -66,6 +68,20 @@ class Retracking(FrameCanvas):
     def _tracked_again(self) -> None:
         """Take notice of new tracks, before they are shown."""
         raise NotImplementedError
+
+    def _review_actions(self, *, busy: bool) -> list[dict[str, Any]]:
+        """Return the buttons and menus of any review: save, doubtful frames, stop."""
+        actions: list[dict[str, Any]] = [
+            {"id": "save", "text": "Save tracks", "keys": ["Ctrl+s"],
+             "title": "Write tracks.nc and its tables; corrections are kept anyway (Ctrl+S)"},
+        ]  # fmt: skip
+        if self._suspects:
+            actions.append({"id": "suspect", "text": "Jump to a doubtful frame",
+                            "title": "Frames that the tracker doubts, the most doubtful first",
+                            "options": self._suspects})  # fmt: skip
+        if busy:
+            actions.append({"id": "stop", "text": "Stop", "title": "Stop tracking again"})
+        return actions
 
     def _retrack_now(self, frame: int, learn: bool) -> None:
         """Track again and show the result; runs in its own thread."""

@@ -212,20 +212,12 @@ class TrackReviewer(Retracking):
              "title": "Take back the last correction (Ctrl+Z)", "enabled": session.can_undo},
             {"id": "redo", "text": "Redo", "keys": ["Ctrl+y", "Ctrl+Shift+Z"],
              "title": "Make it again (Ctrl+Y)", "enabled": session.can_redo},
-            {"id": "save", "text": "Save tracks", "keys": ["Ctrl+s"],
-             "title": "Write tracks.nc and its tables; corrections are kept anyway (Ctrl+S)"},
+            *self._review_actions(busy=busy),
         ]  # fmt: skip
         for action in actions:
-            action["enabled"] = action.get("enabled", True) and not busy
-        if not pairs:
-            actions = [action for action in actions if action["id"] != "swap"]
-        if self._suspects:
-            title = "Frames that the tracker doubts, the most doubtful first"
-            menu = {"id": "suspect", "text": "Jump to a doubtful frame", "title": title}
-            actions.append(menu | {"options": self._suspects})
-        if busy:
-            actions.append({"id": "stop", "text": "Stop", "title": "Stop tracking again"})
-        self.actions = actions
+            free = not busy or action["id"] in ("suspect", "stop")
+            action["enabled"] = action.get("enabled", True) and free
+        self.actions = [action for action in actions if pairs or action["id"] != "swap"]
 
 
 def _taken(action: str, edit: Edit | None) -> str:

@@ -133,3 +133,31 @@ def test_legs_without_a_place_stand_alone():
 def test_bad_input_is_refused(call, message):
     with pytest.raises(InputError, match=message):
         call()
+
+
+def test_smoothed_angles_have_their_true_range_and_gaps_are_not_bridged():
+    """A joint of 20 degrees' range and one that is still, each with errors of 1 degree.
+
+    The extremes of 120 normal errors are 2.6 SD away on average (Tippett 1925).
+    """
+    rng = np.random.default_rng(3)
+    frames = np.arange(120)
+    moves, still = 10.0 * np.sin(frames / 4.0), np.full(120, -5.0)
+    pose = pd.DataFrame({"frame": frames, "L1_BC": moves, "L1_CT": still})
+    pose[["L1_BC", "L1_CT"]] += rng.normal(size=(120, 2))
+    ranges = {
+        smooth: joint_extremes(get_joint_angles(pose, animal="a", smooth=smooth)).set_index("joint")
+        for smooth in (False, True)
+    }
+    assert ranges[False]["range_deg"]["CT"] > 4.0
+    assert ranges[False]["range_deg"]["BC"] > 22.0
+    assert ranges[True]["range_deg"]["CT"] < 2.0
+    assert ranges[True]["range_deg"]["BC"] == pytest.approx(20.0, abs=1.2)
+    # frames without a row part a joint's angles; what is shorter than five frames is left out
+    steps = pose.assign(L1_BC=np.where(frames < 60, 0.0, 90.0), L1_CT=0.0)
+    parted = steps[~steps["frame"].between(50, 59) & ~steps["frame"].between(100, 116)]
+    angles = get_joint_angles(parted, animal="a", smooth=True)
+    own = angles.loc[angles["joint"] == "BC", "angle_deg"].to_numpy()
+    np.testing.assert_allclose(own, np.r_[np.zeros(50), np.full(40, 90.0)], atol=1e-6)
+    few = get_joint_angles(pose.head(3), animal="a", smooth=True)
+    np.testing.assert_array_equal(few["angle_deg"], np.r_[pose["L1_BC"][:3], pose["L1_CT"][:3]])

@@ -17,7 +17,7 @@ from pawnb.core.pose.leg_lengths import fit_leg_lengths, per_segment, scaled
 from pawnb.core.pose.likelihood import EmptyScene, background_cost
 from pawnb.core.pose.paper_inference import FramePose, infer_pose
 from pawnb.core.pose.paper_settings import PaperPoseSettings
-from pawnb.core.pose.poses import Poses
+from pawnb.core.pose.poses import Poses, start_within
 from pawnb.core.pose.sticks import Sticks, distance_map, pose_vector
 from pawnb.core.pose.track_result import PoseTrack, plain_track
 from pawnb.core.views import ViewReader
@@ -103,13 +103,7 @@ def track_pose_paper(
     """
     settings = settings or PaperPoseSettings()
     numbers = np.arange(*frames)
-    inside = np.flatnonzero(np.isin(start.frames, numbers))
-    if not len(inside):
-        raise InputError(
-            f"the start pose is of frame {', '.join(map(str, start.frames))}, but frames "
-            f"{frames[0]} to {frames[1] - 1} are tracked; give a start pose within them."
-        )
-    start = start.take(inside[np.argsort(start.frames[inside])])
+    start = start_within(start, frames)
     start = dataclasses.replace(start, heading_deg=np.unwrap(start.heading_deg, period=360.0))
     look = start.take([0]) if look is None else look
     tracker = _Tracker(reader, (start, look), animal, background, settings, len(numbers))

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pawnb.core.pose.animal import StickAnimal
+from pawnb.errors import InputError
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,6 +51,35 @@ class Poses:
     def at_frame(self, frame: int) -> Poses:
         """Return the pose of one frame (length 1, or 0 where there is none)."""
         return self.take(self.frames == frame)
+
+
+def start_within(start: Poses, frames: tuple[int, int]) -> Poses:
+    """Return the start poses within a range of frames, frames ascending.
+
+    Parameters
+    ----------
+    start : Poses
+        Poses to start from.
+    frames : tuple of int
+        First frame and one past the last.
+
+    Returns
+    -------
+    Poses
+        One frame or more.
+
+    Raises
+    ------
+    InputError
+        If none lies within.
+    """
+    inside = np.flatnonzero((start.frames >= frames[0]) & (start.frames < frames[1]))
+    if not len(inside):
+        raise InputError(
+            f"the start pose is of frame {', '.join(map(str, start.frames))}, but frames "
+            f"{frames[0]} to {frames[1] - 1} are tracked; give a start pose within them."
+        )
+    return start.take(inside[np.argsort(start.frames[inside])])
 
 
 def join_poses(parts: list[Poses]) -> Poses:

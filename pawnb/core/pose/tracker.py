@@ -28,10 +28,9 @@ from pawnb.core.pose.fit.rethink import chosen_poses
 from pawnb.core.pose.fit.settings import PoseSettings
 from pawnb.core.pose.fit.start import fit_start
 from pawnb.core.pose.kept_frames import KeptFrames
-from pawnb.core.pose.poses import Poses, joint_positions
+from pawnb.core.pose.poses import Poses, joint_positions, start_within
 from pawnb.core.pose.track_result import PoseTrack
 from pawnb.core.views import Frame, ViewReader
-from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE
 
 _SURE, _DOUBTFUL = 0.85, 0.35
@@ -92,13 +91,7 @@ def track_pose(
     """
     settings = settings or PoseSettings()
     numbers = np.arange(*frames)
-    inside = np.flatnonzero(np.isin(start.frames, numbers))
-    if not len(inside):
-        raise InputError(
-            f"the start pose is of frame {', '.join(map(str, start.frames))}, but frames "
-            f"{frames[0]} to {frames[1] - 1} are tracked; give a start pose within them."
-        )
-    start = start.take(inside[np.argsort(start.frames[inside])])
+    start = start_within(start, frames)
     look = start.take([0]) if look is None else look
     fitter, known = _begin(reader, (start, look), animal, background, settings)
     # frames between two known ones are followed twice
