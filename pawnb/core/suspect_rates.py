@@ -21,6 +21,10 @@ AROUND_FRAMES = 5
 _PLATEAU = 0.95
 """Of frames from which nearly as much is seen, the one that is most doubtful itself is shown."""
 
+_GOES_ON = 0.03
+"""Where more errors of a point than this are expected in every frame, it is one doubt without
+a break: who sees a part of it goes on to where the point is right again."""
+
 Look = tuple[int, float, np.ndarray, np.ndarray]
 """Row; errors expected to be found; of each point (P,) how many; and where it is most doubtful."""
 
@@ -104,6 +108,7 @@ def choose_looks(
     left = rates.copy()
     first = np.searchsorted(frames, frames - around)
     stop = np.searchsorted(frames, frames + around, side="right")
+    follows = np.diff(frames, prepend=-np.inf) <= around
     # a point has hardly more than one error in a look
     found = -np.expm1(-_sums(left, first, stop))
     gain = found.sum(axis=1)
@@ -117,11 +122,25 @@ def choose_looks(
         t = int(good[left[good].sum(axis=1).argmax()])
         shown = slice(first[t], stop[t])
         chosen.append((t, float(gain[t]), found[t].copy(), first[t] + left[shown].argmax(axis=0)))
-        left[shown] = 0.0
-        touched = slice(first[shown.start], stop[shown.stop - 1])
+        begin, end = shown.start, shown.stop
+        for p in range(left.shape[1]):
+            seen = _without_a_break(left[:, p], shown, follows)
+            left[seen, p] = 0.0
+            begin, end = min(begin, seen.start), max(end, seen.stop)
+        touched = slice(first[begin], stop[end - 1])
         found[touched] = -np.expm1(-_sums(left, first[touched], stop[touched]))
         gain[touched] = found[touched].sum(axis=1)
     return sorted(chosen, key=lambda look: -look[1])
+
+
+def _without_a_break(rates: np.ndarray, shown: slice, follows: np.ndarray) -> slice:
+    """Return the rows shown, and those beside them in which the doubt goes on."""
+    first, stop = shown.start, shown.stop
+    while first > 0 and follows[first] and rates[first - 1] >= _GOES_ON:
+        first -= 1
+    while stop < len(rates) and follows[stop] and rates[stop] >= _GOES_ON:
+        stop += 1
+    return slice(first, stop)
 
 
 def _sums(values: np.ndarray, first: np.ndarray, stop: np.ndarray) -> np.ndarray:

@@ -37,6 +37,21 @@ def test_frames_are_counted_by_their_numbers():
     assert choose_looks(np.zeros((0, 2)), np.zeros(0, int), around=5, least=0.01) == []
 
 
+def test_a_doubt_without_a_break_is_listed_once():
+    rates = np.zeros((100, 2))
+    rates[20:60, 0] = 0.1
+    rates[35, 0] = 0.3
+    rates[22, 1] = 0.05  # of another point, and not seen from there
+    looks = choose_looks(rates, np.arange(100), around=5, least=0.01)
+    assert [look[0] for look in looks] == [35, 22]
+    np.testing.assert_allclose(looks[1][2], [0.0, -np.expm1(-0.05)])
+    # the same doubt, weak in between, is two
+    rates[26:30, 0] = 0.01
+    looks = choose_looks(rates, np.arange(100), around=5, least=0.01)
+    assert looks[1][0] in range(20, 26)
+    assert looks[1][2][0] > 0.3
+
+
 def test_some_looks_are_listed_however_little_they_may_find():
     rates = np.full((100, 1), 1e-4)
     rates[50:] = 0.0
@@ -52,9 +67,11 @@ def test_looks_never_rise_and_nothing_is_left(rates, around):
     looks = choose_looks(rates, np.arange(40), around=around, least=0.02)
     scores = [look[1] for look in looks]
     assert scores == sorted(scores, reverse=True)
+    # what is left can only be less than what no look is near to
     left = rates.copy()
     for row, *_ in looks:
         left[max(0, row - around) : row + around + 1] = 0.0
+    left[rates >= 0.03] = 0.0
     for row in range(40):
         expected = -np.expm1(-left[max(0, row - around) : row + around + 1].sum(axis=0))
         assert expected.sum() < 0.02 + 1e-9
