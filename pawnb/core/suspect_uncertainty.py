@@ -189,7 +189,7 @@ def _decided_otherwise(tracks: Tracks, size: float) -> Doubt:
     unit = tracks.attrs["units"]
 
     def words(t: int, p: int) -> str:
-        return f"without the usual stride it would be {moved[t, p]:.1f} {unit} away"
+        return f"a first look, before the stride was known, had it {moved[t, p]:.1f} {unit} away"
 
     return Doubt({"revision": moved / size}, words)
 

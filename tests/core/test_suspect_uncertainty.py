@@ -128,8 +128,8 @@ def test_a_point_moved_when_the_stride_was_known():
 
     tracks["revision"].values[:] = 0.0
     calm, moved, unknown = row_near_107(0.0), row_near_107(40.0), row_near_107(np.nan)
-    assert "without the usual stride it would be 40.0" in moved["reason"]
-    assert "without the usual stride" not in calm["reason"]
+    assert "a first look, before the stride was known, had it 40.0" in moved["reason"]
+    assert "a first look" not in calm["reason"]
     # 40 mm are more than two paws here, and four in eleven frames that one look shows
     assert moved["score"] > 2 * calm["score"]
     assert unknown["score"] < 1.2 * calm["score"]
