@@ -16,6 +16,7 @@ import numpy as np
 
 from pawnb.core.paws.whole import candidates_loops as loops
 from pawnb.core.paws.whole.appearance import Appearance
+from pawnb.core.paws.whole.light import in_light
 from pawnb.core.paws.whole.spots import find_spots
 
 _SHARE = 0.34
@@ -46,6 +47,9 @@ class Look:
         Lines with ``a u + b v + c >= 0`` on the side where paws can be.
     is_below : bool
         Whether the view is from below: paws are spots there, not ends of limbs.
+    light : tuple of float, optional
+        Mean of each channel of the searched part at the clicks; see
+        :func:`~pawnb.core.paws.whole.light.in_light`.
     """
 
     appearance: Appearance
@@ -54,6 +58,7 @@ class Look:
     distal: tuple[float, float] = (0.0, 1.0)
     limits: np.ndarray | None = None
     is_below: bool = False
+    light: tuple[float, ...] | None = None
 
 
 def find_candidates(pixels: np.ndarray, origin: tuple[int, int], look: Look) -> np.ndarray:
@@ -75,6 +80,7 @@ def find_candidates(pixels: np.ndarray, origin: tuple[int, int], look: Look) -> 
         wider centre to the near one), share of mask, mean score, and u, v of the end
         pixel itself.
     """
+    pixels = in_light(pixels, look.light)
     score = look.appearance.score(pixels, origin, shrink=look.shrink)
     if look.is_below:
         return _spots(score, origin, look)

@@ -132,10 +132,7 @@ def extract(
         return found
 
     def search(v: int, picture: Picture) -> np.ndarray:
-        shrink = looks[v].shrink
-        # chroma has half the resolution: reduced, its planes need an even grid
-        box = regions[v].box(1 if shrink == 1 else 2 * shrink)
-        rows = find_candidates(_reduced(picture, box, shrink), box[:2], looks[v])
+        rows = find_candidates(*searched(picture, regions[v], looks[v].shrink), looks[v])
         regions[v].follow(rows)
         return rows
 
@@ -191,8 +188,10 @@ def _shown(
         yield pictures
 
 
-def _reduced(picture: Picture, box: tuple[int, int, int, int], factor: int) -> np.ndarray:
-    """Return a part of a picture, reduced; frames of a video do so as they are decoded."""
-    if isinstance(picture, Frame):
-        return picture.reduced(*box, factor=factor)
-    return reduce(picture.crop(*box), factor)
+def searched(picture: Picture, region: Region, shrink: int) -> tuple[np.ndarray, tuple[int, int]]:
+    """Return the part of a picture that is searched, reduced, and its left and top in px."""
+    # chroma has half the resolution: reduced, its planes need an even grid
+    box = region.box(1 if shrink == 1 else 2 * shrink)
+    if isinstance(picture, Frame):  # frames of a video reduce as they are decoded
+        return picture.reduced(*box, factor=shrink), box[:2]
+    return reduce(picture.crop(*box), shrink), box[:2]

@@ -11,10 +11,11 @@ import numpy as np
 from pawnb.core.paws.layout import Layout, Placement, Views
 from pawnb.core.paws.whole.appearance import Appearance, learn
 from pawnb.core.paws.whole.candidates import Look
-from pawnb.core.paws.whole.extract import Region, make_look
+from pawnb.core.paws.whole.extract import Region, make_look, searched
 from pawnb.core.paws.whole.geometry import Geometry
 from pawnb.core.paws.whole.hypotheses import Volume
 from pawnb.core.paws.whole.lead import Lead, find_lead
+from pawnb.core.paws.whole.light import mean_light
 from pawnb.core.paws.whole.settings import WholeSettings
 from pawnb.core.paws.whole.still import find_still, to_grey
 
@@ -150,6 +151,7 @@ def read_scene(
         )
         for v in range(len(layout.sizes))
     ]
+    looks = _in_their_light(looks, views, min(placed), regions)
     volume = lead = None
     if layout.rig is not None:
         across = np.cross(up, forward)
@@ -248,7 +250,7 @@ def _learn_looks(
     not: light comes from one side, and a mirror or a glass floor dims. There each view
     learns from its own clicks if it has some.
     """
-    still = find_still(views, layout.sizes)
+    still = find_still(views, layout.sizes, like=min(clicks))
     pictures, places, owners = [], [], []
     for frame, here in clicks.items():
         opened = views.frame(frame)
@@ -276,6 +278,18 @@ def _learn_looks(
         look = learn_from(own_pictures) if alone else everywhere
         looks.append(replace(look, background=background))
     return looks
+
+
+def _in_their_light(
+    looks: Sequence[Look], views: Views, frame: int, regions: Sequence[Region]
+) -> list[Look]:
+    """Note how bright what is searched is in a clicked frame."""
+    opened = views.frame(frame)
+    parts = [
+        searched(opened[name], region, look.shrink)[0]
+        for name, region, look in zip(views.names, regions, looks, strict=True)
+    ]
+    return [replace(look, light=mean_light(part)) for look, part in zip(looks, parts, strict=True)]
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 
 from pawnb.core.paws.layout import Views
+from pawnb.core.paws.whole.light import in_light, mean_light
 
 _SAMPLES = 32
 _TINT = 4
@@ -28,7 +29,9 @@ def to_grey(pixels: np.ndarray) -> np.ndarray:
     return pixels if pixels.ndim == 2 else pixels[..., 1]
 
 
-def find_still(views: Views, sizes: Sequence[tuple[int, int]]) -> list[np.ndarray | None]:
+def find_still(
+    views: Views, sizes: Sequence[tuple[int, int]], *, like: int = 0
+) -> list[np.ndarray | None]:
     """Return what stands still in each view: the median of frames from all over the recording.
 
     Legs are never long at one place, so the median shows what is behind them, and of a wheel
@@ -40,21 +43,26 @@ def find_still(views: Views, sizes: Sequence[tuple[int, int]]) -> list[np.ndarra
         The opened views.
     sizes : sequence of (int, int)
         Width and height of each.
+    like : int
+        Frame in whose light it is shown.
 
     Returns
     -------
     list of ndarray
         One grey picture a view, uint8; None for a view in colour, where colours tell more.
     """
-    first = views.frame(0)
-    grey = [v for v, name in enumerate(views.names) if is_grey(first[name].crop(0, 0, *sizes[v]))]
+    first = views.frame(like)
+    shown = [first[name].crop(0, 0, *size) for name, size in zip(views.names, sizes, strict=True)]
+    grey = [v for v, picture in enumerate(shown) if is_grey(picture)]
+    light = {v: mean_light(to_grey(shown[v])) for v in grey}
     kept: dict[int, list[np.ndarray]] = {v: [] for v in grey}
     if grey:
         count = min(_SAMPLES, views.n_frames)
         for frame in np.linspace(0, views.n_frames - 1, count).round().astype(int).tolist():
             opened = views.frame(frame)
             for v in grey:
-                kept[v].append(to_grey(opened[views.names[v]].crop(0, 0, *sizes[v])))
+                picture = to_grey(opened[views.names[v]].crop(0, 0, *sizes[v]))
+                kept[v].append(in_light(picture, light[v]))
     return [
         np.median(kept[v], axis=0).astype(np.uint8) if v in kept else None
         for v in range(len(views.names))

@@ -29,6 +29,7 @@ _CODE = (
     "candidates.py",
     "candidates_loops.py",
     "extract.py",
+    "light.py",
     "spots.py",
     "still.py",
 )

@@ -1,0 +1,47 @@
+"""Light that changes over a recording: pictures are made as bright as at the clicks.
+
+Lamps warm up, cameras adapt their exposure and their white balance, mains flicker. What is
+about the animal is mostly what stands still, and it changes with the light as the paws do:
+the mean of the searched part of a picture, by colour, tells how much.
+"""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+LEAST_CHANGE = 0.07
+"""Means that change by less are left alone: those of parts that follow the animal change by
+up to 0.06 as it moves, in steady light."""
+_MOST_CHANGE = 4.0
+"""Light is not thought to change by a larger factor: then other things are to be seen."""
+
+
+def mean_light(pixels: np.ndarray) -> tuple[float, ...]:
+    """Return the mean of each channel of a picture (h, w, 3) or (h, w), uint8."""
+    return cv2.mean(pixels)[: 1 if pixels.ndim == 2 else 3]
+
+
+def in_light(pixels: np.ndarray, light: tuple[float, ...] | None) -> np.ndarray:
+    """Return a picture as it would be in another light.
+
+    Parameters
+    ----------
+    pixels : ndarray, shape (h, w, 3) or (h, w)
+        RGB or grey, uint8.
+    light : tuple of float, optional
+        :func:`mean_light` of the same part of the view in that light; None: as it is.
+
+    Returns
+    -------
+    ndarray, shape as ``pixels``
+        Each channel times one factor; ``pixels`` itself where the light is the same.
+    """
+    if light is None:
+        return pixels
+    gain = np.maximum(light, 1.0) / np.maximum(mean_light(pixels), 1.0)
+    gain = np.clip(gain, 1.0 / _MOST_CHANGE, _MOST_CHANGE)
+    if np.abs(np.log(gain)).max() < LEAST_CHANGE:
+        return pixels
+    levels = np.clip(np.arange(256.0)[:, None] * gain + 0.5, 0, 255).astype(np.uint8)
+    return np.asarray(cv2.LUT(pixels, levels[None] if pixels.ndim == 3 else levels[:, 0]))
