@@ -5,6 +5,9 @@ Every frame is fitted with sub-pixel precision on a crop that follows the animal
 (:mod:`.fit.choices`), and in the end the path is chosen that is smoothest over the whole recording
 and explains most of the picture (:mod:`.fit.path`). Then all frames are fitted together, with how
 evenly this animal's legs move (:mod:`.fit.finish`).
+
+Where wings or the like turn out to hide legs, the animal is followed a second time, with what the
+first has shown of them (:mod:`.fit.fixtures`) and of how its legs are held (:mod:`.fit.habits`).
 """
 
 from __future__ import annotations
@@ -12,6 +15,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 
 import numpy as np
 
@@ -21,6 +25,7 @@ from pawnb.core.pose.fit.choices import Choices
 from pawnb.core.pose.fit.evidence import BackgroundPicture
 from pawnb.core.pose.fit.finish import Settled, settle_all
 from pawnb.core.pose.fit.fitter import FrameFitter
+from pawnb.core.pose.fit.habits import learn_from_all
 from pawnb.core.pose.fit.layout import pose_vectors, poses_of_vectors
 from pawnb.core.pose.fit.prepare import check_on_animal, prepare_fitter
 from pawnb.core.pose.fit.relearn import learn_again
@@ -97,15 +102,21 @@ def track_pose(
     # frames between two known ones are followed twice
     between = max(known) - min(known)
     steps = _Steps(2 * len(numbers) + between, progress, stop)
-    found = follow_all(
+    follow = partial(
+        follow_all,
         fitter,
-        known,
-        frames,
+        frames=frames,
         read=lambda some: _read_ahead(reader, some, steps),
         done=steps.one,
         kept=kept or KeptFrames(),
     )
+    found = follow(known)
     poses = chosen_poses(fitter, found)
+    if not steps.stopped() and learn_from_all(fitter, found, poses):
+        steps.total += len(numbers) + between
+        known = {i: fit_known(fitter, reader.frame(i), pose)[0] for i, pose in known.items()}
+        found = follow(known, turn="again ")
+        poses = chosen_poses(fitter, found)
     poses = learn_again(fitter, found, poses)
     settled = _finish(fitter, found, poses, steps)
     steps.end()

@@ -42,6 +42,7 @@ def test_most_leg_tips_of_a_walking_fly(real_data, monkeypatch):
     legs = [animal.leg_names.index(leg) for leg in tips["leg"]]
     away = np.hypot(*(found[tips["frame"], legs] - tips[["u", "v"]].to_numpy()).T)
     near = {leg: np.mean(away[tips["leg"] == leg] <= 12.0) for leg in animal.leg_names}
-    # 12 px is the aim, three times what SLEAP's points are good to; hind legs hide under the wings
+    # 12 px is the aim, three times what SLEAP's points are good to; hind legs hide under the wings,
+    # which are spread in the first 18 of these frames and folded later
     assert min(near["L1"], near["R1"], near["L2"], near["R2"]) > 0.6, near
     assert np.mean(away <= 12.0) > 0.6, near

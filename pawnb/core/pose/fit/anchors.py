@@ -66,6 +66,7 @@ def follow_all(
     read: Read,
     done: Callable[[], None],
     kept: KeptFrames,
+    turn: str = "",
 ) -> list[Choices]:
     """Follow the animal both ways from every known frame.
 
@@ -84,6 +85,8 @@ def follow_all(
         Called after each frame that is followed.
     kept : KeptFrames
         What an interrupted run has found, and what this one finds.
+    turn : str
+        Begins the names of the ways, so that a second turn is kept apart from the first.
 
     Returns
     -------
@@ -94,13 +97,13 @@ def follow_all(
     first, last = numbers[0], numbers[-1]
     before = Follower(fitter, known[first])
     numbers_before = range(first - 1, frames[0] - 1, -1)
-    found = before.run(read(numbers_before), done=done, kept=kept, way=f"from {first} back")
+    found = before.run(read(numbers_before), done=done, kept=kept, way=f"{turn}from {first} back")
     look_back(before)
     found = found[::-1]
     for one, other in itertools.pairwise(numbers):
-        found += _between(fitter, (one, other), known, read, done, kept)
+        found += _between(fitter, (one, other), known, read, done, kept, turn)
     after = Follower(fitter, known[last])
-    part = after.run(read(range(last, frames[1])), done=done, kept=kept, way=f"from {last}")
+    part = after.run(read(range(last, frames[1])), done=done, kept=kept, way=f"{turn}from {last}")
     if len(known) > 1:
         _pin(fitter, part, known)
     look_back(after)
@@ -114,15 +117,16 @@ def _between(
     read: Read,
     done: Callable[[], None],
     kept: KeptFrames,
+    turn: str,
 ) -> list[Choices]:
     """Return what frames leave open from one known frame to before the next."""
     first, last = ends
     backward = Follower(fitter, known[last])
     frames = read(range(last, first, -1))
-    found = backward.run(frames, done=done, kept=kept, way=f"from {last} back")
+    found = backward.run(frames, done=done, kept=kept, way=f"{turn}from {last} back")
     back = {choices.frame: choices for choices in found}
     forward = Follower(fitter, known[first])
-    found = forward.run(read(range(first, last)), done=done, kept=kept, way=f"from {first}")
+    found = forward.run(read(range(first, last)), done=done, kept=kept, way=f"{turn}from {first}")
     for choices in found:
         if (other := back.pop(choices.frame, None)) is not None:
             _add(fitter, choices, other.pose)

@@ -40,13 +40,13 @@ def leg_footprint(
     n = 0
     for v in range(top, bottom):
         for u in range(left, right):
-            if value[v, u] > base[v, u] + 0.02:
+            if value[v, u] > base[v, u] + 0.02 and sight.weight[v, u] > 0.0:
                 n += 1
     pixels, darks = np.empty(n, np.int64), np.empty(n)
     n, cost = 0, 0.0
     for v in range(top, bottom):
         for u in range(left, right):
-            if value[v, u] > base[v, u] + 0.02:
+            if value[v, u] > base[v, u] + 0.02 and sight.weight[v, u] > 0.0:
                 pixels[n], darks[n] = v * width + u, value[v, u]
                 seen = sight.seen[v, u]
                 change = misfit(value[v, u] - seen, soft) - misfit(base[v, u] - seen, soft)
@@ -105,14 +105,21 @@ def cover_painted(value: np.ndarray, owner: np.ndarray, dark: float) -> None:
 
 @compiled
 def free_of_others(
-    seen: np.ndarray, zone: np.ndarray, owner: np.ndarray, neutral: float, out: np.ndarray
+    sight: Sight, zone: np.ndarray, owner: np.ndarray, neutral: float, out: np.ndarray
 ) -> None:
-    """Write darkness, at most ``neutral`` where ``zone`` or another leg lies, into ``out``."""
-    for v in range(seen.shape[0]):
-        for u in range(seen.shape[1]):
-            here = seen[v, u]
-            taken = zone[v, u] or owner[v, u] != NOTHING
-            out[v, u] = min(here, neutral) if taken else here
+    """Write darkness, at most ``neutral`` where ``zone`` or another leg lies, into ``out``.
+
+    Where nothing can be seen it is NaN.
+    """
+    for v in range(out.shape[0]):
+        for u in range(out.shape[1]):
+            here = sight.seen[v, u]
+            if sight.weight[v, u] == 0.0:
+                out[v, u] = math.nan
+            elif zone[v, u] or owner[v, u] != NOTHING:
+                out[v, u] = min(here, neutral)
+            else:
+                out[v, u] = here
 
 
 @compiled
@@ -146,7 +153,7 @@ def leg_support(
                     layout.radius[leg, s + 1] - layout.radius[leg, s]
                 )
                 expected = max(dark * min(1.0, radius), 0.05)  # thin ends are blurred
-                if body[v, u] > 0.7 * expected:
+                if body[v, u] > 0.7 * expected or sight.weight[v, u] == 0.0:
                     continue
                 here = min(max(sight.seen[v, u] / expected, 0.0), 1.0)
                 found += here * piece / steps

@@ -25,8 +25,9 @@ _CROSSED = 4.0
 """Cost of neighbouring legs that cross, in a frame: they seldom do."""
 _ROOM_PX = 14.0
 """Room about a leg that is fitted alone, working px."""
-_WORTHLESS = 0.35
-"""A candidate that explains less than this share of what the best one does is dropped."""
+_WORTHLESS, _FEW_PIXELS = 0.35, 30.0
+"""A candidate that explains less, for each pixel it shows and so many more, than this share of what
+the best one does is dropped. Of a leg whose most is hidden, the rest may be all there is to see."""
 
 
 @dataclass
@@ -127,7 +128,7 @@ def limb_candidates(
 
     Limbs are looked for among what no other leg explains, and then where a neighbour now lies,
     among what no other leg, the leg itself included, explains. Under what is explained a leg
-    finds neither support nor hindrance.
+    finds neither support nor hindrance. Poses that the leg is known to have are tried, too.
     """
     neutral = _NEUTRAL * float(np.median(fitter.layout.dark[leg]))
     found: list[np.ndarray] = []
@@ -138,12 +139,13 @@ def limb_candidates(
         shown = fitter.all_shown.copy()
         shown[absent] = False
         paint_some(fitter.layout, pose, fitter.blur, sight.box, shown, *canvas)
-        free_of_others(sight.seen, near_body, canvas[1], neutral, open_to)
+        free_of_others(sight, near_body, canvas[1], neutral, open_to)
         most = 2 if absent == leg else 1
         numbers, _ = find_limbs(
             fitter.layout, pose, leg, open_to, sight.box, prior, _BEAM, most, 2 * SAME_PX
         )
         found.extend(numbers)
+    found.extend(fitter.usual_poses[leg])
     return [fit_leg(fitter, pose, leg, guess=guess, sight=sight, prior=prior) for guess in found]
 
 
@@ -222,7 +224,8 @@ def _weigh(fitter: FrameFitter, choices: Choices, sight: Sight, prior: Prior) ->
             unlikely.append(prior_cost(trial, prior, numbers))
             marks.append((pixels, darks))
         alone = np.array(worth)
-        keep = _worth_keeping(alone, fitter.settings.candidates)
+        seen = np.array([len(pixels) for pixels, _ in marks])
+        keep = _worth_keeping(alone / (seen + _FEW_PIXELS), fitter.settings.candidates)
         choices.worth[leg] = alone[keep]
         choices.unlikely[leg] = np.array(unlikely)[keep]
         choices.legs[leg] = choices.legs[leg][keep]

@@ -16,6 +16,7 @@ from pawnb.core.pose.fit.candidate_loops import (
     unexplained,
 )
 from pawnb.core.pose.fit.evidence import Evidence, without_wide
+from pawnb.core.pose.fit.fixtures_loops import hide
 from pawnb.core.pose.fit.layout import N_BODY, Layout
 from pawnb.core.pose.fit.paint_loops import NOTHING, leg_chain, make_canvas
 from pawnb.core.pose.fit.priors import parameter_kinds
@@ -59,6 +60,13 @@ class FrameFitter:
         What is known of any pose.
     settings : PoseSettings
         Settings.
+
+    Attributes
+    ----------
+    fixtures : ndarray of bool, shape (side, side), or None
+        Where something that is no leg is fixed to the body; see :mod:`.fit.fixtures`.
+    usual_poses : list of ndarray, shape (poses, 2 links)
+        Of each leg, parts of the pose vector that it is known to have; see :mod:`.fit.habits`.
     """
 
     def __init__(
@@ -94,6 +102,8 @@ class FrameFitter:
         self.body_radius = float((np.abs(layout.ellipse[:, 0]) + layout.ellipse[:, 2]).max())
         self.blur = SQRT5 * settings.blur_px
         self._room = make_canvas(1, 1, layout)
+        self.fixtures: np.ndarray | None = None
+        self.usual_poses = [np.empty((0, len(numbers))) for numbers in self.numbers]
 
     def twin(self) -> FrameFitter:
         """Return a fitter that is the same but for the canvas, for another thread."""
@@ -162,12 +172,33 @@ class FrameFitter:
         self, sight: Sight, expected: np.ndarray, *, margin: float = _BODY_MARGIN_PX
     ) -> Sight:
         """Return a sight in which what is wider than a leg, but for the body, is not dark."""
+        body = self.near_body(expected, sight, margin=margin)
+        if self.fixtures is not None:
+            sight = sight._replace(seen=sight.seen.copy(), weight=sight.weight.copy())
+            hide(self.fixtures, expected, body, sight.box, sight.seen, sight.weight)
+        return without_wide(sight, body, size=self.disc_px)
+
+    def near_body(
+        self, pose: np.ndarray, sight: Sight, *, margin: float = _BODY_MARGIN_PX
+    ) -> np.ndarray:
+        """Return where the body is, and what is nearer to it than ``margin``: bool, (H, W)."""
         value, owner, along, joints = self.canvas(sight)
         paint_some(
-            self.layout, expected, margin, sight.box, self.body_shown, value, owner, along, joints
+            self.layout, pose, margin, sight.box, self.body_shown, value, owner, along, joints
         )
+        return owner != NOTHING
+
+    @property
+    def disc_px(self) -> int:
+        """Diameter of a disc that fits into no leg, an odd number."""
         thickest = 2.0 * float(min(self.layout.radius.max(), self.first.radius.max())) + self.blur
-        return without_wide(sight, owner != NOTHING, size=2 * round(_WIDER * thickest / 2) + 1)
+        return 2 * round(_WIDER * thickest / 2) + 1
+
+    @property
+    def leg_area(self) -> float:
+        """Area of a leg in the picture, working pixels."""
+        layout = self.layout
+        return float(np.median((2 * layout.radius[:, :-1] * layout.length).sum(axis=1)))
 
     def fit(
         self,

@@ -72,9 +72,6 @@ class Follower:
         self.kept: list[Choices] = []
         self.sides = sides_of(fitter.layout.side)
         self.trellises = [Trellis(fitter.settings.jump_px) for _ in self.sides]
-        layout = fitter.layout
-        area = (2 * layout.radius[:, :-1] * layout.length).sum(axis=1)
-        self._leg_area = float(np.median(area))
         self._usual = np.full(2, np.inf)
         # numpy's own part is small: the compiled loops of two sides run side by side
         self._twins = [fitter.twin() for _ in self.sides]
@@ -225,7 +222,7 @@ class Follower:
         left_over = fitter.unexplained(choices.pose, sight)
         usual = np.minimum(self._usual * _USUAL_GROWS + 1.0, left_over)
         on_right = (fitter.layout.side > 0).astype(int)
-        doubted |= (left_over > usual + _UNEXPLAINED_SHARE * self._leg_area)[on_right]
+        doubted |= (left_over > usual + _UNEXPLAINED_SHARE * fitter.leg_area)[on_right]
         self._usual = usual
         joints = [j[0] for j in choices.joints]
         for legs in self.sides:

@@ -16,13 +16,16 @@ from pawnb.core.pose.fit.solve_loops import Prior
 
 N_TURNS = 17
 SHORTER = (-0.4, -0.2, 0.0, 0.2, 0.4)
+_HIDDEN = 0.4
+"""What counts as seen of a leg where nothing can be seen, as a share of its darkness: a little less
+than half, so that no leg is hidden that could as well be seen."""
 SHORTER_COST = 6.0
 """Cost of a link's squared logarithmic foreshortening, px: little, as whole legs are raised."""
 
 
 @compiled
 def sample(seen: np.ndarray, u: float, v: float) -> float:
-    """Return the darkness at a place between pixels; 0 outside the picture."""
+    """Return the darkness at a place between pixels; 0 outside the picture, NaN near NaN."""
     left, top = math.floor(u), math.floor(v)
     if left < 0 or top < 0 or left + 1 >= seen.shape[1] or top + 1 >= seen.shape[0]:
         return 0.0
@@ -50,7 +53,8 @@ def follow_link(
             t = (i + 0.5) / n
             dark = layout.dark[leg, s] + (layout.dark[leg, s + 1] - layout.dark[leg, s]) * t
             here = sample(seen, u + t * du - box[0], v + t * dv - box[1]) / max(dark, 0.1)
-            total += (2.0 * min(max(here, 0.0), 1.0) - 1.0) * length / n
+            share = _HIDDEN if math.isnan(here) else min(max(here, 0.0), 1.0)
+            total += (2.0 * share - 1.0) * length / n
         u, v = u + du, v + dv
     end[0], end[1] = u, v
     return total
@@ -70,7 +74,7 @@ def find_limbs(
     leg : int
         Which leg.
     seen, box : ndarray
-        Darkness, slightly blurred, and left and top of the crop.
+        Darkness, slightly blurred, NaN where nothing can be seen; left and top of the crop.
     prior : Prior
         Middles, spread and limits of the leg's angles and foreshortening.
     width : int
