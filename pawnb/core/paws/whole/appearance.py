@@ -43,6 +43,8 @@ _USUAL, _MOST_GAIN = 2.5, 3.0
 lower; it is raised to this, at most so many times, as scores tell how much more like a clicked
 paw one place is than another."""
 
+_LEAST_USUAL = 1.0
+"""Scores at clicks below this mean that paws are hardly told from the rest at all."""
 _SMOOTH_PX, _FINE = 0.8, 4
 _LOOK_PX, _TOUCH_PX = 16, 2
 """A paw's thickness is measured in a part of the picture this far about a click, at the pixels
@@ -63,12 +65,15 @@ class Appearance:
         Side of the square over which a grey picture's surroundings are averaged.
     background : ndarray, optional
         What stands still in a whole grey picture of the view, uint8.
+    usual : float
+        Score that clicked paws have.
     """
 
     table: np.ndarray
     thickness_px: float
     around_px: int
     background: np.ndarray | None = None
+    usual: float = _LIMIT
 
     def score(
         self, pixels: np.ndarray, origin: tuple[int, int] = (0, 0), *, shrink: int = 1
@@ -190,7 +195,11 @@ def learn(
     limit = _SURE * min(1.0, max(usual, 0.0) / 2.0)
     gain = float(np.clip(_USUAL / max(usual - limit, 0.1), 1.0, _MOST_GAIN))
     table = np.clip((ratio - limit) * gain, -_LIMIT, _LIMIT).astype(np.float32)
-    return Appearance(table, shrink * _thickness(numbers, table, clicks), around_px)
+    at_clicks = [_even(table[n])[seed] for n, seed in zip(numbers, seeds, strict=True)]
+    return Appearance(
+        table, shrink * _thickness(numbers, table, clicks), around_px,
+        usual=float(np.clip(np.median(np.concatenate(at_clicks)), _LEAST_USUAL, _LIMIT)),
+    )  # fmt: skip
 
 
 def _ratio(

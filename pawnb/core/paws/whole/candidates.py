@@ -117,7 +117,7 @@ def find_candidates(pixels: np.ndarray, origin: tuple[int, int], look: Look) -> 
 
 def _spots(score: np.ndarray, origin: tuple[int, int], look: Look) -> np.ndarray:
     """Return the candidates of a view from below: each points where limbs tend to end."""
-    at, likeness = find_spots(score, look.reach)
+    at, likeness = find_spots(score, look.reach, look.appearance.usual)
     at = (at + 0.5) * look.shrink - 0.5 + origin
     if look.limits is not None:
         inside = (at @ look.limits[:, :2].T + look.limits[:, 2] >= 0).all(axis=1)

@@ -279,9 +279,10 @@ def where_kinds_are(
 ) -> list[np.ndarray]:
     """Return where the points of each point's kind are along forward, before all tracking.
 
-    That is where they were clicked. Where front and hind paws were clicked beside each
-    other, it is where the foremost and the hindmost quarter of all places begin, followed
-    over some frames.
+    That is where they were clicked, moved as the middle of all places, followed over some
+    frames, has moved since: an animal may run through the picture. Where front and hind paws
+    were clicked beside each other, it is where the foremost and the hindmost quarter of all
+    places begin.
 
     Returns
     -------
@@ -289,22 +290,30 @@ def where_kinds_are(
         One for each point, empty for a kind of which nothing is known.
     """
     n = len(places)
-    clicks = [(kinds[p], float(x @ scene.forward)) for h in fixed.values() for p, x in h.items()]
+    good = [place.at[place.cost < _GOOD] @ scene.forward for place in places]
+    middle = np.array([np.median(one) if len(one) else np.nan for one in good])
+    known = np.flatnonzero(np.isfinite(middle))
+    if len(known):
+        middle = np.interp(np.arange(n), known, middle[known])
+        middle = uniform_filter1d(middle, min(frames, n), mode="nearest")
+    else:
+        middle = np.zeros(n)
+    since = [
+        (kinds[p], float(x @ scene.forward) - middle[t]) for t, h in fixed.items()
+        for p, x in h.items()
+    ]  # fmt: skip
     mean = {
-        kind: float(np.mean([at for other, at in clicks if other == kind]))
-        for kind in {kind for kind, _ in clicks}
+        kind: float(np.mean([at for other, at in since if other == kind]))
+        for kind in {kind for kind, _ in since}
     }
-    told = {kind: np.full(n, at) for kind, at in mean.items() if kind != "other"}
-    if {"front", "hind"} <= set(mean) and mean["front"] - mean["hind"] < _TOLD_APART * scene.span:
-        good = [place.at[place.cost < _GOOD] @ scene.forward for place in places]
-        middle = np.array([np.median(one) if len(one) else np.nan for one in good])
-        known = np.flatnonzero(np.isfinite(middle))
-        if len(known):
-            middle = np.interp(np.arange(n), known, middle[known])
-            middle = uniform_filter1d(middle, min(frames, n), mode="nearest")
-            away = np.concatenate([one - at for one, at in zip(good, middle, strict=True)])
-            told = {
-                kind: middle + np.quantile(away, share)
-                for kind, share in (("front", 0.75), ("hind", 0.25))
-            }
+    told = {kind: middle + at for kind, at in mean.items() if kind != "other"}
+    beside = {"front", "hind"} <= set(mean) and mean["front"] - mean["hind"] < (
+        _TOLD_APART * scene.span
+    )
+    if beside and len(known):
+        away = np.concatenate([one - at for one, at in zip(good, middle, strict=True)])
+        told = {
+            kind: middle + np.quantile(away, share)
+            for kind, share in (("front", 0.75), ("hind", 0.25))
+        }
     return [told.get(kind, np.empty(0)) for kind in kinds]

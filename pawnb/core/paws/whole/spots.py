@@ -12,11 +12,11 @@ import numpy as np
 
 _WIDTH = 0.4
 """Standard deviation of the smoothing, in reaches of the search."""
-_LEAST, _MOST_SCORE = 0.8, 6.0
-"""Least smoothed score of a spot, and the largest there is."""
+_LEAST = 0.13
+"""Least smoothed score of a spot, in that which clicked paws have."""
 
 
-def find_spots(score: np.ndarray, reach: int) -> tuple[np.ndarray, np.ndarray]:
+def find_spots(score: np.ndarray, reach: int, usual: float) -> tuple[np.ndarray, np.ndarray]:
     """Find the middles of paw-coloured spots.
 
     Parameters
@@ -25,6 +25,8 @@ def find_spots(score: np.ndarray, reach: int) -> tuple[np.ndarray, np.ndarray]:
         Log-likelihood ratio of every pixel.
     reach : int
         See :class:`~pawnb.core.paws.whole.candidates.Look`.
+    usual : float
+        Score that clicked paws have: more does not make a spot more like a paw.
 
     Returns
     -------
@@ -33,11 +35,11 @@ def find_spots(score: np.ndarray, reach: int) -> tuple[np.ndarray, np.ndarray]:
     likeness : ndarray, shape (n,)
         How much each is like a paw, 0 to 1.
     """
-    smooth = cv2.GaussianBlur(np.clip(score, 0.0, _MOST_SCORE), (0, 0), _WIDTH * reach)
+    smooth = cv2.GaussianBlur(np.maximum(score, 0.0), (0, 0), _WIDTH * reach)
     around = 2 * round(1.6 * _WIDTH * reach) + 1
     highest = cv2.dilate(smooth, np.ones((around, around), np.uint8))
-    v, u = np.nonzero((smooth >= highest) & (smooth > _LEAST))
-    likeness = smooth[v, u] / _MOST_SCORE
+    v, u = np.nonzero((smooth >= highest) & (smooth > _LEAST * usual))
+    likeness = np.minimum(smooth[v, u] / usual, 1.0)
     padded = np.pad(smooth, 1, mode="edge")
     # the top of a parabola through the maximum and its neighbours, along u and along v
     left = np.stack([padded[v + 1, u], padded[v, u + 1]])

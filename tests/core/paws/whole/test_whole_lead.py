@@ -40,11 +40,21 @@ def test_a_spot_is_found_at_its_middle_and_judged_by_its_score():
     score = -3.0 + np.zeros((60, 80), np.float32)
     for (cu, cv), top in (((20.3, 30.0), 9.0), ((60.0, 20.6), 5.0)):
         score += top * np.exp(-((u - cu) ** 2 + (v - cv) ** 2) / 32.0).astype(np.float32)
-    at, likeness = find_spots(score, 6)
+    at, likeness = find_spots(score, 6, 6.0)
     order = np.argsort(-likeness)
     np.testing.assert_allclose(at[order], [[20.3, 30.0], [60.0, 20.6]], atol=0.3)
     assert len(at) == 2
     assert 1.0 >= likeness[order][0] > 1.5 * likeness[order][1] > 0.0
+
+
+def test_a_spot_is_as_likely_a_paw_as_clicked_ones_whatever_their_score():
+    v, u = np.mgrid[:60, :80]
+    score = np.float32(6.0) * np.exp(-((u - 20.0) ** 2 + (v - 30.0) ** 2) / 32.0) - 1.0
+    score = score.astype(np.float32)
+    _, plain = find_spots(score, 6, 6.0)
+    _, faint = find_spots(0.4 * score, 6, 2.4)
+    np.testing.assert_allclose(faint, plain, atol=1e-4)
+    assert find_spots(3.0 * score, 6, 6.0)[1].max() <= 1.0
 
 
 def test_only_a_view_along_the_vertical_with_every_click_leads():

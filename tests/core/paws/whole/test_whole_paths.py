@@ -5,9 +5,9 @@ import pytest
 
 from pawnb.core.paws.whole.cycle import learn_cycle
 from pawnb.core.paws.whole.geometry import Geometry
-from pawnb.core.paws.whole.hypotheses import Volume
+from pawnb.core.paws.whole.hypotheses import Places, Volume
 from pawnb.core.paws.whole.likeness import Judge
-from pawnb.core.paws.whole.paths import PathChoice
+from pawnb.core.paws.whole.paths import PathChoice, where_kinds_are
 from pawnb.core.paws.whole.scene import Scene
 from pawnb.core.paws.whole.settings import WholeSettings
 
@@ -91,6 +91,18 @@ def test_paws_that_look_poor_at_the_clicks_are_followed_all_the_same():
     seen, farthest = agreement(paths.first(), truth, hidden)
     assert seen > 0.9
     assert farthest < THICKNESS
+
+
+def test_paws_of_an_animal_that_runs_through_the_picture_are_not_taken_for_each_other():
+    # 1.2 spans farther at the end: hind paws then are where front paws were clicked
+    truth = walk() + np.linspace(0.0, 1.2 * SPAN, N)[:, None, None] * np.array([1.0, 0.0, 0.0])
+    usual = where_kinds_are(
+        [Places(x, np.zeros(4)) for x in truth], {0: dict(enumerate(truth[0]))}, scene(truth),
+        kinds=KINDS, frames=64,
+    )  # fmt: skip
+    for p in range(4):
+        away = (usual[p] - truth[:, p, 0])[40:-40]
+        assert np.abs(away).max() < 0.33 * SPAN  # nearer than this costs nothing
 
 
 def test_every_paw_keeps_its_own_path(walked):
