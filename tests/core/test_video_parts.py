@@ -21,13 +21,14 @@ def opened(path):
     return open_view(View(name="cam1", video=path.name), path.parent)
 
 
-def as_avi(path, pictures):
+def as_avi(path, pictures, height=None):
     """JPEG pictures in an AVI as they are."""
     with av.open(str(path), "w") as container:
         stream = container.add_stream("mjpeg", rate=50)
         stream.height, stream.width = cv2.imdecode(
             np.frombuffer(pictures[0], np.uint8), cv2.IMREAD_GRAYSCALE
         ).shape
+        stream.height = height or stream.height
         stream.pix_fmt = "yuvj420p"
         for k, data in enumerate(pictures):
             packet = av.Packet(data)
@@ -94,6 +95,22 @@ def test_packets_unlike_the_first_are_decoded_whole(tmp_path):
     with opened(as_avi(tmp_path / "clip.avi", pictures)) as parts:
         kinds = [type(parts.grab(k, partly=True)) for k in range(1, N)]
         assert [k for k, kind in enumerate(kinds, 1) if kind is not PartPicture] == [4, 8]
+
+
+def test_two_fields_are_left_to_ffmpeg(tmp_path):
+    """Interlaced Motion JPEG: a packet holds two pictures of half the height, top field first."""
+    fields = [b"".join(_field(picture(k)[top::2]) for top in (0, 1)) for k in range(N)]
+    path = as_avi(tmp_path / "clip.avi", fields, height=64)
+    with opened(path) as parts, opened(path) as reader:
+        assert (reader.width, reader.height) == (160, 64)
+        for k in range(N):
+            part = parts.grab(k, partly=True)
+            assert isinstance(part, YuvPicture)
+            assert np.array_equal(part.region(0, 0, 160, 64), reader.read(k))
+
+
+def _field(image):
+    return cv2.imencode(".jpg", image[..., ::-1])[1].tobytes()
 
 
 def test_a_damaged_packet_is_refused_as_before(tmp_path):

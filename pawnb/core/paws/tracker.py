@@ -145,7 +145,7 @@ def _run(run: Run, views: Views, plan: Plan, first: int, task: Task) -> list[Fra
     """Go through the frames from the first on; return a result for each one done."""
     results: list[FrameResult] = []
     total, progress = task.frames[1] - first, task.progress
-    for i, pictures in views.frames(first, task.frames[1]):
+    for i, pictures in views.frames(first, task.frames[1], partly=True):
         if task.stop is not None and task.stop():
             break
         known = plan.enter(run, i)

@@ -274,7 +274,9 @@ def test_retracking_learns_colours_where_points_were_last_placed_by_hand(make_sc
     tracks = track(scene)
     learnt = []
     scene.frame = lambda i, whole=scene.frame: learnt.append(i) or whole(i)
-    scene.frames = lambda a, b: ((i, type(scene).frame(scene, i)) for i in range(a, b))
+    scene.frames = lambda a, b, partly=False: (
+        (i, type(scene).frame(scene, i)) for i in range(a, b)
+    )
     tracks["image_origin"][5, 0, 0, 0] = EDITED
     track(scene, tracks=tracks, frames=(12, 20))
     assert learnt == [0, 5]

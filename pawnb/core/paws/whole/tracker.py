@@ -224,7 +224,7 @@ def _look_through(
             progress=report, stop=task.stop,
         )  # fmt: skip
     found: list[list[np.ndarray]] = []
-    for i, pictures in views.frames(*frames):
+    for i, pictures in views.frames(*frames, partly=True):
         if task.stop is not None and task.stop():
             break
         if watch is not None:
