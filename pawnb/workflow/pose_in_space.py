@@ -9,6 +9,7 @@ import numpy as np
 
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.background import find_background
+from pawnb.core.pose.kept_frames import KeptFrames
 from pawnb.core.pose.space.first_view import corrected_first_view
 from pawnb.core.pose.space.geometry import SightLines, check_second_view
 from pawnb.core.pose.space.settings import SpaceSettings
@@ -84,6 +85,7 @@ def find_in_space(
     rows: range | None = None,
     progress: Progress | None = None,
     stop: Callable[[], bool] | None = None,
+    kept: KeptFrames | None = None,
 ) -> tuple[SpaceTrack, PoseTrack]:
     """Find joints in space from poses in the first view and the pictures of the second.
 
@@ -105,6 +107,8 @@ def find_in_space(
         Rows of the track in which joints are wanted; default all.
     progress, stop
         As for :func:`pawnb.track`.
+    kept : KeptFrames, optional
+        What an interrupted run has found, and what this one finds.
 
     Returns
     -------
@@ -135,6 +139,7 @@ def find_in_space(
             rows=rows,
             progress=report,
             stop=stop,
+            kept=kept,
         )
     if not settings.correct_first:
         return space, track

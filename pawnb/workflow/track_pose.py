@@ -147,6 +147,7 @@ def track_pose_trial(
                 settings=in_space,
                 progress=progress,
                 stop=asked,
+                kept=kept,
             )
             complete = complete and not asked()
         # where the rate varies these are the file's own time stamps

@@ -15,7 +15,7 @@ from pawnb.core.pose.corrected import pose_values, put_pose
 from pawnb.core.pose.poses import leg_angles
 from pawnb.core.pose.space.tracker import _Solver
 from pawnb.core.video import open_views
-from pawnb.errors import CalibrationError, InputError
+from pawnb.errors import CalibrationError, InputError, InputWarning
 from pawnb.io.native import read_tracks, tracks_table
 from pawnb.schema import POINTS3D_COLUMNS
 from pawnb.synthetic import render_spider_trial
@@ -151,6 +151,38 @@ def test_tracking_again_finds_joints_in_space_in_the_touched_stretch_alone(
     # 60 mm of leg span: the same places again, where leg L2 had been off and nothing in space known
     off = (again["position"] - tracks["position"]).to_numpy()[16:18]
     assert np.abs(off).max() < 1.0
+
+
+@pytest.mark.slow
+def test_joints_in_space_go_on_where_they_were_stopped(found, two_views, tmp_path, monkeypatch):
+    whole, _ = found
+    taken, fitted = [], []
+    take_over, alone = _Solver._take_over, _Solver._alone
+
+    def take_over_too(self, k, *, step):
+        taken.append(k)
+        take_over(self, k, step=step)
+
+    def alone_too(self, k):
+        fitted.append(k)
+        alone(self, k)
+
+    monkeypatch.setattr(_Solver, "_take_over", take_over_too)
+    monkeypatch.setattr(_Solver, "_alone", alone_too)
+    part = track(two_views, out=tmp_path, stop=lambda: len(taken) >= 8)
+    n = whole.sizes["time"]
+    assert part.sizes["time"] == n
+    assert not provenance_steps(part)[-1]["complete"]
+    assert np.isfinite(part["position"].sel(keypoint="body")).all()
+    assert len(taken) == 8
+    assert len(fitted) == 3 * 16 + n
+    taken.clear()
+    fitted.clear()
+    with pytest.warns(InputWarning, match=f"{n} of 56 frames were found before"):
+        again = track(two_views, out=tmp_path)
+    assert len(fitted) == 3 * 16  # what the model is learnt from
+    assert len(taken) == 2 * n - 8
+    assert again.identical(whole)
 
 
 def test_a_second_view_without_calibration_is_told(small_spider):

@@ -21,6 +21,7 @@ from pawnb.core import dlt
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.fit.evidence import BackgroundPicture
 from pawnb.core.pose.fit.solve_loops import Sight
+from pawnb.core.pose.kept_frames import KeptFrames
 from pawnb.core.pose.space.fitter import SpaceFitter, SpaceFrame
 from pawnb.core.pose.space.learn import learn_model
 from pawnb.core.pose.space.model import first_view_places, make_model
@@ -36,6 +37,8 @@ _LEARN_FROM = 16
 """Frames from which look and proportions are learnt."""
 _SETTLE = 2
 """How often all heights are fitted with those of the frames beside."""
+_PASSES = 4 + _SETTLE
+"""Over all frames: read, fitted alone, taken over from either side, settled."""
 
 
 class Pictures(Protocol):
@@ -61,6 +64,7 @@ def place_in_space(
     rows: range | None = None,
     progress: Callable[[int, int], None] | None = None,
     stop: Callable[[], bool] | None = None,
+    kept: KeptFrames | None = None,
 ) -> SpaceTrack:
     """Find the joints of a tracked animal in space with a second view.
 
@@ -89,6 +93,8 @@ def place_in_space(
         Called with frames done and frames in all.
     stop : callable, optional
         Ends early where it returns True: frames not yet fitted stay NaN.
+    kept : KeptFrames, optional
+        What an interrupted run has found, and what this one finds, in all rows of the same track.
 
     Returns
     -------
@@ -133,9 +139,8 @@ def place_in_space(
             )
         )
         if progress is not None:
-            progress(len(frames), (2 + _SETTLE) * len(needed))
-    needed = needed[: len(frames)]
-    if not frames:
+            progress(len(frames), _PASSES * len(needed))
+    if len(frames) < len(needed):  # stopped: some frames do not tell of all
         return _blank(len(track), places.shape[1:3])
     solver = _Solver(
         fitter,
@@ -144,6 +149,8 @@ def place_in_space(
         learn=np.flatnonzero(np.isin(needed, learn)).tolist(),
         wanted=np.flatnonzero(np.isin(needed, wanted)).tolist(),
         progress=progress,
+        stop=stop,
+        kept=kept or KeptFrames(),
     )
     solver.run()
     return solver.result(len(track), needed)
@@ -177,8 +184,8 @@ class _Solver:
         Their frame numbers.
     learn, wanted : list of int
         Which of them the model is learnt from, and which are to be fitted.
-    progress : callable, optional
-        Told after each pass over the frames.
+    progress, stop, kept
+        As for :func:`place_in_space`.
     """
 
     def __init__(
@@ -190,10 +197,13 @@ class _Solver:
         learn: list[int],
         wanted: list[int],
         progress: Callable[[int, int], None] | None,
+        stop: Callable[[], bool] | None,
+        kept: KeptFrames,
     ) -> None:
         self.fitter, self.frames, self.numbers = fitter, frames, numbers
         self.learn, self.wanted = learn, wanted
         self.progress, self.passes = progress, 1
+        self.stop, self.kept = stop, kept
         self.x = np.zeros((len(frames), 1 + 3 * frames[0].places[..., 0].size))
         self.cost = np.full(len(frames), np.inf)
 
@@ -220,24 +230,43 @@ class _Solver:
             fitter.model = learn_model(fitter, samples, first)
             for k in some:
                 self._alone(k)
-        self._each(self._alone)
-        # a frame may lie in the wrong valley where its neighbour does not
-        for step, order in ((1, self.wanted), (-1, self.wanted[::-1])):
-            for k in order:
-                if 0 <= k - step < len(self.x):
-                    self._take_over(k, k - step)
-        for _ in range(_SETTLE):
+        passes: list[tuple[str, Callable[[int], None], list[int], int]] = [
+            ("alone", self._alone, self.wanted, _THREADS),
+            # a frame may lie in the wrong valley where its neighbour does not
+            ("after the frame before", partial(self._take_over, step=-1), self.wanted, 1),
+            ("after the next frame", partial(self._take_over, step=1), self.wanted[::-1], 1),
+        ]
+        for one in passes:
+            if not self._each(*one):
+                return
+        for turn in range(_SETTLE):
             # all from the heights before, so that the order of the threads does not tell
-            self._each(partial(self._settle, before=self.x.copy()))
+            settle = partial(self._settle, before=self.x.copy())
+            if not self._each(f"settled {turn}", settle, self.wanted, _THREADS):
+                return
 
-    def _each(self, work: Callable[[int], None]) -> None:
-        """Do something with every frame that is wanted, on two threads."""
-        with ThreadPoolExecutor(_THREADS) as pool:
-            list(pool.map(work, self.wanted))
+    def _each(self, name: str, work: Callable[[int], None], order: list[int], threads: int) -> bool:
+        """Do something with frames that no earlier run has done; False where stopped."""
+        way = f"in space, {name}"
+
+        def one(k: int) -> bool:
+            found = self.kept.recall(way, int(self.numbers[k]))
+            if found is not None:
+                self.x[k], self.cost[k] = found["x"], found["cost"]
+            elif self.stop is None or not self.stop():
+                work(k)
+                return True
+            return False
+
+        with ThreadPoolExecutor(threads) as pool:
+            for k, is_new in zip(order, pool.map(one, order), strict=True):
+                if is_new:
+                    found = {"x": self.x[k], "cost": float(self.cost[k])}
+                    self.kept.keep(way, int(self.numbers[k]), found)
         self.passes += 1
         if self.progress is not None:
-            n = len(self.frames)
-            self.progress(self.passes * n, (2 + _SETTLE) * n)
+            self.progress(self.passes * len(self.frames), _PASSES * len(self.frames))
+        return self.stop is None or not self.stop()
 
     def _alone(self, k: int) -> None:
         """Fit one frame from even arches."""
@@ -246,9 +275,10 @@ class _Solver:
         start = self.fitter.guess(one, sight)
         self.x[k], self.cost[k] = self.fitter.refine(one, sight, start, known=known, coarse=True)
 
-    def _take_over(self, k: int, other: int) -> None:
-        """Fit one frame from the heights of another, and keep what explains more."""
-        if abs(self.numbers[k] - self.numbers[other]) != 1:
+    def _take_over(self, k: int, *, step: int) -> None:
+        """Fit one frame from the heights of the one beside, and keep what explains more."""
+        other = k + step
+        if not 0 <= other < len(self.x) or self.numbers[other] - self.numbers[k] != step:
             return
         one, sight = self.frames[k], self.sight(k)
         known = self.fitter.known(one, None, 1.0)
@@ -295,6 +325,8 @@ class _Solver:
         out = _blank(n, shape)
         padded = np.arange(shape[1]) > model.layout.n_segments[:, None]
         for k in self.wanted:
+            if not np.isfinite(self.cost[k]):
+                continue  # stopped before it was fitted
             row = rows[k]
             one, x = self.frames[k], self.x[k]
             joints = np.where(padded[..., None], np.nan, x[1:].reshape(*shape, 3))
