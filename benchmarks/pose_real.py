@@ -18,15 +18,18 @@ import numpy as np
 import pandas as pd
 import real_animals as real
 
+from pawnb.core.grey import grey
 from pawnb.core.pose.animal import StickAnimal
-from pawnb.core.pose.poses import Poses, joint_positions, tip_positions
+from pawnb.core.pose.poses import Poses, joint_positions, leg_angles, tip_positions
 from pawnb.core.pose.track_result import PoseTrack
 from pawnb.core.pose.tracker import track_pose
-from pawnb.core.views import ViewReader
+from pawnb.core.views import Frame, ViewReader
 from pawnb.workflow.pose_evaluation import build_jitter_table
 
 STILL = (0, 1900)
 """Frames in which the spider holds still under an even light."""
+EVERY = 20
+"""So many frames apart are those whose pictures are compared."""
 BEFORE, SHADOW = (1850, 1905), (1905, 1975)
 SCORED, SURE = 0.5, 0.7
 """SLEAP's score from which a tip counts, and from which on it is seldom seen to be wrong: below, a
@@ -107,24 +110,74 @@ def measure_spider(folder: Path, seeds: list[int], pictures: Path | None) -> Non
                 draw(reader, animal, poses.at_frame(0), pictures / f"spider{seed}_0.png")
                 draw(reader, animal, poses.at_frame(600), pictures / f"spider{seed}_600.png")
             if i == 0:
-                print_still(animal, poses)
+                print_still(reader, animal, poses)
                 if pictures:
                     for frame in range(SHADOW[0], SHADOW[1], 10):
                         name = pictures / f"spider{seed}_{frame}.png"
                         draw(reader, animal, poses.at_frame(frame), name)
 
 
-def print_still(animal: StickAnimal, poses: Poses) -> None:
+def print_still(reader: ViewReader, animal: StickAnimal, poses: Poses) -> None:
     """Print how much the pose of the still spider varies, and what the shadow does to it."""
-    table = build_jitter_table(animal, poses.take(slice(*STILL)))
+    still = poses.take(slice(*STILL))
+    table = build_jitter_table(animal, still)
     print(f"spider still, frames {STILL[0]} to {STILL[1] - 1} (Table 4.1):")
     print(table.round(3).to_string(index=False))
+    noise = [
+        np.diff(x, axis=0).std(axis=0) / np.sqrt(2) for x in (still.xy, leg_angles(animal, still))
+    ]
+    print(
+        f"of it, from frame to frame (SD of differences / sqrt 2): body {noise[0].max():.3f} px, "
+        f"total leg angle {np.median(noise[1]):.3f} degrees in the middle leg, "
+        f"{noise[1].max():.3f} in the worst"
+    )
+    print_movement(reader, animal, still)
     body, most, tips = moved_by_shadow(animal, poses)
     print(
         f"shadow, frames {SHADOW[0]} to {SHADOW[1] - 1}: body moved by up to {body:.2f} px, "
         f"tips {tips:.2f} px, any joint {most:.2f} px",
         flush=True,
     )
+
+
+def print_movement(reader: ViewReader, animal: StickAnimal, poses: Poses) -> None:
+    """Print whether what was tracked is movement that the picture shows without any model."""
+    poses = poses.take(slice(0, None, EVERY))
+    frames = [reader.frame(int(i)) for i in poses.frames]
+    shift = picture_shifts(frames, np.median(poses.xy, axis=0), half=30)
+    moved = poses.xy - np.median(poses.xy, axis=0)
+    of_picture, of_track, apart = (x.std(axis=0).max() for x in (shift, moved, shift - moved))
+    print(
+        f"her waist's picture, registered without a model, moves by {of_picture:.2f} px (SD), the "
+        f"tracked body by {of_track:.2f} px; the two differ by {apart:.2f} px"
+    )
+    places = joint_positions(animal, poses)
+    for i, leg in enumerate(animal.legs):
+        n = len(leg.segments)
+        along = np.median(places[:, i, n] - places[:, i, n - 2], axis=0)
+        across = np.array([-along[1], along[0]]) / np.hypot(*along)
+        middle = (places[:, i, n - 1] + places[:, i, n - 2]) / 2
+        usual = np.median(middle, axis=0)
+        shift, moved = picture_shifts(frames, usual, half=10) @ across, (middle - usual) @ across
+        print(
+            f"  {leg.name}, outer part, sideways: picture {shift.std():.2f} px, track "
+            f"{moved.std():.2f} px, correlation {np.corrcoef(shift, moved)[0, 1]:.2f}"
+        )
+
+
+def picture_shifts(frames: list[Frame], place: np.ndarray, *, half: int) -> np.ndarray:
+    """Return how far a square about a place has moved in each frame, px, shape (n, 2).
+
+    By least squares to the median picture and its slopes, brightness and contrast left free.
+    """
+    u, v = np.round(place).astype(int) - half
+    side = 2 * half + 1
+    crops = np.array([grey(f.crop(u, v, u + side, v + side)) for f in frames], dtype=float)
+    usual = np.median(crops, axis=0)
+    down, right = np.gradient(usual)
+    known = np.column_stack([right.ravel(), down.ravel(), usual.ravel(), np.ones(usual.size)])
+    away = (crops - usual).reshape(len(crops), -1)
+    return -np.linalg.lstsq(known, away.T, rcond=None)[0][:2].T
 
 
 def measure_fly(folder: Path, pictures: Path | None) -> None:
