@@ -43,6 +43,9 @@ __all__ = [
 
 LEAST_POINTS = 3
 
+_ROUNDING = 1e-9
+"""Values that differ by less than this share of their size are equal."""
+
 
 def fit_line(
     x: np.ndarray,
@@ -369,7 +372,8 @@ def _points(
     check_level(level)
     known = np.isfinite(x) & np.isfinite(y)
     x, y = x[known], y[known]
-    if len(x) < LEAST_POINTS or np.ptp(x) == 0.0:
+    # what differs by rounding only is equal: a belt of one speed
+    if len(x) < LEAST_POINTS or np.ptp(x) <= _ROUNDING * np.abs(x).max():
         found = f"{len(x)} points" if len(x) < LEAST_POINTS else "all x are equal"
         raise InputError(
             f"regression: {found}; expected at least {LEAST_POINTS} points with different x."

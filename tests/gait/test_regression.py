@@ -272,6 +272,10 @@ def test_stars_follow_the_interval_and_units_do_not_matter(seed, scale, shift, n
     [
         (lambda: fit_line([1, 2], [1, 2]), r"^regression: 2 points; expected at least 3 points"),
         (lambda: fit_line([1, 1, 1], [1, 2, 3]), r"^regression: all x are equal; expected"),
+        (
+            lambda: fit_line([0.1 + 0.2, 0.3, 0.3, 0.3], [1, 2, 3, 4]),
+            r"^regression: all x are equal; expected",
+        ),
         (lambda: fit_line([1, 2, 3], [1, 2]), r"^regression: x has shape \(3,\), y \(2,\); exp"),
         (lambda: fit_line([1, 2, 3], [1, 2, 4], level=95), r"^level is 95; expected between 0"),
         (lambda: fit_power([1, 2, 0], [1, 2, 3]), r"^power law: 1 points are not above 0 in x"),

@@ -132,13 +132,13 @@ class Lead:
         for v, other in enumerate(seen):
             if v == self.view or not len(other):
                 continue
-            pair = np.full((len(uv), len(other), self.coefs.shape[1], 2), np.nan)
-            pair[:, :, self.view] = uv[:, None]
-            pair[:, :, v] = other
-            flat = pair.reshape(-1, *pair.shape[2:])
-            xyz = triangulate(self.coefs, flat)
-            step = dlt.project(self.coefs, xyz) - flat
-            away = np.nanmax(np.linalg.norm(step, axis=-1) / self.thickness_px, axis=1)
+            both = [self.view, v]
+            pair = np.empty((len(uv), len(other), 2, 2))
+            pair[:, :, 0], pair[:, :, 1] = uv[:, None], other
+            flat = pair.reshape(-1, 2, 2)
+            xyz = triangulate(self.coefs[:, both], flat)
+            step = dlt.project(self.coefs[:, both], xyz) - flat
+            away = (np.linalg.norm(step, axis=-1) / self.thickness_px[both]).max(axis=1)
             # both views bear half of the distance
             cost = (away / 0.4) ** 2 + np.tile(1.0 - good[v], len(uv))
             height = xyz @ self.volume.up

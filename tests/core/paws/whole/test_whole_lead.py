@@ -66,6 +66,20 @@ def test_only_a_view_along_the_vertical_with_every_click_leads():
     assert find_lead(J[1:], UP, [Placement(0, 0, np.zeros(2), "edited")], n_points=1) is None
 
 
+def test_heights_are_told_by_each_of_several_other_views():
+    # a third view, from behind: u = y, v = 168 - z
+    behind = np.zeros((11, 1))
+    behind[[1, 6, 7], 0] = 1.0, -1.0, 168.0
+    coefs = np.hstack([COEFS, behind])
+    lead = Lead(1, coefs, VOLUME, 50.0, 12.0, np.full(3, 12.0), [(0.7, 0.7), (1.0, 0), (0, 1.0)])
+    place = np.array([150.0, 90.0, 62.0])
+    uv = Geometry(coefs).project(place)
+    seen = [uv[0][None], uv[1][None], uv[2][None]]
+    heights, price = lead.heights(uv[1][None], seen, [np.ones(1)] * 3)
+    np.testing.assert_allclose(heights, [[62.0, 62.0]], atol=0.01)
+    assert (price < 0.01).all()
+
+
 def test_places_lie_on_the_plane_and_are_cheaper_where_the_side_agrees():
     seen = np.array([150.0, 90.0, 50.0])
     below = RIG.project(seen)[1]
