@@ -131,11 +131,15 @@ def learn(samples: list[Sample]) -> dict[str, np.ndarray]:
 def report(samples: list[Sample]) -> None:
     """Print how well each scene's paws are told by curves from scenes of other seeds."""
     print("scene                     candidates   plain rule   curves   both")
+    learnt: dict[str, dict[str, np.ndarray]] = {}
     for one in samples:
-        rest = [other for other in samples if scene_seed(other.name) != scene_seed(one.name)]
+        own = scene_seed(one.name)
+        rest = [other for other in samples if scene_seed(other.name) != own]
         if not rest:
             continue
-        curves = learn(rest)
+        if own not in learnt:
+            learnt[own] = learn(rest)
+        curves = learnt[own]
         odds = sum(np.interp(one.measured[k], CURVES[k][0], v) for k, v in curves.items())
         both = one.plain / (1.0 + np.exp(-odds))
         areas = [area(one.is_paw, value) for value in (one.plain, odds, both)]

@@ -120,10 +120,12 @@ def ridge() -> np.ndarray:
 def report(samples: Sequence[Sample]) -> None:
     """Print what curves from scenes of other seeds find in each scene."""
     looks = {}
-    for one in samples:
-        rest = [other for other in samples if scene_seed(other.name) != scene_seed(one.name)]
+    for own in sorted({scene_seed(one.name) for one in samples}):
+        rest = [other for other in samples if scene_seed(other.name) != own]
         if rest:
-            looks[one.name] = (one, judge(one, *learn(rest)))
+            learnt = learn(rest)
+            same = [one for one in samples if scene_seed(one.name) == own]
+            looks |= {one.name: (one, judge(one, *learnt)) for one in same}
     if not looks:
         return
     n_errors = sum(len(one.errors) for one, _ in looks.values())

@@ -64,7 +64,8 @@ CURVES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
     ),
 }
 """Change of the log-odds by each measure: its knots, and the curve's values there; on
-average 0, so that what is not known does not count."""
+average 0, so that what is not known does not count. As the benchmark prints them for the
+scenes that :data:`pawnb.core.paws.whole.likeness.CURVES` were learnt from."""
 
 
 def weigh(doubt: Doubt) -> np.ndarray:
