@@ -15,7 +15,10 @@ from pawnb.core.pose.fit.habits import learn_from_all, learn_habits
 from pawnb.core.pose.fit.layout import pose_vectors
 from pawnb.core.pose.fit.prepare import prepare_fitter
 from pawnb.core.pose.fit.settings import PoseSettings
+from pawnb.core.pose.kept_frames import KeptFrames
+from pawnb.core.pose.poses import tip_positions
 from pawnb.core.pose.species_file import load_species
+from pawnb.core.pose.tracker import track_pose
 
 N = 30
 WING = (-26.0, 14.0, 30.0, 9.0)
@@ -31,8 +34,8 @@ def on_wings(pose, shape):
     return (x / WING[2]) ** 2 + (y / WING[3]) ** 2 < 1
 
 
-def walk(poses=None, *, winged):
-    """Return a fitter, what each frame leaves open, and the true pose vectors."""
+def recording(poses=None, *, winged):
+    """Return an animal, its poses, and a reader of its frames and the background."""
     animal, poses, reader, background = painted_walk(N, poses=poses)
     vectors = pose_vectors(animal, poses)
     images = reader.images
@@ -42,7 +45,13 @@ def walk(poses=None, *, winged):
             np.where(on_wings(pose, image.shape), wing, image)
             for pose, image in zip(vectors, images, strict=True)
         ]
-    reader = PaintedReader(images)
+    return animal, poses, PaintedReader(images), background
+
+
+def walk(poses=None, *, winged):
+    """Return a fitter, what each frame leaves open, and the true pose vectors."""
+    animal, poses, reader, background = recording(poses, winged=winged)
+    vectors = pose_vectors(animal, poses)
     fitter, _ = prepare_fitter(
         reader.frame(0), poses.at_frame(0), animal=animal, background=background,
         settings=PoseSettings(),
@@ -129,3 +138,37 @@ def test_habits_are_those_of_legs_that_are_well_seen():
     assert (usual > own.min(axis=0) - 1e-9).all()
     assert (usual < own.max(axis=0) + 1e-9).all()
     assert np.ptp(usual[:, 0]) > 0.8 * np.ptp(own[:, 0])
+
+
+@pytest.mark.slow
+def test_an_animal_with_wings_is_followed_twice_and_goes_on_after_an_interruption(tmp_path):
+    animal, poses, reader, background = recording(winged=True)
+    ways, done = [], []
+
+    def tracked(kept, stop=None):
+        return track_pose(
+            reader, poses.at_frame(0), animal=animal, background=background, frames=(0, N),
+            kept=kept, stop=stop, progress=lambda i, n: done.append((i, n)),
+        )  # fmt: skip
+
+    class Told(KeptFrames):
+        def keep(self, way, frame, found):
+            ways.append((way, frame))
+            super().keep(way, frame, found)
+
+    whole = tracked(Told())
+    assert ways == [("from 0", i) for i in range(N)] + [("again from 0", i) for i in range(N)]
+    assert done[-1] == (3 * N, 3 * N)
+    assert (
+        np.median(np.hypot(*(tip_positions(animal, whole.poses) - tip_positions(animal, poses)).T))
+        < 1.0
+    )
+    ways.clear()
+    with Told(tmp_path / "kept.bin", depends_on="this") as kept:
+        tracked(kept, stop=lambda: len(ways) >= N + N // 2)
+    interrupted = len(ways)
+    assert N < interrupted < 2 * N
+    with Told(tmp_path / "kept.bin", depends_on="this") as kept:
+        later = tracked(kept)
+    assert len(ways) == 2 * N
+    np.testing.assert_array_equal(later.poses.angles_deg, whole.poses.angles_deg)
