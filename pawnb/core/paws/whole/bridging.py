@@ -56,8 +56,11 @@ class Telling:
     hide, stay, show, half : float
         Cost of becoming hidden to all views that track the point, of staying so, of coming
         out again, and of being seen by none but one of two.
-    most : int
-        Stories kept.
+    alike : float
+        Stories nearer to each other than so many of their standard deviations tell the same.
+    most, most_within : int
+        Stories kept from frame to frame, and from view to view within a frame: a paw that
+        comes out again is told dearly by the first view and made good by the next.
     """
 
     jerk: float
@@ -75,7 +78,9 @@ class Telling:
     stay: float = 0.6
     show: float = 1.0
     half: float = 0.2
+    alike: float = 0.5
     most: int = 40
+    most_within: int = 150
 
 
 class Stories:
@@ -154,7 +159,7 @@ class Stories:
         nothing = np.log(told.clutter / self.thickness_px[view] ** 2 * 2.0 * np.pi / seen)
         self.mean, self.covariance, self.cost, origin, candidate = loops.see(
             self.mean, self.covariance, missed, self.cost, self._table[view], at,
-            nothing + cost, self._spread[view], self._extra, _GATE, told.most,
+            nothing + cost, self._spread[view], self._extra, _GATE, told.most_within,
         )  # fmt: skip
         self._origin, self._taken = self._origin[origin], self._taken[origin]
         self._taken[:, view] = candidate
@@ -163,6 +168,24 @@ class Stories:
         """Take in a certain place (d,)."""
         self.mean, self.covariance, self.cost = loops.stand(
             self.mean, self.covariance, self.cost, at, self.telling.noise**2
+        )
+
+    def expect(
+        self, at: np.ndarray, axes: np.ndarray, variance: np.ndarray, *, most: float
+    ) -> None:
+        """Take in where the point is expected.
+
+        Parameters
+        ----------
+        at, variance : ndarray, shape (d,)
+            The expected place, and its variances along the axes.
+        axes : ndarray, shape (d, d)
+            Unit vectors.
+        most : float
+            Largest cost of being elsewhere.
+        """
+        self.mean, self.covariance, self.cost = loops.expect(
+            self.mean, self.covariance, self.cost, at, axes, variance, most
         )
 
     def settle(
@@ -188,7 +211,9 @@ class Stories:
             )  # fmt: skip
             self.cost = self.cost + price
         self.cost = self.cost + doubt(self.mean[:, :d], self.mean[:, d : 2 * d])
-        keep = loops.different(self.mean[:, : 2 * d], self.cost, told.noise, _LAG, told.most)
+        spread = self.covariance.diagonal(axis1=1, axis2=2)[:, : 2 * d]
+        grain = 0.5 * told.noise + told.alike * np.sqrt(spread)
+        keep = loops.different(self.mean[:, : 2 * d], grain, self.cost, _LAG, told.most)
         self.mean, self.cost = self.mean[keep], self.cost[keep]
         # rounding makes it lopsided, and that grows from frame to frame
         covariance = self.covariance[keep]

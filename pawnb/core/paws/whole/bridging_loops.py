@@ -296,18 +296,16 @@ def hiding(
 
 @compiled
 def different(
-    mean: np.ndarray, cost: np.ndarray, grain: float, lag: float, most: int
+    key: np.ndarray, grain: np.ndarray, cost: np.ndarray, lag: float, most: int
 ) -> np.ndarray:
     """Return the likeliest stories that are not the same, the likeliest first.
 
     Parameters
     ----------
-    mean : ndarray, shape (b, k)
-        What tells stories apart.
+    key, grain : ndarray, shape (b, k)
+        What tells stories apart, and differences that do not.
     cost : ndarray, shape (b,)
         Their costs.
-    grain : float
-        Stories are the same where they agree when rounded to this.
     lag : float
         Stories dearer than the best by this are forgotten.
     most : int
@@ -315,18 +313,15 @@ def different(
     """
     order = np.argsort(cost, kind="mergesort")
     kept = np.empty(most, np.int64)
-    key = np.empty((most, mean.shape[1]))
     count = 0
     for b in order:
         if cost[b] >= cost[order[0]] + lag or count == most:
             break
-        for i in range(mean.shape[1]):
-            key[count, i] = np.rint(mean[b, i] / grain)
         is_new = True
-        for o in range(count):
+        for o in kept[:count]:
             same = True
-            for i in range(mean.shape[1]):
-                if key[o, i] != key[count, i]:
+            for i in range(key.shape[1]):
+                if abs(key[b, i] - key[o, i]) > min(grain[b, i], grain[o, i]):
                     same = False
                     break
             if same:
@@ -336,3 +331,55 @@ def different(
             kept[count] = b
             count += 1
     return kept[:count]
+
+
+@compiled
+def expect(
+    mean: np.ndarray,
+    covariance: np.ndarray,
+    cost: np.ndarray,
+    at: np.ndarray,
+    axes: np.ndarray,
+    variance: np.ndarray,
+    most: float,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the stories (mean, covariance, cost) after a place was expected.
+
+    Parameters
+    ----------
+    mean, covariance, cost : ndarray
+        The stories.
+    at, variance : ndarray, shape (d,)
+        The expected place, and its variances along the axes.
+    axes : ndarray, shape (d, d)
+        Unit vectors.
+    most : float
+        Stories for which it would cost more are elsewhere for once: they cost this, and
+        the expectation tells them nothing.
+    """
+    n, size = mean.shape
+    d = len(at)
+    mean, covariance, cost = mean.copy(), covariance.copy(), cost.copy()
+    x, P, PH = np.empty(size), np.empty((size, size)), np.empty(size)
+    for b in range(n):
+        x[:], P[:] = mean[b], covariance[b]
+        price = 0.0
+        for k in range(d):
+            step, spread = 0.0, variance[k]
+            PH[:] = 0.0
+            for i in range(d):
+                step += axes[k, i] * (at[i] - x[i])
+                for j in range(size):
+                    PH[j] += P[j, i] * axes[k, i]
+            for i in range(d):
+                spread += axes[k, i] * PH[i]
+            price += 0.5 * step * step / spread
+            for j in range(size):
+                gain = PH[j] / spread
+                x[j] += gain * step
+                for i in range(size):
+                    P[j, i] -= gain * PH[i]
+        if price < most:
+            mean[b], covariance[b] = x, P
+        cost[b] += min(price, most)
+    return mean, covariance, cost

@@ -145,14 +145,6 @@ def _tell(
     end = stretch[1] + _certain_frames(is_open[stretch[1] :, point], _AFTER)
     number = sights.is_there[slice(*stretch)].sum(axis=-1).tolist()
     for t in range(stretch[0], end):
-
-        def doubt(x: np.ndarray, speed: np.ndarray, t: int = t) -> np.ndarray:
-            strange = manner.strangeness(x, speed)
-            if known.cycle is None:
-                return strange
-            square = np.minimum(known.cycle.square(t, point, x), _FARTHEST)
-            return np.asarray(strange + 0.5 * _EXPECTED * square)
-
         stories.advance()
         if t < stretch[1]:
             for v in range(sights.is_there.shape[1]):
@@ -161,7 +153,12 @@ def _tell(
                 stories.see(v, sights.at[t, point, v, :k], cost[t, point, v, :k])
         else:
             stories.stand(known.chosen[t, point])
-        stories.settle(doubt, certain=t >= stretch[1])
+        if known.cycle is not None:
+            stories.expect(
+                known.cycle.mean[t, point], known.cycle.axes,
+                known.cycle.sd[t, point] ** 2 / _EXPECTED, most=0.5 * _EXPECTED * _FARTHEST,
+            )  # fmt: skip
+        stories.settle(manner.strangeness, certain=t >= stretch[1])
 
 
 def _candidate_costs(

@@ -1,5 +1,7 @@
 """Stories without clutter against a textbook Kalman filter; with it, against what was put in."""
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -152,7 +154,41 @@ def test_stories_that_tell_the_same_are_told_once():
         stories.settle(nothing)
         assert 1 < len(stories.cost) <= 5
         assert (np.diff(stories.cost) >= 0).all()
-        key = np.round(stories.mean[:, :4] / 0.4)
-        assert len(np.unique(key, axis=0)) == len(key)
+        # positions and speeds of any two differ by more than half a standard deviation of
+        # the surer one and half of the noise
+        spread = np.sqrt(stories.covariance.diagonal(axis1=1, axis2=2)[:, :4])
+        for a, b in itertools.combinations(range(len(stories.cost)), 2):
+            apart = np.abs(stories.mean[a, :4] - stories.mean[b, :4])
+            assert (apart > 0.2 + 0.5 * np.minimum(spread[a], spread[b])).any()
     # covariances stay what they are: symmetric, positive
     assert np.linalg.eigvalsh(stories.covariance).min() > 0
+
+
+def test_an_expected_place_is_taken_in_as_a_kalman_filter_does():
+    rng = np.random.default_rng(6)
+    turn = np.array([[0.6, 0.8], [-0.8, 0.6]])  # forward and up, oblique in the picture
+    state, covariance = rng.normal(size=(3, 2)), np.diag([0.5, 0.3, 0.1])
+    at, variance = state[0] + [0.7, -0.4], np.array([0.9, 0.2])
+    stories = told(Geometry(None), state, covariance, **ONLY)
+    stories.advance()
+    before = (stories.mean[0].copy(), stories.covariance[0].copy(), stories.cost[0])
+    stories.expect(at, turn, variance, most=100.0)
+    H = np.concatenate([turn, np.zeros((2, 4))], axis=1)
+    # information adds up: Bar-Shalom, Li & Kirubarajan 2001, section 7.2
+    left = np.linalg.inv(np.linalg.inv(before[1]) + H.T @ np.diag(1 / variance) @ H)
+    step = turn @ at - H @ before[0]
+    mean = before[0] + left @ H.T @ np.diag(1 / variance) @ step
+    np.testing.assert_allclose(stories.mean[0], mean, atol=1e-10)
+    np.testing.assert_allclose(stories.covariance[0], left, atol=1e-10)
+    # squared distances add up axis by axis: that of the second after the first was taken in
+    square = step @ np.linalg.solve(H @ before[1] @ H.T + np.diag(variance), step)
+    assert stories.cost[0] - before[2] == pytest.approx(0.5 * square)
+
+
+def test_a_story_far_from_where_it_is_expected_goes_its_own_way():
+    stories = told(Geometry(None), np.zeros((3, 2)), np.diag([0.04, 0.01, 1e-4]), **ONLY)
+    stories.advance()
+    mean, cost = stories.mean.copy(), stories.cost.copy()
+    stories.expect(np.array([50.0, 0.0]), np.eye(2), np.ones(2), most=1.6)
+    np.testing.assert_array_equal(stories.mean, mean)
+    np.testing.assert_allclose(stories.cost - cost, 1.6)
