@@ -21,6 +21,11 @@ from pawnb.core.pose.poses import Poses
 N_BODY = 3
 """Numbers of the pose vector before the legs: x, y, heading."""
 
+_MEETS = 0.1
+"""A part whose near end is no further from the origin, half lengths, ends there."""
+_WAIST_LENGTH, _WAIST_WIDTH = 0.35, 0.2
+"""Size of the waist relative to the smaller part beside it; its width is learnt."""
+
 
 class Layout(NamedTuple):
     """The animal in working pixels; the leg arrays are padded to the most links or segments.
@@ -38,7 +43,8 @@ class Layout(NamedTuple):
     ellipse : ndarray, shape (parts, 6)
         Centre forward and right, half axes along and across, darkness, and how much broader the
         part is in front of its middle than behind, as an egg is: its half width at the share a of
-        its half length is the half axis across times 1 + egg * a.
+        its half length is the half axis across times 1 + egg * a. Where parts in front and behind
+        meet at the origin, the last row is the waist that joins them there.
     """
 
     side: np.ndarray
@@ -97,6 +103,10 @@ def make_layout(
     ellipse = np.column_stack(
         [np.array(body) * px_per_unit, np.full(len(body), dark), np.zeros(len(body))]
     )
+    beside = ellipse[meeting(ellipse) != 0.0]
+    if len(beside):
+        half, across = _WAIST_LENGTH * beside[:, 2].min(), _WAIST_WIDTH * beside[:, 3].min()
+        ellipse = np.vstack([ellipse, [0.0, 0.0, half, across, dark, 0.0]])
     return Layout(
         side=np.array([leg.side for leg in legs], dtype=float),
         attach=np.array([leg.attach for leg in legs]) * px_per_unit,
@@ -110,6 +120,25 @@ def make_layout(
         dark=dark * paler,
         ellipse=ellipse,
     )
+
+
+def meeting(ellipse: np.ndarray) -> np.ndarray:
+    """Return which parts of the body meet at the origin: 1 in front of it, -1 behind, 0 if not.
+
+    Parameters
+    ----------
+    ellipse : ndarray, shape (parts, 6)
+        The parts as the species file has them.
+
+    Returns
+    -------
+    ndarray, shape (parts,)
+        All 0 where the parts that end at the origin are all on one side of it.
+    """
+    forward, right, half, across = ellipse.T[:4]
+    ends_there = np.abs(np.abs(forward) - half) <= _MEETS * half
+    side = np.where(ends_there & (np.abs(right) <= _MEETS * across), np.sign(forward), 0.0)
+    return side if {-1.0, 1.0} <= set(side) else np.zeros(len(side))
 
 
 def links_of(leg: Leg) -> tuple[np.ndarray, np.ndarray]:

@@ -6,15 +6,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pawnb.core.pose.fit.layout import Layout
+from pawnb.core.pose.fit.layout import Layout, meeting
+from pawnb.core.pose.fit.learn_body import LEAST_DARK, MOST_DARK, BodyEquations
 from pawnb.core.pose.fit.learn_loops import body_equations, look_equations
+from pawnb.core.pose.fit.normal_loops import normal_equations
 from pawnb.core.pose.fit.paint_loops import make_canvas, paint
 from pawnb.core.pose.fit.solve_loops import Sight
 
 _RADIUS_SD, _RADIUS_STEP_SD = 0.4, 0.1
 _DARK_SD, _DARK_STEP_SD = 0.3, 0.1
-_BODY_SD = (0.15, 0.15, 0.5, 0.15)
-_LEAST_DARK, _MOST_DARK = 0.08, 1.1
 _LEAST_OF_DARKEST = 0.5
 """A leg's palest place, as a share of its darkest: an end laid on the background would be learnt
 as transparent, and stay there."""
@@ -56,24 +56,25 @@ def learn_look(
     Layout
         Lengths and places are unchanged, except the sizes of the body's parts.
     """
+    here = list(frames)
     for _ in range(rounds):
-        layout = _one_round(layout, frames, first, partner, blur, soft)
+        layout = _one_round(layout, here, first, partner, blur, soft)
     return layout
 
 
 def _one_round(
     layout: Layout,
-    frames: Sequence[tuple[np.ndarray, Sight]],
+    frames: list[tuple[np.ndarray, Sight]],
     first: Layout,
     partner: np.ndarray,
     blur: float,
     soft: float,
 ) -> Layout:
-    """Return the layout after one step."""
+    """Return the layout after one step; the poses of ``frames`` move with it, in place."""
     legs, nodes = layout.radius.shape
     matrix, vector = np.zeros((legs, 2 * nodes, 2 * nodes)), np.zeros((legs, 2 * nodes))
-    parts = len(layout.ellipse)
-    body_matrix, body_vector = np.zeros((parts, 4, 4)), np.zeros((parts, 4))
+    meets = meeting(first.ellipse)
+    body = BodyEquations(layout.ellipse, first.ellipse, len(frames))
     for pose, sight in frames:
         canvas = make_canvas(len(sight.seen), sight.seen.shape[1], layout)
         paint(layout, pose, blur, sight.box, *canvas)
@@ -82,14 +83,22 @@ def _one_round(
             layout, blur, sight.box, value, owner, along, joints, sight.seen, sight.weight, soft,
             matrix, vector,
         )  # fmt: skip
+        parts, sums = np.zeros((len(meets), 8, 8)), np.zeros((len(meets), 8))
         body_equations(
-            layout, pose, blur, sight.box, value, owner, sight.seen, sight.weight, soft,
-            body_matrix, body_vector,
+            layout, meets, pose, blur, sight.box, value, owner, sight.seen, sight.weight, soft,
+            parts, sums,
         )  # fmt: skip
+        of_pose, slope = np.zeros((len(pose), len(pose))), np.zeros(len(pose))
+        normal_equations(
+            layout, pose, blur, sight.box, value, owner, along, joints, sight.seen, sight.weight,
+            soft, of_pose, slope,
+        )  # fmt: skip
+        body.add(parts, sums, of_pose + np.tril(of_pose, -1).T, slope)
     legs_learnt = learn_legs(
         layout, first, partner, equations=(matrix, vector), n_frames=len(frames)
     )
-    ellipse = _body_step(layout, first, body_matrix, body_vector, len(frames))
+    ellipse, moves = body.solve()
+    frames[:] = [(pose + move, sight) for (pose, sight), move in zip(frames, moves, strict=True)]
     return legs_learnt._replace(ellipse=ellipse)
 
 
@@ -135,8 +144,8 @@ def learn_legs(
         now += np.clip(move, -0.4, 0.4)
         most = np.maximum(_MOST_RADIUS * first.radius[leg, :n], _LEAST_RADIUS_PX)
         radius[leg, :n] = np.clip(np.exp(now[:n]), _LEAST_RADIUS_PX, most)
-        least = max(_LEAST_DARK, _LEAST_OF_DARKEST * float(now[n:].max()))
-        dark[leg, :n] = np.clip(now[n:], least, _MOST_DARK)
+        least = max(LEAST_DARK, _LEAST_OF_DARKEST * float(now[n:].max()))
+        dark[leg, :n] = np.clip(now[n:], least, MOST_DARK)
     return layout._replace(radius=radius, dark=dark)
 
 
@@ -148,24 +157,3 @@ def _look_prior(n: int) -> np.ndarray:
     out[:n, :n] = np.eye(n) / _RADIUS_SD**2 + smooth / _RADIUS_STEP_SD**2
     out[n:, n:] = np.eye(n) / _DARK_SD**2 + smooth / _DARK_STEP_SD**2
     return out
-
-
-def _body_step(
-    layout: Layout, first: Layout, matrix: np.ndarray, vector: np.ndarray, n_frames: int
-) -> np.ndarray:
-    """Return the body's parts after one step."""
-    ellipse = layout.ellipse.copy()
-    for part in range(len(ellipse)):
-        longer = np.log(ellipse[part, 2] / first.ellipse[part, 2])
-        wider = np.log(ellipse[part, 3] / first.ellipse[part, 3])
-        darker = ellipse[part, 4] - first.ellipse[part, 4]
-        now = np.array([longer, wider, darker, ellipse[part, 5]])
-        stiff = n_frames * np.diag(1.0 / np.array(_BODY_SD) ** 2)
-        move = np.linalg.solve(matrix[part] + stiff, -(vector[part] + stiff @ now))
-        longer, wider, darker, egg = now + np.clip(move, -0.2, 0.2)
-        ellipse[part, 0] = first.ellipse[part, 0] * np.exp(longer)
-        ellipse[part, 2] = first.ellipse[part, 2] * np.exp(longer)
-        ellipse[part, 3] = first.ellipse[part, 3] * np.exp(wider)
-        ellipse[part, 5] = np.clip(egg, -0.4, 0.4)
-        ellipse[part, 4] = np.clip(first.ellipse[part, 4] + darker, _LEAST_DARK, _MOST_DARK)
-    return ellipse

@@ -38,12 +38,17 @@ def look_equations(
             eu = u + box[0] - au - t * (joints[leg, s + 1, 0] - au)
             ev = v + box[1] - av - t * (joints[leg, s + 1, 1] - av)
             distance = math.sqrt(eu * eu + ev * ev)
+            end = 1.0
+            if s == layout.n_segments[leg] - 1:
+                length = math.hypot(joints[leg, s + 1, 0] - au, joints[leg, s + 1, 1] - av)
+                end = step((1.0 - t) * length / blur)
+                t = min(t, 1.0)
             r0, r1 = layout.radius[leg, s], layout.radius[leg, s + 1]
             dark = layout.dark[leg, s] + (layout.dark[leg, s + 1] - layout.dark[leg, s]) * t
             radius = r0 + (r1 - r0) * t
             inner, outer = (radius - distance) / blur, (-radius - distance) / blur
-            thicker = dark * (slope(inner) + slope(outer)) / blur
-            cover = step(inner) - step(outer)
+            thicker = end * dark * (slope(inner) + slope(outer)) / blur
+            cover = end * (step(inner) - step(outer))
             which[0], which[1], which[2], which[3] = s, s + 1, nodes + s, nodes + s + 1
             row[0], row[1] = thicker * (1 - t) * r0, thicker * t * r1
             row[2], row[3] = cover * (1 - t), cover * t
@@ -57,17 +62,21 @@ def look_equations(
 
 @compiled
 def body_equations(
-    layout: Layout, pose: np.ndarray, blur: float, box: np.ndarray, value: np.ndarray,
-    owner: np.ndarray, seen: np.ndarray, weight: np.ndarray, soft: float,
+    layout: Layout, meets: np.ndarray, pose: np.ndarray, blur: float, box: np.ndarray,
+    value: np.ndarray, owner: np.ndarray, seen: np.ndarray, weight: np.ndarray, soft: float,
     matrix: np.ndarray, vector: np.ndarray,
 ) -> None:  # fmt: skip
-    """Add the equations of the body's parts: log length, log width, darkness, egg.
+    """Add the equations of the body's parts and its place.
 
-    A part that grows in length keeps its place relative to the origin: its middle moves too.
-    ``matrix`` and ``vector`` are (parts, 4, 4) and (parts, 4).
+    Of each part: log length, log width, darkness, egg, overlap; then x, y, heading of the pose.
+
+    A part that grows in length keeps its place relative to the origin: its middle moves too. The
+    overlap is by how much the parts that meet at the origin (``meets``, see
+    :func:`.layout.meeting`) reach beyond it. ``matrix`` and ``vector`` are (parts, 8, 8) and
+    (parts, 8).
     """
     cos, sin = math.cos(pose[2]), math.sin(pose[2])
-    row = np.zeros(4)
+    row = np.zeros(8)
     for v in range(value.shape[0]):
         for u in range(value.shape[1]):
             part = -2 - owner[v, u]
@@ -83,9 +92,12 @@ def body_equations(
             row[1] = edge * nb * (y - right)
             row[2] = step(-outside / blur)
             row[3] = edge * nb * (y - right) * a / max(1.0 + egg * a, 0.2)
+            row[4] = -meets[part] * edge * na
+            row[5], row[6] = edge * (na * cos - nb * sin), edge * (na * sin + nb * cos)
+            row[7] = row[6] * du - row[5] * dv
             error = value[v, u] - seen[v, u]
             w = weight[v, u] / (1.0 + error * error / (soft * soft)) ** 2
-            for i in range(4):
+            for i in range(8):
                 vector[part, i] += w * row[i] * error
-                for j in range(4):
+                for j in range(8):
                     matrix[part, i, j] += w * row[i] * row[j]

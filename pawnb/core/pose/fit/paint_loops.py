@@ -1,12 +1,14 @@
 """Painting the stick animal, and how the painted picture changes with the pose: compiled loops.
 
-A leg's segment is a capsule whose thickness and darkness change along it, a part of the body an
-ellipse. Where several lie on one pixel, the darkest shows. The picture's blur is that of a
+A leg's segment is a capsule whose thickness and darkness change along it; the last is cut off
+straight at the tip, for that is where a leg is seen to end. A part of the body is an ellipse. Where
+several lie on one pixel, the darkest shows. The picture's blur is that of a
 parabolic kernel, whose integral is a polynomial; ``blur`` is its half width in px, sqrt(5) times
 its standard deviation.
 
 A pixel remembers which piece it shows: segment ``leg * 64 + segment``, part of the body
-``-2 - part``, nothing -1; and how far along a segment it lies.
+``-2 - part``, nothing -1; and how far along a segment it lies:
+0 to 1, more beyond the tip, where the blurred end still shows.
 """
 
 from __future__ import annotations
@@ -120,10 +122,12 @@ def paint_leg(
 ) -> None:  # fmt: skip
     """Paint one leg whose joints are given."""
     height, width = value.shape
-    for s in range(layout.n_segments[leg]):
+    last = layout.n_segments[leg] - 1
+    for s in range(last + 1):
         u0, v0 = joints[s, 0] - box[0], joints[s, 1] - box[1]
         du, dv = joints[s + 1, 0] - joints[s, 0], joints[s + 1, 1] - joints[s, 1]
         square = max(du * du + dv * dv, 1e-6)
+        most = 1.0 + blur / math.sqrt(square) if s == last else 1.0
         r0, r1 = layout.radius[leg, s], layout.radius[leg, s + 1]
         d0, d1 = layout.dark[leg, s], layout.dark[leg, s + 1]
         reach = max(r0, r1) + blur
@@ -136,15 +140,18 @@ def paint_leg(
                 left, right = max(left, middle - half), min(right, middle + half)
             for u in range(max(0, math.ceil(left)), min(width, math.floor(right) + 1)):
                 t = ((u - u0) * du + (v - v0) * dv) / square
-                t = min(max(t, 0.0), 1.0)
+                t = min(max(t, 0.0), most)
                 eu, ev = u - u0 - t * du, v - v0 - t * dv
-                radius = r0 + (r1 - r0) * t
+                inside = min(t, 1.0)
+                radius = r0 + (r1 - r0) * inside
                 distance2 = eu * eu + ev * ev
                 if distance2 >= (radius + blur) ** 2:
                     continue
                 distance = math.sqrt(distance2)
                 cover = step((radius - distance) / blur) - step((-radius - distance) / blur)
-                here = (d0 + (d1 - d0) * t) * cover
+                if s == last:
+                    cover *= step((1.0 - t) / (most - 1.0))
+                here = (d0 + (d1 - d0) * inside) * cover
                 if here > value[v, u]:
                     value[v, u] = here
                     owner[v, u] = leg * 64 + s
@@ -192,10 +199,11 @@ def leg_pull(
     layout: Layout, joints: np.ndarray, leg: int, s: int, t: float, blur: float, u: float,
     v: float, pull: np.ndarray,
 ) -> bool:  # fmt: skip
-    """Write how a pixel of a leg changes as the point of the axis nearest to it moves.
+    """Write how a pixel of a leg changes as a point of the axis moves, the one nearest to it.
 
     ``pull`` receives the change per px of motion in u and v, and that point; False where the
-    pixel does not change.
+    pixel does not change. Near a tip, which pulls at the pixel too, the point is the one at which
+    both together have the same moments about the segment's first joint.
     """
     u0, v0 = joints[s, 0], joints[s, 1]
     du, dv = joints[s + 1, 0] - u0, joints[s + 1, 1] - v0
@@ -204,22 +212,44 @@ def leg_pull(
     distance = math.sqrt(eu * eu + ev * ev)
     r0, r1 = layout.radius[leg, s], layout.radius[leg, s + 1]
     d0, d1 = layout.dark[leg, s], layout.dark[leg, s + 1]
-    radius, dark = r0 + (r1 - r0) * t, d0 + (d1 - d0) * t
-    sharp = 1.0 / blur
+    inside = min(t, 1.0)
+    radius, dark = r0 + (r1 - r0) * inside, d0 + (d1 - d0) * inside
+    sharp, square = 1.0 / blur, max(du * du + dv * dv, 1e-6)
+    beyond = (t - 1.0) * math.sqrt(square) * sharp if s == layout.n_segments[leg] - 1 else -1.0
+    end = step(-beyond)
     inner, outer = (radius - distance) * sharp, (-radius - distance) * sharp
     k_inner, k_outer = slope(inner), slope(outer)
     pull[0] = pull[1] = 0.0
     if distance > 1e-9:  # minus the change with distance
-        across = dark * (k_inner - k_outer) * sharp / distance
+        across = end * dark * (k_inner - k_outer) * sharp / distance
         pull[0], pull[1] = across * eu, across * ev
+    cover = step(inner) - step(outer)
     if 0.0 < t < 1.0:
-        cover = step(inner) - step(outer)
         lengthwise = (d1 - d0) * cover + dark * (k_inner + k_outer) * sharp * (r1 - r0)
-        lengthwise /= du * du + dv * dv
+        lengthwise *= end / square
         pull[0] -= lengthwise * du
         pull[1] -= lengthwise * dv
     pull[2], pull[3] = qu, qv
+    if beyond > -1.0:
+        strength = dark * cover * slope(beyond) * sharp / math.sqrt(square)
+        add_pull(pull, u0, v0, strength * du, strength * dv, u0 + du + eu, v0 + dv + ev)
     return abs(pull[0]) + abs(pull[1]) > 1e-7
+
+
+@compiled
+def add_pull(
+    pull: np.ndarray, u0: float, v0: float, gu: float, gv: float, u: float, v: float
+) -> None:
+    """Add to ``pull`` another one, (gu, gv) at (u, v): both moments about (u0, v0) are kept."""
+    a, b, c, d = pull[2] - u0, pull[3] - v0, u - u0, v - v0
+    turning = pull[1] * a - pull[0] * b + gv * c - gu * d
+    stretching = pull[0] * a + pull[1] * b + gu * c + gv * d
+    pull[0] += gu
+    pull[1] += gv
+    square = pull[0] ** 2 + pull[1] ** 2
+    if square > 1e-18:
+        pull[2] = u0 + (stretching * pull[0] + turning * pull[1]) / square
+        pull[3] = v0 + (stretching * pull[1] - turning * pull[0]) / square
 
 
 @compiled
@@ -273,127 +303,6 @@ def picture_cost(
                 now = misfit(value[v, u] - seen[v, u], soft)
                 total += weight[v, u] * (now - misfit(seen[v, u], soft))
     return total
-
-
-@compiled
-def add_segment(
-    layout: Layout, pose: np.ndarray, joints: np.ndarray, leg: int, s: int, moments: np.ndarray,
-    rows: np.ndarray, which: np.ndarray, matrix: np.ndarray, vector: np.ndarray,
-) -> None:  # fmt: skip
-    """Add the Gauss-Newton matrix and gradient of all pixels of a segment.
-
-    A pixel's row (:func:`leg_slope`) is linear in four numbers: its pulls ``gu`` and ``gv``, and
-    the moments ``gv a - gu b`` and ``gu a + gv b`` of the pull at (a, b) from the segment's first
-    joint. ``moments`` (14,) has the weighted sums over pixels of products of these (lower
-    triangle, row by row), then of each times the error. ``rows`` (5, 64) and ``which`` (64,) are
-    room to work in.
-    """
-    n, pull = 0, rows[4]
-    for moment in range(2):
-        for axis in range(2):
-            pull[0], pull[1] = 1.0 - axis, float(axis)
-            pull[2], pull[3] = joints[s, 0] + moment, joints[s, 1]
-            # a pull along v at (1, 0) has only the first moment, one along u only the second
-            to = axis if moment == 0 else 3 - axis
-            n = leg_slope(layout, pose, joints, leg, s, pull, rows[to], which)
-    for i in range(n):
-        rows[3, i] -= rows[0, i]
-        rows[2, i] -= rows[1, i]
-    m = moments
-    for i in range(n):
-        a, b, c, d = rows[0, i], rows[1, i], rows[2, i], rows[3, i]
-        vector[which[i]] += a * m[10] + b * m[11] + c * m[12] + d * m[13]
-        along_a = a * m[0] + b * m[1] + c * m[3] + d * m[6]
-        along_b = a * m[1] + b * m[2] + c * m[4] + d * m[7]
-        along_c = a * m[3] + b * m[4] + c * m[5] + d * m[8]
-        along_d = a * m[6] + b * m[7] + c * m[8] + d * m[9]
-        for j in range(i + 1):
-            matrix[which[i], which[j]] += (
-                along_a * rows[0, j] + along_b * rows[1, j]
-                + along_c * rows[2, j] + along_d * rows[3, j]
-            )  # fmt: skip
-
-
-@compiled
-def add_segments(
-    layout: Layout, pose: np.ndarray, joints: np.ndarray, moments: np.ndarray,
-    matrix: np.ndarray, vector: np.ndarray,
-) -> None:  # fmt: skip
-    """Add the equations of all segments that show; ``moments`` (legs, segments, 14)."""
-    rows, which = np.zeros((5, 64)), np.zeros(64, np.int64)
-    for leg in range(moments.shape[0]):
-        for s in range(layout.n_segments[leg]):
-            if moments[leg, s, 0] + moments[leg, s, 2] > 0.0:
-                add_segment(
-                    layout, pose, joints[leg], leg, s, moments[leg, s], rows, which, matrix, vector
-                )
-
-
-@compiled
-def normal_equations(
-    layout: Layout, pose: np.ndarray, blur: float, box: np.ndarray, value: np.ndarray,
-    owner: np.ndarray, along: np.ndarray, joints: np.ndarray, seen: np.ndarray,
-    weight: np.ndarray, soft: float, matrix: np.ndarray, vector: np.ndarray,
-) -> float:  # fmt: skip
-    """Add the Gauss-Newton matrix and gradient of the cost; return the cost.
-
-    Robust errors are weighted as in iteratively reweighted least squares.
-    """
-    row, pull, four = np.zeros(3), np.zeros(4), np.zeros(4)
-    legs, most = layout.length.shape
-    moments = np.zeros((legs, most, 14))
-    last, chain, sums = NOTHING, joints[0], moments[0, 0]
-    cos, sin, soft_2 = math.cos(pose[2]), math.sin(pose[2]), 1.0 / (soft * soft)
-    total = 0.0
-    for v in range(value.shape[0]):
-        for u in range(value.shape[1]):
-            piece = owner[v, u]
-            if piece == NOTHING:
-                continue
-            error = value[v, u] - seen[v, u]
-            w = weight[v, u]
-            heed = 1.0 / (1.0 + error * error * soft_2)
-            total += w * (0.5 * error * error * heed - misfit(seen[v, u], soft))
-            w *= heed * heed
-            pu, pv = u + box[0], v + box[1]
-            if piece < 0:
-                if body_slope(layout, pose, -2 - piece, blur, pu, pv, cos, sin, row):
-                    for i in range(3):
-                        vector[i] += w * row[i] * error
-                        for j in range(i + 1):
-                            matrix[i, j] += w * row[i] * row[j]
-                continue
-            leg, s = piece // 64, piece % 64
-            if piece != last:
-                last, chain, sums = piece, joints[leg], moments[leg, s]
-            if leg_pull(layout, chain, leg, s, along[v, u], blur, pu, pv, pull):
-                a, b = pull[2] - chain[s, 0], pull[3] - chain[s, 1]
-                four[0], four[1] = pull[0], pull[1]
-                four[2], four[3] = pull[1] * a - pull[0] * b, pull[0] * a + pull[1] * b
-                add_moments(four, w, error, sums)
-    add_segments(layout, pose, joints, moments, matrix, vector)
-    return total
-
-
-@compiled
-def add_moments(four: np.ndarray, w: float, error: float, moments: np.ndarray) -> None:
-    """Add a pixel to the ``moments`` of its segment, see :func:`add_segment`."""
-    a, b, c, d = four[0], four[1], four[2], four[3]
-    wa, wb, wc, wd = w * a, w * b, w * c, w * d
-    moments[0] += wa * a
-    moments[1] += wb * a
-    moments[2] += wb * b
-    moments[3] += wc * a
-    moments[4] += wc * b
-    moments[5] += wc * c
-    moments[6] += wd * a
-    moments[7] += wd * b
-    moments[8] += wd * c
-    moments[9] += wd * d
-    moments[10] += wa * error
-    moments[11] += wb * error
-    moments[12] += wc * error
-    moments[13] += wd * error
 
 
 def make_canvas(height: int, width: int, layout: Layout) -> tuple[np.ndarray, ...]:

@@ -12,14 +12,8 @@ import numpy as np
 
 from pawnb.core.compiled import compiled
 from pawnb.core.pose.fit.layout import Layout
-from pawnb.core.pose.fit.paint_loops import (
-    clear,
-    leg_chain,
-    normal_equations,
-    paint_body,
-    paint_leg,
-    picture_cost,
-)
+from pawnb.core.pose.fit.normal_loops import normal_equations
+from pawnb.core.pose.fit.paint_loops import clear, leg_chain, paint_body, paint_leg, picture_cost
 
 
 class Prior(NamedTuple):

@@ -19,7 +19,7 @@ from pawnb.core.pose.fit.choices import (
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.layout import Layout
 from pawnb.core.pose.fit.learn import learn_look
-from pawnb.core.pose.fit.paint_loops import NOTHING, paint, picture_cost
+from pawnb.core.pose.fit.paint_loops import NOTHING
 from pawnb.core.pose.fit.priors import about
 from pawnb.core.pose.fit.solve_loops import Prior, Sight
 from pawnb.core.pose.fit.threads import on_threads
@@ -37,7 +37,7 @@ _SHORTER = (0.05, -0.05, -0.15, -0.25, -0.4)
 _COARSE_BLURS = (8.0, 4.0)
 _BODY_BLURS = (16.0, 8.0, 3.0)
 _DARK_LIMITS = (0.2, 1.0)
-_BLUR_STEP = 0.85
+_BLUR_STEP, _BLUR_TURNS, _BLUR_MISSES = 0.85, 2, 2
 _BLURS = (0.75, 4.0)
 """Half widths of the blur that are tried, working px: with a narrower one the painted edge lies
 between the middles of pixels, and the fit does not feel which way to move it."""
@@ -110,7 +110,7 @@ def fit_start(
             soft=settings.soft_error,
         )  # fmt: skip
     sight, _, _ = fitter.look(frame, pose)
-    _learn_blur(fitter, pose, sight, partner=partner)
+    pose = _learn_blur(fitter, pose, sight, prior, partner=partner)
     pose, _ = fitter.fit(pose, sight, prior, rounds=20)
     high = fitter.anatomy.high.copy()
     longest = pose[fitter.lengths] + np.log(_LATER_LONGER)
@@ -120,34 +120,38 @@ def fit_start(
 
 
 def _learn_blur(
-    fitter: FrameFitter, pose: np.ndarray, sight: Sight, *, partner: np.ndarray
-) -> None:
+    fitter: FrameFitter, pose: np.ndarray, sight: Sight, prior: Prior, *, partner: np.ndarray
+) -> np.ndarray:
     """Make the fitter's blur, and with it its layout, those that explain the start frame best.
 
     Too wide a blur paints a halo about a thin leg that costs nearly as much as the leg explains:
-    its pale end is given up.
+    its pale end is given up. The pose fitted with it would then speak for it, so every blur has a
+    pose of its own. Returned is the best one's.
     """
 
-    def learnt(blur: float) -> tuple[float, Layout]:
-        layout = learn_look(
-            fitter.layout, [(pose, sight)], first=fitter.first, partner=partner, blur=blur,
-            soft=fitter.settings.soft_error,
-        )  # fmt: skip
-        value, owner, along, joints = fitter.canvas(sight)
-        paint(layout, pose, blur, sight.box, value, owner, along, joints)
-        soft = fitter.settings.soft_error
-        return picture_cost(value, owner, sight.seen, sight.weight, soft), layout
+    def tried(blur: float, pose: np.ndarray, layout: Layout) -> tuple[float, np.ndarray, Layout]:
+        for _ in range(_BLUR_TURNS):
+            layout = learn_look(
+                layout, [(pose, sight)], first=fitter.first, partner=partner, blur=blur,
+                soft=fitter.settings.soft_error,
+            )  # fmt: skip
+            fitter.layout = layout
+            pose, cost = fitter.fit(pose, sight, prior, blur=blur, rounds=8)
+        return cost, pose, layout
 
-    best, _ = learnt(fitter.blur)
+    best, blur = tried(fitter.blur, pose, fitter.layout), fitter.blur
     for factor in (_BLUR_STEP, 1.0 / _BLUR_STEP):
-        first = fitter.blur
-        while _BLURS[0] <= fitter.blur * factor <= _BLURS[1]:
-            cost, layout = learnt(fitter.blur * factor)
-            if cost >= best:
-                break
-            best, fitter.layout, fitter.blur = cost, layout, fitter.blur * factor
-        if fitter.blur != first:
-            return
+        first, trial, misses = blur, blur * factor, 0
+        while _BLURS[0] <= trial <= _BLURS[1] and misses < _BLUR_MISSES:
+            other = tried(trial, *best[1:])
+            misses += 1
+            if other[0] < best[0]:
+                best, blur, misses = other, trial, 0
+            trial *= factor
+        if blur != first:
+            break
+    fitter.blur, fitter.layout = blur, best[2]
+    return best[1]
 
 
 def first_darkness(fitter: FrameFitter, frame: Frame, pose: np.ndarray) -> Layout:

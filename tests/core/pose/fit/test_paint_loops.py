@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from pawnb.core.pose.fit import normal_loops
 from pawnb.core.pose.fit import paint_loops as loops
 from pawnb.core.pose.fit.layout import make_layout, n_parameters, pose_vectors, poses_of_vectors
 from pawnb.core.pose.poses import joint_positions, natural_pose
@@ -15,7 +16,8 @@ def bent(species: str, seed: int = 0):
     animal = load_species(species)
     scale = 150.0 / animal.span
     layout = make_layout(animal, px_per_unit=scale, dark=0.8)
-    layout.ellipse[:, 5] = 0.15
+    layout.ellipse[:-1, 5] = 0.15
+    layout.ellipse[-1, 3] *= 2.0  # a waist wider than its blur: distances are of first order
     pose = pose_vectors(
         animal, natural_pose(animal, xy=(90.3, 89.2), heading_deg=30.0, scale=scale)
     )[0]
@@ -46,6 +48,18 @@ def test_a_wide_limb_is_as_dark_as_told_inside_and_clear_outside():
     assert canvas[0][femur[1], femur[0]] == pytest.approx(expected, rel=0.02)
     assert canvas[0][2, 2] == 0.0
     assert canvas[1][2, 2] == loops.NOTHING
+
+
+@pytest.mark.parametrize("tip", [120.0, 120.3, 120.5, 120.9])
+def test_a_leg_ends_at_its_tip(tip):
+    _, layout, _, _ = bent("dolomedes")
+    layout.dark[:], layout.radius[:] = 0.8, 3.0
+    value, owner, along, joints = loops.make_canvas(100, 180, layout)
+    joints[0, :, 0], joints[0, :, 1] = np.linspace(30.0, tip, joints.shape[1]), 50.0
+    loops.paint_leg(layout, joints[0], 0, BLUR, np.zeros(2), value, owner, along)
+    # a band that ends at the tip holds, blurred or not, so much darkness from pixel 60 on
+    assert value[50, 60:].sum() == pytest.approx(0.8 * (tip - 59.5), abs=0.02)
+    assert value[50, round(tip + BLUR) + 1 :].max() == 0.0
 
 
 def slopes(layout, pose):
@@ -101,7 +115,7 @@ def test_equations_are_the_sums_over_pixels_of_their_slopes(species):
     seen = value + rng.normal(0.0, 0.3, value.shape)
     weight = rng.uniform(20.0, 80.0, value.shape)
     matrix, vector = np.zeros((len(pose),) * 2), np.zeros(len(pose))
-    cost = loops.normal_equations(
+    cost = normal_loops.normal_equations(
         layout, pose, BLUR, np.zeros(2), value, owner, along, joints, seen, weight, 0.45,
         matrix, vector,
     )  # fmt: skip

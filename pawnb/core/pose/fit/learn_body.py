@@ -1,0 +1,107 @@
+"""Size, shape and darkness of the body's parts, learnt from frames whose pose is nearly known."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pawnb.core.pose.fit.layout import N_BODY, meeting
+
+LEAST_DARK, MOST_DARK = 0.08, 1.1
+_BODY_SD = (0.15, 0.15, 0.5, 0.15)
+_WAIST_SD = (1e-3, 0.5, 0.5, 1e-3)
+_OVERLAP_SD = 0.04
+"""Of a part of the body: logarithms of length and width, darkness, egg; of its half length, by
+how much parts that meet reach into each other."""
+_POSE_PRECISION = 20.0
+"""What is known of a leg's angles (radians) and lengths (logarithms) where they are not seen."""
+_MOST_EGG = 0.4
+_MOST_STEP = 0.2
+
+
+class BodyEquations:
+    """The equations of one step of learning the body, summed over frames.
+
+    The shape of the body and where it lies are seen in the same outline: a part that gets longer
+    in front looks as one that moves forwards. Each frame's pose is therefore free to follow: the
+    equations are those of shape and poses together, the poses eliminated.
+
+    Parameters
+    ----------
+    ellipse : ndarray, shape (parts, 6)
+        The body as known so far, see :class:`.layout.Layout`.
+    known : ndarray, shape (parts, 6)
+        The body as the species file has it.
+    n_frames : int
+        How many frames will be added.
+    """
+
+    def __init__(self, ellipse: np.ndarray, known: np.ndarray, n_frames: int) -> None:
+        self.known, self.ellipse = known, ellipse
+        self.meets = meeting(known)
+        parts = len(ellipse)
+        sds = np.tile(_BODY_SD, (parts, 1))
+        overlap_sd = 1.0
+        if self.meets.any():
+            sds[-1] = _WAIST_SD
+            overlap_sd = _OVERLAP_SD * float(known[self.meets != 0.0, 2].min())
+        self.now = self._numbers()
+        stiff = n_frames / np.append(sds.ravel(), overlap_sd) ** 2
+        self.matrix, self.vector = np.diag(stiff), stiff * self.now
+        self.follow: list[tuple[np.ndarray, np.ndarray]] = []
+
+    def _numbers(self) -> np.ndarray:
+        """Return log length, log width, darkness and egg of every part, then the overlap."""
+        longer, wider = np.log(self.ellipse[:, 2:4] / self.known[:, 2:4]).T
+        darker = self.ellipse[:, 4] - self.known[:, 4]
+        inwards = self.meets * (self.known[:, 0] * np.exp(longer) - self.ellipse[:, 0])
+        overlap = inwards[self.meets != 0.0].mean() if self.meets.any() else 0.0
+        shape = np.column_stack([longer, wider, darker, self.ellipse[:, 5]])
+        return np.append(shape.ravel(), overlap)
+
+    def add(
+        self, matrix: np.ndarray, vector: np.ndarray, of_pose: np.ndarray, slope: np.ndarray
+    ) -> None:
+        """Add a frame whose legs fit its picture best.
+
+        Parameters
+        ----------
+        matrix, vector : ndarray, shape (parts, 8, 8) and (parts, 8)
+            See :func:`.learn_loops.body_equations`.
+        of_pose : ndarray, shape (n_parameters, n_parameters)
+            The Gauss-Newton matrix of the pose.
+        slope : ndarray, shape (n_parameters,)
+            The gradient of the picture's cost; only that of the body's place counts, as those of
+            the legs balance what anatomy says of them.
+        """
+        n = len(self.now)
+        across = np.zeros((n, len(of_pose)))
+        for part in range(len(matrix)):
+            at = [*range(4 * part, 4 * part + 4), n - 1]  # the overlap is common to all
+            self.matrix[np.ix_(at, at)] += matrix[part, :5, :5]
+            self.vector[at] += vector[part, :5]
+            across[at, :N_BODY] += matrix[part, :5, 5:]
+        least = np.full(len(of_pose), _POSE_PRECISION)
+        least[:N_BODY] = 1e-6
+        pulled = np.where(np.arange(len(slope)) < N_BODY, slope, 0.0)
+        both = np.column_stack([across.T, pulled])
+        solved = np.linalg.solve(of_pose + np.diag(least), both)
+        follow, own = solved[:, :-1], solved[:, -1]
+        self.matrix -= across @ follow
+        self.vector -= across @ own
+        self.follow.append((follow, own))
+
+    def solve(self) -> tuple[np.ndarray, list[np.ndarray]]:
+        """Return the body after the step, and how each frame's pose moves with it."""
+        step = -np.linalg.solve(self.matrix, self.vector)
+        step = np.clip(step, -_MOST_STEP, _MOST_STEP)
+        longer, wider, darker, egg = (self.now + step)[:-1].reshape(-1, 4).T
+        overlap = self.now[-1] + step[-1]
+        known, ellipse = self.known, self.ellipse.copy()
+        ellipse[:, 0] = known[:, 0] * np.exp(longer) - self.meets * overlap
+        ellipse[:, 2] = known[:, 2] * np.exp(longer)
+        ellipse[:, 3] = known[:, 3] * np.exp(wider)
+        ellipse[:, 4] = np.clip(known[:, 4] + darker, LEAST_DARK, MOST_DARK)
+        ellipse[:, 5] = np.clip(egg, -_MOST_EGG, _MOST_EGG)
+        if self.meets.any():  # what joins two parts is no wider than either
+            ellipse[-1, 3] = min(ellipse[-1, 3], ellipse[self.meets != 0.0, 3].min())
+        return ellipse, [-own - follow @ step for follow, own in self.follow]
