@@ -8,7 +8,15 @@ import numpy as np
 
 from pawnb.core.compiled import compiled
 from pawnb.core.pose.fit.layout import Layout
-from pawnb.core.pose.fit.paint_loops import NOTHING, clear, leg_chain, misfit, paint_body, paint_leg
+from pawnb.core.pose.fit.paint_loops import (
+    NOTHING,
+    clear,
+    leg_chain,
+    misfit,
+    paint_body,
+    paint_leg,
+    step,
+)
 from pawnb.core.pose.fit.solve_loops import Sight
 
 
@@ -124,8 +132,9 @@ def free_of_others(
 
 @compiled
 def leg_support(
-    layout: Layout, joints: np.ndarray, leg: int, sight: Sight, share: float, body: np.ndarray
-) -> tuple[float, float]:
+    layout: Layout, joints: np.ndarray, leg: int, sight: Sight, blur: float, share: float,
+    body: np.ndarray,
+) -> tuple[float, float]:  # fmt: skip
     """Return how dark a leg's axis is relative to what is expected: whole leg, outer part.
 
     ``share`` is the part of the leg, from the tip inwards, that counts as outer. Places outside
@@ -152,7 +161,8 @@ def leg_support(
                 radius = layout.radius[leg, s] + t * (
                     layout.radius[leg, s + 1] - layout.radius[leg, s]
                 )
-                expected = max(dark * min(1.0, radius), 0.05)  # thin ends are blurred
+                # what is thin and what is near the tip is blurred
+                expected = max(dark * min(1.0, radius) * step((whole - at) / blur), 0.05)
                 if body[v, u] > 0.7 * expected or sight.weight[v, u] == 0.0:
                     continue
                 here = min(max(sight.seen[v, u] / expected, 0.0), 1.0)

@@ -272,7 +272,7 @@ class FrameFitter:
         joints, body = self.joints(pose), self.body_zone(pose, sight)
         return np.array(
             [
-                leg_support(self.layout, joints[leg], leg, sight, 0.33, body)
+                leg_support(self.layout, joints[leg], leg, sight, self.blur, 0.33, body)
                 for leg in range(len(joints))
             ]
         )

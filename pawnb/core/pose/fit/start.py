@@ -37,7 +37,7 @@ _SHORTER = (0.05, -0.05, -0.15, -0.25, -0.4)
 _COARSE_BLURS = (8.0, 4.0)
 _BODY_BLURS = (16.0, 8.0, 3.0)
 _DARK_LIMITS = (0.2, 1.0)
-_BLUR_STEP, _BLUR_TURNS, _BLUR_MISSES = 0.85, 2, 2
+_BLUR_STEP, _BLUR_TURNS = 0.85, 2
 _BLURS = (0.75, 4.0)
 """Half widths of the blur that are tried, working px: with a narrower one the painted edge lies
 between the middles of pixels, and the fit does not feel which way to move it."""
@@ -126,7 +126,7 @@ def _learn_blur(
 
     Too wide a blur paints a halo about a thin leg that costs nearly as much as the leg explains:
     its pale end is given up. The pose fitted with it would then speak for it, so every blur has a
-    pose of its own. Returned is the best one's.
+    pose of its own, and all narrower ones are tried. Returned is the best one's.
     """
 
     def tried(blur: float, pose: np.ndarray, layout: Layout) -> tuple[float, np.ndarray, Layout]:
@@ -141,12 +141,13 @@ def _learn_blur(
 
     best, blur = tried(fitter.blur, pose, fitter.layout), fitter.blur
     for factor in (_BLUR_STEP, 1.0 / _BLUR_STEP):
-        first, trial, misses = blur, blur * factor, 0
-        while _BLURS[0] <= trial <= _BLURS[1] and misses < _BLUR_MISSES:
+        first, trial = blur, blur * factor
+        while _BLURS[0] <= trial <= _BLURS[1]:
             other = tried(trial, *best[1:])
-            misses += 1
             if other[0] < best[0]:
-                best, blur, misses = other, trial, 0
+                best, blur = other, trial
+            elif factor > 1.0:
+                break
             trial *= factor
         if blur != first:
             break
