@@ -31,7 +31,7 @@ that of one standard deviation."""
 _ROUNDS = 3
 _ALIKE_PX = 4.5
 """Errors of pixels nearer than this go together: so many pixels count as one in each direction."""
-_MODEL_SD = 0.45
+_MODEL_SD = 0.3
 """What the painted shape errs by itself, alike in all frames (hairs, shadow, bends), half widths of
 the picture's blur; set, as the line above, on rendered spiders."""
 
