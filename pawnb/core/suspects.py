@@ -165,7 +165,7 @@ def _by_expected_errors(
                 view = views[int(showing[at, :, p].argmax())]
                 when = _distance_in_words(int(frames[at] - frames[t]))
                 said = when + _heaviest(doubts, weights[:, at, p], at, p)
-                rows.append((int(frames[t]), view, points[p], said, round(score, 3)))
+                rows.append((int(frames[t]), view, points[p], said, round(score, 4)))
     return rows
 
 
