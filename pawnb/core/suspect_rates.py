@@ -64,8 +64,11 @@ CURVES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
     ),
 }
 """Change of the log-odds by each measure: its knots, and the curve's values there; on
-average 0, so that what is not known does not count. As the benchmark prints them for the
-scenes that :data:`pawnb.core.paws.whole.likeness.CURVES` were learnt from."""
+average 0, so that what is not known does not count. As the benchmark prints them for 45
+rendered scenes, at half scale and 300 frames each unless said otherwise: ``--vary --seeds 21 22 23
+51 52 53 54 55`` of all three difficulties, and 56 and 57 of normal and hard ones; unvaried or
+with one thing changed, seeds 0 (200 frames) and 1 of easy ones, 0 to 7 (7: 1000 frames) and 10
+of normal ones, 0 to 4 and 10 of hard ones (10: 150 frames at full scale)."""
 
 
 def weigh(doubt: Doubt) -> np.ndarray:

@@ -27,33 +27,26 @@ _LEAST_SCORE = 0.5
 CURVES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
     "score": (
         (-0.5, 0, 0.25, 0.5, 0.75, 1, 1.3),
-        (-6.8, -5.5, -2.4, 0.2, 2.2, 4.1, 5.8),
+        (-4.9, -4.8, -3.4, -1.1, 1.4, 4, 3.5),
     ),
     "share": (
         (0.04, 0.1, 0.14, 0.18, 0.22, 0.26, 0.3, 0.35, 0.4, 0.5),
-        (1.8, 2.2, 1.7, 1.2, 0.1, -1, -1.1, -1, -2, -4),
+        (-0.9, 0.2, 0.5, 1.7, 0.8, 0.1, -0.5, -1, -2.3, -3.8),
     ),
     "ahead": (
         (-1, -0.6, -0.3, 0, 0.3, 0.6, 0.85, 1),
-        (-3.9, -0.8, -0.4, 0.1, 0.5, 0.9, 0.9, 0.5),
+        (-4, -1.2, -1, -1.6, -0.3, 1.5, 0.9, 0.5),
     ),
     "beside": (
         (-1, -0.6, -0.3, 0, 0.3, 0.6, 1),
-        (-2.3, 0, -0.4, 1.1, 0.3, -0.2, -0.9),
+        (-1.9, -0.5, -1.1, -0.1, 0, -1, -0.8),
     ),
     "length": (
         (0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.8),
-        (-1.3, -2.2, 0.7, 0.6, -0.3, -0.2, 0.1, 0.5),
+        (-0.3, -2, -0.3, 1, -1.1, -1.5, -0.6, -0.5),
     ),
 }
-"""Log-odds by each measure: its knots, and the curve's values there.
-
-As the benchmark prints them for 45 rendered scenes, at half scale and 300 frames each unless
-said otherwise: ``--vary --seeds 21 22 23 51 52 53 54 55`` of all three difficulties, and 56 and
-57 of normal and hard ones; unvaried or with one thing changed, seeds 0 (200 frames) and 1 of easy
-ones, 0 to 7 (7: 1000 frames) and 10 of normal ones, 0 to 4 and 10 of hard ones (10: 150
-frames at full scale).
-"""
+"""Log-odds by each measure: its knots, and the curve's values there (learnt from 26 scenes)."""
 
 
 @dataclass(frozen=True)

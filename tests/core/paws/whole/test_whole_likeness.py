@@ -36,12 +36,13 @@ def test_it_is_the_geometric_mean_of_the_rule_and_the_curves():
 
 
 def test_a_low_score_is_good_where_clicked_paws_score_low():
-    rows = candidate(0.6)
-    assert judge(0.6).likeness(rows, 0) > 3.0 * judge(4.0).likeness(rows, 0)
+    rows = candidate(1.4)
+    assert judge(1.4).likeness(rows, 0) > 3.0 * judge(4.0).likeness(rows, 0)
 
 
-def test_bellies_and_heels_are_worse_than_ends():
+def test_specks_and_heels_are_worse_than_ends():
     paw = judge(3.0).likeness(candidate(3.0, 0.2), 0)
+    assert judge(3.0).likeness(candidate(3.0, 0.04), 0) < 0.98 * paw
     assert judge(3.0).likeness(candidate(3.0, 0.45), 0) < 0.3 * paw
     assert judge(3.0).likeness(candidate(3.0, 0.2, step=(-2.4, -3.2)), 0) < 0.5 * paw
 
