@@ -18,6 +18,8 @@ PAW_SHARE = 0.02
 MOST_BLOBS = 24
 _GREY_SPREAD = 3
 _TOP_HAT = 2.0
+_STILL_WORTH = 0.1
+"""What a spot that never moves counts: it is left to choose from where nothing moves."""
 _EDGE = 0.25
 """A paw's pixels are no less like a paw than its middle by more than this share of what
 lies between its middle and the least paw-like fifth around it: fur often lies half way."""
@@ -71,7 +73,13 @@ def _top_hat(image: np.ndarray, paw_px: float) -> np.ndarray:
     return np.asarray(cv2.morphologyEx(image, cv2.MORPH_TOPHAT, kernel))
 
 
-def find_blobs(likeness: np.ndarray, paw_px: float, *, most: int = MOST_BLOBS) -> Blobs:
+def find_blobs(
+    likeness: np.ndarray,
+    paw_px: float,
+    *,
+    most: int = MOST_BLOBS,
+    still: np.ndarray | None = None,
+) -> Blobs:
     """Find the spots of paw size that stand out.
 
     Parameters
@@ -82,6 +90,9 @@ def find_blobs(likeness: np.ndarray, paw_px: float, *, most: int = MOST_BLOBS) -
         Length of a hind paw, px.
     most : int
         How many spots are returned at most.
+    still : ndarray, shape (H, W), optional
+        How paw-like each place is most of the time. What a spot has of this hardly counts: it
+        stays where it is, and the paws of a running animal do not.
 
     Returns
     -------
@@ -90,14 +101,18 @@ def find_blobs(likeness: np.ndarray, paw_px: float, *, most: int = MOST_BLOBS) -
         nearer than a third of a paw.
     """
     smooth = cv2.GaussianBlur(likeness.astype(np.float32), (0, 0), max(0.12 * paw_px, 0.8))
+    stays = np.zeros(smooth.shape)
+    if still is not None:
+        stays = np.clip(still / np.maximum(smooth, 1e-6), 0.0, 1.0)
     smooth += _top_hat(smooth, paw_px)
+    scale = float(np.percentile(smooth, 99.9)) or 1.0
+    smooth = cv2.multiply(smooth, 1.0 - (1.0 - _STILL_WORTH) * stays, dtype=cv2.CV_32F)
     radius = max(1, round(0.3 * paw_px))
     kernel = np.ones((2 * radius + 1, 2 * radius + 1), np.uint8)
     peaks = (smooth == cv2.dilate(smooth, kernel)) & (smooth > 0)
     rows, columns = np.nonzero(peaks)
     value = smooth[rows, columns]
     order = np.argsort(-value, kind="stable")[:most]
-    scale = float(np.percentile(smooth, 99.9)) or 1.0
     uv = np.stack([columns[order], rows[order]], axis=-1).astype(float)
     return Blobs(uv, np.asarray(np.clip(value[order] / scale, 0.0, 1.0), dtype=float))
 

@@ -23,6 +23,9 @@ from pawnb.core.rig import Rig
 from pawnb.errors import InputError
 from pawnb.schema import START_COLUMNS
 
+_STILL_FRAMES = 9
+"""Frames, spread over those that are looked through, that tell what stays where it is. Fewer
+may all fall into one stance."""
 _TRIED = 12
 """Frames in which the digits are measured before one is chosen."""
 
@@ -163,11 +166,16 @@ def _look_through(
     views: Views, frames: Sequence[int], progress: Callable[[int, int], None] | None
 ) -> dict[int, dict[str, Blobs]]:
     """Find the spots of every view in some frames."""
+    still = _still(views, frames)
     seen = {}
     for done, number in enumerate(frames, 1):
         pictures = views.frame(int(number))
         seen[int(number)] = {
-            name: _spots(pictures[name], views.readers[name].width, views.readers[name].height)
+            name: find_blobs(
+                _likeness(pictures[name], views.readers[name].width, views.readers[name].height),
+                PAW_SHARE * views.readers[name].width,
+                still=still[name],
+            )
             for name in views.names
         }
         if progress is not None:
@@ -175,14 +183,23 @@ def _look_through(
     return seen
 
 
+def _still(views: Views, frames: Sequence[int]) -> Mapping[str, np.ndarray | None]:
+    """Return how paw-like each place is most of the time: what stays there is no paw."""
+    if len(frames) < _STILL_FRAMES:
+        return dict.fromkeys(views.names)
+    kept: dict[str, list[np.ndarray]] = {name: [] for name in views.names}
+    for at in np.linspace(0, len(frames) - 1, _STILL_FRAMES).round():
+        pictures = views.frame(int(frames[int(at)]))
+        for name in views.names:
+            reader = views.readers[name]
+            shown = _likeness(pictures[name], reader.width, reader.height)
+            kept[name].append(shown.astype(np.float32))
+    return {name: np.maximum(np.median(shown, axis=0), 0.0) for name, shown in kept.items()}
+
+
 def _likeness(picture: Picture, width: int, height: int) -> np.ndarray:
     """Return the likeness of a whole picture."""
     return paw_likeness(np.asarray(picture.crop(0, 0, width, height)), PAW_SHARE * width)
-
-
-def _spots(picture: Picture, width: int, height: int) -> Blobs:
-    """Return the spots of one picture."""
-    return find_blobs(_likeness(picture, width, height), PAW_SHARE * width)
 
 
 def _choose(

@@ -47,6 +47,21 @@ def test_a_light_spot_in_a_grey_picture_stored_as_colour():
         )
 
 
+def test_what_stays_where_it_is_comes_after_what_moves():
+    paws = [np.zeros((120, 300)) for _ in range(9)]
+    for frame, shown in enumerate(paws):
+        shown[80:86, 40 + 25 * frame : 60 + 25 * frame] = 30.0  # a paw that moves on
+        shown[20:30, 200:230] = 40.0  # a knot in the wood behind it
+    alone = find_blobs(paws[4], 20.0)
+    np.testing.assert_allclose(alone.uv[0], (214.5, 24.5), atol=8)
+    told = find_blobs(paws[4], 20.0, still=np.median(paws, axis=0))
+    np.testing.assert_allclose(told.uv[0], (149.5, 82.5), atol=8)
+    in_knot = np.linalg.norm(told.uv - (214.5, 24.5), axis=1) < 20.0
+    assert told.strength[in_knot].max() < 0.3 * told.strength[0]
+    # where nothing moves, spots are still there to choose from
+    assert len(find_blobs(paws[4], 20.0, still=paws[4]).uv)
+
+
 def test_digits_without_a_paw_stay_where_they_were():
     flat = np.zeros((50, 50))
     uv = find_digits(flat, np.array([20.0, 20.0]), np.array([1.0, 0.0]), reach_px=5.0, pad_px=2.0)
