@@ -100,10 +100,12 @@ def find_blobs(
         Local maxima of the smoothed likeness and its contrast with what is around, no two
         nearer than a third of a paw.
     """
-    smooth = cv2.GaussianBlur(likeness.astype(np.float32), (0, 0), max(0.12 * paw_px, 0.8))
+    sigma = max(0.12 * paw_px, 0.8)
+    smooth = cv2.GaussianBlur(likeness.astype(np.float32), (0, 0), sigma)
     stays = np.zeros(smooth.shape)
     if still is not None:
-        stays = np.clip(still / np.maximum(smooth, 1e-6), 0.0, 1.0)
+        usual = cv2.GaussianBlur(still.astype(np.float32), (0, 0), sigma)
+        stays = np.clip(usual / np.maximum(smooth, 1e-6), 0.0, 1.0)
     smooth += _top_hat(smooth, paw_px)
     scale = float(np.percentile(smooth, 99.9)) or 1.0
     smooth = cv2.multiply(smooth, 1.0 - (1.0 - _STILL_WORTH) * stays, dtype=cv2.CV_32F)
