@@ -53,7 +53,7 @@ def test_the_default_follows_every_paw_through_the_recording(rendered_trial):
     report = count_errors(tracks, truth, threshold_px=4.0)
     assert report.share_wrong < 0.05
     assert report.share_missing == 0
-    assert report.median_px < 0.6
+    assert report.median_px < 0.8  # a tenth of a front paw
 
 
 @pytest.mark.parametrize("method", ["pawnb", "slic-3d", "slic-2d"])

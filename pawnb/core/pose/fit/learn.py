@@ -93,7 +93,7 @@ def _one_round(
             layout, pose, blur, sight.box, value, owner, along, joints, sight.seen, sight.weight,
             soft, of_pose, slope,
         )  # fmt: skip
-        body.add(parts, sums, of_pose + np.tril(of_pose, -1).T, slope)
+        body.add(parts, sums, of_pose=of_pose + np.tril(of_pose, -1).T, slope=slope)
     legs_learnt = learn_legs(
         layout, first, partner, equations=(matrix, vector), n_frames=len(frames)
     )

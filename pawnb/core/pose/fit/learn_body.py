@@ -59,7 +59,7 @@ class BodyEquations:
         return np.append(shape.ravel(), overlap)
 
     def add(
-        self, matrix: np.ndarray, vector: np.ndarray, of_pose: np.ndarray, slope: np.ndarray
+        self, matrix: np.ndarray, vector: np.ndarray, *, of_pose: np.ndarray, slope: np.ndarray
     ) -> None:
         """Add a frame whose legs fit its picture best.
 
