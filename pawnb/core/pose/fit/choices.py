@@ -180,26 +180,33 @@ def add_candidates(
     sight: Sight,
     prior: Prior,
 ) -> None:
-    """Add poses of legs that are not there yet, and weigh all of them.
+    """Add poses of legs, and weigh all of them.
+
+    A pose nearly where another is that was added before may still be much the better one: what a
+    frame alone offers often has its joints at odd places along the limb, and what is found from the
+    frames after it has not.
 
     Parameters
     ----------
     fitter : FrameFitter
         Fitter of this frame.
     choices : Choices
-        Changed in place; candidates that explain little are dropped.
+        Changed in place; candidates that explain little are dropped, and so is, of one added
+        before and one added now on the same limb, the one that costs more.
     extra : dict
-        Of some legs, further parts of the pose vector.
+        Of some legs, further parts of the pose vector; of those on the same limb only the first
+        counts.
     sight : Sight
         The frame.
     prior : Prior
         Anatomy, a part of what a candidate costs.
     """
     for leg, more in extra.items():
+        n, before = fitter.layout.n_segments[leg], len(choices.joints[leg])
         for numbers in more:
             joints = _joints(fitter, choices.pose, leg, numbers)
-            n = fitter.layout.n_segments[leg]
-            if all(chains_apart(joints, known, n) > SAME_PX for known in choices.joints[leg]):
+            others = (choices.joints[leg][0], *choices.joints[leg][before:])
+            if all(chains_apart(joints, known, n) > SAME_PX for known in others):
                 choices.legs[leg] = np.concatenate([choices.legs[leg], numbers[None]])
                 choices.joints[leg] = np.concatenate([choices.joints[leg], joints[None]])
     if choices.is_open:
@@ -225,7 +232,9 @@ def _weigh(fitter: FrameFitter, choices: Choices, sight: Sight, prior: Prior) ->
             marks.append((pixels, darks))
         alone = np.array(worth)
         seen = np.array([len(pixels) for pixels, _ in marks])
-        keep = _worth_keeping(alone / (seen + _FEW_PIXELS), fitter.settings.candidates)
+        cost = fitter.settings.evidence_share * alone + np.array(unlikely)
+        distinct = _distinct(choices.joints[leg], cost, int(fitter.layout.n_segments[leg]))
+        keep = _worth_keeping(alone / (seen + _FEW_PIXELS), distinct, fitter.settings.candidates)
         choices.worth[leg] = alone[keep]
         choices.unlikely[leg] = np.array(unlikely)[keep]
         choices.legs[leg] = choices.legs[leg][keep]
@@ -257,9 +266,18 @@ def legs_cross(
     return bool(chains_cross(one[1], n[one[0]], other[1], n[other[0]]))
 
 
-def _worth_keeping(alone: np.ndarray, most: int) -> np.ndarray:
-    """Return the candidates to keep: always the first, the others by worth."""
-    others = np.argsort(alone[1:], kind="stable") + 1
+def _distinct(joints: np.ndarray, cost: np.ndarray, n: int) -> list[int]:
+    """Return the first candidate of a leg and the cheapest of those on each other limb."""
+    kept = [0]
+    for i in np.argsort(cost[1:], kind="stable") + 1:
+        if all(chains_apart(joints[i], joints[k], n) > SAME_PX for k in kept):
+            kept.append(int(i))
+    return kept
+
+
+def _worth_keeping(alone: np.ndarray, distinct: list[int], most: int) -> np.ndarray:
+    """Return the candidates to keep: always the first, the other distinct ones by worth."""
+    others = sorted(distinct[1:], key=lambda i: float(alone[i]))
     good = [i for i in others if alone[i] < _WORTHLESS * alone.min()]
     return np.array([0, *good[: most - 1]])
 

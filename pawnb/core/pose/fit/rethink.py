@@ -99,7 +99,7 @@ def _paths(follower: Follower) -> list[dict[int, int]]:
 
 
 def _follow_back(follower: Follower, paths: list[dict[int, int]]) -> bool:
-    """Follow legs backwards from their leaps; return whether candidates were added."""
+    """Follow legs backwards from their leaps; return whether candidates may have changed."""
     fitter, kept = follower.fitter, follower.kept
     leap = 6 * follower.jump_px
     leaps = []
@@ -110,15 +110,15 @@ def _follow_back(follower: Follower, paths: list[dict[int, int]]) -> bool:
             if np.nanmax(np.abs(now - before)) > leap:
                 leaps.append((leg, t, kept[t].legs[leg][paths[t][leg]]))
     # candidates change places when some are added, so leaps are listed first
-    added = [_trace(follower, *one) for one in leaps]
-    return any(added)
+    for one in leaps:
+        _trace(follower, *one)
+    return bool(leaps)
 
 
-def _trace(follower: Follower, leg: int, t: int, numbers: np.ndarray) -> bool:
+def _trace(follower: Follower, leg: int, t: int, numbers: np.ndarray) -> None:
     """Follow one leg backwards from frame t until it meets a known candidate or is lost."""
     fitter, kept = follower.fitter, follower.kept
     velocity = np.zeros_like(numbers)
-    added = False
     for back in range(t - 1, max(t - 1 - _MOST_BACK, -1), -1):
         choices = kept[back]
         sight = fitter.sight(choices.image.astype(float), choices.box, choices.pose)
@@ -137,8 +137,6 @@ def _trace(follower: Follower, leg: int, t: int, numbers: np.ndarray) -> bool:
             break
         velocity = np.clip(found - numbers, -0.2, 0.2)
         numbers = found
-        added = True
-    return added
 
 
 def chosen_poses(fitter: FrameFitter, found: list[Choices]) -> np.ndarray:
