@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.optimize import linear_sum_assignment
 
 from pawnb.core.paws.whole.candidates import worth
 
@@ -20,6 +21,7 @@ _FAR = 0.25
 """What an end a thickness farther from the click is worth less: it may be another paw's."""
 _BESIDE = 2.0
 """To the side counts so much more than along: a paw lies behind its own end."""
+_NEVER = -1e6
 
 
 @dataclass(frozen=True)
@@ -88,21 +90,23 @@ def learn_offsets(
     n_points = clicks.shape[1]
     seen: list[list[tuple[float, float, float]]] = [[] for _ in range(n_points)]
     for click, rows_by_view in zip(clicks, found.values(), strict=True):
-        for p, v in np.argwhere(np.isfinite(click[..., 0])):
-            rows = rows_by_view[v]
-            if not len(rows):
+        for v, rows in enumerate(rows_by_view):
+            clicked = np.flatnonzero(np.isfinite(click[:, v, 0]))
+            if not len(rows) or not len(clicked):
                 continue
-            step = (click[p, v] - rows[:, :2]) / thickness_px[v]
+            step = (click[clicked, v, None] - rows[:, :2]) / thickness_px[v]
             e = rows[:, 2:4] / np.maximum(np.hypot(rows[:, 2], rows[:, 3]), 1e-6)[:, None]
-            along = (step * e).sum(axis=1)
-            across = (step[:, 1] * e[:, 0] - step[:, 0] * e[:, 1]) * (facing[v] or 1)
+            along = (step * e).sum(axis=-1)
+            across = (step[..., 1] * e[:, 0] - step[..., 0] * e[:, 1]) * (facing[v] or 1)
             good = worth(rows, distal[v])
-            away = np.hypot(step[:, 0], step[:, 1])
+            away = np.hypot(step[..., 0], step[..., 1])
             told = good - _FAR * (away + _BESIDE * np.abs(across))
-            told[away > _REACH] = -np.inf
-            i = int(np.argmax(told))
-            if np.isfinite(told[i]):
-                seen[p].append((float(along[i]), float(across[i]), float(good[i])))
+            told[away > _REACH] = _NEVER
+            # each its own: where paws meet, the better end is near both
+            for k, i in zip(*linear_sum_assignment(told, maximize=True), strict=True):
+                if told[k, i] > _NEVER:
+                    at = (float(along[k, i]), float(across[k, i]), float(good[i]))
+                    seen[clicked[k]].append(at)
     every = [s for own in seen for s in own] or [(0.0, 0.0, 1.0)]
     alike = [
         [s for other, own in zip(kinds, seen, strict=True) if other == kind for s in own]

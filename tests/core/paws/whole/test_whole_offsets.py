@@ -71,3 +71,14 @@ def test_a_view_that_sees_no_end_does_not_count():
 def test_without_a_candidate_near_the_click_there_is_no_offset():
     found = learn([[[100, 50]]], [np.stack([end(130, 50)])])
     assert (found.along[0], found.across[0]) == (0.0, 0.0)
+
+
+def test_where_paws_meet_each_click_has_an_end_of_its_own():
+    # the better end lies within reach of both clicks; a paw cannot be where the other is
+    rows = np.stack([end(100, 50, direction=(3.0, -6.0)), end(96, 57, share=0.37)])
+    found = learn_offsets(
+        np.array([[[[101.0, 50.0]], [[96.0, 58.0]]]]), {0: [rows]},
+        thickness_px=np.array([THICKNESS]), facing=[1], distal=[(0.8, 0.6)],
+        kinds=["front", "hind"],
+    )  # fmt: skip
+    np.testing.assert_allclose(np.hypot(found.along, found.across), 0.1, atol=1e-6)
