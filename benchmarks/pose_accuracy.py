@@ -1,6 +1,6 @@
 """Accuracy of the pose trackers on rendered spiders: the table of README, scene by scene.
 
-python benchmarks/pose_accuracy.py --folder /tmp/spiders [--difficulties easy normal hard]
+python benchmarks/pose_accuracy.py --folder scenes [--difficulties easy normal hard]
     [--seeds 0 1 2 3 4] [--frames 120] [--scale 0.5] [--method pawnb] [--no-path] [--reverse]
     [--still]
 
