@@ -1,6 +1,6 @@
 """Speed of the pose tracker beside that of decoding alone, on a rendered spider at full size.
 
-python benchmarks/pose_speed.py --folder /tmp/spiders [--frames 120] [--scale 1.0]
+python benchmarks/pose_speed.py --folder scenes [--frames 120] [--scale 1.0]
 
 The recording is tracked twice; the first time, which may compile, does not count.
 """
