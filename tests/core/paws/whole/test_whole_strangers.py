@@ -130,5 +130,5 @@ def test_one_view_of_a_rendered_mouse_without_a_calibration(tmp_path):
         folder = render_mouse_trial(tmp_path / str(seed), frames=200, scale=0.35, seed=seed)
         trial = load_trial(folder)
         reports += [track_one_view(trial, view) for view in trial.views]
-    assert np.median([report.share_wrong for report in reports]) < 0.12
+    assert np.median([report.share_wrong for report in reports]) < 0.16
     assert np.median([report.median_px for report in reports]) < 2.0
