@@ -21,10 +21,10 @@ def test_legs_of_a_hanging_spider_from_a_disturbed_start(real_data, monkeypatch)
     animal, drawn = real.spider_start(folder, frame=0)
     with real.opened(real.SPIDER, folder) as (reader, background):
         start = real.disturbed(drawn, 0)
-        track = track_pose(reader, start, animal=animal, background=background, frames=(0, 60))
-    # she hangs still: the legs drawn by hand in frame 600, to 2 px, are those of frame 59 as well.
-    # The aim is 6 px. From a start in frame 570 one leg is given up for debris (16 px).
-    away = line_errors(animal, track.poses.at_frame(59), real.drawn_legs(folder))
+        track = track_pose(reader, start, animal=animal, background=background, frames=(0, 601))
+    # legs drawn by hand to 2 px; the aim is 6 px. Known to fail: from a start in frame 570, near
+    # where they were drawn, one leg is laid on debris (16 px)
+    away = line_errors(animal, track.poses.at_frame(600), real.drawn_legs(folder))
     assert max(away.values()) < 6.0, away
 
 
@@ -38,7 +38,7 @@ def test_most_leg_tips_of_a_walking_fly(real_data, monkeypatch):
     tips = real.fly_tips(folder)
     tips = tips[(tips["score"] > 0.5) & (tips["frame"] < 60)]
     with real.opened(real.FLY, folder) as (reader, background):
-        track = track_pose(reader, start, animal=animal, background=background, frames=(0, 60))
+        track = track_pose(reader, start, animal=animal, background=background, frames=(0, 601))
     found = tip_positions(animal, track.poses)
     legs = [animal.leg_names.index(leg) for leg in tips["leg"]]
     away = np.hypot(*(found[tips["frame"], legs] - tips[["u", "v"]].to_numpy()).T)
