@@ -38,7 +38,7 @@ def test_most_leg_tips_of_a_walking_fly(real_data, monkeypatch):
     tips = real.fly_tips(folder)
     tips = tips[(tips["score"] > 0.5) & (tips["frame"] < 60)]
     with real.opened(real.FLY, folder) as (reader, background):
-        track = track_pose(reader, start, animal=animal, background=background, frames=(0, 601))
+        track = track_pose(reader, start, animal=animal, background=background, frames=(0, 60))
     found = tip_positions(animal, track.poses)
     legs = [animal.leg_names.index(leg) for leg in tips["leg"]]
     away = np.hypot(*(found[tips["frame"], legs] - tips[["u", "v"]].to_numpy()).T)
