@@ -31,14 +31,14 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy.stats import beta, chi2
+from scipy.stats import beta
 
 from pawnb.core.video import open_views
 from pawnb.schema import Tracks
 from pawnb.synthetic import render_mouse_trial
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.corrected_run import track_with_corrections
-from pawnb.workflow.evaluation import THRESHOLD_PX, count_errors
+from pawnb.workflow.evaluation import THRESHOLD_PX, count_errors, poisson_limit
 from pawnb.workflow.track import retrack, track
 
 REFERENCE_WIDTH_PX = 2048
@@ -196,7 +196,7 @@ def summary(table: pd.DataFrame) -> str:
             if part[column].notna().all():
                 count = int(part[column].sum())
                 rates.append(f"{said} {count}: {1000 * count / frames:.2f} "
-                             f"< {1000 * poisson_upper(count) / frames:.2f}")  # fmt: skip
+                             f"< {1000 * poisson_limit(count) / frames:.2f}")  # fmt: skip
         shares = []
         for said, (k, n) in SHARES.items():
             hits, of = int(part[k].sum()), int(part[n].sum())
@@ -206,11 +206,6 @@ def summary(table: pd.DataFrame) -> str:
         lines += [f"{name}: {len(part)} scenes, {frames} frames; per 1000: " + "; ".join(rates),
                   "    " + "; ".join(shares) + f"; {worst}"]  # fmt: skip
     return "\n".join(lines)
-
-
-def poisson_upper(count: int) -> float:
-    """Return the upper end of the exact 95 % interval of a Poisson mean."""
-    return float(chi2.ppf(0.975, 2 * count + 2)) / 2
 
 
 def share_interval(hits: int, of: int) -> tuple[float, float]:

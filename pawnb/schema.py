@@ -89,6 +89,7 @@ _DIMS: dict[str, tuple[str, ...]] = {
     "image_position": ("time", "view", "image_space", "keypoint", "individual"),
     "image_confidence": ("time", "view", "keypoint", "individual"),
     "image_origin": ("time", "view", "keypoint", "individual"),
+    "image_residual": ("time", "view", "keypoint", "individual"),
     # jointed animals
     "joint_angle": ("time", "joint", "individual"),
     "joint_angle_sd": ("time", "joint", "individual"),

@@ -174,9 +174,9 @@ def _add_evaluate(parsers: Any) -> None:
     command.add_argument(
         "--threshold",
         type=float,
-        default=20.0,
         metavar="PX",
-        help="points further off than this are wrong (default: 20, for pictures 2048 px wide)",
+        help="points further off than this are wrong (default: 20 in pictures 2048 px wide, in "
+        "others in proportion)",
     )
     command.add_argument("--out", help="folder to write the tables to")
     command.set_defaults(run=commands.run_evaluate)

@@ -265,6 +265,8 @@ class _Solver:
             t["sd"].values[at[0], :, at[1], 0] = np.nan
         if "revision" in t:
             t["revision"].values[at[0], at[1], 0] = np.nan
+        if "image_residual" in t:
+            t["image_residual"].values[at[0], :, at[1], 0] = np.nan
         self._refresh_reprojected(rows, points, xyz, origin)
 
     def _first_view(

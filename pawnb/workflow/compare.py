@@ -8,7 +8,6 @@ those of the trials' values.
 
 from __future__ import annotations
 
-import itertools
 import json
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -18,37 +17,35 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy import stats
 
 from pawnb import figures
-from pawnb.core.paws import PaperSettings
-from pawnb.core.rig import Rig, load_rig
 from pawnb.core.video import open_views
 from pawnb.errors import InputError, did_you_mean
 from pawnb.io.tables import write_table
-from pawnb.schema import ORIGIN_CODE, Tracks
+from pawnb.schema import Tracks
 from pawnb.trial import Trial, load_trial
+from pawnb.workflow.compare_cameras import (
+    compare_cameras,
+    describe_reprojection,
+    describe_tests,
+    measure_reprojection,
+)
 from pawnb.workflow.corrected_run import track_with_corrections
-from pawnb.workflow.evaluation import THRESHOLD_PX, count_errors
+from pawnb.workflow.evaluation import count_errors, limits_for_width, poisson_limit
 from pawnb.workflow.methods import METHODS, setting_names
 from pawnb.workflow.results import make_folder
 from pawnb.workflow.save_figures import save_figure
 from pawnb.workflow.track import retrack, track
 
 TRUTH = Path("truth") / "tracks.csv"
-REFERENCE_WIDTH_PX = 2048
 
 COMPARISON_COLUMNS = (
     "trial", "method", "n_frames", "time_s_per_1000", "major_per_1000", "minor_per_1000",
     "major_alone_per_1000", "minor_alone_per_1000", "share_wrong_alone", "median_px", "p95_px",
+    "major", "minor", "major_alone", "minor_alone", "median_px_centred", "p95_px_centred",
 )  # fmt: skip
-SUMMARY_COLUMNS = ("method", "n_trials", "n_frames", "measure", "mean", "sd")
+SUMMARY_COLUMNS = ("method", "n_trials", "n_frames", "measure", "mean", "sd", "count", "limit")
 REPROJECTION_COLUMNS = ("trial", "method", "view", "point", "kind", "n", "mean_px", "sd_px")
-TESTS_COLUMNS = (
-    "method", "kind", "view_a", "view_b", "n_frames_a", "n_frames_b", "t", "p",
-    "n_trials_a", "n_trials_b", "t_trials", "p_trials",
-)  # fmt: skip
-_Key = tuple[str, str, str, str, str]  # trial, method, view, point, kind
 _MEASURES = ("time_s_per_1000", "major_per_1000", "minor_per_1000",
              "major_alone_per_1000", "minor_alone_per_1000")  # fmt: skip
 
@@ -65,12 +62,15 @@ class Comparison:
         together; ``..._alone`` is without corrections. ``time_s_per_1000``: seconds of
         tracking for 1000 frames, decoding included, corrections left out; the paper's
         time includes those of its user. ``median_px`` and ``p95_px`` are the distances of
-        visible labels from the truth, without corrections.
+        visible labels from the truth, without corrections; ``..._centred`` with the constant
+        offset of each track removed. ``major``, ``minor``, ``..._alone``: the counts.
     summary : DataFrame
-        Table 2: mean and SD over trials of each measure; SD blank with one trial.
+        Table 2: mean and SD over trials of each measure; SD blank with one trial. Of errors
+        ``count``, over all trials, and ``limit``, the upper end of the exact 95 % interval of
+        the rate per 1000 frames.
     reprojection : DataFrame
-        Reprojection error, px, of each trial, method, view and point. Method ``pawnb``
-        has none: its image positions are the projections of its smoothed positions.
+        Reprojection error, px, of each trial, method, view and point, as
+        :func:`pawnb.workflow.compare_cameras.measure_reprojection` has it.
     tests : DataFrame
         Table 1: Welch's t-test of the reprojection error between every two cameras, for
         front and hind paws. ``t`` and ``p`` count frames as if they were independent,
@@ -84,15 +84,18 @@ class Comparison:
     tests: pd.DataFrame
 
     def text(self) -> str:
-        """Return Table 2 in plain text."""
+        """Return Table 2, the reprojection errors and Table 1 in plain text."""
         lines = []
         for method, own in self.summary.groupby("method", sort=False):
             first = own.iloc[0]
             lines.append(f"{method}: {first['n_trials']} trials, {first['n_frames']} frames")
-            for measure, mean, sd in own[["measure", "mean", "sd"]].to_numpy().tolist():
-                spread = f" (SD {sd:.2f})" if np.isfinite(sd) else ""
-                lines.append(f"  {measure:<22} {mean:8.2f}{spread}")
-        return "\n".join(lines)
+            for row in own.to_dict("records"):
+                spread = f" (SD {row['sd']:.2f})" if np.isfinite(row["sd"]) else ""
+                if np.isfinite(row["count"]):
+                    spread += f"; {row['count']:.0f} in all, 95 % limit {row['limit']:.2f}"
+                lines.append(f"  {row['measure']:<22} {row['mean']:8.2f}{spread}")
+        lines += [describe_reprojection(self.reprojection), describe_tests(self.tests)]
+        return "\n".join(part for part in lines if part)
 
 
 def compare_methods(
@@ -144,7 +147,7 @@ def compare_methods(
     _check(opened, methods)
     own_settings = settings_by_method(settings or {}, methods)
     rows, errors = [], []
-    samples: dict[_Key, np.ndarray] = {}
+    samples: dict[tuple[str, str, str, str, str], np.ndarray] = {}
     for trial in opened:
         truth = pd.read_csv(trial.folder / TRUTH)
         limits = _limits(trial)
@@ -156,9 +159,7 @@ def compare_methods(
             rows.append(row)
             if report is not None:
                 report(_line(row))
-            # its image positions are projections of its positions: their error is nil
-            own = {} if method == METHODS[0] else _reprojection(trial, tracks)
-            for (view, point, kind), values in own.items():
+            for (view, point, kind), values in measure_reprojection(trial, tracks).items():
                 errors.append((trial.name, method, view, point, kind, len(values),
                                float(values.mean()), _sd(values)))  # fmt: skip
                 samples[trial.name, method, view, point, kind] = values
@@ -167,7 +168,7 @@ def compare_methods(
         trials=table,
         summary=_summarise(table),
         reprojection=pd.DataFrame(errors, columns=list(REPROJECTION_COLUMNS)),
-        tests=_test_cameras(samples),
+        tests=compare_cameras(samples),
     )
     if out is not None:
         _write(comparison, make_folder(out), settings or {})
@@ -240,10 +241,8 @@ def _limits(trial: Trial) -> dict[str, Any]:
     with open_views(trial) as views:
         width = max(reader.width for reader in views.readers.values())
     points = {view.name: view.points for view in trial.views if view.points}
-    return {
-        "points_by_view": points or None,
-        "threshold_px": THRESHOLD_PX * width / REFERENCE_WIDTH_PX,
-    }
+    threshold = limits_for_width(width)[0]
+    return {"points_by_view": points or None, "threshold_px": threshold}
 
 
 def _run(
@@ -274,6 +273,12 @@ def _run(
         "share_wrong_alone": alone.share_wrong,
         "median_px": alone.median_px,
         "p95_px": alone.p95_px,
+        "major": np.nan,
+        "minor": np.nan,
+        "major_alone": alone.major,
+        "minor_alone": alone.minor,
+        "median_px_centred": alone.median_px_centred,
+        "p95_px_centred": alone.p95_px_centred,
     }
     if corrections:
         run = track_with_corrections(
@@ -285,6 +290,7 @@ def _run(
         tracks = run.tracks
         row["major_per_1000"] = run.interventions_per_1000
         row["minor_per_1000"] = run.report.minor_per_1000
+        row["major"], row["minor"] = len(run.interventions), run.report.minor
     return row, tracks
 
 
@@ -302,35 +308,6 @@ def _line(row: Mapping[str, Any]) -> str:
     )
 
 
-def _reprojection(trial: Trial, tracks: Tracks) -> dict[tuple[str, str, str], np.ndarray]:
-    """Return the reprojection errors, px, of each view, point and kind, one a frame.
-
-    Where a point was found by two views or more: the distance of each from the projection
-    of the triangulated position (section 4.4). Empty without a calibration of two views.
-    """
-    with open_views(trial) as views:
-        sizes = {name: (r.source.width, r.source.height) for name, r in views.readers.items()}
-    rig: Rig | None = load_rig(trial, sizes=sizes)
-    found: dict[tuple[str, str, str], np.ndarray] = {}
-    if rig is None:
-        return found
-    rig = rig.subset(tracks["view"].to_numpy().tolist())
-    labels = tracks.isel(individual=0).transpose("time", "keypoint", "view", "image_space", ...)
-    origin = labels["image_origin"].to_numpy()
-    seen = np.isin(origin, [ORIGIN_CODE[name] for name in ("measured", "resolved", "edited")])
-    uv = np.where(seen[..., None], labels["image_position"].to_numpy(), np.nan)
-    solved = rig.triangulate(uv)
-    error = rig.reprojection_error(solved.xyz, uv)
-    settings = PaperSettings()
-    for p, point in enumerate(tracks["keypoint"].to_numpy().tolist()):
-        for v, view in enumerate(rig.names):
-            values = error[:, p, v]
-            values = values[np.isfinite(values)]
-            if len(values):
-                found[view, point, settings.kind(point)] = values
-    return found
-
-
 def _summarise(table: pd.DataFrame) -> pd.DataFrame:
     """Mean and SD over trials of each method and measure (Table 2)."""
     rows = []
@@ -338,38 +315,14 @@ def _summarise(table: pd.DataFrame) -> pd.DataFrame:
         for measure in _MEASURES:
             values = own[measure].dropna().to_numpy()
             if len(values):
-                rows.append((method, len(own), int(own["n_frames"].sum()), measure,
-                             float(values.mean()), _sd(values)))  # fmt: skip
+                frames = int(own["n_frames"].sum())
+                found = limit = float("nan")
+                if measure.removesuffix("_per_1000") in own:
+                    found = float(own[measure.removesuffix("_per_1000")].sum())
+                    limit = 1000.0 * poisson_limit(int(found)) / frames
+                rows.append((method, len(own), frames, measure, float(values.mean()),
+                             _sd(values), found, limit))  # fmt: skip
     return pd.DataFrame(rows, columns=list(SUMMARY_COLUMNS))
-
-
-def _test_cameras(samples: Mapping[_Key, np.ndarray]) -> pd.DataFrame:
-    """Compare the reprojection error between every two cameras, front and hind (Table 1)."""
-    rows = []
-    methods = dict.fromkeys(key[1] for key in samples)
-    kinds = sorted({key[4] for key in samples})
-    for method, kind in itertools.product(methods, kinds):
-        own = {key: x for key, x in samples.items() if key[1] == method and key[4] == kind}
-        for pair in itertools.combinations(sorted({key[2] for key in own}), 2):
-            of_frames, of_trials = [], []
-            for view in pair:
-                here = {key: x for key, x in own.items() if key[2] == view}
-                of_frames.append(np.concatenate(list(here.values())))
-                trials = dict.fromkeys(key[0] for key in here)
-                of_trials.append(
-                    np.array([np.concatenate([x for key, x in here.items() if key[0] == t]).mean()
-                              for t in trials])
-                )  # fmt: skip
-            rows.append((method, kind, *pair, *_welch(*of_frames), *_welch(*of_trials)))
-    return pd.DataFrame(rows, columns=list(TESTS_COLUMNS))
-
-
-def _welch(a: np.ndarray, b: np.ndarray) -> tuple[int, int, float, float]:
-    """Return the sizes of two samples, and t and p of Welch's test; NaN where it has none."""
-    if min(len(a), len(b)) < 2 or np.ptp(a) + np.ptp(b) == 0:
-        return len(a), len(b), float("nan"), float("nan")
-    t, p = stats.ttest_ind(a, b, equal_var=False)
-    return len(a), len(b), float(t), float(p)
 
 
 def _sd(values: np.ndarray) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -15,7 +16,7 @@ from pawnb.io.native import read_tracks, tracks_table
 from pawnb.io.pose import read_pose
 from pawnb.io.tables import read_cells, read_numbers, write_table
 from pawnb.schema import TRACKS_COLUMNS, Tracks
-from pawnb.workflow.evaluation import THRESHOLD_PX, count_errors
+from pawnb.workflow.evaluation import REFERENCE_WIDTH_PX, count_errors, limits_for_width
 from pawnb.workflow.gait import analyse_source
 from pawnb.workflow.gait_sources import read_source
 from pawnb.workflow.pose_evaluation import measure_pose_errors
@@ -50,7 +51,7 @@ def evaluate(
     results: str | Path,
     truth: str | Path,
     *,
-    threshold_px: float = THRESHOLD_PX,
+    threshold_px: float | None = None,
     out: str | Path | None = None,
 ) -> Evaluation:
     """Measure errors against truth or against tracks made by hand.
@@ -62,8 +63,9 @@ def evaluate(
     truth : str or Path
         Folder with ``pose.csv`` (jointed animals) or ``tracks.csv`` (points), and where the
         truth is known ``events.csv``; or one of the first two files.
-    threshold_px : float
-        Points further from the truth than this are wrong.
+    threshold_px : float, optional
+        Points further from the truth than this are wrong, and hidden ones within half of it
+        are bridged. Default: 20 px in pictures 2048 px wide, in others in proportion.
     out : str or Path, optional
         Folder to write the tables to, as ``evaluation_<name>.csv``.
 
@@ -87,7 +89,8 @@ def evaluate(
         found = _evaluate_pose(tracks, truth_folder / "pose.csv" if truth.is_dir() else truth)
     else:
         table = _true_points(truth / "tracks.csv" if truth.is_dir() else truth)
-        report = count_errors(tracks, table, threshold_px=threshold_px)
+        limit, hidden = _limits(tracks, threshold_px)
+        report = count_errors(tracks, table, threshold_px=limit, hidden_px=hidden)
         found = Evaluation(report.text(), {"errors": report.errors})
     events = truth_folder / "events.csv"
     if truth.is_dir() and events.exists():
@@ -102,6 +105,15 @@ def evaluate(
         for name, table in found.tables.items():
             write_table(table, out / f"evaluation_{name}.csv")
     return found
+
+
+def _limits(tracks: Tracks, threshold_px: float | None) -> tuple[float, float]:
+    """Return the limits of an error and of what is bridged, px; those asked for, or by width."""
+    if threshold_px is not None:
+        return threshold_px, threshold_px / 2.0
+    sizes = json.loads(tracks.attrs.get("pictures_px", "{}"))
+    # tracks made elsewhere do not say how wide their pictures are
+    return limits_for_width(max((width for width, _ in sizes.values()), default=REFERENCE_WIDTH_PX))
 
 
 def compare_events(events: pd.DataFrame, truth: pd.DataFrame, *, fps: float) -> pd.DataFrame:

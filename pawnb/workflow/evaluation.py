@@ -16,7 +16,13 @@ where a person judged; here it is written out so that a computer can count:
    ``recovery_frames`` apart: the tracker came back by itself. It is *major* if it lasted
    longer, or if the point was still wrong when it was last judged: a person had to step in.
 5. Rates are per 1000 frames of all views together (the paper's 1000 four-camera
-   frames; its 36,700 "frames" are single pictures).
+   frames; its 36,700 "frames" are single pictures). The limit given with a rate is the upper
+   end of the exact 95 % interval of a Poisson count.
+
+The tracked point of a paw is the one that was clicked: in the rendered truth the tip of the
+toes, and so for the long hind foot too. A tracker that follows another place of the foot is
+off by a constant, so distances are given twice, the second time with the constant offset of
+each point in each view removed. What is wrong is always told from the plain distance.
 
 Without corrections, a paw that is lost for good makes one major error however long the
 recording is. The paper counts while a person corrects;
@@ -30,6 +36,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
+from scipy.stats import chi2
 
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE, Tracks, check_columns, check_tracks
@@ -37,14 +44,50 @@ from pawnb.schema import ORIGIN_CODE, Tracks, check_columns, check_tracks
 TRUTH_COLUMNS = ("frame", "view", "point", "u", "v")
 ERROR_COLUMNS = ("point", "first_frame", "last_frame", "kind")
 
+REFERENCE_WIDTH_PX = 2048
+"""Width of the paper's pictures, for which the limits in px are given."""
+
 THRESHOLD_PX = 20.0
-"""About half the length of a hind paw in the paper's pictures, 2048 px wide."""
+"""About half the length of a hind paw in the paper's pictures."""
 
 RECOVERY_FRAMES = 25
 """One stride of the fastest mouse of the paper: 10 Hz at 250 frames per second."""
 
 SETTLED_FRAMES = 5
 HIDDEN_PX = 10.0
+
+
+def limits_for_width(width_px: float) -> tuple[float, float]:
+    """Return the limits in px for pictures of a width, in proportion to the paper's.
+
+    Parameters
+    ----------
+    width_px : float
+        Width of the widest view, px.
+
+    Returns
+    -------
+    tuple of float
+        ``threshold_px`` and ``hidden_px`` for :func:`count_errors`.
+    """
+    share = width_px / REFERENCE_WIDTH_PX
+    return THRESHOLD_PX * share, HIDDEN_PX * share
+
+
+def poisson_limit(count: int) -> float:
+    """Return the upper end of the exact 95 % interval of a Poisson mean (Garwood 1936).
+
+    Parameters
+    ----------
+    count : int
+        Number of errors that were found.
+
+    Returns
+    -------
+    float
+        Errors that are expected at most.
+    """
+    return float(chi2.ppf(0.975, 2 * count + 2)) / 2
 
 
 @dataclass(frozen=True)
@@ -114,13 +157,24 @@ class ErrorReport:
         return "\n".join(
             (
                 f"{self.n_frames} frames of all views together, {self.n_labels} visible labels",
-                f"major errors {self.major} ({self.major_per_1000:.1f} per 1000 frames), minor "
-                f"{self.minor} ({self.minor_per_1000:.1f} per 1000); wrong means missing or more "
-                f"than {self.threshold_px:g} px off",
-                f"median distance {self.median_px:.2f} px, 95th percentile {self.p95_px:.2f} px",
-                f"hidden labels within {self.hidden_px:g} px: {self.share_hidden_bridged:.0%}",
+                f"major errors {self._count(self.major)}, minor {self._count(self.minor)}",
+                f"labels wrong: {self.share_wrong:.1%}; wrong means missing or more than "
+                f"{self.threshold_px:g} px off, major for {self.recovery_frames} frames or to the "
+                "end",
+                f"median distance {self.median_px:.2f} px, 95th percentile {self.p95_px:.2f} px; "
+                "with the constant offset of each track removed "
+                f"{self.median_px_centred:.2f} px and {self.p95_px_centred:.2f} px",
+                f"hidden labels within {self.hidden_px:g} px: {self.share_hidden_bridged:.0%}"
+                if self.n_hidden
+                else "no hidden labels",
             )
         )
+
+    def _count(self, count: int) -> str:
+        """Return a number of errors with its rate and the limit of that."""
+        per = 1000.0 / self.n_frames
+        limit = poisson_limit(count) * per
+        return f"{count} ({count * per:.1f} per 1000 frames, 95 % limit {limit:.1f})"
 
 
 @dataclass(frozen=True)
@@ -164,7 +218,7 @@ def count_errors(
         position of its own, not a reprojected one, in any frame.
     threshold_px : float
         A judged label farther than this from the truth is wrong. The default suits
-        pictures 2048 px wide; give 20 × width / 2048 for others.
+        pictures 2048 px wide; :func:`limits_for_width` has those of others.
     recovery_frames : int
         An error whose first and last wrong frame are at least this far apart is major.
     settled_frames : int

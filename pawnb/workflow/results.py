@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -32,7 +33,9 @@ RESULT_FILES = {
 """What tracking a trial of each kind always writes; ``provenance.json`` last."""
 
 
-def describe_trial(tracks: Tracks, trial: Trial) -> Tracks:
+def describe_trial(
+    tracks: Tracks, trial: Trial, *, sizes: Mapping[str, tuple[int, int]] | None = None
+) -> Tracks:
     """Return Tracks that carry what gait needs to know of their trial.
 
     Parameters
@@ -41,13 +44,16 @@ def describe_trial(tracks: Tracks, trial: Trial) -> Tracks:
         Tracks of this trial; not modified.
     trial : Trial
         The trial.
+    sizes : mapping, optional
+        Width and height of each view's picture, px.
 
     Returns
     -------
     xarray.Dataset
         Tracks with the attribute ``trial`` (name, animal, calibration and views as a JSON
-        text) and, where the belt's speed is known, the variable ``belt_speed`` (time) in
-        unit/s, so that a ``tracks.nc`` can be analysed without its trial.
+        text), where the sizes are given the attribute ``pictures_px`` (JSON as well) and, where
+        the belt's speed is known, the variable ``belt_speed`` (time) in unit/s, so that a
+        ``tracks.nc`` can be analysed without its trial.
     """
     document = trial_document(trial)
     kept: dict[str, Any] = {name: document[name] for name in ("trial", "animal")}
@@ -63,6 +69,8 @@ def describe_trial(tracks: Tracks, trial: Trial) -> Tracks:
             if name not in ("dlt", "lens")
         }
     tracks = tracks.assign_attrs(trial=json.dumps(kept, sort_keys=True))
+    if sizes is not None:
+        tracks.attrs["pictures_px"] = json.dumps({name: list(size) for name, size in sizes.items()})
     if trial.belt_speed is None:
         return tracks
     if isinstance(trial.belt_speed, str):

@@ -147,15 +147,16 @@ def track(
             tracks = run_tracker(method, views, clicks, task=task, settings=chosen, store=store)
         if stop is None and tracks.sizes["time"] < last - first:
             _tell_interrupted(tracks, first, last)
+        sizes = _sizes(views)
         if method != METHODS[0]:
-            tracks = _shown_in_every_view(tracks, rig, _sizes(views))
+            tracks = _shown_in_every_view(tracks, rig, sizes)
         # where the rate varies these are the file's own time stamps
         times = views.time_s[tracks["frame"].to_numpy()]
     tracks = in_real_units(tracks, trial, units="px")
     if earlier is not None:
         step["gone_on_from"] = begin
         tracks = join_earlier(earlier, tracks)
-    tracks = describe_trial(tracks.assign_coords(time=times), trial)
+    tracks = describe_trial(tracks.assign_coords(time=times), trial, sizes=sizes)
     tracks = add_provenance(tracks, **step, complete=tracks.sizes["time"] == last - first)
     if out is not None:
         write_track_results(tracks, out, rig=rig)

@@ -152,8 +152,9 @@ def track_pose_trial(
             complete = complete and not asked()
         # where the rate varies these are the file's own time stamps
         times = views.time_s[track.poses.frames]
+        sizes = {name: (r.width, r.height) for name, r in views.readers.items()}
     tracks = pose_tracks(trial, animal, track, space=space, rig=rig)
-    tracks = describe_trial(tracks.assign_coords(time=times), trial)
+    tracks = describe_trial(tracks.assign_coords(time=times), trial, sizes=sizes)
     second = {} if space is None else {"second_view": str(trial.views[1].name)}
     estimated = dict(track.estimated)
     tracks = add_provenance(tracks, **step, complete=complete, estimated=estimated, **second)

@@ -16,10 +16,10 @@ from pawnb.workflow.compare import (
     COMPARISON_COLUMNS,
     REPROJECTION_COLUMNS,
     SUMMARY_COLUMNS,
-    TESTS_COLUMNS,
     compare_methods,
     settings_by_method,
 )
+from pawnb.workflow.compare_cameras import TESTS_COLUMNS
 from pawnb.workflow.evaluation import count_errors
 from pawnb.workflow.track import track
 
@@ -48,7 +48,42 @@ def test_files_and_columns(compared):
     for ending in ("png", "pdf", "svg", "csv"):
         assert (out / f"compare_methods.{ending}").stat().st_size > 0
     assert made.trials["method"].tolist() == ["slic-3d", "slic-2d"]
-    assert "slic-2d: 1 trials, 10 frames" in made.text()
+    said = made.text()
+    assert "slic-2d: 1 trials, 10 frames" in said
+    # printed as well: errors by camera and paw, and the tests between cameras
+    mean = made.reprojection.set_index(["method", "view", "point"])["mean_px"]
+    assert f"  slic-3d, cam1: FR {mean['slic-3d', 'cam1', 'FR']:.2f}, HR " in said
+    p = made.tests.iloc[0]
+    assert f"{p['view_a']} and {p['view_b']}: frames t {p['t']:.2f}, p {p['p']:.2g}" in said
+
+
+def test_the_default_method_has_reprojection_errors_too(rendered_trial):
+    """Of what was found in each picture, from the projection of the smoothed position."""
+    made = compare_methods(
+        [rendered_trial], methods=["pawnb"], frames=FRAMES, corrections=False,
+        progress=lambda done, total: None,
+    )  # fmt: skip
+    tracks = track(rendered_trial, frames=FRAMES, progress=lambda done, total: None)
+    own = tracks["image_residual"].sel(view="cam1", keypoint="FR").isel(individual=0)
+    row = made.reprojection.set_index(["view", "point"]).loc[("cam1", "FR")]
+    assert row["n"] == np.isfinite(own).sum() > 5
+    assert row["mean_px"] == pytest.approx(float(own.mean()))
+    # root mean square over the views is what the tracks call residual
+    each = tracks["image_residual"].sel(keypoint="FR").isel(individual=0)
+    np.testing.assert_allclose(
+        np.sqrt((each**2).mean("view")), tracks["residual"].sel(keypoint="FR").isel(individual=0)
+    )
+    # a fifth of the paper's pictures: errors of its order (5 to 8 px) would be 1 to 1.6 px
+    assert 0.05 < row["mean_px"] < 1.6
+
+
+def test_counts_come_with_their_limits(compared):
+    made, _ = compared
+    row = made.summary[made.summary["measure"] == "major_alone_per_1000"].iloc[0]
+    assert row["count"] == made.trials.iloc[0]["major_alone"]
+    assert row["limit"] > row["mean"]
+    time = made.summary[made.summary["measure"] == "time_s_per_1000"].iloc[0]
+    assert np.isnan(time["count"])
 
 
 def test_rows_are_those_of_tracking_and_counting_by_hand(compared, rendered_trial):

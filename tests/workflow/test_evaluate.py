@@ -15,7 +15,7 @@ from pawnb.core.pose.pose_table import read_start_pose
 from pawnb.core.pose.species_file import load_species
 from pawnb.core.pose.track_result import plain_track
 from pawnb.errors import InputError
-from pawnb.io.native import write_tracks
+from pawnb.io.native import read_tracks, write_tracks
 from pawnb.io.track_tables import read_tracks_table
 from pawnb.workflow.evaluate import compare_events, evaluate
 
@@ -121,3 +121,13 @@ def test_a_leg_without_any_event_is_all_missed():
     (row,) = compare_events(found, truth, fps=100).to_dict("records")
     assert (row["n_found"], row["missed"], row["extra"]) == (0, 2, 0)
     assert np.isnan(row["median_frames"])
+
+
+def test_the_limit_of_an_error_goes_with_the_width_of_the_pictures(shifted, tmp_path):
+    """Off by 5 px: right in pictures 2048 px wide, wrong (above 4 px) in pictures of 410."""
+    trial, results = shifted
+    truth = trial / "truth" / "tracks.csv"
+    assert "labels wrong: 0.0%" in evaluate(results, truth).text
+    tracks = read_tracks(results / "tracks.nc")
+    write_tracks(tracks.assign_attrs(pictures_px='{"top": [410, 300]}'), tmp_path / "small.nc")
+    assert "labels wrong: 100.0%" in evaluate(tmp_path / "small.nc", truth).text

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE, make_tracks
 from pawnb.workflow.corrected_run import track_with_corrections
-from pawnb.workflow.evaluation import count_errors
+from pawnb.workflow.evaluation import count_errors, limits_for_width, poisson_limit
 
 N = 200
 VIEWS, POINTS = ("cam1", "cam2"), ("FR", "HR")
@@ -275,3 +275,25 @@ def test_report_is_frozen():
     report = count_errors(make(), make_truth())
     with pytest.raises(dataclasses.FrozenInstanceError):
         report.major = 0
+
+
+def test_the_report_names_limits_and_offsets():
+    wrong = [("FR", None, 50, 90)]
+    report = count_errors(make(wrong, offset=(3.0, 4.0)), make_truth())
+    said = report.text()
+    assert "major errors 1 (5.0 per 1000 frames, 95 % limit 27.9), minor 0 (0.0 per 1000" in said
+    # a track that is off by the same step everywhere is off by nothing once that is removed
+    assert "median distance 5.00 px" in said
+    assert "with the constant offset of each track removed 0.00 px" in said
+    assert "no hidden labels" in said
+
+
+@pytest.mark.parametrize(("count", "most"), [(0, 3.689), (1, 5.572), (3, 8.767), (10, 18.390)])
+def test_limits_of_counts_are_those_of_the_tables(count, most):
+    """Two-sided 95 % limits of a Poisson count: Garwood 1936, as in Ulm 1990, table 1."""
+    assert poisson_limit(count) == pytest.approx(most, abs=2e-3)
+
+
+def test_limits_go_with_the_width_of_the_pictures():
+    # half and a quarter of the length of a hind paw: 20 and 10 px of 2048
+    assert limits_for_width(512) == (5.0, 2.5)

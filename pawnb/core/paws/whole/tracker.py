@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pandas as pd
+import xarray as xr
 
 from pawnb.core.paws.layout import (
     Layout,
@@ -77,7 +78,8 @@ def track_whole(
         ``reprojected`` where only others saw the point, ``predicted`` where none did.
         ``origin`` is ``measured`` with two views or more (one without a rig), ``resolved``
         with one, else ``predicted``. ``image_confidence`` says how much the candidate looks
-        like the end of a paw, 0 to 1; ``sd`` is the standard deviation of ``position``, and
+        like the end of a paw, 0 to 1, ``image_residual`` how far it is from the projection,
+        px, NaN where there was none; ``sd`` is the standard deviation of ``position``, and
         ``revision`` how far it is from where the point was before its stride was known (NaN
         where no stride is learnt).
 
@@ -126,6 +128,7 @@ def track_whole(
         unit="px" if rig is None else task.unit,
     )  # fmt: skip
     new["sd"] = new["position"].copy()
+    new["image_residual"] = xr.full_like(new["image_confidence"], np.nan).assign_attrs(units="px")
     new["revision"] = new["residual"].copy().assign_attrs(units=new["position"].attrs["units"])
     if found:
         row = int(np.searchsorted(rows, first))
@@ -304,7 +307,8 @@ def _write(
     )
     quality = np.where(seen, result.quality, 0.0)
     confidence = quality.sum(axis=-1) / np.maximum(count, 1)
-    square = np.where(seen, ((result.measured - uv) ** 2).sum(axis=-1), 0.0).sum(axis=-1)
+    off = np.linalg.norm(result.measured - uv, axis=-1)  # NaN where a view saw nothing
+    square = np.where(seen, off**2, 0.0).sum(axis=-1)
     residual = np.where(count > 0, np.sqrt(square / np.maximum(count, 1)), np.nan)
     for t, here in anchors.items():
         for place in here:
@@ -325,6 +329,7 @@ def _write(
     new["image_position"][rows, ..., 0] = uv.transpose(0, 2, 3, 1)
     new["image_origin"][rows, ..., 0] = image_origin.transpose(0, 2, 1)
     new["image_confidence"][rows, ..., 0] = quality.transpose(0, 2, 1)
+    new["image_residual"][rows, ..., 0] = off.transpose(0, 2, 1)
 
 
 def _keep_rows(old: Tracks, new: Tracks, kept: np.ndarray) -> Tracks:
