@@ -240,3 +240,10 @@ def test_a_value_where_a_section_belongs_is_said(tmp_path, name):
     )
     with pytest.raises(InputError, match=rf"\[{name}\] is 5; expected a section with "):
         load_trial(path)
+
+
+def test_across_names_two_points(tmp_path):
+    two = load_trial(write(tmp_path, 'id = "m07"', 'id = "m07"\nacross = ["ear_L", "ear_R"]'))
+    assert two.animal.across == ("ear_L", "ear_R")
+    with pytest.raises(InputError, match=r"\[animal\] across names 1 points; expected two, at the"):
+        load_trial(write(tmp_path, 'id = "m07"', 'id = "m07"\nacross = ["ear_L"]'))

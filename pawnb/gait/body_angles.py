@@ -42,10 +42,10 @@ def body_angles(
         Two or more points along the body, rear to front; default the trial's
         ``[animal] body``.
     across : tuple of str, optional
-        A point at the animal's left and its fellow at the right, such as the ears. Without
-        it there is no roll.
+        A point at the animal's left and its fellow at the right, such as the ears; default
+        the trial's ``[animal] across``. Without it there is no roll.
     trial : Trial, optional
-        For ``along`` and the directions.
+        For ``along``, ``across`` and the directions.
     forward, up : sequence of float, optional
         Directions in calibrated space; default the trial's, else +X and +Z.
     cutoff_hz : float, optional
@@ -76,6 +76,9 @@ def body_angles(
             "body angles need two or more points along the body, rear to front, for instance "
             "along=['tail_base', 'nose'], or body = [...] under [animal] of the trial."
         )
+    if across is None and trial is not None and trial.animal.across:
+        left, right = trial.animal.across
+        across = left, right
     axes = _laboratory(trial, forward, up)
 
     def path(name: str) -> np.ndarray:

@@ -169,7 +169,8 @@ def _check_names(view: str, point: str, trial: Trial, where: str) -> None:
         if point not in everywhere:
             raise InputError(
                 f"{where}: unknown point {point!r}{did_you_mean(point, everywhere)}; view {view!r} "
-                f"tracks {', '.join(points)}."
+                f"tracks {', '.join(points)}; to track it, add it to that view's points in "
+                "trial.toml."
             )
         raise InputError(
             f"{where}: point {point!r} is clicked in view {view!r}, which tracks "

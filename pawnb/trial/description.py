@@ -99,6 +99,9 @@ class Animal:
         Experimental group.
     body : tuple of str
         Points of the body, rear to front, that give origin and heading.
+    across : tuple of str
+        A point at the animal's left and its fellow at the right, such as the ears, that give
+        the body's roll.
     extra : mapping
         Any further fields of the section, such as ``mass_g``.
     """
@@ -107,6 +110,7 @@ class Animal:
     species: str | None = None
     group: str | None = None
     body: tuple[str, ...] = ()
+    across: tuple[str, ...] = ()
     extra: Mapping[str, Any] = field(default_factory=dict)
 
 

@@ -146,8 +146,14 @@ def _animal(section: Any, where: str) -> Animal:
     """Read [animal]; every field beyond the known ones is kept in ``extra``."""
     if not isinstance(section, dict):
         raise InputError(f"{where}: [animal] is {section!r}; expected a section with fields.")
-    known = {k: v for k, v in section.items() if k in {"id", "species", "group", "body"}}
+    names = {f.name for f in dataclasses.fields(Animal)} - {"extra"}
+    known = {k: v for k, v in section.items() if k in names}
     animal = build_settings(Animal, {"id": "animal", **known}, where=f"{where}: [animal]")
+    if len(animal.across) not in (0, 2):
+        raise InputError(
+            f"{where}: [animal] across names {len(animal.across)} points; expected two, at the "
+            'left and at the right, for instance across = ["ear_L", "ear_R"].'
+        )
     return dataclasses.replace(animal, extra={k: v for k, v in section.items() if k not in known})
 
 

@@ -21,7 +21,12 @@ from pawnb.gait.tables import say_no_strides
 from pawnb.io.tables import write_table
 from pawnb.workflow.gait_drawings import gait_drawings
 from pawnb.workflow.gait_sources import GaitSource, read_source
-from pawnb.workflow.gait_statistics import Groups, joint_angles_of, statistics_tables
+from pawnb.workflow.gait_statistics import (
+    Groups,
+    body_angles_of,
+    joint_angles_of,
+    statistics_tables,
+)
 from pawnb.workflow.provenance import build_step, file_checksum, write_provenance
 from pawnb.workflow.results import RESULTS_FOLDER, make_folder, provenance_steps
 from pawnb.workflow.save_figures import Which, save_gait_figures
@@ -166,7 +171,11 @@ def run_gait(
     tables = dataclasses.replace(
         tables, notes=(*_who_is_who(sources, animals), *tables.notes, *remarks)
     )
-    for name, table in (coordination_tables(tables) | statistics).items():
+    bodies = body_angles_of([(s.tracks, s.trial) for s in sources if s.tracks is not None])
+    further = coordination_tables(tables) | statistics
+    if len(bodies):
+        further["body_angles"] = bodies
+    for name, table in further.items():
         files.append(write_table(table, folder / f"{name}.csv"))
     drawings = itertools.chain(
         gait_drawings(tables, groups=groups), source_drawings(seen, angles=angles)

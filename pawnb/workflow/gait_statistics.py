@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from pawnb.errors import InputError
-from pawnb.gait import GaitTables
+from pawnb.gait import GaitTables, body_angles
 from pawnb.gait.animal_summary import summarise_animals
 from pawnb.gait.durations import compare_legs, stride_duration_by_leg
 from pawnb.gait.groups import adjust_p, compare_groups
@@ -18,6 +18,7 @@ from pawnb.gait.selection import steadiness
 from pawnb.gait.stride_measures import MEASURE_COLUMNS
 from pawnb.gait.stride_support import SUPPORT_MEASURES
 from pawnb.schema import Tracks
+from pawnb.trial import Trial
 
 MEASURES = (
     "period_s", "frequency_hz", "stance_s", "swing_s", "duty_factor", "contact_duty_factor",
@@ -108,6 +109,37 @@ def joint_angles_of(
         own = get_joint_angles(tracks, trial=trial)
         parts.append(own if animal is None else own.assign(animal=animal))
     return pd.concat(parts, ignore_index=True) if parts else None
+
+
+def body_angles_of(sources: Sequence[tuple[Tracks, Trial | None]]) -> pd.DataFrame:
+    """Collect roll, pitch and yaw of the bodies, of the trials that name points of it.
+
+    Parameters
+    ----------
+    sources : sequence of (tracks, trial)
+        Tracks, and what is known of their recording.
+
+    Returns
+    -------
+    pandas.DataFrame
+        animal, trial, and the columns of :func:`pawnb.gait.body_angles`; empty where no
+        trial has ``[animal] body`` and positions in space of one animal.
+
+    Raises
+    ------
+    InputError
+        If a trial names a point that its tracks lack.
+    """
+    parts = []
+    for tracks, trial in sources:
+        if trial is None or len(trial.animal.body) < 2:
+            continue
+        if tracks.sizes["space"] == 3 and tracks.sizes["individual"] == 1:
+            own = body_angles(tracks, trial=trial)
+            own.insert(0, "trial", trial.name)
+            own.insert(0, "animal", trial.animal.id)
+            parts.append(own)
+    return pd.concat(parts, ignore_index=True) if parts else pd.DataFrame()
 
 
 def _compare_legs(strides: pd.DataFrame) -> pd.DataFrame:

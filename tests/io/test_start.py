@@ -76,7 +76,8 @@ def test_what_is_written_is_read(tmp_path, trial):
          "start.csv: unknown view 'cam4' (did you mean 'cam3'?); the trial's views are cam1, cam2, "
          "cam3."),
         (HEADER + GOOD + "0,cam3,FLL,1,2\n",
-         "start.csv: unknown point 'FLL' (did you mean 'FL'?); view 'cam3' tracks FL."),
+         "start.csv: unknown point 'FLL' (did you mean 'FL'?); view 'cam3' tracks FL; "
+         "to track it, add it to that view's points in trial.toml."),
         (HEADER + GOOD + "0,cam3,FR,1,2\n",
          "start.csv: point 'FR' is clicked in view 'cam3', which tracks FL; remove the click, or "
          "add the point to that view in trial.toml."),

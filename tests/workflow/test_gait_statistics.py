@@ -11,9 +11,11 @@ import pytest
 from pawnb import gait
 from pawnb.gait.groups import adjust_p
 from pawnb.io.native import write_tracks
+from pawnb.schema import make_tracks
 from pawnb.synthetic.spider_study import simulate_spider_study
+from pawnb.trial import Animal, Trial
 from pawnb.workflow.gait import run_gait
-from pawnb.workflow.gait_statistics import joint_angles_of, statistics_tables
+from pawnb.workflow.gait_statistics import body_angles_of, joint_angles_of, statistics_tables
 from pawnb.workflow.results import describe_trial
 
 OWN = (-0.006, -0.002, 0.001, 0.007)
@@ -163,3 +165,24 @@ def test_legs_are_compared_over_animals():
     assert len(found["stride_durations"]) == 8
     one = gait.analyse_events(events_of("m", "t", 0.2))
     assert "legs" not in statistics_tables(one)[0]
+
+
+def test_body_angles_of_the_trials_that_name_a_body():
+    """Nose 30 degrees to the left of the tail and 45 up; the left ear level with the right one."""
+    names = ["tail", "nose", "ear_L", "ear_R"]
+    tracks = make_tracks([4, 5], names, fps=250.0, unit="mm")
+    nose = np.array([np.cos(np.pi / 6), np.sin(np.pi / 6), 1.0])
+    left = np.array([-nose[1], nose[0], 0.0])
+    for k, place in enumerate([np.zeros(3), nose, left, -left]):
+        tracks["position"][:, :, k, 0] = place
+    named = Animal(id="m1", body=("tail", "nose"), across=("ear_L", "ear_R"))
+    trial = Trial(kind="tracks", name="t", fps=250.0, animal=named)
+    plain = dataclasses.replace(trial, animal=Animal(id="m2"))
+    found = body_angles_of([(tracks, plain), (tracks, trial), (tracks, None)])
+    assert found[["animal", "trial", "frame"]].to_numpy().tolist() == [
+        ["m1", "t", 4],
+        ["m1", "t", 5],
+    ]
+    angles = found[["roll_deg", "pitch_deg", "yaw_deg"]]
+    np.testing.assert_allclose(angles, [[0.0, 45.0, 30.0]] * 2, atol=1e-9)
+    assert body_angles_of([(tracks, plain)]).empty

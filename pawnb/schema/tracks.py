@@ -1,0 +1,196 @@
+"""Tracks: names and dimensions of their variables, empty ones, and checks."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from pawnb.errors import InputError
+
+Tracks = xr.Dataset
+
+ORIGINS: tuple[str, ...] = (
+    "missing",
+    "measured",
+    "predicted",
+    "resolved",
+    "reprojected",
+    "edited",
+)
+"""Where a point comes from; its place in this tuple is the code stored in a file."""
+
+ORIGIN_CODE: dict[str, int] = {name: code for code, name in enumerate(ORIGINS)}
+
+_KEYPOINT_DIMS = ("time", "keypoint", "individual")
+_DIMS: dict[str, tuple[str, ...]] = {
+    "position": ("time", "space", "keypoint", "individual"),
+    "confidence": _KEYPOINT_DIMS,
+    "origin": _KEYPOINT_DIMS,
+    "residual": _KEYPOINT_DIMS,
+    "sd": ("time", "space", "keypoint", "individual"),
+    "revision": _KEYPOINT_DIMS,
+    "image_position": ("time", "view", "image_space", "keypoint", "individual"),
+    "image_confidence": ("time", "view", "keypoint", "individual"),
+    "image_origin": ("time", "view", "keypoint", "individual"),
+    "image_residual": ("time", "view", "keypoint", "individual"),
+    # jointed animals
+    "joint_angle": ("time", "joint", "individual"),
+    "joint_angle_sd": ("time", "joint", "individual"),
+    "segment_length": ("time", "segment", "individual"),
+    "heading": ("time", "individual"),
+    "heading_sd": ("time", "individual"),
+    "scale": ("time", "individual"),
+}
+_REQUIRED = ("position", "confidence", "origin")
+_DTYPES = {"origin": np.int8, "image_origin": np.int8}
+
+
+def make_tracks(
+    frames: Sequence[int] | np.ndarray,
+    points: Sequence[str],
+    *,
+    fps: float,
+    views: Sequence[str] = (),
+    space: Sequence[str] = ("x", "y", "z"),
+    individual: str = "animal",
+    unit: str = "px",
+    time_s: np.ndarray | None = None,
+    source_software: str = "pawnb",
+) -> Tracks:
+    """Make Tracks in which every point is still missing.
+
+    Parameters
+    ----------
+    frames : sequence of int
+        Frame numbers, counted from the first frame of the file.
+    points : sequence of str
+        Names of the tracked points (``keypoint``).
+    fps : float
+        Frames per second.
+    views : sequence of str
+        Names of the views; without any, there are no image variables.
+    space : sequence of str
+        ``("x", "y")`` or ``("x", "y", "z")``.
+    individual : str
+        The animal's id.
+    unit : str
+        Unit of ``position``: ``"px"`` where nothing is calibrated.
+    time_s : ndarray, shape (n_frames,), optional
+        Time stamps in seconds; default ``frames / fps``.
+    source_software : str
+        Who made the tracks.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``position`` (time, space, keypoint, individual), ``confidence``, ``origin``
+        and ``residual`` (time, keypoint, individual); with views also
+        ``image_position`` (time, view, image_space, keypoint, individual) in px,
+        ``image_confidence`` and ``image_origin``. Positions are NaN, origins
+        ``missing``, confidences 0.
+    """
+    frames = np.asarray(frames, dtype=np.int64)
+    coords: dict[str, Any] = {
+        "time": frames / float(fps) if time_s is None else np.asarray(time_s, dtype=float),
+        "frame": ("time", frames),
+        "space": list(space),
+        "keypoint": list(points),
+        "individual": [individual],
+    }
+    names = ["position", "confidence", "origin", "residual"]
+    if views:
+        coords["view"] = list(views)
+        coords["image_space"] = ["u", "v"]
+        names += ["image_position", "image_confidence", "image_origin"]
+    sizes = {name: len(frames) if name == "time" else len(coords[name]) for name in coords}
+    data = {}
+    for name in names:
+        shape = tuple(sizes[dim] for dim in _DIMS[name])
+        fill = np.nan if name in {"position", "image_position", "residual"} else 0
+        data[name] = (_DIMS[name], np.full(shape, fill, dtype=_DTYPES.get(name, float)))
+    tracks = xr.Dataset(data, coords=coords)
+    tracks.attrs = {
+        "fps": float(fps),
+        "time_unit": "seconds",
+        "units": unit,
+        "ds_type": "poses",
+        "source_software": source_software,
+        "provenance": "{}",
+    }
+    for name in ("origin", "image_origin"):
+        if name in tracks:
+            tracks[name].attrs = {
+                "flag_values": np.arange(len(ORIGINS), dtype=np.int8),
+                "flag_meanings": " ".join(ORIGINS),
+            }
+    tracks["position"].attrs["units"] = unit
+    for name in ("residual", "image_position"):
+        if name in tracks:
+            tracks[name].attrs["units"] = "px"
+    return tracks
+
+
+def check_tracks(tracks: Tracks, *, where: str = "these tracks") -> Tracks:
+    """Return ``tracks`` unchanged if they follow the schema, else say all that is wrong.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        What to check.
+    where : str
+        How the message names them, for instance the file.
+
+    Returns
+    -------
+    xarray.Dataset
+        The same object.
+
+    Raises
+    ------
+    InputError
+        If variables, dimensions, or the attribute ``fps`` are missing or wrong.
+    """
+    if not isinstance(tracks, xr.Dataset):
+        raise InputError(
+            f"{where}: expected Tracks (an xarray.Dataset), found {type(tracks).__name__}."
+        )
+    faults = [f"no variable {name!r}" for name in _REQUIRED if name not in tracks]
+    for name, dims in _DIMS.items():
+        if name in tracks and tuple(tracks[name].dims) != dims:
+            faults.append(f"{name!r} has dimensions {tracks[name].dims} instead of {dims}")
+    fps = tracks.attrs.get("fps")
+    if fps is None or not np.isfinite(fps) or fps <= 0:
+        faults.append(f"attribute fps is {fps!r} instead of a positive number")
+    if "frame" not in tracks.coords:
+        faults.append("no coordinate 'frame' along time")
+    if faults:
+        raise InputError(
+            f"{where}: not Tracks as pawnb writes them: " + "; ".join(faults) + ". "
+            "Make them with pawnb.schema.make_tracks or a reader of pawnb.io."
+        )
+    return tracks
+
+
+def add_provenance(tracks: Tracks, **entry: Any) -> Tracks:
+    """Return Tracks whose provenance has ``entry`` added as its last step.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks; not modified.
+    **entry
+        What was done: ``step="track", method="paper", settings={...}``. Values must
+        be writable as JSON.
+
+    Returns
+    -------
+    xarray.Dataset
+        A shallow copy with the longer provenance.
+    """
+    record = json.loads(tracks.attrs.get("provenance", "{}"))
+    record.setdefault("steps", []).append(entry)
+    return tracks.assign_attrs(provenance=json.dumps(record, sort_keys=True))
