@@ -73,7 +73,8 @@ def evaluate(
     -------
     Evaluation
         Of jointed animals :func:`pawnb.workflow.pose_evaluation.measure_pose_errors`, over the
-        frames in which ``tracks.csv`` says that every tip is visible, where it does; of points
+        frames in which ``tracks.csv`` says that every tip is visible, where it does (where no
+        frame shows every tip, of each leg over those that show its own); of points
         :func:`pawnb.workflow.evaluation.count_errors`. Events: :func:`compare_events`.
 
     Raises
@@ -167,25 +168,34 @@ def _nearest_pairs(found: np.ndarray, true: np.ndarray, reach: float) -> list[tu
 
 
 def _evaluate_pose(tracks: Tracks, path: Path) -> Evaluation:
-    """Measure the errors of poses, where the whole animal is in view."""
+    """Measure the errors of poses where the whole animal is in view, else leg by leg."""
     animal = animal_of(tracks)
     table = read_pose(path, names=pose_names(animal))
-    whole = _frames_in_view(path.with_name("tracks.csv"), animal.leg_names)
-    if whole is not None:
-        table = table[table["frame"].isin(whole)]
-        if table.empty:
-            raise InputError(f"{path.parent}: the truth never shows every tip of the animal.")
+    visible = _tips_in_view(path.with_name("tracks.csv"), animal.leg_names)
+    seen: np.ndarray | None = None
+    note: list[str] = []
+    if visible is not None and visible.all(axis=1).any():
+        table = table[table["frame"].isin(visible.index[visible.all(axis=1)])]
+    elif visible is not None:
+        seen = visible.reindex(table["frame"], fill_value=False).to_numpy()
+        if not seen.any():
+            raise InputError(f"{path.parent}: the truth never shows a tip of the animal.")
+        never = ", ".join(visible.columns[~seen.any(axis=0)]) or "none"
+        note = [
+            "no frame shows every tip: each leg is judged where its own is visible; never "
+            f"visible: {never}"
+        ]
     _, truth = poses_from_table(table, animal)
-    found = measure_pose_errors(animal, poses_of(tracks).poses, truth)
+    found = measure_pose_errors(animal, poses_of(tracks).poses, truth, seen=seen)
     lines = [
         f"{row.measure}: {row.value:.4g} {row.unit}".rstrip() for row in found.summary.itertuples()
     ]
     tables = {"summary": found.summary, "legs": found.legs, "swaps": found.swaps}
-    return Evaluation("\n".join(lines), tables)
+    return Evaluation("\n".join([*note, *lines]), tables)
 
 
-def _frames_in_view(path: Path, tips: tuple[str, ...]) -> np.ndarray | None:
-    """Return the frames in which every tip is visible, or None where that is not known."""
+def _tips_in_view(path: Path, tips: tuple[str, ...]) -> pd.DataFrame | None:
+    """Return whether each tip (columns) is visible in each frame, or None if nobody knows."""
     if not path.exists():
         return None
     cells = read_cells(path, ("frame", "point"))
@@ -195,11 +205,14 @@ def _frames_in_view(path: Path, tips: tuple[str, ...]) -> np.ndarray | None:
     visible = pd.DataFrame(
         {
             "frame": read_numbers(cells, "frame", where=path.name, whole=True),
+            "point": cells["point"],
             "visible": read_numbers(cells, "visible", where=path.name) > 0,
         }
     )
-    seen = visible.groupby("frame")["visible"].all()
-    return np.asarray(seen.index[seen.to_numpy()])
+    table = visible.pivot_table(
+        index="frame", columns="point", values="visible", aggfunc="min", fill_value=True
+    )
+    return table.reindex(columns=list(tips), fill_value=True).astype(bool)
 
 
 def _true_points(path: Path) -> pd.DataFrame:

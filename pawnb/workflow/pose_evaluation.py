@@ -192,6 +192,7 @@ def measure_pose_errors(
     poses: Poses,
     truth: Poses,
     *,
+    seen: np.ndarray | None = None,
     far_share: float = FAR_SHARE,
     gap_frames: int = 2,
 ) -> PoseErrors:
@@ -205,6 +206,8 @@ def measure_pose_errors(
         Tracked poses; NaN where there is none.
     truth : Poses
         True poses.
+    seen : ndarray of bool, shape (frames of the truth, legs), optional
+        Where each leg is judged; default everywhere.
     far_share : float
         Share of the leg span: see the rule for swaps.
     gap_frames : int
@@ -213,32 +216,42 @@ def measure_pose_errors(
     Returns
     -------
     PoseErrors
-        The errors over the frames that both have.
+        The errors over the frames that both have. A leg that is judged nowhere has NaN.
 
     Raises
     ------
     InputError
-        If they share no frame.
+        If they share no frame, or no leg is judged in any.
     """
     found, true = _shared(poses, truth)
+    if seen is None:
+        seen = np.ones((len(truth), len(animal.leg_names)), dtype=bool)
+    seen = seen[np.isin(truth.frames, found.frames)]
+    if not seen.any():
+        raise InputError("no leg can be judged in any frame that has a pose.")
     span = animal.span * true.scale
     away = _tip_distances(animal, found, true)
     own = np.diagonal(away, axis1=1, axis2=2)
     share = own / span[:, None]
-    joints = _wrapped(found.angles_deg - true.angles_deg)
+    owner = [animal.leg_names.index(name.rsplit("_", 1)[0]) for name in animal.joints]
+    joints = np.where(seen[:, owner], _wrapped(found.angles_deg - true.angles_deg), np.nan)
     total = _wrapped(leg_angles(animal, found) - leg_angles(animal, true))
     heading = _wrapped(found.heading_deg - true.heading_deg)
     body = np.hypot(*(found.xy - true.xy).T)
-    swaps = _swaps(animal, found.frames, away, far_share * span, gap_frames)
+    swaps = _swaps(animal, found.frames, away, far_share * span, gap_frames, seen=seen)
     rows = []
     for i, leg in enumerate(animal.leg_names):
+        here = seen[:, i]
+        if not here.any():
+            rows.append((leg, 0, *[np.nan] * 6))
+            continue
         cols = _joint_columns(animal, leg)
         rows.append(
-            (leg, len(found), np.median(own[:, i]), np.median(share[:, i]),
-             np.percentile(share[:, i], 95), _rms(joints[:, cols]), _rms(total[:, i]),
-             total[:, i].mean())
+            (leg, int(here.sum()), np.median(own[here, i]), np.median(share[here, i]),
+             np.percentile(share[here, i], 95), _rms(joints[here][:, cols]), _rms(total[here, i]),
+             total[here, i].mean())
         )  # fmt: skip
-    n = len(found)
+    n, share, total = len(found), share[seen], total[seen]
     summary: list[tuple[str, float, str]] = [
         ("frames", n, ""),
         ("true frames without a pose", len(np.setdiff1d(truth.frames, found.frames)), ""),
@@ -247,7 +260,7 @@ def measure_pose_errors(
         ("heading error, RMS", _rms(heading), "deg"),
         ("tip error, median", float(np.median(share)), "of leg span"),
         ("tip error, 95th percentile", float(np.percentile(share, 95)), "of leg span"),
-        ("joint angle error, RMS", _rms(joints), "deg"),
+        ("joint angle error, RMS", _rms(joints[np.isfinite(joints)]), "deg"),
         ("total leg angle error, RMS", _rms(total), "deg"),
         ("leg swaps", len(swaps), ""),
         ("leg swaps per 1000 frames", 1000 * len(swaps) / n, "per 1000 frames"),
@@ -267,14 +280,20 @@ def _tip_distances(animal: StickAnimal, found: Poses, true: Poses) -> np.ndarray
 
 
 def _swaps(
-    animal: StickAnimal, frames: np.ndarray, away: np.ndarray, far_px: np.ndarray, gap: int
+    animal: StickAnimal,
+    frames: np.ndarray,
+    away: np.ndarray,
+    far_px: np.ndarray,
+    gap: int,
+    *,
+    seen: np.ndarray,
 ) -> pd.DataFrame:
-    """Return the swaps by the rule at the top of this module."""
+    """Return the swaps by the rule at the top of this module, of legs where they are judged."""
     rows: list[tuple[Any, ...]] = []
     names = np.array(animal.leg_names)
     for i, leg in enumerate(names):
         nearest = away[:, i].argmin(axis=1)
-        at = np.flatnonzero((nearest != i) & (away[:, i, i] > far_px))
+        at = np.flatnonzero(seen[:, i] & (nearest != i) & (away[:, i, i] > far_px))
         for run in np.split(at, np.flatnonzero(np.diff(at) > gap + 1) + 1):
             if len(run):
                 others, counts = np.unique(nearest[run], return_counts=True)

@@ -61,8 +61,34 @@ def test_frames_with_a_hidden_tip_do_not_count(shifted):
     assert summary.set_index("measure")["value"]["frames"] == 9
     points["visible"] = 0
     points.to_csv(path, index=False)
-    with pytest.raises(InputError, match="never shows every tip"):
+    with pytest.raises(InputError, match="never shows a tip"):
         evaluate(results, trial / "truth")
+
+
+def test_legs_are_judged_one_by_one_where_no_frame_shows_every_tip(shifted):
+    """Of 14 frames R3 is seen in 6 and L1 in 8, never both; L2, never seen, is 40 degrees off."""
+    trial, results = shifted
+    path = trial / "truth" / "tracks.csv"
+    points = pd.read_csv(path)
+    frames = np.sort(points["frame"].unique())
+    early = points["frame"].isin(frames[:-6])
+    points.loc[early & (points["point"] == "R3"), "visible"] = 0
+    points.loc[~early & (points["point"] == "L1"), "visible"] = 0
+    points.loc[points["point"] == "L2", "visible"] = 0
+    points.to_csv(path, index=False)
+    pose = trial / "truth" / "pose.csv"
+    table = pd.read_csv(pose)
+    table["L2_BC"] += 40.0
+    table.to_csv(pose, index=False)
+    found = evaluate(results, trial / "truth")
+    legs = found.tables["legs"].set_index("leg")
+    assert legs["n_frames"][["R3", "L1", "L2", "L4"]].tolist() == [6, 8, 0, 14]
+    assert np.isnan(legs.loc["L2", "tip_px_median"])
+    assert legs.loc["R3", "tip_px_median"] == pytest.approx(5.0, abs=0.01)
+    summary = found.tables["summary"].set_index("measure")["value"]
+    assert summary["joint angle error, RMS"] == pytest.approx(0.0, abs=1e-2)
+    assert summary["leg swaps"] == 0
+    assert "never visible: L2" in found.text.splitlines()[0]
 
 
 def test_points_of_a_pose_can_be_evaluated_too(shifted, capsys):
