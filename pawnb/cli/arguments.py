@@ -30,6 +30,7 @@ def build_parser() -> argparse.ArgumentParser:
     _add_gait(parsers)
     _add_evaluate(parsers)
     _add_compare(parsers)
+    _add_calibrate(parsers)
     _add_convert(parsers)
     _add_lab(parsers)
     return parser
@@ -206,6 +207,21 @@ def _add_compare(parsers: Any) -> None:
         help="a setting of every method that has it, or of one, as paper.n_superpixels=150",
     )
     command.set_defaults(run=commands.run_compare)
+
+
+def _add_calibrate(parsers: Any) -> None:
+    text = "DLT coefficients from clicked points of known position, with the error of each"
+    command = parsers.add_parser("calibrate", help=text, description=text)
+    command.add_argument("points3d", metavar="POINTS3D", help="csv with point, x, y, z")
+    command.add_argument("clicks", metavar="CLICKS", help="csv with view, point, u, v")
+    command.add_argument(
+        "-o", "--out", default="DLTcoefs.csv", metavar="FILE", help="default: %(default)s"
+    )
+    command.add_argument(
+        "--views", nargs="+", metavar="VIEW",
+        help="order of the views, which is that of the trial (default: that of the clicks)",
+    )  # fmt: skip
+    command.set_defaults(run=commands.run_calibrate)
 
 
 def _add_convert(parsers: Any) -> None:

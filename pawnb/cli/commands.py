@@ -149,6 +149,15 @@ def run_compare(options: argparse.Namespace, _argv: list[str]) -> None:
     print(f"wrote {options.out}")
 
 
+def run_calibrate(options: argparse.Namespace, _argv: list[str]) -> None:
+    """Fit DLT coefficients and say how well."""
+    from pawnb.workflow.calibrate import calibrate
+
+    fit = calibrate(options.points3d, options.clicks, out=options.out, views=options.views)
+    print(fit.text())
+    print(f"wrote {options.out}; name it in trial.toml: [calibration] dlt = ...")
+
+
 def run_convert(options: argparse.Namespace, _argv: list[str]) -> None:
     """Convert tracks."""
     from pawnb.workflow.convert import convert_tracks

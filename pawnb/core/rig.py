@@ -256,7 +256,7 @@ def require_rig(trial: Trial, *, sizes: Mapping[str, tuple[int, int]] | None = N
     if rig is None:
         raise CalibrationError(
             f"trial {trial.name!r} has no DLT calibration; add [calibration] dlt = "
-            '"DLTcoefs.csv" to trial.toml; pawnb.core.rig.fit_rig makes its columns from points.'
+            '"DLTcoefs.csv" to trial.toml; pawnb calibrate makes it from clicked points.'
         )
     return rig
 

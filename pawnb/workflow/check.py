@@ -77,6 +77,7 @@ def _check_results(trial: Trial, report: CheckReport) -> None:
 
 def _check_belt(trial: Trial, report: CheckReport) -> None:
     """Say the belt's speed, and doubt it where it is not positive."""
+    unit = trial.calibration.unit if trial.calibration is not None else "unit"
     if isinstance(trial.belt_speed, str):
         try:
             table = read_belt(trial.path(trial.belt_speed))
@@ -85,10 +86,10 @@ def _check_belt(trial: Trial, report: CheckReport) -> None:
             return
         speeds = table["speed"].to_numpy()
         report.found.append(
-            f"belt speed from {trial.belt_speed}: {speeds.min():g} to {speeds.max():g} unit/s"
+            f"belt speed from {trial.belt_speed}: {speeds.min():g} to {speeds.max():g} {unit}/s"
         )
     elif trial.belt_speed is not None:
-        report.found.append(f"belt speed {trial.belt_speed:g} unit/s")
+        report.found.append(f"belt speed {trial.belt_speed:g} {unit}/s")
         if trial.belt_speed <= 0:
             report.doubts.append(
                 f"belt speed is {trial.belt_speed:g}; a belt that carries the feet backwards "

@@ -17,7 +17,7 @@ from pawnb.trial import Trial, View
 from pawnb.workflow.check_report import CheckReport
 from pawnb.workflow.pose_in_space import load_second
 from pawnb.workflow.propose_pose import trial_animal, trial_background
-from pawnb.workflow.start_doubts import legs_outside, say_outside, start_doubts
+from pawnb.workflow.start_doubts import SECOND_ANIMAL, legs_outside, say_outside, start_doubts
 from pawnb.workflow.track_pose import (
     check_in_picture,
     pose_views,
@@ -172,7 +172,8 @@ def _check_on_animal(
     height, width = outline.mask.shape
     inside = (at >= 0).all(axis=1) & (at < [width, height]).all(axis=1)
     on = outline.mask[at[inside, 1], at[inside, 0]].sum() / len(at)
-    if on < _ON_ANIMAL:
+    # of two animals the outline is the larger one's: the pose may well be on the other
+    if on < _ON_ANIMAL and outline.others <= SECOND_ANIMAL:
         report.faults.append(
             f"start pose of frame {frame} is off the animal: {100 * on:.0f} % of its body lies on "
             "what differs from the background; put it on the animal."

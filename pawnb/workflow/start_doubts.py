@@ -8,7 +8,7 @@ from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.poses import Poses, joint_positions
 from pawnb.core.pose.silhouette import Silhouette
 
-_SECOND_ANIMAL = 0.3
+SECOND_ANIMAL = 0.3
 """Things this large, as a share of the animal, may be a second one."""
 
 
@@ -71,7 +71,7 @@ def start_doubts(outline: Silhouette, frame: int) -> list[str]:
             f"the animal touches the edge of the picture in frame {frame} of the start pose; start "
             "in a frame with the whole animal in view"
         )
-    if outline.others > _SECOND_ANIMAL:
+    if outline.others > SECOND_ANIMAL:
         doubts.append(
             f"frame {frame} shows something else of {100 * outline.others:.0f} % of the animal's "
             "size, perhaps a second animal; crop the view to one"

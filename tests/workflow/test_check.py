@@ -16,7 +16,7 @@ def test_a_whole_trial_has_no_faults(rendered_trial):
     text = report.text()
     for words in (
         "kind paws, animal synthetic-01, 250 frames per second",
-        "belt speed 300 unit/s",
+        "belt speed 300 mm/s",
         "view cam4: 40 frames of 410 x 140 px, colour",
         "DLT of 4 views, unit mm",
         "start: 8 clicks on FR, HR, FL, HL in frame 0",

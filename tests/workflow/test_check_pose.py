@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import cv2
+import numpy as np
 import pandas as pd
 import pytest
 
+from pawnb.core.video import open_views
+from pawnb.trial import load_trial
 from pawnb.workflow.check import check_trial
 
 
@@ -63,6 +67,23 @@ def test_faults_of_the_start_pose_are_found(small_spider, changes, fault):
     report = check_trial(small_spider)
     assert len(report.faults) == 1
     assert fault in report.faults[0]
+
+
+def test_a_pose_on_the_smaller_of_two_animals_is_no_fault(small_spider):
+    """The spider's fellow beside it is 2 px thicker all around: the outline is the fellow's."""
+    trial = load_trial(small_spider)
+    with open_views(trial) as views:
+        pictures = [views.frame(i)["top"].image().astype(np.int16) for i in range(24)]
+    folder = small_spider / "twice"
+    folder.mkdir()
+    for i, picture in enumerate(pictures):
+        fellow = cv2.erode(np.roll(picture - pictures[0], 130, axis=1), np.ones((5, 5)))
+        beside = np.minimum(fellow, 0) if i >= 10 else 0
+        cv2.imwrite(str(folder / f"{i:03d}.png"), np.clip(picture + beside, 0, 255))
+    change(small_spider, 'video = "spider.avi"', 'video = "twice"')
+    report = check_trial(small_spider)
+    assert report.faults == []
+    assert any("perhaps a second animal" in doubt for doubt in report.doubts)
 
 
 def test_joints_out_of_range_an_odd_size_and_the_edge_are_doubted(small_spider):
