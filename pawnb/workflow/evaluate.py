@@ -180,10 +180,11 @@ def _evaluate_pose(tracks: Tracks, path: Path) -> Evaluation:
         seen = visible.reindex(table["frame"], fill_value=False).to_numpy()
         if not seen.any():
             raise InputError(f"{path.parent}: the truth never shows a tip of the animal.")
-        never = ", ".join(visible.columns[~seen.any(axis=0)]) or "none"
+        ever = seen.any(axis=0)
+        never = ", ".join(leg for leg, is_seen in zip(visible, ever, strict=True) if not is_seen)
         note = [
             "no frame shows every tip: each leg is judged where its own is visible; never "
-            f"visible: {never}"
+            f"visible: {never or 'none'}"
         ]
     _, truth = poses_from_table(table, animal)
     found = measure_pose_errors(animal, poses_of(tracks).poses, truth, seen=seen)

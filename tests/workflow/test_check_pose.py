@@ -79,7 +79,9 @@ def test_a_pose_on_the_smaller_of_two_animals_is_no_fault(small_spider):
     for i, picture in enumerate(pictures):
         fellow = cv2.erode(np.roll(picture - pictures[0], 130, axis=1), np.ones((5, 5)))
         beside = np.minimum(fellow, 0) if i >= 10 else 0
-        cv2.imwrite(str(folder / f"{i:03d}.png"), np.clip(picture + beside, 0, 255))
+        cv2.imwrite(
+            str(folder / f"{i:03d}.png"), np.clip(picture + beside, 0, 255).astype(np.uint8)
+        )
     change(small_spider, 'video = "spider.avi"', 'video = "twice"')
     report = check_trial(small_spider)
     assert report.faults == []
