@@ -180,8 +180,9 @@ def _evaluate_pose(tracks: Tracks, path: Path) -> Evaluation:
         seen = visible.reindex(table["frame"], fill_value=False).to_numpy()
         if not seen.any():
             raise InputError(f"{path.parent}: the truth never shows a tip of the animal.")
-        ever = seen.any(axis=0)
-        never = ", ".join(leg for leg, is_seen in zip(visible, ever, strict=True) if not is_seen)
+        never = ", ".join(
+            str(visible.columns[k]) for k in np.flatnonzero(~seen.any(axis=0)).tolist()
+        )
         note = [
             "no frame shows every tip: each leg is judged where its own is visible; never "
             f"visible: {never or 'none'}"
