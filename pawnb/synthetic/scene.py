@@ -9,8 +9,6 @@ from typing import Any, Literal
 from pawnb.errors import InputError, did_you_mean
 from pawnb.schema import build_settings
 
-Difficulty = Literal["easy", "normal", "hard"]
-
 FULL_WIDTH = 2048
 FULL_HEIGHT = 700
 """Size in px of a picture at scale 1 (Haji Maghsoudi et al. 2019, section 2.1.1)."""

@@ -104,32 +104,20 @@ def track_pose_trial(
         if method == "paper" and not (frames or trial.frames) and background.n_frames > 1:
             span = _with_animal(reader, view, span, poses)
         step = build_step(
-            "track",
-            command=command,
+            "track", command=command, method=method, frames=list(span),
             # a pose that was handed over stands in the record itself
             inputs=trial_checksums(trial, start=start is None),
             settings=settings_in_force(trial, method=method, settings=settings),
-            method=method,
-            frames=list(span),
-            trial=trial_fingerprint(trial),
-            start=[{k: v for k, v in row.items() if v == v} for row in table.to_dict("records")],
+            trial=trial_fingerprint(trial), start=_without_blanks(table),
             background=background.source,
-        )
+        )  # fmt: skip
         kept = stack.enter_context(open_kept_frames(None if out is None else Path(out), step))
         bar = contextlib.nullcontext(progress) if progress else progress_bar("tracking")
         with bar as report:
             track = run_pose_tracker(
-                method,
-                reader,
-                poses,
-                animal=animal,
-                background=background,
-                settings=chosen,
-                frames=span,
-                progress=report,
-                stop=asked,
-                kept=kept,
-            )
+                method, reader, poses, animal=animal, background=background, settings=chosen,
+                frames=span, progress=report, stop=asked, kept=kept,
+            )  # fmt: skip
         complete = not asked()
         if not complete and not np.isfinite(track.poses.xy).any():
             raise KeyboardInterrupt
@@ -139,16 +127,9 @@ def track_pose_trial(
         space = None
         if rig is not None:
             space, track = find_in_space(
-                trial,
-                views,
-                track,
-                animal=animal,
-                rig=rig,
-                settings=in_space,
-                progress=progress,
-                stop=asked,
-                kept=kept,
-            )
+                trial, views, track, animal=animal, rig=rig, settings=in_space,
+                progress=progress, stop=asked, kept=kept,
+            )  # fmt: skip
             complete = complete and not asked()
         # where the rate varies these are the file's own time stamps
         times = views.time_s[track.poses.frames]
@@ -163,6 +144,14 @@ def track_pose_trial(
     if complete:
         kept.remove()
     return tracks
+
+
+def _without_blanks(table: pd.DataFrame) -> list[dict[str, Any]]:
+    """Return the rows of a table, each with the cells that are filled."""
+    return [
+        {str(name): cell for name, cell in row.items() if not pd.isna(cell)}
+        for row in table.to_dict("records")
+    ]
 
 
 def start_pose(
