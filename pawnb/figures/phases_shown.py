@@ -71,6 +71,11 @@ def mean_of_pair(own: pd.DataFrame, summary: pd.DataFrame | None) -> dict[str, A
     dict
         ``n_animals``, ``basis`` (animals or strides), ``mean``, ``r``, ``ci_low``, ``ci_high``
         (NaN for one animal) and ``pattern`` (None for one animal).
+
+    Raises
+    ------
+    InputError
+        If ``summary`` does not hold the pair once.
     """
     n_animals = int(own["animal"].nunique())
     if n_animals == 1:

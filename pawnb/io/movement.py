@@ -119,6 +119,11 @@ def to_movement(tracks: Tracks, *, dims: Literal["plural", "singular"] = "plural
         ``position`` (time, space, keypoints, individuals) and ``confidence`` (time,
         keypoints, individuals) with time in seconds, and everything else that the Tracks
         hold, which movement leaves alone.
+
+    Raises
+    ------
+    InputError
+        If these are no Tracks, or ``dims`` is neither of the two.
     """
     check_tracks(tracks)
     if dims not in ("plural", "singular"):

@@ -54,6 +54,11 @@ def describe_trial(
         text), where the sizes are given the attribute ``pictures_px`` (JSON as well) and, where
         the belt's speed is known, the variable ``belt_speed`` (time) in unit/s, so that a
         ``tracks.nc`` can be analysed without its trial.
+
+    Raises
+    ------
+    InputError
+        If the file of the belt's speed cannot be read, or lacks some of the frames.
     """
     document = trial_document(trial)
     kept: dict[str, Any] = {name: document[name] for name in ("trial", "animal")}

@@ -71,7 +71,7 @@ def test_prediction_limit_holds_for_empty_frames():
     ("kwargs", "words"),
     [
         ({"known": (0, 2)}, "three or more"),
-        ({"known": (8, 14)}, "frames 0 to 9"),
+        ({"known": (8, 14)}, "empty frames 8 to 13: the recording has frames 0 to 9;"),
         ({"confidence": 99.0}, "between 0.5 and 1"),
     ],
 )

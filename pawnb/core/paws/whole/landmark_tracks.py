@@ -75,7 +75,7 @@ def choose_landmarks(
 
 
 def check_landmarks(layout: Layout, placed: Mapping[int, Sequence[Placement]]) -> None:
-    """Raise InputError if a landmark in calibrated space was clicked in a single view.
+    """Refuse a landmark in calibrated space that was clicked in a single view.
 
     Parameters
     ----------
@@ -83,6 +83,11 @@ def check_landmarks(layout: Layout, placed: Mapping[int, Sequence[Placement]]) -
         The landmarks as its points.
     placed : mapping
         Frame to positions that are known there.
+
+    Raises
+    ------
+    InputError
+        If one view alone has a landmark: it does not tell where that is in space.
     """
     if layout.rig is None:
         return
