@@ -192,6 +192,36 @@ def pose_vectors(animal: StickAnimal, poses: Poses, *, factor: int = 1) -> np.nd
     return np.concatenate(parts, axis=1)
 
 
+def leg_numbers(layout: Layout, leg: int, joints: np.ndarray, *, heading: float) -> np.ndarray:
+    """Return a leg's part of the pose vector that puts the ends of its links at places.
+
+    Parameters
+    ----------
+    layout : Layout
+        The animal.
+    leg : int
+        Which leg.
+    joints : ndarray, shape (segments + 1, 2)
+        Places of its joints and tip, working px; those within a link only as far as it can bend.
+    heading : float
+        Of the body, radians.
+
+    Returns
+    -------
+    ndarray, shape (2 links,)
+        Angles, radians, and logarithms of foreshortening.
+    """
+    n = int(layout.n_segments[leg])
+    link = layout.link[leg, :n]
+    first = np.flatnonzero(np.diff(link, prepend=-1))
+    steps = joints[np.append(first[1:], n)] - joints[first]
+    flat = np.add.reduceat(layout.length[leg, :n] * np.exp(1j * layout.turn[leg, :n]), first)
+    direction = np.arctan2(steps[:, 1], steps[:, 0])
+    forwards = np.pi / 2 - layout.side[leg] * (direction - heading) - np.angle(flat)
+    turns = (np.diff(forwards, prepend=0.0) + np.pi) % (2 * np.pi) - np.pi
+    return np.concatenate([turns, np.log(np.maximum(np.hypot(*steps.T), 1e-3) / np.abs(flat))])
+
+
 def poses_of_vectors(
     animal: StickAnimal,
     vectors: np.ndarray,

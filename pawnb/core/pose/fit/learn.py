@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from pawnb.core.pose.fit.layout import Layout, meeting
 from pawnb.core.pose.fit.learn_body import LEAST_DARK, MOST_DARK, BodyEquations
 from pawnb.core.pose.fit.learn_loops import body_equations, look_equations
-from pawnb.core.pose.fit.normal_loops import normal_equations
-from pawnb.core.pose.fit.paint_loops import make_canvas, paint
-from pawnb.core.pose.fit.solve_loops import Sight
+from pawnb.core.pose.fit.paint_loops import make_canvas, paint, picture_cost
+from pawnb.core.pose.fit.solve_loops import Prior, Sight, normal_matrix, prior_cost
 
 _RADIUS_SD, _RADIUS_STEP_SD = 0.4, 0.1
 _DARK_SD, _DARK_STEP_SD = 0.3, 0.1
@@ -19,6 +19,7 @@ _LEAST_OF_DARKEST = 0.5
 """A leg's palest place, as a share of its darkest: an end laid on the background would be learnt
 as transparent, and stay there."""
 _LEAST_RADIUS_PX = 0.25
+_SHARES = (1.0, 0.5, 0.25, 0.125, 0.06)
 _MOST_RADIUS = 1.2
 """A leg's thickness as a share of the species file's: one that lay on a wing would grow to it."""
 
@@ -29,6 +30,7 @@ def learn_look(
     *,
     first: Layout,
     partner: np.ndarray,
+    prior: Prior,
     blur: float,
     soft: float,
     rounds: int = 4,
@@ -46,6 +48,8 @@ def learn_look(
         near its.
     partner : ndarray of int, shape (legs,)
         The leg of the other side that looks alike, or the leg itself.
+    prior : Prior
+        What is known of poses besides their pictures.
     blur, soft : float
         As in the fit.
     rounds : int
@@ -56,25 +60,53 @@ def learn_look(
     Layout
         Lengths and places are unchanged, except the sizes of the body's parts.
     """
+    known = _Known(first, partner, prior, blur, soft)
     here = list(frames)
     for _ in range(rounds):
-        layout = _one_round(layout, here, first, partner, blur, soft)
+        step = _step(layout, here, known)
+        share = _helpful_share(layout, here, known, step)
+        if share == 0.0:
+            break
+        layout, here = _taken(layout, here, step, share)
     return layout
 
 
-def _one_round(
-    layout: Layout,
-    frames: list[tuple[np.ndarray, Sight]],
-    first: Layout,
-    partner: np.ndarray,
-    blur: float,
-    soft: float,
-) -> Layout:
-    """Return the layout after one step; the poses of ``frames`` move with it, in place."""
+@dataclass(frozen=True)
+class _Known:
+    """What stays the same while a look is learnt; see :func:`learn_look`."""
+
+    first: Layout
+    partner: np.ndarray
+    prior: Prior
+    blur: float
+    soft: float
+
+
+@dataclass(frozen=True)
+class _Step:
+    """A Gauss-Newton step: the look it leads to, and how the poses of frames move with it.
+
+    Attributes
+    ----------
+    look : Layout
+        After the whole step.
+    moves : list of ndarray, shape (n_parameters,)
+        Of the pose of each frame.
+    body : BodyEquations
+        What they were solved by.
+    """
+
+    look: Layout
+    moves: list[np.ndarray]
+    body: BodyEquations
+
+
+def _step(layout: Layout, frames: list[tuple[np.ndarray, Sight]], known: _Known) -> _Step:
+    """Return the step that the equations of all frames lead to."""
     legs, nodes = layout.radius.shape
     matrix, vector = np.zeros((legs, 2 * nodes, 2 * nodes)), np.zeros((legs, 2 * nodes))
-    meets = meeting(first.ellipse)
-    body = BodyEquations(layout.ellipse, first.ellipse, len(frames))
+    meets, blur, soft = meeting(known.first.ellipse), known.blur, known.soft
+    body = BodyEquations(layout.ellipse, known.first.ellipse, len(frames))
     for pose, sight in frames:
         canvas = make_canvas(len(sight.seen), sight.seen.shape[1], layout)
         paint(layout, pose, blur, sight.box, *canvas)
@@ -89,17 +121,59 @@ def _one_round(
             parts, sums,
         )  # fmt: skip
         of_pose, slope = np.zeros((len(pose), len(pose))), np.zeros(len(pose))
-        normal_equations(
-            layout, pose, blur, sight.box, value, owner, along, joints, sight.seen, sight.weight,
-            soft, of_pose, slope,
+        normal_matrix(
+            layout, pose, sight, known.prior, np.arange(len(pose)), blur, soft, value, owner,
+            along, joints, of_pose, slope,
         )  # fmt: skip
         body.add(parts, sums, of_pose=of_pose + np.tril(of_pose, -1).T, slope=slope)
     legs_learnt = learn_legs(
-        layout, first, partner, equations=(matrix, vector), n_frames=len(frames)
+        layout, known.first, known.partner, equations=(matrix, vector), n_frames=len(frames)
     )
     ellipse, moves = body.solve()
-    frames[:] = [(pose + move, sight) for (pose, sight), move in zip(frames, moves, strict=True)]
-    return legs_learnt._replace(ellipse=ellipse)
+    return _Step(legs_learnt._replace(ellipse=ellipse), moves, body)
+
+
+def _taken(
+    layout: Layout, frames: list[tuple[np.ndarray, Sight]], step: _Step, share: float
+) -> tuple[Layout, list[tuple[np.ndarray, Sight]]]:
+    """Return look and frames after a share of a step."""
+
+    def between(now: np.ndarray, then: np.ndarray) -> np.ndarray:
+        return now + share * (then - now)
+
+    radius = layout.radius.copy()
+    thick = radius > 0.0  # legs with few segments are padded
+    radius[thick] = np.exp(between(np.log(radius[thick]), np.log(step.look.radius[thick])))
+    look = layout._replace(
+        radius=radius,
+        dark=between(layout.dark, step.look.dark),
+        ellipse=between(layout.ellipse, step.look.ellipse),
+    )
+    moves = zip(frames, step.moves, strict=True)
+    return look, [(pose + share * move, sight) for (pose, sight), move in moves]
+
+
+def _helpful_share(
+    layout: Layout, frames: list[tuple[np.ndarray, Sight]], known: _Known, step: _Step
+) -> float:
+    """Return the largest share of a step, halved again and again, that makes the cost fall; or 0.
+
+    A whole step goes too far where the animal is not as it is painted (a banded leg, a body paler
+    at one end), for errors that count less at their size now may count in full after it.
+    """
+
+    def cost(share: float) -> float:
+        look, here = _taken(layout, frames, step, share)
+        total = _prior_cost(look, known.first, len(frames)) + step.body.prior_cost(look.ellipse)
+        for pose, sight in here:
+            canvas = make_canvas(len(sight.seen), sight.seen.shape[1], look)
+            paint(look, pose, known.blur, sight.box, *canvas)
+            total += picture_cost(canvas[0], canvas[1], sight.seen, sight.weight, known.soft)
+            total += prior_cost(pose, known.prior, np.arange(len(pose)))
+        return total
+
+    now = cost(0.0)
+    return next((share for share in _SHARES if cost(share) < now), 0.0)
 
 
 def learn_legs(
@@ -147,6 +221,17 @@ def learn_legs(
         least = max(LEAST_DARK, _LEAST_OF_DARKEST * float(now[n:].max()))
         dark[leg, :n] = np.clip(now[n:], least, MOST_DARK)
     return layout._replace(radius=radius, dark=dark)
+
+
+def _prior_cost(layout: Layout, first: Layout, n_frames: int) -> float:
+    """Return what the legs' thickness and darkness cost by themselves."""
+    total = 0.0
+    for leg, n_segments in enumerate(layout.n_segments):
+        n = int(n_segments) + 1
+        thicker = np.log(layout.radius[leg, :n] / first.radius[leg, :n])
+        away = np.concatenate([thicker, layout.dark[leg, :n] - first.dark[leg, :n]])
+        total += 0.5 * n_frames * float(away @ _look_prior(n) @ away)
+    return total
 
 
 def _look_prior(n: int) -> np.ndarray:

@@ -12,8 +12,8 @@ _WAIST_SD = (1e-3, 0.5, 0.5, 1e-3)
 _OVERLAP_SD = 0.04
 """Of a part of the body: logarithms of length and width, darkness, egg; of its half length, by
 how much parts that meet reach into each other."""
-_POSE_PRECISION = 20.0
-"""What is known of a leg's angles (radians) and lengths (logarithms) where they are not seen."""
+_LEAST_PRECISION = 1e-6
+"""Of what neither picture nor prior says anything."""
 _MOST_EGG = 0.4
 _MOST_STEP = 0.2
 
@@ -44,34 +44,38 @@ class BodyEquations:
         if self.meets.any():
             sds[-1] = _WAIST_SD
             overlap_sd = _OVERLAP_SD * float(known[self.meets != 0.0, 2].min())
-        self.now = self._numbers()
+        self.now = self._numbers(ellipse)
         stiff = n_frames / np.append(sds.ravel(), overlap_sd) ** 2
+        self.stiff = stiff
         self.matrix, self.vector = np.diag(stiff), stiff * self.now
         self.follow: list[tuple[np.ndarray, np.ndarray]] = []
 
-    def _numbers(self) -> np.ndarray:
+    def _numbers(self, ellipse: np.ndarray) -> np.ndarray:
         """Return log length, log width, darkness and egg of every part, then the overlap."""
-        longer, wider = np.log(self.ellipse[:, 2:4] / self.known[:, 2:4]).T
-        darker = self.ellipse[:, 4] - self.known[:, 4]
-        inwards = self.meets * (self.known[:, 0] * np.exp(longer) - self.ellipse[:, 0])
+        longer, wider = np.log(ellipse[:, 2:4] / self.known[:, 2:4]).T
+        darker = ellipse[:, 4] - self.known[:, 4]
+        inwards = self.meets * (self.known[:, 0] * np.exp(longer) - ellipse[:, 0])
         overlap = inwards[self.meets != 0.0].mean() if self.meets.any() else 0.0
-        shape = np.column_stack([longer, wider, darker, self.ellipse[:, 5]])
+        shape = np.column_stack([longer, wider, darker, ellipse[:, 5]])
         return np.append(shape.ravel(), overlap)
+
+    def prior_cost(self, ellipse: np.ndarray) -> float:
+        """Return what a shape (like ``ellipse``) costs by itself."""
+        return 0.5 * float(self.stiff @ self._numbers(ellipse) ** 2)
 
     def add(
         self, matrix: np.ndarray, vector: np.ndarray, *, of_pose: np.ndarray, slope: np.ndarray
     ) -> None:
-        """Add a frame whose legs fit its picture best.
+        """Add a frame.
 
         Parameters
         ----------
         matrix, vector : ndarray, shape (parts, 8, 8) and (parts, 8)
             See :func:`.learn_loops.body_equations`.
         of_pose : ndarray, shape (n_parameters, n_parameters)
-            The Gauss-Newton matrix of the pose.
+            The Gauss-Newton matrix of the pose, by picture and prior.
         slope : ndarray, shape (n_parameters,)
-            The gradient of the picture's cost; only that of the body's place counts, as those of
-            the legs balance what anatomy says of them.
+            The gradient of the cost of both.
         """
         n = len(self.now)
         across = np.zeros((n, len(of_pose)))
@@ -80,11 +84,8 @@ class BodyEquations:
             self.matrix[np.ix_(at, at)] += matrix[part, :5, :5]
             self.vector[at] += vector[part, :5]
             across[at, :N_BODY] += matrix[part, :5, 5:]
-        least = np.full(len(of_pose), _POSE_PRECISION)
-        least[:N_BODY] = 1e-6
-        pulled = np.where(np.arange(len(slope)) < N_BODY, slope, 0.0)
-        both = np.column_stack([across.T, pulled])
-        solved = np.linalg.solve(of_pose + np.diag(least), both)
+        both = np.column_stack([across.T, slope])
+        solved = np.linalg.solve(of_pose + _LEAST_PRECISION * np.eye(len(of_pose)), both)
         follow, own = solved[:, :-1], solved[:, -1]
         self.matrix -= across @ follow
         self.vector -= across @ own

@@ -50,7 +50,7 @@ def learn_again(fitter: FrameFitter, found: list[Choices], poses: np.ndarray) ->
         poses[chosen] = [pose for pose, _ in frames]
         fitter.layout = learn_look(
             fitter.layout, frames, first=fitter.first, partner=partners(fitter.animal),
-            blur=fitter.blur, soft=fitter.settings.soft_error, rounds=2,
+            prior=known, blur=fitter.blur, soft=fitter.settings.soft_error, rounds=2,
         )  # fmt: skip
     return poses
 

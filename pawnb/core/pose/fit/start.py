@@ -17,9 +17,9 @@ from pawnb.core.pose.fit.choices import (
     sides_of,
 )
 from pawnb.core.pose.fit.fitter import FrameFitter
-from pawnb.core.pose.fit.layout import Layout
+from pawnb.core.pose.fit.layout import Layout, leg_numbers
 from pawnb.core.pose.fit.learn import learn_look
-from pawnb.core.pose.fit.paint_loops import NOTHING
+from pawnb.core.pose.fit.paint_loops import NOTHING, leg_chain
 from pawnb.core.pose.fit.priors import about
 from pawnb.core.pose.fit.solve_loops import Prior, Sight
 from pawnb.core.pose.fit.threads import on_threads
@@ -37,6 +37,10 @@ _SHORTER = (0.05, -0.05, -0.15, -0.25, -0.4)
 _COARSE_BLURS = (8.0, 4.0)
 _BODY_BLURS = (16.0, 8.0, 3.0)
 _DARK_LIMITS = (0.2, 1.0)
+_SLIDES = (0.92, 1.08, 1.16)
+"""Lengths of legs that are tried, of their own."""
+_BETTER = 0.5
+"""What a cost falls by, at least, where another pose is taken: that of one standard deviation."""
 _BLUR_STEP, _BLUR_TURNS = 0.85, 2
 _BLURS = (0.75, 4.0)
 """Half widths of the blur that are tried, working px: with a narrower one the painted edge lies
@@ -105,13 +109,14 @@ def fit_start(
         if settings.choose_path:
             pose = _choose(fitter, frame.index, pose, sight, (image, box), prior)
         pose, _ = fitter.fit(pose, sight, prior, rounds=20)
+        pose = _slid_along(fitter, pose, sight, prior)
         fitter.layout = learn_look(
-            fitter.layout, [(pose, sight)], first=fitter.first, partner=partner, blur=fitter.blur,
-            soft=settings.soft_error,
+            fitter.layout, [(pose, sight)], first=fitter.first, partner=partner, prior=prior,
+            blur=fitter.blur, soft=settings.soft_error,
         )  # fmt: skip
     sight, _, _ = fitter.look(frame, pose)
     pose = _learn_blur(fitter, pose, sight, prior, partner=partner)
-    pose, _ = fitter.fit(pose, sight, prior, rounds=20)
+    pose = _slid_along(fitter, pose, sight, prior)
     high = fitter.anatomy.high.copy()
     longest = pose[fitter.lengths] + np.log(_LATER_LONGER)
     high[fitter.lengths] = np.maximum(high[fitter.lengths], longest)
@@ -132,8 +137,8 @@ def _learn_blur(
     def tried(blur: float, pose: np.ndarray, layout: Layout) -> tuple[float, np.ndarray, Layout]:
         for _ in range(_BLUR_TURNS):
             layout = learn_look(
-                layout, [(pose, sight)], first=fitter.first, partner=partner, blur=blur,
-                soft=fitter.settings.soft_error,
+                layout, [(pose, sight)], first=fitter.first, partner=partner, prior=prior,
+                blur=blur, soft=fitter.settings.soft_error,
             )  # fmt: skip
             fitter.layout = layout
             pose, cost = fitter.fit(pose, sight, prior, blur=blur, rounds=8)
@@ -207,6 +212,53 @@ def _fit_body(fitter: FrameFitter, frame: Frame, pose: np.ndarray, prior: Prior)
             rounds=8,
         )  # fmt: skip
     return pose
+
+
+def _slid_along(fitter: FrameFitter, pose: np.ndarray, sight: Sight, prior: Prior) -> np.ndarray:
+    """Return the pose fitted, after each leg was slid out- and inwards along its own limb.
+
+    The end of a leg that stops short, on a limb that goes on in a bend, feels nothing of what lies
+    ahead of it.
+    """
+    pose, cost = fitter.fit(pose, sight, prior, rounds=20)
+    for leg, numbers in enumerate(fitter.numbers):
+        for factor in _SLIDES:
+            trial = pose.copy()
+            trial[numbers] = slid_leg(fitter.layout, pose, leg, factor)
+            trial, _ = fitter.fit(trial, sight, prior, active=numbers, rounds=8)
+            trial, now = fitter.fit(trial, sight, prior, rounds=8)
+            if now < cost - _BETTER:
+                pose, cost = trial, now
+    return pose
+
+
+def slid_leg(layout: Layout, pose: np.ndarray, leg: int, factor: float) -> np.ndarray:
+    """Return a leg's part of the pose vector where it is longer, along the way that it takes now.
+
+    Parameters
+    ----------
+    layout, pose : Layout, ndarray
+        The animal and its pose.
+    leg : int
+        Which leg.
+    factor : float
+        How much longer; beyond its tip it goes straight on.
+
+    Returns
+    -------
+    ndarray, shape (2 links,)
+        Angles and foreshortening.
+    """
+    n = int(layout.n_segments[leg])
+    joints = np.zeros((layout.radius.shape[1], 2))
+    leg_chain(layout, pose, leg, joints)
+    joints = joints[: n + 1]
+    steps = np.hypot(*np.diff(joints, axis=0).T)
+    far = np.concatenate([[0.0], np.cumsum(steps)])
+    ahead = joints[-1] + (joints[-1] - joints[-2]) * far[-1] / max(steps[-1], 1e-6)
+    path, at = np.vstack([joints, ahead]), np.append(far, 2.0 * far[-1])
+    moved = np.column_stack([np.interp(factor * far, at, path[:, i]) for i in (0, 1)])
+    return leg_numbers(layout, leg, moved, heading=float(pose[2]))
 
 
 def _choose(

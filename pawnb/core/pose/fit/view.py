@@ -13,7 +13,7 @@ from pawnb.core.pose.fit.learn import learn_look
 from pawnb.core.pose.fit.paint_loops import paint, picture_cost
 from pawnb.core.pose.fit.prepare import check_on_animal, prepare_fitter
 from pawnb.core.pose.fit.settings import PoseSettings
-from pawnb.core.pose.fit.start import first_darkness, fit_start, partners
+from pawnb.core.pose.fit.start import first_darkness, fit_start, partners, start_prior
 from pawnb.core.pose.poses import Poses
 from pawnb.core.views import Frame
 
@@ -89,7 +89,7 @@ def explain_fit(
     sight, _, box = fitter.look(frame, vector)
     fitter.layout = learn_look(
         fitter.layout, [(vector, sight)], first=fitter.first, partner=partners(animal),
-        blur=fitter.blur, soft=settings.soft_error,
+        prior=start_prior(fitter, vector), blur=fitter.blur, soft=settings.soft_error,
     )  # fmt: skip
     canvas = fitter.canvas(sight)
     paint(fitter.layout, vector, fitter.blur, sight.box, *canvas)
