@@ -184,10 +184,10 @@ def _add_evaluate(parsers: Any) -> None:
 
 
 def _add_compare(parsers: Any) -> None:
-    text = "compare methods of the tracker on trials with truth, as the 2019 paper does"
+    text = "compare methods of the tracker on trials with truth; of paws as the 2019 paper does"
     command = parsers.add_parser("compare", help=text, description=text)
     command.add_argument(
-        "trials", nargs="+", metavar="TRIAL", help="trial with truth/tracks.csv beside it"
+        "trials", nargs="+", metavar="TRIAL", help="trial with its truth/ beside it"
     )
     command.add_argument("--methods", help="names with commas between (default: all)")
     command.add_argument(
@@ -197,7 +197,7 @@ def _add_compare(parsers: Any) -> None:
     command.add_argument(
         "--no-corrections",
         action="store_true",
-        help="do not count with corrections, which tracks again after each",
+        help="of paws: do not count with corrections, which tracks again after each",
     )
     command.add_argument(
         "--set",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import Any
 
 from pawnb.errors import InputError
 from pawnb.workflow.words import split_event_names, split_legs, split_settings
@@ -132,19 +133,24 @@ def run_evaluate(options: argparse.Namespace, _argv: list[str]) -> None:
 
 def run_compare(options: argparse.Namespace, _argv: list[str]) -> None:
     """Compare methods on trials with truth."""
-    from pawnb.workflow.compare import compare_methods
-    from pawnb.workflow.methods import METHODS
+    from pawnb.trial import load_trial
+    from pawnb.workflow.compare import Comparison, compare_methods
+    from pawnb.workflow.compare_pose import PoseComparison, compare_pose_methods
 
-    methods = options.methods.split(",") if options.methods else METHODS
-    comparison = compare_methods(
-        options.trials,
-        methods=[name.strip() for name in methods],
-        settings=split_settings(options.set),
-        frames=None if options.frames is None else (0, options.frames),
-        corrections=not options.no_corrections,
-        out=options.out,
-        report=print,
-    )
+    trials = [load_trial(path) for path in options.trials]
+    asked: dict[str, Any] = {
+        "settings": split_settings(options.set),
+        "frames": None if options.frames is None else (0, options.frames),
+        "out": options.out,
+        "report": print,
+    }
+    if options.methods:
+        asked["methods"] = [name.strip() for name in options.methods.split(",")]
+    comparison: Comparison | PoseComparison
+    if trials[0].kind == "pose":
+        comparison = compare_pose_methods(trials, **asked)
+    else:
+        comparison = compare_methods(trials, corrections=not options.no_corrections, **asked)
     print(comparison.text())
     print(f"wrote {options.out}")
 

@@ -144,7 +144,13 @@ def compare_methods(
         If a trial has no truth or two have the same name, or a method is unknown.
     """
     opened = [t if isinstance(t, Trial) else load_trial(t) for t in trials]
-    _check(opened, methods)
+    for trial in opened:
+        if trial.kind != "paws":
+            raise InputError(
+                f"trial {trial.name!r} is of kind {trial.kind!r}; expected kind 'paws', or every "
+                "trial of kind 'pose'."
+            )
+    check_methods(opened, methods)
     own_settings = settings_by_method(settings or {}, methods)
     rows, errors = [], []
     samples: dict[tuple[str, str, str, str, str], np.ndarray] = {}
@@ -176,7 +182,7 @@ def compare_methods(
 
 
 def settings_by_method(
-    settings: Mapping[str, Any], methods: Sequence[str]
+    settings: Mapping[str, Any], methods: Sequence[str], *, pose: bool = False
 ) -> dict[str, dict[str, Any]]:
     """Sort settings by the methods that they are for.
 
@@ -186,6 +192,8 @@ def settings_by_method(
         Names, or ``method.name``, to values.
     methods : sequence of str
         The methods that are compared.
+    pose : bool
+        Whether they are those of jointed animals.
 
     Returns
     -------
@@ -205,9 +213,10 @@ def settings_by_method(
                 f"setting {word!r} is for method {method!r}{did_you_mean(method, methods)}, which "
                 f"is not compared; the methods are {', '.join(methods)}."
             )
-        owners = [m for m in methods if name in setting_names(m) and (not dot or m == method)]
+        asked = [method] if dot else methods
+        owners = [m for m in asked if name in setting_names(m, pose=pose)]
         if not owners:
-            every = {n for m in ([method] if dot else methods) for n in setting_names(m)}
+            every = {n for m in asked for n in setting_names(m, pose=pose)}
             who = f"method {method}" if dot else "none of the methods compared"
             has = "has no setting" if dot else "has a setting"
             raise InputError(f"{who} {has} {name!r}{did_you_mean(name, sorted(every))}.")
@@ -217,20 +226,41 @@ def settings_by_method(
     return found
 
 
-def _check(trials: Sequence[Trial], methods: Sequence[str]) -> None:
-    """Check that methods and truths are there, before the first trial is tracked."""
+def check_methods(
+    trials: Sequence[Trial],
+    methods: Sequence[str],
+    *,
+    known: Sequence[str] = METHODS,
+    truth: Path = TRUTH,
+) -> None:
+    """Check that methods and truths are there, before the first trial is tracked.
+
+    Parameters
+    ----------
+    trials : sequence of Trial
+        The trials.
+    methods, known : sequence of str
+        The methods asked for, and those there are.
+    truth : Path
+        File of the truth in the folder of each trial.
+
+    Raises
+    ------
+    InputError
+        If a method is unknown, a trial has no truth, or two have the same name.
+    """
     for method in methods:
-        if method not in METHODS:
+        if method not in known:
             raise InputError(
-                f"unknown method {method!r}{did_you_mean(method, METHODS)}; "
-                f"expected {', '.join(METHODS)}."
+                f"unknown method {method!r}{did_you_mean(method, known)}; "
+                f"expected {', '.join(known)}."
             )
     names = [trial.name for trial in trials]
     for trial in trials:
-        if not (trial.folder / TRUTH).is_file():
+        if not (trial.folder / truth).is_file():
             raise InputError(
-                f"trial {trial.name!r} has no {TRUTH.as_posix()}; a comparison needs the truth: "
-                "positions made by hand (frame, view, point, u, v) or those of pawnb demo."
+                f"trial {trial.name!r} has no {truth.as_posix()}; a comparison needs the truth: "
+                "positions made by hand or those of pawnb demo."
             )
         if names.count(trial.name) > 1:
             raise InputError(f"two trials are named {trial.name!r}; give each its own name.")

@@ -87,7 +87,7 @@ def evaluate(
     tracks = read_tracks(folder / "tracks.nc" if results.is_dir() else results)
     truth_folder = truth if truth.is_dir() else truth.parent
     if is_pose(tracks) and truth.name != "tracks.csv":
-        found = _evaluate_pose(tracks, truth_folder / "pose.csv" if truth.is_dir() else truth)
+        found = evaluate_poses(tracks, truth_folder / "pose.csv" if truth.is_dir() else truth)
     else:
         table = _true_points(truth / "tracks.csv" if truth.is_dir() else truth)
         limit, hidden = _limits(tracks, threshold_px)
@@ -167,8 +167,26 @@ def _nearest_pairs(found: np.ndarray, true: np.ndarray, reach: float) -> list[tu
     return pairs
 
 
-def _evaluate_pose(tracks: Tracks, path: Path) -> Evaluation:
-    """Measure the errors of poses where the whole animal is in view, else leg by leg."""
+def evaluate_poses(tracks: Tracks, path: Path) -> Evaluation:
+    """Measure the errors of poses where the whole animal is in view, else leg by leg.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks of a jointed animal.
+    path : Path
+        The truth, a ``pose.csv``; a ``tracks.csv`` beside it says which tips are visible.
+
+    Returns
+    -------
+    Evaluation
+        :func:`pawnb.workflow.pose_evaluation.measure_pose_errors` in words, and its tables.
+
+    Raises
+    ------
+    InputError
+        If the truth cannot be read, does not fit the animal, or never shows a tip.
+    """
     animal = animal_of(tracks)
     table = read_pose(path, names=pose_names(animal))
     visible = _tips_in_view(path.with_name("tracks.csv"), animal.leg_names)

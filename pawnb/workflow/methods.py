@@ -324,9 +324,10 @@ def run_pose_tracker(
     )  # fmt: skip
 
 
-def setting_names(method: str) -> set[str]:
-    """Return the names of the settings of a method of the paw tracker."""
-    return {field.name for field in _fields(_SETTINGS[method])}
+def setting_names(method: str, *, pose: bool = False) -> set[str]:
+    """Return the names of the settings of a method, of paws or of jointed animals."""
+    kind = _POSE_SETTINGS[method] if pose else _SETTINGS[method]
+    return {field.name for field in _fields(kind)}
 
 
 def _fields(kind: type[Any]) -> tuple[dataclasses.Field[Any], ...]:
