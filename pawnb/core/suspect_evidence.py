@@ -23,6 +23,7 @@ _WEAK = 0.5
 """Weight of evidence that sound tracks show too: a crossing, a paw off its usual place."""
 
 _USUAL_PERCENT = 90.0
+"""What this share of frames stays below is usual."""
 _STEADY_S = 0.1
 """Time over which confidence is steady, and a paw of a runner is on the ground once: 0.1 s."""
 

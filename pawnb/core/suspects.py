@@ -37,6 +37,7 @@ _TELLING = 0.5
 _APART_FRAMES = 25.0
 """One stride of a fast mouse at 250 frames per second: how long a lost paw is lost."""
 _LEAST_DEVIATIONS = 1.0
+"""Frames with less doubt than this are not listed, of tracks without uncertainty."""
 _LEAST_ERRORS = 0.02
 """Who looks at fifty frames for one error has found nearly all of them."""
 _LEAST_SHARE = 0.02

@@ -16,8 +16,10 @@ PAW_SHARE = 0.02
 """Length of a hind paw as a share of the picture's width: 40 of 2048 px in the 2019 rig."""
 
 MOST_BLOBS = 24
+"""Spots kept of one picture: four paws, and what else looks like one."""
 _GREY_SPREAD = 3
 _TOP_HAT = 2.0
+"""Side of what is taken away as large, in paw lengths: a paw at any angle fits in it."""
 _STILL_WORTH = 0.1
 """What a spot that never moves counts: it is left to choose from where nothing moves."""
 _EDGE = 0.25

@@ -59,6 +59,7 @@ _WRONG_FIT = 0.3
 """A fit that misses a paw by more than this at the beginning is given up."""
 
 _BEGINNING_FRAMES = 5
+"""Frames after a collision began in which its fit may still be given up."""
 
 # Shares of a stride of the template.
 _HELD = 0.2

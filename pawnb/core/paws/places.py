@@ -23,8 +23,11 @@ WORST_RESIDUAL = 0.2
 """Views that disagree by more than this many paw lengths do not see the same place."""
 
 _LEAST_STRENGTH = 0.1
+"""A spot less like a paw than this, of 1, makes no place."""
 _RESIDUAL_SD = 0.07
+"""Usual disagreement of views about one paw, in paw lengths."""
 _BANDS = 80
+"""Heights that the ground is looked for at, between the lowest places and the highest."""
 _GATHERED = 0.4
 """The ground is the lowest height where places gather this much of the most they do."""
 
@@ -32,6 +35,7 @@ _FAR = 4.0
 """Places further from the middle of all than this many times the median are no animal's."""
 
 _LEAST_PLACES = 20
+"""Fewer tell neither a ground nor an animal."""
 
 
 @dataclass(frozen=True)

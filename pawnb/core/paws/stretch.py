@@ -18,6 +18,7 @@ TOLERANCE_PX = 2.0
 """Tracks as near as this in every view are the same, in pictures 2048 px wide."""
 
 _FAR = 10.0
+"""A point has left its place where it is so many tolerances away: 20 px, half a paw."""
 
 MET_FRAMES = 10
 """The new track has met the old one after so many frames in a row on it."""

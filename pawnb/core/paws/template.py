@@ -34,9 +34,12 @@ DEFAULT_TEMPLATE = Path(__file__).with_name("stride_template.json")
 
 KINDS = ("front", "hind")
 N_POINTS = 50
+"""Phases of a stored stride: one a frame of a stride of 5 Hz at 250 frames per second."""
 _FORMAT = "pawnb stride template 1"
 _MOST_DIFFERENT_PERIOD = 1.5
+"""A stride this many times longer or shorter than the median is none, or two."""
 _GAP_FRAMES = 5
+"""Gaps up to this long are bridged: 20 ms at 250 frames per second."""
 _FOUND = [ORIGIN_CODE[name] for name in ("measured", "resolved", "edited")]
 
 

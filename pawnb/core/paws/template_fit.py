@@ -17,7 +17,9 @@ from pawnb.signals import find_runs
 
 _TRIED_FREQUENCIES = np.geomspace(0.5, 2.0, 17)
 _TRIED_SHIFTS = 60
+"""Shifts of the circular correlation: 6 degrees of a stride apart."""
 _JOINED_FRAMES = 5
+"""The fitted stride is laid through the mean of so many frames before the collision."""
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.silhouette import Silhouette, sample_grid
 
 _POINTS = 120
+"""Points about the body's outline that are compared with the silhouette's."""
 
 
 @dataclass(frozen=True)

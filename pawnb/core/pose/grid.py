@@ -18,7 +18,9 @@ from pawnb.errors import InputError
 _SHORTEST_PX = 6.0
 """Lines nearer to each other than this are not told from texture."""
 _FEWEST_LINES = 4
+"""Fewer lines in a direction tell no spacing."""
 _PEAKS = 40
+"""Peaks of the spectrum that are tried, the strongest first."""
 _HARMONICS = 4
 """The strongest peaks of the spectrum are tried as the first to fourth multiple of a grid's."""
 _HIGHEST = 0.34
@@ -28,6 +30,7 @@ _NOISE = 0.7
 _SURE = 4.0
 """Least evidence along each direction: noise and vignetting alone give at most about 2."""
 _BIN_PX = 0.25
+"""Width of the bins across the lines."""
 
 
 @dataclass(frozen=True)

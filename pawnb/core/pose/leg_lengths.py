@@ -19,11 +19,15 @@ from pawnb.core.pose.paper_inference import infer_pose
 from pawnb.core.pose.sticks import Sticks, distance_map
 
 FACTORS = np.arange(0.6, 1.101, 0.02)
+"""Lengths that are tried, as shares of the start pose: a raised leg looks down to 0.6 long."""
 _ROUNDS = 4
+"""Turns of pose and lengths, at most."""
 _REACH = 5.0
 """Pixels as many d_r from the shape may be its legs."""
 _SPECK_PX = 6
+"""Smaller dark spots are no part of a leg."""
 _MARGIN_OF_SPAN = 0.15
+"""Room about the animal in which its legs are looked for."""
 
 
 def fit_leg_lengths(

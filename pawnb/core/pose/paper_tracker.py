@@ -29,6 +29,7 @@ _SLACK_OF_SPAN = 0.12
 _BODY_SHARE = 0.5
 """Least share of the body's place that must differ from the background in the start frame."""
 _BEYOND = 0.04
+"""Share of the leg span by which a leg may reach beyond the edge of the picture."""
 _RAISED = 0.75
 """In the start frame legs may look this much shorter than they are."""
 _WAY = "one way"

@@ -30,15 +30,20 @@ from pawnb.core.suspects import choose_frames
 from pawnb.schema import ORIGIN_CODE, SUSPECTS_COLUMNS, Tracks
 
 _USUAL_CONFIDENCE = 0.5
+"""A leg is doubted below this share of its usual confidence."""
 _TURN_SD, _LEAST_TURN_DEG = 4.0, 10.0
 _BEYOND_DEG = 10.0
+"""A joint so far beyond its range is doubted: ranges are soft at their ends."""
 _VAGUE = 3.0
+"""A tip is doubted where its SD is so many times the usual one."""
 _TELLING = 0.5
 """A second leg or reason is told where it weighs at least this much of the first."""
 _APART_FRAMES = 12.0
 """About half a stride of a running spider at 125 frames per second."""
 _LEAST_SCORE = 0.5
+"""Frames with less doubt than this are not listed."""
 _MOST = 3.0
+"""What one reason adds at most, so that none drowns the others."""
 _MAD_TO_SD = 1.4826
 
 

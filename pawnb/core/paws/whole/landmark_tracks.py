@@ -27,11 +27,13 @@ _ALIKE = 0.06
 _JERK = 0.01
 """Change of acceleration from frame to frame at 200 frames/s, in patches."""
 _RATE_HZ = 200.0
+"""Frame rate that the change of acceleration is given for."""
 _TAIL = 3.0
 """Residuals beyond this many standard deviations count less and less."""
 _BY_HAND = 10.0
 """What a person has put in place counts this many times as much as what was seen."""
 _STEPS = 4
+"""Times that residuals are weighed anew."""
 
 
 def choose_landmarks(

@@ -23,6 +23,7 @@ from pawnb.core.rig import Rig
 WINDOW_SHARE = 0.02
 """Side of a patch as a share of the picture's width: 41 px in the 2019 paper's pictures."""
 LEAST_WINDOW_PX = 15
+"""Least side of a patch."""
 
 _AROUND = 3
 """Half the side of the region that is searched, in patches."""
@@ -36,10 +37,13 @@ _BACK_PX = 0.5
 _CHANGED_FRAMES = 5
 """A patch that flow alone has followed this long is how the landmark looks now."""
 _MOST_PATCHES = 8
+"""Looks of a landmark that are remembered: the clicked one, and the latest others."""
 _YOUNG_FRAMES, _LARGEST = 3, 3
 """A patch grows in its first frames, to so many times its side, until it can be told."""
 _LEAST_LIKENESS = 0.05
+"""Likeness that a landmark which was found has at least."""
 _BLUR_PX = 1.0
+"""Standard deviation of the smoothing before patches are compared."""
 _APART, _TOGETHER = 1 / 3, 1 / 6
 """Views that disagree by more than the first, in patches, hold one that is wrong: the one
 without which the others agree to within the second, or of two the one that looks less alike."""

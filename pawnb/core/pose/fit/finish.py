@@ -29,6 +29,7 @@ _GAIN = 0.5
 """A frame is fitted again where the cost of one of its legs is expected to fall by this, which is
 that of one standard deviation."""
 _ROUNDS = 3
+"""Steps of each of these fits: they begin close to their end."""
 _ALIKE_PX = 4.5
 """Errors of pixels nearer than this go together: so many pixels count as one in each direction."""
 _MODEL_SD = 0.3

@@ -29,9 +29,11 @@ from pawnb.core.pose.kept_frames import KeptFrames, Record
 from pawnb.core.views import Frame
 
 _COARSE_BLUR = 4.0
+"""Blur, px, of the first fit of a lost animal, which draws from further away."""
 _BODY_LOST = 0.5
 """Share of the body's darkness below which it is not there."""
 _LOST_FRAMES = 2
+"""Following ends after more frames in a row without a body."""
 _LEG_LOST, _TIP_LOST = 0.75, 0.5
 _UNEXPLAINED_SHARE = 0.12
 """Dark pixels left over beyond the usual, as a share of a leg's area, from which on legs are
@@ -39,13 +41,17 @@ looked for."""
 _UNLIKELY = 5.0
 """Cost of a leg's pose by anatomy from which on it is doubted."""
 _USUAL_GROWS = 1.02
+"""What is left over may grow by 2 % a frame and still be usual."""
 _FIRST_FRAMES = 2
 """Frames after the start in which it is not known yet how the legs move."""
 _KEEP_VELOCITY = 0.9
+"""Share of a step that is expected again: legs stop and turn."""
 _LEAP_PX = 12.0
+"""Three times as far is no motion of a leg from one frame to the next: it was lost."""
 _RIVAL = 30.0
 """A candidate whose best path costs this much more than the best is followed no further."""
 _LEARN_LENGTH = 0.03
+"""Share by which the usual length of each segment follows each frame: about 30 frames."""
 _JUMP_OF_MEDIAN, _JUMP_FRAMES = 1.5, 30
 """Spread of the places of legs, as a multiple of how far the middle one strays over so many frames:
 a walking fly takes half a step between two frames at 25 a second."""

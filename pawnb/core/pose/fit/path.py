@@ -16,6 +16,7 @@ from pawnb.core.pose.fit.path_loops import step_costs
 _MOST_STEP = 60.0
 """Cost of a leap from anywhere to anywhere."""
 _KEEP_VELOCITY = 0.85
+"""Share of a step that is expected again along the path."""
 
 
 @dataclass

@@ -14,9 +14,13 @@ _RANGE_MORE_DEG = 8.0
 _RANGE_SD, _RANGE_SD_DEG = 0.6, 6.0
 """Standard deviation of an angle about its natural orientation: share of half its range, more."""
 _START_MORE_DEG = 25.0
+"""A joint that a person posed beyond its range may stay so, and this much more."""
 _WALL_DEG = 4.0
+"""Standard deviation of an angle beyond its end."""
 _FORESHORTENED = (0.3, 1.06)
+"""Least and greatest length of a segment in the picture, as a share of its own."""
 _WALL_LENGTH = 0.03
+"""Standard deviation of the logarithm of a length beyond these."""
 _TOGETHER = 0.95
 """A leg that is raised is shorter as a whole: this takes most of the cost of that."""
 

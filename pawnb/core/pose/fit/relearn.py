@@ -12,7 +12,9 @@ from pawnb.core.pose.fit.start import partners
 from pawnb.core.pose.fit.threads import on_threads
 
 _FRAMES = 12
+"""Frames that the look is learnt from, spread over the recording."""
 _ROUNDS = 2
+"""Turns of learning and fitting."""
 
 
 def learn_again(fitter: FrameFitter, found: list[Choices], poses: np.ndarray) -> np.ndarray:

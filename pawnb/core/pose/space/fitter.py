@@ -25,9 +25,13 @@ from pawnb.core.views import Frame
 
 _SQRT5 = float(np.sqrt(5.0))
 _ROUNDS = 12
+"""Steps of a fit at most."""
 _ENOUGH = 0.05
+"""A step that lowers the cost by less is the last."""
 _ANIMAL_DARK = 0.2
+"""Darkness, of the animal's, from which a pixel may be its."""
 _DARK_SHARE = 0.12
+"""A pixel is not the background where it differs from it by this share."""
 _BODY_STEP = 0.007
 """Step with which the body is looked for, leg spans."""
 _COARSE = 2.5

@@ -19,7 +19,9 @@ from pawnb.core.sightlines import find_look_point
 from pawnb.errors import InputError
 
 _FIRST_THICKNESS = 0.7
+"""Height of a body part as a share of its width, until it is learnt."""
 _SAMPLES = 4001
+"""Heights that are tried."""
 _FAR_PICTURES = 4.0
 """Heights are looked for within this many widths of the first picture about the look point."""
 
