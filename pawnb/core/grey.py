@@ -2,10 +2,34 @@
 
 from __future__ import annotations
 
+import cv2
 import numpy as np
 
 _LUMA = np.array([0.299, 0.587, 0.114])
 """Shares of red, green and blue (ITU-R BT.601)."""
+
+_TINT = 4
+"""Channels of a grey picture saved in colour differ by no more than this: by rounding."""
+
+
+def has_colour(pixels: np.ndarray) -> bool:
+    """Tell whether any pixel is coloured: grey recordings are often stored as colour video.
+
+    Parameters
+    ----------
+    pixels : ndarray of uint8, shape (H, W, 3) or (H, W)
+        The pixels.
+
+    Returns
+    -------
+    bool
+        Whether channels differ by more than rounding; hue is nothing but noise where not.
+    """
+    if pixels.ndim == 2:
+        return False
+    red, green, blue = cv2.split(pixels)
+    most, least = cv2.max(cv2.max(red, green), blue), cv2.min(cv2.min(red, green), blue)
+    return int(cv2.subtract(most, least).max()) > _TINT
 
 
 def grey(pixels: np.ndarray, dtype: type[np.floating] = np.float32) -> np.ndarray:

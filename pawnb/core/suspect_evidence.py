@@ -15,6 +15,7 @@ from scipy.ndimage import median_filter, minimum_filter1d, uniform_filter1d
 from pawnb.core.rig import Rig
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE, Tracks
+from pawnb.signals.robust import MAD_TO_SD
 
 CAP = 6.0
 """What the score of one kind of evidence approaches."""
@@ -124,7 +125,7 @@ def _robust_level(values: np.ndarray) -> tuple[float, float]:
     if len(known) == 0:
         return np.nan, np.nan
     middle = float(np.median(known))
-    return middle, 1.4826 * float(np.median(np.abs(known - middle)))
+    return middle, MAD_TO_SD * float(np.median(np.abs(known - middle)))
 
 
 def _views_disagree(

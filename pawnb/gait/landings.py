@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pawnb.gait.events import Extreme
+from pawnb.signals.robust import MAD_TO_SD
 
 
 class Contact(NamedTuple):
@@ -81,7 +82,7 @@ def measure_height(
     if len(low) < 4 or not tops:
         return None
     ground = float(np.median(low))
-    scatter = 1.4826 * float(np.median(np.abs(np.array(low) - ground)))
+    scatter = MAD_TO_SD * float(np.median(np.abs(np.array(low) - ground)))
     rise = float(np.median(tops)) - ground
     if not rise > 4.0 * scatter:
         return None

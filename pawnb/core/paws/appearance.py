@@ -16,11 +16,11 @@ import cv2
 import numpy as np
 from skimage.segmentation import slic
 
+from pawnb.core.grey import has_colour
 from pawnb.core.paws.settings import Lengths, PaperSettings
 
 # L* of CIELAB runs from 0 to 100 where a grey picture runs from 0 to 1 in slic
 _GREY_COMPACTNESS = 0.01
-_GREY_SPREAD = 3
 _ANGLES = np.arange(256) * (2 * np.pi / 256)
 _COS, _SIN = np.cos(_ANGLES), np.sin(_ANGLES)
 
@@ -202,7 +202,7 @@ def measure_superpixels(
     crop = np.ascontiguousarray(picture.crop(*window.box))
     if lengths.median > 1:
         crop = cv2.medianBlur(crop, lengths.median)
-    if crop.ndim == 3 and not _has_colour(crop):
+    if crop.ndim == 3 and not has_colour(crop):
         crop = np.ascontiguousarray(crop[..., 1])
     grey = crop.ndim == 2
     labels = slic(
@@ -215,16 +215,6 @@ def measure_superpixels(
         channel_axis=None if grey else -1,
     )
     return _means(crop, labels, window)
-
-
-def _has_colour(crop: np.ndarray) -> bool:
-    """Tell whether any pixel is coloured: grey recordings are often stored as colour video.
-
-    Their red, green and blue differ by rounding only, and hue would be nothing but noise.
-    """
-    red, green, blue = cv2.split(crop)
-    spread = max(cv2.absdiff(red, green).max(), cv2.absdiff(green, blue).max())
-    return bool(spread > _GREY_SPREAD)
 
 
 def _means(crop: np.ndarray, labels: np.ndarray, window: Window) -> Superpixels:

@@ -12,12 +12,13 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from pawnb.core.grey import has_colour
+
 PAW_SHARE = 0.02
 """Length of a hind paw as a share of the picture's width: 40 of 2048 px in the 2019 rig."""
 
 MOST_BLOBS = 24
 """Spots kept of one picture: four paws, and what else looks like one."""
-_GREY_SPREAD = 3
 _TOP_HAT = 2.0
 """Side of what is taken away as large, in paw lengths: a paw at any angle fits in it."""
 _STILL_WORTH = 0.1
@@ -59,12 +60,10 @@ def paw_likeness(image: np.ndarray, paw_px: float) -> np.ndarray:
         a* of CIELAB above its median in the picture, or the white top-hat of grey levels.
     """
     if image.ndim == 3:
-        red, green, blue = cv2.split(image)
-        spread = max(int(cv2.absdiff(red, green).max()), int(cv2.absdiff(green, blue).max()))
-        if spread > _GREY_SPREAD:
+        if has_colour(image):
             lab = cv2.cvtColor(image.astype(np.float32) / 255.0, cv2.COLOR_RGB2LAB)
             return np.asarray(lab[..., 1] - np.median(lab[::4, ::4, 1]), dtype=float)
-        image = green
+        image = image[..., 1]
     return np.asarray(_top_hat(image.astype(np.float32), paw_px), dtype=float)
 
 

@@ -18,6 +18,7 @@ from scipy.ndimage import gaussian_filter1d
 
 from pawnb.core.paws.blobs import Blobs
 from pawnb.core.rig import Rig
+from pawnb.signals.robust import MAD_TO_SD
 
 WORST_RESIDUAL = 0.2
 """Views that disagree by more than this many paw lengths do not see the same place."""
@@ -204,7 +205,7 @@ def find_stage(places: Places, rig: Rig) -> Stage | None:
 def _in_the_crowd(values: np.ndarray) -> np.ndarray:
     """Tell which numbers lie within three robust standard deviations of the median."""
     away = np.abs(values - np.median(values))
-    return np.asarray(away <= 3.0 * 1.4826 * np.median(away))
+    return np.asarray(away <= 3.0 * MAD_TO_SD * np.median(away))
 
 
 def _two_middles(values: np.ndarray, weight: np.ndarray) -> tuple[float, float]:

@@ -21,6 +21,7 @@ from pawnb.core.pose.presence import KNOWN_FRAMES, Presence, find_animal_frames
 from pawnb.core.video import open_view
 from pawnb.core.views import ViewReader
 from pawnb.errors import InputError, InputWarning
+from pawnb.signals.robust import MAD_TO_SD
 from pawnb.trial import View
 
 QUANTISATION_SD = 1 / math.sqrt(12)
@@ -28,7 +29,6 @@ QUANTISATION_SD = 1 / math.sqrt(12)
 _MOST_FRAMES = 200
 """More empty frames than this add nothing to mean and standard deviation."""
 _SAMPLED = 60
-_MAD_TO_SD = 1.4826
 _KEPT_SDS, _KEPT_GREY = 3.0, 2.0
 """Values no further than this from a pixel's median tell its standard deviation."""
 _BLOB_GREY, _BLOB_SDS = 12.0, 6.0
@@ -297,7 +297,7 @@ def _median_and_sd(stack: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         median[v : v + 64] = np.median(band, axis=0)
         away = np.abs(band - median[v : v + 64])
         # the median deviation of whole grey values is too coarse, but tells which values belong
-        limit = np.maximum(_KEPT_SDS * _MAD_TO_SD * np.median(away, axis=0), _KEPT_GREY)
+        limit = np.maximum(_KEPT_SDS * MAD_TO_SD * np.median(away, axis=0), _KEPT_GREY)
         kept = away <= limit
         sd[v : v + 64] = np.sqrt((away**2 * kept).sum(axis=0) / kept.sum(axis=0))
     return median, _floored(sd)

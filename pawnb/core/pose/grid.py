@@ -14,6 +14,7 @@ from scipy import fft
 
 from pawnb.core.grey import grey
 from pawnb.errors import InputError
+from pawnb.signals.robust import MAD_TO_SD
 
 _SHORTEST_PX = 6.0
 """Lines nearer to each other than this are not told from texture."""
@@ -344,7 +345,7 @@ def _slope(numbers: np.ndarray, lines: np.ndarray, pitch: float) -> tuple[float,
         away = numbers - numbers.mean()
         slope = float(away @ lines / (away @ away))
         off = lines - lines.mean() - slope * away
-        spread = max(1.4826 * float(np.median(np.abs(off))), 0.1)
+        spread = max(MAD_TO_SD * float(np.median(np.abs(off))), 0.1)
         good = np.abs(off) < 4 * spread
         if good.all():
             break

@@ -28,6 +28,7 @@ from pawnb.core.pose.poses import joint_positions
 from pawnb.core.pose.track_result import PoseTrack
 from pawnb.core.suspects import choose_frames
 from pawnb.schema import ORIGIN_CODE, SUSPECTS_COLUMNS, Tracks
+from pawnb.signals.robust import MAD_TO_SD
 
 _USUAL_CONFIDENCE = 0.5
 """A leg is doubted below this share of its usual confidence."""
@@ -44,7 +45,6 @@ _LEAST_SCORE = 0.5
 """Frames with less doubt than this are not listed."""
 _MOST = 3.0
 """What one reason adds at most, so that none drowns the others."""
-_MAD_TO_SD = 1.4826
 
 
 @dataclass(frozen=True)
@@ -121,7 +121,7 @@ def _turns_fast(animal: StickAnimal, track: PoseTrack) -> _Doubt:
     turns = (np.diff(track.poses.angles_deg, axis=0) + 180.0) % 360.0 - 180.0
     turns = np.abs(np.where(steps == 1, turns, np.nan))
     known = turns[np.isfinite(turns).all(axis=1)]
-    spread = _MAD_TO_SD * np.median(known, axis=0) if len(known) else np.zeros(turns.shape[1])
+    spread = MAD_TO_SD * np.median(known, axis=0) if len(known) else np.zeros(turns.shape[1])
     limit = np.maximum(_TURN_SD * spread, _LEAST_TURN_DEG)
     fast = np.nan_to_num(np.maximum(turns / limit - 1.0, 0.0))
     turned = np.nan_to_num(turns)

@@ -4,24 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import cv2
 import numpy as np
 
+from pawnb.core.grey import has_colour
 from pawnb.core.paws.layout import Views
 from pawnb.core.paws.whole.light import in_light, mean_light
 
 _SAMPLES = 32
-_TINT = 4
-"""Channels of a grey picture saved in colour differ by no more than this."""
-
-
-def is_grey(pixels: np.ndarray) -> bool:
-    """Tell whether a picture has no colour: grey video is often saved as colour video."""
-    if pixels.ndim == 2:
-        return True
-    red, green, blue = cv2.split(pixels)
-    most, least = cv2.max(cv2.max(red, green), blue), cv2.min(cv2.min(red, green), blue)
-    return int(cv2.subtract(most, least).max()) <= _TINT
 
 
 def to_grey(pixels: np.ndarray) -> np.ndarray:
@@ -53,7 +42,7 @@ def find_still(
     """
     first = views.frame(like)
     shown = [first[name].crop(0, 0, *size) for name, size in zip(views.names, sizes, strict=True)]
-    grey = [v for v, picture in enumerate(shown) if is_grey(picture)]
+    grey = [v for v, picture in enumerate(shown) if not has_colour(picture)]
     light = {v: mean_light(to_grey(shown[v])) for v in grey}
     kept: dict[int, list[np.ndarray]] = {v: [] for v in grey}
     if grey:

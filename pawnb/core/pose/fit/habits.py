@@ -15,6 +15,7 @@ from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.fixtures import find_fixtures
 from pawnb.core.pose.fit.start import partners
 from pawnb.core.pose.fit.threads import on_threads
+from pawnb.signals.robust import MAD_TO_SD
 
 _SEEN = 0.7
 """Support of a leg and of its outer third from which on it is well seen."""
@@ -23,7 +24,6 @@ _FEW = 20
 _WIDER = 1.5
 """A leg that is hidden is held a little differently from those that are seen."""
 _LEAST_SD_DEG, _LEAST_SD = 8.0, 0.1
-_MAD_TO_SD = 1.4826
 _ODD = 3.0
 """Poses with a number so many standard deviations from the middle are not usual ones."""
 _POSES = 10
@@ -84,7 +84,7 @@ def learn_habits(fitter: FrameFitter, found: Sequence[Choices], poses: np.ndarra
 def _spread(own: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return middles and standard deviations of a leg's numbers, robustly."""
     centre = np.median(own, axis=0)
-    sd = _WIDER * _MAD_TO_SD * np.median(np.abs(own - centre), axis=0)
+    sd = _WIDER * MAD_TO_SD * np.median(np.abs(own - centre), axis=0)
     least = np.repeat([np.radians(_LEAST_SD_DEG), _LEAST_SD], own.shape[1] // 2)
     return centre, np.maximum(sd, least)
 

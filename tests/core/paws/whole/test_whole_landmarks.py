@@ -1,6 +1,7 @@
 """Landmarks are followed by their picture; truth is where the picture was put."""
 
 from collections.abc import Sequence
+from types import SimpleNamespace
 
 import cv2
 import numpy as np
@@ -10,6 +11,7 @@ import pytest
 from pawnb.core.paws.layout import Placement, make_layout
 from pawnb.core.paws.settings import PaperSettings
 from pawnb.core.paws.task import Task
+from pawnb.core.paws.whole import landmarks
 from pawnb.core.paws.whole.landmark_tracks import check_landmarks, choose_landmarks, join_views
 from pawnb.core.paws.whole.landmarks import Follower, window_px
 from pawnb.core.rig import Rig
@@ -187,3 +189,17 @@ def test_a_landmark_of_one_view_is_refused_in_space():
     with pytest.raises(InputError, match="landmark 'nose' is clicked in view 'side' alone"):
         check_landmarks(layout, {0: [Placement(1, 0, np.zeros(2))]})
     check_landmarks(layout_of(["side"]), {0: [Placement(0, 0, np.zeros(2))]})
+
+
+@pytest.mark.parametrize(("away", "place", "alike"), [(9.0, 39.0, 0.95), (11.0, 30.0, 0.0)])
+def test_a_look_alike_beyond_half_a_patch_of_the_flow_is_not_believed(
+    monkeypatch, away, place, alike
+):
+    """Flow ends at 30; what looks like the landmark is 9 or 11 px beyond, the patch 20 px wide."""
+    flown = np.array([30.0, 5.0])
+    monkeypatch.setattr(landmarks, "_flow", lambda *_: flown)
+    monkeypatch.setattr(landmarks, "_align", lambda *_: (flown + np.array([away, 0.0]), 0.95))
+    monkeypatch.setattr(landmarks, "_correlate", lambda *_: 1.0)
+    state = SimpleNamespace(window=20, patches=[], is_seen=True, same=0.8, usual=0.9, on_flow=0)
+    at, how = landmarks._find(state, np.empty(0), np.empty(0), flown)
+    assert (at[0], how) == (place, alike)

@@ -3,8 +3,9 @@
 import cv2
 import numpy as np
 
+from pawnb.core.grey import has_colour
 from pawnb.core.paws.whole.appearance import learn
-from pawnb.core.paws.whole.still import find_still, is_grey, to_grey
+from pawnb.core.paws.whole.still import find_still, to_grey
 
 SIZE = (120, 60)
 
@@ -54,8 +55,8 @@ def test_what_walks_is_not_still_and_what_stands_is():
 
 def test_pictures_in_colour_have_no_background():
     assert find_still(Clip(colour=90), [SIZE]) == [None]
-    assert not is_grey(Clip(colour=90).picture(0))
-    assert is_grey(Clip(saved_as_colour=True).picture(0))
+    assert has_colour(Clip(colour=90).picture(0))
+    assert not has_colour(Clip(saved_as_colour=True).picture(0))
     assert to_grey(Clip(saved_as_colour=True).picture(0)).shape == SIZE[::-1]
 
 
