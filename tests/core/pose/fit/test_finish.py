@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from painted_walk import PX_PER_MM, painted_walk
 
+from pawnb.core.pose.fit import finish
 from pawnb.core.pose.fit.choices import only_choice
 from pawnb.core.pose.fit.evidence import Evidence
 from pawnb.core.pose.fit.finish import settle_all
@@ -89,3 +91,14 @@ def test_frames_apart_do_not_touch_each_other(scene):
 
 def test_nothing_to_settle(scene):
     assert settle_all(scene[0], [], np.empty((0, scene[0].n))) == []
+
+
+def test_what_a_frame_would_gain_is_that_of_two_parabolas(monkeypatch):
+    """Its own cost x**2 and the others' (x - 1)**2: 1 at 0, and 0.5 at the best place, 0.5."""
+    one = SimpleNamespace(pose=np.zeros(1), precision=np.full((1, 1), 2.0), slope=np.zeros(1))
+    said = np.ones((1, 1)), np.full((1, 1, 1), 2.0)
+    monkeypatch.setattr(finish, "others_say", lambda *_: said)
+    fitter = SimpleNamespace(numbers=[np.array([0])], n=1)
+    others = finish._from_others(fitter, [one], [np.zeros(1)], [np.array([0])])
+    assert others.gain == pytest.approx([0.5])
+    assert others.around[0, 0] == 1.0
