@@ -13,12 +13,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.fft import next_fast_len
-from scipy.ndimage import gaussian_filter1d
+from scipy.ndimage import correlate1d, gaussian_filter1d
 
 _BINS = 48
 _WINDOW = 0.6
 """Standard deviation, in strides, of the window in which a phase is told."""
-_ROUNDS = 3
+_ROUNDS = 5
 _LEAST_SHARE = 0.6
 """Less of the motion than this explained by the cycle means that there is none."""
 _LEAST_STRIDES = 3.0
@@ -102,7 +102,9 @@ def learn_cycle(
             _closed_curve(phase, relative[:, p], seen[:, p], trust[:, p]) for p in range(x.shape[1])
         ]
         if k < _ROUNDS - 1:
-            phase = phase + _correction(phase, curves, relative, seen, stride)
+            later, moved = _correction(phase, curves, relative, seen, stride)
+            phase, body = phase + later, body + moved @ axes
+            relative = relative - moved[:, None]
     mean = np.stack([_at(curve, phase) for curve, _ in curves], axis=1)
     away = np.where(seen[..., None], (relative - mean) ** 2, 0.0)
     left = away[..., 0]
@@ -217,23 +219,50 @@ def _correction(
     relative: np.ndarray,
     seen: np.ndarray,
     stride: float,
-) -> np.ndarray:
-    """Return how much the phase must change for the points to lie on their cycles."""
-    top = np.zeros(len(phase))
-    bottom = np.zeros(len(phase))
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return by how much the phase (n,) and the body (n, d) must change.
+
+    With that the points lie on their cycles, by least squares within a window. The middle of
+    the body as it was followed before moves with the stride wherever the window over which it
+    was averaged holds no whole number of strides, most of all at both ends.
+    """
+    n, _, d = relative.shape
+    normal = np.zeros((n, 1 + d, 1 + d))
+    target = np.zeros((n, 1 + d))
     for p, (curve, _) in enumerate(curves):
         slope = (np.roll(curve, -1, 0) - np.roll(curve, 1, 0)) * (_BINS / 2.0)
-        velocity = _at(slope, phase)
+        # what the place changes with: the phase, and the body along each axis
+        by = np.concatenate([_at(slope, phase)[:, None], np.tile(np.eye(d), (n, 1, 1))], axis=1)
         step = np.where(seen[:, p, None], relative[:, p] - _at(curve, phase), 0.0)
         square = (step**2).sum(axis=1)
         scale = np.median(square[seen[:, p]]) + 1e-12
         weight = seen[:, p] / (1.0 + square / (6.0 * scale))
-        top += weight * (step * velocity).sum(axis=1)
-        bottom += weight * (velocity**2).sum(axis=1)
-    width = _WINDOW * stride
-    top = gaussian_filter1d(top, width, mode="constant")
-    bottom = gaussian_filter1d(bottom, width, mode="constant")
-    return np.asarray(np.clip(top / (bottom + 0.05 * bottom.mean()), -0.1, 0.1))
+        normal += weight[:, None, None] * (by @ by.transpose(0, 2, 1))
+        target += weight[:, None] * (by @ step[..., None])[..., 0]
+    change = _local_line(normal, target, _WINDOW * stride)
+    return np.clip(change[:, 0], -0.1, 0.1), change[:, 1:]
+
+
+def _local_line(normal: np.ndarray, target: np.ndarray, width: float) -> np.ndarray:
+    """Return what solves equations (n, k, k) and (n, k) about each frame, (n, k).
+
+    The unknowns are straight lines in time within a Gaussian window: at both ends, where half
+    of it is missing, a mean would lag behind.
+    """
+    n, k = target.shape
+    time = np.arange(-(m := int(4.0 * width + 0.5)), m + 1) / width
+    window = np.exp(-0.5 * time**2) / (width * np.sqrt(2.0 * np.pi))
+    big, right = np.empty((n, 2 * k, 2 * k)), np.empty((n, 2 * k))
+    for i in range(2):
+        rows = slice(i * k, i * k + k)
+        right[:, rows] = correlate1d(target, window * time**i, axis=0, mode="constant")
+        for j in range(2):
+            big[:, rows, j * k : j * k + k] = correlate1d(
+                normal, window * time ** (i + j), axis=0, mode="constant"
+            )
+    # where little is seen nothing changes
+    usual = np.tile(big[:, :k, :k].mean(axis=0).diagonal(), 2)
+    return np.linalg.solve(big + 0.05 * np.diag(usual), right[..., None])[:, :k, 0]
 
 
 def _spread(

@@ -26,8 +26,10 @@ _HABIT = 0.5
 """Weight of where points rarely are relative to the body: neighbouring frames err alike."""
 _EXPECTED = 0.3
 """Half a squared standard deviation from where the cycle has a point, for frames that err alike."""
-_FARTHEST = 16.0
-"""Squared standard deviations beyond which a point off its cycle costs no more."""
+_FARTHEST = 36.0
+"""Squared standard deviations beyond which a point off its cycle costs no more. That cost must be
+above what it costs to stay hidden: towards the end of a recording, where no later piece has to be
+reached, a point that is lost would else take whatever is there, however far from its own place."""
 _TOLD_APART = 0.5
 """Clicks of front and hind paws this many spans apart tell where each usually are."""
 _LOOK_BELOW = 3.0

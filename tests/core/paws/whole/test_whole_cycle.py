@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from pawnb.core.paws.whole.cycle import learn_cycle
+from pawnb.core.paws.whole.habit import follow_body
 
 STRIDE, NOISE, SPAN = 31.3, 0.5, 40.0
 LAGS = np.array([0.0, 0.5, 0.45, 0.95])
@@ -128,3 +129,20 @@ def test_a_recording_too_short_has_no_cycle():
     assert learn(x[:240], body[:240]) is not None
     assert learn(x[:150], body[:150]) is None
     assert learn(x[:40], body[:40]) is None
+
+
+@pytest.mark.parametrize("end", [slice(0, 12), slice(N - 12, N)])
+def test_where_points_are_expected_at_the_ends_does_not_hang_on_how_the_body_was_followed(end):
+    """Half of the window over which the body is averaged is missing there, so it moves with the
+    stride by about a third of a step."""
+    away, off = [], []
+    for seed in range(3):
+        x, truth, body, _ = motion(seed=20 + seed)
+        points = [0, 1, 3]
+        followed = follow_body(x[:, points], round(2 * STRIDE))
+        home = np.median(followed - body, axis=0)
+        off.append(np.abs(followed - body - home)[end, 0])
+        cycle = learn(x[:, points], followed)
+        away.append(np.abs(cycle.mean - truth[:, points])[end, :, 0])
+    assert np.mean(off) > 2.5 * NOISE
+    assert np.mean(away) < 0.6 * np.mean(off)

@@ -42,8 +42,11 @@ def scene(truth):
     )  # fmt: skip
 
 
-def candidates(truth, hidden, seed=0, share=0.22):
-    """Candidates of every frame and view: the paws, and things that come and go."""
+def candidates(truth, hidden, seed=0, share=0.22, thing=None):
+    """Candidates of every frame and view: the paws, and things that come and go.
+
+    ``thing``: first frame and position of one that stays to the end.
+    """
     rng = np.random.default_rng(seed)
     uv = RIG.project(truth)
     found = []
@@ -51,6 +54,8 @@ def candidates(truth, hidden, seed=0, share=0.22):
         here = []
         for v in range(3):
             at = [uv[t, p, v] for p in range(4) if not hidden[t, p]]
+            if thing is not None and t >= thing[0]:
+                at.append(RIG.project(thing[1])[v])
             at = np.array([*at, *rng.uniform([150, 50], [450, 250], (3, 2))])
             rows = np.zeros((len(at), 8), np.float32)
             rows[:, :2] = at + 0.8 * rng.normal(size=at.shape)
@@ -124,6 +129,19 @@ def test_paths_are_chosen_again_by_the_stride(walked):
     share, farthest = agreement(paths.again(cycle), truth, hidden)
     assert share > 0.9
     assert farthest < 2.5
+
+
+def test_a_paw_hidden_at_the_end_does_not_take_what_is_there():
+    truth = walk()
+    hidden = np.zeros((N, 4), bool)
+    hidden[150:, 1] = True
+    beside = truth[150, 1] + [0.0, 3.0 * THICKNESS, 0.0]
+    paths = choice(truth, hidden, thing=(150, beside))
+    cycle = learn_cycle(
+        np.where(hidden[..., None], np.nan, truth), paths.body(truth), axes=paths.manner.axes,
+        frames=(16.0, 100.0), noise=1.0, trust=np.ones((N, 4)),
+    )  # fmt: skip
+    assert np.isnan(paths.again(cycle)[152:, 1]).all()
 
 
 def test_the_manner_is_that_of_the_walk(walked):
