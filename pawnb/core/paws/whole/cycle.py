@@ -18,10 +18,13 @@ from scipy.ndimage import correlate1d, gaussian_filter1d
 _BINS = 48
 _WINDOW = 0.6
 """Standard deviation, in strides, of the window in which a phase is told."""
-_ROUNDS = 5
+_ROUNDS = 3
 _LEAST_SHARE = 0.6
 """Less of the motion than this explained by the cycle means that there is none."""
 _LEAST_STRIDES = 3.0
+_RIDGE = 0.1
+"""Where little is seen nothing changes: in the information that a window usually holds.
+Two points of one side hardly tell the body's place from the phase of their stride."""
 _ALIKE = 5.0
 """Neighbouring frames of a stride that err alike."""
 
@@ -260,9 +263,8 @@ def _local_line(normal: np.ndarray, target: np.ndarray, width: float) -> np.ndar
             big[:, rows, j * k : j * k + k] = correlate1d(
                 normal, window * time ** (i + j), axis=0, mode="constant"
             )
-    # where little is seen nothing changes
     usual = np.tile(big[:, :k, :k].mean(axis=0).diagonal(), 2)
-    return np.linalg.solve(big + 0.05 * np.diag(usual), right[..., None])[:, :k, 0]
+    return np.linalg.solve(big + _RIDGE * np.diag(usual), right[..., None])[:, :k, 0]
 
 
 def _spread(
