@@ -21,6 +21,8 @@ _BEAM = 24
 _NEUTRAL = 0.4
 """What a leg sees under others, as a share of its darkness: a little less than half, so that no
 leg is laid across the body where it could as well lie beside it."""
+_BESIDE_PX = 4.0
+"""Legs whose joints are no further apart may share pixels, working px."""
 _CROSSED = 4.0
 """Cost of neighbouring legs that cross, in a frame: they seldom do."""
 _ROOM_PX = 14.0
@@ -244,7 +246,9 @@ def _weigh(fitter: FrameFitter, choices: Choices, sight: Sight, prior: Prior) ->
     side = fitter.layout.side
     for a in range(len(prints)):
         for b in range(a + 1, len(prints)):
-            if side[a] != side[b] or len(prints[a]) * len(prints[b]) < 2:
+            if len(prints[a]) * len(prints[b]) < 2:
+                continue
+            if side[a] != side[b] and not _may_meet(choices.joints[a], choices.joints[b]):
                 continue
             if b in fitter.neighbours[a]:
                 choices.crossed[a, b] = np.array(
@@ -256,6 +260,13 @@ def _weigh(fitter: FrameFitter, choices: Choices, sight: Sight, prior: Prior) ->
             choices.shared[a, b] = np.array(
                 [[shared_cost(*p, *q, sight, base, soft) for q in prints[b]] for p in prints[a]]
             )
+
+
+def _may_meet(one: np.ndarray, other: np.ndarray) -> bool:
+    """Return whether the boxes about all candidates of two legs, joints as in Choices, overlap."""
+    low = np.fmax(np.nanmin(one, axis=(0, 1)), np.nanmin(other, axis=(0, 1)))
+    high = np.fmin(np.nanmax(one, axis=(0, 1)), np.nanmax(other, axis=(0, 1)))
+    return bool(np.all(high - low > -_BESIDE_PX))
 
 
 def legs_cross(
@@ -296,16 +307,25 @@ def sides_of(side: np.ndarray) -> list[list[int]]:
     return [[i for i, s in enumerate(side) if s == which] for which in np.unique(side)]
 
 
-def side_energy(choices: Choices, legs: Sequence[int], share: float) -> np.ndarray:
+def side_energy(
+    choices: Choices, legs: Sequence[int], share: float, *, others: Mapping[int, int]
+) -> np.ndarray:
     """Return the cost of every combination of one side's candidates, one axis a leg.
 
     That of the picture, times ``share`` (neighbouring pixels do not err independently), and that
-    of anatomy.
+    of anatomy. What a leg explains that one of the ``others`` explains already, each the leg of
+    the other side and its candidate, is not counted again: a leg that reaches under the body to
+    the limb of a leg of the other side gains nothing there.
     """
     shape = [len(choices.legs[leg]) for leg in legs]
     out = np.zeros(shape)
     for i, leg in enumerate(legs):
         alone = share * choices.worth[leg] + choices.unlikely[leg]
+        for other, which in others.items():
+            if (leg, other) in choices.shared:
+                alone = alone + share * choices.shared[leg, other][:, which]
+            elif (other, leg) in choices.shared:
+                alone = alone + share * choices.shared[other, leg][which]
         out += alone.reshape([-1 if k == i else 1 for k in range(len(legs))])
         for j in range(i + 1, len(legs)):
             pair = choices.shared.get((leg, legs[j]))

@@ -265,10 +265,12 @@ class Follower:
     def _push(self, choices: Choices) -> list[tuple[int, ...]]:
         """Add a frame to the paths; return the best state of each side by what is known so far."""
         share = self.fitter.settings.evidence_share
-        states = []
+        states, which = [], dict.fromkeys(range(len(choices.legs)), 0)
         for legs, trellis in zip(self.sides, self.trellises, strict=True):
-            energy = side_energy(choices, legs, share)
+            others = {leg: k for leg, k in which.items() if leg not in legs}
+            energy = side_energy(choices, legs, share, others=others)
             states.append(trellis.push(energy, [choices.joints[leg] for leg in legs]))
+            which.update(zip(legs, states[-1], strict=True))
         return states
 
     def _learn_jump(self, expected: np.ndarray, pose: np.ndarray) -> None:

@@ -85,16 +85,20 @@ def _second_pass(follower: Follower, fitter: FrameFitter, frames: list[int]) -> 
 
 
 def _paths(follower: Follower) -> list[dict[int, int]]:
-    """Return the candidate of every leg in every frame on the best paths."""
+    """Return the candidate of every leg in every frame on the best paths.
+
+    Each side's path is chosen twice, the second time by what that of the other side explains.
+    """
     settings = follower.fitter.settings
     out: list[dict[int, int]] = [{} for _ in follower.kept]
-    for legs in follower.sides:
+    for legs in 2 * follower.sides:
         trellis = Trellis(follower.jump_px)
-        for choices in follower.kept:
-            energy = side_energy(choices, legs, settings.evidence_share)
+        for choices, chosen in zip(follower.kept, out, strict=True):
+            others = {leg: k for leg, k in chosen.items() if leg not in legs}
+            energy = side_energy(choices, legs, settings.evidence_share, others=others)
             trellis.push(energy, [choices.joints[leg] for leg in legs])
-        for t, state in enumerate(trellis.path()):
-            out[t].update(zip(legs, state, strict=True))
+        for chosen, state in zip(out, trellis.path(), strict=True):
+            chosen.update(zip(legs, state, strict=True))
     return out
 
 

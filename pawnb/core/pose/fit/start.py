@@ -281,10 +281,12 @@ def _choose(
     add_candidates(fitter, choices, extra, sight=sight, prior=prior)
     if not choices.is_open:
         return pose
-    best = pose.copy()
+    best, which = pose.copy(), dict.fromkeys(range(len(fitter.numbers)), 0)
     for legs in sides_of(fitter.layout.side):
-        energy = side_energy(choices, legs, fitter.settings.evidence_share)
+        others = {leg: k for leg, k in which.items() if leg not in legs}
+        energy = side_energy(choices, legs, fitter.settings.evidence_share, others=others)
         state = np.unravel_index(int(np.argmin(energy)), energy.shape)
-        for leg, which in zip(legs, state, strict=True):
-            best[fitter.numbers[leg]] = choices.legs[leg][which]
+        which.update(zip(legs, map(int, state), strict=True))
+    for leg, k in which.items():
+        best[fitter.numbers[leg]] = choices.legs[leg][k]
     return best

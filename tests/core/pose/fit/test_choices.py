@@ -9,7 +9,8 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parent))
 from painted_walk import painted_walk
 
-from pawnb.core.pose.fit.choices import add_candidates, only_choice
+from pawnb.core.pose.fit.choices import add_candidates, only_choice, side_energy
+from pawnb.core.pose.fit.layout import leg_numbers
 from pawnb.core.pose.fit.prepare import prepare_fitter
 from pawnb.core.pose.fit.settings import PoseSettings
 from pawnb.core.pose.fit.start import first_darkness
@@ -44,3 +45,20 @@ def test_joints_at_odd_places_along_a_limb_do_not_keep_the_better_pose_out(seen,
     for offered in [true, odd] if true_one_first else [odd, true]:
         add_candidates(fitter, choices, {LEG: [offered]}, sight=sight, prior=fitter.anatomy)
     np.testing.assert_array_equal(choices.legs[LEG], [elsewhere[numbers], true])
+
+
+def test_a_leg_gains_nothing_on_the_limb_of_one_of_the_other_side(seen):
+    fitter, pose, sight, image, box = seen
+    left, right = (fitter.animal.leg_names.index(name) for name in ("L1", "R1"))
+    joints = fitter.joints(pose)
+    across = joints[right].copy()
+    across[0] = joints[left, 0]
+    on_other = leg_numbers(fitter.layout, left, across, heading=float(pose[2]))
+    choices = only_choice(fitter, 0, pose, image=image, box=box)
+    add_candidates(fitter, choices, {left: [on_other]}, sight=sight, prior=fitter.anatomy)
+    unaware = side_energy(choices, [left], 1.0, others={})
+    aware = side_energy(choices, [left], 1.0, others={right: 0})
+    np.testing.assert_allclose(aware[0], unaware[0], atol=1.0)  # its own limb is its own
+    gained = choices.worth[left][1]
+    assert gained < 0.4 * choices.worth[right].min() < 0.0
+    assert aware[1] - unaware[1] > 0.8 * abs(gained)
