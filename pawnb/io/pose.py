@@ -57,7 +57,7 @@ class PoseNames:
         return tuple(f"{name}_sd" for name in ("x", "y", "heading", *self.joints))
 
 
-def read_pose(path: str | Path, *, names: PoseNames) -> pd.DataFrame:
+def read_pose(path: str | Path, *, names: PoseNames, other_legs: bool = False) -> pd.DataFrame:
     """Read ``start_pose.csv`` or ``pose.csv``.
 
     Parameters
@@ -69,6 +69,9 @@ def read_pose(path: str | Path, *, names: PoseNames) -> pd.DataFrame:
         (factors of lengths; 0: the leg is missing), ``<leg>_<segment>_px`` and ``..._sd``.
     names : PoseNames
         The names that columns may have.
+    other_legs : bool
+        Whether columns of further legs are left out instead of refused: the file is of an
+        animal with all its legs, and this one lacks some.
 
     Returns
     -------
@@ -84,6 +87,8 @@ def read_pose(path: str | Path, *, names: PoseNames) -> pd.DataFrame:
     where = Path(path).name
     cells = read_cells(path, POSE_COLUMNS)
     known = (*POSE_COLUMNS, *names.joints, *names.factors, *names.lengths, *names.sd)
+    if other_legs:
+        cells = cells[[c for c in cells.columns if c in known or not _of_a_leg(c, names, known)]]
     for column in cells.columns:
         if column not in known:
             raise InputError(
@@ -98,6 +103,12 @@ def read_pose(path: str | Path, *, names: PoseNames) -> pd.DataFrame:
     }
     table = pd.DataFrame(columns).sort_values("frame", kind="stable", ignore_index=True)
     return check_pose(table, names=names, where=where)
+
+
+def _of_a_leg(column: str, names: PoseNames, known: Sequence[str]) -> bool:
+    """Tell whether some leg of the animal has a column that ends like this one."""
+    _, _, ending = column.partition("_")
+    return any(f"{leg}_{ending}" in known for leg in names.legs)
 
 
 def check_pose(table: pd.DataFrame, *, names: PoseNames, where: str) -> pd.DataFrame:

@@ -188,7 +188,7 @@ def evaluate_poses(tracks: Tracks, path: Path) -> Evaluation:
         If the truth cannot be read, does not fit the animal, or never shows a tip.
     """
     animal = animal_of(tracks)
-    table = read_pose(path, names=pose_names(animal))
+    table = read_pose(path, names=pose_names(animal), other_legs=True)
     visible = _tips_in_view(path.with_name("tracks.csv"), animal.leg_names)
     seen: np.ndarray | None = None
     note: list[str] = []

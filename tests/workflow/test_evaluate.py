@@ -157,3 +157,24 @@ def test_the_limit_of_an_error_goes_with_the_width_of_the_pictures(shifted, tmp_
     tracks = read_tracks(results / "tracks.nc")
     write_tracks(tracks.assign_attrs(pictures_px='{"top": [410, 300]}'), tmp_path / "small.nc")
     assert "labels wrong: 100.0%" in evaluate(tmp_path / "small.nc", truth).text
+
+
+def test_an_animal_with_a_leg_missing_is_judged_by_the_legs_that_it_has(small_spider, tmp_path):
+    """The truth has L4; these results, 5 px off, do not."""
+    start = pd.read_csv(small_spider / "truth" / "pose.csv")
+    missing = pd.Series(0.0, index=start.index, name="L4_scale")
+    pd.concat([start, missing], axis=1).to_csv(tmp_path / "seven.csv", index=False)
+    animal, poses = read_start_pose(tmp_path / "seven.csv", load_species("dolomedes"))
+    assert "L4" not in animal.leg_names
+    poses = dataclasses.replace(poses, xy=poses.xy + np.array([3.0, 4.0]))
+    tracks = tracks_from_poses(animal, plain_track(animal, poses), fps=125, view="top")
+    write_tracks(tracks, tmp_path / "tracks.nc")
+    found = evaluate(tmp_path, small_spider / "truth")
+    assert found.tables["legs"]["leg"].tolist() == ["L1", "L2", "L3", "R1", "R2", "R3", "R4"]
+    summary = found.tables["summary"].set_index("measure")["value"]
+    assert summary["body error, RMS"] == pytest.approx(5.0, abs=1e-3)
+    assert summary["total leg angle error, RMS"] == pytest.approx(0.0, abs=1e-2)
+    path = small_spider / "truth" / "pose.csv"
+    path.write_text(path.read_text().replace("L4_BC", "L4_XX", 1))
+    with pytest.raises(InputError, match="unknown column 'L4_XX'"):
+        evaluate(tmp_path, small_spider / "truth")
