@@ -182,6 +182,26 @@ def take_words(data: np.ndarray, begin: int, words: np.ndarray, restarts: np.nda
 
 
 @compiled
+def _bits_from(words: np.ndarray, begin: Any) -> tuple[Any, Any, Any]:
+    """Return the bits from one on, the first being the highest, how many, and the word after."""
+    at = begin >> 5
+    return np.int64(words[at]) << (32 + (begin & 31)), 32 - (begin & 31), at + 1
+
+
+@compiled
+def _passed_by(entry: Any) -> tuple[Any, Any]:
+    """Return the bits of one AC symbol and its value, 0 if it is none, and the places it passes.
+
+    An end of block passes none.
+    """
+    size = (entry >> 8) & 15
+    run = entry >> 12
+    if (entry & 255) == 0 or size > _MOST_AC or (size == 0 and 0 < run < 15):
+        return 0, 0
+    return (entry & 255) + size, 0 if size == 0 and run == 0 else run + 1
+
+
+@compiled
 def scan_units(  # noqa: C901
     words: np.ndarray,
     n_bits: int,
@@ -231,10 +251,7 @@ def scan_units(  # noqa: C901
             begin = 8 * restarts[restart]
             if not 0 <= begin - (32 * at - held) < 8:
                 return False
-            at = begin >> 5
-            bits = np.int64(words[at]) << (32 + (begin & 31))
-            held = 32 - (begin & 31)
-            at += 1
+            bits, held, at = _bits_from(words, begin)
             level[:] = 0
             left = interval
             restart += 1
@@ -272,13 +289,11 @@ def scan_units(  # noqa: C901
                 # a block that is full has no end of block: what follows is the next one's
                 if used == 0 or passed + (entry & 63) + ended > 63:
                     entry = _symbol(bits, code, one, ends, offsets, values)
-                    size = (entry >> 8) & 15
-                    run = entry >> 12
-                    used = (entry & 255) + size
-                    ended = 1 if size == 0 and run == 0 else 0
-                    passed += 0 if ended else run + 1
-                    if used == 0 or size > _MOST_AC or (size == 0 and 0 < run < 15):
+                    used, more = _passed_by(entry)
+                    if used == 0:
                         return False
+                    ended = 1 if more == 0 else 0
+                    passed += more
                 else:
                     passed += entry & 63
                 bits <<= used
@@ -330,10 +345,7 @@ def read_block(
         Its DC.
     """
     one, _, ends, offsets, values = tables
-    at = begin >> 5
-    held = 32 - (begin & 31)
-    bits: Any = np.int64(words[at]) << (32 + (begin & 31))
-    at += 1
+    bits, held, at = _bits_from(words, begin)
     c, code, _ = codes
     k = 0
     while k < 64:
