@@ -42,10 +42,13 @@ class Bridged:
         Frames whose candidates were chosen here.
     choice : ndarray of int, shape (n, P, V)
         Number of the candidate taken, -1 where none.
+    against : ndarray, shape (n, P, V, C)
+        What speaks against each candidate being each point, minus a logarithm of odds.
     """
 
     is_open: np.ndarray
     choice: np.ndarray
+    against: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -131,7 +134,7 @@ def bridge_gaps(
             )  # fmt: skip
             _tell(stories, p, (first, stop), known, is_open, sights, cost, manner)
             choice[first:stop, p] = stories.best()[: stop - first]
-    return Bridged(is_open, choice)
+    return Bridged(is_open, choice, cost)
 
 
 def _tell(
@@ -147,6 +150,9 @@ def _tell(
     """Lead stories through a stretch and the certain places after it."""
     end = stretch[1] + _certain_frames(is_open[stretch[1] :, point], _AFTER)
     number = sights.is_there[slice(*stretch)].sum(axis=-1).tolist()
+    # where a point is hidden in every stride, its cycle there is no more than was made of it
+    # before; what follows tells more, if anything does
+    is_last = stretch[1] + _AFTER > len(is_open)
     for t in range(stretch[0], end):
         stories.advance()
         if t < stretch[1]:
@@ -156,7 +162,7 @@ def _tell(
                 stories.see(v, sights.at[t, point, v, :k], cost[t, point, v, :k])
         else:
             stories.stand(known.chosen[t, point])
-        if known.cycle is not None:
+        if known.cycle is not None and is_last:
             stories.expect(
                 known.cycle.mean[t, point], known.cycle.axes,
                 known.cycle.sd[t, point] ** 2 / _EXPECTED, most=0.5 * _EXPECTED * _FARTHEST,

@@ -22,6 +22,8 @@ _BIN = 0.5
 _BINS = round(2 * _REACH / _BIN)
 _AT = 0.5
 """A candidate within so many thicknesses of a point is that point's."""
+_GRADES = (0.1, 0.3)
+"""Candidates of a limb look worse than paws: those that look alike are counted together."""
 _SMOOTH = 0.7
 """Standard deviation, in bins, by which counts are smoothed."""
 _BEFORE = 10.0
@@ -64,7 +66,8 @@ class Limbs:
         """
         row, column, inside = _bins(uv, sights.at[:, point], thickness_px)
         view = np.arange(len(thickness_px))[:, None]
-        return np.where(inside, self.cost[point][view, row, column], 0.0)
+        grade = np.digitize(sights.quality, _GRADES)
+        return np.where(inside, self.cost[point][view, grade, row, column], 0.0)
 
 
 def learn_limbs(
@@ -89,7 +92,9 @@ def learn_limbs(
         What was learnt.
     """
     n_points, n_views = uv.shape[1:3]
-    cost = np.zeros((n_points, n_views, _BINS, _BINS))
+    n_grades = len(_GRADES) + 1
+    cost = np.zeros((n_points, n_views, n_grades, _BINS, _BINS))
+    grade = np.digitize(sights.quality, _GRADES)
     for p in range(n_points):
         row, column, inside = _bins(uv[:, p], sights.at[:, p], thickness_px)
         step = (sights.at[:, p] - uv[:, p, :, None]) / thickness_px[:, None, None]
@@ -103,12 +108,13 @@ def learn_limbs(
         meets = (seen[:, None] * (away < _REACH)).sum(axis=(0, 1))
         for v in range(n_views):
             limb = inside[:, v] & sights.is_there[:, v] & ~near[:, v]
-            number = row[:, v][limb] * _BINS + column[:, v][limb]
+            number = (grade[:, v][limb] * _BINS + row[:, v][limb]) * _BINS + column[:, v][limb]
             weight = np.broadcast_to(alone[:, v, None], limb.shape)[limb]
-            count = np.bincount(number, weight, _BINS**2).reshape(_BINS, _BINS)
-            rate = gaussian_filter(count, _SMOOTH, mode="constant") / (alone[:, v].sum() + _BEFORE)
+            count = np.bincount(number, weight, n_grades * _BINS**2).reshape(-1, _BINS, _BINS)
+            rate = gaussian_filter(count, (0, _SMOOTH, _SMOOTH), mode="constant")
+            rate = rate / (alone[:, v].sum() + _BEFORE)
             # what is as common everywhere is no limb
-            usual = np.median(rate)
+            usual = np.median(rate, axis=(1, 2), keepdims=True)
             # other paws come from everywhere: one is assumed to have come beforehand
             other = (meets[v] + 1.0) / (seen[:, v].sum() + _BEFORE) / _BINS**2
             cost[p, v] = np.log1p(np.maximum(rate - usual, 0.0) / (usual + other))

@@ -18,6 +18,13 @@ from pawnb.core.paws.whole.geometry import Geometry
 from pawnb.core.paws.whole.sights import Sights
 from pawnb.core.paws.whole.smoothing import smooth, variances
 
+_NEAR, _NEAR_OPEN = 0.9, 2.2
+"""A candidate may lie so many thicknesses from where its point must be, farther in open frames,
+where that is told by what lies far before and after, but"""
+_AGAINST = 0.3
+"""there by this much less for each unit of what speaks against it: what lies where a point is
+hidden is mostly a part of a limb. A paw that lifts off, dim and bent, looks poor as well, so
+what looks poor is not left out altogether."""
 _ROUNDS = 8
 _BRIDGED = 3
 """Rounds in which open frames keep what was chosen there; then everything is open to all."""
@@ -121,11 +128,12 @@ def refine(
     n, n_points, d = start.shape
     jerk2 = np.full(n, what.jerk**2)
     x, factors = _through_places(start, bridged, what, jerk2)
-    spread = np.full((n, n_points), 0.05 * what.thickness)
+    near = np.where(bridged.is_open, _NEAR_OPEN, _NEAR)
+    against = np.where(bridged.is_open[..., None, None], _AGAINST * bridged.against, 0.0)
     by_hand = np.isfinite(certain[..., 0])
     taken = _taken(bridged, sights)
     for k in range(_ROUNDS):
-        measured, quality = _associate(x, spread, sights, what)
+        measured, quality = _associate(x, near, against, sights, what)
         if k < _BRIDGED:
             measured[bridged.is_open], quality[bridged.is_open] = (
                 part[bridged.is_open] for part in taken
@@ -138,7 +146,7 @@ def refine(
             )[by_hand]
             W, z = _normal(x, measured, weight, what)
             if cycle is not None:
-                _pull(W, z, ~np.isfinite(measured[..., 0]).any(axis=-1), cycle)
+                _pull(W, z, _unbounded(np.isfinite(measured[..., 0]).any(axis=-1)), cycle)
             for p in range(n_points):
                 x[:, p], factors[p] = smooth(W[:, p], z[:, p], jerk2)
     sd = np.sqrt(variances(factors, d)).swapaxes(0, 1)
@@ -178,13 +186,12 @@ def _taken(bridged: Bridged, sights: Sights) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _associate(
-    x: np.ndarray, spread: np.ndarray, sights: Sights, what: Refinement
+    x: np.ndarray, near: np.ndarray, against: np.ndarray, sights: Sights, what: Refinement
 ) -> tuple[np.ndarray, np.ndarray]:
     """Take for each point and view the candidate where it must be."""
     uv = what.geometry.project(x)
-    gate = np.minimum(0.7 + 4.0 * spread / what.thickness, 2.5)
     return loops.take_nearest(
-        uv, gate, sights.at, sights.quality, sights.is_there, what.thickness_px
+        uv, near, sights.at, sights.quality, sights.is_there, what.thickness_px, against
     )
 
 
@@ -208,6 +215,13 @@ def _normal(
     """Return information (n, P, d, d) and target (n, P, d) of the measurements."""
     table = np.ascontiguousarray(what.geometry.table.T)
     return loops.normal_equations(x, measured, weight, table)
+
+
+def _unbounded(seen: np.ndarray) -> np.ndarray:
+    """Tell in which frames (n, P) points are hidden without having been seen before and after."""
+    before = np.logical_or.accumulate(seen, axis=0)
+    after = np.logical_or.accumulate(seen[::-1], axis=0)[::-1]
+    return np.asarray(~(before & after))
 
 
 def _pull(W: np.ndarray, z: np.ndarray, hidden: np.ndarray, cycle: Cycle) -> None:

@@ -10,11 +10,12 @@ from pawnb.core.compiled import compiled
 @compiled
 def take_nearest(
     uv: np.ndarray,
-    gate: np.ndarray,
+    near: np.ndarray,
     at: np.ndarray,
     quality: np.ndarray,
     is_there: np.ndarray,
     thickness_px: np.ndarray,
+    against: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Give candidates to points, the cheapest pair first, each only once.
 
@@ -22,12 +23,14 @@ def take_nearest(
     ----------
     uv : ndarray, shape (n, P, V, 2)
         Where each point is expected, px.
-    gate : ndarray, shape (n, P)
+    near : ndarray, shape (n, P)
         How far from there a candidate may lie, in thicknesses.
     at, quality, is_there : ndarray
         See :class:`~pawnb.core.paws.whole.sights.Sights`.
     thickness_px : ndarray, shape (V,)
         Thickness of a paw in each view.
+    against : ndarray, shape (n, P, V, C)
+        How much nearer each must be for what speaks against it, in thicknesses.
 
     Returns
     -------
@@ -47,7 +50,8 @@ def take_nearest(
                         du = at[t, p, v, i, 0] - uv[t, p, v, 0]
                         dv = at[t, p, v, i, 1] - uv[t, p, v, 1]
                         away = np.sqrt(du * du + dv * dv) / thickness_px[v]
-                        if away <= gate[t, p]:
+                        away += against[t, p, v, i]
+                        if away <= near[t, p]:
                             cost[p, i] = away + 0.5 * (1.0 - quality[t, v, i])
             for _ in range(min(n_points, most)):
                 p, i = divmod(int(np.argmin(cost)), most)

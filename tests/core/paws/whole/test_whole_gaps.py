@@ -3,9 +3,11 @@
 import itertools
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from pawnb.core.paws.whole.cycle import Cycle
 from pawnb.core.paws.whole.gaps import Known, bridge_gaps, open_frames, runs
 from pawnb.core.paws.whole.geometry import Geometry
 from pawnb.core.paws.whole.manner import Manner
@@ -19,7 +21,7 @@ MANNER = Manner(
 )  # fmt: skip
 
 
-def bridge(chosen, at, is_there, *, fixed=None, quality=None):
+def bridge(chosen, at, is_there, *, fixed=None, quality=None, cycle=None):
     """Bridge the gaps of points (n, P, 2) by candidates (n, C, 2) of one view."""
     n, n_points = chosen.shape[:2]
     quality = np.ones(at.shape[:2]) if quality is None else quality
@@ -29,7 +31,7 @@ def bridge(chosen, at, is_there, *, fixed=None, quality=None):
     )  # fmt: skip
     fixed = np.zeros((n, n_points), bool) if fixed is None else fixed
     return bridge_gaps(
-        Known(chosen, fixed), sights, geometry=FLAT, thickness_px=THICKNESS,
+        Known(chosen, fixed, cycle=cycle), sights, geometry=FLAT, thickness_px=THICKNESS,
         own=np.ones((n_points, 1), bool), manner=MANNER,
     )  # fmt: skip
 
@@ -70,6 +72,17 @@ def test_the_certain_piece_that_follows_decides():
         chosen[8:22] = np.nan
         choice = bridge(chosen, at, np.ones((30, 2), bool)).choice[16:22, 0, 0]
         np.testing.assert_array_equal(choice, branch)
+
+
+@pytest.mark.parametrize(("stop", "taken"), [(22, 0), (30, 1)])
+def test_the_cycle_decides_only_where_nothing_follows(stop, taken):
+    # the paw stands, and the cycle expects it where there is another candidate
+    at = np.tile([[0.0, 0.0], [0.0, 7.0]], (30, 1, 1))
+    chosen = at[:, :1].copy()
+    chosen[8:stop] = np.nan
+    cycle = Cycle(at[:, 1:], np.full((30, 1, 2), 0.5), np.zeros(30), np.eye(2), 20.0)
+    choice = bridge(chosen, at, np.ones((30, 2), bool), cycle=cycle).choice
+    np.testing.assert_array_equal(choice[12:18, 0, 0], taken)
 
 
 def test_a_candidate_that_another_point_explains_is_left_to_it():

@@ -57,6 +57,16 @@ def test_what_is_not_believed_teaches_nothing():
     assert (limbs.cost == 0).all()
 
 
+def test_what_looks_better_than_a_wrist_is_none():
+    places, at = walking()
+    n = len(places)
+    poor, good = (sights_of(at, 2, quality) for quality in (0.05, 0.9))
+    limbs = learn_limbs(places[:, :, None], np.ones((n, 2)), poor, thickness_px=THICKNESS)
+    uv = places[:, 0, None]
+    assert np.median(limbs.against(uv, poor, 0, thickness_px=THICKNESS)[:, 0, 2]) > 3.0
+    assert (limbs.against(uv, good, 0, thickness_px=THICKNESS)[:, 0, 2] == 0).all()
+
+
 def test_a_paw_beside_another_is_not_learnt_as_its_limb():
     # the second paw is always where a wrist would be: who is near is left out of the count
     places, at = walking()

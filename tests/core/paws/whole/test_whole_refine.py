@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from pawnb.core.paws.whole.cycle import Cycle
 from pawnb.core.paws.whole.gaps import Bridged
 from pawnb.core.paws.whole.geometry import Geometry
 from pawnb.core.paws.whole.refine import Refinement, refine
@@ -47,14 +48,14 @@ def see(truth, rng, *, hidden=(), quality=1.0):
     return Sights(uv, at, np.full((N, 3, 2), quality), is_there)
 
 
-def solve(truth, sights, *, hidden=(), certain=None, **options):
+def solve(truth, sights, *, hidden=(), certain=None, against=0.0, cycle=None, **options):
     start = truth.copy()
     start[list(hidden), 0] = np.nan
     is_open = np.zeros((N, 2), bool)
     is_open[list(hidden), 0] = True
     certain = np.full((N, 2, 3, 2), np.nan) if certain is None else certain
-    bridged = Bridged(is_open, np.full((N, 2, 3), -1))
-    return refine(start, sights, bridged, certain=certain, what=what(**options))
+    bridged = Bridged(is_open, np.full((N, 2, 3), -1), np.full((N, 2, 3, 2), against))
+    return refine(start, sights, bridged, certain=certain, what=what(**options), cycle=cycle)
 
 
 def test_a_gap_in_a_swing_of_least_jerk_is_bridged():
@@ -96,6 +97,33 @@ def test_wrong_candidates_beside_the_track_are_left_out():
     assert np.isnan(refined.measured[5:9, 0, 1]).all()
     assert np.isfinite(refined.measured[5:9, 0, [0, 2]]).all()
     assert np.linalg.norm(refined.x - truth, axis=-1)[5:9, 0].max() < 0.5
+
+
+@pytest.mark.parametrize(("against", "is_taken"), [(0.0, True), (4.0, False)])
+def test_in_a_gap_a_candidate_farther_off_is_taken_unless_much_speaks_against_it(against, is_taken):
+    truth, rng = swing()
+    # kicked, which is not of least jerk: the bridge leads past it
+    gap = range(24, 36)
+    truth[gap, 0, 2] += 3.0 * np.sin(np.linspace(0.0, np.pi, len(gap) + 2))[1:-1]
+    sights = see(truth, rng, hidden=[t for t in gap if t != 29])
+    refined = solve(truth, sights, hidden=gap, against=against)
+    assert np.isfinite(refined.measured[29, 0, :, 0]).all() == is_taken
+    away = np.linalg.norm(refined.x - truth, axis=-1)[29, 0]
+    assert away < 0.8 if is_taken else away > 2.0
+
+
+def test_where_a_point_is_seen_again_its_cycle_says_nothing():
+    truth, rng = swing()
+    gap = range(26, 35)
+    lies = Cycle(truth + 5.0, np.full_like(truth, 0.1), np.zeros(N), np.eye(3), 40.0)
+    sights = see(truth, rng, hidden=gap)
+    bridged, told = (solve(truth, sights, hidden=gap, cycle=one) for one in (None, lies))
+    np.testing.assert_allclose(told.x, bridged.x, atol=1e-9)
+    # nothing follows the last frames but what the cycle says
+    end = range(50, N)
+    sights = see(truth, rng, hidden=end)
+    told = solve(truth, sights, hidden=end, cycle=lies)
+    assert np.linalg.norm(told.x[-1, 0] - lies.mean[-1, 0]) < 1.0
 
 
 def test_what_is_placed_by_hand_stays():
