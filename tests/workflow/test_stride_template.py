@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from pawnb.core.paws.template import load_template
@@ -54,3 +55,33 @@ def test_bad_input_is_one_sentence(small_trial, tmp_path, capsys):
         build_template([trial], tracks=[tracks_of(trial)] * 2)
     with pytest.raises(InputError, match="no complete stride of a front paw"):
         build_template([trial], tracks=[tracks_of(trial, n=30)])
+
+
+@pytest.mark.parametrize("facing", [1, -1])
+def test_tracks_of_another_program_will_do(tmp_path, facing, capsys):
+    """A csv with two paws of one picture, and nothing that says where the animal faces.
+
+    A paw swings forwards in a third of its stride and is carried back, at the belt's speed, in
+    two thirds.
+    """
+    phase = np.arange(250) / 40.0 % 1.0
+    u = np.where(phase < 1 / 3, -np.cos(3 * np.pi * phase), 1 - 3 * (phase - 1 / 3))
+    v = np.where(phase < 1 / 3, -np.sin(3 * np.pi * phase), 0.0)
+    table = pd.DataFrame({"frame": np.arange(250)})
+    for point, lag in (("FR", 0), ("HR", 20)):
+        table[f"{point}_x"] = 200 + facing * 30 * np.roll(u, lag)
+        table[f"{point}_y"] = 100 + 12 * np.roll(v, lag)
+    table.to_csv(tmp_path / "paws.csv", index=False)
+    (tmp_path / "trial.toml").write_text(
+        '[trial]\nkind = "tracks"\nname = "t"\nfps = 250.0\n[animal]\nid = "a"\n'
+        '[tracks]\nfile = "paws.csv"\n'
+    )
+    assert main([str(tmp_path), "-o", str(tmp_path / "t.json")]) == 0
+    said = capsys.readouterr().out.splitlines()
+    assert [line.split(",")[1] for line in said] == [" mean 0.160 s"] * 2
+    for own in load_template(tmp_path / "t.json").kinds.values():
+        # begins at the front; back at first slowly, with the belt, and forwards in the last third
+        assert own.uv[0, 0] == pytest.approx(0.5, abs=0.02)
+        assert own.uv[17, 0] == pytest.approx(0.0, abs=0.06)
+        assert own.uv[34, 0] == pytest.approx(-0.5, abs=0.06)
+        assert own.uv[42, 1] < own.uv[17, 1]  # the paw is in the air: higher, so less v
