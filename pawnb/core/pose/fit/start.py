@@ -224,7 +224,7 @@ def _slid_along(fitter: FrameFitter, pose: np.ndarray, sight: Sight, prior: Prio
     for leg, numbers in enumerate(fitter.numbers):
         for factor in _SLIDES:
             trial = pose.copy()
-            trial[numbers] = slid_leg(fitter.layout, pose, leg, factor)
+            trial[numbers] = slid_leg(fitter.layout, pose, leg, factor=factor)
             trial, _ = fitter.fit(trial, sight, prior, active=numbers, rounds=8)
             trial, now = fitter.fit(trial, sight, prior, rounds=8)
             if now < cost - _BETTER:
@@ -232,7 +232,7 @@ def _slid_along(fitter: FrameFitter, pose: np.ndarray, sight: Sight, prior: Prio
     return pose
 
 
-def slid_leg(layout: Layout, pose: np.ndarray, leg: int, factor: float) -> np.ndarray:
+def slid_leg(layout: Layout, pose: np.ndarray, leg: int, *, factor: float) -> np.ndarray:
     """Return a leg's part of the pose vector where it is longer, along the way that it takes now.
 
     Parameters
