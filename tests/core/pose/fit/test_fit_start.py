@@ -73,9 +73,13 @@ def test_a_leg_is_slid_along_its_own_way(name):
     for leg in range(len(animal.legs)):
         n = int(layout.n_segments[leg])
         numbers = pose[int(layout.first[leg]) :][: 2 * layout.n_links[leg]]
-        np.testing.assert_allclose(start.slid_leg(layout, pose, leg, 1.0), numbers, atol=1e-9)
+        np.testing.assert_allclose(
+            start.slid_leg(layout, pose, leg, factor=1.0), numbers, atol=1e-9
+        )
         longer = pose.copy()
-        longer[int(layout.first[leg]) :][: len(numbers)] = start.slid_leg(layout, pose, leg, 1.1)
+        longer[int(layout.first[leg]) :][: len(numbers)] = start.slid_leg(
+            layout, pose, leg, factor=1.1
+        )
         for one, way in zip((pose, longer), joints, strict=True):
             leg_chain(layout, one, leg, way)
         assert chains_apart(joints[0], joints[1], n) < 0.1 * layout.length[leg].sum() + 0.6
@@ -106,7 +110,7 @@ def test_a_leg_that_stops_short_of_a_bent_end_is_slid_out_to_it():
     )  # fmt: skip
     fitter.blur = 0.9
     short = true.copy()
-    short[numbers] = start.slid_leg(layout, true, leg, 0.88)
+    short[numbers] = start.slid_leg(layout, true, leg, factor=0.88)
     prior = start.start_prior(fitter, pose)
     tip = fitter.joints(true)[leg, layout.n_segments[leg]]
 
