@@ -53,7 +53,10 @@ def test_the_default_follows_every_paw_through_the_recording(rendered_trial):
     report = count_errors(tracks, truth, threshold_px=4.0)
     assert report.share_wrong < 0.05
     assert report.share_missing == 0
-    assert report.median_px < 0.8  # a tenth of a front paw
+    # a tenth of a front paw. Candidates are told by windows of 5 px here, which is as long as a
+    # paw: those of hind paws lie 0.65 px behind what one click, put at a whole pixel, tells
+    assert report.median_px < 0.8
+    assert report.median_px_centred < 0.4
 
 
 @pytest.mark.parametrize("method", ["pawnb", "slic-3d", "slic-2d"])

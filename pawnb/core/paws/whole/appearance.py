@@ -27,6 +27,11 @@ _ROUNDS = 3
 _REACH, _REACH_GREY = 0.004, 0.03
 """A paw's look is learnt this far from its click, as a share of the picture's width. Fur,
 shadow and belt that mix with the colour at a paw's edge would pass for paws."""
+_FEW, _TOLD, _REACH_FEW = 4, 2.0, 0.006
+"""With fewer clicks than the first, as in one view by itself, half as far again, where the ratio at
+the clicks says that paws are told well from the rest: the little that two paws show close to their
+clicks is not all of their colours. Over 27 single views of rendered mice 15 % of labels were wrong
+without it, 11 % with it, and 10 and 9 % with 0.008 and 0.012."""
 _LEARNT_WIDTH = 1024
 """Larger colour pictures are reduced to about this width before their look is learnt."""
 _WIDE = (0.06, 0.2)
@@ -186,12 +191,17 @@ def learn(
     def patches(reach: int) -> list[np.ndarray]:
         return [_patch(n.shape, uv, reach) for n, uv in zip(numbers, clicks, strict=True)]
 
-    seeds, close = patches(1), patches(round(near * width))
-    ratio = _ratio(
-        numbers, seeds, close, [patches(round(wide * width)) for wide in wides], is_colour=is_colour
-    )
-    at_clicks = [_even(ratio[n])[seed] for n, seed in zip(numbers, seeds, strict=True)]
-    usual = float(np.median(np.concatenate(at_clicks)))
+    seeds, rest = patches(1), [patches(round(wide * width)) for wide in wides]
+
+    def told(near: float) -> tuple[np.ndarray, float]:
+        """Return the ratio learnt so near to the clicks, and what is usual at them."""
+        ratio = _ratio(numbers, seeds, patches(round(near * width)), rest, is_colour=is_colour)
+        at_clicks = [_even(ratio[n])[seed] for n, seed in zip(numbers, seeds, strict=True)]
+        return ratio, float(np.median(np.concatenate(at_clicks)))
+
+    ratio, usual = told(near)
+    if is_colour and sum(map(len, clicks)) < _FEW and usual > _TOLD:
+        ratio, usual = told(_REACH_FEW)
     limit = _SURE * min(1.0, max(usual, 0.0) / 2.0)
     gain = float(np.clip(_USUAL / max(usual - limit, 0.1), 1.0, _MOST_GAIN))
     table = np.clip((ratio - limit) * gain, -_LIMIT, _LIMIT).astype(np.float32)

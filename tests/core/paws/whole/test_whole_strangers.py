@@ -124,11 +124,12 @@ def track_one_view(trial, view):
 def test_one_view_of_a_rendered_mouse_without_a_calibration(tmp_path):
     """Without a second picture some recordings go wrong for a long while (up to half of the
     labels), others hardly: what holds is the middle of several, here two scenes of four
-    cameras, each by itself (14 % when this was last measured)."""
+    cameras, each by itself (2 % when this was last measured; 14 % with colours learnt as
+    close to two clicks as to eight)."""
     reports = []
     for seed in (1, 2):
         folder = render_mouse_trial(tmp_path / str(seed), frames=200, scale=0.35, seed=seed)
         trial = load_trial(folder)
         reports += [track_one_view(trial, view) for view in trial.views]
-    assert np.median([report.share_wrong for report in reports]) < 0.16
+    assert np.median([report.share_wrong for report in reports]) < 0.12
     assert np.median([report.median_px for report in reports]) < 2.0
