@@ -263,7 +263,7 @@ def measure_pose_errors(
         ("joint angle error, RMS", _rms(joints[np.isfinite(joints)]), "deg"),
         ("total leg angle error, RMS", _rms(total), "deg"),
         ("leg swaps", len(swaps), ""),
-        ("leg swaps per 1000 frames", 1000 * len(swaps) / n, "per 1000 frames"),
+        ("leg swaps per 1000 frames", 1000 * len(swaps) / n, ""),
         ("frames with a swapped leg", _frames_swapped(swaps, found.frames), ""),
     ]
     return PoseErrors(
