@@ -1,10 +1,13 @@
 """The default pose tracker on two real animals: a hanging orb weaver and a walking fly.
 
 python benchmarks/pose_real.py [--seeds 0 1 2] [--only spider fly] [--pictures FOLDER]
+    [--starts] [--disturb SEED]
 
 The spider starts in frame 0 from legs that someone drew in frame 600 (she hangs still),
 disturbed by 5 px and 5 degrees a joint. The fly starts from SLEAP's points of its first frame, as
-if clicked. Recordings: see real_animals.py; what is not there is skipped.
+if clicked; with --disturb, from these disturbed as the spider's. With --starts only the fit of the
+start frame is measured, of the spider, in five frames and from ten starts each.
+Recordings: see real_animals.py; what is not there is skipped.
 """
 
 from __future__ import annotations
@@ -20,6 +23,7 @@ import real_animals as real
 
 from pawnb.core.grey import grey
 from pawnb.core.pose.animal import StickAnimal
+from pawnb.core.pose.fit.view import fit_to_picture
 from pawnb.core.pose.poses import Poses, joint_positions, leg_angles, tip_positions
 from pawnb.core.pose.track_result import PoseTrack
 from pawnb.core.pose.tracker import track_pose
@@ -35,6 +39,7 @@ SCORED, SURE = 0.5, 0.7
 """SLEAP's score from which a tip counts, and from which on it is seldom seen to be wrong: below, a
 hind leg's tip often lies on a wing."""
 FLY_PX, SPIDER_PX = 12.0, 6.0
+START_FRAMES = (0, 200, 400, 570, 600)
 _COLOURS = ((0, 0, 255), (0, 160, 0), (255, 0, 0), (0, 150, 255))
 
 
@@ -117,6 +122,22 @@ def measure_spider(folder: Path, seeds: list[int], pictures: Path | None) -> Non
                         draw(reader, animal, poses.at_frame(frame), name)
 
 
+def measure_starts(folder: Path) -> None:
+    """Print how many legs are fitted rightly in start frames, from many disturbed starts."""
+    lines, away = real.drawn_legs(folder), []
+    with real.opened(real.SPIDER, folder) as (reader, background):
+        for frame in START_FRAMES:
+            animal, drawn = real.spider_start(folder, frame=frame)
+            for seed in range(10):
+                start = real.disturbed(drawn, seed)
+                pose, _ = fit_to_picture(
+                    reader.frame(frame), start, animal=animal, background=background
+                )
+                away += line_errors(animal, pose, lines).values()
+    good = np.mean(np.array(away) <= SPIDER_PX)
+    print(f"spider, starts: {100 * good:.1f} % of {len(away)} legs within {SPIDER_PX:g} px")
+
+
 def print_still(reader: ViewReader, animal: StickAnimal, poses: Poses) -> None:
     """Print how much the pose of the still spider varies, and what the shadow does to it."""
     still = poses.take(slice(*STILL))
@@ -180,9 +201,10 @@ def picture_shifts(frames: list[Frame], place: np.ndarray, *, half: int) -> np.n
     return -np.linalg.lstsq(known, away.T, rcond=None)[0][:2].T
 
 
-def measure_fly(folder: Path, pictures: Path | None) -> None:
-    """Print the fly's table."""
+def measure_fly(folder: Path, pictures: Path | None, disturb: int | None) -> None:
+    """Print the fly's table; ``disturb`` is the seed of how its start is disturbed, if it is."""
     animal, start = real.fly_start(folder)
+    start = start if disturb is None else real.disturbed(start, disturb)
     tips = real.fly_tips(folder)
     with real.opened(real.FLY, folder) as (reader, background):
         track, ms = tracked(reader, background, animal=animal, start=start, stop=reader.n_frames)
@@ -266,6 +288,8 @@ def main() -> None:
     parser.add_argument("--seeds", nargs="+", type=int, default=[0, 1, 2])
     parser.add_argument("--only", nargs="+", choices=["spider", "fly"], default=["spider", "fly"])
     parser.add_argument("--pictures", type=Path, help="folder for pictures with the pose drawn")
+    parser.add_argument("--starts", action="store_true", help="only the spider's start frames")
+    parser.add_argument("--disturb", type=int, help="seed of a disturbed start of the fly")
     args = parser.parse_args()
     if args.pictures:
         args.pictures.mkdir(parents=True, exist_ok=True)
@@ -276,10 +300,13 @@ def main() -> None:
             continue
         if not folder.exists():
             print(f"{name} left out: {folder} is not there (set PAWNB_TEST_DATA).")
+        elif args.starts:
+            if name == "spider":
+                measure_starts(folder)
         elif name == "spider":
             measure_spider(folder, args.seeds, args.pictures)
         else:
-            measure_fly(folder, args.pictures)
+            measure_fly(folder, args.pictures, args.disturb)
 
 
 if __name__ == "__main__":

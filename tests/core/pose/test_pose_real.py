@@ -53,21 +53,25 @@ def test_the_start_pose_of_a_hanging_spider_does_not_depend_on_how_it_was_distur
 
 
 @pytest.mark.slow
-def test_most_leg_tips_of_a_walking_fly(real_data, monkeypatch):
+@pytest.mark.parametrize("seed", [None, 0])
+def test_most_leg_tips_of_a_walking_fly(real_data, monkeypatch, seed):
     monkeypatch.syspath_prepend(BENCHMARKS)
     import real_animals as real
 
     folder = real_data("flies-topview") / "clip_inverted"
     animal, start = real.fly_start(folder)
+    start = start if seed is None else real.disturbed(start, seed)
     tips = real.fly_tips(folder)
-    tips = tips[(tips["score"] > 0.5) & (tips["frame"] < 60)]
+    tips = tips[tips["score"] > 0.5]
     with real.opened(real.FLY, folder) as (reader, background):
-        track = track_pose(reader, start, animal=animal, background=background, frames=(0, 60))
+        frames = (0, reader.n_frames)
+        track = track_pose(reader, start, animal=animal, background=background, frames=frames)
     found = tip_positions(animal, track.poses)
     legs = [animal.leg_names.index(leg) for leg in tips["leg"]]
     away = np.hypot(*(found[tips["frame"], legs] - tips[["u", "v"]].to_numpy()).T)
     near = {leg: np.mean(away[tips["leg"] == leg] <= 12.0) for leg in animal.leg_names}
     # 12 px is the aim, three times what SLEAP's points are good to; hind legs hide under the wings,
     # which are spread in the first 18 of these frames and folded later
-    assert min(near["L1"], near["R1"], near["L2"], near["R2"]) > 0.6, near
-    assert np.mean(away <= 12.0) > 0.6, near
+    assert min(near["L1"], near["R1"], near["L2"], near["R2"]) > 0.7, near
+    assert min(near["L3"], near["R3"]) > 0.5, near
+    assert np.mean(away <= 12.0) >= 0.75, near
