@@ -101,14 +101,16 @@ def decide(
             )
             for t, here in fixed.items()
         }
-    paths = PathChoice(found, meet, scene, fps=fps, settings=settings, kinds=kinds, judge=judge)
+    own = with_strangers(layout.tracked, layout.kinds, extra)
+    paths = PathChoice(
+        found, meet, scene, fps=fps, settings=settings, kinds=kinds, judge=judge, own=own
+    )
     first = paths.first()
     if extra and _share_seen(first[:, n_points:]) < _LEAST_SEEN:
         return decide(
             found, fixed, certain[:, :n_points], scene=scene, layout=layout, fps=fps,
             settings=settings, strangers=False,
         )  # fmt: skip
-    own = with_strangers(layout.tracked, layout.kinds, extra)
     what = Refinement(
         scene.geometry, thickness_px, scene.thickness, paths.manner.jerk, own,
         np.max([one.unsure for one in offsets], axis=0),

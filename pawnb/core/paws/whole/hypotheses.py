@@ -121,7 +121,7 @@ class Pairing:
         frame, xyz = self._meeting(rows, is_there)
         inside = self.volume.holds(xyz)
         frame, xyz = frame[inside], xyz[inside]
-        support = self._support(frame, xyz, rows, is_there)
+        support = self._seen(frame, xyz, rows, is_there).sum(axis=1)
         # best first, frame by frame
         order = np.lexsort((-support, frame))
         frame, xyz, support = frame[order], xyz[order], support[order]
@@ -150,10 +150,31 @@ class Pairing:
             positions.append(triangulate(self.coefs[:, [a, b]], uv))
         return np.concatenate(frames), np.concatenate(positions)
 
-    def _support(
+    def seen(
+        self, frame: np.ndarray, xyz: np.ndarray, found: Sequence[Sequence[np.ndarray]]
+    ) -> np.ndarray:
+        """Return how much each view shows a paw at points, softly counted.
+
+        Parameters
+        ----------
+        frame : ndarray of int, shape (k,)
+            Frame of each point.
+        xyz : ndarray, shape (k, 3)
+            The points.
+        found : sequence
+            Candidates of every frame and view.
+
+        Returns
+        -------
+        ndarray, shape (k, V)
+            From 0, nothing there, to 1.
+        """
+        return self._seen(frame, xyz, *side_by_side(found))
+
+    def _seen(
         self, frame: np.ndarray, xyz: np.ndarray, rows: np.ndarray, is_there: np.ndarray
     ) -> np.ndarray:
-        """Return in how many views, softly counted, a candidate lies at each point (k,)."""
+        """Return the same for candidates side by side."""
         good = np.stack(
             [
                 self.judge.likeness(rows[:, v].reshape(-1, rows.shape[-1]), v).reshape(

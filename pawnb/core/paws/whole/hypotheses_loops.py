@@ -68,7 +68,7 @@ def support(
     is_there: np.ndarray,
     scale: np.ndarray,
 ) -> np.ndarray:
-    """Return in how many views, softly counted, a candidate lies at each point (k,).
+    """Return how much a candidate of each view lies at each point (k, V), 0 to 1.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def support(
     scale : ndarray, shape (V,)
         Distance, px, at which a candidate hardly counts any more.
     """
-    total = np.zeros(len(frame))
+    seen = np.zeros(uv.shape[:2])
     for k in range(len(frame)):
         t = frame[k]
         for v in range(uv.shape[1]):
@@ -96,8 +96,8 @@ def support(
                     # beyond that it is nothing
                     if square < 40.0:
                         best = max(best, good[t, v, i] * np.exp(-square))
-            total[k] += best
-    return total
+            seen[k, v] = best
+    return seen
 
 
 @compiled

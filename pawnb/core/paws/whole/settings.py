@@ -28,8 +28,9 @@ class WholeSettings:
     height : float
         Paws are not lifted higher than this above the lowest click, in spans.
     hide_cost, stay_cost : float
-        Cost of becoming hidden and of each frame of it, in units of half a squared
-        standard deviation.
+        Cost of becoming hidden and of each second of it, in units of half a squared
+        standard deviation: a paw is hidden for a share of its stride, however many pictures
+        are taken of it.
     longest_gap_s : float
         Longest time, s, for which a point may be hidden.
     body_s : float
@@ -53,7 +54,7 @@ class WholeSettings:
     noise: float = 0.25
     height: float = 0.3
     hide_cost: float = 3.0
-    stay_cost: float = 8.0
+    stay_cost: float = 1750.0
     longest_gap_s: float = 0.24
     body_s: float = 0.4
     shortest_stride_s: float = 1.0 / 15.0

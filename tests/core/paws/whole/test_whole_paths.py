@@ -7,7 +7,7 @@ from pawnb.core.paws.whole.cycle import learn_cycle
 from pawnb.core.paws.whole.geometry import Geometry
 from pawnb.core.paws.whole.hypotheses import Places, Volume
 from pawnb.core.paws.whole.likeness import Judge
-from pawnb.core.paws.whole.paths import PathChoice, where_kinds_are
+from pawnb.core.paws.whole.paths import PathChoice, seen_elsewhere, where_kinds_are
 from pawnb.core.paws.whole.scene import Scene
 from pawnb.core.paws.whole.settings import WholeSettings
 
@@ -70,6 +70,7 @@ def choice(truth, hidden, **looks):
     return PathChoice(
         candidates(truth, hidden, **looks), {0: dict(enumerate(truth[0]))}, scene(truth), fps=FPS,
         settings=WholeSettings(), kinds=KINDS, judge=Judge([(0.6, 0.8)] * 3, np.full(3, 16.0)),
+        own=np.ones((4, 3), bool),
     )  # fmt: skip
 
 
@@ -96,6 +97,54 @@ def test_paws_that_look_poor_at_the_clicks_are_followed_all_the_same():
     seen, farthest = agreement(paths.first(), truth, hidden)
     assert seen > 0.9
     assert farthest < THICKNESS
+
+
+def test_a_hidden_paw_does_not_follow_what_only_the_views_of_the_other_side_show():
+    truth = walk()
+    hidden = np.zeros((N, 4), bool)
+    hidden[60:100, 1] = True
+    found = candidates(truth, hidden)
+    # beside the other hind paw, seen by the views that track that side; the first looks along y
+    end = truth[:, 3] + [-9.0, 16.0, 0.0]
+    beside = RIG.project(end)
+    for t in range(60, 100):
+        for v in (1, 2):
+            row = np.zeros((1, 8), np.float32)
+            row[0, :2], row[0, 2:6] = beside[t, v], (3.0, 4.0, 0.22, 4.0)
+            found[t][v] = np.concatenate([found[t][v], row])
+    judge = Judge([(0.6, 0.8)] * 3, np.full(3, 16.0))
+    anchors = {0: dict(enumerate(truth[0]))}
+    followed = []
+    for own in (np.ones((4, 3)), np.array([[1, 0, 0], [1, 0, 0], [0, 1, 1], [0, 1, 1]])):
+        x = PathChoice(
+            found, anchors, scene(truth), fps=FPS, settings=WholeSettings(), kinds=KINDS,
+            judge=judge, own=own.astype(bool),
+        ).first()  # fmt: skip
+        away = np.linalg.norm(x[60:100, 1] - end[60:100], axis=1)
+        followed.append((away < THICKNESS).mean())
+    assert followed[0] > 0.25
+    assert followed[1] == 0.0
+
+
+def test_a_place_is_seen_elsewhere_where_its_own_views_show_less_than_all():
+    # by hand: both views of its own; none of them but two others; one of each; only one view
+    seen = np.array([[1, 1, 0, 0], [0, 0, 1, 1], [1, 0, 1, 0], [0, 0, 0.5, 0]])
+    own = np.array([[1, 1, 0, 0], [0, 0, 1, 0]], bool)
+    np.testing.assert_allclose(seen_elsewhere(seen, own), [[0, 1, 0.5, 0.25], [1, 0, 0, 0]])
+
+
+def test_being_hidden_costs_as_much_whatever_the_frame_rate():
+    truth = walk()
+    chosen = []
+    for every in (1, 2):
+        some = np.zeros((N, 4), bool)
+        paths = PathChoice(
+            candidates(truth, some)[::every], {0: dict(enumerate(truth[0]))}, scene(truth),
+            fps=FPS / every, settings=WholeSettings(), kinds=KINDS,
+            judge=Judge([(0.6, 0.8)] * 3, np.full(3, 16.0)), own=np.ones((4, 3), bool),
+        )  # fmt: skip
+        chosen.append(paths._flow.costs.stay * len(range(0, N, every)))
+    assert chosen[0] == pytest.approx(chosen[1])
 
 
 def test_paws_of_an_animal_that_runs_through_the_picture_are_not_taken_for_each_other():

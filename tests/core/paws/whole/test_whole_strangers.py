@@ -84,6 +84,7 @@ def test_paths_through_the_crossings_of_near_and_far_paws():
         paths = PathChoice(
             found, setting.anchors, setting, fps=250.0, settings=WholeSettings(),
             kinds=kinds[:count], judge=Judge(setting.distal, setting.thickness_px),
+            own=np.ones((count, 1), bool),
         )  # fmt: skip
         x = paths.first()[:, :2]
         seen = np.isfinite(x[..., 0])
