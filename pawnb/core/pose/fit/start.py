@@ -225,10 +225,9 @@ def _slid_along(fitter: FrameFitter, pose: np.ndarray, sight: Sight, prior: Prio
         for factor in _SLIDES:
             trial = pose.copy()
             trial[numbers] = slid_leg(fitter.layout, pose, leg, factor=factor)
-            trial, _ = fitter.fit(trial, sight, prior, active=numbers, rounds=8)
-            trial, now = fitter.fit(trial, sight, prior, rounds=8)
+            trial, now = fitter.fit(trial, sight, prior, active=numbers, rounds=8)
             if now < cost - _BETTER:
-                pose, cost = trial, now
+                pose, cost = fitter.fit(trial, sight, prior, rounds=8)
     return pose
 
 
