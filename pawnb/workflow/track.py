@@ -200,9 +200,9 @@ def retrack(
     learn : bool
         Learn the initial colours of the corrected points anew, from this frame on, as the
         paper's user may ask for. Without, they stay those of the start, and method
-        ``pawnb`` decodes nothing that an earlier run has searched. With it, method
-        ``pawnb`` learns from every position that was put in place by hand and searches
-        the recording anew.
+        ``pawnb`` decodes nothing that an earlier run has searched; where on a paw its point
+        lies stays as clicked at the start, too. With it, method ``pawnb`` learns both from
+        every position that was put in place by hand and searches the recording anew.
     out : str or Path, optional
         Folder with the results of the earlier run; default ``results`` beside the trial.
     progress, stop

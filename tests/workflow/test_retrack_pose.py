@@ -12,6 +12,7 @@ from pawnb.core.pose.poses import Poses, tip_positions
 from pawnb.core.pose.species_file import load_species
 from pawnb.core.pose.track_result import plain_track
 from pawnb.errors import InputError
+from pawnb.synthetic import render_spider_trial
 from pawnb.trial import load_trial
 from pawnb.workflow import retrack_pose as module
 from pawnb.workflow.results import provenance_steps
@@ -119,6 +120,28 @@ def test_a_corrected_frame_mends_its_neighbours_and_is_replayed(spoilt, rendered
     assert (step["step"], step["frame"], step["frames"]) == ("retrack", 18, [11, 24])
     back = EditLog(wrong, tmp_path / "edits.jsonl", px_per_unit=scale, retrack=tracker)
     assert back.tracks.identical(log.tracks)
+
+
+@pytest.mark.slow
+def test_a_pose_put_a_little_off_changes_rows_near_it_only(tmp_path):
+    """The body 1 px and a leg 8 degrees off, in the middle: a leg span is 145 px."""
+    render_spider_trial(tmp_path / "spider", frames=58, scale=0.3, seed=1, motion="still")
+    trial = load_trial(tmp_path / "spider")
+    tracks = track(trial, progress=lambda _done, _total: None)
+    animal, row = animal_of(tracks), 24
+    frame = int(tracks["frame"][row])
+    pose = poses_of(tracks).poses.take(slice(row, row + 1))
+    angles = pose.angles_deg.copy()
+    angles[0, animal.joints.index("L2_BC")] += 8.0
+    off = dataclasses.replace(pose, angles_deg=angles, xy=pose.xy + 1.0)
+    wrong = put_pose(tracks, frame, pose_values(animal, off))
+    again = retrack(trial, wrong, frame, progress=lambda _done, _total: None)
+    first, end = provenance_steps(again)[-1]["frames"]
+    assert frame - 12 <= first <= frame
+    assert frame < end <= frame + 13
+    outside = (again["frame"] < first) | (again["frame"] >= end) | (again["frame"] == frame)
+    kept, were = (t.isel(time=outside.to_numpy()) for t in (again, wrong))
+    assert kept.identical(were.assign_attrs(again.attrs))
 
 
 def test_what_cannot_be_tracked_again(spoilt, rendered_spider):

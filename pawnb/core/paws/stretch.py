@@ -154,9 +154,9 @@ def keep_untouched(
         For each view, the distance within which tracks are the same.
     joint : bool
         Whether all points were decided together: then a point that was where a corrected
-        one is now takes its new rows, too, about where it has moved away from there, up to
-        the next frame in which it was put in place. Where one paw was taken for another,
-        setting one right sets the other right.
+        one is tracked again to takes its new rows, too, about where it has moved away from
+        there, up to the next frame in which it was put in place. Where one paw was taken for
+        another, setting one right sets the other right.
 
     Returns
     -------
@@ -190,16 +190,25 @@ def keep_untouched(
     rows = np.arange(len(now))[:, None]
     keep = (rows < here) | (rows >= stretch.until)
     if joint:
-        keep &= ~_made_way(uv, now, by_hand.any(axis=1), here, limit=_FAR * tolerance)
+        anew = (rows >= here) & (rows < stretch.until)
+        keep &= ~_made_way(uv, now, by_hand.any(axis=1), here, anew=anew, limit=_FAR * tolerance)
     return keep_rows(old, new, keep)
 
 
 def _made_way(
-    uv: np.ndarray, now: np.ndarray, placed: np.ndarray, here: int, *, limit: np.ndarray
+    uv: np.ndarray,
+    now: np.ndarray,
+    placed: np.ndarray,
+    here: int,
+    *,
+    anew: np.ndarray,
+    limit: np.ndarray,
 ) -> np.ndarray:
     """Tell about which rows (n, P) points have left a place that a corrected point has taken.
 
-    ``limit`` (V,) is the distance within which two places are the same.
+    ``limit`` (V,) is the distance within which two places are the same. A corrected point takes
+    places only in the rows ``anew`` (n, P) that it was tracked again in: in its other rows it is
+    on its old track.
     """
     with np.errstate(invalid="ignore"):
         left = (np.linalg.norm(now - uv, axis=-1) > limit[:, None]).any(axis=1)
@@ -207,7 +216,8 @@ def _made_way(
         for point in np.flatnonzero(placed[here]):
             away = np.linalg.norm(now[:, :, [point]] - uv, axis=-1)
             near = (away <= limit[:, None]) | np.isnan(away)
-            taken |= near.all(axis=1) & np.isfinite(away).any(axis=1)
+            there = near.all(axis=1) & np.isfinite(away).any(axis=1)
+            taken |= there & anew[:, [point]]
     made_way = left & taken
     made_way[:here] = False
     made_way = binary_dilation(made_way, np.ones((2 * MET_FRAMES + 1, 1), bool))

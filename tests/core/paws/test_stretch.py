@@ -158,11 +158,16 @@ def test_meeting_needs_rows_in_succession_and_every_view():
     assert stretch.until.tolist() == [8 + MET_FRAMES]
 
 
-def test_decided_together_a_point_that_made_way_is_taken_anew_where_it_did():
-    """HR sat on FR's paw in rows 20 to 30 and 45 to 59; FR, put right, is there now."""
+@pytest.mark.parametrize(("back", "until"), [(60, 50), (32, 41)])
+def test_decided_together_a_point_that_made_way_is_taken_anew_where_it_did(back, until):
+    """HR sat on FR's paw in rows 20 to 30 and 45 to 59; FR, put right, is there now.
+
+    Where FR is back on its old track in row 32, what HR does in rows 45 to 59 is not touched.
+    """
     rows = np.arange(60)
     swapped = ((rows >= 20) & (rows <= 30)) | (rows >= 45)
-    old, new = flat(np.zeros(60), by_hand=[5]), flat(np.zeros(60))
+    astray = np.where((rows > 5) & (rows < back), 500.0, 0.0)
+    old, new = flat(astray, by_hand=[5]), flat(np.zeros(60))
     old["image_position"][:, 0, 0, 1, 0] = np.where(swapped, 0.0, 100.0)
     old["image_origin"][50, 0, 1, 0] = EDITED
     moved = np.full(60, 100.5)
@@ -174,7 +179,7 @@ def test_decided_together_a_point_that_made_way_is_taken_anew_where_it_did():
     )
     both = keep_untouched(old, new, 5, tolerance_px={"cam1": 1.0}, joint=True)
     # ten rows about each swap, but not from where a person has placed HR
-    fresh = (rows >= 10) & (rows < 50)
+    fresh = (rows >= 10) & (rows < until)
     np.testing.assert_array_equal(
         both["image_position"][:, 0, 0, 1, 0],
         np.where(fresh, moved, old["image_position"][:, 0, 0, 1, 0]),

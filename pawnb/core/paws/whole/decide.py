@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -29,6 +29,22 @@ _LEAST_SEEN = 0.3
 """Strangers that are seen in fewer frames are none."""
 
 
+@dataclass(frozen=True)
+class Told:
+    """Clicks from which it is learnt where the tracked points lie on the paws.
+
+    Parameters
+    ----------
+    clicks : ndarray, shape (frames, P, V, 2)
+        Clicks, px, NaN where there is none, in the order of ``found``.
+    found : mapping
+        Clicked frame to the candidates of every view.
+    """
+
+    clicks: np.ndarray
+    found: Mapping[int, Sequence[np.ndarray]]
+
+
 def decide(
     found: Sequence[Sequence[np.ndarray]],
     fixed: Mapping[int, Mapping[int, np.ndarray]],
@@ -38,6 +54,7 @@ def decide(
     layout: Layout,
     fps: float,
     settings: WholeSettings,
+    told: Told | None = None,
     strangers: bool = True,
 ) -> Refined:
     """Decide where every point was in every frame.
@@ -63,6 +80,8 @@ def decide(
         Frames per second.
     settings : WholeSettings
         The settings.
+    told : Told, optional
+        Clicks that say where on a paw its point is; default those of ``certain``.
     strangers : bool
         Whether to follow paws that nobody clicked.
 
@@ -75,14 +94,17 @@ def decide(
     n_points = len(layout.kinds)
     extra = unclicked_kinds(layout.kinds) if strangers else []
     kinds = [*layout.kinds, *extra]
-    certain = np.pad(certain, ((0, 0), (0, len(extra)), (0, 0), (0, 0)), constant_values=np.nan)
-    clicked = sorted(np.flatnonzero(np.isfinite(certain[..., 0]).any(axis=(1, 2))).tolist())
-    said = {t: found[t] for t in clicked}
+    if told is None:
+        clicked = sorted(np.flatnonzero(np.isfinite(certain[..., 0]).any(axis=(1, 2))).tolist())
+        told = Told(certain[clicked], {t: found[t] for t in clicked})
+    room = ((0, 0), (0, len(extra)), (0, 0), (0, 0))
+    certain = np.pad(certain, room, constant_values=np.nan)
+    clicks = np.pad(told.clicks, room, constant_values=np.nan)
     # a view from below shows middles of paws, the others their ends
     below = np.arange(len(facing)) == (-1 if scene.lead is None else scene.lead.view)
     kinds_of_view = [
         learn_offsets(
-            np.where(alike[:, None], certain[clicked], np.nan), said, thickness_px=thickness_px,
+            np.where(alike[:, None], clicks, np.nan), told.found, thickness_px=thickness_px,
             facing=facing, distal=distal, kinds=kinds,
         )
         for alike in (~below, below)
@@ -91,7 +113,7 @@ def decide(
     judge = Judge(distal, thickness_px)
     if scene.geometry.coefs is not None and scene.lead is None:
         # the curves were learnt from views from the side that agree in space
-        judge = replace(judge, score=score_at_clicks(certain[clicked], said, judge))
+        judge = replace(judge, score=score_at_clicks(clicks, told.found, judge))
     sights = read_sights(found, offsets, facing=facing, judge=judge)
     meet = fixed
     if scene.lead is None:
@@ -109,7 +131,7 @@ def decide(
     if extra and _share_seen(first[:, n_points:]) < _LEAST_SEEN:
         return decide(
             found, fixed, certain[:, :n_points], scene=scene, layout=layout, fps=fps,
-            settings=settings, strangers=False,
+            settings=settings, told=told, strangers=False,
         )  # fmt: skip
     what = Refinement(
         scene.geometry, thickness_px, scene.thickness, paths.manner.jerk, own,

@@ -19,7 +19,7 @@ from pawnb.core.paws.layout import (
 )
 from pawnb.core.paws.settings import PaperSettings
 from pawnb.core.paws.task import Task
-from pawnb.core.paws.whole.decide import decide
+from pawnb.core.paws.whole.decide import Told, decide
 from pawnb.core.paws.whole.extract import extract
 from pawnb.core.paws.whole.geometry import Geometry
 from pawnb.core.paws.whole.landmark_tracks import check_landmarks, choose_landmarks, join_views
@@ -63,8 +63,9 @@ def track_whole(
     settings : WholeSettings
         The settings.
     looked : DataFrame, optional
-        Earlier clicks, columns as ``start``, that say what paws look like and how large
-        the animal is: where tracks are gone on from, those that they were begun with.
+        Earlier clicks, columns as ``start``, that say what paws look like, where on a paw
+        its point is and how large the animal is: where tracks are gone on from, those that
+        they were begun with.
         Candidates are then the same as theirs, from the first of these frames on.
     store : CandidateStore, optional
         Where candidates are kept: frames found there are not decoded again.
@@ -115,7 +116,8 @@ def track_whole(
         marked = only_points(anchors, marks)
         check_landmarks(layout.only(marks), marked)
         follower = Follower(layout.only(marks), marked)
-    found = _look_through(views, (begin, frames[1]), scene, follower, store, task)[first - begin :]
+    seen = _look_through(views, (begin, frames[1]), scene, follower, store, task)
+    found = seen[first - begin :]
     rows = np.arange(frames[0], first + len(found))
     kept = np.empty(0, int)
     if tracks is not None:
@@ -136,7 +138,12 @@ def track_whole(
         result = _empty_result(len(found), layout)
         if scene is not None:
             own = only_points(inside, ~marks)
-            paws = _solve(found, scene, layout.only(~marks), own, first, task.fps, settings)
+            told = None
+            if looked is not None and len(looked):
+                told = _told(seen, layout.only(~marks), only_points(clicks, ~marks), begin)
+            paws = _solve(
+                found, scene, layout.only(~marks), own, first, task.fps, settings, told=told
+            )
             result.take(~marks, paws)
         if follower is not None:
             uv, likeness = (
@@ -266,18 +273,47 @@ def _solve(
     first: int,
     fps: float,
     settings: WholeSettings,
+    *,
+    told: Told | None,
 ) -> Refined:
     """Track the paws through the candidates; ``inside``: what is placed, by row."""
-    n, n_points, n_views = len(found), len(layout.points), len(layout.views)
+    n = len(found)
     fixed = {t - first: here for t, here in scene.anchors.items() if t - first < n}
-    certain = np.full((n, n_points, n_views, 2), np.nan)
-    for t, here in inside.items():
-        for place in here:
-            certain[t, place.point, place.view] = place.uv
-    result = decide(found, fixed, certain, scene=scene, layout=layout, fps=fps, settings=settings)
-    started = np.array([min(t for t, h in fixed.items() if p in h) for p in range(n_points)])
+    certain = _positions_placed(inside, n, layout)
+    result = decide(
+        found, fixed, certain, scene=scene, layout=layout, fps=fps, settings=settings, told=told
+    )
+    points = range(len(layout.points))
+    started = np.array([min(t for t, h in fixed.items() if p in h) for p in points])
     result.x[np.arange(n)[:, None] < started] = np.nan
     return result
+
+
+def _told(
+    seen: list[list[np.ndarray]],
+    layout: Layout,
+    clicks: Mapping[int, Sequence[Placement]],
+    begin: int,
+) -> Told:
+    """Return the clicks of an earlier run with what was seen there, from frame ``begin`` on.
+
+    They alone say where on a paw its point is, as they did then: a correction puts the paw in
+    place in its frame, and a hand that was a pixel off there moves the track nowhere else.
+    """
+    here = {t - begin: clicks[t] for t in sorted(clicks) if t - begin < len(seen)}
+    placed = _positions_placed(here, len(seen), layout)
+    return Told(placed[list(here)], {t: seen[t] for t in here})
+
+
+def _positions_placed(
+    placed: Mapping[int, Sequence[Placement]], n: int, layout: Layout
+) -> np.ndarray:
+    """Return image positions (n, P, V, 2) that are certain, by row, NaN elsewhere."""
+    uv = np.full((n, len(layout.points), len(layout.views), 2), np.nan)
+    for t, here in placed.items():
+        for place in here:
+            uv[t, place.point, place.view] = place.uv
+    return uv
 
 
 def _write(

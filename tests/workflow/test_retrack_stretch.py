@@ -1,0 +1,125 @@
+"""Method pawnb tracks only the stretch again that a correction touches, however good the hand."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pawnb.core.edits import EditLog, Move, Retrack, Swap
+from pawnb.core.rig import load_rig
+from pawnb.synthetic import render_mouse_trial
+from pawnb.trial import load_trial
+from pawnb.workflow.track import retrack, track
+
+
+def quiet(_done, _total):
+    """No bar."""
+
+
+class Corrected:
+    """A tracked trial that is corrected as in the reviewer's window."""
+
+    def __init__(self, folder):
+        self.trial = load_trial(folder)
+        self.rig = load_rig(self.trial)
+        self.tracks = track(self.trial, progress=quiet)
+
+    def log(self, path):
+        return EditLog(
+            self.tracks, path, rig=self.rig,
+            retrack=lambda tracks, frame, **o: retrack(
+                self.trial, tracks, frame, progress=quiet, **o
+            ),
+        )  # fmt: skip
+
+    def move(self, log, point, frame, *, off_px=0.0):
+        """Put a point where it was tracked, so many px to the right, in its own views."""
+        for view in self.trial.views:
+            if point in view.points:
+                at = self.tracks["image_position"].sel(view=view.name, keypoint=point)[frame, :, 0]
+                place = {"u": float(at[0]) + off_px, "v": float(at[1])}
+                log.apply(Move(frame=frame, view=view.name, point=point, **place))
+
+
+def changed_rows(new, old, point):
+    """Return the rows in which anything of a point differs."""
+    rows = np.zeros(old.sizes["time"], dtype=bool)
+    for name, variable in old.data_vars.items():
+        if "keypoint" not in variable.dims:
+            continue
+        a, b = (t[name].sel(keypoint=point).to_numpy() for t in (new, old))
+        same = (a == b) | (np.isnan(a) & np.isnan(b))
+        rows |= ~same.reshape(len(rows), -1).all(axis=1)
+    return np.flatnonzero(rows)
+
+
+def assert_others_stay(new, old, points):
+    for point in points:
+        assert not len(changed_rows(new, old, point)), point
+
+
+@pytest.fixture(scope="module")
+def short(rendered_trial):
+    return Corrected(rendered_trial)
+
+
+@pytest.fixture(scope="module")
+def long(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("stretch") / "mouse"
+    render_mouse_trial(folder, frames=110, scale=0.2, seed=1)
+    return Corrected(folder)
+
+
+def test_a_hand_that_is_a_pixel_off_moves_the_track_about_its_frame_only(short, tmp_path):
+    """Ten rows on the old track end the stretch; a pixel may pull a few rows before them."""
+    log = short.log(tmp_path / "edits.jsonl")
+    short.move(log, "HL", 15, off_px=1.0)
+    before = log.tracks
+    log.apply(Retrack(frame=15))
+    rows = changed_rows(log.tracks, before, "HL")
+    assert len(rows)
+    assert rows[0] >= 15
+    assert rows[-1] <= 15 + 10 + 5
+    assert_others_stay(log.tracks, before, ["FR", "HR", "FL"])
+    place = {"time": 15, "individual": 0}
+    for name in ("image_position", "image_origin"):
+        np.testing.assert_array_equal(
+            log.tracks[name].isel(place).sel(view=["cam3", "cam4"], keypoint="HL"),
+            before[name].isel(place).sel(view=["cam3", "cam4"], keypoint="HL"),
+        )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("point", "frame"), [("HR", 50), ("FL", 50)])
+def test_a_correction_of_three_pixels_changes_rows_near_it_only(long, tmp_path, point, frame):
+    """3 px here are 15 px at full scale: a third of a hind paw."""
+    log = long.log(tmp_path / "edits.jsonl")
+    long.move(log, point, frame, off_px=3.0)
+    before = log.tracks
+    log.apply(Retrack(frame=frame))
+    rows = changed_rows(log.tracks, before, point)
+    assert len(rows)
+    assert frame <= rows[0]
+    assert rows[-1] <= frame + 10 + 10
+    assert_others_stay(log.tracks, before, {"FR", "HR", "FL", "HL"} - {point})
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("corrected", [["FR", "HR"], ["FR"]])
+def test_a_swapped_stretch_is_replaced_whole_and_nothing_else(long, tmp_path, corrected):
+    """FR and HR change names in frames 40 to 69; one of them put right sets both right."""
+    log = long.log(tmp_path / "edits.jsonl")
+    for frame in (40, 70):
+        log.apply(Swap(frame=frame, first="FR", second="HR"))
+    for point in corrected:
+        long.move(log, point, 40)
+    before = log.tracks
+    log.apply(Retrack(frame=40))
+    for point in ("FR", "HR"):
+        rows = changed_rows(log.tracks, before, point)
+        assert rows[0] == 40 or point in corrected  # its own row is as it was put
+        assert rows[-1] <= 70 + 10 + 10
+        at = {"keypoint": point, "view": ["cam1", "cam2"]}
+        away = log.tracks["image_position"].sel(at) - long.tracks["image_position"].sel(at)
+        assert np.abs(away).max() < 1.0  # the two are 15 px apart and more
+    assert_others_stay(log.tracks, before, ["FL", "HL"])
