@@ -33,12 +33,29 @@ def clicks_by_hand(trial: Trial, tracks: Tracks) -> pd.DataFrame:
     return _tracked(trial, table[(table["origin"] == "edited") & table["u"].notna()])
 
 
-def clicks_begun_with(tracks: Tracks) -> pd.DataFrame | None:
-    """Return the clicks that tracks were begun with; None where their record lacks them."""
-    made = [step for step in provenance_steps(tracks) if step["step"] == "track"]
-    if not made:
+def clicks_learnt_from(tracks: Tracks) -> pd.DataFrame | None:
+    """Return the clicks from which it was last learnt what paws look like.
+
+    They are those that tracks were begun with, or those by hand when a person had it learnt anew.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks of method ``pawnb``.
+
+    Returns
+    -------
+    DataFrame or None
+        frame, view, point, u, v (px); None where the record of the tracks lacks their beginning.
+    """
+    steps = provenance_steps(tracks)
+    if not any(step["step"] == "track" for step in steps):
         return None
-    return pd.DataFrame(made[-1]["start"], columns=list(START_COLUMNS))
+    learnt = [
+        step for step in steps
+        if step["step"] == "track" or (step["step"] == "retrack" and step.get("learn"))
+    ]  # fmt: skip
+    return pd.DataFrame(learnt[-1]["start"], columns=list(START_COLUMNS))
 
 
 def clicks_of_frame(trial: Trial, tracks: Tracks, frame: int) -> pd.DataFrame:

@@ -31,8 +31,8 @@ from pawnb.workflow.methods import (
     tracker_settings,
 )
 from pawnb.workflow.placed import (
-    clicks_begun_with,
     clicks_by_hand,
+    clicks_learnt_from,
     clicks_of_frame,
     start_clicks,
 )
@@ -202,7 +202,8 @@ def retrack(
         paper's user may ask for. Without, they stay those of the start, and method
         ``pawnb`` decodes nothing that an earlier run has searched; where on a paw its point
         lies stays as clicked at the start, too. With it, method ``pawnb`` learns both from
-        every position that was put in place by hand and searches the recording anew.
+        every position that was put in place by hand and searches the recording anew; what
+        was learnt so stays when it is tracked again later.
     out : str or Path, optional
         Folder with the results of the earlier run; default ``results`` beside the trial.
     progress, stop
@@ -235,14 +236,14 @@ def retrack(
     with contextlib.ExitStack() as stack:
         views = stack.enter_context(open_views(trial))
         rig = trial_rig(trial, views, method=method)
-        begun = clicks_begun_with(tracks)
-        if method == METHODS[0] and begun is not None:
+        looked = clicks_learnt_from(tracks)
+        if method == METHODS[0] and looked is not None:
             clicks = clicks_by_hand(trial, tracks)
             begin, old = int(known[0]), None
             if not learn:
                 store = reopen_store(trial, results_folder(trial, out))
                 stack.callback(keep_store, store)
-                kept = {"looked": begun, "store": store}
+                kept = {"looked": looked, "store": store}
         with _progress(progress, "tracking again") as report:
             span = (begin, int(known[-1]) + 1)
             task = _task(trial, rig, clicks, frames=span, tracks=old, progress=report, stop=stop)

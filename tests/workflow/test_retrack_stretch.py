@@ -123,3 +123,20 @@ def test_a_swapped_stretch_is_replaced_whole_and_nothing_else(long, tmp_path, co
         away = log.tracks["image_position"].sel(at) - long.tracks["image_position"].sel(at)
         assert np.abs(away).max() < 1.0  # the two are 15 px apart and more
     assert_others_stay(log.tracks, before, ["FL", "HL"])
+
+
+@pytest.mark.slow
+def test_what_was_learnt_anew_stays_when_tracking_again_later(long, tmp_path):
+    """HL is clicked 3 px farther on in three frames, and that is learnt; then comes a pixel."""
+    log = long.log(tmp_path / "edits.jsonl")
+    for frame in (10, 20, 28):
+        long.move(log, "HL", frame, off_px=3.0)
+    log.apply(Retrack(frame=28, learn=True))
+    assert changed_rows(log.tracks, long.tracks, "HL")[-1] == 109
+    long.move(log, "HL", 50, off_px=3.0)
+    before = log.tracks
+    log.apply(Retrack(frame=50))
+    rows = changed_rows(log.tracks, before, "HL")
+    assert len(rows)
+    assert rows[-1] <= 50 + 10 + 10
+    assert_others_stay(log.tracks, before, ["FR", "HR", "FL"])
