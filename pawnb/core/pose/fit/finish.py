@@ -16,6 +16,7 @@ import numpy as np
 
 from pawnb.core.pose.fit.choices import Choices
 from pawnb.core.pose.fit.fitter import FrameFitter
+from pawnb.core.pose.fit.odd_places import without_odd_places
 from pawnb.core.pose.fit.relearn import usual_lengths
 from pawnb.core.pose.fit.smooth import first_motion, learn_motion, others_say
 from pawnb.core.pose.fit.solve_loops import Prior, Sight
@@ -134,7 +135,9 @@ def settle_all(fitter: FrameFitter, found: Sequence[Choices], poses: np.ndarray)
 
     def first(own: FrameFitter, t: int) -> _Own:
         sight = own.sight(found[t].image.astype(float), found[t].box, poses[t])
-        return _own_near(own, poses[t], sight, anatomy)
+        sight = without_odd_places(own, poses[t], sight)
+        pose, _ = own.fit(poses[t], sight, anatomy, rounds=_ROUNDS)  # the look was learnt again
+        return _own_near(own, pose, sight, anatomy)
 
     own = on_threads(fitter, range(len(found)), first)
     motions = [first_motion(len(numbers) // 2) for numbers in fitter.numbers]

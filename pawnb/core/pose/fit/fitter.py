@@ -65,6 +65,8 @@ class FrameFitter:
     ----------
     fixtures : ndarray of bool, shape (side, side), or None
         Where something that is no leg is fixed to the body; see :mod:`.fit.fixtures`.
+    odd_places : ndarray, shape (side, side), or None
+        How much places of the body count in the last fits; see :mod:`.fit.odd_places`.
     usual_poses : list of ndarray, shape (poses, 2 links)
         Of each leg, parts of the pose vector that it is known to have; see :mod:`.fit.habits`.
     """
@@ -103,6 +105,7 @@ class FrameFitter:
         self.blur = SQRT5 * settings.blur_px
         self._room = make_canvas(1, 1, layout)
         self.fixtures: np.ndarray | None = None
+        self.odd_places: np.ndarray | None = None
         self.usual_poses = [np.empty((0, len(numbers))) for numbers in self.numbers]
 
     def twin(self) -> FrameFitter:

@@ -42,6 +42,35 @@ def in_body_frame(seen: np.ndarray, box: np.ndarray, pose: np.ndarray, out: np.n
 
 
 @compiled
+def disregard(kept: np.ndarray, pose: np.ndarray, box: np.ndarray, weight: np.ndarray) -> None:
+    """Give pixels less weight where a place of the body does not count; in place.
+
+    Parameters
+    ----------
+    kept : ndarray, shape (side, side)
+        How much places in the body's frame count, 0 to 1; beyond it, all do.
+    pose : ndarray
+        The body's place and heading.
+    box : ndarray, shape (2,)
+        Left and top of the crop.
+    weight : ndarray, shape (H, W)
+        The weight, changed.
+    """
+    cos, sin = math.cos(pose[2]), math.sin(pose[2])
+    half = kept.shape[0] // 2
+    for v in range(weight.shape[0]):
+        for u in range(weight.shape[1]):
+            du, dv = u + box[0] - pose[0], v + box[1] - pose[1]
+            x, y = du * cos + dv * sin + half, -du * sin + dv * cos + half
+            a, b = math.floor(x), math.floor(y)
+            if 0 <= a < kept.shape[0] - 1 and 0 <= b < kept.shape[0] - 1:
+                s, t = x - a, y - b
+                upper = (1 - s) * kept[b, a] + s * kept[b, a + 1]
+                lower = (1 - s) * kept[b + 1, a] + s * kept[b + 1, a + 1]
+                weight[v, u] *= (1 - t) * upper + t * lower
+
+
+@compiled
 def hide(
     fixtures: np.ndarray, pose: np.ndarray, body: np.ndarray, box: np.ndarray, seen: np.ndarray,
     weight: np.ndarray,

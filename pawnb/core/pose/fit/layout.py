@@ -40,11 +40,12 @@ class Layout(NamedTuple):
         forwards), its length where it lies flat.
     radius, dark : ndarray, shape (legs, segments + 1)
         Half the thickness, and the darkness relative to the background, at the ends of segments.
-    ellipse : ndarray, shape (parts, 6)
-        Centre forward and right, half axes along and across, darkness, and how much broader the
-        part is in front of its middle than behind, as an egg is: its half width at the share a of
-        its half length is the half axis across times 1 + egg * a. Where parts in front and behind
-        meet at the origin, the last row is the waist that joins them there.
+    ellipse : ndarray, shape (parts, 7)
+        Centre forward and right, half axes along and across, darkness of its rim, how much broader
+        the part is in front of its middle than behind, as an egg is (its half width at the share a
+        of its half length is the half axis across times 1 + egg * a), and darkness of its middle.
+        Where parts in front and behind meet at the origin, the last row is the waist that joins
+        them there.
     """
 
     side: np.ndarray
@@ -100,13 +101,14 @@ def make_layout(
         paler[i, : len(leg.segments) + 1] = np.linspace(1.0, 0.6, len(leg.segments) + 1)
     n_links = np.array([int(links_of(leg)[0][-1]) + 1 for leg in legs])
     body = [(*part.centre, part.length / 2, part.width / 2) for part in animal.body]
+    darkness = np.full(len(body), dark)
     ellipse = np.column_stack(
-        [np.array(body) * px_per_unit, np.full(len(body), dark), np.zeros(len(body))]
+        [np.array(body) * px_per_unit, darkness, np.zeros(len(body)), darkness]
     )
     beside = ellipse[meeting(ellipse) != 0.0]
     if len(beside):
         half, across = _WAIST_LENGTH * beside[:, 2].min(), _WAIST_WIDTH * beside[:, 3].min()
-        ellipse = np.vstack([ellipse, [0.0, 0.0, half, across, dark, 0.0]])
+        ellipse = np.vstack([ellipse, [0.0, 0.0, half, across, dark, 0.0, dark]])
     return Layout(
         side=np.array([leg.side for leg in legs], dtype=float),
         attach=np.array([leg.attach for leg in legs]) * px_per_unit,
@@ -127,7 +129,7 @@ def meeting(ellipse: np.ndarray) -> np.ndarray:
 
     Parameters
     ----------
-    ellipse : ndarray, shape (parts, 6)
+    ellipse : ndarray, shape (parts, 7)
         The parts as the species file has them.
 
     Returns

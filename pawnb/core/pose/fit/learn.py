@@ -115,7 +115,7 @@ def _step(layout: Layout, frames: list[tuple[np.ndarray, Sight]], known: _Known)
             layout, blur, sight.box, value, owner, along, joints, sight.seen, sight.weight, soft,
             matrix, vector,
         )  # fmt: skip
-        parts, sums = np.zeros((len(meets), 8, 8)), np.zeros((len(meets), 8))
+        parts, sums = np.zeros((len(meets), 9, 9)), np.zeros((len(meets), 9))
         body_equations(
             layout, meets, pose, blur, sight.box, value, owner, sight.seen, sight.weight, soft,
             parts, sums,

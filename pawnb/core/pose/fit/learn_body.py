@@ -7,11 +7,11 @@ import numpy as np
 from pawnb.core.pose.fit.layout import N_BODY, meeting
 
 LEAST_DARK, MOST_DARK = 0.08, 1.1
-_BODY_SD = (0.15, 0.15, 0.5, 0.15)
-_WAIST_SD = (1e-3, 0.5, 0.5, 1e-3)
+_BODY_SD = (0.15, 0.15, 0.5, 0.15, 0.5)
+_WAIST_SD = (1e-3, 0.5, 0.5, 1e-3, 1e-3)
 _OVERLAP_SD = 0.04
-"""Of a part of the body: logarithms of length and width, darkness, egg; of its half length, by
-how much parts that meet reach into each other."""
+"""Of a part of the body: logarithms of length and width, darkness, egg, by how much its middle is
+darker than its rim; of its half length, by how much parts that meet reach into each other."""
 _LEAST_PRECISION = 1e-6
 """Of what neither picture nor prior says anything."""
 _MOST_EGG = 0.4
@@ -27,9 +27,9 @@ class BodyEquations:
 
     Parameters
     ----------
-    ellipse : ndarray, shape (parts, 6)
+    ellipse : ndarray, shape (parts, 7)
         The body as known so far, see :class:`.layout.Layout`.
-    known : ndarray, shape (parts, 6)
+    known : ndarray, shape (parts, 7)
         The body as the species file has it.
     n_frames : int
         How many frames will be added.
@@ -51,12 +51,13 @@ class BodyEquations:
         self.follow: list[tuple[np.ndarray, np.ndarray]] = []
 
     def _numbers(self, ellipse: np.ndarray) -> np.ndarray:
-        """Return log length, log width, darkness and egg of every part, then the overlap."""
+        """Return what is learnt of every part, see ``_BODY_SD``, then the overlap."""
         longer, wider = np.log(ellipse[:, 2:4] / self.known[:, 2:4]).T
         darker = ellipse[:, 4] - self.known[:, 4]
         inwards = self.meets * (self.known[:, 0] * np.exp(longer) - ellipse[:, 0])
         overlap = inwards[self.meets != 0.0].mean() if self.meets.any() else 0.0
-        shape = np.column_stack([longer, wider, darker, ellipse[:, 5]])
+        middle = ellipse[:, 6] - ellipse[:, 4]
+        shape = np.column_stack([longer, wider, darker, ellipse[:, 5], middle])
         return np.append(shape.ravel(), overlap)
 
     def prior_cost(self, ellipse: np.ndarray) -> float:
@@ -70,7 +71,7 @@ class BodyEquations:
 
         Parameters
         ----------
-        matrix, vector : ndarray, shape (parts, 8, 8) and (parts, 8)
+        matrix, vector : ndarray, shape (parts, 9, 9) and (parts, 9)
             See :func:`.learn_loops.body_equations`.
         of_pose : ndarray, shape (n_parameters, n_parameters)
             The Gauss-Newton matrix of the pose, by picture and prior.
@@ -80,10 +81,10 @@ class BodyEquations:
         n = len(self.now)
         across = np.zeros((n, len(of_pose)))
         for part in range(len(matrix)):
-            at = [*range(4 * part, 4 * part + 4), n - 1]  # the overlap is common to all
-            self.matrix[np.ix_(at, at)] += matrix[part, :5, :5]
-            self.vector[at] += vector[part, :5]
-            across[at, :N_BODY] += matrix[part, :5, 5:]
+            at = [*range(5 * part, 5 * part + 5), n - 1]  # the overlap is common to all
+            self.matrix[np.ix_(at, at)] += matrix[part, :6, :6]
+            self.vector[at] += vector[part, :6]
+            across[at, :N_BODY] += matrix[part, :6, 6:]
         both = np.column_stack([across.T, slope])
         solved = np.linalg.solve(of_pose + _LEAST_PRECISION * np.eye(len(of_pose)), both)
         follow, own = solved[:, :-1], solved[:, -1]
@@ -95,7 +96,7 @@ class BodyEquations:
         """Return the body after the step, and how each frame's pose moves with it."""
         step = -np.linalg.solve(self.matrix, self.vector)
         step = np.clip(step, -_MOST_STEP, _MOST_STEP)
-        longer, wider, darker, egg = (self.now + step)[:-1].reshape(-1, 4).T
+        longer, wider, darker, egg, middle = (self.now + step)[:-1].reshape(-1, 5).T
         overlap = self.now[-1] + step[-1]
         known, ellipse = self.known, self.ellipse.copy()
         ellipse[:, 0] = known[:, 0] * np.exp(longer) - self.meets * overlap
@@ -103,6 +104,7 @@ class BodyEquations:
         ellipse[:, 3] = known[:, 3] * np.exp(wider)
         ellipse[:, 4] = np.clip(known[:, 4] + darker, LEAST_DARK, MOST_DARK)
         ellipse[:, 5] = np.clip(egg, -_MOST_EGG, _MOST_EGG)
+        ellipse[:, 6] = np.clip(ellipse[:, 4] + middle, LEAST_DARK, MOST_DARK)
         if self.meets.any():  # what joins two parts is no wider than either
             ellipse[-1, 3] = min(ellipse[-1, 3], ellipse[self.meets != 0.0, 3].min())
         return ellipse, [-own - follow @ step for follow, own in self.follow]

@@ -8,7 +8,7 @@ import numpy as np
 
 from pawnb.core.compiled import compiled
 from pawnb.core.pose.fit.layout import Layout
-from pawnb.core.pose.fit.paint_loops import egg_shape, slope, step
+from pawnb.core.pose.fit.paint_loops import egg_shape, part_dark, slope, step
 
 
 @compiled
@@ -68,36 +68,38 @@ def body_equations(
 ) -> None:  # fmt: skip
     """Add the equations of the body's parts and its place.
 
-    Of each part: log length, log width, darkness, egg, overlap; then x, y, heading of the pose.
+    Of each part: log length, log width, darkness, egg, by how much its middle is darker than its
+    rim, overlap; then x, y, heading of the pose.
 
     A part that grows in length keeps its place relative to the origin: its middle moves too. The
     overlap is by how much the parts that meet at the origin (``meets``, see
-    :func:`.layout.meeting`) reach beyond it. ``matrix`` and ``vector`` are (parts, 8, 8) and
-    (parts, 8).
+    :func:`.layout.meeting`) reach beyond it. ``matrix`` and ``vector`` are (parts, 9, 9) and
+    (parts, 9).
     """
     cos, sin = math.cos(pose[2]), math.sin(pose[2])
-    row = np.zeros(8)
+    row = np.zeros(9)
     for v in range(value.shape[0]):
         for u in range(value.shape[1]):
             part = -2 - owner[v, u]
             if part < 0:
                 continue
-            forward, right, half, across, dark, egg = layout.ellipse[part]
+            forward, right, half, across, dark, egg, middle = layout.ellipse[part]
             du, dv = u + box[0] - pose[0], v + box[1] - pose[1]
             x, y = du * cos + dv * sin, -du * sin + dv * cos
             outside, na, nb = egg_shape(x - forward, y - right, half, across, egg)
-            edge = dark * slope(-outside / blur) / blur
+            here, edge, deep = part_dark(min(outside, blur), dark, middle, blur)
             a = (x - forward) / half
             row[0] = edge * na * x
             row[1] = edge * nb * (y - right)
-            row[2] = step(-outside / blur)
+            row[2] = (here - (middle - dark) * deep) / dark
             row[3] = edge * nb * (y - right) * a / max(1.0 + egg * a, 0.2)
-            row[4] = -meets[part] * edge * na
-            row[5], row[6] = edge * (na * cos - nb * sin), edge * (na * sin + nb * cos)
-            row[7] = row[6] * du - row[5] * dv
+            row[4] = deep
+            row[5] = -meets[part] * edge * na
+            row[6], row[7] = edge * (na * cos - nb * sin), edge * (na * sin + nb * cos)
+            row[8] = row[7] * du - row[6] * dv
             error = value[v, u] - seen[v, u]
             w = weight[v, u] / (1.0 + error * error / (soft * soft)) ** 2
-            for i in range(8):
+            for i in range(9):
                 vector[part, i] += w * row[i] * error
-                for j in range(8):
+                for j in range(9):
                     matrix[part, i, j] += w * row[i] * row[j]

@@ -1,10 +1,10 @@
 """Painting the stick animal, and how the painted picture changes with the pose: compiled loops.
 
 A leg's segment is a capsule whose thickness and darkness change along it; the last is cut off
-straight at the tip, for that is where a leg is seen to end. A part of the body is an ellipse. Where
-several lie on one pixel, the darkest shows. The picture's blur is that of a
-parabolic kernel, whose integral is a polynomial; ``blur`` is its half width in px, sqrt(5) times
-its standard deviation.
+straight at the tip, for that is where a leg is seen to end. A part of the body is an ellipse; its
+rim has a darkness of its own, so that a pattern in its middle does not move its edge. Where several
+lie on one pixel, the darkest shows. The picture's blur is that of a parabolic kernel, whose
+integral is a polynomial; ``blur`` is its half width in px, sqrt(5) times its standard deviation.
 
 A pixel remembers which piece it shows: segment ``leg * 64 + segment``, part of the body
 ``-2 - part``, nothing -1; and how far along a segment it lies:
@@ -21,6 +21,9 @@ from pawnb.core.compiled import compiled
 from pawnb.core.pose.fit.layout import Layout
 
 NOTHING = -1
+_RIM = 2.0
+"""So far inside its edge, half widths of the blur, the rim of a part of the body changes into its
+middle: where the blur of the edge ends the change begins."""
 
 
 @compiled
@@ -91,6 +94,34 @@ def egg_shape(
 
 
 @compiled
+def part_dark(
+    outside: float, dark: float, middle: float, blur: float
+) -> tuple[float, float, float]:
+    """Return how dark a part of the body is at a place, and how that changes.
+
+    Parameters
+    ----------
+    outside : float
+        How far outside the part the place lies, px; less than ``blur``.
+    dark, middle : float
+        Darkness of its rim and of its middle.
+    blur : float
+        Half width of the blur, px.
+
+    Returns
+    -------
+    here, change, deep : float
+        Its darkness, the change of that per px further inside, and how much the place belongs
+        to the middle, 0 to 1.
+    """
+    inside = -outside / blur
+    if inside < 1.0:
+        return dark * step(inside), dark * slope(inside) / blur, 0.0
+    deep = step(inside - _RIM)
+    return dark + (middle - dark) * deep, (middle - dark) * slope(inside - _RIM) / blur, deep
+
+
+@compiled
 def paint_body(
     layout: Layout, pose: np.ndarray, blur: float, box: np.ndarray, value: np.ndarray,
     owner: np.ndarray,
@@ -99,7 +130,7 @@ def paint_body(
     height, width = value.shape
     cos, sin = math.cos(pose[2]), math.sin(pose[2])
     for e in range(layout.ellipse.shape[0]):
-        forward, right, along, across, dark, egg = layout.ellipse[e]
+        forward, right, along, across, dark, egg, middle = layout.ellipse[e]
         cu = pose[0] + forward * cos - right * sin - box[0]
         cv = pose[1] + forward * sin + right * cos - box[1]
         reach = max(along, across * (1.0 + abs(egg))) + blur + 1.0
@@ -109,7 +140,7 @@ def paint_body(
                 outside, _, _ = egg_shape(x, y, along, across, egg)
                 if outside >= blur:
                     continue
-                here = dark * step(-outside / blur)
+                here, _, _ = part_dark(outside, dark, middle, blur)
                 if here > value[v, u]:
                     value[v, u] = here
                     owner[v, u] = -2 - e
@@ -180,12 +211,14 @@ def body_slope(
 
     ``cos`` and ``sin`` are those of the heading.
     """
-    forward, right, half, across, dark, egg = layout.ellipse[part]
+    forward, right, half, across, dark, egg, middle = layout.ellipse[part]
     du = u - pose[0]
     dv = v - pose[1]
     x, y = du * cos + dv * sin - forward, -du * sin + dv * cos - right
     outside, na, nb = egg_shape(x, y, half, across, egg)
-    change = dark * slope(-outside / blur) / blur
+    if outside >= blur:
+        return False
+    _, change, _ = part_dark(outside, dark, middle, blur)
     if change == 0.0:
         return False
     nu, nv = na * cos - nb * sin, na * sin + nb * cos

@@ -187,7 +187,7 @@ def first_darkness(fitter: FrameFitter, frame: Frame, pose: np.ndarray) -> Layou
     layout = fitter.layout
     factor = dark / float(layout.dark.max())
     ellipse = layout.ellipse.copy()
-    ellipse[:, 4] *= factor
+    ellipse[:, [4, 6]] *= factor
     return layout._replace(dark=layout.dark * factor, ellipse=ellipse)
 
 

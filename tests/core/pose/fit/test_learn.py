@@ -111,7 +111,7 @@ def test_a_body_whose_parts_do_not_meet_has_no_waist():
     assert meeting(ellipse).tolist() == [1.0, -1.0, 0.0]
     ahead = dataclasses.replace(animal, body=animal.body[:1])
     assert len(make_layout(ahead, px_per_unit=2.0).ellipse) == 1
-    assert meeting(ellipse + np.array([4.0, 0, 0, 0, 0, 0])).tolist() == [0.0, 0.0, 0.0]
+    assert meeting(ellipse + np.array([4.0, 0, 0, 0, 0, 0, 0])).tolist() == [0.0, 0.0, 0.0]
 
 
 def test_partners_are_the_legs_across():
@@ -122,3 +122,20 @@ def test_partners_are_the_legs_across():
         assert names[i][0] != names[j][0]
     lone = animal.without(["L1"])
     assert lone.leg_names[partners(lone)[lone.leg_names.index("R1")]] == "R1"
+
+
+def test_a_pattern_in_the_middle_of_a_part_does_not_move_its_edge():
+    animal = load_species("dolomedes")
+    pose = pose_vectors(animal, natural_pose(animal, xy=(100.0, 100.0), scale=2.4))[0]
+    first = make_layout(animal, px_per_unit=2.4)
+    true = make_layout(animal, px_per_unit=2.4)
+    true.ellipse[1, 6] -= 0.2
+    canvas = make_canvas(200, 200, true)
+    paint(true, pose, 2.0, np.zeros(2), *canvas)
+    sight = Sight(canvas[0].copy(), np.full((200, 200), 70.0), np.zeros(2))
+    found = learn_look(
+        first, [(pose, sight)], first=first, partner=partners(animal), prior=unknown(len(pose)),
+        blur=2.0, soft=0.45, rounds=8,
+    )  # fmt: skip
+    assert found.ellipse[1, 4] - found.ellipse[1, 6] == pytest.approx(0.2, abs=0.02)
+    np.testing.assert_allclose(found.ellipse[1, :4], true.ellipse[1, :4], atol=0.05)
