@@ -136,7 +136,7 @@ def settle_all(fitter: FrameFitter, found: Sequence[Choices], poses: np.ndarray)
     def first(own: FrameFitter, t: int) -> _Own:
         sight = own.sight(found[t].image.astype(float), found[t].box, poses[t])
         sight = without_odd_places(own, poses[t], sight)
-        pose, _ = own.fit(poses[t], sight, anatomy, rounds=_ROUNDS)  # the look was learnt again
+        pose, _ = own.fit(poses[t], sight, anatomy, rounds=8, enough=0.01)  # the look is new
         return _own_near(own, pose, sight, anatomy)
 
     own = on_threads(fitter, range(len(found)), first)

@@ -21,8 +21,9 @@ _FEW = 6
 _ODD = 0.25
 """Difference, of the body's darkness, from which on a place is odd: an outline that is wrong by a
 third of a pixel errs by as much."""
-_MOST = 0.3
-"""At most this share of the body is odd: if more is not as painted, the rest says no more."""
+_MOST = 0.1
+"""Nothing is left out where a larger share of the body is odd: it is no animal of eggs then, and too
+little of its outline would be left to tell its heading."""
 _BEYOND_PX = 8.0
 _GROWS_PX = 2
 """The blur spreads what is odd so far."""
@@ -57,8 +58,9 @@ def find_odd_places(
     pose, empty = np.zeros(fitter.n), np.zeros((side, side))
     middle = np.array([-(side // 2), -(side // 2)], dtype=float)
     body = fitter.near_body(pose, Sight(empty, empty, middle), margin=fitter.blur)
-    usual = float(np.quantile(away[body], 1.0 - _MOST))
-    odd = away > max(_ODD * float(fitter.layout.ellipse[:, 4].max()), usual)
+    odd = away > _ODD * float(fitter.layout.ellipse[:, 4].max())
+    if odd[body].mean() > _MOST:
+        return None
     disc = np.ones((2 * _GROWS_PX + 1, 2 * _GROWS_PX + 1), np.uint8)
     return 1.0 - cv2.dilate(odd.astype(np.uint8), disc).astype(float)
 
