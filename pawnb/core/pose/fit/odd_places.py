@@ -22,8 +22,8 @@ _ODD = 0.25
 """Difference, of the body's darkness, from which on a place is odd: an outline that is wrong by a
 third of a pixel errs by as much."""
 _MOST = 0.1
-"""Nothing is left out where a larger share of the body is odd: it is no animal of eggs then, and too
-little of its outline would be left to tell its heading."""
+"""Nothing is left out where a larger share of the body is odd: it is no animal of eggs then, and
+too little of its outline would be left to tell its heading."""
 _BEYOND_PX = 8.0
 _GROWS_PX = 2
 """The blur spreads what is odd so far."""
