@@ -56,6 +56,18 @@ def test_what_sticks_out_does_not_count_and_the_rest_does(scene):
     assert 1.0 - kept.mean() < 0.05
 
 
+def test_a_sight_without_odd_places_has_no_weight_at_the_jaws_and_leaves_the_first_as_it_was(scene):
+    fitter, frames = scene
+    fitter.odd_places = find_odd_places(fitter, frames)
+    pose, sight = frames[3]
+    counts = without_odd_places(fitter, pose, sight).weight
+    ahead = 14 * SCALE * np.array([np.cos(pose[2]), np.sin(pose[2])])
+    u, v = np.round(pose[:2] + ahead).astype(int)
+    assert counts[v, u] == 0.0
+    assert counts[round(pose[1]), round(pose[0])] == 70.0
+    assert (sight.weight == 70.0).all()
+
+
 def test_too_few_frames_tell_nothing(scene):
     fitter, frames = scene
     assert find_odd_places(fitter, frames[:5]) is None

@@ -26,6 +26,7 @@ def test_sure_frames_are_learnt_from_unless_there_are_too_few(
     monkeypatch.setattr(relearn, "learn_look", lambda layout, *_, **__: layout + 1)
     monkeypatch.setattr(relearn, "partners", lambda _animal: None)
     monkeypatch.setattr(relearn, "usual_lengths", lambda *_: None)
+    monkeypatch.setattr(relearn, "find_odd_places", lambda *_: None)
     fitter = SimpleNamespace(
         layout=0, animal=None, first=None, blur=1.0, settings=SimpleNamespace(soft_error=1.0)
     )
