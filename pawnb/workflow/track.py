@@ -126,6 +126,7 @@ def track(
         clicks = start_clicks(trial, views, start)
         rig = trial_rig(trial, views, method=method)
         first, last = frame_range(trial, views, clicks, frames=frames)
+        _tell_left_out((frames or trial.frames or (0, last))[0], first)
         store = _store(trial, method, out, stack)
         step = build_step(
             "track",
@@ -299,6 +300,17 @@ def _store(
     store = open_store(trial, None if out is None else Path(out))
     stack.callback(keep_store, store)
     return store
+
+
+def _tell_left_out(asked: int, first: int) -> None:
+    """Warn that frames before the first click are not tracked."""
+    if asked < first:
+        warnings.warn(
+            f"frames {asked} to {first - 1} lie before the first click, in frame {first}, and are "
+            f"not tracked; click the points in frame {asked} too to have them.",
+            InputWarning,
+            stacklevel=3,
+        )
 
 
 def _tell_interrupted(tracks: Tracks, first: int, last: int) -> None:

@@ -385,3 +385,11 @@ def test_start_csv_beside_the_trial_is_found(small_trial):
     change(small_trial, '[start]\npoints = "start.csv"', "")
     tracks = track(small_trial, frames=(0, 2))
     assert "start.csv" in json.loads(tracks.attrs["provenance"])["steps"][0]["inputs"]
+
+
+def test_frames_before_the_first_click_are_said_to_be_left_out(small_trial):
+    clicks = pd.read_csv(small_trial / "start.csv")
+    clicks["frame"] += 3  # paws move little in three frames
+    with pytest.warns(InputWarning, match="frames 0 to 2 lie before the first click, in frame 3"):
+        tracks = track(small_trial, method="slic-2d", start=clicks, frames=(0, 8))
+    assert tracks["frame"].to_numpy().tolist() == [3, 4, 5, 6, 7]
