@@ -14,7 +14,7 @@ import numpy as np
 from pawnb.core.paws.appearance import Picture
 from pawnb.core.paws.layout import Views
 from pawnb.core.paws.whole.appearance import Appearance, reduce
-from pawnb.core.paws.whole.candidates import Look, find_candidates
+from pawnb.core.paws.whole.candidates import Look, find_candidates, worth
 from pawnb.core.paws.whole.store import CandidateStore
 from pawnb.core.views import Frame
 
@@ -59,11 +59,22 @@ class Region:
         (u0, u1), (v0, v1) = ends
         return u0, v0, u1, v1
 
-    def follow(self, found: np.ndarray) -> None:
-        """Move with the mean of the candidates."""
+    def follow(self, found: np.ndarray, likeness: np.ndarray) -> None:
+        """Move with the mean of the candidates, by how much each looks like a paw.
+
+        What looks little like one may be a part of the belt or the box: it does not move
+        with the animal, and each view has its own.
+
+        Parameters
+        ----------
+        found : ndarray, shape (n, ...)
+            The candidates; their first column is u, px.
+        likeness : ndarray, shape (n,)
+            How much each looks like a paw, 0 to 1.
+        """
         if len(found) < 2:
             return
-        mean = float(found[:, 0].mean())
+        mean = float(np.average(found[:, 0], weights=likeness))
         if self.offset is None:
             self.offset = mean - float(self.centre[0])
         step = mean - self.offset - self.centre[0]
@@ -133,7 +144,7 @@ def extract(
 
     def search(v: int, picture: Picture) -> np.ndarray:
         rows = find_candidates(*searched(picture, regions[v], looks[v].shrink), looks[v])
-        regions[v].follow(rows)
+        regions[v].follow(rows, worth(rows, looks[v].distal))
         return rows
 
     waiting: deque[list[Future[np.ndarray]]] = deque()
@@ -171,8 +182,8 @@ def _found_before(
     """Return what an earlier run has found, with the regions moved as far."""
     found = store.begin(len(looks), frames[0], looks, regions)[: frames[1] - frames[0]]
     for here in found:
-        for region, rows in zip(regions, here, strict=True):
-            region.follow(rows)
+        for region, rows, look in zip(regions, here, looks, strict=True):
+            region.follow(rows, worth(rows, look.distal))
     return found
 
 
