@@ -209,13 +209,15 @@ def _retracked(
     kept = np.intersect1d(tracks["frame"], new["frame"], return_indices=True)
     rows_old, rows_new = (rows[kept[0] >= frame] for rows in kept[1:])
     edited = tracks["image_origin"].values[rows_old] == EDITED
+    # rows that were not tracked again are as they were: what is clicked at the start stays smoothed
+    again = ~_are_same(tracks, rows_old, new, rows_new)
     for name in ("image_origin", "image_confidence"):
         values = new[name].values[rows_new]
         new[name].values[rows_new] = np.where(edited, tracks[name].values[rows_old], values)
     uv = new["image_position"].values[rows_new]
     old_uv = tracks["image_position"].values[rows_old]
     new["image_position"].values[rows_new] = np.where(edited[:, :, None], old_uv, uv)
-    touched = edited.any(axis=(1, 3))
+    touched = edited.any(axis=(1, 3)) & again
     solve = _Solver(new, rig, px_per_unit)
     for point in np.flatnonzero(touched.any(axis=0)):
         solve(rows_new[touched[:, point]], [int(point)])
@@ -225,6 +227,20 @@ def _retracked(
             _put(new, row, hide)
             solve(np.array([row]), [_place(new, "keypoint", hide.point)])
     return new
+
+
+def _are_same(
+    tracks: Tracks, rows: np.ndarray, others: Tracks, other_rows: np.ndarray
+) -> np.ndarray:
+    """Tell where points (n, P) of some rows are placed alike in two tracks."""
+    same = np.ones((len(rows), tracks.sizes["keypoint"]), dtype=bool)
+    for name in ("position", "image_position", "image_origin"):
+        axes = tuple(
+            i for i, dim in enumerate(tracks[name].dims) if dim not in ("time", "keypoint")
+        )
+        pair = (tracks[name].values[rows], others[name].values[other_rows])
+        same &= ((pair[0] == pair[1]) | (pair[0] != pair[0]) & (pair[1] != pair[1])).all(axis=axes)
+    return same
 
 
 class _Solver:
