@@ -30,6 +30,7 @@ class ClickInitialiser(FrameCanvas):
     The next point is asked for by itself, view by view. Where the views are calibrated, a
     dashed line shows where a point clicked in one other view must lie, and a hollow
     diamond where two others say it is. Every change is written to ``start.csv`` at once.
+    Any frame will do: method ``pawnb`` tracks both ways from it.
 
     Parameters
     ----------

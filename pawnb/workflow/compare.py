@@ -121,7 +121,8 @@ def compare_methods(
         Settings of the tracker, given to every method that has one of that name. A name
         with a method before it, as in ``"paper.n_superpixels"``, is for that method only.
     frames : tuple of int, optional
-        Half-open range of frames; default all.
+        Half-open range of frames; default all. Where paws were clicked in a later one, the
+        published methods have only the frames from there on, and their rates are of those.
     corrections : bool
         Whether to count with corrections as well, which tracks again after each; without,
         ``major_per_1000`` and ``minor_per_1000`` are blank.

@@ -82,8 +82,9 @@ def track(
         Clicks with columns frame, view, point, u, v (px); default the trial's ``start.csv``.
         Of a jointed animal the columns of ``start_pose.csv``.
     frames : tuple of int, optional
-        Half-open range of frames; default the trial's, else from the first clicked frame on
-        (of a jointed animal, all).
+        Half-open range of frames; default the trial's, else all. Method ``"pawnb"`` goes both
+        ways from the clicks, as tracking a jointed animal does; the others begin with the first
+        clicked frame and warn of what lies before it.
     out : str or Path, optional
         Folder for ``tracks.nc``, its tables, ``suspects.csv``, ``provenance.json`` and
         ``candidates.bin``. After an interruption a second run goes on from what is there.
@@ -92,6 +93,7 @@ def track(
     stop : callable, optional
         Asked before each frame; when it answers True, what is done is kept. By default an
         interrupt (Ctrl-C) does that. Called again with the same ``out``, it goes on from there.
+        Method ``"pawnb"`` has tracks to show once it has come to the clicks.
     command : sequence of str, optional
         The command line, for the provenance.
 
@@ -125,8 +127,9 @@ def track(
             warnings.warn(note, InputWarning, stacklevel=2)
         clicks = start_clicks(trial, views, start)
         rig = trial_rig(trial, views, method=method)
-        first, last = frame_range(trial, views, clicks, frames=frames)
-        _tell_left_out((frames or trial.frames or (0, last))[0], first)
+        first, last = frame_range(trial, views, clicks, method=method, frames=frames)
+        if method != METHODS[0]:
+            _tell_left_out((frames or trial.frames or (0, last))[0], first)
         store = _store(trial, method, out, stack)
         step = build_step(
             "track",

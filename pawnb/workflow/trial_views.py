@@ -65,7 +65,12 @@ def view_facing(trial: Trial, rig: Rig | None) -> dict[str, int]:
 
 
 def frame_range(
-    trial: Trial, views: ViewSet, clicks: pd.DataFrame, *, frames: tuple[int, int] | None = None
+    trial: Trial,
+    views: ViewSet,
+    clicks: pd.DataFrame,
+    *,
+    method: str = METHODS[0],
+    frames: tuple[int, int] | None = None,
 ) -> tuple[int, int]:
     """Return the half-open range of frames to track.
 
@@ -77,13 +82,16 @@ def frame_range(
         Its open views.
     clicks : pandas.DataFrame
         Its start clicks.
+    method : str
+        The method of the tracker. ``pawnb`` tracks all frames, the others those from the first
+        click on.
     frames : tuple of int, optional
-        What was asked for; default the trial's, else from the first click to the end.
+        What was asked for; default the trial's, else the whole recording.
 
     Returns
     -------
     tuple of int
-        The frame of the first click, from which tracking starts, and one past the last frame.
+        The first frame to track, and one past the last.
 
     Raises
     ------
@@ -91,7 +99,7 @@ def frame_range(
         If the recording has not all of these frames, or the first click lies outside.
     """
     clicked = int(clicks["frame"].min())
-    first, last = frames or trial.frames or (min(clicked, views.n_frames - 1), views.n_frames)
+    first, last = frames or trial.frames or (views.first_frame, views.n_frames)
     if not 0 <= first < last <= views.n_frames:
         raise InputError(
             f"frames {first} to {last - 1} were asked for; the recording has frames 0 to "
@@ -102,4 +110,5 @@ def frame_range(
             f"the start points were clicked in frame {clicked}, outside frames {first} to "
             f"{last - 1}; click a frame within, or change the range."
         )
-    return clicked, last
+    # a view may begin later than the trial
+    return max(first, views.first_frame) if method == METHODS[0] else clicked, last

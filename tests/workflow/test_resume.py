@@ -205,3 +205,65 @@ def test_interrupted_before_the_first_frame_there_is_nothing_to_keep(small_trial
     monkeypatch.setattr(ViewSet, "frames", frames)
     with pytest.raises(KeyboardInterrupt):
         track(load_trial(small_trial))
+
+
+@pytest.fixture
+def clicked_late(small_trial):
+    """The small trial, clicked in frame 8."""
+    truth = pd.read_csv(small_trial / "truth" / "tracks.csv").query("frame == 8 and visible == 1")
+    clicks = pd.read_csv(small_trial / "start.csv")[["view", "point"]].merge(truth)
+    clicks = clicks[["frame", "view", "point", "u", "v"]]
+    assert clicks["point"].nunique() == 4
+    clicks.to_csv(small_trial / "start.csv", index=False)
+    return load_trial(small_trial)
+
+
+def test_interrupted_before_the_clicks_it_keeps_what_was_searched(clicked_late, tmp_path, decoded):
+    """Without a frame in which the paws are known there are no tracks yet."""
+    ask = {"frames": (0, N), "progress": interrupt_at(4)}
+    whole = track(clicked_late, frames=(0, N))
+    kept_candidates._in_memory.clear()
+    with pytest.raises(KeyboardInterrupt):
+        track(clicked_late, **ask, out=tmp_path)
+    decoded.clear()
+    again = track(clicked_late, frames=(0, N), out=tmp_path)
+    back, ahead = decoded
+    assert back == (8, -1)  # a few frames tell where the animal was
+    assert 4 <= ahead[0] < 8
+    assert ahead[1] == N
+    xr.testing.assert_identical(again, whole)
+
+
+def test_interrupted_after_the_clicks_it_keeps_the_frames_before_them(clicked_late, tmp_path):
+    whole = track(clicked_late, frames=(0, N))
+    kept_candidates._in_memory.clear()
+    with pytest.warns(InputWarning, match="interrupted: frames 0 to"):
+        part = track(clicked_late, frames=(0, N), out=tmp_path, progress=interrupt_at(9))
+    assert 9 <= part.sizes["time"] < N
+    assert np.isfinite(part["position"]).all()
+    again = track(clicked_late, frames=(0, N), out=tmp_path)
+    xr.testing.assert_identical(again, whole)
+
+
+def test_a_command_interrupted_before_the_clicks_says_how_to_go_on(
+    clicked_late, tmp_path, capsys, monkeypatch
+):
+    plain = ViewSet.frames
+
+    def frames(self, start, stop, **options):
+        for i, pictures in plain(self, start, stop, **options):
+            if i == 4 and "step" not in options:
+                signal.raise_signal(signal.SIGINT)
+            yield i, pictures
+
+    monkeypatch.setattr(ViewSet, "frames", frames)
+    asked = ["track", str(clicked_late.folder), "--out", str(tmp_path)]
+    assert cli.main(asked) == cli.EXIT_INTERRUPTED
+    assert "tracked 0 frames" in capsys.readouterr().out
+
+
+def test_a_correction_before_the_clicks_decodes_nothing(clicked_late, tmp_path, decoded):
+    tracks = track(clicked_late, frames=(0, N), out=tmp_path)
+    decoded.clear()
+    retrack(clicked_late, tracks, 3, out=tmp_path)
+    assert decoded == []

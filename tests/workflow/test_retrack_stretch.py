@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from pawnb.core.edits import EditLog, Move, Retrack, Swap
@@ -19,10 +20,10 @@ def quiet(_done, _total):
 class Corrected:
     """A tracked trial that is corrected as in the reviewer's window."""
 
-    def __init__(self, folder):
+    def __init__(self, folder, start=None):
         self.trial = load_trial(folder)
         self.rig = load_rig(self.trial)
-        self.tracks = track(self.trial, progress=quiet)
+        self.tracks = track(self.trial, start=start, progress=quiet)
 
     def log(self, path):
         return EditLog(
@@ -87,6 +88,41 @@ def test_a_hand_that_is_a_pixel_off_moves_the_track_about_its_frame_only(short, 
             log.tracks[name].isel(place).sel(view=["cam3", "cam4"], keypoint="HL"),
             before[name].isel(place).sel(view=["cam3", "cam4"], keypoint="HL"),
         )
+
+
+@pytest.fixture(scope="module")
+def clicked_late(rendered_trial):
+    """The same trial, clicked in frame 30 of 40."""
+    truth = pd.read_csv(rendered_trial / "truth" / "tracks.csv")
+    truth = truth.query("frame == 30 and visible == 1")
+    start = pd.read_csv(rendered_trial / "start.csv")[["view", "point"]].merge(truth)
+    return Corrected(rendered_trial, start[["frame", "view", "point", "u", "v"]])
+
+
+def test_a_correction_before_the_clicks_changes_its_stretch_only(clicked_late, tmp_path):
+    log = clicked_late.log(tmp_path / "edits.jsonl")
+    clicked_late.move(log, "HL", 5, off_px=1.0)
+    before = log.tracks
+    log.apply(Retrack(frame=5))
+    rows = changed_rows(log.tracks, before, "HL")
+    assert len(rows)
+    assert rows[0] >= 5
+    assert rows[-1] <= 5 + 10 + 5
+    assert_others_stay(log.tracks, before, ["FR", "HR", "FL"])
+
+
+def test_colours_learnt_anew_before_the_clicks_leave_the_rest_as_clicked(clicked_late, tmp_path):
+    """One paw is put right in frame 5: the animal's size is still told by frame 30, where all are.
+
+    A pixel is 5 px at full scale: the paw stays where it was to within that.
+    """
+    log = clicked_late.log(tmp_path / "edits.jsonl")
+    clicked_late.move(log, "HR", 5)
+    before = log.tracks
+    log.apply(Retrack(frame=5, learn=True))
+    own = {"keypoint": "HR", "view": ["cam1", "cam2"]}
+    away = (log.tracks["image_position"] - before["image_position"]).sel(own)
+    assert np.abs(away).max() < 1.0
 
 
 @pytest.mark.slow

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from fractions import Fraction
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -18,7 +19,7 @@ from pawnb.trial import load_trial
 from pawnb.workflow.evaluation import count_errors
 from pawnb.workflow.results import described_trial
 from pawnb.workflow.track import _frames_learnt_in, retrack, track
-from pawnb.workflow.trial_views import view_facing
+from pawnb.workflow.trial_views import frame_range, view_facing
 
 FRAMES = (0, 12)
 
@@ -57,6 +58,73 @@ def test_the_default_follows_every_paw_through_the_recording(rendered_trial):
     # paw: those of hind paws lie 0.65 px behind what one click, put at a whole pixel, tells
     assert report.median_px < 0.8
     assert report.median_px_centred < 0.4
+
+
+def clicks_in(folder, frame):
+    """What is visible in a frame of what the trial's views track, as start clicks."""
+    truth = pd.read_csv(folder / "truth" / "tracks.csv").query(f"frame == {frame} and visible == 1")
+    start = pd.read_csv(folder / "start.csv")
+    own = set(zip(start["view"], start["point"], strict=True))
+    truth = truth[[pair in own for pair in zip(truth["view"], truth["point"], strict=True)]]
+    return truth[["frame", "view", "point", "u", "v"]].reset_index(drop=True)
+
+
+@pytest.mark.parametrize("clicked", [5, 30])
+def test_the_default_goes_both_ways_from_where_paws_were_clicked(rendered_trial, clicked):
+    """Nothing is missing before the click, and paws are found there as they are after one."""
+    start = clicks_in(rendered_trial, clicked)
+    assert set(start["point"]) == {"FR", "HR", "FL", "HL"}
+    tracks = track(rendered_trial, start=start)
+    assert tracks["frame"].to_numpy().tolist() == list(range(40))
+    truth = pd.read_csv(rendered_trial / "truth" / "tracks.csv")
+    for part in (truth, truth[truth["frame"] < clicked]):
+        report = count_errors(tracks, part, threshold_px=4.0)
+        assert report.share_wrong < 0.05
+        assert report.share_missing == 0
+        assert report.median_px < 1.0  # an eighth of a front paw
+    here = tracks.isel(time=clicked, individual=0)
+    for click in start.itertuples():
+        place = here["image_position"].sel(view=click.view, keypoint=click.point)
+        np.testing.assert_allclose(place, [click.u, click.v])
+
+
+def test_the_trials_range_is_tracked_from_its_first_frame_on(small_trial):
+    change(small_trial, "[trial]", "[trial]\nframes = [4, 14]")
+    tracks = track(small_trial, start=clicks_in(small_trial, 8))
+    assert tracks["frame"].to_numpy().tolist() == list(range(4, 14))
+    steps = json.loads(tracks.attrs["provenance"])["steps"]
+    assert steps[0]["frames"] == [4, 14]
+
+
+@pytest.mark.parametrize(
+    ("frames", "method", "span"),
+    [
+        (None, "pawnb", (2, 38)),  # every view has these
+        ((0, 20), "pawnb", (2, 20)),
+        ((4, 20), "pawnb", (4, 20)),
+        ((4, 20), "paper", (9, 20)),
+        (None, "slic-2d", (9, 38)),
+    ],
+)
+def test_a_range_begins_where_every_view_has_begun(rendered_trial, frames, method, span):
+    views = SimpleNamespace(first_frame=2, n_frames=38)
+    clicks = clicks_in(rendered_trial, 9)
+    trial = load_trial(rendered_trial)
+    assert frame_range(trial, views, clicks, method=method, frames=frames) == span
+
+
+def test_points_clicked_in_different_frames_are_all_tracked_from_the_first(rendered_trial):
+    start = pd.concat(
+        [
+            clicks_in(rendered_trial, 0).query("point in ['FR', 'HL', 'FL']"),
+            clicks_in(rendered_trial, 30).query("point == 'HR'"),
+        ]
+    )
+    tracks = track(rendered_trial, start=start)
+    truth = pd.read_csv(rendered_trial / "truth" / "tracks.csv").query("point == 'HR'")
+    report = count_errors(tracks, truth[truth["frame"] < 30], threshold_px=4.0)
+    assert report.share_missing == 0
+    assert report.share_wrong < 0.05
 
 
 @pytest.mark.parametrize("method", ["pawnb", "slic-3d", "slic-2d"])
@@ -241,6 +309,29 @@ def test_landmarks_are_tracked_beside_the_paws_and_give_the_bodys_angles(
     true = body_angles(_with_positions(tracks, truth), along=names)
     found = body_angles(tracks, along=names)
     assert (found["yaw_deg"] - true["yaw_deg"]).abs().median() < yaw_deg
+
+
+def test_landmarks_are_tracked_before_their_click_too(small_trial):
+    _, truth = _with_landmarks(small_trial)
+    for _view in range(4):
+        change(small_trial, '"ear_R", ', "")
+    rig = load_rig(load_trial(small_trial))
+    nose = rig.project(truth.loc[(7, "nose")].to_numpy()[None])[0]
+    clicks = pd.DataFrame(
+        [(7, view, "nose", *uv) for view, uv in zip(rig.names, nose, strict=True)],
+        columns=["frame", "view", "point", "u", "v"],
+    )
+    done = []
+    tracks = track(
+        small_trial, frames=(0, 10), progress=lambda *step: done.append(step),
+        start=pd.concat([clicks_in(small_trial, 7), clicks]),
+    )  # fmt: skip
+    place = tracks["position"].sel(keypoint="nose").isel(individual=0).to_numpy()
+    true = np.stack([truth.loc[(frame, "nose")].to_numpy() for frame in range(10)])
+    assert np.linalg.norm(place - true, axis=1).max() < 1.5  # as where it is clicked at first
+    assert (tracks["origin"].sel(keypoint="nose") == ORIGIN_CODE["measured"])[:7].all()
+    # the seven frames before are gone through once more
+    assert done == [(k + 1, 17) for k in range(17)]
 
 
 def test_landmarks_leave_the_paws_alone_and_are_tracked_again(small_trial):

@@ -55,9 +55,9 @@ class Views(Protocol):
         ...
 
     def frames(
-        self, start: int, stop: int, *, partly: bool = False
+        self, start: int, stop: int, *, step: int = 1, partly: bool = False
     ) -> Iterator[tuple[int, Mapping[str, Picture]]]:
-        """Go through frames start to stop (exclusive) of every view; ``partly``: small parts."""
+        """Go through frames of every view, as :class:`range` does; ``partly``: small parts."""
         ...
 
 

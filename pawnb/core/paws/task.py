@@ -17,8 +17,8 @@ class Task:
     Parameters
     ----------
     frames : tuple of int
-        First frame and one past the last. Tracking begins with the first start frame;
-        frames before it stay missing.
+        First frame and one past the last. The published methods begin with the first start
+        frame: frames before it stay missing.
     fps : float
         Frames per second.
     rig : Rig, optional

@@ -6,7 +6,7 @@ import contextlib
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TypeAlias
 
 import numpy as np
@@ -22,6 +22,10 @@ Watch: TypeAlias = Callable[[int, Mapping[str, Picture]], None]
 
 FOLLOW = 0.06
 """Share by which the searched region follows the candidates from frame to frame."""
+
+_STRIDE = 8
+"""Frames between those in which the animal is sought back from the clicks: the region follows over
+twice as many."""
 
 _THREADS = 2
 _IN_HAND = 2
@@ -102,6 +106,7 @@ def extract(
     *,
     looks: Sequence[Look],
     regions: Sequence[Region],
+    home: int | None = None,
     store: CandidateStore | None = None,
     watch: Watch | None = None,
     progress: Callable[[int], None] | None = None,
@@ -116,7 +121,10 @@ def extract(
     frames : tuple of int
         First frame and one past the last.
     looks, regions : sequence
-        How and where to search, one a view; regions are moved.
+        How to search each view, and where in frame ``home``.
+    home : int, optional
+        Frame in which the regions are about the animal; default the first. From a later one the
+        animal is sought backwards, in a few frames, to know where it was in the first.
     store : CandidateStore, optional
         What an earlier run found is taken from it, and the rest is kept in it.
     watch : callable, optional
@@ -133,7 +141,8 @@ def extract(
         :func:`~pawnb.core.paws.whole.candidates.find_candidates`).
     """
     store = store or CandidateStore()
-    found = _found_before(store, frames, looks, regions)
+    home = frames[0] if home is None else home
+    found = store.begin(len(looks), frames[0], home, looks, regions)[: frames[1] - frames[0]]
     begin = frames[0] + len(found)
     if watch is not None:
         deque(_shown(views, (frames[0], begin), watch), maxlen=0)
@@ -141,11 +150,11 @@ def extract(
         progress(len(found))
     if begin == frames[1]:
         return found
-
-    def search(v: int, picture: Picture) -> np.ndarray:
-        rows = find_candidates(*searched(picture, regions[v], looks[v].shrink), looks[v])
-        regions[v].follow(rows, worth(rows, looks[v].distal))
-        return rows
+    search = _Search(looks, regions, home)
+    if frames[0] < home and begin < home and not search.go_back(views, frames[0], stop):
+        return found
+    for t, here in enumerate(found, frames[0]):
+        search.again(t, here)
 
     waiting: deque[list[Future[np.ndarray]]] = deque()
     with contextlib.ExitStack() as stack:
@@ -159,11 +168,11 @@ def extract(
             if progress is not None:
                 progress(len(found))
 
-        for pictures in _shown(views, (begin, frames[1]), watch):
+        for t, pictures in enumerate(_shown(views, (begin, frames[1]), watch), begin):
             if stop is not None and stop():
                 break
             waiting.append(
-                [pools[v % _THREADS].submit(search, v, pictures[name])
+                [pools[v % _THREADS].submit(search.find, v, t, pictures[name])
                  for v, name in enumerate(views.names)]
             )  # fmt: skip
             if len(waiting) > _IN_HAND:
@@ -173,18 +182,55 @@ def extract(
     return found
 
 
-def _found_before(
-    store: CandidateStore,
-    frames: tuple[int, int],
-    looks: Sequence[Look],
-    regions: Sequence[Region],
-) -> list[list[np.ndarray]]:
-    """Return what an earlier run has found, with the regions moved as far."""
-    found = store.begin(len(looks), frames[0], looks, regions)[: frames[1] - frames[0]]
-    for here in found:
-        for region, rows, look in zip(regions, here, looks, strict=True):
-            region.follow(rows, worth(rows, look.distal))
-    return found
+class _Search:
+    """The search of every view, frame after frame.
+
+    Parameters
+    ----------
+    looks, regions : sequence
+        How to search each view, and where in frame ``home``.
+    home : int
+        That frame: what is searched from there on does not depend on the frames before it.
+    """
+
+    def __init__(self, looks: Sequence[Look], regions: Sequence[Region], home: int) -> None:
+        self.looks, self.home = looks, home
+        self.at_home = regions
+        self.regions = [replace(region) for region in regions]
+
+    def find(self, view: int, frame: int, picture: Picture) -> np.ndarray:
+        """Return the candidates of the next frame of a view, and follow them."""
+        self._come_home(view, frame)
+        look = self.looks[view]
+        rows = find_candidates(*searched(picture, self.regions[view], look.shrink), look)
+        self._follow(view, rows)
+        return rows
+
+    def again(self, frame: int, here: Sequence[np.ndarray]) -> None:
+        """Follow candidates that were found before in the next frame."""
+        for view, rows in enumerate(here):
+            self._come_home(view, frame)
+            self._follow(view, rows)
+
+    def go_back(self, views: Views, begin: int, stop: Callable[[], bool] | None) -> bool:
+        """Move the regions to where the animal was in an earlier frame; False if stopped."""
+        for t, pictures in views.frames(self.home, begin - 1, step=-_STRIDE, partly=True):
+            if stop is not None and stop():
+                return False
+            for v, name in enumerate(views.names):
+                rows = self.find(v, t, pictures[name])
+                for _ in range(min(_STRIDE, t - begin) - 1):
+                    self._follow(v, rows)
+        return True
+
+    def _follow(self, view: int, rows: np.ndarray) -> None:
+        """Move the region of a view with its candidates."""
+        self.regions[view].follow(rows, worth(rows, self.looks[view].distal))
+
+    def _come_home(self, view: int, frame: int) -> None:
+        """Return to where the animal is known to be in its frame."""
+        if frame == self.home:
+            self.regions[view] = replace(self.at_home[view])
 
 
 def _shown(

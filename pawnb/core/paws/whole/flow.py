@@ -1,7 +1,8 @@
 """Which pieces belong to which point: the cheapest set of paths over the whole recording.
 
-Every point starts at its anchor and goes from piece to piece; between two pieces it is
-hidden. No piece belongs to two points. The sum of all costs is lowest over the whole
+Every point goes from piece to piece, through all its anchors; between two pieces it is
+hidden. One that is not placed in the first frame begins wherever that is cheapest, as every
+point ends. No piece belongs to two points. The sum of all costs is lowest over the whole
 recording: a flow of several commodities, solved as a linear programme (whose solution is
 whole-numbered in practice; where it is not, it is solved again in whole numbers).
 """
@@ -111,7 +112,7 @@ class Flow:
     pieces : sequence of Tracklet
         The pieces.
     anchors : mapping
-        Frame to point number to position, certain; a point begins at its first.
+        Frame to point number to position, certain; a point placed in frame 0 begins there.
     n_frames : int
         Number of frames.
     costs : FlowCosts
@@ -138,13 +139,28 @@ class Flow:
         self.nodes = [*pieces, *(piece for _, piece in fixed)]
         self.owner = np.full(len(self.nodes), -1)
         self.owner[len(pieces) :] = [p for p, _ in fixed]
+        self.costs, self._is_begun = costs, 0 in anchors
         self.edges = _edges(self.nodes, self.owner, costs)
-        nowhere = np.zeros((1, len(costs.drift)))
-        for p in range(known, self.n_points):
-            self.nodes.append(Tracklet(min(anchors), [-2], nowhere, np.zeros(1)))
-            self.owner = np.append(self.owner, p)
-            self.edges += _first_links(pieces, len(self.nodes) - 1, min(anchors), costs)
-        self.size, self.costs = (n_frames, len(pieces)), costs
+        self.begin = np.array([self._begin(p, len(pieces)) for p in range(self.n_points)])
+        self.size = (n_frames, len(pieces))
+
+    def _begin(self, point: int, n_pieces: int) -> int:
+        """Return the node at which a point begins: placed in the first frame, or nowhere."""
+        own = np.flatnonzero(self.owner == point).tolist()
+        if own and not self.nodes[own[0]].first:
+            return int(own[0])
+        begin, ahead = len(self.nodes), [*range(n_pieces), *own[:1]]
+        first = np.array([self.nodes[i].first for i in ahead])
+        if self._is_begun and not own:
+            # a stranger is there with those that are placed
+            start, links = 0, _first_links(first, begin, self.costs)
+        else:
+            start, links = -1, _links_back(first, begin, ahead, self.costs)
+        nowhere = np.zeros((1, len(self.costs.drift)))
+        self.nodes.append(Tracklet(start, [-2], nowhere, np.zeros(1)))
+        self.owner = np.append(self.owner, point)
+        self.edges += links
+        return begin
 
     def assign(self, prior: np.ndarray | None = None) -> list[list[int]]:
         """Choose the pieces of every point.
@@ -159,9 +175,7 @@ class Flow:
         list of list of int
             For each point the numbers of its pieces, in the order of time.
         """
-        return _solve(
-            self.nodes, self.owner, self.edges, self.n_points, self.size, self.costs, prior
-        )
+        return _solve(self.nodes, self.owner, self.edges, self.begin, self.size, self.costs, prior)
 
 
 def _edges(
@@ -206,22 +220,34 @@ def _long_links(
     return links
 
 
-def _first_links(
-    pieces: Sequence[Tracklet], node: int, start: int, costs: FlowCosts
-) -> list[tuple[int, int, float]]:
-    """Return the links (from, to, cost) of a point that may begin with any early piece."""
-    left = [(i, piece.first - start) for i, piece in enumerate(pieces)]
+def _first_links(first: np.ndarray, begin: int, costs: FlowCosts) -> list[tuple[int, int, float]]:
+    """Return the links (from, to, cost) of a point that may begin with any early piece.
+
+    ``first`` (pieces,) are their first frames.
+    """
     return [
-        (node, i, costs.hide + costs.stay * (frames - 1))
-        for i, frames in left if 0 < frames <= costs.longest_gap
+        (begin, i, costs.hide + costs.stay * (frames - 1))
+        for i, frames in enumerate(first.tolist()) if 0 < frames <= costs.longest_gap
     ]  # fmt: skip
+
+
+def _links_back(
+    first: np.ndarray, begin: int, ahead: Sequence[int], costs: FlowCosts
+) -> list[tuple[int, int, float]]:
+    """Return the links (from, to, cost) of a point of which nothing is known in frame 0.
+
+    It may begin with any of the nodes ``ahead``, whose first frames are ``first``. To be hidden
+    before costs as much as to be hidden after the last.
+    """
+    cost = np.where(first > 0, costs.hide + costs.stay * first, 0.0)
+    return [(begin, i, own) for i, own in zip(ahead, cost.tolist(), strict=True)]
 
 
 def _solve(
     nodes: Sequence[Tracklet],
     owner: np.ndarray,
     edges: Sequence[tuple[int, int, float]],
-    n_points: int,
+    begin: np.ndarray,
     size: tuple[int, int],
     costs: FlowCosts,
     prior: np.ndarray | None,
@@ -233,11 +259,8 @@ def _solve(
     tail = np.array([e[0] for e in edges], int)
     head = np.array([e[1] for e in edges], int)
     link = np.array([e[2] for e in edges])
-    begins: dict[int, int] = {}
-    for i in range(n_pieces, n_nodes):
-        begins.setdefault(int(owner[i]), i)
     objective, meaning = [], []
-    for p in range(n_points):
+    for p in range(len(begin)):
         own = weight.copy()
         if prior is not None:
             own[:n_pieces] = own[:n_pieces] + prior[p]
@@ -253,15 +276,15 @@ def _solve(
     what, cost = np.concatenate(meaning), np.concatenate(objective)
     # every anchor must be passed
     need = np.zeros(n_nodes, bool)
-    need[[i for i in range(n_pieces, n_nodes) if i not in begins.values()]] = True
-    begin = np.array([begins[p] for p in range(n_points)])
+    need[n_pieces:] = True
+    need[begin] = False
     keep = useful_links(
         what, cost, rank=np.array([node.first for node in nodes]), begin=begin, need=need,
         price=np.zeros(n_nodes),
     )  # fmt: skip
     what, cost = what[keep], cost[keep]
     x = _optimum(what, cost, begin, need)
-    return _follow(what[x > 0.5], begins, n_points, n_pieces)
+    return _follow(what[x > 0.5], begin, n_pieces)
 
 
 def _optimum(what: np.ndarray, cost: np.ndarray, begin: np.ndarray, need: np.ndarray) -> np.ndarray:
@@ -296,14 +319,12 @@ def _optimum(what: np.ndarray, cost: np.ndarray, begin: np.ndarray, need: np.nda
     return np.asarray(x)
 
 
-def _follow(
-    used: np.ndarray, begins: Mapping[int, int], n_points: int, n_pieces: int
-) -> list[list[int]]:
+def _follow(used: np.ndarray, begin: np.ndarray, n_pieces: int) -> list[list[int]]:
     """Read the pieces of each point off the links used (point, from, to)."""
     chosen = []
-    for p in range(n_points):
+    for p, first in enumerate(begin.tolist()):
         nexts = {int(i): int(j) for q, i, j in used if q == p}
-        at, own = begins[p], []
+        at, own = first, []
         while at >= 0:
             if at < n_pieces:
                 own.append(at)

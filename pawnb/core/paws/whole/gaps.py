@@ -120,54 +120,88 @@ def bridge_gaps(
     )  # fmt: skip
     for p in range(n_points):
         for first, stop in runs(is_open[:, p]):
-            if first == 0:
-                continue
-            # going back from the stretch is going forward in reversed time
-            begin = first - _certain_frames(is_open[:first, p][::-1], _BEFORE)
+            if first == 0 and not known.fixed[:, p].any():
+                continue  # a stranger: nobody has said that it was there
+            stretch = _Stretch.of(first, stop, is_open[:, p])
             state, covariance = state_after(
-                known.chosen[begin:first, p], manner.drift, telling=telling,
+                known.chosen[stretch.before, p], stretch.way * manner.drift, telling=telling,
                 speed=0.4 * manner.speed,
             )  # fmt: skip
             stories = Stories(
                 state, covariance, geometry=geometry, thickness_px=thickness_px, own=own[p],
                 telling=telling,
             )  # fmt: skip
-            _tell(stories, p, (first, stop), known, is_open, sights, cost, manner)
-            choice[first:stop, p] = stories.best()[: stop - first]
+            _tell(stories, p, stretch, known, sights, cost, manner)
+            choice[stretch.frames, p] = stories.best()[: stop - first]
     return Bridged(is_open, choice, cost)
+
+
+@dataclass(frozen=True)
+class _Stretch:
+    """Frames of a point that are told anew, in the order in which they are told.
+
+    Parameters
+    ----------
+    before, frames, after : ndarray of int
+        Certain frames that tell how it begins, its own, and certain ones that tell how it ends.
+    is_last : bool
+        Whether hardly anything follows.
+    way : int
+        +1, or -1 where it is told backwards in time.
+    """
+
+    before: np.ndarray
+    frames: np.ndarray
+    after: np.ndarray
+    is_last: bool
+    way: int
+
+    @classmethod
+    def of(cls, first: int, stop: int, is_open: np.ndarray) -> _Stretch:
+        """Return the stretch ``first`` to ``stop`` (exclusive); the first one goes backwards."""
+        n = len(is_open)
+        frames = np.arange(n)
+        if first == 0:
+            # before the first frame nothing is known: it is told from what follows
+            begin = stop + _certain_frames(is_open[stop:], _BEFORE)
+            return cls(frames[stop:begin][::-1], frames[:stop][::-1], frames[:0], True, -1)
+        # going back from the stretch is going forward in reversed time
+        begin = first - _certain_frames(is_open[:first][::-1], _BEFORE)
+        end = stop + _certain_frames(is_open[stop:], _AFTER)
+        return cls(frames[begin:first], frames[first:stop], frames[stop:end], stop + _AFTER > n, 1)
 
 
 def _tell(
     stories: Stories,
     point: int,
-    stretch: tuple[int, int],
+    stretch: _Stretch,
     known: Known,
-    is_open: np.ndarray,
     sights: Sights,
     cost: np.ndarray,
     manner: Manner,
 ) -> None:
     """Lead stories through a stretch and the certain places after it."""
-    end = stretch[1] + _certain_frames(is_open[stretch[1] :, point], _AFTER)
-    number = sights.is_there[slice(*stretch)].sum(axis=-1).tolist()
-    # where a point is hidden in every stride, its cycle there is no more than was made of it
-    # before; what follows tells more, if anything does
-    is_last = stretch[1] + _AFTER > len(is_open)
-    for t in range(stretch[0], end):
+
+    def doubt(x: np.ndarray, speed: np.ndarray) -> np.ndarray:
+        return manner.strangeness(x, stretch.way * speed)
+
+    for told, t in enumerate((*stretch.frames.tolist(), *stretch.after.tolist())):
+        is_certain = told >= len(stretch.frames)
         stories.advance()
-        if t < stretch[1]:
-            for v in range(sights.is_there.shape[1]):
-                # those that are there come first
-                k = number[t - stretch[0]][v]
-                stories.see(v, sights.at[t, point, v, :k], cost[t, point, v, :k])
-        else:
+        if is_certain:
             stories.stand(known.chosen[t, point])
-        if known.cycle is not None and is_last:
+        else:
+            for v, number in enumerate(sights.is_there[t].sum(axis=-1).tolist()):
+                # those that are there come first
+                stories.see(v, sights.at[t, point, v, :number], cost[t, point, v, :number])
+        # where a point is hidden in every stride, its cycle there is no more than was made of
+        # it before; what follows tells more, if anything does
+        if known.cycle is not None and stretch.is_last:
             stories.expect(
                 known.cycle.mean[t, point], known.cycle.axes,
                 known.cycle.sd[t, point] ** 2 / _EXPECTED, most=0.5 * _EXPECTED * _FARTHEST,
             )  # fmt: skip
-        stories.settle(manner.strangeness, certain=t >= stretch[1])
+        stories.settle(doubt, certain=is_certain)
 
 
 def _candidate_costs(

@@ -106,6 +106,8 @@ class Follower:
 
     Attributes
     ----------
+    layout, placed
+        What it was made with.
     uv : list of ndarray, shape (V, P, 2)
         For each frame, where they were seen, px; NaN where they were not.
     likeness : list of ndarray, shape (V, P)
@@ -113,7 +115,7 @@ class Follower:
     """
 
     def __init__(self, layout: Layout, placed: Mapping[int, Sequence[Placement]]) -> None:
-        self._layout, self._placed = layout, placed
+        self.layout, self.placed = layout, placed
         self._windows = [window_px(width) for width, _ in layout.sizes]
         self._states: dict[tuple[int, int], _State] = {}
         self._before: Mapping[str, Picture] | None = None
@@ -130,9 +132,9 @@ class Follower:
         pictures : mapping
             The frame of each view, by name.
         """
-        shape = self._layout.tracked.shape
+        shape = self.layout.tracked.shape
         uv, likeness = np.full((*shape, 2), np.nan), np.zeros(shape)
-        here = {(place.view, place.point): place for place in self._placed.get(frame, ())}
+        here = {(place.view, place.point): place for place in self.placed.get(frame, ())}
         if self._before is not None:
             for key, state in self._states.items():
                 if key not in here:
@@ -157,7 +159,7 @@ class Follower:
         """Return the region around a position: left, top, right, bottom within the picture."""
         half = _AROUND * self._windows[view]
         ends = []
-        for middle, size in zip(centre, self._layout.sizes[view], strict=True):
+        for middle, size in zip(centre, self.layout.sizes[view], strict=True):
             low = int(np.clip(round(float(middle)) - half, 0, max(size - 2 * half, 0)))
             ends.append((low, min(low + 2 * half, size)))
         (u0, u1), (v0, v1) = ends
@@ -167,7 +169,7 @@ class Follower:
         self, pictures: Mapping[str, Picture], view: int, box: tuple[int, int, int, int]
     ) -> np.ndarray:
         """Return the grey values of a region."""
-        part = np.ascontiguousarray(pictures[self._layout.views[view]].crop(*box))
+        part = np.ascontiguousarray(pictures[self.layout.views[view]].crop(*box))
         grey = part if part.ndim == 2 else cv2.cvtColor(part, cv2.COLOR_RGB2GRAY)
         # single pixels are noise
         return cv2.GaussianBlur(grey, (0, 0), _BLUR_PX)
@@ -197,7 +199,7 @@ class Follower:
 
     def _agree(self, uv: np.ndarray, likeness: np.ndarray) -> None:
         """Let the views correct each other: one of three may be wrong, a lost one is helped."""
-        rig = self._layout.rig
+        rig = self.layout.rig
         if rig is None:
             return
         for point in range(uv.shape[1]):

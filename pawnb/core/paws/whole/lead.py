@@ -249,7 +249,7 @@ def find_lead(
     up : ndarray, shape (3,)
         Unit vector.
     here : sequence of Placement
-        What was placed in the first frame.
+        What was placed in one frame.
     n_points : int
         Number of points; the view must have shown every one of them.
     """

@@ -116,7 +116,7 @@ class PathChoice:
             dearest = max(dearest, _dearest_click(places[t], here, scene.thickness) + _WORSE)
             away = places[t].distance(np.stack(list(here.values())))
             free = away > 1.2 * scene.thickness
-            if t == min(fixed):
+            if t == 0:
                 free[:] = False
             places[t] = places[t].take(free)
         self._usual = where_kinds_are(places, fixed, scene, kinds=kinds, frames=self.body_frames)
@@ -127,7 +127,6 @@ class PathChoice:
         self.pieces = [
             piece for piece in build_tracklets(places, linking)
             if piece.cost.mean() < (min(dearest, _DEAREST[1]) if len(piece.picks) > 1 else 0.5)
-            and piece.first > min(fixed)
         ]  # fmt: skip
         self._clicked = 1 + max(p for here in fixed.values() for p in here)
         strangers = len(kinds) - self._clicked
@@ -192,9 +191,7 @@ class PathChoice:
 
     def body(self, x: np.ndarray) -> np.ndarray:
         """Return the slowly moving middle (n, d) of tracks (n, P, d) with NaN where hidden."""
-        start = min(self.fixed)
-        body = follow_body(x[start:], self.body_frames)
-        return np.concatenate([np.repeat(body[:1], start, axis=0), body])
+        return follow_body(x, self.body_frames)
 
     def _choose(self, prior: np.ndarray | None) -> np.ndarray:
         """Return where the cheapest chains of pieces go."""

@@ -42,6 +42,9 @@ class Scene:
     ----------
     geometry : Geometry
         The views.
+    home : int
+        The frame in which most points were placed: sizes, directions and what is searched are
+        taken from it.
     anchors : dict
         Frame to point number to position (d,).
     span : float
@@ -66,6 +69,7 @@ class Scene:
     """
 
     geometry: Geometry
+    home: int
     anchors: dict[int, dict[int, np.ndarray]]
     span: float
     thickness: float
@@ -118,7 +122,8 @@ def read_scene(
     geometry = Geometry(None if layout.rig is None else layout.rig.coefs)
     up, forward = _directions(layout)
     placed = {t: _positions(here, layout, up) for t, here in sorted(anchors.items())}
-    first = np.stack(list(placed[min(placed)].values()))
+    home = fullest(anchors)
+    first = np.stack(list(placed[home].values()))
     everyone = np.stack([x for here in placed.values() for x in here.values()])
     middle = first.mean(axis=0)
     per_unit = np.linalg.norm(geometry.jacobian(middle), axis=(-2, -1)) / np.sqrt(2.0)
@@ -128,7 +133,7 @@ def read_scene(
     span = float(np.linalg.norm(first[:, None] - first[None], axis=-1).max())
     ground, height = float((everyone @ up).min()), settings.height
     leading = None
-    is_flat = layout.rig is None and shows_two_rows(placed[min(placed)], layout.kinds, forward)
+    is_flat = layout.rig is None and shows_two_rows(placed[home], layout.kinds, forward)
     if is_flat:
         leading = 0
         # all of the animal's breadth is searched
@@ -139,7 +144,7 @@ def read_scene(
     stage = _Stage(middle, forward, up, ground, span, height)
     if layout.rig is not None:
         leading = find_lead(
-            geometry.jacobian(middle), up, anchors[min(anchors)], n_points=len(layout.points)
+            geometry.jacobian(middle), up, anchors[home], n_points=len(layout.points)
         )
     distal = stage.distal(geometry, thickness)
     if is_flat:
@@ -151,7 +156,7 @@ def read_scene(
         )
         for v in range(len(layout.sizes))
     ]
-    looks = _in_their_light(looks, views, min(placed), regions)
+    looks = _in_their_light(looks, views, home, regions)
     volume = lead = None
     if layout.rig is not None:
         across = np.cross(up, forward)
@@ -165,9 +170,22 @@ def read_scene(
         if leading is not None:
             lead = Lead(leading, layout.rig.coefs, volume, ground, thickness, thickness_px, distal)
     return Scene(
-        geometry, placed, span, thickness, thickness_px, looks, regions, distal, up, forward,
+        geometry, home, placed, span, thickness, thickness_px, looks, regions, distal, up, forward,
         volume, lead, is_flat,
     )  # fmt: skip
+
+
+def fullest(placed: Mapping[int, Sequence[Placement]]) -> int:
+    """Return the frame in which most points are placed, in most views; the first of several.
+
+    A recording may be corrected before it was clicked, one paw at a time.
+    """
+
+    def count(frame: int) -> tuple[int, int, int]:
+        here = placed[frame]
+        return len({place.point for place in here}), len(here), -frame
+
+    return max(placed, key=count)
 
 
 def shows_two_rows(
@@ -250,7 +268,7 @@ def _learn_looks(
     not: light comes from one side, and a mirror or a glass floor dims. There each view
     learns from its own clicks if it has some.
     """
-    still = find_still(views, layout.sizes, like=min(clicks))
+    still = find_still(views, layout.sizes, like=fullest(clicks))
     pictures, places, owners = [], [], []
     for frame, here in clicks.items():
         opened = views.frame(frame)

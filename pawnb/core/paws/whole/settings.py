@@ -13,7 +13,7 @@ class WholeSettings:
     """Settings of :func:`pawnb.core.paws.whole.track_whole`.
 
     Nothing here is in pixels: sizes come from the clicks. The *span* is the largest
-    distance between two points clicked in the first frame, about the distance of front
+    distance between two points clicked in one frame, about the distance of front
     from hind paws; a *thickness* is that of a paw's picture at the clicks.
 
     Parameters

@@ -12,7 +12,6 @@ from pawnb.core.paws.layout import (
     Layout,
     Placement,
     Views,
-    check_every_point_started,
     make_layout,
     only_points,
     read_start,
@@ -24,6 +23,13 @@ from pawnb.core.paws.whole.extract import extract
 from pawnb.core.paws.whole.geometry import Geometry
 from pawnb.core.paws.whole.landmark_tracks import check_landmarks, choose_landmarks, join_views
 from pawnb.core.paws.whole.landmarks import Follower
+from pawnb.core.paws.whole.landmarks_before import frames_back, look_back
+from pawnb.core.paws.whole.placed import (
+    certain_points,
+    certain_positions,
+    placed_points,
+    read_placements,
+)
 from pawnb.core.paws.whole.refine import Refined
 from pawnb.core.paws.whole.scene import Scene, move_anchors, read_scene
 from pawnb.core.paws.whole.settings import WholeSettings
@@ -55,26 +61,27 @@ def track_whole(
     views : ViewSet
         The opened views.
     start : DataFrame
-        Clicks with columns frame, view, point, u, v (px); one frame or more.
+        Clicks with columns frame, view, point, u, v (px); one frame or more, anywhere in the
+        recording: points are tracked before their first click as they are after it.
     task : Task
-        What is to be tracked. Without a rig there must be one view. With tracks to go on
-        from, positions in the first frame, and positions placed by hand in it or later,
-        are certain.
+        What is to be tracked: all of its frames. Without a rig there must be one view. With
+        tracks to go on from, positions in the first frame, and positions placed by hand in it
+        or later, are certain.
     settings : WholeSettings
         The settings.
     looked : DataFrame, optional
         Earlier clicks, columns as ``start``, that say what paws look like, where on a paw
         its point is and how large the animal is: where tracks are gone on from, those that
-        they were begun with.
-        Candidates are then the same as theirs, from the first of these frames on.
+        they were begun with. Candidates are then the same as theirs.
     store : CandidateStore, optional
         Where candidates are kept: frames found there are not decoded again.
 
     Returns
     -------
     xarray.Dataset
-        Tracks. ``position`` is smoothed and ``image_position`` is its projection into
-        every view, also those that do not track the point; at clicks it is the click.
+        Tracks; without any frame where the run was stopped before each point was placed.
+        ``position`` is smoothed and ``image_position`` is its projection into every view, also
+        those that do not track the point; at clicks it is the click.
         ``image_origin`` is ``measured`` where a candidate of that view was used,
         ``reprojected`` where only others saw the point, ``predicted`` where none did.
         ``origin`` is ``measured`` with two views or more (one without a rig), ``resolved``
@@ -101,8 +108,8 @@ def track_whole(
             "calibrate them, or keep one view."
         )
     layout = make_layout(views, start, task, settings=PaperSettings())
-    clicks, anchors = _placements(start, layout, frames, tracks)
-    first = begin = min(anchors)
+    clicks, anchors = read_placements(start, layout, frames, tracks=tracks)
+    first = begin = frames[0]
     if looked is not None and len(looked):
         clicks = read_start(looked, layout, (0, frames[1]))
         begin = min(first, *clicks)
@@ -116,7 +123,7 @@ def track_whole(
         marked = only_points(anchors, marks)
         check_landmarks(layout.only(marks), marked)
         follower = Follower(layout.only(marks), marked)
-    seen = _look_through(views, (begin, frames[1]), scene, follower, store, task)
+    seen = _look_through(views, (begin, frames[1]), scene, follower, anchors, store, task)
     found = seen[first - begin :]
     rows = np.arange(frames[0], first + len(found))
     kept = np.empty(0, int)
@@ -152,52 +159,13 @@ def track_whole(
             )
             result.take(marks, join_views(
                 uv, likeness, layout=layout.only(marks), fps=task.fps,
-                by_hand=_by_hand(only_points(inside, marks), likeness.shape),
+                by_hand=certain_points(only_points(inside, marks), likeness.shape),
                 longest_gap_s=settings.longest_gap_s,
             ))  # fmt: skip
         _write(new, row, result, inside, layout)
     if tracks is not None:
         new = _keep_rows(tracks, new, kept)
     return new
-
-
-def _placements(
-    start: pd.DataFrame, layout: Layout, frames: tuple[int, int], tracks: Tracks | None
-) -> tuple[dict[int, list[Placement]], dict[int, list[Placement]]]:
-    """Return what was placed by hand, and what tracks must pass through, by frame."""
-    if tracks is None:
-        check_every_point_started(start, layout)
-        placements = read_start(start, layout, frames)
-        return placements, placements
-    by_hand: dict[int, list[Placement]] = {}
-    anchors: dict[int, list[Placement]] = {}
-    known = tracks["frame"].to_numpy()
-    image = tracks["image_position"].isel(individual=0)
-    uv = image.transpose("time", "view", "keypoint", "image_space").to_numpy()
-    image = tracks["image_origin"].isel(individual=0)
-    origin = image.transpose("time", "view", "keypoint").to_numpy()
-    view_names = tracks["view"].to_numpy().tolist()
-    point_names = tracks["keypoint"].to_numpy().tolist()
-    edited = origin == ORIGIN_CODE["edited"]
-    here = known == frames[0]
-    wanted = np.isfinite(uv[..., 0]) & (edited | here[:, None, None])
-    for i, v, p in np.argwhere(wanted):
-        if view_names[v] not in layout.views or point_names[p] not in layout.points:
-            continue
-        view, point = layout.views.index(view_names[v]), layout.points.index(point_names[p])
-        if not layout.tracked[view, point]:
-            continue
-        sure = bool(edited[i, v, p])
-        place = Placement(view, point, uv[i, v, p], "edited" if sure else "measured")
-        t = int(known[i])
-        if sure:
-            by_hand.setdefault(t, []).append(place)
-        if frames[0] <= t < frames[1]:
-            anchors.setdefault(t, []).append(place)
-    for t, extra in read_start(start, layout, frames).items():
-        have = {(p.view, p.point) for p in anchors.get(t, [])}
-        anchors.setdefault(t, []).extend(p for p in extra if (p.view, p.point) not in have)
-    return by_hand or anchors, anchors
 
 
 def _paws_scene(
@@ -221,17 +189,43 @@ def _look_through(
     frames: tuple[int, int],
     scene: Scene | None,
     follower: Follower | None,
+    anchors: Mapping[int, Sequence[Placement]],
     store: CandidateStore | None,
     task: Task,
 ) -> list[list[np.ndarray]]:
-    """Go through the video once, for paws and landmarks; return the paws' candidates."""
-    total, progress = frames[1] - frames[0], task.progress
+    """Go through the video for paws and landmarks; return the paws' candidates.
+
+    There are none if it was stopped before every point was reached: nothing can be decided.
+    """
+    found = _look_ahead(views, frames, scene, follower, store, task)
+    inside = {t: here for t, here in anchors.items() if t < frames[0] + len(found)}
+    if placed_points(inside) != placed_points(anchors):
+        return []
+    if follower is not None and not look_back(
+        views, follower, frames[0], progress=task.progress, stop=task.stop
+    ):
+        return []
+    return found
+
+
+def _look_ahead(
+    views: Views,
+    frames: tuple[int, int],
+    scene: Scene | None,
+    follower: Follower | None,
+    store: CandidateStore | None,
+    task: Task,
+) -> list[list[np.ndarray]]:
+    """Go through the video once, forwards; return the paws' candidates of every frame."""
+    progress, total = task.progress, frames[1] - frames[0]
+    if follower is not None:
+        total += frames_back(follower.placed, frames[0])
     report = None if progress is None else lambda done: progress(done, total)
     watch = None if follower is None else follower.step
     if scene is not None:
         return extract(
-            views, frames, looks=scene.looks, regions=scene.regions, store=store, watch=watch,
-            progress=report, stop=task.stop,
+            views, frames, looks=scene.looks, regions=scene.regions, home=scene.home,
+            store=store, watch=watch, progress=report, stop=task.stop,
         )  # fmt: skip
     found: list[list[np.ndarray]] = []
     for i, pictures in views.frames(*frames, partly=True):
@@ -256,15 +250,6 @@ def _empty_result(n: int, layout: Layout) -> Refined:
     )
 
 
-def _by_hand(placed: Mapping[int, Sequence[Placement]], shape: tuple[int, ...]) -> np.ndarray:
-    """Return where (n, P, V) points are certain."""
-    certain = np.zeros(shape, dtype=bool)
-    for t, here in placed.items():
-        for place in here:
-            certain[t, place.point, place.view] = True
-    return certain
-
-
 def _solve(
     found: list[list[np.ndarray]],
     scene: Scene,
@@ -279,14 +264,10 @@ def _solve(
     """Track the paws through the candidates; ``inside``: what is placed, by row."""
     n = len(found)
     fixed = {t - first: here for t, here in scene.anchors.items() if t - first < n}
-    certain = _positions_placed(inside, n, layout)
-    result = decide(
+    certain = certain_positions(inside, n, layout)
+    return decide(
         found, fixed, certain, scene=scene, layout=layout, fps=fps, settings=settings, told=told
     )
-    points = range(len(layout.points))
-    started = np.array([min(t for t, h in fixed.items() if p in h) for p in points])
-    result.x[np.arange(n)[:, None] < started] = np.nan
-    return result
 
 
 def _told(
@@ -301,19 +282,8 @@ def _told(
     place in its frame, and a hand that was a pixel off there moves the track nowhere else.
     """
     here = {t - begin: clicks[t] for t in sorted(clicks) if t - begin < len(seen)}
-    placed = _positions_placed(here, len(seen), layout)
+    placed = certain_positions(here, len(seen), layout)
     return Told(placed[list(here)], {t: seen[t] for t in here})
-
-
-def _positions_placed(
-    placed: Mapping[int, Sequence[Placement]], n: int, layout: Layout
-) -> np.ndarray:
-    """Return image positions (n, P, V, 2) that are certain, by row, NaN elsewhere."""
-    uv = np.full((n, len(layout.points), len(layout.views), 2), np.nan)
-    for t, here in placed.items():
-        for place in here:
-            uv[t, place.point, place.view] = place.uv
-    return uv
 
 
 def _write(

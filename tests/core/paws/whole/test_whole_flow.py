@@ -95,3 +95,41 @@ def test_anchors_farther_apart_than_a_gap_may_be_are_both_passed():
     costs = FlowCosts(0.5, 0.3, 2.0, np.zeros(2), 3.0, 2.0, 5, 16)
     flow = Flow([near], {0: {0: right[0]}, 35: {0: right[35]}}, N, costs)
     assert flow.assign() == [[0]]  # the piece is reached from the second anchor only
+
+
+def test_points_placed_in_the_middle_are_followed_both_ways():
+    right, left = crossing()
+    pieces = [piece(p, a, b) for p in (right, left) for a, b in ((0, 14), (25, 39))]
+    # each in a frame of its own
+    flow = Flow(pieces, {18: {0: right[18]}, 20: {1: left[20]}}, N, COSTS)
+    assert flow.assign() == [[0, 1], [2, 3]]
+
+
+def test_one_point_may_be_placed_in_the_first_frame_and_another_later():
+    right, left = crossing()
+    pieces = [piece(right, 1, 39), piece(left, 1, 14), piece(left, 25, 39)]
+    flow = Flow(pieces, {0: {0: right[0]}, 20: {1: left[20]}}, N, COSTS)
+    assert flow.assign() == [[0], [1, 2]]
+
+
+def test_hiding_at_the_start_costs_as_much_as_at_the_end():
+    """The same as at the end: the ten frames before the first piece, or the piece there."""
+    right, _ = crossing()
+    later = piece(right, 10, 38)
+    for cost, taken in ((2.1, [0, 1]), (2.6, [1])):  # 21 or 26, and the link from it
+        early = piece(right, 0, 9, cost=cost)
+        assert Flow([early, later], {39: {0: right[39]}}, N, COSTS).assign() == [taken]
+
+
+def test_a_stranger_is_found_before_the_first_click():
+    right, left = crossing()
+    pieces = [piece(right, 0, 29), piece(right, 31, 39), piece(left + np.array([0, 6]), 0, 39)]
+    assert Flow(pieces, {30: {0: right[30]}}, N, COSTS, strangers=1).assign() == [[0, 1], [2]]
+
+
+def test_an_anchor_that_no_piece_leads_to_is_passed():
+    right, _ = crossing()
+    costs = FlowCosts(0.5, 0.3, 2.0, np.zeros(2), 3.0, 2.0, 5, 16)
+    pieces = [piece(right, 0, 9), piece(right, 31, 39)]
+    # twenty frames without a piece are more than the five that a gap may have
+    assert Flow(pieces, {30: {0: right[30]}}, N, costs).assign() == [[1]]

@@ -1,6 +1,7 @@
 """Bridging of gaps: a paw hidden among distractors, and which frames are open at all."""
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -21,7 +22,7 @@ MANNER = Manner(
 )  # fmt: skip
 
 
-def bridge(chosen, at, is_there, *, fixed=None, quality=None, cycle=None):
+def bridge(chosen, at, is_there, *, fixed=None, quality=None, cycle=None, manner=MANNER):
     """Bridge the gaps of points (n, P, 2) by candidates (n, C, 2) of one view."""
     n, n_points = chosen.shape[:2]
     quality = np.ones(at.shape[:2]) if quality is None else quality
@@ -32,7 +33,7 @@ def bridge(chosen, at, is_there, *, fixed=None, quality=None, cycle=None):
     fixed = np.zeros((n, n_points), bool) if fixed is None else fixed
     return bridge_gaps(
         Known(chosen, fixed, cycle=cycle), sights, geometry=FLAT, thickness_px=THICKNESS,
-        own=np.ones((n_points, 1), bool), manner=MANNER,
+        own=np.ones((n_points, 1), bool), manner=manner,
     )  # fmt: skip
 
 
@@ -137,3 +138,55 @@ def test_open_frames_by_their_definition(pairs):
             around, length = around + 1, length + 1
         # uncertain, or in a certain stretch of less than four frames; never one placed by hand
         assert is_open[t] == (not certain[t] or (length < 4 and not fixed[t]))
+
+
+def test_a_gap_at_the_start_is_told_as_its_mirror_image_in_time_at_the_end():
+    """Reversed in time, an animal that walks the other way: its last frames become the first."""
+    chosen, at, is_there = hidden_paw()
+    chosen[20:] = np.nan
+    is_there[:22] = True
+    at[:, 0, 1] -= 40.0
+    fixed = np.zeros((50, 1), bool)
+    fixed[5] = True
+    manner = replace(MANNER, drift=np.array([-0.3, 0.0]))
+    end = bridge(chosen, at, is_there, fixed=fixed, manner=manner)
+    turned = replace(manner, drift=-manner.drift, axes=manner.axes * [[-1.0], [1.0]])
+    start = bridge(chosen[::-1], at[::-1], is_there[::-1], fixed=fixed[::-1], manner=turned)
+    np.testing.assert_array_equal(start.choice, end.choice[::-1])
+    np.testing.assert_array_equal(start.is_open, end.is_open[::-1])
+    # the paw is followed there, not only left out alike
+    assert (start.choice[:30, 0, 0] == np.where(is_there[:19:-1, 1], 1, -1)).mean() > 0.8
+
+
+def test_a_stranger_is_not_told_before_it_was_first_seen():
+    chosen, at, is_there = hidden_paw()
+    chosen[:20] = np.nan
+    assert (bridge(chosen, at, is_there).choice[:20] == -1).all()
+
+
+def test_before_the_first_frame_no_paw_goes_back_faster_than_the_ground():
+    """Told backwards, speeds are still those of the animal: what rushes backwards is no paw."""
+    t = np.arange(30.0)
+    ground = np.column_stack([-2.0 * t, 0 * t])
+    at = np.stack([ground, ground * [3.0, 1.0] + [40.0, 0.0]], axis=1)
+    chosen = ground[:, None].copy()
+    chosen[:10] = np.nan
+    fixed = np.zeros((30, 1), bool)
+    fixed[20] = True
+    manner = replace(MANNER, drift=np.array([-2.0, 0.0]))
+    choice = bridge(chosen, at, np.ones((30, 2), bool), fixed=fixed, manner=manner).choice
+    np.testing.assert_array_equal(choice[:10, 0, 0], 0)
+
+
+def test_a_paw_that_was_clicked_once_has_come_with_the_ground():
+    """One frame tells no speed: before it a paw was rather where the ground had it, ahead."""
+    since = np.arange(12.0) - 8.0
+    with_ground = np.column_stack([-2.0 * since, 0 * since])
+    at = np.stack([-with_ground, with_ground], axis=1)
+    chosen = np.full((12, 1, 2), np.nan)
+    chosen[8, 0] = 0.0
+    fixed = np.isfinite(chosen[..., 0])
+    manner = replace(MANNER, drift=np.array([-2.0, 0.0]))
+    is_there = np.ones((12, 2), bool)
+    choice = bridge(chosen, at, is_there, fixed=fixed, manner=manner).choice[:, 0, 0]
+    np.testing.assert_array_equal(choice[:6], 1)

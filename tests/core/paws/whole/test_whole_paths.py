@@ -33,10 +33,10 @@ def walk():
     return HOME + np.stack([ahead, 0 * ahead, up], axis=-1)
 
 
-def scene(truth):
-    anchors = {0: dict(enumerate(truth[0]))}
+def scene(truth, clicked=0):
+    anchors = {clicked: dict(enumerate(truth[clicked]))}
     return Scene(
-        RIG, anchors, SPAN, THICKNESS, np.full(3, 16.0), [], [], [(0.6, 0.8)] * 3,
+        RIG, min(anchors), anchors, SPAN, THICKNESS, np.full(3, 16.0), [], [], [(0.6, 0.8)] * 3,
         np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0]),
         Volume(np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0]), (-10.0, 20.0), (-40.0, 40.0)),
     )  # fmt: skip
@@ -66,9 +66,10 @@ def candidates(truth, hidden, seed=0, share=0.22, thing=None):
     return found
 
 
-def choice(truth, hidden, **looks):
+def choice(truth, hidden, clicked=0, **looks):
+    what = scene(truth, clicked)
     return PathChoice(
-        candidates(truth, hidden, **looks), {0: dict(enumerate(truth[0]))}, scene(truth), fps=FPS,
+        candidates(truth, hidden, **looks), what.anchors, what, fps=FPS,
         settings=WholeSettings(), kinds=KINDS, judge=Judge([(0.6, 0.8)] * 3, np.full(3, 16.0)),
         own=np.ones((4, 3), bool),
     )  # fmt: skip
@@ -216,3 +217,19 @@ def test_places_seen_by_nobody_stay_open():
     x = choice(truth, hidden).first()
     assert np.isnan(x[60:75]).mean() > 0.95
     assert agreement(x, truth, hidden)[1] < 2.5
+
+
+def test_paths_go_both_ways_from_where_the_paws_were_clicked():
+    """Also where front and hind paws are hidden, and one paw is, before the click and after."""
+    truth = walk()
+    hidden = np.zeros((N, 4), bool)
+    hidden[40:48, 0] = hidden[90:101, 1] = hidden[92:97, 2] = hidden[:6, 3] = True
+    paths = choice(truth, hidden, clicked=70)
+    seen, farthest = agreement(paths.first(), truth, hidden)
+    assert seen > 0.9
+    assert farthest < THICKNESS
+    x = paths.first()
+    assert np.isfinite(x[0, :3, 0]).all()
+    assert np.isnan(x[:6, 3, 0]).all()
+    # the body is followed where nothing was clicked yet, too
+    np.testing.assert_allclose(paths.body(x)[:, 0], 0.0, atol=6.0)

@@ -43,8 +43,8 @@ def walk():
 
 def scene(truth):
     return Scene(
-        Geometry(None), {0: {0: truth[0, 0], 1: truth[0, 1]}}, SPAN, 6.0, np.full(1, 6.0), [], [],
-        [(0.7, 0.7)], UP, FORWARD, None,
+        Geometry(None), 0, {0: {0: truth[0, 0], 1: truth[0, 1]}}, SPAN, 6.0, np.full(1, 6.0),
+        [], [], [(0.7, 0.7)], UP, FORWARD, None,
     )  # fmt: skip
 
 
