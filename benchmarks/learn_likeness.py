@@ -87,7 +87,9 @@ def sample(trial: Trial) -> Sample | None:
         layout = make_layout(views, clicks, task, settings=PaperSettings())
         placed = read_start(clicks, layout, task.frames)
         scene = read_scene(views, layout, placed, anchors=placed, settings=WholeSettings())
-        found = extract(views, task.frames, looks=scene.looks, regions=scene.regions)
+        found = extract(
+            views, task.frames, looks=scene.looks, regions=scene.regions, home=scene.home
+        )
     uv = np.full((1, len(layout.points), len(layout.views), 2), np.nan)
     first = min(placed)
     for place in placed[first]:

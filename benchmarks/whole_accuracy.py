@@ -5,6 +5,7 @@ Run it from the project's root:
     python benchmarks/whole_accuracy.py --render scenes --seeds 0 1 2 3 4 --scales 0.5 1
     python benchmarks/whole_accuracy.py --render scenes --vary --seeds 21 22 23 24 25
     python benchmarks/whole_accuracy.py --trials my/a/trial.toml my/b/trial.toml
+    python benchmarks/whole_accuracy.py --render scenes --vary --alone --clicked 0.5
 
 Errors are counted twice. *Alone*: each scene is tracked once from its start clicks; what
 is wrong makes runs of wrong frames, major and minor. *Corrected*: where a major error
@@ -15,7 +16,8 @@ picture 2048 px wide, and a hidden one is bridged within half of that.
 Rates are per 1000 frames of all views together; "<" is the upper end of the exact 95 %
 interval of a Poisson count (Garwood 1936). Intervals of shares are exact, too (Clopper and
 Pearson 1934), as if labels were independent, which those of one run are not. Distances
-are px of the picture as it is. Time is of the whole call, decoding and the checksums of
+are px of the picture as it is. With ``--clicked`` wrong labels are also counted before and after
+the frame that was clicked. Time is of the whole call, decoding and the checksums of
 the record included, and of one correction.
 """
 
@@ -46,17 +48,23 @@ COUNTS = {"major": "alone major", "minor": "alone minor", "interventions": "inte
           "minor_left": "then minor"}  # fmt: skip
 SHARES = {"wrong": ("n_wrong", "n_labels"), "bridged": ("n_bridged", "n_hidden"),
           "inside 95 %": ("n_inside", "n_coordinates")}  # fmt: skip
+SIDES = {side: (f"n_wrong_{side}", f"n_{side}") for side in ("before", "after")}
+NEAR_FRAMES = 25
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     add_scene_arguments(parser)
     parser.add_argument("--alone", action="store_true", help="leave out the corrections")
+    parser.add_argument("--clicked", type=float, metavar="SHARE",
+                        help="clicks so far into a recording (0 to 1), by the truth")  # fmt: skip
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         rows = []
         for path in trials(arguments, arguments.render or Path(folder)):
-            rows.append(measure(load_trial(path), corrected=not arguments.alone))
+            rows.append(
+                measure(load_trial(path), corrected=not arguments.alone, clicked=arguments.clicked)
+            )
             print(line(rows[-1]), flush=True)
     print(summary(pd.DataFrame(rows)))
 
@@ -121,7 +129,21 @@ def silent(_done: int, _total: int) -> None:
     """Show no progress."""
 
 
-def measure(trial: Trial, *, corrected: bool) -> dict[str, object]:
+def clicks_at(trial: Trial, truth: pd.DataFrame, share: float) -> pd.DataFrame:
+    """Return the truth of a frame so far into a recording as clicks on what the start's are on.
+
+    Of the frames about there the nearest is taken in which most of it is visible.
+    """
+    start = pd.read_csv(trial.folder / "start.csv")[["view", "point"]]
+    shown = start.merge(truth[truth["visible"] == 1])
+    count = shown.groupby("frame").size()
+    away = (count.index.to_series() - share * truth["frame"].max()).abs()
+    near = pd.DataFrame({"count": -count, "away": away})[away <= NEAR_FRAMES]
+    frame = near.sort_values(["count", "away"]).index[0]
+    return shown.loc[shown["frame"] == frame, ["frame", "view", "point", "u", "v"]]
+
+
+def measure(trial: Trial, *, corrected: bool, clicked: float | None = None) -> dict[str, object]:
     """Track one trial and compare it with its truth, alone and corrected."""
     truth = pd.read_csv(trial.folder / "truth" / "tracks.csv")
     with open_views(trial) as views:
@@ -129,8 +151,9 @@ def measure(trial: Trial, *, corrected: bool) -> dict[str, object]:
     threshold = THRESHOLD_PX * width / REFERENCE_WIDTH_PX
     points = {view.name: view.points for view in trial.views if view.points} or None
     limits: dict[str, Any] = {"points_by_view": points, "threshold_px": threshold}
+    start = None if clicked is None else clicks_at(trial, truth, clicked)
     began = time.perf_counter()
-    tracks = track(trial, progress=silent)
+    tracks = track(trial, start=start, progress=silent)
     took = time.perf_counter() - began
     report = count_errors(tracks, truth, hidden_px=threshold / 2, **limits)
     inside = coordinates_inside(tracks, trial)
@@ -144,6 +167,13 @@ def measure(trial: Trial, *, corrected: bool) -> dict[str, object]:
         "n_coordinates": inside.size, "s": took, "interventions": np.nan, "minor_left": np.nan,
         "s_each": np.nan,
     }  # fmt: skip
+    if start is not None:
+        frame = int(start["frame"].min())
+        parts = {"before": truth["frame"] < frame, "after": truth["frame"] > frame}
+        for side, rows in parts.items():
+            part = count_errors(tracks, truth[rows], **limits)
+            row[f"n_{side}"] = part.n_labels
+            row[f"n_wrong_{side}"] = round(part.share_wrong * part.n_labels)
     if corrected:
         began = time.perf_counter()
         run = track_with_corrections(
@@ -179,6 +209,9 @@ def line(row: dict[str, object]) -> str:
         f"{r['p95_centred']:.1f}) px; bridged {bridged:.0%}; "
         f"inside {r['n_inside'] / r['n_coordinates']:.1%}; {r['s']:.1f} s"
     )
+    for side in SIDES:
+        if f"n_{side}" in r:
+            text += f"; {side} {r[f'n_wrong_{side}'] / r[f'n_{side}']:.2%}"
     if np.isfinite(r["interventions"]):
         text += f"; corrected {r['interventions']:.0f}, then minor {r['minor_left']:.0f}"
         text += f" ({r['s_each']:.1f} s each)" if r["interventions"] else ""
@@ -198,7 +231,9 @@ def summary(table: pd.DataFrame) -> str:
                 rates.append(f"{said} {count}: {1000 * count / frames:.2f} "
                              f"< {1000 * poisson_limit(count) / frames:.2f}")  # fmt: skip
         shares = []
-        for said, (k, n) in SHARES.items():
+        for said, (k, n) in (SHARES | SIDES).items():
+            if n not in part:
+                continue
             hits, of = int(part[k].sum()), int(part[n].sum())
             low, high = share_interval(hits, of)
             shares.append(f"{said} {hits / max(1, of):.2%} ({low:.2%} to {high:.2%})")
