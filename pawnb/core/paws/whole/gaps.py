@@ -23,8 +23,10 @@ _OTHER = 8.0
 """Cost of a candidate that lies where another point is."""
 _BESIDE = 0.35
 """Distance, in thicknesses, at which it does."""
-_EXPECTED = 0.2
-"""Weight of a frame's distance from where the cycle has the point: frames err alike."""
+_EXPECTED, _EXPECTED_BETWEEN = 0.2, 0.1
+"""Weight of a frame's distance from where the cycle has the point, as frames err alike, and less
+where certain places follow: the cycle of a paw that is hidden in every stride is no more than was
+made of it before. Without any, a wrist behind the other paw is taken for the paw that lifts off."""
 _KICK = 0.8
 """Standard deviation of what lift-off changes of a speed, in that of the fastest swings: front
 paws go up at once, by up to 1.3 of it in rendered scenes."""
@@ -194,12 +196,11 @@ def _tell(
             for v, number in enumerate(sights.is_there[t].sum(axis=-1).tolist()):
                 # those that are there come first
                 stories.see(v, sights.at[t, point, v, :number], cost[t, point, v, :number])
-        # where a point is hidden in every stride, its cycle there is no more than was made of
-        # it before; what follows tells more, if anything does
-        if known.cycle is not None and stretch.is_last:
+        if known.cycle is not None:
+            weight = _EXPECTED if stretch.is_last else _EXPECTED_BETWEEN
             stories.expect(
                 known.cycle.mean[t, point], known.cycle.axes,
-                known.cycle.sd[t, point] ** 2 / _EXPECTED, most=0.5 * _EXPECTED * _FARTHEST,
+                known.cycle.sd[t, point] ** 2 / weight, most=0.5 * weight * _FARTHEST,
             )  # fmt: skip
         stories.settle(doubt, certain=is_certain)
 

@@ -33,8 +33,10 @@ _SIGMA = 0.12
 """Standard deviation of a good candidate, in thicknesses."""
 _TAIL = 3.0
 """Residuals beyond this many standard deviations count less and less."""
-_PULL = 0.05
-"""Information, in that of one expectation, that the cycle gives a frame without candidates."""
+_PULL, _PULL_BETWEEN = 0.05, 0.01
+"""Information, in that of one expectation, that the cycle gives a frame without candidates, and
+less where candidates follow: the cycle of a paw that is hidden in every stride is no more than was
+made of it before. Without any, a paw that is seen no more once it lifts off goes on as it began."""
 
 
 @dataclass
@@ -146,7 +148,7 @@ def refine(
             )[by_hand]
             W, z = _normal(x, measured, weight, what)
             if cycle is not None:
-                _pull(W, z, _unbounded(np.isfinite(measured[..., 0]).any(axis=-1)), cycle)
+                _pull(W, z, _expected(np.isfinite(measured[..., 0]).any(axis=-1)), cycle)
             for p in range(n_points):
                 x[:, p], factors[p] = smooth(W[:, p], z[:, p], jerk2)
     sd = np.sqrt(variances(factors, d)).swapaxes(0, 1)
@@ -217,16 +219,16 @@ def _normal(
     return loops.normal_equations(x, measured, weight, table)
 
 
-def _unbounded(seen: np.ndarray) -> np.ndarray:
-    """Tell in which frames (n, P) points are hidden without having been seen before and after."""
+def _expected(seen: np.ndarray) -> np.ndarray:
+    """Return what the cycle tells in each frame (n, P), given where points have candidates."""
     before = np.logical_or.accumulate(seen, axis=0)
     after = np.logical_or.accumulate(seen[::-1], axis=0)[::-1]
-    return np.asarray(~(before & after))
+    return np.where(seen, 0.0, np.where(before & after, _PULL_BETWEEN, _PULL))
 
 
-def _pull(W: np.ndarray, z: np.ndarray, hidden: np.ndarray, cycle: Cycle) -> None:
+def _pull(W: np.ndarray, z: np.ndarray, weight: np.ndarray, cycle: Cycle) -> None:
     """Draw hidden points weakly towards where they are expected."""
-    information = np.where(hidden[..., None], _PULL / cycle.sd**2, 0.0)
+    information = weight[..., None] / cycle.sd**2
     extra = np.einsum("ki,npk,kj->npij", cycle.axes, information, cycle.axes, optimize=True)
     W += extra
     z += np.einsum("npij,npj->npi", extra, cycle.mean)

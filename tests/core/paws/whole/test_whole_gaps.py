@@ -75,15 +75,27 @@ def test_the_certain_piece_that_follows_decides():
         np.testing.assert_array_equal(choice, branch)
 
 
-@pytest.mark.parametrize(("stop", "taken"), [(22, 0), (30, 1)])
-def test_the_cycle_decides_only_where_nothing_follows(stop, taken):
+@pytest.mark.parametrize("stop", [22, 30])
+def test_the_cycle_decides_between_candidates_that_fit_nearly_alike(stop):
+    # the paw stands, and candidates lie to either side of it, one of them a little nearer
+    at = np.tile([[0.0, 0.65], [0.0, -0.6]], (30, 1, 1))
+    chosen = np.zeros((30, 1, 2))
+    chosen[8:stop] = np.nan
+    cycle = Cycle(at[:, :1], np.full((30, 1, 2), 0.5), np.zeros(30), np.eye(2), 20.0)
+    for told, taken in ((None, 1), (cycle, 0)):
+        choice = bridge(chosen, at, np.ones((30, 2), bool), cycle=told).choice
+        np.testing.assert_array_equal(choice[12:18, 0, 0], taken)
+
+
+@pytest.mark.parametrize(("stop", "taken"), [(14, 0), (30, 1)])
+def test_the_cycle_decides_alone_only_where_nothing_follows(stop, taken):
     # the paw stands, and the cycle expects it where there is another candidate
     at = np.tile([[0.0, 0.0], [0.0, 7.0]], (30, 1, 1))
     chosen = at[:, :1].copy()
     chosen[8:stop] = np.nan
     cycle = Cycle(at[:, 1:], np.full((30, 1, 2), 0.5), np.zeros(30), np.eye(2), 20.0)
     choice = bridge(chosen, at, np.ones((30, 2), bool), cycle=cycle).choice
-    np.testing.assert_array_equal(choice[12:18, 0, 0], taken)
+    np.testing.assert_array_equal(choice[11:13, 0, 0], taken)
 
 
 def test_a_candidate_that_another_point_explains_is_left_to_it():

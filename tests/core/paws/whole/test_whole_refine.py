@@ -112,18 +112,20 @@ def test_in_a_gap_a_candidate_farther_off_is_taken_unless_much_speaks_against_it
     assert away < 0.8 if is_taken else away > 2.0
 
 
-def test_where_a_point_is_seen_again_its_cycle_says_nothing():
+def test_where_a_point_is_seen_again_its_cycle_says_little():
     truth, rng = swing()
     gap = range(26, 35)
-    lies = Cycle(truth + 5.0, np.full_like(truth, 0.1), np.zeros(N), np.eye(3), 40.0)
+    lies = Cycle(truth + 5.0, np.full_like(truth, 1.0), np.zeros(N), np.eye(3), 40.0)
     sights = see(truth, rng, hidden=gap)
     bridged, told = (solve(truth, sights, hidden=gap, cycle=one) for one in (None, lies))
-    np.testing.assert_allclose(told.x, bridged.x, atol=1e-9)
+    moved = np.linalg.norm(told.x - bridged.x, axis=-1)[:, 0]
+    assert moved[list(gap)].max() > 0.1
+    assert moved.max() < 0.1 * np.linalg.norm(lies.mean - truth, axis=-1)[0, 0]
     # nothing follows the last frames but what the cycle says
     end = range(50, N)
     sights = see(truth, rng, hidden=end)
     told = solve(truth, sights, hidden=end, cycle=lies)
-    assert np.linalg.norm(told.x[-1, 0] - lies.mean[-1, 0]) < 1.0
+    assert np.linalg.norm(told.x[-1, 0] - lies.mean[-1, 0]) < 2.5
 
 
 def test_what_is_placed_by_hand_stays():
