@@ -11,13 +11,14 @@ from pawnb.core.paws.layout import Layout
 from pawnb.core.paws.whole.cycle import learn_cycle
 from pawnb.core.paws.whole.gaps import Known, bridge_gaps
 from pawnb.core.paws.whole.likeness import Judge, score_at_clicks
+from pawnb.core.paws.whole.manner import Manner
 from pawnb.core.paws.whole.offsets import learn_offsets
 from pawnb.core.paws.whole.paths import PathChoice, find_places
 from pawnb.core.paws.whole.refine import Refined, Refinement, refine
 from pawnb.core.paws.whole.scene import Scene, unclicked_kinds
 from pawnb.core.paws.whole.settings import WholeSettings
 from pawnb.core.paws.whole.sights import Sights, read_sights, tracked_points
-from pawnb.core.paws.whole.strangers import with_strangers
+from pawnb.core.paws.whole.strangers import share_seen, with_strangers
 
 _BELIEVED = 0.25
 """Standard deviation, in thicknesses, at which a track is half believed."""
@@ -26,7 +27,7 @@ _LEARNT_FROM = 0.3
 _SAME = 1.2
 """A place that says that a point is so many thicknesses from where it was placed is another's."""
 _LEAST_SEEN = 0.3
-"""Strangers that are seen in fewer frames are none."""
+"""Strangers that are seen as paws of their own in fewer frames are none."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +56,6 @@ def decide(
     fps: float,
     settings: WholeSettings,
     told: Told | None = None,
-    strangers: bool = True,
 ) -> Refined:
     """Decide where every point was in every frame.
 
@@ -82,21 +82,56 @@ def decide(
         The settings.
     told : Told, optional
         Clicks that say where on a paw its point is; default those of ``certain``.
-    strangers : bool
-        Whether to follow paws that nobody clicked.
 
     Returns
     -------
     Refined
         The tracks.
     """
-    thickness_px, facing, distal = scene.thickness_px, layout.facing, scene.distal
     n_points = len(layout.kinds)
-    extra = unclicked_kinds(layout.kinds) if strangers else []
-    kinds = [*layout.kinds, *extra]
     if told is None:
         clicked = sorted(np.flatnonzero(np.isfinite(certain[..., 0]).any(axis=(1, 2))).tolist())
         told = Told(certain[clicked], {t: found[t] for t in clicked})
+    extra, left_out = unclicked_kinds(layout.kinds), True
+    while left_out:
+        ready = _prepare(found, certain, told, scene=scene, layout=layout, extra=extra)
+        paths = _paths(found, fixed, ready, scene=scene, fps=fps, settings=settings)
+        first = paths.first()
+        # a stranger without a paw of its own would share that of its kind
+        share = share_seen(first, fixed, scene, body=paths.body(first), kinds=ready.kinds)
+        left_out = bool((share < _LEAST_SEEN).any())
+        extra = [kind for kind, seen in zip(extra, share, strict=True) if seen >= _LEAST_SEEN]
+    result = _settled(first, fixed, paths, ready, scene=scene, fps=fps, settings=settings)
+    return Refined(
+        result.x[:, :n_points], result.sd[:, :n_points], result.measured[:, :n_points],
+        result.quality[:, :n_points], result.revision[:, :n_points],
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Ready:
+    """What is known before paths are chosen; strangers come after the clicked points."""
+
+    kinds: list[str]
+    certain: np.ndarray  # (n, P + S, V, 2)
+    own: np.ndarray  # (P + S, V)
+    sights: Sights
+    judge: Judge
+    unsure: np.ndarray
+
+
+def _prepare(
+    found: Sequence[Sequence[np.ndarray]],
+    certain: np.ndarray,
+    told: Told,
+    *,
+    scene: Scene,
+    layout: Layout,
+    extra: Sequence[str],
+) -> _Ready:
+    """Learn from the clicks what candidates say of points and strangers of the kinds ``extra``."""
+    thickness_px, facing, distal = scene.thickness_px, layout.facing, scene.distal
+    kinds = [*layout.kinds, *extra]
     room = ((0, 0), (0, len(extra)), (0, 0), (0, 0))
     certain = np.pad(certain, room, constant_values=np.nan)
     clicks = np.pad(told.clicks, room, constant_values=np.nan)
@@ -114,54 +149,71 @@ def decide(
     if scene.geometry.coefs is not None and scene.lead is None:
         # the curves were learnt from views from the side that agree in space
         judge = replace(judge, score=score_at_clicks(clicks, told.found, judge))
-    sights = read_sights(found, offsets, facing=facing, judge=judge)
+    return _Ready(
+        kinds, certain, with_strangers(layout.tracked, layout.kinds, extra),
+        read_sights(found, offsets, facing=facing, judge=judge), judge,
+        np.max([one.unsure for one in offsets], axis=0),
+    )  # fmt: skip
+
+
+def _paths(
+    found: Sequence[Sequence[np.ndarray]],
+    fixed: Mapping[int, Mapping[int, np.ndarray]],
+    ready: _Ready,
+    *,
+    scene: Scene,
+    fps: float,
+    settings: WholeSettings,
+) -> PathChoice:
+    """Return the pieces of path, to be chosen from."""
     meet = fixed
     if scene.lead is None:
         meet = {
             t: _meetings(
-                here, found[t], sights.only(t), scene=scene, settings=settings, judge=judge
+                here, found[t], ready.sights.only(t), scene=scene, settings=settings,
+                judge=ready.judge,
             )
             for t, here in fixed.items()
-        }
-    own = with_strangers(layout.tracked, layout.kinds, extra)
-    paths = PathChoice(
-        found, meet, scene, fps=fps, settings=settings, kinds=kinds, judge=judge, own=own
-    )
-    first = paths.first()
-    if extra and _share_seen(first[:, n_points:]) < _LEAST_SEEN:
-        return decide(
-            found, fixed, certain[:, :n_points], scene=scene, layout=layout, fps=fps,
-            settings=settings, told=told, strangers=False,
-        )  # fmt: skip
-    what = Refinement(
-        scene.geometry, thickness_px, scene.thickness, paths.manner.jerk, own,
-        np.max([one.unsure for one in offsets], axis=0),
+        }  # fmt: skip
+    return PathChoice(
+        found, meet, scene, fps=fps, settings=settings, kinds=ready.kinds, judge=ready.judge,
+        own=ready.own,
     )  # fmt: skip
-    by_hand = np.isfinite(certain[..., 0]).any(axis=-1)
+
+
+def _settled(
+    first: np.ndarray,
+    fixed: Mapping[int, Mapping[int, np.ndarray]],
+    paths: PathChoice,
+    ready: _Ready,
+    *,
+    scene: Scene,
+    fps: float,
+    settings: WholeSettings,
+) -> Refined:
+    """Bridge the gaps of paths and learn the stride, then do all of it again with the stride."""
+    what = Refinement(
+        scene.geometry, scene.thickness_px, scene.thickness, paths.manner.jerk, ready.own,
+        ready.unsure,
+    )  # fmt: skip
+    by_hand = np.isfinite(ready.certain[..., 0]).any(axis=-1)
     strides = (settings.shortest_stride_s * fps, settings.longest_stride_s * fps)
 
     def settle(known: Known) -> Refined:
         bridged = bridge_gaps(
-            known, sights, geometry=scene.geometry, thickness_px=thickness_px, own=own,
-            manner=paths.manner,
+            known, ready.sights, geometry=scene.geometry, thickness_px=scene.thickness_px,
+            own=ready.own, manner=paths.manner,
         )  # fmt: skip
-        return refine(known.chosen, sights, bridged, certain=certain, what=what, cycle=known.cycle)
+        return refine(
+            known.chosen, ready.sights, bridged, certain=ready.certain, what=what,
+            cycle=known.cycle,
+        )  # fmt: skip
 
     def tracked(places: np.ndarray) -> np.ndarray:
-        view = None
-        if scene.lead is not None:
-            places = scene.lead.lift(places, sights, paths.manner.acceleration)
-            view = scene.lead.view
-        moved = tracked_points(
-            places, sights, geometry=scene.geometry, thickness_px=thickness_px, view=view
-        )
-        for t, here in fixed.items():
-            for p, at in here.items():
-                moved[t, p] = at
-        return moved
+        return _tracked(places, fixed, ready.sights, paths.manner, scene)
 
     result = settle(Known(tracked(first), by_hand))
-    unaided, revision = result.x, result.revision
+    unaided = result.x
     for _ in range(settings.looks):
         sd = result.sd.mean(axis=-1) / scene.thickness
         cycle = learn_cycle(
@@ -172,11 +224,29 @@ def decide(
             break
         trust = 1.0 / (1.0 + (sd / _BELIEVED) ** 2)
         result = settle(Known(tracked(paths.again(cycle)), by_hand, result.x, trust, cycle))
-        revision = np.linalg.norm(result.x - unaided, axis=-1)
-    return Refined(
-        result.x[:, :n_points], result.sd[:, :n_points], result.measured[:, :n_points],
-        result.quality[:, :n_points], revision[:, :n_points],
-    )  # fmt: skip
+        result.revision = np.linalg.norm(result.x - unaided, axis=-1)
+    return result
+
+
+def _tracked(
+    places: np.ndarray,
+    fixed: Mapping[int, Mapping[int, np.ndarray]],
+    sights: Sights,
+    manner: Manner,
+    scene: Scene,
+) -> np.ndarray:
+    """Return where the tracked points are of chosen places (n, P, d)."""
+    view = None
+    if scene.lead is not None:
+        places = scene.lead.lift(places, sights, manner.acceleration)
+        view = scene.lead.view
+    moved = tracked_points(
+        places, sights, geometry=scene.geometry, thickness_px=scene.thickness_px, view=view
+    )
+    for t, here in fixed.items():
+        for p, at in here.items():
+            moved[t, p] = at
+    return moved
 
 
 def _meetings(
@@ -208,8 +278,3 @@ def _meetings(
             if away < _SAME and cost + away < price[p]:
                 meet[p], price[p] = place, cost + away
     return meet
-
-
-def _share_seen(x: np.ndarray) -> float:
-    """Return the share of frames with a place, that of the point with the fewest."""
-    return float(np.isfinite(x[..., 0]).mean(axis=0).min())

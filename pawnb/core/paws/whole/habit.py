@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.ndimage import gaussian_filter1d, uniform_filter1d
 
-from pawnb.core.paws.whole.tracklets import Tracklet
+from pawnb.core.paws.whole.tracklets import Tracklet, joined
 
 _BINS = 160
 _MOST = 4.0
@@ -94,9 +94,8 @@ def habit_cost(
     """Return the cost (P, pieces) of each piece for each point."""
     if not pieces:
         return np.zeros((len(habits[0]), 0))
-    first = np.concatenate([[0], np.cumsum([len(piece.picks) for piece in pieces])[:-1]])
-    frame = np.concatenate([piece.first + np.arange(len(piece.picks)) for piece in pieces])
-    at = np.concatenate([piece.at for piece in pieces]) - body[frame]
+    frame, at, first = joined(pieces)
+    at = at - body[frame]
     total = np.zeros((len(habits[0]), len(pieces)))
     for axis, own in zip(axes, habits, strict=True):
         number = _bin(at @ axis, span)

@@ -18,8 +18,14 @@ from pawnb.core.paws.whole.manner import FASTEST, Manner
 from pawnb.core.paws.whole.meetings import cut_meetings, cut_takeovers
 from pawnb.core.paws.whole.scene import Scene
 from pawnb.core.paws.whole.settings import WholeSettings
-from pawnb.core.paws.whole.strangers import nearer
-from pawnb.core.paws.whole.tracklets import Linking, Tracklet, build_tracklets, find_drift
+from pawnb.core.paws.whole.strangers import aside_cost, nearer, side_cost
+from pawnb.core.paws.whole.tracklets import (
+    Linking,
+    Tracklet,
+    build_tracklets,
+    find_drift,
+    joined,
+)
 
 _LOOKS = 2
 """Times that paths are chosen again with the habits learnt from the last choice."""
@@ -145,7 +151,7 @@ class PathChoice:
         )  # fmt: skip
         self._elsewhere = np.zeros((len(kinds), len(self.pieces)))
         if self.pieces and lead is None and scene.volume is not None:
-            frame, at, begins = _joined(self.pieces)
+            frame, at, begins = joined(self.pieces)
             seen = pairing(scene, settings, judge=judge).seen(frame, at, found)
             cost = _ELSEWHERE * stay * seen_elsewhere(seen, own)
             self._elsewhere = np.add.reduceat(cost, begins, axis=1)
@@ -166,10 +172,14 @@ class PathChoice:
             body, span = self.body(x), self.scene.span
             habits = learn_habits(x, body, axes=axes, groups=groups, span=span)
             prior = habit_cost(self.pieces, body, axes=axes, habits=habits, span=span)
-            x = self._choose(_HABIT * prior)
+            # habits learnt while near and far paws changed places would keep them so
+            side = side_cost(self.pieces, self.fixed, self.scene, body=body, kinds=self.kinds)
+            x = self._choose(_HABIT * prior + side)
         if self._clicked == len(self.kinds):
             return x
-        return nearer(x, self.fixed, self.scene, kinds=self.kinds, clicked=self._clicked)
+        return nearer(
+            x, self.fixed, self.scene, body=self.body(x), kinds=self.kinds, clicked=self._clicked
+        )
 
     def again(self, cycle: Cycle) -> np.ndarray:
         """Choose by where each point is expected at each moment of the stride.
@@ -181,7 +191,7 @@ class PathChoice:
         """
         if not self.pieces:
             return self._choose(None)
-        frame, at, first = _joined(self.pieces)
+        frame, at, first = joined(self.pieces)
         square = np.stack(
             [cycle.square(frame, p, self._as_high(at, cycle.mean[frame, p]))
              for p in range(self.shape[1])]
@@ -290,13 +300,6 @@ def seen_elsewhere(seen: np.ndarray, own: np.ndarray) -> np.ndarray:
     return np.asarray(missed / np.maximum(most, 1.0))
 
 
-def _joined(pieces: Sequence[Tracklet]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return frames and positions of all pieces one after another, and where each begins."""
-    first = np.concatenate([[0], np.cumsum([len(q.picks) for q in pieces])[:-1]])
-    frame = np.concatenate([q.first + np.arange(len(q.picks)) for q in pieces])
-    return frame, np.concatenate([q.at for q in pieces]), first
-
-
 def _flat_places(rows: np.ndarray, distal: tuple[float, float]) -> Places:
     """Return the candidates of a single view as places."""
     return Places(rows[:, :2].astype(float), 1.5 * (1.0 - worth(rows, distal)))
@@ -323,8 +326,7 @@ def _start_prior(
                 far = np.maximum(ahead - 0.33, 0.0) / 0.1
                 cost[p, i] += 0.5 * np.minimum(far**2, 6.0).sum()
             if across is not None and p in clicked:
-                step = (piece.at - clicked[p]) @ across
-                cost[p, i] += 0.5 * np.minimum((step / (0.1 * scene.span)) ** 2, 6.0).sum()
+                cost[p, i] += aside_cost((piece.at - clicked[p]) @ across, scene.span).sum()
     return cost
 
 

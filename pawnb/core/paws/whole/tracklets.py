@@ -223,3 +223,25 @@ def _mutual(square: np.ndarray, gate: float = 16.0, clear: float = 5.0) -> np.nd
         if next_best >= min(best + clear, 4.0 * best + 0.3):
             taken[c] = r
     return taken
+
+
+def joined(pieces: Sequence[Tracklet]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return all pieces one after another.
+
+    Parameters
+    ----------
+    pieces : sequence of Tracklet
+        The pieces, at least one.
+
+    Returns
+    -------
+    frame : ndarray of int, shape (k,)
+        Frame of each place.
+    at : ndarray, shape (k, d)
+        The places.
+    first : ndarray of int, shape (pieces,)
+        Where each piece begins.
+    """
+    first = np.concatenate([[0], np.cumsum([len(piece.picks) for piece in pieces])[:-1]])
+    frame = np.concatenate([piece.first + np.arange(len(piece.picks)) for piece in pieces])
+    return frame, np.concatenate([piece.at for piece in pieces]), first

@@ -1,4 +1,4 @@
-"""Where paths pass of points that were clicked in the middle of a paw."""
+"""Where paths pass of points clicked in the middle of a paw, and which strangers are followed."""
 
 from types import SimpleNamespace
 
@@ -7,6 +7,7 @@ import numpy as np
 from pawnb.core.paws.whole import decide
 from pawnb.core.paws.whole.geometry import Geometry
 from pawnb.core.paws.whole.hypotheses import Places
+from pawnb.core.paws.whole.refine import Refined
 from pawnb.core.paws.whole.sights import Sights
 
 THICKNESS_PX = np.array([8.0, 8.0])
@@ -42,3 +43,29 @@ def test_the_better_looking_end_of_a_clicked_paw_is_passed(monkeypatch):
 def test_a_point_that_no_place_speaks_of_stays_where_it_was_clicked(monkeypatch):
     click = MIDDLE + np.array([0.0, 0.0, 6.0])
     np.testing.assert_array_equal(meetings(monkeypatch, click, cost=[0.9, 1.3, 0.0]), click)
+
+
+def test_strangers_are_left_out_one_by_one(monkeypatch):
+    """The far front paw is seen in most frames, the far hind paw in a fifth of them."""
+    n, tried = 50, []
+    result = Refined(*(np.zeros((n, 3, 2)) for _ in range(5)))
+
+    def paths(found, fixed, ready, **_):
+        tried.append(list(ready.kinds))
+        first = np.zeros((n, len(ready.kinds), 2))
+        first[10:, 3:] = np.nan
+        return SimpleNamespace(first=lambda: first, body=lambda x: x[:, 0])
+
+    def prepare(found, certain, told, *, scene, layout, extra):
+        return SimpleNamespace(kinds=[*layout.kinds, *extra])
+
+    monkeypatch.setattr(decide, "_prepare", prepare)
+    monkeypatch.setattr(decide, "_paths", paths)
+    monkeypatch.setattr(decide, "_settled", lambda *_, **__: result)
+    x = decide.decide(
+        [], {0: {0: np.zeros(2), 1: np.zeros(2)}}, np.full((n, 2, 1, 2), np.nan),
+        scene=SimpleNamespace(volume=None), layout=SimpleNamespace(kinds=("front", "hind")),
+        fps=250.0, settings=None,
+    ).x  # fmt: skip
+    assert tried == [["front", "hind", "front", "hind"], ["front", "hind", "front"]]
+    assert x.shape == (n, 2, 2)

@@ -1,6 +1,7 @@
 """Paws of the other side that nobody clicked, followed as points of their own."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -10,10 +11,17 @@ from pawnb.core.paws import Task
 from pawnb.core.paws.whole import WholeSettings, track_whole
 from pawnb.core.paws.whole.flow import Flow, FlowCosts
 from pawnb.core.paws.whole.geometry import Geometry
+from pawnb.core.paws.whole.hypotheses import Volume
 from pawnb.core.paws.whole.likeness import Judge
 from pawnb.core.paws.whole.paths import PathChoice
 from pawnb.core.paws.whole.scene import Scene, unclicked_kinds
-from pawnb.core.paws.whole.strangers import nearer, with_strangers
+from pawnb.core.paws.whole.strangers import (
+    aside,
+    nearer,
+    share_seen,
+    side_cost,
+    with_strangers,
+)
 from pawnb.core.paws.whole.tracklets import Tracklet
 from pawnb.core.rig import load_rig
 from pawnb.core.video import open_views
@@ -99,10 +107,81 @@ def test_the_lower_path_of_a_kind_is_that_of_the_clicked_point():
     truth = walk()
     changed = truth[:, [2, 1, 0, 3]].copy()
     kinds = ["front", "hind", "front", "hind"]
-    back = nearer(changed, scene(truth).anchors, scene(truth), kinds=kinds, clicked=2)
+    back = nearer(
+        changed, scene(truth).anchors, scene(truth), body=truth.mean(axis=1), kinds=kinds, clicked=2
+    )
     np.testing.assert_array_equal(back[1:], truth[1:])
     np.testing.assert_array_equal(back[0, :2], truth[0, :2])
     assert np.isnan(back[0, 2:]).all()
+
+
+# the animal faces +x, its left side is at +y, and it drifts to its right by a quarter of what its
+# left and right paws are apart
+ACROSS, WIDE, LONG = np.array([0.0, 1.0, 0.0]), 20.0, 50.0
+BODY = np.column_stack(
+    [0.5 * np.arange(40.0), 7.0 - 0.25 * WIDE * np.arange(40.0) / 39.0, np.zeros(40)]
+)
+LEFT, RIGHT = BODY + 0.5 * WIDE * ACROSS, BODY - 0.5 * WIDE * ACROSS
+CLICKED = {0: {0: LEFT[0], 1: LEFT[0] - [LONG, 0, 0]}}
+KINDS = ["front", "hind", "front", "hind"]
+
+
+def scene_in_space(lead=None):
+    volume = Volume(np.array([0.0, 0.0, 1.0]), ACROSS, (-9.0, 9.0), (-60.0, 60.0))
+    return SimpleNamespace(volume=volume, lead=lead, span=LONG, up=volume.up)
+
+
+def test_how_far_aside_a_place_is_is_told_from_the_body():
+    since = {0: {0: LEFT[0] - BODY[0]}, 9: {0: LEFT[9] - BODY[9]}}
+    away = [
+        aside(side, since, body=BODY, point=0, across=ACROSS)
+        for side in (LEFT, RIGHT, LEFT + 3.0 * ACROSS)
+    ]
+    np.testing.assert_allclose(away, np.repeat([[0.0], [-WIDE], [3.0]], 40, axis=1), atol=1e-9)
+
+
+def test_it_costs_a_clicked_paw_to_go_to_the_other_side():
+    pieces = [piece(LEFT, 30, 39), piece(RIGHT, 30, 39), piece(RIGHT, 20, 24)]
+    cost = side_cost(pieces, CLICKED, scene_in_space(), body=BODY, kinds=KINDS)
+    # the other side is 20 = 4 standard deviations of 0.1 spans away, which 6 squared ones limit
+    np.testing.assert_allclose(cost, [[0, 30, 15], [0, 30, 15], [0, 0, 0], [0, 0, 0]], atol=1e-9)
+
+
+def test_the_side_costs_nothing_where_both_paws_are_clicked_or_no_depth_tells():
+    pieces = [piece(RIGHT, 30, 39)]
+    both = {0: {**CLICKED[0], 2: RIGHT[0], 3: RIGHT[0] - [LONG, 0, 0]}}
+    assert not side_cost(pieces, both, scene_in_space(), body=BODY, kinds=KINDS).any()
+    from_below = scene_in_space(lead=object())
+    assert not side_cost(pieces, CLICKED, from_below, body=BODY, kinds=KINDS).any()
+    assert side_cost([], CLICKED, scene_in_space(), body=BODY, kinds=KINDS).shape == (4, 0)
+
+
+def test_a_stranger_on_the_side_of_the_clicks_is_not_a_paw_of_its_own():
+    x = np.full((40, 4, 3), np.nan)
+    x[:, 2] = RIGHT
+    x[10:, 3] = LEFT[10:] - [LONG, 0, 0]
+    x[30:, 3] = RIGHT[30:] - [LONG, 0, 0]
+    share = share_seen(x, CLICKED, scene_in_space(), body=BODY, kinds=KINDS)
+    np.testing.assert_allclose(share, [1.0, 0.25])
+    # without depth all that is seen counts
+    flat = share_seen(x, CLICKED, scene_in_space(lead=object()), body=BODY, kinds=KINDS)
+    np.testing.assert_allclose(flat, [1.0, 0.75])
+
+
+def test_paths_are_exchanged_by_their_side_of_an_animal_that_drifts():
+    # the clicked paw is seen late only: then it is farther from its click than the other one was
+    # in most frames
+    drift = BODY + np.linspace(0.0, 1.25 * WIDE, 40)[:, None] * ACROSS
+    left, right = drift + 0.5 * WIDE * ACROSS, drift - 0.5 * WIDE * ACROSS
+    x = np.full((40, 4, 3), np.nan)
+    x[30:, 0], x[:, 2] = left[30:], right
+    x[:, 1] = x[:, 3] = left - [LONG, 0, 0]
+    fixed = {0: {0: left[0], 1: left[0] - [LONG, 0, 0]}}
+    kept = nearer(x, fixed, scene_in_space(), body=drift, kinds=KINDS, clicked=2)
+    np.testing.assert_array_equal(kept[1:], x[1:])
+    x[:, [0, 2]] = x[:, [2, 0]]
+    back = nearer(x, fixed, scene_in_space(), body=drift, kinds=KINDS, clicked=2)
+    np.testing.assert_array_equal(back[1:], kept[1:])
 
 
 def track_one_view(trial, view):
