@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import argparse
 import dataclasses
+import itertools
 import time
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -221,9 +222,10 @@ def main() -> None:
     args = parser.parse_args()
     options: dict[str, object] = {"frames": args.frames, "scale": args.scale}
     if args.still:
-        for motion in ("still", "drift"):
-            more = {**options, "seed": 0, "difficulty": "normal", "motion": motion}
-            print_still(motion, open_scene(args.folder / f"normal0-{motion}", more))
+        for seed, motion in itertools.product(args.seeds, ("still", "drift")):
+            more = {**options, "seed": seed, "difficulty": "normal", "motion": motion}
+            scene = open_scene(args.folder / f"normal{seed}-{motion}", more)
+            print_still(f"{motion} {seed}", scene)
         return
     for difficulty in args.difficulties:
         scenes = [

@@ -41,9 +41,6 @@ _TOLD_APART = 0.5
 """Clicks of front and hind paws this many spans apart tell where each usually are."""
 _LOOK_BELOW = 3.0
 """What a place looks like counts so much more from below, where nothing hides a paw."""
-_ONE_PICTURE = 8.0 / 7.0
-"""Being hidden costs so much more in a single picture, where any gap lets paws change places and
-no other view says so (eight single views of rendered scenes: 13 % of labels wrong, else 17)."""
 _ELSEWHERE = 1.5
 """Cost of a place that no view of the point's own shows, in that of being hidden: a hidden paw is
 bridged, and one that follows another's is wrong."""
@@ -144,7 +141,7 @@ class PathChoice:
                 self.pieces, _BESIDE * scene.thickness, max(3, round(_TAKEOVER_S * fps))
             )
         self.pieces = without_fixtures(self.pieces, drift, thickness=scene.thickness)
-        stay = settings.stay_cost / fps * (_ONE_PICTURE if self.shape[2] == 2 else 1.0)
+        stay = settings.stay_cost / fps
         costs = FlowCosts(
             self.manner.acceleration, noise, speed, drift, settings.hide_cost, stay,
             max(4, round(settings.longest_gap_s * fps)), settings.links,

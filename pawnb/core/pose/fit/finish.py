@@ -16,6 +16,7 @@ import numpy as np
 
 from pawnb.core.pose.fit.choices import Choices
 from pawnb.core.pose.fit.fitter import FrameFitter
+from pawnb.core.pose.fit.hairs import without_hairs
 from pawnb.core.pose.fit.odd_places import without_odd_places
 from pawnb.core.pose.fit.relearn import usual_lengths
 from pawnb.core.pose.fit.smooth import first_motion, learn_motion, others_say
@@ -135,7 +136,7 @@ def settle_all(fitter: FrameFitter, found: Sequence[Choices], poses: np.ndarray)
 
     def first(own: FrameFitter, t: int) -> _Own:
         sight = own.sight(found[t].image.astype(float), found[t].box, poses[t])
-        sight = without_odd_places(own, poses[t], sight)
+        sight = without_hairs(own, poses[t], without_odd_places(own, poses[t], sight))
         pose, _ = own.fit(poses[t], sight, anatomy, rounds=8, enough=0.01)  # the look is new
         return _own_near(own, pose, sight, anatomy)
 

@@ -67,6 +67,8 @@ class FrameFitter:
         Where something that is no leg is fixed to the body; see :mod:`.fit.fixtures`.
     odd_places : ndarray, shape (side, side), or None
         How much places of the body count in the last fits; see :mod:`.fit.odd_places`.
+    hairs : ndarray of bool, shape (legs, segments, along, across), or None
+        Places beside legs that do not count in the last fits; see :mod:`.fit.hairs`.
     usual_poses : list of ndarray, shape (poses, 2 links)
         Of each leg, parts of the pose vector that it is known to have; see :mod:`.fit.habits`.
     """
@@ -106,6 +108,7 @@ class FrameFitter:
         self._room = make_canvas(1, 1, layout)
         self.fixtures: np.ndarray | None = None
         self.odd_places: np.ndarray | None = None
+        self.hairs: np.ndarray | None = None
         self.usual_poses = [np.empty((0, len(numbers))) for numbers in self.numbers]
 
     def twin(self) -> FrameFitter:

@@ -47,7 +47,8 @@ def find_odd_places(
     -------
     ndarray, shape (side, side), or None
         0 where the median of the frames shows something else than is painted, else 1; working
-        pixels, the body looks along the rows, its origin is the middle. None of too few frames.
+        pixels, the body looks along the rows, its origin is the middle. None of too few frames,
+        and where so much is odd that too little would be left.
     """
     if len(frames) < _FEW:
         return None

@@ -3,12 +3,20 @@
 from __future__ import annotations
 
 from types import SimpleNamespace
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 
 from pawnb.core.pose.fit import relearn
 from pawnb.core.pose.fit.solve_loops import Prior
+
+
+class Look(NamedTuple):
+    """Stands for a layout: how often it was learnt."""
+
+    learnt: int = 0
+    corners: bool = False
 
 
 @pytest.mark.parametrize(("first_sure", "first_learnt"), [(70, 70), (95, 0)])
@@ -22,18 +30,22 @@ def test_sure_frames_are_learnt_from_unless_there_are_too_few(
         asked.append(list(frames))
         return [(np.full(2, -1.0), None) for _ in frames]
 
+    def learn(layout, *_, **__):
+        return layout._replace(learnt=layout.learnt + 1)
+
     monkeypatch.setattr(relearn, "on_threads", fit_all)
-    monkeypatch.setattr(relearn, "learn_look", lambda layout, *_, **__: layout + 1)
+    monkeypatch.setattr(relearn, "learn_look", learn)
     monkeypatch.setattr(relearn, "partners", lambda _animal: None)
     monkeypatch.setattr(relearn, "usual_lengths", lambda *_: None)
     monkeypatch.setattr(relearn, "find_odd_places", lambda *_: None)
+    monkeypatch.setattr(relearn, "find_hairs", lambda *_: None)
     fitter = SimpleNamespace(
-        layout=0, animal=None, first=None, blur=1.0, settings=SimpleNamespace(soft_error=1.0)
+        layout=Look(), animal=None, first=None, blur=1.0, settings=SimpleNamespace(soft_error=1.0)
     )
     found = [SimpleNamespace(is_open=i < first_sure) for i in range(100)]
     poses = relearn.learn_again(fitter, found, np.zeros((100, 2)))
     assert asked[0] == asked[1]  # two turns
-    assert fitter.layout == 2
+    assert fitter.layout == Look(2, corners=True)
     chosen = asked[0]
     assert (chosen[0], chosen[-1], len(chosen)) == (first_learnt, 99, 12)
     # nowhere more than a twelfth of the way to the next
