@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.ndimage import uniform_filter1d
 
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.hairs_loops import add_differences, disregard_cells
@@ -20,9 +19,6 @@ _FEW = 6
 """Of fewer frames nothing is learnt: noise and what passes by are not told from hairs."""
 _ALONG = 8
 """Cells along a segment: a hair is about as long."""
-_WIDE, _LEAST = 3, 1e-6
-"""Cells across a leg that are averaged, as not every one holds a pixel; what is left of an empty
-one."""
 _HAIRY = 0.12
 """Darkness by which the median of the frames is darker than painted where a hair is, and than the
 place that mirrors it: the rings of a leg are on both sides, and tell where it is."""
@@ -49,7 +45,7 @@ def find_hairs(
     if len(frames) < _FEW:
         return None
     seen = np.array([_differences(fitter, pose, sight) for pose, sight in frames])
-    seen[:, np.isnan(seen).all(axis=0)] = 0.0
+    seen[:, np.isnan(seen).all(axis=0)] = 0.0  # where no pixel ever lies, it is as painted
     darker = np.nanmedian(seen, axis=0)
     hairs = (darker > _HAIRY) & (darker - darker[..., ::-1] > _HAIRY)
     grown = hairs.copy()  # the blur spreads a hair by a cell
@@ -66,8 +62,7 @@ def _differences(fitter: FrameFitter, pose: np.ndarray, sight: Sight) -> np.ndar
     across = 4 * int(np.ceil(layout.radius.max() + fitter.blur)) + 1
     total, count = np.zeros((2, *layout.length.shape, _ALONG, across))
     add_differences(canvas, sight.seen, sight.box, total, count)
-    total, count = (uniform_filter1d(cells, _WIDE, mode="constant") for cells in (total, count))
-    return np.where(count > _LEAST, total, np.nan) / np.maximum(count, _LEAST)
+    return np.where(count > 0.0, total, np.nan) / np.maximum(count, 1.0)
 
 
 def without_hairs(fitter: FrameFitter, pose: np.ndarray, sight: Sight) -> Sight:

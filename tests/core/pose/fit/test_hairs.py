@@ -93,10 +93,10 @@ def test_rings_are_no_hairs(scene):
     """A ring darkens both sides of a segment alike."""
     fitter, frames = scene
     for pose, sight in frames:
-        knee, end = fitter.joints(pose)[LEG][[3, 4]]
-        v, u = np.mgrid[:SIZE, :SIZE]
-        ring = np.hypot(u - (knee + end)[0] / 2, v - (knee + end)[1] / 2) < 3.0
-        sight.seen[ring & (sight.seen > 0.0)] += 0.3
+        canvas = make_canvas(SIZE, SIZE, fitter.layout)
+        paint(fitter.layout, pose, fitter.blur, np.zeros(2), *canvas)
+        ring = (canvas[1] == 64 * LEG + 3) & (np.abs(canvas[2] - 0.5) < 0.25)
+        sight.seen[ring] += 0.3
     hairs = find_hairs(fitter, frames)
     assert hairs[LEG, -1].any()
     assert not hairs[LEG, :-1].any()
