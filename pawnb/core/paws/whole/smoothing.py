@@ -49,8 +49,9 @@ def smooth(
         for k, own in enumerate(_THIRD):
             for later in range(k, 4):
                 band[(later - k) * d, k : n - 3 + k] += own * _THIRD[later] * w
-    # a trace of prior keeps tracks with hardly any measurement solvable
-    band[0] += 1e-9 * band[0].max()
+    # a trace of prior keeps tracks with hardly any measurement solvable, or with none at all: a paw
+    # that nobody clicked, in so few frames that nothing says how it moves
+    band[0] += 1e-9 * (band[0].max() or 1.0)
     factor = cholesky_banded(band.reshape(3 * d + 1, n * d), lower=True)
     x = cho_solve_banded((factor, True), target.ravel()).reshape(n, d)
     return x, factor

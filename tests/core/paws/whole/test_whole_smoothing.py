@@ -60,3 +60,11 @@ def test_variances_of_several_long_tracks_do_not_drift():
         factors.append(smooth(information, np.zeros((n, d)), jerk2)[1])
         expected.append(dense(information, np.zeros((n, d)), jerk2)[1])
     np.testing.assert_allclose(variances(np.stack(factors), d), expected, rtol=1e-4)
+
+
+@pytest.mark.parametrize("n", [1, 3, 4])
+def test_a_track_without_any_measurement_is_solved_and_unsure(n):
+    """Up to three frames nothing says how it moves, either: whatever comes out says so."""
+    x, factor = smooth(np.zeros((n, 2, 2)), np.zeros((n, 2)), np.full(n, 0.1))
+    np.testing.assert_array_equal(x, 0.0)
+    assert variances(factor[None], 2).min() > 1e6
