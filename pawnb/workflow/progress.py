@@ -47,7 +47,7 @@ def progress_bar(label: str, *, unit: str = "frame") -> Iterator[Progress | None
 
 def _make_bar(label: str, unit: str) -> Any:
     """Return a tqdm bar that suits where we run, or None."""
-    if "ipykernel" in sys.modules and "IPython" in sys.modules:
+    if _in_notebook():
         from tqdm.notebook import tqdm as notebook_bar
 
         return notebook_bar(desc=label, unit=unit, total=1)
@@ -56,3 +56,9 @@ def _make_bar(label: str, unit: str) -> Any:
 
         return tqdm(desc=label, unit=unit, total=1, file=sys.stderr)
     return None
+
+
+def _in_notebook() -> bool:
+    """Return whether a kernel runs this; that its package was imported does not say so."""
+    ipython = sys.modules.get("IPython")
+    return ipython is not None and hasattr(ipython.get_ipython(), "kernel")
