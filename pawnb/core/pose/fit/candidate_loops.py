@@ -99,7 +99,7 @@ def paint_base(
 ) -> None:  # fmt: skip
     """Paint the body alone."""
     clear(value, owner)
-    paint_body(layout, pose, blur, sight.box, value, owner, value)
+    paint_body(layout, pose, blur, sight.box, value, owner)
 
 
 @compiled

@@ -46,9 +46,6 @@ class Layout(NamedTuple):
         of its half length is the half axis across times 1 + egg * a), and darkness of its middle.
         Where parts in front and behind meet at the origin, the last row is the waist that joins
         them there.
-    corners : bool
-        Whether the blurred corners between legs and body are painted: only once the look of the
-        animal is known do they tell more than they mislead.
     """
 
     side: np.ndarray
@@ -62,7 +59,6 @@ class Layout(NamedTuple):
     radius: np.ndarray
     dark: np.ndarray
     ellipse: np.ndarray
-    corners: bool = False
 
 
 def n_parameters(layout: Layout) -> int:

@@ -3,13 +3,12 @@
 A leg's segment is a capsule whose thickness and darkness change along it; the last is cut off
 straight at the tip, for that is where a leg is seen to end. A part of the body is an ellipse; its
 rim has a darkness of its own, so that a pattern in its middle does not move its edge. Where several
-lie on one pixel, the darkest shows; but where a leg leaves the body, the corners between their
-blurred edges are darker than either. The picture's blur is that of a parabolic kernel, whose
+lie on one pixel, the darkest shows. The picture's blur is that of a parabolic kernel, whose
 integral is a polynomial; ``blur`` is its half width in px, sqrt(5) times its standard deviation.
 
 A pixel remembers which piece it shows: segment ``leg * 64 + segment``, part of the body
-``-2 - part``, nothing -1. It also remembers how far along a segment it lies, 0 to 1, more beyond
-the tip, where the blurred end still shows; if it shows the body, how dark that is without legs.
+``-2 - part``, nothing -1; and how far along a segment it lies:
+0 to 1, more beyond the tip, where the blurred end still shows.
 """
 
 from __future__ import annotations
@@ -125,12 +124,9 @@ def part_dark(
 @compiled
 def paint_body(
     layout: Layout, pose: np.ndarray, blur: float, box: np.ndarray, value: np.ndarray,
-    owner: np.ndarray, alone: np.ndarray,
+    owner: np.ndarray,
 ) -> None:  # fmt: skip
-    """Paint the body's ellipses; ``box`` is the left and top of the picture.
-
-    ``alone`` receives how dark the body's pixels are without legs.
-    """
+    """Paint the body's ellipses; ``box`` is the left and top of the picture."""
     height, width = value.shape
     cos, sin = math.cos(pose[2]), math.sin(pose[2])
     for e in range(layout.ellipse.shape[0]):
@@ -148,18 +144,6 @@ def paint_body(
                 if here > value[v, u]:
                     value[v, u] = here
                     owner[v, u] = -2 - e
-                    alone[v, u] = here
-
-
-@compiled
-def with_body(leg: float, body: float, full: float) -> float:
-    """Return how dark a pixel is that a leg and the body both cover in part.
-
-    Their edges cross nearly at right angles: of what one leaves uncovered the other covers its
-    share. ``full`` is the darkness of a pixel that is covered.
-    """
-    more, less = max(leg, body), min(leg, body)
-    return more + less * max(1.0 - more / full, 0.0)
 
 
 @compiled
@@ -167,7 +151,7 @@ def paint_leg(
     layout: Layout, joints: np.ndarray, leg: int, blur: float, box: np.ndarray,
     value: np.ndarray, owner: np.ndarray, along: np.ndarray,
 ) -> None:  # fmt: skip
-    """Paint one leg whose joints are given; ``along`` has the body alone, see `paint_body`."""
+    """Paint one leg whose joints are given."""
     height, width = value.shape
     last = layout.n_segments[leg] - 1
     for s in range(last + 1):
@@ -198,15 +182,8 @@ def paint_leg(
                 cover = step((radius - distance) / blur) - step((-radius - distance) / blur)
                 if s == last:
                     cover *= step((1.0 - t) / (most - 1.0))
-                dark = d0 + (d1 - d0) * inside
-                here = dark * cover
-                if layout.corners and owner[v, u] < NOTHING:
-                    body, full = along[v, u], layout.ellipse[-2 - owner[v, u], 4]
-                    value[v, u] = max(value[v, u], with_body(here, body, max(dark, full)))
-                    if here > body:
-                        owner[v, u] = leg * 64 + s
-                        along[v, u] = t
-                elif here > value[v, u]:
+                here = (d0 + (d1 - d0) * inside) * cover
+                if here > value[v, u]:
                     value[v, u] = here
                     owner[v, u] = leg * 64 + s
                     along[v, u] = t
@@ -219,7 +196,7 @@ def paint(
 ) -> None:  # fmt: skip
     """Paint the whole animal on an empty picture; ``joints`` (legs, segments + 1, 2) is filled."""
     clear(value, owner)
-    paint_body(layout, pose, blur, box, value, owner, along)
+    paint_body(layout, pose, blur, box, value, owner)
     for leg in range(layout.side.shape[0]):
         leg_chain(layout, pose, leg, joints[leg])
         paint_leg(layout, joints[leg], leg, blur, box, value, owner, along)

@@ -39,7 +39,6 @@ def learn_again(fitter: FrameFitter, found: list[Choices], poses: np.ndarray) ->
     if not found:
         return poses
     poses = poses.copy()
-    fitter.layout = fitter.layout._replace(corners=True)
     sure = [i for i, choices in enumerate(found) if not choices.is_open]
     if len(sure) < _FRAMES:
         sure = list(range(len(found)))

@@ -138,7 +138,7 @@ def paint_some(
     """Paint some legs, and the body where ``shown[-1]``; ``shown`` is (legs + 1,) bool."""
     clear(value, owner)
     if shown[-1]:
-        paint_body(layout, pose, blur, box, value, owner, along)
+        paint_body(layout, pose, blur, box, value, owner)
     for leg in range(layout.side.shape[0]):
         if shown[leg]:
             leg_chain(layout, pose, leg, joints[leg])

@@ -142,13 +142,13 @@ class SpaceFitter:
 
     def body_height(self, one: SpaceFrame, sight: Sight, heights: np.ndarray) -> float:
         """Return at which of some heights the body explains most of the second picture."""
-        value, owner, alone, _ = self.canvas(sight)
+        value, owner, _, _ = self.canvas(sight)
         costs = []
         for height in heights:
             parts = self.model.body_parts(one.xy, one.heading_deg, float(height))
             value[:] = 0.0
             owner[:] = -1
-            paint_parts(parts, float(height), self.blur, sight.box, value, owner, alone)
+            paint_parts(parts, float(height), self.blur, sight.box, value, owner)
             soft = self.model.settings.soft_error
             costs.append(picture_cost(value, owner, sight.seen, sight.weight, soft))
         return float(heights[int(np.argmin(costs))])

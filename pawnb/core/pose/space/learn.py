@@ -103,8 +103,7 @@ def _picture_costs(
     for (one, sight, x), (value, owner) in zip(samples, pictures, strict=True):
         value, owner = value.copy(), owner.copy()
         parts = model.body_parts(one.xy, one.heading_deg, float(x[0]))
-        alone = np.empty_like(value)  # the legs are painted already
-        paint_parts(parts, float(x[0]), blur, sight.box, value, owner, alone)
+        paint_parts(parts, float(x[0]), blur, sight.box, value, owner)
         total += picture_cost(value, owner, sight.seen, sight.weight, model.settings.soft_error)
     return total
 

@@ -116,13 +116,12 @@ def _outside(du: float, dv: float, shape: np.ndarray) -> tuple[float, float, flo
 @compiled
 def paint_parts(
     parts: np.ndarray, shift: float, blur: float, box: np.ndarray, value: np.ndarray,
-    owner: np.ndarray, alone: np.ndarray,
+    owner: np.ndarray,
 ) -> None:  # fmt: skip
     """Paint the body's parts.
 
     ``parts`` (n, 10): u, v at height 0, their change with the height, uu, uv, vv of the
-    ellipse's inverse matrix, half the extent in u and in v, darkness. ``shift`` is the height;
-    ``alone`` receives how dark the body's pixels are without legs.
+    ellipse's inverse matrix, half the extent in u and in v, darkness. ``shift`` is the height.
     """
     height, width = value.shape
     for e in range(len(parts)):
@@ -138,7 +137,6 @@ def paint_parts(
                 if here > value[v, u]:
                     value[v, u] = here
                     owner[v, u] = -2 - e
-                    alone[v, u] = here
 
 
 @compiled
@@ -159,7 +157,7 @@ def paint_space(
 ) -> None:  # fmt: skip
     """Paint the animal as the second view sees it; legs where ``shown`` says so."""
     clear(value, owner)
-    paint_parts(parts, x[0], blur, box, value, owner, along)
+    paint_parts(parts, x[0], blur, box, value, owner)
     place_joints(layout, x, coefs, joints)
     for i in range(joints.shape[0]):
         if shown[i]:

@@ -1,6 +1,5 @@
 """Painting: joints as joint_positions has them, and slopes as finite differences give them."""
 
-import cv2
 import numpy as np
 import pytest
 
@@ -105,39 +104,6 @@ def test_slopes_agree_with_finite_differences(species):
         error = np.abs(analytic[..., k] - numeric)[changed]
         assert np.percentile(error, 95) < 0.05 * np.abs(numeric).max()
         assert np.abs(analytic[..., k] - numeric).max() < 0.25 * np.abs(numeric).max()
-
-
-def test_corners_between_legs_and_body_are_those_of_a_blurred_silhouette():
-    """A silhouette ten times as fine, blurred as a camera does it, is the truth."""
-    _, layout, pose, _ = bent("dolomedes")
-    fine = 10
-    opaque = layout._replace(
-        dark=np.ones_like(layout.dark), ellipse=layout.ellipse * [1, 1, 1, 1, 0, 1, 0]
-    )
-    opaque.ellipse[:, [4, 6]] = 1.0
-    large = opaque._replace(
-        attach=fine * opaque.attach, length=fine * opaque.length, radius=fine * opaque.radius,
-        ellipse=opaque.ellipse * [fine, fine, fine, fine, 1, 1, 1],
-    )  # fmt: skip
-    canvas = loops.make_canvas(180 * fine, 180 * fine, layout)
-    # the middle of the first pixel is that of its fine ones
-    shifted = np.append(fine * pose[:2] + (fine - 1) / 2, pose[2:])
-    loops.paint(large, shifted, 0.5, np.zeros(2), *canvas)
-    sd = fine * BLUR / np.sqrt(5.0)
-    blurred = cv2.GaussianBlur((canvas[0] > 0.5).astype(float), (0, 0), sd)
-    true = blurred.reshape(180, fine, 180, fine).mean(axis=(1, 3))
-    darkest, silhouette = (
-        loops.make_canvas(180, 180, layout) for _ in range(2)
-    )  # fmt: skip
-    loops.paint(opaque, pose, BLUR, np.zeros(2), *darkest)
-    loops.paint(opaque._replace(corners=True), pose, BLUR, np.zeros(2), *silhouette)
-    corner = silhouette[0] > darkest[0] + 0.05
-    assert corner.sum() > 20
-    assert (silhouette[0] >= darkest[0] - 1e-12).all()
-    before, after = (canvas[0][corner] - true[corner] for canvas in (darkest, silhouette))
-    assert before.mean() < -0.1
-    assert abs(after.mean()) < 0.3 * abs(before.mean())
-    assert np.abs(after).mean() < 0.6 * np.abs(before).mean()
 
 
 @pytest.mark.parametrize("species", ["dolomedes", "insect"])

@@ -16,7 +16,6 @@ class Look(NamedTuple):
     """Stands for a layout: how often it was learnt."""
 
     learnt: int = 0
-    corners: bool = False
 
 
 @pytest.mark.parametrize(("first_sure", "first_learnt"), [(70, 70), (95, 0)])
@@ -45,7 +44,7 @@ def test_sure_frames_are_learnt_from_unless_there_are_too_few(
     found = [SimpleNamespace(is_open=i < first_sure) for i in range(100)]
     poses = relearn.learn_again(fitter, found, np.zeros((100, 2)))
     assert asked[0] == asked[1]  # two turns
-    assert fitter.layout == Look(2, corners=True)
+    assert fitter.layout == Look(2)
     chosen = asked[0]
     assert (chosen[0], chosen[-1], len(chosen)) == (first_learnt, 99, 12)
     # nowhere more than a twelfth of the way to the next
