@@ -21,7 +21,14 @@ def design(measured: Mapping[str, np.ndarray], curves: Curves) -> np.ndarray:
     return np.column_stack(parts)
 
 
-def fit(X: np.ndarray, y: np.ndarray, weight: np.ndarray, *, ridge: np.ndarray) -> np.ndarray:
+def fit(
+    X: np.ndarray,
+    y: np.ndarray,
+    weight: np.ndarray,
+    *,
+    ridge: np.ndarray,
+    before: np.ndarray | None = None,
+) -> np.ndarray:
     """Return the values at the knots: Newton's method for the logistic regression.
 
     Parameters
@@ -33,13 +40,16 @@ def fit(X: np.ndarray, y: np.ndarray, weight: np.ndarray, *, ridge: np.ndarray) 
     weight : ndarray, shape (n,)
         How much each row counts.
     ridge : ndarray, shape (k, k)
-        What values cost: half of their square in it.
+        What values cost: half of the square, in it, of how far they are from those before.
+    before : ndarray, shape (k,), optional
+        What is known of the values before; default 0.
     """
-    b = np.zeros(X.shape[1])
+    before = np.zeros(X.shape[1]) if before is None else before
+    b = before.copy()
     for _ in range(_STEPS):
         p = 1.0 / (1.0 + np.exp(-np.clip(X @ b, -30.0, 30.0)))
         H = (X * (weight * p * (1.0 - p))[:, None]).T @ X + ridge
-        step = np.linalg.solve(H, X.T @ (weight * (y - p)) - ridge @ b)
+        step = np.linalg.solve(H, X.T @ (weight * (y - p)) - ridge @ (b - before))
         b = b + step
         if np.abs(step).max() < 1e-6:
             break

@@ -122,7 +122,7 @@ def test_a_point_moved_when_the_stride_was_known():
     tracks["revision"] = tracks["residual"].copy()
 
     def row_near_107(moved):
-        tracks["revision"].values[106:110, 0, 0] = moved
+        tracks["revision"].values[104:112, 0, 0] = moved
         table = find_suspects(tracks, rig=RIG, settings=SuspectSettings(least_score=1e-4))
         [row] = table[table["frame"].between(101, 114) & (table["point"] == "FR")].to_dict(
             "records"
@@ -130,10 +130,10 @@ def test_a_point_moved_when_the_stride_was_known():
         return row
 
     tracks["revision"].values[:] = 0.0
-    calm, moved, unknown = row_near_107(0.0), row_near_107(40.0), row_near_107(np.nan)
-    assert "a first look, before the stride was known, had it 40.0" in moved["reason"]
+    calm, moved, unknown = row_near_107(0.0), row_near_107(80.0), row_near_107(np.nan)
+    assert "a first look, before the stride was known, had it 80.0" in moved["reason"]
     assert "a first look" not in calm["reason"]
-    # 40 mm are more than two paws here, and four in eleven frames that one look shows
+    # 80 mm are more than four paws here, and eight in eleven frames that one look shows
     assert moved["score"] > 2 * calm["score"]
     assert unknown["score"] < 1.2 * calm["score"]
 
