@@ -9,7 +9,7 @@ import numpy as np
 
 from pawnb.core.paws.layout import Layout
 from pawnb.core.paws.whole.cycle import learn_cycle
-from pawnb.core.paws.whole.gaps import Known, bridge_gaps
+from pawnb.core.paws.whole.gaps import Bridged, Known, bridge_gaps
 from pawnb.core.paws.whole.likeness import Judge, score_at_clicks
 from pawnb.core.paws.whole.manner import Manner
 from pawnb.core.paws.whole.offsets import learn_offsets
@@ -18,12 +18,15 @@ from pawnb.core.paws.whole.refine import Refined, Refinement, refine
 from pawnb.core.paws.whole.scene import Scene, unclicked_kinds
 from pawnb.core.paws.whole.settings import WholeSettings
 from pawnb.core.paws.whole.sights import Sights, read_sights, tracked_points
+from pawnb.core.paws.whole.standing import learn_lift
 from pawnb.core.paws.whole.strangers import share_seen, with_strangers
 
 _BELIEVED = 0.25
 """Standard deviation, in thicknesses, at which a track is half believed."""
 _LEARNT_FROM = 0.3
 """The same for learning the stride from it."""
+_RISING_S = 0.012
+"""Time, s, after lift-off in which a paw goes on as it began."""
 _SAME = 1.2
 """A place that says that a point is so many thicknesses from where it was placed is another's."""
 _LEAST_SEEN = 0.3
@@ -199,20 +202,29 @@ def _settled(
     by_hand = np.isfinite(ready.certain[..., 0]).any(axis=-1)
     strides = (settings.shortest_stride_s * fps, settings.longest_stride_s * fps)
 
-    def settle(known: Known) -> Refined:
+    def settle(known: Known) -> tuple[Refined, Bridged]:
         bridged = bridge_gaps(
             known, ready.sights, geometry=scene.geometry, thickness_px=scene.thickness_px,
             own=ready.own, manner=paths.manner,
         )  # fmt: skip
-        return refine(
+        refined = refine(
             known.chosen, ready.sights, bridged, certain=ready.certain, what=what,
             cycle=known.cycle,
         )  # fmt: skip
+        return refined, bridged
 
     def tracked(places: np.ndarray) -> np.ndarray:
         return _tracked(places, fixed, ready.sights, paths.manner, scene)
 
-    result = settle(Known(tracked(first), by_hand))
+    def lift() -> np.ndarray | None:
+        if bridged.ground is None:
+            return None
+        return learn_lift(
+            bridged.ground, result.x, np.isfinite(result.measured[..., 0]).any(axis=-1),
+            bridged.lifts, frames=max(1, round(_RISING_S * fps)),
+        )  # fmt: skip
+
+    result, bridged = settle(Known(tracked(first), by_hand))
     unaided = result.x
     for _ in range(settings.looks):
         sd = result.sd.mean(axis=-1) / scene.thickness
@@ -223,7 +235,8 @@ def _settled(
         if cycle is None:
             break
         trust = 1.0 / (1.0 + (sd / _BELIEVED) ** 2)
-        result = settle(Known(tracked(paths.again(cycle)), by_hand, result.x, trust, cycle))
+        places = tracked(paths.again(cycle))
+        result, bridged = settle(Known(places, by_hand, result.x, trust, cycle, lift()))
         result.revision = np.linalg.norm(result.x - unaided, axis=-1)
     return result
 

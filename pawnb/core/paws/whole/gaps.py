@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from pawnb.core.paws.whole.bridging import Stories, Telling, state_after
+from pawnb.core.paws.whole.bridging import Start, Stories, Telling, state_after
 from pawnb.core.paws.whole.cycle import Cycle
 from pawnb.core.paws.whole.geometry import Geometry
 from pawnb.core.paws.whole.limbs import learn_limbs
-from pawnb.core.paws.whole.manner import Manner
+from pawnb.core.paws.whole.manner import FASTEST, Manner
 from pawnb.core.paws.whole.sights import Sights
+from pawnb.core.paws.whole.standing import Ground, Stance, covered, learn_ground
 
 _LEAST = 4
 """Certain stretches shorter than this are told anew too."""
@@ -30,6 +32,10 @@ made of it before. Without any, a wrist behind the other paw is taken for the pa
 _KICK = 0.8
 """Standard deviation of what lift-off changes of a speed, in that of the fastest swings: front
 paws go up at once, by up to 1.3 of it in rendered scenes."""
+_RISING_S, _SWINGING_S = 0.008, 0.04
+"""Time, s, after lift-off in which a paw is bent and dim, and in which it swings for certain."""
+_DIM = 0.7
+"""Largest cost of a poor look then."""
 _FARTHEST = 16.0
 """Squared standard deviations beyond which a point off its cycle costs no more."""
 
@@ -46,11 +52,20 @@ class Bridged:
         Number of the candidate taken, -1 where none.
     against : ndarray, shape (n, P, V, C)
         What speaks against each candidate being each point, minus a logarithm of odds.
+    held : ndarray, shape (n, P, d), optional
+        Where points stand though no path says so, NaN elsewhere.
+    lifts : list of (int, int)
+        Number of a point and the last frame in which it stands, for every lift-off.
+    ground : Ground, optional
+        What points stand on.
     """
 
     is_open: np.ndarray
     choice: np.ndarray
     against: np.ndarray
+    held: np.ndarray | None = None
+    lifts: list[tuple[int, int]] = field(default_factory=list)
+    ground: Ground | None = None
 
 
 @dataclass(frozen=True)
@@ -69,6 +84,8 @@ class Known:
         how much they are to be believed, 0 to 1.
     cycle : Cycle, optional
         Where points are expected.
+    lift : ndarray, shape (P, d), optional
+        How much speeds change at lift-off.
     """
 
     chosen: np.ndarray
@@ -76,6 +93,7 @@ class Known:
     before: np.ndarray | None = None
     trust: np.ndarray | None = None
     cycle: Cycle | None = None
+    lift: np.ndarray | None = None
 
 
 def bridge_gaps(
@@ -116,10 +134,13 @@ def bridge_gaps(
     )
     cost = _candidate_costs(known, is_open, sights, geometry, thickness_px)
     choice = np.full((n, n_points, len(thickness_px)), -1)
-    telling = Telling(
-        jerk=manner.jerk, kick=_KICK * manner.speed,
-        noise=0.25 * manner.thickness, reach=1.5 * manner.span,
-    )  # fmt: skip
+    telling = _telling(manner)
+    sure = np.where(is_open[..., None], np.nan, known.chosen)
+    ground = learn_ground(sure, manner, lift=known.lift)
+    stances = ground.stances(sure)
+    places = sure if known.before is None else np.where(np.isnan(sure), known.before, sure)
+    uv = geometry.project(places)
+    held = np.full(known.chosen.shape, np.nan)
     for p in range(n_points):
         for first, stop in runs(is_open[:, p]):
             if first == 0 and not known.fixed[:, p].any():
@@ -129,13 +150,52 @@ def bridge_gaps(
                 known.chosen[stretch.before, p], stretch.way * manner.drift, telling=telling,
                 speed=0.4 * manner.speed,
             )  # fmt: skip
+            start, standing = _standing(stretch, stances[p], ground, p)
+            hidden = None
+            if len(standing):
+                hidden = covered(
+                    standing, uv[stretch.frames], p, geometry=geometry, thickness_px=thickness_px
+                )
             stories = Stories(
                 state, covariance, geometry=geometry, thickness_px=thickness_px, own=own[p],
-                telling=telling,
+                telling=telling, start=start,
+                across=manner.axes[1] if len(manner.axes) == 3 else None,
             )  # fmt: skip
-            _tell(stories, p, stretch, known, sights, cost, manner)
+            _tell(stories, p, stretch, known, sights, cost, ground, hidden)
             choice[stretch.frames, p] = stories.best()[: stop - first]
-    return Bridged(is_open, choice, cost)
+            if len(standing):
+                stood = stories.stood()[: stop - first]
+                held[stretch.frames[stood], p] = standing[stood]
+    after = ground.stances(np.where(np.isnan(held), sure, held))
+    lifts = [(p, one.stop - 1) for p, mine in enumerate(after) for one in mine if one.stop < n]
+    return Bridged(is_open, choice, cost, held, lifts, ground)
+
+
+def _telling(manner: Manner) -> Telling:
+    """Return how stories are told of points that move so."""
+    fps = FASTEST * manner.span / manner.speed
+    return Telling(
+        jerk=manner.jerk, kick=_KICK * manner.speed,
+        noise=0.25 * manner.thickness, reach=1.5 * manner.span,
+        rising=max(1, round(_RISING_S * fps)), swinging=round(_SWINGING_S * fps),
+    )  # fmt: skip
+
+
+def _standing(
+    stretch: _Stretch, stances: Sequence[Stance], ground: Ground, point: int
+) -> tuple[Start | None, np.ndarray]:
+    """Return how a point stands where a stretch begins, and where it would be in its frames.
+
+    Nothing and no places where it does not stand there.
+    """
+    stance = stretch.stance(stances)
+    if stance is None:
+        return None, np.empty((0, len(ground.drift)))
+    # told backwards a paw that stands has not landed yet: how it will is not known
+    lift = ground.lift[point] if stretch.way > 0 else np.zeros_like(ground.drift)
+    edge = ground.places(stance, stretch.before[-1:])[0]
+    start = Start(edge, stretch.way * ground.drift, lift)
+    return start, ground.places(stance, stretch.frames)
 
 
 @dataclass(frozen=True)
@@ -172,6 +232,17 @@ class _Stretch:
         end = stop + _certain_frames(is_open[stop:], _AFTER)
         return cls(frames[begin:first], frames[first:stop], frames[stop:end], stop + _AFTER > n, 1)
 
+    def stance(self, stances: Sequence[Stance]) -> Stance | None:
+        """Return the stance of the point where the stretch begins; None where it does not stand.
+
+        Where nothing follows that says when it lifted off, that is left open.
+        """
+        if not len(self.before) or (self.is_last and self.way > 0):
+            return None
+        edge = int(self.before[-1])
+        ends = [one.stop - 1 if self.way > 0 else one.first for one in stances]
+        return stances[ends.index(edge)] if edge in ends else None
+
 
 def _tell(
     stories: Stories,
@@ -180,12 +251,17 @@ def _tell(
     known: Known,
     sights: Sights,
     cost: np.ndarray,
-    manner: Manner,
+    ground: Ground,
+    hidden: np.ndarray | None,
 ) -> None:
-    """Lead stories through a stretch and the certain places after it."""
+    """Lead stories through a stretch and the certain places after it.
 
-    def doubt(x: np.ndarray, speed: np.ndarray) -> np.ndarray:
-        return manner.strangeness(x, stretch.way * speed)
+    ``hidden`` tells in which views (frames, V) another paw covers the point if it stands.
+    """
+
+    def doubt(x: np.ndarray, speed: np.ndarray, recent: np.ndarray) -> np.ndarray:
+        speed = stretch.way * speed
+        return ground.manner.strangeness(x, speed) + ground.riding(point, x, speed, recent)
 
     for told, t in enumerate((*stretch.frames.tolist(), *stretch.after.tolist())):
         is_certain = told >= len(stretch.frames)
@@ -195,14 +271,25 @@ def _tell(
         else:
             for v, number in enumerate(sights.is_there[t].sum(axis=-1).tolist()):
                 # those that are there come first
-                stories.see(v, sights.at[t, point, v, :number], cost[t, point, v, :number])
+                against = cost[t, point, v, :number]
+                poor = _poor_look(sights.quality[t, v, :number])
+                stories.see(
+                    v, sights.at[t, point, v, :number], against,
+                    rising=against - np.maximum(poor - _DIM, 0.0),
+                )  # fmt: skip
         if known.cycle is not None:
             weight = _EXPECTED if stretch.is_last else _EXPECTED_BETWEEN
             stories.expect(
                 known.cycle.mean[t, point], known.cycle.axes,
                 known.cycle.sd[t, point] ** 2 / weight, most=0.5 * weight * _FARTHEST,
             )  # fmt: skip
-        stories.settle(doubt, certain=is_certain)
+        cover = None if is_certain or hidden is None else hidden[told]
+        stories.settle(doubt, certain=is_certain, covered=cover)
+
+
+def _poor_look(quality: np.ndarray) -> np.ndarray:
+    """Return what speaks against candidates for how much they look like paws."""
+    return np.asarray(-_LOOK * np.log(np.clip(quality, 0.02, 1.0)))
 
 
 def _candidate_costs(
@@ -221,7 +308,7 @@ def _candidate_costs(
         trust = np.where(is_open, known.trust, 1.0)
     there = np.isfinite(x[..., 0])
     uv = geometry.project(np.nan_to_num(x))
-    poor = -_LOOK * np.log(np.clip(sights.quality, 0.02, 1.0))
+    poor = _poor_look(sights.quality)
     cost = np.repeat(poor[:, None], n_points, axis=1)
     explained = np.zeros((n, n_points, *poor.shape[1:]))
     for p in range(n_points):

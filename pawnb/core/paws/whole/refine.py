@@ -17,6 +17,7 @@ from pawnb.core.paws.whole.gaps import Bridged
 from pawnb.core.paws.whole.geometry import Geometry
 from pawnb.core.paws.whole.sights import Sights
 from pawnb.core.paws.whole.smoothing import smooth, variances
+from pawnb.core.paws.whole.standing import expected_bends
 
 _NEAR, _NEAR_OPEN = 0.9, 2.2
 """A candidate may lie so many thicknesses from where its point must be, farther in open frames,
@@ -33,6 +34,10 @@ _SIGMA = 0.12
 """Standard deviation of a good candidate, in thicknesses."""
 _TAIL = 3.0
 """Residuals beyond this many standard deviations count less and less."""
+_HOLD = 0.2
+"""Standard deviation of where a point stands that is not seen, in thicknesses."""
+_UNSURE_LIFT = 0.3
+"""Standard deviation of how lift-off changes the speed, in that change."""
 _PULL, _PULL_BETWEEN = 0.05, 0.01
 """Information, in that of one expectation, that the cycle gives a frame without candidates, and
 less where candidates follow: the cycle of a paw that is hidden in every stride is no more than was
@@ -128,9 +133,12 @@ def refine(
         The tracks.
     """
     n, n_points, d = start.shape
-    jerk2 = np.full(n, what.jerk**2)
-    x, factors = _through_places(start, bridged, what, jerk2)
-    near = np.where(bridged.is_open, _NEAR_OPEN, _NEAR)
+    held = np.full_like(start, np.nan) if bridged.held is None else bridged.held
+    standing = np.isfinite(held[..., 0])
+    hold = np.where(standing, 1.0 / (_HOLD * what.thickness) ** 2, 0.0)[..., None]
+    jerk2, bend = _lift_offs(bridged, start.shape, what.jerk)
+    x, factors = _through_places(start, held, bridged, what, (jerk2, bend))
+    near = np.where(bridged.is_open & ~standing, _NEAR_OPEN, _NEAR)
     against = np.where(bridged.is_open[..., None, None], _AGAINST * bridged.against, 0.0)
     by_hand = np.isfinite(certain[..., 0])
     taken = _taken(bridged, sights)
@@ -147,10 +155,12 @@ def refine(
                 1.0 / (0.05 * what.thickness_px + 0.3) ** 2, weight.shape
             )[by_hand]
             W, z = _normal(x, measured, weight, what)
+            W += hold[..., None] * np.eye(d)
+            z += hold * np.nan_to_num(held)
             if cycle is not None:
                 _pull(W, z, _expected(np.isfinite(measured[..., 0]).any(axis=-1)), cycle)
             for p in range(n_points):
-                x[:, p], factors[p] = smooth(W[:, p], z[:, p], jerk2)
+                x[:, p], factors[p] = smooth(W[:, p], z[:, p], jerk2[:, p], bend[:, p])
     sd = np.sqrt(variances(factors, d)).swapaxes(0, 1)
     # what is alike from frame to frame does not average out
     alike = (0.06**2 + what.unsure**2) * what.thickness**2
@@ -158,19 +168,40 @@ def refine(
     return Refined(x, np.sqrt(2.0 * sd**2 + alike[:, None]), measured, quality, only)
 
 
+def _lift_offs(
+    bridged: Bridged, shape: tuple[int, ...], jerk: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return variance (n, P) and mean (n, P, d) of the change of acceleration in each frame."""
+    n, n_points, _ = shape
+    jerk2, bend = np.full((n, n_points), jerk**2), np.zeros(shape)
+    if bridged.ground is not None:
+        lift = bridged.ground.lift
+        bend, near = expected_bends(bridged.lifts, lift, n)
+        unsure = (_UNSURE_LIFT * np.linalg.norm(lift, axis=-1)) ** 2
+        jerk2 = jerk2 + np.where(near, unsure, 0.0)
+    return jerk2, bend
+
+
 def _through_places(
-    start: np.ndarray, bridged: Bridged, what: Refinement, jerk2: np.ndarray
+    start: np.ndarray,
+    held: np.ndarray,
+    bridged: Bridged,
+    what: Refinement,
+    changes: tuple[np.ndarray, np.ndarray],
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the smoothest path through the certain places, and room for its factors."""
     n, n_points, d = start.shape
-    places = np.where(bridged.is_open[..., None], np.nan, start)
+    places = np.where(bridged.is_open[..., None], held, start)
+    jerk2, bend = changes
     information = 1.0 / (0.3 * what.thickness) ** 2
     x = np.empty_like(start)
     factors = np.empty((n_points, 3 * d + 1, n * d))
     for p in range(n_points):
         seen = np.isfinite(places[:, p, 0])
         W = seen[:, None, None] * np.eye(d) * information
-        x[:, p], factors[p] = smooth(W, np.nan_to_num(places[:, p]) * information, jerk2)
+        x[:, p], factors[p] = smooth(
+            W, np.nan_to_num(places[:, p]) * information, jerk2[:, p], bend[:, p]
+        )
     return x, factors
 
 

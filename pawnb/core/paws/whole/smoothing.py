@@ -18,7 +18,10 @@ _THIRD = (-1.0, 3.0, -3.0, 1.0)
 
 
 def smooth(
-    information: np.ndarray, target: np.ndarray, jerk2: np.ndarray
+    information: np.ndarray,
+    target: np.ndarray,
+    jerk2: np.ndarray,
+    bend: np.ndarray | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Smooth one track.
 
@@ -30,6 +33,8 @@ def smooth(
         ``W_t z_t`` of each frame.
     jerk2 : ndarray, shape (n,)
         Variance of the change of acceleration at each frame.
+    bend : ndarray, shape (n, d), optional
+        What it is on average; default 0.
 
     Returns
     -------
@@ -49,6 +54,10 @@ def smooth(
         for k, own in enumerate(_THIRD):
             for later in range(k, 4):
                 band[(later - k) * d, k : n - 3 + k] += own * _THIRD[later] * w
+        if bend is not None:
+            target = target.copy()
+            for k, own in enumerate(_THIRD):
+                target[k : n - 3 + k] += own * w * bend[1:-2]
     # a trace of prior keeps tracks with hardly any measurement solvable, or with none at all: a paw
     # that nobody clicked, in so few frames that nothing says how it moves
     band[0] += 1e-9 * (band[0].max() or 1.0)

@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from pawnb.core.paws.whole.bridging import Stories, Telling, state_after
+from pawnb.core.paws.whole.bridging import Start, Stories, Telling, state_after
 from pawnb.core.paws.whole.geometry import Geometry
 
 # constant acceleration whose changes are white: Bar-Shalom, Li & Kirubarajan 2001, section 6.3
@@ -21,15 +21,15 @@ LINEAR[:8] = np.array(
 ONLY = {"kick_cost": 1e6, "bad_cost": 1e6, "clutter": 1e-30, "reach": 1e6}
 
 
-def nothing(x, speed):
+def nothing(x, speed, recent):
     return np.zeros(len(x))
 
 
-def told(geometry, state, covariance, **options):
+def told(geometry, state, covariance, *, start=None, **options):
     n_views = geometry.project(state[0]).shape[0]
     return Stories(
         state, covariance, geometry=geometry, thickness_px=np.linspace(8.0, 10.0, n_views),
-        own=np.ones(n_views, bool),
+        own=np.ones(n_views, bool), start=start,
         telling=Telling(**{"jerk": 0.3, "kick": 2.0, "noise": 0.4, "reach": 50.0, **options}),
     )  # fmt: skip
 
@@ -132,7 +132,7 @@ def test_a_paw_that_lifts_off_is_followed_by_a_kick():
 
 
 def test_what_a_point_is_doubted_for_is_not_believed():
-    def doubt(x, speed):
+    def doubt(x, speed, recent):
         return np.where(x[:, 1] > 0, 20.0, 0.0)
 
     for sign in (1.0, -1.0):
@@ -192,3 +192,52 @@ def test_a_story_far_from_where_it_is_expected_goes_its_own_way():
     stories.expect(np.array([50.0, 0.0]), np.eye(2), np.ones(2), most=1.6)
     np.testing.assert_array_equal(stories.mean, mean)
     np.testing.assert_allclose(stories.cost - cost, 1.6)
+
+
+def standing(start, **options):
+    """Tell of a paw that stands on moving ground, lifts off after the fifth frame and is seen."""
+    ground = np.array([-1.0, 0.0])
+
+    def rides(x, speed, recent):
+        return 7.0 * recent * np.exp(-((np.linalg.norm(speed - ground, axis=1) / 0.5) ** 2))
+
+    state = np.stack([np.zeros(2), ground, np.zeros(2)])
+    stories = Stories(
+        state, np.diag([0.04, 0.01, 1e-4]), geometry=Geometry(None), thickness_px=np.array([8.0]),
+        own=np.ones(1, bool), start=start,
+        telling=Telling(jerk=0.05, kick=2.0, noise=0.4, reach=50.0, **options),
+    )  # fmt: skip
+    for t in range(1, 9):
+        stories.advance()
+        # a poor looking wrist keeps above it; once it has lifted off, by 3 a frame, it shows
+        seen = [t * ground + [0.0, -9.0]]
+        if t > 5:
+            seen.append(t * ground + [0.0, -3.0 * (t - 5.5)])
+        stories.see(0, np.array(seen), np.array([4.0, 0.0])[: len(seen)])
+        stories.settle(rides, covered=np.ones(1, bool))
+    return stories
+
+
+def test_a_paw_stands_under_its_wrist_until_it_lifts_off():
+    start = Start(np.zeros(2), np.array([-1.0, 0.0]), np.array([0.0, -3.0]))
+    stories = standing(start)
+    np.testing.assert_array_equal(stories.stood(), np.arange(1, 9) <= 5)
+    np.testing.assert_array_equal(stories.best()[:, 0], [-1] * 5 + [1] * 3)
+    assert not standing(None).stood().any()
+
+
+def test_what_stands_goes_exactly_with_the_ground():
+    start = Start(np.array([3.0, 2.0]), np.array([-1.0, 0.25]), np.array([0.0, -4.0]))
+    stories = told(Geometry(None), np.ones((3, 2)), np.eye(3), start=start)
+    for t in range(1, 4):
+        stories.advance()
+        ground = np.array([3.0 - t, 2.0 + 0.25 * t])
+        np.testing.assert_allclose(stories.mean[0], [*ground, -1.0, 0.25, 0.0, 0.0])
+        # its place is less sure from frame to frame, by 0.1 of 0.4, from 0.4 of it
+        np.testing.assert_allclose(stories.covariance[0].diagonal()[:2], 0.16**2 + t * 0.04**2)
+        if t == 1:
+            # half a frame after it lifted off, on average
+            np.testing.assert_allclose(stories.mean[1, :2], [*ground[:1], ground[1] - 2.0])
+            np.testing.assert_allclose(stories.mean[1, 2:4], [-1.0, -3.75])
+        stories.settle(nothing)
+        assert stories.stood().all()

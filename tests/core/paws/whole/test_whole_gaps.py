@@ -202,3 +202,43 @@ def test_a_paw_that_was_clicked_once_has_come_with_the_ground():
     is_there = np.ones((12, 2), bool)
     choice = bridge(chosen, at, is_there, fixed=fixed, manner=manner).choice[:, 0, 0]
     np.testing.assert_array_equal(choice[:6], 1)
+
+
+def covered_paw():
+    """A paw stands on moving ground, covered by one that lands beside it, and swings at frame 30.
+
+    It is not seen from frame 22 to 38; a poor looking wrist rides above it until it swings.
+    """
+    t = np.arange(60.0)
+    s = np.clip((t - 30.5) / 16.0, 0.0, 1.0)
+    paw = np.column_stack([200.0 - 3.0 * t, 100.0 - 40.0 * np.sin(np.pi * s)])
+    paw[:, 0] += 120.0 * (s - np.sin(2 * np.pi * s) / (2 * np.pi))
+    other = np.column_stack([207.0 - 3.0 * t, np.full(60, 101.0)])
+    other[:20] += np.column_stack([-12.0 * (20.0 - t[:20]), -3.0 * (20.0 - t[:20])])
+    wrist = paw + np.array([1.0, -11.0])
+    at = np.stack([other, paw, wrist], axis=1)
+    is_there = np.ones((60, 3), bool)
+    is_there[:20, 2] = is_there[31:, 2] = False
+    hidden = (t >= 22) & (t < 39)
+    # what is not there comes last
+    at[hidden] = at[hidden][:, [0, 2, 1]]
+    is_there[hidden] = np.column_stack([np.ones(17), t[hidden] <= 30, np.zeros(17)]).astype(bool)
+    quality = np.where(at == wrist[:, None], 0.1, 1.0).min(axis=-1)
+    chosen = np.stack([paw, other], axis=1)
+    chosen[hidden, 0] = np.nan
+    return paw, chosen, at, is_there, quality
+
+
+def test_a_covered_paw_stands_until_it_lifts_off():
+    paw, chosen, at, is_there, quality = covered_paw()
+    manner = replace(MANNER, drift=np.array([-3.0, 0.0]))
+    bridged = bridge(chosen, at, is_there, quality=quality, manner=manner)
+    standing = np.flatnonzero(np.isfinite(bridged.held[:, 0, 0]))
+    assert standing[0] == 22
+    # nothing shows when it lifts off, but for the wrist that is gone then
+    assert 29 <= standing[-1] <= 32
+    first = standing[standing <= 30]
+    np.testing.assert_allclose(bridged.held[first, 0], paw[first], atol=0.5)
+    assert (bridged.choice[first, 0] < 0).all()
+    assert (0, standing[-1]) in bridged.lifts
+    assert np.isnan(bridged.held[:, 1]).all()

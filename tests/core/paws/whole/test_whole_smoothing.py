@@ -36,6 +36,20 @@ def test_agrees_with_the_dense_solution(d):
     np.testing.assert_allclose(variances(factor, d), expected_var, rtol=1e-4)
 
 
+def test_an_expected_bend_is_made_in_a_gap():
+    t = np.arange(30.0)
+    # 2 a frame backwards until 12.5, then 3 a frame forwards: no jerk but that
+    x = np.column_stack([-2.0 * t + 5.0 * np.maximum(t - 12.5, 0.0), np.zeros(30)])
+    bend = np.zeros_like(x)
+    bend[1:-2] = x[3:] - 3 * x[2:-1] + 3 * x[1:-2] - x[:-3]
+    seen = (t < 10) | (t > 20)
+    W = seen[:, None, None] * np.eye(2)
+    found, _ = smooth(W, seen[:, None] * x, np.full(30, 0.01), bend)
+    np.testing.assert_allclose(found, x, atol=1e-2)
+    without, _ = smooth(W, seen[:, None] * x, np.full(30, 0.01))
+    assert np.abs(without - x).max() > 1.0
+
+
 def test_a_parabola_crosses_a_gap_unchanged():
     t = np.arange(30.0)
     path = np.column_stack([0.1 * t**2 - t, 3.0 - 0.05 * t**2])
