@@ -8,21 +8,19 @@ evenly, by as much as was learnt from the whole recording. No direction is prefe
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 
 from pawnb.core.pose.fit.choices import Choices
+from pawnb.core.pose.fit.counted import counted
 from pawnb.core.pose.fit.fitter import FrameFitter
-from pawnb.core.pose.fit.hairs import without_hairs
-from pawnb.core.pose.fit.odd_places import without_odd_places
 from pawnb.core.pose.fit.relearn import usual_lengths
 from pawnb.core.pose.fit.smooth import first_motion, learn_motion, others_say
 from pawnb.core.pose.fit.solve_loops import Prior, Sight
 from pawnb.core.pose.fit.start import partners
-from pawnb.core.pose.fit.threads import THREADS, on_threads
+from pawnb.core.pose.fit.threads import on_threads, threaded
 from pawnb.core.pose.fit.uncertainty_loops import error_ratio, place_sds
 
 _SWEEPS = 5
@@ -136,7 +134,7 @@ def settle_all(fitter: FrameFitter, found: Sequence[Choices], poses: np.ndarray)
 
     def first(own: FrameFitter, t: int) -> _Own:
         sight = own.sight(found[t].image.astype(float), found[t].box, poses[t])
-        sight = without_hairs(own, poses[t], without_odd_places(own, poses[t], sight))
+        sight = counted(own, poses[t], sight)
         pose, _ = own.fit(poses[t], sight, anatomy, rounds=8, enough=0.01)  # the look is new
         return _own_near(own, pose, sight, anatomy)
 
@@ -173,8 +171,7 @@ def _from_others(
         step = np.linalg.solve(precision + pull, down[..., None])[..., 0]
         return around, pull, 0.5 * (down * step).sum(axis=1)
 
-    with ThreadPoolExecutor(THREADS, thread_name_prefix="pawnb-last") as pool:
-        arounds, pulls, gains = zip(*pool.map(of_leg, range(len(motions))), strict=True)
+    arounds, pulls, gains = zip(*threaded(of_leg, range(len(motions))), strict=True)
     around = np.zeros((len(own), fitter.n))
     for numbers, place in zip(fitter.numbers, arounds, strict=True):
         around[:, numbers] = place

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections import ChainMap
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 
@@ -79,7 +80,7 @@ class Follower:
         self.sides = sides_of(fitter.layout.side)
         self.trellises = [Trellis(fitter.settings.jump_px) for _ in self.sides]
         self._usual = np.full(2, np.inf)
-        # numpy's own part is small: the compiled loops of two sides run side by side
+        # numpy's own part is small: the compiled loops of two legs run side by side
         self._twins = [fitter.twin() for _ in self.sides]
         self._pool = ThreadPoolExecutor(len(self.sides), thread_name_prefix="pawnb-legs")
         self._lost = 0
@@ -192,10 +193,12 @@ class Follower:
     def _add(self, choices: Choices, sight: Sight, anatomy: Prior) -> None:
         """Add candidates to a frame that gives reason to doubt, and those of the frame before."""
         doubted = self._doubted(choices, sight, anatomy)
+        # each thread takes the next leg; those that take long come first
+        waiting = iter(np.argsort(~doubted, kind="stable").tolist())
 
-        def search(legs: list[int], fitter: FrameFitter) -> dict[int, list[np.ndarray]]:
+        def search(fitter: FrameFitter) -> dict[int, list[np.ndarray]]:
             found = {}
-            for leg in legs:
+            for leg in waiting:
                 found[leg] = self._continued(fitter, leg, choices.pose, sight, anatomy)
                 if doubted[leg]:
                     found[leg] += limb_candidates(
@@ -203,8 +206,8 @@ class Follower:
                     )
             return found
 
-        parts = self._pool.map(search, self.sides, self._twins)
-        extra = {leg: more for part in parts for leg, more in part.items() if more}
+        found = dict(ChainMap(*self._pool.map(search, self._twins)))
+        extra = {leg: found[leg] for leg in sorted(found) if found[leg]}
         if extra:
             add_candidates(self.fitter, choices, extra, sight=sight, prior=anatomy)
 

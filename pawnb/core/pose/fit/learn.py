@@ -7,11 +7,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pawnb.core.pose.fit.layout import Layout, meeting
+from pawnb.core.pose.fit.layout import Layout
 from pawnb.core.pose.fit.learn_body import LEAST_DARK, MOST_DARK, BodyEquations
 from pawnb.core.pose.fit.learn_loops import body_equations, look_equations
 from pawnb.core.pose.fit.paint_loops import make_canvas, paint, picture_cost
 from pawnb.core.pose.fit.solve_loops import Prior, Sight, normal_matrix, prior_cost
+from pawnb.core.pose.fit.threads import threaded
 
 _RADIUS_SD, _RADIUS_STEP_SD = 0.4, 0.1
 _DARK_SD, _DARK_STEP_SD = 0.3, 0.1
@@ -88,6 +89,8 @@ class _Step:
 
     Attributes
     ----------
+    cost : float
+        Of the look and poses before it.
     look : Layout
         After the whole step.
     moves : list of ndarray, shape (n_parameters,)
@@ -96,41 +99,78 @@ class _Step:
         What they were solved by.
     """
 
+    cost: float
     look: Layout
     moves: list[np.ndarray]
     body: BodyEquations
 
 
+@dataclass(frozen=True)
+class _OfFrame:
+    """What one frame says: its cost, and the equations of legs, body and pose."""
+
+    cost: float
+    legs: tuple[np.ndarray, np.ndarray]
+    body: tuple[np.ndarray, np.ndarray]
+    pose: tuple[np.ndarray, np.ndarray]
+
+
 def _step(layout: Layout, frames: list[tuple[np.ndarray, Sight]], known: _Known) -> _Step:
     """Return the step that the equations of all frames lead to."""
-    legs, nodes = layout.radius.shape
-    matrix, vector = np.zeros((legs, 2 * nodes, 2 * nodes)), np.zeros((legs, 2 * nodes))
-    meets, blur, soft = meeting(known.first.ellipse), known.blur, known.soft
     body = BodyEquations(layout.ellipse, known.first.ellipse, len(frames))
-    for pose, sight in frames:
-        canvas = make_canvas(len(sight.seen), sight.seen.shape[1], layout)
-        paint(layout, pose, blur, sight.box, *canvas)
-        value, owner, along, joints = canvas
-        look_equations(
-            layout, blur, sight.box, value, owner, along, joints, sight.seen, sight.weight, soft,
-            matrix, vector,
-        )  # fmt: skip
-        parts, sums = np.zeros((len(meets), 9, 9)), np.zeros((len(meets), 9))
-        body_equations(
-            layout, meets, pose, blur, sight.box, value, owner, sight.seen, sight.weight, soft,
-            parts, sums,
-        )  # fmt: skip
-        of_pose, slope = np.zeros((len(pose), len(pose))), np.zeros(len(pose))
-        normal_matrix(
-            layout, pose, sight, known.prior, np.arange(len(pose)), blur, soft, value, owner,
-            along, joints, of_pose, slope,
-        )  # fmt: skip
-        body.add(parts, sums, of_pose=of_pose + np.tril(of_pose, -1).T, slope=slope)
+    said = threaded(lambda frame: _of_frame(layout, frame, known, body.meets), frames)
+    for one in said:
+        body.add(*one.body, of_pose=one.pose[0], slope=one.pose[1])
+    matrix, vector = (np.sum([one.legs[i] for one in said], axis=0) for i in (0, 1))
     legs_learnt = learn_legs(
         layout, known.first, known.partner, equations=(matrix, vector), n_frames=len(frames)
     )
+    cost = sum(one.cost for one in said) + _look_cost(layout, known, body, len(frames))
     ellipse, moves = body.solve()
-    return _Step(legs_learnt._replace(ellipse=ellipse), moves, body)
+    return _Step(cost, legs_learnt._replace(ellipse=ellipse), moves, body)
+
+
+def _of_frame(
+    layout: Layout, frame: tuple[np.ndarray, Sight], known: _Known, meets: np.ndarray
+) -> _OfFrame:
+    """Return what one frame says near its pose; ``meets`` as in :class:`.BodyEquations`."""
+    pose, sight = frame
+    blur, soft, n = known.blur, known.soft, len(pose)
+    canvas, cost = _painted(layout, pose, sight, known)
+    value, owner, along, joints = canvas
+    legs, nodes = layout.radius.shape
+    matrix, vector = np.zeros((legs, 2 * nodes, 2 * nodes)), np.zeros((legs, 2 * nodes))
+    look_equations(
+        layout, blur, sight.box, value, owner, along, joints, sight.seen, sight.weight, soft,
+        matrix, vector,
+    )  # fmt: skip
+    parts, sums = np.zeros((len(meets), 9, 9)), np.zeros((len(meets), 9))
+    body_equations(
+        layout, meets, pose, blur, sight.box, value, owner, sight.seen, sight.weight, soft,
+        parts, sums,
+    )  # fmt: skip
+    of_pose, slope = np.zeros((n, n)), np.zeros(n)
+    normal_matrix(
+        layout, pose, sight, known.prior, np.arange(n), blur, soft, value, owner, along, joints,
+        of_pose, slope,
+    )  # fmt: skip
+    whole = of_pose + np.tril(of_pose, -1).T  # the loops fill the lower triangle
+    return _OfFrame(cost, (matrix, vector), (parts, sums), (whole, slope))
+
+
+def _painted(
+    layout: Layout, pose: np.ndarray, sight: Sight, known: _Known
+) -> tuple[tuple[np.ndarray, ...], float]:
+    """Return the painted canvas of a frame, and what picture and pose cost."""
+    canvas = make_canvas(len(sight.seen), sight.seen.shape[1], layout)
+    paint(layout, pose, known.blur, sight.box, *canvas)
+    cost = picture_cost(canvas[0], canvas[1], sight.seen, sight.weight, known.soft)
+    return canvas, cost + prior_cost(pose, known.prior, np.arange(len(pose)))
+
+
+def _look_cost(layout: Layout, known: _Known, body: BodyEquations, n_frames: int) -> float:
+    """Return what a look costs by itself."""
+    return _prior_cost(layout, known.first, n_frames) + body.prior_cost(layout.ellipse)
 
 
 def _taken(
@@ -164,16 +204,10 @@ def _helpful_share(
 
     def cost(share: float) -> float:
         look, here = _taken(layout, frames, step, share)
-        total = _prior_cost(look, known.first, len(frames)) + step.body.prior_cost(look.ellipse)
-        for pose, sight in here:
-            canvas = make_canvas(len(sight.seen), sight.seen.shape[1], look)
-            paint(look, pose, known.blur, sight.box, *canvas)
-            total += picture_cost(canvas[0], canvas[1], sight.seen, sight.weight, known.soft)
-            total += prior_cost(pose, known.prior, np.arange(len(pose)))
-        return total
+        parts = threaded(lambda frame: _painted(look, *frame, known)[1], here)
+        return sum(parts) + _look_cost(look, known, step.body, len(frames))
 
-    now = cost(0.0)
-    return next((share for share in _SHARES if cost(share) < now), 0.0)
+    return next((share for share in _SHARES if cost(share) < step.cost), 0.0)
 
 
 def learn_legs(

@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from pawnb.core.pose.fit.choices import Choices
+from pawnb.core.pose.fit.counted import counted
 from pawnb.core.pose.fit.fitter import FrameFitter
-from pawnb.core.pose.fit.hairs import find_hairs, without_hairs
+from pawnb.core.pose.fit.hairs import find_hairs
 from pawnb.core.pose.fit.learn import learn_look
-from pawnb.core.pose.fit.odd_places import find_odd_places, without_odd_places
+from pawnb.core.pose.fit.odd_places import find_odd_places
 from pawnb.core.pose.fit.solve_loops import Prior, Sight
 from pawnb.core.pose.fit.start import partners
 from pawnb.core.pose.fit.threads import on_threads
@@ -48,17 +49,13 @@ def learn_again(fitter: FrameFitter, found: list[Choices], poses: np.ndarray) ->
 
         def fitted(own: FrameFitter, i: int, known: Prior = known) -> tuple[np.ndarray, Sight]:
             sight = own.sight(found[i].image.astype(float), found[i].box, poses[i])
-            counts = without_hairs(own, poses[i], without_odd_places(own, poses[i], sight))
-            return own.fit(poses[i], counts, known, rounds=6)[0], sight
+            return own.fit(poses[i], counted(own, poses[i], sight), known, rounds=6)[0], sight
 
         frames = on_threads(fitter, chosen, fitted)
         poses[chosen] = [pose for pose, _ in frames]
         fitter.odd_places = find_odd_places(fitter, frames)
         fitter.hairs = find_hairs(fitter, frames)
-        frames = [
-            (pose, without_hairs(fitter, pose, without_odd_places(fitter, pose, sight)))
-            for pose, sight in frames
-        ]
+        frames = [(pose, counted(fitter, pose, sight)) for pose, sight in frames]
         fitter.layout = learn_look(
             fitter.layout, frames, first=fitter.first, partner=partners(fitter.animal),
             prior=known, blur=fitter.blur, soft=fitter.settings.soft_error,

@@ -14,6 +14,15 @@ THREADS = 2
 """The compiled loops let other threads run, numpy's own part is small: both cores are busy."""
 
 _T = TypeVar("_T")
+_S = TypeVar("_S")
+
+
+def threaded(work: Callable[[_S], _T], items: Sequence[_S]) -> list[_T]:
+    """Return what ``work``, which changes nothing, makes of each item, in their order."""
+    if len(items) < 2:
+        return [work(item) for item in items]
+    with ThreadPoolExecutor(THREADS, thread_name_prefix="pawnb-fit") as pool:
+        return list(pool.map(work, items))
 
 
 def on_threads(
@@ -40,8 +49,8 @@ def on_threads(
     parts = [numbers[first::THREADS] for first in range(THREADS)]
     twins = [fitter.twin() for _ in parts]
     out: dict[int, _T] = {}
-    with ThreadPoolExecutor(THREADS, thread_name_prefix="pawnb-fit") as pool:
-        done = pool.map(lambda own, part: [work(own, one) for one in part], twins, parts)
-        for part, results in zip(parts, done, strict=True):
-            out.update(zip(part, results, strict=True))
+    pairs = list(zip(twins, parts, strict=True))
+    done = threaded(lambda pair: [work(pair[0], one) for one in pair[1]], pairs)
+    for part, results in zip(parts, done, strict=True):
+        out.update(zip(part, results, strict=True))
     return [out[number] for number in numbers]

@@ -38,6 +38,7 @@ def test_sure_frames_are_learnt_from_unless_there_are_too_few(
     monkeypatch.setattr(relearn, "usual_lengths", lambda *_: None)
     monkeypatch.setattr(relearn, "find_odd_places", lambda *_: None)
     monkeypatch.setattr(relearn, "find_hairs", lambda *_: None)
+    monkeypatch.setattr(relearn, "counted", lambda _fitter, _pose, sight: sight)
     fitter = SimpleNamespace(
         layout=Look(), animal=None, first=None, blur=1.0, settings=SimpleNamespace(soft_error=1.0)
     )
