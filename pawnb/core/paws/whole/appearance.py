@@ -72,6 +72,8 @@ class Appearance:
         What stands still in a whole grey picture of the view, uint8.
     usual : float
         Score that clicked paws have.
+    mistaken : float
+        Share of what is about the animal that would pass for paws.
     """
 
     table: np.ndarray
@@ -79,6 +81,7 @@ class Appearance:
     around_px: int
     background: np.ndarray | None = None
     usual: float = _LIMIT
+    mistaken: float = 0.0
 
     def score(
         self, pixels: np.ndarray, origin: tuple[int, int] = (0, 0), *, shrink: int = 1
@@ -205,10 +208,13 @@ def learn(
     limit = _SURE * min(1.0, max(usual, 0.0) / 2.0)
     gain = float(np.clip(_USUAL / max(usual - limit, 0.1), 1.0, _MOST_GAIN))
     table = np.clip((ratio - limit) * gain, -_LIMIT, _LIMIT).astype(np.float32)
-    at_clicks = [_even(table[n])[seed] for n, seed in zip(numbers, seeds, strict=True)]
+    scores = [_even(table[n]) for n in numbers]
+    at_clicks = np.concatenate([score[seed] for score, seed in zip(scores, seeds, strict=True)])
+    about = np.concatenate([score[wide] for score, wide in zip(scores, rest[-1], strict=True)])
     return Appearance(
         table, shrink * _thickness(numbers, table, clicks), around_px,
-        usual=float(np.clip(np.median(np.concatenate(at_clicks)), _LEAST_USUAL, _LIMIT)),
+        usual=float(np.clip(np.median(at_clicks), _LEAST_USUAL, _LIMIT)),
+        mistaken=float(np.mean(about > 0.0)),
     )  # fmt: skip
 
 

@@ -1,5 +1,7 @@
 """The whole-recording tracker on a short rendered scene with exact truth."""
 
+import warnings
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -8,7 +10,7 @@ from pawnb.core.paws import Task
 from pawnb.core.paws.whole import WholeSettings, track_whole
 from pawnb.core.rig import load_rig
 from pawnb.core.video import open_views
-from pawnb.errors import InputError
+from pawnb.errors import InputError, InputWarning
 from pawnb.schema import ORIGIN_CODE, check_tracks
 from pawnb.synthetic import render_mouse_trial
 from pawnb.trial import load_trial
@@ -96,3 +98,19 @@ def test_stopping_keeps_what_is_done_and_bad_input_is_refused(scene):
         run(trial, start, frames=(0, 100))
     with pytest.raises(InputError, match="clicked in no view"):
         run(trial, start[start["point"] != "FR"])
+
+
+def test_paws_that_look_like_the_belt_are_told_of(scene, tmp_path):
+    """A belt as brown as the paws in its light; on the usual one nothing is said."""
+    brown = {"belt_rgb": (135.0, 105.0, 92.0), "light": 0.84, "fur_rgb": (53.0, 35.0, 50.0)}
+    path = render_mouse_trial(
+        tmp_path / "brown", frames=2, scale=0.35, seed=0, difficulty="hard", settings=brown
+    )
+    trial = load_trial(path)
+    start = pd.read_csv(trial.folder / "start.csv")
+    with pytest.warns(InputWarning, match="hardly differ from what is around the animal"):
+        run(trial, start, frames=(0, 2))
+    trial, start, _ = scene
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", InputWarning)
+        run(trial, start, frames=(0, 2))
