@@ -330,7 +330,8 @@ class Stories:
         recent = (self._since > 0) & (self._since <= told.swinging)
         self.cost = self.cost + doubt(self.mean[:, :d], self.mean[:, d : 2 * d], recent)
         spread = self.covariance.diagonal(axis1=1, axis2=2)[:, : 2 * d]
-        grain = 0.5 * told.noise + told.alike * np.sqrt(spread)
+        # rounding may take a variance below nothing
+        grain = 0.5 * told.noise + told.alike * np.sqrt(np.maximum(spread, 0.0))
         # one that stands is another story than one that is where it would be
         key = np.column_stack([self.mean[:, : 2 * d], self._standing])
         grain = np.column_stack([grain, np.full(len(grain), 0.5)])
