@@ -221,7 +221,7 @@ def _settled(
             return None
         return learn_lift(
             bridged.ground, result.x, np.isfinite(result.measured[..., 0]).any(axis=-1),
-            bridged.lifts, frames=max(1, round(_RISING_S * fps)),
+            lifts=bridged.lifts, frames=max(1, round(_RISING_S * fps)),
         )  # fmt: skip
 
     result, bridged = settle(Known(tracked(first), by_hand))

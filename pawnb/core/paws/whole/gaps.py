@@ -261,7 +261,7 @@ def _tell(
 
     def doubt(x: np.ndarray, speed: np.ndarray, recent: np.ndarray) -> np.ndarray:
         speed = stretch.way * speed
-        return ground.manner.strangeness(x, speed) + ground.riding(point, x, speed, recent)
+        return ground.manner.strangeness(x, speed) + ground.riding(point, x, speed, recent=recent)
 
     for told, t in enumerate((*stretch.frames.tolist(), *stretch.after.tolist())):
         is_certain = told >= len(stretch.frames)

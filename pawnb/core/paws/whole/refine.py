@@ -160,7 +160,7 @@ def refine(
             if cycle is not None:
                 _pull(W, z, _expected(np.isfinite(measured[..., 0]).any(axis=-1)), cycle)
             for p in range(n_points):
-                x[:, p], factors[p] = smooth(W[:, p], z[:, p], jerk2[:, p], bend[:, p])
+                x[:, p], factors[p] = smooth(W[:, p], z[:, p], jerk2[:, p], bend=bend[:, p])
     sd = np.sqrt(variances(factors, d)).swapaxes(0, 1)
     # what is alike from frame to frame does not average out
     alike = (0.06**2 + what.unsure**2) * what.thickness**2
@@ -200,7 +200,7 @@ def _through_places(
         seen = np.isfinite(places[:, p, 0])
         W = seen[:, None, None] * np.eye(d) * information
         x[:, p], factors[p] = smooth(
-            W, np.nan_to_num(places[:, p]) * information, jerk2[:, p], bend[:, p]
+            W, np.nan_to_num(places[:, p]) * information, jerk2[:, p], bend=bend[:, p]
         )
     return x, factors
 

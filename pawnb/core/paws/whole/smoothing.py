@@ -21,6 +21,7 @@ def smooth(
     information: np.ndarray,
     target: np.ndarray,
     jerk2: np.ndarray,
+    *,
     bend: np.ndarray | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Smooth one track.

@@ -83,7 +83,7 @@ class Ground:
         return np.asarray(stance.origin + frames[:, None] * self.drift)
 
     def riding(
-        self, point: int, x: np.ndarray, speed: np.ndarray, recent: np.ndarray
+        self, point: int, x: np.ndarray, speed: np.ndarray, *, recent: np.ndarray
     ) -> np.ndarray:
         """Return what speaks against a lifted point that goes with the ground.
 
@@ -170,8 +170,8 @@ def learn_lift(
     ground: Ground,
     x: np.ndarray,
     seen: np.ndarray,
-    lifts: Sequence[tuple[int, int]],
     *,
+    lifts: Sequence[tuple[int, int]],
     frames: int,
 ) -> np.ndarray:
     """Learn by how much the speed of each point changes at lift-off.

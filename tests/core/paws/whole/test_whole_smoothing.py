@@ -44,7 +44,7 @@ def test_an_expected_bend_is_made_in_a_gap():
     bend[1:-2] = x[3:] - 3 * x[2:-1] + 3 * x[1:-2] - x[:-3]
     seen = (t < 10) | (t > 20)
     W = seen[:, None, None] * np.eye(2)
-    found, _ = smooth(W, seen[:, None] * x, np.full(30, 0.01), bend)
+    found, _ = smooth(W, seen[:, None] * x, np.full(30, 0.01), bend=bend)
     np.testing.assert_allclose(found, x, atol=1e-2)
     without, _ = smooth(W, seen[:, None] * x, np.full(30, 0.01))
     assert np.abs(without - x).max() > 1.0

@@ -55,7 +55,9 @@ def test_without_heights_none_are_learnt():
     flat = Manner(**{**vars(MANNER), "ground": -np.inf})
     learnt = learn_ground(walk()[:20], flat)
     assert np.isnan(learnt.height).all()
-    assert (learnt.riding(0, walk()[:5, 0], np.tile(DRIFT, (5, 1)), np.ones(5, bool)) == 0).all()
+    assert (
+        learnt.riding(0, walk()[:5, 0], np.tile(DRIFT, (5, 1)), recent=np.ones(5, bool)) == 0
+    ).all()
 
 
 def test_stances_last_until_the_paw_leaves_its_place():
@@ -92,7 +94,7 @@ def test_a_stance_needs_places_that_go_with_the_ground():
 )
 def test_what_rides_above_the_ground_is_no_paw(above, speed, recent, is_dear):
     x = np.array([[0.0, 0.0, 1.2 + above]])
-    cost = ground().riding(1, x, np.asarray(speed)[None], np.array([recent]))
+    cost = ground().riding(1, x, np.asarray(speed)[None], recent=np.array([recent]))
     assert (cost[0] > 5.0) if is_dear else (cost[0] < 0.1)
 
 
@@ -101,7 +103,7 @@ def test_how_paws_lift_off_is_the_median_of_what_was_seen():
     seen = np.zeros((N, 2), bool)
     seen[:, 0] = True
     lifts = [(p, last) for p in (0, 1) for last in LAST]
-    lift = learn_lift(ground(), x, seen, lifts, frames=3)
+    lift = learn_lift(ground(), x, seen, lifts=lifts, frames=3)
     assumed = np.array([0.0, 0.0, MANNER.speed])
     # two lift-offs were seen, and what is assumed counts as two
     np.testing.assert_allclose(lift[0], 0.5 * (UP + assumed), atol=1e-9)
