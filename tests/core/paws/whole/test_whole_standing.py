@@ -82,12 +82,7 @@ def test_a_stance_needs_places_that_go_with_the_ground():
     [
         (0.0, DRIFT, False, False),  # it stands
         (4.0, DRIFT, False, True),  # a wrist over a paw that stands
-        (
-            4.0,
-            DRIFT + 3.0 * MANNER.axes[1],
-            False,
-            True,
-        ),  # how it moves to the side does not matter
+        (4.0, DRIFT + 3.0 * MANNER.axes[1], False, True),  # to the side does not matter
         (4.0, DRIFT + UP, False, False),  # a paw that lifts off
         (0.0, DRIFT, True, True),  # lifted off, yet it stands
     ],
