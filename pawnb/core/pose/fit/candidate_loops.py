@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from pawnb.core.compiled import compiled
+from pawnb.core.compiled import compiled_loosely
 from pawnb.core.pose.fit.layout import Layout
 from pawnb.core.pose.fit.paint_loops import (
     NOTHING,
@@ -20,7 +20,7 @@ from pawnb.core.pose.fit.paint_loops import (
 from pawnb.core.pose.fit.solve_loops import Sight
 
 
-@compiled
+@compiled_loosely
 def leg_footprint(
     layout: Layout, pose: np.ndarray, leg: int, sight: Sight, blur: float, soft: float,
     base: np.ndarray, value: np.ndarray, owner: np.ndarray, along: np.ndarray,
@@ -63,7 +63,7 @@ def leg_footprint(
     return pixels, darks, cost
 
 
-@compiled
+@compiled_loosely
 def shared_cost(
     pixels_a: np.ndarray, darks_a: np.ndarray, pixels_b: np.ndarray, darks_b: np.ndarray,
     sight: Sight, base: np.ndarray, soft: float,
@@ -92,7 +92,7 @@ def shared_cost(
     return total
 
 
-@compiled
+@compiled_loosely
 def paint_base(
     layout: Layout, pose: np.ndarray, blur: float, sight: Sight, value: np.ndarray,
     owner: np.ndarray,
@@ -102,7 +102,7 @@ def paint_base(
     paint_body(layout, pose, blur, sight.box, value, owner)
 
 
-@compiled
+@compiled_loosely
 def cover_painted(value: np.ndarray, owner: np.ndarray, dark: float) -> None:
     """Make what is painted as dark as ``dark``."""
     for v in range(value.shape[0]):
@@ -111,7 +111,7 @@ def cover_painted(value: np.ndarray, owner: np.ndarray, dark: float) -> None:
                 value[v, u] = dark
 
 
-@compiled
+@compiled_loosely
 def free_of_others(
     sight: Sight, zone: np.ndarray, owner: np.ndarray, neutral: float, out: np.ndarray
 ) -> None:
@@ -130,7 +130,7 @@ def free_of_others(
                 out[v, u] = here
 
 
-@compiled
+@compiled_loosely
 def leg_support(
     layout: Layout, joints: np.ndarray, leg: int, sight: Sight, blur: float, share: float,
     body: np.ndarray,
@@ -178,7 +178,7 @@ def leg_support(
     )
 
 
-@compiled
+@compiled_loosely
 def unexplained(
     owner: np.ndarray, sight: Sight, dark: float, reach: float, pose: np.ndarray
 ) -> np.ndarray:

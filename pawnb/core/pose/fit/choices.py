@@ -164,14 +164,20 @@ def fit_leg(
     """Return one leg's part of the pose vector, fitted with the body as it is."""
     trial = pose.copy()
     trial[fitter.numbers[leg]] = guess
-    joints = _joints(fitter, pose, leg, guess)
-    part = part_of(
-        sight, np.nanmin(joints, axis=0) - _ROOM_PX, np.nanmax(joints, axis=0) + _ROOM_PX
-    )
+    part = part_about(fitter, pose, leg, [guess], sight=sight)
     fitted, _ = fitter.fit(
         trial, part, prior, active=fitter.numbers[leg], shown=fitter.only[leg], rounds=rounds
     )
     return fitted[fitter.numbers[leg]]
+
+
+def part_about(
+    fitter: FrameFitter, pose: np.ndarray, leg: int, guesses: Sequence[np.ndarray], *, sight: Sight
+) -> Sight:
+    """Return the part of a sight about some places of a leg, each its part of the pose vector."""
+    joints = np.concatenate([_joints(fitter, pose, leg, guess) for guess in guesses])
+    low, high = np.nanmin(joints, axis=0), np.nanmax(joints, axis=0)
+    return part_of(sight, low - _ROOM_PX, high + _ROOM_PX)
 
 
 def add_candidates(

@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 
-from pawnb.core.compiled import compiled
+from pawnb.core.compiled import compiled_loosely
 
 
-@compiled
+@compiled_loosely
 def block_gains(
     image: np.ndarray, mean: np.ndarray, covered: np.ndarray, block: int
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -36,7 +36,7 @@ def block_gains(
     return gains, counts
 
 
-@compiled
+@compiled_loosely
 def smooth_gains(gains: np.ndarray, counts: np.ndarray, spread: float) -> np.ndarray:
     """Return gains averaged over blocks nearby with a Gaussian, each by its count."""
     rows, columns = gains.shape
@@ -57,7 +57,7 @@ def smooth_gains(gains: np.ndarray, counts: np.ndarray, spread: float) -> np.nda
     return out
 
 
-@compiled
+@compiled_loosely
 def darkness(
     image: np.ndarray, mean: np.ndarray, sd: np.ndarray, gains: np.ndarray, block: int,
     light: float, spread: float, seen: np.ndarray, weight: np.ndarray,
@@ -108,7 +108,7 @@ def darkness(
             weight[v, u] = 1.0 / (spread * spread + noise * noise)
 
 
-@compiled
+@compiled_loosely
 def in_levels(seen: np.ndarray, levels: float, out: np.ndarray) -> None:
     """Write darkness, cut to 0 to 1, in so many steps into ``out`` (uint8)."""
     for v in range(seen.shape[0]):
@@ -116,7 +116,7 @@ def in_levels(seen: np.ndarray, levels: float, out: np.ndarray) -> None:
             out[v, u] = np.uint8(levels * min(max(seen[v, u], 0.0), 1.0) + 0.5)
 
 
-@compiled
+@compiled_loosely
 def behind_filter(
     wide: np.ndarray, level: float, least: float, most: float, body: np.ndarray,
     seen: np.ndarray, weight: np.ndarray,

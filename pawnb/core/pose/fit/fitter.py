@@ -258,7 +258,7 @@ class FrameFitter:
             self.layout, pose, self.blur, sight.box, self.all_shown, value, owner, along, joints
         )
         normal_matrix(
-            self.layout, pose, sight, prior, self.everything, self.blur,
+            self.layout, pose, sight, prior, self.everything, self.all_shown, self.blur,
             self.settings.soft_error, value, owner, along, joints, matrix, slope,
         )  # fmt: skip
         return matrix + np.tril(matrix, -1).T, slope  # the loops fill the lower triangle

@@ -6,13 +6,13 @@ import math
 
 import numpy as np
 
-from pawnb.core.compiled import compiled
+from pawnb.core.compiled import compiled_inside, compiled_loosely
 
 _CELLS_A_PX = 2.0
 """Cells across a leg in a pixel."""
 
 
-@compiled
+@compiled_inside
 def cell_of(
     joints: np.ndarray, piece: int, t: float, at: tuple[float, float], cells: tuple[int, int]
 ) -> tuple[int, int, int, int]:
@@ -30,7 +30,7 @@ def cell_of(
     return leg, s, row, min(max(column, 0), cells[1] - 1)
 
 
-@compiled
+@compiled_loosely
 def add_differences(
     painted: tuple[np.ndarray, ...],
     seen: np.ndarray,
@@ -54,7 +54,7 @@ def add_differences(
                 count[cell] += 1.0
 
 
-@compiled
+@compiled_loosely
 def disregard_cells(
     painted: tuple[np.ndarray, ...],
     box: np.ndarray,

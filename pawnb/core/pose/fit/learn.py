@@ -151,8 +151,8 @@ def _of_frame(
     )  # fmt: skip
     of_pose, slope = np.zeros((n, n)), np.zeros(n)
     normal_matrix(
-        layout, pose, sight, known.prior, np.arange(n), blur, soft, value, owner, along, joints,
-        of_pose, slope,
+        layout, pose, sight, known.prior, np.arange(n), np.ones(legs + 1, bool), blur, soft,
+        value, owner, along, joints, of_pose, slope,
     )  # fmt: skip
     whole = of_pose + np.tril(of_pose, -1).T  # the loops fill the lower triangle
     return _OfFrame(cost, (matrix, vector), (parts, sums), (whole, slope))

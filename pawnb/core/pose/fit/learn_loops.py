@@ -6,12 +6,12 @@ import math
 
 import numpy as np
 
-from pawnb.core.compiled import compiled
+from pawnb.core.compiled import compiled_loosely
 from pawnb.core.pose.fit.layout import Layout
 from pawnb.core.pose.fit.paint_loops import egg_shape, part_dark, slope, step
 
 
-@compiled
+@compiled_loosely
 def look_equations(
     layout: Layout, blur: float, box: np.ndarray, value: np.ndarray, owner: np.ndarray,
     along: np.ndarray, joints: np.ndarray, seen: np.ndarray, weight: np.ndarray, soft: float,
@@ -60,7 +60,7 @@ def look_equations(
                     matrix[leg, which[i], which[j]] += w * row[i] * row[j]
 
 
-@compiled
+@compiled_loosely
 def body_equations(
     layout: Layout, meets: np.ndarray, pose: np.ndarray, blur: float, box: np.ndarray,
     value: np.ndarray, owner: np.ndarray, seen: np.ndarray, weight: np.ndarray, soft: float,

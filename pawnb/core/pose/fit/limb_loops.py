@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from pawnb.core.compiled import compiled
+from pawnb.core.compiled import compiled_inside, compiled_loosely
 from pawnb.core.pose.fit.layout import Layout
 from pawnb.core.pose.fit.solve_loops import Prior
 
@@ -23,7 +23,7 @@ SHORTER_COST = 6.0
 """Cost of a link's squared logarithmic foreshortening, px: little, as whole legs are raised."""
 
 
-@compiled
+@compiled_inside
 def sample(seen: np.ndarray, u: float, v: float) -> float:
     """Return the darkness at a place between pixels; 0 outside the picture, NaN near NaN."""
     left, top = math.floor(u), math.floor(v)
@@ -35,7 +35,7 @@ def sample(seen: np.ndarray, u: float, v: float) -> float:
     return upper * (1 - b) + lower * b
 
 
-@compiled
+@compiled_inside
 def follow_link(
     layout: Layout, leg: int, link: int, start: np.ndarray, forwards: float, shorter: float,
     heading: float, seen: np.ndarray, box: np.ndarray, end: np.ndarray,
@@ -60,7 +60,7 @@ def follow_link(
     return total
 
 
-@compiled
+@compiled_loosely
 def find_limbs(
     layout: Layout, pose: np.ndarray, leg: int, seen: np.ndarray, box: np.ndarray,
     prior: Prior, width: int, most: int, apart: float,
@@ -151,7 +151,7 @@ def find_limbs(
     return _distinct(beam, places, support, filled, most, apart)
 
 
-@compiled
+@compiled_loosely
 def point_to_chain(u: float, v: float, chain: np.ndarray, n: int) -> float:
     """Return the squared distance of a place to a chain of n segments."""
     best = 1e18
@@ -165,7 +165,7 @@ def point_to_chain(u: float, v: float, chain: np.ndarray, n: int) -> float:
     return best
 
 
-@compiled
+@compiled_loosely
 def chains_apart(one: np.ndarray, other: np.ndarray, n: int) -> float:
     """Return the greatest distance between two chains of n segments, px.
 
@@ -184,7 +184,7 @@ def chains_apart(one: np.ndarray, other: np.ndarray, n: int) -> float:
     return math.sqrt(far)
 
 
-@compiled
+@compiled_loosely
 def chains_cross(one: np.ndarray, n_one: int, other: np.ndarray, n_other: int) -> bool:
     """Return whether two chains of segments cross anywhere."""
     for i in range(n_one):
@@ -202,7 +202,7 @@ def chains_cross(one: np.ndarray, n_one: int, other: np.ndarray, n_other: int) -
     return False
 
 
-@compiled
+@compiled_loosely
 def _distinct(
     beam: np.ndarray, places: np.ndarray, support: np.ndarray, filled: int, most: int,
     apart: float,

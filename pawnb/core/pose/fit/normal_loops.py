@@ -6,12 +6,12 @@ import math
 
 import numpy as np
 
-from pawnb.core.compiled import compiled
+from pawnb.core.compiled import compiled_inside, compiled_loosely
 from pawnb.core.pose.fit.layout import Layout
 from pawnb.core.pose.fit.paint_loops import NOTHING, body_slope, leg_pull, leg_slope, misfit
 
 
-@compiled
+@compiled_loosely
 def add_segment(
     layout: Layout, pose: np.ndarray, joints: np.ndarray, leg: int, s: int, moments: np.ndarray,
     rows: np.ndarray, which: np.ndarray, matrix: np.ndarray, vector: np.ndarray,
@@ -50,7 +50,7 @@ def add_segment(
             )  # fmt: skip
 
 
-@compiled
+@compiled_loosely
 def add_segments(
     layout: Layout, pose: np.ndarray, joints: np.ndarray, moments: np.ndarray,
     matrix: np.ndarray, vector: np.ndarray,
@@ -65,15 +65,16 @@ def add_segments(
                 )
 
 
-@compiled
+@compiled_loosely
 def normal_equations(
     layout: Layout, pose: np.ndarray, blur: float, box: np.ndarray, value: np.ndarray,
     owner: np.ndarray, along: np.ndarray, joints: np.ndarray, seen: np.ndarray,
-    weight: np.ndarray, soft: float, matrix: np.ndarray, vector: np.ndarray,
+    weight: np.ndarray, soft: float, moves: np.ndarray, matrix: np.ndarray, vector: np.ndarray,
 ) -> float:  # fmt: skip
     """Add the Gauss-Newton matrix and gradient of the cost; return the cost.
 
-    Robust errors are weighted as in iteratively reweighted least squares.
+    Robust errors are weighted as in iteratively reweighted least squares. Of legs, and last the
+    body, that do not move (``moves``, shape (legs + 1,)), only the cost counts.
     """
     row, pull, four = np.zeros(3), np.zeros(4), np.zeros(4)
     legs, most = layout.length.shape
@@ -92,6 +93,8 @@ def normal_equations(
             total += w * (0.5 * error * error * heed - misfit(seen[v, u], soft))
             w *= heed * heed
             pu, pv = u + box[0], v + box[1]
+            if not moves[-1 if piece < 0 else piece // 64]:
+                continue
             if piece < 0:
                 if body_slope(layout, pose, -2 - piece, blur, pu, pv, cos, sin, row):
                     for i in range(3):
@@ -111,7 +114,7 @@ def normal_equations(
     return total
 
 
-@compiled
+@compiled_inside
 def add_moments(four: np.ndarray, w: float, error: float, moments: np.ndarray) -> None:
     """Add a pixel to the ``moments`` of its segment, see :func:`add_segment`."""
     a, b, c, d = four[0], four[1], four[2], four[3]

@@ -17,7 +17,7 @@ import math
 
 import numpy as np
 
-from pawnb.core.compiled import compiled
+from pawnb.core.compiled import compiled_inside, compiled_loosely
 from pawnb.core.pose.fit.layout import Layout
 
 NOTHING = -1
@@ -26,7 +26,7 @@ _RIM = 2.0
 middle: where the blur of the edge ends the change begins."""
 
 
-@compiled
+@compiled_loosely
 def leg_chain(layout: Layout, pose: np.ndarray, leg: int, joints: np.ndarray) -> None:
     """Write the joints of a leg, body-coxa joint to tip, into ``joints`` (segments + 1, 2)."""
     cos, sin = math.cos(pose[2]), math.sin(pose[2])
@@ -49,7 +49,7 @@ def leg_chain(layout: Layout, pose: np.ndarray, leg: int, joints: np.ndarray) ->
         joints[s + 1, 0], joints[s + 1, 1] = u, v
 
 
-@compiled
+@compiled_inside
 def step(x: float) -> float:
     """Return the integral of the parabolic kernel from minus infinity to x (half widths)."""
     if x <= -1.0:
@@ -59,7 +59,7 @@ def step(x: float) -> float:
     return 0.5 + 0.25 * x * (3.0 - x * x)
 
 
-@compiled
+@compiled_inside
 def slope(x: float) -> float:
     """Return the parabolic kernel at x, the derivative of :func:`step`."""
     if x <= -1.0 or x >= 1.0:
@@ -67,14 +67,14 @@ def slope(x: float) -> float:
     return 0.75 * (1.0 - x * x)
 
 
-@compiled
+@compiled_loosely
 def clear(value: np.ndarray, owner: np.ndarray) -> None:
     """Empty a painted picture."""
     value[:] = 0.0
     owner[:] = NOTHING
 
 
-@compiled
+@compiled_inside
 def egg_shape(
     x: float, y: float, half: float, across: float, egg: float
 ) -> tuple[float, float, float]:
@@ -93,7 +93,7 @@ def egg_shape(
     return (f - 1.0) * f / size, ga / size, gb / size
 
 
-@compiled
+@compiled_inside
 def part_dark(
     outside: float, dark: float, middle: float, blur: float
 ) -> tuple[float, float, float]:
@@ -121,7 +121,7 @@ def part_dark(
     return dark + (middle - dark) * deep, (middle - dark) * slope(inside - _RIM) / blur, deep
 
 
-@compiled
+@compiled_loosely
 def paint_body(
     layout: Layout, pose: np.ndarray, blur: float, box: np.ndarray, value: np.ndarray,
     owner: np.ndarray,
@@ -146,7 +146,7 @@ def paint_body(
                     owner[v, u] = -2 - e
 
 
-@compiled
+@compiled_loosely
 def paint_leg(
     layout: Layout, joints: np.ndarray, leg: int, blur: float, box: np.ndarray,
     value: np.ndarray, owner: np.ndarray, along: np.ndarray,
@@ -189,7 +189,7 @@ def paint_leg(
                     along[v, u] = t
 
 
-@compiled
+@compiled_loosely
 def paint(
     layout: Layout, pose: np.ndarray, blur: float, box: np.ndarray, value: np.ndarray,
     owner: np.ndarray, along: np.ndarray, joints: np.ndarray,
@@ -202,7 +202,7 @@ def paint(
         paint_leg(layout, joints[leg], leg, blur, box, value, owner, along)
 
 
-@compiled
+@compiled_inside
 def body_slope(
     layout: Layout, pose: np.ndarray, part: int, blur: float, u: float, v: float,
     cos: float, sin: float, row: np.ndarray,
@@ -227,7 +227,7 @@ def body_slope(
     return True
 
 
-@compiled
+@compiled_inside
 def leg_pull(
     layout: Layout, joints: np.ndarray, leg: int, s: int, t: float, blur: float, u: float,
     v: float, pull: np.ndarray,
@@ -269,7 +269,7 @@ def leg_pull(
     return abs(pull[0]) + abs(pull[1]) > 1e-7
 
 
-@compiled
+@compiled_inside
 def add_pull(
     pull: np.ndarray, u0: float, v0: float, gu: float, gv: float, u: float, v: float
 ) -> None:
@@ -285,7 +285,7 @@ def add_pull(
         pull[3] = v0 + (stretching * pull[1] - turning * pull[0]) / square
 
 
-@compiled
+@compiled_loosely
 def leg_slope(
     layout: Layout, pose: np.ndarray, joints: np.ndarray, leg: int, s: int, pull: np.ndarray,
     row: np.ndarray, which: np.ndarray,
@@ -314,7 +314,7 @@ def leg_slope(
     return 3 + 2 * (last + 1)
 
 
-@compiled
+@compiled_inside
 def misfit(error: float, soft: float) -> float:
     """Return the cost of a pixel's error: quadratic when small, level beyond ``soft``.
 
@@ -324,7 +324,7 @@ def misfit(error: float, soft: float) -> float:
     return 0.5 * square / (1.0 + square / (soft * soft))
 
 
-@compiled
+@compiled_loosely
 def picture_cost(
     value: np.ndarray, owner: np.ndarray, seen: np.ndarray, weight: np.ndarray, soft: float
 ) -> float:

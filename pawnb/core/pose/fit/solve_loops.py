@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pawnb.core.compiled import compiled
-from pawnb.core.pose.fit.layout import Layout
+from pawnb.core.compiled import compiled_loosely
+from pawnb.core.pose.fit.layout import N_BODY, Layout
 from pawnb.core.pose.fit.normal_loops import normal_equations
 from pawnb.core.pose.fit.paint_loops import clear, leg_chain, paint_body, paint_leg, picture_cost
 
@@ -64,7 +64,7 @@ class Sight(NamedTuple):
     box: np.ndarray
 
 
-@compiled
+@compiled_loosely
 def group_sums(pose: np.ndarray, prior: Prior, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the precision of each group, and its errors weighted with their precision."""
     most = prior.group.max() + 1
@@ -77,7 +77,7 @@ def group_sums(pose: np.ndarray, prior: Prior, active: np.ndarray) -> tuple[np.n
     return weights, errors
 
 
-@compiled
+@compiled_loosely
 def prior_cost(pose: np.ndarray, prior: Prior, active: np.ndarray) -> float:
     """Return the cost of the prior for the numbers listed in ``active``."""
     total = 0.0
@@ -99,7 +99,7 @@ def prior_cost(pose: np.ndarray, prior: Prior, active: np.ndarray) -> float:
     return total
 
 
-@compiled
+@compiled_loosely
 def add_prior(
     pose: np.ndarray, prior: Prior, active: np.ndarray, matrix: np.ndarray, vector: np.ndarray
 ) -> None:
@@ -130,13 +130,22 @@ def add_prior(
                     matrix[i, j] += prior.pull[i, j]
 
 
-@compiled
+@compiled_loosely
 def paint_some(
     layout: Layout, pose: np.ndarray, blur: float, box: np.ndarray, shown: np.ndarray,
     value: np.ndarray, owner: np.ndarray, along: np.ndarray, joints: np.ndarray,
 ) -> None:  # fmt: skip
     """Paint some legs, and the body where ``shown[-1]``; ``shown`` is (legs + 1,) bool."""
     clear(value, owner)
+    paint_more(layout, pose, blur, box, shown, value, owner, along, joints)
+
+
+@compiled_loosely
+def paint_more(
+    layout: Layout, pose: np.ndarray, blur: float, box: np.ndarray, shown: np.ndarray,
+    value: np.ndarray, owner: np.ndarray, along: np.ndarray, joints: np.ndarray,
+) -> None:  # fmt: skip
+    """Paint as :func:`paint_some`, over what is painted already."""
     if shown[-1]:
         paint_body(layout, pose, blur, box, value, owner)
     for leg in range(layout.side.shape[0]):
@@ -145,28 +154,43 @@ def paint_some(
             paint_leg(layout, joints[leg], leg, blur, box, value, owner, along)
 
 
-@compiled
+@compiled_loosely
+def what_moves(layout: Layout, active: np.ndarray) -> np.ndarray:
+    """Return which legs, and last the body, move with the ``active`` numbers of the pose."""
+    legs = layout.side.shape[0]
+    moves = np.zeros(legs + 1, np.bool_)
+    for i in active:
+        if i < N_BODY:
+            moves[:] = True
+        for leg in range(legs):
+            if layout.first[leg] <= i < layout.first[leg] + 2 * layout.n_links[leg]:
+                moves[leg] = True
+    return moves
+
+
+@compiled_loosely
 def normal_matrix(
     layout: Layout, pose: np.ndarray, sight: Sight, prior: Prior, active: np.ndarray,
-    blur: float, soft: float,
+    moves: np.ndarray, blur: float, soft: float,
     value: np.ndarray, owner: np.ndarray, along: np.ndarray, joints: np.ndarray,
     matrix: np.ndarray, vector: np.ndarray,
 ) -> float:  # fmt: skip
     """Return cost; fill the Gauss-Newton matrix and gradient of picture and prior.
 
-    The pose has been painted (:func:`paint_some`).
+    The pose has been painted (:func:`paint_some`); ``moves`` is :func:`what_moves` with the
+    ``active`` numbers.
     """
     matrix[:] = 0.0
     vector[:] = 0.0
     cost = normal_equations(
         layout, pose, blur, sight.box, value, owner, along, joints, sight.seen, sight.weight,
-        soft, matrix, vector,
+        soft, moves, matrix, vector,
     )  # fmt: skip
     add_prior(pose, prior, active, matrix, vector)
     return cost + prior_cost(pose, prior, active)
 
 
-@compiled
+@compiled_loosely
 def solve_in_place(matrix: np.ndarray, vector: np.ndarray) -> bool:
     """Solve matrix x = vector by Cholesky into ``vector``; False if not positive definite.
 
@@ -199,7 +223,7 @@ def solve_in_place(matrix: np.ndarray, vector: np.ndarray) -> bool:
     return True
 
 
-@compiled
+@compiled_loosely
 def fit_pose(
     layout: Layout, pose: np.ndarray, sight: Sight, prior: Prior, active: np.ndarray,
     shown: np.ndarray, blur: float, soft: float, rounds: int, enough: float,
@@ -235,10 +259,19 @@ def fit_pose(
     part, side = np.zeros((m, m)), np.zeros(m)
     pose = pose.copy()
     cost, damping = 0.0, 1e-3
-    paint_some(layout, pose, blur, sight.box, shown, value, owner, along, joints)
+    moves = what_moves(layout, active)
+    rest = shown & ~moves
+    paint_some(layout, pose, blur, sight.box, rest, value, owner, along, joints)
+    some_rest = rest.any()
+    if some_rest:
+        still = (value.copy(), owner.copy(), along.copy())
+    else:
+        still = (value, owner, along)
+    moves &= shown
+    paint_more(layout, pose, blur, sight.box, moves, value, owner, along, joints)
     for _ in range(rounds):  # the pose is on the canvas: that of the last step, which was kept
         cost = normal_matrix(
-            layout, pose, sight, prior, active, blur, soft, value, owner, along, joints,
+            layout, pose, sight, prior, active, moves, blur, soft, value, owner, along, joints,
             matrix, vector,
         )  # fmt: skip
         gained = 0.0
@@ -257,7 +290,11 @@ def fit_pose(
             trial = pose.copy()
             for i in range(m):
                 trial[active[i]] += side[m - 1 - i]
-            paint_some(layout, trial, blur, sight.box, shown, value, owner, along, joints)
+            if some_rest:
+                value[:], owner[:], along[:] = still
+            else:
+                clear(value, owner)
+            paint_more(layout, trial, blur, sight.box, moves, value, owner, along, joints)
             now = picture_cost(value, owner, sight.seen, sight.weight, soft)
             now += prior_cost(trial, prior, active)
             if now < cost:

@@ -13,6 +13,7 @@ from pawnb.core.pose.fit.choices import (
     fit_leg,
     limb_candidates,
     only_choice,
+    part_about,
     side_energy,
     sides_of,
 )
@@ -220,15 +221,39 @@ def _slid_along(fitter: FrameFitter, pose: np.ndarray, sight: Sight, prior: Prio
     The end of a leg that stops short, on a limb that goes on in a bend, feels nothing of what lies
     ahead of it.
     """
-    pose, cost = fitter.fit(pose, sight, prior, rounds=20)
-    for leg, numbers in enumerate(fitter.numbers):
-        for factor in _SLIDES:
-            trial = pose.copy()
-            trial[numbers] = slid_leg(fitter.layout, pose, leg, factor=factor)
-            trial, now = fitter.fit(trial, sight, prior, active=numbers, rounds=8)
-            if now < cost - _BETTER:
-                pose, cost = fitter.fit(trial, sight, prior, rounds=8)
-    return pose
+    pose, _ = fitter.fit(pose, sight, prior, rounds=20)
+
+    def best_of_side(own: FrameFitter, side: int) -> np.ndarray:
+        best = pose.copy()
+        for leg in sides[side]:
+            best[own.numbers[leg]] = _best_slide(own, best, leg, sight, prior)
+        return best
+
+    sides = sides_of(fitter.layout.side)
+    found = on_threads(fitter, range(len(sides)), best_of_side)
+    slid = pose.copy()
+    for legs, best in zip(sides, found, strict=True):
+        for leg in legs:
+            slid[fitter.numbers[leg]] = best[fitter.numbers[leg]]
+    return fitter.fit(slid, sight, prior, rounds=8)[0]
+
+
+def _best_slide(
+    fitter: FrameFitter, pose: np.ndarray, leg: int, sight: Sight, prior: Prior
+) -> np.ndarray:
+    """Return a leg's part of the pose vector, slid to where it explains most, if that is more."""
+    numbers = fitter.numbers[leg]
+    tried = [pose[numbers]]
+    tried += [slid_leg(fitter.layout, pose, leg, factor=factor) for factor in _SLIDES]
+    part = part_about(fitter, pose, leg, tried, sight=sight)
+    best, least = tried[0], np.inf
+    for guess in tried:
+        trial = pose.copy()
+        trial[numbers] = guess
+        trial, cost = fitter.fit(trial, part, prior, active=numbers, rounds=8)
+        if cost < least - _BETTER:
+            best, least = trial[numbers], cost
+    return best
 
 
 def slid_leg(layout: Layout, pose: np.ndarray, leg: int, *, factor: float) -> np.ndarray:

@@ -6,13 +6,13 @@ import math
 
 import numpy as np
 
-from pawnb.core.compiled import compiled
+from pawnb.core.compiled import compiled_loosely
 from pawnb.core.pose.fit.layout import Layout
 from pawnb.core.pose.fit.paint_loops import NOTHING, leg_chain, leg_slope
 from pawnb.core.pose.fit.solve_loops import Sight
 
 
-@compiled
+@compiled_loosely
 def place_sds(
     layout: Layout, pose: np.ndarray, covariance: np.ndarray, joints: np.ndarray,
     out: np.ndarray,
@@ -42,7 +42,7 @@ def place_sds(
                 out[leg, place, axis] = math.sqrt(max(total, 0.0))
 
 
-@compiled
+@compiled_loosely
 def error_ratio(value: np.ndarray, owner: np.ndarray, sight: Sight, soft: float) -> float:
     """Return the robust mean square of weighted errors where the animal is painted."""
     total, n = 0.0, 0

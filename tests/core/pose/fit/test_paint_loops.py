@@ -106,9 +106,12 @@ def test_slopes_agree_with_finite_differences(species):
         assert np.abs(analytic[..., k] - numeric).max() < 0.25 * np.abs(numeric).max()
 
 
+@pytest.mark.parametrize("still", [[], [1, 3, -1]], ids=["all move", "some do not"])
 @pytest.mark.parametrize("species", ["dolomedes", "insect"])
-def test_equations_are_the_sums_over_pixels_of_their_slopes(species):
+def test_equations_are_the_sums_over_pixels_of_their_slopes(species, still):
     _, layout, pose, _ = bent(species)
+    moves = np.ones(len(layout.side) + 1, bool)
+    moves[still] = False
     value, owner, along, joints = loops.make_canvas(180, 180, layout)
     loops.paint(layout, pose, BLUR, np.zeros(2), value, owner, along, joints)
     rng = np.random.default_rng(3)
@@ -117,7 +120,7 @@ def test_equations_are_the_sums_over_pixels_of_their_slopes(species):
     matrix, vector = np.zeros((len(pose),) * 2), np.zeros(len(pose))
     cost = normal_loops.normal_equations(
         layout, pose, BLUR, np.zeros(2), value, owner, along, joints, seen, weight, 0.45,
-        matrix, vector,
+        moves, matrix, vector,
     )  # fmt: skip
     np.testing.assert_allclose(cost, loops.picture_cost(value, owner, seen, weight, 0.45))
     # Gauss-Newton with the weights of iteratively reweighted least squares: Geman and McClure's
@@ -125,6 +128,8 @@ def test_equations_are_the_sums_over_pixels_of_their_slopes(species):
     error = value - seen
     heeded = weight / (1.0 + (error / 0.45) ** 2) ** 2
     rows = slopes(layout, pose)
+    of_legs = np.where(owner < 0, len(moves) - 1, owner // 64)
+    rows[~moves[of_legs]] = 0.0
     expected = np.einsum("vu,vui,vuj->ij", heeded, rows, rows, optimize=True)
     np.testing.assert_allclose(matrix, np.tril(expected), atol=1e-8 * expected.max())
     gradient = np.einsum("vu,vui->i", heeded * error, rows)
