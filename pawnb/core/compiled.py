@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TypeVar, cast
+from typing import Any, TypeVar, cast
 
 import numba
 
@@ -63,7 +63,7 @@ def compiled_inside(function: _F) -> _F:
     return _compiled(function, fastmath=_LOOSE, forceinline=True)
 
 
-def _compiled(function: _F, **how: object) -> _F:
+def _compiled(function: _F, **how: Any) -> _F:
     try:
         return cast("_F", numba.njit(cache=True, nogil=True, error_model="numpy", **how)(function))
     except RuntimeError:  # numba: "cannot cache function: no locator available"

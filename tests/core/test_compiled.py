@@ -1,9 +1,12 @@
 """Compiled functions give what Python gives, also where compiled code cannot be kept."""
 
+import math
+
 import numba
+import numpy as np
 import pytest
 
-from pawnb.core.compiled import compiled
+from pawnb.core.compiled import compiled, compiled_inside, compiled_loosely
 
 
 def total_of_squares(n):
@@ -13,8 +16,9 @@ def total_of_squares(n):
     return total
 
 
+@pytest.mark.parametrize("how", [compiled, compiled_loosely, compiled_inside])
 @pytest.mark.parametrize("kept", [True, False])
-def test_it_computes_what_python_does(monkeypatch, kept):
+def test_it_computes_what_python_does(monkeypatch, kept, how):
     njit = numba.njit
 
     def cannot_keep(**options):
@@ -24,7 +28,21 @@ def test_it_computes_what_python_does(monkeypatch, kept):
 
     if not kept:
         monkeypatch.setattr(numba, "njit", cannot_keep)
-    fast = compiled(total_of_squares)
+    fast = how(total_of_squares)
     # n (n + 1) (2 n + 1) / 6
     assert fast(10) == 385
     assert fast.signatures, "it was not compiled"
+
+
+def largest_known(values):
+    most = -np.inf
+    for value in values:
+        if not math.isnan(value):
+            most = max(most, value)
+    return most
+
+
+def test_loose_sums_still_know_what_is_not_a_number():
+    values = np.array([3.0, np.nan, 7.0, -np.inf])
+    assert compiled_loosely(largest_known)(values) == 7.0
+    assert compiled_loosely(largest_known)(values[1:2]) == -np.inf

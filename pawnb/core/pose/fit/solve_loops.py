@@ -224,6 +224,27 @@ def solve_in_place(matrix: np.ndarray, vector: np.ndarray) -> bool:
 
 
 @compiled_loosely
+def damped_step(
+    matrix: np.ndarray, vector: np.ndarray, active: np.ndarray, damping: float,
+    part: np.ndarray, step: np.ndarray,
+) -> bool:  # fmt: skip
+    """Write the step of the active numbers, last to first; False where there is none.
+
+    ``part`` (n active, n active) is room to work in. Legs meet only in the body, whose numbers
+    are the first: with them last, the equations of each leg are solved by themselves.
+    """
+    m = active.shape[0]
+    for i in range(m):
+        p = active[m - 1 - i]
+        step[i] = -vector[p]
+        for j in range(i + 1):
+            part[i, j] = matrix[active[m - 1 - j], p]
+        part[i, i] *= 1.0 + damping
+        part[i, i] += 1e-9
+    return solve_in_place(part, step)
+
+
+@compiled_loosely
 def fit_pose(
     layout: Layout, pose: np.ndarray, sight: Sight, prior: Prior, active: np.ndarray,
     shown: np.ndarray, blur: float, soft: float, rounds: int, enough: float,
@@ -256,17 +277,14 @@ def fit_pose(
     n = pose.shape[0]
     matrix, vector = np.zeros((n, n)), np.zeros(n)
     m = active.shape[0]
-    part, side = np.zeros((m, m)), np.zeros(m)
+    part, step = np.zeros((m, m)), np.zeros(m)
     pose = pose.copy()
     cost, damping = 0.0, 1e-3
     moves = what_moves(layout, active)
     rest = shown & ~moves
     paint_some(layout, pose, blur, sight.box, rest, value, owner, along, joints)
     some_rest = rest.any()
-    if some_rest:
-        still = (value.copy(), owner.copy(), along.copy())
-    else:
-        still = (value, owner, along)
+    still = (value.copy(), owner.copy(), along.copy()) if some_rest else (value, owner, along)
     moves &= shown
     paint_more(layout, pose, blur, sight.box, moves, value, owner, along, joints)
     for _ in range(rounds):  # the pose is on the canvas: that of the last step, which was kept
@@ -276,20 +294,12 @@ def fit_pose(
         )  # fmt: skip
         gained = 0.0
         for _ in range(6):
-            for i in range(m):
-                # last to first: legs meet only in the body, whose numbers are the first
-                p = active[m - 1 - i]
-                side[i] = -vector[p]
-                for j in range(i + 1):
-                    part[i, j] = matrix[active[m - 1 - j], p]
-                part[i, i] *= 1.0 + damping
-                part[i, i] += 1e-9
-            if not solve_in_place(part, side):
+            if not damped_step(matrix, vector, active, damping, part, step):
                 damping *= 8.0
                 continue
             trial = pose.copy()
             for i in range(m):
-                trial[active[i]] += side[m - 1 - i]
+                trial[active[i]] += step[m - 1 - i]
             if some_rest:
                 value[:], owner[:], along[:] = still
             else:

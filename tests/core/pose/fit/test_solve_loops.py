@@ -4,7 +4,7 @@ import numpy as np
 
 from pawnb.core.pose.fit import solve_loops as loops
 from pawnb.core.pose.fit.layout import make_layout, pose_vectors
-from pawnb.core.pose.fit.paint_loops import make_canvas, paint
+from pawnb.core.pose.fit.paint_loops import make_canvas, paint, picture_cost
 from pawnb.core.pose.fit.priors import about, anatomy, parameter_kinds
 from pawnb.core.pose.poses import natural_pose
 from pawnb.core.pose.species_file import load_species
@@ -108,3 +108,37 @@ def test_the_fit_finds_a_painted_pose_to_a_hundredth_of_a_pixel():
     )
     np.testing.assert_array_equal(fixed[lengths], first[lengths])
     np.testing.assert_array_equal(fixed[:3], first[:3])
+
+
+def test_the_cost_of_a_leg_fitted_alone_is_that_of_the_whole_picture():
+    # what does not move is painted once: the cost is as if all were painted again in every step
+    animal, pose, prior = prior_of_spider()
+    layout = make_layout(animal, px_per_unit=2.0)
+    canvas = make_canvas(180, 180, layout)
+    paint(layout, pose, 2.0, np.zeros(2), *canvas)
+    sight = loops.Sight(canvas[0].copy(), np.full((180, 180), 70.0), np.zeros(2))
+    first, second = (
+        np.arange(layout.first[i], layout.first[i] + 2 * layout.n_links[i]) for i in (0, 1)
+    )
+    # onto its neighbour, and back
+    away = pose.copy()
+    away[first[0]] -= 0.25
+    away[second] += 0.02
+    shown = np.ones(len(animal.legs) + 1, bool)
+    fitted, cost = loops.fit_pose(
+        layout, away, sight, prior, first, shown, 2.0, 0.45, 12, 1e-6, *canvas
+    )
+    assert np.abs(fitted[first] - away[first]).max() > 0.05, "the leg did not move"
+    np.testing.assert_array_equal(np.delete(fitted, first), np.delete(away, first))
+    fresh = make_canvas(180, 180, layout)
+    paint(layout, fitted, 2.0, np.zeros(2), *fresh)
+    whole = picture_cost(fresh[0], fresh[1], sight.seen, sight.weight, 0.45)
+    np.testing.assert_allclose(cost, whole + loops.prior_cost(fitted, prior, first), rtol=1e-9)
+
+
+def test_what_moves():
+    layout = make_layout(load_species("dolomedes"), px_per_unit=2.0)
+    of_leg = np.arange(9) == 2
+    number = int(layout.first[2]) + 1
+    np.testing.assert_array_equal(loops.what_moves(layout, np.array([number])), of_leg)
+    assert loops.what_moves(layout, np.array([2, number])).all(), "legs hang on the body"
