@@ -22,6 +22,7 @@ from pawnb.core.pose.fit.solve_loops import Prior, Sight
 from pawnb.core.pose.fit.start import partners
 from pawnb.core.pose.fit.threads import on_threads, threaded
 from pawnb.core.pose.fit.uncertainty_loops import error_ratio, place_sds
+from pawnb.core.pose.fit.uncross import uncrossed
 
 _SWEEPS = 5
 """How often frames are fitted at most, each time with what the last fits of the others say."""
@@ -136,6 +137,7 @@ def settle_all(fitter: FrameFitter, found: Sequence[Choices], poses: np.ndarray)
         sight = own.sight(found[t].image.astype(float), found[t].box, poses[t])
         sight = counted(own, poses[t], sight)
         pose, _ = own.fit(poses[t], sight, anatomy, rounds=8, enough=0.01)  # the look is new
+        pose = uncrossed(own, pose, sight, anatomy)
         return _own_near(own, pose, sight, anatomy)
 
     own = on_threads(fitter, range(len(found)), first)
