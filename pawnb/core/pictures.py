@@ -87,6 +87,10 @@ class PictureFolder:
             )
         return picture
 
+    def again(self) -> PictureFolder:
+        """Return this: reading keeps no state."""
+        return self
+
     def close(self) -> None:
         """Do nothing: no file is kept open."""
 

@@ -35,6 +35,9 @@ class Source(Protocol):
         ``partly`` says that small parts of it will be looked at: it may be decoded then.
         """
 
+    def again(self) -> Source:
+        """Open the same once more, to be read and closed by itself."""
+
     def close(self) -> None:
         """Close the file."""
 
@@ -246,6 +249,13 @@ class ViewReader(Closing):
     def read(self, index: int) -> np.ndarray:
         """Return the whole view at that frame: (H, W, 3) RGB or (H, W) grey, uint8."""
         return self.frame(index).image()
+
+    def again(self) -> ViewReader:
+        """Return a reader of the same view with a file of its own.
+
+        Two that read in different places at once do not keep each other waiting.
+        """
+        return ViewReader(self._view, self.source.again(), lens=self.lens, fps=self._fps)
 
     def close(self) -> None:
         """Close the file; other views of the same file close with it."""

@@ -73,6 +73,17 @@ def test_a_view_is_debayered_straightened_cropped_and_mirrored_in_that_order(cli
         assert np.array_equal(part, expected[top:bottom, left:right])
 
 
+def test_a_view_opened_again_shows_the_same_and_is_closed_by_itself(clips):
+    view = cam(1, crop=(8, 4, 90, 60), mirror=True)
+    with open_view(view, clips, lens=LENS, fps=50.0) as reader:
+        with reader.again() as other:
+            np.testing.assert_array_equal(other.read(7), reader.read(7))
+            np.testing.assert_array_equal(other.time_s, reader.time_s)
+        assert reader.read(8) is not None
+        with pytest.raises(VideoError, match="closed"):
+            other.read(8)
+
+
 def test_frame_zero_of_the_trial_is_the_file_frame_of_the_offset(clips):
     with open_views(trial_of(clips, cam(1, offset=3), cam(2))) as views:
         assert views.names == ("cam1", "cam2")

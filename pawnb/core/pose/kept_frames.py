@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import struct
+import threading
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -49,6 +50,7 @@ class KeptFrames(Closing):
     def __init__(self, path: Path | None = None, *, depends_on: str = "") -> None:
         self._file = None if path is None else RecordFile(path, depends_on)
         self._known: dict[tuple[str, int], bytes] = {}
+        self._writing = threading.Lock()
         self.other = None if self._file is None else self._file.other
         if self._file is not None:
             for data in self._file.take_records():
@@ -66,9 +68,11 @@ class KeptFrames(Closing):
         return None if data is None else _unpacked(data)["found"]
 
     def keep(self, way: str, frame: int, found: Record) -> None:
-        """Keep what was found in a frame on that way."""
+        """Keep what was found in a frame on that way; any thread may."""
         if self._file is not None:
-            self._file.append(_packed({"way": way, "frame": frame, "found": found}))
+            data = _packed({"way": way, "frame": frame, "found": found})
+            with self._writing:
+                self._file.append(data)
 
     def close(self) -> None:
         """Close the file."""

@@ -34,6 +34,7 @@ from pawnb.core.pose.fit.settings import PoseSettings
 from pawnb.core.pose.fit.start import fit_start
 from pawnb.core.pose.kept_frames import KeptFrames
 from pawnb.core.pose.poses import Poses, joint_positions, start_within
+from pawnb.core.pose.steps import Steps
 from pawnb.core.pose.track_result import PoseTrack
 from pawnb.core.views import Frame, ViewReader
 from pawnb.schema import ORIGIN_CODE
@@ -101,13 +102,13 @@ def track_pose(
     fitter, known = _begin(reader, (start, look), animal, background, settings)
     # frames between two known ones are followed twice
     between = max(known) - min(known)
-    steps = _Steps(2 * len(numbers) + between, progress, stop)
+    steps = Steps(2 * len(numbers) + between, progress, stop)
     follow = partial(
         follow_all,
         fitter,
         frames=frames,
-        read=lambda some: _read_ahead(reader, some, steps),
-        done=steps.one,
+        read=_Ways(reader, steps).read,
+        steps=steps,
         kept=kept or KeptFrames(),
     )
     found = follow(known)
@@ -121,33 +122,6 @@ def track_pose(
     settled = _finish(fitter, found, poses, steps)
     steps.end()
     return _result(animal, look, fitter, numbers, found, settled)
-
-
-class _Steps:
-    """Counts what is done, tells it, and says whether to stop."""
-
-    def __init__(
-        self,
-        total: int,
-        progress: Callable[[int, int], None] | None,
-        stop: Callable[[], bool] | None,
-    ) -> None:
-        self.total, self.done = total, 0
-        self.progress = progress
-        self.stop = stop
-
-    def one(self) -> None:
-        self.done += 1
-        if self.progress is not None:
-            self.progress(min(self.done, self.total), self.total)
-
-    def end(self) -> None:
-        """Say that all is done, also where the animal was not there in every frame."""
-        if self.progress is not None and not self.stopped():
-            self.progress(self.total, self.total)
-
-    def stopped(self) -> bool:
-        return self.stop is not None and self.stop()
 
 
 def _begin(
@@ -183,7 +157,32 @@ def _checked(pose: np.ndarray, support: float, *, frame: int) -> np.ndarray:
     return pose
 
 
-def _read_ahead(reader: ViewReader, numbers: range, steps: _Steps) -> Iterator[Frame]:
+class _Ways:
+    """Readers of one view for ways through it that are followed at the same time.
+
+    A reader goes through the file; two that took turns in it would seek before every frame.
+    """
+
+    def __init__(self, reader: ViewReader, steps: Steps) -> None:
+        self._free, self._steps = [reader], steps
+        self._first = reader
+
+    def read(self, numbers: range) -> Iterator[Frame]:
+        """Yield frames, decoded in a thread of their own a few ahead."""
+        try:
+            reader = self._free.pop()  # of two threads, one gets it
+        except IndexError:
+            reader = self._first.again()
+        try:
+            yield from _read_ahead(reader, numbers, self._steps)
+        finally:
+            if reader is self._first:
+                self._free.append(reader)
+            else:
+                reader.close()
+
+
+def _read_ahead(reader: ViewReader, numbers: range, steps: Steps) -> Iterator[Frame]:
     """Yield frames, decoded in a thread of their own a few ahead."""
     with ThreadPoolExecutor(1, thread_name_prefix="pawnb-pose") as pool:
         waiting = []
@@ -201,7 +200,7 @@ def _read_ahead(reader: ViewReader, numbers: range, steps: _Steps) -> Iterator[F
 
 
 def _finish(
-    fitter: FrameFitter, found: list[Choices], poses: np.ndarray, steps: _Steps
+    fitter: FrameFitter, found: list[Choices], poses: np.ndarray, steps: Steps
 ) -> list[Settled]:
     """Return the last fit of every frame."""
     settled = settle_all(fitter, found, poses)

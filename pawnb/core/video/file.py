@@ -139,6 +139,10 @@ class VideoFile:
                 "shortly before."
             )
 
+    def again(self) -> VideoFile:
+        """Open the file once more, to be read and closed by itself."""
+        return VideoFile(self.path)
+
     def close(self) -> None:
         """Close the file; reading after that is refused."""
         with self._lock:

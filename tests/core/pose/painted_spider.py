@@ -48,6 +48,12 @@ class PaintedReader:
     def frame(self, index):
         return PaintedFrame(self.pictures[index])
 
+    def again(self):
+        return type(self)(self.pictures)
+
+    def close(self):
+        pass
+
 
 def panel(size, *, light=200.0):
     """Return an empty light panel, darker towards its corners: (H, W) float, (width, height)."""

@@ -13,7 +13,8 @@ from painted_walk import PaintedReader, painted_walk
 from pawnb.core.pose.fit.follow import Follower
 from pawnb.core.pose.kept_frames import KeptFrames
 from pawnb.core.pose.poses import join_poses, leg_angles, tip_positions
-from pawnb.core.pose.tracker import track_pose
+from pawnb.core.pose.steps import Steps
+from pawnb.core.pose.tracker import _Ways, track_pose
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE
 
@@ -79,6 +80,26 @@ def test_progress_counts_up_and_stop_ends_early(walk):
     assert seen == sorted(seen)
     assert np.isnan(part.poses.xy[-1]).all()
     assert np.isfinite(part.poses.xy[0]).all()
+
+
+def test_a_way_reads_with_a_reader_of_its_own_and_closes_it(walk):
+    _, _, reader, _ = walk
+    closed = []
+
+    class Counted(PaintedReader):
+        def close(self):
+            closed.append(self)
+
+    first = Counted(reader.images)
+    ways = _Ways(first, Steps(10))
+    one, other = ways.read(range(5)), ways.read(range(9, 4, -1))
+    assert [next(one).index, next(other).index] == [0, 9]
+    assert [f.index for f in other] == [8, 7, 6, 5]
+    assert len(closed) == 1
+    assert closed[0] is not first
+    assert [f.index for f in one] == [1, 2, 3, 4]
+    assert [f.index for f in ways.read(range(2))] == [0, 1]
+    assert len(closed) == 1, "the reader that was given stays open"
 
 
 @pytest.mark.slow

@@ -17,7 +17,9 @@ from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.follow import Follower
 from pawnb.core.pose.fit.rethink import look_back
 from pawnb.core.pose.fit.start import start_prior
+from pawnb.core.pose.fit.threads import side_by_side
 from pawnb.core.pose.kept_frames import KeptFrames
+from pawnb.core.pose.steps import Steps
 from pawnb.core.views import Frame
 
 HEADING = 2
@@ -64,7 +66,7 @@ def follow_all(
     frames: tuple[int, int],
     *,
     read: Read,
-    done: Callable[[], None],
+    steps: Steps,
     kept: KeptFrames,
     turn: str = "",
 ) -> list[Choices]:
@@ -80,9 +82,9 @@ def follow_all(
     frames : tuple of int
         First frame and one past the last.
     read : callable
-        Yields the frames of a range.
-    done : callable
-        Called after each frame that is followed.
+        Yields the frames of a range; also of two at the same time.
+    steps : Steps
+        Counts the frames that are followed.
     kept : KeptFrames
         What an interrupted run has found, and what this one finds.
     turn : str
@@ -95,19 +97,29 @@ def follow_all(
     """
     numbers = sorted(known)
     first, last = numbers[0], numbers[-1]
-    before = Follower(fitter, known[first])
-    numbers_before = range(first - 1, frames[0] - 1, -1)
-    found = before.run(read(numbers_before), done=done, kept=kept, way=f"{turn}from {first} back")
-    look_back(before)
-    found = found[::-1]
-    for one, other in itertools.pairwise(numbers):
-        found += _between(fitter, (one, other), known, read, done, kept, turn)
-    after = Follower(fitter, known[last])
-    part = after.run(read(range(last, frames[1])), done=done, kept=kept, way=f"{turn}from {last}")
-    if len(known) > 1:
-        _pin(fitter, part, known)
-    look_back(after)
-    return _unwrapped(found + part)
+    before, after = range(first - 1, frames[0] - 1, -1), range(last, frames[1])
+
+    def back() -> list[Choices]:
+        follower = Follower(fitter.twin(), known[first])
+        found = follower.run(
+            read(before), done=steps.one, kept=kept, way=f"{turn}from {first} back"
+        )
+        look_back(follower)
+        return found[::-1]
+
+    def onwards() -> list[Choices]:
+        found = []
+        for ends in itertools.pairwise(numbers):
+            found += _between(fitter, ends, known, read, steps, kept, turn)
+        follower = Follower(fitter, known[last])
+        part = follower.run(read(after), done=steps.one, kept=kept, way=f"{turn}from {last}")
+        if len(known) > 1:
+            _pin(fitter, part, known)
+        look_back(follower)
+        return found + part
+
+    earlier, later = side_by_side(back, onwards, steps)
+    return _unwrapped(earlier + later)
 
 
 def _between(
@@ -115,7 +127,7 @@ def _between(
     ends: tuple[int, int],
     known: dict[int, np.ndarray],
     read: Read,
-    done: Callable[[], None],
+    steps: Steps,
     kept: KeptFrames,
     turn: str,
 ) -> list[Choices]:
@@ -123,10 +135,12 @@ def _between(
     first, last = ends
     backward = Follower(fitter, known[last])
     frames = read(range(last, first, -1))
-    found = backward.run(frames, done=done, kept=kept, way=f"{turn}from {last} back")
+    found = backward.run(frames, done=steps.one, kept=kept, way=f"{turn}from {last} back")
     back = {choices.frame: choices for choices in found}
     forward = Follower(fitter, known[first])
-    found = forward.run(read(range(first, last)), done=done, kept=kept, way=f"{turn}from {first}")
+    found = forward.run(
+        read(range(first, last)), done=steps.one, kept=kept, way=f"{turn}from {first}"
+    )
     for choices in found:
         if (other := back.pop(choices.frame, None)) is not None:
             _add(fitter, choices, other.pose)

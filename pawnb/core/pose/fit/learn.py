@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -268,6 +269,7 @@ def _prior_cost(layout: Layout, first: Layout, n_frames: int) -> float:
     return total
 
 
+@functools.cache
 def _look_prior(n: int) -> np.ndarray:
     """Return the precision of a leg's logarithmic radii and darknesses, shape (2n, 2n)."""
     out = np.zeros((2 * n, 2 * n))
@@ -275,4 +277,5 @@ def _look_prior(n: int) -> np.ndarray:
     smooth = change.T @ change
     out[:n, :n] = np.eye(n) / _RADIUS_SD**2 + smooth / _RADIUS_STEP_SD**2
     out[n:, n:] = np.eye(n) / _DARK_SD**2 + smooth / _DARK_STEP_SD**2
+    out.setflags(write=False)
     return out

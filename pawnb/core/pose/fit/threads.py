@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 from typing import TypeVar
 
 import numpy as np
 
 from pawnb.core.pose.fit.fitter import FrameFitter
+from pawnb.core.pose.steps import Steps
 
 THREADS = 2
 """The compiled loops let other threads run, numpy's own part is small: both cores are busy."""
+_TELL_S = 0.3
 
 _T = TypeVar("_T")
 _S = TypeVar("_S")
@@ -23,6 +25,27 @@ def threaded(work: Callable[[_S], _T], items: Sequence[_S]) -> list[_T]:
         return [work(item) for item in items]
     with ThreadPoolExecutor(THREADS, thread_name_prefix="pawnb-fit") as pool:
         return list(pool.map(work, items))
+
+
+def side_by_side(one: Callable[[], _T], other: Callable[[], _T], steps: Steps) -> tuple[_T, _T]:
+    """Return what two pieces of work return that are done at the same time.
+
+    Where one of them fails, the other is asked to stop.
+    """
+
+    def watched(work: Callable[[], _T]) -> _T:
+        try:
+            return work()
+        except BaseException:
+            steps.halt()
+            raise
+
+    with ThreadPoolExecutor(1, thread_name_prefix="pawnb-way") as pool:
+        job = pool.submit(watched, one)
+        result = watched(other)
+        while wait([job], _TELL_S).not_done:
+            steps.tell()
+        return job.result(), result
 
 
 def on_threads(

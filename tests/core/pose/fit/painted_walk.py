@@ -30,6 +30,12 @@ class PaintedReader:
         picture = GreyPicture(self.images[index])
         return Frame(index, picture, (0, 0, self.width, self.height))
 
+    def again(self) -> PaintedReader:
+        return type(self)(self.images)
+
+    def close(self) -> None:
+        pass
+
 
 def walking_poses(animal: StickAnimal, n: int) -> Poses:
     """Eight legs swing in alternation; raised legs are shorter in the picture."""

@@ -1,11 +1,13 @@
 """Work on several threads comes back in the order in which it was given."""
 
+import threading
 import time
 from types import SimpleNamespace
 
 import pytest
 
-from pawnb.core.pose.fit.threads import on_threads, threaded
+from pawnb.core.pose.fit.threads import on_threads, side_by_side, threaded
+from pawnb.core.pose.steps import Steps
 
 
 def slow_square(number: int) -> int:
@@ -40,3 +42,32 @@ def test_each_thread_has_a_fitter_of_its_own():
 def test_what_goes_wrong_in_a_thread_is_said():
     with pytest.raises(ZeroDivisionError):
         threaded(lambda x: 1 / x, [1, 0, 2])
+
+
+def test_two_ways_are_gone_at_the_same_time():
+    met = threading.Barrier(2, timeout=5)  # breaks if one waits for the other to end
+
+    def way(name):
+        met.wait()
+        return name
+
+    assert side_by_side(lambda: way("back"), lambda: way("on"), Steps(2)) == ("back", "on")
+
+
+@pytest.mark.parametrize("fails", [0, 1])
+def test_where_one_way_fails_the_other_ends_soon(fails):
+    steps = Steps(2)
+
+    def fail():
+        raise ValueError("no such frame")
+
+    def go_on():
+        until = time.monotonic() + 5
+        while not steps.stopped():
+            assert time.monotonic() < until, "nobody said stop"
+            time.sleep(0.01)
+
+    work = [go_on, go_on]
+    work[fails] = fail
+    with pytest.raises(ValueError, match="no such frame"):
+        side_by_side(*work, steps)
