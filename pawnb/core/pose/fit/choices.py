@@ -164,7 +164,7 @@ def fit_leg(
     """Return one leg's part of the pose vector, fitted with the body as it is."""
     trial = pose.copy()
     trial[fitter.numbers[leg]] = guess
-    part = part_about(fitter, pose, leg, [guess], sight=sight)
+    part = part_about(fitter, sight, pose, leg=leg, guesses=[guess])
     fitted, _ = fitter.fit(
         trial, part, prior, active=fitter.numbers[leg], shown=fitter.only[leg], rounds=rounds
     )
@@ -172,7 +172,7 @@ def fit_leg(
 
 
 def part_about(
-    fitter: FrameFitter, pose: np.ndarray, leg: int, guesses: Sequence[np.ndarray], *, sight: Sight
+    fitter: FrameFitter, sight: Sight, pose: np.ndarray, *, leg: int, guesses: Sequence[np.ndarray]
 ) -> Sight:
     """Return the part of a sight about some places of a leg, each its part of the pose vector."""
     joints = np.concatenate([_joints(fitter, pose, leg, guess) for guess in guesses])

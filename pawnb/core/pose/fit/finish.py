@@ -137,7 +137,7 @@ def settle_all(fitter: FrameFitter, found: Sequence[Choices], poses: np.ndarray)
         sight = own.sight(found[t].image.astype(float), found[t].box, poses[t])
         sight = counted(own, poses[t], sight)
         pose, _ = own.fit(poses[t], sight, anatomy, rounds=8, enough=0.01)  # the look is new
-        pose = uncrossed(own, pose, sight, anatomy)
+        pose = uncrossed(own, pose, sight, prior=anatomy)
         return _own_near(own, pose, sight, anatomy)
 
     own = on_threads(fitter, range(len(found)), first)

@@ -245,7 +245,7 @@ def _best_slide(
     numbers = fitter.numbers[leg]
     tried = [pose[numbers]]
     tried += [slid_leg(fitter.layout, pose, leg, factor=factor) for factor in _SLIDES]
-    part = part_about(fitter, pose, leg, tried, sight=sight)
+    part = part_about(fitter, sight, pose, leg=leg, guesses=tried)
     best, least = tried[0], np.inf
     for guess in tried:
         trial = pose.copy()

@@ -22,7 +22,7 @@ _ROOM_PX = 14.0
 """Room about two legs that are fitted by themselves, working px."""
 
 
-def uncrossed(fitter: FrameFitter, pose: np.ndarray, sight: Sight, prior: Prior) -> np.ndarray:
+def uncrossed(fitter: FrameFitter, pose: np.ndarray, sight: Sight, *, prior: Prior) -> np.ndarray:
     """Return the pose in which neighbouring legs have given each other their ends back.
 
     Parameters

@@ -63,7 +63,7 @@ def test_legs_get_their_ends_back(animal_seen):
     lost, _ = fitter.fit(crossed_over(fitter, pose), sight, fitter.anatomy, rounds=30)
     tips = [fitter.joints(p)[list(PAIR), -1] for p in (pose, lost)]
     assert np.hypot(*(tips[1] - tips[0]).T).min() > 4.0, "the fit alone found the way back"
-    found = uncrossed(fitter, lost, sight, fitter.anatomy)
+    found = uncrossed(fitter, lost, sight, prior=fitter.anatomy)
     found, _ = fitter.fit(found, sight, fitter.anatomy, rounds=30)
     away = fitter.joints(found)[list(PAIR), -1] - tips[0]
     assert np.hypot(*away.T).max() < 0.5
@@ -72,13 +72,13 @@ def test_legs_get_their_ends_back(animal_seen):
 def test_legs_that_cross_stay_crossed(animal_seen):
     fitter, pose, shown = animal_seen
     crossed = crossed_over(fitter, pose)
-    found = uncrossed(fitter, crossed, shown(crossed), fitter.anatomy)
+    found = uncrossed(fitter, crossed, shown(crossed), prior=fitter.anatomy)
     np.testing.assert_array_equal(found, crossed)
 
 
 def test_a_pose_without_crossings_is_given_back(animal_seen):
     fitter, pose, shown = animal_seen
-    assert uncrossed(fitter, pose, shown(pose), fitter.anatomy) is pose
+    assert uncrossed(fitter, pose, shown(pose), prior=fitter.anatomy) is pose
 
 
 def test_ends_are_swapped_where_chains_meet():
