@@ -181,17 +181,22 @@ class Stories:
         self._since = np.zeros(1, int)  # frames since it lifted off, 0 if it did not
         self._taken = np.full((1, len(thickness_px)), -1)
 
-    def advance(self) -> None:
+    def advance(self, *, lifting: float = 0.0) -> None:
         """Go on by one frame: every story plainly, and with a kick.
 
         What stands goes with the ground, whatever is seen; a kick is its lift-off.
+
+        Parameters
+        ----------
+        lifting : float
+            Cost of lifting off now.
         """
         n, d = len(self.cost), self.d
         standing = np.flatnonzero(self._standing)
         spread = self.covariance.diagonal(axis1=1, axis2=2)[standing, :d]
         self.mean, self.covariance = loops.advance(self.mean, self.covariance, self._noise)
         # every paw that stands lifts off once
-        price = np.where(self._standing, 0.0, self.telling.kick_cost)
+        price = np.where(self._standing, lifting, self.telling.kick_cost)
         self.cost = np.concatenate([self.cost, self.cost + price])
         self._origin = np.tile(np.arange(n), 2)
         self._taken = np.full((2 * n, len(self.thickness_px)), -1)

@@ -15,6 +15,7 @@ from pawnb.core.paws.whole.manner import Manner
 from pawnb.core.paws.whole.offsets import learn_offsets
 from pawnb.core.paws.whole.paths import PathChoice, find_places
 from pawnb.core.paws.whole.refine import Refined, Refinement, refine
+from pawnb.core.paws.whole.rhythm import learn_rhythm
 from pawnb.core.paws.whole.scene import Scene, unclicked_kinds
 from pawnb.core.paws.whole.settings import WholeSettings
 from pawnb.core.paws.whole.sights import Sights, read_sights, tracked_points
@@ -236,7 +237,9 @@ def _settled(
             break
         trust = 1.0 / (1.0 + (sd / _BELIEVED) ** 2)
         places = tracked(paths.again(cycle))
-        result, bridged = settle(Known(places, by_hand, result.x, trust, cycle, lift()))
+        rhythm = learn_rhythm(bridged.stances, ready.kinds)
+        known = Known(places, by_hand, result.x, trust, cycle, lift(), rhythm)
+        result, bridged = settle(known)
         result.revision = np.linalg.norm(result.x - unaided, axis=-1)
     return result
 

@@ -12,8 +12,9 @@ from pawnb.core.paws.whole.cycle import Cycle
 from pawnb.core.paws.whole.geometry import Geometry
 from pawnb.core.paws.whole.limbs import learn_limbs
 from pawnb.core.paws.whole.manner import FASTEST, Manner
+from pawnb.core.paws.whole.rhythm import Rhythm
 from pawnb.core.paws.whole.sights import Sights
-from pawnb.core.paws.whole.standing import Ground, Stance, covered, learn_ground
+from pawnb.core.paws.whole.standing import Ground, Stance, covered, drawn_off, learn_ground
 
 _LEAST = 4
 """Certain stretches shorter than this are told anew too."""
@@ -25,10 +26,10 @@ _OTHER = 8.0
 """Cost of a candidate that lies where another point is."""
 _BESIDE = 0.35
 """Distance, in thicknesses, at which it does."""
-_EXPECTED, _EXPECTED_BETWEEN = 0.2, 0.1
-"""Weight of a frame's distance from where the cycle has the point, as frames err alike, and less
-where certain places follow: the cycle of a paw that is hidden in every stride is no more than was
-made of it before. Without any, a wrist behind the other paw is taken for the paw that lifts off."""
+_EXPECTED = 0.2
+"""Weight of a frame's distance from where the cycle has the point, as frames err alike. Only where
+nothing certain follows: the cycle of a paw that is hidden in every stride is no more than was made
+of it before, and what was told too late once would be told so again."""
 _KICK = 0.8
 """Standard deviation of what lift-off changes of a speed, in that of the fastest swings: front
 paws go up at once, by up to 1.3 of it in rendered scenes."""
@@ -36,6 +37,8 @@ _RISING_S, _SWINGING_S = 0.008, 0.04
 """Time, s, after lift-off in which a paw is bent and dim, and in which it swings for certain."""
 _DIM = 0.7
 """Largest cost of a poor look then."""
+_DRAWN_S = 0.012
+"""A path that is lost so soon, s, after its point left the place where it stood was drawn off."""
 _FARTHEST = 16.0
 """Squared standard deviations beyond which a point off its cycle costs no more."""
 
@@ -58,6 +61,8 @@ class Bridged:
         Number of a point and the last frame in which it stands, for every lift-off.
     ground : Ground, optional
         What points stand on.
+    stances : list of list of Stance
+        When each point stands.
     """
 
     is_open: np.ndarray
@@ -66,6 +71,7 @@ class Bridged:
     held: np.ndarray | None = None
     lifts: list[tuple[int, int]] = field(default_factory=list)
     ground: Ground | None = None
+    stances: list[list[Stance]] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -86,6 +92,8 @@ class Known:
         Where points are expected.
     lift : ndarray, shape (P, d), optional
         How much speeds change at lift-off.
+    rhythm : Rhythm, optional
+        When points lift off.
     """
 
     chosen: np.ndarray
@@ -94,6 +102,7 @@ class Known:
     trust: np.ndarray | None = None
     cycle: Cycle | None = None
     lift: np.ndarray | None = None
+    rhythm: Rhythm | None = None
 
 
 def bridge_gaps(
@@ -132,12 +141,16 @@ def bridge_gaps(
     is_open = np.stack(
         [open_frames(certain[:, p], known.fixed[:, p]) for p in range(n_points)], axis=1
     )
-    cost = _candidate_costs(known, is_open, sights, geometry, thickness_px)
-    choice = np.full((n, n_points, len(thickness_px)), -1)
-    telling = _telling(manner)
+    sure = np.where(is_open[..., None], np.nan, known.chosen)
+    for p, mine in enumerate(learn_ground(sure, manner).stances(sure)):
+        lost = drawn_off(mine, is_open[:, p], most=round(_DRAWN_S * _fps(manner)))
+        is_open[lost & ~known.fixed[:, p], p] = True
     sure = np.where(is_open[..., None], np.nan, known.chosen)
     ground = learn_ground(sure, manner, lift=known.lift)
     stances = ground.stances(sure)
+    cost = _candidate_costs(known, is_open, sights, geometry, thickness_px)
+    choice = np.full((n, n_points, len(thickness_px)), -1)
+    telling = _telling(manner)
     places = sure if known.before is None else np.where(np.isnan(sure), known.before, sure)
     uv = geometry.project(places)
     held = np.full(known.chosen.shape, np.nan)
@@ -151,8 +164,9 @@ def bridge_gaps(
                 speed=0.4 * manner.speed,
             )  # fmt: skip
             start, standing = _standing(stretch, stances[p], ground, p)
-            hidden = None
-            if len(standing):
+            hidden, due = None, None
+            if start is not None:
+                due = _due(stretch, stances[p], known.rhythm, p)
                 hidden = covered(
                     standing, uv[stretch.frames], p, geometry=geometry, thickness_px=thickness_px
                 )
@@ -161,24 +175,41 @@ def bridge_gaps(
                 telling=telling, start=start,
                 across=manner.axes[1] if len(manner.axes) == 3 else None,
             )  # fmt: skip
-            _tell(stories, p, stretch, known, sights, cost, ground, hidden)
+            _tell(stories, p, stretch, known, sights, cost, ground, hidden, due)
             choice[stretch.frames, p] = stories.best()[: stop - first]
             if len(standing):
                 stood = stories.stood()[: stop - first]
                 held[stretch.frames[stood], p] = standing[stood]
     after = ground.stances(np.where(np.isnan(held), sure, held))
     lifts = [(p, one.stop - 1) for p, mine in enumerate(after) for one in mine if one.stop < n]
-    return Bridged(is_open, choice, cost, held, lifts, ground)
+    return Bridged(is_open, choice, cost, held, lifts, ground, after)
 
 
 def _telling(manner: Manner) -> Telling:
     """Return how stories are told of points that move so."""
-    fps = FASTEST * manner.span / manner.speed
+    fps = _fps(manner)
     return Telling(
         jerk=manner.jerk, kick=_KICK * manner.speed,
         noise=0.25 * manner.thickness, reach=1.5 * manner.span,
         rising=max(1, round(_RISING_S * fps)), swinging=round(_SWINGING_S * fps),
     )  # fmt: skip
+
+
+def _fps(manner: Manner) -> float:
+    """Return the frames per second of a recording in which points move so."""
+    return FASTEST * manner.span / manner.speed
+
+
+def _due(
+    stretch: _Stretch, stances: Sequence[Stance], rhythm: Rhythm | None, point: int
+) -> np.ndarray | None:
+    """Return what speaks against lifting off before each frame of a stretch and after it."""
+    now = stretch.stance(stances)
+    if rhythm is None or now is None or stretch.way < 0:
+        return None
+    later = [one for one in stances if one.first >= now.stop]
+    frames = np.concatenate([stretch.frames, stretch.after])
+    return rhythm.due(point, now, later[0] if later else None, frames=frames)
 
 
 def _standing(
@@ -253,10 +284,12 @@ def _tell(
     cost: np.ndarray,
     ground: Ground,
     hidden: np.ndarray | None,
+    due: np.ndarray | None,
 ) -> None:
     """Lead stories through a stretch and the certain places after it.
 
-    ``hidden`` tells in which views (frames, V) another paw covers the point if it stands.
+    ``hidden`` tells in which views (frames, V) another paw covers the point if it stands, and
+    ``due`` what speaks against lifting off before each frame.
     """
 
     def doubt(x: np.ndarray, speed: np.ndarray, recent: np.ndarray) -> np.ndarray:
@@ -265,7 +298,7 @@ def _tell(
 
     for told, t in enumerate((*stretch.frames.tolist(), *stretch.after.tolist())):
         is_certain = told >= len(stretch.frames)
-        stories.advance()
+        stories.advance(lifting=0.0 if due is None else float(due[told]))
         if is_certain:
             stories.stand(known.chosen[t, point])
         else:
@@ -277,11 +310,10 @@ def _tell(
                     v, sights.at[t, point, v, :number], against,
                     rising=against - np.maximum(poor - _DIM, 0.0),
                 )  # fmt: skip
-        if known.cycle is not None:
-            weight = _EXPECTED if stretch.is_last else _EXPECTED_BETWEEN
+        if known.cycle is not None and stretch.is_last:
             stories.expect(
                 known.cycle.mean[t, point], known.cycle.axes,
-                known.cycle.sd[t, point] ** 2 / weight, most=0.5 * weight * _FARTHEST,
+                known.cycle.sd[t, point] ** 2 / _EXPECTED, most=0.5 * _EXPECTED * _FARTHEST,
             )  # fmt: skip
         cover = None if is_certain or hidden is None else hidden[told]
         stories.settle(doubt, certain=is_certain, covered=cover)

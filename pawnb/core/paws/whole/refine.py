@@ -34,10 +34,12 @@ _SIGMA = 0.12
 """Standard deviation of a good candidate, in thicknesses."""
 _TAIL = 3.0
 """Residuals beyond this many standard deviations count less and less."""
-_HOLD = 0.2
-"""Standard deviation of where a point stands that is not seen, in thicknesses."""
+_HOLD = 0.05
+"""Standard deviation of where a point stands that is not seen, in thicknesses: it goes exactly as
+the ground does, and what is taken too freely there lets the swing begin too early."""
 _UNSURE_LIFT = 0.3
-"""Standard deviation of how lift-off changes the speed, in that change."""
+"""Standard deviation of how lift-off changes the speed upwards, in that change. Forward it does
+not: there a paw goes on with the ground and gains speed little by little."""
 _PULL, _PULL_BETWEEN = 0.05, 0.01
 """Information, in that of one expectation, that the cycle gives a frame without candidates, and
 less where candidates follow: the cycle of a paw that is hidden in every stride is no more than was
@@ -136,8 +138,8 @@ def refine(
     held = np.full_like(start, np.nan) if bridged.held is None else bridged.held
     standing = np.isfinite(held[..., 0])
     hold = np.where(standing, 1.0 / (_HOLD * what.thickness) ** 2, 0.0)[..., None]
-    jerk2, bend = _lift_offs(bridged, start.shape, what.jerk)
-    x, factors = _through_places(start, held, bridged, what, (jerk2, bend))
+    changes = _changes(bridged, start.shape, what.jerk)
+    x, factors = _through_places(start, held, bridged, what, changes)
     near = np.where(bridged.is_open & ~standing, _NEAR_OPEN, _NEAR)
     against = np.where(bridged.is_open[..., None, None], _AGAINST * bridged.against, 0.0)
     by_hand = np.isfinite(certain[..., 0])
@@ -160,26 +162,44 @@ def refine(
             if cycle is not None:
                 _pull(W, z, _expected(np.isfinite(measured[..., 0]).any(axis=-1)), cycle)
             for p in range(n_points):
-                x[:, p], factors[p] = smooth(W[:, p], z[:, p], jerk2[:, p], bend=bend[:, p])
-    sd = np.sqrt(variances(factors, d)).swapaxes(0, 1)
+                x[:, p], factors[p] = changes.smooth(p, W[:, p], z[:, p])
+    sd = np.sqrt(variances(factors, d, axes=changes.axes)).swapaxes(0, 1)
     # what is alike from frame to frame does not average out
     alike = (0.06**2 + what.unsure**2) * what.thickness**2
     only = np.full((n, n_points), np.nan)
     return Refined(x, np.sqrt(2.0 * sd**2 + alike[:, None]), measured, quality, only)
 
 
-def _lift_offs(
-    bridged: Bridged, shape: tuple[int, ...], jerk: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return variance (n, P) and mean (n, P, d) of the change of acceleration in each frame."""
-    n, n_points, _ = shape
-    jerk2, bend = np.full((n, n_points), jerk**2), np.zeros(shape)
-    if bridged.ground is not None:
-        lift = bridged.ground.lift
-        bend, near = expected_bends(bridged.lifts, lift, n)
-        unsure = (_UNSURE_LIFT * np.linalg.norm(lift, axis=-1)) ** 2
-        jerk2 = jerk2 + np.where(near, unsure, 0.0)
-    return jerk2, bend
+@dataclass(frozen=True)
+class _Changes:
+    """How accelerations change from frame to frame.
+
+    Parameters
+    ----------
+    jerk2, bend : ndarray, shape (n, P, d)
+        Variance along each axis, and mean.
+    axes : ndarray, shape (d, d), optional
+        The axes.
+    """
+
+    jerk2: np.ndarray
+    bend: np.ndarray
+    axes: np.ndarray | None
+
+    def smooth(self, point: int, W: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return the smoothed track of a point, and its factor."""
+        return smooth(W, z, self.jerk2[:, point], bend=self.bend[:, point], axes=self.axes)
+
+
+def _changes(bridged: Bridged, shape: tuple[int, ...], jerk: float) -> _Changes:
+    """Return how accelerations change: at lift-off a paw goes up at once."""
+    jerk2, ground = np.full(shape, jerk**2), bridged.ground
+    if ground is None:
+        return _Changes(jerk2, np.zeros(shape), None)
+    bend, near = expected_bends(bridged.lifts, ground.lift, shape[0])
+    unsure = (_UNSURE_LIFT * np.linalg.norm(ground.lift, axis=-1)) ** 2
+    jerk2[..., -1] += np.where(near, unsure, 0.0)
+    return _Changes(jerk2, bend, ground.manner.axes)
 
 
 def _through_places(
@@ -187,21 +207,18 @@ def _through_places(
     held: np.ndarray,
     bridged: Bridged,
     what: Refinement,
-    changes: tuple[np.ndarray, np.ndarray],
+    changes: _Changes,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the smoothest path through the certain places, and room for its factors."""
     n, n_points, d = start.shape
     places = np.where(bridged.is_open[..., None], held, start)
-    jerk2, bend = changes
     information = 1.0 / (0.3 * what.thickness) ** 2
     x = np.empty_like(start)
     factors = np.empty((n_points, 3 * d + 1, n * d))
     for p in range(n_points):
         seen = np.isfinite(places[:, p, 0])
         W = seen[:, None, None] * np.eye(d) * information
-        x[:, p], factors[p] = smooth(
-            W, np.nan_to_num(places[:, p]) * information, jerk2[:, p], bend=bend[:, p]
-        )
+        x[:, p], factors[p] = changes.smooth(p, W, np.nan_to_num(places[:, p]) * information)
     return x, factors
 
 

@@ -23,6 +23,7 @@ def smooth(
     jerk2: np.ndarray,
     *,
     bend: np.ndarray | None = None,
+    axes: np.ndarray | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Smooth one track.
 
@@ -32,10 +33,12 @@ def smooth(
         Information of each frame's measurement; 0 where there is none.
     target : ndarray, shape (n, d)
         ``W_t z_t`` of each frame.
-    jerk2 : ndarray, shape (n,)
-        Variance of the change of acceleration at each frame.
+    jerk2 : ndarray, shape (n,) or (n, d)
+        Variance of the change of acceleration at each frame, along all axes or along each.
     bend : ndarray, shape (n, d), optional
         What it is on average; default 0.
+    axes : ndarray, shape (d, d), optional
+        The axes, unit vectors at right angles; default those of the coordinates.
 
     Returns
     -------
@@ -45,13 +48,16 @@ def smooth(
         Banded Cholesky factor, for :func:`variances`.
     """
     n, d = target.shape
+    if axes is not None:
+        information, target = axes @ information @ axes.T, target @ axes.T
+        bend = None if bend is None else bend @ axes.T
     band = np.zeros((3 * d + 1, n, d))
     for i in range(d):
         for j in range(i + 1):
             # lower form: band[row - column] at the column
             band[i - j, :, j] += information[:, i, j]
     if n > 3:
-        w = (1.0 / jerk2[1:-2])[:, None]
+        w = (1.0 / jerk2[1:-2]).reshape(n - 3, -1)
         for k, own in enumerate(_THIRD):
             for later in range(k, 4):
                 band[(later - k) * d, k : n - 3 + k] += own * _THIRD[later] * w
@@ -64,10 +70,10 @@ def smooth(
     band[0] += 1e-9 * (band[0].max() or 1.0)
     factor = cholesky_banded(band.reshape(3 * d + 1, n * d), lower=True)
     x = cho_solve_banded((factor, True), target.ravel()).reshape(n, d)
-    return x, factor
+    return x if axes is None else x @ axes, factor
 
 
-def variances(factor: np.ndarray, d: int) -> np.ndarray:
+def variances(factor: np.ndarray, d: int, *, axes: np.ndarray | None = None) -> np.ndarray:
     """Return the variance of every coordinate from factors of :func:`smooth`.
 
     Parameters
@@ -76,6 +82,8 @@ def variances(factor: np.ndarray, d: int) -> np.ndarray:
         Factors of one track or of several.
     d : int
         Number of coordinates.
+    axes : ndarray, shape (d, d), optional
+        Those of :func:`smooth`.
 
     Returns
     -------
@@ -106,6 +114,7 @@ def variances(factor: np.ndarray, d: int) -> np.ndarray:
         corner = first[..., t, :, :] - np.swapaxes(here, -1, -2) @ cross
         # rounding that is not symmetric would grow from frame to frame
         whole[..., :d, :d] = 0.5 * (corner + np.swapaxes(corner, -1, -2))
-        found[..., t, :] = np.diagonal(whole[..., :d, :d], axis1=-2, axis2=-1)
+        here = whole[..., :d, :d] if axes is None else axes.T @ whole[..., :d, :d] @ axes
+        found[..., t, :] = np.diagonal(here, axis1=-2, axis2=-1)
         after = whole[..., : 3 * d, : 3 * d].copy()
     return found

@@ -26,6 +26,8 @@ _OFF = 0.35
 """A point has left the ground if it is so many thicknesses from where it stood."""
 _LEAST = 4
 """Frames needed to tell that a point stands."""
+_SETTLED = 6
+"""Frames for which a point must have stood for its path to be told drawn off."""
 _ABOVE, _WITHIN = 0.6, 0.5
 """A point more than so many thicknesses above the ground is lifted, surely after as much more."""
 _RIDE = 7.0
@@ -192,7 +194,8 @@ def learn_lift(
     Returns
     -------
     ndarray, shape (P, d)
-        The median of what was seen, drawn towards what is assumed where that was seldom.
+        The median of what was seen, drawn towards what is assumed where that was seldom; upwards
+        only: forward a paw goes on with the ground and gains speed little by little.
     """
     n_points = x.shape[1]
     told: list[list[np.ndarray]] = [[] for _ in range(n_points)]
@@ -202,12 +205,13 @@ def learn_lift(
             since = int(later[-1]) + 1
             gone = x[last + since, p] - x[last, p] - since * ground.drift
             told[p].append(gone / (since - _HALF_FRAME))
-    assumed = _UP * ground.manner.speed * ground.manner.axes[-1]
+    up = ground.manner.axes[-1]
+    assumed = _UP * ground.manner.speed * up
     lift = np.tile(assumed, (n_points, 1))
     for p, changes in enumerate(told):
         if changes:
             share = len(changes) / (len(changes) + _ASSUMED)
-            lift[p] += share * (np.median(changes, axis=0) - assumed)
+            lift[p] += share * (np.median(changes, axis=0) @ up * up - assumed)
     return lift
 
 
@@ -242,6 +246,34 @@ def covered(
     others = np.delete(uv, point, axis=1) - geometry.project(standing)[:, None]
     away = np.linalg.norm(others, axis=-1) / thickness_px
     return np.asarray((away < _BESIDE).any(axis=1))
+
+
+def drawn_off(stances: Sequence[Stance], is_open: np.ndarray, *, most: int) -> np.ndarray:
+    """Tell which frames of a point lie between the end of a stance and a gap soon after it.
+
+    What seems to lift off and is lost at once was mostly drawn off: the end of its path lies on
+    the paw that lands there.
+
+    Parameters
+    ----------
+    stances : sequence of Stance
+        Those of the point.
+    is_open : ndarray of bool, shape (n,)
+        Frames without a certain place.
+    most : int
+        Frames in which the gap must begin.
+
+    Returns
+    -------
+    ndarray of bool, shape (n,)
+        True in those frames.
+    """
+    lost = np.zeros(len(is_open), bool)
+    for one in stances:
+        near = is_open[one.stop : one.stop + most + 1]
+        if one.stop - one.first >= _SETTLED and near.any():
+            lost[one.stop : one.stop + int(np.argmax(near))] = True
+    return lost
 
 
 def expected_bends(

@@ -194,7 +194,7 @@ def test_a_story_far_from_where_it_is_expected_goes_its_own_way():
     np.testing.assert_allclose(stories.cost - cost, 1.6)
 
 
-def standing(start, **options):
+def standing(start, *, dear=(), **options):
     """Tell of a paw that stands on moving ground, lifts off after the fifth frame and is seen."""
     ground = np.array([-1.0, 0.0])
 
@@ -208,7 +208,7 @@ def standing(start, **options):
         telling=Telling(jerk=0.05, kick=2.0, noise=0.4, reach=50.0, **options),
     )  # fmt: skip
     for t in range(1, 9):
-        stories.advance()
+        stories.advance(lifting=30.0 if t in dear else 0.0)
         # a poor looking wrist keeps above it; once it has lifted off, by 3 a frame, it shows
         seen = [t * ground + [0.0, -9.0]]
         if t > 5:
@@ -224,6 +224,12 @@ def test_a_paw_stands_under_its_wrist_until_it_lifts_off():
     np.testing.assert_array_equal(stories.stood(), np.arange(1, 9) <= 5)
     np.testing.assert_array_equal(stories.best()[:, 0], [-1] * 5 + [1] * 3)
     assert not standing(None).stood().any()
+
+
+@pytest.mark.parametrize(("dear", "last"), [((1, 2, 3), 5), ((6,), 4), ((5, 6, 7), 3)])
+def test_a_paw_lifts_off_earlier_where_that_is_dear_when_it_does(dear, last):
+    start = Start(np.zeros(2), np.array([-1.0, 0.0]), np.array([0.0, -3.0]))
+    np.testing.assert_array_equal(standing(start, dear=dear).stood(), np.arange(1, 9) <= last)
 
 
 def test_what_stands_goes_exactly_with_the_ground():

@@ -12,6 +12,7 @@ from pawnb.core.paws.whole.cycle import Cycle
 from pawnb.core.paws.whole.gaps import Known, bridge_gaps, open_frames, runs
 from pawnb.core.paws.whole.geometry import Geometry
 from pawnb.core.paws.whole.manner import Manner
+from pawnb.core.paws.whole.rhythm import Rhythm
 from pawnb.core.paws.whole.sights import Sights
 
 FLAT = Geometry(None)
@@ -22,7 +23,7 @@ MANNER = Manner(
 )  # fmt: skip
 
 
-def bridge(chosen, at, is_there, *, fixed=None, quality=None, cycle=None, manner=MANNER):
+def bridge(chosen, at, is_there, *, fixed=None, quality=None, manner=MANNER, **known):
     """Bridge the gaps of points (n, P, 2) by candidates (n, C, 2) of one view."""
     n, n_points = chosen.shape[:2]
     quality = np.ones(at.shape[:2]) if quality is None else quality
@@ -32,7 +33,7 @@ def bridge(chosen, at, is_there, *, fixed=None, quality=None, cycle=None, manner
     )  # fmt: skip
     fixed = np.zeros((n, n_points), bool) if fixed is None else fixed
     return bridge_gaps(
-        Known(chosen, fixed, cycle=cycle), sights, geometry=FLAT, thickness_px=THICKNESS,
+        Known(chosen, fixed, **known), sights, geometry=FLAT, thickness_px=THICKNESS,
         own=np.ones((n_points, 1), bool), manner=manner,
     )  # fmt: skip
 
@@ -75,16 +76,16 @@ def test_the_certain_piece_that_follows_decides():
         np.testing.assert_array_equal(choice, branch)
 
 
-@pytest.mark.parametrize("stop", [22, 30])
-def test_the_cycle_decides_between_candidates_that_fit_nearly_alike(stop):
+@pytest.mark.parametrize(("stop", "taken"), [(22, 1), (30, 0)])
+def test_where_nothing_follows_the_cycle_decides_between_what_fits_nearly_alike(stop, taken):
     # the paw stands, and candidates lie to either side of it, one of them a little nearer
     at = np.tile([[0.0, 0.65], [0.0, -0.6]], (30, 1, 1))
     chosen = np.zeros((30, 1, 2))
     chosen[8:stop] = np.nan
     cycle = Cycle(at[:, :1], np.full((30, 1, 2), 0.5), np.zeros(30), np.eye(2), 20.0)
-    for told, taken in ((None, 1), (cycle, 0)):
+    for told, expected in ((None, 1), (cycle, taken)):
         choice = bridge(chosen, at, np.ones((30, 2), bool), cycle=told).choice
-        np.testing.assert_array_equal(choice[12:18, 0, 0], taken)
+        np.testing.assert_array_equal(choice[12:18, 0, 0], expected)
 
 
 @pytest.mark.parametrize(("stop", "taken"), [(14, 0), (30, 1)])
@@ -242,3 +243,30 @@ def test_a_covered_paw_stands_until_it_lifts_off():
     assert (bridged.choice[first, 0] < 0).all()
     assert (0, standing[-1]) in bridged.lifts
     assert np.isnan(bridged.held[:, 1]).all()
+
+
+@pytest.mark.parametrize("share", [0.45, 0.6])
+def test_where_nothing_tells_it_a_paw_lifts_off_in_its_rhythm(share):
+    _, chosen, at, is_there, quality = covered_paw()
+    is_there[22:39, 1:] = False  # no wrist either
+    # it stands from frame 8 on, and again from where the swing ends
+    chosen[:8, 0] = np.nan
+    chosen[48:, 0] = chosen[48, 0] + np.arange(12.0)[:, None] * [-3.0, 0.0]
+    rhythm = Rhythm(np.full(2, share), np.full(2, 0.005), 40.0, 2.0)
+    manner = replace(MANNER, drift=np.array([-3.0, 0.0]))
+    bridged = bridge(chosen, at, is_there, quality=quality, manner=manner, rhythm=rhythm)
+    now, following = bridged.stances[0]
+    assert abs(now.stop - (8 + share * (following.first - 8))) <= 0.5
+    without = bridge(chosen, at, is_there, quality=quality, manner=manner).stances[0][0]
+    assert abs(without.stop - now.stop) > 1
+
+
+def test_a_path_that_is_lost_as_its_paw_seems_to_lift_off_is_told_anew():
+    paw, chosen, at, is_there, quality = covered_paw()
+    # the paw that lands beside draws the last two certain places to itself
+    chosen[20:22, 0] = chosen[20:22, 1]
+    manner = replace(MANNER, drift=np.array([-3.0, 0.0]))
+    bridged = bridge(chosen, at, is_there, quality=quality, manner=manner)
+    assert bridged.is_open[20:39, 0].all()
+    assert not bridged.is_open[:20, 0].any()
+    np.testing.assert_allclose(bridged.held[20:28, 0], paw[20:28], atol=0.5)

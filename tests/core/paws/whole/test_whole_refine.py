@@ -6,8 +6,10 @@ import pytest
 from pawnb.core.paws.whole.cycle import Cycle
 from pawnb.core.paws.whole.gaps import Bridged
 from pawnb.core.paws.whole.geometry import Geometry
+from pawnb.core.paws.whole.manner import Manner
 from pawnb.core.paws.whole.refine import Refinement, refine
 from pawnb.core.paws.whole.sights import Sights
+from pawnb.core.paws.whole.standing import Ground
 
 THICKNESS_PX = np.array([8.0, 8.0, 8.0])
 THICKNESS = 2.0
@@ -72,6 +74,47 @@ def test_a_gap_in_a_swing_of_least_jerk_is_bridged():
     assert np.isfinite(refined.measured[:, 1]).all()
     # where nothing was seen it says so
     assert refined.sd[30, 0, 0] > 2 * refined.sd[10, 0, 0]
+
+
+@pytest.mark.parametrize("forward", [[1.0, 0.0, 0.0], [0.6, 0.8, 0.0]])
+def test_a_hidden_paw_that_lifts_off_goes_up_at_once_and_forward_little_by_little(forward):
+    """It stands to frame 20, then goes up by 1.2 a frame, and forward as in a swing of least jerk.
+
+    It is hidden from frame 16 to 28.
+    """
+    axes = np.array([forward, [-forward[1], forward[0], 0.0], [0.0, 0.0, 1.0]])
+    off = np.clip(np.arange(N) - 20.5, 0.0, 19.5)
+    s = off / 19.5
+    truth, rng = swing(3)
+    ahead = 30.0 * (10 * s**3 - 15 * s**4 + 6 * s**5)
+    up = 1.2 * off * (1.0 - s)
+    truth[:, 0] = ahead[:, None] * axes[0] + up[:, None] * axes[2]
+    hidden = range(16, 29)
+    sights = see(truth, rng, hidden=hidden)
+    held = np.full(truth.shape, np.nan)
+    held[16:21, 0] = truth[16:21, 0]
+    manner = Manner(
+        acceleration=0.3, jerk=0.2, speed=2.0, drift=np.zeros(3), axes=axes, ground=0.0, span=40.0,
+        thickness=THICKNESS,
+    )  # fmt: skip
+    ground = Ground(np.zeros(2), np.zeros(3), np.tile(1.2 * axes[2], (2, 1)), manner)
+    start, is_open = truth.copy(), np.zeros((N, 2), bool)
+    start[list(hidden), 0], is_open[list(hidden), 0] = np.nan, True
+    choice, against = np.full((N, 2, 3), -1), np.full((N, 2, 3, 2), 30.0)
+    certain = np.full((N, 2, 3, 2), np.nan)
+    told, untold = (
+        refine(
+            start, sights, Bridged(is_open, choice, against, held, lifts, ground),
+            certain=certain, what=what(),
+        )
+        for lifts in ([(0, 20)], [])
+    )  # fmt: skip
+    away = [found.x[hidden, 0] - truth[hidden, 0] for found in (told, untold)]
+    np.testing.assert_allclose(away[0], 0.0, atol=0.5 * THICKNESS)
+    assert np.abs(away[1]).max() > 0.5 * THICKNESS
+    # how fast it goes up is not known before; to the front and to the side it does not jump
+    np.testing.assert_allclose(told.sd[..., :2], untold.sd[..., :2], rtol=0.02)
+    assert told.sd[22, 0, 2] > 1.2 * untold.sd[22, 0, 2]
 
 
 def test_the_stated_sd_is_honest():

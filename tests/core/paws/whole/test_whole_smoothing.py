@@ -50,6 +50,44 @@ def test_an_expected_bend_is_made_in_a_gap():
     assert np.abs(without - x).max() > 1.0
 
 
+def test_along_turned_axes_it_is_the_turned_problem():
+    rng = np.random.default_rng(4)
+    n, d = 25, 3
+    axes = np.linalg.qr(rng.normal(size=(d, d)))[0]
+    J = rng.normal(size=(n, 4, d))
+    information = np.einsum("nki,nkj->nij", J, J)
+    information[8:14] = 0.0
+    target = np.einsum("nij,nj->ni", information, rng.normal(size=(n, d)))
+    bend, alike = 0.1 * rng.normal(size=(n, d)), rng.uniform(0.01, 1.0, n)
+    plain, factor = smooth(information, target, alike, bend=bend)
+    turned, turned_factor = smooth(information, target, alike, bend=bend, axes=axes)
+    np.testing.assert_allclose(turned, plain, atol=1e-6)
+    expected = variances(factor, d)
+    np.testing.assert_allclose(variances(turned_factor, d, axes=axes), expected, rtol=1e-5)
+    # another variance along each axis: along the axes that are the coordinates' own, turned
+    jerk2 = rng.uniform(0.01, 1.0, (n, d))
+    inside = axes @ information @ axes.T
+    straight, factor = smooth(inside, target @ axes.T, jerk2, bend=bend @ axes.T)
+    found, _ = smooth(information, target, jerk2, bend=bend, axes=axes)
+    np.testing.assert_allclose(found @ axes.T, straight, atol=1e-6)
+
+
+def test_each_axis_has_its_own_jerk():
+    t = np.arange(40.0)
+    seen = (t < 15) | (t > 25)
+    W = seen[:, None, None] * np.eye(2)
+    x = np.column_stack([np.sin(0.6 * t), np.sin(0.6 * t)])
+    jerk2 = np.tile([1e-1, 1e-2], (40, 1))
+    found, factor = smooth(W, seen[:, None] * x, jerk2)
+    for axis in (0, 1):
+        alone, own = smooth(W, seen[:, None] * x, jerk2[:, axis])
+        # but for the trace of prior, which is that of the stiffest axis
+        np.testing.assert_allclose(found[:, axis], alone[:, axis], atol=1e-3)
+        expected = variances(own, 2)[:, axis]
+        np.testing.assert_allclose(variances(factor, 2)[:, axis], expected, rtol=1e-3)
+    assert np.abs(found[:, 0] - found[:, 1]).max() > 0.05
+
+
 def test_a_parabola_crosses_a_gap_unchanged():
     t = np.arange(30.0)
     path = np.column_stack([0.1 * t**2 - t, 3.0 - 0.05 * t**2])

@@ -7,7 +7,9 @@ from pawnb.core.paws.whole.geometry import Geometry
 from pawnb.core.paws.whole.manner import Manner
 from pawnb.core.paws.whole.standing import (
     Ground,
+    Stance,
     covered,
+    drawn_off,
     expected_bends,
     learn_ground,
     learn_lift,
@@ -100,8 +102,8 @@ def test_how_paws_lift_off_is_the_median_of_what_was_seen():
     lifts = [(p, last) for p in (0, 1) for last in LAST]
     lift = learn_lift(ground(), x, seen, lifts=lifts, frames=3)
     assumed = np.array([0.0, 0.0, MANNER.speed])
-    # two lift-offs were seen, and what is assumed counts as two
-    np.testing.assert_allclose(lift[0], 0.5 * (UP + assumed), atol=1e-9)
+    # two lift-offs were seen, and what is assumed counts as two; forward it does not jump
+    np.testing.assert_allclose(lift[0], [0.0, 0.0, 0.5 * (UP[2] + MANNER.speed)], atol=1e-9)
     np.testing.assert_allclose(lift[1], assumed)
 
 
@@ -112,6 +114,22 @@ def test_another_paw_covers_a_point_that_is_near_it_in_the_picture():
     standing = np.array([[10.0, 10.0], [10.0, 10.0]])
     hidden = covered(standing, uv, 0, geometry=Geometry(None), thickness_px=np.array([8.0]))
     np.testing.assert_array_equal(hidden, [[True], [False]])
+
+
+@pytest.mark.parametrize(
+    ("gap", "lost"),
+    [
+        ((22, 30), [20, 21]),  # lost two frames after it left its place
+        ((20, 30), []),  # lost where it stood
+        ((25, 30), []),  # seen to swing for too long
+    ],
+)
+def test_a_path_that_is_lost_soon_after_a_stance_was_drawn_off(gap, lost):
+    is_open = np.zeros(40, bool)
+    is_open[slice(*gap)] = True
+    stances = [Stance(4, 20, np.zeros(3)), Stance(34, 37, np.zeros(3))]
+    found = drawn_off(stances, is_open, most=4)
+    np.testing.assert_array_equal(np.flatnonzero(found), lost)
 
 
 def test_bends_are_those_of_a_path_that_changes_its_speed_between_two_frames():
