@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
 import warnings
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-import xarray as xr
 
 from pawnb.core.paws.layout import (
     Layout,
@@ -21,7 +22,6 @@ from pawnb.core.paws.settings import PaperSettings
 from pawnb.core.paws.task import Task
 from pawnb.core.paws.whole.decide import Told, decide
 from pawnb.core.paws.whole.extract import extract
-from pawnb.core.paws.whole.geometry import Geometry
 from pawnb.core.paws.whole.landmark_tracks import check_landmarks, choose_landmarks, join_views
 from pawnb.core.paws.whole.landmarks import Follower
 from pawnb.core.paws.whole.landmarks_before import frames_back, look_back
@@ -35,8 +35,9 @@ from pawnb.core.paws.whole.refine import Refined
 from pawnb.core.paws.whole.scene import Scene, move_anchors, read_scene
 from pawnb.core.paws.whole.settings import WholeSettings
 from pawnb.core.paws.whole.store import CandidateStore
+from pawnb.core.paws.whole.written import as_tracks, empty_result
 from pawnb.errors import InputError, InputWarning
-from pawnb.schema import ORIGIN_CODE, START_COLUMNS, Tracks, check_columns, make_tracks
+from pawnb.schema import START_COLUMNS, Tracks, check_columns
 
 _MISTAKEN = 0.1
 """Share of what is about the animal that passes for paws from which on a person is told: 0.2 to 3 %
@@ -104,91 +105,94 @@ def track_whole(
     CalibrationError
         If the rig lacks a view.
     """
+    asked = _read(views, start, task, looked)
+    layout = asked.layout
+    marks = choose_landmarks(layout.points, layout.kinds, settings.landmarks)
+    scene = follower = None
+    if not marks.all():
+        scene = _paws_scene(views, asked.of(~marks), settings)
+    if marks.any():
+        marked = asked.of(marks)
+        check_landmarks(marked.layout, marked.anchors)
+        follower = Follower(marked.layout, marked.anchors)
+    span = (asked.begin, task.frames[1])
+    seen = _look_through(views, span, scene, follower, asked.anchors, store, task)
+    n = max(asked.begin + len(seen) - task.frames[0], 0)
+    result = empty_result(n, layout)
+    if n and scene is not None:
+        result.take(~marks, _solve(seen, scene, asked.of(~marks), task, settings))
+    if n and follower is not None:
+        result.take(marks, _join(follower, asked.of(marks), n, task, settings))
+    return as_tracks(result, layout, task, placed=asked.inside(n))
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """What a person gave.
+
+    Attributes
+    ----------
+    layout : Layout
+        Points and views.
+    clicks, anchors : dict
+        Frame to the clicks that say what paws look like, and to what tracks must pass through.
+    first, begin : int
+        First frame that is tracked, and that is looked at: clicks of an earlier run may lie
+        before it.
+    is_looked : bool
+        Whether ``clicks`` are those of an earlier run.
+    """
+
+    layout: Layout
+    clicks: Mapping[int, Sequence[Placement]]
+    anchors: Mapping[int, Sequence[Placement]]
+    first: int
+    begin: int
+    is_looked: bool
+
+    def of(self, points: np.ndarray) -> _Asked:
+        """Return what concerns some of the points, a mask."""
+        return dataclasses.replace(
+            self,
+            layout=self.layout.only(points),
+            clicks=only_points(self.clicks, points),
+            anchors=only_points(self.anchors, points),
+        )
+
+    def inside(self, n: int) -> dict[int, Sequence[Placement]]:
+        """Return the anchors in the first n frames tracked, by row."""
+        return {t - self.first: here for t, here in self.anchors.items() if t - self.first < n}
+
+
+def _read(views: Views, start: pd.DataFrame, task: Task, looked: pd.DataFrame | None) -> _Asked:
+    """Return what a person gave, checked."""
     check_columns(start, START_COLUMNS, where="the start points")
     task.check_frames(views.n_frames)
-    frames, tracks, rig = task.frames, task.tracks, task.rig
-    if rig is None and len(views.names) > 1:
+    frames = task.frames
+    if task.rig is None and len(views.names) > 1:
         raise InputError(
             f"{len(views.names)} views and no calibration; this method joins views in space: "
             "calibrate them, or keep one view."
         )
     layout = make_layout(views, start, task, settings=PaperSettings())
-    clicks, anchors = read_placements(start, layout, frames, tracks=tracks)
-    first = begin = frames[0]
+    clicks, anchors = read_placements(start, layout, frames, tracks=task.tracks)
+    begin, is_looked = frames[0], False
     if looked is not None and len(looked):
+        is_looked = True
         clicks = read_start(looked, layout, (0, frames[1]))
-        begin = min(first, *clicks)
-    marks = choose_landmarks(layout.points, layout.kinds, settings.landmarks)
-    scene = follower = None
-    if not marks.all():
-        scene = _paws_scene(views, layout.only(~marks), settings,
-                            *(only_points(one, ~marks) for one in (clicks, anchors)),
-                            is_looked=looked is not None and len(looked) > 0)  # fmt: skip
-    if marks.any():
-        marked = only_points(anchors, marks)
-        check_landmarks(layout.only(marks), marked)
-        follower = Follower(layout.only(marks), marked)
-    seen = _look_through(views, (begin, frames[1]), scene, follower, anchors, store, task)
-    found = seen[first - begin :]
-    rows = np.arange(frames[0], first + len(found))
-    kept = np.empty(0, int)
-    if tracks is not None:
-        known = tracks["frame"].to_numpy()
-        kept = known[(known < frames[0]) | (known >= first + len(found))]
-        rows = np.sort(np.concatenate([kept, rows]))
-    new = make_tracks(
-        rows, layout.points, fps=task.fps, views=layout.views,
-        space=("x", "y") if rig is None else ("x", "y", "z"), individual=task.individual,
-        unit="px" if rig is None else task.unit,
-    )  # fmt: skip
-    new["sd"] = new["position"].copy()
-    new["image_residual"] = xr.full_like(new["image_confidence"], np.nan).assign_attrs(units="px")
-    new["revision"] = new["residual"].copy().assign_attrs(units=new["position"].attrs["units"])
-    if found:
-        row = int(np.searchsorted(rows, first))
-        inside = {t - first: here for t, here in anchors.items() if t - first < len(found)}
-        result = _empty_result(len(found), layout)
-        if scene is not None:
-            own = only_points(inside, ~marks)
-            told = None
-            if looked is not None and len(looked):
-                told = _told(seen, layout.only(~marks), only_points(clicks, ~marks), begin)
-            paws = _solve(
-                found, scene, layout.only(~marks), own, first, task.fps, settings, told=told
-            )
-            result.take(~marks, paws)
-        if follower is not None:
-            uv, likeness = (
-                np.swapaxes(np.array(values[first - begin :][: len(found)]), 1, 2)
-                for values in (follower.uv, follower.likeness)
-            )
-            result.take(marks, join_views(
-                uv, likeness, layout=layout.only(marks), fps=task.fps,
-                by_hand=certain_points(only_points(inside, marks), likeness.shape),
-                longest_gap_s=settings.longest_gap_s,
-            ))  # fmt: skip
-        _write(new, row, result, inside, layout)
-    if tracks is not None:
-        new = _keep_rows(tracks, new, kept)
-    return new
+        begin = min(begin, *clicks)
+    return _Asked(layout, clicks, anchors, frames[0], begin, is_looked)
 
 
-def _paws_scene(
-    views: Views,
-    layout: Layout,
-    settings: WholeSettings,
-    clicks: Mapping[int, Sequence[Placement]],
-    anchors: Mapping[int, Sequence[Placement]],
-    *,
-    is_looked: bool,
-) -> Scene:
-    """Return what the clicks on paws say; ``is_looked``: those of an earlier run."""
-    if not is_looked:
-        scene = read_scene(views, layout, clicks, anchors=anchors, settings=settings)
-        _tell_mistaken(scene, views.names)
-        return scene
-    scene = read_scene(views, layout, clicks, anchors=clicks, settings=settings)
-    return move_anchors(scene, layout, anchors)
+def _paws_scene(views: Views, asked: _Asked, settings: WholeSettings) -> Scene:
+    """Return what the clicks on paws say."""
+    layout, clicks, anchors = asked.layout, asked.clicks, asked.anchors
+    if asked.is_looked:
+        scene = read_scene(views, layout, clicks, anchors=clicks, settings=settings)
+        return move_anchors(scene, layout, anchors)
+    scene = read_scene(views, layout, clicks, anchors=anchors, settings=settings)
+    _tell_mistaken(scene, views.names)
+    return scene
 
 
 def _tell_mistaken(scene: Scene, names: Sequence[str]) -> None:
@@ -264,118 +268,43 @@ def _look_ahead(
     return found
 
 
-def _empty_result(n: int, layout: Layout) -> Refined:
-    """Return tracks of all points in which nothing is known yet."""
-    n_views, n_points = layout.tracked.shape
-    d = 2 if layout.rig is None else 3
-    x = np.full((n, n_points, d), np.nan)
-    measured = np.full((n, n_points, n_views, 2), np.nan)
-    return Refined(
-        x, x.copy(), measured, np.zeros((n, n_points, n_views)), np.full((n, n_points), np.nan)
-    )
-
-
 def _solve(
-    found: list[list[np.ndarray]],
-    scene: Scene,
-    layout: Layout,
-    inside: Mapping[int, Sequence[Placement]],
-    first: int,
-    fps: float,
-    settings: WholeSettings,
-    *,
-    told: Told | None,
+    seen: list[list[np.ndarray]], scene: Scene, asked: _Asked, task: Task, settings: WholeSettings
 ) -> Refined:
-    """Track the paws through the candidates; ``inside``: what is placed, by row."""
+    """Track the paws through the candidates, ``seen`` from the frame ``asked.begin`` on."""
+    found = seen[asked.first - asked.begin :]
     n = len(found)
-    fixed = {t - first: here for t, here in scene.anchors.items() if t - first < n}
-    certain = certain_positions(inside, n, layout)
+    fixed = {t - asked.first: here for t, here in scene.anchors.items() if t - asked.first < n}
+    certain = certain_positions(asked.inside(n), n, asked.layout)
     return decide(
-        found, fixed, certain, scene=scene, layout=layout, fps=fps, settings=settings, told=told
-    )
+        found, fixed, certain, scene=scene, layout=asked.layout, fps=task.fps, settings=settings,
+        told=_told(seen, asked) if asked.is_looked else None,
+    )  # fmt: skip
 
 
-def _told(
-    seen: list[list[np.ndarray]],
-    layout: Layout,
-    clicks: Mapping[int, Sequence[Placement]],
-    begin: int,
-) -> Told:
-    """Return the clicks of an earlier run with what was seen there, from frame ``begin`` on.
+def _told(seen: list[list[np.ndarray]], asked: _Asked) -> Told:
+    """Return the clicks of an earlier run with what was seen there.
 
     They alone say where on a paw its point is, as they did then: a correction puts the paw in
     place in its frame, and a hand that was a pixel off there moves the track nowhere else.
     """
+    clicks, begin = asked.clicks, asked.begin
     here = {t - begin: clicks[t] for t in sorted(clicks) if t - begin < len(seen)}
-    placed = certain_positions(here, len(seen), layout)
+    placed = certain_positions(here, len(seen), asked.layout)
     return Told(placed[list(here)], {t: seen[t] for t in here})
 
 
-def _write(
-    new: Tracks,
-    begin: int,
-    result: Refined,
-    anchors: Mapping[int, Sequence[Placement]],
-    layout: Layout,
-) -> None:
-    """Write refined tracks into Tracks."""
-    n, _, d = result.x.shape
-    rows = slice(begin, begin + n)
-    uv = Geometry(None if layout.rig is None else layout.rig.coefs).project(result.x)
-    seen = np.isfinite(result.measured[..., 0])
-    known = np.isfinite(result.x[..., 0])
-    count = seen.sum(axis=-1)
-    enough = 1 if d == 2 else 2
-    origin = np.where(
-        count >= enough,
-        ORIGIN_CODE["measured"],
-        np.where(count == 1, ORIGIN_CODE["resolved"], ORIGIN_CODE["predicted"]),
+def _join(
+    follower: Follower, asked: _Asked, n: int, task: Task, settings: WholeSettings
+) -> Refined:
+    """Return the landmarks' tracks in the n frames asked for, from what each view shows."""
+    skip = asked.first - asked.begin
+    uv, likeness = (
+        np.swapaxes(np.array(values[skip : skip + n]), 1, 2)
+        for values in (follower.uv, follower.likeness)
     )
-    image_origin = np.where(
-        seen,
-        ORIGIN_CODE["measured"],
-        np.where((count > 0)[..., None], ORIGIN_CODE["reprojected"], ORIGIN_CODE["predicted"]),
-    )
-    quality = np.where(seen, result.quality, 0.0)
-    confidence = quality.sum(axis=-1) / np.maximum(count, 1)
-    off = np.linalg.norm(result.measured - uv, axis=-1)  # NaN where a view saw nothing
-    square = np.where(seen, off**2, 0.0).sum(axis=-1)
-    residual = np.where(count > 0, np.sqrt(square / np.maximum(count, 1)), np.nan)
-    for t, here in anchors.items():
-        for place in here:
-            if place.origin != "edited":
-                continue
-            uv[t, place.point, place.view] = place.uv
-            image_origin[t, place.point, place.view] = ORIGIN_CODE["edited"]
-            origin[t, place.point] = ORIGIN_CODE["edited"]
-            confidence[t, place.point] = 1.0
-    origin = np.where(known, origin, ORIGIN_CODE["missing"])
-    image_origin = np.where(known[..., None], image_origin, ORIGIN_CODE["missing"])
-    new["position"][rows, ..., 0] = np.swapaxes(result.x, 1, 2)
-    new["sd"][rows, ..., 0] = np.where(known[:, None], np.swapaxes(result.sd, 1, 2), np.nan)
-    new["revision"][rows, ..., 0] = np.where(known, result.revision, np.nan)
-    new["origin"][rows, ..., 0] = origin
-    new["confidence"][rows, ..., 0] = np.where(known, confidence, 0.0)
-    new["residual"][rows, ..., 0] = residual
-    new["image_position"][rows, ..., 0] = uv.transpose(0, 2, 3, 1)
-    new["image_origin"][rows, ..., 0] = image_origin.transpose(0, 2, 1)
-    new["image_confidence"][rows, ..., 0] = quality.transpose(0, 2, 1)
-    new["image_residual"][rows, ..., 0] = off.transpose(0, 2, 1)
-
-
-def _keep_rows(old: Tracks, new: Tracks, kept: np.ndarray) -> Tracks:
-    """Copy the rows of ``old`` that were not tracked again, and its times and attributes."""
-    frames = new["frame"].to_numpy()
-    source = old.swap_dims(time="frame").sel(frame=kept)
-    rows = np.isin(frames, kept)
-    for name in new.data_vars:
-        if name not in source:
-            continue
-        there = [dim for dim in ("view", "keypoint", "space") if dim in new[name].dims]
-        part = source[name].reindex({dim: new[dim] for dim in there})
-        whole = new[name].dtype.kind == "i" or "confidence" in str(name)
-        new[name][rows] = part.fillna(0 if whole else np.nan).to_numpy()
-    time = new["time"].to_numpy().copy()
-    shared = np.isin(frames, old["frame"].to_numpy())
-    time[shared] = old.swap_dims(time="frame").sel(frame=frames[shared])["time"].to_numpy()
-    return new.assign_coords(time=time).assign_attrs(old.attrs)
+    return join_views(
+        uv, likeness, layout=asked.layout, fps=task.fps,
+        by_hand=certain_points(asked.inside(n), likeness.shape),
+        longest_gap_s=settings.longest_gap_s,
+    )  # fmt: skip
