@@ -5,7 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
+from pawnb.core.paws.whole import WholeSettings, doubt_clicks
+from pawnb.core.rig import Rig
 from pawnb.core.video import ViewSet, open_views
 from pawnb.errors import InputError, PawnbError
 from pawnb.gait.leg_names import choose_legs
@@ -17,7 +20,7 @@ from pawnb.workflow.check_report import CheckReport
 from pawnb.workflow.foreign_tracks import read_belt, read_foreign_tracks
 from pawnb.workflow.methods import pose_tracker_settings, tracker_settings
 from pawnb.workflow.results import provenance_steps, results_folder
-from pawnb.workflow.trial_views import frame_range, trial_rig
+from pawnb.workflow.trial_views import frame_range, paw_task, trial_rig
 
 MAX_CLICK_RESIDUAL_PX = 10.0
 
@@ -180,6 +183,8 @@ def _check_calibration(trial: Trial, views: ViewSet, report: CheckReport) -> Non
         f"start: {len(clicks)} clicks on {', '.join(dict.fromkeys(clicks['point']))} in frame "
         f"{', '.join(str(f) for f in sorted(set(clicks['frame'])))}"
     )
+    if not report.faults:
+        _doubt_colours(trial, views, rig, clicks, report)
     if rig is None:
         return
     for (frame, point), group in clicks.groupby(["frame", "point"], sort=True):
@@ -192,3 +197,20 @@ def _check_calibration(trial: Trial, views: ViewSet, report: CheckReport) -> Non
                 f"start clicks of {point} in frame {frame} disagree between the views by "
                 f"{residual:.0f} px: one of them is on another point, or the calibration is off"
             )
+
+
+def _doubt_colours(
+    trial: Trial, views: ViewSet, rig: Rig | None, clicks: pd.DataFrame, report: CheckReport
+) -> None:
+    """Doubt clicked paws that look like what is around them."""
+    frames = int(clicks["frame"].min()), int(clicks["frame"].max()) + 1
+    task = paw_task(trial, rig, clicks, frames=frames)
+    settings = tracker_settings(trial)
+    assert isinstance(settings, WholeSettings)  # noqa: S101  those of the default method
+    try:
+        words = doubt_clicks(views, clicks, task, settings=settings)
+    except PawnbError as error:
+        report.faults.append(str(error))
+        return
+    if words is not None:
+        report.doubts.append(words.rstrip("."))

@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pawnb.core.paws import Task
 from pawnb.core.paws.settings import REFERENCE_WIDTH_PX
 from pawnb.core.paws.stretch import TOLERANCE_PX, keep_untouched
 from pawnb.core.paws.whole.store import CandidateStore
@@ -47,7 +46,7 @@ from pawnb.workflow.results import (
 )
 from pawnb.workflow.retrack_pose import retrack_pose
 from pawnb.workflow.track_pose import track_pose_trial
-from pawnb.workflow.trial_views import frame_range, points_by_view, trial_rig, view_facing
+from pawnb.workflow.trial_views import frame_range, paw_task, trial_rig
 from pawnb.workflow.unfinished import join_earlier, unfinished_tracks
 
 
@@ -147,7 +146,7 @@ def track(
         begin = first if earlier is None else int(earlier["frame"][-1])
         with _progress(progress, "tracking") as report:
             span = {"frames": (begin, last), "tracks": earlier}
-            task = _task(trial, rig, clicks, progress=report, stop=asked, **span)
+            task = paw_task(trial, rig, clicks, progress=report, stop=asked, **span)
             tracks = run_tracker(method, views, clicks, task=task, settings=chosen, store=store)
         if stop is None and tracks.sizes["time"] < last - first:
             _tell_interrupted(tracks, first, last)
@@ -250,7 +249,7 @@ def retrack(
                 kept = {"looked": looked, "store": store}
         with _progress(progress, "tracking again") as report:
             span = (begin, int(known[-1]) + 1)
-            task = _task(trial, rig, clicks, frames=span, tracks=old, progress=report, stop=stop)
+            task = paw_task(trial, rig, clicks, frames=span, tracks=old, progress=report, stop=stop)
             new = run_tracker(
                 method, views, clicks, task=task, settings=settings, learn_at=learnt, **kept
             )
@@ -279,19 +278,6 @@ def retrack(
         start=clicks.to_dict(orient="records"),
     )
     return add_provenance(new, **step)
-
-
-def _task(trial: Trial, rig: Rig | None, clicks: pd.DataFrame, **asked: Any) -> Task:
-    """Return what a tracker is to do, with all that the trial says about it."""
-    return Task(
-        rig=rig,
-        points_by_view=points_by_view(trial, clicks),
-        facing=view_facing(trial, rig),
-        fps=trial.fps,
-        individual=trial.animal.id,
-        unit=rig.unit if rig is not None else "px",
-        **asked,
-    )
 
 
 def _store(

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+from typing import Any
 
 import pandas as pd
 
+from pawnb.core.paws import Task
 from pawnb.core.rig import Rig, load_rig
 from pawnb.core.video import ViewSet
 from pawnb.errors import CalibrationError, InputError
@@ -112,3 +114,16 @@ def frame_range(
         )
     # a view may begin later than the trial
     return max(first, views.first_frame) if method == METHODS[0] else clicked, last
+
+
+def paw_task(trial: Trial, rig: Rig | None, clicks: pd.DataFrame, **asked: Any) -> Task:
+    """Return what a tracker is to do, with all that the trial says about it."""
+    return Task(
+        rig=rig,
+        points_by_view=points_by_view(trial, clicks),
+        facing=view_facing(trial, rig),
+        fps=trial.fps,
+        individual=trial.animal.id,
+        unit=rig.unit if rig is not None else "px",
+        **asked,
+    )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pandas as pd
 import pytest
 
 from pawnb.io.native import write_tracks
@@ -119,3 +120,16 @@ def test_tracks_that_are_there_are_read(small_trial):
     write_tracks(add_provenance(tracks, **step | {"complete": False}), results / "tracks.nc")
     (doubt,) = check_trial(small_trial).doubts
     assert doubt == "results/tracks.nc is of a run that was interrupted; track again to go on"
+
+
+def test_paws_of_the_colour_of_their_surroundings_are_doubted(small_trial):
+    """Clicks on the belt instead of on paws: what is about the animal has the same colour."""
+    report = check_trial(small_trial)
+    assert not any("hardly differ" in doubt for doubt in report.doubts)
+    clicks = pd.read_csv(small_trial / "start.csv")
+    clicks["v"] += 25.0  # below the animal
+    clicks.to_csv(small_trial / "start.csv", index=False)
+    said = [doubt for doubt in check_trial(small_trial).doubts if "hardly differ" in doubt]
+    assert len(said) == 1
+    assert "cam1" in said[0]
+    assert said[0].endswith("painted paws help"), "the report adds no second full stop"

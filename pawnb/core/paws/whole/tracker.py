@@ -191,26 +191,54 @@ def _paws_scene(views: Views, asked: _Asked, settings: WholeSettings) -> Scene:
         scene = read_scene(views, layout, clicks, anchors=clicks, settings=settings)
         return move_anchors(scene, layout, anchors)
     scene = read_scene(views, layout, clicks, anchors=anchors, settings=settings)
-    _tell_mistaken(scene, views.names)
+    if (words := _mistaken(scene, views.names)) is not None:
+        warnings.warn(words, InputWarning, stacklevel=2)
     return scene
 
 
-def _tell_mistaken(scene: Scene, names: Sequence[str]) -> None:
-    """Warn where paws look like what is around them."""
+def doubt_clicks(
+    views: Views, start: pd.DataFrame, task: Task, *, settings: WholeSettings
+) -> str | None:
+    """Return what a person should know of the clicked paws before they are tracked.
+
+    Parameters
+    ----------
+    views, start, task, settings
+        As for :func:`track_whole`; only the clicked frames are looked at.
+
+    Returns
+    -------
+    str or None
+        A sentence; None where there is nothing to say.
+
+    Raises
+    ------
+    InputError
+        If a click does not fit.
+    """
+    asked = _read(views, start, task, None)
+    paws = asked.of(~choose_landmarks(asked.layout.points, asked.layout.kinds, settings.landmarks))
+    if not paws.layout.points:
+        return None
+    scene = read_scene(views, paws.layout, paws.clicks, anchors=paws.anchors, settings=settings)
+    return _mistaken(scene, views.names)
+
+
+def _mistaken(scene: Scene, names: Sequence[str]) -> str | None:
+    """Return a sentence where paws look like what is around them."""
     alike = {
         name: look.appearance.mistaken
         for name, look in zip(names, scene.looks, strict=True)
         if look.appearance.mistaken > _MISTAKEN
     }
-    if alike:
-        warnings.warn(
-            f"in {', '.join(alike)} the clicked paws hardly differ from what is around the animal: "
-            f"{max(alike.values()):.0%} of it has their colour (usually under 3 %), and the tracks "
-            "will be poor. Look whether every click is on a paw; else another light, a belt of "
-            "another colour or painted paws help.",
-            InputWarning,
-            stacklevel=2,
-        )
+    if not alike:
+        return None
+    return (
+        f"in {', '.join(alike)} the clicked paws hardly differ from what is around the animal: "
+        f"{max(alike.values()):.0%} of it has their colour (usually under 3 %), and the tracks "
+        "will be poor. Look whether every click is on a paw; else another light, a belt of "
+        "another colour or painted paws help."
+    )
 
 
 def _look_through(
