@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pawnb.core.paws.layout import Layout
+from pawnb.core.paws.whole.beside import Beside, learn_beside
 from pawnb.core.paws.whole.cycle import learn_cycle
 from pawnb.core.paws.whole.gaps import Bridged, Known, bridge_gaps
 from pawnb.core.paws.whole.likeness import Judge, score_at_clicks
@@ -20,7 +21,7 @@ from pawnb.core.paws.whole.scene import Scene, unclicked_kinds
 from pawnb.core.paws.whole.settings import WholeSettings
 from pawnb.core.paws.whole.sights import Sights, read_sights, tracked_points
 from pawnb.core.paws.whole.standing import learn_lift
-from pawnb.core.paws.whole.strangers import share_seen, with_strangers
+from pawnb.core.paws.whole.strangers import share_seen, side_told, with_strangers
 
 _BELIEVED = 0.25
 """Standard deviation, in thicknesses, at which a track is half believed."""
@@ -32,6 +33,8 @@ _SAME = 1.2
 """A place that says that a point is so many thicknesses from where it was placed is another's."""
 _LEAST_SEEN = 0.3
 """Strangers that are seen as paws of their own in fewer frames are none."""
+_LEAST_SEEN_ASIDE = 0.1
+"""The same where depth tells that they are on the other side."""
 
 
 @dataclass(frozen=True)
@@ -103,8 +106,9 @@ def decide(
         first = paths.first()
         # a stranger without a paw of its own would share that of its kind
         share = share_seen(first, fixed, scene, body=paths.body(first), kinds=ready.kinds)
-        left_out = bool((share < _LEAST_SEEN).any())
-        extra = [kind for kind, seen in zip(extra, share, strict=True) if seen >= _LEAST_SEEN]
+        least = _LEAST_SEEN if side_told(scene) is None else _LEAST_SEEN_ASIDE
+        left_out = bool((share < least).any())
+        extra = [kind for kind, seen in zip(extra, share, strict=True) if seen >= least]
     result = _settled(first, fixed, paths, ready, scene=scene, fps=fps, settings=settings)
     return Refined(
         result.x[:, :n_points], result.sd[:, :n_points], result.measured[:, :n_points],
@@ -122,6 +126,7 @@ class _Ready:
     sights: Sights
     judge: Judge
     unsure: np.ndarray
+    one_sided: bool  # paws of the other side were not clicked
 
 
 def _prepare(
@@ -156,7 +161,7 @@ def _prepare(
     return _Ready(
         kinds, certain, with_strangers(layout.tracked, layout.kinds, extra),
         read_sights(found, offsets, facing=facing, judge=judge), judge,
-        np.max([one.unsure for one in offsets], axis=0),
+        np.max([one.unsure for one in offsets], axis=0), bool(unclicked_kinds(layout.kinds)),
     )  # fmt: skip
 
 
@@ -210,7 +215,7 @@ def _settled(
         )  # fmt: skip
         refined = refine(
             known.chosen, ready.sights, bridged, certain=ready.certain, what=what,
-            cycle=known.cycle,
+            cycle=known.cycle, beside=_beside(known.chosen, paths, ready),
         )  # fmt: skip
         return refined, bridged
 
@@ -242,6 +247,14 @@ def _settled(
         result, bridged = settle(known)
         result.revision = np.linalg.norm(result.x - unaided, axis=-1)
     return result
+
+
+def _beside(chosen: np.ndarray, paths: PathChoice, ready: _Ready) -> Beside | None:
+    """Return where points usually are to the side, if only one side of the animal was clicked."""
+    across = side_told(paths.scene) if ready.one_sided else None
+    if across is None:
+        return None
+    return learn_beside(chosen, paths.body(chosen), across, span=paths.scene.span)
 
 
 def _tracked(

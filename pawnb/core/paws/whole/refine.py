@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pawnb.core.paws.whole import refine_loops as loops
+from pawnb.core.paws.whole.beside import Beside
 from pawnb.core.paws.whole.cycle import Cycle
 from pawnb.core.paws.whole.gaps import Bridged
 from pawnb.core.paws.whole.geometry import Geometry
@@ -111,6 +112,7 @@ def refine(
     certain: np.ndarray,
     what: Refinement,
     cycle: Cycle | None = None,
+    beside: Beside | None = None,
 ) -> Refined:
     """Refine tracks.
 
@@ -128,6 +130,8 @@ def refine(
         The rest.
     cycle : Cycle, optional
         Where points are expected.
+    beside : Beside, optional
+        Where they usually are to the side.
 
     Returns
     -------
@@ -159,6 +163,8 @@ def refine(
             W, z = _normal(x, measured, weight, what)
             W += hold[..., None] * np.eye(d)
             z += hold * np.nan_to_num(held)
+            if beside is not None:
+                beside.add(W, z, np.isfinite(measured[..., 0]).sum(axis=-1))
             if cycle is not None:
                 _pull(W, z, _expected(np.isfinite(measured[..., 0]).any(axis=-1)), cycle)
             for p in range(n_points):

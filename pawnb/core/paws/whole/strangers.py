@@ -116,7 +116,7 @@ def side_cost(
         The cost of each piece for each point; 0 where no depth tells the sides apart.
     """
     cost = np.zeros((len(kinds), len(pieces)))
-    across = _side(scene)
+    across = side_told(scene)
     if not pieces or across is None:
         return cost
     clicked = sorted({p for here in fixed.values() for p in here})
@@ -156,7 +156,7 @@ def share_seen(
     ndarray, shape (S,)
         From 0 to 1, in the order of the strangers.
     """
-    since, across = _from_body(fixed, body), _side(scene)
+    since, across = _from_body(fixed, body), side_told(scene)
     clicked = 1 + max(p for here in fixed.values() for p in here)
     shares = []
     for p in range(clicked, len(kinds)):
@@ -228,7 +228,7 @@ def nearer(
     return x
 
 
-def _side(scene: Scene) -> np.ndarray | None:
+def side_told(scene: Scene) -> np.ndarray | None:
     """Return the direction to the side where places have a depth: from the side, in space."""
     return None if scene.volume is None or scene.lead is not None else scene.volume.across
 

@@ -1,0 +1,75 @@
+"""How far to the side of the body each paw goes, where two views of one side give little depth.
+
+A paw that one view alone sees can lie anywhere along its sight line, and with two cameras on one
+side of the animal smoothing draws it far off along it, to where the far paw is. Paws keep to
+their sides: what frames in which two views met say of that holds for the others.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+_WANDERS = 0.1
+"""Standard deviation, in spans, of how far to the side of its usual way a paw goes."""
+_TO_SD = 1.4826
+"""Standard deviation of a normal distribution over its median absolute deviation."""
+
+
+@dataclass(frozen=True)
+class Beside:
+    """Where paws usually are to the side, and how surely.
+
+    Parameters
+    ----------
+    across : ndarray, shape (d,)
+        Unit vector to the side.
+    usual : ndarray, shape (n, P)
+        Where each point usually is along it in each frame.
+    information : ndarray, shape (P,)
+        One over the variance of that; 0 of points of which nothing is known.
+    """
+
+    across: np.ndarray
+    usual: np.ndarray
+    information: np.ndarray
+
+    def add(self, W: np.ndarray, z: np.ndarray, views: np.ndarray) -> None:
+        """Add to information (n, P, d, d) and target (n, P, d) where fewer than two views see.
+
+        ``views`` is how many do, shape (n, P).
+        """
+        known = np.where(views < 2, self.information, 0.0)
+        W += known[..., None, None] * np.outer(self.across, self.across)
+        z += (known * self.usual)[..., None] * self.across
+
+
+def learn_beside(
+    places: np.ndarray, body: np.ndarray, across: np.ndarray, *, span: float
+) -> Beside:
+    """Return where points usually are to the side of the body.
+
+    Parameters
+    ----------
+    places : ndarray, shape (n, P, d)
+        Where views met, NaN elsewhere.
+    body : ndarray, shape (n, d)
+        The slowly moving middle of the body.
+    across : ndarray, shape (d,)
+        Unit vector to the side.
+    span : float
+        Distance of front from hind paws, in the same unit.
+
+    Returns
+    -------
+    Beside
+        By the median of each point and the spread about it.
+    """
+    middle = (body @ across)[:, None]
+    away = places @ across - middle
+    known = np.isfinite(away).any(axis=0)
+    usual, spread = np.zeros(away.shape[1]), np.full(away.shape[1], np.inf)
+    usual[known] = np.nanmedian(away[:, known], axis=0)
+    spread[known] = _TO_SD * np.nanmedian(np.abs(away[:, known] - usual[known]), axis=0)
+    return Beside(across, middle + usual, 1.0 / (spread**2 + (_WANDERS * span) ** 2))
