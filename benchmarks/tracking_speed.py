@@ -41,7 +41,7 @@ from pawnb.io.start import read_start
 from pawnb.synthetic import render_mouse_trial
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.methods import METHODS, run_tracker, tracker_settings
-from pawnb.workflow.track import points_by_view, trial_rig, view_facing
+from pawnb.workflow.trial_views import points_by_view, trial_rig, view_facing
 
 STAGES = {"read_scene": "learn from clicks", "extract": "candidates, decoding included",
           "decide": "deciding"}  # fmt: skip
