@@ -137,14 +137,7 @@ def bridge_gaps(
         The choice.
     """
     n, n_points, _ = known.chosen.shape
-    certain = np.isfinite(known.chosen[..., 0])
-    is_open = np.stack(
-        [open_frames(certain[:, p], known.fixed[:, p]) for p in range(n_points)], axis=1
-    )
-    sure = np.where(is_open[..., None], np.nan, known.chosen)
-    for p, mine in enumerate(learn_ground(sure, manner).stances(sure)):
-        lost = drawn_off(mine, is_open[:, p], most=round(_DRAWN_S * _fps(manner)))
-        is_open[lost & ~known.fixed[:, p], p] = True
+    is_open = _told_anew(known, manner)
     sure = np.where(is_open[..., None], np.nan, known.chosen)
     ground = learn_ground(sure, manner, lift=known.lift)
     stances = ground.stances(sure)
@@ -183,6 +176,19 @@ def bridge_gaps(
     after = ground.stances(np.where(np.isnan(held), sure, held))
     lifts = [(p, one.stop - 1) for p, mine in enumerate(after) for one in mine if one.stop < n]
     return Bridged(is_open, choice, cost, held, lifts, ground, after)
+
+
+def _told_anew(known: Known, manner: Manner) -> np.ndarray:
+    """Return the frames (n, P) in which points are not certain, or were drawn off."""
+    certain = np.isfinite(known.chosen[..., 0])
+    is_open = np.stack(
+        [open_frames(*of) for of in zip(certain.T, known.fixed.T, strict=True)], axis=1
+    )
+    sure = np.where(is_open[..., None], np.nan, known.chosen)
+    for p, mine in enumerate(learn_ground(sure, manner).stances(sure)):
+        lost = drawn_off(mine, is_open[:, p], most=round(_DRAWN_S * _fps(manner)))
+        is_open[lost & ~known.fixed[:, p], p] = True
+    return is_open
 
 
 def _telling(manner: Manner) -> Telling:

@@ -26,7 +26,7 @@ _BESIDE_PX = 4.0
 _CROSSED = 4.0
 """Cost of neighbouring legs that cross, in a frame: they seldom do."""
 _ROOM_PX = 14.0
-"""Room about a leg that is fitted alone, working px."""
+"""Room about legs that are fitted alone, working px."""
 _WORTHLESS, _FEW_PIXELS = 0.35, 30.0
 """A candidate that explains less, for each pixel it shows and so many more, than this share of what
 the best one does is dropped. Of a leg whose most is hidden, the rest may be all there is to see."""
@@ -175,7 +175,12 @@ def part_about(
     fitter: FrameFitter, sight: Sight, pose: np.ndarray, *, leg: int, guesses: Sequence[np.ndarray]
 ) -> Sight:
     """Return the part of a sight about some places of a leg, each its part of the pose vector."""
-    joints = np.concatenate([_joints(fitter, pose, leg, guess) for guess in guesses])
+    return part_near(sight, [_joints(fitter, pose, leg, guess) for guess in guesses])
+
+
+def part_near(sight: Sight, legs: Sequence[np.ndarray]) -> Sight:
+    """Return the part of a sight about legs that are fitted alone; joints (n, 2), NaN beyond."""
+    joints = np.concatenate(legs)
     low, high = np.nanmin(joints, axis=0), np.nanmax(joints, axis=0)
     return part_of(sight, low - _ROOM_PX, high + _ROOM_PX)
 

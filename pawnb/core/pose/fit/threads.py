@@ -14,6 +14,7 @@ from pawnb.core.pose.steps import Steps
 THREADS = 2
 """The compiled loops let other threads run, numpy's own part is small: both cores are busy."""
 _TELL_S = 0.3
+"""Time, s, after which it is told how far the other thread is."""
 
 _T = TypeVar("_T")
 _S = TypeVar("_S")
@@ -30,7 +31,7 @@ def threaded(work: Callable[[_S], _T], items: Sequence[_S]) -> list[_T]:
 def side_by_side(one: Callable[[], _T], other: Callable[[], _T], steps: Steps) -> tuple[_T, _T]:
     """Return what two pieces of work return that are done at the same time.
 
-    Where one of them fails, the other is asked to stop.
+    Where one of them fails, or telling how far they are, the other is asked to stop.
     """
 
     def watched(work: Callable[[], _T]) -> _T:
@@ -40,11 +41,15 @@ def side_by_side(one: Callable[[], _T], other: Callable[[], _T], steps: Steps) -
             steps.halt()
             raise
 
-    with ThreadPoolExecutor(1, thread_name_prefix="pawnb-way") as pool:
-        job = pool.submit(watched, one)
-        result = watched(other)
+    def here() -> _T:
+        result = other()
         while wait([job], _TELL_S).not_done:
             steps.tell()
+        return result
+
+    with ThreadPoolExecutor(1, thread_name_prefix="pawnb-way") as pool:
+        job = pool.submit(watched, one)
+        result = watched(here)
         return job.result(), result
 
 

@@ -9,8 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pawnb.core.pose.fit.blurred import part_of
-from pawnb.core.pose.fit.choices import legs_cross
+from pawnb.core.pose.fit.choices import legs_cross, part_near
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.layout import leg_numbers
 from pawnb.core.pose.fit.solve_loops import Prior, Sight
@@ -18,8 +17,6 @@ from pawnb.core.pose.fit.solve_loops import Prior, Sight
 _ROUNDS = 12
 _BETTER = 0.5
 """What the cost falls by, at least, where ends are given back: that of one standard deviation."""
-_ROOM_PX = 14.0
-"""Room about two legs that are fitted by themselves, working px."""
 
 
 def uncrossed(fitter: FrameFitter, pose: np.ndarray, sight: Sight, *, prior: Prior) -> np.ndarray:
@@ -61,8 +58,7 @@ def _pair(
     for leg, joints in zip(legs, swapped, strict=True):
         heading = float(pose[2])
         trial[fitter.numbers[leg]] = leg_numbers(layout, leg, joints, heading=heading)
-    both = np.concatenate([one, other])
-    part = part_of(sight, both.min(axis=0) - _ROOM_PX, both.max(axis=0) + _ROOM_PX)
+    part = part_near(sight, (one, other))
     active = np.concatenate([fitter.numbers[leg] for leg in legs])
     (_, before), (found, after) = (
         fitter.fit(which, part, prior, active=active, rounds=_ROUNDS) for which in (pose, trial)

@@ -71,3 +71,19 @@ def test_where_one_way_fails_the_other_ends_soon(fails):
     work[fails] = fail
     with pytest.raises(ValueError, match="no such frame"):
         side_by_side(*work, steps)
+
+
+def test_where_telling_fails_while_one_way_waits_the_other_ends_soon():
+    def broken(*_):
+        raise KeyboardInterrupt
+
+    steps = Steps(2, broken)
+    began = time.monotonic()
+
+    def go_on():
+        while not steps.stopped() and time.monotonic() < began + 5:
+            time.sleep(0.01)
+
+    with pytest.raises(KeyboardInterrupt):
+        side_by_side(go_on, lambda: None, steps)
+    assert steps.stopped()
