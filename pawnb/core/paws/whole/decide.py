@@ -16,17 +16,18 @@ from pawnb.core.paws.whole.manner import Manner
 from pawnb.core.paws.whole.offsets import learn_offsets
 from pawnb.core.paws.whole.paths import PathChoice, find_places
 from pawnb.core.paws.whole.refine import Refined, Refinement, refine
-from pawnb.core.paws.whole.rhythm import learn_rhythm
+from pawnb.core.paws.whole.rhythm import Rhythm, learn_rhythm
 from pawnb.core.paws.whole.scene import Scene, unclicked_kinds
 from pawnb.core.paws.whole.settings import WholeSettings
 from pawnb.core.paws.whole.sights import Sights, read_sights, tracked_points
 from pawnb.core.paws.whole.standing import learn_lift
 from pawnb.core.paws.whole.strangers import share_seen, side_told, with_strangers
+from pawnb.core.paws.whole.swings import Swings, learn_swings
 
 _BELIEVED = 0.25
 """Standard deviation, in thicknesses, at which a track is half believed."""
 _LEARNT_FROM = 0.3
-"""The same for learning the stride from it."""
+"""The same for learning the stride and its swings from it."""
 _RISING_S = 0.012
 """Time, s, after lift-off in which a paw goes on as it began."""
 _SAME = 1.2
@@ -215,7 +216,7 @@ def _settled(
         )  # fmt: skip
         refined = refine(
             known.chosen, ready.sights, bridged, certain=ready.certain, what=what,
-            cycle=known.cycle, beside=_beside(known.chosen, paths, ready),
+            cycle=known.cycle, beside=_beside(known.chosen, paths, ready), swings=known.swings,
         )  # fmt: skip
         return refined, bridged
 
@@ -228,6 +229,16 @@ def _settled(
         return learn_lift(
             bridged.ground, result.x, np.isfinite(result.measured[..., 0]).any(axis=-1),
             lifts=bridged.lifts, frames=max(1, round(_RISING_S * fps)),
+        )  # fmt: skip
+
+    def swings(rhythm: Rhythm | None) -> Swings | None:
+        if bridged.ground is None or np.isnan(bridged.ground.height).all():
+            return None  # a view from below shows no heights
+        seen = (np.isfinite(result.measured[..., 0]) & ready.own).any(axis=-1)
+        sd = result.sd.mean(axis=-1) / scene.thickness
+        return learn_swings(
+            result.x, seen / (1.0 + (sd / _LEARNT_FROM) ** 2), bridged.stances,
+            ground=bridged.ground, rhythm=rhythm, kinds=ready.kinds, fps=fps,
         )  # fmt: skip
 
     result, bridged = settle(Known(tracked(first), by_hand))
@@ -243,7 +254,7 @@ def _settled(
         trust = 1.0 / (1.0 + (sd / _BELIEVED) ** 2)
         places = tracked(paths.again(cycle))
         rhythm = learn_rhythm(bridged.stances, ready.kinds)
-        known = Known(places, by_hand, result.x, trust, cycle, lift(), rhythm)
+        known = Known(places, by_hand, result.x, trust, cycle, lift(), rhythm, swings(rhythm))
         result, bridged = settle(known)
         result.revision = np.linalg.norm(result.x - unaided, axis=-1)
     return result

@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from pawnb.core.paws.whole.bridging import Start, Stories, Telling, state_after
 from pawnb.core.paws.whole.cycle import Cycle
+from pawnb.core.paws.whole.doubted import runs, told_anew
 from pawnb.core.paws.whole.geometry import Geometry
 from pawnb.core.paws.whole.limbs import learn_limbs
-from pawnb.core.paws.whole.manner import FASTEST, Manner
+from pawnb.core.paws.whole.manner import Manner
+from pawnb.core.paws.whole.open_stretch import OpenStretch
 from pawnb.core.paws.whole.rhythm import Rhythm
 from pawnb.core.paws.whole.sights import Sights
-from pawnb.core.paws.whole.standing import Ground, Stance, covered, drawn_off, learn_ground
+from pawnb.core.paws.whole.standing import Ground, Stance, covered, learn_ground
+from pawnb.core.paws.whole.swings import Swings
 
-_LEAST = 4
-"""Certain stretches shorter than this are told anew too."""
-_BEFORE, _AFTER = 10, 6
-"""Certain frames that tell how a stretch begins, and how it ends."""
 _LOOK = 1.1
 """Cost of a candidate: so many times minus the logarithm of how much it looks like a paw."""
 _OTHER = 8.0
@@ -30,6 +28,14 @@ _EXPECTED = 0.2
 """Weight of a frame's distance from where the cycle has the point, as frames err alike. Only where
 nothing certain follows: the cycle of a paw that is hidden in every stride is no more than was made
 of it before, and what was told too late once would be told so again."""
+_ON_ARC, _LAST = 0.2, 2.0
+"""Weight of a frame's distance from the arc of its swing, and so much more where nothing certain
+follows."""
+_ASIDE = 0.7
+"""Standard deviation, in thicknesses, of how far aside of its arc a paw swings."""
+_FARTHEST_OFF_ARC = 9.0
+"""Squared standard deviations beyond which a point off its arc costs no more: an arc may be of a
+stance that was told wrongly."""
 _KICK = 0.8
 """Standard deviation of what lift-off changes of a speed, in that of the fastest swings: front
 paws go up at once, by up to 1.3 of it in rendered scenes."""
@@ -37,8 +43,6 @@ _RISING_S, _SWINGING_S = 0.008, 0.04
 """Time, s, after lift-off in which a paw is bent and dim, and in which it swings for certain."""
 _DIM = 0.7
 """Largest cost of a poor look then."""
-_DRAWN_S = 0.012
-"""A path that is lost so soon, s, after its point left the place where it stood was drawn off."""
 _FARTHEST = 16.0
 """Squared standard deviations beyond which a point off its cycle costs no more."""
 
@@ -94,6 +98,8 @@ class Known:
         How much speeds change at lift-off.
     rhythm : Rhythm, optional
         When points lift off.
+    swings : Swings, optional
+        Where they swing.
     """
 
     chosen: np.ndarray
@@ -103,6 +109,7 @@ class Known:
     cycle: Cycle | None = None
     lift: np.ndarray | None = None
     rhythm: Rhythm | None = None
+    swings: Swings | None = None
 
 
 def bridge_gaps(
@@ -137,63 +144,35 @@ def bridge_gaps(
         The choice.
     """
     n, n_points, _ = known.chosen.shape
-    is_open = _told_anew(known, manner)
+    is_open = told_anew(
+        known.chosen, known.fixed, manner=manner, rhythm=known.rhythm, swings=known.swings
+    )
     sure = np.where(is_open[..., None], np.nan, known.chosen)
     ground = learn_ground(sure, manner, lift=known.lift)
     stances = ground.stances(sure)
     cost = _candidate_costs(known, is_open, sights, geometry, thickness_px)
-    choice = np.full((n, n_points, len(thickness_px)), -1)
-    telling = _telling(manner)
     places = sure if known.before is None else np.where(np.isnan(sure), known.before, sure)
-    uv = geometry.project(places)
+    teller = _Teller(
+        known, sights, cost, ground, stances, geometry.project(places), _telling(manner), geometry,
+        thickness_px,
+    )  # fmt: skip
+    choice = np.full((n, n_points, len(thickness_px)), -1)
     held = np.full(known.chosen.shape, np.nan)
     for p in range(n_points):
         for first, stop in runs(is_open[:, p]):
             if first == 0 and not known.fixed[:, p].any():
                 continue  # a stranger: nobody has said that it was there
-            stretch = _Stretch.of(first, stop, is_open[:, p])
-            state, covariance = state_after(
-                known.chosen[stretch.before, p], stretch.way * manner.drift, telling=telling,
-                speed=0.4 * manner.speed,
-            )  # fmt: skip
-            start, standing = _standing(stretch, stances[p], ground, p)
-            hidden, due = None, None
-            if start is not None:
-                due = _due(stretch, stances[p], known.rhythm, p)
-                hidden = covered(
-                    standing, uv[stretch.frames], p, geometry=geometry, thickness_px=thickness_px
-                )
-            stories = Stories(
-                state, covariance, geometry=geometry, thickness_px=thickness_px, own=own[p],
-                telling=telling, start=start,
-                across=manner.axes[1] if len(manner.axes) == 3 else None,
-            )  # fmt: skip
-            _tell(stories, p, stretch, known, sights, cost, ground, hidden, due)
-            choice[stretch.frames, p] = stories.best()[: stop - first]
-            if len(standing):
-                stood = stories.stood()[: stop - first]
-                held[stretch.frames[stood], p] = standing[stood]
+            stretch = OpenStretch.of(first, stop, is_open[:, p])
+            choice[stretch.frames, p], stood, standing = teller.tell(p, stretch, own[p])
+            held[stretch.frames[stood], p] = standing
     after = ground.stances(np.where(np.isnan(held), sure, held))
     lifts = [(p, one.stop - 1) for p, mine in enumerate(after) for one in mine if one.stop < n]
     return Bridged(is_open, choice, cost, held, lifts, ground, after)
 
 
-def _told_anew(known: Known, manner: Manner) -> np.ndarray:
-    """Return the frames (n, P) in which points are not certain, or were drawn off."""
-    certain = np.isfinite(known.chosen[..., 0])
-    is_open = np.stack(
-        [open_frames(*of) for of in zip(certain.T, known.fixed.T, strict=True)], axis=1
-    )
-    sure = np.where(is_open[..., None], np.nan, known.chosen)
-    for p, mine in enumerate(learn_ground(sure, manner).stances(sure)):
-        lost = drawn_off(mine, is_open[:, p], most=round(_DRAWN_S * _fps(manner)))
-        is_open[lost & ~known.fixed[:, p], p] = True
-    return is_open
-
-
 def _telling(manner: Manner) -> Telling:
     """Return how stories are told of points that move so."""
-    fps = _fps(manner)
+    fps = manner.fps
     return Telling(
         jerk=manner.jerk, kick=_KICK * manner.speed,
         noise=0.25 * manner.thickness, reach=1.5 * manner.span,
@@ -201,128 +180,152 @@ def _telling(manner: Manner) -> Telling:
     )  # fmt: skip
 
 
-def _fps(manner: Manner) -> float:
-    """Return the frames per second of a recording in which points move so."""
-    return FASTEST * manner.span / manner.speed
-
-
-def _due(
-    stretch: _Stretch, stances: Sequence[Stance], rhythm: Rhythm | None, point: int
-) -> np.ndarray | None:
-    """Return what speaks against lifting off before each frame of a stretch and after it."""
-    now = stretch.stance(stances)
-    if rhythm is None or now is None or stretch.way < 0:
-        return None
-    later = [one for one in stances if one.first >= now.stop]
-    frames = np.concatenate([stretch.frames, stretch.after])
-    return rhythm.due(point, now, later[0] if later else None, frames=frames)
-
-
-def _standing(
-    stretch: _Stretch, stances: Sequence[Stance], ground: Ground, point: int
-) -> tuple[Start | None, np.ndarray]:
-    """Return how a point stands where a stretch begins, and where it would be in its frames.
-
-    Nothing and no places where it does not stand there.
-    """
-    stance = stretch.stance(stances)
-    if stance is None:
-        return None, np.empty((0, len(ground.drift)))
-    # told backwards a paw that stands has not landed yet: how it will is not known
-    lift = ground.lift[point] if stretch.way > 0 else np.zeros_like(ground.drift)
-    edge = ground.places(stance, stretch.before[-1:])[0]
-    start = Start(edge, stretch.way * ground.drift, lift)
-    return start, ground.places(stance, stretch.frames)
-
-
 @dataclass(frozen=True)
-class _Stretch:
-    """Frames of a point that are told anew, in the order in which they are told.
+class _Teller:
+    """Tells what points did where they are not certain; see :func:`bridge_gaps`."""
 
-    Parameters
-    ----------
-    before, frames, after : ndarray of int
-        Certain frames that tell how it begins, its own, and certain ones that tell how it ends.
-    is_last : bool
-        Whether hardly anything follows.
-    way : int
-        +1, or -1 where it is told backwards in time.
-    """
+    known: Known
+    sights: Sights
+    cost: np.ndarray  # (n, P, V, C)
+    ground: Ground
+    stances: list[list[Stance]]
+    uv: np.ndarray  # (n, P, V, 2), where all points are as far as is known
+    telling: Telling
+    geometry: Geometry
+    thickness_px: np.ndarray
 
-    before: np.ndarray
-    frames: np.ndarray
-    after: np.ndarray
-    is_last: bool
-    way: int
+    def tell(
+        self, point: int, stretch: OpenStretch, own: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Tell a stretch.
 
-    @classmethod
-    def of(cls, first: int, stop: int, is_open: np.ndarray) -> _Stretch:
-        """Return the stretch ``first`` to ``stop`` (exclusive); the first one goes backwards."""
-        n = len(is_open)
-        frames = np.arange(n)
-        if first == 0:
-            # before the first frame nothing is known: it is told from what follows
-            begin = stop + _certain_frames(is_open[stop:], _BEFORE)
-            return cls(frames[stop:begin][::-1], frames[:stop][::-1], frames[:0], True, -1)
-        # going back from the stretch is going forward in reversed time
-        begin = first - _certain_frames(is_open[:first][::-1], _BEFORE)
-        end = stop + _certain_frames(is_open[stop:], _AFTER)
-        return cls(frames[begin:first], frames[first:stop], frames[stop:end], stop + _AFTER > n, 1)
-
-    def stance(self, stances: Sequence[Stance]) -> Stance | None:
-        """Return the stance of the point where the stretch begins; None where it does not stand.
-
-        Where nothing follows that says when it lifted off, that is left open.
+        Returns
+        -------
+        choice : ndarray of int, shape (frames, V)
+            The candidates taken.
+        stood : ndarray of bool, shape (frames,)
+            Where the point stands, and
+        standing : ndarray, shape (stood frames, d)
+            on which places.
         """
-        if not len(self.before) or (self.is_last and self.way > 0):
-            return None
-        edge = int(self.before[-1])
-        ends = [one.stop - 1 if self.way > 0 else one.first for one in stances]
-        return stances[ends.index(edge)] if edge in ends else None
-
-
-def _tell(
-    stories: Stories,
-    point: int,
-    stretch: _Stretch,
-    known: Known,
-    sights: Sights,
-    cost: np.ndarray,
-    ground: Ground,
-    hidden: np.ndarray | None,
-    due: np.ndarray | None,
-) -> None:
-    """Lead stories through a stretch and the certain places after it.
-
-    ``hidden`` tells in which views (frames, V) another paw covers the point if it stands, and
-    ``due`` what speaks against lifting off before each frame.
-    """
-
-    def doubt(x: np.ndarray, speed: np.ndarray, recent: np.ndarray) -> np.ndarray:
-        speed = stretch.way * speed
-        return ground.manner.strangeness(x, speed) + ground.riding(point, x, speed, recent=recent)
-
-    for told, t in enumerate((*stretch.frames.tolist(), *stretch.after.tolist())):
-        is_certain = told >= len(stretch.frames)
-        stories.advance(lifting=0.0 if due is None else float(due[told]))
-        if is_certain:
-            stories.stand(known.chosen[t, point])
-        else:
-            for v, number in enumerate(sights.is_there[t].sum(axis=-1).tolist()):
-                # those that are there come first
-                against = cost[t, point, v, :number]
-                poor = _poor_look(sights.quality[t, v, :number])
-                stories.see(
-                    v, sights.at[t, point, v, :number], against,
-                    rising=against - np.maximum(poor - _DIM, 0.0),
-                )  # fmt: skip
-        if known.cycle is not None and stretch.is_last:
-            stories.expect(
-                known.cycle.mean[t, point], known.cycle.axes,
-                known.cycle.sd[t, point] ** 2 / _EXPECTED, most=0.5 * _EXPECTED * _FARTHEST,
+        manner, n = self.ground.manner, len(stretch.frames)
+        state, covariance = state_after(
+            self.known.chosen[stretch.before, point], stretch.way * manner.drift,
+            telling=self.telling, speed=0.4 * manner.speed,
+        )  # fmt: skip
+        due = self._due(point, stretch)
+        start, standing = self._standing(point, stretch, is_told=due is not None)
+        hidden = None
+        if start is not None:
+            hidden = covered(
+                standing, self.uv[stretch.frames], point, geometry=self.geometry,
+                thickness_px=self.thickness_px,
             )  # fmt: skip
-        cover = None if is_certain or hidden is None else hidden[told]
-        stories.settle(doubt, certain=is_certain, covered=cover)
+        stories = Stories(
+            state, covariance, geometry=self.geometry, thickness_px=self.thickness_px, own=own,
+            telling=self.telling, start=start,
+            across=manner.axes[1] if len(manner.axes) == 3 else None,
+        )  # fmt: skip
+        self._lead(stories, point, stretch, hidden, due)
+        if start is None:
+            return stories.best()[:n], np.zeros(n, bool), standing
+        stood = stories.stood()[:n]
+        return stories.best()[:n], stood, standing[stood]
+
+    def _due(self, point: int, stretch: OpenStretch) -> np.ndarray | None:
+        """Return what speaks against lifting off before each frame of a stretch and after it.
+
+        Nothing where nothing is known of it: of the swing itself, or of the rhythm.
+        """
+        if stretch.way < 0:
+            return None
+        known, stances = self.known, self.stances[point]
+        frames = np.concatenate([stretch.frames, stretch.after])
+        if known.swings is not None:
+            due = known.swings.due(point, frames, self.ground.manner.fps)
+            if due is not None:
+                return due
+        now = stretch.stance(stances)
+        # where nothing follows that says when it lifted off, that is left open
+        if known.rhythm is None or now is None or stretch.is_last:
+            return None
+        later = [one for one in stances if one.first >= now.stop]
+        return known.rhythm.due(point, now, later[0] if later else None, frames=frames)
+
+    def _standing(
+        self, point: int, stretch: OpenStretch, *, is_told: bool
+    ) -> tuple[Start | None, np.ndarray]:
+        """Return how a point stands where a stretch begins, and where it would be in its frames.
+
+        Nothing and no places where it does not stand there, and where nothing follows and it is
+        not told when it is due to lift off.
+        """
+        ground, stance = self.ground, stretch.stance(self.stances[point])
+        if stance is None or (stretch.is_last and stretch.way > 0 and not is_told):
+            return None, np.empty((0, len(ground.drift)))
+        # told backwards a paw that stands has not landed yet: how it will is not known
+        lift = ground.lift[point] if stretch.way > 0 else np.zeros_like(ground.drift)
+        edge = ground.places(stance, stretch.before[-1:])[0]
+        start = Start(edge, stretch.way * ground.drift, lift)
+        return start, ground.places(stance, stretch.frames)
+
+    def _lead(
+        self,
+        stories: Stories,
+        point: int,
+        stretch: OpenStretch,
+        hidden: np.ndarray | None,
+        due: np.ndarray | None,
+    ) -> None:
+        """Lead stories through a stretch and the certain places after it.
+
+        ``hidden`` tells in which views (frames, V) another paw covers the point if it stands, and
+        ``due`` what speaks against lifting off before each frame.
+        """
+        ground, sights = self.ground, self.sights
+
+        def doubt(x: np.ndarray, speed: np.ndarray, recent: np.ndarray) -> np.ndarray:
+            speed = stretch.way * speed
+            riding = ground.riding(point, x, speed, recent=recent)
+            return ground.manner.strangeness(x, speed) + riding
+
+        for told, t in enumerate((*stretch.frames.tolist(), *stretch.after.tolist())):
+            is_certain = told >= len(stretch.frames)
+            stories.advance(lifting=0.0 if due is None else float(due[told]))
+            if is_certain:
+                stories.stand(self.known.chosen[t, point])
+            else:
+                for v, number in enumerate(sights.is_there[t].sum(axis=-1).tolist()):
+                    # those that are there come first
+                    against = self.cost[t, point, v, :number]
+                    poor = _poor_look(sights.quality[t, v, :number])
+                    stories.see(
+                        v, sights.at[t, point, v, :number], against,
+                        rising=against - np.maximum(poor - _DIM, 0.0),
+                    )  # fmt: skip
+            self._expect(stories, point, stretch, t, is_certain=is_certain)
+            cover = None if is_certain or hidden is None else hidden[told]
+            stories.settle(doubt, certain=is_certain, covered=cover)
+
+    def _expect(
+        self, stories: Stories, point: int, stretch: OpenStretch, t: int, *, is_certain: bool
+    ) -> None:
+        """Let stories take in where the point is expected in a frame, if that is known."""
+        cycle, swings, manner = self.known.cycle, self.known.swings, self.ground.manner
+        if cycle is not None and stretch.is_last:
+            stories.expect(
+                cycle.mean[t, point], cycle.axes, cycle.sd[t, point] ** 2 / _EXPECTED,
+                most=0.5 * _EXPECTED * _FARTHEST,
+            )  # fmt: skip
+        if swings is None or is_certain or stretch.way < 0:
+            return
+        place, sd = swings.place[t, point], swings.sd[t, point].copy()
+        if np.isfinite(place).all():
+            sd[1:-1] = np.hypot(sd[1:-1], _ASIDE * manner.thickness)
+            weight = _ON_ARC * (_LAST if stretch.is_last else 1.0)
+            stories.expect(
+                place, manner.axes, sd**2 / weight, most=0.5 * weight * _FARTHEST_OFF_ARC
+            )
 
 
 def _poor_look(quality: np.ndarray) -> np.ndarray:
@@ -367,32 +370,3 @@ def _candidate_costs(
         if others.shape[1]:
             cost[:, p] += others.max(axis=1)
     return cost
-
-
-def open_frames(certain: np.ndarray, fixed: np.ndarray) -> np.ndarray:
-    """Return the frames (n,) of one point whose candidates are to be chosen.
-
-    Parameters
-    ----------
-    certain : ndarray of bool, shape (n,)
-        Frames with a certain place.
-    fixed : ndarray of bool, shape (n,)
-        Those placed by hand; they stay.
-    """
-    is_open = ~certain
-    for first, stop in runs(certain):
-        if stop - first < _LEAST:
-            is_open[first:stop] = True
-    return np.asarray(is_open & ~(fixed & certain))
-
-
-def runs(mask: np.ndarray) -> list[tuple[int, int]]:
-    """Return first frame and one past the last of every run of True."""
-    edge = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(int)))
-    return [(int(a), int(b)) for a, b in edge.reshape(-1, 2)]
-
-
-def _certain_frames(is_open: np.ndarray, most: int) -> int:
-    """Return how many frames are certain before the first open one, at most ``most``."""
-    near = is_open[:most]
-    return int(np.argmax(near)) if near.any() else len(near)

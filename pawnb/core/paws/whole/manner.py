@@ -43,6 +43,11 @@ class Manner:
     span: float
     thickness: float
 
+    @property
+    def fps(self) -> float:
+        """Frames per second of a recording in which points move so."""
+        return FASTEST * self.span / self.speed
+
     def strangeness(self, x: np.ndarray, speed: np.ndarray) -> np.ndarray:
         """Return what speaks against positions and speeds (..., d) of a point.
 

@@ -19,6 +19,7 @@ from pawnb.core.paws.whole.geometry import Geometry
 from pawnb.core.paws.whole.sights import Sights
 from pawnb.core.paws.whole.smoothing import smooth, variances
 from pawnb.core.paws.whole.standing import expected_bends
+from pawnb.core.paws.whole.swings import Swings
 
 _NEAR, _NEAR_OPEN = 0.9, 2.2
 """A candidate may lie so many thicknesses from where its point must be, farther in open frames,
@@ -41,6 +42,8 @@ the ground does, and what is taken too freely there lets the swing begin too ear
 _UNSURE_LIFT = 0.3
 """Standard deviation of how lift-off changes the speed upwards, in that change. Forward it does
 not: there a paw goes on with the ground and gains speed little by little."""
+_ON_ARC = 0.1
+"""Variance of how much a hidden paw bends off its arc, in that of how much paws bend."""
 _PULL, _PULL_BETWEEN = 0.05, 0.01
 """Information, in that of one expectation, that the cycle gives a frame without candidates, and
 less where candidates follow: the cycle of a paw that is hidden in every stride is no more than was
@@ -113,6 +116,7 @@ def refine(
     what: Refinement,
     cycle: Cycle | None = None,
     beside: Beside | None = None,
+    swings: Swings | None = None,
 ) -> Refined:
     """Refine tracks.
 
@@ -132,6 +136,8 @@ def refine(
         Where points are expected.
     beside : Beside, optional
         Where they usually are to the side.
+    swings : Swings, optional
+        Where they swing.
 
     Returns
     -------
@@ -142,7 +148,7 @@ def refine(
     held = np.full_like(start, np.nan) if bridged.held is None else bridged.held
     standing = np.isfinite(held[..., 0])
     hold = np.where(standing, 1.0 / (_HOLD * what.thickness) ** 2, 0.0)[..., None]
-    changes = _changes(bridged, start.shape, what.jerk)
+    changes = _changes(bridged, start.shape, what.jerk, swings)
     x, factors = _through_places(start, held, bridged, what, changes)
     near = np.where(bridged.is_open & ~standing, _NEAR_OPEN, _NEAR)
     against = np.where(bridged.is_open[..., None, None], _AGAINST * bridged.against, 0.0)
@@ -197,14 +203,21 @@ class _Changes:
         return smooth(W, z, self.jerk2[:, point], bend=self.bend[:, point], axes=self.axes)
 
 
-def _changes(bridged: Bridged, shape: tuple[int, ...], jerk: float) -> _Changes:
-    """Return how accelerations change: at lift-off a paw goes up at once."""
+def _changes(
+    bridged: Bridged, shape: tuple[int, ...], jerk: float, swings: Swings | None
+) -> _Changes:
+    """Return how accelerations change: as on the arcs, and at lift-off a paw goes up at once."""
     jerk2, ground = np.full(shape, jerk**2), bridged.ground
     if ground is None:
         return _Changes(jerk2, np.zeros(shape), None)
     bend, near = expected_bends(bridged.lifts, ground.lift, shape[0])
     unsure = (_UNSURE_LIFT * np.linalg.norm(ground.lift, axis=-1)) ** 2
     jerk2[..., -1] += np.where(near, unsure, 0.0)
+    if swings is not None:
+        on_arc = np.isfinite(swings.bend[..., 0])
+        bend = np.where(on_arc[..., None], swings.bend, bend)
+        hidden = on_arc & bridged.is_open & np.isfinite(swings.place[..., 0]) & ~near
+        jerk2[hidden] *= _ON_ARC
     return _Changes(jerk2, bend, ground.manner.axes)
 
 

@@ -9,7 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pawnb.core.paws.whole.cycle import Cycle
-from pawnb.core.paws.whole.gaps import Known, bridge_gaps, open_frames, runs
+from pawnb.core.paws.whole.doubted import open_frames, runs
+from pawnb.core.paws.whole.gaps import Known, bridge_gaps
 from pawnb.core.paws.whole.geometry import Geometry
 from pawnb.core.paws.whole.manner import Manner
 from pawnb.core.paws.whole.rhythm import Rhythm

@@ -1,0 +1,362 @@
+"""Where paws are while they swing, from the arc that the recording's swings share.
+
+A swing goes from one stance to the next. Where a paw is hidden for a part of it, the arc says
+where it was; after the last stance of a recording and before the first one, a stride's rhythm
+says when the paw landed or lifted off.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from pawnb.core.paws.whole.arc import Arc, Guess, Part, arc_at, changes, fit_swings, learn_arc
+from pawnb.core.paws.whole.manner import Manner
+from pawnb.core.paws.whole.rhythm import Rhythm
+from pawnb.core.paws.whole.standing import Ground, Stance
+
+_LEAST = 3
+"""Swings of a kind from which its arc is learnt, and"""
+_LEAST_STEP = 2.0
+"""thicknesses that a swing goes forward."""
+_LEAST_FRAMES = 3
+_TOUCH_S, _TOUCH = 0.003, 0.5
+"""Standard deviation of when a stance that is seen begins or ends: time, s, and frames."""
+_VAGUE = 3.0
+"""So much larger where it is not seen."""
+_TO_FRAME, _STILL_NEAR = 0.5, 0.5
+"""A stance begins and ends between two frames, and it seems to last so many frames longer at either
+end: what leaves the ground is still near it."""
+_AROUND = 2
+"""Frames about a stance's end that must be seen to tell it."""
+_SPREAD = 0.05
+"""Least standard deviation of strides, in their length."""
+_MARGIN = 4
+"""Frames before and after a swing that are fitted too."""
+_SEEN = 0.3
+_UNSURE, _UNSURE_ASIDE = 0.1, 0.2
+"""Standard deviations of places about their arc, in thicknesses."""
+_BEND_TO = 0.9
+"""Share of a swing after which its bends are not expected: landings differ."""
+_NEAR_S, _NEAREST = 0.02, 5
+"""A lift-off belongs to a stretch that begins or ends so near, s, and frames."""
+_DUE_SD = 0.7
+"""Least standard deviation, frames, of a lift-off that an arc tells."""
+_DEAREST = 8.0
+
+
+@dataclass(frozen=True)
+class Swing:
+    """A swing before it is fitted.
+
+    Parameters
+    ----------
+    point : int
+        Number of the point.
+    times, sd : tuple of float
+        Frames of lift-off and landing, and their standard deviations.
+    begin, end : ndarray, shape (d,)
+        Where in frame 0 the ground was from which it lifts off, and on which it lands.
+    is_whole : bool
+        Whether stances before and after it are known.
+    """
+
+    point: int
+    times: tuple[float, float]
+    sd: tuple[float, float]
+    begin: np.ndarray
+    end: np.ndarray
+    is_whole: bool = True
+
+
+@dataclass(frozen=True)
+class Swings:
+    """Where points swing.
+
+    Parameters
+    ----------
+    place : ndarray, shape (n, P, d)
+        Where the arc has them, NaN where they stand or it is not known.
+    sd : ndarray, shape (n, P, d)
+        Standard deviations along forward, across and up.
+    bend : ndarray, shape (n, P, d)
+        Third differences of the arcs, NaN where they are not known.
+    lifts : tuple of tuple
+        Number of the point, frame of the lift-off, and its standard deviation.
+    """
+
+    place: np.ndarray
+    sd: np.ndarray
+    bend: np.ndarray
+    lifts: tuple[tuple[int, float, float], ...]
+
+    def due(self, point: int, frames: np.ndarray, fps: float) -> np.ndarray | None:
+        """Return what speaks against lifting off just before each of some frames.
+
+        Parameters
+        ----------
+        point : int
+            Number of the point.
+        frames : ndarray of int, shape (n,)
+            Consecutive frames.
+        fps : float
+            Frames per second.
+
+        Returns
+        -------
+        ndarray, shape (n,), or None
+            Costs; None if no swing is known to begin there.
+        """
+        reach = max(_NEAR_S * fps, _NEAREST)
+        near = [
+            0.5 * ((frames - _TO_FRAME - lift) / max(sd, _DUE_SD)) ** 2
+            for p, lift, sd in self.lifts
+            if p == point and frames[0] - reach < lift < frames[-1] + reach
+        ]
+        return np.minimum(np.min(near, axis=0), _DEAREST) if near else None
+
+
+def learn_swings(
+    x: np.ndarray,
+    weight: np.ndarray,
+    stances: Sequence[Sequence[Stance]],
+    *,
+    ground: Ground,
+    rhythm: Rhythm | None,
+    kinds: Sequence[str],
+    fps: float,
+) -> Swings:
+    """Learn how points swing, and where they are while they do.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n, P, d)
+        Tracks.
+    weight : ndarray, shape (n, P)
+        How much each place counts, 0 where nothing was seen.
+    stances : sequence
+        Those of each point.
+    ground : Ground
+        What they stand on.
+    rhythm : Rhythm, optional
+        When they lift off.
+    kinds : sequence of str
+        Kind of each point: those of a kind have one arc.
+    fps : float
+        Frames per second.
+
+    Returns
+    -------
+    Swings
+        Nothing of kinds with fewer than three swings.
+    """
+    manner = ground.manner
+    found = [
+        swing
+        for swing in find_swings(stances, weight > _SEEN, rhythm, fps=fps, drift=ground.drift)
+        if (swing.end - swing.begin) @ manner.axes[0] > _LEAST_STEP * manner.thickness
+    ]
+    place, sd, bend = (np.full(x.shape, np.nan) for _ in range(3))
+    lifts: list[tuple[int, float, float]] = []
+    still = (x - np.arange(len(x))[:, None, None] * ground.drift) @ manner.axes.T
+    outside = _outside(still, kinds)
+    for kind in sorted(set(kinds)):
+        mine = [swing for swing in found if kinds[swing.point] == kind]
+        whole = [swing for swing in mine if swing.is_whole]
+        if len(whole) < _LEAST:
+            continue
+        arc = learn_arc(_part(whole, still, weight, outside, manner), _guess(whole))
+        part = _part(mine, still, weight, outside, manner)
+        for swing, values, covariance in zip(
+            mine, *fit_swings(arc, part, _guess(mine)), strict=True
+        ):
+            frames, path, spread = _path(swing, values, covariance, arc, ground, outside)
+            third = np.full(path.shape, np.nan)
+            third[1:-2] = np.diff(path, 3, axis=0)
+            here = (frames >= 0) & (frames < len(x))
+            inside = here & (frames > values[0]) & (frames < values[1])
+            bent = here & np.isfinite(third[:, 0])
+            bent &= frames < values[0] + _BEND_TO * (values[1] - values[0])
+            place[frames[inside], swing.point] = path[inside]
+            sd[frames[inside], swing.point] = spread[inside]
+            bend[frames[bent], swing.point] = third[bent]
+            lifts.append((swing.point, float(values[0]), float(np.sqrt(covariance[0, 0]))))
+    return Swings(place, sd, bend, tuple(lifts))
+
+
+def find_swings(
+    stances: Sequence[Sequence[Stance]],
+    seen: np.ndarray,
+    rhythm: Rhythm | None,
+    *,
+    fps: float,
+    drift: np.ndarray,
+) -> list[Swing]:
+    """Return the swings between stances, and those after the last and before the first one.
+
+    Parameters
+    ----------
+    stances : sequence
+        Those of each point.
+    seen : ndarray of bool, shape (n, P)
+        Where a view that tracks the point shows it.
+    rhythm : Rhythm, optional
+        When they lift off; without it only swings between stances are found.
+    fps : float
+        Frames per second.
+    drift : ndarray, shape (d,)
+        Speed of the ground.
+
+    Returns
+    -------
+    list of Swing
+        The swings.
+    """
+    found = []
+    for p, mine in enumerate(stances):
+        for now, after in pairwise(mine):
+            if after.first - now.stop >= _LEAST_FRAMES:
+                lift = _lift_off(p, now, after.first - now.first, 0.0, rhythm, seen[:, p], fps)
+                land = _touch_down(after, seen[:, p], fps)
+                found.append(_swing(p, lift, land, now.origin, after.origin))
+        if rhythm is None or not mine:
+            continue
+        steps = [after.origin - now.origin for now, after in pairwise(mine)]
+        step = np.median(steps, axis=0) if steps else -rhythm.stride * drift
+        stride = rhythm.stride
+        spread = float(np.hypot(rhythm.spread, _SPREAD * stride))
+        swung = (1.0 - rhythm.share[p]) * stride
+        swung_sd = np.hypot(rhythm.sd[p] * stride, (1.0 - rhythm.share[p]) * spread)
+        first, last = mine[0], mine[-1]
+        if first.first > 0:
+            land = _touch_down(first, seen[:, p], fps)
+            lift = land[0] - swung, swung_sd
+            found.append(_swing(p, lift, land, first.origin - step, first.origin, whole=False))
+        if last.first > 0 and last.stop < len(seen):
+            lift = _lift_off(p, last, stride, spread, rhythm, seen[:, p], fps)
+            land = lift[0] + swung, swung_sd
+            found.append(_swing(p, lift, land, last.origin, last.origin + step, whole=False))
+    return found
+
+
+def _swing(
+    point: int,
+    lift: tuple[float, float],
+    land: tuple[float, float],
+    begin: np.ndarray,
+    end: np.ndarray,
+    *,
+    whole: bool = True,
+) -> Swing:
+    """Return a swing, given when it begins and ends, each with its standard deviation."""
+    return Swing(point, (lift[0], land[0]), (lift[1], land[1]), begin, end, whole)
+
+
+def _lift_off(
+    point: int,
+    stance: Stance,
+    stride: float,
+    spread: float,
+    rhythm: Rhythm | None,
+    seen: np.ndarray,
+    fps: float,
+) -> tuple[float, float]:
+    """Return when a stance ends, frames, and the standard deviation: as seen, and as due."""
+    told = bool(seen[max(0, stance.stop - _AROUND) : stance.stop + _AROUND + 1].all())
+    at = stance.stop - _TO_FRAME - _STILL_NEAR
+    sd = (_TOUCH_S * fps + _TOUCH) * (1.0 if told else _VAGUE)
+    if rhythm is None or stance.first == 0 or not rhythm.is_usual(stride):
+        return at, sd
+    share = rhythm.share[point]
+    due = stance.first - _TO_FRAME + share * stride
+    due_sd = float(np.hypot(rhythm.sd[point] * stride, share * spread))
+    weight = np.array([sd, due_sd]) ** -2.0
+    return float(weight @ [at, due] / weight.sum()), float(weight.sum() ** -0.5)
+
+
+def _touch_down(stance: Stance, seen: np.ndarray, fps: float) -> tuple[float, float]:
+    """Return when a stance begins, frames, and the standard deviation."""
+    told = bool(seen[max(0, stance.first - _AROUND - 1) : stance.first + _AROUND].all())
+    sd = (_TOUCH_S * fps + _TOUCH) * (1.0 if told else _VAGUE)
+    return stance.first - _TO_FRAME + _STILL_NEAR, sd
+
+
+def _outside(still: np.ndarray, kinds: Sequence[str]) -> np.ndarray:
+    """Return the sign (P,) of the way to the outside: left and right paws mirror each other."""
+    sign = np.ones(len(kinds))
+    if still.shape[2] == 3:
+        middle = np.nanmedian(still[..., 1], axis=0)
+        for kind in set(kinds):
+            pair = [p for p, of in enumerate(kinds) if of == kind]
+            if len(pair) == 2:
+                sign[pair] = np.where(middle[pair] >= middle[pair].max(), 1.0, -1.0)
+    return sign
+
+
+def _guess(swings: Sequence[Swing]) -> Guess:
+    """Return what is known of swings."""
+    return Guess(np.array([one.times for one in swings]), np.array([one.sd for one in swings]))
+
+
+def _part(
+    swings: Sequence[Swing],
+    still: np.ndarray,
+    weight: np.ndarray,
+    outside: np.ndarray,
+    manner: Manner,
+) -> Part:
+    """Return what is seen of swings, given places (n, P, d) along the axes on the ground."""
+    first = np.array([int(one.times[0]) - _MARGIN for one in swings])
+    length = max(int(one.times[1]) - int(one.times[0]) for one in swings) + 2 * _MARGIN
+    frames = first[:, None] + np.arange(length)
+    last = np.array([int(one.times[1]) + _MARGIN for one in swings])
+    point = np.array([one.point for one in swings])
+    begin, end = (
+        np.array([getattr(one, name) for one in swings]) @ manner.axes.T
+        for name in ("begin", "end")
+    )
+    inside = (frames >= 0) & (frames < np.minimum(last, len(still))[:, None])
+    at = np.clip(frames, 0, len(still) - 1)
+    places = still[at, point[:, None]]
+    inside &= np.isfinite(places).all(axis=-1)
+    places = np.where(inside[..., None], places, begin[:, None])
+    step = end - begin
+    way = (places[..., 0] - begin[:, None, 0]) / step[:, None, 0]
+    line = begin[:, None] + np.clip(way, 0.0, 1.0)[..., None] * step[:, None]
+    off = (places - line) / manner.thickness
+    aside = off[..., 1] if off.shape[-1] == 3 else np.zeros(way.shape)
+    return Part(
+        frames, way, off[..., -1], outside[point][:, None] * aside,
+        np.where(inside, weight[at, point[:, None]], 0.0), step[:, 0] / manner.thickness,
+    )  # fmt: skip
+
+
+def _path(
+    swing: Swing,
+    values: np.ndarray,
+    covariance: np.ndarray,
+    arc: Arc,
+    ground: Ground,
+    outside: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return frames (T,) about a swing, where the paw is (T, d), and how sure that is (T, d)."""
+    manner = ground.manner
+    axes, thickness = manner.axes, manner.thickness
+    frames = np.arange(int(np.ceil(values[0])) - _MARGIN + 1, int(values[1]) + _MARGIN)
+    way, up = arc_at(values, arc.shape, frames)
+    begin, end = axes @ swing.begin, axes @ swing.end
+    along = begin + way[:, None] * (end - begin)
+    along[:, -1] += up * thickness
+    by_value, by_shape = changes(values, arc.shape, frames)
+    variance = np.einsum("iat,jat,ij->ta", by_value, by_value, covariance)
+    variance += np.einsum("iat,jat,ij->ta", by_shape, by_shape, arc.covariance)
+    variance = variance * np.array([end[0] - begin[0], thickness]) ** 2
+    variance += (_UNSURE * thickness) ** 2
+    if len(axes) == 3:
+        along[:, 1] += outside[swing.point] * arc.aside * up * thickness
+        aside = (arc.aside_sd**2 * up**2 + _UNSURE**2 + _UNSURE_ASIDE**2) * thickness**2
+        variance = np.insert(variance, 1, aside, axis=1)
+    return frames, along @ axes + frames[:, None] * ground.drift, np.sqrt(variance)
