@@ -23,6 +23,8 @@ _LEAST = 3
 _LEAST_STEP = 2.0
 """thicknesses that a swing goes forward."""
 _LEAST_FRAMES = 3
+_ODD = 1.5
+"""Swings so many times as long as the usual one, or as short, are none."""
 _TOUCH_S, _TOUCH = 0.003, 0.5
 """Standard deviation of when a stance that is seen begins or ends: time, s, and frames."""
 _VAGUE = 3.0
@@ -164,7 +166,7 @@ def learn_swings(
     still = (x - np.arange(len(x))[:, None, None] * ground.drift) @ manner.axes.T
     outside = _outside(still, kinds)
     for kind in sorted(set(kinds)):
-        mine = [swing for swing in found if kinds[swing.point] == kind]
+        mine = _usual([swing for swing in found if kinds[swing.point] == kind])
         whole = [swing for swing in mine if swing.is_whole]
         if len(whole) < _LEAST:
             continue
@@ -282,6 +284,16 @@ def _touch_down(stance: Stance, seen: np.ndarray, fps: float) -> tuple[float, fl
     told = bool(seen[max(0, stance.first - _AROUND - 1) : stance.first + _AROUND].all())
     sd = (_TOUCH_S * fps + _TOUCH) * (1.0 if told else _VAGUE)
     return stance.first - _TO_FRAME + _STILL_NEAR, sd
+
+
+def _usual(swings: Sequence[Swing]) -> list[Swing]:
+    """Leave out swings that last much longer or shorter than most: a stance was missed there."""
+    if not swings:
+        return []
+    lasts = np.array([land - lift for lift, land in (one.times for one in swings)])
+    usual = float(np.median(lasts))
+    usually = (lasts > usual / _ODD) & (lasts < usual * _ODD)
+    return [one for one, kept in zip(swings, usually, strict=True) if kept]
 
 
 def _outside(still: np.ndarray, kinds: Sequence[str]) -> np.ndarray:
