@@ -300,11 +300,12 @@ def _outside(still: np.ndarray, kinds: Sequence[str]) -> np.ndarray:
     """Return the sign (P,) of the way to the outside: left and right paws mirror each other."""
     sign = np.ones(len(kinds))
     if still.shape[2] == 3:
-        middle = np.nanmedian(still[..., 1], axis=0)
+        known = np.isfinite(still[..., 1]).any(axis=0)
         for kind in set(kinds):
-            pair = [p for p, of in enumerate(kinds) if of == kind]
+            pair = [p for p, of in enumerate(kinds) if of == kind and known[p]]
             if len(pair) == 2:
-                sign[pair] = np.where(middle[pair] >= middle[pair].max(), 1.0, -1.0)
+                middle = np.nanmedian(still[:, pair, 1], axis=0)
+                sign[pair] = np.where(middle >= middle.max(), 1.0, -1.0)
     return sign
 
 

@@ -1,20 +1,17 @@
-"""Bridging of gaps: a paw hidden among distractors, and which frames are open at all."""
+"""Bridging of gaps: a paw hidden among distractors, and one that stands or swings unseen."""
 
-import itertools
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from pawnb.core.paws.whole.cycle import Cycle
-from pawnb.core.paws.whole.doubted import open_frames, runs
 from pawnb.core.paws.whole.gaps import Known, bridge_gaps
 from pawnb.core.paws.whole.geometry import Geometry
 from pawnb.core.paws.whole.manner import Manner
 from pawnb.core.paws.whole.rhythm import Rhythm
 from pawnb.core.paws.whole.sights import Sights
+from pawnb.core.paws.whole.swings import Swings
 
 FLAT = Geometry(None)
 THICKNESS = np.array([8.0])
@@ -121,37 +118,6 @@ def test_what_looks_poor_is_left_for_what_looks_good():
         quality[:, good] = 0.9
         choice = bridge(chosen, at, np.ones((20, 2), bool), quality=quality).choice[6:14, 0, 0]
         np.testing.assert_array_equal(choice, good)
-
-
-masks = st.lists(st.booleans(), max_size=40).map(lambda m: np.array(m, bool))
-
-
-@given(masks)
-def test_runs_are_the_stretches_of_true(mask):
-    again = np.zeros(len(mask), bool)
-    found = runs(mask)
-    for first, stop in found:
-        assert first < stop
-        assert not again[first:stop].any()
-        again[first:stop] = True
-    np.testing.assert_array_equal(again, mask)
-    # no two of them touch
-    assert all(a[1] < b[0] for a, b in itertools.pairwise(found))
-
-
-@given(st.lists(st.tuples(st.booleans(), st.booleans()), max_size=40))
-def test_open_frames_by_their_definition(pairs):
-    certain = np.array([a for a, _ in pairs], bool)
-    fixed = np.array([b for _, b in pairs], bool)
-    is_open = open_frames(certain, fixed)
-    for t in range(len(pairs)):
-        around, length = t, 0
-        while around >= 0 and certain[around]:
-            around -= 1
-        while around + 1 < len(pairs) and certain[around + 1]:
-            around, length = around + 1, length + 1
-        # uncertain, or in a certain stretch of less than four frames; never one placed by hand
-        assert is_open[t] == (not certain[t] or (length < 4 and not fixed[t]))
 
 
 def test_a_gap_at_the_start_is_told_as_its_mirror_image_in_time_at_the_end():
@@ -271,3 +237,92 @@ def test_a_path_that_is_lost_as_its_paw_seems_to_lift_off_is_told_anew():
     assert bridged.is_open[20:39, 0].all()
     assert not bridged.is_open[:20, 0].any()
     np.testing.assert_allclose(bridged.held[20:28, 0], paw[20:28], atol=0.5)
+
+
+def arc(place, *, sd=0.5, lifts=()):
+    """Return swings on which the first point is at ``place`` (n, 2), the others nowhere."""
+    told = np.full((len(place), 2, 2), np.nan)
+    told[:, 0] = place
+    return Swings(told, np.where(np.isnan(told), np.nan, sd), told + np.nan, lifts)
+
+
+@pytest.mark.parametrize("stop", [22, 30])
+@pytest.mark.parametrize("expected", [0, 1])
+def test_the_arc_decides_between_what_fits_nearly_alike(stop, expected):
+    # the paw stands, and candidates lie to either side of it, one of them a little nearer
+    at = np.tile([[0.0, 1.15], [0.0, -1.1]], (30, 1, 1))
+    chosen = np.zeros((30, 1, 2))
+    chosen[8:stop] = np.nan
+    is_there = np.ones((30, 2), bool)
+    plain = bridge(chosen, at, is_there).choice
+    np.testing.assert_array_equal(plain[12:18, 0, 0], 1)
+    place = np.full((30, 2), np.nan)
+    place[8:22] = at[8:22, expected]
+    choice = bridge(chosen, at, is_there, swings=arc(place)).choice
+    np.testing.assert_array_equal(choice[12:18, 0, 0], expected)
+
+
+def test_an_arc_far_from_all_that_is_seen_does_not_decide():
+    """It may be of a stance that was told wrongly: the path goes on to where it is seen again."""
+    chosen, at, is_there = hidden_paw()
+    told = bridge(chosen, at, is_there).choice
+    far = np.full((50, 2), np.nan)
+    far[15:35] = at[15:35, 1] + [0.0, 60.0]
+    found = bridge(chosen, at, is_there, swings=arc(far)).choice
+    np.testing.assert_array_equal(found, told)
+    # nor does an arc that says nothing of these frames
+    nothing = np.full((50, 2), np.nan)
+    np.testing.assert_array_equal(bridge(chosen, at, is_there, swings=arc(nothing)).choice, told)
+
+
+def test_a_certain_place_off_the_arc_is_chosen_again():
+    chosen, at, is_there = hidden_paw()
+    chosen = at[:, 1:].copy()
+    # the path was drawn to another place for a while
+    at[38:44, 0] = chosen[38:44, 0] + [0.0, 20.0]
+    chosen[38:44, 0] = at[38:44, 0]
+    is_there = np.ones((50, 2), bool)
+    assert not bridge(chosen, at, is_there).is_open.any()
+    bridged = bridge(chosen, at, is_there, swings=arc(at[:, 1]))
+    np.testing.assert_array_equal(np.flatnonzero(bridged.is_open[:, 0]), np.arange(38, 44))
+    np.testing.assert_array_equal(bridged.choice[38:44, 0, 0], 1)
+
+
+@pytest.mark.parametrize("lift", [24.6, 27.4, 34.0])
+def test_a_hidden_paw_lifts_off_when_its_swing_begins(lift):
+    _, chosen, at, is_there, quality = covered_paw()
+    is_there[22:39, 1:] = False  # no wrist either
+    # by its rhythm it were due at another time
+    rhythm = Rhythm(np.full(2, 0.6), np.full(2, 0.005), 40.0, 2.0)
+    manner = replace(MANNER, drift=np.array([-3.0, 0.0]))
+    swings = arc(np.full((60, 2), np.nan), lifts=((0, lift, 0.3),))
+    bridged = bridge(
+        chosen, at, is_there, quality=quality, manner=manner, rhythm=rhythm, swings=swings
+    )
+    now = bridged.stances[0][0]
+    assert abs(now.stop - 0.5 - lift) <= 0.6
+    assert (0, now.stop - 1) in bridged.lifts
+    # of another point it says nothing
+    swings = replace(swings, lifts=((1, lift, 0.3),))
+    told = bridge(chosen, at, is_there, quality=quality, manner=manner, swings=swings)
+    plain = bridge(chosen, at, is_there, quality=quality, manner=manner)
+    assert told.lifts == plain.lifts
+
+
+def test_where_nothing_follows_a_paw_stands_until_its_swing_begins():
+    paw, chosen, at, is_there, quality = covered_paw()
+    is_there[22:39, 1:] = False
+    chosen[22:, 0] = np.nan
+    manner = replace(MANNER, drift=np.array([-3.0, 0.0]))
+    known = {"quality": quality, "manner": manner}
+    # when it lifts off is left open if nothing tells
+    assert np.isnan(bridge(chosen, at, is_there, **known).held[:, 0]).all()
+    place = np.full((60, 2), np.nan)
+    place[31:46] = paw[31:46]
+    bridged = bridge(chosen, at, is_there, swings=arc(place, lifts=((0, 30.5, 0.5),)), **known)
+    standing = np.flatnonzero(np.isfinite(bridged.held[:, 0, 0]))
+    np.testing.assert_array_equal(standing, np.arange(22, standing[-1] + 1))
+    assert abs(standing[-1] - 30) <= 1
+    np.testing.assert_allclose(bridged.held[22:30, 0], paw[22:30], atol=0.5)
+    # and it is taken up where it comes out, not the one that it was hidden by
+    np.testing.assert_array_equal(bridged.choice[40:46, 0, 0], 1)

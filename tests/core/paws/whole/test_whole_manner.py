@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -30,3 +32,9 @@ MANNER = Manner(
 def test_nothing_goes_below_the_ground_nor_back_faster_than_it(height, forward, strange):
     found = MANNER.strangeness(np.array([0.0, 0.0, height]), np.array([forward, 0.0, 0.0]))
     assert found == pytest.approx(strange)
+
+
+@pytest.mark.parametrize("fps", [100.0, 250.0, 1000.0])
+def test_the_rate_is_told_by_how_far_the_fastest_swings_go_in_a_frame(fps):
+    # they go 12 spans a second, here 360
+    assert replace(MANNER, speed=360.0 / fps).fps == pytest.approx(fps)

@@ -10,6 +10,7 @@ from pawnb.core.paws.whole.manner import Manner
 from pawnb.core.paws.whole.refine import Refinement, refine
 from pawnb.core.paws.whole.sights import Sights
 from pawnb.core.paws.whole.standing import Ground
+from pawnb.core.paws.whole.swings import Swings
 
 THICKNESS_PX = np.array([8.0, 8.0, 8.0])
 THICKNESS = 2.0
@@ -39,9 +40,9 @@ def what(**options):
     )  # fmt: skip
 
 
-def see(truth, rng, *, hidden=(), quality=1.0):
+def see(truth, rng, *, hidden=(), quality=1.0, noise=SIGMA_PX):
     """Candidates of both paws in every view, with noise, none of the first where it is hidden."""
-    uv = RIG.project(truth).transpose(0, 2, 1, 3) + SIGMA_PX * rng.normal(size=(N, 3, 2, 2))
+    uv = RIG.project(truth).transpose(0, 2, 1, 3) + noise * rng.normal(size=(N, 3, 2, 2))
     for t in hidden:
         uv[t, :, 0] = uv[t, :, 1]
     is_there = np.ones((N, 3, 2), bool)
@@ -115,6 +116,85 @@ def test_a_hidden_paw_that_lifts_off_goes_up_at_once_and_forward_little_by_littl
     # how fast it goes up is not known before; to the front and to the side it does not jump
     np.testing.assert_allclose(told.sd[..., :2], untold.sd[..., :2], rtol=0.02)
     assert told.sd[22, 0, 2] > 1.2 * untold.sd[22, 0, 2]
+
+
+def arched(*, hidden, swings=None):
+    """Solve a swing that also goes up as a half wave of the sine, seen without noise.
+
+    ``swings`` makes those that are known, of the truth and its third differences.
+    """
+    truth, rng = swing(4)
+    s = np.clip((np.arange(N) - 20) / 20.0, 0.0, 1.0)
+    truth[:, 0, 2] = 6.0 * np.sin(np.pi * s)
+    bend = np.full(truth.shape, np.nan)
+    bend[1:-2] = np.diff(truth, 3, axis=0)
+    manner = Manner(
+        acceleration=0.3, jerk=0.2, speed=2.0, drift=np.zeros(3), axes=np.eye(3), ground=0.0,
+        span=40.0, thickness=THICKNESS,
+    )  # fmt: skip
+    ground = Ground(np.zeros(2), np.zeros(3), np.zeros((2, 3)), manner)
+    start, is_open = truth.copy(), np.zeros((N, 2), bool)
+    start[list(hidden), 0], is_open[list(hidden), 0] = np.nan, True
+    bridged = Bridged(
+        is_open, np.full((N, 2, 3), -1), np.full((N, 2, 3, 2), 30.0), None, [], ground
+    )
+    known = None if swings is None else swings(truth, bend)
+    sights, certain = see(truth, rng, hidden=hidden, noise=0.0), np.full((N, 2, 3, 2), np.nan)
+    refined = refine(start, sights, bridged, certain=certain, what=what(), swings=known)
+    return refined, truth
+
+
+def of_first(truth, bend, *, first=20, stop=40):
+    """Return swings that tell where the first paw is in some frames, and how it bends there.
+
+    That is told a little before it lifts off, and not where it lands.
+    """
+    place, third = np.full(truth.shape, np.nan), np.full(truth.shape, np.nan)
+    place[first:stop, 0] = truth[first:stop, 0]
+    third[first - 3 : stop - 2, 0] = bend[first - 3 : stop - 2, 0]
+    return Swings(place, np.where(np.isnan(place), np.nan, 0.3), third, ())
+
+
+def test_the_track_of_a_hidden_stretch_bends_as_the_arc_does():
+    hidden = range(16, 31)
+    plain, truth = arched(hidden=hidden)
+    told, _ = arched(hidden=hidden, swings=of_first)
+    # of least jerk it goes up too early
+    off, untold = (np.abs(of.x - truth)[hidden, 0].max() for of in (told, plain))
+    assert off < 0.1 * THICKNESS < 0.3 * THICKNESS < untold
+    # where nothing is seen it bends as the arc does, as it lifts off as well, but for what its
+    # ends ask
+    inside = slice(hidden[0], hidden[-2])
+    bend, third, smoothed = (np.diff(x[:, 0], 3, axis=0)[inside] for x in (truth, told.x, plain.x))
+    assert bend.max() > 0.9
+    np.testing.assert_allclose(third, bend, atol=0.05)
+    assert np.abs(smoothed - bend).max() > 0.5
+    # it is surer then, and where it is seen hardly anything changes
+    assert (told.sd[22:28, 0] < 0.8 * plain.sd[22:28, 0]).all()
+    np.testing.assert_allclose(told.x[:10, 0], plain.x[:10, 0], atol=0.1)
+    np.testing.assert_allclose(told.x[40:, 0], plain.x[40:, 0], atol=0.2)
+    np.testing.assert_array_equal(told.x[:, 1], plain.x[:, 1])
+
+
+def test_an_arc_that_is_late_does_not_bend_what_is_seen():
+    def late(truth, bend):
+        return of_first(np.roll(truth, 2, axis=0), np.roll(bend, 2, axis=0), first=22, stop=42)
+
+    plain, truth = arched(hidden=())
+    told, _ = arched(hidden=(), swings=late)
+    assert np.abs(np.roll(truth, 2, axis=0) - truth)[10:50].max() > THICKNESS
+    assert np.abs(told.x - truth).max() < 0.3 * THICKNESS
+    # and it is not said to be surer
+    np.testing.assert_allclose(told.sd, plain.sd, rtol=0.05)
+
+
+def test_frames_that_no_arc_tells_are_smoothed_as_before():
+    hidden = range(20, 31)
+    plain, _ = arched(hidden=hidden)
+    # it is known how it stands, long before it is hidden
+    told, _ = arched(hidden=hidden, swings=lambda *of: of_first(*of, first=10, stop=12))
+    np.testing.assert_allclose(told.x, plain.x, atol=1e-9)
+    np.testing.assert_allclose(told.sd, plain.sd, rtol=1e-9)
 
 
 def test_the_stated_sd_is_honest():

@@ -1,0 +1,78 @@
+"""When swings begin and end, told by the stances around them, and when one is due to begin."""
+
+import numpy as np
+import pytest
+
+from pawnb.core.paws.whole.rhythm import Rhythm
+from pawnb.core.paws.whole.standing import Stance
+from pawnb.core.paws.whole.swings import Swings, find_swings
+
+DRIFT = np.array([-1.2, 0.1, 0.05])
+
+
+def test_when_swings_begin_and_end_is_told_by_stances_and_rhythm():
+    """At 250 frames a second edges are told to 0.003 s and half a frame: 1.25 frames."""
+    origin = np.zeros(3)
+    ahead = np.array([60.0, 0.0, 0.0])
+    stances = [[Stance(10, 40, origin), Stance(60, 90, ahead)]]
+    seen = np.ones((100, 1), bool)
+    (swing,) = find_swings(stances, seen, None, fps=250.0, drift=DRIFT)
+    assert (swing.point, swing.is_whole) == (0, True)
+    assert (swing.times, swing.sd) == ((39.0, 60.0), (1.25, 1.25))
+    np.testing.assert_array_equal([swing.begin, swing.end], [origin, ahead])
+    # three times as much where it is not seen
+    seen[38] = seen[61] = False
+    (swing,) = find_swings(stances, seen, None, fps=250.0, drift=DRIFT)
+    assert swing.sd == (3.75, 3.75)
+    rhythm = Rhythm(np.array([0.5]), np.array([0.02]), 50.0, 2.0)
+    before, swing, after = sorted(
+        find_swings(stances, seen, rhythm, fps=250.0, drift=DRIFT), key=lambda one: one.times
+    )
+    # of its own stride of 50 frames it stands for 25, give or take one
+    due, sure = 10 - 0.5 + 25, 1 / 3.75**2 + 1.0
+    assert swing.times[0] == pytest.approx((39.0 / 3.75**2 + due) / sure)
+    assert swing.sd[0] == pytest.approx(sure**-0.5)
+    assert (before.is_whole, after.is_whole) == (False, False)
+    assert before.times == (10.0 - 25.0, 10.0)
+    np.testing.assert_array_equal(before.begin, -ahead)
+    np.testing.assert_array_equal(after.end, 2 * ahead)
+    # of strides it is told to a twentieth at least
+    spread = np.hypot(2.0, 2.5)
+    assert before.sd[0] == pytest.approx(np.hypot(1.0, 0.5 * spread))
+    assert after.times[1] - after.times[0] == pytest.approx(25.0)
+
+
+def test_stances_that_follow_at_once_have_no_swing_between_them():
+    stances = [[Stance(10, 40, np.zeros(3)), Stance(42, 70, np.ones(3))], []]
+    seen = np.ones((100, 2), bool)
+    assert find_swings(stances, seen, None, fps=250.0, drift=DRIFT) == []
+
+
+def test_a_single_stance_steps_as_far_as_the_ground_goes_in_a_stride():
+    seen = np.ones((100, 1), bool)
+    rhythm = Rhythm(np.array([0.6]), np.array([0.02]), 50.0, 2.0)
+    swings = find_swings([[Stance(30, 60, np.zeros(3))]], seen, rhythm, fps=250.0, drift=DRIFT)
+    for swing in swings:
+        np.testing.assert_allclose(swing.end - swing.begin, -50.0 * DRIFT)
+    assert [swing.times[0] < 30 for swing in swings] == [True, False]
+
+
+@pytest.mark.parametrize("sd", [0.1, 2.0])
+def test_a_lift_off_is_due_when_its_swing_begins(sd):
+    nowhere = np.full((100, 2, 3), np.nan)
+    swings = Swings(nowhere, nowhere, nowhere, ((0, 40.2, sd), (0, 90.0, sd), (1, 60.0, sd)))
+    frames = np.arange(30, 50)
+    # between two frames, and to 0.7 frames at best; half the square, 8 at most
+    expected = np.minimum(0.5 * ((frames - 0.5 - 40.2) / max(sd, 0.7)) ** 2, 8.0)
+    np.testing.assert_allclose(swings.due(0, frames, 250.0), expected)
+    assert frames[np.argmin(expected)] == 41
+    # nothing is due within 0.02 s of it, nor in any case within five frames
+    assert swings.due(0, np.arange(46, 60), 250.0) is None
+    assert swings.due(0, np.arange(45, 60), 250.0) is not None
+    assert swings.due(0, np.arange(46, 60), 500.0) is not None
+    assert swings.due(0, np.arange(20, 35), 250.0) is None
+    assert swings.due(1, frames, 250.0) is None
+    # of two the nearer one
+    both = swings.due(0, np.arange(30, 100), 250.0)
+    assert (np.flatnonzero(both < 1.0) + 30 > 80).any()
+    assert (np.flatnonzero(both < 1.0) + 30 < 50).any()
