@@ -159,6 +159,9 @@ def test_a_stance_that_no_swing_leads_to_is_told_anew_but_not_what_was_placed_by
     x[70:75] = np.nan
     np.testing.assert_array_equal(np.flatnonzero(told(x, rhythm=RHYTHM)), np.arange(30, 75))
     np.testing.assert_array_equal(np.flatnonzero(told(x)), np.arange(70, 75))
+    # swings of hind paws, which stand for 0.8 of a stride, are shorter: half of ten frames
+    hind = replace(RHYTHM, share=np.array([0.8]))
+    np.testing.assert_array_equal(np.flatnonzero(told(x, rhythm=hind)), np.arange(70, 75))
     fixed = np.zeros((N, 1), bool)
     fixed[[45, 60, 71]] = True
     is_open = told(x, rhythm=RHYTHM, fixed=fixed)

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from pawnb.core.paws.whole.bridging import Stories
 from pawnb.core.paws.whole.cycle import Cycle
 from pawnb.core.paws.whole.gaps import Known, bridge_gaps
 from pawnb.core.paws.whole.geometry import Geometry
@@ -260,6 +261,79 @@ def test_the_arc_decides_between_what_fits_nearly_alike(stop, expected):
     place[8:22] = at[8:22, expected]
     choice = bridge(chosen, at, is_there, swings=arc(place)).choice
     np.testing.assert_array_equal(choice[12:18, 0, 0], expected)
+
+
+def test_each_point_is_expected_on_its_own_arc():
+    at = np.tile([[0.0, 1.15], [0.0, -1.1], [40.0, 0.0]], (30, 1, 1))
+    chosen = np.zeros((30, 2, 2))
+    chosen[:, 0] = at[:, 2]
+    chosen[8:22, 1] = np.nan
+    for expected in (0, 1):
+        swings = arc(at[:, 2])
+        swings.place[8:22, 1], swings.sd[8:22, 1] = at[8:22, expected], 0.5
+        choice = bridge(chosen, at, np.ones((30, 3), bool), swings=swings).choice
+        np.testing.assert_array_equal(choice[12:18, 1, 0], expected)
+
+
+def expectations(monkeypatch, stop, *, first=8):
+    """Return places and variances that are expected of a paw that is hidden from a frame on."""
+    calls = []
+    monkeypatch.setattr(
+        Stories, "expect", lambda self, at, axes, variance, most: calls.append((at, variance))
+    )
+    chosen = np.zeros((30, 1, 2))
+    chosen[first:stop] = np.nan
+    fixed = np.zeros((30, 1), bool)
+    fixed[25] = True
+    place = np.column_stack([np.arange(30.0), np.zeros(30)])
+    place[12:15] = np.nan
+    nothing = np.zeros((30, 1, 2)), np.zeros((30, 1), bool)
+    # certain places lie off this arc by far: they are placed by hand
+    bridge(chosen, *nothing, fixed=fixed | np.isfinite(chosen[..., 0]), swings=arc(place, sd=0.4))
+    return calls
+
+
+def test_a_paw_is_expected_on_its_arc_in_hidden_frames_and_more_so_where_nothing_follows(
+    monkeypatch,
+):
+    between, last = (expectations(monkeypatch, stop) for stop in (20, 30))
+    # in frames that are hidden, and of which the arc tells
+    np.testing.assert_array_equal([at[0] for at, _ in between], [8, 9, 10, 11, *range(15, 20)])
+    np.testing.assert_array_equal([at[0] for at, _ in last], [8, 9, 10, 11, *range(15, 30)])
+    # frames err alike, so each says less than its standard deviation would
+    (first, second), (third, _) = between[0][1], last[0][1]
+    assert first == second > 0.4**2
+    assert third < 0.8 * first
+    # told backwards in time, no paw is on the way to where its swing leads
+    assert expectations(monkeypatch, 8, first=0) == []
+
+
+def test_aside_of_its_arc_a_paw_is_expected_less_surely(monkeypatch):
+    """In space, where all directions are told alike by the arc, and axes are turned."""
+    turn = np.array([[0.6, 0.8, 0.0], [-0.8, 0.6, 0.0], [0.0, 0.0, 1.0]])
+    seen = []
+    monkeypatch.setattr(
+        Stories, "expect", lambda self, at, axes, variance, most: seen.append((axes, variance))
+    )
+    lines = np.zeros((11, 2))
+    lines[[0, 6], 0] = lines[[1, 6], 1] = 1.0
+    chosen = np.zeros((30, 1, 3))
+    place = chosen.copy()
+    chosen[8:20] = np.nan
+    nothing = np.zeros((30, 2, 1, 2))
+    sights = Sights(nothing, nothing[:, None], np.ones((30, 2, 1)), np.zeros((30, 2, 1), bool))
+    manner = replace(MANNER, drift=np.zeros(3), axes=turn)
+    bridge_gaps(
+        Known(chosen, np.zeros((30, 1), bool), swings=Swings(place, place + 0.4, place, ())),
+        sights, geometry=Geometry(lines), thickness_px=np.array([8.0, 8.0]),
+        own=np.ones((1, 2), bool), manner=manner,
+    )  # fmt: skip
+    assert len(seen) == 12
+    for axes, (forward, aside, up) in seen:
+        np.testing.assert_array_equal(axes, turn)
+        assert forward == up
+        # by more than half a thickness, which is 8
+        assert aside - up > 4.0**2
 
 
 def test_an_arc_far_from_all_that_is_seen_does_not_decide():

@@ -1,5 +1,7 @@
 """Refining of tracks: a made-up swing of least jerk, seen by three cameras, and its gap."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -118,7 +120,7 @@ def test_a_hidden_paw_that_lifts_off_goes_up_at_once_and_forward_little_by_littl
     assert told.sd[22, 0, 2] > 1.2 * untold.sd[22, 0, 2]
 
 
-def arched(*, hidden, swings=None):
+def arched(*, hidden, swings=None, lifts=()):
     """Solve a swing that also goes up as a half wave of the sine, seen without noise.
 
     ``swings`` makes those that are known, of the truth and its third differences.
@@ -136,7 +138,7 @@ def arched(*, hidden, swings=None):
     start, is_open = truth.copy(), np.zeros((N, 2), bool)
     start[list(hidden), 0], is_open[list(hidden), 0] = np.nan, True
     bridged = Bridged(
-        is_open, np.full((N, 2, 3), -1), np.full((N, 2, 3, 2), 30.0), None, [], ground
+        is_open, np.full((N, 2, 3), -1), np.full((N, 2, 3, 2), 30.0), None, list(lifts), ground
     )
     known = None if swings is None else swings(truth, bend)
     sights, certain = see(truth, rng, hidden=hidden, noise=0.0), np.full((N, 2, 3, 2), np.nan)
@@ -186,6 +188,23 @@ def test_an_arc_that_is_late_does_not_bend_what_is_seen():
     assert np.abs(told.x - truth).max() < 0.3 * THICKNESS
     # and it is not said to be surer
     np.testing.assert_allclose(told.sd, plain.sd, rtol=0.05)
+
+
+def test_it_is_surer_on_its_arc_but_not_before_it_lifts_off_nor_how_it_does():
+    def bends(truth, bend):
+        return replace(of_first(truth, bend), place=np.full(truth.shape, np.nan))
+
+    hidden = range(12, 31)
+    plain, told, only_bent, lifted = (
+        arched(hidden=hidden, swings=swings, lifts=lifts)[0].sd[hidden, 0]
+        for swings, lifts in (
+            (None, ()), (of_first, ()), (bends, ()), (of_first, [(0, 22)]),
+        )
+    )  # fmt: skip
+    np.testing.assert_allclose(only_bent, plain, rtol=0.01)
+    assert (told[8:-4] < 0.9 * plain[8:-4]).all()
+    # what is told of the lift-off itself stays as unsure as it was
+    assert (lifted[8:14] > 1.05 * told[8:14]).all()
 
 
 def test_frames_that_no_arc_tells_are_smoothed_as_before():
