@@ -116,7 +116,6 @@ def learn_rhythm(stances: Sequence[Sequence[Stance]], kinds: Sequence[str]) -> R
     length = np.array([stride for _, _, stride in strides], dtype=float)
     usual = float(np.median(length))
     kept = (length > usual / _ODD) & (length < usual * _ODD)
-    spread = _MAD * float(np.median(np.abs(length[kept] - usual)))
     shares = {}
     for kind in set(kinds):
         own = [k and of == kind for k, (of, _, _) in zip(kept, strides, strict=True)]
@@ -125,6 +124,7 @@ def learn_rhythm(stances: Sequence[Sequence[Stance]], kinds: Sequence[str]) -> R
             shares[kind] = _usual(found)
     if not shares:
         return None
+    spread = _MAD * float(np.median(np.abs(length[kept] - usual)))
     share, sd = np.array([_of_kind(kind, shares) for kind in kinds]).T
     return Rhythm(share, sd, usual, spread)
 

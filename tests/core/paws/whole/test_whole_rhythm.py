@@ -54,6 +54,11 @@ def test_too_few_strides_teach_nothing(strides):
     assert learn_rhythm([walk(begin=0, strides=4)], ["front"]) is None
 
 
+def test_strides_of_which_none_is_usual_teach_nothing():
+    # the middle of 20 and 60 frames is 40, and neither is near it
+    assert learn_rhythm([walk(stride=20, strides=3), walk(stride=60, strides=3)], "ff") is None
+
+
 RHYTHM = Rhythm(share=np.array([0.6]), sd=np.array([0.02]), stride=50.0, spread=3.0)
 
 
