@@ -238,7 +238,8 @@ def _settled(
         sd = result.sd.mean(axis=-1) / scene.thickness
         return learn_swings(
             result.x, seen / (1.0 + (sd / _LEARNT_FROM) ** 2), bridged.stances,
-            ground=bridged.ground, rhythm=rhythm, kinds=ready.kinds, fps=fps,
+            certain=~bridged.is_open, ground=bridged.ground, rhythm=rhythm, kinds=ready.kinds,
+            fps=fps,
         )  # fmt: skip
 
     result, bridged = settle(Known(tracked(first), by_hand))

@@ -39,6 +39,9 @@ _SPREAD = 0.05
 _MARGIN = 4
 """Frames before and after a swing that are fitted too."""
 _SEEN = 0.3
+"""Weight from which a place counts as seen."""
+_TOLD = 0.2
+"""How much a place counts that is not certain, in a swing of which one end is not known."""
 _UNSURE, _UNSURE_ASIDE = 0.1, 0.2
 """Standard deviations of places about their arc, in thicknesses."""
 _BEND_TO = 0.9
@@ -126,6 +129,7 @@ def learn_swings(
     weight: np.ndarray,
     stances: Sequence[Sequence[Stance]],
     *,
+    certain: np.ndarray,
     ground: Ground,
     rhythm: Rhythm | None,
     kinds: Sequence[str],
@@ -141,6 +145,9 @@ def learn_swings(
         How much each place counts, 0 where nothing was seen.
     stances : sequence
         Those of each point.
+    certain : ndarray of bool, shape (n, P)
+        Where places are certain. In swings after the last stance and before the first one the
+        others count less: only one side tells them.
     ground : Ground
         What they stand on.
     rhythm : Rhythm, optional
@@ -168,10 +175,14 @@ def learn_swings(
     for kind in sorted(set(kinds)):
         mine = _usual([swing for swing in found if kinds[swing.point] == kind])
         whole = [swing for swing in mine if swing.is_whole]
+        is_whole = np.array([swing.is_whole for swing in mine])
         if len(whole) < _LEAST:
             continue
         arc = learn_arc(_part(whole, still, weight, outside, manner), _guess(whole))
+        less = weight * np.where(certain, 1.0, _TOLD)
+        ends = _part(mine, still, less, outside, manner)
         part = _part(mine, still, weight, outside, manner)
+        part.weight[~is_whole] = ends.weight[~is_whole]
         for swing, values, covariance in zip(
             mine, *fit_swings(arc, part, _guess(mine)), strict=True
         ):
