@@ -100,7 +100,7 @@ def hops(stances: Sequence[Stance], is_open: np.ndarray, *, least: float) -> np.
     """
     lost = np.zeros(len(is_open), bool)
     for now, after in pairwise(stances):
-        if after.first - now.stop >= least:
+        if after.first - now.stop >= least or lost[now.first : now.stop].any():
             continue
         if after.stop - after.first <= now.stop - now.first:
             lost[now.stop : after.stop + _until_open(is_open[after.stop :])] = True

@@ -119,6 +119,8 @@ def test_a_path_that_is_lost_soon_after_its_paw_stood_is_told_anew():
         # nine frames of ten are hardly a swing, ten are one
         ([(10, 40), (49, 60)], [(70, 75)], (40, 70)),
         ([(10, 40), (50, 60)], [(70, 75)], (0, 0)),
+        # a short one between two long ones, and not those
+        ([(10, 40), (43, 50), (53, 80)], [(41, 42), (51, 52)], (40, 51)),
         # a gap between them is no swing either
         ([(10, 40), (45, 60)], [(41, 44), (75, 80)], (40, 75)),
         ([], [(10, 20)], (0, 0)),

@@ -105,7 +105,7 @@ def learn(made, **options):
     """Learn the swings of a walk."""
     known = {
         "ground": Ground(np.zeros(2), DRIFT, np.zeros((2, 3)), manner()), "rhythm": RHYTHM,
-        "kinds": KINDS, "fps": FPS, **options,
+        "kinds": KINDS, "fps": FPS, "certain": np.ones(made.weight.shape, bool), **options,
     }  # fmt: skip
     return learn_swings(made.x, made.weight, made.stances, **known)
 
@@ -182,6 +182,26 @@ def test_swings_before_the_first_and_after_the_last_stance_are_told_by_the_rhyth
     assert made.stances[1][0].first == 0
     assert np.isnan(told.place[: made.stances[1][0].stop - 1, 1]).all()
     assert sorted({p for p, lift, _ in told.lifts if lift < 0}) == [0]
+
+
+def test_what_is_not_certain_hardly_bends_a_swing_whose_end_is_not_known():
+    made = walk(seed=12)
+    last = slice(made.stances[0][-1].stop + 1, None)
+    made.x[last, 0] += [0.0, 0.0, -1.5 * THICKNESS]
+    made.weight[last, 0] = 1.0
+    certain = np.ones(made.weight.shape, bool)
+    certain[last, 0] = False
+    doubted, believed = (
+        np.abs(learn(made, certain=is_certain).place[last, 0, 2] - made.truth[last, 0, 2]).max()
+        for is_certain in (certain, np.ones_like(certain))
+    )
+    assert doubted < 0.7 * believed
+    # between two stances what follows tells as much
+    whole = slice(made.stances[0][1].stop + 1, made.stances[0][2].first - 1)
+    certain[whole, 0] = False
+    same_there = learn(made, certain=certain).place[whole, 0]
+    certain[whole, 0] = True
+    np.testing.assert_allclose(same_there, learn(made, certain=certain).place[whole, 0])
 
 
 def test_paws_go_aside_as_others_of_their_kind_and_left_as_right_is_mirrored():
