@@ -236,8 +236,9 @@ def _settled(
         )  # fmt: skip
 
     def swings(rhythm: Rhythm | None) -> Swings | None:
-        if bridged.ground is None or np.isnan(bridged.ground.height).all():
-            return None  # a view from below shows no heights
+        # a view from below shows no heights
+        if rhythm is None or bridged.ground is None or np.isnan(bridged.ground.height).all():
+            return None
         seen = (np.isfinite(result.measured[..., 0]) & ready.own).any(axis=-1)
         sd = result.sd.mean(axis=-1) / scene.thickness
         return learn_swings(

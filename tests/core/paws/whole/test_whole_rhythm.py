@@ -54,6 +54,13 @@ def test_too_few_strides_teach_nothing(strides):
     assert learn_rhythm([walk(begin=0, strides=4)], ["front"]) is None
 
 
+def test_strides_that_make_up_little_of_the_recording_teach_nothing():
+    # four strides of 50 frames in 500 frames of two paws
+    seldom, never = walk(strides=5), walk(begin=480, strides=1)
+    assert learn_rhythm([seldom, never], ["front", "front"]) is None
+    assert learn_rhythm([seldom], ["front"]) is not None
+
+
 def test_strides_of_which_none_is_usual_teach_nothing():
     # the middle of 20 and 60 frames is 40, and neither is near it
     assert learn_rhythm([walk(stride=20, strides=3), walk(stride=60, strides=3)], "ff") is None
