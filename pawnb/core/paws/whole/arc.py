@@ -243,20 +243,20 @@ def _fit(
         way, up = arc_at(values, shape, part.frames)
         off = along * np.stack([way - part.way, up - part.up])
         weight = part.weight / (1.0 + (off / (_TAIL * _NOISE)) ** 2) / (_NOISE**2 * _ALIKE)
-        normal = np.einsum("iast,jast,ast->sij", by_value, by_value, weight, optimize=True)
+        normal = np.einsum("iast,jast,ast->sij", by_value, by_value, weight)
         normal = normal + (1.0 / sd**2)[:, :, None] * np.eye(4)
         if step == _STEPS:
             break
-        target = np.einsum("iast,ast,ast->si", by_value, off, weight, optimize=True)
+        target = np.einsum("iast,ast,ast->si", by_value, off, weight)
         target = target + (values - expected) / sd**2
         change = np.linalg.solve(normal, target[..., None])[..., 0]
         values = values - np.clip(change, -most, most)
         values[:, 1] = np.maximum(values[:, 1], values[:, 0] + _SHORTEST)
         values[:, 2] = np.clip(values[:, 2], _LOWEST * height, _HIGHEST * height)
     covariance = np.linalg.inv(normal)
-    cross = np.einsum("iast,jast,ast->sij", by_shape, by_value, weight, optimize=True)
-    own = np.einsum("iast,jast,ast->ij", by_shape, by_shape, weight, optimize=True)
+    cross = np.einsum("iast,jast,ast->sij", by_shape, by_value, weight)
+    own = np.einsum("iast,jast,ast->ij", by_shape, by_shape, weight)
     # what the values of the swings could do as well says nothing of the shape
-    shared = np.einsum("sij,sjk,slk->il", cross, covariance, cross, optimize=True)
-    pull = np.einsum("iast,ast,ast->i", by_shape, off, weight, optimize=True)
+    shared = np.einsum("sij,sjk,slk->il", cross, covariance, cross)
+    pull = np.einsum("iast,ast,ast->i", by_shape, off, weight)
     return values, covariance, (own - shared, pull)
