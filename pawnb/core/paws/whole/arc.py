@@ -37,8 +37,8 @@ _TAIL = 3.0
 _STEPS, _ROUNDS, _FITS = 4, 6, 4
 _MOST_FRAMES, _MOST_SLOPE, _MOST_SHAPE = 1.5, 0.2, 0.3
 """Largest changes in one step of a fit."""
-_H = np.array([0.05, 0.05, 0.02, 0.02])
-_H_SHAPE = 0.02
+_H, _H_SHAPE = 0.05, 0.02
+"""Steps over which it is told how an arc changes: frames, and exponents."""
 _ASIDE_SD = 0.3
 _LEAST_HIGH = 0.2
 """A swing that is seen no higher than so many thicknesses says nothing of heights."""
@@ -152,15 +152,25 @@ def changes(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return how the arc changes with the values, (4, 2, ..., T), and the shape, (2, 2, ..., T)."""
     here = np.stack(arc_at(values, shape, frames))
-    by_value = [
-        (np.stack(arc_at(values + h * axis, shape, frames)) - here) / h
-        for h, axis in zip(_H, np.eye(4), strict=True)
-    ]
     by_shape = [
         (np.stack(arc_at(values, shape + _H_SHAPE * axis, frames)) - here) / _H_SHAPE
         for axis in np.eye(2)
     ]
-    return np.stack(by_value), np.stack(by_shape)
+    return _by_value(values, shape, frames, here), np.stack(by_shape)
+
+
+def _by_value(
+    values: np.ndarray, shape: np.ndarray, frames: np.ndarray, here: np.ndarray
+) -> np.ndarray:
+    """Return how the arc changes with the values (4, 2, ..., T), given where it is ``here``."""
+    found = np.zeros((4, *here.shape))
+    for k, axis in enumerate(np.eye(4)[:2]):
+        found[k] = (np.stack(arc_at(values + _H * axis, shape, frames)) - here) / _H
+    found[2, 1] = here[1] / values[..., 2, None]
+    # the way is a straight line in the speed at landing
+    steeper = values + np.eye(4)[3]
+    found[3, 0] = arc_at(steeper, shape, frames)[0] - here[0]
+    return found
 
 
 def learn_arc(part: Part, guess: Guess) -> Arc:
@@ -237,11 +247,11 @@ def _fit(
     sd = np.column_stack([guess.sd, np.tile([HEIGHT_SD * height, SLOPE_SD], (len(values), 1))])
     most = np.array([_MOST_FRAMES, _MOST_FRAMES, 2.0 * HEIGHT_SD * height, _MOST_SLOPE])
     along = np.stack([part.step[:, None] * np.ones_like(part.way), np.ones_like(part.up)])
+    seen = np.stack([part.way, part.up])
     for step in range(_STEPS + 1):
-        by_value, by_shape = changes(values, shape, part.frames)
-        by_value, by_shape = by_value * along, by_shape * along
-        way, up = arc_at(values, shape, part.frames)
-        off = along * np.stack([way - part.way, up - part.up])
+        here = np.stack(arc_at(values, shape, part.frames))
+        by_value = along * _by_value(values, shape, part.frames, here)
+        off = along * (here - seen)
         weight = part.weight / (1.0 + (off / (_TAIL * _NOISE)) ** 2) / (_NOISE**2 * _ALIKE)
         normal = np.einsum("iast,jast,ast->sij", by_value, by_value, weight)
         normal = normal + (1.0 / sd**2)[:, :, None] * np.eye(4)
@@ -254,6 +264,7 @@ def _fit(
         values[:, 1] = np.maximum(values[:, 1], values[:, 0] + _SHORTEST)
         values[:, 2] = np.clip(values[:, 2], _LOWEST * height, _HIGHEST * height)
     covariance = np.linalg.inv(normal)
+    by_shape = along * changes(values, shape, part.frames)[1]
     cross = np.einsum("iast,jast,ast->sij", by_shape, by_value, weight)
     own = np.einsum("iast,jast,ast->ij", by_shape, by_shape, weight)
     # what the values of the swings could do as well says nothing of the shape

@@ -154,7 +154,8 @@ def bridge_gaps(
     places = sure if known.before is None else np.where(np.isnan(sure), known.before, sure)
     teller = _Teller(
         known, sights, cost, ground, stances, geometry.project(places), _telling(manner), geometry,
-        thickness_px,
+        thickness_px, sights.is_there.sum(axis=-1).tolist(),
+        np.maximum(_poor_look(sights.quality) - _DIM, 0.0),
     )  # fmt: skip
     choice = np.full((n, n_points, len(thickness_px)), -1)
     held = np.full(known.chosen.shape, np.nan)
@@ -193,6 +194,8 @@ class _Teller:
     telling: Telling
     geometry: Geometry
     thickness_px: np.ndarray
+    numbers: list[list[int]]  # candidates of each frame and view
+    excused: np.ndarray  # (n, V, C), how much of a poor look a paw that lifts off is forgiven
 
     def tell(
         self, point: int, stretch: OpenStretch, own: np.ndarray
@@ -295,13 +298,12 @@ class _Teller:
             if is_certain:
                 stories.stand(self.known.chosen[t, point])
             else:
-                for v, number in enumerate(sights.is_there[t].sum(axis=-1).tolist()):
+                for v, number in enumerate(self.numbers[t]):
                     # those that are there come first
                     against = self.cost[t, point, v, :number]
-                    poor = _poor_look(sights.quality[t, v, :number])
                     stories.see(
                         v, sights.at[t, point, v, :number], against,
-                        rising=against - np.maximum(poor - _DIM, 0.0),
+                        rising=against - self.excused[t, v, :number],
                     )  # fmt: skip
             self._expect(stories, point, stretch, t, is_certain=is_certain)
             cover = None if is_certain or hidden is None else hidden[told]
