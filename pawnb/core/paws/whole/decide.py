@@ -33,7 +33,7 @@ _RISING_S = 0.012
 _STATED = 0.7
 """Standard deviations of certain places are stated so much smaller than what is reckoned with while
 neighbouring frames may still err alike: so 93 to 97 % of the truth lie within 95 % limits, hidden
-places among them, in rendered scenes."""
+places among them, in rendered scenes. Cameras on one side tell depth less well than they reckon."""
 _SAME = 1.2
 """A place that says that a point is so many thicknesses from where it was placed is another's."""
 _LEAST_SEEN = 0.3
@@ -263,8 +263,14 @@ def _settled(
         known = Known(places, by_hand, result.x, trust, cycle, lift(), rhythm, swings(rhythm))
         result, bridged = settle(known)
         result.revision = np.linalg.norm(result.x - unaided, axis=-1)
-    result.sd[~bridged.is_open] *= _STATED
+    result.sd = _stated(result.sd, bridged.is_open, one_sided=ready.one_sided)
     return result
+
+
+def _stated(sd: np.ndarray, is_open: np.ndarray, *, one_sided: bool) -> np.ndarray:
+    """Return the standard deviations (n, P, d) that are stated, given where places are told."""
+    certain = np.zeros_like(is_open) if one_sided else ~is_open
+    return np.where(certain[..., None], _STATED * sd, sd)
 
 
 def _beside(chosen: np.ndarray, paths: PathChoice, ready: _Ready) -> Beside | None:

@@ -69,3 +69,12 @@ def test_strangers_are_left_out_one_by_one(monkeypatch):
     ).x  # fmt: skip
     assert tried == [["front", "hind", "front", "hind"], ["front", "hind", "front"]]
     assert x.shape == (n, 2, 2)
+
+
+def test_seen_paws_are_stated_surer_than_told_ones_unless_all_cameras_are_on_one_side():
+    sd, is_open = np.ones((2, 1, 3)), np.array([[False], [True]])
+    seen, told = decide._stated(sd, is_open, one_sided=False)
+    assert (seen > 0.5).all()
+    assert (seen < 1.0).all()
+    np.testing.assert_array_equal(told, sd[1])
+    np.testing.assert_array_equal(decide._stated(sd, is_open, one_sided=True), sd)
