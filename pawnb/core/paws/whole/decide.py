@@ -235,18 +235,6 @@ def _settled(
             lifts=bridged.lifts, frames=max(1, round(_RISING_S * fps)),
         )  # fmt: skip
 
-    def swings(rhythm: Rhythm | None) -> Swings | None:
-        # a view from below shows no heights
-        if rhythm is None or bridged.ground is None or np.isnan(bridged.ground.height).all():
-            return None
-        seen = (np.isfinite(result.measured[..., 0]) & ready.own).any(axis=-1)
-        sd = result.sd.mean(axis=-1) / scene.thickness
-        return learn_swings(
-            result.x, seen / (1.0 + (sd / _LEARNT_FROM) ** 2), bridged.stances,
-            certain=~bridged.is_open, ground=bridged.ground, rhythm=rhythm, kinds=ready.kinds,
-            fps=fps,
-        )  # fmt: skip
-
     result, bridged = settle(Known(tracked(first), by_hand))
     unaided = result.x
     for _ in range(settings.looks):
@@ -260,11 +248,32 @@ def _settled(
         trust = 1.0 / (1.0 + (sd / _BELIEVED) ** 2)
         places = tracked(paths.again(cycle))
         rhythm = learn_rhythm(bridged.stances, ready.kinds)
-        known = Known(places, by_hand, result.x, trust, cycle, lift(), rhythm, swings(rhythm))
+        swings = _swings(result, bridged, rhythm, ready, thickness=scene.thickness, fps=fps)
+        known = Known(places, by_hand, result.x, trust, cycle, lift(), rhythm, swings)
         result, bridged = settle(known)
         result.revision = np.linalg.norm(result.x - unaided, axis=-1)
     result.sd = _stated(result.sd, bridged.is_open, one_sided=ready.one_sided)
     return result
+
+
+def _swings(
+    result: Refined,
+    bridged: Bridged,
+    rhythm: Rhythm | None,
+    ready: _Ready,
+    *,
+    thickness: float,
+    fps: float,
+) -> Swings | None:
+    """Return where points swing; None without a rhythm, or where no view shows heights."""
+    if rhythm is None or bridged.ground is None or np.isnan(bridged.ground.height).all():
+        return None
+    seen = (np.isfinite(result.measured[..., 0]) & ready.own).any(axis=-1)
+    sd = result.sd.mean(axis=-1) / thickness
+    return learn_swings(
+        result.x, seen / (1.0 + (sd / _LEARNT_FROM) ** 2), bridged.stances,
+        certain=~bridged.is_open, ground=bridged.ground, rhythm=rhythm, kinds=ready.kinds, fps=fps,
+    )  # fmt: skip
 
 
 def _stated(sd: np.ndarray, is_open: np.ndarray, *, one_sided: bool) -> np.ndarray:

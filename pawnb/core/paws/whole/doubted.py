@@ -13,13 +13,15 @@ import numpy as np
 
 from pawnb.core.paws.whole.manner import Manner
 from pawnb.core.paws.whole.rhythm import Rhythm
-from pawnb.core.paws.whole.standing import Stance, drawn_off, learn_ground
+from pawnb.core.paws.whole.standing import Stance, learn_ground
 from pawnb.core.paws.whole.swings import Swings
 
 _LEAST = 4
 """Certain stretches shorter than this are told anew too."""
 _DRAWN_S = 0.012
 """A path that is lost so soon, s, after its point left the place where it stood was drawn off."""
+_SETTLED = 6
+"""Frames for which a point must have stood for its path to be told drawn off."""
 _HOP = 0.5
 """A swing shorter than so much of the usual one was none."""
 _OFF_ARC = 3.0
@@ -76,6 +78,34 @@ def off_arc(sure: np.ndarray, swings: Swings, manner: Manner) -> np.ndarray:
     square = (step / size)[..., [0, -1]] ** 2
     # NaN where nothing is known compares as False
     return np.asarray(square.sum(axis=-1) > _OFF_ARC**2)
+
+
+def drawn_off(stances: Sequence[Stance], is_open: np.ndarray, *, most: int) -> np.ndarray:
+    """Tell which frames of a point lie between the end of a stance and a gap soon after it.
+
+    What seems to lift off and is lost at once was mostly drawn off: the end of its path lies on
+    the paw that lands there.
+
+    Parameters
+    ----------
+    stances : sequence of Stance
+        Those of the point.
+    is_open : ndarray of bool, shape (n,)
+        Frames without a certain place.
+    most : int
+        Frames in which the gap must begin.
+
+    Returns
+    -------
+    ndarray of bool, shape (n,)
+        True in those frames.
+    """
+    lost = np.zeros(len(is_open), bool)
+    for one in stances:
+        near = is_open[one.stop : one.stop + most + 1]
+        if one.stop - one.first >= _SETTLED and near.any():
+            lost[one.stop : one.stop + int(np.argmax(near))] = True
+    return lost
 
 
 def hops(stances: Sequence[Stance], is_open: np.ndarray, *, least: float) -> np.ndarray:

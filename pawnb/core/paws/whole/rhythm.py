@@ -33,7 +33,7 @@ _MAD = 1.48
 """Standard deviation in median absolute deviations."""
 _OF_MEDIAN = 1.25
 """Standard error of a median in that of a mean."""
-_DEAREST = 8.0
+DEAREST = 8.0
 """Largest cost of lifting off at another time."""
 
 
@@ -87,7 +87,7 @@ class Rhythm:
         else:
             return np.zeros(len(frames))
         square = (frames - at) ** 2 / ((sd * stride) ** 2 + more**2)
-        return np.minimum(0.5 * square, _DEAREST)
+        return np.minimum(0.5 * square, DEAREST)
 
     def is_usual(self, stride: float) -> bool:
         """Tell whether a stride is about as long as most."""

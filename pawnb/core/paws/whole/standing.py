@@ -26,8 +26,6 @@ _OFF = 0.35
 """A point has left the ground if it is so many thicknesses from where it stood."""
 _LEAST = 4
 """Frames needed to tell that a point stands."""
-_SETTLED = 6
-"""Frames for which a point must have stood for its path to be told drawn off."""
 _ABOVE, _WITHIN = 0.6, 0.5
 """A point more than so many thicknesses above the ground is lifted, surely after as much more."""
 _RIDE = 7.0
@@ -246,34 +244,6 @@ def covered(
     others = np.delete(uv, point, axis=1) - geometry.project(standing)[:, None]
     away = np.linalg.norm(others, axis=-1) / thickness_px
     return np.asarray((away < _BESIDE).any(axis=1))
-
-
-def drawn_off(stances: Sequence[Stance], is_open: np.ndarray, *, most: int) -> np.ndarray:
-    """Tell which frames of a point lie between the end of a stance and a gap soon after it.
-
-    What seems to lift off and is lost at once was mostly drawn off: the end of its path lies on
-    the paw that lands there.
-
-    Parameters
-    ----------
-    stances : sequence of Stance
-        Those of the point.
-    is_open : ndarray of bool, shape (n,)
-        Frames without a certain place.
-    most : int
-        Frames in which the gap must begin.
-
-    Returns
-    -------
-    ndarray of bool, shape (n,)
-        True in those frames.
-    """
-    lost = np.zeros(len(is_open), bool)
-    for one in stances:
-        near = is_open[one.stop : one.stop + most + 1]
-        if one.stop - one.first >= _SETTLED and near.any():
-            lost[one.stop : one.stop + int(np.argmax(near))] = True
-    return lost
 
 
 def expected_bends(

@@ -15,7 +15,7 @@ import numpy as np
 
 from pawnb.core.paws.whole.arc import Arc, Guess, Part, arc_at, changes, fit_swings, learn_arc
 from pawnb.core.paws.whole.manner import Manner
-from pawnb.core.paws.whole.rhythm import Rhythm
+from pawnb.core.paws.whole.rhythm import DEAREST, Rhythm
 from pawnb.core.paws.whole.standing import Ground, Stance
 
 _LEAST = 3
@@ -23,6 +23,7 @@ _LEAST = 3
 _LEAST_STEP = 2.0
 """thicknesses that a swing goes forward."""
 _LEAST_FRAMES = 3
+"""Frames between two stances from which on a swing is looked for."""
 _ODD = 1.5
 """Swings so many times as long as the usual one, or as short, are none."""
 _TOUCH_S, _TOUCH = 0.003, 0.5
@@ -50,7 +51,6 @@ _NEAR_S, _NEAREST = 0.02, 5
 """A lift-off belongs to a stretch that begins or ends so near, s, and frames."""
 _DUE_SD = 0.7
 """Least standard deviation, frames, of a lift-off that an arc tells."""
-_DEAREST = 8.0
 
 
 @dataclass(frozen=True)
@@ -121,7 +121,7 @@ class Swings:
             for p, lift, sd in self.lifts
             if p == point and frames[0] - reach < lift < frames[-1] + reach
         ]
-        return np.minimum(np.min(near, axis=0), _DEAREST) if near else None
+        return np.minimum(np.min(near, axis=0), DEAREST) if near else None
 
 
 def learn_swings(
@@ -175,14 +175,12 @@ def learn_swings(
     for kind in sorted(set(kinds)):
         mine = _usual([swing for swing in found if kinds[swing.point] == kind])
         whole = [swing for swing in mine if swing.is_whole]
-        is_whole = np.array([swing.is_whole for swing in mine])
         if len(whole) < _LEAST:
             continue
-        arc = learn_arc(_part(whole, still, weight, outside, manner), _guess(whole))
-        less = weight * np.where(certain, 1.0, _TOLD)
-        ends = _part(mine, still, less, outside, manner)
-        part = _part(mine, still, weight, outside, manner)
-        part.weight[~is_whole] = ends.weight[~is_whole]
+        arc = learn_arc(
+            _part(whole, still, weight, outside, manner, certain=certain), _guess(whole)
+        )
+        part = _part(mine, still, weight, outside, manner, certain=certain)
         for swing, values, covariance in zip(
             mine, *fit_swings(arc, part, _guess(mine)), strict=True
         ):
@@ -331,6 +329,8 @@ def _part(
     weight: np.ndarray,
     outside: np.ndarray,
     manner: Manner,
+    *,
+    certain: np.ndarray,
 ) -> Part:
     """Return what is seen of swings, given places (n, P, d) along the axes on the ground."""
     first = np.array([int(one.times[0]) - _MARGIN for one in swings])
@@ -351,10 +351,13 @@ def _part(
     way = (places[..., 0] - begin[:, None, 0]) / step[:, None, 0]
     line = begin[:, None] + np.clip(way, 0.0, 1.0)[..., None] * step[:, None]
     off = (places - line) / manner.thickness
+    is_whole = np.array([one.is_whole for one in swings])
+    sure = certain[at, point[:, None]] | is_whole[:, None]
+    counted = weight[at, point[:, None]] * np.where(sure, 1.0, _TOLD)
     aside = off[..., 1] if off.shape[-1] == 3 else np.zeros(way.shape)
     return Part(
         frames, way, off[..., -1], outside[point][:, None] * aside,
-        np.where(inside, weight[at, point[:, None]], 0.0), step[:, 0] / manner.thickness,
+        np.where(inside, counted, 0.0), step[:, 0] / manner.thickness,
     )  # fmt: skip
 
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pawnb.core.paws.whole.doubted import hops, off_arc, open_frames, runs, told_anew
+from pawnb.core.paws.whole.doubted import drawn_off, hops, off_arc, open_frames, runs, told_anew
 from pawnb.core.paws.whole.manner import Manner
 from pawnb.core.paws.whole.rhythm import Rhythm
 from pawnb.core.paws.whole.standing import Stance
@@ -226,3 +226,19 @@ def test_a_single_view_shows_forward_and_up():
         moved[40:45, 0, axis] -= 5.0
         found = off_arc(moved, swings, flat)[:, 0]
         np.testing.assert_array_equal(np.flatnonzero(found), np.arange(40, 45))
+
+
+@pytest.mark.parametrize(
+    ("gap", "lost"),
+    [
+        ((22, 30), [20, 21]),  # lost two frames after it left its place
+        ((20, 30), []),  # lost where it stood
+        ((25, 30), []),  # seen to swing for too long
+    ],
+)
+def test_a_path_that_is_lost_soon_after_a_stance_was_drawn_off(gap, lost):
+    is_open = np.zeros(40, bool)
+    is_open[slice(*gap)] = True
+    stances = [Stance(4, 20, np.zeros(3)), Stance(34, 37, np.zeros(3))]
+    found = drawn_off(stances, is_open, most=4)
+    np.testing.assert_array_equal(np.flatnonzero(found), lost)

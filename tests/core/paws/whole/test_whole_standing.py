@@ -7,9 +7,7 @@ from pawnb.core.paws.whole.geometry import Geometry
 from pawnb.core.paws.whole.manner import Manner
 from pawnb.core.paws.whole.standing import (
     Ground,
-    Stance,
     covered,
-    drawn_off,
     expected_bends,
     learn_ground,
     learn_lift,
@@ -114,22 +112,6 @@ def test_another_paw_covers_a_point_that_is_near_it_in_the_picture():
     standing = np.array([[10.0, 10.0], [10.0, 10.0]])
     hidden = covered(standing, uv, 0, geometry=Geometry(None), thickness_px=np.array([8.0]))
     np.testing.assert_array_equal(hidden, [[True], [False]])
-
-
-@pytest.mark.parametrize(
-    ("gap", "lost"),
-    [
-        ((22, 30), [20, 21]),  # lost two frames after it left its place
-        ((20, 30), []),  # lost where it stood
-        ((25, 30), []),  # seen to swing for too long
-    ],
-)
-def test_a_path_that_is_lost_soon_after_a_stance_was_drawn_off(gap, lost):
-    is_open = np.zeros(40, bool)
-    is_open[slice(*gap)] = True
-    stances = [Stance(4, 20, np.zeros(3)), Stance(34, 37, np.zeros(3))]
-    found = drawn_off(stances, is_open, most=4)
-    np.testing.assert_array_equal(np.flatnonzero(found), lost)
 
 
 def test_bends_are_those_of_a_path_that_changes_its_speed_between_two_frames():
