@@ -6,7 +6,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from pawnb.core.paws.whole.bridging import Start, Stories, Telling, state_after
+from pawnb.core.paws.whole.bridging import moves_of, state_after
+from pawnb.core.paws.whole.bridging_loops import Expected, How, Shown, tell_stretch
 from pawnb.core.paws.whole.cycle import Cycle
 from pawnb.core.paws.whole.doubted import runs, told_anew
 from pawnb.core.paws.whole.geometry import Geometry
@@ -14,9 +15,11 @@ from pawnb.core.paws.whole.limbs import learn_limbs
 from pawnb.core.paws.whole.manner import Manner
 from pawnb.core.paws.whole.open_stretch import OpenStretch
 from pawnb.core.paws.whole.rhythm import Rhythm
+from pawnb.core.paws.whole.sight_loops import Cameras
 from pawnb.core.paws.whole.sights import Sights
 from pawnb.core.paws.whole.standing import Ground, Stance, covered, learn_ground
 from pawnb.core.paws.whole.swings import Swings
+from pawnb.core.paws.whole.telling import Telling
 
 _LOOK = 1.1
 """Cost of a candidate: so many times minus the logarithm of how much it looks like a paw."""
@@ -154,8 +157,7 @@ def bridge_gaps(
     places = sure if known.before is None else np.where(np.isnan(sure), known.before, sure)
     teller = _Teller(
         known, sights, cost, ground, stances, geometry.project(places), _telling(manner), geometry,
-        thickness_px, sights.is_there.sum(axis=-1).tolist(),
-        np.maximum(_poor_look(sights.quality) - _DIM, 0.0),
+        thickness_px, np.maximum(_poor_look(sights.quality) - _DIM, 0.0),
     )  # fmt: skip
     choice = np.full((n, n_points, len(thickness_px)), -1)
     held = np.full(known.chosen.shape, np.nan)
@@ -194,7 +196,6 @@ class _Teller:
     telling: Telling
     geometry: Geometry
     thickness_px: np.ndarray
-    numbers: list[list[int]]  # candidates of each frame and view
     excused: np.ndarray  # (n, V, C), how much of a poor look a paw that lifts off is forgiven
 
     def tell(
@@ -211,29 +212,19 @@ class _Teller:
         standing : ndarray, shape (stood frames, d)
             on which places.
         """
-        manner, n = self.ground.manner, len(stretch.frames)
+        manner = self.ground.manner
         state, covariance = state_after(
             self.known.chosen[stretch.before, point], stretch.way * manner.drift,
             telling=self.telling, speed=0.4 * manner.speed,
         )  # fmt: skip
         due = self._due(point, stretch)
-        start, standing = self._standing(point, stretch, is_told=due is not None)
-        hidden = None
-        if start is not None:
-            hidden = covered(
-                standing, self.uv[stretch.frames], point, geometry=self.geometry,
-                thickness_px=self.thickness_px,
-            )  # fmt: skip
-        stories = Stories(
-            state, covariance, geometry=self.geometry, thickness_px=self.thickness_px, own=own,
-            telling=self.telling, start=start,
-            across=manner.axes[1] if len(manner.axes) == 3 else None,
+        edge, standing = self._standing(point, stretch, is_told=due is not None)
+        choice, stood = tell_stretch(
+            state, covariance, edge, self._shown(point, stretch, own, standing, due),
+            self._expected(point, stretch),
+            self._how(point, stretch, own),
         )  # fmt: skip
-        self._lead(stories, point, stretch, hidden, due)
-        if start is None:
-            return stories.best()[:n], np.zeros(n, bool), standing
-        stood = stories.stood()[:n]
-        return stories.best()[:n], stood, standing[stood]
+        return choice, stood, standing[stood]
 
     def _due(self, point: int, stretch: OpenStretch) -> np.ndarray | None:
         """Return what speaks against lifting off before each frame of a stretch and after it.
@@ -257,77 +248,72 @@ class _Teller:
 
     def _standing(
         self, point: int, stretch: OpenStretch, *, is_told: bool
-    ) -> tuple[Start | None, np.ndarray]:
-        """Return how a point stands where a stretch begins, and where it would be in its frames.
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return where a point stands where a stretch begins, and in its frames (frames, d).
 
-        Nothing and no places where it does not stand there, and where nothing follows and it is
-        not told when it is due to lift off.
+        NaN where it does not stand there, and where nothing follows and it is not told when it
+        is due to lift off.
         """
         ground, stance = self.ground, stretch.stance(self.stances[point])
         if stance is None or (stretch.is_last and stretch.way > 0 and not is_told):
-            return None, np.empty((0, len(ground.drift)))
-        # told backwards a paw that stands has not landed yet: how it will is not known
-        lift = ground.lift[point] if stretch.way > 0 else np.zeros_like(ground.drift)
+            nowhere = np.full((len(stretch.frames), len(ground.drift)), np.nan)
+            return nowhere[0], nowhere
         edge = ground.places(stance, stretch.before[-1:])[0]
-        start = Start(edge, stretch.way * ground.drift, lift)
-        return start, ground.places(stance, stretch.frames)
+        return edge, ground.places(stance, stretch.frames)
 
-    def _lead(
+    def _how(self, point: int, stretch: OpenStretch, own: np.ndarray) -> How:
+        """Return how a point is told of."""
+        ground, manner, way = self.ground, self.ground.manner, stretch.way
+        # told backwards a paw that stands has not landed yet: how it will is not known
+        lift = ground.lift[point] if way > 0 else np.zeros_like(ground.drift)
+        across = manner.axes[1] if len(manner.axes) == 3 else None
+        return How(
+            Cameras(np.ascontiguousarray(self.geometry.table.T), self.thickness_px, own),
+            moves_of(self.telling, way * ground.drift, lift=lift, across=across),
+            ground.doubts(point, way=way), self.telling,
+        )  # fmt: skip
+
+    def _shown(
         self,
-        stories: Stories,
         point: int,
         stretch: OpenStretch,
-        hidden: np.ndarray | None,
+        own: np.ndarray,
+        standing: np.ndarray,
         due: np.ndarray | None,
-    ) -> None:
-        """Lead stories through a stretch and the certain places after it.
+    ) -> Shown:
+        """Return what the frames of a stretch show of a point that may stand there.
 
-        ``hidden`` tells in which views (frames, V) another paw covers the point if it stands, and
-        ``due`` what speaks against lifting off before each frame.
+        ``due`` is what speaks against lifting off before each frame.
         """
-        ground, sights = self.ground, self.sights
+        t, sights = stretch.frames, self.sights
+        against = self.cost[t, point]
+        hidden = covered(
+            standing, self.uv[t], point, geometry=self.geometry, thickness_px=self.thickness_px
+        )
+        return Shown(
+            # those that are there come first
+            sights.is_there[t].sum(axis=-1), sights.at[t, point],
+            np.stack([against, against - self.excused[t]]), np.asarray(hidden[:, own].all(axis=1)),
+            self.known.chosen[stretch.after, point],
+            np.zeros(len(t) + len(stretch.after)) if due is None else due,
+        )  # fmt: skip
 
-        def doubt(x: np.ndarray, speed: np.ndarray, recent: np.ndarray) -> np.ndarray:
-            speed = stretch.way * speed
-            riding = ground.riding(point, x, speed, recent=recent)
-            return ground.manner.strangeness(x, speed) + riding
-
-        for told, t in enumerate((*stretch.frames.tolist(), *stretch.after.tolist())):
-            is_certain = told >= len(stretch.frames)
-            stories.advance(lifting=0.0 if due is None else float(due[told]))
-            if is_certain:
-                stories.stand(self.known.chosen[t, point])
-            else:
-                for v, number in enumerate(self.numbers[t]):
-                    # those that are there come first
-                    against = self.cost[t, point, v, :number]
-                    stories.see(
-                        v, sights.at[t, point, v, :number], against,
-                        rising=against - self.excused[t, v, :number],
-                    )  # fmt: skip
-            self._expect(stories, point, stretch, t, is_certain=is_certain)
-            cover = None if is_certain or hidden is None else hidden[told]
-            stories.settle(doubt, certain=is_certain, covered=cover)
-
-    def _expect(
-        self, stories: Stories, point: int, stretch: OpenStretch, t: int, *, is_certain: bool
-    ) -> None:
-        """Let stories take in where the point is expected in a frame, if that is known."""
+    def _expected(self, point: int, stretch: OpenStretch) -> Expected:
+        """Return where a point is expected: by the cycle, and by the arc of its swing."""
         cycle, swings, manner = self.known.cycle, self.known.swings, self.ground.manner
+        t = np.concatenate([stretch.frames, stretch.after])
+        n, most = len(stretch.frames), np.zeros(2)
+        at = np.full((2, len(t), len(manner.axes)), np.nan)
+        variance, axes = np.ones(at.shape), np.stack([manner.axes] * 2)
         if cycle is not None and stretch.is_last:
-            stories.expect(
-                cycle.mean[t, point], cycle.axes, cycle.sd[t, point] ** 2 / _EXPECTED,
-                most=0.5 * _EXPECTED * _FARTHEST,
-            )  # fmt: skip
-        if swings is None or is_certain or stretch.way < 0:
-            return
-        place, sd = swings.place[t, point], swings.sd[t, point].copy()
-        if np.isfinite(place).all():
-            sd[1:-1] = np.hypot(sd[1:-1], _ASIDE * manner.thickness)
+            at[0], variance[0] = cycle.mean[t, point], cycle.sd[t, point] ** 2 / _EXPECTED
+            axes[0], most[0] = cycle.axes, 0.5 * _EXPECTED * _FARTHEST
+        if swings is not None and stretch.way > 0:
+            at[1, :n], sd = swings.place[stretch.frames, point], swings.sd[stretch.frames, point]
+            sd[:, 1:-1] = np.hypot(sd[:, 1:-1], _ASIDE * manner.thickness)
             weight = _ON_ARC * (_LAST if stretch.is_last else 1.0)
-            stories.expect(
-                place, manner.axes, sd**2 / weight, most=0.5 * weight * _FARTHEST_OFF_ARC
-            )
+            variance[1, :n], most[1] = sd**2 / weight, 0.5 * weight * _FARTHEST_OFF_ARC
+        return Expected(at, variance, axes, most)
 
 
 def _poor_look(quality: np.ndarray) -> np.ndarray:

@@ -47,17 +47,3 @@ class Manner:
     def fps(self) -> float:
         """Frames per second of a recording in which points move so."""
         return FASTEST * self.span / self.speed
-
-    def strangeness(self, x: np.ndarray, speed: np.ndarray) -> np.ndarray:
-        """Return what speaks against positions and speeds (..., d) of a point.
-
-        No paw moves back faster than the ground does, and none goes below it.
-        """
-        forward, up = self.axes[0], self.axes[-1]
-        limit = min(0.0, float(self.drift @ forward))
-        back = np.maximum(limit - speed @ forward, 0.0) / (
-            0.25 * abs(limit) + 0.5 * self.acceleration
-        )
-        below = np.maximum(self.ground - 0.7 * self.thickness - x @ up, 0.0)
-        low = below / (0.5 * self.thickness)
-        return np.asarray(0.5 * np.minimum(back**2, 9.0) + 0.5 * low**2)

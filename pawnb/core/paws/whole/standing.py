@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.core.paws.whole.doubt_loops import Doubts
 from pawnb.core.paws.whole.geometry import Geometry
 from pawnb.core.paws.whole.manner import Manner
 
@@ -26,10 +27,6 @@ _OFF = 0.35
 """A point has left the ground if it is so many thicknesses from where it stood."""
 _LEAST = 4
 """Frames needed to tell that a point stands."""
-_ABOVE, _WITHIN = 0.6, 0.5
-"""A point more than so many thicknesses above the ground is lifted, surely after as much more."""
-_RIDE = 7.0
-"""Cost of a frame in which a lifted point goes as the ground does."""
 _BESIDE = 1.2
 """Another paw covers a point up to so many thicknesses from it in the picture."""
 _UP = 1.0
@@ -82,26 +79,16 @@ class Ground:
         """Return where (n, d) what stands is in some frames (n,)."""
         return np.asarray(stance.origin + frames[:, None] * self.drift)
 
-    def riding(
-        self, point: int, x: np.ndarray, speed: np.ndarray, *, recent: np.ndarray
-    ) -> np.ndarray:
-        """Return what speaks against a lifted point that goes with the ground.
-
-        Parameters
-        ----------
-        point : int
-            Its number.
-        x, speed : ndarray, shape (b, d)
-            Where it may be, and how fast it may move.
-        recent : ndarray of bool, shape (b,)
-            Whether it has just lifted off: then it is lifted, however high it is.
-        """
-        if np.isnan(self.height[point]):
-            return np.zeros(len(x))
-        above = (x @ self.manner.axes[-1] - self.height[point]) / self.manner.thickness
-        lifted = np.where(recent, 1.0, np.clip((above - _ABOVE) / _WITHIN, 0.0, 1.0))
-        off = _length(speed - self.drift, self.manner) / _tolerance(self.drift, self.manner)
-        return np.asarray(_RIDE * lifted * np.exp(-0.5 * off**2))
+    def doubts(self, point: int, *, way: int = 1) -> Doubts:
+        """Return what speaks against how a point may move, told backwards where ``way`` is -1."""
+        manner = self.manner
+        forward = manner.axes[0]
+        fastest = min(0.0, float(manner.drift @ forward))
+        return Doubts(
+            forward, manner.axes[-1], fastest, 0.25 * abs(fastest) + 0.5 * manner.acceleration,
+            float(manner.ground), float(manner.thickness), float(self.height[point]), self.drift,
+            _tolerance(self.drift, manner), way,
+        )  # fmt: skip
 
     def stances(self, places: np.ndarray) -> list[list[Stance]]:
         """Return when each point stands, given its certain places (n, P, d), NaN elsewhere."""

@@ -5,8 +5,11 @@ import itertools
 import numpy as np
 import pytest
 
-from pawnb.core.paws.whole.bridging import Start, Stories, Telling, state_after
+from pawnb.core.paws.whole import bridging_loops, sight_loops, stories_loops
+from pawnb.core.paws.whole.bridging import moves_of, state_after
+from pawnb.core.paws.whole.doubt_loops import Doubts
 from pawnb.core.paws.whole.geometry import Geometry
+from pawnb.core.paws.whole.telling import Telling
 
 # constant acceleration whose changes are white: Bar-Shalom, Li & Kirubarajan 2001, section 6.3
 STEP = np.array([[1.0, 1.0, 0.5], [0.0, 1.0, 1.0], [0.0, 0.0, 1.0]])
@@ -21,17 +24,106 @@ LINEAR[:8] = np.array(
 ONLY = {"kick_cost": 1e6, "bad_cost": 1e6, "clutter": 1e-30, "reach": 1e6}
 
 
-def nothing(x, speed, recent):
-    return np.zeros(len(x))
+def telling(**options):
+    return Telling(**{"jerk": 0.3, "kick": 2.0, "noise": 0.4, "reach": 50.0, **options})
 
 
-def told(geometry, state, covariance, *, start=None, **options):
-    n_views = geometry.project(state[0]).shape[0]
-    return Stories(
-        state, covariance, geometry=geometry, thickness_px=np.linspace(8.0, 10.0, n_views),
-        own=np.ones(n_views, bool), start=start,
-        telling=Telling(**{"jerk": 0.3, "kick": 2.0, "noise": 0.4, "reach": 50.0, **options}),
+def how(geometry, told, *, drift=None, lift=None, **doubts):
+    """Return how stories are told of a point about which there is no doubt but the given one."""
+    d = geometry.n_coordinates
+    drift, lift = (np.zeros(d) if one is None else np.array(one) for one in (drift, lift))
+    n_views = geometry.table.shape[1]
+    axes = np.eye(d)
+    nothing = {
+        "forward": axes[0], "up": axes[-1], "fastest_back": -np.inf, "back_sd": 1.0,
+        "lowest": -np.inf, "thickness": 1.0, "height": np.nan, "drift": drift, "tolerance": 1.0,
+        "way": 1,
+    }  # fmt: skip
+    return bridging_loops.How(
+        sight_loops.Cameras(
+            np.ascontiguousarray(geometry.table.T), np.linspace(8.0, 10.0, n_views),
+            np.ones(n_views, bool),
+        ),
+        moves_of(told, drift, lift=lift), Doubts(**{**nothing, **doubts}), told,
     )  # fmt: skip
+
+
+class Steps:
+    """Stories told step by step."""
+
+    def __init__(
+        self, geometry, state, covariance, *, place=None, drift=None, lift=None, **options
+    ):
+        self.told = telling(**options)
+        self.how = how(geometry, self.told, drift=drift, lift=lift)
+        d, n_views = state.shape[1], len(self.how.cameras.own)
+        room = max(2 * self.told.most, self.told.most_within)
+        self.now, self.then = (stories_loops.room_for(room, d, n_views) for _ in range(2))
+        place = np.full(d, np.nan) if place is None else np.array(place)
+        self.home = state[0]
+        self.n = stories_loops.begin(self.now, state, covariance, place, self.how.moves)
+
+    def advance(self):
+        told, moves = self.told, self.how.moves
+        self.n = stories_loops.advance(self.now, self.n, self.then, moves, told.kick_cost, 0.0)
+        self.now, self.then = self.then, self.now
+
+    def see(self, view, at, cost, *, rising=None):
+        pairs = sight_loops.room_for_pairs(len(self.now.cost) * len(at))
+        against = np.stack([cost, cost if rising is None else rising])
+        self.now, self.then, self.n = sight_loops.see(
+            self.now, self.n, self.then, view, self.how.cameras, at, against, self.told, pairs
+        )
+
+    def stand(self, place):
+        stories_loops.stand(self.now, self.n, place, self.told.noise**2)
+
+    def expect(self, at, axes, variance, *, most):
+        stories_loops.expect(self.now, self.n, at, axes, variance, most)
+
+    def settle(self, *, certain=False):
+        bridging_loops.charge(self.now, self.n, self.home, self.how, certain, False)
+        self.n = bridging_loops.settle(self.now, self.n, self.then, self.told)
+        self.now, self.then = self.then, self.now
+
+    @property
+    def mean(self):
+        return self.now.mean[:, : self.n].T.copy()
+
+    @property
+    def cost(self):
+        return self.now.cost[: self.n].copy()
+
+    @property
+    def covariance(self):
+        size = len(self.now.mean)
+        full = np.empty((self.n, size, size))
+        for j, i in np.ndindex(size, size):
+            full[:, j, i] = self.now.covariance[stories_loops.cell(j, i), : self.n]
+        return full
+
+
+def tell(at, cost, *, state, covariance, place=None, expected=(), lifting=None, **setting):
+    """Tell what candidates (frames, c, 2) of one picture, NaN where there is none, say of a point.
+
+    Returns which were taken, and where it stands.
+    """
+    told = telling(**setting.pop("options", {}))
+    covered = np.full(len(at), setting.pop("covered", False))
+    there = np.isfinite(at[..., 0])
+    against = np.broadcast_to(cost, there.shape)
+    nowhere = np.full((0, len(at), 2), np.nan)
+    taken, stood = bridging_loops.tell_stretch(
+        np.asarray(state, float), covariance, np.full(2, np.nan) if place is None else place,
+        bridging_loops.Shown(
+            there.sum(axis=1)[:, None], np.nan_to_num(at)[:, None],
+            np.stack([against, against])[:, :, None], covered, np.empty((0, 2)),
+            np.zeros(len(at)) if lifting is None else lifting,
+        ),
+        bridging_loops.Expected(nowhere, nowhere, np.empty((0, 2, 2)), np.empty(0)),
+        how(Geometry(None), told, **setting),
+    )  # fmt: skip
+    return taken[:, 0], stood
 
 
 def conditioned(state, covariance, jerk, observed):
@@ -72,7 +164,7 @@ def test_one_candidate_a_frame_is_a_kalman_filter(coefs):
     geometry = Geometry(coefs)
     d = geometry.n_coordinates
     state, covariance = rng.normal(size=(3, d)), np.diag([0.2, 0.5, 0.1])
-    stories = told(geometry, state, covariance, **ONLY)
+    stories = Steps(geometry, state, covariance, **ONLY)
     x, observed = state.copy(), []
     for t in range(7):
         x = STEP @ x + 0.3 * np.outer(GAIN, rng.normal(size=d))
@@ -84,27 +176,24 @@ def test_one_candidate_a_frame_is_a_kalman_filter(coefs):
             observed[t].append((np.eye(d), place, 0.4**2))
         elif t != 3:  # unseen there
             for v, J in enumerate(geometry.jacobian(x[0])):
-                sd = 0.15 * stories.thickness_px[v]
+                sd = 0.15 * stories.how.cameras.thickness[v]
                 away = geometry.project(x[0])[v] - J @ x[0]
                 uv = geometry.project(x[0])[v] + sd * rng.normal(size=2)
                 stories.see(v, uv[None], np.zeros(1))
                 observed[t].append((J, uv - away, sd**2))
-        stories.settle(nothing, certain=t == 5)
+        stories.settle(certain=t == 5)
+        np.testing.assert_array_equal(stories.now.taken[:, 0], -1 if t in (3, 5) else 0)
     mean, P = conditioned(state, covariance, 0.3, observed)
     assert len(stories.cost) == 1
     np.testing.assert_allclose(stories.mean[0], mean, atol=1e-8)
     np.testing.assert_allclose(stories.covariance[0], P, atol=1e-8)
-    expected = np.full((7, len(stories.own)), 0)
-    expected[[3, 5]] = -1
-    np.testing.assert_array_equal(stories.best(), expected)
 
 
 def test_the_state_after_certain_places_is_that_of_a_kalman_filter():
     rng = np.random.default_rng(4)
     places = np.cumsum(rng.normal(size=(6, 2)), axis=0)
-    telling = Telling(jerk=0.3, kick=2.0, noise=0.4, reach=50.0)
     drift = np.array([-0.5, 0.2])
-    mean, P = state_after(places, drift, telling=telling, speed=1.5)
+    mean, P = state_after(places, drift, telling=telling(), speed=1.5)
     first = np.stack([places[0], drift, np.zeros(2)])
     before = np.diag([0.4**2, 1.5**2, 0.9**2])
     seen = [[(np.eye(2), place, 0.4**2)] for place in places[1:]]
@@ -115,14 +204,13 @@ def test_the_state_after_certain_places_is_that_of_a_kalman_filter():
 
 def lift_off(**options):
     """Tell of a paw that stands and then swings at once, beside a thing that goes on standing."""
-    state = np.zeros((3, 2))
-    stories = told(Geometry(None), state, np.diag([0.04, 0.01, 1e-4]), jerk=0.05, **options)
-    for t in range(8):
-        paw = np.array([max(0.0, 4.0 * (t - 2)), 0.0])
-        stories.advance()
-        stories.see(0, np.array([[-1.0, 6.0], paw]), np.array([2.0, 0.0]))
-        stories.settle(nothing)
-    return stories.best()[:, 0]
+    paw = np.maximum(0.0, 4.0 * (np.arange(8.0) - 2))
+    at = np.stack([np.tile([-1.0, 6.0], (8, 1)), np.column_stack([paw, 0 * paw])], axis=1)
+    taken, _ = tell(
+        at, [2.0, 0.0], state=np.zeros((3, 2)), covariance=np.diag([0.04, 0.01, 1e-4]),
+        options={"jerk": 0.05, **options},
+    )  # fmt: skip
+    return taken
 
 
 def test_a_paw_that_lifts_off_is_followed_by_a_kick():
@@ -132,26 +220,25 @@ def test_a_paw_that_lifts_off_is_followed_by_a_kick():
 
 
 def test_what_a_point_is_doubted_for_is_not_believed():
-    def doubt(x, speed, recent):
-        return np.where(x[:, 1] > 0, 20.0, 0.0)
-
+    # no point goes above the picture's line v = 0: a quarter beyond is a standard deviation
+    doubts = {"up": np.array([0.0, -1.0]), "lowest": 0.35, "thickness": 0.5}
+    up = np.column_stack([np.zeros(5), 1.0 + np.arange(5.0)])
     for sign in (1.0, -1.0):
-        stories = told(Geometry(None), np.zeros((3, 2)), np.diag([0.04, 1.0, 0.1]))
-        for t in range(5):
-            stories.advance()
-            fork = np.array([[0.0, 1.0 + t], [0.0, -1.0 - t]]) * sign
-            stories.see(0, fork, np.zeros(2))
-            stories.settle(doubt)
-        np.testing.assert_array_equal(stories.best()[1:, 0], 1 if sign > 0 else 0)
+        fork = np.stack([up, -up], axis=1) * sign
+        taken, _ = tell(
+            fork, np.zeros(2), state=np.zeros((3, 2)), covariance=np.diag([0.04, 1.0, 0.1]),
+            **doubts,
+        )  # fmt: skip
+        np.testing.assert_array_equal(taken[1:], 1 if sign > 0 else 0)
 
 
 def test_stories_that_tell_the_same_are_told_once():
-    stories = told(Geometry(None), np.zeros((3, 2)), np.diag([4.0, 4.0, 1.0]), most=5)
+    stories = Steps(Geometry(None), np.zeros((3, 2)), np.diag([4.0, 4.0, 1.0]), most=5)
     rng = np.random.default_rng(2)
     for _ in range(6):
         stories.advance()
         stories.see(0, 4.0 * rng.normal(size=(6, 2)), np.zeros(6))
-        stories.settle(nothing)
+        stories.settle()
         assert 1 < len(stories.cost) <= 5
         assert (np.diff(stories.cost) >= 0).all()
         # positions and speeds of any two differ by more than half a standard deviation of
@@ -160,7 +247,7 @@ def test_stories_that_tell_the_same_are_told_once():
         for a, b in itertools.combinations(range(len(stories.cost)), 2):
             apart = np.abs(stories.mean[a, :4] - stories.mean[b, :4])
             assert (apart > 0.2 + 0.5 * np.minimum(spread[a], spread[b])).any()
-    # covariances stay what they are: symmetric, positive
+    # covariances stay what they are: positive
     assert np.linalg.eigvalsh(stories.covariance).min() > 0
 
 
@@ -169,7 +256,7 @@ def test_an_expected_place_is_taken_in_as_a_kalman_filter_does():
     turn = np.array([[0.6, 0.8], [-0.8, 0.6]])  # forward and up, oblique in the picture
     state, covariance = rng.normal(size=(3, 2)), np.diag([0.5, 0.3, 0.1])
     at, variance = state[0] + [0.7, -0.4], np.array([0.9, 0.2])
-    stories = told(Geometry(None), state, covariance, **ONLY)
+    stories = Steps(Geometry(None), state, covariance, **ONLY)
     stories.advance()
     before = (stories.mean[0].copy(), stories.covariance[0].copy(), stories.cost[0])
     stories.expect(at, turn, variance, most=100.0)
@@ -186,7 +273,7 @@ def test_an_expected_place_is_taken_in_as_a_kalman_filter_does():
 
 
 def test_a_story_far_from_where_it_is_expected_goes_its_own_way():
-    stories = told(Geometry(None), np.zeros((3, 2)), np.diag([0.04, 0.01, 1e-4]), **ONLY)
+    stories = Steps(Geometry(None), np.zeros((3, 2)), np.diag([0.04, 0.01, 1e-4]), **ONLY)
     stories.advance()
     mean, cost = stories.mean.copy(), stories.cost.copy()
     stories.expect(np.array([50.0, 0.0]), np.eye(2), np.ones(2), most=1.6)
@@ -194,47 +281,40 @@ def test_a_story_far_from_where_it_is_expected_goes_its_own_way():
     np.testing.assert_allclose(stories.cost - cost, 1.6)
 
 
-def standing(start, *, dear=(), **options):
+def standing(place, *, dear=()):
     """Tell of a paw that stands on moving ground, lifts off after the fifth frame and is seen."""
     ground = np.array([-1.0, 0.0])
-
-    def rides(x, speed, recent):
-        return 7.0 * recent * np.exp(-((np.linalg.norm(speed - ground, axis=1) / 0.5) ** 2))
-
-    state = np.stack([np.zeros(2), ground, np.zeros(2)])
-    stories = Stories(
-        state, np.diag([0.04, 0.01, 1e-4]), geometry=Geometry(None), thickness_px=np.array([8.0]),
-        own=np.ones(1, bool), start=start,
-        telling=Telling(jerk=0.05, kick=2.0, noise=0.4, reach=50.0, **options),
-    )  # fmt: skip
+    at = np.full((8, 2, 2), np.nan)
     for t in range(1, 9):
-        stories.advance(lifting=30.0 if t in dear else 0.0)
         # a poor looking wrist keeps above it; once it has lifted off, by 3 a frame, it shows
-        seen = [t * ground + [0.0, -9.0]]
+        at[t - 1, 0] = t * ground + [0.0, -9.0]
         if t > 5:
-            seen.append(t * ground + [0.0, -3.0 * (t - 5.5)])
-        stories.see(0, np.array(seen), np.array([4.0, 0.0])[: len(seen)])
-        stories.settle(rides, covered=np.ones(1, bool))
-    return stories
+            at[t - 1, 1] = t * ground + [0.0, -3.0 * (t - 5.5)]
+    return tell(
+        at, [4.0, 0.0], state=np.stack([np.zeros(2), ground, np.zeros(2)]),
+        covariance=np.diag([0.04, 0.01, 1e-4]), place=place, covered=True,
+        lifting=np.where(np.isin(np.arange(1, 9), dear), 30.0, 0.0),
+        drift=ground, lift=[0.0, -3.0], options={"jerk": 0.05},
+    )  # fmt: skip
 
 
 def test_a_paw_stands_under_its_wrist_until_it_lifts_off():
-    start = Start(np.zeros(2), np.array([-1.0, 0.0]), np.array([0.0, -3.0]))
-    stories = standing(start)
-    np.testing.assert_array_equal(stories.stood(), np.arange(1, 9) <= 5)
-    np.testing.assert_array_equal(stories.best()[:, 0], [-1] * 5 + [1] * 3)
-    assert not standing(None).stood().any()
+    taken, stood = standing(np.zeros(2))
+    np.testing.assert_array_equal(stood, np.arange(1, 9) <= 5)
+    np.testing.assert_array_equal(taken, [-1] * 5 + [1] * 3)
+    assert not standing(None)[1].any()
 
 
 @pytest.mark.parametrize(("dear", "last"), [((1, 2, 3), 5), ((6,), 4), ((5, 6, 7), 3)])
 def test_a_paw_lifts_off_earlier_where_that_is_dear_when_it_does(dear, last):
-    start = Start(np.zeros(2), np.array([-1.0, 0.0]), np.array([0.0, -3.0]))
-    np.testing.assert_array_equal(standing(start, dear=dear).stood(), np.arange(1, 9) <= last)
+    np.testing.assert_array_equal(standing(np.zeros(2), dear=dear)[1], np.arange(1, 9) <= last)
 
 
 def test_what_stands_goes_exactly_with_the_ground():
-    start = Start(np.array([3.0, 2.0]), np.array([-1.0, 0.25]), np.array([0.0, -4.0]))
-    stories = told(Geometry(None), np.ones((3, 2)), np.eye(3), start=start)
+    stories = Steps(
+        Geometry(None), np.ones((3, 2)), np.eye(3), place=[3.0, 2.0], drift=[-1.0, 0.25],
+        lift=[0.0, -4.0],
+    )  # fmt: skip
     for t in range(1, 4):
         stories.advance()
         ground = np.array([3.0 - t, 2.0 + 0.25 * t])
@@ -245,5 +325,64 @@ def test_what_stands_goes_exactly_with_the_ground():
             # half a frame after it lifted off, on average
             np.testing.assert_allclose(stories.mean[1, :2], [*ground[:1], ground[1] - 2.0])
             np.testing.assert_allclose(stories.mean[1, 2:4], [-1.0, -3.75])
-        stories.settle(nothing)
-        assert stories.stood().all()
+        stories.settle()
+        assert stories.now.standing[0]
+
+
+def test_a_paw_that_has_just_lifted_off_may_look_poor():
+    price = []
+    for since in range(4):
+        stories = Steps(Geometry(None), np.zeros((3, 2)), np.eye(3), rising=2, **ONLY)
+        stories.now.since[0] = since
+        stories.see(0, np.zeros((1, 2)), np.array([3.0]), rising=np.array([1.0]))
+        price.append(stories.cost.min())
+    np.testing.assert_allclose(np.subtract(price, price[0]), [0.0, -2.0, -2.0, 0.0], atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("taken", "was", "certain", "price"),
+    [
+        # what becoming hidden, staying so and coming out cost, and a fifth for half of the views
+        ([-1, -1, 3], False, False, 2.0),
+        ([-1, -1, 3], True, False, 0.6),
+        ([0, 4, -1], True, False, 1.0),
+        ([0, 4, -1], False, False, 0.0),
+        ([-1, 4, -1], False, False, 0.1),
+        ([-1, -1, -1], False, True, 0.0),
+    ],
+)
+def test_what_being_hidden_costs(taken, was, certain, price):
+    stories = Steps(Geometry(LINEAR), np.zeros((3, 3)), np.eye(3))
+    # the third view is of the other side
+    stories.how.cameras.own[2] = False
+    stories.now.taken[:, 0], stories.now.hidden[0] = taken, was
+    bridging_loops.charge(stories.now, 1, stories.home, stories.how, certain, False)
+    assert stories.cost[0] == pytest.approx(price)
+    assert stories.now.hidden[0] == (price in (2.0, 0.6))
+
+
+def test_a_point_is_seldom_seen_from_the_other_side():
+    price = []
+    for own in (True, False):
+        stories = Steps(Geometry(None), np.zeros((3, 2)), np.eye(3), seen=0.7, seen_across=0.15)
+        stories.how.cameras.own[0] = own
+        stories.see(0, np.zeros((1, 2)), np.zeros(1))
+        price.append(stories.cost)
+    (missed, taken), (missed_across, taken_across) = price
+    # to be hidden from a view that tracks it is paid for at the end of the frame
+    assert missed == 0.0
+    assert missed_across == pytest.approx(-np.log(0.85))
+    assert taken_across - taken == pytest.approx(np.log(0.7 / 0.15))
+
+
+def test_one_that_stands_is_another_story_than_one_that_is_where_it_would_be():
+    stories = Steps(Geometry(None), np.zeros((3, 2)), np.eye(3))
+    alone = Steps(Geometry(None), np.zeros((3, 2)), np.eye(3))
+    for told, standing in ((stories, True), (alone, False)):
+        for name in ("mean", "covariance"):
+            rows = getattr(told.now, name)
+            rows[:, 1] = rows[:, 0]
+        told.now.standing[1] = standing
+        told.now.cost[1] = 1.0
+        told.n = bridging_loops.settle(told.now, 2, told.then, told.told)
+    assert (stories.n, alone.n) == (2, 1)

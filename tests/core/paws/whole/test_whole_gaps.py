@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pawnb.core.paws.whole.bridging import Stories
+from pawnb.core.paws.whole import gaps
 from pawnb.core.paws.whole.cycle import Cycle
 from pawnb.core.paws.whole.gaps import Known, bridge_gaps
 from pawnb.core.paws.whole.geometry import Geometry
@@ -275,12 +275,21 @@ def test_each_point_is_expected_on_its_own_arc():
         np.testing.assert_array_equal(choice[12:18, 1, 0], expected)
 
 
+def watched(monkeypatch):
+    """Return a list that will hold what is expected in each stretch that is told."""
+    expected, tell = [], gaps.tell_stretch
+
+    def tell_and_note(*args):
+        expected.extend(one for one in args if isinstance(one, gaps.Expected))
+        return tell(*args)
+
+    monkeypatch.setattr(gaps, "tell_stretch", tell_and_note)
+    return expected
+
+
 def expectations(monkeypatch, stop, *, first=8):
     """Return places and variances that are expected of a paw that is hidden from a frame on."""
-    calls = []
-    monkeypatch.setattr(
-        Stories, "expect", lambda self, at, axes, variance, most: calls.append((at, variance))
-    )
+    expected = watched(monkeypatch)
     chosen = np.zeros((30, 1, 2))
     chosen[first:stop] = np.nan
     fixed = np.zeros((30, 1), bool)
@@ -290,7 +299,10 @@ def expectations(monkeypatch, stop, *, first=8):
     nothing = np.zeros((30, 1, 2)), np.zeros((30, 1), bool)
     # certain places lie off this arc by far: they are placed by hand
     bridge(chosen, *nothing, fixed=fixed | np.isfinite(chosen[..., 0]), swings=arc(place, sd=0.4))
-    return calls
+    (one,) = expected
+    assert np.isnan(one.at[0]).all()  # there is no cycle
+    told = np.isfinite(one.at[1]).all(axis=-1)
+    return list(zip(one.at[1, told], one.variance[1, told], strict=True))
 
 
 def test_a_paw_is_expected_on_its_arc_in_hidden_frames_and_more_so_where_nothing_follows(
@@ -311,10 +323,7 @@ def test_a_paw_is_expected_on_its_arc_in_hidden_frames_and_more_so_where_nothing
 def test_aside_of_its_arc_a_paw_is_expected_less_surely(monkeypatch):
     """In space, where all directions are told alike by the arc, and axes are turned."""
     turn = np.array([[0.6, 0.8, 0.0], [-0.8, 0.6, 0.0], [0.0, 0.0, 1.0]])
-    seen = []
-    monkeypatch.setattr(
-        Stories, "expect", lambda self, at, axes, variance, most: seen.append((axes, variance))
-    )
+    seen = watched(monkeypatch)
     lines = np.zeros((11, 2))
     lines[[0, 6], 0] = lines[[1, 6], 1] = 1.0
     chosen = np.zeros((30, 1, 3))
@@ -328,9 +337,10 @@ def test_aside_of_its_arc_a_paw_is_expected_less_surely(monkeypatch):
         sights, geometry=Geometry(lines), thickness_px=np.array([8.0, 8.0]),
         own=np.ones((1, 2), bool), manner=manner,
     )  # fmt: skip
-    assert len(seen) == 12
-    for axes, (forward, aside, up) in seen:
-        np.testing.assert_array_equal(axes, turn)
+    (expected,) = seen
+    np.testing.assert_array_equal(expected.axes[1], turn)
+    assert np.isfinite(expected.at[1]).all(axis=-1).sum() == 12
+    for forward, aside, up in expected.variance[1, :12]:
         assert forward == up
         # by more than half a thickness, which is 8
         assert aside - up > 4.0**2

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from pawnb.core import dlt
-from pawnb.core.paws.whole import bridging_loops, hypotheses_loops, refine_loops
+from pawnb.core.paws.whole import hypotheses_loops, refine_loops, sight_loops, stories_loops
 from pawnb.core.paws.whole.geometry import Geometry
 from pawnb.core.paws.whole.tracklets import Tracklet
 
@@ -36,10 +36,14 @@ def test_pictures_and_their_derivatives(coefs):
     d = geometry.n_coordinates
     mean = np.random.default_rng(1).uniform(-12, 12, (7, 3 * d))
     expected, derivative = geometry.project(mean[:, :d]), slope(geometry.project, mean[:, :d])
+    stories = stories_loops.room_for(9, d, 1)
+    stories.mean[:, :7], stories.covariance[:] = mean.T, 0.0
     for v, L in enumerate(np.ascontiguousarray(geometry.table.T)):
-        uv, J = bridging_loops.pictures(mean, L, d)
-        np.testing.assert_allclose(uv, expected[:, v], rtol=1e-12)
-        np.testing.assert_allclose(J, derivative[:, v], rtol=1e-6, atol=1e-6)
+        seen = sight_loops.pictures(stories, 7, L)
+        np.testing.assert_allclose(seen.at.T, expected[:, v], rtol=1e-12)
+        np.testing.assert_allclose(
+            seen.slope.transpose(2, 0, 1), derivative[:, v], rtol=1e-6, atol=1e-6
+        )
 
 
 @pytest.mark.parametrize("coefs", [None, COEFS])
@@ -99,3 +103,22 @@ def test_ends_of_pieces_are_those_of_a_fitted_polynomial(n, head):
     end = 0 if head else told - 1
     np.testing.assert_allclose(place, [np.polyval(c, end) for c in fit.T])
     np.testing.assert_allclose(speed, [np.polyval(np.polyder(c), end) for c in fit.T])
+
+
+@pytest.mark.parametrize("most", [1, 7, 40, 60])
+def test_the_likeliest_stories_and_pairs_are_kept(most):
+    rng = np.random.default_rng(most)
+    # many cost the same: of those the first are kept
+    missed, cost = (rng.integers(0, 9, n).astype(float) for n in (20, 31))
+    kept, many = sight_loops.likeliest(missed, cost, most)
+    expected = np.sort(np.argsort(np.concatenate([missed, cost]), kind="stable")[:most])
+    np.testing.assert_array_equal(kept, expected)
+    assert many == (expected < 20).sum()
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 50, 51])
+def test_a_value_at_its_place_among_sorted_ones(n):
+    rng = np.random.default_rng(n)
+    for values in (rng.normal(size=n), rng.integers(0, 3, n).astype(float), np.ones(n)):
+        found = [sight_loops.nth(values.copy(), k) for k in range(n)]
+        np.testing.assert_array_equal(found, np.sort(values))

@@ -1,0 +1,320 @@
+"""What stories of a point take in of a view's candidates, compiled."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from pawnb.core.compiled import compiled
+from pawnb.core.paws.whole.stories_loops import Stories, cell, copy
+from pawnb.core.paws.whole.telling import Telling
+
+_GATE = 16.0
+"""Largest squared distance of a candidate, in standard deviations."""
+
+
+class Cameras(NamedTuple):
+    """The views.
+
+    Parameters
+    ----------
+    table : ndarray, shape (V, 11)
+        DLT coefficients.
+    thickness : ndarray, shape (V,)
+        Thickness of a paw, px.
+    own : ndarray of bool, shape (V,)
+        Views that track the point.
+    """
+
+    table: np.ndarray
+    thickness: np.ndarray
+    own: np.ndarray
+
+
+class Pictures(NamedTuple):
+    """What stories look like in a view.
+
+    Parameters
+    ----------
+    at : ndarray, shape (2, b)
+        Where they are, px.
+    slope : ndarray, shape (2, d, b)
+        How that changes with the position.
+    across : ndarray, shape (2, 3 d, b)
+        Covariances of it with the states.
+    spread : ndarray, shape (3, b)
+        Its own: of u, of u and v, of v.
+    """
+
+    at: np.ndarray
+    slope: np.ndarray
+    across: np.ndarray
+    spread: np.ndarray
+
+
+class Pairs(NamedTuple):
+    """Room for pairs of a story and a candidate.
+
+    Parameters
+    ----------
+    cost : ndarray, shape (p,)
+        What each costs the story.
+    story, candidate, kind : ndarray of int, shape (p,)
+        Their numbers, and which kind of candidate is cheapest: 0 for a good one, 1 for a bad.
+    """
+
+    cost: np.ndarray
+    story: np.ndarray
+    candidate: np.ndarray
+    kind: np.ndarray
+
+
+@compiled
+def room_for_pairs(pairs: int) -> Pairs:
+    """Return room for so many pairs."""
+    return Pairs(
+        np.empty(pairs), np.empty(pairs, np.int64), np.empty(pairs, np.int64),
+        np.empty(pairs, np.int64),
+    )  # fmt: skip
+
+
+@compiled
+def pictures(stories: Stories, n: int, L: np.ndarray) -> Pictures:
+    """Return what the first ``n`` stories look like in a view of DLT coefficients (11,)."""
+    size = len(stories.mean)
+    d = size // 3
+    at, slope, below = np.empty((2, n)), np.empty((2, d, n)), np.ones(n)
+    for i in range(d):
+        for b in range(n):
+            below[b] += L[8 + i] * stories.mean[i, b]
+    for c in range(2):
+        for b in range(n):
+            at[c, b] = L[4 * c + 3]
+        for i in range(d):
+            for b in range(n):
+                at[c, b] += L[4 * c + i] * stories.mean[i, b]
+        for b in range(n):
+            at[c, b] /= below[b]
+        for i in range(d):
+            for b in range(n):
+                slope[c, i, b] = (L[4 * c + i] - at[c, b] * L[8 + i]) / below[b]
+    across, spread = _spreads(stories, slope)
+    return Pictures(at, slope, across, spread)
+
+
+@compiled
+def _spreads(stories: Stories, slope: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return covariances of pictures with states, and of pictures; see :class:`Pictures`."""
+    (_, d, n), size = slope.shape, len(stories.mean)
+    across, spread = np.zeros((2, size, n)), np.zeros((3, n))
+    for c in range(2):
+        for j in range(size):
+            for i in range(d):
+                e = cell(j, i)
+                for b in range(n):
+                    across[c, j, b] += stories.covariance[e, b] * slope[c, i, b]
+        for e in range(c + 1):
+            for i in range(d):
+                for b in range(n):
+                    spread[c + e, b] += slope[c, i, b] * across[e, i, b]
+    return across, spread
+
+
+@compiled
+def find_pairs(
+    seen: Pictures,
+    at: np.ndarray,
+    spread: np.ndarray,
+    extra: np.ndarray,
+    pairs: Pairs,
+) -> int:
+    """Find the pairs of a story and a candidate within the gate, and return how many there are.
+
+    Parameters
+    ----------
+    seen : Pictures
+        What the stories look like.
+    at : ndarray, shape (c, 2)
+        The candidates, px.
+    spread, extra : ndarray, shape (k,)
+        For each kind of candidate its variance, px squared, and its cost.
+    pairs : Pairs
+        Where they go.
+    """
+    kinds = len(spread)
+    uu, vv, inverse, base = np.empty(kinds), np.empty(kinds), np.empty(kinds), np.empty(kinds)
+    count = 0
+    for b in range(seen.at.shape[1]):
+        uv = seen.spread[1, b]
+        for k in range(kinds):
+            uu[k], vv[k] = seen.spread[0, b] + spread[k], seen.spread[2, b] + spread[k]
+            area = uu[k] * vv[k] - uv * uv
+            inverse[k], base[k] = 1.0 / area, 0.5 * np.log(area) + extra[k]
+        for c in range(len(at)):
+            du, dv = at[c, 0] - seen.at[0, b], at[c, 1] - seen.at[1, b]
+            best = np.inf
+            for k in range(kinds):
+                square = (vv[k] * du * du - 2.0 * uv * du * dv + uu[k] * dv * dv) * inverse[k]
+                if square <= _GATE and 0.5 * square + base[k] < best:
+                    best, pairs.kind[count] = 0.5 * square + base[k], k
+            if best < np.inf:
+                pairs.cost[count], pairs.story[count], pairs.candidate[count] = best, b, c
+                count += 1
+    return count
+
+
+@compiled
+def see(
+    now: Stories,
+    n: int,
+    then: Stories,
+    view: int,
+    cameras: Cameras,
+    at: np.ndarray,
+    against: np.ndarray,
+    told: Telling,
+    pairs: Pairs,
+) -> tuple[Stories, Stories, int]:
+    """Take in one of a view's candidates, or none.
+
+    Parameters
+    ----------
+    now, then : Stories
+        The stories, and room for them.
+    n : int
+        How many there are.
+    view : int
+        Number of the view.
+    cameras : Cameras
+        The views.
+    at : ndarray, shape (c, 2)
+        Where each candidate says the point is, px.
+    against : ndarray, shape (2, c)
+        What speaks against each: a poor look, or that another point explains it; and the same
+        for a paw that has just lifted off.
+    told : Telling
+        How stories are told.
+    pairs : Pairs
+        Room for them.
+
+    Returns
+    -------
+    stories, room : Stories
+        The stories that are left: first those that took in none. And room for the next.
+    n : int
+        How many there are.
+    """
+    own, thickness = cameras.own[view], cameras.thickness[view]
+    chance = told.seen if own else told.seen_across
+    seen = pictures(now, n if len(at) else 0, cameras.table[view])
+    spread = (np.array([told.good, told.bad]) * thickness) ** 2
+    count = find_pairs(seen, at, spread, np.array([0.0, told.bad_cost]), pairs)
+    nothing = np.log(told.clutter / thickness**2 * 2.0 * np.pi / chance)
+    for p in range(count):
+        b = pairs.story[p]
+        rises = 0 < now.since[b] <= told.rising
+        pairs.cost[p] += now.cost[b] + nothing + against[int(rises), pairs.candidate[p]]
+    if not own:
+        for b in range(n):
+            now.cost[b] -= np.log(1.0 - chance)
+    if count == 0 and n <= told.most_within:
+        return now, then, n
+    kept, many = likeliest(now.cost[:n], pairs.cost[:count], told.most_within)
+    taken, whose = kept[many:] - n, kept.copy()
+    for k, p in enumerate(taken):
+        whose[many + k] = pairs.story[p]
+    copy(now, whose, then)
+    _learn(then, many, seen, pairs, taken, at, spread)
+    for k, p in enumerate(taken):
+        then.cost[many + k], then.taken[view, many + k] = pairs.cost[p], pairs.candidate[p]
+    return then, now, len(kept)
+
+
+@compiled
+def likeliest(missed: np.ndarray, cost: np.ndarray, most: int) -> tuple[np.ndarray, int]:
+    """Return the likeliest of stories that take in nothing and after them of pairs.
+
+    And how many the first are. Of those that cost the same, the first are left.
+    """
+    total = np.concatenate((missed, cost))
+    kept = np.empty(min(len(total), most), np.int64)
+    limit, count, ties, many = np.inf, 0, len(kept), 0
+    if len(total) > most:
+        limit = nth(total.copy(), most - 1)
+        for price in total:
+            ties -= price < limit
+    for k, price in enumerate(total):
+        if price < limit or (price == limit and ties > 0):
+            ties -= price == limit
+            kept[count] = k
+            count += 1
+            many += k < len(missed)
+    return kept[:count], many
+
+
+@compiled
+def nth(values: np.ndarray, n: int) -> float:
+    """Return the value that would come at place ``n`` if they were sorted; they are moved about.
+
+    Hoare 1961, Commun. ACM 4: 321-322.
+    """
+    low, high = 0, len(values) - 1
+    while low < high:
+        middle = values[(low + high) // 2]
+        i, j = low, high
+        while i <= j:
+            while values[i] < middle:
+                i += 1
+            while middle < values[j]:
+                j -= 1
+            if i <= j:
+                values[i], values[j] = values[j], values[i]
+                i += 1
+                j -= 1
+        if n <= j:
+            high = j
+        elif n >= i:
+            low = i
+        else:
+            break
+    return values[n]
+
+
+@compiled
+def _learn(
+    stories: Stories,
+    begin: int,
+    seen: Pictures,
+    pairs: Pairs,
+    taken: np.ndarray,
+    at: np.ndarray,
+    spread: np.ndarray,
+) -> None:
+    """Let stories from ``begin`` on learn from the candidates of their pairs: a Kalman filter."""
+    n, size = len(taken), len(stories.mean)
+    step, weight = np.empty((2, n)), np.empty((3, n))
+    across, gain = np.empty((2, size, n)), np.empty((2, size, n))
+    for k, p in enumerate(taken):
+        b = pairs.story[p]
+        uu, uv = seen.spread[0, b] + spread[pairs.kind[p]], seen.spread[1, b]
+        vv = seen.spread[2, b] + spread[pairs.kind[p]]
+        area = uu * vv - uv * uv
+        weight[0, k], weight[1, k], weight[2, k] = vv / area, -uv / area, uu / area
+        for c in range(2):
+            step[c, k] = at[pairs.candidate[p], c] - seen.at[c, b]
+            for j in range(size):
+                across[c, j, k] = seen.across[c, j, b]
+    for j in range(size):
+        for c in range(2):
+            for k in range(n):
+                gain[c, j, k] = across[0, j, k] * weight[c, k] + across[1, j, k] * weight[c + 1, k]
+        for k in range(n):
+            stories.mean[j, begin + k] += gain[0, j, k] * step[0, k] + gain[1, j, k] * step[1, k]
+    for j in range(size):
+        for i in range(j + 1):
+            e = cell(j, i)
+            for k in range(n):
+                stories.covariance[e, begin + k] -= (
+                    gain[0, j, k] * across[0, i, k] + gain[1, j, k] * across[1, i, k]
+                )
