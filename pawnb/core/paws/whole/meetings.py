@@ -14,6 +14,12 @@ import numpy as np
 
 from pawnb.core.paws.whole.tracklets import Tracklet
 
+_STANDS, _SLIDES = 0.5, 0.6
+"""A paw that stands stays within so many thicknesses of its place on the ground, and does not
+stand again as many farther on."""
+_BETWEEN = 2
+"""Frames before and after such a slide that belong to neither place."""
+
 
 def cut_meetings(pieces: Sequence[Tracklet], apart: float) -> list[Tracklet]:
     """Cut pieces where they come near each other: at the first, the nearest and the last frame.
@@ -95,6 +101,52 @@ def cut_takeovers(pieces: Sequence[Tracklet], apart: float, frames: int) -> list
                     cuts[i].add(low + 1 + int(bend[: high - low + 1].argmax()))
     parts = [part for piece, own in zip(pieces, cuts, strict=True) for part in _split(piece, own)]
     return sorted(parts, key=lambda piece: piece.first)
+
+
+def cut_slides(
+    pieces: Sequence[Tracklet], *, drift: np.ndarray, thickness: float, frames: int
+) -> list[Tracklet]:
+    """Cut pieces that stand on one place of the ground and then on another close by.
+
+    No paw slides on. A hind paw landed just where a front paw lifted off, and the piece of one
+    goes on as the other; where that one had no piece of its own nothing else tells of it.
+
+    Parameters
+    ----------
+    pieces : sequence of Tracklet
+        Pieces of path.
+    drift : ndarray, shape (d,)
+        Speed of the ground, length per frame.
+    thickness : float
+        Thickness of a paw.
+    frames : int
+        Frames for which a paw goes with the ground to be known to stand, three at least.
+
+    Returns
+    -------
+    list of Tracklet
+        The parts, in the order of their first frames.
+    """
+    parts = []
+    for piece in pieces:
+        still = piece.at - np.arange(len(piece.picks))[:, None] * drift
+        parts += _split(piece, {piece.first + i for i in _slides(still, thickness, frames)})
+    return sorted(parts, key=lambda piece: piece.first)
+
+
+def _slides(still: np.ndarray, thickness: float, frames: int) -> list[int]:
+    """Return where places on the ground (n, d) slide: the first frame after each slide's middle."""
+    apart = frames + 2 * _BETWEEN
+    if len(still) < apart + frames:
+        return []
+    window = np.lib.stride_tricks.sliding_window_view(still, frames, axis=0)
+    place = np.median(window, axis=-1)
+    stands = np.ptp(window, axis=-1).max(axis=1) < _STANDS * thickness
+    step = np.linalg.norm(place[apart:] - place[:-apart], axis=1)
+    step = np.where(stands[apart:] & stands[:-apart], step, 0.0)
+    slid = np.concatenate([[False], step > _SLIDES * thickness, [False]])
+    edges = np.flatnonzero(np.diff(slid.astype(int))).reshape(-1, 2).tolist()
+    return [int(a + step[a:b].argmax()) + frames + _BETWEEN for a, b in edges]
 
 
 def _split(piece: Tracklet, cuts: set[int]) -> list[Tracklet]:

@@ -15,10 +15,10 @@ from pawnb.core.paws.whole.habit import follow_body, habit_cost, learn_habits
 from pawnb.core.paws.whole.hypotheses import Pairing, Places
 from pawnb.core.paws.whole.likeness import Judge
 from pawnb.core.paws.whole.manner import FASTEST, Manner
-from pawnb.core.paws.whole.meetings import cut_meetings, cut_takeovers
+from pawnb.core.paws.whole.meetings import cut_meetings, cut_slides, cut_takeovers
 from pawnb.core.paws.whole.scene import Scene
 from pawnb.core.paws.whole.settings import WholeSettings
-from pawnb.core.paws.whole.strangers import aside_cost, nearer, side_cost
+from pawnb.core.paws.whole.strangers import aside_cost, near_side_cost, nearer, side_cost
 from pawnb.core.paws.whole.tracklets import (
     Linking,
     Tracklet,
@@ -56,6 +56,11 @@ _BESIDE = 4.0
 """Distance, in thicknesses, at which a piece that ends is beside another."""
 _TAKEOVER_S = 0.03
 """Time, s, before and after its end in which the other may take over its point."""
+_STOOD_S = 0.015
+"""Time, s, for which a paw goes with the ground to be known to stand."""
+_WANDERS = 2.0
+"""Before the body is followed places to the side are told so much more vaguely: an animal on a belt
+wanders."""
 
 Fixed = Mapping[int, Mapping[int, np.ndarray]]
 """Frame to point number to position, certain."""
@@ -140,6 +145,10 @@ class PathChoice:
             self.pieces = cut_takeovers(
                 self.pieces, _BESIDE * scene.thickness, max(3, round(_TAKEOVER_S * fps))
             )
+        self.pieces = cut_slides(
+            self.pieces, drift=drift, thickness=scene.thickness,
+            frames=max(3, round(_STOOD_S * fps)),
+        )  # fmt: skip
         self.pieces = without_fixtures(self.pieces, drift, thickness=scene.thickness)
         stay = settings.stay_cost / fps
         costs = FlowCosts(
@@ -162,7 +171,10 @@ class PathChoice:
         ndarray, shape (n, P, d)
             The chosen places, NaN where hidden.
         """
-        x = self._choose(_start_prior(self.pieces, self._usual, self.fixed, self.scene))
+        start = _start_prior(self.pieces, self._usual, self.fixed, self.scene)
+        nowhere = np.zeros((self.shape[0], self.shape[2]))
+        start += near_side_cost(self.pieces, self.fixed, self.scene, body=nowhere, kinds=self.kinds)
+        x = self._choose(start)
         axes = list(self.manner.axes[:2])
         groups = [self.kinds, [str(p) for p in range(self.shape[1])]][: len(axes)]
         for _ in range(_LOOKS):
@@ -323,7 +335,8 @@ def _start_prior(
                 far = np.maximum(ahead - 0.33, 0.0) / 0.1
                 cost[p, i] += 0.5 * np.minimum(far**2, 6.0).sum()
             if across is not None and p in clicked:
-                cost[p, i] += aside_cost((piece.at - clicked[p]) @ across, scene.span).sum()
+                away = (piece.at - clicked[p]) @ across
+                cost[p, i] += aside_cost(away, _WANDERS * scene.span).sum()
     return cost
 
 

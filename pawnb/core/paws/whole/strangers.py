@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from pawnb.core import dlt
 from pawnb.core.paws.whole.scene import Scene, unclicked_kinds
 from pawnb.core.paws.whole.tracklets import Tracklet, joined
 
@@ -25,6 +26,8 @@ _SAME_SIDE = 0.1
 """A stranger that is within so many spans, to the side, of where the paw of its kind was clicked
 is that paw: clicks of two views of one side are 0.01 off in depth, and left and right paws of
 rendered mice are 0.2 (front) to 0.9 (hind) apart."""
+_FAR_SIDE = 0.2
+"""A stranger is so many spans farther from the cameras than the clicked paw of its kind."""
 
 Fixed = Mapping[int, Mapping[int, np.ndarray]]
 """Frame to point number to position, certain."""
@@ -92,7 +95,7 @@ def side_cost(
     body: np.ndarray,
     kinds: Sequence[str],
 ) -> np.ndarray:
-    """Return what it costs clicked points to go to the other side of the animal.
+    """Return what it costs clicked points to go to the other side, and strangers to this one.
 
     Only points of which the other side's was not clicked need it: where all four paws were,
     each holds its own pieces.
@@ -115,7 +118,7 @@ def side_cost(
     ndarray, shape (P, pieces)
         The cost of each piece for each point; 0 where no depth tells the sides apart.
     """
-    cost = np.zeros((len(kinds), len(pieces)))
+    cost = near_side_cost(pieces, fixed, scene, body=body, kinds=kinds)
     across = side_told(scene)
     if not pieces or across is None:
         return cost
@@ -127,6 +130,39 @@ def side_cost(
         if kinds[p] in once:
             away = aside(at, since, body=body[frame], point=p, across=across)
             cost[p] = np.add.reduceat(aside_cost(away, scene.span), first)
+    return cost
+
+
+def near_side_cost(
+    pieces: Sequence[Tracklet],
+    fixed: Fixed,
+    scene: Scene,
+    *,
+    body: np.ndarray,
+    kinds: Sequence[str],
+) -> np.ndarray:
+    """Return what it costs strangers to be no farther from the cameras than the clicked points.
+
+    A stranger that takes the place of a hidden paw keeps it: nothing else says whose it is.
+    Parameters as for :func:`side_cost`.
+
+    Returns
+    -------
+    ndarray, shape (P, pieces)
+        The cost of each piece for each point; 0 where cameras stand on both sides of the animal.
+    """
+    cost = np.zeros((len(kinds), len(pieces)))
+    across, way = side_told(scene), _away_from_cameras(scene)
+    if not pieces or across is None or way == 0.0:
+        return cost
+    clicked = 1 + max(p for here in fixed.values() for p in here)
+    frame, at, first = joined(pieces)
+    since = _from_body(fixed, body)
+    for p in range(clicked, len(kinds)):
+        point = kinds.index(kinds[p])
+        away = way * aside(at, since, body=body[frame], point=point, across=across)
+        short = np.maximum(_FAR_SIDE * scene.span - away, 0.0)
+        cost[p] = np.add.reduceat(aside_cost(short, scene.span), first)
     return cost
 
 
@@ -231,6 +267,20 @@ def nearer(
 def side_told(scene: Scene) -> np.ndarray | None:
     """Return the direction to the side where places have a depth: from the side, in space."""
     return None if scene.volume is None or scene.lead is not None else scene.volume.across
+
+
+def _away_from_cameras(scene: Scene) -> float:
+    """Return the sign of the direction to the side that leads away from all cameras, 0 if none."""
+    across = side_told(scene)
+    if across is None:
+        return 0.0
+    middle = np.mean([x for here in scene.anchors.values() for x in here.values()], axis=0)
+    signs = set()
+    for coefs in scene.geometry.table.T:
+        # a projection maps its centre, in homogeneous coordinates, to nothing
+        *centre, far = np.linalg.svd(dlt.to_matrix(coefs))[2][-1]
+        signs.add(float(-np.sign((centre - far * middle) @ across * far)))
+    return signs.pop() if len(signs) == 1 else 0.0
 
 
 def _from_body(fixed: Fixed, body: np.ndarray) -> dict[int, dict[int, np.ndarray]]:

@@ -1,4 +1,4 @@
-"""A view from below: spots, places on a plane, heights from the side, and meetings."""
+"""A view from below: spots, places on a plane, and heights from the side."""
 
 import numpy as np
 import pytest
@@ -8,11 +8,9 @@ from pawnb.core.paws.whole.geometry import Geometry
 from pawnb.core.paws.whole.hypotheses import Volume
 from pawnb.core.paws.whole.lead import Lead, find_lead
 from pawnb.core.paws.whole.likeness import Judge
-from pawnb.core.paws.whole.meetings import cut_meetings, cut_takeovers
 from pawnb.core.paws.whole.offsets import Offsets
 from pawnb.core.paws.whole.sights import read_sights
 from pawnb.core.paws.whole.spots import find_spots
-from pawnb.core.paws.whole.tracklets import Tracklet
 
 # the side view is u = x, v = 168 - z; the one from below a perspective u = x / w, v = y / w
 # with w = 1 + 0.001 z, so that its places move when they are lifted
@@ -121,53 +119,3 @@ def test_where_no_view_tells_the_height_it_is_that_of_the_ground():
         found, NOWHERE, facing=(1, 1), judge=Judge([(0.7, 0.7), (1.0, 0.0)], THICKNESS)
     )
     np.testing.assert_allclose(LEAD.lift(LEAD.flat(truth), sights, 1.5), truth, atol=1e-6)
-
-
-def test_pieces_are_cut_where_they_meet_and_nowhere_else():
-    frames = np.arange(40)
-    ahead = np.column_stack([frames, 0.0 * frames]).astype(float)
-    back = np.column_stack([40.0 - frames, 1.0 + 0.0 * frames])
-    away = np.column_stack([frames, 100.0 + 0.0 * frames])
-    pieces = [Tracklet(0, list(frames), at, np.zeros(40)) for at in (ahead, back, away)]
-    parts = cut_meetings(pieces, 6.0)
-    # |40 - 2 t| and 1 apart: less than 6 from frame 18 to 22, least at 20
-    assert sorted((p.first, p.last) for p in parts) == sorted(
-        [(0, 17), (18, 19), (20, 22), (23, 39)] * 2 + [(0, 39)]
-    )
-    for part in parts:
-        assert part.picks == list(range(part.first, part.last + 1))
-        assert len(part.at) == len(part.cost) == len(part.picks)
-
-
-def test_a_piece_is_cut_where_another_begins_beside_it():
-    frames = np.arange(20)
-    at = np.column_stack([frames, 0.0 * frames]).astype(float)
-    whole = Tracklet(0, list(frames), at, np.zeros(20))
-    late = Tracklet(9, [0], np.array([[9.0, 5.0]]), np.zeros(1))
-    far = Tracklet(15, [0], np.array([[15.0, 50.0]]), np.zeros(1))
-    parts = cut_meetings([whole, late, far], 6.0)
-    assert (0, 8) in [(p.first, p.last) for p in parts]
-    assert (10, 19) in [(p.first, p.last) for p in parts]
-
-
-def piece(at):
-    return Tracklet(0, list(range(len(at))), at, np.zeros(len(at)))
-
-
-def test_a_piece_is_cut_where_another_paw_took_it_over():
-    # one paw stands and moves back with the belt; another comes from behind, its own piece
-    # ends in frame 14, and from frame 18 on the first piece follows it a little to the side
-    t = np.arange(40.0)
-    stand = np.column_stack([-t, np.zeros(40)])
-    stand[18:, 1] = 2.0
-    comes = np.column_stack([-40.0 + 2.0 * t, np.full(40, 2.0)])
-    parts = cut_takeovers([piece(stand), piece(comes[:15])], 4.0, 6)
-    assert sorted((part.first, part.last) for part in parts) == [(0, 14), (0, 17), (18, 39)]
-
-
-def test_a_piece_alone_is_not_cut():
-    t = np.arange(40.0)
-    stand = np.column_stack([-t, np.zeros(40)])
-    far = np.column_stack([-t, np.full(40, 30.0)])
-    parts = cut_takeovers([piece(stand), piece(far[:15])], 4.0, 6)
-    assert len(parts) == 2

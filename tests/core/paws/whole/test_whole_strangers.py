@@ -17,6 +17,7 @@ from pawnb.core.paws.whole.paths import PathChoice
 from pawnb.core.paws.whole.scene import Scene, unclicked_kinds
 from pawnb.core.paws.whole.strangers import (
     aside,
+    near_side_cost,
     nearer,
     share_seen,
     side_cost,
@@ -126,9 +127,23 @@ CLICKED = {0: {0: LEFT[0], 1: LEFT[0] - [LONG, 0, 0]}}
 KINDS = ["front", "hind", "front", "hind"]
 
 
-def scene_in_space(lead=None):
+BEFORE, BEHIND = ([0.0, 300.0, 20.0], [40.0, 320.0, 30.0]), [0.0, -300.0, 20.0]
+
+
+def scene_in_space(lead=None, cameras=(BEFORE[0], BEHIND)):
     volume = Volume(np.array([0.0, 0.0, 1.0]), ACROSS, (-9.0, 9.0), (-60.0, 60.0))
-    return SimpleNamespace(volume=volume, lead=lead, span=LONG, up=volume.up)
+    return SimpleNamespace(
+        volume=volume, lead=lead, span=LONG, up=volume.up, anchors=CLICKED,
+        geometry=Geometry(np.stack([camera(at) for at in cameras], axis=1)),
+    )  # fmt: skip
+
+
+def camera(at):
+    """DLT coefficients of a camera that looks at the animal along the way across."""
+    ahead = -np.sign(at[1])
+    look = np.array([[ahead, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, ahead, 0.0]])
+    P = np.diag([900.0, 900.0, 1.0]) @ np.column_stack([look, -look @ np.asarray(at)])
+    return (P / P[2, 3]).ravel()[:11]
 
 
 def test_how_far_aside_a_place_is_is_told_from_the_body():
@@ -145,6 +160,32 @@ def test_it_costs_a_clicked_paw_to_go_to_the_other_side():
     cost = side_cost(pieces, CLICKED, scene_in_space(), body=BODY, kinds=KINDS)
     # the other side is 20 = 4 standard deviations of 0.1 spans away, which 6 squared ones limit
     np.testing.assert_allclose(cost, [[0, 30, 15], [0, 30, 15], [0, 0, 0], [0, 0, 0]], atol=1e-9)
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_it_costs_a_stranger_to_be_on_the_side_of_the_clicks_and_of_all_cameras(mirrored):
+    """Left paws are clicked and the cameras stand to the left; or all of it the other way round."""
+    mirror = np.array([1.0, -1.0, 1.0]) if mirrored else np.ones(3)
+    at = [LEFT, RIGHT, LEFT - 0.3 * WIDE * ACROSS, LEFT + WIDE * ACROSS]
+    pieces = [piece(one * mirror, 30, 39) for one in at]
+    clicked = {0: {p: one * mirror for p, one in CLICKED[0].items()}}
+    beside = scene_in_space(cameras=[np.array(one) * mirror for one in BEFORE])
+    cost = near_side_cost(pieces, clicked, beside, body=BODY * mirror, kinds=KINDS)
+    # it is 0.2 spans = 10 short of the far side on the near one, two standard deviations; 4 short
+    # where it is 6 away; three squared ones at most; for ten frames
+    expected = [20.0, 0.0, 10 * 0.5 * 0.8**2, 30.0]
+    np.testing.assert_allclose(cost, [[0] * 4] * 2 + [expected] * 2, atol=1e-9)
+    both = side_cost(pieces, clicked, beside, body=BODY * mirror, kinds=KINDS)
+    np.testing.assert_allclose(both[2:], cost[2:])
+    assert (both[:2, 1] == 30.0).all()
+
+
+def test_strangers_have_no_side_with_cameras_on_both_or_without_depth():
+    pieces = [piece(LEFT, 30, 39)]
+    assert not near_side_cost(pieces, CLICKED, scene_in_space(), body=BODY, kinds=KINDS).any()
+    from_below = scene_in_space(lead=object(), cameras=BEFORE)
+    assert not near_side_cost(pieces, CLICKED, from_below, body=BODY, kinds=KINDS).any()
+    assert near_side_cost([], CLICKED, scene_in_space(), body=BODY, kinds=KINDS).shape == (4, 0)
 
 
 def test_the_side_costs_nothing_where_both_paws_are_clicked_or_no_depth_tells():
