@@ -269,7 +269,9 @@ def _swings(
     if rhythm is None or bridged.ground is None or np.isnan(bridged.ground.height).all():
         return None
     seen = (np.isfinite(result.measured[..., 0]) & ready.own).any(axis=-1)
-    sd = result.sd.mean(axis=-1) / thickness
+    # arcs go forward and up: that a single view tells no depth takes nothing from them
+    ahead = bridged.ground.manner.axes[[0, -1]]
+    sd = np.sqrt(result.sd**2 @ (ahead**2).T).mean(axis=-1) / thickness
     return learn_swings(
         result.x, seen / (1.0 + (sd / _LEARNT_FROM) ** 2), bridged.stances,
         certain=~bridged.is_open, ground=bridged.ground, rhythm=rhythm, kinds=ready.kinds, fps=fps,

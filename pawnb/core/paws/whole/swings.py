@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 
@@ -17,26 +16,14 @@ from pawnb.core.paws.whole.arc import Arc, Guess, Part, arc_at, changes, fit_swi
 from pawnb.core.paws.whole.manner import Manner
 from pawnb.core.paws.whole.rhythm import DEAREST, Rhythm
 from pawnb.core.paws.whole.standing import Ground, Stance
+from pawnb.core.paws.whole.swings_found import TO_FRAME, Swing, find_swings, since_landing
 
 _LEAST = 3
 """Swings of a kind from which its arc is learnt, and"""
 _LEAST_STEP = 2.0
 """thicknesses that a swing goes forward."""
-_LEAST_FRAMES = 3
-"""Frames between two stances from which on a swing is looked for."""
 _ODD = 1.5
 """Swings so many times as long as the usual one, or as short, are none."""
-_TOUCH_S, _TOUCH = 0.003, 0.5
-"""Standard deviation of when a stance that is seen begins or ends: time, s, and frames."""
-_VAGUE = 3.0
-"""So much larger where it is not seen."""
-_TO_FRAME, _STILL_NEAR = 0.5, 0.5
-"""A stance begins and ends between two frames, and it seems to last so many frames longer at either
-end: what leaves the ground is still near it."""
-_AROUND = 2
-"""Frames about a stance's end that must be seen to tell it."""
-_SPREAD = 0.05
-"""Least standard deviation of strides, in their length."""
 _MARGIN = 4
 """Frames before and after a swing that are fitted too."""
 _SEEN = 0.3
@@ -51,30 +38,6 @@ _NEAR_S, _NEAREST = 0.02, 5
 """A lift-off belongs to a stretch that begins or ends so near, s, and frames."""
 _DUE_SD = 0.7
 """Least standard deviation, frames, of a lift-off that an arc tells."""
-
-
-@dataclass(frozen=True)
-class Swing:
-    """A swing before it is fitted.
-
-    Parameters
-    ----------
-    point : int
-        Number of the point.
-    times, sd : tuple of float
-        Frames of lift-off and landing, and their standard deviations.
-    begin, end : ndarray, shape (d,)
-        Where in frame 0 the ground was from which it lifts off, and on which it lands.
-    is_whole : bool
-        Whether stances before and after it are known.
-    """
-
-    point: int
-    times: tuple[float, float]
-    sd: tuple[float, float]
-    begin: np.ndarray
-    end: np.ndarray
-    is_whole: bool = True
 
 
 @dataclass(frozen=True)
@@ -117,7 +80,7 @@ class Swings:
         """
         reach = max(_NEAR_S * fps, _NEAREST)
         near = [
-            0.5 * ((frames - _TO_FRAME - lift) / max(sd, _DUE_SD)) ** 2
+            0.5 * ((frames - TO_FRAME - lift) / max(sd, _DUE_SD)) ** 2
             for p, lift, sd in self.lifts
             if p == point and frames[0] - reach < lift < frames[-1] + reach
         ]
@@ -163,9 +126,13 @@ def learn_swings(
         Nothing of kinds with fewer than three swings.
     """
     manner = ground.manner
+    seen = (weight > _SEEN) & np.isfinite(x[..., 0])
+    stances = since_landing(stances, x, seen, ground)
     found = [
         swing
-        for swing in find_swings(stances, weight > _SEEN, rhythm, fps=fps, drift=ground.drift)
+        for swing in find_swings(
+            stances, seen, rhythm, certain=certain, fps=fps, drift=ground.drift
+        )
         if (swing.end - swing.begin) @ manner.axes[0] > _LEAST_STEP * manner.thickness
     ]
     place, sd, bend = (np.full(x.shape, np.nan) for _ in range(3))
@@ -196,103 +163,6 @@ def learn_swings(
             bend[frames[bent], swing.point] = third[bent]
             lifts.append((swing.point, float(values[0]), float(np.sqrt(covariance[0, 0]))))
     return Swings(place, sd, bend, tuple(lifts))
-
-
-def find_swings(
-    stances: Sequence[Sequence[Stance]],
-    seen: np.ndarray,
-    rhythm: Rhythm | None,
-    *,
-    fps: float,
-    drift: np.ndarray,
-) -> list[Swing]:
-    """Return the swings between stances, and those after the last and before the first one.
-
-    Parameters
-    ----------
-    stances : sequence
-        Those of each point.
-    seen : ndarray of bool, shape (n, P)
-        Where a view that tracks the point shows it.
-    rhythm : Rhythm, optional
-        When they lift off; without it only swings between stances are found.
-    fps : float
-        Frames per second.
-    drift : ndarray, shape (d,)
-        Speed of the ground.
-
-    Returns
-    -------
-    list of Swing
-        The swings.
-    """
-    found = []
-    for p, mine in enumerate(stances):
-        for now, after in pairwise(mine):
-            if after.first - now.stop >= _LEAST_FRAMES:
-                lift = _lift_off(p, now, after.first - now.first, 0.0, rhythm, seen[:, p], fps)
-                land = _touch_down(after, seen[:, p], fps)
-                found.append(_swing(p, lift, land, now.origin, after.origin))
-        if rhythm is None or not mine:
-            continue
-        steps = [after.origin - now.origin for now, after in pairwise(mine)]
-        step = np.median(steps, axis=0) if steps else -rhythm.stride * drift
-        stride = rhythm.stride
-        spread = float(np.hypot(rhythm.spread, _SPREAD * stride))
-        swung = (1.0 - rhythm.share[p]) * stride
-        swung_sd = np.hypot(rhythm.sd[p] * stride, (1.0 - rhythm.share[p]) * spread)
-        first, last = mine[0], mine[-1]
-        if first.first > 0:
-            land = _touch_down(first, seen[:, p], fps)
-            lift = land[0] - swung, swung_sd
-            found.append(_swing(p, lift, land, first.origin - step, first.origin, whole=False))
-        if last.first > 0 and last.stop < len(seen):
-            lift = _lift_off(p, last, stride, spread, rhythm, seen[:, p], fps)
-            land = lift[0] + swung, swung_sd
-            found.append(_swing(p, lift, land, last.origin, last.origin + step, whole=False))
-    return found
-
-
-def _swing(
-    point: int,
-    lift: tuple[float, float],
-    land: tuple[float, float],
-    begin: np.ndarray,
-    end: np.ndarray,
-    *,
-    whole: bool = True,
-) -> Swing:
-    """Return a swing, given when it begins and ends, each with its standard deviation."""
-    return Swing(point, (lift[0], land[0]), (lift[1], land[1]), begin, end, whole)
-
-
-def _lift_off(
-    point: int,
-    stance: Stance,
-    stride: float,
-    spread: float,
-    rhythm: Rhythm | None,
-    seen: np.ndarray,
-    fps: float,
-) -> tuple[float, float]:
-    """Return when a stance ends, frames, and the standard deviation: as seen, and as due."""
-    told = bool(seen[max(0, stance.stop - _AROUND) : stance.stop + _AROUND + 1].all())
-    at = stance.stop - _TO_FRAME - _STILL_NEAR
-    sd = (_TOUCH_S * fps + _TOUCH) * (1.0 if told else _VAGUE)
-    if rhythm is None or stance.first == 0 or not rhythm.is_usual(stride):
-        return at, sd
-    share = rhythm.share[point]
-    due = stance.first - _TO_FRAME + share * stride
-    due_sd = float(np.hypot(rhythm.sd[point] * stride, share * spread))
-    weight = np.array([sd, due_sd]) ** -2.0
-    return float(weight @ [at, due] / weight.sum()), float(weight.sum() ** -0.5)
-
-
-def _touch_down(stance: Stance, seen: np.ndarray, fps: float) -> tuple[float, float]:
-    """Return when a stance begins, frames, and the standard deviation."""
-    told = bool(seen[max(0, stance.first - _AROUND - 1) : stance.first + _AROUND].all())
-    sd = (_TOUCH_S * fps + _TOUCH) * (1.0 if told else _VAGUE)
-    return stance.first - _TO_FRAME + _STILL_NEAR, sd
 
 
 def _usual(swings: Sequence[Swing]) -> list[Swing]:

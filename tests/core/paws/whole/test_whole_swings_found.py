@@ -1,11 +1,15 @@
 """When swings begin and end, told by the stances around them, and when one is due to begin."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from pawnb.core.paws.whole.manner import Manner
 from pawnb.core.paws.whole.rhythm import Rhythm
-from pawnb.core.paws.whole.standing import Stance
-from pawnb.core.paws.whole.swings import Swings, find_swings
+from pawnb.core.paws.whole.standing import Ground, Stance
+from pawnb.core.paws.whole.swings import Swings
+from pawnb.core.paws.whole.swings_found import find_swings, since_landing
 
 DRIFT = np.array([-1.2, 0.1, 0.05])
 
@@ -16,21 +20,24 @@ def test_when_swings_begin_and_end_is_told_by_stances_and_rhythm():
     ahead = np.array([60.0, 0.0, 0.0])
     stances = [[Stance(10, 40, origin), Stance(60, 90, ahead)]]
     seen = np.ones((100, 1), bool)
-    (swing,) = find_swings(stances, seen, None, fps=250.0, drift=DRIFT)
+    (swing,) = find_swings(stances, seen, None, certain=seen, fps=250.0, drift=DRIFT)
     assert (swing.point, swing.is_whole) == (0, True)
     assert (swing.times, swing.sd) == ((39.0, 60.0), (1.25, 1.25))
     np.testing.assert_array_equal([swing.begin, swing.end], [origin, ahead])
     # three times as much where it is not seen
     seen[38] = seen[61] = False
-    (swing,) = find_swings(stances, seen, None, fps=250.0, drift=DRIFT)
+    (swing,) = find_swings(stances, seen, None, certain=seen, fps=250.0, drift=DRIFT)
     assert swing.sd == (3.75, 3.75)
     rhythm = Rhythm(np.array([0.5]), np.array([0.02]), 50.0, 2.0)
     before, swing, after = sorted(
-        find_swings(stances, seen, rhythm, fps=250.0, drift=DRIFT), key=lambda one: one.times
+        find_swings(stances, seen, rhythm, certain=seen, fps=250.0, drift=DRIFT),
+        key=lambda one: one.times,
     )
-    # of its own stride of 50 frames it stands for 25, give or take one
-    due, sure = 10 - 0.5 + 25, 1 / 3.75**2 + 1.0
-    assert swing.times[0] == pytest.approx((39.0 / 3.75**2 + due) / sure)
+    # of its own stride of 50 frames it stands for 25, give or take one; that is half way between
+    # its ends, which are told to 1.25 and 3.75 frames
+    due, known = 10 - 0.5 + 25, 1.0**2 + (0.5 * 1.25) ** 2 + (0.5 * 3.75) ** 2
+    sure = 1 / 3.75**2 + 1 / known
+    assert swing.times[0] == pytest.approx((39.0 / 3.75**2 + due / known) / sure)
     assert swing.sd[0] == pytest.approx(sure**-0.5)
     assert (before.is_whole, after.is_whole) == (False, False)
     assert before.times == (10.0 - 25.0, 10.0)
@@ -42,16 +49,63 @@ def test_when_swings_begin_and_end_is_told_by_stances_and_rhythm():
     assert after.times[1] - after.times[0] == pytest.approx(25.0)
 
 
+def test_a_landing_that_is_seen_but_not_certain_is_told_half_as_well():
+    seen = np.ones((100, 1), bool)
+    certain = seen.copy()
+    certain[60] = False
+    stances = [[Stance(10, 40, np.zeros(3)), Stance(60, 90, np.ones(3))]]
+    (swing,) = find_swings(stances, seen, None, certain=certain, fps=250.0, drift=DRIFT)
+    assert swing.sd == (1.25, 2.5)
+    # nor is it known better when the paw that landed there is due to lift off
+    rhythm = Rhythm(np.array([0.5]), np.array([0.02]), 50.0, 2.0)
+    stances[0].append(Stance(110, 140, np.ones(3)))
+    seen = np.ones((200, 1), bool)
+    certain = seen.copy()
+    certain[60] = False
+    swing = find_swings(stances, seen, rhythm, certain=certain, fps=250.0, drift=DRIFT)[1]
+    known = 1.25**-2 + 1.0 / (1.0**2 + (0.5 * 2.5) ** 2 + (0.5 * 1.25) ** 2)
+    assert swing.sd[0] == pytest.approx(known**-0.5)
+
+
+def test_a_stance_begins_where_its_paw_is_first_seen_on_its_place():
+    """A paw comes down with 2 thicknesses a frame and stands from frame 30 on."""
+    thickness = 3.0
+    manner = Manner(
+        acceleration=0.3, jerk=0.2, speed=2.0, drift=DRIFT, axes=np.eye(3), ground=0.0, span=40.0,
+        thickness=thickness,
+    )  # fmt: skip
+    ground = Ground(np.zeros(1), DRIFT, np.zeros((1, 3)), manner)
+    frames = np.arange(80)
+    above = np.where(frames < 30, 30 - frames, np.maximum(frames - 59, 0)) * 2.0 * thickness
+    x = (frames[:, None] * DRIFT + above[:, None] * [0.0, 0.0, 1.0])[:, None]
+    seen = np.ones((80, 1), bool)
+    late = [[Stance(40, 60, np.zeros(3))]]
+    assert since_landing(late, x, seen, ground) == [[replace(late[0][0], first=30)]]
+    # where it was not seen nothing is known of it
+    seen[35] = False
+    assert since_landing(late, x, seen, ground) == [[replace(late[0][0], first=36)]]
+    # to the side a place is told less well, and is not asked
+    x[..., 1] += 2.0 * thickness
+    assert since_landing(late, x, seen, ground)[0][0].first == 36
+    # a stance begins after the one before has ended
+    x[:30] = frames[:30, None, None] * DRIFT
+    both = [[Stance(2, 20, np.zeros(3)), Stance(40, 60, np.zeros(3))]]
+    seen[:] = True
+    assert [one.first for one in since_landing(both, x, seen, ground)[0]] == [0, 21]
+
+
 def test_stances_that_follow_at_once_have_no_swing_between_them():
     stances = [[Stance(10, 40, np.zeros(3)), Stance(42, 70, np.ones(3))], []]
     seen = np.ones((100, 2), bool)
-    assert find_swings(stances, seen, None, fps=250.0, drift=DRIFT) == []
+    assert find_swings(stances, seen, None, certain=seen, fps=250.0, drift=DRIFT) == []
 
 
 def test_a_single_stance_steps_as_far_as_the_ground_goes_in_a_stride():
     seen = np.ones((100, 1), bool)
     rhythm = Rhythm(np.array([0.6]), np.array([0.02]), 50.0, 2.0)
-    swings = find_swings([[Stance(30, 60, np.zeros(3))]], seen, rhythm, fps=250.0, drift=DRIFT)
+    swings = find_swings(
+        [[Stance(30, 60, np.zeros(3))]], seen, rhythm, certain=seen, fps=250.0, drift=DRIFT
+    )
     for swing in swings:
         np.testing.assert_allclose(swing.end - swing.begin, -50.0 * DRIFT)
     assert [swing.times[0] < 30 for swing in swings] == [True, False]
