@@ -20,6 +20,7 @@ from pawnb.core.paws.whole.sights import Sights
 from pawnb.core.paws.whole.standing import Ground, Stance, covered, learn_ground
 from pawnb.core.paws.whole.swings import Swings
 from pawnb.core.paws.whole.telling import Telling
+from pawnb.core.paws.whole.threads import on_threads
 
 _LOOK = 1.1
 """Cost of a candidate: so many times minus the logarithm of how much it looks like a paw."""
@@ -161,13 +162,17 @@ def bridge_gaps(
     )  # fmt: skip
     choice = np.full((n, n_points, len(thickness_px)), -1)
     held = np.full(known.chosen.shape, np.nan)
-    for p in range(n_points):
-        for first, stop in runs(is_open[:, p]):
-            if first == 0 and not known.fixed[:, p].any():
-                continue  # a stranger: nobody has said that it was there
-            stretch = OpenStretch.of(first, stop, is_open[:, p])
-            choice[stretch.frames, p], stood, standing = teller.tell(p, stretch, own[p])
-            held[stretch.frames[stood], p] = standing
+    stretches = [
+        (p, OpenStretch.of(first, stop, is_open[:, p]))
+        for p in range(n_points)
+        for first, stop in runs(is_open[:, p])
+        # of a stranger nobody has said that it was there
+        if first > 0 or known.fixed[:, p].any()
+    ]
+    told = on_threads(lambda one: teller.tell(*one, own[one[0]]), stretches)
+    for (p, stretch), (taken, stood, standing) in zip(stretches, told, strict=True):
+        choice[stretch.frames, p] = taken
+        held[stretch.frames[stood], p] = standing
     after = ground.stances(np.where(np.isnan(held), sure, held))
     lifts = [(p, one.stop - 1) for p, mine in enumerate(after) for one in mine if one.stop < n]
     return Bridged(is_open, choice, cost, held, lifts, ground, after)
