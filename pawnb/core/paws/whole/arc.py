@@ -14,6 +14,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.core.paws.whole import arc_loops as loops
+from pawnb.core.paws.whole.arc_loops import ALIKE, SHORTEST
+
 SHAPE = np.array([1.5, 2.0])
 """Exponents a and b before any swing is seen, and their standard deviations: front paws of mice
 are highest early on a belt, but late where they reach out (a of 2 to 3 in the LocoMouse data)."""
@@ -26,19 +29,11 @@ HEIGHT_SD = 0.15
 """Standard deviation of heights, in their median."""
 _LOWEST, _HIGHEST = 0.6, 1.6
 """A swing's height lies between these, in the median: what goes lower was mistaken."""
-_SHORTEST = 2.0
-"""Frames for which a swing lasts at least."""
-_NOISE, _NOISE_ASIDE = 0.15, 0.3
-"""Standard deviation of a place about its arc, in thicknesses, forward and up, and aside."""
-_ALIKE = 3.0
-"""Neighbouring frames that err alike."""
-_TAIL = 3.0
-"""Places farther off than so many standard deviations count less and less."""
+_NOISE_ASIDE = 0.3
+"""Standard deviation of a place about its arc, in thicknesses, aside."""
 _STEPS, _ROUNDS, _FITS = 4, 6, 4
 _MOST_FRAMES, _MOST_SLOPE, _MOST_SHAPE = 1.5, 0.2, 0.3
 """Largest changes in one step of a fit."""
-_H, _H_SHAPE = 0.05, 0.02
-"""Steps over which it is told how an arc changes: frames, and exponents."""
 _ASIDE_SD = 0.3
 _LEAST_HIGH = 0.2
 """A swing that is seen no higher than so many thicknesses says nothing of heights."""
@@ -108,21 +103,6 @@ class Arc:
     aside_sd: float
 
 
-def forward(s: np.ndarray, slope: np.ndarray | float) -> np.ndarray:
-    """Return the share of the way after shares ``s`` of a swing that ends with a speed."""
-    return np.asarray(
-        s**3 * (10.0 - 15.0 * s + 6.0 * s**2) + slope * s**3 * (-4.0 + 7.0 * s - 3.0 * s**2)
-    )
-
-
-def upward(s: np.ndarray, shape: np.ndarray) -> np.ndarray:
-    """Return the height after shares ``s`` of a swing, in the largest."""
-    a, b = shape
-    s = np.clip(s, 1e-9, 1.0 - 1e-9)
-    top = a * np.log(a) + b * np.log(b) - (a + b) * np.log(a + b)
-    return np.asarray(np.exp(a * np.log(s) + b * np.log1p(-s) - top))
-
-
 def arc_at(
     values: np.ndarray, shape: np.ndarray, frames: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
@@ -142,35 +122,23 @@ def arc_at(
     way, up : ndarray, shape (..., T)
         Share of the way, and thicknesses.
     """
-    lift, land, height, slope = np.moveaxis(values, -1, 0)[..., None]
-    s = np.clip((frames - lift) / np.maximum(land - lift, _SHORTEST), 0.0, 1.0)
-    return forward(s, slope), height * upward(s, shape)
+    way, up = loops.arc(*_flat(values, shape, frames))
+    return way.reshape(frames.shape), up.reshape(frames.shape)
 
 
 def changes(
     values: np.ndarray, shape: np.ndarray, frames: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return how the arc changes with the values, (4, 2, ..., T), and the shape, (2, 2, ..., T)."""
-    here = np.stack(arc_at(values, shape, frames))
-    by_shape = [
-        (np.stack(arc_at(values, shape + _H_SHAPE * axis, frames)) - here) / _H_SHAPE
-        for axis in np.eye(2)
-    ]
-    return _by_value(values, shape, frames, here), np.stack(by_shape)
+    found = loops.changes(*_flat(values, shape, frames)).reshape(6, 2, *frames.shape)
+    return found[:4], found[4:]
 
 
-def _by_value(
-    values: np.ndarray, shape: np.ndarray, frames: np.ndarray, here: np.ndarray
-) -> np.ndarray:
-    """Return how the arc changes with the values (4, 2, ..., T), given where it is ``here``."""
-    found = np.zeros((4, *here.shape))
-    for k, axis in enumerate(np.eye(4)[:2]):
-        found[k] = (np.stack(arc_at(values + _H * axis, shape, frames)) - here) / _H
-    found[2, 1] = here[1] / values[..., 2, None]
-    # the way is a straight line in the speed at landing
-    steeper = values + np.eye(4)[3]
-    found[3, 0] = arc_at(steeper, shape, frames)[0] - here[0]
-    return found
+def _flat(
+    values: np.ndarray, shape: np.ndarray, frames: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return values (S, 4), the shape and frames (S, T) of swings, whatever their arrangement."""
+    return values.reshape(-1, 4), shape, np.asarray(frames, float).reshape(-1, frames.shape[-1])
 
 
 def learn_arc(part: Part, guess: Guess) -> Arc:
@@ -200,7 +168,7 @@ def learn_arc(part: Part, guess: Guess) -> Arc:
         shape = np.clip(shape - step, _LEAST_SHAPE, _LARGEST_SHAPE)
         height = float(np.median(values[:, 2]))
     _, up = arc_at(values, shape, part.frames)
-    weight = part.weight / (_NOISE_ASIDE**2 * _ALIKE)
+    weight = part.weight / (_NOISE_ASIDE**2 * ALIKE)
     sure = 1.0 / _ASIDE_SD**2 + float((weight * up**2).sum())
     aside = float((weight * up * part.aside).sum()) / sure
     return Arc(shape, np.linalg.inv(normal), height, aside, sure**-0.5)
@@ -246,28 +214,21 @@ def _fit(
     expected = _first(guess, height)
     sd = np.column_stack([guess.sd, np.tile([HEIGHT_SD * height, SLOPE_SD], (len(values), 1))])
     most = np.array([_MOST_FRAMES, _MOST_FRAMES, 2.0 * HEIGHT_SD * height, _MOST_SLOPE])
-    along = np.stack([part.step[:, None] * np.ones_like(part.way), np.ones_like(part.up)])
-    seen = np.stack([part.way, part.up])
+    frames, seen = part.frames.astype(float), np.stack([part.way, part.up])
     for step in range(_STEPS + 1):
-        here = np.stack(arc_at(values, shape, part.frames))
-        by_value = along * _by_value(values, shape, part.frames, here)
-        off = along * (here - seen)
-        weight = part.weight / (1.0 + (off / (_TAIL * _NOISE)) ** 2) / (_NOISE**2 * _ALIKE)
-        normal = np.einsum("iast,jast,ast->sij", by_value, by_value, weight)
-        normal = normal + (1.0 / sd**2)[:, :, None] * np.eye(4)
+        normal, target = loops.equations(
+            values, shape, frames, seen, part.step, part.weight, 6 if step == _STEPS else 4
+        )
+        normal[:, :4, :4] += (1.0 / sd**2)[:, :, None] * np.eye(4)
         if step == _STEPS:
             break
-        target = np.einsum("iast,ast,ast->si", by_value, off, weight)
-        target = target + (values - expected) / sd**2
+        target += (values - expected) / sd**2
         change = np.linalg.solve(normal, target[..., None])[..., 0]
         values = values - np.clip(change, -most, most)
-        values[:, 1] = np.maximum(values[:, 1], values[:, 0] + _SHORTEST)
+        values[:, 1] = np.maximum(values[:, 1], values[:, 0] + SHORTEST)
         values[:, 2] = np.clip(values[:, 2], _LOWEST * height, _HIGHEST * height)
-    covariance = np.linalg.inv(normal)
-    by_shape = along * changes(values, shape, part.frames)[1]
-    cross = np.einsum("iast,jast,ast->sij", by_shape, by_value, weight)
-    own = np.einsum("iast,jast,ast->ij", by_shape, by_shape, weight)
+    covariance = np.linalg.inv(normal[:, :4, :4])
+    cross = normal[:, 4:, :4]
     # what the values of the swings could do as well says nothing of the shape
     shared = np.einsum("sij,sjk,slk->il", cross, covariance, cross)
-    pull = np.einsum("iast,ast,ast->i", by_shape, off, weight)
-    return values, covariance, (own - shared, pull)
+    return values, covariance, (normal[:, 4:, 4:].sum(axis=0) - shared, target[:, 4:].sum(axis=0))

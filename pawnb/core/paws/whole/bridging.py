@@ -22,7 +22,11 @@ _JUMP = np.array([[1 / 3, 0.5, 0.0], [0.5, 1.0, 0.0], [0.0, 0.0, 0.0]])
 
 
 def moves_of(
-    telling: Telling, drift: np.ndarray, *, lift: np.ndarray, across: np.ndarray | None = None
+    telling: Telling,
+    drift: np.ndarray,
+    *,
+    lift: np.ndarray | None = None,
+    across: np.ndarray | None = None,
 ) -> Moves:
     """Return how stories go on from frame to frame.
 
@@ -32,8 +36,8 @@ def moves_of(
         How they are told.
     drift : ndarray, shape (d,)
         Speed of the ground.
-    lift : ndarray, shape (d,)
-        How much the speed of a point changes at lift-off.
+    lift : ndarray, shape (d,), optional
+        How much the speed of a point changes at lift-off; default not at all.
     across : ndarray, shape (d,), optional
         Unit vector to the side.
     """
@@ -42,7 +46,7 @@ def moves_of(
         along -= (1.0 - telling.sideways**2) * np.outer(across, across)
     plain = telling.jerk**2 * np.kron(_GAIN @ _GAIN.T, along)
     kick = telling.kick**2 * np.kron(_JUMP, along)
-    lower = np.tril_indices(len(plain))
+    lower, lift = np.tril_indices(len(plain)), np.zeros_like(drift) if lift is None else lift
     return Moves(
         # how a paw lifts off is known better than how it is kicked
         plain[lower], (4.0 * plain + kick)[lower], (4.0 * plain + telling.lifting**2 * kick)[lower],

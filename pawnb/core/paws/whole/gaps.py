@@ -18,6 +18,7 @@ from pawnb.core.paws.whole.rhythm import Rhythm
 from pawnb.core.paws.whole.sight_loops import Cameras
 from pawnb.core.paws.whole.sights import Sights
 from pawnb.core.paws.whole.standing import Ground, Stance, covered, learn_ground
+from pawnb.core.paws.whole.stories_loops import Moves
 from pawnb.core.paws.whole.swings import Swings
 from pawnb.core.paws.whole.telling import Telling
 from pawnb.core.paws.whole.threads import on_threads
@@ -156,9 +157,11 @@ def bridge_gaps(
     stances = ground.stances(sure)
     cost = _candidate_costs(known, is_open, sights, geometry, thickness_px)
     places = sure if known.before is None else np.where(np.isnan(sure), known.before, sure)
+    telling = _telling(manner)
     teller = _Teller(
-        known, sights, cost, ground, stances, geometry.project(places), _telling(manner), geometry,
-        thickness_px, np.maximum(_poor_look(sights.quality) - _DIM, 0.0),
+        known, sights, cost, ground, stances, geometry.project(places), telling,
+        moves_of(telling, ground.drift, across=manner.axes[1] if len(manner.axes) == 3 else None),
+        geometry, thickness_px, np.maximum(_poor_look(sights.quality) - _DIM, 0.0),
     )  # fmt: skip
     choice = np.full((n, n_points, len(thickness_px)), -1)
     held = np.full(known.chosen.shape, np.nan)
@@ -199,6 +202,7 @@ class _Teller:
     stances: list[list[Stance]]
     uv: np.ndarray  # (n, P, V, 2), where all points are as far as is known
     telling: Telling
+    moves: Moves  # but for the way in which each stretch is told
     geometry: Geometry
     thickness_px: np.ndarray
     excused: np.ndarray  # (n, V, C), how much of a poor look a paw that lifts off is forgiven
@@ -268,13 +272,12 @@ class _Teller:
 
     def _how(self, point: int, stretch: OpenStretch, own: np.ndarray) -> How:
         """Return how a point is told of."""
-        ground, manner, way = self.ground, self.ground.manner, stretch.way
+        ground, way = self.ground, stretch.way
         # told backwards a paw that stands has not landed yet: how it will is not known
         lift = ground.lift[point] if way > 0 else np.zeros_like(ground.drift)
-        across = manner.axes[1] if len(manner.axes) == 3 else None
         return How(
             Cameras(np.ascontiguousarray(self.geometry.table.T), self.thickness_px, own),
-            moves_of(self.telling, way * ground.drift, lift=lift, across=across),
+            self.moves._replace(drift=way * ground.drift, lift=lift),
             ground.doubts(point, way=way), self.telling,
         )  # fmt: skip
 

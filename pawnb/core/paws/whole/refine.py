@@ -233,7 +233,7 @@ def _through_places(
     places = np.where(bridged.is_open[..., None], held, start)
     information = 1.0 / (0.3 * what.thickness) ** 2
     x = np.empty_like(start)
-    factors = np.empty((n_points, 3 * d + 1, n * d))
+    factors = np.empty((n_points, n * d, 3 * d + 1))
     for p in range(n_points):
         seen = np.isfinite(places[:, p, 0])
         W = seen[:, None, None] * np.eye(d) * information

@@ -13,6 +13,9 @@ from scipy.spatial import cKDTree
 from pawnb.core.compiled import compiled
 from pawnb.core.paws.whole.hypotheses import Places
 
+_GATE, _CLEAR = 16.0, 5.0
+"""Squared standard deviations within which a place may follow, and by which all others must be
+farther."""
 _ENDS = 6
 """Frames at each end from which position and speed there are taken."""
 
@@ -142,43 +145,81 @@ def build_tracklets(places: Sequence[Places], linking: Linking) -> list[Tracklet
     d = len(linking.drift)
     ids, n_chains = np.empty(0, int), 0
     at, speed, var = np.empty((0, d)), np.empty((0, d)), np.empty((0, 3))
-    fresh = np.array([linking.noise**2, 0.0, linking.speed**2])
+    drift = np.ascontiguousarray(linking.drift, float)
+    spread = (linking.noise**2, linking.acceleration**2, linking.speed**2)
     rows = []
     for here in places:
         good = np.flatnonzero(here.cost <= linking.best_cost)
-        ahead, var = at + speed, _predicted(var, linking)
-        taken = np.full(len(good), -1)
-        if len(ids) and len(good):
-            step = here.at[good][None] - ahead[:, None]
-            square = (step**2).sum(axis=-1) / (var[:, :1] + linking.noise**2)
-            taken = _mutual(square + 2.0 * here.cost[good][None])
-        old, new = np.flatnonzero(taken >= 0), np.flatnonzero(taken < 0)
-        chain = taken[old]
-        gain = var[chain, :2] / (var[chain, :1] + linking.noise**2)
-        step = here.at[good[old]] - ahead[chain]
-        at = np.concatenate([ahead[chain] + gain[:, :1] * step, here.at[good[new]]])
-        speed = np.concatenate(
-            [speed[chain] + gain[:, 1:] * step, np.broadcast_to(linking.drift, (len(new), d))]
+        picks, chain, at, speed, var = _followed(
+            at, speed, var, here.at[good], here.cost[good], drift, spread
         )
-        var = np.concatenate([_updated(var[chain], gain), np.broadcast_to(fresh, (len(new), 3))])
-        ids = np.concatenate([ids[chain], n_chains + np.arange(len(new))])
-        n_chains += len(new)
-        picks = good[np.concatenate([old, new])]
+        old, picks = ids[chain], good[picks]
+        ids = np.concatenate([old, n_chains + np.arange(len(picks) - len(old))])
+        n_chains += len(picks) - len(old)
         rows.append((ids, picks, here.at[picks], here.cost[picks]))
     return _pieces(rows, n_chains)
 
 
-def _predicted(var: np.ndarray, linking: Linking) -> np.ndarray:
-    """Return variance of place, covariance, variance of speed (k, 3) one frame later."""
-    v0, v1, v2 = var.T
-    q = linking.acceleration**2
-    return np.column_stack([v0 + 2 * v1 + v2 + q / 4, v1 + v2 + q / 2, v2 + q])
+@compiled
+def _followed(
+    at: np.ndarray,
+    speed: np.ndarray,
+    var: np.ndarray,
+    places: np.ndarray,
+    cost: np.ndarray,
+    drift: np.ndarray,
+    spread: tuple[float, float, float],
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Follow chains to the places of the next frame, as a Kalman filter does.
 
+    Parameters
+    ----------
+    at, speed : ndarray, shape (k, d)
+        Where chains are, and how fast they go.
+    var : ndarray, shape (k, 3)
+        Variance of place, covariance, variance of speed.
+    places, cost : ndarray, shape (m, d) and (m,)
+        The places, and what speaks against them.
+    drift : ndarray, shape (d,)
+        The commonest speed.
+    spread : tuple of float
+        Variances of a place, of the acceleration and of an unknown speed.
 
-def _updated(var: np.ndarray, gain: np.ndarray) -> np.ndarray:
-    """Return the same after a place was taken in with some gains (k, 2)."""
-    keep = 1.0 - gain[:, 0]
-    return np.column_stack([var[:, 0] * keep, var[:, 1] * keep, var[:, 2] - gain[:, 1] * var[:, 1]])
+    Returns
+    -------
+    picks : ndarray of int, shape (m,)
+        The places: first those that go on a chain, then those that begin one.
+    chain : ndarray of int
+        The chain that each of the first goes on.
+    at, speed, var : ndarray
+        Of the chains that there are now, in the order of ``picks``.
+    """
+    (noise, q, unknown), (rows, d), columns = spread, at.shape, len(places)
+    ahead, wide, square = at + speed, np.empty((rows, 3)), np.zeros((rows, columns))
+    for r in range(rows):
+        v0, v1, v2 = var[r, 0], var[r, 1], var[r, 2]
+        wide[r, 0], wide[r, 1], wide[r, 2] = v0 + 2 * v1 + v2 + q / 4, v1 + v2 + q / 2, v2 + q
+        for c in range(columns):
+            for i in range(d):
+                square[r, c] += (places[c, i] - ahead[r, i]) ** 2
+            square[r, c] = square[r, c] / (wide[r, 0] + noise) + 2.0 * cost[c]
+    taken = _mutual(square)
+    old, new = np.flatnonzero(taken >= 0), np.flatnonzero(taken < 0)
+    picks, chain = np.concatenate((old, new)), taken[old]
+    now, going, spreads = np.empty((columns, d)), np.empty((columns, d)), np.empty((columns, 3))
+    for k, c in enumerate(picks):
+        if k >= len(old):
+            now[k], going[k] = places[c], drift
+            spreads[k, 0], spreads[k, 1], spreads[k, 2] = noise, 0.0, unknown
+            continue
+        r = chain[k]
+        gain, gain_v = wide[r, 0] / (wide[r, 0] + noise), wide[r, 1] / (wide[r, 0] + noise)
+        for i in range(d):
+            step = places[c, i] - ahead[r, i]
+            now[k, i], going[k, i] = ahead[r, i] + gain * step, speed[r, i] + gain_v * step
+        spreads[k, 0], spreads[k, 1] = wide[r, 0] * (1.0 - gain), wide[r, 1] * (1.0 - gain)
+        spreads[k, 2] = wide[r, 2] - gain_v * wide[r, 1]
+    return picks, chain, now, going, spreads
 
 
 def _pieces(
@@ -200,18 +241,18 @@ def _pieces(
 
 
 @compiled
-def _mutual(square: np.ndarray, gate: float = 16.0, clear: float = 5.0) -> np.ndarray:
+def _mutual(square: np.ndarray) -> np.ndarray:
     """Return for each column the row that it alone belongs to, or -1.
 
-    A pair belongs together if each is the other's nearest within ``gate`` and the next
+    A pair belongs together if each is the other's nearest within the gate and the next
     nearest of either is clearly farther.
     """
     rows, columns = square.shape
     taken = np.full(columns, -1)
-    for c in range(columns):
+    for c in range(columns if rows else 0):
         r = int(np.argmin(square[:, c]))
         best = square[r, c]
-        if best > gate or int(np.argmin(square[r])) != c:
+        if best > _GATE or int(np.argmin(square[r])) != c:
             continue
         next_best = np.inf
         for other in range(columns):
@@ -220,7 +261,7 @@ def _mutual(square: np.ndarray, gate: float = 16.0, clear: float = 5.0) -> np.nd
         for other in range(rows):
             if other != r:
                 next_best = min(next_best, square[other, c])
-        if next_best >= min(best + clear, 4.0 * best + 0.3):
+        if next_best >= min(best + _CLEAR, 4.0 * best + 0.3):
             taken[c] = r
     return taken
 

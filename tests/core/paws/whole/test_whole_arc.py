@@ -21,13 +21,22 @@ from pawnb.core.paws.whole.arc import (
     arc_at,
     changes,
     fit_swings,
-    forward,
     learn_arc,
-    upward,
 )
+from pawnb.core.paws.whole.arc_loops import forward as forward_at
+from pawnb.core.paws.whole.arc_loops import peak
+from pawnb.core.paws.whole.arc_loops import upward as upward_at
 
 SHARES = np.linspace(0.0, 1.0, 101)
 EXPONENTS = st.floats(0.7, 4.0)
+
+
+def forward(shares, slope):
+    return np.array([forward_at(s, slope) for s in np.atleast_1d(shares)])
+
+
+def upward(shares, shape):
+    return np.array([upward_at(s, shape, peak(shape)) for s in np.atleast_1d(shares)])
 
 
 def quintic(slope):
