@@ -12,10 +12,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from pawnb.core.compiled import compiled
 from pawnb.core.paws.whole.stories_loops import Moves
 from pawnb.core.paws.whole.telling import Telling
 
-_STEP = np.array([[1.0, 1.0, 0.5], [0.0, 1.0, 1.0], [0.0, 0.0, 1.0]])
 _GAIN = np.array([[1 / 6], [0.5], [1.0]])
 _JUMP = np.array([[1 / 3, 0.5, 0.0], [0.5, 1.0, 0.0], [0.0, 0.0, 0.0]])
 """Covariance of a change of speed at any moment of the frame."""
@@ -70,12 +70,32 @@ def state_after(
     speed : float
         Standard deviation of an unknown speed.
     """
-    noise = telling.jerk**2 * _GAIN @ _GAIN.T
     mean = np.stack([places[0], drift, np.zeros(places.shape[1])])
     P = np.diag([telling.noise**2, speed**2, (3.0 * telling.jerk) ** 2])
-    for place in places[1:]:
-        mean, P = _STEP @ mean, _STEP @ P @ _STEP.T + noise
-        gain = P[:, 0] / (P[0, 0] + telling.noise**2)
-        mean = mean + gain[:, None] * (place - mean[0])
-        P = P - np.outer(gain, P[0])
+    _follow(mean, P, places, telling.jerk**2 * _GAIN @ _GAIN.T, telling.noise**2)
     return mean, P
+
+
+@compiled
+def _follow(
+    mean: np.ndarray, P: np.ndarray, places: np.ndarray, noise: np.ndarray, variance: float
+) -> None:
+    """Let a state (3, d) and its covariance (3, 3) follow all places but the first."""
+    half, gain = np.empty((3, 3)), np.empty(3)
+    for t in range(1, len(places)):
+        for i in range(3):
+            half[0, i] = P[0, i] + P[1, i] + 0.5 * P[2, i]
+            half[1, i], half[2, i] = P[1, i] + P[2, i], P[2, i]
+        for i in range(3):
+            P[i, 0] = half[i, 0] + half[i, 1] + 0.5 * half[i, 2] + noise[i, 0]
+            P[i, 1], P[i, 2] = half[i, 1] + half[i, 2] + noise[i, 1], half[i, 2] + noise[i, 2]
+        gain[:] = P[:, 0] / (P[0, 0] + variance)
+        for c in range(mean.shape[1]):
+            mean[0, c] += mean[1, c] + 0.5 * mean[2, c]
+            mean[1, c] += mean[2, c]
+            away = places[t, c] - mean[0, c]
+            for i in range(3):
+                mean[i, c] += gain[i] * away
+        half[0] = P[0]
+        for i in range(3):
+            P[i] -= gain[i] * half[0]

@@ -262,7 +262,10 @@ def settle(now: Stories, n: int, then: Stories, told: Telling) -> int:
     kept, left = np.empty(told.most, np.int64), now.cost[:n].copy()
     count, limit = 0, left.min() + _LAG
     while count < told.most:
-        best = int(np.argmin(left))
+        best = 0
+        for b in range(n):
+            if left[b] < left[best]:
+                best = b
         if left[best] >= limit:
             break
         kept[count] = best

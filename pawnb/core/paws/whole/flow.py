@@ -18,7 +18,7 @@ from scipy.optimize import Bounds, LinearConstraint, milp
 from scipy.sparse import coo_array
 
 from pawnb.core.paws.whole.flow_bounds import useful_links
-from pawnb.core.paws.whole.tracklets import Tracklet
+from pawnb.core.paws.whole.tracklets import Tracklet, total_costs
 
 
 @dataclass(frozen=True)
@@ -185,7 +185,8 @@ def _edges(
     heads, tails = _Ends.of(nodes, costs, head=True), _Ends.of(nodes, costs, head=False)
     order = np.argsort(heads.frame, kind="stable")
     starts = heads.frame[order]
-    worth = np.array([min(costs.stay * len(n.picks) - n.cost.sum(), 30.0) for n in nodes])
+    lasts = np.array([len(node.picks) for node in nodes])
+    worth = np.minimum(costs.stay * lasts - total_costs(nodes), 30.0)
     edges = []
     for i, node in enumerate(nodes):
         low = np.searchsorted(starts, node.last + 1)
@@ -255,7 +256,7 @@ def _solve(
     """Solve the flow; return the pieces of each point."""
     n_frames, n_pieces = size
     n_nodes = len(nodes)
-    weight = np.array([node.cost.sum() for node in nodes])
+    weight = total_costs(nodes)
     tail = np.array([e[0] for e in edges], int)
     head = np.array([e[1] for e in edges], int)
     link = np.array([e[2] for e in edges])

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pawnb.core.paws.whole.tracklets import Tracklet
+from pawnb.core.paws.whole.tracklets import Tracklet, joined
 
 _STANDS, _SLIDES = 0.5, 0.6
 """A paw that stands stays within so many thicknesses of its place on the ground, and does not
@@ -85,20 +85,13 @@ def cut_takeovers(pieces: Sequence[Tracklet], apart: float, frames: int) -> list
         The parts, in the order of their first frames.
     """
     cuts: list[set[int]] = [set() for _ in pieces]
-    first, last = (np.array([getattr(q, end) for q in pieces]) for end in ("first", "last"))
-    for other in pieces:
-        for t, at in ((other.first, other.at[0]), (other.last, other.at[-1])):
-            for i in np.flatnonzero((first < t) & (last > t)).tolist():
-                piece = pieces[i]
-                if piece is other or np.linalg.norm(piece.at[t - piece.first] - at) > apart:
-                    continue
-                low = max(t - frames, piece.first + 1)
-                high = min(t + frames, piece.last - 1)
-                bend = np.linalg.norm(
-                    np.diff(piece.at[low - piece.first - 1 :], n=2, axis=0), axis=1
-                )
-                if high >= low:
-                    cuts[i].add(low + 1 + int(bend[: high - low + 1].argmax()))
+    for i, t in beside_ends(pieces, apart):
+        piece = pieces[i]
+        low = max(t - frames, piece.first + 1)
+        high = min(t + frames, piece.last - 1)
+        bend = np.linalg.norm(np.diff(piece.at[low - piece.first - 1 :], n=2, axis=0), axis=1)
+        if high >= low:
+            cuts[i].add(low + 1 + int(bend[: high - low + 1].argmax()))
     parts = [part for piece, own in zip(pieces, cuts, strict=True) for part in _split(piece, own)]
     return sorted(parts, key=lambda piece: piece.first)
 
@@ -147,6 +140,27 @@ def _slides(still: np.ndarray, thickness: float, frames: int) -> list[int]:
     slid = np.concatenate([[False], step > _SLIDES * thickness, [False]])
     edges = np.flatnonzero(np.diff(slid.astype(int))).reshape(-1, 2).tolist()
     return [int(a + step[a:b].argmax()) + frames + _BETWEEN for a, b in edges]
+
+
+def beside_ends(pieces: Sequence[Tracklet], apart: float) -> list[tuple[int, int]]:
+    """Return the pieces beside which another begins or ends while they go on, and the frames."""
+    if not pieces:
+        return []
+    frame, at, begins = joined(pieces)
+    piece = np.repeat(np.arange(len(pieces)), [len(one.picks) for one in pieces])
+    first = frame[begins]
+    ends = np.append(begins[1:], len(frame)) - 1
+    last = frame[ends]
+    # the first place and the last of every piece, each with all places of its frame
+    own = np.concatenate([begins, ends])
+    order = np.argsort(frame, kind="stable")
+    low, high = (np.searchsorted(frame[order], frame[own], side) for side in ("left", "right"))
+    which = np.repeat(np.arange(len(own)), high - low)
+    there = order[np.arange(len(which)) - np.repeat(np.cumsum(high - low) - high, high - low)]
+    t, i = frame[own[which]], piece[there]
+    near = (first[i] < t) & (last[i] > t) & (i != piece[own[which]])
+    near &= np.linalg.norm(at[there] - at[own[which]], axis=1) <= apart
+    return list(zip(i[near].tolist(), t[near].tolist(), strict=True))
 
 
 def _split(piece: Tracklet, cuts: set[int]) -> list[Tracklet]:

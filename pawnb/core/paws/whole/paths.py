@@ -16,6 +16,7 @@ from pawnb.core.paws.whole.hypotheses import Pairing, Places
 from pawnb.core.paws.whole.likeness import Judge
 from pawnb.core.paws.whole.manner import FASTEST, Manner
 from pawnb.core.paws.whole.meetings import cut_meetings, cut_slides, cut_takeovers
+from pawnb.core.paws.whole.middle import middle as median
 from pawnb.core.paws.whole.scene import Scene
 from pawnb.core.paws.whole.settings import WholeSettings
 from pawnb.core.paws.whole.strangers import aside_cost, near_side_cost, nearer, side_cost
@@ -25,6 +26,7 @@ from pawnb.core.paws.whole.tracklets import (
     build_tracklets,
     find_drift,
     joined,
+    total_costs,
 )
 
 _LOOKS = 2
@@ -132,9 +134,11 @@ class PathChoice:
         noise, speed = settings.noise * scene.thickness, 0.4 * self.manner.speed
         drift = self.manner.drift
         linking = Linking(self.manner.acceleration, noise, speed, drift, 1.6)
+        pieces = build_tracklets(places, linking)
         self.pieces = [
-            piece for piece in build_tracklets(places, linking)
-            if piece.cost.mean() < (min(dearest, _DEAREST[1]) if len(piece.picks) > 1 else 0.5)
+            piece for piece, cost in zip(pieces, total_costs(pieces), strict=True)
+            if cost / len(piece.picks)
+            < (min(dearest, _DEAREST[1]) if len(piece.picks) > 1 else 0.5)
         ]  # fmt: skip
         self._clicked = 1 + max(p for here in fixed.values() for p in here)
         strangers = len(kinds) - self._clicked
@@ -216,7 +220,7 @@ class PathChoice:
         """Return where the cheapest chains of pieces go."""
         x = np.full(self.shape, np.nan)
         if self.scene.lead is not None:
-            look = _LOOK_BELOW * np.array([piece.cost.sum() for piece in self.pieces])
+            look = _LOOK_BELOW * total_costs(self.pieces)
             prior = look + (0.0 if prior is None else prior) + np.zeros((self.shape[1], 1))
         own = (0.0 if prior is None else prior) + self._elsewhere
         for p, chain in enumerate(self._flow.assign(own)):
@@ -322,21 +326,22 @@ def _start_prior(
     ``usual`` has for each point where those of its kind are along forward, (n,), or nothing.
     """
     cost = np.zeros((len(usual), len(pieces)))
+    if not pieces:
+        return cost
     clicked = {
         p: np.mean([h[p] for h in fixed.values() if p in h], axis=0)
         for p in sorted({p for here in fixed.values() for p in here})
     }
     across = scene.across
-    for i, piece in enumerate(pieces):
-        along = piece.at @ scene.forward
-        for p, expected in enumerate(usual):
-            if len(expected):
-                ahead = np.abs(along - expected[piece.first : piece.last + 1]) / scene.span
-                far = np.maximum(ahead - 0.33, 0.0) / 0.1
-                cost[p, i] += 0.5 * np.minimum(far**2, 6.0).sum()
-            if across is not None and p in clicked:
-                away = (piece.at - clicked[p]) @ across
-                cost[p, i] += aside_cost(away, _WANDERS * scene.span).sum()
+    frame, at, first = joined(pieces)
+    along = at @ scene.forward
+    for p, expected in enumerate(usual):
+        if len(expected):
+            far = np.maximum(np.abs(along - expected[frame]) / scene.span - 0.33, 0.0) / 0.1
+            cost[p] += 0.5 * np.add.reduceat(np.minimum(far**2, 6.0), first)
+        if across is not None and p in clicked:
+            aside = aside_cost((at - clicked[p]) @ across, _WANDERS * scene.span)
+            cost[p] += np.add.reduceat(aside, first)
     return cost
 
 
@@ -357,7 +362,7 @@ def where_kinds_are(
     """
     n = len(places)
     good = [place.at[place.cost < _GOOD] @ scene.forward for place in places]
-    middle = np.array([np.median(one) if len(one) else np.nan for one in good])
+    middle = np.array([median(one) if len(one) else np.nan for one in good])
     known = np.flatnonzero(np.isfinite(middle))
     if len(known):
         middle = np.interp(np.arange(n), known, middle[known])

@@ -137,29 +137,32 @@ def find_pairs(
         What the stories look like.
     at : ndarray, shape (c, 2)
         The candidates, px.
-    spread, extra : ndarray, shape (k,)
-        For each kind of candidate its variance, px squared, and its cost.
+    spread, extra : ndarray, shape (2,)
+        For a good and a bad candidate its variance, px squared, and its cost.
     pairs : Pairs
         Where they go.
     """
-    kinds = len(spread)
-    uu, vv, inverse, base = np.empty(kinds), np.empty(kinds), np.empty(kinds), np.empty(kinds)
-    count = 0
-    for b in range(seen.at.shape[1]):
-        uv = seen.spread[1, b]
-        for k in range(kinds):
-            uu[k], vv[k] = seen.spread[0, b] + spread[k], seen.spread[2, b] + spread[k]
-            area = uu[k] * vv[k] - uv * uv
-            inverse[k], base[k] = 1.0 / area, 0.5 * np.log(area) + extra[k]
-        for c in range(len(at)):
-            du, dv = at[c, 0] - seen.at[0, b], at[c, 1] - seen.at[1, b]
-            best = np.inf
-            for k in range(kinds):
-                square = (vv[k] * du * du - 2.0 * uv * du * dv + uu[k] * dv * dv) * inverse[k]
-                if square <= _GATE and 0.5 * square + base[k] < best:
-                    best, pairs.kind[count] = 0.5 * square + base[k], k
+    n, count = seen.at.shape[1], 0
+    inverse, base, price = np.empty((2, n)), np.empty((2, n)), np.empty((2, n))
+    for k in range(2):
+        for b in range(n):
+            area = (seen.spread[0, b] + spread[k]) * (seen.spread[2, b] + spread[k])
+            area -= seen.spread[1, b] * seen.spread[1, b]
+            inverse[k, b], base[k, b] = 1.0 / area, 0.5 * np.log(area) + extra[k]
+    for c in range(len(at)):
+        for k in range(2):
+            wide, u, v = spread[k], at[c, 0], at[c, 1]
+            for b in range(n):
+                du, dv = u - seen.at[0, b], v - seen.at[1, b]
+                square = (seen.spread[2, b] + wide) * du * du - 2.0 * seen.spread[1, b] * du * dv
+                square += (seen.spread[0, b] + wide) * dv * dv
+                square *= inverse[k, b]
+                price[k, b] = 0.5 * square + base[k, b] if square <= _GATE else np.inf
+        for b in range(n):
+            best = min(price[0, b], price[1, b])
             if best < np.inf:
                 pairs.cost[count], pairs.story[count], pairs.candidate[count] = best, b, c
+                pairs.kind[count] = 1 if price[1, b] < price[0, b] else 0
                 count += 1
     return count
 

@@ -16,6 +16,7 @@ import numpy as np
 from pawnb.core.paws.whole.doubt_loops import Doubts
 from pawnb.core.paws.whole.geometry import Geometry
 from pawnb.core.paws.whole.manner import Manner
+from pawnb.core.paws.whole.middle import middle
 
 _HALF = 2
 """Frames before and after over which a speed is taken."""
@@ -111,7 +112,7 @@ class Ground:
                 continue
             if found and first <= found[-1].stop:
                 continue
-            origin = np.median(still[first:stop][known], axis=0)
+            origin = middle(still[first:stop][known])
             on = _length(still - origin, self.manner) < _OFF * self.manner.thickness
             first -= int(np.argmin(np.append(on[:first][::-1], False)))
             stop += int(np.argmin(np.append(on[stop:], False)))

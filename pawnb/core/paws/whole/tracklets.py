@@ -266,6 +266,14 @@ def _mutual(square: np.ndarray) -> np.ndarray:
     return taken
 
 
+def total_costs(pieces: Sequence[Tracklet]) -> np.ndarray:
+    """Return the summed costs (pieces,) of the places of each piece."""
+    if not pieces:
+        return np.zeros(0)
+    first = np.cumsum([0, *(len(piece.cost) for piece in pieces[:-1])])
+    return np.asarray(np.add.reduceat(np.concatenate([piece.cost for piece in pieces]), first))
+
+
 def joined(pieces: Sequence[Tracklet]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return all pieces one after another.
 

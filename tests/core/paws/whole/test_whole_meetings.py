@@ -1,9 +1,11 @@
 """Where pieces of path are cut: where points meet, take each other over, or seem to slide."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from pawnb.core.paws.whole.meetings import cut_meetings, cut_slides, cut_takeovers
+from pawnb.core.paws.whole.meetings import beside_ends, cut_meetings, cut_slides, cut_takeovers
 from pawnb.core.paws.whole.tracklets import Tracklet
 
 
@@ -47,6 +49,23 @@ def test_a_piece_is_cut_where_another_paw_took_it_over():
     comes = np.column_stack([-40.0 + 2.0 * t, np.full(40, 2.0)])
     parts = cut_takeovers([piece(stand), piece(comes[:15])], 4.0, 6)
     assert sorted((part.first, part.last) for part in parts) == [(0, 14), (0, 17), (18, 39)]
+
+
+def test_every_piece_beside_the_end_of_another_is_found():
+    rng = np.random.default_rng(5)
+    pieces = []
+    for first, n in zip(rng.integers(0, 30, 40).tolist(), rng.integers(1, 15, 40), strict=True):
+        pieces.append(replace(piece(rng.uniform(0, 3, (n, 2))), first=first))
+    expected = []
+    for other in pieces:
+        for t, at in ((other.first, other.at[0]), (other.last, other.at[-1])):
+            for i, one in enumerate(pieces):
+                inside = one.first < t < one.last and one is not other
+                if inside and np.linalg.norm(one.at[t - one.first] - at) <= 1.0:
+                    expected.append((i, t))
+    assert len(expected) > 20
+    assert sorted(beside_ends(pieces, 1.0)) == sorted(expected)
+    assert cut_takeovers([], 1.0, 3) == []
 
 
 def test_a_piece_alone_is_not_cut():
