@@ -30,6 +30,7 @@ _CODE = (
     "candidates_loops.py",
     "extract.py",
     "light.py",
+    "shades.py",
     "spots.py",
     "still.py",
 )

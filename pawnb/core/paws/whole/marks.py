@@ -1,0 +1,26 @@
+"""Marked parts of a picture: masks about positions, widened, and grown from seeds."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+
+def patch(shape: tuple[int, ...], uv: np.ndarray, reach: int) -> np.ndarray:
+    """Mark the pixels within ``reach`` of some positions."""
+    mark = np.zeros(shape[:2], bool)
+    for u, v in np.round(np.atleast_2d(uv)).astype(int):
+        mark[max(v - reach, 0) : v + reach + 1, max(u - reach, 0) : u + reach + 1] = True
+    return mark
+
+
+def spread(mask: np.ndarray) -> np.ndarray:
+    """Widen a mask by two pixels: edges of a paw are neither paw nor surroundings."""
+    return cv2.dilate(mask.astype(np.uint8), np.ones((5, 5), np.uint8)) > 0
+
+
+def grow(mask: np.ndarray, seed: np.ndarray) -> np.ndarray:
+    """Return the connected parts of a mask that touch a seed."""
+    _, labels = cv2.connectedComponents(mask.astype(np.uint8), connectivity=8)
+    touched = np.unique(labels[seed & mask])
+    return np.isin(labels, touched[touched > 0])

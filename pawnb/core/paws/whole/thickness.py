@@ -1,0 +1,38 @@
+"""How thick the paws are in one view, by the score of what is about the clicks."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+
+_SMOOTH_PX, _FINE = 0.8, 4
+_LOOK_PX, _TOUCH_PX = 16, 2
+"""A paw's thickness is measured in a part of the picture this far about a click, at the pixels
+this near to it."""
+
+
+def thickness_at(
+    numbers: Sequence[np.ndarray], table: np.ndarray, clicks: Sequence[np.ndarray]
+) -> float:
+    """Measure how thick the paws are at the clicks: twice the distance to their edge.
+
+    The edge is where the score is half way from that of the paw to that of what is around,
+    smoothed, as single pixels that noise takes out of a paw would make it thin.
+    """
+    found = []
+    for number, uv in zip(numbers, clicks, strict=True):
+        score = cv2.GaussianBlur(table[number], (0, 0), _SMOOTH_PX)
+        for place in np.round(uv).astype(int):
+            low = np.maximum(place - _LOOK_PX, 0)
+            u1, v1 = place + _LOOK_PX + 1
+            part = score[low[1] : v1, low[0] : u1]
+            fine = cv2.resize(part, None, fx=_FINE, fy=_FINE, interpolation=cv2.INTER_CUBIC)
+            u, v = ((place - low + 0.5) * _FINE).astype(int)
+            r = _TOUCH_PX * _FINE
+            touched = (slice(max(v - r, 0), v + r + 1), slice(max(u - r, 0), u + r + 1))
+            edge = 0.5 * (fine[touched].max() + np.percentile(part, 20.0))
+            depth = cv2.distanceTransform((fine > edge).astype(np.uint8), cv2.DIST_L2, 5)
+            found.append(2.0 * float(depth[touched].max()) / _FINE)
+    return max(float(np.median(found)), 1.0)
