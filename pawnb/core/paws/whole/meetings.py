@@ -97,7 +97,12 @@ def cut_takeovers(pieces: Sequence[Tracklet], apart: float, frames: int) -> list
 
 
 def cut_slides(
-    pieces: Sequence[Tracklet], *, drift: np.ndarray, thickness: float, frames: int
+    pieces: Sequence[Tracklet],
+    *,
+    drift: np.ndarray,
+    axes: np.ndarray,
+    thickness: float,
+    frames: int,
 ) -> list[Tracklet]:
     """Cut pieces that stand on one place of the ground and then on another close by.
 
@@ -110,6 +115,8 @@ def cut_slides(
         Pieces of path.
     drift : ndarray, shape (d,)
         Speed of the ground, length per frame.
+    axes : ndarray, shape (2, d)
+        Unit vectors forward and up: that a paw stands is told along them, as depth may be vague.
     thickness : float
         Thickness of a paw.
     frames : int
@@ -123,23 +130,23 @@ def cut_slides(
     parts = []
     for piece in pieces:
         still = piece.at - np.arange(len(piece.picks))[:, None] * drift
-        parts += _split(piece, {piece.first + i for i in _slides(still, thickness, frames)})
+        parts += _split(piece, {piece.first + i for i in _slides(still, axes, thickness, frames)})
     return sorted(parts, key=lambda piece: piece.first)
 
 
-def _slides(still: np.ndarray, thickness: float, frames: int) -> list[int]:
+def _slides(still: np.ndarray, axes: np.ndarray, thickness: float, frames: int) -> list[int]:
     """Return where places on the ground (n, d) slide: the first frame after each slide's middle."""
     apart = frames + 2 * _BETWEEN
     if len(still) < apart + frames:
         return []
     window = np.lib.stride_tricks.sliding_window_view(still, frames, axis=0)
     place = np.median(window, axis=-1)
-    stands = np.ptp(window, axis=-1).max(axis=1) < _STANDS * thickness
+    stands = np.ptp(axes @ window, axis=-1).max(axis=1) < _STANDS * thickness
     step = np.linalg.norm(place[apart:] - place[:-apart], axis=1)
     step = np.where(stands[apart:] & stands[:-apart], step, 0.0)
     slid = np.concatenate([[False], step > _SLIDES * thickness, [False]])
     edges = np.flatnonzero(np.diff(slid.astype(int))).reshape(-1, 2).tolist()
-    return [int(a + step[a:b].argmax()) + frames + _BETWEEN for a, b in edges]
+    return [(a + b - 1) // 2 + frames + _BETWEEN for a, b in edges]
 
 
 def beside_ends(pieces: Sequence[Tracklet], apart: float) -> list[tuple[int, int]]:

@@ -150,7 +150,7 @@ class PathChoice:
                 self.pieces, _BESIDE * scene.thickness, max(3, round(_TAKEOVER_S * fps))
             )
         self.pieces = cut_slides(
-            self.pieces, drift=drift, thickness=scene.thickness,
+            self.pieces, drift=drift, axes=self.manner.axes[[0, -1]], thickness=scene.thickness,
             frames=max(3, round(_STOOD_S * fps)),
         )  # fmt: skip
         self.pieces = without_fixtures(self.pieces, drift, thickness=scene.thickness)
@@ -250,7 +250,10 @@ def _dearest_click(places: Places, here: Mapping[int, np.ndarray], thickness: fl
 def _manner(places: Sequence[Places], scene: Scene, fps: float, settings: WholeSettings) -> Manner:
     """Return how points move."""
     speed = FASTEST * scene.span / fps
-    drift = find_drift(places, within=0.3 * scene.thickness, longest=2.0 * speed)
+    drift = find_drift(
+        places, within=0.3 * scene.thickness, longest=2.0 * speed,
+        lag=max(1, round(_STOOD_S * fps)),
+    )  # fmt: skip
     axes = [scene.forward, scene.up]
     if scene.geometry.n_coordinates == 3:
         axes.insert(1, np.cross(scene.up, scene.forward))

@@ -114,7 +114,9 @@ class Ground:
                 continue
             origin = middle(still[first:stop][known])
             on = _length(still - origin, self.manner) < _OFF * self.manner.thickness
-            first -= int(np.argmin(np.append(on[:first][::-1], False)))
+            # at a place between the two it cannot stand twice
+            free = found[-1].stop if found else 0
+            first -= int(np.argmin(np.append(on[free:first][::-1], False)))
             stop += int(np.argmin(np.append(on[stop:], False)))
             found.append(Stance(first, stop, origin))
         return found

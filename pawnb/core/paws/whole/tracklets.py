@@ -18,6 +18,11 @@ _GATE, _CLEAR = 16.0, 5.0
 farther."""
 _ENDS = 6
 """Frames at each end from which position and speed there are taken."""
+_DEAR, _ENOUGH = (0.3, 0.6, 0.9, 1.2, 1.5), 0.3
+"""The speed of the ground is told by good places; by worse ones where those make fewer steps than
+so many a frame, as where paws are dim."""
+_CLOSER = (1.0, 0.5)
+"""It is the mean of the steps within smaller and smaller distances of where most are."""
 
 
 @dataclass(frozen=True)
@@ -92,7 +97,9 @@ def _end_weights(n: int, head: bool) -> np.ndarray:
     return np.asarray(np.linalg.pinv(powers)[:2])
 
 
-def find_drift(places: Sequence[Places], *, within: float, longest: float) -> np.ndarray:
+def find_drift(
+    places: Sequence[Places], *, within: float, longest: float, lag: int = 1
+) -> np.ndarray:
     """Return the commonest step of good places from one frame to the next, (d,).
 
     Paws on the ground all move with it, so their steps pile up.
@@ -105,26 +112,33 @@ def find_drift(places: Sequence[Places], *, within: float, longest: float) -> np
         Steps closer than this count as the same.
     longest : float
         Longest step considered.
+    lag : int
+        Frames over which steps are taken; those of a single one are hardly longer than places
+        err. Shorter recordings take what they have.
 
     Returns
     -------
     ndarray
-        The mean of the steps where they are densest; 0 where there are none.
+        The mean of the steps where they are densest, a frame; 0 where there are none.
     """
-    steps = []
-    for t in range(0, len(places) - 1, max(1, len(places) // 400)):
-        here, after = (p.at[p.cost < 0.3] for p in (places[t], places[t + 1]))
-        if len(here) and len(after):
-            steps.append((after[None] - here[:, None]).reshape(-1, here.shape[1]))
-    every = np.concatenate(steps) if steps else np.empty((0, places[0].at.shape[1]))
-    every = every[np.linalg.norm(every, axis=1) < longest]
+    lag = max(1, min(lag, len(places) - 1))
+    sampled = range(0, len(places) - lag, max(1, len(places) // 400))
+    every = np.empty((0, places[0].at.shape[1]))
+    for dearest in _DEAR:
+        pairs = [[p.at[p.cost < dearest] for p in (places[t], places[t + lag])] for t in sampled]
+        steps = [(later[None] - now[:, None]).reshape(-1, every.shape[1]) for now, later in pairs]
+        every = np.concatenate([every[:0], *steps])
+        every = every[np.linalg.norm(every, axis=1) < longest * lag]
+        if len(every) >= _ENOUGH * len(sampled):
+            break
     if not len(every):
         return np.zeros(every.shape[1])
     tree = cKDTree(every)
     count = tree.query_ball_point(every, within, return_length=True)
-    return np.asarray(
-        every[tree.query_ball_point(every[int(np.argmax(count))], within)].mean(axis=0)
-    )
+    middle = every[int(np.argmax(count))]
+    for share in _CLOSER:
+        middle = every[tree.query_ball_point(middle, share * within)].mean(axis=0)
+    return np.asarray(middle / lag)
 
 
 def build_tracklets(places: Sequence[Places], linking: Linking) -> list[Tracklet]:

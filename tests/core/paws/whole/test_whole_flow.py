@@ -89,6 +89,40 @@ def test_the_drift_is_the_commonest_step():
     np.testing.assert_allclose(drift, [-1.5, 0.0], atol=0.05)
 
 
+def test_the_drift_is_told_by_dim_paws_where_there_are_no_others():
+    """Two paws walk on ground that moves by 0.8; few of their places are good by themselves."""
+    rng = np.random.default_rng(2)
+    paws, aside = np.array([[100.0, 0.0], [60.0, 5.0]]), rng.uniform(-50, 50, (80, 2, 2))
+    places = [
+        Places(np.vstack([paws - [0.8 * t, 0.0], aside[t]]), np.array([1.0, 0.8, 1.4, 1.4]))
+        for t in range(80)
+    ]
+    np.testing.assert_allclose(find_drift(places, within=0.3, longest=10.0), [-0.8, 0.0], atol=0.02)
+    nothing = [Places(at.at, np.full(4, 3.0)) for at in places]
+    assert not find_drift(nothing, within=0.3, longest=10.0).any()
+
+
+def test_the_drift_is_told_better_over_some_frames_than_over_one():
+    """Places err by more than the ground moves, and something keeps its place."""
+    rng, error = np.random.default_rng(3), []
+    for _ in range(10):
+        places = []
+        for t in range(120):
+            ground = np.array([[100.0, 0.0], [60.0, 5.0], [0.0, 8.0]]) - [0.5 * t, 0.0]
+            ground[2] = 0.0, 8.0
+            places.append(Places(ground + rng.normal(0.0, 0.3, (3, 2)), np.zeros(3)))
+        error.append(
+            [
+                np.linalg.norm(find_drift(places, within=1.0, longest=5.0, lag=lag) - [-0.5, 0.0])
+                for lag in (1, 4, 400)
+            ]
+        )
+    once, often, all_of_it = np.mean(error, axis=0)
+    assert often < 0.02 < 0.5 * once
+    # more frames than there are: only the first and the last are left
+    assert np.isfinite(all_of_it)
+
+
 def test_anchors_farther_apart_than_a_gap_may_be_are_both_passed():
     right, _ = crossing()
     near = piece(right, 36, 38)

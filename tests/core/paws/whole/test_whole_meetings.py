@@ -76,43 +76,50 @@ def test_a_piece_alone_is_not_cut():
     assert len(parts) == 2
 
 
-DRIFT = np.array([-1.2, 0.1])
+DRIFT = np.array([-1.2, 0.05, 0.1])
+AXES = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 
 
-def standing_twice(step, *, between=4, stands=(20, 20)):
+def standing_twice(step, *, between=4, stands=(20, 20), vague=0.1):
     """A piece that stands, moves by a step on the ground, and stands again, with some noise."""
     rng = np.random.default_rng(5)
     share = np.concatenate(
         [np.zeros(stands[0]), np.linspace(0.0, 1.0, between + 2)[1:-1], np.ones(stands[1])]
     )
-    still = share[:, None] * np.asarray(step) + rng.normal(0.0, 0.1, (len(share), 2))
+    still = share[:, None] * np.asarray(step) + rng.normal(0.0, [0.1, vague, 0.1], (len(share), 3))
     return piece(still + np.arange(len(share))[:, None] * DRIFT)
 
 
 def cut(one, frames=4):
     return [
         (part.first, part.last)
-        for part in cut_slides([one], drift=DRIFT, thickness=3.0, frames=frames)
+        for part in cut_slides([one], drift=DRIFT, axes=AXES, thickness=3.0, frames=frames)
     ]
 
 
 def test_a_piece_that_stands_beside_where_it_stood_is_cut_in_between():
     """Nothing that stands slides by a thickness: one paw landed where the other lifted off."""
-    (first, second) = cut(standing_twice([3.0, 0.0]))
+    (first, second) = cut(standing_twice([3.0, 0.0, 0.0]))
     assert (first[0], second[1]) == (0, 43)
     # it moves from frame 20 to frame 23
     assert 20 <= second[0] <= 24
     # also where it is after half a piece at a high frame rate, and to the side
-    (first, second) = cut(standing_twice([0.0, 3.0], between=1), frames=6)
+    (first, second) = cut(standing_twice([0.0, 3.0, 0.0], between=1), frames=6)
     assert 19 <= second[0] <= 22
 
 
-@pytest.mark.parametrize("step", [[0.0, 0.0], [1.0, 0.5]])
+def test_that_a_paw_stands_is_not_told_by_its_depth():
+    # two cameras on one side tell depth four times less well
+    (first, _) = cut(standing_twice([3.0, 0.0, 0.0], vague=0.6))
+    assert 20 <= first[1] <= 24
+
+
+@pytest.mark.parametrize("step", [[0.0, 0.0, 0.0], [1.0, 0.4, 0.4]])
 def test_a_piece_that_stays_on_its_place_is_not_cut(step):
     assert cut(standing_twice(step)) == [(0, 43)]
 
 
 def test_a_swing_and_a_short_piece_are_no_slide():
     # between two stances a paw swings far: that takes longer than a slide
-    assert cut(standing_twice([60.0, 0.0], between=20)) == [(0, 59)]
-    assert cut(standing_twice([3.0, 0.0], between=2, stands=(3, 3))) == [(0, 7)]
+    assert cut(standing_twice([60.0, 0.0, 0.0], between=20)) == [(0, 59)]
+    assert cut(standing_twice([3.0, 0.0, 0.0], between=2, stands=(3, 3))) == [(0, 7)]

@@ -67,6 +67,15 @@ def test_stances_last_until_the_paw_leaves_its_place():
     np.testing.assert_allclose(ground().places(first[0], t), x[t, 0], atol=0.1)
 
 
+def test_a_paw_that_creeps_and_slips_does_not_stand_twice_at_once():
+    # it creeps for 30 frames, slips, and stands near to where it crept last
+    still = np.concatenate([np.linspace(0.0, 2.5, 30), np.full(4, 4.2), np.full(15, 3.2)])
+    x = np.arange(49.0)[:, None] * DRIFT + still[:, None] * [1.0, 0.0, 0.0]
+    (first, second) = ground().stances(x[:, None])[0]
+    assert abs(still[first.stop - 1] - 3.2) < 0.35 * MANNER.thickness
+    assert first.first < first.stop <= second.first < second.stop == 49
+
+
 def test_a_stance_needs_places_that_go_with_the_ground():
     still = np.tile([5.0, 0.0, 1.2], (30, 2, 1))
     assert ground().stances(still) == [[], []]
