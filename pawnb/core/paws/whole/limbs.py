@@ -93,7 +93,9 @@ def learn_limbs(
     """
     n_points, n_views = uv.shape[1:3]
     n_grades = len(_GRADES) + 1
-    cost = np.zeros((n_points, n_views, n_grades, _BINS, _BINS))
+    count = np.zeros((n_points, n_views, n_grades * _BINS**2))
+    # sightings of each point, those with all others elsewhere, and other points near them
+    told, apart, met = (np.zeros((n_points, n_views, 1, 1, 1)) for _ in range(3))
     grade = np.digitize(sights.quality, _GRADES)
     for p in range(n_points):
         row, column, inside = _bins(uv[:, p], sights.at[:, p], thickness_px)
@@ -105,20 +107,21 @@ def learn_limbs(
         away = np.abs(others / thickness_px[:, None]).max(axis=-1)
         alone = seen * np.delete(trust, p, axis=1).min(axis=1, initial=1.0)[:, None]
         alone = alone * (away > _REACH + 1.0).all(axis=1)
-        meets = (seen[:, None] * (away < _REACH)).sum(axis=(0, 1))
+        told[p, :, 0, 0, 0], apart[p, :, 0, 0, 0] = seen.sum(axis=0), alone.sum(axis=0)
+        met[p, :, 0, 0, 0] = (seen[:, None] * (away < _REACH)).sum(axis=(0, 1))
         for v in range(n_views):
             limb = inside[:, v] & sights.is_there[:, v] & ~near[:, v]
             number = (grade[:, v][limb] * _BINS + row[:, v][limb]) * _BINS + column[:, v][limb]
             weight = np.broadcast_to(alone[:, v, None], limb.shape)[limb]
-            count = np.bincount(number, weight, n_grades * _BINS**2).reshape(-1, _BINS, _BINS)
-            rate = gaussian_filter(count, (0, _SMOOTH, _SMOOTH), mode="constant")
-            rate = rate / (alone[:, v].sum() + _BEFORE)
-            # what is as common everywhere is no limb
-            usual = np.median(rate, axis=(1, 2), keepdims=True)
-            # other paws come from everywhere: one is assumed to have come beforehand
-            other = (meets[v] + 1.0) / (seen[:, v].sum() + _BEFORE) / _BINS**2
-            cost[p, v] = np.log1p(np.maximum(rate - usual, 0.0) / (usual + other))
-    return Limbs(cost)
+            count[p, v] = np.bincount(number, weight, n_grades * _BINS**2)
+    count = count.reshape(n_points, n_views, n_grades, _BINS, _BINS)
+    smooth = gaussian_filter(count, (0, 0, 0, _SMOOTH, _SMOOTH), mode="constant")
+    rate = smooth / (apart + _BEFORE)
+    # what is as common everywhere is no limb
+    usual = np.median(rate, axis=(3, 4), keepdims=True)
+    # other paws come from everywhere: one is assumed to have come beforehand
+    other = (met + 1.0) / (told + _BEFORE) / _BINS**2
+    return Limbs(np.log1p(np.maximum(rate - usual, 0.0) / (usual + other)))
 
 
 def _bins(

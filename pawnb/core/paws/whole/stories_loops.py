@@ -277,53 +277,56 @@ def expect(
         Stories for which it would cost more are elsewhere for once: they cost this, and
         the expectation tells them nothing.
     """
-    d = len(at)
-    told, step, spread = np.empty(n), np.empty(d), np.empty((d, d))
+    told, square = np.empty(n), _squares(stories, n, at, axes, variance)
     for b in range(n):
-        price = 0.5 * _square(stories, b, at, axes, variance, step, spread)
-        told[b] = 1.0 if price < most else 0.0
-        stories.cost[b] += min(price, most)
-    for k in range(d):
+        told[b] = 1.0 if 0.5 * square[b] < most else 0.0
+        stories.cost[b] += min(0.5 * square[b], most)
+    for k in range(len(at)):
         value = 0.0
-        for i in range(d):
+        for i in range(len(at)):
             value += axes[k, i] * at[i]
         _take_in(stories, n, axes[k], value, variance[k], told)
 
 
 @compiled
-def _square(
-    stories: Stories,
-    b: int,
-    at: np.ndarray,
-    axes: np.ndarray,
-    variance: np.ndarray,
-    step: np.ndarray,
-    spread: np.ndarray,
-) -> float:
-    """Return the squared distance of a story from an expected place, in standard deviations.
-
-    ``step`` (d,) and ``spread`` (d, d) are room for it along the axes.
-    """
-    d, square = len(at), 0.0
-    for k in range(d):
-        step[k] = 0.0
-        for i in range(d):
-            step[k] += axes[k, i] * (at[i] - stories.mean[i, b])
-        for m in range(k + 1):
-            P = variance[k] if m == k else 0.0
-            for i in range(d):
-                for j in range(d):
-                    P += axes[k, i] * stories.covariance[cell(i, j), b] * axes[m, j]
-            spread[k, m] = P
+def _squares(
+    stories: Stories, n: int, at: np.ndarray, axes: np.ndarray, variance: np.ndarray
+) -> np.ndarray:
+    """Return squared distances of stories from an expected place, in standard deviations."""
+    d, square = len(at), np.zeros(n)
+    step, spread = _apart(stories, n, at, axes)
     # one axis after the other, each given those before it
     for k in range(d):
-        square += step[k] * step[k] / spread[k, k]
+        for b in range(n):
+            spread[k, k, b] += variance[k]
+            square[b] += step[k, b] * step[k, b] / spread[k, k, b]
         for m in range(k + 1, d):
-            share = spread[m, k] / spread[k, k]
-            step[m] -= share * step[k]
+            for b in range(n):
+                step[m, b] -= spread[m, k, b] / spread[k, k, b] * step[k, b]
             for o in range(k + 1, m + 1):
-                spread[m, o] -= share * spread[o, k]
+                for b in range(n):
+                    spread[m, o, b] -= spread[m, k, b] / spread[k, k, b] * spread[o, k, b]
     return square
+
+
+@compiled
+def _apart(
+    stories: Stories, n: int, at: np.ndarray, axes: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return how far stories are from a place along axes (d, b), and covariances (d, d, b)."""
+    d = len(at)
+    step, spread = np.zeros((d, n)), np.zeros((d, d, n))
+    for k in range(d):
+        for i in range(d):
+            for b in range(n):
+                step[k, b] += axes[k, i] * (at[i] - stories.mean[i, b])
+        for m in range(k + 1):
+            for i in range(d):
+                for j in range(d):
+                    share, e = axes[k, i] * axes[m, j], cell(i, j)
+                    for b in range(n):
+                        spread[k, m, b] += share * stories.covariance[e, b]
+    return step, spread
 
 
 @compiled
