@@ -12,11 +12,13 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import Bounds, LinearConstraint, milp
 from scipy.sparse import coo_array
 
+from pawnb.core.compiled import compiled
 from pawnb.core.paws.whole.flow_bounds import useful_links
 from pawnb.core.paws.whole.tracklets import Tracklet, total_costs
 
@@ -53,8 +55,7 @@ class FlowCosts:
     links: int
 
 
-@dataclass(frozen=True)
-class _Ends:
+class _Ends(NamedTuple):
     """Position, speed and its variance at one end of every piece."""
 
     frame: np.ndarray  # (n,)
@@ -74,27 +75,27 @@ class _Ends:
         )
 
 
-def link_costs(
-    tails: _Ends, heads: _Ends, *, i: int, j: np.ndarray, costs: FlowCosts
-) -> np.ndarray:
-    """Return the costs of going from the end of piece i to the beginnings of pieces j.
+@compiled
+def _link_cost(
+    tails: _Ends, heads: _Ends, i: int, j: int, q: float, r: float, hide: float, stay: float
+) -> float:
+    """Return the cost of going from the end of piece i to the beginning of piece j.
 
     The least squared acceleration that joins the two ends, in units of its variance: for
     a gap of g frames, ``12 |dx|^2 / g^3 + |dv|^2 / g`` with ``dx`` what the mean of both
-    speeds does not explain.
+    speeds does not explain. ``q`` is that variance and ``r`` the one of a place.
     """
-    gap = (heads.frame[j] - tails.frame[i])[:, None].astype(float)
-    v0, v1 = tails.v[i], heads.v[j]
-    dx = heads.x[j] - tails.x[i] - 0.5 * (v0 + v1) * gap
-    dv = v1 - v0
-    gap = gap[:, 0]
-    q, r = costs.acceleration**2, costs.noise**2
-    var_v = q * gap + tails.var[i] + heads.var[j]
-    var_x = q * gap**3 / 12 + 2 * r + (tails.var[i] + heads.var[j]) * gap**2 / 4
-    mismatch = 0.5 * ((dx**2).sum(axis=1) / var_x + (dv**2).sum(axis=1) / var_v)
-    volume = 0.15 * dx.shape[1] * np.log(var_x / (2 * r))
-    hidden = np.where(gap > 1, costs.hide + costs.stay * (gap - 1), 0.0)
-    return np.asarray(mismatch + volume + hidden)
+    gap, d = float(heads.frame[j] - tails.frame[i]), heads.x.shape[1]
+    unsure = tails.var[i] + heads.var[j]
+    var_v = q * gap + unsure
+    var_x = q * gap**3 / 12 + 2 * r + unsure * gap**2 / 4
+    away, turned = 0.0, 0.0
+    for k in range(d):
+        v0, v1 = tails.v[i, k], heads.v[j, k]
+        away += (heads.x[j, k] - tails.x[i, k] - 0.5 * (v0 + v1) * gap) ** 2
+        turned += (v1 - v0) ** 2
+    hidden = hide + stay * (gap - 1) if gap > 1 else 0.0
+    return 0.5 * (away / var_x + turned / var_v) + 0.15 * d * np.log(var_x / (2 * r)) + hidden
 
 
 def _speed_variance(n: int, costs: FlowCosts) -> float:
@@ -185,23 +186,63 @@ def _edges(
     heads, tails = _Ends.of(nodes, costs, head=True), _Ends.of(nodes, costs, head=False)
     order = np.argsort(heads.frame, kind="stable")
     starts = heads.frame[order]
+    low = np.searchsorted(starts, tails.frame + 1)
+    high = np.searchsorted(starts, tails.frame + costs.longest_gap, side="right")
     lasts = np.array([len(node.picks) for node in nodes])
     worth = np.minimum(costs.stay * lasts - total_costs(nodes), 30.0)
-    edges = []
-    for i, node in enumerate(nodes):
-        low = np.searchsorted(starts, node.last + 1)
-        high = np.searchsorted(starts, node.last + costs.longest_gap, side="right")
-        j = order[low:high]
-        if owner[i] >= 0:
-            j = j[(owner[j] < 0) | (owner[j] == owner[i])]
-        if not len(j):
-            continue
-        cost = link_costs(tails, heads, i=i, j=j, costs=costs)
-        # long good pieces first: a place nearby is worth little if it leads nowhere
-        keep = np.argsort(cost - worth[j])
-        keep = keep[(np.arange(len(j)) < costs.links) | (owner[j[keep]] >= 0)]
-        edges += [(i, int(j[o]), float(cost[o])) for o in keep]
+    found = _cheapest(
+        tails, heads, order, np.column_stack([low, high]), owner, worth, costs.links,
+        (costs.acceleration**2, costs.noise**2, costs.hide, costs.stay),
+    )  # fmt: skip
+    edges = list(zip(*(part.tolist() for part in found), strict=True))
     return edges + _long_links(nodes, owner, costs)
+
+
+@compiled
+def _cheapest(
+    tails: _Ends,
+    heads: _Ends,
+    order: np.ndarray,
+    within: np.ndarray,
+    owner: np.ndarray,
+    worth: np.ndarray,
+    links: int,
+    costs: tuple[float, float, float, float],
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the cheapest links from each piece: from, to and cost.
+
+    Parameters
+    ----------
+    tails, heads : _Ends
+        Where pieces end and begin.
+    order, within : ndarray of int, shape (n,) and (n, 2)
+        Pieces in the order of their first frames, and which of these may follow each.
+    owner, worth : ndarray, shape (n,)
+        Point whose anchor each is, -1 for a piece, and what it is worth to go through it.
+    links : int
+        Links kept from each; those to anchors come besides.
+    costs : tuple of float
+        See :func:`_link_cost`.
+    """
+    n, (q, r, hide, stay) = len(order), costs
+    most = n * (links + int((owner >= 0).sum()))
+    tail, head, price = np.empty(most, np.int64), np.empty(most, np.int64), np.empty(most)
+    count = 0
+    for i in range(n):
+        low, high = within[i, 0], within[i, 1]
+        cost, dear = np.empty(max(high - low, 0)), np.empty(max(high - low, 0))
+        for k in range(len(cost)):
+            j = order[low + k]
+            cost[k], dear[k] = _link_cost(tails, heads, i, j, q, r, hide, stay), np.inf
+            if owner[i] < 0 or owner[j] < 0 or owner[j] == owner[i]:
+                # long good pieces first: a place nearby is worth little if it leads nowhere
+                dear[k] = cost[k] - worth[j]
+        for rank, k in enumerate(np.argsort(dear)):
+            j = order[low + k]
+            if dear[k] < np.inf and (rank < links or owner[j] >= 0):
+                tail[count], head[count], price[count] = i, j, cost[k]
+                count += 1
+    return tail[:count], head[:count], price[:count]
 
 
 def _long_links(
