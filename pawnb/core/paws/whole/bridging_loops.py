@@ -259,8 +259,11 @@ def settle(now: Stories, n: int, then: Stories, told: Telling) -> int:
             # rounding may take a variance below nothing
             spread = np.sqrt(max(now.covariance[cell(i, i), b], 0.0))
             grain[i, b] = 0.5 * told.noise + told.alike * spread
-    kept, left = np.empty(told.most, np.int64), now.cost[:n].copy()
-    count, limit = 0, left.min() + _LAG
+    kept, left = np.empty(told.most, np.int64), np.empty(n)
+    count, limit = 0, np.inf
+    for b in range(n):
+        left[b] = now.cost[b]
+        limit = min(limit, left[b] + _LAG)
     while count < told.most:
         best = 0
         for b in range(n):

@@ -125,8 +125,8 @@ def _spreads(stories: Stories, slope: np.ndarray) -> tuple[np.ndarray, np.ndarra
 def find_pairs(
     seen: Pictures,
     at: np.ndarray,
-    spread: np.ndarray,
-    extra: np.ndarray,
+    spread: tuple[float, float],
+    extra: tuple[float, float],
     pairs: Pairs,
 ) -> int:
     """Find the pairs of a story and a candidate within the gate, and return how many there are.
@@ -137,7 +137,7 @@ def find_pairs(
         What the stories look like.
     at : ndarray, shape (c, 2)
         The candidates, px.
-    spread, extra : ndarray, shape (2,)
+    spread, extra : tuple of float
         For a good and a bad candidate its variance, px squared, and its cost.
     pairs : Pairs
         Where they go.
@@ -211,8 +211,8 @@ def see(
     own, thickness = cameras.own[view], cameras.thickness[view]
     chance = told.seen if own else told.seen_across
     seen = pictures(now, n if len(at) else 0, cameras.table[view])
-    spread = (np.array([told.good, told.bad]) * thickness) ** 2
-    count = find_pairs(seen, at, spread, np.array([0.0, told.bad_cost]), pairs)
+    spread = ((told.good * thickness) ** 2, (told.bad * thickness) ** 2)
+    count = find_pairs(seen, at, spread, (0.0, told.bad_cost), pairs)
     nothing = np.log(told.clutter / thickness**2 * 2.0 * np.pi / chance)
     for p in range(count):
         b = pairs.story[p]
@@ -224,13 +224,14 @@ def see(
     if count == 0 and n <= told.most_within:
         return now, then, n
     kept, many = likeliest(now.cost[:n], pairs.cost[:count], told.most_within)
-    taken, whose = kept[many:] - n, kept.copy()
-    for k, p in enumerate(taken):
-        whose[many + k] = pairs.story[p]
+    taken, whose = np.empty(len(kept) - many, np.int64), kept.copy()
+    for k in range(len(taken)):
+        taken[k] = kept[many + k] - n
+        whose[many + k] = pairs.story[taken[k]]
     copy(now, whose, then)
     _learn(then, many, seen, pairs, taken, at, spread)
-    for k, p in enumerate(taken):
-        then.cost[many + k], then.taken[view, many + k] = pairs.cost[p], pairs.candidate[p]
+    for k, pair in enumerate(taken):
+        then.cost[many + k], then.taken[view, many + k] = pairs.cost[pair], pairs.candidate[pair]
     return then, now, len(kept)
 
 
@@ -240,19 +241,21 @@ def likeliest(missed: np.ndarray, cost: np.ndarray, most: int) -> tuple[np.ndarr
 
     And how many the first are. Of those that cost the same, the first are left.
     """
-    total = np.concatenate((missed, cost))
+    total = np.empty(len(missed) + len(cost))
+    for k in range(len(total)):
+        total[k] = missed[k] if k < len(missed) else cost[k - len(missed)]
     kept = np.empty(min(len(total), most), np.int64)
     limit, count, ties, many = np.inf, 0, len(kept), 0
     if len(total) > most:
         limit = nth(total.copy(), most - 1)
         for price in total:
-            ties -= price < limit
-    for k, price in enumerate(total):
+            ties -= int(price < limit)
+    for j, price in enumerate(total):
         if price < limit or (price == limit and ties > 0):
-            ties -= price == limit
-            kept[count] = k
+            ties -= int(price == limit)
+            kept[count] = j
             count += 1
-            many += k < len(missed)
+            many += j < len(missed)
     return kept[:count], many
 
 
@@ -292,7 +295,7 @@ def _learn(
     pairs: Pairs,
     taken: np.ndarray,
     at: np.ndarray,
-    spread: np.ndarray,
+    spread: tuple[float, float],
 ) -> None:
     """Let stories from ``begin`` on learn from the candidates of their pairs: a Kalman filter."""
     n, size = len(taken), len(stories.mean)

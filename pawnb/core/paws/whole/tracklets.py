@@ -218,22 +218,31 @@ def _followed(
                 square[r, c] += (places[c, i] - ahead[r, i]) ** 2
             square[r, c] = square[r, c] / (wide[r, 0] + noise) + 2.0 * cost[c]
     taken = _mutual(square)
-    old, new = np.flatnonzero(taken >= 0), np.flatnonzero(taken < 0)
-    picks, chain = np.concatenate((old, new)), taken[old]
+    picks, chain, old = np.empty(columns, np.int64), np.empty(columns, np.int64), 0
+    for c in range(columns):
+        if taken[c] >= 0:
+            picks[old], chain[old] = c, taken[c]
+            old += 1
+    count = old
+    for c in range(columns):
+        if taken[c] < 0:
+            picks[count] = c
+            count += 1
     now, going, spreads = np.empty((columns, d)), np.empty((columns, d)), np.empty((columns, 3))
-    for k, c in enumerate(picks):
-        if k >= len(old):
-            now[k], going[k] = places[c], drift
+    for k, mine in enumerate(picks):
+        if k >= old:
+            for i in range(d):
+                now[k, i], going[k, i] = places[mine, i], drift[i]
             spreads[k, 0], spreads[k, 1], spreads[k, 2] = noise, 0.0, unknown
             continue
         r = chain[k]
         gain, gain_v = wide[r, 0] / (wide[r, 0] + noise), wide[r, 1] / (wide[r, 0] + noise)
         for i in range(d):
-            step = places[c, i] - ahead[r, i]
+            step = places[mine, i] - ahead[r, i]
             now[k, i], going[k, i] = ahead[r, i] + gain * step, speed[r, i] + gain_v * step
         spreads[k, 0], spreads[k, 1] = wide[r, 0] * (1.0 - gain), wide[r, 1] * (1.0 - gain)
         spreads[k, 2] = wide[r, 2] - gain_v * wide[r, 1]
-    return picks, chain, now, going, spreads
+    return picks, chain[:old], now, going, spreads
 
 
 def _pieces(
