@@ -62,7 +62,7 @@ _STOOD_S = 0.015
 """Time, s, for which a paw goes with the ground to be known to stand."""
 _WANDERS = 2.0
 """Before the body is followed places to the side are told so much more vaguely: an animal on a belt
-wanders."""
+wanders. Only where strangers are kept to their side, too: clicked paws hold their own."""
 
 Fixed = Mapping[int, Mapping[int, np.ndarray]]
 """Frame to point number to position, certain."""
@@ -336,6 +336,7 @@ def _start_prior(
         for p in sorted({p for here in fixed.values() for p in here})
     }
     across = scene.across
+    wanders = _WANDERS if len(clicked) < len(usual) else 1.0
     frame, at, first = joined(pieces)
     along = at @ scene.forward
     for p, expected in enumerate(usual):
@@ -343,7 +344,7 @@ def _start_prior(
             far = np.maximum(np.abs(along - expected[frame]) / scene.span - 0.33, 0.0) / 0.1
             cost[p] += 0.5 * np.add.reduceat(np.minimum(far**2, 6.0), first)
         if across is not None and p in clicked:
-            aside = aside_cost((at - clicked[p]) @ across, _WANDERS * scene.span)
+            aside = aside_cost((at - clicked[p]) @ across, wanders * scene.span)
             cost[p] += np.add.reduceat(aside, first)
     return cost
 

@@ -1,5 +1,7 @@
 """Paths chosen among places of a made-up walk of four paws, with what is no paw between them."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -7,9 +9,10 @@ from pawnb.core.paws.whole.cycle import learn_cycle
 from pawnb.core.paws.whole.geometry import Geometry
 from pawnb.core.paws.whole.hypotheses import Places, Volume
 from pawnb.core.paws.whole.likeness import Judge
-from pawnb.core.paws.whole.paths import PathChoice, seen_elsewhere, where_kinds_are
+from pawnb.core.paws.whole.paths import PathChoice, _start_prior, seen_elsewhere, where_kinds_are
 from pawnb.core.paws.whole.scene import Scene
 from pawnb.core.paws.whole.settings import WholeSettings
+from pawnb.core.paws.whole.tracklets import Tracklet
 
 LINEAR = np.zeros((11, 3))
 LINEAR[:8] = np.array(
@@ -192,6 +195,18 @@ def test_a_paw_hidden_at_the_end_does_not_take_what_is_there():
         frames=(16.0, 100.0), noise=1.0, trust=np.ones((N, 4)),
     )  # fmt: skip
     assert np.isnan(paths.again(cycle)[152:, 1]).all()
+
+
+def test_a_paw_may_have_wandered_farther_aside_where_only_its_side_was_clicked():
+    """A place 6 = 0.1 spans aside of where a paw was clicked is one standard deviation off."""
+    across, at = np.array([0.0, 1.0, 0.0]), np.tile([20.0, 16.0, 0.0], (10, 1))
+    pieces = [Tracklet(0, list(range(10)), at, np.zeros(10))]
+    stage = SimpleNamespace(forward=np.array([1.0, 0.0, 0.0]), across=across, span=SPAN)
+    fixed = {0: {0: HOME[0], 1: HOME[1]}}
+    usual = [np.empty(0)] * 4
+    assert _start_prior(pieces, usual[:2], fixed, stage)[0, 0] == pytest.approx(10 * 0.5)
+    # with strangers it may be twice as far off
+    assert _start_prior(pieces, usual, fixed, stage)[0, 0] == pytest.approx(10 * 0.5 / 4)
 
 
 def test_the_manner_is_that_of_the_walk(walked):
