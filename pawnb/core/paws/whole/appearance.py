@@ -123,7 +123,7 @@ class Appearance:
             part = self.background[v0 : v0 + h * shrink, u0 : u0 + w * shrink]
             still = reduce(part, shrink)
         around = 2 * round(self.around_px / shrink / 2) + 1
-        return look_up(self.table, bin_numbers(pixels, around, still, self.shades))
+        return look_up(self.table, bin_numbers(pixels, around, still, shades=self.shades))
 
 
 def reduce(pixels: np.ndarray, shrink: int) -> np.ndarray:
@@ -139,6 +139,7 @@ def bin_numbers(
     pixels: np.ndarray,
     around_px: int,
     background: np.ndarray | None = None,
+    *,
     shades: np.ndarray | None = None,
 ) -> np.ndarray:
     """Return the bin (h, w) of each pixel of an RGB or a grey picture."""
@@ -241,7 +242,7 @@ class _Lesson:
         # a grey animal has other parts as bright as its paws: the whole picture tells against them
         near, wides = (_REACH, _WIDE) if self.is_colour else (_REACH_GREY, (1.0,))
         numbers = [
-            bin_numbers(p, self.around_px, b, shades)
+            bin_numbers(p, self.around_px, b, shades=shades)
             for p, b in zip(self.pictures, self.still, strict=True)
         ]
         seeds, rest = self.patches(1), [self.patches(round(w * self.width)) for w in wides]

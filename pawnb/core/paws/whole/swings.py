@@ -127,7 +127,7 @@ def learn_swings(
     """
     manner = ground.manner
     seen = (weight > _SEEN) & np.isfinite(x[..., 0])
-    stances = since_landing(stances, x, seen, ground)
+    stances = since_landing(stances, x, seen=seen, ground=ground)
     found = [
         swing
         for swing in find_swings(

@@ -54,7 +54,7 @@ class Swing:
 
 
 def since_landing(
-    stances: Sequence[Sequence[Stance]], x: np.ndarray, seen: np.ndarray, ground: Ground
+    stances: Sequence[Sequence[Stance]], x: np.ndarray, *, seen: np.ndarray, ground: Ground
 ) -> list[list[Stance]]:
     """Let stances begin where the paw was first seen on its place, certain or not.
 

@@ -80,18 +80,18 @@ def test_a_stance_begins_where_its_paw_is_first_seen_on_its_place():
     x = (frames[:, None] * DRIFT + above[:, None] * [0.0, 0.0, 1.0])[:, None]
     seen = np.ones((80, 1), bool)
     late = [[Stance(40, 60, np.zeros(3))]]
-    assert since_landing(late, x, seen, ground) == [[replace(late[0][0], first=30)]]
+    assert since_landing(late, x, seen=seen, ground=ground) == [[replace(late[0][0], first=30)]]
     # where it was not seen nothing is known of it
     seen[35] = False
-    assert since_landing(late, x, seen, ground) == [[replace(late[0][0], first=36)]]
+    assert since_landing(late, x, seen=seen, ground=ground) == [[replace(late[0][0], first=36)]]
     # to the side a place is told less well, and is not asked
     x[..., 1] += 2.0 * thickness
-    assert since_landing(late, x, seen, ground)[0][0].first == 36
+    assert since_landing(late, x, seen=seen, ground=ground)[0][0].first == 36
     # a stance begins after the one before has ended
     x[:30] = frames[:30, None, None] * DRIFT
     both = [[Stance(2, 20, np.zeros(3)), Stance(40, 60, np.zeros(3))]]
     seen[:] = True
-    assert [one.first for one in since_landing(both, x, seen, ground)[0]] == [0, 21]
+    assert [one.first for one in since_landing(both, x, seen=seen, ground=ground)[0]] == [0, 21]
 
 
 def test_stances_that_follow_at_once_have_no_swing_between_them():
