@@ -16,6 +16,7 @@ from pawnb.core.paws.layout import Views
 from pawnb.core.paws.whole.appearance import Appearance, reduce
 from pawnb.core.paws.whole.candidates import Look, find_candidates, worth
 from pawnb.core.paws.whole.store import CandidateStore
+from pawnb.core.paws.whole.threads import THREADS
 from pawnb.core.views import Frame
 
 Watch: TypeAlias = Callable[[int, Mapping[str, Picture]], None]
@@ -27,7 +28,6 @@ _STRIDE = 8
 """Frames between those in which the animal is sought back from the clicks: the region follows over
 twice as many."""
 
-_THREADS = 2
 _IN_HAND = 2
 """Frames that may wait to be searched: no thread stands idle for the slowest view."""
 
@@ -160,7 +160,7 @@ def extract(
     with contextlib.ExitStack() as stack:
         stack.callback(store.close)
         # a view stays with its thread: its region follows what the frame before has shown
-        pools = [stack.enter_context(ThreadPoolExecutor(1)) for _ in range(_THREADS)]
+        pools = [stack.enter_context(ThreadPoolExecutor(1)) for _ in range(THREADS)]
 
         def finish() -> None:
             found.append([future.result() for future in waiting.popleft()])
@@ -172,7 +172,7 @@ def extract(
             if stop is not None and stop():
                 break
             waiting.append(
-                [pools[v % _THREADS].submit(search.find, v, t, pictures[name])
+                [pools[v % THREADS].submit(search.find, v, t, pictures[name])
                  for v, name in enumerate(views.names)]
             )  # fmt: skip
             if len(waiting) > _IN_HAND:
