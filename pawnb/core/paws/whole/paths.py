@@ -142,18 +142,7 @@ class PathChoice:
         ]  # fmt: skip
         self._clicked = 1 + max(p for here in fixed.values() for p in here)
         strangers = len(kinds) - self._clicked
-        if lead is not None or self.shape[2] == 2 or strangers:
-            # in one picture points meet that do not meet in space
-            self.pieces = cut_meetings(self.pieces, _MEETING * scene.thickness)
-        else:
-            self.pieces = cut_takeovers(
-                self.pieces, _BESIDE * scene.thickness, max(3, round(_TAKEOVER_S * fps))
-            )
-        self.pieces = cut_slides(
-            self.pieces, drift=drift, axes=self.manner.axes[[0, -1]], thickness=scene.thickness,
-            frames=max(3, round(_STOOD_S * fps)),
-        )  # fmt: skip
-        self.pieces = without_fixtures(self.pieces, drift, thickness=scene.thickness)
+        self.pieces = self._cut(self.pieces, fps)
         stay = settings.stay_cost / fps
         costs = FlowCosts(
             self.manner.acceleration, noise, speed, drift, settings.hide_cost, stay,
@@ -166,6 +155,20 @@ class PathChoice:
             cost = _ELSEWHERE * stay * seen_elsewhere(seen, own)
             self._elsewhere = np.add.reduceat(cost, begins, axis=1)
         self._flow = Flow(self.pieces, fixed, len(found), costs, strangers=strangers)
+
+    def _cut(self, pieces: list[Tracklet], fps: float) -> list[Tracklet]:
+        """Return pieces that lead through no meeting, without those that belong to the body."""
+        thickness, drift = self.scene.thickness, self.manner.drift
+        if self.scene.lead is not None or self.shape[2] == 2 or self._clicked < len(self.kinds):
+            # in one picture points meet that do not meet in space
+            pieces = cut_meetings(pieces, _MEETING * thickness)
+        else:
+            pieces = cut_takeovers(pieces, _BESIDE * thickness, max(3, round(_TAKEOVER_S * fps)))
+        pieces = cut_slides(
+            pieces, drift=drift, axes=self.manner.axes[[0, -1]], thickness=thickness,
+            frames=max(3, round(_STOOD_S * fps)),
+        )  # fmt: skip
+        return without_fixtures(pieces, drift, thickness=thickness)
 
     def first(self) -> np.ndarray:
         """Choose by the clicks, then by where points usually are.
