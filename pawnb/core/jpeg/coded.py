@@ -7,16 +7,15 @@ fills an eighth of the picture are had in a quarter of the time that the picture
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
 
 import numpy as np
 
-from pawnb.core.jpeg.block_loops import decode_units
+from pawnb.core.jpeg.block_loops import STRIP_PX, decode_units
 from pawnb.core.jpeg.header import Plan, header_length, read_plan
 from pawnb.core.jpeg.huffman_loops import MOST_BITS, scan_units, take_words
 
-_MARGIN_BYTES = 4 * (10 * 64 * MOST_BITS // 32 + 2) + 8
+_MARGIN_WORDS = 10 * 64 * MOST_BITS // 64 + 4
 """More than one unit of blocks can take: no bit is read that is not there."""
 
 
@@ -28,7 +27,7 @@ class CodedPicture:
     ----------
     plan : Plan
         What its headers say.
-    words : ndarray of uint32
+    words : ndarray of uint64
         Its bits.
     begins, levels : ndarray
         See :func:`~pawnb.core.jpeg.huffman_loops.scan_units`.
@@ -59,18 +58,17 @@ class CodedPicture:
         """
         plan = self.plan
         (width, height), (step_u, step_v) = plan.unit, plan.steps
-        left, top = u0 // width, v0 // height
-        size = ((-(-v1 // height) - top) * height, (-(-u1 // width) - left) * width)
-        chroma = (size[0] // step_v, size[1] // step_u)
-        chroma = chroma if plan.n_planes == 3 else (0, 0)
-        planes = (
-            np.empty(size, np.uint8), np.empty(chroma, np.uint8), np.empty(chroma, np.uint8)
-        )  # fmt: skip
+        box = (u0 // width, v0 // height, -(-u1 // width), -(-v1 // height))
+        h, w = (box[3] - box[1]) * height, (box[2] - box[0]) * width
+        sizes = [(h, w), *[(h // step_v, w // step_u)] * (plan.n_planes - 1)]
+        strips = [np.empty((h, -(-w // STRIP_PX) * STRIP_PX), np.uint8) for h, w in sizes]
+        luma, chroma_u, chroma_v = strips if len(strips) == 3 else strips * 3
         decode_units(
             self.words, self.begins, self.levels, plan.blocks, plan.tables, plan.scales,
-            (left, top), plan.columns, planes,
+            box, plan.columns, (luma, chroma_u, chroma_v),
         )  # fmt: skip
-        return list(planes[: plan.n_planes]), (left * width, top * height)
+        planes = [strip[:, :w] for strip, (_, w) in zip(strips, sizes, strict=True)]
+        return planes, (box[0] * width, box[1] * height)
 
 
 def read_coded(data: bytes) -> CodedPicture | None:
@@ -94,16 +92,14 @@ def read_coded(data: bytes) -> CodedPicture | None:
     n_units = plan.columns * plan.rows
     if n_units > 4 * len(data):  # not even two bits for each
         return None
-    words = np.empty((len(data) + _MARGIN_BYTES) // 4, np.uint32)
-    as_bytes = words.view(np.uint8)
+    eights = np.frombuffer(data, np.uint64, len(data) // 8)
+    words = np.empty(len(eights) + _MARGIN_WORDS, np.uint64)
     restarts = np.empty((n_units - 1) // plan.interval, np.int32)
-    n_bytes = take_words(np.frombuffer(data, np.uint8), begin, as_bytes, restarts)
+    n_bytes = take_words(np.frombuffer(data, np.uint8), eights, begin, words, restarts)
     if n_bytes < 0:
         return None
     # after its last bit there are zeros, for a unit that is damaged
-    as_bytes[n_bytes : n_bytes + _MARGIN_BYTES - 8] = 0
-    if sys.byteorder == "little":
-        words.byteswap(inplace=True)
+    words[n_bytes // 8 + 1 :] = 0
     begins = np.empty(n_units, np.int32)
     levels = np.empty((n_units, plan.n_planes), np.int16)
     if not scan_units(

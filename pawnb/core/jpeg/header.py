@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pawnb.core.jpeg.huffman_loops import LOOKED_AT, Tables, fill_tables
 from pawnb.core.jpeg.standard_codes import STANDARD_CODES
+from pawnb.core.jpeg.table_loops import LOOKED_AT, Tables, fill_heads, fill_tables
 
 _SOF0, _DHT, _SOI, _SOS, _DQT, _DRI = 0xC0, 0xC4, 0xD8, 0xDA, 0xDB, 0xDD
 _APP0, _APP14, _LAST_APP, _COM = 0xE0, 0xEE, 0xEF, 0xFE
@@ -42,7 +42,7 @@ class Plan:
         Units between restart markers; as many as there are where there is no marker.
     blocks, tables, scales
         See :func:`~pawnb.core.jpeg.huffman_loops.scan_units` and
-        :func:`~pawnb.core.jpeg.huffman_loops.read_block`.
+        :func:`~pawnb.core.jpeg.huffman_loops.read_units`.
     kind : bytes
         All that tells how the samples are to be shown.
     """
@@ -107,16 +107,20 @@ def read_plan(header: bytes) -> Plan | None:
         return None
     parts = _components(segments)
     scales = _scales(segments.scales)
-    codes = _codes(segments.codes or STANDARD_CODES)
-    if parts is None or codes is None or any(part[3] not in scales for part in parts):
+    if parts is None or any(part[3] not in scales for part in parts):
+        return None
+    pairs = [(part[4], 16 + part[5]) for part in parts]
+    codes = _codes(segments.codes or STANDARD_CODES, tuple(dict.fromkeys(pairs)))
+    if codes is None:
         return None
     which, tables = codes
     (_, across, down, *_), (_, few, low, *_) = parts[0], parts[-1]
-    blocks = []
-    for c, (_, h, v, _, dc, ac) in enumerate(parts):
-        if dc not in which or 16 + ac not in which:
-            return None
-        blocks += [(c, which[dc], which[16 + ac], i, j) for j in range(v) for i in range(h)]
+    blocks = [
+        (c, *which[pairs[c]], i, j)
+        for c, (_, h, v, *_) in enumerate(parts)
+        for j in range(v)
+        for i in range(h)
+    ]
     height, width = (int.from_bytes(segments.frame[i : i + 2], "big") for i in (1, 3))
     if len(blocks) > _MOST_BLOCKS or min(width, height) < 1:
         return None
@@ -204,22 +208,36 @@ def _places() -> np.ndarray:
 
 
 @functools.lru_cache(maxsize=8)
-def _codes(body: bytes) -> tuple[dict[int, int], Tables] | None:
-    """Return the row of each Huffman code (AC codes are 16 + their number), and the tables."""
+def _codes(
+    body: bytes, pairs: tuple[tuple[int, int], ...]
+) -> tuple[dict[tuple[int, int], tuple[int, int, int]], Tables] | None:
+    """Return the rows of each pair of DC and AC code in the tables, and the tables.
+
+    AC codes are 16 + their number. A pair has a row for its DC code, for its AC code and for
+    the two together; None where a code is wrong or lacking.
+    """
     listed = list(_listed(body))
     if not listed or listed[-1][0] > 0x1F:
         return None
     which = {name: row for row, (name, _, _) in enumerate(listed)}
-    one, several = (np.zeros((len(listed), 1 << LOOKED_AT), np.uint16) for _ in range(2))
-    ends, offsets = (np.zeros((len(listed), 17), np.int64) for _ in range(2))
-    values = np.zeros((len(listed), 256), np.uint8)
+    if any(name not in which for pair in pairs for name in pair):
+        return None
+    n, size = len(listed), 1 << LOOKED_AT
+    one, several = np.zeros((n, size), np.uint16), np.zeros((n, size), np.uint16)
+    whole, heads = np.zeros((n, size), np.int32), np.zeros((len(pairs), size), np.int32)
+    ends, offsets = np.zeros((n, 17), np.int64), np.zeros((n, 17), np.int64)
+    values = np.zeros((n, 256), np.uint8)
     for row, (name, counts, symbols) in enumerate(listed):
         values[row, : len(symbols)] = symbols
         if not fill_tables(
-            counts, values[row], one[row], several[row], ends[row], offsets[row], name >= 16
-        ):
+            counts, values[row], one[row], whole[row], several[row], ends[row], offsets[row],
+            name >= 16,
+        ):  # fmt: skip
             return None
-    return which, (one, several, ends, offsets, values)
+    for row, (dc, ac) in enumerate(pairs):
+        fill_heads(whole[which[dc]], whole[which[ac]], heads[row])
+    rows = {(dc, ac): (which[dc], which[ac], row) for row, (dc, ac) in enumerate(pairs)}
+    return rows, (one, whole, several, ends, offsets, values, heads)
 
 
 def _listed(body: bytes) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
