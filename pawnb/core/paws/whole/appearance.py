@@ -22,7 +22,7 @@ import cv2
 import numpy as np
 from scipy.ndimage import gaussian_filter
 
-from pawnb.core.paws.whole.candidates_loops import look_up
+from pawnb.core.paws.whole.candidates_loops import look_up, score_colours
 from pawnb.core.paws.whole.marks import grow, patch, spread
 from pawnb.core.paws.whole.shades import in_shades, shades_about, shades_floor, smooth_shades
 from pawnb.core.paws.whole.still import to_grey
@@ -116,6 +116,8 @@ class Appearance:
         ndarray, shape (h, w)
             The ratio.
         """
+        if pixels.ndim == 3 and self.background is None and self.shades is None:
+            return score_colours(pixels, self.table)
         still = None
         if self.background is not None:
             (u0, v0), (h, w) = origin, pixels.shape[:2]

@@ -25,6 +25,8 @@ _SHARE = 0.34
 _LOOKED_AT = 60
 """Ends in one picture that are looked at closely."""
 
+_NO_LIMITS = np.empty((0, 3))
+
 MOST = 16
 """Candidates kept in one picture."""
 
@@ -87,30 +89,19 @@ def find_candidates(pixels: np.ndarray, origin: tuple[int, int], look: Look) -> 
     score = cv2.GaussianBlur(score, (3, 3), 0.6)
     weight = loops.weigh(score)
     r = look.reach
-    side = 2 * r + 1
-    share = cv2.blur(weight, (side, side), borderType=cv2.BORDER_REPLICATE)
-    v, u = loops.find_ends(score, share, r // 2)
+    v, u, share = loops.find_ends(score, weight, r, r // 2)
     # specks are not ends: there must be mask behind
-    order = np.argsort(share[v, u])
-    order = order[share[v[order], u[order]] * side * side > 0.25 * r * r]
-    u, v = u[order], v[order]
-    near = loops.centres(weight, u, v, r)
-    if len(u) > _LOOKED_AT:
+    order = np.argsort(share)
+    order = order[share[order] * (2 * r + 1) ** 2 > 0.25 * r * r]
+    pixels, share = np.array([u[order], v[order]]), share[order]
+    near = loops.centres(weight, pixels[0], pixels[1], r)
+    if len(share) > _LOOKED_AT:
         # edges of all sorts have thin ends: those that look most like paws are kept, in order
-        promise = _likeness(loops.mean_score(score, near), share[v, u])
+        promise = _likeness(loops.mean_score(score, near), share)
         best = np.sort(np.argsort(-promise, kind="stable")[:_LOOKED_AT])
-        u, v, near = u[best], v[best], near[best]
-    kept = loops.distinct(near, float(r) * 0.7)
-    ends = (near + 0.5) * look.shrink - 0.5 + origin
-    if look.limits is not None:
-        inside = ends[kept] @ look.limits[:, :2].T + look.limits[:, 2] >= 0
-        kept = kept[inside.all(axis=1)]
-    u, v, near = u[kept], v[kept], near[kept]
-    direction = (near - loops.centres(weight, u, v, 2 * r)) * look.shrink
-    pixel = (np.column_stack([u, v]) + 0.5) * look.shrink - 0.5 + origin
-    table = np.column_stack(
-        [ends[kept], direction, share[v, u], loops.mean_score(score, near), pixel]
-    )
+        pixels, share, near = pixels[:, best], share[best], near[best]
+    limits = _NO_LIMITS if look.limits is None else np.asarray(look.limits, float)
+    table = loops.describe(score, weight, pixels, share, near, r, limits, (*origin, look.shrink))
     table = table[np.argsort(-worth(table, look.distal), kind="stable")[:MOST]]
     return table.astype(np.float32)
 

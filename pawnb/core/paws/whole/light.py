@@ -7,6 +7,8 @@ the mean of the searched part of a picture, by colour, tells how much.
 
 from __future__ import annotations
 
+import math
+
 import cv2
 import numpy as np
 
@@ -39,9 +41,11 @@ def in_light(pixels: np.ndarray, light: tuple[float, ...] | None) -> np.ndarray:
     """
     if light is None:
         return pixels
-    gain = np.maximum(light, 1.0) / np.maximum(mean_light(pixels), 1.0)
-    gain = np.clip(gain, 1.0 / _MOST_CHANGE, _MOST_CHANGE)
-    if np.abs(np.log(gain)).max() < LEAST_CHANGE:
+    gains = [
+        min(max(max(then, 1.0) / max(now, 1.0), 1.0 / _MOST_CHANGE), _MOST_CHANGE)
+        for then, now in zip(light, mean_light(pixels), strict=True)
+    ]
+    if max(abs(math.log(gain)) for gain in gains) < LEAST_CHANGE:
         return pixels
-    levels = np.clip(np.arange(256.0)[:, None] * gain + 0.5, 0, 255).astype(np.uint8)
+    levels = np.clip(np.arange(256.0)[:, None] * np.array(gains) + 0.5, 0, 255).astype(np.uint8)
     return np.asarray(cv2.LUT(pixels, levels[None] if pixels.ndim == 3 else levels[:, 0]))
