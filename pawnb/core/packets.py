@@ -199,6 +199,11 @@ def _stamps(ticks: np.ndarray, tick_s: float, rate_hz: float | None) -> tuple[np
     return ticks * tick_s, bool(np.abs(ticks - even).max() > allowed)
 
 
+def may_begin_anew(codec: str) -> bool:
+    """Tell whether :func:`begins_anew` looks at the packets of a codec."""
+    return codec in _IDR
+
+
 def begins_anew(data: bytes, codec: str, extradata: bytes | None) -> bool:
     """Tell whether a key packet starts display anew (H.264 and HEVC: an IDR picture).
 

@@ -21,7 +21,7 @@ import av
 import numpy as np
 
 from pawnb.core.colour import PartPicture, Picture
-from pawnb.core.packets import Packet, PacketIndex, begins_anew
+from pawnb.core.packets import Packet, PacketIndex, begins_anew, may_begin_anew
 from pawnb.core.planes import picture_of_frame
 from pawnb.core.video.parts import PartReader
 from pawnb.errors import VideoError, did_you_mean
@@ -178,12 +178,15 @@ class VideoFile:
         stream, codec = self._stream, self._stream.codec_context
         packets: list[Packet] = []
         is_cut, end = False, 0
+        looks_inside = may_begin_anew(codec.name)
         with contextlib.suppress(av.FFmpegError):  # what comes after a damaged place is lost
             for packet in self._container.demux(stream):
                 if not packet.size:
                     continue
-                fresh = packet.is_keyframe and begins_anew(
-                    bytes(packet), codec.name, codec.extradata
+                fresh = (
+                    looks_inside
+                    and packet.is_keyframe
+                    and begins_anew(bytes(packet), codec.name, codec.extradata)
                 )
                 packets.append(
                     Packet(packet.pts, packet.dts, packet.pos, packet.is_keyframe,
