@@ -10,6 +10,7 @@ import numpy as np
 from pawnb.core.paws.layout import Layout
 from pawnb.core.paws.whole.beside import Beside, learn_beside
 from pawnb.core.paws.whole.cycle import learn_cycle
+from pawnb.core.paws.whole.doubted import without_hops
 from pawnb.core.paws.whole.gaps import Bridged, Known, bridge_gaps
 from pawnb.core.paws.whole.likeness import Judge, score_at_clicks
 from pawnb.core.paws.whole.manner import Manner
@@ -239,16 +240,19 @@ def _settled(
     unaided = result.x
     for _ in range(settings.looks):
         sd = result.sd.mean(axis=-1) / scene.thickness
+        rhythm = learn_rhythm(bridged.stances, ready.kinds)
+        stances, lost = without_hops(bridged.stances, bridged.is_open, rhythm)
+        bridged = replace(bridged, stances=stances)
         cycle = learn_cycle(
             result.x, paths.body(result.x), axes=paths.manner.axes, frames=strides,
-            noise=0.25 * scene.thickness, trust=1.0 / (1.0 + (sd / _LEARNT_FROM) ** 2),
+            noise=0.25 * scene.thickness,
+            trust=np.where(lost, 0.0, 1.0 / (1.0 + (sd / _LEARNT_FROM) ** 2)),
         )  # fmt: skip
         if cycle is None:
             break
         trust = 1.0 / (1.0 + (sd / _BELIEVED) ** 2)
         places = tracked(paths.again(cycle))
-        rhythm = learn_rhythm(bridged.stances, ready.kinds)
-        swings = _swings(result, bridged, rhythm, ready, thickness=scene.thickness, fps=fps)
+        swings = _swings(result, bridged, rhythm, ready, lost, scene.thickness, fps=fps)
         known = Known(places, by_hand, result.x, trust, cycle, lift(), rhythm, swings)
         result, bridged = settle(known)
         result.revision = np.linalg.norm(result.x - unaided, axis=-1)
@@ -261,14 +265,18 @@ def _swings(
     bridged: Bridged,
     rhythm: Rhythm | None,
     ready: _Ready,
-    *,
+    lost: np.ndarray,
     thickness: float,
+    *,
     fps: float,
 ) -> Swings | None:
-    """Return where points swing; None without a rhythm, or where no view shows heights."""
+    """Return where points swing; None without a rhythm, or where no view shows heights.
+
+    Frames (n, P) in which points were ``lost`` tell nothing.
+    """
     if rhythm is None or bridged.ground is None or np.isnan(bridged.ground.height).all():
         return None
-    seen = (np.isfinite(result.measured[..., 0]) & ready.own).any(axis=-1)
+    seen = (np.isfinite(result.measured[..., 0]) & ready.own).any(axis=-1) & ~lost
     # arcs go forward and up: that a single view tells no depth takes nothing from them
     ahead = bridged.ground.manner.axes[[0, -1]]
     sd = np.sqrt(result.sd**2 @ (ahead**2).T).mean(axis=-1) / thickness

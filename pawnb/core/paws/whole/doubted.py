@@ -22,8 +22,6 @@ _DRAWN_S = 0.012
 """A path that is lost so soon, s, after its point left the place where it stood was drawn off."""
 _SETTLED = 6
 """Frames for which a point must have stood for its path to be told drawn off."""
-_HOP = 0.5
-"""A swing shorter than so much of the usual one was none."""
 _OFF_ARC = 3.0
 """A place so many standard deviations off the arc of a swing is told anew, and"""
 _OFF_AT_LEAST = 0.5
@@ -65,8 +63,7 @@ def told_anew(
     for p, mine in enumerate(learn_ground(sure, manner).stances(sure)):
         lost = off[:, p] | drawn_off(mine, is_open[:, p], most=round(_DRAWN_S * manner.fps))
         if rhythm is not None:
-            least = _HOP * (1.0 - rhythm.share[p]) * rhythm.stride
-            lost |= hops(mine, is_open[:, p], least=least)
+            lost |= hops(mine, is_open[:, p], least=rhythm.shortest_swing(p))
         is_open[lost & ~fixed[:, p], p] = True
     return is_open
 
@@ -137,6 +134,38 @@ def hops(stances: Sequence[Stance], is_open: np.ndarray, *, least: float) -> np.
         else:
             lost[now.first - _until_open(is_open[: now.first][::-1]) : after.first] = True
     return lost
+
+
+def without_hops(
+    stances: Sequence[Sequence[Stance]], is_open: np.ndarray, rhythm: Rhythm | None
+) -> tuple[list[list[Stance]], np.ndarray]:
+    """Leave out stances that no swing leads to: what follows the last of them is another paw.
+
+    Parameters
+    ----------
+    stances : sequence
+        Those of each point.
+    is_open : ndarray of bool, shape (n, P)
+        Frames without a certain place.
+    rhythm : Rhythm, optional
+        How long swings last; without it all are kept.
+
+    Returns
+    -------
+    kept : list of list of Stance
+        The others.
+    lost : ndarray of bool, shape (n, P)
+        Frames in which a point was on another paw; see :func:`hops`.
+    """
+    lost = np.zeros(is_open.shape, bool)
+    if rhythm is not None:
+        for p, mine in enumerate(stances):
+            lost[:, p] = hops(mine, is_open[:, p], least=rhythm.shortest_swing(p))
+    kept = [
+        [one for one in mine if not lost[one.first : one.stop, p].any()]
+        for p, mine in enumerate(stances)
+    ]
+    return kept, lost
 
 
 def _until_open(is_open: np.ndarray) -> int:

@@ -47,7 +47,8 @@ _ON_ARC = 0.1
 _PULL, _PULL_BETWEEN = 0.05, 0.01
 """Information, in that of one expectation, that the cycle gives a frame without candidates, and
 less where candidates follow: the cycle of a paw that is hidden in every stride is no more than was
-made of it before. Without any, a paw that is seen no more once it lifts off goes on as it began."""
+made of it before. Without any, a paw that is seen no more once it lifts off goes on as it began.
+There the arc of its swing gives as much as the cycle."""
 
 
 @dataclass
@@ -171,8 +172,12 @@ def refine(
             z += hold * np.nan_to_num(held)
             if beside is not None:
                 beside.add(W, z, np.isfinite(measured[..., 0]).sum(axis=-1))
+            seen = np.isfinite(measured[..., 0]).any(axis=-1)
             if cycle is not None:
-                _pull(W, z, _expected(np.isfinite(measured[..., 0]).any(axis=-1)), cycle)
+                _pull(W, z, _expected(seen), to=cycle.mean, sd=cycle.sd, axes=cycle.axes)
+            if swings is not None and changes.axes is not None:
+                on_arc = np.where(_is_followed(seen), 0.0, _PULL)
+                _pull(W, z, on_arc, to=swings.place, sd=swings.sd, axes=changes.axes)
             for p in range(n_points):
                 x[:, p], factors[p] = changes.smooth(p, W[:, p], z[:, p])
     sd = np.sqrt(variances(factors, d, axes=changes.axes)).swapaxes(0, 1)
@@ -289,13 +294,27 @@ def _normal(
 def _expected(seen: np.ndarray) -> np.ndarray:
     """Return what the cycle tells in each frame (n, P), given where points have candidates."""
     before = np.logical_or.accumulate(seen, axis=0)
-    after = np.logical_or.accumulate(seen[::-1], axis=0)[::-1]
-    return np.where(seen, 0.0, np.where(before & after, _PULL_BETWEEN, _PULL))
+    between = before & _is_followed(seen)
+    return np.where(seen, 0.0, np.where(between, _PULL_BETWEEN, _PULL))
 
 
-def _pull(W: np.ndarray, z: np.ndarray, weight: np.ndarray, cycle: Cycle) -> None:
-    """Draw hidden points weakly towards where they are expected."""
-    information = weight[..., None] / cycle.sd**2
-    extra = np.einsum("ki,npk,kj->npij", cycle.axes, information, cycle.axes, optimize=True)
+def _is_followed(seen: np.ndarray) -> np.ndarray:
+    """Tell in which frames (n, P) points have candidates there or later."""
+    return np.asarray(np.logical_or.accumulate(seen[::-1], axis=0)[::-1])
+
+
+def _pull(
+    W: np.ndarray,
+    z: np.ndarray,
+    weight: np.ndarray,
+    *,
+    to: np.ndarray,
+    sd: np.ndarray,
+    axes: np.ndarray,
+) -> None:
+    """Draw hidden points weakly towards where they are expected, where that is known."""
+    there = np.isfinite(to)
+    information = weight[..., None] / np.where(there, sd, np.inf) ** 2
+    extra = np.einsum("ki,npk,kj->npij", axes, information, axes, optimize=True)
     W += extra
-    z += np.einsum("npij,npj->npi", extra, cycle.mean)
+    z += np.einsum("npij,npj->npi", extra, np.where(there, to, 0.0))

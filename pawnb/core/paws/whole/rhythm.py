@@ -33,6 +33,8 @@ _MAD = 1.48
 """Standard deviation in median absolute deviations."""
 _OF_MEDIAN = 1.25
 """Standard error of a median in that of a mean."""
+_HOP = 0.5
+"""A swing shorter than so much of the usual one was none."""
 DEAREST = 8.0
 """Largest cost of lifting off at another time."""
 
@@ -88,6 +90,10 @@ class Rhythm:
             return np.zeros(len(frames))
         square = (frames - at) ** 2 / ((sd * stride) ** 2 + more**2)
         return np.minimum(0.5 * square, DEAREST)
+
+    def shortest_swing(self, point: int) -> float:
+        """Return the frames that a swing of a point lasts at least."""
+        return _HOP * (1.0 - float(self.share[point])) * self.stride
 
     def is_usual(self, stride: float) -> bool:
         """Tell whether a stride is about as long as most."""

@@ -18,6 +18,9 @@ _TOUCH_S, _TOUCH = 0.003, 0.5
 _OPEN, _VAGUE = 2.0, 3.0
 """So much larger where the stance begins with a place that is seen but not certain, and where it is
 not seen."""
+_ANYWHERE = 0.3
+"""Where nothing shows when a stance ends, it may be anywhere in the frames between: its standard
+deviation is so much of their number, that of what is equally likely throughout."""
 TO_FRAME, _STILL_NEAR = 0.5, 0.5
 """A stance begins and ends between two frames, and it seems to last so many frames longer at either
 end: what leaves the ground is still near it."""
@@ -136,7 +139,8 @@ def find_swings(
         step = np.median(steps, axis=0) if steps else -rhythm.stride * drift
         stride = rhythm.stride
         spread = float(np.hypot(rhythm.spread, _SPREAD * stride))
-        swung = (1.0 - rhythm.share[p]) * stride
+        # the share is that of stances as they seem
+        swung = (1.0 - rhythm.share[p]) * stride + 2.0 * _STILL_NEAR
         swung_sd = np.hypot(rhythm.sd[p] * stride, (1.0 - rhythm.share[p]) * spread)
         first, last = mine[0], mine[-1]
         if first.first > 0:
@@ -179,12 +183,14 @@ class _Ends:
         The stride that begins with it lasts ``stride`` frames; when it ends is known to ``end_sd``.
         """
         told = self._is_seen(stance.stop - _AROUND, stance.stop + _AROUND + 1)
-        at, sd = stance.stop - TO_FRAME - _STILL_NEAR, self._sd(1.0 if told else _VAGUE)
+        at, sd = stance.stop - TO_FRAME - _STILL_NEAR, self._sd(1.0)
+        if not told:
+            sd = max(self._sd(_VAGUE), _ANYWHERE * self._unseen(stance.stop))
         rhythm = self.rhythm
         if rhythm is None or stance.first == 0 or not rhythm.is_usual(stride):
             return at, sd
         share = rhythm.share[self.point]
-        due = stance.first - TO_FRAME + share * stride
+        due = stance.first - TO_FRAME - _STILL_NEAR + share * stride
         # it divides the stride in between: neither end of that counts whole
         ends = (1.0 - share) * self.touch_down(stance)[1], share * end_sd
         due_sd = float(np.linalg.norm([rhythm.sd[self.point] * stride, *ends]))
@@ -196,6 +202,11 @@ class _Ends:
         told = self._is_seen(stance.first - _AROUND - 1, stance.first + _AROUND)
         vague = _VAGUE if not told else 1.0 if self.certain[stance.first] else _OPEN
         return stance.first - TO_FRAME + _STILL_NEAR, self._sd(vague)
+
+    def _unseen(self, frame: int) -> int:
+        """Return for how many frames about one the point is not seen."""
+        before, after = self.seen[:frame][::-1], self.seen[frame:]
+        return sum(int(np.argmax(np.append(part, True))) for part in (before, after))
 
     def _is_seen(self, first: int, stop: int) -> bool:
         """Tell whether the point is seen in all of some frames."""

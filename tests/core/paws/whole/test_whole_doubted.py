@@ -8,7 +8,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pawnb.core.paws.whole.doubted import drawn_off, hops, off_arc, open_frames, runs, told_anew
+from pawnb.core.paws.whole.doubted import (
+    drawn_off,
+    hops,
+    off_arc,
+    open_frames,
+    runs,
+    told_anew,
+    without_hops,
+)
 from pawnb.core.paws.whole.manner import Manner
 from pawnb.core.paws.whole.rhythm import Rhythm
 from pawnb.core.paws.whole.standing import Stance
@@ -170,6 +178,25 @@ def test_a_stance_that_no_swing_leads_to_is_told_anew_but_not_what_was_placed_by
     # placed by hand without a place is still to be told
     expected = np.setdiff1d(np.arange(30, 75), [45, 60])
     np.testing.assert_array_equal(np.flatnonzero(is_open), expected)
+
+
+def test_stances_that_no_swing_leads_to_are_left_out():
+    stances = [
+        [Stance(*one, np.zeros(3)) for one in ((10, 40), (45, 60), (90, N))],
+        [Stance(*one, np.zeros(3)) for one in ((0, 30), (50, 80))],
+        [],
+    ]
+    is_open = np.zeros((N, 3), bool)
+    is_open[75:80] = True
+    # swings last for 20 frames, and ten are one
+    rhythm = Rhythm(np.full(3, 0.6), np.full(3, 0.02), 50.0, 3.0)
+    kept, lost = without_hops(stances, is_open, rhythm)
+    assert kept == [[stances[0][0], stances[0][2]], stances[1], []]
+    np.testing.assert_array_equal(np.flatnonzero(lost[:, 0]), np.arange(40, 75))
+    assert not lost[:, 1:].any()
+    kept, lost = without_hops(stances, is_open, None)
+    assert kept == stances
+    assert not lost.any()
 
 
 def arcs(x, *, sd=0.5):

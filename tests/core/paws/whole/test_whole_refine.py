@@ -178,6 +178,28 @@ def test_the_track_of_a_hidden_stretch_bends_as_the_arc_does():
     np.testing.assert_array_equal(told.x[:, 1], plain.x[:, 1])
 
 
+def test_a_swing_that_is_seen_no_more_ends_near_its_arc():
+    """Nothing follows frame 30, so that bends alone leave the end to how it was begun."""
+    hidden = range(30, N)
+
+    def ahead(truth, bend):
+        return of_first(truth + np.array([8.0, 0.0, 0.0]), bend, first=20, stop=N)
+
+    def bends(truth, bend):
+        return replace(of_first(truth, bend, stop=N), place=np.full(truth.shape, np.nan))
+
+    (told, truth), (plain, _), (off, _) = (
+        arched(hidden=hidden, swings=swings)
+        for swings in (lambda *of: of_first(*of, stop=N), bends, ahead)
+    )
+    away, untold = (np.abs(of.x - truth)[hidden, 0].max() for of in (told, plain))
+    assert away < 0.5 * untold
+    # it goes to where the arc is, but little where the paw is still seen
+    assert (off.x - told.x)[-1, 0, 0] == pytest.approx(8.0, abs=0.5)
+    np.testing.assert_allclose(off.x[:28, 0], told.x[:28, 0], atol=0.1 * THICKNESS)
+    np.testing.assert_array_equal(told.x[:, 1], plain.x[:, 1])
+
+
 def test_an_arc_that_is_late_does_not_bend_what_is_seen():
     def late(truth, bend):
         return of_first(np.roll(truth, 2, axis=0), np.roll(bend, 2, axis=0), first=22, stop=42)

@@ -85,6 +85,11 @@ def test_a_paw_is_due_at_its_share_of_the_stride(now, following, at, sd):
     assert cost.min() < 0.2
 
 
+def test_a_swing_lasts_half_of_the_usual_at_least():
+    # of strides of 50 frames it swings for 20
+    assert RHYTHM.shortest_swing(0) == pytest.approx(10.0)
+
+
 @pytest.mark.parametrize(("now", "following"), [((10, 35), 115), ((10, 35), 40), ((0, 35), None)])
 def test_a_stride_that_is_not_whole_says_nothing(now, following):
     after = None if following is None else Stance(following, following + 30, ORIGIN)

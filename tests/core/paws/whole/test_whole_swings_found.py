@@ -24,7 +24,7 @@ def test_when_swings_begin_and_end_is_told_by_stances_and_rhythm():
     assert (swing.point, swing.is_whole) == (0, True)
     assert (swing.times, swing.sd) == ((39.0, 60.0), (1.25, 1.25))
     np.testing.assert_array_equal([swing.begin, swing.end], [origin, ahead])
-    # three times as much where it is not seen
+    # three times as much where that is not seen
     seen[38] = seen[61] = False
     (swing,) = find_swings(stances, seen, None, certain=seen, fps=250.0, drift=DRIFT)
     assert swing.sd == (3.75, 3.75)
@@ -35,18 +35,42 @@ def test_when_swings_begin_and_end_is_told_by_stances_and_rhythm():
     )
     # of its own stride of 50 frames it stands for 25, give or take one; that is half way between
     # its ends, which are told to 1.25 and 3.75 frames
-    due, known = 10 - 0.5 + 25, 1.0**2 + (0.5 * 1.25) ** 2 + (0.5 * 3.75) ** 2
+    # seems to stand: what it seems is half a frame longer at either end than what it is
+    due, known = 10 - 0.5 + 25 - 0.5, 1.0**2 + (0.5 * 1.25) ** 2 + (0.5 * 3.75) ** 2
     sure = 1 / 3.75**2 + 1 / known
     assert swing.times[0] == pytest.approx((39.0 / 3.75**2 + due / known) / sure)
     assert swing.sd[0] == pytest.approx(sure**-0.5)
     assert (before.is_whole, after.is_whole) == (False, False)
-    assert before.times == (10.0 - 25.0, 10.0)
+    assert before.times == (10.0 - 26.0, 10.0)
     np.testing.assert_array_equal(before.begin, -ahead)
     np.testing.assert_array_equal(after.end, 2 * ahead)
     # of strides it is told to a twentieth at least
     spread = np.hypot(2.0, 2.5)
     assert before.sd[0] == pytest.approx(np.hypot(1.0, 0.5 * spread))
-    assert after.times[1] - after.times[0] == pytest.approx(25.0)
+    assert after.times[1] - after.times[0] == pytest.approx(26.0)
+
+
+def test_swings_of_which_one_end_is_not_known_last_as_long_as_those_between_stances():
+    """A paw stands on its place, to half a frame, from 10 to 30 of every 40 frames."""
+    stances = [Stance(at, at + 21, np.array([at * 1.5, 0.0, 0.0])) for at in (50, 90, 130)]
+    seen = np.ones((170, 1), bool)
+    rhythm = Rhythm(np.array([21 / 40]), np.array([0.02]), 40.0, 1.0)
+    swings = find_swings([stances], seen, rhythm, certain=seen, fps=250.0, drift=DRIFT)
+    times = sorted(one.times for one in swings)
+    np.testing.assert_allclose(times, [(30, 50), (70, 90), (110, 130), (150, 170)])
+    assert sum(one.is_whole for one in swings) == 2
+
+
+@pytest.mark.parametrize(("first", "stop"), [(30, 70), (5, 42), (38, 95)])
+def test_a_stance_whose_end_nothing_shows_may_end_anywhere_in_between(first, stop):
+    """A standard deviation of what is equally likely in n frames is n / sqrt(12), 0.29 n."""
+    stances = [[Stance(2, 40, np.zeros(3)), Stance(97, 120, np.ones(3))]]
+    seen = np.ones((130, 1), bool)
+    seen[first:stop] = False
+    (swing,) = find_swings(stances, seen, None, certain=seen, fps=250.0, drift=DRIFT)
+    assert swing.times[0] == 39.0
+    assert swing.sd[0] == pytest.approx((stop - first) / np.sqrt(12.0), rel=0.05)
+    assert swing.sd[1] < 4.0
 
 
 def test_a_landing_that_is_seen_but_not_certain_is_told_half_as_well():
