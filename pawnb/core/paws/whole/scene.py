@@ -18,6 +18,7 @@ from pawnb.core.paws.whole.lead import Lead, find_lead
 from pawnb.core.paws.whole.light import mean_light
 from pawnb.core.paws.whole.settings import WholeSettings
 from pawnb.core.paws.whole.still import find_still, to_grey
+from pawnb.core.paws.whole.threads import on_threads
 
 _LEAST_SPAN = 14.0
 """Least distance of front from hind paws, in thicknesses of a paw."""
@@ -268,18 +269,17 @@ def _learn_looks(
     not: light comes from one side, and a mirror or a glass floor dims. There each view
     learns from its own clicks if it has some.
     """
-    still = find_still(views, layout.sizes, like=fullest(clicks))
+    like = fullest(clicks)
+    shown = _whole_pictures(views, layout, like, range(len(layout.views)))
+    still = find_still(views, layout.sizes, shown)
     pictures, places, owners = [], [], []
     for frame, here in clicks.items():
-        opened = views.frame(frame)
-        for v, name in enumerate(layout.views):
-            own = [place.uv for place in here if place.view == v]
-            if own:
-                width, height = layout.sizes[v]
-                picture = opened[name].crop(0, 0, width, height)
-                pictures.append(picture if still[v] is None else to_grey(picture))
-                places.append(np.stack(own))
-                owners.append(v)
+        clicked = sorted({place.view for place in here})
+        whole = shown if frame == like else _whole_pictures(views, layout, frame, clicked)
+        for v in clicked:
+            pictures.append(whole[v] if still[v] is None else to_grey(whole[v]))
+            places.append(np.stack([place.uv for place in here if place.view == v]))
+            owners.append(v)
     around = 2 * round(_AROUND_SHARE * max(size[0] for size in layout.sizes) / 2) + 1
 
     def learn_from(which: Sequence[int]) -> Appearance:
@@ -296,6 +296,18 @@ def _learn_looks(
         look = learn_from(own_pictures) if alone else everywhere
         looks.append(replace(look, background=background))
     return looks
+
+
+def _whole_pictures(
+    views: Views, layout: Layout, frame: int, which: Sequence[int]
+) -> dict[int, np.ndarray]:
+    """Return whole pictures of some views in one frame."""
+    opened = views.frame(frame)
+
+    def whole(v: int) -> np.ndarray:
+        return np.asarray(opened[layout.views[v]].crop(0, 0, *layout.sizes[v]))
+
+    return dict(zip(which, on_threads(whole, which), strict=True))
 
 
 def _in_their_light(

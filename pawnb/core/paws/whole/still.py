@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -19,7 +19,7 @@ def to_grey(pixels: np.ndarray) -> np.ndarray:
 
 
 def find_still(
-    views: Views, sizes: Sequence[tuple[int, int]], *, like: int = 0
+    views: Views, sizes: Sequence[tuple[int, int]], shown: Mapping[int, np.ndarray]
 ) -> list[np.ndarray | None]:
     """Return what stands still in each view: the median of frames from all over the recording.
 
@@ -32,17 +32,15 @@ def find_still(
         The opened views.
     sizes : sequence of (int, int)
         Width and height of each.
-    like : int
-        Frame in whose light it is shown.
+    shown : mapping of int to ndarray
+        A whole picture of each view, by its number, in whose light it is shown.
 
     Returns
     -------
     list of ndarray
         One grey picture a view, uint8; None for a view in colour, where colours tell more.
     """
-    first = views.frame(like)
-    shown = [first[name].crop(0, 0, *size) for name, size in zip(views.names, sizes, strict=True)]
-    grey = [v for v, picture in enumerate(shown) if not has_colour(picture)]
+    grey = [v for v, picture in shown.items() if not has_colour(picture)]
     light = {v: mean_light(to_grey(shown[v])) for v in grey}
     kept: dict[int, list[np.ndarray]] = {v: [] for v in grey}
     if grey:

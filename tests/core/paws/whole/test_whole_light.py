@@ -83,8 +83,9 @@ def test_what_stands_still_is_shown_in_the_light_of_the_clicks():
     wall = Wall()
     wall.readers = {}
     lit = LitViews(wall)
-    (still,) = find_still(lit, [(60, 20)], like=23)
-    np.testing.assert_allclose(still, lit.frame(23)["side"].crop(0, 0, 60, 20), atol=3)
+    shown = lit.frame(23)["side"].crop(0, 0, 60, 20)
+    (still,) = find_still(lit, [(60, 20)], {0: shown})
+    np.testing.assert_allclose(still, shown, atol=3)
 
 
 @pytest.mark.slow

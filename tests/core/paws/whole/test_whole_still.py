@@ -46,7 +46,8 @@ class Clip:
 
 def test_what_walks_is_not_still_and_what_stands_is():
     for saved_as_colour in (False, True):
-        (still,) = find_still(Clip(saved_as_colour=saved_as_colour), [SIZE])
+        clip = Clip(saved_as_colour=saved_as_colour)
+        (still,) = find_still(clip, [SIZE], {0: clip.picture(0)})
         assert still.shape == SIZE[::-1]
         assert abs(float(np.median(still[20:32])) - 30) < 3
         assert abs(float(np.median(still[40:44])) - 180) < 3
@@ -54,7 +55,7 @@ def test_what_walks_is_not_still_and_what_stands_is():
 
 
 def test_pictures_in_colour_have_no_background():
-    assert find_still(Clip(colour=90), [SIZE]) == [None]
+    assert find_still(Clip(colour=90), [SIZE], {0: Clip(colour=90).picture(0)}) == [None]
     assert has_colour(Clip(colour=90).picture(0))
     assert not has_colour(Clip(saved_as_colour=True).picture(0))
     assert to_grey(Clip(saved_as_colour=True).picture(0)).shape == SIZE[::-1]
@@ -62,7 +63,7 @@ def test_pictures_in_colour_have_no_background():
 
 def test_a_line_as_bright_as_a_paw_is_told_apart_by_standing_still():
     clip = Clip()
-    background = find_still(clip, [SIZE])
+    background = find_still(clip, [SIZE], {0: clip.picture(0)})
     click = [np.array([[36.0, 26.0]])]
     knows = learn([clip.picture(30)], click, around_px=9, backgrounds=background)
     later = clip.picture(55)
