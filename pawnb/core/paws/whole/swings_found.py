@@ -16,8 +16,8 @@ _LEAST_FRAMES = 3
 _TOUCH_S, _TOUCH = 0.003, 0.5
 """Standard deviation of when a stance that is seen begins or ends: time, s, and frames."""
 _OPEN, _VAGUE = 2.0, 3.0
-"""So much larger where the stance begins with a place that is seen but not certain, and where it is
-not seen."""
+"""So much larger where the stance begins or ends with a place that is seen but not certain, and
+where it is not seen."""
 _ANYWHERE = 0.3
 """Where nothing shows when a stance ends, it may be anywhere in the frames between: its standard
 deviation is so much of their number, that of what is equally likely throughout."""
@@ -183,8 +183,11 @@ class _Ends:
         The stride that begins with it lasts ``stride`` frames; when it ends is known to ``end_sd``.
         """
         told = self._is_seen(stance.stop - _AROUND, stance.stop + _AROUND + 1)
-        at, sd = stance.stop - TO_FRAME - _STILL_NEAR, self._sd(1.0)
-        if not told:
+        at = stance.stop - TO_FRAME - _STILL_NEAR
+        if told:
+            known = self.certain[stance.stop - 1 : stance.stop + 1].all()
+            sd = self._sd(1.0 if known else _OPEN)
+        else:
             sd = max(self._sd(_VAGUE), _ANYWHERE * self._unseen(stance.stop))
         rhythm = self.rhythm
         if rhythm is None or stance.first == 0 or not rhythm.is_usual(stride):

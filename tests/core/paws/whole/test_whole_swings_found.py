@@ -73,13 +73,19 @@ def test_a_stance_whose_end_nothing_shows_may_end_anywhere_in_between(first, sto
     assert swing.sd[1] < 4.0
 
 
-def test_a_landing_that_is_seen_but_not_certain_is_told_half_as_well():
+def test_an_edge_that_is_seen_but_not_certain_is_told_half_as_well():
     seen = np.ones((100, 1), bool)
     certain = seen.copy()
     certain[60] = False
     stances = [[Stance(10, 40, np.zeros(3)), Stance(60, 90, np.ones(3))]]
     (swing,) = find_swings(stances, seen, None, certain=certain, fps=250.0, drift=DRIFT)
     assert swing.sd == (1.25, 2.5)
+    # nor is it when it lifted off, before its last frame on the ground or after it
+    for edge in (39, 40):
+        unsure = seen.copy()
+        unsure[edge] = False
+        (swing,) = find_swings(stances, seen, None, certain=unsure, fps=250.0, drift=DRIFT)
+        assert swing.sd == (2.5, 1.25)
     # nor is it known better when the paw that landed there is due to lift off
     rhythm = Rhythm(np.array([0.5]), np.array([0.02]), 50.0, 2.0)
     stances[0].append(Stance(110, 140, np.ones(3)))
