@@ -24,7 +24,7 @@ from scipy.ndimage import gaussian_filter
 
 from pawnb.core.paws.whole.candidates_loops import look_up, score_colours
 from pawnb.core.paws.whole.marks import grow, patch, spread
-from pawnb.core.paws.whole.shades import in_shades, shades_about, shades_floor, smooth_shades
+from pawnb.core.paws.whole.shades import Shades, shades_about, shades_floor, smooth_shades
 from pawnb.core.paws.whole.still import to_grey
 from pawnb.core.paws.whole.thickness import thickness_at
 
@@ -61,6 +61,10 @@ _ALIKE = 0.02
 """Share of what is about the animal that passes for paws from which on finer steps of colour are
 used: 0.2 to 1.7 % in 80 rendered scenes, 2.4 to 23 % in 14, most of which have a belt as brown as
 the paws. In those 14 of 10,071 wrong labels 2,355 are left."""
+_FAINT = 0.06
+"""Share of the same from which on pictures are smoothed more as well, and a place is told from what
+is about it: beyond it 13 of 15 rendered scenes were lost without, as noise is larger there than
+what tells paws from the belt; below it most are tracked."""
 _PASSING, _MOST_LIMIT = 0.005, 0.85
 """With finer steps the limit from which a place counts as paw is that which this share of what is
 near paws would pass, shadow among it, but no higher than this share of what is usual at clicks."""
@@ -84,9 +88,8 @@ class Appearance:
         Score that clicked paws have.
     mistaken : float
         Share of what is about the animal that would pass for paws by the usual bins.
-    shades : ndarray, shape (3, 4), optional
-        What turns a colour into finer steps; see
-        :func:`~pawnb.core.paws.whole.shades.shades_about`.
+    shades : Shades, optional
+        What turns a colour into finer steps.
     """
 
     table: np.ndarray
@@ -95,7 +98,12 @@ class Appearance:
     background: np.ndarray | None = None
     usual: float = _LIMIT
     mistaken: float = 0.0
-    shades: np.ndarray | None = None
+    shades: Shades | None = None
+
+    @property
+    def is_faint(self) -> bool:
+        """Whether paws are hardly told from their surroundings, even by finer steps."""
+        return self.shades is not None and self.shades.is_faint
 
     def score(
         self, pixels: np.ndarray, origin: tuple[int, int] = (0, 0), *, shrink: int = 1
@@ -125,7 +133,8 @@ class Appearance:
             part = self.background[v0 : v0 + h * shrink, u0 : u0 + w * shrink]
             still = reduce(part, shrink)
         around = 2 * round(self.around_px / shrink / 2) + 1
-        return look_up(self.table, bin_numbers(pixels, around, still, shades=self.shades))
+        score = look_up(self.table, bin_numbers(pixels, around, still, shades=self.shades))
+        return score if self.shades is None else self.shades.stand_out(score)
 
 
 def reduce(pixels: np.ndarray, shrink: int) -> np.ndarray:
@@ -142,13 +151,10 @@ def bin_numbers(
     around_px: int,
     background: np.ndarray | None = None,
     *,
-    shades: np.ndarray | None = None,
+    shades: Shades | None = None,
 ) -> np.ndarray:
     """Return the bin (h, w) of each pixel of an RGB or a grey picture."""
-    if shades is not None:
-        pixels = in_shades(smooth_shades(pixels), shades)
-    else:
-        pixels = cv2.GaussianBlur(pixels, (3, 3), 0.8)
+    pixels = cv2.GaussianBlur(pixels, (3, 3), 0.8) if shades is None else shades.of(pixels)
     if pixels.ndim == 2:
         p = pixels.astype(np.int32)
         over_around = _over(p, cv2.blur(pixels, (around_px, around_px)))
@@ -164,7 +170,7 @@ def _over(pixels: np.ndarray, base: np.ndarray) -> np.ndarray:
     return np.asarray(np.clip((pixels - base + (8 << _SHIFT)) >> _SHIFT, 0, _BINS - 1))
 
 
-def _features(is_colour: bool, shades: np.ndarray | None) -> np.ndarray:
+def _features(is_colour: bool, shades: Shades | None) -> np.ndarray:
     """Return the features of the middle of every bin: CIE Lab, three grey levels, or shades."""
     n = np.arange(_BINS**3)
     levels = np.stack([n >> 10, (n >> 5) & 31, n & 31], axis=1) * 8.0 + 3.5
@@ -202,7 +208,8 @@ def learn(
     lesson = _prepare(pictures, clicks, around_px, backgrounds or [None] * len(pictures))
     look = lesson.learn()
     if lesson.is_colour and look.mistaken > _ALIKE:
-        fine = lesson.learn(shades_about(lesson.colours()))
+        is_faint = look.mistaken > _FAINT
+        fine = lesson.learn(shades_about(lesson.colours(is_faint), is_faint=is_faint))
         look = replace(fine, mistaken=look.mistaken)
     return look
 
@@ -223,11 +230,11 @@ class _Lesson:
         """Whether the pictures are in colour."""
         return self.pictures[0].ndim == 3
 
-    def colours(self) -> np.ndarray:
-        """Return the colours (n, 3) at the clicks."""
+    def colours(self, is_faint: bool) -> np.ndarray:
+        """Return the colours (n, 3) at the clicks, smoothed as where paws are faint or not."""
         return np.concatenate(
             [
-                smooth_shades(picture)[seed]
+                smooth_shades(picture, is_faint)[seed]
                 for picture, seed in zip(self.pictures, self.patches(1), strict=True)
             ]
         )
@@ -239,7 +246,7 @@ class _Lesson:
             for picture, uv in zip(self.pictures, self.clicks, strict=True)
         ]
 
-    def learn(self, shades: np.ndarray | None = None) -> Appearance:
+    def learn(self, shades: Shades | None = None) -> Appearance:
         """Learn the look by the usual bins, or by finer steps of colour."""
         # a grey animal has other parts as bright as its paws: the whole picture tells against them
         near, wides = (_REACH, _WIDE) if self.is_colour else (_REACH_GREY, (1.0,))
@@ -266,7 +273,10 @@ class _Lesson:
             limit = max(limit, min(passing, _MOST_LIMIT * usual))
         gain = float(np.clip(_USUAL / max(usual - limit, 0.1), 1.0, _MOST_GAIN))
         table = np.clip((ratio - limit) * gain, -_LIMIT, _LIMIT).astype(np.float32)
-        at_clicks = float(np.median(_scores(table, numbers, seeds)))
+        standing = [table[n] if shades is None else shades.stand_out(table[n]) for n in numbers]
+        at_clicks = np.median(
+            np.concatenate([_even(s)[k] for s, k in zip(standing, seeds, strict=True)])
+        )
         return Appearance(
             table, self.shrink * thickness_at(numbers, table, self.clicks), self.around_px,
             usual=float(np.clip(at_clicks, _LEAST_USUAL, _LIMIT)),
@@ -307,7 +317,7 @@ def _ratio(
     rest: Sequence[Sequence[np.ndarray]],
     *,
     is_colour: bool,
-    shades: np.ndarray | None,
+    shades: Shades | None,
 ) -> np.ndarray:
     """Return the log-likelihood ratio of each bin.
 
@@ -321,7 +331,7 @@ def _ratio(
         What tells against paws: parts of all pictures that count alike.
     is_colour : bool
         Whether the pictures are in colour.
-    shades : ndarray, optional
+    shades : Shades, optional
         What the bins are of; see :class:`Appearance`.
     """
     features = _features(is_colour, shades)

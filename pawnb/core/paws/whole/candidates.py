@@ -28,7 +28,7 @@ _LOOKED_AT = 60
 _NO_LIMITS = np.empty((0, 3))
 
 MOST = 16
-"""Candidates kept in one picture."""
+"""Candidates usually kept in one picture."""
 
 
 @dataclass(frozen=True)
@@ -52,6 +52,8 @@ class Look:
     light : tuple of float, optional
         Mean of each channel of the searched part at the clicks; see
         :func:`~pawnb.core.paws.whole.light.in_light`.
+    most : int
+        Candidates kept in one picture.
     """
 
     appearance: Appearance
@@ -61,6 +63,7 @@ class Look:
     limits: np.ndarray | None = None
     is_below: bool = False
     light: tuple[float, ...] | None = None
+    most: int = MOST
 
 
 def find_candidates(pixels: np.ndarray, origin: tuple[int, int], look: Look) -> np.ndarray:
@@ -102,7 +105,7 @@ def find_candidates(pixels: np.ndarray, origin: tuple[int, int], look: Look) -> 
         pixels, share, near = pixels[:, best], share[best], near[best]
     limits = _NO_LIMITS if look.limits is None else np.asarray(look.limits, float)
     table = loops.describe(score, weight, pixels, share, near, r, limits, (*origin, look.shrink))
-    table = table[np.argsort(-worth(table, look.distal), kind="stable")[:MOST]]
+    table = table[np.argsort(-worth(table, look.distal), kind="stable")[: look.most]]
     return table.astype(np.float32)
 
 
@@ -117,7 +120,7 @@ def _spots(score: np.ndarray, origin: tuple[int, int], look: Look) -> np.ndarray
     # worth() is their likeness
     mean_score = 0.5 + 2.0 * likeness
     table = np.column_stack([at, direction, np.zeros(len(at)), mean_score, at])
-    return table[np.argsort(-likeness, kind="stable")[:MOST]].astype(np.float32)
+    return table[np.argsort(-likeness, kind="stable")[: look.most]].astype(np.float32)
 
 
 def worth(rows: np.ndarray, distal: tuple[float, float]) -> np.ndarray:

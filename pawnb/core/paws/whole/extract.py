@@ -14,7 +14,7 @@ import numpy as np
 from pawnb.core.paws.appearance import Picture
 from pawnb.core.paws.layout import Views
 from pawnb.core.paws.whole.appearance import Appearance, reduce
-from pawnb.core.paws.whole.candidates import Look, find_candidates, worth
+from pawnb.core.paws.whole.candidates import MOST, Look, find_candidates, worth
 from pawnb.core.paws.whole.store import CandidateStore
 from pawnb.core.paws.whole.threads import THREADS
 from pawnb.core.views import Frame
@@ -27,6 +27,9 @@ FOLLOW = 0.06
 _STRIDE = 8
 """Frames between those in which the animal is sought back from the clicks: the region follows over
 twice as many."""
+
+_MOST_FAINT = 24
+"""Candidates kept in one picture where paws are hardly told from their surroundings."""
 
 _IN_HAND = 2
 """Frames that may wait to be searched: no thread stands idle for the slowest view."""
@@ -97,7 +100,8 @@ def make_look(
     """Choose the scale of the search: a paw is about six reduced pixels thick."""
     shrink = max(1, round(thickness_px / 6.0))
     reach = max(3, round(0.85 * thickness_px / shrink))
-    return Look(appearance, shrink, reach, distal, limits, is_below)
+    most = _MOST_FAINT if appearance.is_faint else MOST
+    return Look(appearance, shrink, reach, distal, limits, is_below, most=most)
 
 
 def extract(

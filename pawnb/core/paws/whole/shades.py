@@ -5,9 +5,16 @@ differs by less, in how red and how yellow it is, and two such colours share a b
 picture is turned into three numbers a pixel: brightness in steps of four levels, and how much
 red exceeds green and blue their mean in steps of two. Thirty-two steps of each then reach only
 as far as colours like the paws': all that is farther counts as the last step.
+
+Where paws are hardly told from their surroundings even so, the noise of a camera is larger than
+what is between them. Pictures are then smoothed over about a third of a paw, and a place counts
+by how much its score exceeds what is usual about it: a shadow that passes for a paw here and
+there does so all over.
 """
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -19,36 +26,67 @@ _MIDDLE = 127.5
 _NOISE = (16.0, 8.0, 8.0)
 """What a colour varies by at least, in what :func:`in_shades` returns: noise of 8 levels of
 brightness and 2 of colour."""
-_SMOOTH_PX = 0.9
-"""Noise is as large as these steps: pictures are smoothed a little more than for the usual ones."""
+_SMOOTH, _SMOOTH_MUCH = (5, 0.9), (13, 1.9)
+"""Side and standard deviation of what smooths a picture, px. Noise is as large as these steps:
+pictures are smoothed a little more than for the usual ones."""
+_ABOUT_PX, _LESS = 45, 1.5
+"""The score about a place is the mean over a square of this side, some seven paws, of what speaks
+for paws there; so many times of it are taken off."""
 
 
-def shades_about(colours: np.ndarray) -> np.ndarray:
+@dataclass(frozen=True)
+class Shades:
+    """What turns a colour into fine steps.
+
+    Parameters
+    ----------
+    weights : ndarray, shape (3, 4), float32
+        Weights of red, green and blue, and what is added.
+    is_faint : bool
+        Whether paws are hardly told from their surroundings: pictures are smoothed more, and
+        scores are told from those about them.
+    """
+
+    weights: np.ndarray
+    is_faint: bool = False
+
+    def of(self, pixels: np.ndarray) -> np.ndarray:
+        """Return a picture (h, w, 3), uint8, smoothed and in fine steps: 8 levels are one step."""
+        return np.asarray(cv2.transform(smooth_shades(pixels, self.is_faint), self.weights))
+
+    def stand_out(self, score: np.ndarray) -> np.ndarray:
+        """Return the score (h, w) of places by which they are told from what is about them."""
+        if not self.is_faint:
+            return score
+        about = cv2.blur(np.maximum(score, 0.0), (_ABOUT_PX, _ABOUT_PX))
+        return np.asarray(score - np.float32(_LESS) * about)
+
+
+def shades_about(colours: np.ndarray, *, is_faint: bool = False) -> Shades:
     """Return what turns a colour into fine steps about the middle of some colours.
 
     Parameters
     ----------
     colours : ndarray, shape (n, 3)
         Red, green and blue of the paws.
+    is_faint : bool
+        See :class:`Shades`.
 
     Returns
     -------
-    ndarray, shape (3, 4), float32
-        Weights of red, green and blue, and what is added.
+    Shades
+        Steps with the middle of these colours in their middle.
     """
     weights = np.array([_BRIGHTER, _REDDER, _BLUER]) * np.array(_STEPS)[:, None]
     middle = np.median(colours, axis=0)
-    return np.column_stack([weights, _MIDDLE - weights @ middle]).astype(np.float32)
+    added = _MIDDLE - weights @ middle
+    return Shades(np.column_stack([weights, added]).astype(np.float32), is_faint)
 
 
-def smooth_shades(pixels: np.ndarray) -> np.ndarray:
+def smooth_shades(pixels: np.ndarray, is_faint: bool) -> np.ndarray:
     """Return a picture (h, w, 3), uint8, without the noise of single pixels."""
-    return np.asarray(cv2.GaussianBlur(pixels, (5, 5), _SMOOTH_PX))
-
-
-def in_shades(pixels: np.ndarray, shades: np.ndarray) -> np.ndarray:
-    """Return a picture (h, w, 3), uint8, in fine steps: 8 levels are one step."""
-    return np.asarray(cv2.transform(pixels, shades))
+    side, px = _SMOOTH_MUCH if is_faint else _SMOOTH
+    return np.asarray(cv2.GaussianBlur(pixels, (side, side), px))
 
 
 def shades_floor() -> np.ndarray:

@@ -41,8 +41,8 @@ from pawnb.schema import START_COLUMNS, Tracks, check_columns
 
 _MISTAKEN = 0.08
 """Share of what is about the animal that passes for paws from which on a person is told: 0.2 to 6 %
-in rendered scenes that are tracked, 10 to 23 % in three of belts as brown as the paws, which are
-lost."""
+in rendered scenes that are tracked well, 9 to 23 % where belts are as brown as the paws: a third
+of these is lost and most others are poor."""
 
 
 def track_whole(
