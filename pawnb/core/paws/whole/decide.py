@@ -248,11 +248,12 @@ def _settled(
             noise=0.25 * scene.thickness,
             trust=np.where(lost, 0.0, 1.0 / (1.0 + (sd / _LEARNT_FROM) ** 2)),
         )  # fmt: skip
-        if cycle is None:
+        swings = _swings(result, bridged, rhythm, ready, lost, scene.thickness, fps=fps)
+        # a recording of two strides tells a rhythm, but no cycle
+        if cycle is None and swings is None:
             break
         trust = 1.0 / (1.0 + (sd / _BELIEVED) ** 2)
-        places = tracked(paths.again(cycle))
-        swings = _swings(result, bridged, rhythm, ready, lost, scene.thickness, fps=fps)
+        places = tracked(first if cycle is None else paths.again(cycle))
         known = Known(places, by_hand, result.x, trust, cycle, lift(), rhythm, swings)
         result, bridged = settle(known)
         result.revision = np.linalg.norm(result.x - unaided, axis=-1)

@@ -15,7 +15,7 @@ import numpy as np
 
 from pawnb.core.paws.whole.standing import Stance
 
-_LEAST = 3
+_LEAST = 2
 """Strides of a kind of paw from which its share is learnt."""
 _ODD = 1.5
 """A stride this many times as long as the usual one, or as short, teaches nothing: a stance was

@@ -3,8 +3,10 @@
 from types import SimpleNamespace
 
 import numpy as np
+import pytest
 
 from pawnb.core.paws.whole import decide
+from pawnb.core.paws.whole.gaps import Bridged
 from pawnb.core.paws.whole.geometry import Geometry
 from pawnb.core.paws.whole.hypotheses import Places
 from pawnb.core.paws.whole.refine import Refined
@@ -78,3 +80,43 @@ def test_seen_paws_are_stated_surer_than_told_ones_unless_all_cameras_are_on_one
     assert (seen < 1.0).all()
     np.testing.assert_array_equal(told, sd[1])
     np.testing.assert_array_equal(decide._stated(sd, is_open, one_sided=True), sd)
+
+
+@pytest.mark.parametrize(
+    ("cycle", "swings", "rounds"),
+    [("cycle", "swings", 3), ("cycle", None, 3), (None, "swings", 3), (None, None, 1)],
+)
+def test_what_is_known_of_strides_is_used_without_a_cycle_too(monkeypatch, cycle, swings, rounds):
+    """A recording of two strides tells a rhythm and swings, but no cycle."""
+    n, told = 20, []
+    first, again = np.zeros((n, 1, 3)), np.ones((n, 1, 3))
+    paths = SimpleNamespace(
+        manner=SimpleNamespace(jerk=0.1, axes=np.eye(3)), body=lambda x: x[:, 0],
+        again=lambda _: again,
+    )  # fmt: skip
+    ready = SimpleNamespace(
+        certain=np.full((n, 1, 2, 2), np.nan), own=np.ones((1, 2), bool), unsure=np.zeros(1),
+        sights=None, kinds=["front"], one_sided=False,
+    )  # fmt: skip
+    scene = SimpleNamespace(geometry=RIG, thickness=2.0, thickness_px=THICKNESS_PX)
+    settings = SimpleNamespace(shortest_stride_s=0.1, longest_stride_s=1.0, looks=2)
+
+    def bridge(known, *_, **__):
+        told.append(known)
+        return Bridged(np.zeros((n, 1), bool), np.zeros(0), np.zeros(0), stances=[[]])
+
+    def refined(*_, **__):
+        x = np.zeros((n, 1, 3))
+        return Refined(x, np.ones_like(x), np.zeros((n, 1, 2, 2)), np.zeros((n, 1, 2)), x[..., 0])
+
+    monkeypatch.setattr(decide, "bridge_gaps", bridge)
+    monkeypatch.setattr(decide, "refine", refined)
+    monkeypatch.setattr(decide, "_tracked", lambda places, *_: places)
+    monkeypatch.setattr(decide, "learn_cycle", lambda *_, **__: cycle)
+    monkeypatch.setattr(decide, "learn_rhythm", lambda *_: None)
+    monkeypatch.setattr(decide, "_swings", lambda *_, **__: swings)
+    decide._settled(first, {}, paths, ready, scene=scene, fps=100.0, settings=settings)
+    assert len(told) == rounds
+    for known in told[1:]:
+        assert (known.cycle, known.swings) == (cycle, swings)
+        np.testing.assert_array_equal(known.chosen, again if cycle else first)
