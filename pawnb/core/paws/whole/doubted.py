@@ -18,7 +18,7 @@ from pawnb.core.paws.whole.swings import Swings
 
 _LEAST = 4
 """Certain stretches shorter than this are told anew too."""
-_DRAWN_S = 0.012
+_DRAWN_S = 0.03
 """A path that is lost so soon, s, after its point left the place where it stood was drawn off."""
 _SETTLED = 6
 """Frames for which a point must have stood for its path to be told drawn off."""
