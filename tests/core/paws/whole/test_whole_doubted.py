@@ -105,8 +105,8 @@ def test_a_recording_of_a_few_frames_is_no_reason_to_fail(n):
 
 def test_a_path_that_is_lost_soon_after_its_paw_stood_is_told_anew():
     x = walk((0, 30, 0.0), (50, 80, 50.0), (100, 101, 100.0))
-    # 0.03 s are eight frames
-    for lost, expected in ((38, range(30, 40)), (39, range(39, 40))):
+    # 0.03 s are seven frames
+    for lost, expected in ((37, range(30, 40)), (38, range(38, 40))):
         gap = x.copy()
         gap[lost:40] = np.nan
         np.testing.assert_array_equal(np.flatnonzero(told(gap)), expected)
