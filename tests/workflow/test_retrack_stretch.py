@@ -128,7 +128,17 @@ def test_colours_learnt_anew_before_the_clicks_leave_the_rest_as_clicked(clicked
 @pytest.mark.slow
 @pytest.mark.parametrize(("point", "frame"), [("HR", 50), ("FL", 50)])
 def test_a_correction_of_three_pixels_changes_rows_near_it_only(long, tmp_path, point, frame):
-    """3 px here are 15 px at full scale: a third of a hind paw."""
+    """3 px here are 15 px at full scale: a third of a hind paw.
+
+    Where the paw is hidden soon after, as in a swing that begins then, it is on its old track
+    again when it is seen again.
+    """
+    truth = pd.read_csv(long.trial.folder / "truth" / "tracks.csv").query("point == @point")
+    own = truth[
+        truth["view"].isin([view.name for view in long.trial.views if point in view.points])
+    ]
+    seen = own.loc[own["visible"] > 0, "frame"]
+    back = seen[seen >= frame + 10].min()
     log = long.log(tmp_path / "edits.jsonl")
     long.move(log, point, frame, off_px=3.0)
     before = log.tracks
@@ -136,7 +146,7 @@ def test_a_correction_of_three_pixels_changes_rows_near_it_only(long, tmp_path, 
     rows = changed_rows(log.tracks, before, point)
     assert len(rows)
     assert frame <= rows[0]
-    assert rows[-1] <= frame + 10 + 10
+    assert rows[-1] <= back + 10
     assert_others_stay(log.tracks, before, {"FR", "HR", "FL", "HL"} - {point})
 
 

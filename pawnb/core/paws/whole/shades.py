@@ -24,7 +24,7 @@ _STEPS = (2.0, 4.0, 4.0)
 """How much finer than 8 levels the steps of each are."""
 _MIDDLE = 127.5
 _NOISE = (16.0, 8.0, 8.0)
-"""What a colour varies by at least, in what :func:`in_shades` returns: noise of 8 levels of
+"""What a colour varies by at least, in the steps of :class:`Shades`: noise of 8 levels of
 brightness and 2 of colour."""
 _SMOOTH, _SMOOTH_MUCH = (5, 0.9), (13, 1.9)
 """Side and standard deviation of what smooths a picture, px. Noise is as large as these steps:
