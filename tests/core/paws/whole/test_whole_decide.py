@@ -112,11 +112,34 @@ def test_what_is_known_of_strides_is_used_without_a_cycle_too(monkeypatch, cycle
     monkeypatch.setattr(decide, "bridge_gaps", bridge)
     monkeypatch.setattr(decide, "refine", refined)
     monkeypatch.setattr(decide, "_tracked", lambda places, *_: places)
-    monkeypatch.setattr(decide, "learn_cycle", lambda *_, **__: cycle)
+    lost, trusts = np.arange(n)[:, None] < 5, []
+    monkeypatch.setattr(decide, "without_hops", lambda stances, *_: (stances, lost))
+    monkeypatch.setattr(
+        decide, "learn_cycle", lambda *_, trust, **__: trusts.append(trust) or cycle
+    )
     monkeypatch.setattr(decide, "learn_rhythm", lambda *_: None)
     monkeypatch.setattr(decide, "_swings", lambda *_, **__: swings)
     decide._settled(first, {}, paths, ready, scene=scene, fps=100.0, settings=settings)
     assert len(told) == rounds
+    # while a point was on another paw it tells nothing of its cycle
+    for trust in trusts:
+        np.testing.assert_array_equal(trust > 0, ~lost)
     for known in told[1:]:
         assert (known.cycle, known.swings) == (cycle, swings)
         np.testing.assert_array_equal(known.chosen, again if cycle else first)
+
+
+def test_a_swing_is_not_learnt_from_another_paw(monkeypatch):
+    n, taught = 20, []
+    manner = SimpleNamespace(axes=np.eye(3))
+    ground = SimpleNamespace(height=np.zeros(1), manner=manner)
+    bridged = Bridged(np.zeros((n, 1), bool), np.zeros(0), np.zeros(0), ground=ground, stances=[[]])
+    result = Refined(
+        np.zeros((n, 1, 3)), np.ones((n, 1, 3)), np.zeros((n, 1, 2, 2)), np.zeros((n, 1, 2)),
+        np.zeros((n, 1)),
+    )  # fmt: skip
+    ready = SimpleNamespace(own=np.ones((1, 2), bool), kinds=["front"])
+    lost = np.arange(n)[:, None] < 5
+    monkeypatch.setattr(decide, "learn_swings", lambda x, weight, *_, **__: taught.append(weight))
+    decide._swings(result, bridged, "rhythm", ready, lost, 2.0, fps=100.0)
+    np.testing.assert_array_equal(taught[0] > 0, ~lost)
