@@ -2,8 +2,8 @@
 
     python -m pawnb.workflow.stride_template TRIAL ... [--tracks NAME] -o FILE
 
-The template that comes with pawnb was made by this command from the truth of rendered
-scenes. Give your own file to the tracker as the setting ``template``.
+The template that comes with pawnb was made by this command from tracks of rendered scenes, by
+method ``pawnb``. Give your own file to the tracker as the setting ``template``.
 """
 
 from __future__ import annotations

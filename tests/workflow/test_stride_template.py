@@ -6,13 +6,21 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pawnb.core.paws.template import load_template
+from pawnb.core.paws.template import average_strides, cut_strides, load_template
 from pawnb.core.rig import load_rig
 from pawnb.errors import InputError
 from pawnb.io.native import write_tracks
 from pawnb.schema import ORIGIN_CODE, make_tracks
+from pawnb.synthetic import render_mouse_trial, scene_settings
+from pawnb.synthetic.camera import make_cameras
+from pawnb.synthetic.gait_model import plan_gait
+from pawnb.synthetic.mouse import Mouse
+from pawnb.synthetic.mouse_trial import find_start, tracked_legs
+from pawnb.synthetic.scene import LEGS
+from pawnb.synthetic.truth import paw_positions
 from pawnb.trial import load_trial
 from pawnb.workflow.stride_template import build_template, main
+from pawnb.workflow.track import track
 
 
 def tracks_of(trial, *, period=40.0, n=250):
@@ -85,3 +93,50 @@ def test_tracks_of_another_program_will_do(tmp_path, facing, capsys):
         assert own.uv[17, 0] == pytest.approx(0.0, abs=0.06)
         assert own.uv[34, 0] == pytest.approx(-0.5, abs=0.06)
         assert own.uv[42, 1] < own.uv[17, 1]  # the paw is in the air: higher, so less v
+
+
+def truth_of_demo(seed, *, frames=300):
+    """Where the paws are in the pictures of ``pawnb demo paws``: no picture is made for it."""
+    scene = scene_settings("normal", changes={"scale": 0.5, "seed": seed})
+    gait = plan_gait(scene, frames / scene.fps)
+    begin_s = find_start(Mouse(scene, gait), gait, scene)
+    positions = paw_positions(gait, scene, begin_s + np.arange(frames) / scene.fps)
+    cameras = make_cameras(scene)
+    views = [camera.name for camera in cameras]
+    tracks = make_tracks(np.arange(frames), list(LEGS), fps=scene.fps, views=views)
+    tracks["image_origin"][:] = ORIGIN_CODE["measured"]
+    for v, camera in enumerate(cameras):
+        tracks["image_position"][:, v, :, :, 0] = np.swapaxes(camera.project(positions)[0], 1, 2)
+    return tracks, {camera.name: tracked_legs(camera, scene) for camera in cameras}
+
+
+def test_the_template_of_the_package_is_that_of_the_scenes_it_was_made_from():
+    """CONTRIBUTING.md has the commands; their truth is what the tracks should have been."""
+    strides = []
+    for seed in range(6):
+        tracks, tracked = truth_of_demo(seed)
+        # the mouse of the demo runs towards +X, which these cameras see from its right and left
+        facing = {view: 1 if "FR" in legs else -1 for view, legs in tracked.items()}
+        kinds = {"FR": "front", "FL": "front", "HR": "hind", "HL": "hind"}
+        strides.append(cut_strides(tracks, points=kinds, facing=facing, points_by_view=tracked))
+    truth = average_strides(strides)
+    for kind, own in load_template().kinds.items():
+        true = truth.kinds[kind]
+        assert own.n_strides == pytest.approx(true.n_strides, abs=2)
+        assert own.period_s == pytest.approx(true.period_s, abs=0.001)
+        # of the range of u, which is some 50 mm: 1.25 mm
+        np.testing.assert_allclose(own.uv, true.uv, atol=0.025)
+
+
+@pytest.mark.slow
+def test_tracks_of_the_default_method_and_the_truth_give_the_same_template(tmp_path):
+    """Front paws are hidden in every stride: tracks bridge that, and the truth knows it."""
+    trial = load_trial(render_mouse_trial(tmp_path / "mouse", frames=130, scale=0.3, seed=3))
+    track(trial, out=trial.folder / "results", progress=lambda done, total: None)
+    own, true = tmp_path / "own.json", tmp_path / "true.json"
+    assert main([str(trial.folder), "-o", str(own)]) == 0
+    assert main([str(trial.folder), "--tracks", "truth/tracks.csv", "-o", str(true)]) == 0
+    for kind, expected in load_template(true).kinds.items():
+        # one paw at least has a whole stride in 130 frames, in the two views of its side
+        assert load_template(own).kinds[kind].n_strides == expected.n_strides >= 2
+        np.testing.assert_allclose(load_template(own).kinds[kind].uv, expected.uv, atol=0.05)

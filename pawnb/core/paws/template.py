@@ -40,7 +40,8 @@ _MOST_DIFFERENT_PERIOD = 1.5
 """A stride this many times longer or shorter than the median is none, or two."""
 _GAP_FRAMES = 5
 """Gaps up to this long are bridged: 20 ms at 250 frames per second."""
-_FOUND = [ORIGIN_CODE[name] for name in ("measured", "resolved", "edited")]
+_SUREST = 0.1
+"""A position whose standard deviation is above this share of the paw's range is not known."""
 
 
 @dataclass(frozen=True)
@@ -142,8 +143,11 @@ def cut_strides(
     Returns
     -------
     dict
-        ``"front"`` and ``"hind"`` to their strides. A stride is used where it was tracked
-        throughout, and lasted no more than 1.5 times longer or shorter than the median.
+        ``"front"`` and ``"hind"`` to their strides. A stride is used where the paw's place was
+        known throughout, and lasted no more than 1.5 times longer or shorter than the median.
+        A front paw is hidden in every stride: its place is known there from space, and from
+        tracks that bridge what is hidden and say how surely (``sd``); what a filter or a
+        template alone predicted is not.
 
     Raises
     ------
@@ -161,7 +165,7 @@ def cut_strides(
                 continue
             own = tracks.sel(view=view, keypoint=point).isel(individual=0)
             uv = own["image_position"].to_numpy() * [facing[view], 1.0]
-            uv[~np.isin(own["image_origin"].to_numpy(), _FOUND)] = np.nan
+            uv[~_is_known(own)] = np.nan
             smooth = lowpass_path(uv, cutoff_hz=cutoff_hz, fps=fps)
             found[kind] += _closed_strides(smooth, n_points, fps)
     return {
@@ -171,6 +175,27 @@ def cut_strides(
         )
         for kind, strides in found.items()
     }
+
+
+def _is_known(own: Tracks) -> np.ndarray:
+    """Tell in which rows (n,) the place of one paw in one view is known, seen there or not."""
+    origin = own["image_origin"].to_numpy()
+    seen = np.isin(origin, [ORIGIN_CODE[name] for name in ("measured", "resolved", "edited")])
+    shown = origin == ORIGIN_CODE["reprojected"]
+    if "sd" in own:
+        bridged = shown | (origin == ORIGIN_CODE["predicted"])
+        return np.asarray(seen | bridged & _is_sure(own))
+    return np.asarray(seen | shown & (own["origin"].to_numpy() != ORIGIN_CODE["predicted"]))
+
+
+def _is_sure(own: Tracks) -> np.ndarray:
+    """Tell in which rows (n,) the stated uncertainty of one paw is small beside its range."""
+    xyz, sd = (own[name].transpose("time", "space").to_numpy() for name in ("position", "sd"))
+    there = np.isfinite(xyz).all(axis=1)
+    if not there.any():
+        return there
+    extent = np.subtract(*np.percentile(xyz[there], [95, 5], axis=0)).max()
+    return np.asarray(np.linalg.norm(sd, axis=1) <= _SUREST * extent)
 
 
 def lowpass_path(uv: np.ndarray, *, cutoff_hz: float, fps: float) -> np.ndarray:

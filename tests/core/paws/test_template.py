@@ -73,6 +73,45 @@ def test_strides_with_predicted_frames_are_left_out():
                                atol=0.01)  # fmt: skip
 
 
+def hidden_in_every_stride(origin):
+    """Paws that walk, and that no picture shows in 10 of every 40 frames."""
+    tracks = walking()
+    rows = np.arange(300) % 40 >= 30
+    tracks["image_origin"][rows] = ORIGIN_CODE[origin]
+    return tracks
+
+
+@pytest.mark.parametrize("origin", ["predicted", "reprojected"])
+def test_a_paw_that_is_hidden_in_every_stride_has_strides_where_its_place_is_known(origin):
+    """The truth has such a paw's place from space; a filter's guess is no place."""
+    whole = cut_strides(walking(), points=FRONT, facing={"cam1": 1})
+    tracks = hidden_in_every_stride(origin)
+    strides = cut_strides(tracks, points=FRONT, facing={"cam1": 1})
+    if origin == "predicted":
+        assert len(strides["front"].uv) == 0
+        return
+    np.testing.assert_array_equal(strides["front"].uv, whole["front"].uv)
+    tracks["origin"][:] = ORIGIN_CODE["predicted"]
+    assert len(cut_strides(tracks, points=FRONT, facing={"cam1": 1})["front"].uv) == 0
+
+
+@pytest.mark.parametrize("origin", ["predicted", "reprojected"])
+@pytest.mark.parametrize(("sd", "is_known"), [(1.0, True), (10.0, False)])
+def test_bridged_places_count_where_they_are_surely_known(origin, sd, is_known):
+    """The paws range over 80 px: a tenth of it, 8 px, is the limit."""
+    whole = cut_strides(walking(), points=FRONT, facing={"cam1": 1})
+    tracks = hidden_in_every_stride(origin)
+    tracks["position"][:, :2] = tracks["image_position"].isel(view=0).to_numpy()
+    tracks["position"][:, 2:] = 0.0
+    tracks["sd"] = tracks["position"].copy(data=np.zeros(tracks["position"].shape))
+    tracks["sd"][:, 0] = sd
+    strides = cut_strides(tracks, points=FRONT, facing={"cam1": 1})
+    if is_known:
+        np.testing.assert_array_equal(strides["front"].uv, whole["front"].uv)
+    else:
+        assert len(strides["front"].uv) == 0
+
+
 def test_no_stride_of_a_kind_is_refused():
     strides = cut_strides(walking(), points={"FR": "front"}, facing={"cam1": 1})
     with pytest.raises(InputError, match="no complete stride of a hind paw"):
