@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any, TypeVar, cast
 
 import numba
+from numba.core import event
 
 _F = TypeVar("_F", bound=Callable)
 _LOOSE = {"contract", "arcp", "nsz", "reassoc"}
@@ -61,6 +63,24 @@ def compiled_inside(function: _F) -> _F:
         The same.
     """
     return _compiled(function, fastmath=_LOOSE, forceinline=True)
+
+
+@contextmanager
+def time_compiling() -> Iterator[Callable[[], float]]:
+    """Measure how long functions are compiled, or their compiled code is read, in the block.
+
+    Yields
+    ------
+    callable
+        Seconds of that until now, on all threads: one at a time does it.
+    """
+    listener = event.TimingListener()  # type: ignore[no-untyped-call]
+
+    def seconds() -> float:
+        return float(listener.duration) if listener.done else 0.0
+
+    with event.install_listener("numba:compiler_lock", listener):
+        yield seconds
 
 
 def _compiled(function: _F, **how: Any) -> _F:

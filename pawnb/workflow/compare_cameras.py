@@ -37,7 +37,8 @@ def measure_reprojection(trial: Trial, tracks: Tracks) -> dict[tuple[str, str, s
     Returns
     -------
     dict
-        View, point and kind (front, hind, other) to the errors, px, one a frame. Of method
+        View, point and kind (front, hind, other) to the errors, px, one a frame, of the points
+        that each view tracks: method ``pawnb`` finds paws in the other views, too. Of method
         ``pawnb`` (``image_residual`` of the tracks): the distance of what was found in the
         picture from the projection of the smoothed position. Of the others, where a point
         was found by two views or more: the distance of each from the projection of the
@@ -53,8 +54,11 @@ def measure_reprojection(trial: Trial, tracks: Tracks) -> dict[tuple[str, str, s
         error = triangulated
     settings = PaperSettings()
     found: dict[tuple[str, str, str], np.ndarray] = {}
+    tracked = {view.name: view.points for view in trial.views}
     for p, point in enumerate(tracks["keypoint"].to_numpy().tolist()):
         for v, view in enumerate(tracks["view"].to_numpy().tolist()):
+            if tracked[view] and point not in tracked[view]:
+                continue
             values = error[:, p, v]
             values = values[np.isfinite(values)]
             if len(values):

@@ -1,12 +1,13 @@
 """Compiled functions give what Python gives, also where compiled code cannot be kept."""
 
 import math
+import time
 
 import numba
 import numpy as np
 import pytest
 
-from pawnb.core.compiled import compiled, compiled_inside, compiled_loosely
+from pawnb.core.compiled import compiled, compiled_inside, compiled_loosely, time_compiling
 
 
 def total_of_squares(n):
@@ -46,3 +47,18 @@ def test_loose_sums_still_know_what_is_not_a_number():
     values = np.array([3.0, np.nan, 7.0, -np.inf])
     assert compiled_loosely(largest_known)(values) == 7.0
     assert compiled_loosely(largest_known)(values[1:2]) == -np.inf
+
+
+def test_compiling_is_timed_and_running_is_not():
+    fast = numba.njit(total_of_squares)
+    with time_compiling() as seconds:
+        assert seconds() == 0.0
+        begun = time.perf_counter()
+        fast(10)
+        took = time.perf_counter() - begun
+        # nearly all of the first call is compiling
+        compiling = seconds()
+        assert 0.5 * took < compiling <= took
+        fast(11)
+        time.sleep(0.05)
+        assert seconds() == compiling
