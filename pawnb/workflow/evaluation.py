@@ -19,8 +19,8 @@ where a person judged; here it is written out so that a computer can count:
    frames; its 36,700 "frames" are single pictures). The limit given with a rate is the upper
    end of the exact 95 % interval of a Poisson count.
 
-The tracked point of a paw is the one that was clicked: in the rendered truth the tip of the
-toes, and so for the long hind foot too. A tracker that follows another place of the foot is
+The tracked point of a paw is the one that was clicked: in the rendered truth the middle of
+the digits, of the long hind foot too. A tracker that follows another place of the foot is
 off by a constant, so distances are given twice, the second time with the constant offset of
 each point in each view removed. What is wrong is always told from the plain distance.
 
