@@ -71,12 +71,22 @@ scenes of half scale and 300 frames, 59 tracks of which it learns from 52: ``--v
 earlier tracker: 45 scenes, ``--seeds`` 21 to 23 and 51 to 57 with ``--vary``, others as they come
 or with one thing changed."""
 
+LIMITS: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
+    "reprojection": ((0.9, 1.5), (0, 11)),
+    "leap": ((1.8, 3), (0, 11)),
+    "passes": ((0.5, 1.5), (0, 8)),
+}
+"""The same of what no sound track shows (:mod:`pawnb.core.suspect_limits`), and of another pass
+through the recording, which may be the one that errs: not learnt. Beyond the second knot the odds
+of an error are about even, though all else speaks for the point."""
+
 
 def weigh(doubt: Doubt) -> np.ndarray:
     """Return how a reason changes the log-odds (n, P) of an error."""
     parts = []
     for name, values in doubt.measures.items():
-        parts.append(np.where(np.isnan(values), 0.0, np.interp(values, *CURVES[name])))
+        curve = CURVES.get(name) or LIMITS[name]
+        parts.append(np.where(np.isnan(values), 0.0, np.interp(values, *curve)))
     return np.asarray(np.sum(parts, axis=0))
 
 

@@ -118,7 +118,7 @@ def paw_size(tracks: Tracks) -> float:
     float
         In the unit of space; NaN where nothing is known.
     """
-    x = _positions(tracks)
+    x = positions(tracks)
     away = np.linalg.norm(x[:, :, None] - x[:, None], axis=-1)
     pairs = away[:, *np.triu_indices(x.shape[1], 1)]
     known = pairs[np.isfinite(pairs) & (pairs > 0)]
@@ -139,8 +139,19 @@ def recognised(tracks: Tracks) -> np.ndarray:
     return np.asarray((origin == ORIGIN_CODE["measured"]) | (origin == ORIGIN_CODE["edited"]))
 
 
-def _positions(tracks: Tracks) -> np.ndarray:
-    """Return positions (n, P, d) of the first individual."""
+def positions(tracks: Tracks) -> np.ndarray:
+    """Return positions (n, P, d) of the first individual.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks.
+
+    Returns
+    -------
+    ndarray
+        In the unit of space; NaN where nothing is known.
+    """
     return np.moveaxis(tracks["position"].isel(individual=0).to_numpy(), 1, -1)
 
 
@@ -195,7 +206,7 @@ def _decided_otherwise(tracks: Tracks, size: float) -> Doubt:
 
 
 def _passes_disagree(tracks: Tracks, other: Tracks, size_px: np.ndarray) -> Doubt:
-    """Doubt points that another pass through the recording put elsewhere: as a revision."""
+    """Doubt points that another pass put elsewhere: as a revision, and as one of two is wrong."""
     away = distance_between(tracks, other)
     share = away / size_px[:, None]
     known = np.isfinite(share).any(axis=1)
@@ -205,7 +216,7 @@ def _passes_disagree(tracks: Tracks, other: Tracks, size_px: np.ndarray) -> Doub
     def words(t: int, p: int) -> str:
         return f"two passes through the recording disagree by {away[t, worst[t, p], p]:.0f} px"
 
-    return Doubt({"revision": most}, words)
+    return Doubt({"revision": most, "passes": most}, words)
 
 
 def _off_cycle(tracks: Tracks, rig: Rig | None) -> Doubt:
@@ -237,7 +248,7 @@ def off_cycle(tracks: Tracks, rig: Rig | None) -> tuple[np.ndarray, np.ndarray]:
     ndarray, shape (n, P)
         The same in the unit of space.
     """
-    x = _positions(tracks)
+    x = positions(tracks)
     n, n_points, d = x.shape
     away = np.full((n, n_points), np.nan)
     off = away.copy()
@@ -299,7 +310,7 @@ def _starting_and_stopping(tracks: Tracks) -> Doubt:
 
 def _pace(tracks: Tracks) -> np.ndarray:
     """Return how fast points (n, P) move from the ground, 1 where a tenth are faster."""
-    x = _positions(tracks)
+    x = positions(tracks)
     frames = tracks["frame"].to_numpy().astype(float)
     if len(frames) < 2:
         return np.zeros(x.shape[:2])

@@ -4,8 +4,9 @@ Nothing is known here of what is true, and what a person has placed is not doubt
 in two ways. Those that decide over the whole recording err briefly, and smoothly; their tracks
 carry their uncertainty (``sd``). What they say of themselves
 (:mod:`pawnb.core.suspect_uncertainty`) is turned into the number of errors to be expected
-(:mod:`pawnb.core.suspect_rates`), and frames are chosen one by one: that where a look is
-expected to find most of what earlier looks have not shown.
+(:mod:`pawnb.core.suspect_rates`), together with what no sound track shows: errors of reprojection
+and speeds that no paw has (:mod:`pawnb.core.suspect_limits`). Frames are chosen one by one: that
+where a look is expected to find most of what earlier looks have not shown.
 
 Trackers that go on from frame to frame lose points for long, and several at once. A label (one
 point in one view and frame) is doubted for several kinds of *evidence*, each measured in units
@@ -26,6 +27,7 @@ import pandas as pd
 
 from pawnb.core.rig import Rig
 from pawnb.core.suspect_evidence import Evidence, collect_evidence, image_positions
+from pawnb.core.suspect_limits import collect_limits
 from pawnb.core.suspect_rates import AROUND_FRAMES, choose_looks, error_rates, weigh
 from pawnb.core.suspect_uncertainty import Doubt, collect_doubts, recognised, states_uncertainty
 from pawnb.errors import InputError
@@ -144,6 +146,7 @@ def _by_expected_errors(
     frames = tracks["frame"].to_numpy()
     views, points = (tracks[name].to_numpy().tolist() for name in ("view", "keypoint"))
     doubts = collect_doubts(tracks, rig=rig, other=other, paw_px=settings.paw_px)
+    doubts += collect_limits(tracks, paw_px=settings.paw_px)
     # who has placed a point in one view has seen to all of it
     by_hand = _placed_by_hand(tracks).any(axis=1)
     known = np.isfinite(image_positions(tracks)[..., 0]).any(axis=1)
