@@ -17,7 +17,8 @@ it lasts from frame to frame until the paws part.
 
 Where this departs from the paper, because following it to the letter made more mistakes
 than no template at all in rendered scenes (the template, carried through a collision, is a
-worse guide than the filter while the paw is still seen):
+worse guide than the filter while the paw is still seen). The setting ``template_predicts =
+"always"`` takes these departures back:
 
 - The template takes over for a paw only when the paw is lost: none of its three best
   superpixels is near where the filter has it, or (front paws) near where the template has
@@ -90,6 +91,7 @@ class Collisions:
         self.template = template
         self.fps = fps
         self.pairs = find_pairs(layout)
+        self._to_the_letter = layout.settings.template_predicts == "always"
         self.flags: dict[tuple[int, int, int], Flag] = {}
         """View, front and hind paw in collision, to the fits of the two."""
         self._expected: dict[tuple[int, int], np.ndarray] = {}
@@ -116,7 +118,7 @@ class Collisions:
                 place = fit.predict(self._now)
                 if self.layout.contains(view, place):
                     self._expected[view, point] = place
-                    if point in flag.lost:
+                    if self._to_the_letter or point in flag.lost:
                         centres[view, point] = place
 
     def resolve(
@@ -142,7 +144,9 @@ class Collisions:
         list of Resolved
             Paws that do not keep the best superpixel.
         """
-        resolved = []
+        resolved: list[Resolved] = []
+        if self._to_the_letter:
+            return resolved
         for (view, front, hind), flag in self.flags.items():
             for own, other in ((front, hind), (hind, front)):
                 key = (view, own)
@@ -322,6 +326,10 @@ class Collisions:
 
     def _go_on(self, pair: tuple[int, int, int], flag: Flag, uv: np.ndarray, *, near: bool) -> None:
         """Clear a flag where the paws have parted, or where a fit is shown to be wrong."""
+        if self._to_the_letter:
+            if not near:
+                del self.flags[pair]
+            return
         view = pair[0]
         limit = self.layout.lengths[view].collision
         for point, since in list(flag.lost.items()):

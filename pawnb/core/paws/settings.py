@@ -89,6 +89,10 @@ class PaperSettings:
         the template cannot be fitted to fewer (Start_Frame_Collision, 20).
     adjust_weights : bool
         Change the weights during a collision of type II (Algorithm 4, an optional step).
+    template_predicts : {"lost", "always"}
+        Which paws the template predicts during a collision of type II: those that are not
+        found, or both as long as it lasts, as Algorithm 3 has it. See
+        :mod:`pawnb.core.paws.collisions`.
     template : str, optional
         File of the stride template, made by :mod:`pawnb.workflow.stride_template`; default
         the one that comes with pawnb.
@@ -129,6 +133,7 @@ class PaperSettings:
     collision_threshold_px: float = 60.0
     start_frame_collision: int = 20
     adjust_weights: bool = True
+    template_predicts: Literal["lost", "always"] = "lost"
     template: str | None = None
     template_cutoff_hz: float = 30.0
     jump_residual_px: float = 10.0

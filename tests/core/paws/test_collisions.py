@@ -134,6 +134,34 @@ def test_the_template_takes_over_where_none_of_the_best_superpixels_is_the_paw(m
     np.testing.assert_array_equal(centres, paths[first + 9])
 
 
+def test_to_the_letter_the_template_predicts_both_paws_until_they_part(make_scene):
+    """Algorithm 3, lines 7 to 11: with the flag set the spline is where both are looked for."""
+    scene = make_scene()
+    paths = walk(scene)
+    gap = np.linalg.norm(paths[:, 0, 0] - paths[:, 0, 1], axis=-1)
+    settings = dataclasses.replace(SETTINGS, template_predicts="always")
+    collisions = collisions_of(scene, settings=settings)
+    by_template = []
+    for frame, uv in enumerate(paths):
+        # the filter is off by 3 px, as it is where a paw turns
+        filtered = uv + [3.0, 0.0]
+        centres = filtered.copy()
+        collisions.predict(centres)
+        by_template.append((centres != filtered).any(axis=-1).all())
+        assert by_template[-1] == (centres != filtered).any()
+        if by_template[-1]:
+            assert np.linalg.norm(centres - uv, axis=-1).max() < 4.0, frame
+        # nothing that is found is refused, however far off
+        far = detect(0, [uv[0, 0] + [40.0, 0.0]])
+        assert collisions.resolve(far, uv, centres=centres) == []
+        collisions.record(uv)
+    # a frame after the paws have come near, from the 20th on, to a frame after they have parted
+    expected = np.concatenate([[False], gap[:-1] < 24.0])
+    expected[:21] = False
+    assert expected.any()
+    np.testing.assert_array_equal(by_template, expected)
+
+
 def test_a_paw_that_is_seen_keeps_the_filters_prediction_and_its_best_superpixel(make_scene):
     scene = make_scene()
     paths = walk(scene)
