@@ -10,6 +10,7 @@ import pandas as pd
 
 from pawnb.core.rig import Rig, load_rig
 from pawnb.core.video import open_views
+from pawnb.errors import InputError
 from pawnb.trial import Trial, load_trial
 from pawnb.widgets.frame_canvas import MOUSE_AND_KEYS, FrameCanvas, Overlay, Views
 from pawnb.widgets.start_session import StartSession
@@ -42,7 +43,8 @@ class ClickInitialiser(FrameCanvas):
         Clicks to begin with (frame, view, point, u, v in px); default those in the file.
     propose : bool or StartProposal
         Whether to offer points to accept or drag, drawn dashed, those of
-        :func:`pawnb.propose_start`, or a proposal that was made before.
+        :func:`pawnb.propose_start`, or a proposal that was made before. Where none can be
+        made it is said why, and the points are clicked.
     **options
         ``path`` (file for the clicks; default the trial's ``[start] points``, else
         ``start.csv`` beside the trial), ``views`` and ``rig`` (when they are open already),
@@ -83,7 +85,7 @@ class ClickInitialiser(FrameCanvas):
             rig=view_rig(trial, shown) if rig is None else rig,
             path=path,
         )
-        self._proposal = ""
+        self._proposal = self._reason = ""
         if propose:
             self._propose(trial, propose)
         super().__init__(shown, frame=self.session.frame, span=self.session.span, **options)
@@ -129,7 +131,11 @@ class ClickInitialiser(FrameCanvas):
 
     def _propose(self, trial: Trial, propose: bool | StartProposal) -> None:
         """Offer a proposal, and say in words how sure it is."""
-        proposal = propose if isinstance(propose, StartProposal) else propose_paws(trial)
+        try:
+            proposal = propose if isinstance(propose, StartProposal) else propose_paws(trial)
+        except InputError as error:  # all points can be clicked as well
+            self._reason = f"No paws are proposed: {error} "
+            return
         self.session.propose(proposal.start)
         each = ", ".join(f"{row.point} {row.words}" for row in proposal.points.itertuples())
         self._proposal = f"Proposed points are dashed ({each}): press Enter, or drag them. "
@@ -160,7 +166,7 @@ class ClickInitialiser(FrameCanvas):
         )
         offered = any(slot[0] == session.frame for slot in session.proposed)
         offered = offered and session.current is not None
-        said = self._proposal if offered else ""
+        said = self._proposal if offered else self._reason
         self.status = f"{said}{session.prompt()}\n{session.missing()} {file}"
         self.actions = [
             {"id": "skip", "text": "Hidden here", "keys": ["h"],

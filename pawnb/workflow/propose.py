@@ -116,13 +116,13 @@ def propose_paws(
     -------
     StartProposal
         The frame, the points, and how sure they are. The point of a paw is the middle of
-        its digits.
+        its digits. Landmarks (nose, ears, tail) are left to be clicked.
 
     Raises
     ------
     InputError
-        If the trial tracks other points than the paws FR, HR, FL and HL, if it is not
-        calibrated, or if no paws are found.
+        If the trial tracks none of the paws FR, HR, FL and HL, if it is not calibrated, or if
+        no paws are found.
     """
     if not isinstance(trial, Trial):
         trial = load_trial(trial)
@@ -177,7 +177,11 @@ def propose_in_views(
             f"frames to look through: found {wrong[0] if wrong else 'none'}; expected some of "
             f"{views.first_frame} to {views.n_frames - 1}."
         )
-    wanted = {view.name: view.points or PAWS for view in trial.views}
+    named = {view.name: view.points or PAWS for view in trial.views}
+    wanted = {name: tuple(point for point in points if point in PAWS)
+              for name, points in named.items()}  # fmt: skip
+    # landmarks are left to be clicked; where there is nothing else the error names one
+    wanted = {name: points for name, points in wanted.items() if points} or named
     asked = sorted({int(frame) for frame in frames})
     if progress is not None:
         found = find_paws(views, rig, points_by_view=wanted, frames=asked, progress=progress)
