@@ -144,7 +144,7 @@ def test_to_the_letter_the_template_predicts_both_paws_until_they_part(make_scen
     by_template = []
     for frame, uv in enumerate(paths):
         # the filter is off by 3 px, as it is where a paw turns
-        filtered = uv + [3.0, 0.0]
+        filtered = uv + np.array([3.0, 0.0])
         centres = filtered.copy()
         collisions.predict(centres)
         by_template.append((centres != filtered).any(axis=-1).all())
