@@ -53,6 +53,14 @@ def test_ends_are_minima_of_the_share_in_the_mask(score, around, reach):
     assert np.array_equal(least, share[v, u])
 
 
+def test_where_all_is_mask_its_share_is_one():
+    """No sum is too large over the widest square, and ties are all least."""
+    score = np.full((70, 70), 5.0, np.float32)
+    rows, columns, least = loops.find_ends(score, loops.weigh(score), 30, 2)
+    assert len(rows) == len(columns) == 70 * 70
+    assert np.array_equal(least, np.ones(70 * 70, np.float32))
+
+
 def test_centres_are_those_of_discs(score):
     weight = loops.weigh(score)
     at = np.array([[0, 0], [82, 59], [40, 30], [3, 57]])
@@ -94,6 +102,13 @@ def test_ends_are_described_in_pixels_of_the_view(score):
     found = loops.describe(score, weight, pixels, share, near, 5, beyond, (100, 30, 2))
     # the second is close to the first, the third lies beyond u = 200
     kept = [0, 3]
+    # close is nearer than 0.7 times the reach: 3.5 px of 5
+    for apart, n in ((3.4, 1), (3.6, 2)):
+        pair = np.array([[20.0, 10.0], [20.0 + apart, 10.0]])
+        of_pair = loops.describe(
+            score, weight, pixels[:, :2], share[:2], pair, 5, beyond, (100, 30, 2)
+        )
+        assert len(of_pair) == n
     assert found[:, :2] == pytest.approx((near[kept] + 0.5) * 2 - 0.5 + [100, 30])
     far = loops.centres(weight, pixels[0, kept], pixels[1, kept], 10)
     assert found[:, 2:4] == pytest.approx((near[kept] - far) * 2)
