@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -54,8 +55,17 @@ def _make_bar(label: str, unit: str) -> Any:
     if sys.stderr.isatty():
         from tqdm import tqdm
 
-        return tqdm(desc=label, unit=unit, total=1, file=sys.stderr)
+        width = None if _terminal_width() else 80  # else tqdm shows nothing at all
+        return tqdm(desc=label, unit=unit, total=1, file=sys.stderr, ncols=width)
     return None
+
+
+def _terminal_width() -> int:
+    """Return the columns of the terminal; some, of scripts and containers, say they have none."""
+    try:
+        return os.get_terminal_size(sys.stderr.fileno()).columns
+    except OSError:
+        return 0
 
 
 def _in_notebook() -> bool:

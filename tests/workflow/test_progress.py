@@ -1,5 +1,7 @@
 """Bars of progress: where somebody sees them, and nowhere else."""
 
+import os
+import re
 import sys
 from types import SimpleNamespace
 
@@ -14,6 +16,30 @@ def test_no_bar_where_nobody_looks(capsys, monkeypatch):
     monkeypatch.setattr(sys.stderr, "isatty", lambda: False, raising=False)
     assert progress._make_bar("tracking", "frame") is None
     assert capsys.readouterr().out == ""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs a pseudo-terminal")
+@pytest.mark.parametrize("columns", [0, 60, 120])
+def test_a_terminal_is_told_the_rate_and_the_time_left(monkeypatch, columns):
+    """Pseudo-terminals of scripts and containers have no width until somebody gives them one."""
+    import fcntl
+    import pty
+    import struct
+    import termios
+
+    ours, theirs = pty.openpty()
+    fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
+    with os.fdopen(theirs, "w") as terminal:
+        monkeypatch.setattr(sys, "stderr", terminal)
+        with progress.progress_bar("tracking") as update:
+            for done in range(1, 41):
+                update(done, 80)
+    said = os.read(ours, 10_000).decode()
+    os.close(ours)
+    last = said.replace("\n", "\r").strip("\r").split("\r")[-1]
+    # half is done: percent, frames, time gone and left, frames a second
+    assert re.search(r"tracking: +50%.* 40/80 \[\d\d:\d\d<\d\d:\d\d, +[\d.]+frame/s\]", last), last
+    assert len(last) <= (columns or 80)
 
 
 @pytest.mark.parametrize(("shell", "expected"), [(None, False), (SimpleNamespace(kernel=1), True)])
