@@ -281,8 +281,11 @@ class _Solver:
             t["sd"].values[at[0], :, at[1], 0] = np.nan
         if "revision" in t:
             t["revision"].values[at[0], at[1], 0] = np.nan
-        if "image_residual" in t:
-            t["image_residual"].values[at[0], :, at[1], 0] = np.nan
+        if "passes_apart" in t:
+            t["passes_apart"].values[at[0], at[1], 0] = np.nan
+        for name in ("image_residual", "image_separation"):
+            if name in t:
+                t[name].values[at[0], :, at[1], 0] = np.nan
         self._refresh_reprojected(rows, points, xyz, origin)
 
     def _first_view(

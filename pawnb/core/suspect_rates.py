@@ -42,6 +42,14 @@ CURVES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
         (0, 0.03, 0.1, 0.3, 0.6, 1, 2, 4),
         (-0.01, 0.09, -0.34, -0.25, 0.91, 0.87, 0.56, 1.38),
     ),
+    "separation": (
+        (-4, 0, 2, 4, 6, 10),
+        (0.55, 0.45, 0.25, 0.05, -0.05, -0.05),
+    ),
+    "apart": (
+        (0, 0.2, 0.4, 0.7, 1, 1.5, 2.5),
+        (-0.09, -0.09, 0.05, 0.13, 0.46, 0.58, 0.68),
+    ),
     "off_cycle": (
         (0, 1, 2, 3, 4, 6, 10),
         (-0.41, -0.28, 0.2, 0.85, 1.28, 2.16, 3.33),
@@ -69,7 +77,12 @@ scenes of half scale and 300 frames, 59 tracks of which it learns from 52: ``--v
 0.99 --seeds`` 0 to 4, 6, 7, 8 and 21 of normal ones, 0 to 8, 12 and 21 of hard ones, and, without
 ``--clicked``, 11 and 12 of easy ones. It went on from curves that it had printed for tracks of an
 earlier tracker: 45 scenes, ``--seeds`` 21 to 23 and 51 to 57 with ``--vary``, others as they come
-or with one thing changed."""
+or with one thing changed.
+
+``apart`` is as printed when tracks first said it, for the same scenes with the present tracker,
+in whose tracks there are 17 errors to learn from; the other curves were left as they stood.
+There ``separation`` told hardly more than they do (-0.2 to 0), so that it is not learnt: it
+counts a little, and never for what is not separated."""
 
 LIMITS: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
     "reprojection": ((0.9, 1.5), (0, 11)),

@@ -3,9 +3,10 @@
 Such tracks are smooth and their views agree, also where they are wrong: jumps and residuals tell
 little. They carry their uncertainty (``sd``) instead, and what they say of themselves tells
 more: points that are hardly recognised for a while, that are only vaguely known, that another
-point passes, that are not where they are at the same moment of other strides, or that were
-moved once the stride was known. Most errors are brief and happen where a paw lifts off or
-lands beside another.
+point passes, that are not where they are at the same moment of other strides, that were
+moved once the stride was known, whose candidates are hardly ahead of others, or that a pass
+forwards through the recording expects elsewhere than one backwards. Most errors are brief
+and happen where a paw lifts off or lands beside another.
 
 Everything is measured in sizes of a paw, shares and paces, so that one set of curves serves
 all recordings (:mod:`pawnb.core.suspect_rates`).
@@ -96,6 +97,8 @@ def collect_doubts(
         _hardly_recognised(tracks),
         _vague(tracks, size),
         _decided_otherwise(tracks, size),
+        _not_separated(tracks),
+        _passes_apart(tracks),
         *([] if other is None else [_passes_disagree(tracks, other, size_px)]),
         _off_cycle(tracks, rig),
         _crossing(near / size_px[:, None], near, who, tracks["keypoint"].to_numpy().tolist()),
@@ -203,6 +206,41 @@ def _decided_otherwise(tracks: Tracks, size: float) -> Doubt:
         return f"a first look, before the stride was known, had it {moved[t, p]:.1f} {unit} away"
 
     return Doubt({"revision": moved / size}, words)
+
+
+def _not_separated(tracks: Tracks) -> Doubt:
+    """Doubt points for which another candidate of some view fits about as well."""
+    names = ("time", "view", "keypoint")
+    each = np.full(tuple(tracks.sizes[name] for name in names), np.nan)
+    if "image_separation" in tracks:
+        each = tracks["image_separation"].isel(individual=0).transpose(*names).to_numpy()
+    worst = np.where(np.isnan(each), np.inf, each).argmin(axis=1)
+    least = np.take_along_axis(each, worst[:, None], axis=1)[:, 0]
+    views = tracks["view"].to_numpy().tolist()
+
+    def words(t: int, p: int) -> str:
+        view, odds = views[worst[t, p]], np.exp(abs(least[t, p]))
+        if least[t, p] < 0:
+            return f"in {view} another candidate fits it better by itself ({odds:.0f} to 1)"
+        return f"in {view} its candidate is little ahead of another ({odds:.0f} to 1)"
+
+    return Doubt({"separation": least}, words)
+
+
+def _passes_apart(tracks: Tracks) -> Doubt:
+    """Doubt points that the frames before expect elsewhere than the frames after."""
+    apart = np.full(tracks["confidence"].isel(individual=0).shape, np.nan)
+    if "passes_apart" in tracks:
+        apart = tracks["passes_apart"].isel(individual=0).to_numpy()
+    usual = _usual(apart)
+
+    def words(t: int, p: int) -> str:
+        return (
+            f"passes forwards and backwards are {apart[t, p]:.1f} standard deviations apart "
+            f"(usually {usual:.1f})"
+        )
+
+    return Doubt({"apart": apart}, words)
 
 
 def _passes_disagree(tracks: Tracks, other: Tracks, size_px: np.ndarray) -> Doubt:

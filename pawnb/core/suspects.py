@@ -3,7 +3,8 @@
 Nothing is known here of what is true, and what a person has placed is not doubted. Trackers err
 in two ways. Those that decide over the whole recording err briefly, and smoothly; their tracks
 carry their uncertainty (``sd``). What they say of themselves
-(:mod:`pawnb.core.suspect_uncertainty`) is turned into the number of errors to be expected
+(:mod:`pawnb.core.suspect_uncertainty`), how far candidates are ahead of others and passes
+forwards and backwards are apart among it, is turned into the number of errors to be expected
 (:mod:`pawnb.core.suspect_rates`), together with what no sound track shows: errors of reprojection
 and speeds that no paw has (:mod:`pawnb.core.suspect_limits`). Frames are chosen one by one: that
 where a look is expected to find most of what earlier looks have not shown.

@@ -33,10 +33,12 @@ _DIMS: dict[str, tuple[str, ...]] = {
     "residual": _KEYPOINT_DIMS,
     "sd": ("time", "space", "keypoint", "individual"),
     "revision": _KEYPOINT_DIMS,
+    "passes_apart": _KEYPOINT_DIMS,
     "image_position": ("time", "view", "image_space", "keypoint", "individual"),
     "image_confidence": ("time", "view", "keypoint", "individual"),
     "image_origin": ("time", "view", "keypoint", "individual"),
     "image_residual": ("time", "view", "keypoint", "individual"),
+    "image_separation": ("time", "view", "keypoint", "individual"),
     # jointed animals
     "joint_angle": ("time", "joint", "individual"),
     "joint_angle_sd": ("time", "joint", "individual"),

@@ -111,6 +111,20 @@ def test_move_solves_the_point_again_and_nothing_else():
     xr.testing.assert_identical(new.sel(keypoint="Q"), tracks.sel(keypoint="Q"))
 
 
+def test_what_a_tracker_said_of_a_point_is_not_said_of_a_persons_word():
+    tracks = wand()
+    for name in ("image_residual", "image_separation"):
+        tracks[name] = tracks["image_confidence"].copy()
+    for name in ("revision", "passes_apart"):
+        tracks[name] = tracks["residual"].copy()
+    # the third frame
+    new = apply_edit(tracks, Move(frame=5, view="a", point="P", u=4, v=-3), rig=FlatRig())
+    for name in ("image_residual", "image_separation", "revision", "passes_apart"):
+        gone = np.isnan(new[name].sel(keypoint="P").isel(individual=0).to_numpy())
+        np.testing.assert_array_equal(np.flatnonzero(gone.reshape(6, -1).all(axis=1)), [2], name)
+        assert not np.isnan(new[name].sel(keypoint="Q")).any()
+
+
 def test_hide_leaves_the_point_to_the_other_views_then_to_none():
     tracks, rig = wand(), FlatRig()
     one = apply_edit(tracks, Hide(frame=4, view="a", point="Q"), rig=rig)

@@ -90,4 +90,7 @@ def test_curves_are_well_formed_and_say_what_they_should():
     # whatever they were learnt from: less sure is more doubtful, and so is being moved
     for name in ("unrecognised", "vague", "revision", "off_cycle"):
         assert CURVES[name][1][-1] > 1 + CURVES[name][1][0]
+    for name in ("separation", "apart"):
+        away = np.diff(CURVES[name][1]) * (-1 if name == "separation" else 1)
+        assert (away >= 0).all(), name
     assert CURVES["near"][1][-1] < CURVES["near"][1][0] - 1

@@ -138,6 +138,85 @@ def test_a_point_moved_when_the_stride_was_known():
     assert unknown["score"] < 1.2 * calm["score"]
 
 
+def with_measures():
+    """A walk whose candidates are well ahead of others, and whose passes agree as is usual.
+
+    FR is vague from 64 to 67, and from 214 to 217: the second half is as the first, six strides.
+    """
+    tracks, uv = sure_walk()
+    uv[150:] = uv[:150]
+    put(tracks, uv)
+    tracks["sd"].values[64:68, :, 0, 0] = 3.0
+    tracks["sd"].values[150:] = tracks["sd"].values[:150]
+    tracks["image_separation"] = tracks["image_confidence"].copy()
+    tracks["image_separation"].values[:] = 6.0
+    tracks["passes_apart"] = tracks["residual"].copy()
+    tracks["passes_apart"].values[:] = 0.2
+    return tracks
+
+
+def scores_at(tracks):
+    """The scores of the two places, as they are listed."""
+    table = find_suspects(tracks, rig=RIG, settings=SuspectSettings(least_score=1e-6))
+    table = table[table["point"] == "FR"]
+    return [table[table["frame"].between(t - 5, t + 8)]["score"].max() for t in (64, 214)]
+
+
+def test_a_frame_whose_candidates_are_not_separated_ranks_higher():
+    scores = []
+    for separation in (6.0, 1.5, 0.0, -2.0):
+        tracks = with_measures()
+        # in one of two views, all else equal
+        tracks["image_separation"].values[64:68, 1, 0, 0] = separation
+        scores.append(scores_at(tracks))
+    assert (np.diff(np.array(scores)[:, 0]) > 0).all(), scores
+    np.testing.assert_allclose(np.array(scores)[:, 1], scores[0][1], rtol=0.01)
+    # what comes first is told by nothing else
+    for first in (64, 214):
+        one = with_measures()
+        one["image_separation"].values[first : first + 4, 1, 0, 0] = -2.0
+        assert first <= first_row(one)["frame"] < first + 4
+    doubt = next(x for x in collect_doubts(tracks, rig=RIG, other=None, paw_px=None)
+                 if "separation" in x.measures)  # fmt: skip
+    np.testing.assert_array_equal(np.flatnonzero(doubt.measures["separation"][:, 0] < 6),
+                                  range(64, 68))  # fmt: skip
+    # exp(2) is 7
+    assert doubt.words(65, 0) == "in cam2 another candidate fits it better by itself (7 to 1)"
+    assert doubt.words(90, 0) == "in cam1 its candidate is little ahead of another (403 to 1)"
+    # the view that is least separated counts, and one that took none does not
+    tracks["image_separation"].values[50, 0, 0, 0] = np.nan
+    doubt = next(x for x in collect_doubts(tracks, rig=RIG, other=None, paw_px=None)
+                 if "separation" in x.measures)  # fmt: skip
+    assert doubt.measures["separation"][50, 0] == 6.0
+
+
+def test_a_frame_whose_passes_are_apart_ranks_higher():
+    scores = []
+    for apart in (0.2, 0.6, 1.5):
+        tracks = with_measures()
+        tracks["passes_apart"].values[64:68, 0, 0] = apart
+        scores.append(scores_at(tracks)[0])
+    assert (np.diff(scores) > 0).all(), scores
+    for first in (64, 214):
+        one = with_measures()
+        one["passes_apart"].values[first : first + 4, 0, 0] = 1.5
+        assert first <= first_row(one)["frame"] < first + 4
+    doubt = next(x for x in collect_doubts(tracks, rig=RIG, other=None, paw_px=None)
+                 if "apart" in x.measures)  # fmt: skip
+    said = "passes forwards and backwards are 1.5 standard deviations apart (usually 0.2)"
+    assert doubt.words(65, 0) == said
+
+
+def test_tracks_without_the_two_measures_are_listed_as_before():
+    tracks = with_measures()
+    without = tracks.drop_vars(["image_separation", "passes_apart"])
+    for name in ("image_separation", "passes_apart"):
+        tracks[name].values[:] = np.nan
+    np.testing.assert_array_equal(
+        find_suspects(tracks, rig=RIG)["frame"], find_suspects(without, rig=RIG)["frame"]
+    )
+
+
 def test_two_passes_that_disagree_are_told_in_px():
     tracks, uv = sure_walk()
     other = tracks.copy(deep=True)

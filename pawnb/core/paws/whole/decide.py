@@ -15,10 +15,12 @@ from pawnb.core.paws.whole.gaps import Bridged, Known, bridge_gaps
 from pawnb.core.paws.whole.likeness import Judge, score_at_clicks
 from pawnb.core.paws.whole.manner import Manner
 from pawnb.core.paws.whole.offsets import learn_offsets
+from pawnb.core.paws.whole.passes import left_out, passes_apart
 from pawnb.core.paws.whole.paths import PathChoice, find_places
-from pawnb.core.paws.whole.refine import Refined, Refinement, refine
+from pawnb.core.paws.whole.refine import Refined, Refinement, deviations, refine
 from pawnb.core.paws.whole.rhythm import Rhythm, learn_rhythm
 from pawnb.core.paws.whole.scene import Scene, unclicked_kinds
+from pawnb.core.paws.whole.separation import separations
 from pawnb.core.paws.whole.settings import WholeSettings
 from pawnb.core.paws.whole.sights import Sights, read_sights, tracked_points
 from pawnb.core.paws.whole.standing import learn_lift
@@ -119,6 +121,7 @@ def decide(
     return Refined(
         result.x[:, :n_points], result.sd[:, :n_points], result.measured[:, :n_points],
         result.quality[:, :n_points], result.revision[:, :n_points],
+        result.separation[:, :n_points], result.apart[:, :n_points],
     )  # fmt: skip
 
 
@@ -258,6 +261,13 @@ def _settled(
         result, bridged = settle(known)
         result.revision = np.linalg.norm(result.x - unaided, axis=-1)
     result.sd = _stated(result.sd, bridged.is_open, one_sided=ready.one_sided)
+    if result.equations is not None:
+        result.apart = passes_apart(result.equations)
+        result.separation = separations(
+            result.measured, left_out(result.x, result.equations), ready.sights, bridged.against,
+            sigma=deviations(ready.sights.quality, what), geometry=scene.geometry,
+            thickness_px=scene.thickness_px,
+        )  # fmt: skip
     return result
 
 

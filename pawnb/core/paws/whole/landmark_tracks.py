@@ -12,8 +12,9 @@ from pawnb.core.paws.layout import Layout, Placement
 from pawnb.core.paws.whole import refine_loops as loops
 from pawnb.core.paws.whole.geometry import Geometry
 from pawnb.core.paws.whole.landmarks import window_px
+from pawnb.core.paws.whole.passes import Equations, passes_apart
 from pawnb.core.paws.whole.refine import Refined
-from pawnb.core.paws.whole.smoothing import smooth, variances
+from pawnb.core.paws.whole.smoothing import covariances, diagonals, smooth
 from pawnb.errors import InputError
 
 _BODY_PART = re.compile(
@@ -140,6 +141,7 @@ def join_views(
     patch_px = np.array([float(window_px(width)) for width, _ in layout.sizes])
     sigma = _SIGMA * patch_px / np.clip(likeness, 0.3, 1.0)
     x, sd = np.full((n, n_points, d), np.nan), np.full((n, n_points, d), np.nan)
+    apart = np.full((n, n_points), np.nan)
     start = uv[:, :, 0] if layout.rig is None else layout.rig.triangulate(uv).xyz
     for p in range(n_points):
         placed = np.flatnonzero(np.isfinite(start[:, p, 0]))
@@ -151,13 +153,17 @@ def join_views(
         per_unit = np.linalg.norm(geometry.jacobian(begun[placed[0]]), axis=(-2, -1)) / np.sqrt(2.0)
         patch = float(np.median(patch_px / per_unit))
         jerk = _JERK * patch * (_RATE_HZ / fps) ** 3
-        path, factor = _smoothest(
+        path, equations = _smoothest(
             begun, uv[:, p], sigma[:, p], by_hand=by_hand[:, p], jerk=jerk, geometry=geometry
         )
         known = _near(placed, n, longest_gap_s * fps)
         x[known, p] = path[known]
-        sd[known, p] = np.sqrt(variances(factor, d) + (_ALIKE * patch) ** 2)[known]
-    return Refined(x, sd, uv, likeness, np.full((n, n_points), np.nan))
+        variance = diagonals(equations.covariance[:, 0]) + (_ALIKE * patch) ** 2
+        sd[known, p] = np.sqrt(variance)[known]
+        apart[:, p] = passes_apart(equations)[:, 0]
+    # no two candidates are kept of a landmark, and no earlier decision
+    revision, separation = np.full((n, n_points), np.nan), np.full(likeness.shape, np.nan)
+    return Refined(x, sd, uv, likeness, revision, separation, apart)
 
 
 def _smoothest(
@@ -168,12 +174,11 @@ def _smoothest(
     by_hand: np.ndarray,
     jerk: float,
     geometry: Geometry,
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return the smoothest path (n, d) through what views (n, V) have seen, and its factor."""
+) -> tuple[np.ndarray, Equations]:
+    """Return the smoothest path (n, d) through what views (n, V) have seen, and what it solves."""
     table = np.ascontiguousarray(geometry.table.T)
     seen = np.isfinite(uv[..., 0])
-    jerk2 = np.full(len(x), jerk**2)
-    factor = np.empty(0)
+    jerk2 = np.full(x.shape, jerk**2)
     for step in range(_STEPS):
         weight = 1.0 / sigma**2
         if step:
@@ -185,7 +190,8 @@ def _smoothest(
             x[:, None], np.nan_to_num(uv)[:, None], weight[:, None], table
         )
         x, factor = smooth(W[:, 0], z[:, 0], jerk2)
-    return x, factor
+    spread = covariances(factor, x.shape[1])[:, None]
+    return x, Equations(W, z, jerk2[:, None], np.zeros(z.shape), None, spread)
 
 
 def _near(placed: np.ndarray, n: int, longest: float) -> np.ndarray:

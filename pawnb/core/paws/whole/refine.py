@@ -16,8 +16,9 @@ from pawnb.core.paws.whole.beside import Beside
 from pawnb.core.paws.whole.cycle import Cycle
 from pawnb.core.paws.whole.gaps import Bridged
 from pawnb.core.paws.whole.geometry import Geometry
+from pawnb.core.paws.whole.passes import Equations
 from pawnb.core.paws.whole.sights import Sights
-from pawnb.core.paws.whole.smoothing import smooth, variances
+from pawnb.core.paws.whole.smoothing import covariances, diagonals, smooth
 from pawnb.core.paws.whole.standing import expected_bends
 from pawnb.core.paws.whole.swings import Swings
 
@@ -65,6 +66,12 @@ class Refined:
         How much each of them looks like the end of a paw, 0 to 1.
     revision : ndarray, shape (n, P)
         How far each position is from where an earlier decision had it, NaN where there was none.
+    separation : ndarray, shape (n, P, V)
+        How far candidates are ahead of the next best ones (:mod:`.separation`), NaN where none.
+    apart : ndarray, shape (n, P)
+        How far a pass forwards and one backwards are apart (:mod:`.passes`), NaN where not known.
+    equations : Equations, optional
+        What the tracks were smoothed from.
     """
 
     x: np.ndarray
@@ -72,12 +79,16 @@ class Refined:
     measured: np.ndarray
     quality: np.ndarray
     revision: np.ndarray
+    separation: np.ndarray
+    apart: np.ndarray
+    equations: Equations | None = None
 
     def take(self, which: np.ndarray, tracks: Refined) -> None:
         """Take in the tracks of some points: those that ``which`` (P,) picks out, in order."""
         self.x[:, which], self.sd[:, which] = tracks.x, tracks.sd
         self.measured[:, which], self.quality[:, which] = tracks.measured, tracks.quality
         self.revision[:, which] = tracks.revision
+        self.separation[:, which], self.apart[:, which] = tracks.separation, tracks.apart
 
 
 @dataclass(frozen=True)
@@ -180,11 +191,28 @@ def refine(
                 _pull(W, z, on_arc, to=swings.place, sd=swings.sd, axes=changes.axes)
             for p in range(n_points):
                 x[:, p], factors[p] = changes.smooth(p, W[:, p], z[:, p])
-    sd = np.sqrt(variances(factors, d, axes=changes.axes)).swapaxes(0, 1)
+    covariance = covariances(factors, d, axes=changes.axes)
+    sd = np.sqrt(diagonals(covariance)).swapaxes(0, 1)
     # what is alike from frame to frame does not average out
     alike = (0.06**2 + what.unsure**2) * what.thickness**2
-    only = np.full((n, n_points), np.nan)
-    return Refined(x, np.sqrt(2.0 * sd**2 + alike[:, None]), measured, quality, only)
+    not_known = np.full((n, n_points), np.nan)
+    return Refined(
+        x, np.sqrt(2.0 * sd**2 + alike[:, None]), measured, quality, not_known,
+        np.full(quality.shape, np.nan), not_known.copy(),
+        Equations(W, z, changes.jerk2, changes.bend, changes.axes, covariance.swapaxes(0, 1)),
+    )  # fmt: skip
+
+
+def deviations(quality: np.ndarray, what: Refinement) -> np.ndarray:
+    """Return standard deviations (n, P, V, C), px, of candidates of a quality (n, V, C)."""
+    base = (_SIGMA / np.clip(quality, 0.3, 1.0))[:, None] * _seen_worse(what)[..., None]
+    return np.asarray(base * what.thickness_px[:, None])
+
+
+def _seen_worse(what: Refinement) -> np.ndarray:
+    """Return how much vaguer candidates of each point and view (P, V) are."""
+    # a view from the other side sees less of the paw
+    return np.where(what.own, 1.0, 1.5)
 
 
 @dataclass(frozen=True)
@@ -273,9 +301,7 @@ def _weights(
     x: np.ndarray, measured: np.ndarray, quality: np.ndarray, what: Refinement, *, robust: bool
 ) -> np.ndarray:
     """Return the weight (n, P, V), px^-2, of each measurement: less for doubtful ones."""
-    base = _SIGMA / np.clip(quality, 0.3, 1.0)
-    # a view from the other side sees less of the paw
-    base = base * np.where(what.own[None], 1.0, 1.5)
+    base = _SIGMA / np.clip(quality, 0.3, 1.0) * _seen_worse(what)
     weight = 1.0 / (base * what.thickness_px) ** 2
     away = np.linalg.norm(measured - what.geometry.project(x), axis=-1) / what.thickness_px
     if robust:

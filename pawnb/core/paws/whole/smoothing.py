@@ -6,7 +6,7 @@ variance q_t of the change of acceleration from frame to frame, the sum of
 lowest at the solution of a banded system, which is the same as a Kalman filter and
 smoother of a constant-acceleration model whose first state is unknown. Limbs move about
 so (Flash & Hogan 1985), and a gap is bridged with the speeds and accelerations of its
-ends. Variances are the diagonal of the inverse (Takahashi's recursion).
+ends. Covariances are blocks of the inverse (Takahashi's recursion).
 """
 
 from __future__ import annotations
@@ -60,6 +60,22 @@ def variances(factor: np.ndarray, d: int, *, axes: np.ndarray | None = None) -> 
 
     Parameters
     ----------
+    factor, d, axes
+        As for :func:`covariances`.
+
+    Returns
+    -------
+    ndarray, shape (..., n, d)
+        The variances.
+    """
+    return diagonals(covariances(factor, d, axes=axes))
+
+
+def covariances(factor: np.ndarray, d: int, *, axes: np.ndarray | None = None) -> np.ndarray:
+    """Return the covariance of every position from factors of :func:`smooth`.
+
+    Parameters
+    ----------
     factor : ndarray, shape (..., n d, 3 d + 1)
         Factors of one track or of several.
     d : int
@@ -69,10 +85,15 @@ def variances(factor: np.ndarray, d: int, *, axes: np.ndarray | None = None) -> 
 
     Returns
     -------
-    ndarray, shape (..., n, d)
-        The variances.
+    ndarray, shape (..., n, d, d)
+        The covariances.
     """
     *several, size, width = factor.shape
     axes = np.eye(d) if axes is None else np.ascontiguousarray(axes, float)
-    found = [loops.variances(one, axes) for one in factor.reshape(-1, size, width)]
-    return np.reshape(found, (*several, size // d, d))
+    found = [loops.covariances(one, axes) for one in factor.reshape(-1, size, width)]
+    return np.reshape(found, (*several, size // d, d, d))
+
+
+def diagonals(covariance: np.ndarray) -> np.ndarray:
+    """Return the variances (..., d) that covariances (..., d, d) have."""
+    return np.ascontiguousarray(np.diagonal(covariance, axis1=-2, axis2=-1))

@@ -122,8 +122,8 @@ def solve(factor: np.ndarray, right: np.ndarray) -> None:
 
 
 @compiled
-def variances(factor: np.ndarray, axes: np.ndarray) -> np.ndarray:
-    """Return the variance (n, d) of every coordinate, given the factor of a smoothed track.
+def covariances(factor: np.ndarray, axes: np.ndarray) -> np.ndarray:
+    """Return the covariance (n, d, d) of every position, given the factor of a smoothed track.
 
     What the inverse has within the band tells itself, from the last column to the first.
     """
@@ -140,11 +140,13 @@ def variances(factor: np.ndarray, axes: np.ndarray) -> np.ndarray:
         for k in range(1, rows):
             band[j, 0] -= factor[j, k] * band[j, k]
         band[j, 0] /= factor[j, 0]
-    found = np.zeros((size // d, d))
+    found = np.zeros((size // d, d, d))
     for t in range(size // d):
         for c in range(d):
-            for i in range(d):
-                for j in range(d):
-                    low, high = min(i, j), max(i, j)
-                    found[t, c] += axes[i, c] * band[t * d + low, high - low] * axes[j, c]
+            for e in range(d):
+                for i in range(d):
+                    for j in range(d):
+                        low, high = min(i, j), max(i, j)
+                        inner = band[t * d + low, high - low]
+                        found[t, c, e] += axes[i, c] * inner * axes[j, e]
     return found

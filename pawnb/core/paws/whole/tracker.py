@@ -96,7 +96,12 @@ def track_whole(
         like the end of a paw, 0 to 1, ``image_residual`` how far it is from the projection,
         px, NaN where there was none; ``sd`` is the standard deviation of ``position``, and
         ``revision`` how far it is from where the point was before its stride was known (NaN
-        where no stride is learnt).
+        where no stride is learnt). ``image_separation`` says how far the candidate taken is
+        ahead of the best other one in that view and frame, as the logarithm of the odds: near 0
+        nothing tells them apart, below 0 the other fits better by itself, 30 where there is no
+        other. ``passes_apart`` says how far what was seen before a frame and what is seen
+        after it expect the point apart (a filter forwards and one backwards), in standard
+        deviations of that distance.
 
     Raises
     ------

@@ -20,9 +20,11 @@ def empty_result(n: int, layout: Layout) -> Refined:
     d = 2 if layout.rig is None else 3
     x = np.full((n, n_points, d), np.nan)
     measured = np.full((n, n_points, n_views, 2), np.nan)
+    not_known = np.full((n, n_points), np.nan)
     return Refined(
-        x, x.copy(), measured, np.zeros((n, n_points, n_views)), np.full((n, n_points), np.nan)
-    )
+        x, x.copy(), measured, np.zeros((n, n_points, n_views)), not_known,
+        np.full((n, n_points, n_views), np.nan), not_known.copy(),
+    )  # fmt: skip
 
 
 def as_tracks(
@@ -64,6 +66,9 @@ def as_tracks(
     new["sd"] = new["position"].copy()
     new["image_residual"] = xr.full_like(new["image_confidence"], np.nan).assign_attrs(units="px")
     new["revision"] = new["residual"].copy().assign_attrs(units=new["position"].attrs["units"])
+    # logarithms of odds, and standard deviations
+    new["image_separation"] = xr.full_like(new["image_confidence"], np.nan).assign_attrs(units="1")
+    new["passes_apart"] = new["residual"].copy().assign_attrs(units="1")
     if n:
         _write(new, int(np.searchsorted(rows, first)), result, placed, layout)
     return new if task.tracks is None else _keep_rows(task.tracks, new, kept)
@@ -112,6 +117,7 @@ def _write(
     new["position"][rows, ..., 0] = np.swapaxes(result.x, 1, 2)
     new["sd"][rows, ..., 0] = np.where(known[:, None], np.swapaxes(result.sd, 1, 2), np.nan)
     new["revision"][rows, ..., 0] = np.where(known, result.revision, np.nan)
+    new["passes_apart"][rows, ..., 0] = np.where(known, result.apart, np.nan)
     new["origin"][rows, ..., 0] = origin
     new["confidence"][rows, ..., 0] = np.where(known, confidence, 0.0)
     new["residual"][rows, ..., 0] = residual
@@ -119,6 +125,7 @@ def _write(
     new["image_origin"][rows, ..., 0] = image_origin.transpose(0, 2, 1)
     new["image_confidence"][rows, ..., 0] = quality.transpose(0, 2, 1)
     new["image_residual"][rows, ..., 0] = off.transpose(0, 2, 1)
+    new["image_separation"][rows, ..., 0] = result.separation.transpose(0, 2, 1)
 
 
 def _keep_rows(old: Tracks, new: Tracks, kept: np.ndarray) -> Tracks:

@@ -50,7 +50,7 @@ def test_a_point_that_no_place_speaks_of_stays_where_it_was_clicked(monkeypatch)
 def test_strangers_are_left_out_one_by_one(monkeypatch):
     """The far front paw is seen in most frames, the far hind paw in a fifth of them."""
     n, tried = 50, []
-    result = Refined(*(np.zeros((n, 3, 2)) for _ in range(5)))
+    result = Refined(*(np.zeros((n, 3, 2)) for _ in range(7)))
 
     def paths(found, fixed, ready, **_):
         tried.append(list(ready.kinds))
@@ -107,7 +107,10 @@ def test_what_is_known_of_strides_is_used_without_a_cycle_too(monkeypatch, cycle
 
     def refined(*_, **__):
         x = np.zeros((n, 1, 3))
-        return Refined(x, np.ones_like(x), np.zeros((n, 1, 2, 2)), np.zeros((n, 1, 2)), x[..., 0])
+        likeness = np.zeros((n, 1, 2))
+        return Refined(
+            x, np.ones_like(x), np.zeros((n, 1, 2, 2)), likeness, x[..., 0], likeness, x[..., 0]
+        )
 
     monkeypatch.setattr(decide, "bridge_gaps", bridge)
     monkeypatch.setattr(decide, "refine", refined)
@@ -136,7 +139,7 @@ def test_a_swing_is_not_learnt_from_another_paw(monkeypatch):
     bridged = Bridged(np.zeros((n, 1), bool), np.zeros(0), np.zeros(0), ground=ground, stances=[[]])
     result = Refined(
         np.zeros((n, 1, 3)), np.ones((n, 1, 3)), np.zeros((n, 1, 2, 2)), np.zeros((n, 1, 2)),
-        np.zeros((n, 1)),
+        np.zeros((n, 1)), np.zeros((n, 1, 2)), np.zeros((n, 1)),
     )  # fmt: skip
     ready = SimpleNamespace(own=np.ones((1, 2), bool), kinds=["front"])
     lost = np.arange(n)[:, None] < 5

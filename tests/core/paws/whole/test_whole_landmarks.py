@@ -165,6 +165,10 @@ def test_views_are_joined_and_long_gaps_stay_empty():
     assert np.linalg.norm(x[rest] - xyz[rest], axis=1).max() < 0.5
     inside = np.abs(x - xyz)[rest] < 1.96 * result.sd[rest, 0]
     assert inside.mean() > 0.9
+    # a single wrong view counts little in both passes
+    assert np.nanmedian(result.apart) < 2.0
+    assert np.isfinite(result.apart[3:-3]).all()
+    assert np.isnan(result.separation).all()
     # what was not seen is known less well
     assert result.sd[6, 0].max() > result.sd[11, 0].max()
 

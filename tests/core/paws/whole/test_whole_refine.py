@@ -9,7 +9,8 @@ from pawnb.core.paws.whole.cycle import Cycle
 from pawnb.core.paws.whole.gaps import Bridged
 from pawnb.core.paws.whole.geometry import Geometry
 from pawnb.core.paws.whole.manner import Manner
-from pawnb.core.paws.whole.refine import Refinement, refine
+from pawnb.core.paws.whole.passes import left_out, passes_apart
+from pawnb.core.paws.whole.refine import Refinement, deviations, refine
 from pawnb.core.paws.whole.sights import Sights
 from pawnb.core.paws.whole.standing import Ground
 from pawnb.core.paws.whole.swings import Swings
@@ -323,3 +324,27 @@ def test_unsure_offsets_widen_every_sd_alike(unsure):
     wide = solve(truth, sights, unsure=np.full(2, unsure))
     more = wide.sd**2 - plain.sd**2
     np.testing.assert_allclose(more, (unsure * THICKNESS) ** 2, atol=1e-9)
+
+
+def test_it_says_what_it_was_smoothed_from():
+    """Where a track goes over to another place, passes from both sides are apart."""
+    truth, rng = swing(4)
+    truth[30:, 1, 0] += 4.0 * THICKNESS
+    refined = solve(truth, see(truth, rng))
+    apart = passes_apart(refined.equations)
+    assert abs(int(np.nanargmax(apart[:, 1])) - 29.5) < 2
+    assert np.nanmax(apart[:, 1]) > 2 * np.nanmax(apart[:, 0])
+    # what all other frames say of a frame is about where it is, and less sure
+    x, spread = left_out(refined.x, refined.equations)
+    assert np.linalg.norm(x - truth, axis=-1)[:, 0].max() < 0.5 * THICKNESS
+    assert np.linalg.norm(x - refined.x, axis=-1)[3:-3].max() > 0
+    diagonal = [np.einsum("npii->npi", part) for part in (spread, refined.equations.covariance)]
+    assert (diagonal[0] > diagonal[1]).all()
+
+
+def test_deviations_of_candidates():
+    own = np.array([[True, False, True]])
+    found = deviations(np.array([[[1.0, 0.5], [1.0, 0.1], [0.3, 0.6]]]), what(own=own))
+    # 0.12 of 8 px, over how good it is, 0.3 at least; half as much again from the other side
+    expected = 0.96 * np.array([[1.0, 2.0], [1.5, 5.0], [1 / 0.3, 1 / 0.6]])
+    np.testing.assert_allclose(found[0, 0], expected)

@@ -5,15 +5,19 @@ import warnings
 import numpy as np
 import pandas as pd
 import pytest
+import xarray as xr
 
 from pawnb.core.paws import Task
 from pawnb.core.paws.whole import WholeSettings, track_whole
 from pawnb.core.rig import load_rig
 from pawnb.core.video import open_views
 from pawnb.errors import InputError, InputWarning
+from pawnb.io.native import read_tracks, write_tracks
 from pawnb.schema import ORIGIN_CODE, check_tracks
 from pawnb.synthetic import render_mouse_trial
 from pawnb.trial import load_trial
+
+NEW = ("image_separation", "passes_apart", "image_residual", "revision")
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +51,7 @@ def distances(tracks, truth, trial):
 
 
 @pytest.mark.slow
-def test_visible_paws_are_found_and_clicks_are_kept(scene):
+def test_visible_paws_are_found_and_clicks_are_kept(scene, tmp_path):
     trial, start, truth = scene
     done = []
     tracks = run(trial, start, progress=lambda *step: done.append(step))
@@ -62,6 +66,17 @@ def test_visible_paws_are_found_and_clicks_are_kept(scene):
         np.testing.assert_allclose(here["image_position"].to_numpy(), [click.u, click.v])
         assert int(here["image_origin"]) == ORIGIN_CODE["edited"]
     assert np.isfinite(tracks["sd"].to_numpy()).all()
+    # a candidate that was taken is ahead of others or not; nothing is said where none was
+    taken = tracks["image_origin"].to_numpy() == ORIGIN_CODE["measured"]
+    separation = tracks["image_separation"].to_numpy()
+    np.testing.assert_array_equal(np.isfinite(separation), taken)
+    # paws lie clear of each other in most frames: odds of more than 7 to 1
+    assert np.mean(separation[taken] > 2.0) > 0.7
+    apart = tracks["passes_apart"].to_numpy()
+    assert np.isfinite(apart[3:-3]).mean() > 0.9
+    assert np.nanmedian(apart) < 2.0
+    again = read_tracks(write_tracks(tracks, tmp_path / "tracks.nc"))
+    xr.testing.assert_identical(again[list(NEW)], tracks[list(NEW)])
 
 
 @pytest.mark.slow

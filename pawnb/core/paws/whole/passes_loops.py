@@ -1,0 +1,75 @@
+"""The inner loops of :mod:`pawnb.core.paws.whole.passes`, compiled."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pawnb.core.compiled import compiled
+
+_THIRD = (-1.0, 3.0, -3.0, 1.0)
+
+
+@compiled
+def foretell(
+    information: np.ndarray, target: np.ndarray, jerk2: np.ndarray, bend: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Tell each frame of several tracks from the frames before it alone.
+
+    Kept is what is known of the last three positions, as information, which can be none at
+    all; the change of acceleration joins the next position to them.
+
+    Parameters
+    ----------
+    information, target : ndarray, shape (n, P, d, d) and (n, P, d)
+        What is measured in each frame, along axes of which each changes by itself.
+    jerk2, bend : ndarray, shape (n, P, d)
+        Variance and mean of the change of acceleration along them, at frame t from the
+        frames t - 1, t and t + 1 to t + 2.
+
+    Returns
+    -------
+    known, aim : ndarray, shape (n, P, d, d) and (n, P, d)
+        Information of each position, and that times the position; 0 in the first three frames.
+    """
+    n, n_points, d = target.shape
+    known, aim = np.zeros(information.shape), np.zeros(target.shape)
+    A, b = np.zeros((4 * d, 4 * d)), np.zeros(4 * d)
+    B, c = np.zeros((3 * d, 3 * d)), np.zeros(3 * d)
+    for p in range(n_points):
+        A[:], b[:] = 0.0, 0.0
+        for t in range(min(3, n)):
+            A[t * d : (t + 1) * d, t * d : (t + 1) * d] = information[t, p]
+            b[t * d : (t + 1) * d] = target[t, p]
+        for t in range(3, n):
+            for i in range(d):
+                w = 1.0 / jerk2[t - 2, p, i]
+                for j in range(4):
+                    b[j * d + i] += _THIRD[j] * w * bend[t - 2, p, i]
+                    for k in range(4):
+                        A[j * d + i, k * d + i] += _THIRD[j] * _THIRD[k] * w
+            _eliminate(A, b, d)
+            B[:], c[:] = A[d:, d:], b[d:]
+            _eliminate(B, c, 2 * d)
+            known[t, p], aim[t, p] = B[2 * d :, 2 * d :], c[2 * d :]
+            # the last three positions are the first three of the next frame's four
+            for j in range(3 * d):
+                b[j] = b[j + d]
+                for k in range(3 * d):
+                    A[j, k] = A[j + d, k + d]
+            A[3 * d :], A[:, 3 * d :], b[3 * d :] = 0.0, 0.0, 0.0
+            A[2 * d : 3 * d, 2 * d : 3 * d] += information[t, p]
+            b[2 * d : 3 * d] += target[t, p]
+    return known, aim
+
+
+@compiled
+def _eliminate(A: np.ndarray, b: np.ndarray, first: int) -> None:
+    """Leave what is known of all but the first unknowns of ``A x = b``, A symmetric."""
+    size = len(b)
+    for j in range(first):
+        for row in range(j + 1, size):
+            share = A[row, j] / A[j, j]
+            if share != 0.0:
+                b[row] -= share * b[j]
+                for column in range(j + 1, size):
+                    A[row, column] -= share * A[j, column]
