@@ -51,7 +51,8 @@ def test_alike_on_both_sides_is_not_separated():
     at = [[[46.0, 40.0], [54.0, 40.0]]]
     np.testing.assert_allclose(separate(at, [at[0][0]], x, covariance), [0.0], atol=1e-12)
     # what is vague tells nothing apart
-    gaps = [separate(at, [at[0][0]], np.array([47.0, 40.0]), s * np.eye(2))[0] for s in (1, 10, 1000)]
+    x = np.array([47.0, 40.0])
+    gaps = [separate(at, [at[0][0]], x, s * np.eye(2))[0] for s in (1, 10, 1000)]
     assert gaps[0] > gaps[1] > gaps[2] > 0
     # 1 px from one and 7 px from the other: squares over twice 1000 + 1
     np.testing.assert_allclose(gaps[2], (49 - 1) / 2002)
