@@ -9,6 +9,7 @@ import pytest
 import pawnb
 from pawnb.errors import InputError
 from pawnb.schema import START_COLUMNS
+from pawnb.synthetic import render_mouse_trial
 from pawnb.trial import load_trial
 from pawnb.workflow.sureness import sureness_in_words
 
@@ -42,6 +43,16 @@ def test_every_paw_is_found_within_half_a_paw(proposal, rendered_trial):
     assert len(table) == 8
     assert table["px"].max() < HALF_PAW_PX
     assert (table["visible"] == 1).all()
+
+
+def test_paws_are_found_on_a_belt_as_red_as_they_are(tmp_path):
+    # CIELAB a* of the belt is 27, of the paws 19
+    settings = {"belt_rgb": (110, 62, 120), "n_views": 2}
+    render_mouse_trial(tmp_path / "mouse", frames=60, scale=0.25, seed=4, settings=settings)
+    proposal = pawnb.propose_start(tmp_path / "mouse", progress=silent)
+    table = off(proposal, tmp_path / "mouse")
+    assert len(table) == 4
+    assert table["px"].max() < HALF_PAW_PX * 0.25 / 0.2
 
 
 def test_how_sure_it_is_in_numbers_and_words(proposal):
@@ -86,7 +97,9 @@ def test_only_the_frames_asked_for_are_looked_through(rendered_trial):
         rendered_trial, frames=[4, 0, 2], progress=lambda done, total: counted.append((done, total))
     )
     assert proposal.frame in (0, 2, 4)
-    assert counted == [(1, 3), (2, 3), (3, 3)]
+    # of three frames it is not sure, and looks again in another way
+    assert proposal.sure < 0.5
+    assert counted == [(1, 3), (2, 3), (3, 3), (4, 6), (5, 6), (6, 6)]
 
 
 def test_what_cannot_be_proposed_is_said(rendered_trial):

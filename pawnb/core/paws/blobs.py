@@ -1,8 +1,8 @@
 """Small bright or pinkish spots in a picture that could be paws, and where their digits are.
 
 A bare paw is redder than belt, fur and backdrop: in CIELAB its a* is among the highest of
-the picture, whatever the light and the colour of the belt. In a grey picture a paw is
-lighter than what is around it.
+the picture, whatever the light. On a purple belt, which is as red, it is yellower: there a* + b*
+is. In a grey picture a paw is lighter than what is around it.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class Blobs:
     strength: np.ndarray
 
 
-def paw_likeness(image: np.ndarray, paw_px: float) -> np.ndarray:
+def paw_likeness(image: np.ndarray, paw_px: float, *, yellow: bool = False) -> np.ndarray:
     """Return how paw-like each pixel is: redness, or in a grey picture local brightness.
 
     Parameters
@@ -53,16 +53,20 @@ def paw_likeness(image: np.ndarray, paw_px: float) -> np.ndarray:
         RGB or grey, uint8.
     paw_px : float
         Length of a hind paw, px.
+    yellow : bool
+        Add how yellow it is.
 
     Returns
     -------
     ndarray, shape (H, W)
-        a* of CIELAB above its median in the picture, or the white top-hat of grey levels.
+        a* of CIELAB (a* + b* where ``yellow``) above its median in the picture, or the white
+        top-hat of grey levels.
     """
     if image.ndim == 3:
         if has_colour(image):
             lab = cv2.cvtColor(image.astype(np.float32) / 255.0, cv2.COLOR_RGB2LAB)
-            return np.asarray(lab[..., 1] - np.median(lab[::4, ::4, 1]), dtype=float)
+            skin = lab[..., 1] + lab[..., 2] if yellow else lab[..., 1]
+            return np.asarray(skin - np.median(skin[::4, ::4]), dtype=float)
         image = image[..., 1]
     return np.asarray(_top_hat(image.astype(np.float32), paw_px), dtype=float)
 

@@ -4,17 +4,19 @@ Frames from all over the recording are looked through for places that could be p
 (:mod:`pawnb.core.paws.places`). For each frame, one place is chosen for each paw by what it
 looks like, how well its views agree, how near it is to the ground and to where such paws
 stand. The frame is proposed whose least certain paw is most certain; there, the middle of
-each paw's digits is measured in every view.
+each paw's digits is measured in every view. Where red spots make no sure paws, all is done
+again with spots that are red and yellow, and the surer of the two is taken.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
 
+from pawnb.core.grey import has_colour
 from pawnb.core.paws.appearance import Picture
 from pawnb.core.paws.blobs import PAW_SHARE, Blobs, find_blobs, find_digits, paw_likeness
 from pawnb.core.paws.layout import Views
@@ -26,6 +28,8 @@ from pawnb.schema import START_COLUMNS
 _STILL_FRAMES = 9
 """Frames, spread over those that are looked through, that tell what stays where it is. Fewer
 may all fall into one stance."""
+_SURE = 0.5
+"""Where each paw is so sure, they are not looked for in another way."""
 _TRIED = 12
 """Frames in which the digits are measured before one is chosen."""
 
@@ -112,7 +116,57 @@ def find_paws(
             "no point is tracked by two views; paws can be proposed only where two calibrated "
             "views see the same side: click the points instead."
         )
-    seen = _look_through(views, frames, progress)
+    looks = _Looks(views, frames)
+    found = _find(looks, rig, groups, paws, progress)
+    if looks.has_colour() and (found is None or min(found.sure.values()) < _SURE):
+        n = len(frames)
+        later = None if progress is None else lambda done, _: progress(n + done, 2 * n)
+        other = _find(replace(looks, yellow=True), rig, groups, paws, later)
+        both = [one for one in (found, other) if one is not None]
+        found = max(both, key=lambda one: _score(one.sure.values()), default=None)
+    if found is None:
+        raise InputError(
+            "no paws were found: too few spots stand out where the views agree; click the points "
+            "instead."
+        )
+    return found
+
+
+@dataclass(frozen=True)
+class _Looks:
+    """Frames to look through, and by which likeness."""
+
+    views: Views
+    frames: Sequence[int]
+    yellow: bool = False
+
+    def has_colour(self) -> bool:
+        """Tell whether any view has colours."""
+        pictures = self.views.frame(int(self.frames[0]))
+        whole = (self._whole(pictures[name], name) for name in self.views.names)
+        return any(image.ndim == 3 and has_colour(image) for image in whole)
+
+    def likeness(self, picture: Picture, name: str) -> np.ndarray:
+        """Return the likeness of the whole picture of a view."""
+        width = self.views.readers[name].width
+        return paw_likeness(self._whole(picture, name), PAW_SHARE * width, yellow=self.yellow)
+
+    def _whole(self, picture: Picture, name: str) -> np.ndarray:
+        """Return the whole picture of a view."""
+        reader = self.views.readers[name]
+        return np.asarray(picture.crop(0, 0, reader.width, reader.height))
+
+
+def _find(
+    looks: _Looks,
+    rig: Rig,
+    groups: Mapping[tuple[str, ...], list[str]],
+    paws: Sequence[_Paw],
+    progress: Callable[[int, int], None] | None,
+) -> FoundPaws | None:
+    """Find the paws by one likeness; None where too few spots stand out."""
+    views = looks.views
+    seen = _look_through(looks, progress)
     paw_px = {name: PAW_SHARE * views.readers[name].width for name in views.names}
     places: dict[int, list[Places]] = {}
     for frame, blobs in seen.items():
@@ -122,10 +176,7 @@ def find_paws(
         ]
     stage = find_stage(join([part for parts in places.values() for part in parts]), rig)
     if stage is None:
-        raise InputError(
-            "no paws were found: too few spots stand out where the views agree; click the points "
-            "instead."
-        )
+        return None
     for frame, parts in places.items():
         for number, names in enumerate(groups.values()):
             if len(names) == 1:
@@ -133,7 +184,7 @@ def find_paws(
     chosen = {frame: _choose(parts, paws, stage) for frame, parts in places.items()}
     order = sorted(chosen, key=lambda frame: (-_frame_score(chosen[frame], paws), frame))
     found = [
-        _measure(frame, chosen[frame], views=views, rig=rig, groups=groups, paws=paws, stage=stage)
+        _measure(frame, chosen[frame], looks=looks, rig=rig, groups=groups, paws=paws, stage=stage)
         for frame in order[:_TRIED]
     ]
     return max(found, key=lambda one: (_score(one.sure.values()), -one.frame))
@@ -163,43 +214,37 @@ def _wanted(groups: Mapping[tuple[str, ...], list[str]]) -> list[_Paw]:
 
 
 def _look_through(
-    views: Views, frames: Sequence[int], progress: Callable[[int, int], None] | None
+    looks: _Looks, progress: Callable[[int, int], None] | None
 ) -> dict[int, dict[str, Blobs]]:
     """Find the spots of every view in some frames."""
-    still = _still(views, frames)
+    views, still = looks.views, _still(looks)
     seen = {}
-    for done, number in enumerate(frames, 1):
+    for done, number in enumerate(looks.frames, 1):
         pictures = views.frame(int(number))
         seen[int(number)] = {
             name: find_blobs(
-                _likeness(pictures[name], views.readers[name].width, views.readers[name].height),
+                looks.likeness(pictures[name], name),
                 PAW_SHARE * views.readers[name].width,
                 still=still[name],
             )
             for name in views.names
         }
         if progress is not None:
-            progress(done, len(frames))
+            progress(done, len(looks.frames))
     return seen
 
 
-def _still(views: Views, frames: Sequence[int]) -> Mapping[str, np.ndarray | None]:
+def _still(looks: _Looks) -> Mapping[str, np.ndarray | None]:
     """Return how paw-like each place is most of the time: what stays there is no paw."""
+    views, frames = looks.views, looks.frames
     if len(frames) < _STILL_FRAMES:
         return dict.fromkeys(views.names)
     kept: dict[str, list[np.ndarray]] = {name: [] for name in views.names}
     for at in np.linspace(0, len(frames) - 1, _STILL_FRAMES).round():
         pictures = views.frame(int(frames[int(at)]))
         for name in views.names:
-            reader = views.readers[name]
-            shown = _likeness(pictures[name], reader.width, reader.height)
-            kept[name].append(shown.astype(np.float32))
+            kept[name].append(looks.likeness(pictures[name], name).astype(np.float32))
     return {name: np.maximum(np.median(shown, axis=0), 0.0) for name, shown in kept.items()}
-
-
-def _likeness(picture: Picture, width: int, height: int) -> np.ndarray:
-    """Return the likeness of a whole picture."""
-    return paw_likeness(np.asarray(picture.crop(0, 0, width, height)), PAW_SHARE * width)
 
 
 def _choose(
@@ -277,16 +322,16 @@ def _measure(
     frame: int,
     chosen: Mapping[_Paw, tuple[np.ndarray, float]],
     *,
-    views: Views,
+    looks: _Looks,
     rig: Rig,
     groups: Mapping[tuple[str, ...], list[str]],
     paws: Sequence[_Paw],
     stage: Stage,
 ) -> FoundPaws:
     """Measure the digits of the chosen paws in every view that tracks them."""
-    pictures = views.frame(frame)
+    views, pictures = looks.views, looks.views.frame(frame)
     likeness = {
-        name: _likeness(pictures[name], views.readers[name].width, views.readers[name].height)
+        name: looks.likeness(pictures[name], name)
         for name in dict.fromkeys(name for names in groups.values() for name in names)
     }
     members = list(groups.values())

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from skimage.color import rgb2lab
 
 from pawnb.core.paws.blobs import Blobs, find_blobs, find_digits, paw_likeness
 from pawnb.core.paws.places import Places, Stage, find_stage, on_ground, pair_blobs
@@ -45,6 +46,20 @@ def test_a_light_spot_in_a_grey_picture_stored_as_colour():
         np.testing.assert_allclose(
             find_blobs(paw_likeness(picture, 20), 20).uv[0], (150, 95), atol=1
         )
+
+
+def test_on_a_purple_belt_a_paw_is_yellower_but_no_redder():
+    belt, paw = (136, 78, 111), (205, 150, 140)
+    picture = np.full((120, 200, 3), belt, np.uint8)
+    picture[60:70, 90:104] = paw
+    # colours by scikit-image, OpenCV goes by tables; the belt is most of the picture
+    lab = rgb2lab(np.array([[belt, paw]], np.uint8))[0]
+    red, yellow = lab[1, 1:] - lab[0, 1:]
+    assert red < 0 < red + yellow
+    np.testing.assert_allclose(paw_likeness(picture, 20)[65, 97], red, atol=0.5)
+    likeness = paw_likeness(picture, 20, yellow=True)
+    np.testing.assert_allclose(likeness[65, 97], red + yellow, atol=0.5)
+    np.testing.assert_allclose(find_blobs(likeness, 20).uv[0], (96.5, 64.5), atol=1)
 
 
 def test_what_stays_where_it_is_comes_after_what_moves():
