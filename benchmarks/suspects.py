@@ -119,8 +119,9 @@ def measure(one: Listed) -> pd.DataFrame:
     for share in SHARES:
         k = max(1, round(share * len(frames)))
         drawn = [found(rng.choice(frames, k, replace=False), errors) for _ in range(DRAWS)]
+        by_chance = float(np.mean(drawn))
         rows.append((one.name, share, len(errors), found(order[:k], errors), len(major),
-                     found(order[:k], major), np.mean(drawn), most(frames, errors, k)))  # fmt: skip
+                     found(order[:k], major), by_chance, most(frames, errors, k)))  # fmt: skip
         print(dict(zip(("trial", "looked_at", *COLUMNS), rows[-1], strict=True)), flush=True)
     return pd.DataFrame(rows, columns=["trial", "looked_at", *COLUMNS])
 
