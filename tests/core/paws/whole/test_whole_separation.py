@@ -22,7 +22,7 @@ def separate(at, taken, x, covariance, *, geometry=FLAT, sigma=1.0, against=None
     against = np.zeros(shape) if against is None else np.asarray(against, float)[None]
     return separations(
         np.asarray(taken, float)[None, None], (x[None, None], covariance[None, None]),
-        Sights(at, at[:, None], np.ones(shape), is_there), against[:, None],
+        Sights(at, at[:, None], np.ones(shape), is_there), against=against[:, None],
         sigma=np.broadcast_to(sigma, against[:, None].shape).astype(float), geometry=geometry,
         thickness_px=np.full(at.shape[1], 8.0),
     )[0, 0]  # fmt: skip
