@@ -264,9 +264,9 @@ def _settled(
     if result.equations is not None:
         result.apart = passes_apart(result.equations)
         result.separation = separations(
-            result.measured, left_out(result.x, result.equations), ready.sights, against=bridged.against,
-            sigma=deviations(ready.sights.quality, what), geometry=scene.geometry,
-            thickness_px=scene.thickness_px,
+            result.measured, left_out(result.x, result.equations), ready.sights,
+            against=bridged.against, sigma=deviations(ready.sights.quality, what),
+            geometry=scene.geometry, thickness_px=scene.thickness_px,
         )  # fmt: skip
     return result
 
