@@ -37,6 +37,8 @@ _SIZE_SD = 12.0
 """Usual standard deviations of a place in the size of a paw, where there is one point only."""
 _VAGUE = 4.0
 """Tracks this many times vaguer than usual count half where the stride is learnt."""
+_PLAIN_ODDS = 1000
+"""Odds above this are not written out."""
 
 
 @dataclass(frozen=True)
@@ -220,9 +222,10 @@ def _not_separated(tracks: Tracks) -> Doubt:
 
     def words(t: int, p: int) -> str:
         view, odds = views[worst[t, p]], np.exp(abs(least[t, p]))
+        ratio = f"{odds:.0f} to 1" if odds < _PLAIN_ODDS else f"over {_PLAIN_ODDS} to 1"
         if least[t, p] < 0:
-            return f"in {view} another candidate fits it better by itself ({odds:.0f} to 1)"
-        return f"in {view} its candidate is little ahead of another ({odds:.0f} to 1)"
+            return f"in {view} another candidate fits it better by itself ({ratio})"
+        return f"in {view} its candidate is little ahead of another ({ratio})"
 
     return Doubt({"separation": least}, words)
 

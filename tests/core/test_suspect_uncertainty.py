@@ -183,6 +183,11 @@ def test_a_frame_whose_candidates_are_not_separated_ranks_higher():
     # exp(2) is 7
     assert doubt.words(65, 0) == "in cam2 another candidate fits it better by itself (7 to 1)"
     assert doubt.words(90, 0) == "in cam1 its candidate is little ahead of another (403 to 1)"
+    # exp(30) is 1e13, which says no more than that it is much
+    tracks["image_separation"].values[65, 1, 0, 0] = -30.0
+    doubt = next(x for x in collect_doubts(tracks, rig=RIG, other=None, paw_px=None)
+                 if "separation" in x.measures)  # fmt: skip
+    assert doubt.words(65, 0).endswith("fits it better by itself (over 1000 to 1)")
     # the view that is least separated counts, and one that took none does not
     tracks["image_separation"].values[50, 0, 0, 0] = np.nan
     doubt = next(x for x in collect_doubts(tracks, rig=RIG, other=None, paw_px=None)
