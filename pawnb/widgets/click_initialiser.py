@@ -137,8 +137,8 @@ class ClickInitialiser(FrameCanvas):
             self._reason = f"No paws are proposed: {error} "
             return
         self.session.propose(proposal.start)
-        each = ", ".join(f"{row.point} {row.words}" for row in proposal.points.itertuples())
-        self._proposal = f"Proposed points are dashed ({each}): press Enter, or drag them. "
+        each = "; ".join(f"{row.point} {row.words}" for row in proposal.points.itertuples())
+        self._proposal = f"Proposed: {each}. "
 
     def _act(self, action: str) -> None:
         """Do what a button or its key asks for."""
@@ -164,10 +164,9 @@ class ClickInitialiser(FrameCanvas):
         file = (
             f"Saved in {session.path.name}." if session.saved else "Every click is saved at once."
         )
-        offered = any(slot[0] == session.frame for slot in session.proposed)
-        offered = offered and session.current is not None
-        said = self._proposal if offered else self._reason
-        self.status = f"{said}{session.prompt()}\n{session.missing()} {file}"
+        offered = bool(session.offered())
+        said = self._proposal if offered else ""
+        self.status = f"{self._reason}{session.prompt()}\n{said}{session.missing()} {file}"
         self.actions = [
             {"id": "skip", "text": "Hidden here", "keys": ["h"],
              "title": "The point that is asked for cannot be seen in this view (H)",

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from pawnb.core.paws.settings import PaperSettings
+
 PALETTE = (
     "#E69F00",  # orange
     "#56B4E9",  # sky blue
@@ -21,6 +23,8 @@ most and the green of a treadmill belt comes late and pale."""
 def point_colours(points: Iterable[str]) -> dict[str, str]:
     """Give each point its colour.
 
+    Paws come first: they look the same whether nose and ears are tracked as well or not.
+
     Parameters
     ----------
     points : iterable of str
@@ -32,4 +36,8 @@ def point_colours(points: Iterable[str]) -> dict[str, str]:
         ``#rrggbb`` by name; they repeat after eight points, which keep their names beside
         them in the picture.
     """
-    return {name: PALETTE[place % len(PALETTE)] for place, name in enumerate(points)}
+    named = list(points)
+    kind = PaperSettings().kind
+    ordered = sorted(named, key=lambda name: kind(name) == "other")
+    colours = {name: PALETTE[place % len(PALETTE)] for place, name in enumerate(ordered)}
+    return {name: colours[name] for name in named}

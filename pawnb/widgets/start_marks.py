@@ -67,10 +67,13 @@ def draw_view(session: Clicked, frame: int, view: str) -> dict[str, Any]:
         elif guide is not None and session.current is not None and session.current[1] == point:
             lines.append({"at": guide, "colour": colour, "dash": True})
         state = "done" if uv else "hidden" if slot in session.hidden else "open"
+        if state == "open" and slot in session.proposed:
+            state = "predicted"
         words = {
             "done": "" if uv is None else f"clicked at ({uv[0]:.1f}, {uv[1]:.1f})",
             "hidden": "hidden here",
             "open": "not clicked yet",
+            "predicted": "proposed, not accepted yet",
         }[state]
         title = f"{point}: {words}"
         chips.append({"id": point, "state": state, "title": title, "colour": colour})

@@ -251,9 +251,13 @@ class StartSession(Draft[_State]):
 
     def accept_all(self) -> None:
         """Take every proposed point of this frame that is neither clicked nor hidden."""
-        for (frame, view, point), uv in self.proposed.items():
-            if frame == self.frame and (view, point) in self._open_slots():
-                self.place(view, point, *uv)
+        for slot in self.offered():
+            self.place(slot[1], slot[2], *self.proposed[slot])
+
+    def offered(self) -> list[Slot]:
+        """Return every point proposed in this frame that is neither clicked nor hidden yet."""
+        return [slot for view, point in self._open_slots()
+                if (slot := (self.frame, view, point)) in self.proposed]  # fmt: skip
 
     # --- in words -----------------------------------------------------------------------
 

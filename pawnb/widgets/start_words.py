@@ -24,6 +24,8 @@ def next_step(session: StartSession) -> str:
         )
     if session.current is None:
         return "All points are placed or marked as hidden. Drag a point to adjust it."
+    if session.offered():
+        return "Proposed points are dashed: drag those that are wrong, then accept all (Enter)."
     view, point = session.current
     more = f" ({MOUSE_PAWS[point]})" if point in MOUSE_PAWS else ""
     return f"Click {point}{more} in {view}, or press H if it is hidden there."
@@ -32,14 +34,17 @@ def next_step(session: StartSession) -> str:
 def what_is_missing(session: StartSession) -> str:
     """Say what a tracker would still lack, or that nothing is missing."""
     nowhere, alone = [], []
+    offered = dict.fromkeys(point for _, _, point in session.offered())
     for point in session.points:
         views = {v for _, v, p in session.clicks if p == point}
         tracked = [v for v, points in session.points_by_view.items() if point in points]
-        if not views:
+        if not views and point not in offered:
             nowhere.append(point)
         elif len(views) == 1 and len(tracked) > 1 and session.rig is not None:
             alone.append(f"{point} ({views.pop()})")
     parts = []
+    if offered:
+        parts.append(f"Not accepted yet: {', '.join(offered)}.")
     if nowhere:
         parts.append(f"Not clicked in any view yet: {', '.join(nowhere)}.")
     if alone:

@@ -174,7 +174,7 @@ w""")
     assert notebook.py("w.frame") == 3
     assert not file.exists()  # nothing is a start before it is accepted
     text = notebook.page.locator(".pawnb-status").inner_text()
-    assert "FR sure, HR unsure, check it" in text
+    assert "FR sure; HR unsure, check it" in text
     origins = notebook.js("c.stages[0].overlay.points.map((p) => p.origin)")
     assert origins == ["predicted", "predicted"]  # dashed
     u, v = truth("cam1", "HR", frame=3)
@@ -191,6 +191,45 @@ w""")
         np.testing.assert_allclose(uv, truth(view, point, frame=3), atol=1e-3)
     assert notebook.page.locator("[data-action=accept]").count() == 0
     notebook.assert_no_errors()
+
+
+def test_the_picture_stands_still_while_a_point_is_dragged(clicking):
+    notebook, file = clicking
+    notebook.click("cam1", 200, 200)
+    notebook.settle()
+    top = "c.stages[0].marks.getBoundingClientRect().top"
+    before = notebook.js(top)
+    notebook.drag("cam1", (200, 200), (300, 150), release=False)
+    # choosing the point makes the words longer: with them the picture would move down
+    notebook.kernel_runs("w.status = chr(10).join(['one', 'two', 'three', 'four'])")
+    notebook.wait("c.model.get('status').startsWith('one')")
+    notebook.page.mouse.move(*notebook.at("cam1", 301, 150))
+    assert notebook.js(top) == before
+    notebook.page.mouse.up()
+    notebook.settle()
+    np.testing.assert_allclose(rows(file)[0, "cam1", "FR"], (301, 150), atol=1.1)
+    # and what waited is said once it is let go
+    assert notebook.py("w.status") in notebook.page.locator(".pawnb-status").inner_text()
+
+
+def test_many_points_take_another_line_above_their_picture(notebook, trial_file):
+    names = [f"landmark_{i}" for i in range(12)]
+    text = trial_file.read_text().replace('["FR", "HR"]', str(["FR", "HR", *names]))
+    trial_file.write_text(text)
+    notebook.show(f"""from pawnb.widgets import ClickInitialiser
+w = ClickInitialiser({str(trial_file)!r})
+w""")
+    right = "c.stages.map((s) => s.{}.getBoundingClientRect().right)"
+    edge = notebook.js("c.root.getBoundingClientRect().right")
+    assert max(notebook.js(right.format("el"))) <= edge
+    assert notebook.js("c.root.scrollWidth <= c.root.clientWidth")
+    chips = "[...c.stages[0].head.querySelectorAll('.pawnb-chip')]"
+    assert notebook.js(f"{chips}.length") == 14
+    assert notebook.js(f"Math.max(...{chips}.map((b) => b.getBoundingClientRect().right))") <= edge
+    # the pictures of a row stand in line, whatever is above them
+    assert notebook.js("c.stages[0].head.offsetHeight > c.stages[2].head.offsetHeight")
+    top = "c.stages.map((s) => Math.round(s.image.getBoundingClientRect().bottom))"
+    assert len(set(notebook.js(top)[:2])) == 1
 
 
 def test_keys_stay_in_the_widget(clicking):

@@ -27,11 +27,15 @@ def opened(small_trial):
 
 def test_proposed_paws_are_taken_at_a_press(small_trial, opened):
     widget = opened(small_trial, propose=True)
-    assert "Proposed points are dashed (FR " in widget.status
+    assert widget.status.startswith("Proposed points are dashed: drag those that are wrong, then ")
+    assert "Proposed: FR " in widget.status
+    assert "Not accepted yet: FR, HR, FL, HL." in widget.status
     assert widget.actions[0]["text"] == "Accept all"
+    seen = widget.overlay(widget.frame)["views"].values()
+    assert {chip["state"] for view in seen for chip in view["chips"]} == {"predicted"}
     assert not (small_trial / "new.csv").exists()
     widget.edit("action", {"action": "accept", "frame": widget.frame})
-    assert "Proposed" not in widget.status
+    assert "roposed" not in widget.status
     taken = pd.read_csv(small_trial / "new.csv")
     truth = pd.read_csv(small_trial / "truth" / "tracks.csv")
     both = taken.merge(truth, on=["frame", "view", "point"], suffixes=("", "_true"))
@@ -45,9 +49,13 @@ def test_landmarks_are_left_to_be_clicked(small_trial, opened):
     first, *others = trial.views
     views = (dataclasses.replace(first, points=("nose", *first.points)), *others)
     widget = opened(dataclasses.replace(trial, views=views), propose=True)
-    assert "Proposed points are dashed (FR " in widget.status
+    assert "Proposed points are dashed" in widget.status
     widget.edit("action", {"action": "accept", "frame": widget.frame})
     assert set(widget.start["point"]) == {"FR", "HR", "FL", "HL"}
+    # all that is proposed has been accepted: what is left is to be clicked
+    assert widget.status.startswith("Click nose in cam1")
+    assert "roposed" not in widget.status
+    assert "accept" not in [action["id"] for action in widget.actions]
     assert "Not clicked in any view yet: nose." in widget.status
 
 

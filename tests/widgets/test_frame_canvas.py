@@ -177,5 +177,9 @@ def test_grey_pictures_stay_grey():
 
 def test_colours_differ_for_the_points_of_a_mouse_and_repeat_after_the_palette():
     assert len(set(point_colours(["FR", "HR", "FL", "HL"]).values())) == 4
+    # nose and ears leave the paws as they were
+    named = point_colours(["FR", "nose", "HR", "ear_L", "FL", "HL"])
+    assert list(named) == ["FR", "nose", "HR", "ear_L", "FL", "HL"]
+    assert [named[p] for p in ("FR", "HR", "FL", "HL", "nose", "ear_L")] == list(PALETTE[:6])
     many = list(point_colours([f"p{i}" for i in range(9)]).values())
     assert many[8] == many[0] == PALETTE[0]

@@ -161,8 +161,10 @@ class Canvas {
     this.edit({ what: "action", action: id, value });
   }
 
-  // What to do, and below it, smaller, how things stand.
+  // What to do, and below it, smaller, how things stand. The pictures below stand still while
+  // something is dragged over them: what would move them waits until it is let go.
   showStatus() {
+    if (this.dragging) return;
     const lines = this.model.get("status").split("\n");
     this.status.replaceChildren(...lines.map((text) => element("div", "", { textContent: text })));
     this.alarm.textContent = this.model.get("alarm");
@@ -207,13 +209,17 @@ class Canvas {
     return this.pending > 0 || this.stages.some((s) => s.drag && s.drag.kind === "point");
   }
 
+  get dragging() {
+    return this.stages.some((s) => s.drag);
+  }
+
   show(bitmaps, overlay, isNew) {
     if (isNew && overlay.current !== undefined) this.selected = overlay.current;
     this.stages.forEach((stage, k) => {
       stage.bitmap = bitmaps[k];
       if (!isNew) return;
       stage.setOverlay(overlay.views[stage.name] || {});
-      this.showHead(stage);
+      if (!this.dragging) this.showHead(stage);
     });
     this.redraw();
   }
@@ -290,6 +296,8 @@ class Canvas {
   }
 
   released() {
+    this.showStatus();
+    for (const stage of this.stages) this.showHead(stage);
     this.redraw();
     this.frames.step(); // a frame may have waited for the hand to open
   }

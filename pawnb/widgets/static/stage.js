@@ -52,6 +52,7 @@ class Stage {
       canvas.style.height = `${h / dpr}px`;
     }
     this.frame.style.width = `${w / dpr}px`;
+    this.head.style.maxWidth = `${w / dpr}px`; // many points take another line
     const z = this.zoom;
     if (this.fitted) this.fit();
     else this.setZoom(z.scale * factor, z.tx * factor, z.ty * factor);
