@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 from pawnb.core.edits import Pose
 from pawnb.core.pose.as_tracks import animal_of, poses_of
@@ -13,7 +14,6 @@ from pawnb.core.pose.pose_suspects import find_pose_suspects
 from pawnb.errors import InputError
 from pawnb.trial import Trial
 from pawnb.widgets.corrected_tracks import CorrectedTracks
-from pawnb.widgets.review_session import suspect_options
 from pawnb.widgets.stick_pose import StickPose, stick_pose
 from pawnb.widgets.stick_session import State, StickSession
 
@@ -119,9 +119,9 @@ class PoseReviewSession(StickSession):
         """Return the file of the corrections, which each of them reached as it was made."""
         return self.path
 
-    def suspects(self) -> list[list[str]]:
-        """Return the frames that a person should look at, as choices of a menu."""
-        return suspect_options(find_pose_suspects(self.corrected.present))
+    def suspects(self) -> pd.DataFrame:
+        """Return the frames that a person should look at, the most doubtful first."""
+        return find_pose_suspects(self.corrected.present)
 
     def prompt(self) -> str:
         """Say what to do next."""

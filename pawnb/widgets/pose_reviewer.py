@@ -21,6 +21,7 @@ from pawnb.workflow.results import results_folder, write_track_results
 
 _KEYS = (
     *HANDLES,
+    ("D", "the next doubtful frame, the most doubtful first"),
     ("N", "the chosen leg back to its natural orientation"),
     ("Enter", "the pose is right as it is"),
     ("R", "track again both ways from this frame, with its pose as certain"),
@@ -93,7 +94,7 @@ class PoseReviewer(StickPoser, Retracking):
         reader = shown.readers[pose_view(trial)]
         size = (reader.width, reader.height)
         session = PoseReviewSession(trial, self.corrected, size=size, frame=frame)
-        self._suspects = session.suspects()
+        self._offer_doubtful(session.suspects())
         super().__init__(trial, session=session, views=shown, **options)
         self._own_views = shown if views is None else None
         self.label = "Review poses"
@@ -117,11 +118,15 @@ class PoseReviewer(StickPoser, Retracking):
         elif action == "save":
             self.corrected.save()
             self._show_state("Tracks saved.")
-        elif action == "suspect" and value:
-            return int(value)
+        elif action in ("suspect", "next"):
+            return self._look_at_doubtful(value)
         else:
             return super().edit(what, message)
         return None
+
+    def _visit(self, frame: int) -> None:
+        """Look at a frame before the browser shows it."""
+        self.session.go(frame)
 
     def _pose_shown(self, frame: int) -> tuple[StickPose, bool]:
         """Return the pose drawn over a frame, and whether it is only proposed."""
@@ -130,7 +135,7 @@ class PoseReviewer(StickPoser, Retracking):
 
     def _tracked_again(self) -> None:
         """Look for doubtful frames anew, and at the new pose."""
-        self._suspects = self.session.suspects()
+        self._offer_doubtful(self.session.suspects())
         self.session.go(self.session.frame)
 
     def _kept(self) -> str:

@@ -6,10 +6,13 @@ import threading
 from collections.abc import Callable
 from typing import Any
 
+import pandas as pd
+
 from pawnb.errors import InputError, PawnbError
 from pawnb.schema import Tracks
 from pawnb.trial import Trial
 from pawnb.widgets.frame_canvas import FrameCanvas
+from pawnb.widgets.review_session import suspect_options
 from pawnb.workflow.track import retrack as workflow_retrack
 
 RetrackTrial = Callable[..., Tracks]
@@ -18,19 +21,43 @@ RetrackTrial = Callable[..., Tracks]
 class Retracking(FrameCanvas):
     """A canvas whose tracks can be tracked again.
 
-    What stands on it has the corrections (``corrected``) and the doubtful frames as choices of a
-    menu (``_suspects``), says how things stand (:meth:`_show_state`), and calls :meth:`_prepare`
-    before anything else.
+    What stands on it has the corrections (``corrected``), offers the doubtful frames
+    (:meth:`_offer_doubtful`), says how things stand (:meth:`_show_state`), and calls
+    :meth:`_prepare` before anything else.
     """
 
     corrected: Any  # CorrectedTracks; traitlets wants no stricter word here
-    _suspects: list[list[str]]
 
     def _prepare(self, trial: Trial, retrack: RetrackTrial | None) -> None:
         """Remember the trial and how it is tracked again."""
         self._trial, self._retrack_trial = trial, retrack
         self._stop = threading.Event()
         self._worker: threading.Thread | None = None
+        self._pointed: tuple[int, str, str] | None = None  # frame, view, point jumped to
+        self._offer_doubtful(None)
+
+    def _offer_doubtful(self, found: pd.DataFrame | None) -> None:
+        """Take over which frames are to be looked at: those of ``suspects.csv``, in its order."""
+        self._doubtful = found
+        self._suspects = suspect_options(found)
+        self._looked_at = -1
+
+    def _look_at_doubtful(self, value: Any) -> int | None:
+        """Go to a doubtful frame, the next without a value; say what is doubtful, and choose it."""
+        place = int(value) if value else self._looked_at + 1
+        if self._doubtful is None or not 0 <= place < len(self._suspects):
+            self._show_state("That was the last of the doubtful frames.")
+            return None
+        self._looked_at = place
+        row = self._doubtful.iloc[place]
+        self._pointed = (int(row["frame"]), str(row["view"]), str(row["point"]))
+        text = self._suspects[place][1]
+        self._visit(self._pointed[0])
+        self._show_state(f"Doubtful {place + 1} of {len(self._suspects)}, {text}.")
+        return self._pointed[0]
+
+    def _visit(self, frame: int) -> None:
+        """Get ready for a frame that the browser is about to show."""
 
     def retrack(self, frame: int, *, learn: bool = False) -> None:
         """Begin to track again from a frame on, in a thread of its own.
@@ -79,6 +106,8 @@ class Retracking(FrameCanvas):
             actions.append({"id": "suspect", "text": "Jump to a doubtful frame",
                             "title": "Frames that the tracker doubts, the most doubtful first",
                             "options": self._suspects})  # fmt: skip
+            title = "The doubtful frame after the one looked at last (D)"
+            actions.append({"id": "next", "text": "Next doubtful", "keys": ["d"], "title": title})
         if busy:
             actions.append({"id": "stop", "text": "Stop", "title": "Stop tracking again"})
         return actions

@@ -211,16 +211,13 @@ def suspect_options(suspects: pd.DataFrame | None, *, most: int = 200) -> list[l
     Returns
     -------
     list of [value, text]
-        The value is the frame number.
+        The value is the place in the list, from 0.
     """
     if suspects is None:
         return []
     return [
-        [
-            str(row["frame"]),
-            f"frame {row['frame']}: {row['point']} in {row['view']}, {row['reason']}",
-        ]
-        for row in suspects.head(most).to_dict("records")
+        [str(place), f"frame {row['frame']}: {row['point']} in {row['view']}, {row['reason']}"]
+        for place, row in enumerate(suspects.head(most).to_dict("records"))
     ]
 
 

@@ -19,10 +19,11 @@ from pawnb.trial import Trial, load_trial
 from pawnb.widgets.click_initialiser import view_rig
 from pawnb.widgets.frame_canvas import MOUSE_AND_KEYS, Overlay, Views
 from pawnb.widgets.retracking import Retracking, RetrackTrial
-from pawnb.widgets.review_session import ReviewSession, suspect_options
+from pawnb.widgets.review_session import ReviewSession
 from pawnb.workflow.results import results_folder, write_track_results
 
 _KEYS = (
+    ("D", "the next doubtful frame, the most doubtful first"),
     ("Drag a point", "correct it; it is written to edits.jsonl before the next frame shows"),
     ("Click", "place a missing point, after choosing it above the picture"),
     ("Right click, Delete", "the point is not visible here"),
@@ -36,6 +37,12 @@ _MARKS = (
     "Ring: tracked point (dashed: predicted; double: placed by hand). "
     "Hollow diamond: where the other views put it."
 )
+
+
+_WHAT_TO_DO = {
+    True: "look at the doubtful frames (D: the next), and drag a point that is wrong",
+    False: "step through the frames and drag a point that is wrong",
+}
 
 
 class TrackReviewer(Retracking):
@@ -95,7 +102,7 @@ class TrackReviewer(Retracking):
         folder = Path(out) if out is not None else edits.parent
         rig = view_rig(trial, shown) if rig is None else rig
         self._finds_suspects = suspects is None
-        self._suspects = suspect_options(suspects)
+        self._offer_doubtful(suspects)
         self._said = ""
         self.session = ReviewSession(
             trial,
@@ -122,11 +129,15 @@ class TrackReviewer(Retracking):
 
     def overlay(self, frame: int) -> Overlay:
         """Return what is drawn over a frame."""
-        return self.session.overlay(frame) | {"caption": f"{self._times[frame]:.3f} s"}
+        drawn = self.session.overlay(frame) | {"caption": f"{self._times[frame]:.3f} s"}
+        if self._pointed is not None and self._pointed[0] == frame:
+            drawn["current"] = list(self._pointed[1:])
+        return drawn
 
     def edit(self, what: str, message: Mapping[str, Any]) -> int | None:
         """Do what a person did; see :meth:`FrameCanvas.edit`."""
         frame = int(message["frame"])
+        self._pointed = None  # from here on a person chooses
         view, point = str(message.get("view")), str(message.get("point"))
         if what == "moved":
             u, v = float(message["u"]), float(message["v"])
@@ -174,15 +185,14 @@ class TrackReviewer(Retracking):
         elif action == "save":
             self.session.save()
             self._show_state("tracks saved")
-        elif action == "suspect" and value:
-            return int(value)
+        elif action in ("suspect", "next"):
+            return self._look_at_doubtful(value)
         return None
 
     def _find_suspects(self) -> None:
         """List the frames to look at anew, unless they were given."""
         if self._finds_suspects:
-            found = find_suspects(self.session.tracks, rig=self.session.rig)
-            self._suspects = suspect_options(found)
+            self._offer_doubtful(find_suspects(self.session.tracks, rig=self.session.rig))
 
     def _tracked_again(self) -> None:
         """Look for doubtful frames anew."""
@@ -193,7 +203,7 @@ class TrackReviewer(Retracking):
         session = self.session
         n = len(session.corrections)
         kept = "" if session.edits is None else f" in {session.edits.name}"
-        said = said or "step through the frames and drag a point that is wrong"
+        said = said or _WHAT_TO_DO[bool(self._suspects)]
         stop = "" if said.endswith(".") else "."
         count = f"{n} correction{'' if n == 1 else 's'}{kept}."
         self.status = f"{said[:1].upper()}{said[1:]}{stop}\n{count}"
@@ -215,7 +225,7 @@ class TrackReviewer(Retracking):
             *self._review_actions(busy=busy),
         ]  # fmt: skip
         for action in actions:
-            free = not busy or action["id"] in ("suspect", "stop")
+            free = not busy or action["id"] in ("suspect", "next", "stop")
             action["enabled"] = action.get("enabled", True) and free
         self.actions = [action for action in actions if pairs or action["id"] != "swap"]
 

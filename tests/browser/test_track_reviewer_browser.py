@@ -76,6 +76,35 @@ def test_keys_slider_and_play_show_the_pixels_of_that_frame(reviewing):
     notebook.assert_no_errors()
 
 
+def test_a_doubtful_frame_shows_with_its_point_chosen(notebook, trial_file):
+    notebook.show(f"""import pandas as pd
+import small_trial as scene
+from pawnb.widgets import TrackReviewer
+table = pd.DataFrame([[7, "cam1", "HR", "it leaps", 1.0], [31, "cam2", "FR", "it is lost", 0.5]],
+                     columns=["frame", "view", "point", "reason", "score"])
+w = TrackReviewer({str(trial_file)!r}, scene.true_tracks(), suspects=table)
+w""")
+    menu = notebook.page.locator("select[data-action=suspect]")
+    menu.select_option(label="frame 31: FR in cam2, it is lost")
+    notebook.wait("c.painted === 31")
+    notebook.settle()
+    assert notebook.js("c.selected") == ["cam2", "FR"]
+    status = notebook.page.locator(".pawnb-status")
+    assert status.inner_text().startswith("Doubtful 2 of 2, frame 31: FR in cam2, it is lost.")
+    # another point chosen there by hand stays chosen, also once it is corrected
+    notebook.drag("cam1", truth(31, point=1), (300, 150))
+    notebook.settle()
+    assert notebook.js("c.selected") == ["cam1", "HR"]
+    notebook.kernel_runs("w._looked_at = -1")
+    notebook.focus()
+    notebook.press("d")
+    notebook.wait("c.painted === 7")
+    notebook.settle()
+    assert notebook.js("c.selected") == ["cam1", "HR"]
+    assert "Doubtful 1 of 2, frame 7: HR in cam1, it leaps." in status.inner_text()
+    notebook.assert_no_errors()
+
+
 def test_a_drag_is_on_disk_before_another_frame_shows(reviewing):
     notebook, file = reviewing
     notebook.focus()

@@ -259,5 +259,5 @@ def test_suspects_are_offered_as_frames_to_jump_to():
         [[12, "cam1", "FR", "residual 9 px", 3.0]],
         columns=["frame", "view", "point", "reason", "score"],
     )
-    assert suspect_options(table) == [["12", "frame 12: FR in cam1, residual 9 px"]]
+    assert suspect_options(table) == [["0", "frame 12: FR in cam1, residual 9 px"]]
     assert suspect_options(None) == []

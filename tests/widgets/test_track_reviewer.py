@@ -15,7 +15,8 @@ def trial_file(tmp_path_factory):
 def offered(widget):
     """Return the frames in the menu of doubtful frames."""
     menus = [action for action in widget.actions if action["id"] == "suspect"]
-    return [int(value) for value, _ in menus[0]["options"]] if menus else []
+    # "frame 20: HR in cam1, ..."
+    return [int(text.split()[1][:-1]) for _, text in menus[0]["options"]] if menus else []
 
 
 def mend(_trial, tracks, _frame):
@@ -72,3 +73,25 @@ def test_frames_to_look_at_can_be_given(review):
     )
     assert offered(review(suspects=table)) == [7]
     assert offered(review(suspects=table.iloc[:0])) == []
+
+
+def test_a_doubtful_frame_is_shown_with_its_point_chosen_and_its_reason(review):
+    rows = [[7, "cam1", "HR", "it leaps", 1.0], [31, "cam2", "FR", "it is lost", 0.5]]
+    table = pd.DataFrame(rows, columns=["frame", "view", "point", "reason", "score"])
+    widget = review(suspects=table)
+
+    def press(action, value=None):
+        return widget.edit("action", {"action": action, "value": value, "frame": 0})
+
+    assert press("suspect", "1") == 31
+    assert widget.status.startswith("Doubtful 2 of 2, frame 31: FR in cam2, it is lost.")
+    assert widget.overlay(31)["current"] == ["cam2", "FR"]
+    assert "current" not in widget.overlay(30)
+    assert press("next") is None
+    assert widget.status.startswith("That was the last of the doubtful frames.")
+    # what is chosen by hand stays chosen
+    press("suspect", "1")
+    widget.edit("moved", {"frame": 31, "view": "cam1", "point": "HR", "u": 9.0, "v": 9.0})
+    assert "current" not in widget.overlay(31)
+    fresh = review(suspects=table)
+    assert [fresh.edit("action", {"action": "next", "frame": 0}) for _ in rows] == [7, 31]
