@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 
@@ -132,6 +133,26 @@ def test_lab_opens_the_quick_start_on_this_machine_only():
     assert "--no-browser" in words
     assert "--port=8899" in words
     assert any(word.endswith("00_quickstart.ipynb") for word in words)
+
+
+def test_lab_asks_nothing_about_news_and_writes_no_settings(monkeypatch):
+    """What is switched off is read by JupyterLab's own server."""
+    code = (
+        "from jupyterlab_server.config import get_page_config as get; "
+        "print(get([])['disabledExtensions'])"
+    )
+    monkeypatch.setenv("JUPYTER_CONFIG_PATH", "/somewhere")
+    env = lab.lab_environment()
+    assert env["JUPYTER_CONFIG_PATH"].split(os.pathsep)[1:] == ["/somewhere"]
+    for given, off in ((os.environ, False), (env, True)):
+        done = subprocess.run(
+            [sys.executable, "-c", code],
+            env=dict(given),
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        assert ("@jupyterlab/apputils-extension:announcements" in done.stdout) is off
 
 
 def test_lab_knows_our_notebooks_by_name(capsys):

@@ -12,6 +12,7 @@ from pawnb.errors import InputError
 
 QUICKSTART = "00_quickstart.ipynb"
 _PACKAGE = Path(__file__).resolve().parents[1]
+_CONFIG = Path(__file__).resolve().parent / "jupyter"
 
 
 def notebooks_folder() -> Path:
@@ -67,8 +68,6 @@ def lab_command(
         raise InputError(f"{name}: no such notebook; ours are {ours}.")
     path = path.resolve()
     words = [sys.executable, "-m", "jupyter", "lab", "--ip=127.0.0.1"]
-    # no question about news from the network over the notebook's corner
-    words.append("--LabApp.news_url=None")
     # the address that is printed leads to the notebook too, not only the browser that is opened
     words += [f"--ServerApp.root_dir={path.parent}", f"--LabApp.default_url=/lab/tree/{path.name}"]
     if not browser:
@@ -81,6 +80,26 @@ def lab_command(
         # containers run as root; the server listens on this machine only
         words.append("--allow-root")
     return words
+
+
+def lab_environment() -> dict[str, str]:
+    """Return the environment that JupyterLab is started in.
+
+    Returns
+    -------
+    dict of str to str
+        That of this process, with our own settings of JupyterLab before those of the machine,
+        and none of them written anywhere.
+    """
+    given = os.environ.get("JUPYTER_CONFIG_PATH")
+    paths = [str(_CONFIG), *([given] if given else [])]
+    return {
+        **os.environ,
+        # no question about news from the network over the notebook's corner
+        "JUPYTER_CONFIG_PATH": os.pathsep.join(paths),
+        # a kernel of another environment that is called python3 must not be taken for ours
+        "JUPYTER_PREFER_ENV_PATH": "1",
+    }
 
 
 def open_lab(
@@ -99,8 +118,7 @@ def open_lab(
         If there is no such notebook, or JupyterLab could not start.
     """
     words = lab_command(notebook, browser=browser, port=port)
-    # a kernel of another environment that is called python3 must not be taken for ours
-    done = subprocess.run(words, env={**os.environ, "JUPYTER_PREFER_ENV_PATH": "1"}, check=False)
+    done = subprocess.run(words, env=lab_environment(), check=False)
     if done.returncode not in (0, -2):
         raise InputError(
             f"JupyterLab ended with status {done.returncode}; its message above says why."
