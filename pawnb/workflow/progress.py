@@ -13,7 +13,7 @@ Progress = Callable[[int, int], None]
 
 
 @contextmanager
-def progress_bar(label: str, *, unit: str = "frame") -> Iterator[Progress | None]:
+def progress_bar(label: str, *, unit: str = "frame", then: str = "") -> Iterator[Progress | None]:
     """Show a bar with rate and time left while the block runs.
 
     Parameters
@@ -22,6 +22,8 @@ def progress_bar(label: str, *, unit: str = "frame") -> Iterator[Progress | None
         Words before the bar.
     unit : str
         What is counted.
+    then : str
+        What is done after all of them, said as soon as they are counted.
 
     Yields
     ------
@@ -39,10 +41,14 @@ def progress_bar(label: str, *, unit: str = "frame") -> Iterator[Progress | None
             # what an earlier run has done tells nothing of the rate of this one
             bar.initial = bar.n = done - 1
         bar.update(done - bar.n)
+        if then and done == total:
+            bar.set_description_str(f"{label}, {then}")
 
     try:
         yield update
     finally:
+        if then:
+            bar.set_description_str(label)
         bar.close()
 
 

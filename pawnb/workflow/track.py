@@ -144,12 +144,12 @@ def track(
         # method pawnb keeps its candidates instead
         earlier = unfinished_tracks(Path(out), step) if out and method != METHODS[0] else None
         begin = first if earlier is None else int(earlier["frame"][-1])
-        with _progress(progress, "tracking") as report:
+        with _progress(progress, "tracking", method) as report:
             span = {"frames": (begin, last), "tracks": earlier}
             task = paw_task(trial, rig, clicks, progress=report, stop=asked, **span)
             tracks = run_tracker(method, views, clicks, task=task, settings=chosen, store=store)
         if stop is None and tracks.sizes["time"] < last - first:
-            _tell_interrupted(tracks, first, last)
+            _tell_interrupted(tracks, first, last, kept=store is not None or out is not None)
         sizes = _sizes(views)
         if method != METHODS[0]:
             tracks = _shown_in_every_view(tracks, rig, sizes)
@@ -247,7 +247,7 @@ def retrack(
                 store = reopen_store(trial, results_folder(trial, out))
                 stack.callback(keep_store, store)
                 kept = {"looked": looked, "store": store}
-        with _progress(progress, "tracking again") as report:
+        with _progress(progress, "tracking again", method) as report:
             span = (begin, int(known[-1]) + 1)
             task = paw_task(trial, rig, clicks, frames=span, tracks=old, progress=report, stop=stop)
             new = run_tracker(
@@ -302,13 +302,15 @@ def _tell_left_out(asked: int, first: int) -> None:
         )
 
 
-def _tell_interrupted(tracks: Tracks, first: int, last: int) -> None:
+def _tell_interrupted(tracks: Tracks, first: int, last: int, *, kept: bool) -> None:
     """Warn that a person stopped the run, or stop where nothing was done."""
     frames = tracks["frame"].to_numpy()
+    again = "; run it again to go on from there" if kept else ""
     if not len(frames):
-        raise KeyboardInterrupt
+        raise KeyboardInterrupt(f"interrupted before every point was placed{again}")
     warnings.warn(
-        f"interrupted: frames {frames[0]} to {frames[-1]} of {first} to {last - 1} are tracked.",
+        f"interrupted: frames {frames[0]} to {frames[-1]} of {first} to {last - 1} are "
+        f"tracked{again}.",
         InputWarning,
         stacklevel=3,
     )
@@ -339,8 +341,9 @@ def _shown_in_every_view(
     return tracks if rig is None else fill_reprojected(tracks, rig, sizes=sizes)[0]
 
 
-def _progress(progress: Progress | None, label: str) -> Any:
+def _progress(progress: Progress | None, label: str, method: str) -> Any:
     """Return a context that gives the caller's progress, or a bar of our own."""
     if progress is not None:
         return contextlib.nullcontext(progress)
-    return progress_bar(label)
+    then = "deciding (about a minute in the first run)" if method == METHODS[0] else ""
+    return progress_bar(label, then=then)

@@ -223,7 +223,8 @@ def test_interrupted_before_the_clicks_it_keeps_what_was_searched(clicked_late, 
     ask = {"frames": (0, N), "progress": interrupt_at(4)}
     whole = track(clicked_late, frames=(0, N))
     kept_candidates._in_memory.clear()
-    with pytest.raises(KeyboardInterrupt):
+    said = "interrupted before every point was placed; run it again to go on from there"
+    with pytest.raises(KeyboardInterrupt, match=said):
         track(clicked_late, **ask, out=tmp_path)
     decoded.clear()
     again = track(clicked_late, frames=(0, N), out=tmp_path)
