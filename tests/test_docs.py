@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 
 from pawnb.core.paws import PaperSettings
+from pawnb.core.paws.settings import PUBLISHED_NAMES as PAW_NAMES
+from pawnb.core.pose.paper_settings import PUBLISHED_NAMES as POSE_NAMES
 from pawnb.core.pose.paper_settings import PaperPoseSettings
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -40,6 +42,13 @@ def test_the_papers_names_stand_beside_settings_that_exist(text, settings):
             continue
         own = value if isinstance(value, tuple) else [known[name] for name in names]
         assert said == [float(x) for x in own], names
+
+
+@pytest.mark.parametrize(("text", "names"), [(PAWS, PAW_NAMES), (POSES, POSE_NAMES)])
+def test_names_that_are_hinted_at_are_those_of_the_table(text, names):
+    found = rows(text)
+    for theirs, ours in names.items():
+        assert any(theirs in re.split(r"[ ,()]+", row) and ours in own for row, own, _ in found)
 
 
 def test_section_3_2_of_the_2019_paper_is_complete():

@@ -14,7 +14,7 @@ from pawnb.figures.panels import open_grid
 from pawnb.figures.style import OKABE_ITO, figure_size, style
 from pawnb.schema import check_columns
 
-COLUMNS = ("panel", "method", "view", "kind", "trial", "value", "n", "mean", "sd")
+COLUMNS = ("panel", "method", "view", "kind", "trial", "value", "n", "mean", "sd", "corrections")
 
 PANELS = {
     "major": "Major errors\nper 1000 frames",
@@ -22,6 +22,7 @@ PANELS = {
     "time": "Time per 1000\nframes (s)",
     "reprojection": "Reprojection error (px)",
 }
+_UNCORRECTED = "no corrections made"
 _MEASURES = {
     "major": ("major_per_1000", "major_alone_per_1000"),
     "minor": ("minor_per_1000", "minor_alone_per_1000"),
@@ -48,7 +49,8 @@ def build_compare_methods_table(trials: pd.DataFrame, reprojection: pd.DataFrame
     pandas.DataFrame
         ``panel`` (major, minor, time, reprojection), ``method``, ``view`` and ``kind`` (blank
         but for reprojection), ``trial``, ``value``; and, the same in each row of a group,
-        ``n`` trials, ``mean`` and ``sd`` (NaN of one trial).
+        ``n`` trials, ``mean`` and ``sd`` (NaN of one trial). ``corrections`` says whether
+        errors were counted with them (made, none; blank but for errors).
 
     Raises
     ------
@@ -60,8 +62,11 @@ def build_compare_methods_table(trials: pd.DataFrame, reprojection: pd.DataFrame
     if len(trials) == 0:
         raise InputError("comparison of methods: no trials; expected at least one.")
     rows: list[tuple[Any, ...]] = []
+    made = {}
     for panel, (corrected, alone) in _MEASURES.items():
         name = alone if trials[corrected].isna().any() else corrected
+        if corrected != alone:
+            made[panel] = "made" if name == corrected else "none"
         rows += [
             (panel, method, "", "", trial, value)
             for method, trial, value in zip(
@@ -75,8 +80,9 @@ def build_compare_methods_table(trials: pd.DataFrame, reprojection: pd.DataFrame
     table = pd.DataFrame(rows, columns=list(COLUMNS[:6]))
     groups = table.groupby(["panel", "method", "view", "kind"], sort=False)["value"]
     return table.assign(
-        n=groups.transform("size"), mean=groups.transform("mean"), sd=groups.transform("std")
-    )
+        n=groups.transform("size"), mean=groups.transform("mean"), sd=groups.transform("std"),
+        corrections=table["panel"].map(made).fillna(""),
+    )  # fmt: skip
 
 
 def plot_compare_methods(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
@@ -118,7 +124,8 @@ def plot_compare_methods(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes
             for i, group in enumerate(groups):
                 here = own[(own["view"] == group[0]) & (own["kind"] == group[1])]
                 _draw_group(place, here, methods, colours, centre=i)
-            place.set_ylabel(PANELS[panel])
+            alone = (own["corrections"] == "none").any()
+            place.set_ylabel(f"{PANELS[panel]},\n{_UNCORRECTED}" if alone else PANELS[panel])
             place.set_title(letter, loc="left", fontweight="bold")
             place.set_ylim(bottom=0.0)
             if panel == "reprojection":

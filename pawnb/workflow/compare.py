@@ -34,6 +34,7 @@ from pawnb.workflow.compare_cameras import (
 from pawnb.workflow.corrected_run import track_with_corrections
 from pawnb.workflow.evaluation import count_errors, limits_for_width, poisson_limit
 from pawnb.workflow.methods import METHODS, setting_names
+from pawnb.workflow.published_names import refuse_published_names
 from pawnb.workflow.results import make_folder
 from pawnb.workflow.save_figures import save_figure
 from pawnb.workflow.track import retrack, track
@@ -88,6 +89,8 @@ class Comparison:
     def text(self) -> str:
         """Return Table 2, the reprojection errors and Table 1 in plain text."""
         lines = []
+        if self.trials["major_per_1000"].isna().all():
+            lines.append("No corrections were made: errors are those of the trackers alone.")
         for method, own in self.summary.groupby("method", sort=False):
             first = own.iloc[0]
             lines.append(f"{method}: {first['n_trials']} trials, {first['n_frames']} frames")
@@ -216,6 +219,7 @@ def settings_by_method(
                 f"setting {word!r} is for method {method!r}{did_you_mean(method, methods)}, which "
                 f"is not compared; the methods are {', '.join(methods)}."
             )
+        refuse_published_names([name], pose=pose)
         asked = [method] if dot else methods
         owners = [m for m in asked if name in setting_names(m, pose=pose)]
         if not owners:

@@ -25,6 +25,7 @@ from pawnb.core.video import ViewReader, ViewSet
 from pawnb.errors import InputError, did_you_mean
 from pawnb.schema import SettingsT, Tracks, build_settings
 from pawnb.trial import Trial
+from pawnb.workflow.published_names import refuse_published_names
 from pawnb.workflow.results import provenance_steps
 
 METHODS = ("pawnb", "paper", "slic-3d", "slic-2d")
@@ -195,6 +196,7 @@ def _settings_in_force(
         raise InputError(
             f"unknown method {method!r}{did_you_mean(method, kinds)}; expected {', '.join(kinds)}."
         )
+    refuse_published_names([*trial.tracking, *(settings or {})], pose=trial.kind == "pose")
     names = {one: {field.name for field in _fields(kind)} for one, kind in kinds.items()}
     others = set().union(*names.values()) - names[method]
     given = {name: value for name, value in trial.tracking.items() if name not in others}

@@ -59,6 +59,23 @@ def test_without_corrections_those_alone_are_shown():
     assert table.loc[table["panel"] == "major", "value"].tolist() == [11.0, 15.0, 4.0]
 
 
+@pytest.mark.parametrize(
+    ("corrected", "word", "label"),
+    [
+        (True, "made", "Major errors\nper 1000 frames"),
+        (False, "none", "Major errors\nper 1000 frames,\nno corrections made"),
+    ],
+)
+def test_figure_and_table_say_whether_corrections_were_made(corrected, word, label):
+    table = build_compare_methods_table(trials(corrected=corrected), REPROJECTION)
+    errors = table["panel"].isin(["major", "minor"])
+    assert set(table.loc[errors, "corrections"]) == {word}
+    assert set(table.loc[~errors, "corrections"]) == {""}
+    axes = plot_compare_methods(table).figure.axes
+    assert axes[0].get_ylabel() == label
+    assert "corrections" not in axes[2].get_ylabel()
+
+
 def test_bars_are_the_means_and_dots_the_trials():
     ax = plot_compare_methods(build_compare_methods_table(trials(), REPROJECTION))
     axes = ax.figure.axes

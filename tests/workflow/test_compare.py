@@ -212,5 +212,8 @@ def test_command(rendered_trial, tmp_path, capsys):
     assert cli.main([*words, "--no-corrections", "--out", str(out)]) == 0
     said = capsys.readouterr().out
     assert "slic-2d: 1 trials, 4 frames" in said
+    assert "No corrections were made: errors are those of the trackers alone." in said
+    drawn = pd.read_csv(out / "compare_methods.csv").set_index("panel")["corrections"]
+    assert set(drawn[["major", "minor"]]) == {"none"}
     assert len(pd.read_csv(out / "comparison.csv")) == 1
     assert cli.main([*words[:3], "x", "--out", str(out)]) == 2

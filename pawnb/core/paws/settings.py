@@ -14,6 +14,18 @@ REFERENCE_WIDTH_PX = 2048
 
 N_FEATURES = 8
 
+PUBLISHED_NAMES = {
+    "NumSLIC": "n_superpixels",
+    "mnop": "min_paw_area_px",
+    "PawXWindowSize": "window_u_px",
+    "PawYWindowSize": "window_v_px",
+    "Weights_F": "weights_front",
+    "Weights_H": "weights_hind",
+    "Collision_Threshold": "collision_threshold_px",
+    "Start_Frame_Collision": "start_frame_collision",
+}
+"""The paper's names of settings, to ours; ``docs/published_methods.md`` has the same."""
+
 _PAW = re.compile(
     r"(?:(?i:left|right)[_ .-]?)?(?:(?=[FH][RL])|(?=[fh][rl]?(?![A-Za-z]))|(?=[FH](?![A-Za-z]))"
     r"|(?=(?i:front|fore(?!head)|hind)))(\w)|(?:[RL](?=[FH](?![A-Za-z]))|[rl](?=[fh](?![A-Za-z])))(\w)"

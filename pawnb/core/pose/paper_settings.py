@@ -8,6 +8,14 @@ from typing import Literal
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.schema import check_ranges
 
+PUBLISHED_NAMES = {
+    "K": "ising",
+    "lambda": "contrast",
+    "d_r": "thickness_px",
+    "mu": "steepness",
+}
+"""The thesis's names of settings, to ours; ``docs/published_methods.md`` has the same."""
+
 ISING_OF_SIGMA = 0.5
 CONTRAST_OF_SIGMA = 2.0
 THICKNESS_OF_SPAN = 1 / 200

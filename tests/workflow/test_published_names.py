@@ -1,0 +1,54 @@
+"""A paper's name of a setting is answered with ours, wherever it is typed."""
+
+import dataclasses
+
+import pytest
+
+from pawnb.core.paws.settings import PUBLISHED_NAMES as PAW_NAMES
+from pawnb.core.paws.settings import PaperSettings
+from pawnb.core.pose.paper_settings import PUBLISHED_NAMES as POSE_NAMES
+from pawnb.core.pose.paper_settings import PaperPoseSettings
+from pawnb.errors import InputError
+from pawnb.trial import Animal, Trial, View
+from pawnb.workflow.compare import settings_by_method
+from pawnb.workflow.methods import tracker_settings
+from pawnb.workflow.published_names import refuse_published_names
+
+TRIAL = Trial(
+    kind="paws",
+    name="t",
+    fps=250.0,
+    animal=Animal(id="a"),
+    views=(View(name="cam1", video="a.avi"),),
+)
+
+
+@pytest.mark.parametrize("name", ["Start_Frame_Collision", "NumSLIC", "Collision_Threshold"])
+@pytest.mark.parametrize("method", ["pawnb", "paper"])
+def test_a_tracker_says_our_name(name, method):
+    said = rf"^setting '{name}' is the paper's {name}, which is '{PAW_NAMES[name]}' here"
+    with pytest.raises(InputError, match=said):
+        tracker_settings(TRIAL, method=method, settings={name: "3"})
+    with pytest.raises(InputError, match=said):
+        tracker_settings(dataclasses.replace(TRIAL, tracking={name: 3}), method=method)
+
+
+def test_a_comparison_says_our_name():
+    with pytest.raises(InputError, match="is the paper's NumSLIC, which is 'n_superpixels'"):
+        settings_by_method({"paper.NumSLIC": 5}, ["pawnb", "paper"])
+
+
+@pytest.mark.parametrize("name", ["numslic", "num_slic", "NUM-SLIC"])
+def test_letters_may_be_cased_and_joined_otherwise(name):
+    with pytest.raises(InputError, match=f"{name}.*n_superpixels"):
+        refuse_published_names([name])
+
+
+@pytest.mark.parametrize(
+    ("names", "settings", "pose"),
+    [(PAW_NAMES, PaperSettings, False), (POSE_NAMES, PaperPoseSettings, True)],
+)
+def test_our_names_are_settings_and_are_not_refused(names, settings, pose):
+    known = [field.name for field in dataclasses.fields(settings)]
+    assert set(names.values()) <= set(known)
+    refuse_published_names([*known, "windw_u_px"], pose=pose)
