@@ -22,6 +22,7 @@ from pawnb.core.paws.whole.stories_loops import Moves
 from pawnb.core.paws.whole.swings import Swings
 from pawnb.core.paws.whole.telling import Telling
 from pawnb.core.paws.whole.threads import on_threads
+from pawnb.core.paws.whole.wrists import follow_wrists
 
 _LOOK = 1.1
 """Cost of a candidate: so many times minus the logarithm of how much it looks like a paw."""
@@ -156,10 +157,13 @@ def bridge_gaps(
     ground = learn_ground(sure, manner, lift=known.lift)
     stances = ground.stances(sure)
     cost = _candidate_costs(known, is_open, sights, geometry, thickness_px)
+    wrists = follow_wrists(
+        stances, sights, ground=ground, geometry=geometry, thickness_px=thickness_px
+    )
     places = sure if known.before is None else np.where(np.isnan(sure), known.before, sure)
     telling = _telling(manner)
     teller = _Teller(
-        known, sights, cost, ground, stances, geometry.project(places), telling,
+        known, *wrists.told(sights, cost), ground, stances, geometry.project(places), telling,
         moves_of(telling, ground.drift, across=manner.axes[1] if len(manner.axes) == 3 else None),
         geometry, thickness_px, np.maximum(_poor_look(sights.quality) - _DIM, 0.0),
     )  # fmt: skip
@@ -178,6 +182,7 @@ def bridge_gaps(
         held[stretch.frames[stood], p] = standing
     after = ground.stances(np.where(np.isnan(held), sure, held))
     lifts = [(p, one.stop - 1) for p, mine in enumerate(after) for one in mine if one.stop < n]
+    choice, cost = wrists.left_out(choice, cost)
     return Bridged(is_open, choice, cost, held, lifts, ground, after)
 
 

@@ -89,8 +89,8 @@ def test_where_nothing_follows_the_cycle_decides_between_what_fits_nearly_alike(
 
 @pytest.mark.parametrize(("stop", "taken"), [(14, 0), (30, 1)])
 def test_the_cycle_decides_alone_only_where_nothing_follows(stop, taken):
-    # the paw stands, and the cycle expects it where there is another candidate
-    at = np.tile([[0.0, 0.0], [0.0, 7.0]], (30, 1, 1))
+    # the paw stands, and the cycle expects it where there is another candidate, on the same paw
+    at = np.tile([[0.0, 0.0], [0.0, 6.0]], (30, 1, 1))
     chosen = at[:, :1].copy()
     chosen[8:stop] = np.nan
     cycle = Cycle(at[:, 1:], np.full((30, 1, 2), 0.5), np.zeros(30), np.eye(2), 20.0)
