@@ -1,13 +1,16 @@
 """Small bright or pinkish spots in a picture that could be paws, and where their digits are.
 
-A bare paw is redder than belt, fur and backdrop: in CIELAB its a* is among the highest of
-the picture, whatever the light. On a purple belt, which is as red, it is yellower: there a* + b*
-is. In a grey picture a paw is lighter than what is around it.
+A bare paw is lighter, redder and yellower than most of a picture, but belts may be as light or
+as red as it is. So the picture itself tells which of its colours count: by how they vary over
+it, the one mixture of lightness, redness and yellowness is made that skin stands out by most
+from the rest (Fisher's linear discriminant). Redness alone is kept as another way to look. In
+a grey picture a paw is lighter than what is around it.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import cv2
 import numpy as np
@@ -17,8 +20,15 @@ from pawnb.core.grey import has_colour
 PAW_SHARE = 0.02
 """Length of a hind paw as a share of the picture's width: 40 of 2048 px in the 2019 rig."""
 
+Look = Literal["skin", "red", "light"]
+"""What tells a paw from the rest."""
+
 MOST_BLOBS = 24
 """Spots kept of one picture: four paws, and what else looks like one."""
+_SKIN = np.array([1.0, 1.0, 1.0])
+"""Skin differs from a grey or dark ground about as much in L* as in a* and in b*."""
+_NOISE = 1.0
+"""Standard deviation of the camera's noise in CIELAB: what varies by less tells nothing."""
 _TOP_HAT = 2.0
 """Side of what is taken away as large, in paw lengths: a paw at any angle fits in it."""
 _STILL_WORTH = 0.1
@@ -44,8 +54,8 @@ class Blobs:
     strength: np.ndarray
 
 
-def paw_likeness(image: np.ndarray, paw_px: float, *, yellow: bool = False) -> np.ndarray:
-    """Return how paw-like each pixel is: redness, or in a grey picture local brightness.
+def paw_likeness(image: np.ndarray, paw_px: float, *, look: Look = "skin") -> np.ndarray:
+    """Return how paw-like each pixel is.
 
     Parameters
     ----------
@@ -53,22 +63,32 @@ def paw_likeness(image: np.ndarray, paw_px: float, *, yellow: bool = False) -> n
         RGB or grey, uint8.
     paw_px : float
         Length of a hind paw, px.
-    yellow : bool
-        Add how yellow it is.
+    look : {"skin", "red", "light"}
+        What tells a paw in a picture with colours; a grey one is always looked at for
+        "light".
 
     Returns
     -------
     ndarray, shape (H, W)
-        a* of CIELAB (a* + b* where ``yellow``) above its median in the picture, or the white
-        top-hat of grey levels.
+        Above its median in the picture: the mixture of CIELAB's L*, a* and b* by which skin
+        stands out most ("skin"), or a* ("red"). Or the white top-hat of grey levels ("light").
     """
     if image.ndim == 3:
-        if has_colour(image):
+        if look != "light" and has_colour(image):
             lab = cv2.cvtColor(image.astype(np.float32) / 255.0, cv2.COLOR_RGB2LAB)
-            skin = lab[..., 1] + lab[..., 2] if yellow else lab[..., 1]
-            return np.asarray(skin - np.median(skin[::4, ::4]), dtype=float)
+            some = lab[::4, ::4]
+            towards = _towards_skin(some) if look == "skin" else np.array([0.0, 1.0, 0.0])
+            paw = cv2.transform(lab, towards.astype(np.float32)[None])
+            return np.asarray(paw - np.median(some @ towards), dtype=float)
         image = image[..., 1]
     return np.asarray(_top_hat(image.astype(np.float32), paw_px), dtype=float)
+
+
+def _towards_skin(lab: np.ndarray) -> np.ndarray:
+    """Return the direction in CIELAB along which skin stands out most from a picture."""
+    spread = np.cov(lab.reshape(-1, 3).T) + _NOISE**2 * np.eye(3)
+    towards = np.linalg.solve(spread, _SKIN)
+    return np.asarray(towards / np.linalg.norm(towards))
 
 
 def _top_hat(image: np.ndarray, paw_px: float) -> np.ndarray:
@@ -172,3 +192,23 @@ def find_digits(
     along = place @ direction
     tip = float(np.percentile(along, 98.0))
     return np.asarray(place[along >= tip - pad_px].mean(axis=0))
+
+
+def share_as_paw_like(likeness: np.ndarray, uv: np.ndarray) -> float:
+    """Return the share of a picture that is as paw-like as a place in it, or more so.
+
+    Parameters
+    ----------
+    likeness : ndarray, shape (H, W)
+        As of :func:`paw_likeness`.
+    uv : ndarray, shape (2,)
+        The place, px.
+
+    Returns
+    -------
+    float
+        0 to 1; 1 for a place outside the picture.
+    """
+    u, v = np.rint(uv).astype(int)
+    here = likeness[max(v - 1, 0) : max(v + 2, 0), max(u - 1, 0) : max(u + 2, 0)]
+    return float((likeness[::2, ::2] >= here.mean()).mean()) if here.size else 1.0

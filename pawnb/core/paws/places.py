@@ -48,7 +48,7 @@ class Places:
     xyz : ndarray, shape (n, 3)
         The places, in the unit of the rig.
     strength : ndarray, shape (n,)
-        How paw-like each is, 0 to 1.
+        How paw-like each is, 0 to 1: as its spot that is least like a paw.
     residual : ndarray, shape (n,)
         How far its views disagree, in paw lengths; NaN where there is one view only.
     """
@@ -113,7 +113,7 @@ def pair_blobs(rig: Rig, blobs: Mapping[str, Blobs], *, paw_px: Mapping[str, flo
     for a, b in itertools.combinations(blobs, 2):
         here, there = blobs[a], blobs[b]
         uv = np.stack(np.broadcast_arrays(here.uv[:, None], there.uv[None]), axis=2)
-        strength = np.sqrt(here.strength[:, None] * there.strength[None]).ravel()
+        strength = np.minimum(here.strength[:, None], there.strength[None]).ravel()
         solved = rig.subset((a, b)).triangulate(uv.reshape(-1, 2, 2))
         residual = solved.residual_px / (0.5 * (paw_px[a] + paw_px[b]))
         good = (residual < WORST_RESIDUAL) & (strength > _LEAST_STRENGTH)

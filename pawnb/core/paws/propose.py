@@ -1,11 +1,11 @@
 """Finding the paws without clicks: the frame and the points that a person accepts or drags.
 
 Frames from all over the recording are looked through for places that could be paws
-(:mod:`pawnb.core.paws.places`). For each frame, one place is chosen for each paw by what it
-looks like, how well its views agree, how near it is to the ground and to where such paws
-stand. The frame is proposed whose least certain paw is most certain; there, the middle of
-each paw's digits is measured in every view. Where red spots make no sure paws, all is done
-again with spots that are red and yellow, and the surer of the two is taken.
+(:mod:`pawnb.core.paws.places`). In each frame, one place is chosen for each paw
+(:mod:`pawnb.core.paws.choose`). The frame is proposed whose least certain paw is most certain;
+there, the middle of each paw's digits is measured in every view. Where spots of the colour of
+skin make no sure paws, all is done again with red spots, then with light ones, and the surest
+is taken.
 """
 
 from __future__ import annotations
@@ -18,7 +18,16 @@ import pandas as pd
 
 from pawnb.core.grey import has_colour
 from pawnb.core.paws.appearance import Picture
-from pawnb.core.paws.blobs import PAW_SHARE, Blobs, find_blobs, find_digits, paw_likeness
+from pawnb.core.paws.blobs import (
+    PAW_SHARE,
+    Blobs,
+    Look,
+    find_blobs,
+    find_digits,
+    paw_likeness,
+    share_as_paw_like,
+)
+from pawnb.core.paws.choose import RESIDUAL_SD, Paw, Sights, choose_places
 from pawnb.core.paws.layout import Views
 from pawnb.core.paws.places import Places, Stage, find_stage, join, on_ground, pair_blobs
 from pawnb.core.rig import Rig
@@ -28,23 +37,20 @@ from pawnb.schema import START_COLUMNS
 _STILL_FRAMES = 9
 """Frames, spread over those that are looked through, that tell what stays where it is. Fewer
 may all fall into one stance."""
-_SURE = 0.5
+_WAYS: tuple[Look, ...] = ("skin", "red", "light")
+"""What paws are told by, one after the other until each paw is sure."""
+_SURE = 0.25
 """Where each paw is so sure, they are not looked for in another way."""
+_RARE = 0.03
+"""Paws that so large a share of the picture has the colour of are half as sure."""
 _TRIED = 12
 """Frames in which the digits are measured before one is chosen."""
 
-_ABOVE_SD, _BELOW_SD = 0.2, 0.06
 _LIFT_SD = 0.13
-_ALONG_SD, _APART, _CLEAR, _SAME = 0.6, 0.22, 0.25, 0.15
-_RESIDUAL_SD = 0.1
-_ONE_VIEW = 0.6
-_ASIDE, _ASIDE_SD = 0.3, 0.25
 _REACH, _PAD, _DOWN = 0.35, 0.06, 0.6
-"""All of these are in spans, so that no length has to be known: standard deviations of the
-height above and below the ground, of the digits' height, and of the place along forward and
-to the side; the least distances of paws; the reach of a paw and the length of its digits.
-``_DOWN`` is how much digits point down in the picture for each part forward; residuals are
-in paw lengths."""
+"""In spans, so that no length has to be known: standard deviation of the digits' height, the
+reach of a paw, the length of its digits. ``_DOWN`` is how much digits point down in the picture
+for each part forward."""
 
 
 @dataclass(frozen=True)
@@ -64,16 +70,6 @@ class FoundPaws:
     frame: int
     start: pd.DataFrame
     sure: dict[str, float]
-
-
-@dataclass(frozen=True)
-class _Paw:
-    """A point that is looked for: which group of views, which side, front or hind."""
-
-    point: str
-    group: int
-    side: int
-    is_front: bool
 
 
 def find_paws(
@@ -117,13 +113,14 @@ def find_paws(
             "views see the same side: click the points instead."
         )
     looks = _Looks(views, frames)
-    found = _find(looks, rig, groups, paws, progress)
-    if looks.has_colour() and (found is None or min(found.sure.values()) < _SURE):
-        n = len(frames)
-        later = None if progress is None else lambda done, _: progress(n + done, 2 * n)
-        other = _find(replace(looks, yellow=True), rig, groups, paws, later)
-        both = [one for one in (found, other) if one is not None]
-        found = max(both, key=lambda one: _score(one.sure.values()), default=None)
+    ways = _WAYS if looks.has_colour() else _WAYS[-1:]
+    found = None
+    for done, look in enumerate(ways):
+        later = None if progress is None else _after(progress, done * len(frames))
+        other = _find(replace(looks, look=look), rig, groups, paws, later)
+        found = max((one for one in (found, other) if one is not None), key=_worth, default=None)
+        if found is not None and min(found.sure.values()) >= _SURE:
+            break
     if found is None:
         raise InputError(
             "no paws were found: too few spots stand out where the views agree; click the points "
@@ -132,13 +129,18 @@ def find_paws(
     return found
 
 
+def _after(progress: Callable[[int, int], None], before: int) -> Callable[[int, int], None]:
+    """Return what reports progress when so many frames have been looked through before."""
+    return lambda done, total: progress(before + done, before + total)
+
+
 @dataclass(frozen=True)
 class _Looks:
     """Frames to look through, and by which likeness."""
 
     views: Views
     frames: Sequence[int]
-    yellow: bool = False
+    look: Look = "skin"
 
     def has_colour(self) -> bool:
         """Tell whether any view has colours."""
@@ -149,7 +151,7 @@ class _Looks:
     def likeness(self, picture: Picture, name: str) -> np.ndarray:
         """Return the likeness of the whole picture of a view."""
         width = self.views.readers[name].width
-        return paw_likeness(self._whole(picture, name), PAW_SHARE * width, yellow=self.yellow)
+        return paw_likeness(self._whole(picture, name), PAW_SHARE * width, look=self.look)
 
     def _whole(self, picture: Picture, name: str) -> np.ndarray:
         """Return the whole picture of a view."""
@@ -161,7 +163,7 @@ def _find(
     looks: _Looks,
     rig: Rig,
     groups: Mapping[tuple[str, ...], list[str]],
-    paws: Sequence[_Paw],
+    paws: Sequence[Paw],
     progress: Callable[[int, int], None] | None,
 ) -> FoundPaws | None:
     """Find the paws by one likeness; None where too few spots stand out."""
@@ -181,13 +183,17 @@ def _find(
         for number, names in enumerate(groups.values()):
             if len(names) == 1:
                 parts[number] = on_ground(rig, names[0], seen[frame][names[0]], stage=stage)
-    chosen = {frame: _choose(parts, paws, stage) for frame, parts in places.items()}
+    sights = Sights(rig, list(groups.values()), paw_px)
+    chosen = {
+        frame: choose_places(parts, paws=paws, stage=stage, sights=sights)
+        for frame, parts in places.items()
+    }
     order = sorted(chosen, key=lambda frame: (-_frame_score(chosen[frame], paws), frame))
     found = [
         _measure(frame, chosen[frame], looks=looks, rig=rig, groups=groups, paws=paws, stage=stage)
         for frame in order[:_TRIED]
     ]
-    return max(found, key=lambda one: (_score(one.sure.values()), -one.frame))
+    return max(found, key=_worth)
 
 
 def _groups(points_by_view: Mapping[str, Sequence[str]]) -> dict[tuple[str, ...], list[str]]:
@@ -198,7 +204,7 @@ def _groups(points_by_view: Mapping[str, Sequence[str]]) -> dict[tuple[str, ...]
     return groups
 
 
-def _wanted(groups: Mapping[tuple[str, ...], list[str]]) -> list[_Paw]:
+def _wanted(groups: Mapping[tuple[str, ...], list[str]]) -> list[Paw]:
     """Return every point that is looked for, once for each group that tracks it."""
     wanted = []
     for number, points in enumerate(groups):
@@ -209,7 +215,7 @@ def _wanted(groups: Mapping[tuple[str, ...], list[str]]) -> list[_Paw]:
                     "click the points instead."
                 )
             side = 1 if point.endswith("R") else -1
-            wanted.append(_Paw(point, number, side, point.startswith("F")))
+            wanted.append(Paw(point, number, side, point.startswith("F")))
     return wanted
 
 
@@ -247,69 +253,14 @@ def _still(looks: _Looks) -> Mapping[str, np.ndarray | None]:
     return {name: np.maximum(np.median(shown, axis=0), 0.0) for name, shown in kept.items()}
 
 
-def _choose(
-    parts: Sequence[Places], paws: Sequence[_Paw], stage: Stage
-) -> dict[_Paw, tuple[np.ndarray, float]]:
-    """Choose a place for each paw in one frame: (xyz, how sure)."""
-    chosen = {}
-    for group, side in dict.fromkeys((paw.group, paw.side) for paw in paws):
-        pair = {paw.is_front: paw for paw in paws if (paw.group, paw.side) == (group, side)}
-        places = parts[group]
-        scores = {is_front: _rate(places, stage, side, is_front) for is_front in pair}
-        if len(pair) == 2:
-            along = places.xyz @ stage.axes[0]
-            apart = (along[:, None] - along[None]) / stage.span
-            both = np.minimum(scores[True][:, None], scores[False][None])
-            # paws that touch each other hide each other
-            clear = np.where(apart < _APART, 0.0, 1.0 - np.exp(-0.5 * (apart / _CLEAR) ** 2))
-            both = both * clear
-            # of two equal pairs, the one whose better paw is better
-            total = both + 1e-3 * (scores[True][:, None] + scores[False][None]) * (both > 0)
-            if not total.size or total.max() <= 0:
-                continue
-            at = np.unravel_index(int(total.argmax()), total.shape)
-            best, seen = {True: int(at[0]), False: int(at[1])}, float(clear[at])
-        else:
-            seen = 1.0
-            best = {k: int(score.argmax()) for k, score in scores.items() if len(score)}
-        for is_front, k in best.items():
-            chosen[pair[is_front]] = (places.xyz[k], seen * float(scores[is_front][k]))
-    return _each_its_own(chosen, stage)
-
-
-def _each_its_own(
-    chosen: dict[_Paw, tuple[np.ndarray, float]], stage: Stage
-) -> dict[_Paw, tuple[np.ndarray, float]]:
-    """Leave out paws whose place is that of another paw that fits it better."""
-    kept: dict[_Paw, tuple[np.ndarray, float]] = {}
-    for paw, (xyz, score) in sorted(chosen.items(), key=lambda item: -item[1][1]):
-        others = [place for other, (place, _) in kept.items() if other.point != paw.point]
-        if all(np.linalg.norm(xyz - place) >= _SAME * stage.span for place in others):
-            kept[paw] = (xyz, score)
-    return kept
-
-
-def _rate(places: Places, stage: Stage, side: int, is_front: bool) -> np.ndarray:
-    """Return how well each place fits a paw, 0 to 1."""
-    along, aside, height = (places.xyz @ stage.axes.T).T
-    span = stage.span
-    above = (height - stage.ground) / span
-    fits = np.exp(-0.5 * (above / np.where(above > 0, _ABOVE_SD, _BELOW_SD)) ** 2)
-    off = (along - (stage.front if is_front else stage.hind)) / (_ALONG_SD * span)
-    fits *= np.exp(-0.5 * off**2)
-    outward = side * (aside - stage.middle) / span
-    fits *= np.exp(-0.5 * ((outward - _ASIDE) / _ASIDE_SD) ** 2)
-    views = np.where(
-        np.isnan(places.residual),
-        _ONE_VIEW,
-        np.exp(-0.5 * (np.nan_to_num(places.residual) / _RESIDUAL_SD) ** 2),
-    )
-    return fits * views * np.sqrt(np.clip(places.strength, 0.0, 1.0))
-
-
-def _frame_score(chosen: Mapping[_Paw, tuple[np.ndarray, float]], paws: Sequence[_Paw]) -> float:
+def _frame_score(chosen: Mapping[Paw, tuple[np.ndarray, float]], paws: Sequence[Paw]) -> float:
     """Return how good a frame is: its worst paw counts most."""
     return _score([chosen[paw][1] if paw in chosen else 0.0 for paw in paws])
+
+
+def _worth(found: FoundPaws) -> tuple[float, int]:
+    """Return what proposals are compared by: how sure they are, then how early."""
+    return _score(found.sure.values()), -found.frame
 
 
 def _score(sure: Iterable[float]) -> float:
@@ -320,12 +271,12 @@ def _score(sure: Iterable[float]) -> float:
 
 def _measure(
     frame: int,
-    chosen: Mapping[_Paw, tuple[np.ndarray, float]],
+    chosen: Mapping[Paw, tuple[np.ndarray, float]],
     *,
     looks: _Looks,
     rig: Rig,
     groups: Mapping[tuple[str, ...], list[str]],
-    paws: Sequence[_Paw],
+    paws: Sequence[Paw],
     stage: Stage,
 ) -> FoundPaws:
     """Measure the digits of the chosen paws in every view that tracks them."""
@@ -344,10 +295,15 @@ def _measure(
             own = rig.subset(names)
             solved = own.triangulate(uv)
             paw_px = np.mean([PAW_SHARE * views.readers[name].width for name in names])
-            off = float(solved.residual_px) / paw_px / _RESIDUAL_SD
+            off = float(solved.residual_px) / paw_px / RESIDUAL_SD
             lift = (float(solved.xyz @ stage.axes[2]) - stage.ground) / stage.span
             score *= float(np.exp(-0.5 * (off / 2.0) ** 2 - 0.5 * (lift / _LIFT_SD) ** 2))
             uv = own.project(solved.xyz)
+        if looks.look != "light":
+            shares = [
+                share_as_paw_like(likeness[name], at) for name, at in zip(names, uv, strict=True)
+            ]
+            score /= 1.0 + (float(np.mean(shares)) / _RARE) ** 2
         rows += [
             (frame, name, paw.point, round(float(u), 2), round(float(v), 2))
             for name, (u, v) in zip(names, uv, strict=True)

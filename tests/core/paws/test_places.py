@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from skimage.color import rgb2lab
 
-from pawnb.core.paws.blobs import Blobs, find_blobs, find_digits, paw_likeness
+from pawnb.core.paws.blobs import Blobs, find_blobs, find_digits, paw_likeness, share_as_paw_like
 from pawnb.core.paws.places import Places, Stage, find_stage, on_ground, pair_blobs
 from pawnb.core.rig import Rig
 
@@ -48,18 +48,53 @@ def test_a_light_spot_in_a_grey_picture_stored_as_colour():
         )
 
 
-def test_on_a_purple_belt_a_paw_is_yellower_but_no_redder():
+def on_a_belt(belt, *, light=True):
+    """A wall, a belt (with light knots and a white edge), a dark body, a paw at (96.5, 84.5)."""
+    rng = np.random.default_rng(0)
+    picture = np.empty((120, 200, 3))
+    picture[:50] = (92, 95, 90)
+    picture[50:] = belt
+    picture[50:] *= np.linspace(0.8, 1.2, 200)[None, :, None]
+    if light:
+        for u in range(10, 200, 30):
+            picture[100:108, u : u + 12] *= 1.35
+        picture[112:115] = (215, 222, 218)
+    picture[30:70, 40:150] = (38, 36, 35)
+    picture[80:90, 90:104] = (178, 136, 122)
+    return (picture + rng.normal(0, 3, picture.shape)).round().astype(np.uint8)
+
+
+def best_spot(picture, look):
+    """Return the most paw-like spot of a picture."""
+    return find_blobs(paw_likeness(picture, 20.0, look=look), 20.0).uv[0]
+
+
+def test_redness_is_that_of_cielab():
     belt, paw = (136, 78, 111), (205, 150, 140)
     picture = np.full((120, 200, 3), belt, np.uint8)
     picture[60:70, 90:104] = paw
     # colours by scikit-image, OpenCV goes by tables; the belt is most of the picture
     lab = rgb2lab(np.array([[belt, paw]], np.uint8))[0]
-    red, yellow = lab[1, 1:] - lab[0, 1:]
-    assert red < 0 < red + yellow
-    np.testing.assert_allclose(paw_likeness(picture, 20)[65, 97], red, atol=0.5)
-    likeness = paw_likeness(picture, 20, yellow=True)
-    np.testing.assert_allclose(likeness[65, 97], red + yellow, atol=0.5)
-    np.testing.assert_allclose(find_blobs(likeness, 20).uv[0], (96.5, 64.5), atol=1)
+    likeness = paw_likeness(picture, 20, look="red")
+    np.testing.assert_allclose(likeness[65, 97], lab[1, 1] - lab[0, 1], atol=0.5)
+
+
+@pytest.mark.parametrize(
+    "belt", [(100, 140, 100), (136, 78, 111), (158, 83, 107), (90, 100, 150), (105, 90, 78)]
+)
+def test_skin_stands_out_from_belts_of_any_colour(belt):
+    picture = on_a_belt(belt)
+    np.testing.assert_allclose(best_spot(picture, "skin"), (96.5, 84.5), atol=3)
+    if belt[0] - belt[1] > 50:  # redder than a paw
+        assert np.linalg.norm(best_spot(picture, "red") - (96.5, 84.5)) > 8
+
+
+def test_on_a_belt_of_the_colour_of_skin_a_paw_is_lighter():
+    picture = on_a_belt(
+        (151, 90, 70), light=False
+    )  # darker and more vivid than skin, of the same hue
+    assert np.linalg.norm(best_spot(picture, "skin") - (96.5, 84.5)) > 20
+    np.testing.assert_allclose(best_spot(picture, "light"), (96.5, 84.5), atol=3)
 
 
 def test_what_stays_where_it_is_comes_after_what_moves():
@@ -75,6 +110,14 @@ def test_what_stays_where_it_is_comes_after_what_moves():
     assert told.strength[in_knot].max() < 0.3 * told.strength[0]
     # where nothing moves, spots are still there to choose from
     assert len(find_blobs(paws[4], 20.0, still=paws[4]).uv)
+
+
+def test_how_much_of_a_picture_is_as_paw_like_as_a_place():
+    likeness = np.repeat(np.arange(100.0)[None], 40, axis=0)  # as paw-like as u is large
+    for u, share in ((0, 0.99), (50, 0.5), (90, 0.1)):
+        assert share_as_paw_like(likeness, np.array([u, 20.4])) == pytest.approx(share, abs=0.011)
+    for outside in ((-5.0, 20.0), (50.0, 60.0)):
+        assert share_as_paw_like(likeness, np.array(outside)) == 1.0
 
 
 def test_digits_without_a_paw_stay_where_they_were():
@@ -98,6 +141,15 @@ def test_places_that_both_views_see_are_among_the_pairs(points):
     away = np.linalg.norm(places.xyz[:, None] - xyz, axis=-1).min(axis=0)
     np.testing.assert_allclose(away, 0, atol=1e-6)
     assert (places.residual <= 0.2).all()
+
+
+def test_a_place_is_as_paw_like_as_its_least_paw_like_spot():
+    uv = RIG.project(np.array([[5.0, -9.0, 2.0]]))
+    blobs = {
+        "cam1": Blobs(uv[:, 0], np.array([1.0])),
+        "cam2": Blobs(uv[:, 1], np.array([0.25])),
+    }
+    np.testing.assert_array_equal(pair_blobs(RIG, blobs, paw_px=PAW_PX).strength, [0.25])
 
 
 def test_views_that_do_not_agree_make_no_place():
