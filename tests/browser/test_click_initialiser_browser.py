@@ -210,6 +210,14 @@ def test_the_picture_stands_still_while_a_point_is_dragged(clicking):
     np.testing.assert_allclose(rows(file)[0, "cam1", "FR"], (301, 150), atol=1.1)
     # and what waited is said once it is let go
     assert notebook.py("w.status") in notebook.page.locator(".pawnb-status").inner_text()
+    # nor does it jump back up when fewer words follow, while a click is on its way
+    notebook.kernel_runs("w.status = chr(10).join(['one', 'two', 'three', 'four'])")
+    notebook.wait("c.status.innerText.includes('four')")
+    low = notebook.js(top)
+    assert low > before
+    notebook.kernel_runs("w.status = 'one'")
+    notebook.wait("c.status.innerText === 'one'")
+    assert notebook.js(top) == low
 
 
 def test_many_points_take_another_line_above_their_picture(notebook, trial_file):

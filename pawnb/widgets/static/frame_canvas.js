@@ -18,6 +18,7 @@ function element(tag, className, properties = {}) {
 class Canvas {
   constructor(model, el) {
     this.model = model;
+    this.tall = 0; // CSS px that the words above the pictures have taken so far
     this.pending = 0; // edits that are not yet on disk
     this.n = 0;
     this.selected = null; // [view, point]
@@ -169,6 +170,10 @@ class Canvas {
     this.status.replaceChildren(...lines.map((text) => element("div", "", { textContent: text })));
     this.alarm.textContent = this.model.get("alarm");
     this.alarm.hidden = !this.model.get("alarm");
+    // the room that words once took stays theirs: the picture does not jump back up when fewer
+    // follow, as the next click may be on its way
+    this.tall = Math.max(this.tall, this.status.getBoundingClientRect().height);
+    this.status.style.minHeight = `${this.tall}px`;
   }
 
   // Views stand side by side unless fewer columns make the pictures clearly larger in the
@@ -176,6 +181,11 @@ class Canvas {
   layout() {
     const width = this.grid.clientWidth;
     if (!width) return; // in a hidden tab; the observer calls again
+    if (width !== this.width) {
+      this.width = width;
+      this.tall = 0; // words are broken elsewhere now
+      this.status.style.minHeight = "";
+    }
     let best = { size: 0 };
     for (let columns = this.stages.length; columns >= 1; columns--) {
       const each = (width - GAP * (columns - 1)) / columns;
