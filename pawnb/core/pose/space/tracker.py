@@ -21,6 +21,7 @@ from pawnb.core import dlt
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.fit.evidence import BackgroundPicture
 from pawnb.core.pose.fit.solve_loops import Sight
+from pawnb.core.pose.fit.threads import THREADS
 from pawnb.core.pose.kept_frames import KeptFrames
 from pawnb.core.pose.space.fitter import SpaceFitter, SpaceFrame
 from pawnb.core.pose.space.learn import learn_model
@@ -32,7 +33,6 @@ from pawnb.core.rig import Rig
 from pawnb.core.views import Frame
 from pawnb.errors import InputError
 
-_THREADS = 2
 _LEARN_FROM = 16
 """Frames from which look and proportions are learnt."""
 _SETTLE = 2
@@ -231,7 +231,7 @@ class _Solver:
             for k in some:
                 self._alone(k)
         passes: list[tuple[str, Callable[[int], None], list[int], int]] = [
-            ("alone", self._alone, self.wanted, _THREADS),
+            ("alone", self._alone, self.wanted, THREADS),
             # a frame may lie in the wrong valley where its neighbour does not
             ("after the frame before", partial(self._take_over, step=-1), self.wanted, 1),
             ("after the next frame", partial(self._take_over, step=1), self.wanted[::-1], 1),
@@ -242,7 +242,7 @@ class _Solver:
         for turn in range(_SETTLE):
             # all from the heights before, so that the order of the threads does not tell
             settle = partial(self._settle, before=self.x.copy())
-            if not self._each(f"settled {turn}", settle, self.wanted, _THREADS):
+            if not self._each(f"settled {turn}", settle, self.wanted, THREADS):
                 return
 
     def _each(self, name: str, work: Callable[[int], None], order: list[int], threads: int) -> bool:
