@@ -38,7 +38,8 @@ class WholeSettings:
     shortest_stride_s, longest_stride_s : float
         Strides are looked for between these, s.
     looks : int
-        Times that everything is decided again with the stride learnt from the last time.
+        Times that everything is decided again with the stride learnt from the last time; once
+        more where tracks still change.
     places : int
         Places in space considered in each frame.
     links : int

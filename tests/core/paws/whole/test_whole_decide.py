@@ -82,23 +82,20 @@ def test_seen_paws_are_stated_surer_than_told_ones_unless_all_cameras_are_on_one
     np.testing.assert_array_equal(decide._stated(sd, is_open, one_sided=True), sd)
 
 
-@pytest.mark.parametrize(
-    ("cycle", "swings", "rounds"),
-    [("cycle", "swings", 3), ("cycle", None, 3), (None, "swings", 3), (None, None, 1)],
-)
-def test_what_is_known_of_strides_is_used_without_a_cycle_too(monkeypatch, cycle, swings, rounds):
-    """A recording of two strides tells a rhythm and swings, but no cycle."""
-    n, told = 20, []
-    first, again = np.zeros((n, 1, 3)), np.ones((n, 1, 3))
+def settle(monkeypatch, *, cycle, swings, forward=lambda _: 0.0):
+    """Settle one paw that each time is found ``forward`` (n,) of where it began.
+
+    Returns what was known each time, the trust that cycles were learnt with, and what is lost.
+    """
+    n, told, trusts = 20, [], []
     paths = SimpleNamespace(
         manner=SimpleNamespace(jerk=0.1, axes=np.eye(3)), body=lambda x: x[:, 0],
-        again=lambda _: again,
+        again=lambda _: np.ones((n, 1, 3)),
     )  # fmt: skip
     ready = SimpleNamespace(
         certain=np.full((n, 1, 2, 2), np.nan), own=np.ones((1, 2), bool), unsure=np.zeros(1),
         sights=None, kinds=["front"], one_sided=False,
     )  # fmt: skip
-    scene = SimpleNamespace(geometry=RIG, thickness=2.0, thickness_px=THICKNESS_PX)
     settings = SimpleNamespace(shortest_stride_s=0.1, longest_stride_s=1.0, looks=2)
 
     def bridge(known, *_, **__):
@@ -107,29 +104,58 @@ def test_what_is_known_of_strides_is_used_without_a_cycle_too(monkeypatch, cycle
 
     def refined(*_, **__):
         x = np.zeros((n, 1, 3))
-        likeness = np.zeros((n, 1, 2))
+        x[:, 0, 0] = forward(len(told))
+        likeness, none = np.zeros((n, 1, 2)), np.zeros((n, 1))
         return Refined(
-            x, np.ones_like(x), np.zeros((n, 1, 2, 2)), likeness, x[..., 0], likeness, x[..., 0]
+            x, np.ones_like(x), np.zeros((n, 1, 2, 2)), likeness, none, likeness, none.copy()
         )
 
     monkeypatch.setattr(decide, "bridge_gaps", bridge)
     monkeypatch.setattr(decide, "refine", refined)
     monkeypatch.setattr(decide, "_tracked", lambda places, *_: places)
-    lost, trusts = np.arange(n)[:, None] < 5, []
+    lost = np.arange(n)[:, None] < 5
     monkeypatch.setattr(decide, "without_hops", lambda stances, *_: (stances, lost))
     monkeypatch.setattr(
         decide, "learn_cycle", lambda *_, trust, **__: trusts.append(trust) or cycle
     )
     monkeypatch.setattr(decide, "learn_rhythm", lambda *_: None)
     monkeypatch.setattr(decide, "_swings", lambda *_, **__: swings)
-    decide._settled(first, {}, paths, ready, scene=scene, fps=100.0, settings=settings)
+    first = np.zeros((n, 1, 3))
+    decide._settled(first, {}, paths, ready, scene=SCENE, fps=100.0, settings=settings)
+    return told, trusts, lost
+
+
+@pytest.mark.parametrize(
+    ("cycle", "swings", "rounds"),
+    [("cycle", "swings", 3), ("cycle", None, 3), (None, "swings", 3), (None, None, 1)],
+)
+def test_what_is_known_of_strides_is_used_without_a_cycle_too(monkeypatch, cycle, swings, rounds):
+    """A recording of two strides tells a rhythm and swings, but no cycle."""
+    told, trusts, lost = settle(monkeypatch, cycle=cycle, swings=swings)
     assert len(told) == rounds
     # while a point was on another paw it tells nothing of its cycle
     for trust in trusts:
         np.testing.assert_array_equal(trust > 0, ~lost)
     for known in told[1:]:
         assert (known.cycle, known.swings) == (cycle, swings)
-        np.testing.assert_array_equal(known.chosen, again if cycle else first)
+        np.testing.assert_array_equal(known.chosen, 1.0 if cycle else 0.0)
+
+
+@pytest.mark.parametrize(
+    ("frames", "thicknesses", "last", "rounds"),
+    [(5, 2.1, 3, 4), (4, 2.1, 3, 3), (5, 1.9, 3, 3), (5, 2.1, 2, 3), (5, 2.1, 4, 4)],
+)
+def test_where_tracks_still_change_there_is_one_more_look(
+    monkeypatch, frames, thicknesses, last, rounds
+):
+    """The paw is elsewhere for some frames in each look until the ``last`` that changes it."""
+
+    def forward(look):
+        moved = np.arange(20) < frames
+        return np.where(moved, thicknesses * SCENE.thickness * min(look, last), 0.0)
+
+    told, _, _ = settle(monkeypatch, cycle="cycle", swings=None, forward=forward)
+    assert len(told) == rounds
 
 
 def test_a_swing_is_not_learnt_from_another_paw(monkeypatch):
