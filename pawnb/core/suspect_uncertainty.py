@@ -20,8 +20,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
+from pawnb.core.paws.settings import PaperSettings
 from pawnb.core.paws.whole.cycle import learn_cycle
 from pawnb.core.paws.whole.habit import follow_body
+from pawnb.core.paws.whole.landmark_tracks import choose_landmarks
 from pawnb.core.paws.whole.settings import WholeSettings
 from pawnb.core.rig import Rig
 from pawnb.core.suspect_evidence import PAW_SHARE, distance_between, find_nearest, image_positions
@@ -95,6 +97,9 @@ def collect_doubts(
     uv = image_positions(tracks)
     size = paw_size(tracks)
     near, who, size_px = find_nearest(uv, paw_px)
+    points = tracks["keypoint"].to_numpy().tolist()
+    # an ear is always near the other one, and never lifts off
+    marks = choose_landmarks(points, [PaperSettings().kind(point) for point in points])
     return [
         _hardly_recognised(tracks),
         _vague(tracks, size),
@@ -103,8 +108,8 @@ def collect_doubts(
         _passes_apart(tracks),
         *([] if other is None else [_passes_disagree(tracks, other, size_px)]),
         _off_cycle(tracks, rig),
-        _crossing(near / size_px[:, None], near, who, tracks["keypoint"].to_numpy().tolist()),
-        _starting_and_stopping(tracks),
+        _crossing(np.where(marks, np.nan, near / size_px[:, None]), near, who, points),
+        _starting_and_stopping(tracks, marks),
     ]
 
 
@@ -332,9 +337,9 @@ def _crossing(share: np.ndarray, near: np.ndarray, who: np.ndarray, points: list
     return Doubt({"near": np.where(np.isfinite(least), least, np.nan)}, words)
 
 
-def _starting_and_stopping(tracks: Tracks) -> Doubt:
-    """Doubt points that are about to lift off, or have just landed."""
-    pace = _pace(tracks)
+def _starting_and_stopping(tracks: Tracks, marks: np.ndarray) -> Doubt:
+    """Doubt paws that are about to lift off, or have just landed; ``marks`` (P,) are none."""
+    pace = np.where(marks, np.nan, _pace(tracks, marks))
     rows = np.arange(len(pace), dtype=float)
     soon = _SOON_S * float(tracks.attrs["fps"])
     before, after = (
@@ -349,14 +354,14 @@ def _starting_and_stopping(tracks: Tracks) -> Doubt:
     return Doubt(measures, words, is_circumstance=True)
 
 
-def _pace(tracks: Tracks) -> np.ndarray:
-    """Return how fast points (n, P) move from the ground, 1 where a tenth are faster."""
+def _pace(tracks: Tracks, marks: np.ndarray) -> np.ndarray:
+    """Return how fast points (n, P) move from the ground, 1 where a tenth of paws are faster."""
     x = positions(tracks)
     frames = tracks["frame"].to_numpy().astype(float)
     if len(frames) < 2:
         return np.zeros(x.shape[:2])
     velocity = np.gradient(x, frames, axis=0)
-    known = np.isfinite(velocity).all(axis=-1)
+    known = np.isfinite(velocity).all(axis=-1) & ~marks
     if not known.any():
         return np.zeros(x.shape[:2])
     # standing paws go with the ground, and most paws stand

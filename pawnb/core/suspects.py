@@ -168,7 +168,7 @@ def _by_expected_errors(
             if expected[p] >= _TELLING * expected.max():
                 at = int(worst[p])
                 view = views[int(showing[at, :, p].argmax())]
-                when = _distance_in_words(int(frames[at] - frames[t]))
+                when = _elsewhere_in_words(int(frames[at]), int(frames[t]))
                 said = when + _heaviest(doubts, weights[:, at, p], at, p)
                 rows.append((int(frames[t]), view, points[p], said, round(score, 4)))
     return rows
@@ -187,11 +187,12 @@ def _heaviest(doubts: list[Doubt], weights: np.ndarray, row: int, point: int) ->
     return "; ".join(said)
 
 
-def _distance_in_words(step: int) -> str:
-    """Say where a doubt lies that is not in the listed frame itself."""
+def _elsewhere_in_words(doubted: int, listed: int) -> str:
+    """Say in which frame a doubt lies that is not in the listed frame itself."""
+    step = doubted - listed
     if step == 0:
         return ""
-    return f"{abs(step)} frame{'s' * (abs(step) > 1)} {'later' if step > 0 else 'before'}: "
+    return f"in frame {doubted}, {abs(step)} {'later' if step > 0 else 'before'}: "
 
 
 def _by_evidence(
