@@ -165,7 +165,7 @@ def measure(trial: Trial, *, corrected: bool, clicked: float | None = None) -> d
         "median": report.median_px, "p95": report.p95_px, "centred": report.median_px_centred,
         "p95_centred": report.p95_px_centred, "n_inside": int(inside.sum()),
         "n_coordinates": inside.size, "s": took, "interventions": np.nan, "minor_left": np.nan,
-        "s_each": np.nan,
+        "s_each": np.nan, "distances": report.distances_px * REFERENCE_WIDTH_PX / width,
     }  # fmt: skip
     if start is not None:
         frame = int(start["frame"].min())
@@ -237,7 +237,11 @@ def summary(table: pd.DataFrame) -> str:
             hits, of = int(part[k].sum()), int(part[n].sum())
             low, high = share_interval(hits, of)
             shares.append(f"{said} {hits / max(1, of):.2%} ({low:.2%} to {high:.2%})")
-        worst = f"worst median {part['median'].max():.2f}, 95th {part['p95'].max():.1f} px"
+        middle, far = np.percentile(np.concatenate(part["distances"].tolist()), (50, 95))
+        worst = (
+            f"median {middle:.2f}, 95th {far:.1f} px of {REFERENCE_WIDTH_PX}; "
+            f"worst scene {part['median'].max():.2f}, {part['p95'].max():.1f} px"
+        )
         lines += [f"{name}: {len(part)} scenes, {frames} frames; per 1000: " + "; ".join(rates),
                   "    " + "; ".join(shares) + f"; {worst}"]  # fmt: skip
     return "\n".join(lines)

@@ -122,6 +122,8 @@ class ErrorReport:
         Limits that were used.
     errors : DataFrame
         point, first_frame, last_frame, kind (``major`` or ``minor``).
+    distances_px : ndarray
+        Distances of judged labels from the truth, for pooling over recordings.
     """
 
     n_frames: int
@@ -141,6 +143,7 @@ class ErrorReport:
     recovery_frames: int
     settled_frames: int
     errors: pd.DataFrame
+    distances_px: np.ndarray
 
     @property
     def major_per_1000(self) -> float:
@@ -270,6 +273,7 @@ def count_errors(
         recovery_frames=int(recovery_frames),
         settled_frames=int(settled_frames),
         errors=errors,
+        distances_px=away[found],
     )
 
 

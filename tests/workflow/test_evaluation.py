@@ -141,12 +141,14 @@ def test_missing_labels_are_wrong():
     assert report.share_missing == 4 / 800
     # no distance is made up for them
     assert report.p95_px == 0.0
+    assert len(report.distances_px) == 796
 
 
 def test_distances_with_and_without_the_constant_offset():
     report = count_errors(make(offset=(6.0, 8.0)), make_truth())
     assert report.median_px == pytest.approx(10.0)
     assert report.p95_px == pytest.approx(10.0)
+    np.testing.assert_allclose(report.distances_px, 10.0)
     assert report.median_px_centred == pytest.approx(0.0, abs=1e-9)
     lost = count_errors(make([("FR", None, 10, 199)], offset=(6.0, 8.0)), make_truth())
     # 760 of 1600 half frames are lost; the offset is that of the right ones
