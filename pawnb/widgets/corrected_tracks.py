@@ -9,7 +9,7 @@ from pathlib import Path
 from pawnb.core.edit_effects import Retracker
 from pawnb.core.edits import Edit, EditLog, Retrack, describe_edit
 from pawnb.core.rig import Rig
-from pawnb.errors import InputError
+from pawnb.errors import InputError, PawnbError
 from pawnb.schema import Tracks
 from pawnb.trial import Trial
 
@@ -198,4 +198,11 @@ class CorrectedTracks:
             return self._ready
         if self._tracker is None:
             raise InputError("no tracker was given; open the review with retrack=.")
-        return self._tracker(tracks, frame, **options)
+        try:
+            return self._tracker(tracks, frame, **options)
+        except (PawnbError, OSError) as error:
+            where = "" if self.edits is None else f" in {self.edits}"
+            raise InputError(
+                f"the corrections{where} track again from frame {frame}, which could not be done: "
+                f"{error} No correction is lost."
+            ) from None

@@ -132,11 +132,13 @@ class Retracking(FrameCanvas):
         """Call the tracker; a person who stops it keeps the tracks as they were."""
         if self._retrack_trial is not None:
             return self._retrack_trial(self._trial, tracks, frame, **options)
+        # while the review is being opened nothing of it is on the screen: a bar says how far it is
+        opened = self.comm is not None
         new = workflow_retrack(
             self._trial,
             tracks,
             frame,
-            progress=self._show_progress,
+            progress=self._show_progress if opened else None,
             stop=self._stop.is_set,
             **options,
         )
