@@ -6,15 +6,19 @@ exports for other programs, with rounded numbers (see :mod:`pawnb.io.tables`).
 
 from __future__ import annotations
 
+import io
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import h5netcdf
 import numpy as np
 import pandas as pd
 import xarray as xr
+from xarray.backends import H5NetCDFStore
 
 from pawnb.errors import InputError
+from pawnb.files import write_whole
 from pawnb.io.movement import from_movement, is_movement
 from pawnb.io.start import check_start, read_start, write_start
 from pawnb.io.tables import write_table, write_text
@@ -63,8 +67,8 @@ def write_tracks(tracks: Tracks, path: str | Path) -> Path:
     Raises
     ------
     InputError
-        If these are not Tracks, if the folder does not exist, or if an attribute cannot be
-        stored in netCDF.
+        If these are not Tracks, if the folder does not exist, if an attribute cannot be stored
+        in netCDF, or if the file cannot be written (a full disk, for instance).
     """
     path = Path(path)
     check_tracks(tracks)
@@ -77,13 +81,18 @@ def write_tracks(tracks: Tracks, path: str | Path) -> Path:
             raise InputError(
                 f"attribute {name!r} of the tracks is {value!r}; netCDF stores text and numbers."
             )
-    part = path.with_name(path.name + ".part")
-    try:
-        tracks.to_netcdf(part, engine="h5netcdf", format="NETCDF4")
-        part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)
-    return path
+    return write_whole(path, _netcdf_bytes(tracks))
+
+
+def _netcdf_bytes(tracks: Tracks) -> bytes:
+    """Return what a netCDF file of these tracks holds.
+
+    The library makes it in memory: writing to a disk that fills up it crashes the process.
+    """
+    buffer = io.BytesIO()
+    with h5netcdf.File(buffer, "w") as file:
+        tracks.dump_to_store(H5NetCDFStore(file))
+    return buffer.getvalue()
 
 
 def read_tracks(path: str | Path, *, fps: float | None = None) -> Tracks:

@@ -1,7 +1,7 @@
 """Tables as csv: read with checks that name file, row and column, written whole or not at all.
 
-Every writer of pawnb goes through :func:`write_text`: the file is written beside its
-place and renamed, so that a reader never meets half of it.
+Every table that pawnb writes goes through :func:`write_table`; see :mod:`pawnb.files` for how
+files become whole.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 
 from pawnb.errors import InputError
+from pawnb.files import write_whole
 from pawnb.schema import check_columns
 
 DECIMALS = {
@@ -41,15 +42,9 @@ def write_text(text: str, path: str | Path) -> Path:
     Raises
     ------
     InputError
-        If the folder does not exist.
+        If the folder does not exist, or the file cannot be written.
     """
-    path = Path(path)
-    if not path.parent.is_dir():
-        raise InputError(f"{path.parent}: no such folder; make it, or name another file.")
-    part = path.with_name(path.name + ".part")
-    part.write_bytes(text.encode("utf-8"))
-    part.replace(path)
-    return path
+    return write_whole(path, text.encode("utf-8"))
 
 
 def write_table(table: pd.DataFrame, path: str | Path) -> Path:

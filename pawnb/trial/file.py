@@ -8,6 +8,7 @@ from pathlib import Path
 import tomli_w
 
 from pawnb.errors import InputError
+from pawnb.files import write_whole
 from pawnb.trial.description import Trial
 from pawnb.trial.document import trial_document, trial_from_document
 
@@ -59,9 +60,10 @@ def save_trial(trial: Trial, path: str | Path) -> Path:
     -------
     Path
         The file.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be written.
     """
-    path = Path(path)
-    temporary = path.with_name(path.name + ".part")
-    temporary.write_text(tomli_w.dumps(trial_document(trial)), encoding="utf-8")
-    temporary.replace(path)
-    return path
+    return write_whole(path, tomli_w.dumps(trial_document(trial)).encode())

@@ -12,6 +12,7 @@ import pandas as pd
 from pawnb import figures
 from pawnb.errors import InputError
 from pawnb.figures.panels import speed_unit, with_unit
+from pawnb.files import safe_name
 from pawnb.gait import GaitTables
 from pawnb.gait.coordination import coordination_tables
 from pawnb.gait.cycles import (
@@ -244,19 +245,3 @@ def _of_groups(tables: GaitTables, groups: Groups, unit: str | None) -> Iterator
         if strides[measure].notna().any():
             build = partial(figures.build_estimation_table, strides, measure, paired=paired)
             yield make_drawing(f"estimation_{measure}", "estimation", build, label=label)
-
-
-def safe_name(name: str) -> str:
-    """Return a name that every file system takes.
-
-    Parameters
-    ----------
-    name : str
-        Any name.
-
-    Returns
-    -------
-    str
-        With ``-`` for every sign but letters, digits, ``-`` and ``_``.
-    """
-    return "".join(c if c.isalnum() or c in "-_" else "-" for c in name)

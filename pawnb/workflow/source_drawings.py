@@ -14,11 +14,12 @@ from pawnb.core.paws import PaperSettings
 from pawnb.core.paws.template import KindTemplate, load_template
 from pawnb.core.paws.template_fit import fit_template
 from pawnb.errors import InputError
+from pawnb.files import safe_name
 from pawnb.io.native import points3d_table
 from pawnb.kinematics import swing_direction
 from pawnb.schema import ORIGIN_CODE, Tracks
 from pawnb.signals import find_runs
-from pawnb.workflow.gait_drawings import Drawing, make_drawing, safe_name
+from pawnb.workflow.gait_drawings import Drawing, make_drawing
 
 _FEWEST_STRIDES = 1.0
 _SHOWN_STRIDES = 2.0

@@ -1,0 +1,122 @@
+"""Files that are there whole or not at all, also after a crash or on a full disk."""
+
+from __future__ import annotations
+
+import os
+import secrets
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from pawnb.errors import InputError
+
+_LEFTOVER = ".pawnb-*.part*"
+
+
+def part_name(path: Path) -> Path:
+    """Return a name beside a path that no other run takes; its ending stays."""
+    # the name itself is left out: together they may be longer than a file system allows
+    return path.with_name(f".pawnb-{secrets.token_hex(6)}.part{path.suffix}")
+
+
+@contextmanager
+def whole_file(path: str | Path) -> Iterator[Path]:
+    """Give a file its name only once it is whole and on disk.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file; its folder must exist. What is there already stays until then.
+
+    Yields
+    ------
+    Path
+        Where to write: a name of its own in the same folder, with the same ending. It is removed
+        where the block ends with an error.
+
+    Raises
+    ------
+    InputError
+        If the folder does not exist, or the file cannot be written (a full disk, for instance).
+    """
+    path = Path(path)
+    if not path.parent.is_dir():
+        raise InputError(f"{path.parent}: no such folder; make it, or name another file.")
+    part = part_name(path)
+    try:
+        with _said_in_a_sentence(path):
+            yield part
+            with part.open("r+b") as file:
+                os.fsync(file.fileno())
+            part.replace(path)
+            sync_folder(path.parent)
+    finally:
+        with suppress(OSError):
+            part.unlink(missing_ok=True)
+
+
+def write_whole(path: str | Path, data: bytes) -> Path:
+    """Write a file whole or not at all.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file; its folder must exist.
+    data : bytes
+        What it shall hold.
+
+    Returns
+    -------
+    Path
+        The file, forced to disk.
+
+    Raises
+    ------
+    InputError
+        As for :func:`whole_file`; the file is then as it was.
+    """
+    with whole_file(path) as part:
+        part.write_bytes(data)
+        if (written := part.stat().st_size) != len(data):
+            raise InputError(f"{path}: {written} of {len(data)} bytes were written; try again.")
+    return Path(path)
+
+
+def sync_folder(folder: Path) -> None:
+    """Force the names in a folder to disk, where the system can."""
+    if os.name == "nt":  # folders cannot be opened there
+        return
+    with suppress(OSError):  # not every network file system can
+        handle = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
+
+
+def is_leftover(path: Path) -> bool:
+    """Say whether a name is that of something unfinished, as a killed run leaves it."""
+    return path.match(_LEFTOVER)
+
+
+def remove_leftovers(folder: Path) -> None:
+    """Remove what killed runs left unfinished in a folder; call it only while it is locked."""
+    for path in list(folder.glob(_LEFTOVER)):
+        with suppress(OSError):
+            if path.is_dir():
+                shutil.rmtree(path)
+            else:
+                path.unlink()
+
+
+@contextmanager
+def _said_in_a_sentence(path: Path) -> Iterator[None]:
+    """Say in one sentence that a file cannot be written."""
+    try:
+        yield
+    except OSError as error:
+        raise InputError(
+            f"{path}: cannot be written ({error.strerror or error}); free some space or choose "
+            "another place."
+        ) from None

@@ -1,0 +1,96 @@
+"""One writer at a time: processes, threads, and processes that died."""
+
+from __future__ import annotations
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import threading
+
+import pytest
+
+from pawnb.errors import InputError
+from pawnb.files import locked
+
+_HOLD = """
+import sys
+from pawnb.files import locked
+with locked(sys.argv[1], remedy="wait"):
+    print("held", flush=True)
+    sys.stdin.read()
+"""
+
+
+def names(folder):
+    return [path.name for path in folder.iterdir()]
+
+
+@pytest.fixture
+def other(tmp_path):
+    """Another process that holds the folder until its input is closed."""
+    process = subprocess.Popen(
+        [sys.executable, "-c", _HOLD, str(tmp_path)],
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    assert process.stdout.readline() == "held\n"
+    yield process
+    process.communicate("")
+
+
+def test_another_process_is_named_in_one_sentence(tmp_path, other):
+    who = f"process {other.pid} of this machine is writing here; wait a little"
+    with pytest.raises(InputError, match=who), locked(tmp_path, remedy="wait a little"):
+        pass
+    other.communicate("")
+    with locked(tmp_path, remedy="wait"):
+        pass
+    assert names(tmp_path) == []
+
+
+def test_a_process_that_was_killed_holds_nothing(tmp_path, other):
+    other.send_signal(signal.SIGKILL)
+    other.wait()
+    with locked(tmp_path, remedy="wait"):
+        assert (tmp_path / ".pawnb.lock").read_text() == f"{os.getpid()} {socket.gethostname()}\n"
+    assert names(tmp_path) == []
+
+
+def test_a_thread_may_enter_again_and_another_may_not(tmp_path):
+    said = []
+
+    def enter():
+        try:
+            with locked(tmp_path, remedy="wait"):
+                said.append("entered")
+        except InputError as error:
+            said.append(str(error))
+
+    with locked(tmp_path, remedy="wait"):
+        with locked(tmp_path, remedy="wait"):
+            pass
+        thread = threading.Thread(target=enter)
+        thread.start()
+        thread.join()
+    assert "(this one)" in said[0]
+    enter()
+    assert said[1] == "entered"
+
+
+def test_processes_take_turns(tmp_path):
+    # each adds one to a number 100 times; without a lock some additions are lost
+    code = """
+import sys
+from pathlib import Path
+from pawnb.files import locked
+path = Path(sys.argv[1])
+for _ in range(100):
+    with locked(path, remedy="wait", wait_s=60):
+        path.write_text(str(int(path.read_text()) + 1))
+"""
+    path = tmp_path / "number.txt"
+    path.write_text("0")
+    started = [subprocess.Popen([sys.executable, "-c", code, str(path)]) for _ in range(3)]
+    assert [process.wait() for process in started] == [0, 0, 0]
+    assert path.read_text() == "300"

@@ -1,0 +1,110 @@
+"""Whole files: killed, refused and out of space, what was there stays."""
+
+from __future__ import annotations
+
+import errno
+import os
+import subprocess
+import sys
+
+import pytest
+
+from pawnb.errors import InputError
+from pawnb.files import remove_leftovers, whole_file, write_whole
+
+# a subprocess that may write files of 1000 bytes only: the limit stands for a full disk
+_SMALL_DISK = """
+import resource, signal, sys
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000))
+"""
+
+
+def names(folder):
+    return [path.name for path in folder.iterdir()]
+
+
+def _fill_up(part):
+    part.write_bytes(b"half")
+    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+posix = pytest.mark.skipif(os.name == "nt", reason="limits and signals of POSIX")
+
+
+def test_writes_what_it_is_given_and_leaves_nothing_else(tmp_path):
+    path = tmp_path / "a.csv"
+    assert write_whole(path, b"old") == path
+    write_whole(path, b"new")
+    assert path.read_bytes() == b"new"
+    assert names(tmp_path) == ["a.csv"]
+
+
+@posix
+def test_a_new_file_may_be_read_by_whom_the_mask_allows(tmp_path):
+    before = os.umask(0o027)
+    try:
+        path = write_whole(tmp_path / "a.csv", b"1")
+    finally:
+        os.umask(before)
+    assert path.stat().st_mode & 0o777 == 0o640
+
+
+def test_two_writers_of_one_file_have_names_of_their_own(tmp_path):
+    path = tmp_path / "a.csv"
+    with whole_file(path) as one:
+        one.write_bytes(b"one")
+        with whole_file(path) as two:
+            two.write_bytes(b"two")
+        assert path.read_bytes() == b"two"
+    assert path.read_bytes() == b"one"
+    assert names(tmp_path) == ["a.csv"]
+
+
+def test_an_error_while_writing_leaves_the_file_as_it_was(tmp_path):
+    path = write_whole(tmp_path / "a.csv", b"old")
+    with pytest.raises(InputError, match="No space left"), whole_file(path) as part:
+        _fill_up(part)
+    assert path.read_bytes() == b"old"
+    assert names(tmp_path) == ["a.csv"]
+
+
+def test_refusals_are_one_sentence(tmp_path):
+    with pytest.raises(InputError, match="no such folder"):
+        write_whole(tmp_path / "none" / "a.csv", b"")
+    (tmp_path / "folder").mkdir()
+    with pytest.raises(InputError, match="folder: cannot be written"):
+        write_whole(tmp_path / "folder", b"")
+    assert names(tmp_path) == ["folder"]
+
+
+@posix
+def test_a_full_disk_is_a_sentence_and_the_file_stays(tmp_path):
+    path = write_whole(tmp_path / "a.csv", b"old")
+    code = _SMALL_DISK + (
+        "from pawnb.files import write_whole\n"
+        "from pawnb.errors import InputError\n"
+        "try:\n    write_whole(sys.argv[1], b'x' * 5000)\n"
+        "except InputError as error:\n    print(error)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, str(path)], capture_output=True, text=True, check=True
+    )
+    assert "a.csv: cannot be written (File too large)" in done.stdout
+    assert path.read_bytes() == b"old"
+    assert names(tmp_path) == ["a.csv"]
+
+
+def test_leftovers_of_a_killed_process_are_told_and_removed(tmp_path):
+    path = write_whole(tmp_path / "a.csv", b"old")
+    code = (
+        "import os, signal, sys\nfrom pawnb.files import whole_file\n"
+        "with whole_file(sys.argv[1]) as part:\n"
+        "    part.write_bytes(b'half')\n    os.kill(os.getpid(), signal.SIGKILL)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code, str(path)], check=False)
+    assert done.returncode != 0
+    assert path.read_bytes() == b"old"
+    assert len(names(tmp_path)) == 2
+    remove_leftovers(tmp_path)
+    assert names(tmp_path) == ["a.csv"]
