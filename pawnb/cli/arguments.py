@@ -124,6 +124,12 @@ def _add_gait(parsers: Any) -> None:
         "--animals", nargs="+", metavar="ID", help="whose each input is, in their order"
     )
     command.add_argument(
+        "--groups",
+        nargs="+",
+        metavar="GROUP",
+        help="group of each input's animals, in their order, to compare",
+    )
+    command.add_argument(
         "--event-names",
         nargs="+",
         metavar="NAME=EVENT",

@@ -96,6 +96,7 @@ def run_gait(options: argparse.Namespace, argv: list[str]) -> None:
         legs=split_legs(options.legs),
         event_names=split_event_names(options.event_names),
         animals=options.animals,
+        groups=options.groups,
         figures=options.figures,
         command=argv,
     )

@@ -12,6 +12,7 @@ import pandas as pd
 from pawnb.errors import InputError
 from pawnb.gait.body import BodyPoints
 from pawnb.gait.cycles import LegSignals
+from pawnb.gait.debounce import drop_short_states
 from pawnb.gait.event_settings import EventSettings
 from pawnb.gait.feet import EVENT_TABLE_COLUMNS, analyse_space, dropped_table
 from pawnb.gait.grid import Grid, put_on_grid
@@ -132,7 +133,10 @@ def analyse_events(
         Pairs whose phase is measured; default
         :func:`~pawnb.gait.legs.default_pairs`.
     settings : EventSettings or mapping, optional
-        ``stride_events`` and ``max_stride_s`` are used.
+        ``stride_events``, ``max_stride_s``, ``min_stance_s`` and ``min_swing_s`` are used.
+        Where the last two are None, events of tables of ground contact are cleared of stances
+        and swings much shorter than the leg's usual ones
+        (:func:`~pawnb.gait.debounce.drop_short_states`), which ``dropped`` says.
 
     Returns
     -------
@@ -148,9 +152,15 @@ def analyse_events(
     events = check_scored_events(events, names=event_names)
     parts = []
     for (animal, trial), own in events.groupby(["animal", "trial"], sort=False):
-        own = _in_order(own, sort_legs(own["leg"]))
         who = {"animal": str(animal), "trial": str(trial)}
-        parts.append(build_tables(own, who, pairs=pairs, settings=settings))
+        legs = sort_legs(own["leg"])
+        own, short = drop_short_states(own, who, settings=settings)
+        parts.append(
+            build_tables(
+                _in_order(own, legs), who, pairs=pairs, settings=settings, legs=legs,
+                dropped=dropped_table(short, who),
+            )
+        )  # fmt: skip
     return pool(parts)
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from pawnb.errors import InputError
+from pawnb.gait.debounce import CONTACT_BY_HAND
 from pawnb.gait.legs import sort_legs
 from pawnb.schema import EVENTS_COLUMNS
 
@@ -36,15 +37,23 @@ def events_from_contacts(
     -------
     pandas.DataFrame
         ``EVENTS_COLUMNS`` with TD and LO. A change between two successive frames is put half
-        way between them; next to a frame that is missing or not known there is no event.
+        way between them; next to a frame that is missing or not known there is no event. Slips
+        of the hand are still among them: :func:`~pawnb.gait.analyse_events` takes them out.
 
     Raises
     ------
     InputError
-        If there is no column ``frame`` or no leg, or a cell is neither 0 nor 1.
+        If there is no column ``frame`` or no leg, a cell is neither 0 nor 1, or frames are not
+        in order.
     """
     legs = _legs_of(contacts)
     frame = contacts["frame"].to_numpy(dtype=float)
+    back = np.flatnonzero(~(np.diff(frame) > 0))
+    if len(back):
+        raise InputError(
+            f"contacts: frame {frame[back[0] + 1]:g} follows frame {frame[back[0]]:g}; expected "
+            "each frame once, in order."
+        )
     next_to = np.diff(frame) == 1
     rows = []
     for leg in legs:
@@ -59,7 +68,7 @@ def events_from_contacts(
                     "event": "TD" if change[i] > 0 else "LO",
                     "frame": at,
                     "time_s": at / fps,
-                    "method": "contact by hand",
+                    "method": CONTACT_BY_HAND,
                 }
             )
     return pd.DataFrame(rows, columns=list(EVENTS_COLUMNS))

@@ -35,13 +35,19 @@ def check_scored_events(
     Raises
     ------
     InputError
-        If a column is missing, there is no row, a name or an event is unknown, or a time is not
-        a number.
+        If a column is missing, there is no row, a name is missing, an event is unknown, or a time
+        is not a number.
     """
     check_columns(events, ("leg", "event", "time_s"), where="events")
     if len(events) == 0:
         raise InputError("events: the table has no rows; expected at least one event.")
     events = events.copy()
+    for name in (name for name in ("animal", "trial", "leg") if name in events):
+        empty = (events[name].isna() | (events[name].astype(str).str.strip() == "")).to_numpy()
+        if empty.any():
+            raise InputError(
+                f"events: column {name!r} is empty in row {empty.argmax() + 1}; expected a name."
+            )
     for name, default in (("animal", "animal"), ("trial", "trial"), ("method", "scored")):
         if name not in events:
             events[name] = default

@@ -12,11 +12,13 @@ from pawnb.core.rig import Rig
 from pawnb.core.video import ViewSet, open_views
 from pawnb.errors import InputError, PawnbError
 from pawnb.gait.leg_names import choose_legs
+from pawnb.gait.legs import sort_legs
 from pawnb.io.native import read_tracks
 from pawnb.io.start import check_start, read_start
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.check_pose import check_pose_trial
 from pawnb.workflow.check_report import CheckReport
+from pawnb.workflow.event_sources import read_trial_events
 from pawnb.workflow.foreign_tracks import read_belt, read_foreign_tracks
 from pawnb.workflow.methods import pose_tracker_settings, tracker_settings
 from pawnb.workflow.results import provenance_steps, results_folder
@@ -107,6 +109,11 @@ def _check_tracks_file(trial: Trial, report: CheckReport) -> None:
         report.faults.append(f"{trial.path(name)}: no such tracks; check [tracks] file.")
         return
     try:
+        events = read_trial_events(trial)
+        if events is not None:
+            legs = ", ".join(sort_legs(events["leg"].astype(str)))
+            report.found.append(f"events in {name}: {len(events)}, of legs {legs}")
+            return
         tracks = read_foreign_tracks(trial)
         report.found.append(
             f"tracks in {name}: {tracks.sizes['time']} frames, positions in {tracks.attrs['units']}"

@@ -9,16 +9,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import pandas as pd
-
 from pawnb import gait
-from pawnb.errors import InputError, did_you_mean
+from pawnb.errors import InputError
 from pawnb.gait import GaitTables
 from pawnb.gait.coordination import coordination_tables
 from pawnb.gait.event_edits import FILE_NAME
 from pawnb.gait.leg_names import choose_legs
 from pawnb.gait.tables import say_no_strides
 from pawnb.io.tables import write_table
+from pawnb.workflow.event_sources import choose_event_legs
 from pawnb.workflow.gait_drawings import gait_drawings
 from pawnb.workflow.gait_sources import GaitSource, read_source
 from pawnb.workflow.gait_statistics import (
@@ -85,6 +84,7 @@ def run_gait(
     legs: Legs | None = None,
     event_names: Mapping[str, str] | None = None,
     animals: Sequence[str] | None = None,
+    groups: Sequence[str] | None = None,
     settings: Mapping[str, Any] | None = None,
     figures: Which = "all",
     command: Sequence[str] | None = None,
@@ -114,6 +114,9 @@ def run_gait(
     animals : sequence of str, optional
         Id of the animal of each input, in their order; default as the input says. A file of
         another program does not say, and counts as an animal of its own.
+    groups : sequence of str, optional
+        Group of each input's animals, in their order, to compare; default as a column ``group``
+        of a table of events says, else as the trial does (``[animal] group``).
     settings : mapping, optional
         Settings of the event detection.
     figures : {"all", "main", "none"}
@@ -132,7 +135,7 @@ def run_gait(
     InputError
         If an input is missing, is none of the above, or cannot be analysed.
     """
-    sources = _read_sources(inputs, fps=fps, animals=animals)
+    sources = _read_sources(inputs, fps=fps, animals=animals, groups=groups)
     parts = [
         analyse_source(source, legs=legs, event_names=event_names, settings=settings)
         for source in sources
@@ -153,6 +156,8 @@ def run_gait(
         settings=dataclasses.asdict(tables.settings),
         legs=dict(legs) if isinstance(legs, Mapping) else list(legs) if legs else None,
         event_names=dict(event_names) if event_names else None,
+        animals=list(animals) if animals else None,
+        groups=list(groups) if groups else None,
         sources={
             _label(source.path): provenance_steps(source.tracks)
             for source in sources
@@ -164,10 +169,10 @@ def run_gait(
         path = folder / f"{name}.csv"
         write_table(getattr(tables, name), path)
         files.append(path)
-    groups = _groups_of(sources, parts)
+    named = _groups_of(sources, parts)
     seen = _tracks_of(sources, legs)
     angles = joint_angles_of([(one.tracks, one.animal, one.trial) for one in seen])
-    statistics, remarks = statistics_tables(tables, groups=groups, angles=angles)
+    statistics, remarks = statistics_tables(tables, groups=named, angles=angles)
     tables = dataclasses.replace(
         tables, notes=(*_who_is_who(sources, animals), *tables.notes, *remarks)
     )
@@ -178,7 +183,7 @@ def run_gait(
     for name, table in further.items():
         files.append(write_table(table, folder / f"{name}.csv"))
     drawings = itertools.chain(
-        gait_drawings(tables, groups=groups), source_drawings(seen, angles=angles)
+        gait_drawings(tables, groups=named), source_drawings(seen, angles=angles)
     )
     files += save_gait_figures(drawings, folder / "figures", record=step, which=figures)
     write_provenance([step], folder / "provenance.json")
@@ -187,19 +192,28 @@ def run_gait(
 
 
 def _read_sources(
-    inputs: Sequence[str | Path], *, fps: float | None, animals: Sequence[str] | None
+    inputs: Sequence[str | Path],
+    *,
+    fps: float | None,
+    animals: Sequence[str] | None,
+    groups: Sequence[str] | None,
 ) -> list[GaitSource]:
-    """Read every input, under the animals' ids that were given."""
-    if animals is None:
-        return [read_source(path, fps=fps) for path in inputs]
-    if len(animals) != len(inputs):
-        raise InputError(
-            f"animals: {len(animals)} for {len(inputs)} inputs; give the id of each input's animal."
-        )
-    return [
-        read_source(path, fps=fps).of_animal(animal)
-        for path, animal in zip(inputs, animals, strict=True)
-    ]
+    """Read every input, under the animals' ids and groups that were given."""
+    for name, given in (("animals", animals), ("groups", groups)):
+        if given is not None and len(given) != len(inputs):
+            raise InputError(
+                f"{name}: {len(given)} for {len(inputs)} inputs; give the "
+                f"{'id' if name == 'animals' else 'group'} of each input's animal."
+            )
+    sources = [read_source(path, fps=fps) for path in inputs]
+    if animals is not None:
+        sources = [s.of_animal(animal) for s, animal in zip(sources, animals, strict=True)]
+    if groups is not None:
+        sources = [
+            dataclasses.replace(source, group=group)
+            for source, group in zip(sources, groups, strict=True)
+        ]
+    return sources
 
 
 def _who_is_who(sources: Sequence[GaitSource], animals: Sequence[str] | None) -> list[str]:
@@ -222,9 +236,7 @@ def _groups_of(sources: Sequence[GaitSource], parts: Sequence[GaitTables]) -> Gr
     """Return the group of every animal and trial that has one."""
     groups: dict[tuple[str, str], str] = {}
     for source, part in zip(sources, parts, strict=True):
-        if source.trial is not None and source.trial.animal.group is not None:
-            pairs = part.strides[["animal", "trial"]].drop_duplicates().astype(str)
-            groups |= dict.fromkeys(map(tuple, pairs.to_numpy()), source.trial.animal.group)
+        groups |= source.groups(part)
     return groups
 
 
@@ -281,9 +293,7 @@ def analyse_source(
     if source.events is not None:
         events = source.events
         if legs is not None:
-            events = _choose_event_legs(events, legs, source.path)
-        if "trial" not in events:
-            events = events.assign(trial=source.path.stem)
+            events = choose_event_legs(events, legs, where=str(source.path))
         return gait.analyse_events(events, event_names=event_names, settings=settings)
     tracks, trial, belt = source.tracks, source.trial, None
     if tracks is None:
@@ -293,20 +303,6 @@ def analyse_source(
         belt = belt.rename(columns={"belt_speed": "speed"})
         trial = None if trial is None else dataclasses.replace(trial, belt_speed=None)
     return gait.analyse(tracks, trial=trial, legs=legs, belt_speed=belt, settings=settings)
-
-
-def _choose_event_legs(events: pd.DataFrame, legs: Legs, path: Path) -> pd.DataFrame:
-    """Return the events of some legs, under the names that were asked for."""
-    named = dict(legs) if isinstance(legs, Mapping) else {leg: leg for leg in legs}
-    there = events["leg"].astype(str)
-    for name in named.values():
-        if name not in set(there):
-            raise InputError(
-                f"{path}: no leg {name!r}{did_you_mean(name, set(there))}; there are "
-                f"{', '.join(sorted(set(there)))}."
-            )
-    chosen = events[there.isin(named.values())]
-    return chosen.assign(leg=chosen["leg"].astype(str).map({v: k for k, v in named.items()}))
 
 
 def _event_edit_files(sources: Sequence[GaitSource], out: Path) -> list[Path]:

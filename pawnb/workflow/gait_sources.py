@@ -9,13 +9,13 @@ from pathlib import Path
 import pandas as pd
 
 from pawnb.errors import InputError
-from pawnb.gait.contacts import events_from_contacts, is_contact_table
+from pawnb.gait import GaitTables
 from pawnb.io import native
 from pawnb.io.authors2019 import trial_stamp
 from pawnb.io.formats import check_rate, read_any_tracks, recognise_format
-from pawnb.io.tables import read_cells, read_numbers
-from pawnb.schema import Tracks, check_columns
+from pawnb.schema import Tracks
 from pawnb.trial import Animal, Trial, load_trial
+from pawnb.workflow.event_sources import groups_of_events, read_scored_file, read_trial_events
 from pawnb.workflow.foreign_tracks import files_of_tracks, read_foreign_tracks
 from pawnb.workflow.results import (
     RESULTS_FOLDER,
@@ -45,6 +45,8 @@ class GaitSource:
         Whether the animal's id is only the name of the file.
     further : tuple of Path
         Further files that tracks made elsewhere were read from, such as their calibration.
+    group : str, optional
+        Group of its animals, as told beside it.
     """
 
     path: Path
@@ -54,6 +56,23 @@ class GaitSource:
     trial: Trial | None = None
     guessed: bool = False
     further: tuple[Path, ...] = ()
+    group: str | None = None
+
+    def groups(self, tables: GaitTables) -> dict[tuple[str, str], str]:
+        """Return the group of each animal and trial in the tables made of this input.
+
+        That which was told goes before a column ``group`` of the events, and that before the
+        trial's.
+        """
+        who = tables.events[["animal", "trial"]].drop_duplicates().astype(str)
+        own = None if self.trial is None else self.trial.animal.group
+        named = {} if self.events is None else groups_of_events(self.events, where=str(self.path))
+        found = {}
+        for animal, trial in who.itertuples(index=False, name=None):
+            group = self.group or named.get((animal, trial)) or own
+            if group is not None:
+                found[animal, trial] = group
+        return found
 
     def of_animal(self, animal: str) -> GaitSource:
         """Return the same input as that of one animal."""
@@ -109,12 +128,10 @@ def read_source(path: str | Path, *, fps: float | None = None) -> GaitSource:
             f"{path}: one of the four files of a trial of the 2019 authors, which need their DLT; "
             "name it under [tracks] file of a trial.toml of kind 'tracks'."
         )
-    if path.suffix == ".csv":
-        cells = read_cells(path, ())
-        if "event" in cells:
-            return _read_events(path, fps)
-        if is_contact_table(cells):
-            return _read_contacts(path, cells, fps)
+    events = read_scored_file(path, fps=fps)
+    if events is not None:
+        guessed = bool((events["animal"] == path.stem).all())
+        return GaitSource(path, path.parent / RESULTS_FOLDER, events=events, guessed=guessed)
     program = recognise_format(path)
     tracks = read_any_tracks(path, fps=fps, program=program)
     trial = described_trial(tracks, where=str(path), folder=path.parent)
@@ -128,6 +145,9 @@ def _read_trial(trial: Trial) -> GaitSource:
     """Read the tracks of a trial: those made elsewhere, or those that pawnb made."""
     out = results_folder(trial)
     if trial.kind == "tracks" and trial.tracks_file is not None:
+        events = read_trial_events(trial)
+        if events is not None:
+            return GaitSource(trial.path(trial.tracks_file), out, events=events, trial=trial)
         tracks = describe_trial(read_foreign_tracks(trial), trial)
         path, *further = files_of_tracks(trial)
         return GaitSource(path, out, tracks=tracks, trial=trial, further=tuple(further))
@@ -135,33 +155,6 @@ def _read_trial(trial: Trial) -> GaitSource:
     if not path.exists():
         raise InputError(f"{path}: trial {trial.name!r} is not tracked yet; run pawnb track first.")
     return GaitSource(path, out, tracks=native.read_tracks(path), trial=trial)
-
-
-def _read_events(path: Path, fps: float | None) -> GaitSource:
-    """Read a csv of events scored by hand."""
-    cells = read_cells(path, ("leg", "event"))
-    events = cells.copy()
-    for name in ("frame", "time_s"):
-        if name in events:
-            events[name] = read_numbers(cells, name, where=str(path), empty=True)
-    if "time_s" not in events:
-        check_columns(cells, ("frame",), where=f"{path} (without time_s)")
-        events["time_s"] = events["frame"] / _needed_fps(fps, path)
-    return GaitSource(path, path.parent / RESULTS_FOLDER, events=events)
-
-
-def _read_contacts(path: Path, cells: pd.DataFrame, fps: float | None) -> GaitSource:
-    """Read a csv of ground contact scored by hand: frame, and 0 or 1 for each leg."""
-    numbers = {
-        name: read_numbers(
-            cells, name, where=str(path), whole=name == "frame", empty=name != "frame"
-        )
-        for name in map(str, cells)
-    }
-    events = events_from_contacts(
-        pd.DataFrame(numbers), fps=_needed_fps(fps, path), animal=path.stem, trial=path.stem
-    )
-    return GaitSource(path, path.parent / RESULTS_FOLDER, events=events, guessed=True)
 
 
 def _file_as_trial(tracks: Tracks, path: Path, program: str) -> tuple[Trial | None, bool]:
@@ -187,13 +180,3 @@ def _file_as_trial(tracks: Tracks, path: Path, program: str) -> tuple[Trial | No
         tracks_file=path.name,
     )
     return trial, guessed
-
-
-def _needed_fps(fps: float | None, path: Path) -> float:
-    """Return the frame rate, or say that it is needed."""
-    if fps is None:
-        raise InputError(
-            f"{path}: this file does not say its frame rate; give it with --fps, for instance "
-            "--fps 250."
-        )
-    return fps
