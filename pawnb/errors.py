@@ -30,6 +30,10 @@ class InputWarning(UserWarning):
     """Something the user gave is used, but not as it was probably meant (a file cut short)."""
 
 
+class ResumptionWarning(InputWarning):
+    """A run goes on with an interrupted one, or begins anew: no part of what it finds."""
+
+
 def did_you_mean(name: str, known: Iterable[str]) -> str:
     """Return `` (did you mean 'x'?)`` for the nearest known name, or an empty string.
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import textwrap
+from collections.abc import Sequence
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -31,6 +33,8 @@ MEASURES = {
 
 _SHOWN_STRIDES = 8.0
 _MOST_ROSES = 4
+_MOST_LINES = 9
+_SIGNS_A_LINE = 120
 
 
 def build_summary_page_table(strides: pd.DataFrame, *, animal: str) -> pd.DataFrame:
@@ -80,6 +84,7 @@ def plot_summary_page(
     strides: pd.DataFrame,
     phases: pd.DataFrame,
     unit: str | None = None,
+    notes: Sequence[str] = (),
 ) -> Axes:
     """Draw the page, A4 upright.
 
@@ -95,6 +100,8 @@ def plot_summary_page(
         The gait tables; rows of other animals are left out.
     unit : str, optional
         Unit of length.
+    notes : sequence of str
+        What a reader must know, written below; as many as find room on ten lines.
 
     Returns
     -------
@@ -119,12 +126,16 @@ def plot_summary_page(
         left, low = 15.0 / A4_MM[0], 15.0 / A4_MM[1]
         layout: Any = figure.get_layout_engine()
         layout.set(rect=(left, low, 1.0 - 2.0 * left, 1.0 - 2.0 * low), h_pad=0.06, hspace=0.03)
+        lines = _wrap_notes(notes)
         ratios = [0.12, 0.45 + 0.08 * len(table), 1.1, 0.4 + 0.1 * len(table), 1.1]
-        rows: Any = figure.subfigures(5, 1, height_ratios=ratios)
+        ratios += [0.15 + 0.07 * len(lines)] if lines else []
+        rows: Any = figure.subfigures(len(ratios), 1, height_ratios=ratios)
         first = _draw_diagram(rows[1], events, strides)
         _draw_roses(rows[2], phases)
         _draw_table(rows[3], table, unit)
         _draw_lines(rows[4], strides, unit)
+        if lines:
+            _write_notes(rows[5], lines)
         n, trials = int(table["n_strides"].sum()), strides["trial"].nunique()
         rows[0].text(
             0.5, 0.5, f"Animal {animal}: {n} strides of {len(table)} legs in {trials} "
@@ -201,6 +212,26 @@ def _title(part: Any, words: str) -> None:
     """Write the title of a part of the page."""
     part.suptitle(words, x=0.0, ha="left", fontsize=get_style().font_size_pt + 1.0,
                   fontweight="bold")  # fmt: skip
+
+
+def _wrap_notes(notes: Sequence[str]) -> list[str]:
+    """Return the lines of the notes that find room, and how many notes do not."""
+    lines: list[str] = []
+    for i, note in enumerate(notes):
+        more = textwrap.wrap(f"- {note}", _SIGNS_A_LINE, subsequent_indent="  ")
+        if len(lines) + len(more) > _MOST_LINES:
+            return [*lines, f"- and {len(notes) - i} more in notes.csv"]
+        lines += more
+    return lines
+
+
+def _write_notes(part: Any, lines: list[str]) -> None:
+    """Write the notes."""
+    _title(part, "e  Notes")
+    ax = part.subplots()
+    ax.set_axis_off()
+    # names may hold signs that would begin a formula
+    ax.text(0.0, 1.0, "\n".join(lines), va="top", fontsize=small_pt(), parse_math=False)
 
 
 def _draw_lines(part: Any, strides: pd.DataFrame, unit: str | None) -> None:

@@ -11,6 +11,7 @@ from pawnb.errors import InputError, did_you_mean
 from pawnb.gait.cycles import LegSignals
 from pawnb.gait.event_settings import EventSettings
 from pawnb.gait.legs import default_pairs, sort_legs
+from pawnb.gait.notes import Note
 from pawnb.gait.phases import build_phases, summarise_phases
 from pawnb.gait.stride_measures import measure_strides
 from pawnb.gait.stride_support import measure_support
@@ -48,7 +49,8 @@ class GaitTables:
         Tables with the columns of :mod:`pawnb.schema`, some with further columns on the
         right. Rows are ordered by trial, leg and time.
     notes : tuple of str
-        What was assumed or estimated, one sentence each.
+        What was assumed or estimated, one sentence each;
+        :class:`~pawnb.gait.notes.Note` where it is about one trial.
     settings : EventSettings
         The settings that were asked for.
     signals : tuple of LegSignals
@@ -262,14 +264,14 @@ def build_tables(
     all_dropped = [t for t in (dropped, no_strides, no_phases) if t is not None]
     remarks = list(notes)
     if not chosen:
-        remarks.append(f"{who['trial']}: no pair of legs by name; name them with pairs for phases.")
+        remarks.append("no pair of legs by name; name them with pairs for phases.")
     return GaitTables(
         events=events,
         strides=strides,
         phases=phases,
         phase_summary=summarise_phases(phases.head(0)),
         dropped=_stack(all_dropped),
-        notes=tuple(f"{who['trial']}: {note}" if motion else note for note in remarks),
+        notes=tuple(Note(note, where=who["trial"]) for note in remarks),
         settings=settings,
         signals=tuple(signals),
         bases=(
@@ -281,7 +283,7 @@ def build_tables(
     )  # fmt: skip
 
 
-def say_no_strides(tables: GaitTables) -> list[str]:
+def say_no_strides(tables: GaitTables) -> list[Note]:
     """Say of each trial without a stride what was found and what is needed.
 
     Parameters
@@ -291,7 +293,7 @@ def say_no_strides(tables: GaitTables) -> list[str]:
 
     Returns
     -------
-    list of str
+    list of Note
         One sentence for each trial that has no stride.
     """
     said = []
@@ -306,11 +308,12 @@ def say_no_strides(tables: GaitTables) -> list[str]:
         dropped = (_of_trial(tables.dropped, basis.who)["what"] == "stride").sum()
         if dropped:
             found += f" ({dropped} from {start} to {start} dropped: see dropped.csv)"
-        said.append(
-            f"{basis.who['trial']}: no stride, for one runs from {start} to {start} of the same "
-            f"leg, with one {PARTNER[start]} between; found {start}: {found}; a longer recording "
-            "is needed, or other settings of the event detection."
+        what = (
+            f"no stride, for one runs from {start} to {start} of the same leg, with one "
+            f"{PARTNER[start]} between; found {start}: {found}; a longer recording is needed, or "
+            "other settings of the event detection."
         )
+        said.append(Note(what, where=basis.who["trial"]))
     return said
 
 

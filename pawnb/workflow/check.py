@@ -111,8 +111,8 @@ def _check_tracks_file(trial: Trial, report: CheckReport) -> None:
     try:
         events = read_trial_events(trial)
         if events is not None:
-            legs = ", ".join(sort_legs(events["leg"].astype(str)))
-            report.found.append(f"events in {name}: {len(events)}, of legs {legs}")
+            scored = ", ".join(sort_legs(events["leg"].astype(str)))
+            report.found.append(f"events in {name}: {len(events)}, of legs {scored}")
             return
         tracks = read_foreign_tracks(trial)
         report.found.append(

@@ -9,6 +9,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
+
 from pawnb import gait
 from pawnb.errors import InputError
 from pawnb.gait import GaitTables
@@ -26,8 +28,14 @@ from pawnb.workflow.gait_statistics import (
     joint_angles_of,
     statistics_tables,
 )
+from pawnb.workflow.notes import noted_warnings, notes_table
 from pawnb.workflow.provenance import build_step, file_checksum, write_provenance
-from pawnb.workflow.results import RESULTS_FOLDER, make_folder, provenance_steps
+from pawnb.workflow.results import (
+    RESULTS_FOLDER,
+    make_folder,
+    provenance_steps,
+    tracking_notes,
+)
 from pawnb.workflow.save_figures import Which, save_gait_figures
 from pawnb.workflow.source_drawings import SourceTracks, source_drawings
 
@@ -135,60 +143,92 @@ def run_gait(
     InputError
         If an input is missing, is none of the above, or cannot be analysed.
     """
-    sources = _read_sources(inputs, fps=fps, animals=animals, groups=groups)
-    parts = [
-        analyse_source(source, legs=legs, event_names=event_names, settings=settings)
-        for source in sources
-    ]
-    tables = gait.pool(parts) if len(parts) > 1 else parts[0]
-    if out is None:
-        out = sources[0].folder if len(sources) == 1 else Path(RESULTS_FOLDER)
-    folder = make_folder(out)
-    edits = _event_edit_files(sources, folder)
-    tables = gait.replay_event_edits(tables, edits)
-    step = build_step(
+    with noted_warnings() as warned:
+        sources = _read_sources(inputs, fps=fps, animals=animals, groups=groups)
+        parts = [
+            analyse_source(source, legs=legs, event_names=event_names, settings=settings)
+            for source in sources
+        ]
+        tables = gait.pool(parts) if len(parts) > 1 else parts[0]
+        if out is None:
+            out = sources[0].folder if len(sources) == 1 else Path(RESULTS_FOLDER)
+        folder = make_folder(out)
+        edits = _event_edit_files(sources, folder)
+        tables = gait.replay_event_edits(tables, edits)
+        asked = {
+            "legs": dict(legs) if isinstance(legs, Mapping) else list(legs) if legs else None,
+            "event_names": dict(event_names) if event_names else None,
+            "animals": list(animals) if animals else None,
+            "groups": list(groups) if groups else None,
+        }
+        step = _record(sources, edits, tables, command=command, asked=asked)
+        named = {
+            k: v for s, part in zip(sources, parts, strict=True) for k, v in s.groups(part).items()
+        }
+        seen = _tracks_of(sources, legs)
+        angles = joint_angles_of([(one.tracks, one.animal, one.trial) for one in seen])
+        further, remarks = _further_tables(tables, sources, groups=named, angles=angles)
+        remarks = [*_who_is_who(sources, animals), *tables.notes, *remarks]
+        tables = dataclasses.replace(tables, notes=tuple(remarks))
+        every = {name: getattr(tables, name) for name in TABLES} | further
+        files = [write_table(table, folder / f"{name}.csv") for name, table in every.items()]
+        notes = [*_notes_of(sources, tables), *warned]
+        drawings = itertools.chain(
+            gait_drawings(tables, groups=named, notes=notes), source_drawings(seen, angles=angles)
+        )
+        files += save_gait_figures(drawings, folder / "figures", record=step, which=figures)
+        notes = [*_notes_of(sources, tables), *warned]  # drawing may have warned, too
+        in_rows = {f"{name}.csv": table for name, table in every.items()}
+        files.append(write_table(notes_table(notes, in_rows), folder / "notes.csv"))
+        write_provenance([step], folder / "provenance.json")
+        files.append(folder / "provenance.json")
+    return GaitRun(tables, folder, tuple(files))
+
+
+def _record(
+    sources: Sequence[GaitSource],
+    edits: Sequence[Path],
+    tables: GaitTables,
+    *,
+    command: Sequence[str] | None,
+    asked: Mapping[str, Any],
+) -> dict[str, Any]:
+    """Return the record of this run."""
+    inputs = (*(f for s in sources for f in (s.path, *s.further)), *edits)
+    return build_step(
         "gait",
         command=command,
-        inputs={
-            _label(path): file_checksum(path)
-            for path in (*(f for s in sources for f in (s.path, *s.further)), *edits)
-        },
+        inputs={_label(path): file_checksum(path) for path in inputs},
         settings=dataclasses.asdict(tables.settings),
-        legs=dict(legs) if isinstance(legs, Mapping) else list(legs) if legs else None,
-        event_names=dict(event_names) if event_names else None,
-        animals=list(animals) if animals else None,
-        groups=list(groups) if groups else None,
+        **asked,
         sources={
             _label(source.path): provenance_steps(source.tracks)
             for source in sources
             if source.tracks is not None
         },
     )
-    files = []
-    for name in TABLES:
-        path = folder / f"{name}.csv"
-        write_table(getattr(tables, name), path)
-        files.append(path)
-    named = _groups_of(sources, parts)
-    seen = _tracks_of(sources, legs)
-    angles = joint_angles_of([(one.tracks, one.animal, one.trial) for one in seen])
-    statistics, remarks = statistics_tables(tables, groups=named, angles=angles)
-    tables = dataclasses.replace(
-        tables, notes=(*_who_is_who(sources, animals), *tables.notes, *remarks)
-    )
-    bodies = body_angles_of([(s.tracks, s.trial) for s in sources if s.tracks is not None])
+
+
+def _further_tables(
+    tables: GaitTables,
+    sources: Sequence[GaitSource],
+    *,
+    groups: Groups,
+    angles: pd.DataFrame | None,
+) -> tuple[dict[str, pd.DataFrame], list[str]]:
+    """Return the tables of coordination, statistics and bodies, and why some are not there."""
+    statistics, remarks = statistics_tables(tables, groups=groups, angles=angles)
     further = coordination_tables(tables) | statistics
+    bodies = body_angles_of([(s.tracks, s.trial) for s in sources if s.tracks is not None])
     if len(bodies):
         further["body_angles"] = bodies
-    for name, table in further.items():
-        files.append(write_table(table, folder / f"{name}.csv"))
-    drawings = itertools.chain(
-        gait_drawings(tables, groups=named), source_drawings(seen, angles=angles)
-    )
-    files += save_gait_figures(drawings, folder / "figures", record=step, which=figures)
-    write_provenance([step], folder / "provenance.json")
-    files.append(folder / "provenance.json")
-    return GaitRun(tables, folder, tuple(files))
+    return further, remarks
+
+
+def _notes_of(sources: Sequence[GaitSource], tables: GaitTables) -> list[str]:
+    """Return the notes of the tracking, then those of the analysis."""
+    tracked = [n for s in sources if s.tracks is not None for n in tracking_notes(s.tracks)]
+    return [*tracked, *say_no_strides(tables), *tables.notes]
 
 
 def _read_sources(

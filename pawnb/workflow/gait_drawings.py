@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -25,6 +25,7 @@ from pawnb.gait.cycles import (
     centre_signals,
     cut_cycles,
 )
+from pawnb.gait.notes import Note
 from pawnb.workflow.gait_statistics import Groups, is_paired, with_group
 
 Drawn = tuple[pd.DataFrame, Any]
@@ -49,7 +50,9 @@ class Drawing:
     draw: Callable[[], Drawn]
 
 
-def gait_drawings(tables: GaitTables, *, groups: Groups | None = None) -> Iterator[Drawing]:
+def gait_drawings(
+    tables: GaitTables, *, groups: Groups | None = None, notes: Sequence[str] | None = None
+) -> Iterator[Drawing]:
     """List the figures of an analysis.
 
     Parameters
@@ -58,6 +61,8 @@ def gait_drawings(tables: GaitTables, *, groups: Groups | None = None) -> Iterat
         The result of an analysis.
     groups : mapping, optional
         (animal, trial) to its group: measures of the groups are drawn side by side.
+    notes : sequence of str, optional
+        What the pages of animals tell of the run; default the notes of the tables.
 
     Yields
     ------
@@ -69,7 +74,7 @@ def gait_drawings(tables: GaitTables, *, groups: Groups | None = None) -> Iterat
     yield from _of_phases(tables, unit)
     yield from _of_coordination(tables)
     yield from _of_signals(tables)
-    yield from _of_strides(tables, unit)
+    yield from _of_strides(tables, unit, tables.notes if notes is None else notes)
     if groups:
         yield from _of_groups(tables, groups, unit)
 
@@ -206,7 +211,7 @@ def _aligned(signals: list[LegSignals], strides: pd.DataFrame, *, phase: str) ->
     return figures.build_aligned_acceleration_table(aligned)
 
 
-def _of_strides(tables: GaitTables, unit: str | None) -> Iterator[Drawing]:
+def _of_strides(tables: GaitTables, unit: str | None, notes: Sequence[str]) -> Iterator[Drawing]:
     """Stride measures against speed, and a page for every animal."""
     strides = tables.strides
     names = _axis_names(unit)
@@ -222,7 +227,17 @@ def _of_strides(tables: GaitTables, unit: str | None) -> Iterator[Drawing]:
             strides=strides,
             phases=tables.phases,
             unit=unit,
+            notes=_about(animal, strides, notes),
         )
+
+
+def _about(animal: str, strides: pd.DataFrame, notes: Sequence[str]) -> list[str]:
+    """Return the notes that are about an animal: all but those about trials of others."""
+    who = strides["animal"].astype(str) == animal
+    others = set(strides.loc[~who, "trial"].astype(str)) - set(
+        strides.loc[who, "trial"].astype(str)
+    )
+    return [note for note in notes if not (isinstance(note, Note) and note.where in others)]
 
 
 def _axis_names(unit: str | None) -> dict[str, str]:

@@ -15,12 +15,14 @@ from pawnb.core.pose.pose_table import pose_names, pose_table
 from pawnb.core.rig import Rig
 from pawnb.core.suspects import find_suspects
 from pawnb.errors import InputError
+from pawnb.gait.notes import Note
 from pawnb.io import native
 from pawnb.io.pose import write_pose
 from pawnb.io.tables import write_table
 from pawnb.schema import Tracks
 from pawnb.trial import Trial, trial_document, trial_from_document
 from pawnb.workflow.foreign_tracks import read_belt
+from pawnb.workflow.notes import notes_table
 from pawnb.workflow.provenance import write_provenance
 
 RESULTS_FOLDER = "results"
@@ -127,7 +129,7 @@ def results_folder(trial: Trial, out: str | Path | None = None) -> Path:
 
 
 def write_track_results(tracks: Tracks, out: str | Path, *, rig: Rig | None = None) -> Path:
-    """Write ``tracks.nc``, its tables, ``suspects.csv`` and ``provenance.json``.
+    """Write ``tracks.nc``, its tables, ``suspects.csv``, ``notes.csv`` and ``provenance.json``.
 
     ``pose.csv`` of a jointed animal has no row for a frame in which it was not found.
 
@@ -157,6 +159,7 @@ def write_track_results(tracks: Tracks, out: str | Path, *, rig: Rig | None = No
         write_table(find_pose_suspects(tracks), out / "suspects.csv")
     elif "image_position" in tracks:
         write_table(find_suspects(tracks, rig=rig), out / "suspects.csv")
+    write_table(notes_table(tracking_notes(tracks)), out / "notes.csv")
     write_provenance(provenance_steps(tracks), out / "provenance.json")
     return out
 
@@ -165,6 +168,27 @@ def provenance_steps(tracks: Tracks) -> list[dict[str, Any]]:
     """Return the steps that made these Tracks, oldest first."""
     steps: list[dict[str, Any]] = json.loads(tracks.attrs["provenance"]).get("steps", [])
     return steps
+
+
+def tracking_notes(tracks: Tracks) -> list[Note]:
+    """Return what was warned of while these Tracks were made.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks with their provenance.
+
+    Returns
+    -------
+    list of Note
+        Each names the step, and the trial where Tracks carry one.
+    """
+    trial = json.loads(tracks.attrs["trial"])["trial"]["name"] if "trial" in tracks.attrs else ""
+    return [
+        Note(note, where=f"{step['step']} {trial}".strip())
+        for step in provenance_steps(tracks)
+        for note in step.get("notes", ())
+    ]
 
 
 def make_folder(path: str | Path) -> Path:

@@ -29,6 +29,7 @@ from pawnb.workflow.methods import (
     run_tracker,
     tracker_settings,
 )
+from pawnb.workflow.notes import noted_warnings
 from pawnb.workflow.placed import (
     clicks_by_hand,
     clicks_learnt_from,
@@ -120,6 +121,7 @@ def track(
         )
     chosen = tracker_settings(trial, method=method, settings=settings)
     with contextlib.ExitStack() as stack:
+        notes = stack.enter_context(noted_warnings())
         asked = stack.enter_context(interruptible()) if stop is None else stop
         views = stack.enter_context(open_views(trial))
         for note in views.notes:
@@ -160,7 +162,8 @@ def track(
         step["gone_on_from"] = begin
         tracks = join_earlier(earlier, tracks)
     tracks = describe_trial(tracks.assign_coords(time=times), trial, sizes=sizes)
-    tracks = add_provenance(tracks, **step, complete=tracks.sizes["time"] == last - first)
+    whole = tracks.sizes["time"] == last - first
+    tracks = add_provenance(tracks, **step, complete=whole, notes=notes)
     if out is not None:
         write_track_results(tracks, out, rig=rig)
     return tracks

@@ -35,6 +35,7 @@ from pawnb.workflow.methods import (
     settings_in_force,
     space_settings,
 )
+from pawnb.workflow.notes import noted_warnings
 from pawnb.workflow.pose_in_space import find_in_space, load_second
 from pawnb.workflow.progress import Progress, progress_bar
 from pawnb.workflow.propose_pose import trial_animal, trial_background
@@ -92,6 +93,7 @@ def track_pose_trial(
     view, _ = pose_views(trial)
     animal, poses, table = start_pose(trial, start)
     with contextlib.ExitStack() as stack:
+        notes = stack.enter_context(noted_warnings())
         asked = stack.enter_context(interruptible()) if stop is None else stop
         views = stack.enter_context(open_views(trial))
         for note in views.notes:
@@ -138,7 +140,8 @@ def track_pose_trial(
     tracks = describe_trial(tracks.assign_coords(time=times), trial, sizes=sizes)
     second = {} if space is None else {"second_view": str(trial.views[1].name)}
     estimated = dict(track.estimated)
-    tracks = add_provenance(tracks, **step, complete=complete, estimated=estimated, **second)
+    made = {"complete": complete, "estimated": estimated, "notes": notes}
+    tracks = add_provenance(tracks, **step, **made, **second)
     if out is not None:
         write_track_results(tracks, out)
     if complete:

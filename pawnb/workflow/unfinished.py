@@ -11,7 +11,7 @@ from typing import Any
 from pawnb.core.paws.stretch import keep_rows
 from pawnb.core.pose.kept_frames import KeptFrames
 from pawnb.core.record_file import code_checksum
-from pawnb.errors import InputError, InputWarning
+from pawnb.errors import InputError, ResumptionWarning
 from pawnb.io.native import read_tracks
 from pawnb.schema import Tracks
 from pawnb.workflow.results import provenance_steps
@@ -48,7 +48,7 @@ def open_kept_frames(folder: Path | None, step: Mapping[str, Any]) -> KeptFrames
 
     Warns
     -----
-    InputWarning
+    ResumptionWarning
         If the run goes on with an earlier one, or begins anew because that was another.
     """
     if folder is None:
@@ -61,7 +61,7 @@ def open_kept_frames(folder: Path | None, step: Mapping[str, Any]) -> KeptFrames
         warnings.warn(
             f"the run that was interrupted in {folder} had {_differing(kept.other, line)}; "
             "tracking begins anew.",
-            InputWarning,
+            ResumptionWarning,
             stacklevel=3,
         )
     elif kept.frames:
@@ -69,7 +69,7 @@ def open_kept_frames(folder: Path | None, step: Mapping[str, Any]) -> KeptFrames
         warnings.warn(
             f"going on with the run that was interrupted in {folder}: {len(kept.frames)} of "
             f"{last - first} frames were found before.",
-            InputWarning,
+            ResumptionWarning,
             stacklevel=3,
         )
     return kept
