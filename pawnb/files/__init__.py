@@ -1,18 +1,36 @@
-"""How everything gets to disk: whole files, locks, and names that stay in their folder.
+"""Everything between pawnb and the disk: reading, whole files, locks, names.
 
-Every writer of pawnb goes through :func:`write_whole` or :func:`whole_file`: a file is written
-beside its place, forced to disk and renamed, so that a reader never meets half of it.
+What a person names is read by :func:`read_text`, :func:`read_bytes` or :func:`read_toml`, which
+refuse pipes, devices, folders and what is too large. Everything is written by :func:`write_whole`
+or :func:`whole_file`: beside its place, forced to disk and renamed, so that a reader never meets
+half of it.
 """
 
 from pawnb.files.lock import locked
 from pawnb.files.names import child_folder, distinct_name, safe_name
+from pawnb.files.reading import (
+    MOST_TABLE_BYTES,
+    MOST_TEXT_BYTES,
+    check_file,
+    parse_toml,
+    read_bytes,
+    read_text,
+    read_toml,
+)
 from pawnb.files.whole import is_leftover, remove_leftovers, sync_folder, whole_file, write_whole
 
 __all__ = [
+    "MOST_TABLE_BYTES",
+    "MOST_TEXT_BYTES",
+    "check_file",
     "child_folder",
     "distinct_name",
     "is_leftover",
     "locked",
+    "parse_toml",
+    "read_bytes",
+    "read_text",
+    "read_toml",
     "remove_leftovers",
     "safe_name",
     "sync_folder",
