@@ -41,8 +41,17 @@ OKABE_ITO = {
 }
 """Colours that people with any common colour blindness can tell apart (Okabe & Ito 2008)."""
 
-_MOUSE = {"FR": "blue", "HR": "sky blue", "FL": "vermillion", "HL": "orange"}
-_BY_RANK = ("blue", "orange", "bluish green", "reddish purple", "vermillion", "sky blue", "black")
+_LEGS = {
+    "R": (OKABE_ITO["blue"], OKABE_ITO["bluish green"], OKABE_ITO["sky blue"], "#332288"),
+    "L": (OKABE_ITO["vermillion"], OKABE_ITO["reddish purple"], OKABE_ITO["orange"], "#661100"),
+}
+"""Legs of each side from the front (hind legs of four are the third): right ones are cool, left
+ones warm, so that a left leg taken for the right one shows. An indigo and a dark brown stand in
+for the yellow and the black of Okabe and Ito: yellow marks what is picked, black is axes."""
+_IN_TURN = tuple(_LEGS[side][k] for k, side in enumerate("RLRL")) + tuple(
+    _LEGS[side][k] for k, side in enumerate("LRLR")
+)
+"""For legs whose names say no place: neighbours are of either kind."""
 _MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", "p", ">", "h", "*")
 
 
@@ -250,23 +259,23 @@ def colour_legs(legs: list[str]) -> dict[str, str]:
     Returns
     -------
     dict
-        Leg to ``#rrggbb``. The four paws have their own; the two legs of a pair of other
-        animals share one, by their place from the front (their names tell them
-        apart); other names take colours in turn. ``leg_colours`` of the style come first.
+        Leg to ``#rrggbb``, the same in every figure and over the video. A leg has its colour by
+        side and place from the front, whichever others there are; from the fifth of a side on
+        they begin again. Legs whose names say no place take, in alphabetical order, colours
+        that no other leg has, as long as there are any. ``leg_colours`` of the style come first.
     """
     own = get_style().leg_colours or {}
-    colours = {}
-    spare = 0
+    colours: dict[str, str] = {}
     for leg in sort_legs(legs):
         place = find_leg_place(leg)
-        if leg in _MOUSE:
-            name = _MOUSE[leg]
+        if leg in own:
+            colours[leg] = to_hex(own[leg]).upper()
         elif place is not None:
-            name = _BY_RANK[(place.rank - 1) % len(_BY_RANK)]
+            side = _LEGS[place.side]
+            colours[leg] = side[(place.rank - 1) % len(side)]
         else:
-            name = _BY_RANK[spare % len(_BY_RANK)]
-            spare += 1
-        colours[leg] = to_hex(own[leg]) if leg in own else OKABE_ITO[name]
+            free = [colour for colour in _IN_TURN if colour not in colours.values()]
+            colours[leg] = free[0] if free else _IN_TURN[len(colours) % len(_IN_TURN)]
     return colours
 
 

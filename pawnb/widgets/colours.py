@@ -1,43 +1,35 @@
-"""Colours of points that colour-blind readers can tell apart, on a green belt and on fur."""
+"""Colours of points over the video: those of the legs are the same as in the figures."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 
-from pawnb.core.paws.settings import PaperSettings
+from pawnb.figures.style import colour_legs
+from pawnb.gait.leg_names import guess_legs
 
-PALETTE = (
-    "#E69F00",  # orange
-    "#56B4E9",  # sky blue
-    "#F0E442",  # yellow
-    "#CC79A7",  # reddish purple
-    "#FFFFFF",  # white
-    "#D55E00",  # vermilion
-    "#7FD6C2",  # pale bluish green
-    "#0072B2",  # blue
-)
-"""After Okabe & Ito (2008), *Color Universal Design*, ordered so that neighbours differ
-most and the green of a treadmill belt comes late and pale."""
+OTHERS = ("#F0E442", "#FFFFFF", "#7FD6C2")
+"""Yellow, white, a pale green: points that are no legs, such as nose and ears."""
 
 
 def point_colours(points: Iterable[str]) -> dict[str, str]:
     """Give each point its colour.
 
-    Paws come first: they look the same whether nose and ears are tracked as well or not.
-
     Parameters
     ----------
     points : iterable of str
-        Names in the order in which they are listed everywhere.
+        Names in the order in which they are listed everywhere. Those that other programs'
+        users gave to feet (``hindpaw_left``) have the colour of their leg. Where no name says
+        which leg it is, all points are coloured as legs.
 
     Returns
     -------
     dict of str to str
-        ``#rrggbb`` by name; they repeat after eight points, which keep their names beside
-        them in the picture.
+        ``#rrggbb`` by name, see :func:`pawnb.figures.style.colour_legs`; points beside the legs
+        have others. They repeat where there are many; the names stand beside the points.
     """
     named = list(points)
-    kind = PaperSettings().kind
-    ordered = sorted(named, key=lambda name: kind(name) == "other")
-    colours = {name: PALETTE[place % len(PALETTE)] for place, name in enumerate(ordered)}
-    return {name: colours[name] for name in named}
+    legs = {point: leg for leg, point in guess_legs(named).items()} or {p: p for p in named}
+    colours = colour_legs(list(legs.values()))
+    others = [point for point in named if point not in legs]
+    spare = {point: OTHERS[k % len(OTHERS)] for k, point in enumerate(others)}
+    return {point: spare[point] if point in spare else colours[legs[point]] for point in named}

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import io
+from itertools import combinations
 
 import matplotlib as mpl
 import matplotlib.pyplot as plt
+import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.colors import to_rgb
 
 from pawnb.errors import InputError
 from pawnb.figures import build_gait_diagram_table, get_style, plot_gait_diagram, set_style, style
@@ -62,14 +65,55 @@ def test_equal_figures_give_equal_bytes(kind):
         assert b"/Type3" not in files[0]
 
 
-def test_legs_have_colours_of_okabe_and_ito():
+SPIDER = [f"{side}{rank}" for side in "LR" for rank in range(1, 5)]
+# how the three kinds of colour blindness see linear RGB: Machado, Oliveira & Fernandes 2009,
+# IEEE Trans. Vis. Comput. Graph. 15, 1291-1298, severity 1.0
+SEEN_AS = {
+    "normal": np.eye(3),
+    "protanopia": [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216],
+                   [-0.003882, -0.048116, 1.051998]],
+    "deuteranopia": [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413],
+                     [-0.011820, 0.042940, 0.968881]],
+    "tritanopia": [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602],
+                   [0.004733, 0.691367, 0.303900]],
+}  # fmt: skip
+
+
+def lab(colour, kind):
+    """CIELAB of a colour as somebody sees it: sRGB, IEC 61966-2-1, white D65."""
+    rgb = np.array(to_rgb(colour))
+    linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
+    seen = np.clip(np.array(SEEN_AS[kind]) @ linear, 0, 1)
+    xyz = np.array([[0.4124564, 0.3575761, 0.1804375], [0.2126729, 0.7151522, 0.0721750],
+                    [0.0193339, 0.1191920, 0.9503041]]) @ seen / [0.95047, 1, 1.08883]  # fmt: skip
+    f = np.where(xyz > 0.008856, np.cbrt(xyz), 7.787 * xyz + 16 / 116)
+    return np.array([116 * f[1] - 16, 500 * (f[0] - f[1]), 200 * (f[1] - f[2])])
+
+
+@pytest.mark.parametrize("kind", SEEN_AS)
+def test_legs_of_a_spider_differ_for_everybody_and_show_on_white(kind):
+    colours = colour_legs(SPIDER)
+    assert len(set(colours.values())) == 8
+    seen = [lab(colour, kind) for colour in colours.values()]
+    # a difference of 2.3 in CIELAB can just be seen; six times as much is told at a glance
+    assert min(np.linalg.norm(a - b) for a, b in combinations(seen, 2)) > 15
+    assert max(place[0] for place in seen) < 80  # white is 100
+
+
+def test_a_leg_has_one_colour_whichever_others_there_are():
+    spider, insect = colour_legs(SPIDER), colour_legs(["LF", "LM", "LH", "RF", "RM", "RH"])
     mouse = colour_legs(["FR", "HR", "FL", "HL"])
-    assert len(set(mouse.values())) == 4
-    spider = colour_legs([f"{s}{k}" for s in "LR" for k in range(1, 5)])
-    assert len(set(spider.values())) == 4
-    assert spider["L2"] == spider["R2"]
-    assert set(mouse.values()) | set(spider.values()) <= set(OKABE_ITO.values())
-    assert len(set(colour_legs(["a", "b", "c"]).values())) == 3
+    assert colour_legs(["L3"])["L3"] == spider["L3"]
+    assert [mouse[leg] for leg in ("FR", "HR", "FL", "HL")] == [
+        spider[leg] for leg in ("R1", "R3", "L1", "L3")
+    ]
+    assert insect["LH"] == spider["L3"]
+    # what is picked is yellow
+    assert OKABE_ITO["yellow"] not in {*spider.values(), *mouse.values(), *insect.values()}
+    many = [f"{side}{rank}" for side in "LR" for rank in range(1, 8)]  # a crayfish, and more
+    assert colour_legs(many)["R5"] == spider["R1"]
+    assert len(set(colour_legs(list("abcdefgh")).values())) == 8
+    assert len(set(colour_legs(["FR", "HR", "a", "b"]).values())) == 4
 
 
 def test_sizes_are_in_mm():

@@ -11,7 +11,8 @@ import pytest
 import small_trial as scene
 
 from pawnb.errors import InputError, VideoError
-from pawnb.widgets.colours import PALETTE, point_colours
+from pawnb.figures.style import colour_legs, style
+from pawnb.widgets.colours import point_colours
 from pawnb.widgets.frame_canvas import FrameCanvas, encode_jpeg
 
 
@@ -175,11 +176,23 @@ def test_grey_pictures_stay_grey():
     np.testing.assert_allclose(back.astype(int), grey.astype(int), atol=6)
 
 
-def test_colours_differ_for_the_points_of_a_mouse_and_repeat_after_the_palette():
-    assert len(set(point_colours(["FR", "HR", "FL", "HL"]).values())) == 4
-    # nose and ears leave the paws as they were
+def test_points_have_the_colours_that_their_legs_have_in_the_figures():
+    paws = ["FR", "HR", "FL", "HL"]
+    figures = colour_legs(paws)
+    assert point_colours(paws) == figures
+    # nose and ears leave the paws as they were, and look like none of them
     named = point_colours(["FR", "nose", "HR", "ear_L", "FL", "HL"])
     assert list(named) == ["FR", "nose", "HR", "ear_L", "FL", "HL"]
-    assert [named[p] for p in ("FR", "HR", "FL", "HL", "nose", "ear_L")] == list(PALETTE[:6])
-    many = list(point_colours([f"p{i}" for i in range(9)]).values())
-    assert many[8] == many[0] == PALETTE[0]
+    assert {paw: named[paw] for paw in paws} == figures
+    assert len(set(named.values())) == 6
+    # names that another program's user gave
+    foreign = point_colours(["hindpaw_left", "snout", "front_paw_R"])
+    assert (foreign["hindpaw_left"], foreign["front_paw_R"]) == (figures["HL"], figures["FR"])
+    spider = [f"{side}{rank}" for side in "LR" for rank in range(1, 5)]
+    assert point_colours(spider) == colour_legs(spider)
+    assert len(set(point_colours([f"p{i}" for i in range(8)]).values())) == 8
+
+
+def test_what_a_person_chose_for_a_leg_holds_over_the_video_as_well():
+    with style(leg_colours={"HR": "black"}):
+        assert point_colours(["FR", "HR"])["HR"] == "#000000"
