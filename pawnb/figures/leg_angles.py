@@ -52,7 +52,7 @@ def plot_leg_angles(
         drawn: list[str] = []
         for leg in legs:
             own = table[table["leg"] == leg]
-            # legs of one pair share a colour
+            # from the fifth leg of a side on colours begin again
             dashes = "--" if colours[leg] in drawn else "-"
             drawn.append(colours[leg])
             ax.plot(own["time_s"], own["leg_angle"], dashes, color=colours[leg], label=leg)

@@ -55,8 +55,12 @@ def test_leg_angles_and_their_extremes():
     assert (aep.get_xdata().tolist(), aep.get_marker()) == ([0.3], "^")
     assert aep.get_ydata()[0] == pytest.approx(30 * np.sin(1.8))
     assert pep.get_xdata().tolist() == [0.8]
-    both = plot_leg_angles(pd.concat([table, table.assign(leg="R2")]))
-    assert [line.get_linestyle() for line in both.lines] == ["-", "--"]
+    both = plot_leg_angles(pd.concat([table, table.assign(leg="R2"), table.assign(leg="L6")]))
+    second, across, sixth = both.lines
+    assert second.get_color() != across.get_color()
+    # the legs of one side have four colours
+    assert second.get_color() == sixth.get_color()
+    assert [line.get_linestyle() for line in both.lines] == ["-", "-", "--"]
     plt.close("all")
     with pytest.raises(InputError, match="table is empty"):
         plot_leg_angles(table.iloc[:0])

@@ -84,7 +84,7 @@ def test_the_overlay_is_plain_json(trial):
     tracks["residual"].to_numpy()[:] = np.nan
     text = json.dumps(session_of(trial, tracks).overlay(3), allow_nan=False)
     assert json.loads(text)["views"]["cam1"]["chips"][0] == {
-        "id": "FR", "colour": "#E69F00", "state": "missing",
+        "id": "FR", "colour": "#0072B2", "state": "missing",
         "title": "FR: not visible here; click in this view to place it",
     }  # fmt: skip
 
