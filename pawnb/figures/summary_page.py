@@ -34,7 +34,8 @@ MEASURES = {
 _SHOWN_STRIDES = 8.0
 _MOST_ROSES = 4
 _MOST_LINES = 9
-_SIGNS_A_LINE = 120
+_SIGNS_A_LINE = 150
+_LEAST_SPREAD = 1e-4
 
 
 def build_summary_page_table(strides: pd.DataFrame, *, animal: str) -> pd.DataFrame:
@@ -204,6 +205,8 @@ def _say_spread(mean: float, sd: float) -> str:
         return "not known"
     if not np.isfinite(sd) or sd <= 0.0:
         return f"{mean:.3g}"
+    if sd < _LEAST_SPREAD * abs(mean):  # rounding, not spread
+        return f"{mean:.4g} (0)"
     decimals = max(0, 1 - int(np.floor(np.log10(sd))))
     return f"{mean:.{decimals}f} ({sd:.{decimals}f})"
 

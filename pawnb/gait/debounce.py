@@ -34,8 +34,8 @@ def drop_short_states(
 ) -> tuple[pd.DataFrame, list[dict[str, Any]]]:
     """Take out stances and swings that are too short to be any, with the events at their ends.
 
-    The shortest go first, so that a stance that one wrong frame has cut in two is whole again
-    before its parts are looked at.
+    Those farthest below their limit go first, so that a stance that one wrong frame has cut in
+    two is whole again before its parts are looked at.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def _without_short(
         short = np.flatnonzero(known & (lasts < limit * (1.0 - 1e-9)))
         if not len(short):
             break
-        i = short[np.argmin(lasts[short])]
+        i = short[np.argmin(lasts[short] / limit[short])]
         span = {"start_s": time_s[at[i]], "end_s": time_s[at[i + 1]], "what": str(here[i])}
         why = f"shorter than {limit[i]:.3g} s (min_{here[i]}_s): taken for a slip of the scoring"
         dropped.append({**span, "why": why})

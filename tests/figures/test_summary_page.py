@@ -72,3 +72,40 @@ def test_the_page_is_a4_and_says_what_it_lacks():
 def test_bad_input_is_refused():
     with pytest.raises(InputError, match=r"^summary page: no strides of animal 'x'"):
         build_summary_page_table(tables().strides, animal="x")
+
+
+def test_notes_stand_below_as_far_as_they_find_room():
+    made = tables()
+    table = build_summary_page_table(made.strides, animal="a")
+    few = ["one thing to know.", "costs $1 and $2"]
+    more = [f"note {i} " + "with many words " * 14 for i in range(12)]
+    for notes, last in ((few, few[-1]), (more, "more in notes.csv")):
+        ax = plot_summary_page(
+            table, events=made.events, strides=made.strides, phases=made.phases, notes=notes
+        )
+        page_figure = ax.get_figure(root=True)
+        shown = texts(page_figure)
+        assert "e  Notes" in shown
+        words = next(t for t in shown if t.startswith(f"- {notes[0][:6]}"))
+        assert words.splitlines()[-1].endswith(last)
+        page_figure.draw_without_rendering()
+        box = next(t for t in page_figure.findobj(mpl.text.Text) if t.get_text() == words)
+        inside = box.get_window_extent()
+        page_box = page_figure.bbox
+        assert inside.x1 <= page_box.x1
+        assert inside.y0 >= page_box.y0
+    plain = page(made)
+    assert "e  Notes" not in texts(plain.get_figure(root=True))
+
+
+def test_a_spread_of_rounding_takes_no_room():
+    made = tables()
+    # five strides a second to the last bits but one: an SD of 1e-15 would need 16 decimals
+    strides = made.strides.assign(
+        frequency_hz=[5.0 + 1e-15 * (k % 3) for k in range(len(made.strides))]
+    )
+    ax = plot_summary_page(
+        build_summary_page_table(strides, animal="a"), events=made.events, strides=strides,
+        phases=made.phases,
+    )  # fmt: skip
+    assert "5 (0)" in texts(ax.get_figure(root=True))
