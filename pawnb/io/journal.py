@@ -1,21 +1,25 @@
 """Files that keep what a person did, one JSON object a line, such as ``edits.jsonl``.
 
-Lines are appended and forced to disk as things are done. Undo and redo are lines too, so
-nothing a person entered is ever taken out of a file.
+Lines are appended and forced to disk as things are done, by one writer at a time. Undo and redo
+are lines too, so nothing a person entered is ever taken out of a file.
 """
 
 from __future__ import annotations
 
 import dataclasses
+import io
 import json
 import math
 import os
+import reprlib
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from types import NoneType
 from typing import Any, Generic, Literal, TypeAlias, TypeVar, get_args, get_type_hints
 
 from pawnb.errors import InputError, did_you_mean
+from pawnb.files import locked, read_bytes, sync_folder
 
 RecordT = TypeVar("RecordT")
 Step: TypeAlias = Literal["undo", "redo"]
@@ -23,6 +27,11 @@ Step: TypeAlias = Literal["undo", "redo"]
 _STEPS: tuple[Step, ...] = ("undo", "redo")
 # what a crash left of a line is kept under this name, so that the file stays readable
 _FRAGMENT = "unfinished"
+# how much of the end of a file is compared with what is known of it
+_TAIL_BYTES = 4096
+_WAIT_S = 10.0
+# beyond it a float has no room for every whole number
+_LARGEST = 2**53
 _NUMBERS = dict[str, float]
 _WORDS = {
     int: "a whole number", float: "a number", bool: "true or false", str: "text",
@@ -87,7 +96,7 @@ class LineFormat(Generic[RecordT]):
         """
         try:
             record = json.loads(line)
-        except json.JSONDecodeError:
+        except (ValueError, RecursionError):  # no JSON; too many digits; nested too deep
             raise InputError(
                 f"{where}: not a JSON object: {line.strip()[:60]!r}; mend or remove that line."
             ) from None
@@ -99,8 +108,9 @@ class LineFormat(Generic[RecordT]):
             return None
         if not isinstance(kind, str) or kind not in self._kinds:
             known = [*self._kinds, *_STEPS]
+            hint = did_you_mean(str(kind)[:60], known)
             raise InputError(
-                f"{where}: unknown kind of edit {kind!r}{did_you_mean(str(kind), known)}; "
+                f"{where}: unknown kind of edit {reprlib.repr(kind)}{hint}; "
                 f"expected {', '.join(known)}."
             )
         self._check(kind, record, where)
@@ -111,8 +121,9 @@ class LineFormat(Generic[RecordT]):
         fields = {f.name: f for f in dataclasses.fields(self._kinds[kind])}  # type: ignore[arg-type]
         for name in record:
             if name not in fields:
+                hint = did_you_mean(name[:60], fields)
                 raise InputError(
-                    f"{where}: unknown field {name!r}{did_you_mean(name, fields)}; "
+                    f"{where}: unknown field {reprlib.repr(name)}{hint}; "
                     f"a {kind} has {', '.join(fields)}."
                 )
         for name, field in fields.items():
@@ -121,7 +132,8 @@ class LineFormat(Generic[RecordT]):
             expected = self._types[kind][name]
             if name in record and not _fits(record[name], expected):
                 word = _WORDS.get(expected, "text")
-                raise InputError(f"{where}: {name} is {record[name]!r}; expected {word}.")
+                found = reprlib.repr(record[name])
+                raise InputError(f"{where}: {name} is {found}; expected {word}.")
 
 
 def _fits(value: Any, expected: Any) -> bool:
@@ -132,9 +144,11 @@ def _fits(value: Any, expected: Any) -> bool:
         return isinstance(value, dict) and all(_fits(number, float) for number in value.values())
     if isinstance(value, bool) or expected is bool:
         return isinstance(value, bool) and expected is bool
+    if isinstance(value, int):
+        return expected in (int, float) and abs(value) <= _LARGEST
     if expected is float:
-        return isinstance(value, int | float) and math.isfinite(value)
-    return isinstance(value, int if expected is int else str)
+        return isinstance(value, float) and math.isfinite(value)
+    return expected is not int and isinstance(value, str)
 
 
 class Journal(Generic[RecordT]):
@@ -165,11 +179,13 @@ class Journal(Generic[RecordT]):
     def __init__(self, path: str | Path, lines: LineFormat[RecordT], *, made_in: str) -> None:
         self.path = Path(path)
         self._lines, self._made_in = lines, made_in
-        self.entries, self._fragment, self.notes = _read(self.path, lines)
-        self._size = self._size_now()
+        self.entries, data, self.notes = _read(self.path, lines)
+        self._size, self._tail = len(data), data[-_TAIL_BYTES:]
 
     def append(self, entry: RecordT | Step) -> None:
         """Add one line and force it to disk before returning.
+
+        What a crash or a full disk left of a line becomes a line that keeps it.
 
         Parameters
         ----------
@@ -179,36 +195,57 @@ class Journal(Generic[RecordT]):
         Raises
         ------
         InputError
-            If the file was changed by somebody else since it was read, or cannot be written.
+            If the file was changed by somebody else since it was read, or cannot be written; the
+            line is not in it then.
         """
-        if self._size_now() != self._size:
-            raise InputError(
-                f"{self.path}: changed by another window or program since it was opened here, so "
-                f"this correction was not made; open the {self._made_in} again and repeat it."
-            )
-        line = self._lines.to_line(entry) + "\n"
-        if self._fragment:
-            # what a crash left of a line becomes a whole one, written over itself
-            line = _whole_line(self._fragment) + "\n" + line
+        line = (self._lines.to_line(entry) + "\n").encode()
         try:
             self.path.parent.mkdir(parents=True, exist_ok=True)
-            with self.path.open("r+b" if self.path.exists() else "xb") as file:
-                file.seek(self._size - len(self._fragment.encode()))
-                file.write(line.encode())
-                file.flush()
-                os.fsync(file.fileno())
+            with locked(self.path, remedy="try again in a moment", wait_s=_WAIT_S):
+                self._append(line)
         except OSError as error:
             raise InputError(
                 f"{self.path}: cannot be written ({error.strerror}), so this correction was not "
                 "made; free some space or choose another place for the edits."
             ) from None
-        self._fragment = ""
-        self._size = self._size_now()
         self.entries.append(entry)
 
-    def _size_now(self) -> int:
-        """Return the size of the file in bytes, 0 where there is none."""
-        return self.path.stat().st_size if self.path.exists() else 0
+    def _append(self, line: bytes) -> None:
+        """Add a line behind what is known, while nobody else may write."""
+        is_new = not self.path.exists()
+        # unbuffered: what could not be written is not tried again when the file is closed
+        with self.path.open("a+b", buffering=0) as file:
+            file.seek(self._size - len(self._tail))
+            found = file.read()
+            fragment = found[len(self._tail) :]
+            # a line is acknowledged with its end, so what has none was never made
+            if not found.startswith(self._tail) or b"\n" in fragment:
+                raise self._changed()
+            end = b"" if self._tail.endswith(b"\n") or not self._tail else b"\n"
+            kept = _kept_fragment(fragment) if fragment else b""
+            try:
+                file.truncate(self._size)
+                _write_all(file, end + kept + line)
+                os.fsync(file.fileno())
+                file.seek(self._size)
+                if file.read() != end + kept + line:
+                    raise self._changed()
+            except OSError:
+                with suppress(OSError):
+                    file.truncate(self._size)
+                    _write_all(file, fragment)
+                raise
+        if is_new:
+            sync_folder(self.path.parent)
+        self._size += len(end + kept + line)
+        self._tail = (self._tail + end + kept + line)[-_TAIL_BYTES:]
+
+    def _changed(self) -> InputError:
+        """Say that somebody else wrote to the file."""
+        return InputError(
+            f"{self.path}: changed by another window or program since it was opened here, so "
+            f"this correction was not made; open the {self._made_in} again and repeat it."
+        )
 
 
 def read_journal(
@@ -261,38 +298,56 @@ def enter_step(past: list[RecordT], future: list[RecordT], entry: RecordT | Step
         future.clear()
 
 
-def _read(path: Path, lines: LineFormat[RecordT]) -> tuple[list[RecordT | Step], str, list[str]]:
-    """Read the entries, what stands after the last end of line, and the notes."""
+def _read(
+    path: Path, lines: LineFormat[RecordT]
+) -> tuple[list[RecordT | Step], bytes, list[str]]:
+    """Read the entries, the bytes that hold them, and the notes."""
     if not path.exists():
-        return [], "", []
-    try:
-        text = path.read_bytes().decode("utf-8")
-    except UnicodeDecodeError as error:
-        raise InputError(
-            f"{path}: not UTF-8 text ({error.reason}); is this a file of edits?"
-        ) from None
-    *whole_lines, last = text.split("\n")
-    whole = _whole_line(last) == last
+        return [], b"", []
+    data = read_bytes(path, expected="a file of edits")
+    whole, newline, last = data.rpartition(b"\n")
+    if _is_entry(last):
+        whole, newline, last = data, b"", b""
+    elif not newline and not last.startswith(b"{") and last.strip(b"\0 \r"):
+        # no line of ours, not even the beginning of one
+        raise InputError(f"{path}: not lines of JSON; is this a file of edits?")
     entries = []
-    for number, line in enumerate([*whole_lines, last] if whole else whole_lines, start=1):
-        if not line.strip():
+    for number, raw in enumerate(whole.split(b"\n"), start=1):
+        if not raw.strip():
             continue
+        try:
+            line = raw.decode("utf-8")
+        except UnicodeDecodeError as error:
+            raise InputError(
+                f"{path}, line {number}: not UTF-8 text ({error.reason}); is this a file of edits?"
+            ) from None
         entry = lines.from_line(line, where=f"{path.name}, line {number}")
         if entry is not None:
             entries.append(entry)
-    if whole:
-        return entries, last, []
+    if not last:
+        return entries, whole + newline, []
     note = (
         f"{path.name}: the last line was only half written when the program ended, and is left "
-        f"out: {last[:80]!r}. Everything before it is there."
+        f"out: {last[:80].decode(errors='replace')!r}. Everything before it is there."
     )
-    return entries, last, [note]
+    return entries, whole + newline, [note]
 
 
-def _whole_line(last: str) -> str:
-    """Return the text after the last end of line if it is an entry, else an entry keeping it."""
+def _is_entry(last: bytes) -> bool:
+    """Say whether what stands after the last end of line is whole."""
     try:
-        json.loads(last or "{}")
-    except json.JSONDecodeError:
-        return json.dumps({"edit": _FRAGMENT, "text": last})
-    return last
+        return isinstance(json.loads(last), dict)
+    except (ValueError, RecursionError):
+        return False
+
+
+def _kept_fragment(fragment: bytes) -> bytes:
+    """Return a line that keeps what was left of one."""
+    text = fragment.decode(errors="backslashreplace")
+    return json.dumps({"edit": _FRAGMENT, "text": text}).encode() + b"\n"
+
+
+def _write_all(file: io.FileIO, data: bytes) -> None:
+    """Write to the end; a disk that fills up may take a part without a word."""
+    while data:
+        data = data[file.write(data) :]

@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import json
+import os
+import subprocess
+import sys
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -25,7 +30,7 @@ class Note:
 LINES = LineFormat({"note": Note})
 NOTES = st.builds(
     Note,
-    page=st.integers(),
+    page=st.integers(-(2**53), 2**53),
     height=st.floats(allow_nan=False, allow_infinity=False),
     text=st.text(),
     author=st.none() | st.text(),
@@ -103,5 +108,122 @@ def test_a_file_says_what_was_open_when_another_window_has_changed_it(tmp_path):
 def test_a_file_of_another_kind_is_refused(tmp_path):
     path = tmp_path / "notes.jsonl"
     path.write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(InputError, match=r"notes.jsonl: not UTF-8 text .* a file of edits\?"):
+    with pytest.raises(InputError, match=r"notes.jsonl: not lines of JSON; .* a file of edits\?"):
         Journal(path, LINES, made_in="book")
+    path.write_bytes(b"\xff\xfe\x00\n")
+    with pytest.raises(InputError, match=r"line 1: not UTF-8 text .* a file of edits\?"):
+        Journal(path, LINES, made_in="book")
+
+
+@pytest.mark.parametrize(
+    "value",
+    ["9" * 5000, "1" + "0" * 400, "9007199254740993", "[" * 100_000, '{"a":' * 100_000, "1e999",
+     "[" * 900 + "]" * 900, '"' + "x" * 10**6 + '"'],
+)  # fmt: skip
+@pytest.mark.parametrize("place", ["page", "height", "edit", "y"])
+def test_hostile_lines_are_one_short_sentence(tmp_path, place, value):
+    path = tmp_path / "notes.jsonl"
+    path.write_text('{"edit": "note", "' + place + '": ' + value + "}\n")
+    with pytest.raises(InputError, match=r"notes.jsonl, line 1: ") as caught:
+        Journal(path, LINES, made_in="book")
+    assert len(str(caught.value)) < 300
+
+
+@pytest.mark.parametrize("left", [b'{"edit": "no', b'{"edit": "note", "text": "\xc3', b"\0" * 9])
+def test_what_a_crash_left_of_a_line_is_kept_and_nothing_before_it_is_lost(tmp_path, left):
+    path = tmp_path / "notes.jsonl"
+    first = Journal(path, LINES, made_in="book")
+    first.append(Note(page=1, height=0.0, text="x"))
+    with path.open("ab") as file:
+        file.write(left)
+    entries = [Note(page=1, height=0.0, text="x"), Note(page=2, height=0.0, text="y"), "undo"]
+    # both who opened it before and who opens it now can go on
+    first.append(entries[1])
+    again = Journal(path, LINES, made_in="book")
+    assert again.notes == []
+    again.append("undo")
+    assert read_journal(path, LINES) == (entries, [])
+    assert left.decode(errors="backslashreplace") in [
+        json.loads(line).get("text") for line in path.read_text().splitlines()
+    ]
+
+
+def test_a_line_without_its_end_counts_and_is_ended(tmp_path):
+    path = tmp_path / "notes.jsonl"
+    path.write_text('{"edit": "undo"}')  # an editor took the last end of line away
+    journal = Journal(path, LINES, made_in="book")
+    journal.append("redo")
+    assert path.read_text() == '{"edit": "undo"}\n{"edit": "redo"}\n'
+
+
+# 40 lines on a disk with room for some 10 of them; then there is room again
+_FULL = """
+import resource, sys
+from pawnb.errors import InputError
+from test_journal import LINES, Journal, Note
+journal = Journal(sys.argv[1], LINES, made_in="book")
+for page in range(40):
+    soft = 1000 if page < 30 else resource.RLIM_INFINITY
+    resource.setrlimit(resource.RLIMIT_FSIZE, (soft, resource.RLIM_INFINITY))
+    try:
+        journal.append(Note(page=page, height=0.5, text="x"))
+        print(page)
+    except InputError as error:
+        print(error, file=sys.stderr)
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="limits of POSIX")
+def test_after_a_full_disk_edits_go_on(tmp_path):
+    path = tmp_path / "notes.jsonl"
+    done = _run(_FULL, path)
+    acknowledged = [int(line) for line in done.stdout.split()]
+    assert acknowledged[-10:] == list(range(30, 40))
+    assert 0 < acknowledged.index(30) < 30
+    said = done.stderr.splitlines()
+    assert len(said) == 40 - len(acknowledged)
+    assert all("cannot be written (File too large)" in line for line in said)
+    entries, notes = read_journal(path, LINES)
+    assert [entry.page for entry in entries] == acknowledged
+    assert notes == []
+
+
+# as a person would: where another window was quicker, open the file again and repeat
+_RACE = """
+import sys
+from pawnb.errors import InputError
+from test_journal import LINES, Journal, Note
+journal = Journal(sys.argv[1], LINES, made_in="book")
+for page in range(60):
+    while True:
+        try:
+            journal.append(Note(page=page, height=0.5, text=sys.argv[2]))
+            break
+        except InputError:
+            journal = Journal(sys.argv[1], LINES, made_in="book")
+print("done")
+"""
+
+
+def test_no_line_is_lost_or_broken_between_two_writers(tmp_path):
+    path = tmp_path / "notes.jsonl"
+    started = [_start(_RACE, path, name) for name in "ab"]
+    assert [process.communicate()[0] for process in started] == ["done\n"] * 2
+    entries, notes = read_journal(path, LINES)
+    assert notes == []
+    for name in "ab":
+        assert [e.page for e in entries if e.text == name] == list(range(60))
+    assert len(path.read_text().splitlines()) == 120
+
+
+def _start(code, *words):
+    return subprocess.Popen(
+        [sys.executable, "-c", code, *map(str, words)],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=Path(__file__).parent,
+    )  # fmt: skip
+
+
+def _run(code, *words):
+    process = _start(code, *words)
+    out, errors = process.communicate()
+    return subprocess.CompletedProcess(words, process.returncode, out, errors)
