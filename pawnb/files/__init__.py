@@ -3,9 +3,10 @@
 What a person names is read by :func:`read_text`, :func:`read_bytes` or :func:`read_toml`, which
 refuse pipes, devices, folders and what is too large. Everything is written by :func:`write_whole`
 or :func:`whole_file`: beside its place, forced to disk and renamed, so that a reader never meets
-half of it.
+half of it. What several windows may have open at once goes through a :class:`GuardedFile`.
 """
 
+from pawnb.files.guard import GuardedFile
 from pawnb.files.lock import locked
 from pawnb.files.names import child_folder, distinct_name, safe_name
 from pawnb.files.reading import (
@@ -22,6 +23,7 @@ from pawnb.files.whole import is_leftover, remove_leftovers, sync_folder, whole_
 __all__ = [
     "MOST_TABLE_BYTES",
     "MOST_TEXT_BYTES",
+    "GuardedFile",
     "check_file",
     "child_folder",
     "distinct_name",

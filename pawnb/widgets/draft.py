@@ -7,8 +7,11 @@ from pathlib import Path
 from typing import Generic, TypeVar
 
 from pawnb.errors import InputError
+from pawnb.files import GuardedFile
 
 StateT = TypeVar("StateT")
+
+_REFUSED = "this change was not made; open this widget again (run its cell) and repeat it there"
 
 
 class Draft(Generic[StateT]):
@@ -18,7 +21,7 @@ class Draft(Generic[StateT]):
     ----------
     path : Path
         The file. One that is there already is kept beside it as ``*.before.csv`` at the first
-        change.
+        change. It is written only as long as nobody else writes it.
     span : tuple of int
         First and last frame that can be looked at.
 
@@ -32,6 +35,7 @@ class Draft(Generic[StateT]):
 
     def __init__(self, path: Path, span: tuple[int, int]) -> None:
         self.path, self.span = path, span
+        self._file = GuardedFile(path)
         self.saved = False
         self._kept_before = not path.exists()
         self._past: list[StateT] = []
@@ -62,13 +66,19 @@ class Draft(Generic[StateT]):
         -------
         Path
             The file.
+
+        Raises
+        ------
+        InputError
+            If another window or program has changed the file since it was read here, or it
+            cannot be written.
         """
-        if not self._kept_before:
-            before = self.path.with_name(f"{self.path.stem}.before{self.path.suffix}")
-            shutil.copyfile(self.path, before)
-            self._kept_before = True
-        self.path.parent.mkdir(parents=True, exist_ok=True)
-        self._write()
+        with self._file.writing(refused=_REFUSED):
+            if not self._kept_before:
+                before = self.path.with_name(f"{self.path.stem}.before{self.path.suffix}")
+                shutil.copyfile(self.path, before)
+                self._kept_before = True
+            self._write()
         self.saved = True
         return self.path
 

@@ -10,9 +10,12 @@ from pathlib import Path
 from pawnb.core.pose.grid import PxPerUnit, scale_from_grid
 from pawnb.core.video import open_views
 from pawnb.errors import InputError
+from pawnb.files import locked
 from pawnb.io.tables import write_text
 from pawnb.trial import Calibration, Trial, load_trial
 from pawnb.workflow.propose_pose import trial_background
+
+_WAIT_S = 5.0
 
 
 def find_grid_scale(trial: Trial | str | Path, *, spacing: float) -> PxPerUnit:
@@ -64,7 +67,8 @@ def write_scale(trial: Trial, px_per_unit: float) -> Trial:
     ------
     InputError
         If the trial is calibrated by DLT coefficients, has no ``trial.toml``, or writes its
-        calibration in a way that cannot be changed here.
+        calibration in a way that cannot be changed here; if the file has another scale than
+        the trial, since it was changed after the trial was read.
     """
     calibration = trial.calibration or Calibration()
     if calibration.dlt is not None:
@@ -79,10 +83,28 @@ def write_scale(trial: Trial, px_per_unit: float) -> Trial:
             f"{path}: no such file; write px_per_unit = {value:g} under [calibration] of the "
             "trial's file."
         )
+    with locked(path, remedy="press again in a moment", wait_s=_WAIT_S):
+        _put_scale(path, value, calibration)
+    return dataclasses.replace(
+        trial, calibration=dataclasses.replace(calibration, px_per_unit=value)
+    )
+
+
+def _put_scale(path: Path, value: float, known: Calibration) -> None:
+    """Change the scale in a file; raise InputError where it is not as it was read."""
     before = path.read_text(encoding="utf-8")
-    after = _with_scale(before, value)
     expected = tomllib.loads(before)
-    expected.setdefault("calibration", {"unit": calibration.unit})["px_per_unit"] = value
+    section = expected.setdefault("calibration", {"unit": known.unit})
+    there = section.get("px_per_unit")
+    if there != known.px_per_unit:
+        was = "none" if known.px_per_unit is None else f"{known.px_per_unit:g}"
+        raise InputError(
+            f"{path}: px_per_unit is {'gone' if there is None else there} there and was {was} when "
+            "the trial was read, so another window or program has changed it; it was left as it "
+            f"is, and {value:g} was not written: open the trial again."
+        )
+    section["px_per_unit"] = value
+    after = _with_scale(before, value)
     try:
         is_right = tomllib.loads(after) == expected
     except tomllib.TOMLDecodeError:
@@ -93,9 +115,6 @@ def write_scale(trial: Trial, px_per_unit: float) -> Trial:
             f"px_per_unit = {value:g} there yourself."
         )
     write_text(after, path)
-    return dataclasses.replace(
-        trial, calibration=dataclasses.replace(calibration, px_per_unit=value)
-    )
 
 
 def _with_scale(text: str, value: float) -> str:

@@ -330,3 +330,24 @@ def test_a_proposal_that_does_not_fit_the_trial_is_refused(trial):
     row = [[7, "cam3", "HR", 1.0, 2.0]]
     with pytest.raises(InputError, match="cam3 does not track a point 'HR'"):
         session_of(trial).propose(pd.DataFrame(row, columns=["frame", "view", "point", "u", "v"]))
+
+
+def test_a_second_window_never_writes_over_the_clicks_of_the_first(trial):
+    first, second = session_of(trial), session_of(trial)
+    click_all(first)
+    kept = first.path.read_bytes()
+    for change in (lambda: second.click("cam1", 50.0, 60.0), lambda: second.hide("cam2", "FR")):
+        with pytest.raises(InputError, match="changed by another window or program since it was"):
+            change()
+        assert first.path.read_bytes() == kept
+    assert second.clicks == {}  # not shown as if it were kept
+    assert not second.hidden
+    first.place("cam1", "FR", 51.0, 61.0)
+    again = session_of(trial)  # opened again, it goes on from there
+    assert again.clicks == first.clicks
+    again.place("cam1", "FR", 52.0, 62.0)
+    for step in (first.undo, lambda: first.place("cam1", "FR", 51.0, 61.0)):
+        with pytest.raises(InputError, match="run its cell"):
+            step()
+    assert first.clicks[0, "cam1", "FR"] == (51.0, 61.0)
+    assert session_of(trial).clicks[0, "cam1", "FR"] == (52.0, 62.0)

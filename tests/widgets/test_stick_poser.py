@@ -117,3 +117,17 @@ def test_a_leg_that_is_off_is_named(poser):
     tip = poser.session.pose.places("R2")[-1]
     poser.edit("moved", {"frame": 2, "point": "R2", "u": tip[0] - 30, "v": tip[1], "whole": True})
     assert "R2 to" in poser.status
+
+
+def test_a_scale_that_another_window_has_measured_stays(poser):
+    other = StickPoser(poser.trial.folder, frame=scene.EMPTY)
+    message = {"type": "edit", "who": "b", "n": 1, "frame": scene.EMPTY, "what": "action"}
+    for widget, far in ((other, 100.0), (poser, 80.0)):
+        act(widget, "scale")
+        click(widget, 20.0, 40.0)
+        click(widget, 20.0, far)
+        widget._receive(widget, message | {"action": "use_scale"}, [])
+    other.close()
+    assert load_trial(poser.trial.folder).calibration.px_per_unit == 6.0  # 60 px over 10 mm
+    assert "px_per_unit is 6.0 there and was 2 when the trial was read" in poser.alarm
+    assert len(poser.measuring.ends) == 2  # what was clicked is still there

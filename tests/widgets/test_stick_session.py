@@ -335,3 +335,24 @@ def test_what_the_browser_gets_is_plain_json_and_complete(session):
     assert leg["half"] == [25.5, 51.0, 0.0, 0.0, 41.5, 7.0, 59.5]  # half of Table 3.2
     assert leg["free"] == [True, True, False, False, True, True, True]
     np.testing.assert_allclose(leg["lengths"], SPECIES.leg("L1").lengths, rtol=1e-6)
+
+
+def test_a_second_window_never_writes_over_the_pose_of_the_first(session):
+    trial = session.trial
+    other = StickSession(trial, SPECIES, size=(640, 512), span=(0, 99))
+    session.drag("body", 200.0, 210.0)
+    with pytest.raises(InputError, match="changed by another window or program since it was"):
+        other.drag("body", 400.0, 310.0)
+    assert other.pose.xy == XY  # not shown as if it were kept
+    again = StickSession(trial, SPECIES, size=(640, 512), span=(0, 99))
+    assert again.pose.xy == (200.0, 210.0)
+    again.drag("body", 250.0, 210.0)
+    with pytest.raises(InputError, match="run its cell"):
+        session.undo()
+    assert session.pose.xy == (200.0, 210.0)
+    assert session.can_undo
+    # a proposal is in no file yet, and can be looked at; taking it is refused as well
+    session.propose(SPECIES, natural_pose(SPECIES, frame=20, xy=(90.0, 90.0), scale=SCALE))
+    with pytest.raises(InputError, match="run its cell"):
+        session.accept()
+    assert StickSession(trial, SPECIES, size=(640, 512), span=(0, 99)).pose.xy == (250.0, 210.0)

@@ -50,3 +50,16 @@ def test_what_cannot_be_changed_is_told_and_left(tmp_path):
     path.unlink()
     with pytest.raises(InputError, match="no such file"):
         write_scale(trial, 2.5)
+
+
+def test_a_scale_that_another_window_has_measured_is_not_written_over(tmp_path):
+    path = tmp_path / "trial.toml"
+    path.write_text(HEAD + "[calibration]\npx_per_unit = 4.0\n")
+    here, there = load_trial(path), load_trial(path)
+    write_scale(there, 4.5)
+    with pytest.raises(InputError) as raised:
+        write_scale(here, 5.0)
+    assert "px_per_unit is 4.5 there and was 4 when the trial was read" in str(raised.value)
+    assert load_trial(path).calibration.px_per_unit == 4.5
+    write_scale(load_trial(path), 5.0)
+    assert load_trial(path).calibration.px_per_unit == 5.0
