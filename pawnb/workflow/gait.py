@@ -170,7 +170,7 @@ def run_gait(
         further, remarks = _further_tables(tables, sources, groups=named, angles=angles)
         remarks = [*_who_is_who(sources, animals), *tables.notes, *remarks]
         tables = dataclasses.replace(tables, notes=tuple(remarks))
-        every = {name: getattr(tables, name) for name in TABLES} | further
+        every = {name: _grouped(getattr(tables, name), named) for name in TABLES} | further
         files = [write_table(table, folder / f"{name}.csv") for name, table in every.items()]
         notes = [*_notes_of(sources, tables), *warned]
         drawings = itertools.chain(
@@ -278,6 +278,14 @@ def _groups_of(sources: Sequence[GaitSource], parts: Sequence[GaitTables]) -> Gr
     for source, part in zip(sources, parts, strict=True):
         groups |= source.groups(part)
     return groups
+
+
+def _grouped(table: pd.DataFrame, groups: Groups) -> pd.DataFrame:
+    """Return a table with a column ``group`` on the right, where its rows have any."""
+    if not groups or not {"animal", "trial"} <= set(table):
+        return table
+    who = zip(table["animal"].astype(str), table["trial"].astype(str), strict=True)
+    return table.assign(group=[groups.get(one, "") for one in who])
 
 
 def _tracks_of(sources: Sequence[GaitSource], legs: Legs | None) -> list[SourceTracks]:

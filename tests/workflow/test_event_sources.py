@@ -98,6 +98,11 @@ def test_groups_of_animals_scored_by_hand_compare_in_one_command(tmp_path, colum
     assert (row["n_animals_a"], row["n_animals_b"]) == (3, 3)
     # periods 0.12, 0.12, 0.14 s against 0.08, 0.08, 0.10 s
     assert row["difference"] == pytest.approx(-0.04, abs=1e-9)
+    assert set(pd.read_csv(out / "strides.csv")["group"]) == {"slow", "fast"}
+    # its own events.csv says the groups again
+    run_gait([out / "events.csv"], figures="none", out=tmp_path / "again")
+    again = pd.read_csv(tmp_path / "again" / "groups.csv")
+    pd.testing.assert_frame_equal(again, table)
 
 
 def test_groups_are_one_for_each_input(tmp_path):
