@@ -30,7 +30,7 @@ from pawnb.core.edit_records import (
     Swap,
 )
 from pawnb.errors import InputError
-from pawnb.io.journal import Journal, enter_step
+from pawnb.io.journal import Journal, enter_step, read_journal
 from pawnb.schema import Tracks, add_provenance
 
 __all__ = [
@@ -215,6 +215,17 @@ class EditLog:
         return add_provenance(
             self.tracks, step="edit", corrections=len(self._past), sha256=_checksum(self._past)
         )
+
+    def check_alone(self) -> None:
+        """Raise InputError if another window has written to the file since it was read here."""
+        if self._file is None:
+            return
+        there, _ = read_journal(self._file.path, EDIT_LINES)
+        if there != self._file.entries:
+            raise InputError(
+                f"{self._file.path}: another window or program has made corrections since it was "
+                "opened here, which these tracks lack; open the tracks again."
+            )
 
     def _change(self, edit: Edit, past: Sequence[Edit]) -> _Change:
         """Apply a correction to the present tracks and remember what it changed."""

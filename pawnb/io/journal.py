@@ -298,9 +298,7 @@ def enter_step(past: list[RecordT], future: list[RecordT], entry: RecordT | Step
         future.clear()
 
 
-def _read(
-    path: Path, lines: LineFormat[RecordT]
-) -> tuple[list[RecordT | Step], bytes, list[str]]:
+def _read(path: Path, lines: LineFormat[RecordT]) -> tuple[list[RecordT | Step], bytes, list[str]]:
     """Read the entries, the bytes that hold them, and the notes."""
     if not path.exists():
         return [], b"", []

@@ -171,11 +171,12 @@ class CorrectedTracks:
         Raises
         ------
         InputError
-            If none was given, or it fails.
+            If none was given, it fails, or another window has made corrections meanwhile.
         """
         if self._save is None:
             raise InputError("no place to save was given; open the review with save=.")
         with self.lock:
+            self._log.check_alone()
             self._save(self._log.stamped())
             self._n_saved = len(self._log.active)
 

@@ -17,7 +17,7 @@ from pawnb.widgets.stick_actions import HANDLES, stick_actions
 from pawnb.widgets.stick_pose import StickPose
 from pawnb.widgets.stick_poser import StickPoser
 from pawnb.workflow.propose_pose import pose_view
-from pawnb.workflow.results import results_folder, write_track_results
+from pawnb.workflow.results import results_folder
 
 _KEYS = (
     *HANDLES,
@@ -88,7 +88,7 @@ class PoseReviewer(StickPoser, Retracking):
             tracks,
             edits=edits,
             retrack=self._track_again,
-            save=lambda present: write_track_results(present, folder),
+            save=self._saver(folder),
         )
         shown = open_views(trial) if views is None else views
         reader = shown.readers[pose_view(trial)]

@@ -4,16 +4,25 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
+from pawnb.core.rig import Rig
 from pawnb.errors import InputError, PawnbError
+from pawnb.files import GuardedFile
 from pawnb.schema import Tracks
 from pawnb.trial import Trial
 from pawnb.widgets.frame_canvas import FrameCanvas
 from pawnb.widgets.review_session import suspect_options
+from pawnb.workflow.results import write_track_results
 from pawnb.workflow.track import retrack as workflow_retrack
+
+_NOT_SAVED = (
+    "the tracks were not saved, and every correction is in its file: open the review again on the "
+    "tracks that are there"
+)
 
 RetrackTrial = Callable[..., Tracks]
 
@@ -35,6 +44,16 @@ class Retracking(FrameCanvas):
         self._worker: threading.Thread | None = None
         self._pointed: tuple[int, str, str] | None = None  # frame, view, point jumped to
         self._offer_doubtful(None)
+
+    def _saver(self, folder: Path, *, rig: Rig | None = None) -> Callable[[Tracks], None]:
+        """Return what writes tracks into a folder, unless others came there meanwhile."""
+        guard = GuardedFile(folder / "tracks.nc")
+
+        def save(tracks: Tracks) -> None:
+            with guard.writing(refused=_NOT_SAVED):
+                write_track_results(tracks, folder, rig=rig)
+
+        return save
 
     def _offer_doubtful(self, found: pd.DataFrame | None) -> None:
         """Take over which frames are to be looked at: those of ``suspects.csv``, in its order."""

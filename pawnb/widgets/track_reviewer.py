@@ -20,7 +20,7 @@ from pawnb.widgets.click_initialiser import view_rig
 from pawnb.widgets.frame_canvas import MOUSE_AND_KEYS, Overlay, Views
 from pawnb.widgets.retracking import Retracking, RetrackTrial
 from pawnb.widgets.review_session import ReviewSession
-from pawnb.workflow.results import results_folder, write_track_results
+from pawnb.workflow.results import results_folder
 
 _KEYS = (
     ("D", "the next doubtful frame, the most doubtful first"),
@@ -110,7 +110,7 @@ class TrackReviewer(Retracking):
             rig=rig,
             edits=edits,
             retrack=self._track_again,
-            save=lambda present: write_track_results(present, folder, rig=rig),
+            save=self._saver(folder, rig=rig),
         )
         self.corrected = self.session
         self._find_suspects()

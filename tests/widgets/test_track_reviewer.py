@@ -5,6 +5,7 @@ import pytest
 import small_trial as scene
 
 from pawnb.widgets import TrackReviewer
+from pawnb.workflow.results import write_track_results
 
 
 @pytest.fixture(scope="module")
@@ -95,3 +96,40 @@ def test_a_doubtful_frame_is_shown_with_its_point_chosen_and_its_reason(review):
     assert "current" not in widget.overlay(31)
     fresh = review(suspects=table)
     assert [fresh.edit("action", {"action": "next", "frame": 0}) for _ in rows] == [7, 31]
+
+
+def put(widget, frame, **more):
+    where = {"frame": frame, "view": "cam1", "point": "HR", "u": 9.0, "v": 9.0}
+    message = {"type": "edit", "who": "a", "n": 1, "what": "moved", **where, **more}
+    widget._receive(widget, message, [])
+
+
+def test_a_second_window_saves_no_tracks_that_lack_what_the_first_corrected(trial_file, tmp_path):
+    options = {"edits": tmp_path / "edits.jsonl"}
+    first, second = (TrackReviewer(trial_file, scene.true_tracks(), **options) for _ in range(2))
+    put(first, 3)
+    put(first, 3, what="action", action="save")
+    assert first.alarm == ""
+    kept = (tmp_path / "tracks.nc").read_bytes()
+    put(second, 7)
+    assert "changed by another window or program" in second.alarm
+    put(second, 7, what="action", action="save")
+    assert "another window or program has made corrections since" in second.alarm
+    assert (tmp_path / "tracks.nc").read_bytes() == kept
+    put(first, 4)
+    put(first, 4, what="action", action="save")
+    assert first.alarm == ""
+    first.close()
+    second.close()
+
+
+def test_tracks_that_were_made_meanwhile_are_not_written_over(trial_file, tmp_path):
+    widget = TrackReviewer(trial_file, scene.true_tracks(), edits=tmp_path / "edits.jsonl")
+    put(widget, 3)
+    write_track_results(scene.true_tracks(), tmp_path)  # somebody tracks the trial again
+    kept = (tmp_path / "tracks.nc").read_bytes()
+    put(widget, 3, what="action", action="save")
+    assert "tracks.nc: changed by another window or program" in widget.alarm
+    assert "every correction is in its file" in widget.alarm
+    assert (tmp_path / "tracks.nc").read_bytes() == kept
+    widget.close()
