@@ -19,6 +19,7 @@ from pawnb.gait.strides import PARTNER, Motion, build_strides, choose_stride_eve
 
 Pairs = Sequence[tuple[str, str]]
 _KEYS = ["animal", "trial"]
+_TABLES = ("events", "strides", "phases", "phase_summary", "dropped")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -72,6 +73,17 @@ class GaitTables:
     signals: tuple[LegSignals, ...] = ()
     bases: tuple[TrialBasis, ...] = ()
     found: GaitTables | None = None
+
+    def __repr__(self) -> str:
+        """Return how large each table is; the tables themselves are for their own cells."""
+        known = self.events[_KEYS].drop_duplicates()
+        n_animals, n_trials = known["animal"].nunique(), len(known)
+        sizes = [f"{name}: {len(getattr(self, name))} rows" for name in _TABLES]
+        more = [f"{len(self.notes)} notes", *(["corrected by hand"] if self.found else [])]
+        of = (
+            f"{n_trials} trial{'s' * (n_trials != 1)} of {n_animals} animal{'s' * (n_animals != 1)}"
+        )
+        return f"GaitTables({of}; {', '.join(sizes)}; {', '.join(more)})"
 
 
 def pool(parts: Sequence[GaitTables]) -> GaitTables:

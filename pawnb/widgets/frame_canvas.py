@@ -130,10 +130,15 @@ class FrameCanvas(anywidget.AnyWidget):
         # callbacks may run off the main thread, and two may run at once
         self._video_lock = threading.Lock()
         self._edit_lock = threading.RLock()
-        first, last = span or (getattr(views, "first_frame", 0), views.n_frames - 1)
+        whole = (getattr(views, "first_frame", 0), views.n_frames - 1)
+        first, last = span or whole
+        if not whole[0] <= first <= last <= whole[1]:
+            raise InputError(
+                f"span is {first} to {last}; expected frames of the recording, {whole[0]} to "
+                f"{whole[1]}, the first one first."
+            )
         frame = first if frame is None else frame
-        if not first <= frame <= last:
-            raise InputError(f"frame {frame} is not in the recording ({first} to {last}).")
+        _check_frame(frame, (first, last))
         workers = min(4, os.cpu_count() or 1)
         self._pool = ThreadPoolExecutor(workers, thread_name_prefix="pawnb-jpeg")
         sizes = {name: views.readers[name] for name in views.names}
@@ -182,6 +187,13 @@ class FrameCanvas(anywidget.AnyWidget):
         if hasattr(self, "_pool"):  # also called for a widget that was refused half made
             self._pool.shutdown(wait=False, cancel_futures=True)
         super().close()
+
+    @traitlets.validate("frame")
+    def _frame_of_the_span(self, proposal: Any) -> int:
+        """Refuse a frame that cannot be shown, also where it is set later."""
+        if self.span:  # empty while the widget is being made, which looks at its frame itself
+            _check_frame(proposal["value"], self.span)
+        return int(proposal["value"])
 
     # --- messages -----------------------------------------------------------------------
 
@@ -238,6 +250,13 @@ class FrameCanvas(anywidget.AnyWidget):
             for name, k in zip(names, shrink, strict=True)
         ]
         return [job.result() for job in jobs]
+
+
+def _check_frame(frame: int, span: Sequence[int]) -> None:
+    """Raise InputError for a frame that cannot be shown."""
+    first, last = span
+    if not first <= frame <= last:
+        raise InputError(f"frame {frame} is not in the recording ({first} to {last}).")
 
 
 def encode_jpeg(picture: Picture, *, shrink: int = 1, quality: int = 85) -> bytes:

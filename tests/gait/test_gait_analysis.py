@@ -521,3 +521,16 @@ def test_a_trial_without_a_stride_says_what_was_found_and_what_is_needed():
     no_lift_off = again[again["event"] == "TD"]
     (said,) = say_no_strides(analyse_events(no_lift_off.assign(animal="m", trial="t")))
     assert "found TD: 2 of FR, 1 of HR (1 from TD to TD dropped: see dropped.csv); a longer" in said
+
+
+def test_what_is_shown_of_the_tables_is_short_however_many_there_are():
+    walk = Walk(duty=0.6)
+    trials = [make_trial(animal=Animal(id=f"m{k}")) for k in range(3)]
+    tracks = walk.tracks(treadmill=True)
+    parts = [analyse(tracks, trial=trial, belt_speed=walk.speed) for trial in trials]
+    tables = pool(parts)
+    shown = repr(tables)
+    assert len(shown) < 200
+    assert shown.startswith("GaitTables(3 trials of 3 animals; events: ")
+    assert f"strides: {len(tables.strides)} rows" in shown
+    assert "corrected" not in shown

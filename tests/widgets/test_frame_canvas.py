@@ -176,6 +176,18 @@ def test_grey_pictures_stay_grey():
     np.testing.assert_allclose(back.astype(int), grey.astype(int), atol=6)
 
 
+def test_a_frame_outside_the_recording_is_refused_whenever_it_is_set(canvas):
+    for frame in (999, 1, -1):
+        with pytest.raises(InputError, match=rf"^frame {frame} is not in the recording"):
+            canvas.frame = frame
+    assert canvas.frame == 2
+    canvas.frame = 5
+    assert canvas.frame == 5
+    for span in ((2, 999), (0, 5), (7, 3)):
+        with pytest.raises(InputError, match=rf"^span is {span[0]} to {span[1]}; expected"):
+            FrameCanvas(FakeViews(), span=span)
+
+
 def test_points_have_the_colours_that_their_legs_have_in_the_figures():
     paws = ["FR", "HR", "FL", "HL"]
     figures = colour_legs(paws)
