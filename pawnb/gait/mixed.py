@@ -1,8 +1,9 @@
 """Mixed models: linear outcomes of strides in trials in animals.
 
 For what means by animal cannot do: several terms at once, terms that vary within animals,
-unequal numbers of strides. Variances are those of restricted maximum likelihood (REML), and p
-is Student's with degrees of freedom that count animals where animals are what varies.
+unequal numbers of strides. Variances are those of restricted maximum likelihood (REML); errors
+and degrees of freedom are those of Kenward and Roger, or come from the animals' own scores: see
+:mod:`pawnb.gait.fixed_effects`.
 
 The likelihood is maximised here and not by statsmodels' MixedLM, which agrees where animals
 differ clearly, but may stop at quite wrong variances where one is near 0 (an intraclass
@@ -11,30 +12,26 @@ correlation of 0.94 in place of 0 in one of the tests), as it often is with 5 an
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-from scipy.optimize import minimize
 from scipy.stats import t as student
 
 from pawnb.errors import InputError
 from pawnb.gait.checks import as_numbers, check_level
 from pawnb.gait.circular_sample import animal_codes
+from pawnb.gait.fixed_effects import estimate_fixed_effects
+from pawnb.gait.mixed_likelihood import Blocks
 from pawnb.gait.variance_shares import icc_interval
 from pawnb.schema import check_columns
 
 MIXED_COLUMNS = (
     "term", "estimate", "se", "ci_low", "ci_high", "t", "df", "p", "p_strides", "n", "n_animals",
+    "method",
 )  # fmt: skip
-
-# logarithms of variances over that of the residual
-_GRID = (-5.0, -1.5, 1.5)
-_NOTHING = -14.0
-_MOST_STARTS = 243
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -44,8 +41,10 @@ class MixedFit:
     Parameters
     ----------
     terms : pandas.DataFrame
-        ``MIXED_COLUMNS``, one row for the intercept and each term; ``p_strides`` is that of
-        least squares if strides were independent, for comparison only.
+        ``MIXED_COLUMNS``, one row for the intercept and each term; ``method`` is that of the
+        error and the degrees of freedom; ``p_strides`` is that of least squares if strides were
+        independent, for comparison only. No interval and no p where the strides do not tell
+        the variances apart; the note says so.
     icc : float
         Intraclass correlation: share of the variance that the terms leave which lies
         between animals (at the mean of terms with random slopes).
@@ -90,10 +89,13 @@ def fit_mixed(
     Every animal has its own intercept, and its own slope of each term that varies within
     animals: without these, 50 strides of 5 animals pretend to know the slope of the species
     (Barr et al. 2013). Random effects are independent of each other; terms are taken about
-    their mean for the slopes. Degrees of freedom: animals less one for a term with a random
-    slope; animals less the number of terms between them (the intercept among these) for a
-    term that is constant within animals; those of the residual for a term that varies
-    within animals and has no random slope.
+    their mean for the slopes.
+
+    Errors and degrees of freedom are those of Kenward & Roger (1997), as R's pbkrtest prints
+    them, but where the variance between animals that a term rests on is estimated as 0: there
+    they come from how much the animals' own scores differ (CR2), as Kenward and Roger's p is far
+    too large. The column ``method`` says which. ``benchmarks/few_animals.py`` measures false
+    positives and power.
 
     Parameters
     ----------
@@ -144,25 +146,33 @@ def fit_mixed(
     parts |= {name: design[:, names.index(name)] for name in names if name in random}
     trial_codes = _trials(known, codes) if trials and "trial" not in terms else None
     centre, unit = float(y.mean()), float(y.std())  # the optimiser wants numbers near 1
-    blocks = _Blocks((y - centre) / unit, design / scale, codes, parts, trial_codes)
+    blocks = Blocks((y - centre) / unit, design / scale, codes, parts, trial_codes)
     variances, converged = blocks.fit()
-    estimates, errors, residual = blocks.fixed_effects(variances)
-    estimates, errors = estimates * unit / scale, errors * unit / scale
-    estimates[0] += centre
-    residual *= unit**2
-    spread = dict(zip(blocks.names, np.sqrt(variances * residual) / blocks.sizes, strict=True))
-    dfs = [
-        k - 1 if name in random else len(y) - k - sum(within) if w else k - n_between
+    rests_on = [
+        name if name in random else None if w else "animal"
         for name, w in zip(names, within, strict=True)
     ]
-    frame = _term_table(names, estimates, errors, dfs, level)
+    found = estimate_fixed_effects(blocks, variances, rests_on=rests_on)
+    estimates, errors = found.estimates * unit / scale, found.errors * unit / scale
+    estimates[0] += centre
+    residual = found.residual * unit**2
+    spread = dict(zip(blocks.names, np.sqrt(variances * residual) / blocks.sizes, strict=True))
+    frame = _term_table(names, estimates, errors, found.dfs, level)
     frame["p_strides"] = _naive_p(y, design)
-    frame["n"], frame["n_animals"] = len(y), k
+    frame["n"], frame["n_animals"], frame["method"] = len(y), k, found.methods
     sd_trials = spread["trial"] if trial_codes is not None else math.nan
     whole = sum(spread[name] ** 2 for name in ("animal", "trial") if name in spread) + residual
     notes = [] if converged else ["the fit did not converge: do not use it"]
     if spread["animal"] ** 2 <= 1e-6 * residual:
         notes.append("no variance between animals found; with few animals this is no proof")
+    notes += _blind_notes(design, names, codes, random)
+    if not found.identified:
+        notes.append(
+            "these strides do not tell the variances of animals, slopes and trials apart: other "
+            "standard deviations fit as well, so there is no p; leave random parts out "
+            "(slopes=False, trials=False), or animals with single strides"
+        )
+        frame[["ci_low", "ci_high", "p"]] = math.nan
     icc_low = icc_high = math.nan
     if blocks.names == ["animal"]:
         icc_low, icc_high = icc_interval(y, known["animal"].tolist(), design=design, level=level)
@@ -173,6 +183,24 @@ def fit_mixed(
         sd_slopes={name: spread[name] for name in parts if name != "animal"},
         n=len(y), n_animals=k, note="; ".join(notes),
     )  # fmt: skip
+
+
+def _blind_notes(
+    design: np.ndarray, names: list[str], codes: np.ndarray, random: set[str]
+) -> list[str]:
+    """Say which animals tell nothing of their own slope of a term."""
+    k = int(codes.max()) + 1
+    notes: dict[int, list[str]] = {}
+    for name in (n for n in names if n in random):
+        each = pd.Series(design[:, names.index(name)]).groupby(codes)
+        blind = int((each.max() == each.min()).sum())
+        if blind:
+            notes.setdefault(blind, []).append(name)
+    return [
+        f"{blind} of {k} animals have one stride or one value of {', '.join(which)} and tell "
+        "nothing of their own slope"
+        for blind, which in notes.items()
+    ]
 
 
 def _check_fit(y: np.ndarray, design: np.ndarray, k: int, n_between: int) -> None:
@@ -221,89 +249,8 @@ def _trials(known: pd.DataFrame, codes: np.ndarray) -> np.ndarray | None:
     return np.asarray(numbers) if several else None
 
 
-class _Blocks:
-    """The data as cross products, animal by animal: all that the likelihood needs.
-
-    With ``W = I + U D U'`` the covariance of an animal's strides over that of the residual
-    (U: columns of the random parts, D: their variances), Woodbury's identity gives
-    ``[X y]' W^-1 [X y]`` and ``|W|`` from ``U'U``, ``U'[X y]`` and ``[X y]'[X y]`` alone, however
-    many strides there are.
-    """
-
-    def __init__(
-        self,
-        y: np.ndarray,
-        design: np.ndarray,
-        codes: np.ndarray,
-        parts: dict[str, np.ndarray],
-        trial_codes: np.ndarray | None,
-    ) -> None:
-        self.n, self.p = design.shape
-        self.names = [*parts] if trial_codes is None else [*parts, "trial"]
-        columns = [c if name == "animal" else c - c.mean() for name, c in parts.items()]
-        sizes = [float(np.sqrt(np.mean(c**2))) for c in columns]
-        self.sizes = np.array(sizes if trial_codes is None else [*sizes, 1.0])
-        whole = np.column_stack([c / size for c, size in zip(columns, sizes, strict=True)])
-        both = np.column_stack((design, y))
-        members = [np.flatnonzero(codes == i) for i in range(int(codes.max()) + 1)]
-        random = [whole[rows] for rows in members]
-        if trial_codes is not None:
-            random = [
-                np.column_stack((u, trial_codes[rows][:, None] == np.unique(trial_codes[rows])))
-                for u, rows in zip(random, members, strict=True)
-            ]
-        most = max(u.shape[1] for u in random)
-        random = [np.pad(u, ((0, 0), (0, most - u.shape[1]))) for u in random]
-        self.part_of = np.minimum(np.arange(most), len(self.names) - 1)
-        self.uu = np.array([u.T @ u for u in random])
-        self.ub = np.array([u.T @ both[rows] for u, rows in zip(random, members, strict=True)])
-        self.bb = both.T @ both
-
-    def products(self, variances: np.ndarray) -> tuple[np.ndarray, float]:
-        """Return ``[X y]' W^-1 [X y]`` over all animals, and log |W|."""
-        d = variances[self.part_of][:, None]
-        m = np.eye(len(self.part_of)) + d * self.uu
-        inner = np.linalg.solve(m, d * self.ub)
-        products = self.bb - np.einsum("kqi,kqj->ij", self.ub, inner)
-        return products, float(np.linalg.slogdet(m)[1].sum())
-
-    def deviance(self, logarithms: np.ndarray) -> float:
-        """Return minus twice the restricted log likelihood, but for a constant."""
-        products, log_w = self.products(np.exp(logarithms))
-        xx, xy = products[: self.p, : self.p], products[: self.p, self.p]
-        rest = max(products[self.p, self.p] - xy @ np.linalg.solve(xx, xy), 1e-300)
-        return log_w + float(np.linalg.slogdet(xx)[1]) + (self.n - self.p) * math.log(rest)
-
-    def fit(self) -> tuple[np.ndarray, bool]:
-        """Return the variances over that of the residual, and whether a maximum was found.
-
-        From the best of a coarse grid: there are local maxima where one variance is 0.
-        """
-        parts = len(self.names)
-        if len(_GRID) ** parts <= _MOST_STARTS:
-            grid = np.array(list(itertools.product(_GRID, repeat=parts)))
-        else:
-            grid = np.repeat(np.array(_GRID)[:, None], parts, axis=1)
-        start = grid[int(np.argmin([self.deviance(one) for one in grid]))]
-        found = minimize(
-            self.deviance, start, method="Nelder-Mead", bounds=[(_NOTHING, 14.0)] * parts,
-            options={"xatol": 1e-4, "fatol": 1e-7, "maxfev": 2000 * parts},
-        )  # fmt: skip
-        variances = np.exp(np.asarray(found.x, dtype=float))
-        return np.where(variances < 2.0 * math.exp(_NOTHING), 0.0, variances), bool(found.success)
-
-    def fixed_effects(self, variances: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
-        """Return estimates, their standard errors, and the variance of the residual."""
-        products, _ = self.products(variances)
-        xx, xy = products[: self.p, : self.p], products[: self.p, self.p]
-        inverse = np.linalg.inv(xx)
-        estimates = inverse @ xy
-        residual = float(products[self.p, self.p] - xy @ estimates) / (self.n - self.p)
-        return estimates, np.sqrt(residual * np.diag(inverse)), residual
-
-
 def _term_table(
-    names: list[str], estimates: np.ndarray, errors: np.ndarray, dfs: list[int], level: float
+    names: list[str], estimates: np.ndarray, errors: np.ndarray, dfs: np.ndarray, level: float
 ) -> pd.DataFrame:
     """Return the table of terms without the counts."""
     t = estimates / errors
