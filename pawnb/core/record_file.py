@@ -9,12 +9,13 @@ import importlib.resources
 import struct
 import zlib
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from io import FileIO
 from pathlib import Path
-from typing import BinaryIO
 
 from pawnb.core.closing import Closing
 from pawnb.errors import InputError
+from pawnb.files import write_all
 
 _HEAD = struct.Struct("<II")
 
@@ -50,7 +51,7 @@ class RecordFile(Closing):
         self._line = first_line.encode() + b"\n"
         self._records: list[bytes] = []
         self._end = 0
-        self._file: BinaryIO | None = None
+        self._file: FileIO | None = None
         with self._refused():
             path.parent.mkdir(parents=True, exist_ok=True)
             self._read(path.read_bytes() if path.exists() else b"")
@@ -61,12 +62,24 @@ class RecordFile(Closing):
         return records
 
     def append(self, record: bytes) -> None:
-        """Add a record; it is in the file when this returns."""
+        """Add a record; it is in the file when this returns.
+
+        Raises
+        ------
+        InputError
+            If there is no room for it; the records before it stay.
+        """
         if self._file is None:
             self._file = self._opened()
         data = _HEAD.pack(len(record), zlib.crc32(record)) + record
-        self._file.write(data)
-        self._file.flush()
+        with self._refused():
+            try:
+                write_all(self._file, data)
+            except OSError:
+                with suppress(OSError):  # what follows the last whole record is dropped anyway
+                    self._file.truncate(self._end)
+                    self._file.seek(self._end)
+                raise
         self._end += len(data)
 
     def close(self) -> None:
@@ -93,14 +106,20 @@ class RecordFile(Closing):
             self._records.append(record)
             self._end += _HEAD.size + len(record)
 
-    def _opened(self) -> BinaryIO:
+    def _opened(self) -> FileIO:
         """Return the file, open where the next record belongs, without what is not of these."""
         with self._refused():
-            file = self.path.open("r+b" if self._end else "wb")
-            file.truncate(self._end)
-            file.seek(self._end)
-            if not self._end:
-                self._end = file.write(self._line)
+            # unbuffered: what could not be written is not tried again when the file is closed
+            file = self.path.open("r+b" if self._end else "wb", buffering=0)
+            try:
+                file.truncate(self._end)
+                file.seek(self._end)
+                if not self._end:
+                    write_all(file, self._line)
+                    self._end = len(self._line)
+            except OSError:
+                file.close()
+                raise
             return file
 
     @contextmanager
@@ -110,8 +129,8 @@ class RecordFile(Closing):
             yield
         except OSError as error:
             raise InputError(
-                f"{self.path}: cannot keep here what is done ({error.strerror}); choose another "
-                "folder for the results."
+                f"{self.path}: cannot keep here what is done ({error.strerror}); free some space "
+                "or choose another folder for the results."
             ) from None
 
 

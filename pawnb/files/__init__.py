@@ -18,7 +18,14 @@ from pawnb.files.reading import (
     read_text,
     read_toml,
 )
-from pawnb.files.whole import is_leftover, remove_leftovers, sync_folder, whole_file, write_whole
+from pawnb.files.whole import (
+    is_leftover,
+    remove_leftovers,
+    sync_folder,
+    whole_file,
+    write_all,
+    write_whole,
+)
 
 __all__ = [
     "MOST_TABLE_BYTES",
@@ -37,5 +44,6 @@ __all__ = [
     "safe_name",
     "sync_folder",
     "whole_file",
+    "write_all",
     "write_whole",
 ]

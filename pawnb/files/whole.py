@@ -7,6 +7,7 @@ import secrets
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from io import FileIO
 from pathlib import Path
 
 from pawnb.errors import InputError
@@ -81,6 +82,12 @@ def write_whole(path: str | Path, data: bytes) -> Path:
         if (written := part.stat().st_size) != len(data):
             raise InputError(f"{path}: {written} of {len(data)} bytes were written; try again.")
     return Path(path)
+
+
+def write_all(file: FileIO, data: bytes) -> None:
+    """Write to the end of the data; a disk that fills up may take a part without a word."""
+    while data:
+        data = data[file.write(data) :]
 
 
 def sync_folder(folder: Path) -> None:

@@ -7,7 +7,6 @@ are lines too, so nothing a person entered is ever taken out of a file.
 from __future__ import annotations
 
 import dataclasses
-import io
 import json
 import math
 import os
@@ -19,7 +18,7 @@ from types import NoneType
 from typing import Any, Generic, Literal, TypeAlias, TypeVar, get_args, get_type_hints
 
 from pawnb.errors import InputError, did_you_mean
-from pawnb.files import locked, read_bytes, sync_folder
+from pawnb.files import locked, read_bytes, sync_folder, write_all
 
 RecordT = TypeVar("RecordT")
 Step: TypeAlias = Literal["undo", "redo"]
@@ -225,7 +224,7 @@ class Journal(Generic[RecordT]):
             kept = _kept_fragment(fragment) if fragment else b""
             try:
                 file.truncate(self._size)
-                _write_all(file, end + kept + line)
+                write_all(file, end + kept + line)
                 os.fsync(file.fileno())
                 file.seek(self._size)
                 if file.read() != end + kept + line:
@@ -233,7 +232,7 @@ class Journal(Generic[RecordT]):
             except OSError:
                 with suppress(OSError):
                     file.truncate(self._size)
-                    _write_all(file, fragment)
+                    write_all(file, fragment)
                 raise
         if is_new:
             sync_folder(self.path.parent)
@@ -343,9 +342,3 @@ def _kept_fragment(fragment: bytes) -> bytes:
     """Return a line that keeps what was left of one."""
     text = fragment.decode(errors="backslashreplace")
     return json.dumps({"edit": _FRAGMENT, "text": text}).encode() + b"\n"
-
-
-def _write_all(file: io.FileIO, data: bytes) -> None:
-    """Write to the end; a disk that fills up may take a part without a word."""
-    while data:
-        data = data[file.write(data) :]

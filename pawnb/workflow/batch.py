@@ -21,14 +21,15 @@ from typing import Any
 import pandas as pd
 
 from pawnb.errors import InputError, PawnbError
-from pawnb.io.native import read_tracks
+from pawnb.files import child_folder
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.batch_places import Places, Processes
 from pawnb.workflow.batch_scheduler import Scheduler
 from pawnb.workflow.interrupt import interruptible
+from pawnb.workflow.manifest import MANIFEST, find_fault, known_files
 from pawnb.workflow.methods import METHODS, settings_in_force
 from pawnb.workflow.provenance import trial_checksums, trial_fingerprint
-from pawnb.workflow.results import RESULT_FILES, provenance_steps, results_folder
+from pawnb.workflow.results import RESULT_FILES, results_folder
 
 _WAIT_S = 0.05
 
@@ -226,7 +227,7 @@ def is_tracked(
     Returns
     -------
     bool
-        True where every file is there and the provenance names the same method, settings,
+        True where every file is as the last run wrote it, and that had the same method, settings,
         trial and checksums of every input. Corrections made since do not count against it.
 
     Raises
@@ -246,13 +247,12 @@ def is_tracked(
 
 def _tracked_before(out: Path, kind: str) -> dict[str, Any] | None:
     """Return the record of the last tracking in whole results, or None."""
-    if not all((out / name).exists() for name in RESULT_FILES[kind]):
+    known = known_files(out)
+    listed = {*known.files, MANIFEST}
+    if not listed.issuperset(RESULT_FILES[kind]) or find_fault(out, run="track") is not None:
         return None
-    with contextlib.suppress(PawnbError):
-        steps = provenance_steps(read_tracks(out / "tracks.nc"))
-        made = [step for step in steps if step["step"] == "track"]
-        return made[-1] if made else None
-    return None
+    made = [step for step in known.steps_of("track") if step["step"] == "track"]
+    return made[-1] if made else None
 
 
 def _order(
@@ -262,7 +262,9 @@ def _order(
     try:
         trial = load_trial(job.path)
         method = asked["method"] or METHODS[0]
-        folder = results_folder(trial, None if out is None else Path(out) / trial.name)
+        folder = results_folder(
+            trial, None if out is None else child_folder(out, trial.name, what="the trial")
+        )
         job.out = str(folder)
         first = folders.setdefault(folder.resolve(), job.path)
         if first != job.path:

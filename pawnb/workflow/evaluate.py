@@ -20,7 +20,7 @@ from pawnb.workflow.evaluation import REFERENCE_WIDTH_PX, count_errors, limits_f
 from pawnb.workflow.gait import analyse_source
 from pawnb.workflow.gait_sources import read_source
 from pawnb.workflow.pose_evaluation import measure_pose_errors
-from pawnb.workflow.results import make_folder
+from pawnb.workflow.results import make_folder, read_result_tracks
 
 EVENT_ERROR_COLUMNS = (
     "leg", "event", "n_true", "n_found", "missed", "extra", "median_frames", "p95_frames",
@@ -84,7 +84,7 @@ def evaluate(
     """
     results, truth = Path(results), Path(truth)
     folder = results if results.is_dir() else results.parent
-    tracks = read_tracks(folder / "tracks.nc" if results.is_dir() else results)
+    tracks = read_result_tracks(results)
     truth_folder = truth if truth.is_dir() else truth.parent
     if is_pose(tracks) and truth.name != "tracks.csv":
         found = evaluate_poses(tracks, truth_folder / "pose.csv" if truth.is_dir() else truth)

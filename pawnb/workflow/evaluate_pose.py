@@ -22,7 +22,6 @@ from pawnb.core.pose.poses import Poses, tip_positions
 from pawnb.core.pose.track_result import plain_track
 from pawnb.core.video import open_views
 from pawnb.errors import InputError
-from pawnb.io.native import read_tracks
 from pawnb.io.tables import write_table
 from pawnb.schema import Tracks
 from pawnb.trial import Trial, load_trial
@@ -31,7 +30,12 @@ from pawnb.workflow.methods import POSE_METHODS
 from pawnb.workflow.pose_evaluation import build_jitter_table, compare_directions
 from pawnb.workflow.progress import Progress
 from pawnb.workflow.propose_pose import pose_view
-from pawnb.workflow.results import make_folder, provenance_steps, results_folder
+from pawnb.workflow.results import (
+    make_folder,
+    provenance_steps,
+    read_result_tracks,
+    results_folder,
+)
 from pawnb.workflow.track import track
 
 
@@ -61,7 +65,7 @@ def evaluate_still(
         fewer than two poses there.
     """
     results = Path(results)
-    tracks = read_tracks(results / "tracks.nc" if results.is_dir() else results)
+    tracks = read_result_tracks(results)
     animal, poses = animal_of(tracks), poses_of(tracks).poses
     first, last = frames
     known = poses.frames
@@ -168,7 +172,7 @@ def _found(
     """Return the tracks in the trial's results, if that method made them, else new ones."""
     file = results_folder(trial) / "tracks.nc"
     if file.is_file():
-        tracks = read_tracks(file)
+        tracks = read_result_tracks(file)
         made = [step["method"] for step in provenance_steps(tracks) if step["step"] == "track"]
         if is_pose(tracks) and made[-1:] == [method]:
             return tracks

@@ -28,8 +28,9 @@ from pawnb.workflow.gait_statistics import (
     joint_angles_of,
     statistics_tables,
 )
+from pawnb.workflow.manifest import MANIFEST, writing_results
 from pawnb.workflow.notes import noted_warnings, notes_table
-from pawnb.workflow.provenance import build_step, file_checksum, write_provenance
+from pawnb.workflow.provenance import build_step, file_checksum
 from pawnb.workflow.results import (
     RESULTS_FOLDER,
     make_folder,
@@ -171,18 +172,19 @@ def run_gait(
         remarks = [*_who_is_who(sources, animals), *tables.notes, *remarks]
         tables = dataclasses.replace(tables, notes=tuple(remarks))
         every = {name: _grouped(getattr(tables, name), named) for name in TABLES} | further
-        files = [write_table(table, folder / f"{name}.csv") for name, table in every.items()]
-        notes = [*_notes_of(sources, tables), *warned]
-        drawings = itertools.chain(
-            gait_drawings(tables, groups=named, notes=notes), source_drawings(seen, angles=angles)
-        )
-        files += save_gait_figures(drawings, folder / "figures", record=step, which=figures)
-        notes = [*_notes_of(sources, tables), *warned]  # drawing may have warned, too
-        in_rows = {f"{name}.csv": table for name, table in every.items()}
-        files.append(write_table(notes_table(notes, in_rows), folder / "notes.csv"))
-        write_provenance([step], folder / "provenance.json")
-        files.append(folder / "provenance.json")
-    return GaitRun(tables, folder, tuple(files))
+        with writing_results(folder, run="gait", steps=[step]) as staging:
+            files = [write_table(table, staging / f"{name}.csv") for name, table in every.items()]
+            notes = [*_notes_of(sources, tables), *warned]
+            drawings = itertools.chain(
+                gait_drawings(tables, groups=named, notes=notes),
+                source_drawings(seen, angles=angles),
+            )
+            files += save_gait_figures(drawings, staging / "figures", record=step, which=figures)
+            notes = [*_notes_of(sources, tables), *warned]  # drawing may have warned, too
+            in_rows = {f"{name}.csv": table for name, table in every.items()}
+            files.append(write_table(notes_table(notes, in_rows), staging / "notes.csv"))
+        written = [folder / file.relative_to(staging) for file in files]
+    return GaitRun(tables, folder, (*written, folder / MANIFEST))
 
 
 def _record(

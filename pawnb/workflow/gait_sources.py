@@ -10,7 +10,6 @@ import pandas as pd
 
 from pawnb.errors import InputError
 from pawnb.gait import GaitTables
-from pawnb.io import native
 from pawnb.io.authors2019 import trial_stamp
 from pawnb.io.formats import check_rate, read_any_tracks, recognise_format
 from pawnb.schema import Tracks
@@ -21,7 +20,9 @@ from pawnb.workflow.results import (
     RESULTS_FOLDER,
     describe_trial,
     described_trial,
+    read_result_tracks,
     results_folder,
+    tell_fault,
 )
 
 
@@ -134,6 +135,7 @@ def read_source(path: str | Path, *, fps: float | None = None) -> GaitSource:
         return GaitSource(path, path.parent / RESULTS_FOLDER, events=events, guessed=guessed)
     program = recognise_format(path)
     tracks = read_any_tracks(path, fps=fps, program=program)
+    tell_fault(tracks, path)
     trial = described_trial(tracks, where=str(path), folder=path.parent)
     if trial is not None:
         return GaitSource(path, path.parent, tracks=tracks, trial=trial)
@@ -154,7 +156,7 @@ def _read_trial(trial: Trial) -> GaitSource:
     path = out / "tracks.nc"
     if not path.exists():
         raise InputError(f"{path}: trial {trial.name!r} is not tracked yet; run pawnb track first.")
-    return GaitSource(path, out, tracks=native.read_tracks(path), trial=trial)
+    return GaitSource(path, out, tracks=read_result_tracks(path), trial=trial)
 
 
 def _file_as_trial(tracks: Tracks, path: Path, program: str) -> tuple[Trial | None, bool]:

@@ -218,18 +218,23 @@ def build_step(
     }
 
 
-def write_provenance(steps: Sequence[Mapping[str, Any]], path: str | Path) -> None:
-    """Write steps as ``provenance.json``, oldest first, whole or not at all.
+def provenance_text(
+    steps: Sequence[Mapping[str, Any]], *, files: Mapping[str, Mapping[str, str]]
+) -> str:
+    """Return the text of ``provenance.json``; the same content gives the same bytes.
 
     Parameters
     ----------
     steps : sequence of mapping
-        Records of :func:`build_step`.
-    path : str or Path
-        The file.
+        Records of :func:`build_step`, oldest first.
+    files : mapping
+        What is known of each file that was written, by its name; see
+        :class:`pawnb.workflow.manifest.Manifest`.
+
+    Returns
+    -------
+    str
+        JSON.
     """
-    path = Path(path)
-    temporary = path.with_name(path.name + ".part")
-    text = json.dumps({"steps": [dict(step) for step in steps]}, indent=1, sort_keys=True)
-    temporary.write_text(text + "\n", encoding="utf-8")
-    temporary.replace(path)
+    document = {"files": dict(files), "steps": [dict(step) for step in steps]}
+    return json.dumps(document, indent=1, sort_keys=True) + "\n"

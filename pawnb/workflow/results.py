@@ -1,8 +1,9 @@
-"""What a run writes: each file whole or absent, with its provenance beside it."""
+"""What tracking writes, and how what was written is read again."""
 
 from __future__ import annotations
 
 import json
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,7 @@ from pawnb.core.pose.pose_suspects import find_pose_suspects
 from pawnb.core.pose.pose_table import pose_names, pose_table
 from pawnb.core.rig import Rig
 from pawnb.core.suspects import find_suspects
-from pawnb.errors import InputError
+from pawnb.errors import InputError, InputWarning
 from pawnb.gait.notes import Note
 from pawnb.io import native
 from pawnb.io.pose import write_pose
@@ -22,17 +23,17 @@ from pawnb.io.tables import write_table
 from pawnb.schema import Tracks
 from pawnb.trial import Trial, trial_document, trial_from_document
 from pawnb.workflow.foreign_tracks import read_belt
+from pawnb.workflow.manifest import MANIFEST, find_fault, writing_results
 from pawnb.workflow.notes import notes_table
-from pawnb.workflow.provenance import write_provenance
 
 RESULTS_FOLDER = "results"
 
 RESULT_FILES = {
-    "paws": ("tracks.nc", "tracks.csv", "suspects.csv", "provenance.json"),
-    "pose": ("tracks.nc", "tracks.csv", "pose.csv", "suspects.csv", "provenance.json"),
+    "paws": ("tracks.nc", "tracks.csv", "suspects.csv", "notes.csv", MANIFEST),
+    "pose": ("tracks.nc", "tracks.csv", "pose.csv", "suspects.csv", "notes.csv", MANIFEST),
     "tracks": (),
 }
-"""What tracking a trial of each kind always writes; ``provenance.json`` last."""
+"""What tracking a trial of each kind always writes (see :mod:`pawnb.workflow.manifest`)."""
 
 
 def describe_trial(
@@ -148,20 +149,73 @@ def write_track_results(tracks: Tracks, out: str | Path, *, rig: Rig | None = No
         The folder.
     """
     out = make_folder(out)
-    native.write_tracks(tracks, out / "tracks.nc")
-    write_table(native.tracks_table(tracks), out / "tracks.csv")
-    if tracks.sizes["space"] == 3:
-        write_table(native.points3d_table(tracks), out / "points3d.csv")
-    if is_pose(tracks):
-        animal, poses = animal_of(tracks), poses_of(tracks)
-        table = pose_table(animal, poses.take(np.isfinite(poses.poses.xy).all(axis=1)))
-        write_pose(table, out / "pose.csv", names=pose_names(animal))
-        write_table(find_pose_suspects(tracks), out / "suspects.csv")
-    elif "image_position" in tracks:
-        write_table(find_suspects(tracks, rig=rig), out / "suspects.csv")
-    write_table(notes_table(tracking_notes(tracks)), out / "notes.csv")
-    write_provenance(provenance_steps(tracks), out / "provenance.json")
+    with writing_results(out, run="track", steps=provenance_steps(tracks)) as staging:
+        native.write_tracks(tracks, staging / "tracks.nc")
+        write_table(native.tracks_table(tracks), staging / "tracks.csv")
+        if tracks.sizes["space"] == 3:
+            write_table(native.points3d_table(tracks), staging / "points3d.csv")
+        if is_pose(tracks):
+            animal, poses = animal_of(tracks), poses_of(tracks)
+            table = pose_table(animal, poses.take(np.isfinite(poses.poses.xy).all(axis=1)))
+            write_pose(table, staging / "pose.csv", names=pose_names(animal))
+            write_table(find_pose_suspects(tracks), staging / "suspects.csv")
+        elif "image_position" in tracks:
+            write_table(find_suspects(tracks, rig=rig), staging / "suspects.csv")
+        write_table(notes_table(tracking_notes(tracks)), staging / "notes.csv")
     return out
+
+
+def read_result_tracks(path: str | Path) -> Tracks:
+    """Read the tracks of a folder of results, and look whether that is whole.
+
+    Parameters
+    ----------
+    path : str or Path
+        The folder, or its ``tracks.nc``.
+
+    Returns
+    -------
+    xarray.Dataset
+        The tracks.
+
+    Raises
+    ------
+    InputError
+        If there are none, or they cannot be read.
+
+    Warns
+    -----
+    InputWarning
+        If files of the folder are not as the run that is on record left them.
+    """
+    path = Path(path)
+    path = path / "tracks.nc" if path.is_dir() else path
+    tracks = native.read_tracks(path)
+    tell_fault(tracks, path)
+    return tracks
+
+
+def tell_fault(tracks: Tracks, path: Path) -> None:
+    """Warn where tracks of pawnb lie in a folder that is not whole.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks.
+    path : Path
+        The file they were read from. Copies by other names say nothing of a folder.
+
+    Warns
+    -----
+    InputWarning
+        As for :func:`read_result_tracks`.
+    """
+    # tracks of another program have no such folder
+    if path.name != "tracks.nc" or not provenance_steps(tracks):
+        return
+    fault = find_fault(path.parent, run="track")
+    if fault is not None:
+        warnings.warn(fault, InputWarning, stacklevel=3)
 
 
 def provenance_steps(tracks: Tracks) -> list[dict[str, Any]]:

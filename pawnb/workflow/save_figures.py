@@ -15,6 +15,7 @@ from matplotlib.figure import Figure, SubFigure
 
 from pawnb import figures
 from pawnb.errors import InputError
+from pawnb.files import distinct_name, whole_file
 from pawnb.io.tables import write_table
 from pawnb.workflow.gait_drawings import Drawing
 
@@ -66,19 +67,23 @@ def save_gait_figures(
     folder.mkdir(parents=True, exist_ok=True)
     files: list[Path] = []
     absent: list[tuple[str, str]] = []
+    taken: set[str] = set()
     for drawing in drawings:
         if which == "main" and drawing.kind not in MAIN:
             continue
+        # two trials may differ in signs only that no file name has
+        name = distinct_name(drawing.name, taken)
+        taken.add(name.casefold())
         with figures.style():
             try:
                 table, ax = drawing.draw()
             except InputError as error:
-                absent.append((drawing.name, str(error)))
+                absent.append((name, str(error)))
                 plt.close("all")
                 continue
             own = {**record, "figure": drawing.kind}
-            files += save_figure(ax, folder / drawing.name, record=own)
-        files.append(write_table(table, folder / f"{drawing.name}.csv"))
+            files += save_figure(ax, folder / name, record=own)
+        files.append(write_table(table, folder / f"{name}.csv"))
     if absent:
         table = pd.DataFrame(absent, columns=["figure", "why"])
         files.append(write_table(table, folder / "not_drawn.csv"))
@@ -121,7 +126,8 @@ def save_figure(ax: Any, path: Path, *, record: Mapping[str, Any]) -> list[Path]
     files = []
     for ending in FORMATS:
         file = path.with_name(f"{path.name}.{ending}")
-        figure.savefig(file, dpi=chosen.dpi, metadata=metadata[ending])
+        with whole_file(file) as part:
+            figure.savefig(part, dpi=chosen.dpi, metadata=metadata[ending])
         files.append(file)
     plt.close(figure)
     return files

@@ -23,6 +23,7 @@ from pawnb.schema import ORIGIN_CODE, Tracks, add_provenance
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.interrupt import interruptible
 from pawnb.workflow.kept_candidates import keep_store, open_store, reopen_store
+from pawnb.workflow.manifest import run_alone
 from pawnb.workflow.methods import (
     METHODS,
     method_of_tracks,
@@ -41,6 +42,7 @@ from pawnb.workflow.provenance import build_step, trial_checksums, trial_fingerp
 from pawnb.workflow.real_units import in_real_units
 from pawnb.workflow.results import (
     describe_trial,
+    make_folder,
     provenance_steps,
     results_folder,
     write_track_results,
@@ -131,6 +133,8 @@ def track(
         first, last = frame_range(trial, views, clicks, method=method, frames=frames)
         if method != METHODS[0]:
             _tell_left_out((frames or trial.frames or (0, last))[0], first)
+        if out is not None:
+            stack.enter_context(run_alone(make_folder(out)))
         store = _store(trial, method, out, stack)
         step = build_step(
             "track",
@@ -157,15 +161,15 @@ def track(
             tracks = _shown_in_every_view(tracks, rig, sizes)
         # where the rate varies these are the file's own time stamps
         times = views.time_s[tracks["frame"].to_numpy()]
-    tracks = in_real_units(tracks, trial, units="px")
-    if earlier is not None:
-        step["gone_on_from"] = begin
-        tracks = join_earlier(earlier, tracks)
-    tracks = describe_trial(tracks.assign_coords(time=times), trial, sizes=sizes)
-    whole = tracks.sizes["time"] == last - first
-    tracks = add_provenance(tracks, **step, complete=whole, notes=notes)
-    if out is not None:
-        write_track_results(tracks, out, rig=rig)
+        tracks = in_real_units(tracks, trial, units="px")
+        if earlier is not None:
+            step["gone_on_from"] = begin
+            tracks = join_earlier(earlier, tracks)
+        tracks = describe_trial(tracks.assign_coords(time=times), trial, sizes=sizes)
+        whole = tracks.sizes["time"] == last - first
+        tracks = add_provenance(tracks, **step, complete=whole, notes=notes)
+        if out is not None:
+            write_track_results(tracks, out, rig=rig)
     return tracks
 
 

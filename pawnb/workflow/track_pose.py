@@ -28,6 +28,7 @@ from pawnb.io.pose import check_pose, read_pose
 from pawnb.schema import Tracks, add_provenance
 from pawnb.trial import Trial, View
 from pawnb.workflow.interrupt import interruptible
+from pawnb.workflow.manifest import run_alone
 from pawnb.workflow.methods import (
     POSE_METHODS,
     pose_tracker_settings,
@@ -40,7 +41,7 @@ from pawnb.workflow.pose_in_space import find_in_space, load_second
 from pawnb.workflow.progress import Progress, progress_bar
 from pawnb.workflow.propose_pose import trial_animal, trial_background
 from pawnb.workflow.provenance import build_step, trial_checksums, trial_fingerprint
-from pawnb.workflow.results import describe_trial, write_track_results
+from pawnb.workflow.results import describe_trial, make_folder, write_track_results
 from pawnb.workflow.start_doubts import legs_outside, say_outside, start_doubts
 from pawnb.workflow.unfinished import open_kept_frames
 
@@ -113,6 +114,8 @@ def track_pose_trial(
             trial=trial_fingerprint(trial), start=_without_blanks(table),
             background=background.source,
         )  # fmt: skip
+        if out is not None:
+            stack.enter_context(run_alone(make_folder(out)))
         kept = stack.enter_context(open_kept_frames(None if out is None else Path(out), step))
         bar = contextlib.nullcontext(progress) if progress else progress_bar("tracking")
         with bar as report:
@@ -136,16 +139,16 @@ def track_pose_trial(
         # where the rate varies these are the file's own time stamps
         times = views.time_s[track.poses.frames]
         sizes = {name: (r.width, r.height) for name, r in views.readers.items()}
-    tracks = pose_tracks(trial, animal, track, space=space, rig=rig)
-    tracks = describe_trial(tracks.assign_coords(time=times), trial, sizes=sizes)
-    second = {} if space is None else {"second_view": str(trial.views[1].name)}
-    estimated = dict(track.estimated)
-    made = {"complete": complete, "estimated": estimated, "notes": notes}
-    tracks = add_provenance(tracks, **step, **made, **second)
-    if out is not None:
-        write_track_results(tracks, out)
-    if complete:
-        kept.remove()
+        tracks = pose_tracks(trial, animal, track, space=space, rig=rig)
+        tracks = describe_trial(tracks.assign_coords(time=times), trial, sizes=sizes)
+        second = {} if space is None else {"second_view": str(trial.views[1].name)}
+        estimated = dict(track.estimated)
+        made = {"complete": complete, "estimated": estimated, "notes": notes}
+        tracks = add_provenance(tracks, **step, **made, **second)
+        if out is not None:
+            write_track_results(tracks, out)
+        if complete:
+            kept.remove()
     return tracks
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pandas as pd
 import pytest
 
-from pawnb.io.native import write_tracks
 from pawnb.schema import add_provenance, make_tracks
 from pawnb.workflow.check import check_trial
+from pawnb.workflow.results import write_track_results
 
 
 def test_a_whole_trial_has_no_faults(rendered_trial):
@@ -113,13 +113,17 @@ def test_tracks_that_are_there_are_read(small_trial):
     assert "tracked already" not in report.text()
     tracks = make_tracks(range(7), ["FR"], fps=250.0, individual="m", unit="mm")
     step = {"step": "track", "complete": True, "inputs": {}, "settings": {}}
-    write_tracks(add_provenance(tracks, **step), results / "tracks.nc")
+    write_track_results(add_provenance(tracks, **step), results)
     report = check_trial(small_trial)
     assert report.doubts == []
     assert "ok    tracked already: results/tracks.nc, 7 frames" in report.text()
-    write_tracks(add_provenance(tracks, **step | {"complete": False}), results / "tracks.nc")
+    write_track_results(add_provenance(tracks, **step | {"complete": False}), results)
     (doubt,) = check_trial(small_trial).doubts
     assert doubt == "results/tracks.nc is of a run that was interrupted; track again to go on"
+    write_track_results(add_provenance(tracks, **step), results)
+    (results / "tracks.csv").write_text("changed in another program")
+    (doubt,) = check_trial(small_trial).doubts
+    assert doubt.startswith(f"{results}: not as pawnb track left it (changed: tracks.csv)")
 
 
 def test_paws_of_the_colour_of_their_surroundings_are_doubted(small_trial):
