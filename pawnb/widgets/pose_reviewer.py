@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
+
 from pawnb.core.video import ViewSet, open_views
 from pawnb.schema import Tracks
 from pawnb.trial import Trial, load_trial
@@ -121,8 +123,21 @@ class PoseReviewer(StickPoser, Retracking):
         elif action in ("suspect", "next"):
             return self._look_at_doubtful(value)
         else:
-            return super().edit(what, message)
+            return self._correct(what, message)
         return None
+
+    def _correct(self, what: str, message: Mapping[str, Any]) -> int | None:
+        """Pass on what may change a pose; one that was corrected is doubtful no more."""
+        before = self.corrected.corrections
+        go = super().edit(what, message)
+        now = self.corrected.corrections
+        if now[: len(before)] == before and len(now) == len(before) + 1:
+            self._doubt_no_more(now[-1].frame)
+            self._show_state()
+        elif now != before:  # undone
+            self._tracked_again()
+            self._show_state()
+        return go
 
     def _visit(self, frame: int) -> None:
         """Look at a frame before the browser shows it."""
@@ -133,9 +148,13 @@ class PoseReviewer(StickPoser, Retracking):
         pose = self.session.pose_at(frame)
         return (self.session.pose, True) if pose is None else (pose, False)
 
+    def _find_doubtful(self) -> pd.DataFrame:
+        """Return the frames to look at."""
+        return self.session.suspects()
+
     def _tracked_again(self) -> None:
         """Look for doubtful frames anew, and at the new pose."""
-        self._offer_doubtful(self.session.suspects())
+        super()._tracked_again()
         self.session.go(self.session.frame)
 
     def _kept(self) -> str:

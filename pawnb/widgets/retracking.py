@@ -24,14 +24,17 @@ _NOT_SAVED = (
     "tracks that are there"
 )
 
+Doubt = tuple[int, str, str, str]
+"""Frame, view, point and reason."""
+
 RetrackTrial = Callable[..., Tracks]
 
 
 class Retracking(FrameCanvas):
     """A canvas whose tracks can be tracked again.
 
-    What stands on it has the corrections (``corrected``), offers the doubtful frames
-    (:meth:`_offer_doubtful`), says how things stand (:meth:`_show_state`), and calls
+    What stands on it has the corrections (``corrected``), finds the doubtful frames
+    (:meth:`_find_doubtful`), says how things stand (:meth:`_show_state`), and calls
     :meth:`_prepare` before anything else.
     """
 
@@ -43,6 +46,7 @@ class Retracking(FrameCanvas):
         self._stop = threading.Event()
         self._worker: threading.Thread | None = None
         self._pointed: tuple[int, str, str] | None = None  # frame, view, point jumped to
+        self._looked: set[Doubt] = set()
         self._offer_doubtful(None)
 
     def _saver(self, folder: Path, *, rig: Rig | None = None) -> Callable[[Tracks], None]:
@@ -59,21 +63,49 @@ class Retracking(FrameCanvas):
         """Take over which frames are to be looked at: those of ``suspects.csv``, in its order."""
         self._doubtful = found
         self._suspects = suspect_options(found)
-        self._looked_at = -1
+        self._place = 0  # where in the list the next one is looked for
+
+    def _doubt_no_more(self, frame: int, point: str | None = None) -> None:
+        """Leave out what a person has settled: a point of a frame, or the whole frame."""
+        if self._doubtful is None:
+            return
+        settled = (self._doubtful["frame"] == frame).to_numpy()
+        if point is not None:
+            settled = settled & (self._doubtful["point"] == point).to_numpy()
+        place = self._place - int(settled[: self._place].sum())
+        self._offer_doubtful(self._doubtful[~settled])
+        self._place = place
 
     def _look_at_doubtful(self, value: Any) -> int | None:
         """Go to a doubtful frame, the next without a value; say what is doubtful, and choose it."""
-        place = int(value) if value else self._looked_at + 1
-        if self._doubtful is None or not 0 <= place < len(self._suspects):
+        place = int(value) if value else self._next_doubtful()
+        if self._doubtful is None or place is None or not 0 <= place < len(self._suspects):
             self._show_state("That was the last of the doubtful frames.")
             return None
-        self._looked_at = place
-        row = self._doubtful.iloc[place]
-        self._pointed = (int(row["frame"]), str(row["view"]), str(row["point"]))
+        self._place = place + 1
+        self._looked.add(self._doubt(place))
+        frame, view, point, _ = self._doubt(place)
+        self._pointed = (frame, view, point)
         text = self._suspects[place][1]
-        self._visit(self._pointed[0])
+        self._visit(frame)
         self._show_state(f"Doubtful {place + 1} of {len(self._suspects)}, {text}.")
-        return self._pointed[0]
+        return frame
+
+    def _next_doubtful(self) -> int | None:
+        """Return the next place in the list that was not looked at yet, from the top at its end."""
+        n = len(self._suspects)
+        order = [*range(self._place, n), *range(min(self._place, n))]
+        return next((place for place in order if self._doubt(place) not in self._looked), None)
+
+    def _doubt(self, place: int) -> Doubt:
+        """Return frame, view, point and reason at a place of the list."""
+        assert self._doubtful is not None  # noqa: S101 (a list with places)
+        row = self._doubtful.iloc[place]
+        return int(row["frame"]), str(row["view"]), str(row["point"]), str(row["reason"])
+
+    def _find_doubtful(self) -> pd.DataFrame | None:
+        """Return the frames that are doubtful in the tracks as they are now."""
+        raise NotImplementedError
 
     def _visit(self, frame: int) -> None:
         """Get ready for a frame that the browser is about to show."""
@@ -113,7 +145,7 @@ class Retracking(FrameCanvas):
 
     def _tracked_again(self) -> None:
         """Take notice of new tracks, before they are shown."""
-        raise NotImplementedError
+        self._offer_doubtful(self._find_doubtful())
 
     def _review_actions(self, *, busy: bool) -> list[dict[str, Any]]:
         """Return the buttons and menus of any review: save, doubtful frames, stop."""

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +16,8 @@ from pawnb.core.edits import Accept, Hide, Move, Swap
 from pawnb.core.pose.as_tracks import is_pose
 from pawnb.core.rig import Rig
 from pawnb.errors import InputError
+from pawnb.gait.leg_names import guess_legs
+from pawnb.gait.legs import find_leg_place
 from pawnb.schema import ORIGIN_CODE, ORIGINS, Tracks
 from pawnb.trial import Trial
 from pawnb.widgets.colours import point_colours
@@ -67,13 +71,22 @@ class ReviewSession(CorrectedTracks):
         self.points_by_view = self._points_by_view()
 
     def pairs(self) -> list[tuple[str, str]]:
-        """Return the pairs of points that some view tracks both of: those one can mistake."""
-        return [
-            (first, second)
-            for i, first in enumerate(self.points)
-            for second in self.points[i + 1 :]
-            if any({first, second} <= set(points) for points in self.points_by_view.values())
+        """Return the pairs of points that can be mistaken for one another.
+
+        First the left and the right one of each kind, also where no view tracks both: a camera
+        beside the animal sees the far leg between the near ones. Then those that some view
+        tracks both of.
+        """
+        every = list(combinations(self.points, 2))
+        sides = {point: _side_and_kind(point) for point in self.points}
+        across = [
+            (a, b)
+            for a, b in every
+            if sides[a] and sides[b] and sides[a][1] == sides[b][1] and sides[a][0] != sides[b][0]
         ]
+        tracked = [set(points) for points in self.points_by_view.values()]
+        seen = [pair for pair in every if any(set(pair) <= points for points in tracked)]
+        return list(dict.fromkeys([*across, *seen]))
 
     # --- what a person does -------------------------------------------------------------
 
@@ -196,6 +209,18 @@ class ReviewSession(CorrectedTracks):
             or tuple(p for p, there in zip(self.points, found[k], strict=True) if there)
             for k, view in enumerate(self.views)
         }
+
+
+def _side_and_kind(point: str) -> tuple[str, str] | None:
+    """Return the side of a point, and what it is called without it; None where it has no side."""
+    leg = next(iter(guess_legs([point])), None)
+    place = None if leg is None else find_leg_place(leg)
+    if place is not None:
+        return place.side, f"leg {place.rank}"
+    words = [word for word in re.split(r"[^0-9a-z]+", point.lower()) if word]
+    side = [word[0] for word in words if word in ("l", "r", "left", "right")]
+    rest = [word for word in words if word not in ("l", "r", "left", "right")]
+    return (side[0].upper(), " ".join(rest)) if len(side) == 1 and rest else None
 
 
 def suspect_options(suspects: pd.DataFrame | None, *, most: int = 200) -> list[list[str]]:

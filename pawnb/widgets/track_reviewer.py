@@ -65,7 +65,8 @@ class TrackReviewer(Retracking):
         are to be learnt anew; default :func:`pawnb.workflow.track.retrack`.
     suspects : pandas.DataFrame, optional
         Frames to look at (frame, view, point, reason, score), offered as a menu; default
-        those of :func:`pawnb.core.suspects.find_suspects`, found again after tracking again.
+        those of :func:`pawnb.core.suspects.find_suspects`, found again after tracking again,
+        an exchange, and undo. What is corrected or accepted is left out.
     **options
         ``out`` (folder for *Save*; default the folder of ``edits``), ``views`` and ``rig``
         (when they are open already), and the options of :class:`FrameCanvas`.
@@ -101,8 +102,7 @@ class TrackReviewer(Retracking):
         edits = Path(edits) if edits is not None else results_folder(trial) / "edits.jsonl"
         folder = Path(out) if out is not None else edits.parent
         rig = view_rig(trial, shown) if rig is None else rig
-        self._finds_suspects = suspects is None
-        self._offer_doubtful(suspects)
+        self._given_doubtful = suspects
         self._said = ""
         self.session = ReviewSession(
             trial,
@@ -113,7 +113,7 @@ class TrackReviewer(Retracking):
             save=self._saver(folder, rig=rig),
         )
         self.corrected = self.session
-        self._find_suspects()
+        self._offer_doubtful(self._find_doubtful())
         first, last = self.session.span
         self._times = np.asarray(getattr(shown, "time_s", np.arange(shown.n_frames) / trial.fps))
         span = (first, min(last, shown.n_frames - 1))
@@ -141,9 +141,9 @@ class TrackReviewer(Retracking):
         view, point = str(message.get("view")), str(message.get("point"))
         if what == "moved":
             u, v = float(message["u"]), float(message["v"])
-            self._show_state(self.session.move(frame, view, point, u=u, v=v))
+            self._settle(frame, point, self.session.move(frame, view, point, u=u, v=v))
         elif what == "hide":
-            self._show_state(self.session.hide(frame, view, point))
+            self._settle(frame, point, self.session.hide(frame, view, point))
         elif what == "click":
             self._place_missing(frame, view, message)
         elif what == "action":
@@ -163,21 +163,29 @@ class TrackReviewer(Retracking):
         chosen = message.get("selected")
         if chosen and chosen[0] == view and self.session.position(frame, *chosen) is None:
             u, v = float(message["u"]), float(message["v"])
-            self._show_state(self.session.move(frame, *chosen, u=u, v=v))
+            self._settle(frame, chosen[1], self.session.move(frame, *chosen, u=u, v=v))
+
+    def _settle(self, frame: int, point: str, said: str) -> None:
+        """Say what was corrected; it is not doubtful any more."""
+        self._doubt_no_more(frame, point)
+        self._show_state(said)
 
     def _act(self, action: str, frame: int, message: Mapping[str, Any]) -> int | None:
         """Do what a button, menu or its key asks for; may say which frame to show."""
         value, chosen = message.get("value"), message.get("selected")
         if action in ("undo", "redo"):
             edit = self.session.undo() if action == "undo" else self.session.redo()
+            self._tracked_again()
             self._show_state(_taken(action, edit))
             return edit.frame if edit is not None else None
         if action == "accept":
             if not chosen:
                 raise InputError("choose a point first: click it, or its name above the picture.")
-            self._show_state(self.session.accept(frame, *chosen))
+            self._settle(frame, chosen[1], self.session.accept(frame, *chosen))
         elif action == "swap" and value:
-            self._show_state(self.session.swap(frame, *self.session.pairs()[int(value)]))
+            said = self.session.swap(frame, *self.session.pairs()[int(value)])
+            self._tracked_again()  # what it has mended is doubtful no more
+            self._show_state(said)
         elif action in ("retrack", "learn"):
             self.retrack(frame, learn=action == "learn")
         elif action == "stop":
@@ -189,14 +197,17 @@ class TrackReviewer(Retracking):
             return self._look_at_doubtful(value)
         return None
 
-    def _find_suspects(self) -> None:
-        """List the frames to look at anew, unless they were given."""
-        if self._finds_suspects:
-            self._offer_doubtful(find_suspects(self.session.tracks, rig=self.session.rig))
+    def _find_doubtful(self) -> pd.DataFrame:
+        """Return the frames to look at: those that were given, else found anew."""
+        if self._given_doubtful is not None:
+            return self._given_doubtful
+        return find_suspects(self.session.tracks, rig=self.session.rig)
 
-    def _tracked_again(self) -> None:
-        """Look for doubtful frames anew."""
-        self._find_suspects()
+    def _doubt_no_more(self, frame: int, point: str | None = None) -> None:
+        """Leave out what a person has settled, among those that were given as well."""
+        super()._doubt_no_more(frame, point)
+        if self._given_doubtful is not None:
+            self._given_doubtful = self._doubtful
 
     def _show_state(self, said: str = "", *, busy: bool = False) -> None:
         """Say what was done, and which buttons can be pressed."""

@@ -3,6 +3,7 @@
 import json
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from pawnb.core.pose.as_tracks import poses_of
@@ -124,3 +125,18 @@ def test_a_frame_without_the_animal_can_be_posed(rendered_spider, tracks, tmp_pa
     assert np.isfinite(tip(widget, 15)).all()
     assert not widget.overlay(15)["views"]["top"]["stick"]["dashed"]
     widget.close()
+
+
+def test_a_pose_that_was_corrected_is_doubtful_no_more(reviewer):
+    table = pd.DataFrame(
+        [[17, "top", "L2", "a", 1.0], [20, "top", "R1", "b", 0.5], [17, "top", "R1", "c", 0.1]],
+        columns=["frame", "view", "point", "reason", "score"],
+    )
+    reviewer._offer_doubtful(table)
+    drag(reviewer, 17)
+    assert [text.split(":")[0] for _, text in reviewer._suspects] == ["frame 20"]
+    menu = next(action for action in reviewer.actions if action["id"] == "suspect")
+    assert len(menu["options"]) == 1
+    # undone, they are looked for anew
+    reviewer.edit("action", {"frame": 17, "action": "undo"})
+    assert len(reviewer._suspects) == len(reviewer.session.suspects())

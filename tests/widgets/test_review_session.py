@@ -1,5 +1,6 @@
 """Reviewing tracks without a browser; the scene is that of small_trial.py."""
 
+import dataclasses
 import json
 import threading
 
@@ -13,7 +14,8 @@ from pawnb import load_trial
 from pawnb.core.edits import Move, Retrack
 from pawnb.core.rig import load_rig
 from pawnb.errors import InputError
-from pawnb.schema import ORIGIN_CODE
+from pawnb.schema import ORIGIN_CODE, make_tracks
+from pawnb.trial import View
 from pawnb.widgets.review_session import TRAIL, ReviewSession, suspect_options
 
 
@@ -261,3 +263,31 @@ def test_suspects_are_offered_as_frames_to_jump_to():
     )
     assert suspect_options(table) == [["0", "frame 12: FR in cam1, residual 9 px"]]
     assert suspect_options(None) == []
+
+
+@pytest.mark.parametrize(
+    ("points", "pairs"),
+    [
+        # two cameras beside a mouse: neither tracks a left and a right paw
+        ({"near": "FR HR", "far": "FL HL"}, "FR-FL HR-HL FR-HR FL-HL"),
+        ({"near": "L1 L2", "far": "R1 R2"}, "L1-R1 L2-R2 L1-L2 R1-R2"),
+        # as other programs' users name them
+        (
+            {"near": "hindpaw_left nose", "far": "hindpaw_right ear_L ear_R"},
+            "hindpaw_left-hindpaw_right ear_L-ear_R hindpaw_left-nose "
+            "hindpaw_right-ear_L hindpaw_right-ear_R",
+        ),
+        ({"near": "a b", "far": "c"}, "a-b"),
+    ],
+)
+def test_left_and_right_are_offered_for_exchange_also_where_no_view_tracks_both(
+    trial, points, pairs
+):
+    views = tuple(
+        View(name=v, video=f"{v}.avi", points=tuple(p.split())) for v, p in points.items()
+    )
+    trial = dataclasses.replace(trial, views=views, calibration=None)
+    every = [point for named in points.values() for point in named.split()]
+    tracks = make_tracks(range(4), every, fps=250.0, views=list(points), unit="px")
+    offered = session_of(trial, tracks, rig=None).pairs()
+    assert ["-".join(pair) for pair in offered] == pairs.split()

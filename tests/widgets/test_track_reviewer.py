@@ -4,6 +4,9 @@ import pandas as pd
 import pytest
 import small_trial as scene
 
+from pawnb import load_trial
+from pawnb.core.edits import Swap, apply_edit
+from pawnb.core.rig import load_rig
 from pawnb.widgets import TrackReviewer
 from pawnb.workflow.results import write_track_results
 
@@ -88,6 +91,7 @@ def test_a_doubtful_frame_is_shown_with_its_point_chosen_and_its_reason(review):
     assert widget.status.startswith("Doubtful 2 of 2, frame 31: FR in cam2, it is lost.")
     assert widget.overlay(31)["current"] == ["cam2", "FR"]
     assert "current" not in widget.overlay(30)
+    assert press("next") == 7  # not looked at yet, though higher up
     assert press("next") is None
     assert widget.status.startswith("That was the last of the doubtful frames.")
     # what is chosen by hand stays chosen
@@ -96,6 +100,45 @@ def test_a_doubtful_frame_is_shown_with_its_point_chosen_and_its_reason(review):
     assert "current" not in widget.overlay(31)
     fresh = review(suspects=table)
     assert [fresh.edit("action", {"action": "next", "frame": 0}) for _ in rows] == [7, 31]
+
+
+def test_an_exchange_takes_what_it_has_mended_from_the_doubtful_frames(trial_file, tmp_path):
+    swap = Swap(frame=20, first="FR", second="HR")
+    swapped = apply_edit(scene.true_tracks(), swap, rig=load_rig(load_trial(trial_file)))
+    widget = TrackReviewer(trial_file, swapped, edits=tmp_path / "edits.jsonl")
+    was = offered(widget)
+    assert was[0] in (19, 20)
+    swap = next(action for action in widget.actions if action["id"] == "swap")
+    value = next(value for value, text in swap["options"] if text == "FR and HR")
+    press(widget, "swap", value, frame=20)
+    assert offered(widget) == []
+    press(widget, "undo")
+    assert offered(widget) == was
+    press(widget, "redo")
+    assert offered(widget) == []
+    widget.close()
+
+
+def test_what_a_person_has_settled_is_doubtful_no_more(review):
+    rows = [[7, "cam1", "HR", "a", 1.0], [7, "cam1", "FR", "b", 1.0], [31, "cam2", "FR", "c", 0.5],
+            [9, "cam2", "FR", "d", 0.5]]  # fmt: skip
+    table = pd.DataFrame(rows, columns=["frame", "view", "point", "reason", "score"])
+    widget = review(suspects=table)
+    assert press(widget, "next") == 7
+    widget.edit("moved", {"frame": 7, "view": "cam2", "point": "HR", "u": 9.0, "v": 9.0})
+    assert offered(widget) == [7, 31, 9]
+    assert press(widget, "next") == 7  # the other paw of that frame
+    press(widget, "accept", frame=7, selected=["cam1", "FR"])
+    assert offered(widget) == [31, 9]
+    assert press(widget, "next") == 31
+    widget.edit("hide", {"frame": 31, "view": "cam2", "point": "FR"})
+    assert offered(widget) == [9]
+    assert press(widget, "next") == 9
+    assert press(widget, "next") is None
+
+
+def press(widget, action, value=None, *, frame=0, **more):
+    return widget.edit("action", {"action": action, "value": value, "frame": frame, **more})
 
 
 def put(widget, frame, **more):
