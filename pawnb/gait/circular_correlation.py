@@ -14,6 +14,7 @@ from scipy.stats import f as fisher
 from pawnb.errors import InputError
 from pawnb.gait.circular import check_phases
 from pawnb.gait.circular_sample import AS_INDEPENDENT, TINY, animal_codes
+from pawnb.gait.permutations import shuffle_in_blocks
 
 _MOST_ORDERS = 5_040
 
@@ -246,9 +247,11 @@ def _permuted_p(
     if math.factorial(n) <= _MOST_ORDERS:
         orders = np.array(list(itertools.permutations(range(n))))
         return float((statistic(orders) >= observed).mean())
-    rng = np.random.default_rng(seed)
-    orders = rng.permuted(np.tile(np.arange(n), (n_permutations, 1)), axis=1)
-    return (1.0 + float((statistic(orders) >= observed).sum())) / (1.0 + n_permutations)
+    high = sum(
+        int((statistic(orders) >= observed).sum())
+        for orders in shuffle_in_blocks(np.arange(n), n_permutations, seed=seed)
+    )
+    return (1.0 + high) / (1.0 + n_permutations)
 
 
 def _checked_values(values: np.ndarray, n: int) -> np.ndarray:

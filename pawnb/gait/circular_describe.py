@@ -143,10 +143,16 @@ def circular_median(phases: np.ndarray) -> float:
     InputError
         If there is no phase or one is not a finite number.
     """
-    phases = np.mod(check_phases(phases), 1.0)
-    candidates = np.unique(phases)
-    apart = np.abs(candidates[:, None] - phases)
-    distance = np.minimum(apart, 1.0 - apart).mean(axis=1)
+    phases = np.sort(np.mod(check_phases(phases), 1.0))
+    n = len(phases)
+    candidates, first = np.unique(phases, return_index=True)
+    # phases up to half a cycle ahead, then those behind, from sums along two turns
+    turns = np.concatenate((phases, phases + 1.0))
+    sums = np.concatenate(([0.0], np.cumsum(turns)))
+    end = np.searchsorted(turns, candidates + 0.5, side="right")
+    ahead = sums[end] - sums[first] - (end - first) * candidates
+    behind = (first + n - end) * (candidates + 1.0) - (sums[first + n] - sums[end])
+    distance = (ahead + behind) / n
     nearest = candidates[distance <= distance.min() + 1e-12]
     middle = mean_vector(nearest)
     return middle.mean if middle.r > 1e-9 else math.nan

@@ -10,6 +10,7 @@ import numpy as np
 
 from pawnb.errors import InputError
 from pawnb.gait.circular import check_phases, mean_vector
+from pawnb.gait.permutations import bound_note
 
 ONE_ANIMAL = "one animal: nothing can be said of animals"
 TINY = float(np.finfo(float).tiny)  # no p is 0
@@ -36,6 +37,8 @@ class CircularTest(NamedTuple):
         How p was found.
     note : str
         What the reader must know, else empty.
+    smallest_p : float
+        Least p that is possible for these counts, whatever the phases; NaN where any is.
     """
 
     test: str
@@ -45,6 +48,7 @@ class CircularTest(NamedTuple):
     n_animals: int | None
     method: str
     note: str = ""
+    smallest_p: float = math.nan
 
     def __str__(self) -> str:
         """Say the result in one line."""
@@ -151,7 +155,13 @@ def phase_standard_error(phases: np.ndarray) -> float:
 
 
 def make_result(
-    test: str, statistic: float, p: float, *, counts: tuple[int, int | None, str]
+    test: str,
+    statistic: float,
+    p: float,
+    *,
+    counts: tuple[int, int | None, str],
+    smallest_p: float = math.nan,
+    sizes: Sequence[int] = (),
 ) -> CircularTest:
     """Put a result together; one animal has no p, independent phases have a note.
 
@@ -163,6 +173,10 @@ def make_result(
         What was found.
     counts : tuple of (int, int or None, str)
         Number of phases, number of animals, and how p was found.
+    smallest_p : float
+        Least p that is possible for these counts; the note says so where it is above 0.05.
+    sizes : sequence of int
+        Sizes of the groups, where there are several.
 
     Returns
     -------
@@ -172,5 +186,8 @@ def make_result(
     n, n_animals, method = counts
     if n_animals == 1:
         return CircularTest(test, statistic, math.nan, n, 1, method, ONE_ANIMAL)
-    note = AS_INDEPENDENT if n_animals is None else ""
-    return CircularTest(test, statistic, p, n, n_animals, method, note)
+    counted = " and ".join(str(size) for size in sizes or [n if n_animals is None else n_animals])
+    bound = bound_note(smallest_p, f"{counted} {'phases' if n_animals is None else 'animals'}")
+    notes = [AS_INDEPENDENT if n_animals is None else "", bound]
+    note = "; ".join(filter(None, notes))
+    return CircularTest(test, statistic, p, n, n_animals, method, note, smallest_p)

@@ -28,6 +28,10 @@ from pawnb.gait.circular_sample import (
     phase_standard_error,
 )
 
+_STEPS = 10**12
+"""Steps of a cycle in which phases are compared where rounding would matter."""
+_MOST_EXACT = 50
+
 
 def rayleigh_test(
     phases: np.ndarray, *, animals: Sequence[object] | None = None, method: str = "exact"
@@ -180,7 +184,7 @@ def hodges_ajne_test(
     Returns
     -------
     CircularTest
-        ``statistic`` is m.
+        ``statistic`` is m. ``smallest_p`` is that of m = 0: 0.75 for 3 phases, 0.063 for 8.
 
     Raises
     ------
@@ -188,22 +192,31 @@ def hodges_ajne_test(
         If phases or animals cannot be used.
     """
     sample, n_animals = animal_sample(phases, animals)
-    sample = np.mod(sample, 1.0)
-    # half circles that begin just at, and just after, each phase
-    ahead = np.mod(sample - sample[:, None], 1.0)
-    m = int(min((ahead < 0.5).sum(1).min(), ((ahead > 0.0) & (ahead <= 0.5)).sum(1).min()))
     n = len(sample)
-    m = min(m, n - int((ahead < 0.5).sum(1).max()))
-    k, total = n - m, 0.0
-    if 2 * m >= n:
-        total = 1.0
-    else:
-        for j in range(k, n + 1, 2 * k - n):
-            choose = gammaln(n + 1) - gammaln(j + 1) - gammaln(n - j + 1)
-            total += math.exp(choose + math.log(2 * k - n) - (n - 1) * math.log(2.0))
-    return make_result(
-        "Hodges-Ajne m", float(m), min(1.0, total), counts=(len(phases), n_animals, "exact")
+    # in whole steps of a small angle, so that opposite phases are exactly opposite
+    steps = np.sort(np.mod(np.rint(np.mod(sample, 1.0) * _STEPS).astype(np.int64), _STEPS))
+    turns = np.concatenate((steps, steps + _STEPS))
+    # half circles that begin just at, and just after, each phase
+    at = np.searchsorted(turns, steps + _STEPS // 2) - np.searchsorted(turns, steps)
+    after = np.searchsorted(turns, steps + _STEPS // 2, side="right") - np.searchsorted(
+        turns, steps, side="right"
     )
+    m = int(min(at.min(), after.min(), n - at.max(), n - after.max()))
+    return make_result(
+        "Hodges-Ajne m", float(m), _hodges_ajne_p(m, n), counts=(len(phases), n_animals, "exact"),
+        smallest_p=_hodges_ajne_p(0, n),
+    )  # fmt: skip
+
+
+def _hodges_ajne_p(m: int, n: int) -> float:
+    """Return P(fewest phases on one side of a diameter <= m): Bhattacharyya & Johnson's series."""
+    if 2 * m >= n:
+        return 1.0
+    k = n - m
+    j = np.arange(k, n + 1, 2 * k - n)
+    choose = gammaln(n + 1) - gammaln(j + 1) - gammaln(n - j + 1)
+    terms = np.exp(choose + math.log(2 * k - n) - (n - 1) * math.log(2.0))
+    return min(1.0, float(terms.sum()))
 
 
 def batschelet_test(
@@ -255,7 +268,9 @@ def symmetry_test(phases: np.ndarray, *, animals: Sequence[object] | None = None
     Returns
     -------
     CircularTest
-        ``statistic`` is the smaller sum of ranks.
+        ``statistic`` is the smaller sum of ranks. As half of the phases lie on each side of
+        their own median, the test is a careful one: ``smallest_p`` is 0.31 for 8 distances and
+        falls below 0.05 from 24 on.
 
     Raises
     ------
@@ -272,10 +287,19 @@ def symmetry_test(phases: np.ndarray, *, animals: Sequence[object] | None = None
     if len(away) == 0:
         return make_result("Wilcoxon T", 0.0, 1.0, counts=(len(phases), n_animals, "no distances"))
     ties = len(np.unique(np.abs(away))) < len(away)
-    how = "asymptotic" if ties or len(away) > 50 else "exact"
+    how = "asymptotic" if ties or len(away) > _MOST_EXACT else "exact"
     found = wilcoxon(away, method="asymptotic" if how == "asymptotic" else "exact")
-    counts = (len(phases), n_animals, how)
-    return make_result("Wilcoxon T", float(found.statistic), float(found.pvalue), counts=counts)
+    p = float(found.pvalue)
+    return make_result(
+        "Wilcoxon T", float(found.statistic), p, counts=(len(phases), n_animals, how),
+        smallest_p=min(p, _smallest_symmetry_p(len(away))),
+    )  # fmt: skip
+
+
+def _smallest_symmetry_p(n: int) -> float:
+    """Return p where all of the half on one side of the median are nearer than those beyond it."""
+    away = np.where(np.arange(1, n + 1) <= n // 2, -1.0, 1.0) * np.arange(1, n + 1)
+    return float(wilcoxon(away, method="asymptotic" if n > _MOST_EXACT else "exact").pvalue)
 
 
 def chi2_uniform_test(counts: np.ndarray) -> CircularTest:

@@ -54,6 +54,31 @@ def test_spreads_of_zars_example():
     assert math.degrees(0.5912398078) == pytest.approx(33.8755, abs=1e-4)  # astropy circstd
 
 
+def test_median_is_the_nearest_of_all_phases():
+    rng = np.random.default_rng(11)
+    for n in (1, 2, 3, 8, 51, 200):
+        for phases in (
+            rng.random(n),
+            np.mod(rng.vonmises(0, 3, n) / 6.28, 1),
+            rng.integers(0, 9, n) / 16,
+        ):
+            apart = np.abs(phases[:, None] - phases)
+            away = np.minimum(apart, 1 - apart).mean(axis=1)
+            nearest = mean_vector(np.unique(phases[away <= away.min() + 1e-12]))
+            if nearest.r > 1e-9:
+                assert difference(np.array([circular_median(phases)]), nearest.mean) == (
+                    pytest.approx(0, abs=1e-12)
+                )
+            else:
+                assert math.isnan(circular_median(phases))
+
+
+def test_median_of_a_large_sample():
+    # symmetrical about 0.3: to 5 standard errors, sqrt(pi / 2) of that of the mean
+    phases = np.random.default_rng(0).normal(0.3, 0.05, 200_000)
+    assert circular_median(phases) == pytest.approx(0.3, abs=5 * 1.25 * 0.05 / math.sqrt(2e5))
+
+
 def test_median_of_an_odd_and_of_an_even_number():
     assert circular_median(D1[1:]) * 360 == pytest.approx(110)  # Zar 26.6 without the first
     assert circular_median(np.delete(D1, 4)) * 360 == pytest.approx(96)

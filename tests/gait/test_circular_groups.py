@@ -6,6 +6,8 @@ asserted by pycircstat2's tests; CircStat for MATLAB; R's package circular 0.4-9
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from zar_samples import D10, D11, D12, labelled, nudged
@@ -134,3 +136,38 @@ def test_all_arrangements_are_counted_where_they_are_few():
 def test_bad_input_is_refused(call, message):
     with pytest.raises(InputError, match=message):
         call()
+
+
+@pytest.mark.parametrize("test", [watson_u2_test, wheeler_watson_test])
+@pytest.mark.parametrize("k", [3, 4, 5])
+def test_smallest_p_that_two_groups_allow(test, k):
+    # 2k rotations keep both groups together, of C(2k, k) arrangements
+    least = 2 * k / math.comb(2 * k, k)
+    rng = np.random.default_rng(k)
+    for apart in (0.0, 0.5):
+        phases = np.concatenate((rng.uniform(0, 0.4, k), rng.uniform(0, 0.4, k) + apart))
+        found = test(phases, ["a"] * k + ["b"] * k, animals=list(range(2 * k)))
+        assert found.smallest_p == pytest.approx(least)
+        assert found.p >= least - 1e-12
+    assert found.p == pytest.approx(least)  # nothing could be further apart
+    said = f"with {k} and {k} animals no p below {least:.2g} is possible"
+    assert (said in found.note) == (k < 5)
+    assert (said in str(found)) == (k < 5)
+
+
+def test_smallest_p_of_three_groups():
+    # 9 rotations of both orders of the groups, of 9! / 3!^3 arrangements
+    groups = np.repeat(["a", "b", "c"], 3).tolist()
+    found = wheeler_watson_test(np.arange(9) / 9, groups, n_permutations=99)
+    assert found.smallest_p == pytest.approx(18 / 1680)
+    assert "possible" not in found.note
+    few = wheeler_watson_test(np.arange(6) / 6, np.repeat(["a", "b", "c"], 2), n_permutations=99)
+    assert "with 2 and 2 and 2 phases no p below 0.13 is possible" in few.note
+
+
+def test_permutations_of_large_samples_are_made_in_blocks(monkeypatch):
+    rng = np.random.default_rng(1)
+    phases, groups = rng.random(40), ["a"] * 15 + ["b"] * 25
+    whole = watson_u2_test(phases, groups, n_permutations=500)
+    monkeypatch.setattr("pawnb.gait.permutations._BLOCK", 400)
+    assert watson_u2_test(phases, groups, n_permutations=500) == whole

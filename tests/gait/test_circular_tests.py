@@ -7,10 +7,13 @@ importance sampling (relative error 0.1-0.3 %).
 
 from __future__ import annotations
 
+import itertools
 import math
+import tracemalloc
 
 import numpy as np
 import pytest
+from scipy.stats import vonmises
 from zar_samples import D1, D2_COUNTS, D7, D8, D9, PG5, PIGEON, X5, nudged
 
 from pawnb.errors import InputError
@@ -147,6 +150,57 @@ def test_hodges_ajne_holds_no_phase_on_the_other_side():
     found = hodges_ajne_test(np.array([0.1, 0.2, 0.3, 0.35, 0.4]))
     assert found.statistic == 0
     assert found.p == pytest.approx(5 / 2**4)  # n / 2^(n - 1), Hodges 1955
+
+
+@pytest.mark.parametrize("n", [3, 5, 8, 9])
+def test_smallest_p_of_hodges_and_ajne(n):
+    # n phases on one half circle: n / 2^(n - 1) (Wendel 1962)
+    found = hodges_ajne_test(np.linspace(0.1, 0.3, n), animals=list(range(n)))
+    assert found.smallest_p == pytest.approx(n / 2 ** (n - 1))
+    assert found.p == pytest.approx(found.smallest_p)
+    said = f"with {n} animals no p below {n / 2 ** (n - 1):.2g} is possible"
+    assert found.note == (said if n < 9 else "")
+
+
+def by_pairs(sample):
+    """Return m of Hodges and Ajne from all pairs of phases."""
+    ahead = np.mod(np.round(sample - sample[:, None], 9), 1.0)
+    sides = [(ahead < 0.5).sum(1), ((ahead > 0) & (ahead <= 0.5)).sum(1)]
+    return min(*(side.min() for side in sides), *(len(sample) - side.max() for side in sides))
+
+
+def test_hodges_ajne_is_that_of_all_pairs():
+    rng = np.random.default_rng(7)
+    for n in (4, 7, 20, 61):
+        for sample in (rng.random(n), np.round(rng.random(n), 1), rng.vonmises(0, 1, n) / 6.3):
+            assert hodges_ajne_test(sample).statistic == by_pairs(np.mod(sample, 1))
+
+
+def test_smallest_p_of_symmetry():
+    # 8 distances, half on either side of the median: T is 1 + 2 + 3 + 4 at least, and 80 of the
+    # 256 signs have a sum of ranks of at most 10 or at least 26
+    signs = np.array(list(itertools.product((0, 1), repeat=8))) @ np.arange(1, 9)
+    least = float(((signs <= 10) | (signs >= 26)).mean())
+    near, far = np.array([0.01, 0.02, 0.03, 0.04]), np.array([0.1, 0.12, 0.15, 0.2])
+    found = symmetry_test(np.concatenate(([0.5], 0.5 - near, 0.5 + far)), animals=list("abcdefghi"))
+    assert found.p == pytest.approx(least)
+    assert found.smallest_p == pytest.approx(least)
+    assert found.note == f"with 9 animals no p below {least:.2g} is possible"
+    other = symmetry_test(np.concatenate(([0.5], 0.5 - near, 0.5 + near[::-1] + 0.005)))
+    assert other.p > other.smallest_p == pytest.approx(least)
+
+
+def test_large_samples_need_no_square_of_memory():
+    phases = np.random.default_rng(0).vonmises(1.0, 2.0, 200_000) / (2 * np.pi)
+    # m / n: the chance of the half circle away from the mean, to 5 standard errors
+    away = float(vonmises.cdf(-np.pi / 2, 2.0) * 2.0)
+    tracemalloc.start()
+    found = [hodges_ajne_test(phases), symmetry_test(phases)]
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert found[0].statistic / 200_000 == pytest.approx(away, abs=5 * math.sqrt(away / 200_000))
+    assert found[1].p > 0.001
+    assert peak < 200e6
 
 
 def test_batschelet():
