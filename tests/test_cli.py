@@ -67,7 +67,7 @@ def change(folder, file, old, new):
 @pytest.mark.parametrize(
     ("file", "old", "new", "options", "sentence"),
     [
-        ("trial.toml", "cam2.avi", "none.avi", (), "no such video"),
+        ("trial.toml", "cam2.avi", "none.avi", (), "no such file"),
         ("trial.toml", '[calibration]\ndlt = "DLTcoefs.csv"\nunit = "mm"\n', "", (),
          "has 4 views and no calibration"),
         ("start.csv", "0,cam1,FR,", "0,cam1,FR,5", (), "outside the picture"),

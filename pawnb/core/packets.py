@@ -6,15 +6,14 @@ Pure bookkeeping on what the container says; :mod:`pawnb.core.video` lists the p
 from __future__ import annotations
 
 import bisect
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 _UNKNOWN = np.iinfo(np.int64).min
-_MOST_REORDERED = 16
+MOST_REORDERED = 16
 """Pictures that H.264 and HEVC allow to be decoded before one that is shown first."""
-_IDR = {"h264": {5}, "hevc": {19, 20}}
 
 
 class Packet(NamedTuple):
@@ -26,20 +25,27 @@ class Packet(NamedTuple):
         Time of display and of decoding, in ticks.
     position : int or None
         Where it begins in the file, bytes.
-    is_key : bool
-        Whether decoding can begin here.
     is_hidden : bool
         Whether it is needed for decoding only (an edit list cuts it off).
+    recovery : int or None
+        Where decoding begins here, reference pictures, counted from this one, after which
+        pictures are exact; None where decoding cannot begin here.
     is_fresh : bool
         Whether display, too, begins anew here: nothing before it is shown after it.
+    is_sure : bool
+        Whether a picture that cannot be decoded from here on is damaged for certain.
+    is_reference : bool
+        Whether other pictures may rest on this one.
     """
 
     pts: int | None
     dts: int | None
     position: int | None
-    is_key: bool
     is_hidden: bool
-    is_fresh: bool
+    recovery: int | None
+    is_fresh: bool = False
+    is_sure: bool = True
+    is_reference: bool = True
 
 
 class PacketIndex:
@@ -60,6 +66,8 @@ class PacketIndex:
     is_cut : bool
         Whether packets are missing at the end. Then the last frames in the order of display
         are left out, as a frame shown before them may be among the missing.
+    reorders : int
+        Most pictures that are decoded before one that is shown first.
 
     Attributes
     ----------
@@ -83,62 +91,93 @@ class PacketIndex:
         trusts_pts: bool,
         rate_hz: float | None = None,
         is_cut: bool = False,
+        reorders: int = MOST_REORDERED,
     ) -> None:
         pts, dts, self._positions = (_column(packets, k) for k in range(3))
         self._dts = dts
         self._seek_ticks = np.where(dts != _UNKNOWN, dts, pts)
         hidden = np.array([p.is_hidden for p in packets], bool)
         trusted = intra_only or trusts_pts
-        if is_cut and trusted and not intra_only and _UNKNOWN not in dts:
-            hidden |= pts > dts[-1]  # a packet is never shown before it is decoded
-        keys = np.array([p.is_key or intra_only for p in packets], bool)
-        # a file may begin between key frames; sequential reading begins there all the same
-        keys[:1] = True
+        trusted = trusted and _UNKNOWN not in pts[~hidden] and not _repeats(pts[~hidden])
+        if is_cut and trusted and not intra_only:
+            hidden |= _uncertain_at_end(pts, hidden, reorders)
         self.n_packets = len(packets)
         self.n_frames = int((~hidden).sum())
-        shown = pts[~hidden]
-        unique = len(np.unique(shown)) == len(shown) and _UNKNOWN not in shown
         self.numbers: np.ndarray | None = None
         ticks = np.sort(dts[~hidden])
-        if unique and trusted:
-            ticks = np.sort(shown)
-            self.numbers = np.where(hidden, -1, np.searchsorted(ticks, pts))
-            begins = [(int(np.searchsorted(ticks, pts[k])), int(k)) for k in np.flatnonzero(keys)]
-        else:
-            if intra_only:
-                self.numbers = np.where(hidden, -1, np.cumsum(~hidden) - 1)
-            else:
-                keys = np.array([p.is_key and p.is_fresh for p in packets], bool)
-                keys[:1] = True
-            before = np.cumsum(~hidden) - ~hidden
-            begins = [(int(before[k]), int(k)) for k in np.flatnonzero(keys)]
-            if is_cut and not intra_only:
-                self.n_frames = max(self.n_frames - _MOST_REORDERED, 0)
-        begins.sort()
+        places = np.cumsum(~hidden) - ~hidden
+        if trusted:
+            ticks = np.sort(pts[~hidden])
+            places = np.searchsorted(ticks, pts)
+        if trusted or intra_only:
+            self.numbers = np.where(hidden, -1, places)
+        elif is_cut:
+            self.n_frames = max(self.n_frames - MOST_REORDERED, 0)
+        begins = self._begins(packets, places)
         self._firsts = [first for first, _ in begins]
         self._restarts = [packet for _, packet in begins]
+        self._first_of = {packet: first for first, packet in begins}
         self._in_order = sorted(self._restarts)
+        self._sure = [k for k in self._in_order if packets[k].is_sure or k == 0]
         self.stamps_s, self.is_variable_rate = _stamps(ticks[: self.n_frames], tick_s, rate_hz)
 
-    def restart_for(self, index: int) -> tuple[int, int]:
-        """Return the packet to decode from for a frame, and the first frame it gives."""
+    def _begins(self, packets: Sequence[Packet], places: np.ndarray) -> list[tuple[int, int]]:
+        """Return the packets where decoding can begin, and before them the first exact frame."""
+        references = np.flatnonzero([p.is_reference for p in packets])
+        begins = []
+        for k, packet in enumerate(packets):
+            if packet.recovery is None or (self.numbers is None and not packet.is_fresh):
+                # a file may begin in between; sequential reading begins there all the same
+                if k == 0:
+                    begins.append((0, 0))
+                continue
+            exact = k
+            if packet.recovery:
+                at = np.searchsorted(references, k) + packet.recovery
+                if at >= len(references):
+                    continue
+                exact = int(references[at])
+            begins.append((int(max(places[exact], places[k])), k))
+        return sorted(begins)
+
+    def restarts_for(self, index: int) -> list[tuple[int, int]]:
+        """Return where to decode a frame from, in the order of trying.
+
+        Parameters
+        ----------
+        index : int
+            The frame.
+
+        Returns
+        -------
+        list of tuple of int
+            The packet to decode from and the first frame that it gives. Where the nearest is
+            one from which a sound picture may fail to come, a second one from which it cannot.
+        """
         at = max(bisect.bisect_right(self._firsts, index) - 1, 0)
-        return self._restarts[at], self._firsts[at]
+        found = [(self._restarts[at], self._firsts[at])]
+        before = bisect.bisect_right(self._sure, self._restarts[at]) - 1
+        sure = self._sure[max(before, 0)]
+        if sure < self._restarts[at]:
+            found.append((sure, self._first_of[sure]))
+        return found
 
     def spoilt_by(self, packet: int) -> set[int]:
         """Return the packets whose pictures cannot be relied upon where one is damaged.
 
         Those up to the next packet at which decoding can begin, and those after it that are
-        shown before it, as they may rest on what came before. Where pictures are counted,
-        one that is lost shifts the numbers of all that come out later, too.
+        shown before the first exact one, as they may rest on what came before. Where pictures
+        are counted, one that is lost shifts the numbers of all that come out later, too.
         """
         at = bisect.bisect_right(self._in_order, packet)
-        ends = [*self._in_order[at : at + 2], self.n_packets, self.n_packets]
+        end = self._in_order[at] if at < len(self._in_order) else self.n_packets
         if self.numbers is None:
-            return set(range(self._in_order[at - 1], ends[0]))
-        spoilt = set(range(packet, ends[0]))
-        leading = range(ends[0], ends[1])
-        return spoilt.union(k for k in leading if self.numbers[k] < self.numbers[ends[0]])
+            return set(range(self._in_order[at - 1], end))
+        spoilt = set(range(packet, end))
+        if end < self.n_packets:
+            leading = end + np.flatnonzero(self.numbers[end:] < self._first_of[end])
+            spoilt.update(leading.tolist())
+        return spoilt
 
     def is_shown(self, packet: int, first: int) -> bool:
         """Tell whether a packet gives a picture from frame ``first`` on."""
@@ -188,6 +227,24 @@ def _column(packets: Sequence[Packet], field: int) -> np.ndarray:
     return np.array([_UNKNOWN if p[field] is None else p[field] for p in packets], np.int64)
 
 
+def _repeats(ticks: np.ndarray) -> bool:
+    """Tell whether a time stamp is there twice."""
+    return len(np.unique(ticks)) < len(ticks)
+
+
+def _uncertain_at_end(pts: np.ndarray, hidden: np.ndarray, reorders: int) -> np.ndarray:
+    """Return which pictures may be shown after one that is missing at the end.
+
+    A missing picture comes after all that are there in the order of decoding. In the order of
+    display it is at most ``reorders`` earlier than that.
+    """
+    shown = np.flatnonzero(~hidden)
+    order = shown[np.argsort(pts[shown])]
+    uncertain = np.zeros(len(pts), bool)
+    uncertain[order[max(len(order) - reorders, 0) :]] = True
+    return uncertain
+
+
 def _stamps(ticks: np.ndarray, tick_s: float, rate_hz: float | None) -> tuple[np.ndarray, bool]:
     """Return time stamps in seconds, and whether they are unevenly spaced."""
     n = len(ticks)
@@ -197,51 +254,3 @@ def _stamps(ticks: np.ndarray, tick_s: float, rate_hz: float | None) -> tuple[np
     # time stamps are rounded to ticks: half a tick each, and at both ends of the line
     allowed = max(1.01, 1e-3 * (ticks[-1] - ticks[0]) / (n - 1))
     return ticks * tick_s, bool(np.abs(ticks - even).max() > allowed)
-
-
-def may_begin_anew(codec: str) -> bool:
-    """Tell whether :func:`begins_anew` looks at the packets of a codec."""
-    return codec in _IDR
-
-
-def begins_anew(data: bytes, codec: str, extradata: bytes | None) -> bool:
-    """Tell whether a key packet starts display anew (H.264 and HEVC: an IDR picture).
-
-    Parameters
-    ----------
-    data : bytes
-        The packet.
-    codec : str
-        Name of the codec: other codecs than h264 and hevc give False.
-    extradata : bytes, optional
-        The codec's header; it tells whether units carry their length or a start code.
-
-    Returns
-    -------
-    bool
-        Whether the first picture unit is an IDR picture (ITU-T H.264 Table 7-1, types 1
-        to 5; H.265 Table 7-1, types below 32).
-    """
-    if codec not in _IDR:
-        return False
-    for unit in _unit_heads(data, codec, extradata):
-        kind = unit & 31 if codec == "h264" else unit >> 1 & 63
-        if (1 <= kind <= 5) if codec == "h264" else kind < 32:
-            return kind in _IDR[codec]
-    return False
-
-
-def _unit_heads(data: bytes, codec: str, extradata: bytes | None) -> Iterator[int]:
-    """Yield the first byte of each unit of a packet."""
-    at_length = 4 if codec == "h264" else 21
-    if extradata and extradata[0] == 1 and len(extradata) > at_length:
-        length_bytes = (extradata[at_length] & 3) + 1
-        at = length_bytes
-        while at < len(data):
-            yield data[at]
-            at += int.from_bytes(data[at - length_bytes : at], "big") + length_bytes
-        return
-    at = data.find(b"\x00\x00\x01")
-    while 0 <= at < len(data) - 3:
-        yield data[at + 3]
-        at = data.find(b"\x00\x00\x01", at + 3)

@@ -124,7 +124,7 @@ def read_text(
 ) -> str:
     r"""Read a text file in UTF-8, with or without a byte order mark; else as :func:`read_bytes`.
 
-    Line ends come back as ``\\n``.
+    Line ends come back as ``\n``.
     """
     data = read_bytes(path, expected=expected, most_bytes=most_bytes, error=error)
     try:

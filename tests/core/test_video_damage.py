@@ -53,7 +53,7 @@ def assert_right_or_refused(path, whole):
 def test_no_such_video(tmp_path):
     write_mjpeg(tmp_path / "cam1.avi", n=2)
     assert refusal(opened, tmp_path / "cam11.avi") == (
-        f"view 'cam1': {tmp_path / 'cam11.avi'}: no such video (did you mean 'cam1.avi'?); "
+        f"view 'cam1': {tmp_path / 'cam11.avi'}: no such file (did you mean 'cam1.avi'?); "
         "expected a video file, a folder of pictures or a glob such as frames/*.png."
     )
 

@@ -21,10 +21,15 @@ import av
 import numpy as np
 
 from pawnb.core.colour import PartPicture, Picture
-from pawnb.core.packets import Packet, PacketIndex, begins_anew, may_begin_anew
+from pawnb.core.packets import PacketIndex
 from pawnb.core.planes import picture_of_frame
+from pawnb.core.video.endings import Ending
+from pawnb.core.video.listing import list_packets
 from pawnb.core.video.parts import PartReader
-from pawnb.errors import VideoError, did_you_mean
+from pawnb.errors import VideoError
+from pawnb.files import check_file
+
+_EXPECTED = "a video file, a folder of pictures or a glob such as frames/*.png"
 
 _BLOCK_BYTES = 64 * 2**20
 """Memory for pictures met on the way to the one asked for: stepping back needs them."""
@@ -85,6 +90,7 @@ class VideoFile:
             size = max(self.width * self.height * 2, 1)
             self._block = min(max(_BLOCK_BYTES // size, 4), 64)
             self._at: int | None = None
+            self._began = 0
             self.grab(0)
         except VideoError:
             self.close()
@@ -117,27 +123,35 @@ class VideoFile:
             if index in self._kept:
                 return self._kept[index]
             self._partly = partly
-            restart, first = self._index.restart_for(index)
-            sought = self._at is None or not first - 1 <= self._at < index
-            if sought:
-                self._kept.clear()
-                self._begin_at(restart, first)
-            for number, frame in self._decoded:
-                self._at = number
-                if number > index:
+            restarts = self._index.restarts_for(index)
+            for restart, first in restarts:
+                picture = self._found(index, restart, first)
+                if picture is not None:
+                    return picture
+                if self._began <= restarts[-1][0]:  # read from where it would have come
                     break
-                if frame is not None:
-                    self._kept[number] = self._picture(frame, number)
-                while len(self._kept) > (self._block if sought else 1):
-                    self._kept.popitem(last=False)
-                if number == index:
-                    if frame is None:
-                        break
-                    return self._kept[index]
             raise VideoError(
                 f"{self.name}: frame {index} cannot be decoded; the file is damaged there or "
                 "shortly before."
             )
+
+    def _found(self, index: int, restart: int, first: int) -> Picture | None:
+        """Return a picture, reading on from where it is or from ``restart``; None if damaged."""
+        reads_on = self._at is not None and first - 1 <= self._at < index
+        if not reads_on:
+            self._kept.clear()
+            self._begin_at(restart, first)
+        for number, frame in self._decoded:
+            self._at = number
+            if number > index:
+                break
+            if frame is not None:
+                self._kept[number] = self._picture(frame, number)
+            while len(self._kept) > (1 if reads_on else self._block):
+                self._kept.popitem(last=False)
+            if number == index:
+                break
+        return self._kept.get(index)
 
     def again(self) -> VideoFile:
         """Open the file once more, to be read and closed by itself."""
@@ -153,88 +167,51 @@ class VideoFile:
 
     def _open(self) -> tuple[av.container.InputContainer, av.video.stream.VideoStream]:
         """Open the file and its first video stream."""
+        check_file(self.path, expected=_EXPECTED, error=VideoError)
         try:
-            container = av.open(self.name)
+            # a name is a file's, whatever it looks like, and no file fetches another
+            container = av.open(
+                f"file:{self.name}", container_options={"protocol_whitelist": "file"}
+            )
         except (av.FFmpegError, OSError, ValueError) as error:
-            if not self.path.exists():
-                raise VideoError(_no_such_video(self.path)) from None
             reason = getattr(error, "strerror", None) or error
             raise VideoError(
                 f"{self.name}: not a video that can be read ({reason}); it may be cut short, "
                 "damaged or of another kind."
             ) from None
-        if not container.streams.video:
+        stream = next((s for s in container.streams.video if s.codec_context is not None), None)
+        if stream is None:
             container.close()
             raise VideoError(
                 f"{self.name}: holds no video that can be read; it may be cut short, damaged or "
                 "hold sound only."
             )
-        stream = container.streams.video[0]
         stream.codec_context.thread_count = 1
         return container, stream
 
     def _list_packets(self) -> PacketIndex:
         """Read through the file once without decoding, and note where it is cut short."""
-        stream, codec = self._stream, self._stream.codec_context
-        packets: list[Packet] = []
-        is_cut, end = False, 0
-        looks_inside = may_begin_anew(codec.name)
-        with contextlib.suppress(av.FFmpegError):  # what comes after a damaged place is lost
-            for packet in self._container.demux(stream):
-                if not packet.size:
-                    continue
-                fresh = (
-                    looks_inside
-                    and packet.is_keyframe
-                    and begins_anew(bytes(packet), codec.name, codec.extradata)
-                )
-                packets.append(
-                    Packet(packet.pts, packet.dts, packet.pos, packet.is_keyframe,
-                           packet.is_discard, fresh)
-                )  # fmt: skip
-                is_cut = packet.is_corrupt
-                end = max(end, (packet.pts or 0) + (packet.duration or 0))
-        if packets and is_cut:
-            packets.pop()
-        is_cut = is_cut or self._lacks_packets(len(packets), end)
-        shown = [p.pts for p in packets if p.pts is not None and not p.is_hidden]
-        # H.264 and HEVC in AVI, and streams that reorder but show no sign of it, carry
-        # the order of decoding in the place of display times
-        mistrusted = ("avi" in self._container.format.name and codec.name in ("h264", "hevc")) or (
-            bool(codec.has_b_frames) and shown == sorted(shown)
-        )
-        index = PacketIndex(
-            packets,
-            tick_s=float(stream.time_base or 1),
-            intra_only=codec.codec.intra_only,
-            trusts_pts=not mistrusted,
-            rate_hz=float(stream.average_rate) if stream.average_rate else None,
-            is_cut=is_cut,
-        )
+        stream = self._stream
+        index, ending = list_packets(self.path, self._container, stream)
         if not index.n_frames:
             raise VideoError(f"{self.name}: holds no whole frame; the file is empty or cut short.")
-        if is_cut:
-            promised = f"it promises {stream.frames} frames and " * (stream.frames > len(packets))
+        if ending is Ending.UNKNOWN:
             self.notes.append(
-                f"{self.name} is cut short: {promised}ends with frame {index.n_frames - 1}."
+                f"{self.name}: a file of this kind ({self._container.format.name}) does not tell "
+                "whether it is whole; look whether its last frame is."
+            )
+        if ending is Ending.CUT:
+            promised = f"it promises {stream.frames} frames and "
+            self.notes.append(
+                f"{self.name} is cut short: {promised * (stream.frames > index.n_packets)}"
+                f"ends with frame {index.n_frames - 1}."
             )
         return index
-
-    def _lacks_packets(self, n_packets: int, end: int) -> bool:
-        """Tell whether the file's header promises more packets than there are."""
-        stream = self._stream
-        if stream.frames <= n_packets:
-            return False
-        if "mov" not in self._container.format.name or not stream.duration:
-            return True
-        # an edit list may leave frames out: then the duration agrees with what is there
-        missing = (stream.start_time or 0) + stream.duration - end
-        return missing * 2 > stream.duration / stream.frames
 
     def _begin_at(self, restart: int, first: int) -> None:
         """Make ``self._decoded`` start with the picture ``first``, decoding from ``restart``."""
         packets = self._seek(restart)
-        self._at = first - 1
+        self._at, self._began = first - 1, restart
         self._decoded = self._decode(packets, first)
 
     def _seek(self, restart: int) -> Iterator[tuple[int, av.Packet | None]]:
@@ -335,12 +312,3 @@ class VideoFile:
                 f"is {self.width} x {self.height}; all frames must be of one size."
             )
         return frame if isinstance(frame, PartPicture) else picture_of_frame(frame)
-
-
-def _no_such_video(path: Path) -> str:
-    """Say that a file is not there, with the nearest name that is."""
-    names = [p.name for p in path.parent.iterdir()] if path.parent.is_dir() else []
-    return (
-        f"{path}: no such video{did_you_mean(path.name, names)}; expected a video file, a folder "
-        "of pictures or a glob such as frames/*.png."
-    )

@@ -1,0 +1,126 @@
+"""The packets of a file, listed once without decoding, and whether some are missing."""
+
+from __future__ import annotations
+
+import contextlib
+from pathlib import Path
+
+import av
+import numpy as np
+
+from pawnb.core.packets import MOST_REORDERED, Packet, PacketIndex
+from pawnb.core.video.endings import Ending, find_ending
+from pawnb.core.video.units import read_entry
+
+
+def list_packets(
+    path: Path, container: av.container.InputContainer, stream: av.video.stream.VideoStream
+) -> tuple[PacketIndex, Ending]:
+    """Read through a file once.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    container, stream
+        The file, open, and the stream to list.
+
+    Returns
+    -------
+    index : PacketIndex
+        Its packets and frames.
+    ending : Ending
+        What is known of its end; ``CUT`` wherever pictures are missing.
+    """
+    codec = stream.codec_context
+    name, extradata = codec.name, codec.extradata
+    looks_inside = name in ("h264", "hevc")
+    packets: list[Packet] = []
+    is_partial, end = False, 0
+    with contextlib.suppress(av.FFmpegError):  # what comes after a damaged place is lost
+        for packet in container.demux(stream):
+            if not packet.size:
+                continue
+            data = bytes(packet) if looks_inside else b""
+            entry = read_entry(data, name, extradata, is_key=packet.is_keyframe)
+            packets.append(Packet(packet.pts, packet.dts, packet.pos, packet.is_discard, *entry))
+            is_partial = packet.is_corrupt
+            end = max(end, (packet.pts or 0) + (packet.duration or 0))
+    ending = find_ending(path, container.format.name, stream.id)
+    is_partial |= ending is Ending.CUT_IN_PICTURE
+    if packets and is_partial:
+        packets.pop()
+    is_cut = (
+        is_partial or ending is Ending.CUT or _lacks_packets(container, stream, len(packets), end)
+    )
+    times = [p.pts for p in packets if p.pts is not None and not p.is_hidden]
+    # H.264 and HEVC in AVI, and streams that reorder but show no sign of it, carry
+    # the order of decoding in the place of display times
+    mistrusted = ("avi" in container.format.name and looks_inside) or (
+        bool(codec.has_b_frames) and times == sorted(times)
+    )
+    reorders = _reorder_depth(packets) if codec.has_b_frames else 0
+    is_open = ending in (Ending.UNTOLD, Ending.UNKNOWN)
+    if is_open and not is_cut and not mistrusted and reorders:
+        is_cut = _has_gap_at_end(packets, reorders)
+    index = PacketIndex(
+        packets,
+        tick_s=float(stream.time_base or 1),
+        intra_only=codec.codec.intra_only,
+        trusts_pts=not mistrusted,
+        rate_hz=float(stream.average_rate) if stream.average_rate else None,
+        is_cut=is_cut,
+        reorders=reorders,
+    )
+    return index, Ending.CUT if is_cut else ending
+
+
+def _lacks_packets(
+    container: av.container.InputContainer,
+    stream: av.video.stream.VideoStream,
+    n_packets: int,
+    end: int,
+) -> bool:
+    """Tell whether the file's header promises more packets than there are."""
+    if stream.frames <= n_packets:
+        return False
+    if "mov" not in container.format.name or not stream.duration:
+        return True
+    # an edit list may leave frames out: then the duration agrees with what is there
+    missing = (stream.start_time or 0) + stream.duration - end
+    return missing * 2 > stream.duration / stream.frames
+
+
+def _times(packets: list[Packet]) -> tuple[np.ndarray, np.ndarray, float]:
+    """Return display and decoding times, NaN where unknown, and the usual step from frame to frame.
+
+    Decoding times are even where display times, in the order of the file, are not.
+    """
+    pts, dts = (
+        np.array([np.nan if t is None else t for t in times], float)
+        for times in ([p.pts for p in packets], [p.dts for p in packets])
+    )
+    steps = np.diff(dts if np.isfinite(dts).all() else np.sort(pts))
+    return pts, dts, float(np.median(steps)) if len(steps) else 0.0
+
+
+def _reorder_depth(packets: list[Packet]) -> int:
+    """Return how many pictures at most are decoded before one that is shown first.
+
+    Seen in the packets themselves, and in the head start of the first decoding time.
+    """
+    pts, dts, step = _times(packets)
+    is_told = np.isfinite(dts).all() and np.isfinite(pts[:1]).all() and step > 0
+    if len(packets) <= MOST_REORDERED and not is_told:
+        return MOST_REORDERED
+    seen = int(np.max(np.argsort(pts, kind="stable") - np.arange(len(pts))))
+    return min(max(seen, round((pts[0] - dts[0]) / step) if is_told else 0), MOST_REORDERED)
+
+
+def _has_gap_at_end(packets: list[Packet], reorders: int) -> bool:
+    """Tell whether a picture shown before one of the last is missing, by times else even."""
+    pts, _, step = _times([p for p in packets if not p.is_hidden])
+    if not step > 0 or not np.isfinite(pts).all():
+        return False
+    is_gap = np.diff(np.sort(pts)) > 1.5 * step
+    return bool(is_gap[-reorders:].any() and not is_gap[:-reorders].any())

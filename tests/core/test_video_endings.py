@@ -1,0 +1,115 @@
+"""A file that is cut short gives its first frames, each under its number, and says so."""
+
+from __future__ import annotations
+
+import av
+import numpy as np
+import pytest
+from video_clips import copy_packets, write_clip, write_h264, write_mjpeg
+
+from pawnb.core.video import open_view
+from pawnb.core.video.file import VideoFile
+from pawnb.errors import VideoError
+from pawnb.trial import View
+
+N = 40
+WITH_B = {"x264-params": "keyint=12:bframes=3:scenecut=0"}
+FRAGMENTS = {"movflags": "frag_keyframe+empty_moov"}
+ONE_BY_ONE = {"movflags": "frag_every_frame+empty_moov"}
+
+
+def write_kind(folder, kind):
+    """Write a clip of a kind: codec, container and how it is written."""
+    codec, suffix, *how = kind.split()
+    path = folder / f"clip.{suffix}"
+    if codec == "h264":
+        first = path if not how else folder / "first.mp4"
+        write_h264(first, n=N, options=WITH_B)
+        if how:
+            copy_packets(first, path, options=FRAGMENTS if how == ["fragments"] else ONE_BY_ONE)
+    elif codec == "mjpeg":
+        write_mjpeg(path, n=N)
+    else:
+        write_clip(path, codec=codec, pix_fmt="yuv420p", n=N, options={"g": "12"})
+    return path
+
+
+def read_all(path):
+    video = VideoFile(path)
+    pictures = [
+        video.grab(k).region(0, 0, video.width, video.height).copy() for k in range(video.n_frames)
+    ]
+    return pictures, video.notes
+
+
+def may_end_at(data, at, borders, suffix):
+    """Whether a file that ends there looks like a shorter recording, in every one of its bytes."""
+    if suffix == "ts":  # tables may come between two pictures; video is FFmpeg's stream 256
+        after = next((b for b in borders if b >= at), len(data))
+        parts = [data[k + 1 : k + 3] for k in range(at, after, 188)]
+        return at % 188 == 0 and all(part[0] & 31 != 1 or part[1] for part in parts)
+    return suffix in ("m2ts", "flv") and at in borders
+
+
+@pytest.mark.parametrize(
+    "kind",
+    [
+        "h264 mkv", "h264 ts", "h264 m2ts", "h264 flv", "h264 mp4 fragments", "h264 mp4 one-by-one",
+        "libvpx webm", "mpeg2video ts", "mjpeg mkv",
+    ],
+)  # fmt: skip
+def test_a_file_cut_anywhere_tells_and_misnumbers_nothing(tmp_path, kind):
+    path = write_kind(tmp_path, kind)
+    whole, notes = read_all(path)
+    assert (len(whole), notes) == (N, [])
+    data = path.read_bytes()
+    with av.open(str(path)) as container:
+        borders = [p.pos for p in container.demux(video=0) if p.size]
+    places = [*borders[5::9], *(at + 200 for at in borders[3::8]), len(data) - 1, len(data) // 2]
+    # a transport stream cut between two of its packets
+    places += [at // 188 * 188 for at in places] if kind.endswith(" ts") else []
+    cut, most = path.with_name(f"cut.{path.suffix}"), 0
+    for at in places:
+        cut.write_bytes(data[:at])
+        try:
+            pictures, notes = read_all(cut)
+        except VideoError:
+            assert at < borders[16], f"at {at}: refused, though much of it is there"
+            continue
+        most = max(most, len(pictures))
+        for number, picture in enumerate(pictures):
+            np.testing.assert_array_equal(picture, whole[number], f"at {at}: frame {number}")
+        if len(pictures) < N and not may_end_at(data, at, borders, kind.split()[1]):
+            assert notes == [f"{cut} is cut short: ends with frame {len(pictures) - 1}."], at
+    assert most >= N - 6  # it does not tell by leaving out much
+
+
+def test_a_live_recording_of_unknown_length_is_whole_unless_a_block_is_cut(tmp_path):
+    path = write_clip(
+        tmp_path / "clip.webm", codec="libvpx", pix_fmt="yuv420p", n=N, options={"g": "12"}
+    )
+    live = copy_packets(path, tmp_path / "live.webm", options={"live": "1"})
+    whole, notes = read_all(live)
+    assert (len(whole), notes) == (N, [])
+    live.write_bytes(live.read_bytes()[:-30])
+    pictures, notes = read_all(live)
+    assert len(pictures) == N - 1
+    assert "cut short" in notes[0]
+
+
+def test_a_container_that_never_tells_is_named(tmp_path):
+    path = copy_packets(write_h264(tmp_path / "clip.mp4", n=9), tmp_path / "clip.nut")
+    with open_view(View(name="cam1", video=path.name), tmp_path) as reader:
+        assert reader.source.notes == [
+            f"{path}: a file of this kind (nut) does not tell whether it is whole; look whether "
+            "its last frame is."
+        ]
+
+
+def test_fragments_that_end_in_their_header_are_one_sentence(tmp_path):
+    path = write_kind(tmp_path, "h264 mp4 fragments")
+    data = path.read_bytes()
+    for at in range(0, data.index(b"mdat") + 40, 9):
+        path.write_bytes(data[:at])
+        with pytest.raises(VideoError):
+            read_all(path)
