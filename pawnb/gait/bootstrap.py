@@ -27,7 +27,7 @@ from scipy.stats import norm
 from pawnb.errors import InputError
 from pawnb.gait.animal_phases import WHOLE_CYCLE
 from pawnb.gait.checks import check_level, check_values
-from pawnb.gait.circular import mean_vector, wrap
+from pawnb.gait.circular import mean_vector, widest_interval, wrap
 from pawnb.gait.circular_describe import difference
 from pawnb.gait.circular_sample import ONE_ANIMAL
 from pawnb.gait.lines import t_quantile
@@ -288,8 +288,8 @@ def _interval(
         low, high = low * stretch, high * stretch
     if not circular:
         return estimate + low, estimate + high, ""
-    if high - low >= 1.0:
-        return math.nan, math.nan, WHOLE_CYCLE
+    if high - low >= level:
+        return *widest_interval(estimate, level), WHOLE_CYCLE
     return wrap(estimate + low), wrap(estimate + high), ""
 
 

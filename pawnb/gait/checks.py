@@ -27,6 +27,8 @@ def as_numbers(values: np.ndarray, name: str) -> np.ndarray:
     InputError
         If one is no number.
     """
+    if np.iscomplexobj(values):
+        raise InputError(f"{name}: expected numbers; found complex ones.")
     try:
         return np.asarray(values, dtype=float).ravel()
     except (TypeError, ValueError) as error:

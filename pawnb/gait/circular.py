@@ -20,6 +20,8 @@ from pawnb.gait.checks import as_numbers, check_level
 
 _NEARLY_ONE = 1.0 - 1e-5
 _TINY = float(np.finfo(float).tiny)
+# differences and sums of two phases are phases; degrees and radians are not
+_LEAST_PHASE, _MOST_PHASE = -1.0, 2.0
 
 
 class MeanVector(NamedTuple):
@@ -67,8 +69,9 @@ def mean_vector(phases: np.ndarray, *, weights: np.ndarray | None = None) -> Mea
     """
     phases = check_phases(phases)
     if weights is not None:
-        weights = np.asarray(weights, dtype=float).ravel()
-        if len(weights) != len(phases) or not (weights >= 0).all() or not weights.sum() > 0:
+        weights = as_numbers(weights, "weights")
+        known = np.isfinite(weights).all() and (weights >= 0).all()
+        if len(weights) != len(phases) or not known or not 0 < weights.sum() < math.inf:
             raise InputError(
                 f"weights: expected {len(phases)} numbers of 0 or more, not all 0, one a phase."
             )
@@ -192,10 +195,10 @@ def resultant_p(lengths: np.ndarray, total: float) -> float:
     InputError
         If a length is not positive or the resultant is longer than their sum.
     """
-    lengths = np.asarray(lengths, dtype=float).ravel()
+    lengths = as_numbers(lengths, "lengths of vectors")
     n, whole = len(lengths), float(lengths.sum())
-    if n == 0 or not (lengths > 0.0).all():
-        raise InputError("lengths of vectors: expected at least one, all above 0.")
+    if n == 0 or not (lengths > 0.0).all() or not math.isfinite(whole):
+        raise InputError("lengths of vectors: expected at least one, all above 0 and finite.")
     r = total / whole
     if not 0.0 <= r <= 1.0 + 1e-12:
         raise InputError(f"the resultant is {total}; expected 0 to {whole}, the sum of lengths.")
@@ -259,8 +262,9 @@ def mean_interval(mean: float, r: float, n: int, *, level: float = 0.95) -> tupl
     -------
     low, high : float
         Ends in [0, 1), in cycles; the interval runs upwards from low to high and may
-        wrap (low > high). Both NaN where no interval exists: one phase, or vectors so
-        scattered (n r² at most half the quantile of chi²) that any mean is possible.
+        wrap (low > high). Both NaN for one phase. Where the vectors are so scattered (n r² at
+        most half the quantile of chi²) that any mean is possible it is
+        :func:`widest_interval`.
 
     Raises
     ------
@@ -271,16 +275,41 @@ def mean_interval(mean: float, r: float, n: int, *, level: float = 0.95) -> tupl
     check_level(level)
     quantile = float(chi2.ppf(level, 1))
     total = n * r
-    if n < 2 or not math.isfinite(mean) or 2.0 * total**2 <= n * quantile:
+    if n < 2:
         return math.nan, math.nan
+    if not math.isfinite(mean) or 2.0 * total**2 <= n * quantile:
+        return widest_interval(mean, level)
     if r <= 0.9:
         under = 2.0 * n * (2.0 * total**2 - n * quantile) / (4.0 * n - quantile)
     else:
         under = n**2 - (n**2 - total**2) * math.exp(quantile / n)
     if under < 0.0:
-        return math.nan, math.nan
+        return widest_interval(mean, level)
     half = math.acos(min(1.0, math.sqrt(under) / total)) / (2.0 * math.pi)
     return wrap(mean - half), wrap(mean + half)
+
+
+def widest_interval(mean: float, level: float) -> tuple[float, float]:
+    """Return the interval of a mean phase that may be any: ``level`` of the cycle about it.
+
+    An arc of 95 % of the cycle holds any phase in 95 % of the studies, even where the mean in its
+    middle is chance.
+
+    Parameters
+    ----------
+    mean : float
+        Mean phase in cycles; NaN where there is none.
+    level : float
+        Level of the interval.
+
+    Returns
+    -------
+    low, high : float
+        Ends in [0, 1), which may wrap; 0 and 1, the whole cycle, without a mean.
+    """
+    if not math.isfinite(mean):
+        return 0.0, 1.0
+    return wrap(mean - level / 2.0), wrap(mean + level / 2.0)
 
 
 def check_phases(phases: np.ndarray) -> np.ndarray:
@@ -299,7 +328,8 @@ def check_phases(phases: np.ndarray) -> np.ndarray:
     Raises
     ------
     InputError
-        If there is none, or one is not a finite number.
+        If there is none, one is not a finite number, or one is not between -1 and 2: it then is
+        no phase in cycles.
     """
     phases = as_numbers(phases, "phases")
     bad = int((~np.isfinite(phases)).sum())
@@ -308,6 +338,12 @@ def check_phases(phases: np.ndarray) -> np.ndarray:
         raise InputError(
             f"phases: {found}; expected at least one finite number of cycles: "
             "leave out what was not measured."
+        )
+    far = phases[(phases < _LEAST_PHASE) | (phases > _MOST_PHASE)]
+    if len(far):
+        raise InputError(
+            f"phases: {len(far)} of {len(phases)} are far from a cycle, such as {far[0]:g}; "
+            "expected cycles from 0 to 1: divide degrees by 360, radians by 2 pi."
         )
     return phases
 

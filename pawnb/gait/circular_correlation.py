@@ -12,6 +12,7 @@ from scipy.stats import chi2, norm
 from scipy.stats import f as fisher
 
 from pawnb.errors import InputError
+from pawnb.gait.checks import as_numbers
 from pawnb.gait.circular import check_phases
 from pawnb.gait.circular_sample import AS_INDEPENDENT, TINY, animal_codes
 from pawnb.gait.permutations import shuffle_in_blocks
@@ -256,8 +257,9 @@ def _permuted_p(
 
 def _checked_values(values: np.ndarray, n: int) -> np.ndarray:
     """Return the numbers as floats; refuse missing ones."""
-    values = np.asarray(values, dtype=float).ravel()
-    if len(values) != n or not np.isfinite(values).all():
+    values = as_numbers(values, "values")
+    # squares must be finite too
+    if len(values) != n or not (np.abs(values) < 1e150).all():
         raise InputError(
             f"values: found {len(values)} for {n} phases, or some that are not finite; expected "
             "one finite number a phase."

@@ -239,7 +239,7 @@ def circular_moment(phases: np.ndarray, order: int) -> MeanVector:
     """
     if order < 1:
         raise InputError(f"order is {order}; expected 1 or more.")
-    return mean_vector(check_phases(phases) * order)
+    return mean_vector(np.mod(check_phases(phases) * order, 1.0))
 
 
 def axial_mean(phases: np.ndarray) -> MeanVector:

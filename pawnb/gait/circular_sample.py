@@ -135,9 +135,10 @@ def animal_codes(animals: Sequence[object], n: int) -> tuple[np.ndarray, int]:
 def phase_standard_error(phases: np.ndarray) -> float:
     """Compute the standard error of a mean phase from the sines about it, in cycles.
 
-    ``sd(sin) / (sqrt(n) r)``: the standard deviation of the parts of the unit vectors that
+    ``sd(sin) / (sqrt(n) rho)``: the standard deviation of the parts of the unit vectors that
     stand across the mean direction, over the length along it (Fisher 1993, section 4.4,
-    with n - 1 in place of n).
+    with n - 1 in place of n). Fisher's length is r, which is too long for few phases: ``rho² =
+    (n r² - 1) / (n - 1)``, whose mean over samples is the square of the population's length.
 
     Parameters
     ----------
@@ -147,11 +148,15 @@ def phase_standard_error(phases: np.ndarray) -> float:
     Returns
     -------
     float
-        Cycles.
+        Cycles; infinite where the phases are as scattered as phases at random (n r² of 1 or
+        less).
     """
     mean, r, n = mean_vector(phases)
+    square = (n * r**2 - 1.0) / (n - 1)
+    if square <= 1e-12:
+        return math.inf
     across = np.sin(2.0 * np.pi * (np.asarray(phases) - mean))
-    return float(across.std(ddof=1)) / (math.sqrt(n) * r) / (2.0 * math.pi)
+    return float(across.std(ddof=1)) / math.sqrt(n * square) / (2.0 * math.pi)
 
 
 def make_result(

@@ -112,12 +112,9 @@ def compare_two_phases(a: np.ndarray, b: np.ndarray, *, level: float = 0.95) -> 
         return _no_test(*means, away, counts)
     squares = phase_standard_error(a) ** 2, phase_standard_error(b) ** 2
     half, p, df = _welch(away, squares, (len(a) - 1, len(b) - 1), level)
+    half, note = _at_most(half, level)
     method = f"Welch's t of phases, {df:.1f} df"
-    if half >= 0.5:
-        return Difference(
-            *means, away, *_BLANK, math.nan, math.nan, p, *counts, method, WHOLE_CYCLE
-        )
-    return Difference(*means, away, away - half, away + half, *_BLANK, p, *counts, method)
+    return Difference(*means, away, away - half, away + half, *_BLANK, p, *counts, method, note)
 
 
 def compare_paired(
@@ -154,14 +151,11 @@ def compare_paired(
         return _no_test(*means, away, counts)
     half, p, df = _welch(away, (error**2, 0.0), (k - 1, 1), level)
     method = f"paired t{' of phases' if circular else ''}, {df:.0f} df"
-    if circular and half >= 0.5:
-        return Difference(
-            *means, away, *_BLANK, math.nan, math.nan, p, *counts, method, WHOLE_CYCLE
-        )
+    half, note = _at_most(half, level) if circular else (half, "")
     effect = _BLANK
     if not circular and error > 0.0:
         effect = hedges_g(away / (error * math.sqrt(k)), math.sqrt(k), k - 1, level=level)
-    return Difference(*means, away, away - half, away + half, *effect, p, *counts, method)
+    return Difference(*means, away, away - half, away + half, *effect, p, *counts, method, note)
 
 
 def hedges_g(d: float, size: float, df: int, *, level: float = 0.95) -> tuple[float, float, float]:
@@ -219,11 +213,18 @@ def _welch(
     whole = squares[0] + squares[1]
     if whole <= 0.0:
         return 0.0, 1.0 if away == 0.0 else TINY, float(sum(dfs))
+    if not math.isfinite(whole):  # phases as scattered as at random
+        return math.inf, 1.0, float(min(dfs))
     df = whole**2 / (squares[0] ** 2 / dfs[0] + squares[1] ** 2 / dfs[1])
     error = math.sqrt(whole)
     quantile = t_quantile(level, df)
     p = max(float(2.0 * student.sf(abs(away) / error, df)), TINY)
     return quantile * error, p, df
+
+
+def _at_most(half: float, level: float) -> tuple[float, str]:
+    """Return half an interval of phases, of ``level`` of the cycle at most, and a note."""
+    return (half, "") if half < level / 2.0 else (level / 2.0, WHOLE_CYCLE)
 
 
 def _no_test(mean_a: float, mean_b: float, away: float, counts: tuple[int, int]) -> Difference:

@@ -9,11 +9,13 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from pawnb.errors import InputError
 from pawnb.gait.animal_phases import phase_of_animals
+from pawnb.gait.checks import as_numbers
 from pawnb.gait.circular import circular_sd, mean_interval, mean_vector, rayleigh_p
+from pawnb.gait.circular_length import length_interval
+from pawnb.gait.phase_patterns import name_pattern, say_pattern
 from pawnb.schema import DROPPED_COLUMNS, PHASE_SUMMARY_COLUMNS, PHASES_COLUMNS
-
-RAYLEIGH_LEVEL = 0.05
 
 
 def phase_lags(times: np.ndarray, reference: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -36,9 +38,17 @@ def phase_lags(times: np.ndarray, reference: np.ndarray) -> tuple[np.ndarray, np
         Which stride of the reference each phase belongs to, from 0.
     phase : ndarray, shape (k,)
         Phases in cycles, in [0, 1).
+
+    Raises
+    ------
+    InputError
+        If a time is not a finite number.
     """
-    times = np.asarray(times, dtype=float)
-    start, end = np.asarray(reference, dtype=float).reshape(-1, 2).T
+    times = as_numbers(times, "times of events")
+    start, end = as_numbers(reference, "strides of the reference").reshape(-1, 2).T
+    for what, given in (("times of events", times), ("strides of the reference", (start, end))):
+        if not np.isfinite(given).all():
+            raise InputError(f"{what}: some are not finite; leave out what was not measured.")
     order = np.argsort(start, kind="stable")
     place = np.searchsorted(start[order], times, side="right") - 1
     which = order[np.maximum(place, 0)] if len(order) else np.zeros(len(times), dtype=int)
@@ -112,8 +122,8 @@ def summarise_phases(phases: pd.DataFrame) -> pd.DataFrame:
     counts every stride as if it were independent of the others, which strides of one animal
     are not: it describes, and its p is too small.
 
-    A pattern is **random** where Rayleigh's p is above 0.05, else **in-phase** for a mean
-    below 0.25 or above 0.75 of a cycle and **anti-phase** between (paper 2009, section 3.6).
+    ``pattern`` names the phase relation, see :func:`pawnb.gait.phase_patterns.name_pattern`; where
+    the animals do not determine one, the note says how alike they would have to be.
 
     Parameters
     ----------
@@ -127,7 +137,8 @@ def summarise_phases(phases: pd.DataFrame) -> pd.DataFrame:
         deviation: :func:`~pawnb.gait.circular.circular_sd`; p: exact,
         :func:`~pawnb.gait.circular.rayleigh_p`; interval of 95 %:
         :func:`~pawnb.gait.animal_phases.interval_of_phases` for animals,
-        :func:`~pawnb.gait.circular.mean_interval` for strides. ``moore_r`` and ``moore_p``:
+        :func:`~pawnb.gait.circular.mean_interval` for strides; of r, ``r_low`` and ``r_high``:
+        :func:`~pawnb.gait.circular_length.length_interval`. ``moore_r`` and ``moore_p``:
         Moore's second-order test of the animals' mean vectors.
     """
     rows = []
@@ -139,13 +150,16 @@ def summarise_phases(phases: pd.DataFrame) -> pd.DataFrame:
         row |= {
             "mean": found.mean, "ci_low": found.low, "ci_high": found.high, "r": found.r,
             "circular_sd": found.circular_sd, "rayleigh_z": found.rayleigh_z,
-            "rayleigh_p": found.rayleigh_p, "moore_r": found.moore_r, "moore_p": found.moore_p,
-            "note": found.note,
+            "rayleigh_p": found.rayleigh_p, "r_low": found.r_low, "r_high": found.r_high,
+            "moore_r": found.moore_r, "moore_p": found.moore_p, "pattern": None,
         }  # fmt: skip
-        tested = found.n_animals > 1
-        if not tested and len(group) > 1:
-            row["note"] += f"; its {len(group)} strides are described in the columns ..._strides"
-        row["pattern"] = name_pattern(found.mean, found.rayleigh_p) if tested else None
+        notes = [found.note]
+        if found.n_animals > 1:
+            row["pattern"] = name_pattern(found.mean, found.r, found.n_animals)
+            notes.append(say_pattern(row["pattern"], found.r, found.n_animals))
+        elif len(group) > 1:
+            notes.append(f"its {len(group)} strides are described in the columns ..._strides")
+        row["note"] = "; ".join(note for note in notes if note)
         row |= {f"{k}_strides": v for k, v in describe_phases(strides).items()}
         rows.append(row)
     return pd.DataFrame(rows, columns=list(PHASE_SUMMARY_COLUMNS))
@@ -162,10 +176,13 @@ def describe_phases(phases: np.ndarray) -> dict[str, Any]:
     Returns
     -------
     dict
-        mean, ci_low, ci_high, r, circular_sd, rayleigh_z, rayleigh_p and pattern. All
-        NaN (pattern None) for an empty sample, all but the mean for a sample of one.
+        mean, ci_low, ci_high, r, circular_sd, rayleigh_z, rayleigh_p, pattern, r_low and
+        r_high. All NaN (pattern None) for an empty sample, all but the mean for a sample of one.
     """
-    names = ("mean", "ci_low", "ci_high", "r", "circular_sd", "rayleigh_z", "rayleigh_p")
+    names = (
+        "mean", "ci_low", "ci_high", "r", "circular_sd", "rayleigh_z", "rayleigh_p", "r_low",
+        "r_high",
+    )  # fmt: skip
     blank: dict[str, Any] = {**dict.fromkeys(names, math.nan), "pattern": None}
     if len(phases) == 0:
         return blank
@@ -173,7 +190,7 @@ def describe_phases(phases: np.ndarray) -> dict[str, Any]:
     if n == 1:
         return {**blank, "mean": mean}
     low, high = mean_interval(mean, r, n)
-    p = rayleigh_p(n, r)
+    r_low, r_high = length_interval(r, n)
     return {
         "mean": mean,
         "ci_low": low,
@@ -181,26 +198,8 @@ def describe_phases(phases: np.ndarray) -> dict[str, Any]:
         "r": r,
         "circular_sd": circular_sd(r),
         "rayleigh_z": n * r**2,
-        "rayleigh_p": p,
-        "pattern": name_pattern(mean, p),
+        "rayleigh_p": rayleigh_p(n, r),
+        "pattern": name_pattern(mean, r, n),
+        "r_low": r_low,
+        "r_high": r_high,
     }
-
-
-def name_pattern(mean: float, p: float) -> str:
-    """Name the pattern of a pair of legs; the rule is that of :func:`summarise_phases`.
-
-    Parameters
-    ----------
-    mean : float
-        Mean phase in cycles.
-    p : float
-        Rayleigh's p.
-
-    Returns
-    -------
-    str
-        ``"in-phase"``, ``"anti-phase"`` or ``"random"``.
-    """
-    if p > RAYLEIGH_LEVEL or not math.isfinite(mean):
-        return "random"
-    return "anti-phase" if 0.25 <= mean <= 0.75 else "in-phase"

@@ -17,6 +17,7 @@ from scipy.stats import f as fisher
 from scipy.stats import rankdata
 
 from pawnb.errors import InputError
+from pawnb.gait.checks import as_numbers
 from pawnb.gait.circular import MeanVector, check_phases, resultant_p, wrap
 from pawnb.gait.circular_sample import ONE_ANIMAL, TINY, CircularTest, animal_codes
 
@@ -210,7 +211,7 @@ def moore_test(means: np.ndarray, lengths: np.ndarray) -> CircularTest:
 
 def _components(means: np.ndarray, lengths: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the ends of the vectors; refuse lengths that no mean vector can have."""
-    means, lengths = check_phases(means), np.asarray(lengths, dtype=float).ravel()
+    means, lengths = check_phases(means), as_numbers(lengths, "lengths")
     if len(means) != len(lengths) or not ((lengths >= 0.0) & (lengths <= 1.0)).all():
         raise InputError(
             f"lengths: expected {len(means)} numbers from 0 to 1, the length of each mean vector."

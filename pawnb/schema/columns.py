@@ -50,6 +50,10 @@ PHASE_SUMMARY_COLUMNS = (
     "moore_r",
     "moore_p",
     "note",
+    "r_low",
+    "r_high",
+    "r_low_strides",
+    "r_high_strides",
 )
 DROPPED_COLUMNS = ("animal", "trial", "leg", "start_s", "end_s", "what", "why")
 SUSPECTS_COLUMNS = ("frame", "view", "point", "reason", "score")

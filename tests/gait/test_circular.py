@@ -127,9 +127,20 @@ def test_interval_may_wrap():
     assert (high - low) % 1.0 * 180 == pytest.approx(30.9335080837, abs=1e-6)
 
 
-@pytest.mark.parametrize(("r", "n"), [(0.1, 10), (1.0, 1), (0.6, 4)])
-def test_interval_that_does_not_exist_is_nan(r, n):
-    assert all(math.isnan(v) for v in mean_interval(0.2, r, n))
+@pytest.mark.parametrize(("r", "n"), [(0.1, 10), (0.6, 4)])
+def test_interval_of_a_mean_that_may_be_any_is_95_percent_of_the_cycle(r, n):
+    assert mean_interval(0.2, r, n) == pytest.approx((0.725, 0.675))
+    assert mean_interval(math.nan, 0.0, n) == (0.0, 1.0)
+
+
+def test_one_phase_has_no_interval():
+    assert all(math.isnan(v) for v in mean_interval(0.2, 1.0, 1))
+
+
+@pytest.mark.parametrize("bad", [200.0, 6.1, -180.0, 1e308])
+def test_degrees_and_radians_are_refused(bad):
+    with pytest.raises(InputError, match=r"^phases: 1 of 3 are far from a cycle, such as .*360"):
+        mean_vector(np.array([0.1, bad, 0.3]))
 
 
 @settings(deadline=None)

@@ -95,7 +95,9 @@ def test_what_follows_from_the_mean_vector(row):
     expected = [pytest.approx(v, abs=d) for v, d in
                 ((circular, 5e-5), (angular, 5e-5), (z, 1e-5))]  # fmt: skip
     expected.append(pytest.approx(zar, rel=2e-5, abs=0))
-    expected += [pytest.approx(v, abs=1e-3, nan_ok=True) for v in (low % 360, high % 360)]
+    if math.isnan(low):  # the libraries' formula has no answer; ours is 95 % of the cycle
+        low, high = mean - 171.0, mean + 171.0
+    expected += [pytest.approx(v, abs=1e-3) for v in (low % 360, high % 360)]
     assert found(r) == expected
     twin = found(r - 1e-4)
     for value, wanted in zip(twin[:4], expected, strict=False):

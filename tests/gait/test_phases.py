@@ -10,10 +10,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from pawnb.errors import InputError
+from pawnb.gait.phase_patterns import length_needed, name_pattern
 from pawnb.gait.phases import (
     build_phases,
     describe_phases,
-    name_pattern,
     phase_lags,
     summarise_phases,
 )
@@ -173,16 +174,62 @@ def test_repeating_an_animals_strides_changes_no_animal_statistic(phase, times):
 
 
 @pytest.mark.parametrize(
-    ("mean", "p", "pattern"),
+    ("mean", "r", "n", "pattern"),
     [
-        (0.5, 0.001, "anti-phase"), (0.25, 0.05, "anti-phase"), (0.75, 0.01, "anti-phase"),
-        (0.24, 0.001, "in-phase"), (0.98, 0.001, "in-phase"), (0.5, 0.051, "random"),
-        (math.nan, 0.9, "random"),
+        (0.5, 0.95, 6, "anti-phase"), (0.4, 0.95, 6, "anti-phase"), (0.6, 0.95, 6, "anti-phase"),
+        (0.29, 0.95, 6, "shifted"), (0.39, 0.95, 6, "shifted"), (0.11, 0.95, 6, "shifted"),
+        (0.1, 0.95, 6, "in-phase"), (0.98, 0.95, 6, "in-phase"), (0.9, 0.95, 6, "in-phase"),
+        (0.507, 0.996, 2, "not determined"),  # Rayleigh's p of two animals so near: 0.057
+        (0.507, 0.998, 2, "anti-phase"),  # 0.040
+        (0.5, 0.4, 5, "not determined"), (0.5, 0.05, 30, "random"), (0.5, 0.05, 3, "random"),
+        (0.5, 0.1, 8, "random"), (0.5, 0.3, 8, "not determined"), (0.5, 0.3, 400, "random"),
+        (math.nan, 0.0, 20, "random"),
     ],
 )  # fmt: skip
-def test_pattern_follows_its_rule(mean, p, pattern):
-    # paper 2009, section 3.6: below 0.25 or above 0.75 in-phase, between them anti-phase
-    assert name_pattern(mean, p) == pattern
+def test_pattern_follows_its_rule(mean, r, n, pattern):
+    # within 0.1 cycle of 0 or of 0.5, or shifted; random only where r is surely below 0.5
+    assert name_pattern(mean, r, n) == pattern
+
+
+def test_a_pattern_that_is_not_determined_says_what_it_would_take():
+    # two phases 0.06 cycle apart: Kluyver's p for n = 2 is their distance over half a cycle
+    row = summarise_phases(table({"a": [0.48], "b": [0.54]})).iloc[0]
+    assert row["pattern"] == "not determined"
+    assert row["rayleigh_p"] == pytest.approx(0.12)
+    # p 0.05 is a distance of 0.025 cycle, r = cos(pi 0.025)
+    assert length_needed(2) == pytest.approx(math.cos(0.025 * math.pi))
+    assert "2 animals reach p 0.05 only with an r of 0.997 or more" in row["note"]
+    assert "smallest p possible" in row["note"]
+    near = summarise_phases(table({"a": [0.50], "b": [0.51]})).iloc[0]
+    assert (near["pattern"], near["note"]) == ("anti-phase", "")
+
+
+def test_a_weak_preference_of_many_is_said():
+    values = np.mod(np.arange(60) / 60 + 0.1 * np.sin(2 * np.pi * np.arange(60) / 60), 1)
+    row = summarise_phases(table({f"m{i}": [v] for i, v in enumerate(values)})).iloc[0]
+    assert row["rayleigh_p"] < 0.05 < 0.25 < row["r"] < row["r_high"] < 0.5
+    assert row["pattern"] == "random"
+    assert "weak preference" in row["note"]
+
+
+def test_flies_legs_are_not_random(real_data):
+    # one fly: its strides; LF to LM has a mean phase of 0.31, which is no anti-phase
+    contact = pd.read_csv(real_data("fly-6leg-contact") / "ground_truth_contact_fly1.csv")
+    names = {}
+    for leg, reference in (("RF", "LF"), ("RH", "LH"), ("LF", "LM")):
+        lift, base = (
+            np.flatnonzero(np.diff(contact[x].to_numpy()) == -1) for x in (leg, reference)
+        )
+        names[leg] = describe_phases(phase_lags(lift, spans(base))[1])["pattern"]
+    assert names == {"RF": "anti-phase", "RH": "anti-phase", "LF": "shifted"}
+
+
+@pytest.mark.parametrize("bad", [np.inf, np.nan])
+def test_times_that_are_not_finite_are_refused(bad):
+    with pytest.raises(InputError, match=r"^times of events: some are not finite"):
+        phase_lags(np.array([0.1, bad]), np.array([[0.0, 1.0]]))
+    with pytest.raises(InputError, match=r"^strides of the reference: some are not finite"):
+        phase_lags(np.array([0.1]), np.array([[0.0, bad]]))
 
 
 def test_an_empty_table_has_its_columns():
