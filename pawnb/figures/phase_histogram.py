@@ -14,7 +14,7 @@ from matplotlib.patches import Patch
 
 from pawnb.errors import InputError
 from pawnb.figures.panels import add_heading, label_outer, make_panels, say_counts, say_phase
-from pawnb.figures.phases_shown import choose_pairs, mean_of_pair
+from pawnb.figures.phases_shown import ANTI_PHASE_ZONE, choose_pairs, mean_of_pair
 from pawnb.figures.style import OKABE_ITO, style
 from pawnb.schema import check_columns
 
@@ -115,7 +115,7 @@ def _draw(ax: Axes, own: pd.DataFrame) -> None:
     """Draw one pair of legs."""
     first = own.iloc[0]
     top = max(float(own["count"].max()), 1.0)
-    ax.axvspan(0.25, 0.75, color="0.92", linewidth=0)
+    ax.axvspan(*ANTI_PHASE_ZONE, color="0.92", linewidth=0)
     ax.bar(own["bin_start"], own["count"], width=own["bin_end"] - own["bin_start"],
            align="edge", color=OKABE_ITO["sky blue"], edgecolor="white", linewidth=0.3)  # fmt: skip
     if math.isfinite(first["mean"]):
@@ -130,7 +130,8 @@ def _draw(ax: Axes, own: pd.DataFrame) -> None:
     said = say_phase(first["mean"]) if math.isfinite(first["mean"]) else "no mean"
     if math.isfinite(first["ci_low"]):
         said += f" [{say_phase(first['ci_low'])}, {say_phase(first['ci_high'])}]"
-    said += f" {first['pattern']}" if isinstance(first["pattern"], str) else ""
+    if isinstance(first["pattern"], str):
+        said += f" {first['pattern']}"
     counts = say_counts(int(first["n"]), "stride", int(first["n_animals"]))
     add_heading(ax, f"{first['leg']} to {first['reference']}", f"{said}\n{counts}")
 

@@ -1,10 +1,9 @@
-"""Phase lag against speed, with the limits of anti-phase (paper 2009, Figs. 4.18, 4.19)."""
+"""Phase lag against speed, with each animal's line (paper 2009, Figs. 4.18, 4.19)."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -20,17 +19,16 @@ from pawnb.figures.panels import (
     speed_unit,
     with_unit,
 )
-from pawnb.figures.phases_shown import choose_pairs
+from pawnb.figures.phases_shown import ANTI_PHASE_ZONE, choose_pairs
 from pawnb.figures.style import mark_animals, style
 from pawnb.gait.circular import mean_vector
-from pawnb.gait.circular_correlation import angular_linear
+from pawnb.gait.phase_slopes import phases_at_speeds, slope_of_pair
 from pawnb.schema import check_columns
 
 COLUMNS = (
-    "leg", "reference", "animal", "trial", "stride", "speed", "phase", "n_strides", "r_al", "p",
-    "n_animals", "basis",
+    "leg", "reference", "animal", "trial", "stride", "speed", "phase", "n_strides", "slope",
+    "ci_low", "ci_high", "p", "n_animals", "animal_slope", "animal_speed", "animal_phase", "note",
 )  # fmt: skip
-_FEWEST = 4
 
 
 def build_phase_speed_table(
@@ -41,7 +39,7 @@ def build_phase_speed_table(
     per: str = "trial",
     speed: str = "speed",
 ) -> pd.DataFrame:
-    """Put phase lags beside the speed at which they were measured, and correlate them.
+    """Put phase lags beside the speed at which they were measured, with slopes within animals.
 
     Parameters
     ----------
@@ -53,7 +51,7 @@ def build_phase_speed_table(
         Pairs to show; default all.
     per : {"trial", "stride"}
         One point a trial (circular mean of its phases, mean of its speeds), as the paper, or
-        one a stride.
+        one a stride. Slopes are those of strides in both.
     speed : str
         Column of the strides on the x axis.
 
@@ -61,9 +59,9 @@ def build_phase_speed_table(
     -------
     pandas.DataFrame
         ``COLUMNS``, one row a point (``stride`` 0 for whole trials). The same in all rows of a
-        pair: the angular-linear correlation ``r_al`` (Eq. 3.26) and its p by permutation.
-        ``basis`` says what they count: ``animals`` with four or more, each by its means; else
-        ``trials`` or ``strides`` as if they were independent, and blank below four points.
+        pair: mean ``slope`` of phase on speed within ``n_animals`` animals, its interval and p
+        (:func:`pawnb.gait.phase_slopes.phase_speed_table`), and its ``note``. The same in all rows
+        of an animal: its own slope, and the mean speed and phase through which its line runs.
 
     Raises
     ------
@@ -71,23 +69,18 @@ def build_phase_speed_table(
         If a column is missing, no stride has a speed, a pair is not there, or ``per`` is
         unknown.
     """
-    check_columns(strides, ("animal", "trial", "leg", "stride", speed), where="strides")
     if per not in ("trial", "stride"):
         raise InputError(f"per is {per!r}; expected 'trial' or 'stride'.")
-    keys = ["animal", "trial", "stride"]
+    chosen = choose_pairs(phases, pairs, where="phase against speed")
+    known = phases_at_speeds(pd.concat([own for _, own in chosen]), strides, speed=speed)
     parts = []
-    for (leg, reference), own in choose_pairs(phases, pairs, where="phase against speed"):
-        base = strides.loc[strides["leg"] == reference, [*keys, speed]]
-        points = own.merge(base.rename(columns={speed: "speed"}), on=keys)
-        points = points[points["speed"].notna()].assign(n_strides=1)
-        if per == "trial":
-            points = _by_trial(points)
-        if len(points):
-            about = _correlate(points, per)
-            parts.append(points.assign(leg=leg, reference=reference, **about))
-    if not parts:
-        raise InputError(
-            f"phase against speed: no stride has a {speed}; speeds need tracks, or a belt speed."
+    for (leg, reference), own in known.groupby(["leg", "reference"], sort=False):
+        points = _by_trial(own) if per == "trial" else own.assign(n_strides=1)
+        about = slope_of_pair(own)
+        parts.append(
+            points.merge(_lines(own), on="animal").assign(
+                leg=str(leg), reference=str(reference), **about
+            )
         )
     return pd.concat(parts, ignore_index=True)[list(COLUMNS)]
 
@@ -104,28 +97,25 @@ def _by_trial(points: pd.DataFrame) -> pd.DataFrame:
     return table[table["phase"].notna()]
 
 
-def _correlate(points: pd.DataFrame, per: str) -> dict[str, Any]:
-    """Correlate phase with speed, animals counting once where there are enough of them."""
-    n_animals = int(points["animal"].nunique())
-    by_animal = n_animals >= _FEWEST
-    about: dict[str, Any] = {"r_al": np.nan, "p": np.nan, "n_animals": n_animals}
-    about["basis"] = "animals" if by_animal else f"{per}s"
-    try:
-        found = angular_linear(
-            points["phase"].to_numpy(dtype=float),
-            points["speed"].to_numpy(dtype=float),
-            animals=points["animal"].tolist() if by_animal else None,
-        )
-    except InputError:  # too few points, or all speeds the same: there is no correlation
-        return about
-    return about | {"r_al": found.r, "p": found.p_permutation}
+def _lines(own: pd.DataFrame) -> pd.DataFrame:
+    """Return each animal's slope, and a point of its line."""
+    rows = [
+        {"animal": animal, "animal_slope": slope_of_pair(part)["slope"],
+         "animal_speed": float(part["speed"].mean()),
+         "animal_phase": mean_vector(part["phase"].to_numpy(dtype=float)).mean}
+        for animal, part in own.groupby("animal", sort=False)
+    ]  # fmt: skip
+    return pd.DataFrame(rows)
 
 
 def plot_phase_speed(
     table: pd.DataFrame, *, ax: Axes | None = None, unit: str | None = None,
     x_label: str | None = None,
 ) -> Axes:  # fmt: skip
-    """Draw phase against speed: a shape an individual, anti-phase between the dashed lines.
+    """Draw phase against speed: a shape and a line an individual, anti-phase between dashes.
+
+    Above each panel stands the mean slope of the animals in cycles for each unit of speed, with
+    its interval of 95 %.
 
     Parameters
     ----------
@@ -160,7 +150,8 @@ def plot_phase_speed(
             for animal, part in own.groupby("animal", sort=True):
                 draw_points(panel, part["speed"], part["phase"], mark=marks[str(animal)],
                             alpha=0.8, clip_on=False)  # fmt: skip
-            for limit in (0.25, 0.75):
+                _draw_line(panel, part)
+            for limit in ANTI_PHASE_ZONE:
                 panel.axhline(limit, color="0.4", linewidth=0.7, linestyle=(0, (4, 2)))
             panel.set_ylim(-0.03, 1.03)
             panel.set_yticks([0.0, 0.25, 0.5, 0.75, 1.0], ["0", "", "0.5", "", "1"])
@@ -172,14 +163,25 @@ def plot_phase_speed(
     return panels[0]
 
 
+def _draw_line(ax: Axes, part: pd.DataFrame) -> None:
+    """Draw an animal's line over the speeds of its points; it may leave the cycle and return."""
+    first = part.iloc[0]
+    if not math.isfinite(first["animal_slope"]):
+        return
+    x = np.array([part["speed"].min(), part["speed"].max()])
+    y = first["animal_phase"] + first["animal_slope"] * (x - first["animal_speed"])
+    for turn in range(math.floor(y.min()), math.floor(y.max()) + 1):
+        ax.plot(x, y - turn, color="0.35", linewidth=0.6)
+
+
 def _say(own: pd.DataFrame) -> str:
-    """Return correlation, p, and what they count."""
+    """Return the slope with its interval, p, and how many animals they count."""
     first = own.iloc[0]
     animals = int(first["n_animals"])
+    if not animals:
+        return "no animal at several speeds"
     who = f"{animals} animal{'s' * (animals != 1)}"
-    if not math.isfinite(first["r_al"]):
-        return f"{len(own)} {first['basis']}, {who}: no r" if first["basis"] != "animals" else who
+    if not math.isfinite(first["ci_low"]):
+        return f"slope {first['slope']:.2g}, {who}"
     p = "p < 0.001" if first["p"] < 0.001 else f"p {first['p']:.3f}"
-    if first["basis"] == "animals":
-        return f"r {first['r_al']:.2f}, {p}, {who}"
-    return f"r {first['r_al']:.2f}, {p} if {len(own)} {first['basis']}\nof {who} were independent"
+    return f"slope {first['slope']:.2g} [{first['ci_low']:.2g}, {first['ci_high']:.2g}]\n{p}, {who}"

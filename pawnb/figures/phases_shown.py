@@ -10,8 +10,12 @@ import pandas as pd
 
 from pawnb.errors import InputError
 from pawnb.gait.circular import mean_vector
+from pawnb.gait.phase_patterns import NEAR
 from pawnb.gait.phases import summarise_phases
 from pawnb.schema import PHASES_COLUMNS, check_columns
+
+ANTI_PHASE_ZONE = (0.5 - NEAR, 0.5 + NEAR)
+"""Cycles between which a mean phase is anti-phase."""
 
 
 def choose_pairs(

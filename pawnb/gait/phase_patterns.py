@@ -85,7 +85,8 @@ def say_pattern(pattern: str, r: float, n: int) -> str:
     if pattern == NOT_DETERMINED:
         return (
             f"pattern not determined: Rayleigh's p is {p:.2g}; {n} animals reach p "
-            f"{RAYLEIGH_LEVEL} only with an r of {length_needed(n):.3f} or more (smallest p possible: 0, at r 1)"
+            f"{RAYLEIGH_LEVEL} only with an r of {length_needed(n):.3f} or more "
+            "(smallest p possible: 0, at r 1)"
         )
     if pattern == RANDOM and p <= RAYLEIGH_LEVEL:
         return f"r is surely below {RANDOM_LENGTH}, but there is a weak preference (p {p:.2g})"

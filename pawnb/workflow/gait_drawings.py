@@ -26,7 +26,7 @@ from pawnb.gait.cycles import (
     cut_cycles,
 )
 from pawnb.gait.notes import Note
-from pawnb.workflow.gait_statistics import Groups, is_paired, with_group
+from pawnb.workflow.gait_statistics import Groups, is_paired, length_unit, with_group
 
 Drawn = tuple[pd.DataFrame, Any]
 
@@ -77,12 +77,6 @@ def gait_drawings(
     yield from _of_strides(tables, unit, tables.notes if notes is None else notes)
     if groups:
         yield from _of_groups(tables, groups, unit)
-
-
-def length_unit(tables: GaitTables) -> str | None:
-    """Return the unit of lengths, where all trials have the same; None where not known."""
-    units = {one.unit for one in tables.signals if one.signal == POSITION}
-    return units.pop() if len(units) == 1 else None
 
 
 def make_drawing(

@@ -8,11 +8,14 @@ import numpy as np
 import pandas as pd
 
 from pawnb.errors import InputError
+from pawnb.figures.panels import speed_unit
 from pawnb.gait import GaitTables, body_angles
 from pawnb.gait.animal_summary import summarise_animals
+from pawnb.gait.cycles import POSITION
 from pawnb.gait.durations import compare_legs, stride_duration_by_leg
 from pawnb.gait.groups import adjust_p, compare_groups
 from pawnb.gait.joints import get_joint_angles, joint_range_table
+from pawnb.gait.phase_slopes import phase_speed_table
 from pawnb.gait.scaling import speed_table
 from pawnb.gait.selection import steadiness
 from pawnb.gait.stride_measures import MEASURE_COLUMNS
@@ -58,6 +61,7 @@ def statistics_tables(
         ``stride_durations`` (whether legs keep one rhythm, trial by trial), ``legs`` (whether
         measures differ between legs, over two animals or more),
         ``against_speed`` (Pullar 2009, Table 4.5; three trials or more of known speed),
+        ``phase_speed`` (slopes of phase on speed within animals, where speeds are known),
         ``joint_ranges`` (Table 4.6) and ``groups`` (two groups or more: measures leg by leg
         and phases pair by pair, p adjusted by Holm over all rows).
     notes : list of str
@@ -72,6 +76,7 @@ def statistics_tables(
         found["stride_durations"] = stride_duration_by_leg(strides)
         found["legs"] = _compare_legs(strides)
         found["against_speed"] = _against_speed(strides)
+        found["phase_speed"] = _phase_speed(tables)
     if angles is not None and len(angles):
         found["joint_ranges"] = joint_range_table(angles)
     if groups:
@@ -80,6 +85,12 @@ def statistics_tables(
         except InputError as error:
             notes.append(f"groups are not compared: {error}")
     return {name: table for name, table in found.items() if len(table)}, notes
+
+
+def length_unit(tables: GaitTables) -> str | None:
+    """Return the unit of lengths, where all trials have the same; None where not known."""
+    units = {one.unit for one in tables.signals if one.signal == POSITION}
+    return units.pop() if len(units) == 1 else None
 
 
 def known_measures(strides: pd.DataFrame) -> list[str]:
@@ -170,6 +181,17 @@ def _against_speed(strides: pd.DataFrame) -> pd.DataFrame:
             if len(known) >= _FEWEST_TRIALS and known[x].nunique() >= _FEWEST_TRIALS:
                 parts.append(speed_table(strides, [outcome], [x]))
     return pd.concat(parts, ignore_index=True) if parts else pd.DataFrame()
+
+
+def _phase_speed(tables: GaitTables) -> pd.DataFrame:
+    """Fit phases on speed within animals; empty where there are no phases or no speeds."""
+    if tables.phases.empty or not tables.strides["speed"].notna().any():
+        return pd.DataFrame()
+    unit = speed_unit(length_unit(tables))
+    try:
+        return phase_speed_table(tables.phases, tables.strides, unit=unit)
+    except InputError:  # strides of reference legs have no speed
+        return pd.DataFrame()
 
 
 def _compare(tables: GaitTables, groups: Groups) -> pd.DataFrame:

@@ -1,4 +1,4 @@
-"""Phase against speed: points by hand, and correlations that count animals."""
+"""Phase against speed: points by hand, and slopes within animals."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pytest
 
 from pawnb.errors import InputError
 from pawnb.figures import build_phase_speed_table, plot_phase_speed
-from pawnb.gait.circular_correlation import angular_linear
+from pawnb.gait.phase_slopes import phase_speed_table
 
 mpl.use("Agg")
 
@@ -45,25 +45,43 @@ def test_a_point_is_a_trial():
     assert first["n_strides"] == 3
 
 
-def test_the_correlation_counts_animals():
-    table = build_phase_speed_table(*tables())
-    expected = angular_linear(
-        table["phase"].to_numpy(), table["speed"].to_numpy(), animals=table["animal"].tolist()
-    )
-    assert set(table["basis"]) == {"animals"}
-    np.testing.assert_allclose(table["r_al"], expected.r)
-    np.testing.assert_allclose(table["p"], expected.p_permutation)
-    assert (table["n_animals"] == 5).all()
+def test_slopes_are_those_within_animals():
+    phases, strides = tables()
+    table = build_phase_speed_table(phases, strides)
+    expected = phase_speed_table(phases, strides).iloc[0]
+    for name in ("slope", "ci_low", "ci_high", "p", "n_animals"):
+        assert set(table[name]) == {expected[name]}
+    # each animal's own line, by least squares on its six strides
+    m1 = phases["animal"] == "m1"
+    own = np.polyfit(strides.loc[m1, "speed"], phases.loc[m1, "phase"], 1)
+    row = table[table["animal"] == "m1"].iloc[0]
+    assert row["animal_slope"] == pytest.approx(own[0])
+    assert row["animal_phase"] == pytest.approx(np.polyval(own, row["animal_speed"]), abs=1e-4)
 
 
-def test_few_animals_are_said_to_be_counted_as_trials():
-    table = build_phase_speed_table(*tables(n_animals=2, trials=4))
-    assert set(table["basis"]) == {"trials"}
-    said = plot_phase_speed(table).texts[0].get_text()
-    assert said.endswith("if 8 trials\nof 2 animals were independent")
+def test_what_is_said_above_a_panel():
+    found = build_phase_speed_table(*tables())
+    said = plot_phase_speed(found).texts[0].get_text()
+    first = found.iloc[0]
+    assert said.startswith(f"slope {first['slope']:.2g} [")
+    assert first["p"] < 0.001
+    assert said.endswith("]\np < 0.001, 5 animals")
     alone = build_phase_speed_table(*tables(n_animals=1, trials=2))
-    assert alone["r_al"].isna().all()
-    assert plot_phase_speed(alone).texts[0].get_text() == "2 trials, 1 animal: no r"
+    assert alone["p"].isna().all()
+    assert plot_phase_speed(alone).texts[0].get_text().endswith(", 1 animal")
+    phases, strides = tables()
+    flat = build_phase_speed_table(phases, strides.assign(speed=100.0))
+    assert plot_phase_speed(flat).texts[0].get_text() == "no animal at several speeds"
+
+
+def test_lines_of_animals_leave_the_cycle_and_return():
+    phases, strides = tables(n_animals=1, trials=5)
+    rising = 0.9 + 0.01 * (strides["speed"] - 100.0)
+    table = build_phase_speed_table(phases.assign(phase=rising % 1.0), strides)
+    lines = [line for line in plot_phase_speed(table).lines if line.get_linestyle() == "-"]
+    assert len(lines) == 2
+    ends = np.array([line.get_ydata() for line in lines])
+    assert ends[0] - ends[1] == pytest.approx([1.0, 1.0])
 
 
 def test_every_stride_can_be_a_point():
@@ -81,7 +99,7 @@ def test_points_limits_and_marks():
     drawn = np.concatenate([p.get_xydata() for p in points])
     np.testing.assert_allclose(drawn, table[["speed", "phase"]])
     limits = [set(line.get_ydata()) for line in ax.lines if line.get_linestyle() == "--"]
-    assert limits == [{0.25}, {0.75}]
+    assert limits == [{0.4}, {0.6}]
     assert ax.get_xlabel() == "Speed (mm/s)"
     assert ax.get_ylabel() == "Phase (cycles)"
     names = [t.get_text() for t in ax.figure.legends[0].get_texts()]
