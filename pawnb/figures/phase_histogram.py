@@ -14,7 +14,7 @@ from matplotlib.patches import Patch
 
 from pawnb.errors import InputError
 from pawnb.figures.panels import add_heading, label_outer, make_panels, say_counts, say_phase
-from pawnb.figures.phases_shown import ANTI_PHASE_ZONE, choose_pairs, mean_of_pair
+from pawnb.figures.phases_shown import ANTI_PHASE_ZONE, choose_pairs, mean_of_pair, say_interval
 from pawnb.figures.style import OKABE_ITO, style
 from pawnb.schema import check_columns
 
@@ -128,10 +128,8 @@ def _draw(ax: Axes, own: pd.DataFrame) -> None:
     ax.set_xticks([0.0, 0.25, 0.5, 0.75, 1.0], ["0", "", "0.5", "", "1"])
     ax.locator_params(axis="y", nbins=4, integer=True)
     said = say_phase(first["mean"]) if math.isfinite(first["mean"]) else "no mean"
-    if math.isfinite(first["ci_low"]):
-        said += f" [{say_phase(first['ci_low'])}, {say_phase(first['ci_high'])}]"
-    if isinstance(first["pattern"], str):
-        said += f" {first['pattern']}"
+    words = [said, say_interval(first["ci_low"], first["ci_high"]), first["pattern"]]
+    said = " ".join(word for word in words if isinstance(word, str) and word)
     counts = say_counts(int(first["n"]), "stride", int(first["n_animals"]))
     add_heading(ax, f"{first['leg']} to {first['reference']}", f"{said}\n{counts}")
 

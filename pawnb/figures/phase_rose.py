@@ -13,7 +13,7 @@ from matplotlib.projections.polar import PolarAxes
 
 from pawnb.errors import InputError
 from pawnb.figures.panels import say_counts, say_phase
-from pawnb.figures.phases_shown import choose_pairs, mean_of_pair
+from pawnb.figures.phases_shown import choose_pairs, interval_length, mean_of_pair, say_interval
 from pawnb.figures.style import OKABE_ITO, figure_size, get_style, small_pt, style
 from pawnb.gait.circular import mean_vector
 from pawnb.schema import check_columns
@@ -152,7 +152,7 @@ def _draw_rose(ax: PolarAxes, own: pd.DataFrame) -> None:
         )  # fmt: skip
     low, high = first["ci_low"], first["ci_high"]
     if math.isfinite(low) and math.isfinite(high):
-        arc = 2.0 * math.pi * (low + np.linspace(0.0, (high - low) % 1.0, 91))
+        arc = 2.0 * math.pi * (low + np.linspace(0.0, interval_length(low, high), 91))
         ax.plot(arc, np.full(len(arc), 1.05), color="black", linewidth=2.0, clip_on=False,
                 solid_capstyle="butt")  # fmt: skip
     ax.set_ylim(0.0, 1.0)
@@ -165,7 +165,7 @@ def _draw_rose(ax: PolarAxes, own: pd.DataFrame) -> None:
     found = "no mean, "
     if math.isfinite(first["basis_mean"]):
         found = f"mean {say_phase(first['basis_mean'])} "
-        found += f"[{say_phase(low)}, {say_phase(high)}] " if math.isfinite(low) else ""
+        found += f"{say_interval(low, high)} " if math.isfinite(low) else ""
         found += "cycle, "
     ax.set_title(f"{first['leg']} relative to {first['reference']}", pad=8.0)
     ax.set_xlabel(

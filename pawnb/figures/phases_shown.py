@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -9,6 +10,7 @@ import numpy as np
 import pandas as pd
 
 from pawnb.errors import InputError
+from pawnb.figures.panels import say_phase
 from pawnb.gait.circular import mean_vector
 from pawnb.gait.phase_patterns import NEAR
 from pawnb.gait.phases import summarise_phases
@@ -58,6 +60,40 @@ def choose_pairs(
             known = ", ".join(f"{a} to {b}" for a, b in groups)
             raise InputError(f"{where}: no phase of {pair[0]} to {pair[1]}; there are {known}.")
     return [(pair, groups[pair]) for pair in wanted]
+
+
+def say_interval(low: float, high: float) -> str:
+    """Return an interval of phases in brackets; empty where there is none.
+
+    Parameters
+    ----------
+    low, high : float
+        Ends in cycles; 0 and 1 for the whole cycle.
+
+    Returns
+    -------
+    str
+        As ``"[0.95, 0.05]"``.
+    """
+    if not (math.isfinite(low) and math.isfinite(high)):
+        return ""
+    return f"[{say_phase(low)}, {'1.00' if high - low == 1.0 else say_phase(high)}]"
+
+
+def interval_length(low: float, high: float) -> float:
+    """Return the length of an interval of phases that may wrap, in cycles.
+
+    Parameters
+    ----------
+    low, high : float
+        Ends in cycles; 0 and 1 for the whole cycle.
+
+    Returns
+    -------
+    float
+        0 to 1.
+    """
+    return 1.0 if high - low == 1.0 else (high - low) % 1.0
 
 
 def mean_of_pair(own: pd.DataFrame, summary: pd.DataFrame | None) -> dict[str, Any]:

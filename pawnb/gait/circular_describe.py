@@ -10,8 +10,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
-from scipy.special import ive
 
 from pawnb.errors import InputError
 from pawnb.gait.circular import (
@@ -22,6 +20,7 @@ from pawnb.gait.circular import (
     mean_interval,
     mean_vector,
 )
+from pawnb.gait.circular_length import kappa_of_length
 
 
 class CircularDescription(NamedTuple):
@@ -191,21 +190,12 @@ def concentration(r: float, *, n: int | None = None, method: str = "exact") -> f
         raise InputError(f"method is {method!r}; expected 'exact' or 'fisher'.")
     if r < 1e-9 or r >= 1.0:
         return 0.0 if r < 1.0 else math.inf
-    kappa = _fisher_kappa(r) if method == "fisher" else _exact_kappa(r)
+    kappa = _fisher_kappa(r) if method == "fisher" else kappa_of_length(r)
     if n is None or n > 15:
         return kappa
     if kappa < 2.0:
         return max(kappa - 2.0 / (n * kappa), 0.0)
     return (n - 1) ** 3 * kappa / (n**3 + n)
-
-
-def _exact_kappa(r: float) -> float:
-    """Solve the equation of the maximum likelihood estimate."""
-
-    def excess(kappa: float) -> float:
-        return float(ive(1, kappa) / ive(0, kappa)) - r
-
-    return float(brentq(excess, 0.0, 2.0 / (1.0 - r)))
 
 
 def _fisher_kappa(r: float) -> float:

@@ -7,6 +7,7 @@ exact for phases of a von Mises distribution, for any number of them from two.
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable
 
@@ -114,13 +115,13 @@ def chance_of_length(r: float, n: int, kappa: float) -> tuple[float, float]:
     return _chances(r, n)(kappa)
 
 
+@functools.lru_cache(maxsize=8)
 def _chances(r: float, n: int) -> BelowR:
     """Return the function of kappa; see :func:`chance_of_length`."""
     if n == 2:
         return lambda kappa: _chances_of_two(r, kappa)
     total = n * r
-    saddle = brentq(lambda k: float(ive(1, k) / ive(0, k)) - r, 0.0, 2.0 / (1.0 - r))
-    middle = max(saddle, n**-0.5)
+    middle = max(kappa_of_length(r), n**-0.5)  # the saddle point, or near it
     step = min(middle / 8.0, math.sqrt(2.0 / n) * max(1.0, 0.7 * middle) / 2.0)
     paths: dict[float, tuple[np.ndarray, np.ndarray, np.ndarray]] = {}
 
@@ -147,7 +148,7 @@ def _path(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return a line of integration, and what of the integrand does not depend on kappa."""
     # beyond the peak the integrand falls at least as (height / u)^((n + 1) / 2)
-    reach = height * min(1000.0, 10.0 ** (60.0 / (n + 1))) + 24.0 * step
+    reach = height * min(1000.0, 10.0 ** (14.0 / (n + 1))) + 24.0 * step
     t = step * np.arange(math.ceil(reach / step)) + 1j * height
     # without its size where t is i height, which is put back with that of kappa
     common = np.exp(n * np.log(ive(0, -1j * t) / ive(0, height)) + 1j * total * t.real) * t
@@ -171,6 +172,22 @@ def _chances_of_two(r: float, kappa: float) -> tuple[float, float]:
     above = scale * integral(0.0, min(angle, far))
     below = scale * integral(angle, min(math.pi / 2.0, angle + far))
     return min(below, 1.0), min(above, 1.0)
+
+
+def kappa_of_length(r: float) -> float:
+    """Return the concentration of the von Mises distribution with a mean vector of a length.
+
+    Parameters
+    ----------
+    r : float
+        Length, 0 to below 1.
+
+    Returns
+    -------
+    float
+        kappa, that solves ``I1(kappa) / I0(kappa) = r``.
+    """
+    return float(brentq(lambda kappa: _length(kappa) - r, 0.0, 2.0 / (1.0 - r)))
 
 
 def _length(kappa: float) -> float:

@@ -7,8 +7,8 @@ import math
 
 from scipy.optimize import brentq
 
-from pawnb.gait.circular import rayleigh_p
-from pawnb.gait.circular_length import length_interval
+from pawnb.gait.circular import check_r, rayleigh_p
+from pawnb.gait.circular_length import chance_of_length, kappa_of_length
 
 IN_PHASE, ANTI_PHASE, SHIFTED = "in-phase", "anti-phase", "shifted"
 RANDOM, NOT_DETERMINED = "random", "not determined"
@@ -20,6 +20,7 @@ RANDOM_LENGTH = 0.5
 """Phases are random where their mean vector is surely shorter."""
 
 RAYLEIGH_LEVEL = 0.05
+_TAIL = 0.025
 
 
 def name_pattern(mean: float, r: float, n: int) -> str:
@@ -51,7 +52,9 @@ def name_pattern(mean: float, r: float, n: int) -> str:
     InputError
         If r is out of range.
     """
-    if length_interval(r, n)[1] < RANDOM_LENGTH:
+    check_r(r)
+    # the interval's upper end is below a length where so short an r is too rare under it
+    if r == 0.0 or (r < 1.0 and chance_of_length(r, n, _random_kappa())[0] < _TAIL):
         return RANDOM
     if not math.isfinite(mean) or rayleigh_p(n, r) > RAYLEIGH_LEVEL:
         return NOT_DETERMINED
@@ -91,6 +94,12 @@ def say_pattern(pattern: str, r: float, n: int) -> str:
     if pattern == RANDOM and p <= RAYLEIGH_LEVEL:
         return f"r is surely below {RANDOM_LENGTH}, but there is a weak preference (p {p:.2g})"
     return ""
+
+
+@functools.cache
+def _random_kappa() -> float:
+    """Return the concentration of the longest mean vector that is called random."""
+    return kappa_of_length(RANDOM_LENGTH)
 
 
 @functools.cache
