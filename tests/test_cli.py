@@ -10,6 +10,8 @@ import pandas as pd
 import pytest
 
 from pawnb import cli
+from pawnb.io.native import write_tracks
+from pawnb.schema import make_tracks
 from pawnb.trial import load_trial
 from pawnb.workflow import lab
 
@@ -18,6 +20,24 @@ def run(capsys, *words):
     status = cli.main([str(word) for word in words])
     captured = capsys.readouterr()
     return status, captured.out, captured.err
+
+
+def test_a_reader_that_leaves_changes_neither_status_nor_work(tmp_path, monkeypatch):
+    """As in ``pawnb check TRIAL 2>&1 | true``."""
+    (tmp_path / "trial.toml").write_text(
+        '[trial]\nkind = "tracks"\nname = "t"\nfps = 250.0\n[animal]\nid = "m"\n'
+        '[tracks]\nfile = "tracks.nc"\n'
+    )
+    tracks = make_tracks(range(9), ["FR", "FL"], fps=250.0, space=("x", "y"))
+    tracks["position"][:] = 1.0
+    write_tracks(tracks, tmp_path / "tracks.nc")
+    for folder, status in ((tmp_path, 0), (tmp_path / "none", 2)):
+        read_end, write_end = os.pipe()
+        os.close(read_end)
+        with open(write_end, "w") as pipe, monkeypatch.context() as patch:  # noqa: PTH123
+            patch.setattr("sys.stdout", pipe)
+            patch.setattr("sys.stderr", pipe)
+            assert cli.main(["check", str(folder)]) == status
 
 
 @pytest.mark.slow

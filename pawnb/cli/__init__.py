@@ -11,6 +11,7 @@ import warnings
 from collections.abc import Sequence
 
 from pawnb.cli.arguments import EXIT_BAD_INPUT, build_parser
+from pawnb.cli.output import readers_may_leave
 from pawnb.errors import InputWarning, PawnbError
 
 __all__ = ["EXIT_BAD_INPUT", "EXIT_INTERRUPTED", "main"]
@@ -32,6 +33,12 @@ def main(argv: Sequence[str] | None = None) -> int:
         0 on success, 2 on bad input, 130 when interrupted.
     """
     words = list(sys.argv[1:] if argv is None else argv)
+    with readers_may_leave():
+        return _main(words)
+
+
+def _main(words: list[str]) -> int:
+    """Run one command and print the notes of it."""
     options = build_parser().parse_args(words)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", InputWarning)

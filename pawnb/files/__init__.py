@@ -20,6 +20,7 @@ from pawnb.files.reading import (
 )
 from pawnb.files.whole import (
     is_leftover,
+    keep_copy,
     remove_leftovers,
     sync_folder,
     whole_file,
@@ -35,6 +36,7 @@ __all__ = [
     "child_folder",
     "distinct_name",
     "is_leftover",
+    "keep_copy",
     "locked",
     "parse_toml",
     "read_bytes",

@@ -84,6 +84,30 @@ def write_whole(path: str | Path, data: bytes) -> Path:
     return Path(path)
 
 
+def keep_copy(path: Path, word: str) -> Path:
+    """Keep what a file holds in a copy beside it; no earlier copy is written over.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    word : str
+        What stands before the ending of the copy: ``"before"`` makes ``start.before.csv``, then
+        ``start.before-2.csv`` ...
+
+    Returns
+    -------
+    Path
+        The copy; an earlier one where that holds the same.
+    """
+    data, number = path.read_bytes(), 1
+    copy = path.with_name(f"{path.stem}.{word}{path.suffix}")
+    while copy.exists() and copy.read_bytes() != data:
+        number += 1
+        copy = path.with_name(f"{path.stem}.{word}-{number}{path.suffix}")
+    return copy if copy.exists() else write_whole(copy, data)
+
+
 def write_all(file: FileIO, data: bytes) -> None:
     """Write to the end of the data; a disk that fills up may take a part without a word."""
     while data:

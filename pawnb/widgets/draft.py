@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 from typing import Generic, TypeVar
 
 from pawnb.errors import InputError
-from pawnb.files import GuardedFile
+from pawnb.files import GuardedFile, keep_copy
 
 StateT = TypeVar("StateT")
 
@@ -21,7 +20,8 @@ class Draft(Generic[StateT]):
     ----------
     path : Path
         The file. One that is there already is kept beside it as ``*.before.csv`` at the first
-        change. It is written only as long as nobody else writes it.
+        change (``*.before-2.csv`` ... where there is one). It is written only as long as nobody
+        else writes it.
     span : tuple of int
         First and last frame that can be looked at.
 
@@ -75,8 +75,7 @@ class Draft(Generic[StateT]):
         """
         with self._file.writing(refused=_REFUSED):
             if not self._kept_before:
-                before = self.path.with_name(f"{self.path.stem}.before{self.path.suffix}")
-                shutil.copyfile(self.path, before)
+                keep_copy(self.path, "before")
                 self._kept_before = True
             self._write()
         self.saved = True

@@ -10,7 +10,7 @@ import sys
 import pytest
 
 from pawnb.errors import InputError
-from pawnb.files import remove_leftovers, whole_file, write_whole
+from pawnb.files import keep_copy, remove_leftovers, whole_file, write_whole
 
 # a subprocess that may write files of 1000 bytes only: the limit stands for a full disk
 _SMALL_DISK = """
@@ -93,6 +93,17 @@ def test_a_full_disk_is_a_sentence_and_the_file_stays(tmp_path):
     assert "a.csv: cannot be written (File too large)" in done.stdout
     assert path.read_bytes() == b"old"
     assert names(tmp_path) == ["a.csv"]
+
+
+def test_copies_are_never_written_over(tmp_path):
+    path = tmp_path / "start.csv"
+    for text in ("one", "two", "three", "two"):
+        path.write_text(text)
+        assert keep_copy(path, "before").read_text() == text
+    assert sorted(names(tmp_path)) == [
+        "start.before-2.csv", "start.before-3.csv", "start.before.csv", "start.csv",
+    ]  # fmt: skip
+    assert (tmp_path / "start.before.csv").read_text() == "one"
 
 
 def test_leftovers_of_a_killed_process_are_told_and_removed(tmp_path):

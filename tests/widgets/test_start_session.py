@@ -207,6 +207,11 @@ def test_a_start_there_already_is_taken_up_and_kept_before_it_is_changed(trial):
     assert trial.path("start.before.csv").read_bytes() == before
     again.place("cam1", "FR", 9, 8)
     assert trial.path("start.before.csv").read_bytes() == before
+    # a third session keeps what the second left, beside what the second kept
+    second = first.path.read_bytes()
+    session_of(trial).place("cam1", "FR", 1, 1)
+    assert trial.path("start.before.csv").read_bytes() == before
+    assert trial.path("start.before-2.csv").read_bytes() == second
 
 
 def test_an_unfinished_start_is_gone_on_with(trial):
