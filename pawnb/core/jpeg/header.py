@@ -20,6 +20,10 @@ _SOF0, _DHT, _SOI, _SOS, _DQT, _DRI = 0xC0, 0xC4, 0xD8, 0xDA, 0xDB, 0xDD
 _APP0, _APP14, _LAST_APP, _COM = 0xE0, 0xEE, 0xEF, 0xFE
 _MOST_BLOCKS = 10
 """Blocks in a unit (T.81, B.2.3)."""
+_WRONG = 0xFF
+"""In place of the name of a Huffman code that is wrong."""
+_MOST_BYTES = 2**19
+"""A picture with longer headers is left to FFmpeg; those of cameras have less than 1 kB."""
 _STUDIO_RANGE = b"CS=ITU601"
 """A comment by which FFmpeg takes the samples to be 16..235."""
 
@@ -102,7 +106,7 @@ def read_plan(header: bytes) -> Plan | None:
     Plan or None
         None where the picture is of a sort that is not understood here, or wrong.
     """
-    segments = _segments(header)
+    segments = _segments(header) if len(header) <= _MOST_BYTES else None
     if segments is None or len(segments.frame) < 6 or not segments.scan:
         return None
     parts = _components(segments)
@@ -216,12 +220,13 @@ def _codes(
     AC codes are 16 + their number. A pair has a row for its DC code, for its AC code and for
     the two together; None where a code is wrong or lacking.
     """
-    listed = list(_listed(body))
-    if not listed or listed[-1][0] > 0x1F:
+    # a code may be defined again, any number of times: what counts is the last
+    last = {name: (name, counts, symbols) for name, counts, symbols in _listed(body)}
+    names = dict.fromkeys(name for pair in pairs for name in pair)
+    if _WRONG in last or any(name not in last for name in names):
         return None
-    which = {name: row for row, (name, _, _) in enumerate(listed)}
-    if any(name not in which for pair in pairs for name in pair):
-        return None
+    listed = [last[name] for name in names]
+    which = {name: row for row, name in enumerate(names)}
     n, size = len(listed), 1 << LOOKED_AT
     one, several = np.zeros((n, size), np.uint16), np.zeros((n, size), np.uint16)
     whole, heads = np.zeros((n, size), np.int32), np.zeros((len(pairs), size), np.int32)
@@ -241,13 +246,15 @@ def _codes(
 
 
 def _listed(body: bytes) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
-    """Yield name, numbers of codes by length, and symbols of every code; a wrong one is 255."""
-    while body:
-        counts = np.frombuffer(body.ljust(17, b"\x00"), np.uint8, 17).astype(np.int64)
+    """Yield name, numbers of codes by length, and symbols of every code; a wrong one ends it."""
+    at = 0
+    while at < len(body):
+        name = body[at]
+        counts = np.frombuffer(body[at : at + 17].ljust(17, b"\x00"), np.uint8).astype(np.int64)
         counts[0] = 0
         n = int(counts.sum())
-        if len(body) < 17 + n or n > 256 or body[0] & 0xEC:
-            yield 255, counts, counts
+        if len(body) < at + 17 + n or n > 256 or name & 0xEC:
+            yield _WRONG, counts, counts
             return
-        yield body[0], counts, np.frombuffer(body, np.uint8, n, 17)
-        body = body[17 + n :]
+        yield name, counts, np.frombuffer(body, np.uint8, n, at + 17)
+        at += 17 + n
