@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,8 @@ from pawnb.figures.panels import add_note, make_panels, with_unit
 from pawnb.figures.style import OKABE_ITO, style
 from pawnb.gait.residuals import CURVE_COLUMNS, POOLED, analyse_residuals
 from pawnb.schema import check_columns
+
+_NOTE_LETTERS = 20
 
 COLUMNS = ("signal", *CURVE_COLUMNS, "chosen_hz", "noise_rms", "reason")
 
@@ -119,7 +122,7 @@ def _draw(ax: Any, own: pd.DataFrame) -> None:
     ax.set_xlim(0.0, cutoff[-1])
     ax.set_ylim(0.0, 1.05 * float(own["residual"].max()))
     if not math.isfinite(noise):
-        add_note(ax, "no cut-off found")
+        _say_why(ax, str(first["reason"]))
         return
     band = own[own["in_band"]]
     ax.plot(band["cutoff_hz"], band["residual"], color=OKABE_ITO["sky blue"], linewidth=3.0,
@@ -136,5 +139,10 @@ def _draw(ax: Any, own: pd.DataFrame) -> None:
         ax.annotate(f"cut-off {chosen:.2f} Hz", (chosen, noise), xytext=(5.0, 8.0),
                     textcoords="offset points")  # fmt: skip
     else:
-        add_note(ax, "no cut-off found")
+        _say_why(ax, str(first["reason"]))
     ax.legend(loc="upper right", handlelength=1.5)
+
+
+def _say_why(ax: Any, reason: str) -> None:
+    """Write in a panel why it has no cut-off: what comes before the reason's first comma."""
+    add_note(ax, textwrap.fill(reason.split(", ")[0], _NOTE_LETTERS), at=(0.98, 0.98))

@@ -8,8 +8,7 @@ All of them are estimates. Look at the filtered signal and its derivatives befor
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from functools import lru_cache
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
@@ -18,9 +17,17 @@ from scipy.optimize import brentq
 from scipy.signal import detrend
 
 from pawnb.errors import InputError
-from pawnb.signals import find_runs, highest_cutoff
-from pawnb.signals.butterworth import filter_reach, filter_run
-from pawnb.signals.gcv import effective_parameters, find_lowest, gcv_score
+from pawnb.gait.cutoff_scores import (
+    LEAST_SAMPLES,
+    NO_CUTOFF,
+    Choice,
+    cross_validate,
+    find_long_runs,
+    find_whitest,
+    residual_rms,
+)
+from pawnb.signals import two_pass_correction
+from pawnb.signals.butterworth import check_rate
 
 ESTIMATE_WARNING = (
     "An estimate, not a measurement: Yu et al. (1999) found that cut-offs from residual "
@@ -34,10 +41,12 @@ CURVE_COLUMNS = ("cutoff_hz", "residual", "noise_line", "in_band")
 CUTOFF_COLUMNS = (
     "signal", "method", "cutoff_hz", "residual_rms", "noise_rms", "n_samples", "reason", "warning",
 )  # fmt: skip
-LEAST_SAMPLES = 20
 POOLED = "pooled"
 _STEPS = 101
 _LIFETIMES = 3.0
+_ALL_NOISE = 0.95
+_DOUBT = 2.0
+"""How many times the noise of cross-validation, or of the band's other half, is too much."""
 _FLOOR = 1000.0 * float(np.finfo(float).eps)
 
 
@@ -48,7 +57,7 @@ class ResidualAnalysis:
     Parameters
     ----------
     cutoff_hz : float
-        The cut-off; NaN where the rule finds none, and ``reason`` says why.
+        The cut-off; NaN where none can be had this way, and ``reason`` says why.
     noise_rms : float
         Where the noise line meets 0 Hz: the estimated RMS of the noise, in the unit of the
         signal. NaN without a line.
@@ -90,9 +99,23 @@ def analyse_residuals(
     rule of Duarte's ``optcutfreq`` (version 0.0.9): an exponential decay is fitted to the
     curve's height above its 96th point, by a straight line through the logarithms; the band
     begins after three lifetimes of it and ends at that point. The logarithm of 0 at that
-    point itself is replaced by a floor, which takes part in the fit. There the floor is in
-    the unit of the signal; here it is a share of the signal's range, so that degrees and
-    radians give the same cut-off.
+    point itself is replaced by a floor, which takes part in the fit.
+
+    Three things differ from there on purpose. The cut-off is exact, see
+    :func:`~pawnb.signals.butterworth_lowpass`: without that the cut-offs near half the sampling
+    rate are not what they are called, and the residual of white noise is no straight line. The
+    floor is a share of the signal's range, not of its unit, so that degrees and radians give the
+    same cut-off. Ends are continued over three periods of the cut-off, not over nine samples.
+    On five harmonics with white noise of known size (2 % of the first and 40 to 500 frames a
+    period; 0.2 % and 125 to 500; 2 to 20 periods) the line gives 94 to 100 % of the noise, and
+    the cut-off is within 10 % of that at which the residual of an endless recording equals the
+    noise. ``optcutfreq`` chooses 4 to 40 % below that, the more the more frames make a period.
+
+    No cut-off can be had this way where the tail of the curve is not noise alone, as where few
+    frames make a period of the movement: the line then measures signal. It is seen by the
+    height of the line at 0 Hz, more than twice the noise that cross-validation finds, or
+    more than twice as high through the lower half of the band as through the upper. A cut-off
+    read in a band that was given is kept, and ``reason`` says so.
 
     Parameters
     ----------
@@ -117,17 +140,29 @@ def analyse_residuals(
     InputError
         If the rate, order or band cannot be, or no run has 20 samples.
     """
-    runs = _find_runs(x)
+    runs = find_long_runs(x)
     if not runs:
         raise InputError(
             f"residual analysis: no run of {LEAST_SAMPLES} samples without a gap; expected at "
             "least one: fill the gaps or leave this signal out."
         )
+    return _analyse(runs, fs_hz=fs_hz, order=order, band_hz=band_hz, validated=None)
+
+
+def _analyse(
+    runs: list[np.ndarray],
+    *,
+    fs_hz: float,
+    order: int,
+    band_hz: tuple[float, float] | None,
+    validated: Choice | None,
+) -> ResidualAnalysis:
+    """Analyse runs; what cross-validation finds in them is computed where it is not given."""
     cutoffs = residual_cutoffs(fs_hz, order=order)
-    residual = np.array([_residual_rms(runs, c, fs_hz=fs_hz, order=order) for c in cutoffs])
+    residual = np.array([residual_rms(runs, c, fs_hz=fs_hz, order=order) for c in cutoffs])
     scale = max(float(np.ptp(run, axis=0).max()) for run in runs)
     if max(float(np.abs(detrend(run, axis=0)).max()) for run in runs) <= 1e-12 * scale:
-        return _nothing(cutoffs, residual, "no cut-off: the signal is a straight line")
+        return _nothing(cutoffs, residual, f"{NO_CUTOFF}the signal is a straight line")
     if band_hz is not None:
         ends = _given_band(cutoffs, band_hz)
         said = "in the band given"
@@ -137,7 +172,49 @@ def analyse_residuals(
             return _nothing(cutoffs, residual, found)
         ends = found
         said = "after three lifetimes of the curve's decay"
-    return _read_off(cutoffs, residual, ends, said)
+    read = _read_off(cutoffs, residual, ends, said)
+    if validated is None:
+        validated = cross_validate(runs, fs_hz=fs_hz, order=order)
+    doubt = _doubt(read, ends, validated)
+    if not doubt or not math.isfinite(read.cutoff_hz):
+        return read
+    if band_hz is not None:
+        return replace(read, reason=f"{read.reason}; but {doubt}")
+    return _nothing(cutoffs, residual, f"{NO_CUTOFF}{doubt}")
+
+
+def _doubt(read: ResidualAnalysis, ends: tuple[int, int], validated: Choice) -> str:
+    """Say why the line that was fitted is not that of noise alone; empty where it may be."""
+    what = ""
+    if read.noise_rms > _DOUBT * validated.noise_rms:
+        times = read.noise_rms / validated.noise_rms
+        what = (
+            f"the line's noise of {read.noise_rms:.3g} is {times:.2g} times the "
+            f"{validated.noise_rms:.3g} of cross-validation"
+        )
+    else:
+        first, last = ends
+        middle = (first + last) // 2
+        x, y = (read.curve[name].to_numpy() for name in ("cutoff_hz", "residual"))
+        lower, upper = (
+            float(np.polyfit(x[a:b], y[a:b], 1)[1])
+            for a, b in ((first, middle + 1), (middle, last))
+        )
+        if lower > _DOUBT * upper:
+            what = (
+                f"the curve has no straight tail: a line through its lower half starts at "
+                f"{lower:.3g}, one through its upper half at {upper:.3g}"
+            )
+    if not what:
+        return ""
+    return f"{what}, so that signal reaches to the end of the curve; {_instead(validated)}"
+
+
+def _instead(validated: Choice) -> str:
+    """Say what to do where residual analysis has no answer."""
+    if validated.reason.startswith(NO_CUTOFF):
+        return "filter only lightly, or film faster"
+    return f"take that of cross-validation, {validated.cutoff_hz:.3g} Hz, or film faster"
 
 
 def residual_cutoffs(fs_hz: float, *, order: int = 4) -> np.ndarray:
@@ -153,9 +230,17 @@ def residual_cutoffs(fs_hz: float, *, order: int = 4) -> np.ndarray:
     Returns
     -------
     ndarray, shape (101,)
-        Cut-offs in Hz, evenly spaced; the highest possible is left out.
+        Cut-offs in Hz, evenly spaced up to, and without, half the sampling rate times
+        :func:`~pawnb.signals.two_pass_correction`, as in ``optcutfreq``.
+
+    Raises
+    ------
+    InputError
+        If the sampling rate is not above 0 or the order is odd or below 2.
     """
-    return np.linspace(fs_hz / 200.0, highest_cutoff(fs_hz, order=order), _STEPS, endpoint=False)
+    check_rate(fs_hz)
+    highest = two_pass_correction(order) * fs_hz / 2.0
+    return np.linspace(fs_hz / 200.0, highest, _STEPS, endpoint=False)
 
 
 def compare_cutoffs(
@@ -197,6 +282,7 @@ def compare_cutoffs(
     InputError
         If the rate, order or band cannot be, there is no signal, or two have one name.
     """
+    residual_cutoffs(fs_hz, order=order)  # refuses rates and orders that cannot be
     table = signals if isinstance(signals, pd.DataFrame) else _named(np.asarray(signals))
     if table.shape[1] == 0 or not table.columns.is_unique:
         raise InputError("signals: expected at least one column, each with its own name.")
@@ -205,10 +291,13 @@ def compare_cutoffs(
         parts[POOLED] = table.to_numpy(dtype=float)
     rows = []
     for name, values in parts.items():
-        n = sum(run.size for run in _find_runs(values))
+        runs = find_long_runs(values)
+        n = sum(run.size for run in runs)
+        found = _choose_all(runs, fs_hz=fs_hz, order=order, band_hz=band_hz)
         for method in METHODS:
-            choice = _choose(values, method, fs_hz=fs_hz, order=order, band_hz=band_hz)
-            rows.append((name, method, *choice[:3], n, choice[3], ESTIMATE_WARNING))
+            choice, left = _kept(found[method], runs, fs_hz=fs_hz, order=order)
+            given = (choice.cutoff_hz, left, choice.noise_rms, n, choice.reason)
+            rows.append((name, method, *given, ESTIMATE_WARNING))
     return pd.DataFrame(rows, columns=list(CUTOFF_COLUMNS))
 
 
@@ -220,64 +309,44 @@ def _named(values: np.ndarray) -> pd.DataFrame:
     return pd.DataFrame(flat, columns=[f"signal {k + 1}" for k in range(flat.shape[1])])
 
 
-def _choose(
-    x: np.ndarray,
-    method: str,
-    *,
-    fs_hz: float,
-    order: int,
-    band_hz: tuple[float, float] | None,
-) -> tuple[float, float, float, str]:
-    """Return cut-off, residual and noise at it, and the reason, of one method."""
-    runs = _find_runs(x)
-    nan = math.nan
+def _choose_all(
+    runs: list[np.ndarray], *, fs_hz: float, order: int, band_hz: tuple[float, float] | None
+) -> dict[str, Choice]:
+    """Return the choice of every method."""
     if not runs:
-        return nan, nan, nan, f"no cut-off: no run of {LEAST_SAMPLES} samples without a gap"
-    if method == "residual":
-        analysis = analyse_residuals(x, fs_hz=fs_hz, order=order, band_hz=band_hz)
-        cutoff, noise, reason = analysis.cutoff_hz, analysis.noise_rms, analysis.reason
-    else:
-        low, high = fs_hz / 200.0, 0.95 * highest_cutoff(fs_hz, order=order)
-        if method == "gcv":
-            cutoff = find_lowest(lambda c: _gcv(runs, c / fs_hz, order), low, high)
-            noise = _gcv_noise(runs, cutoff / fs_hz, order)
-            reason = "least cross-validation score"
-        else:
-            cutoff = find_lowest(lambda c: _colour(runs, c, fs_hz, order), low, high)
-            noise = nan
-            reason = "what is taken away is most like white noise"
-        if cutoff <= low or cutoff >= high:
-            end = "lowest" if cutoff <= low else "highest"
-            reason = f"no cut-off: {reason} only at the {end} cut-off tried, {cutoff:.3g} Hz"
-            cutoff = noise = nan
-    if not math.isfinite(cutoff):
-        return nan, nan, noise, reason
-    return cutoff, _residual_rms(runs, cutoff, fs_hz=fs_hz, order=order), noise, reason
+        none = f"{NO_CUTOFF}no run of {LEAST_SAMPLES} samples without a gap"
+        return dict.fromkeys(METHODS, Choice(math.nan, math.nan, none))
+    validated = cross_validate(runs, fs_hz=fs_hz, order=order)
+    found = _analyse(runs, fs_hz=fs_hz, order=order, band_hz=band_hz, validated=validated)
+    return {
+        "residual": Choice(found.cutoff_hz, found.noise_rms, found.reason),
+        "gcv": validated,
+        "autocorrelation": _checked_whitest(runs, validated, fs_hz=fs_hz, order=order),
+    }
 
 
-def _find_runs(x: np.ndarray) -> list[np.ndarray]:
-    """Return the runs of all signals that are long enough, those of one length side by side."""
-    flat = np.asarray(x, dtype=float).reshape(len(x), -1)
-    by_length: dict[int, list[np.ndarray]] = {}
-    for column in flat.T:
-        for start, stop in find_runs(np.isfinite(column)):
-            if stop - start >= LEAST_SAMPLES:
-                by_length.setdefault(stop - start, []).append(column[start:stop])
-    return [np.column_stack(runs) for runs in by_length.values()]
-
-
-def _square_sum(runs: list[np.ndarray], cutoff_hz: float, *, fs_hz: float, order: int) -> float:
-    """Return the sum of the squares of raw minus filtered over all runs."""
-    return sum(
-        float(np.sum((run - filter_run(run, cutoff_hz=cutoff_hz, fs_hz=fs_hz, order=order)) ** 2))
-        for run in runs
+def _checked_whitest(
+    runs: list[np.ndarray], validated: Choice, *, fs_hz: float, order: int
+) -> Choice:
+    """Return the whitest cut-off, unless it takes away far more than the noise."""
+    choice = find_whitest(runs, fs_hz=fs_hz, order=order)
+    left = residual_rms(runs, choice.cutoff_hz, fs_hz=fs_hz, order=order)
+    if choice.reason.startswith(NO_CUTOFF) or left <= _DOUBT * validated.noise_rms:
+        return choice
+    return choice._replace(
+        reason=f"{NO_CUTOFF}{choice.reason} at {choice.cutoff_hz:.3g} Hz, where it takes away "
+        f"{left / validated.noise_rms:.2g} times the noise of cross-validation; "
+        f"{_instead(validated)}"
     )
 
 
-def _residual_rms(runs: list[np.ndarray], cutoff_hz: float, *, fs_hz: float, order: int) -> float:
-    """Return the RMS of raw minus filtered over all runs."""
-    squares = _square_sum(runs, cutoff_hz, fs_hz=fs_hz, order=order)
-    return math.sqrt(squares / sum(run.size for run in runs))
+def _kept(
+    choice: Choice, runs: list[np.ndarray], *, fs_hz: float, order: int
+) -> tuple[Choice, float]:
+    """Return a choice with the residual at it; NaN for both where it is none."""
+    if choice.reason.startswith(NO_CUTOFF):
+        return Choice(math.nan, math.nan, choice.reason), math.nan
+    return choice, residual_rms(runs, choice.cutoff_hz, fs_hz=fs_hz, order=order)
 
 
 def _noise_band(cutoffs: np.ndarray, residual: np.ndarray) -> tuple[int, int] | str:
@@ -286,11 +355,11 @@ def _noise_band(cutoffs: np.ndarray, residual: np.ndarray) -> tuple[int, int] | 
     height = np.log(np.abs(residual[: last + 1] - residual[last]) + _FLOOR)
     rate = float(np.polyfit(cutoffs[: last + 1], height, 1)[0])
     if rate >= 0.0:
-        return "no cut-off: the residual does not fall with the cut-off"
+        return f"{NO_CUTOFF}the residual does not fall with the cut-off"
     first = int(np.searchsorted(cutoffs, -_LIFETIMES / rate))
     if last - first < 3:
         return (
-            f"no cut-off: the residual still falls at {cutoffs[last]:.3g} Hz, so no band is "
+            f"{NO_CUTOFF}the residual still falls at {cutoffs[last]:.3g} Hz, so no band is "
             "noise alone; film faster, or give the band (band_hz)"
         )
     return first, last
@@ -327,8 +396,15 @@ def _read_off(
             "in_band": (np.arange(len(cutoffs)) >= first) & (np.arange(len(cutoffs)) < last),
         }
     )
+    if noise > _ALL_NOISE * residual[0]:
+        return _nothing(
+            cutoffs,
+            residual,
+            f"{NO_CUTOFF}the noise line starts at {noise:.3g}, where the curve itself does: "
+            "there is nothing but noise",
+        )
     if noise <= 0.0 or len(down) == 0:
-        reason = f"no cut-off: the curve does not cross the noise of {noise:.3g} ({where})"
+        reason = f"{NO_CUTOFF}the curve does not cross the noise of {noise:.3g} ({where})"
         return ResidualAnalysis(
             cutoff_hz=math.nan, noise_rms=noise, band_hz=band, curve=curve, reason=reason
         )
@@ -349,46 +425,3 @@ def _nothing(cutoffs: np.ndarray, residual: np.ndarray, reason: str) -> Residual
     return ResidualAnalysis(
         cutoff_hz=nan, noise_rms=nan, band_hz=(nan, nan), curve=curve, reason=reason
     )
-
-
-@lru_cache(maxsize=8192)
-def _spent(n: int, share: float, order: int) -> float:
-    """Return the parameters that the filter spends on a run of n samples."""
-    return effective_parameters(
-        lambda pulses: filter_run(pulses, cutoff_hz=share, fs_hz=1.0, order=order),
-        n,
-        reach=filter_reach(share, fs_hz=1.0),
-    )
-
-
-def _all_spent(runs: list[np.ndarray], share: float, order: int) -> float:
-    """Return the parameters spent on all runs."""
-    return sum(_spent(len(run), share, order) * run.shape[1] for run in runs)
-
-
-def _gcv(runs: list[np.ndarray], share: float, order: int) -> float:
-    """Return the cross-validation score of all runs together."""
-    squares = _square_sum(runs, share, fs_hz=1.0, order=order)
-    n = sum(run.size for run in runs)
-    return gcv_score(squares, spent=_all_spent(runs, share, order), n=n)
-
-
-def _gcv_noise(runs: list[np.ndarray], share: float, order: int) -> float:
-    """Return the RMS of the noise: the residual with the parameters spent taken off n."""
-    n = sum(run.size for run in runs)
-    left = n - _all_spent(runs, share, order)
-    return math.sqrt(_square_sum(runs, share, fs_hz=1.0, order=order) / left)
-
-
-def _colour(runs: list[np.ndarray], cutoff_hz: float, fs_hz: float, order: int) -> float:
-    """Return how far the residuals are from white: mean sum of squared autocorrelations."""
-    total, n = 0.0, 0
-    for run in runs:
-        left = run - filter_run(run, cutoff_hz=cutoff_hz, fs_hz=fs_hz, order=order)
-        power = np.abs(np.fft.rfft(left - left.mean(axis=0), 2 * len(left), axis=0)) ** 2
-        products = np.fft.irfft(power, axis=0)[: len(left)]
-        moved = products[0] > 0.0
-        shares = products[1:, moved] / products[0, moved]
-        total += len(left) * float(np.sum(shares**2))
-        n += len(left) * int(moved.sum())
-    return total / n if n else math.inf

@@ -6,9 +6,8 @@ here knows what the numbers mean.
 """
 
 from pawnb.signals.butterworth import (
-    TWO_PASS_CORRECTION,
     butterworth_lowpass,
-    highest_cutoff,
+    one_pass_cutoff,
     two_pass_correction,
 )
 from pawnb.signals.derivatives import differentiate, unwrap_angles
@@ -19,7 +18,6 @@ from pawnb.signals.splines import smooth_spline, spline_cutoff
 from pawnb.signals.turns import find_jumps, find_turns, refine_extremum
 
 __all__ = [
-    "TWO_PASS_CORRECTION",
     "SmoothedMotion",
     "butterworth_lowpass",
     "differentiate",
@@ -28,7 +26,7 @@ __all__ = [
     "find_jumps",
     "find_runs",
     "find_turns",
-    "highest_cutoff",
+    "one_pass_cutoff",
     "refine_extremum",
     "smooth_motion",
     "smooth_spline",

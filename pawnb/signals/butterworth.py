@@ -11,18 +11,23 @@ from scipy.signal import butter, sosfiltfilt
 from pawnb.errors import InputError
 from pawnb.signals.runs import each_run, fill_gaps
 
+_LEAST_BEND = 5
+_BEND_PERIODS = 0.75
+
 
 def two_pass_correction(order: int) -> float:
     """Compute the ratio between the cut-off of a two-pass filter and that of each pass.
 
-    One pass of order m leaves ``1 / (1 + (f / f0)^(2m))`` of the power, two leave its square.
-    That is one half where ``f / f0 = (sqrt(2) - 1)^(1 / (2m))``: 0.8022 for m = 2
-    (Winter 2009; Robertson & Dowling 2003).
+    One pass of order m leaves ``1 / (1 + (w / w0)^(2m))`` of the power, two leave its square.
+    That is one half where ``w / w0 = (sqrt(2) - 1)^(1 / (2m))``: 0.8022 for m = 2
+    (Winter 2009; Robertson & Dowling 2003). In a digital filter w stands for
+    ``tan(pi f / fs)``, so it is this that is divided by the ratio, and not the frequency;
+    see :func:`one_pass_cutoff`.
 
     Parameters
     ----------
     order : int
-        Order of the whole filter, both passes together: 2, 4, 6, ...
+        Total order, both passes together: 2, 4, 6, ...
 
     Returns
     -------
@@ -42,33 +47,67 @@ def two_pass_correction(order: int) -> float:
     return (math.sqrt(2.0) - 1.0) ** (1.0 / order)
 
 
-TWO_PASS_CORRECTION = two_pass_correction(4)
-"""Factor 0.8022 between the cut-off of one and of two passes, second order each."""
+def one_pass_cutoff(cutoff_hz: float, *, fs_hz: float, order: int = 4) -> float:
+    """Compute the cut-off of each pass that gives a two-pass filter its own (Winter 2009).
+
+    Parameters
+    ----------
+    cutoff_hz : float
+        Cut-off of the whole filter, above 0 and below half the sampling rate, in Hz.
+    fs_hz : float
+        Sampling rate, in Hz.
+    order : int
+        Total order, both passes together.
+
+    Returns
+    -------
+    float
+        Where one pass, of half the order, leaves half the power:
+        ``fs / pi * atan(tan(pi cutoff / fs) / two_pass_correction(order))``, in Hz. It is below
+        half the sampling rate, whatever the cut-off.
+    """
+    warped = math.tan(math.pi * cutoff_hz / fs_hz) / two_pass_correction(order)
+    return math.atan(warped) * fs_hz / math.pi
 
 
-def highest_cutoff(fs_hz: float, *, order: int = 4) -> float:
-    """Compute the frequency below which a cut-off must lie.
+def check_rate(fs_hz: float) -> None:
+    """Refuse a sampling rate that cannot be.
 
     Parameters
     ----------
     fs_hz : float
         Sampling rate, in Hz.
-    order : int
-        Order of the whole filter.
-
-    Returns
-    -------
-    float
-        Half the sampling rate times :func:`two_pass_correction`, in Hz.
 
     Raises
     ------
     InputError
-        If the sampling rate is not above 0 or the order is odd.
+        If it is not a number above 0.
     """
-    if not fs_hz > 0:
+    if not 0.0 < fs_hz < math.inf:
         raise InputError(f"fs_hz is {fs_hz}; expected a sampling rate above 0 Hz.")
-    return two_pass_correction(order) * fs_hz / 2.0
+
+
+def check_cutoff(cutoff_hz: float, *, fs_hz: float) -> None:
+    """Refuse rates and cut-offs that cannot be.
+
+    Parameters
+    ----------
+    cutoff_hz : float
+        Cut-off, in Hz.
+    fs_hz : float
+        Sampling rate, in Hz.
+
+    Raises
+    ------
+    InputError
+        If the rate is not above 0 or the cut-off not between 0 and half of it.
+    """
+    check_rate(fs_hz)
+    if not 0.0 < cutoff_hz < fs_hz / 2.0:
+        raise InputError(
+            f"cutoff_hz is {cutoff_hz:g}; expected above 0 and below {fs_hz / 2.0:g} Hz at a "
+            f"sampling rate of {fs_hz:g} Hz."
+        )
 
 
 def filter_reach(cutoff_hz: float, *, fs_hz: float) -> int:
@@ -94,17 +133,16 @@ def butterworth_lowpass(
 ) -> np.ndarray:
     """Low-pass with a zero-lag Butterworth filter, of fourth order (paper 2009, Eq. 3.18).
 
-    A filter of half the order runs forwards and backwards, so nothing is delayed. Two passes
-    lower the cut-off, so the design frequency is ``cutoff_hz / two_pass_correction(order)``
-    (0.8022 for the fourth order), which leaves half the power at ``cutoff_hz``; the frequency
-    warping of the digital filter moves that point up by 1 % at a twelfth of the
-    sampling rate and by 7 % at a fifth.
+    ``order`` is the total order: a filter of half of it (4: of second order) runs forwards and
+    backwards, so nothing is delayed. The power that is left is one half (-3 dB) at
+    ``cutoff_hz`` after both passes. One pass alone leaves half the power at a higher frequency
+    (:func:`one_pass_cutoff`) and 0.707 of it, -1.5 dB, at ``cutoff_hz``. This is Winter's (2009)
+    correction, made on the warped frequency of the digital filter; dividing the frequency
+    itself by 0.802 gives 21.5 Hz where 20 are asked for at 100 Hz.
 
-    Runs between gaps are filtered one by one. At both ends of a run the signal is
-    continued by point reflection (odd extension) over three periods of the cut-off, or
-    as far as the run is long, so that a trend goes on and the ends are not pulled
-    anywhere. Values within about half a period of the cut-off from an end still lean
-    on that assumption, and derivatives there more so. A run of one sample stays as it is.
+    Runs between gaps are filtered one by one; how their ends are continued is said at
+    :func:`extend_run`. Values within about half a period of the cut-off from an end lean
+    on that continuation, and derivatives there more so. A run of one sample stays as it is.
 
     Parameters
     ----------
@@ -115,7 +153,7 @@ def butterworth_lowpass(
     fs_hz : float
         Sampling rate, in Hz.
     order : int
-        Order of the whole filter, both passes together: 2, 4, 6, ...
+        Total order, both passes together: 2, 4, 6, ...
     max_gap : int
         Gaps up to this many samples are interpolated first; see :func:`fill_gaps`.
 
@@ -127,15 +165,11 @@ def butterworth_lowpass(
     Raises
     ------
     InputError
-        If the order is odd or below 2, or the cut-off is not above 0 and, corrected for two
-        passes, below half the sampling rate.
+        If the order is odd or below 2, or the cut-off is not above 0 and below half the
+        sampling rate.
     """
-    highest = highest_cutoff(fs_hz, order=order)
-    if not 0.0 < cutoff_hz < highest:
-        raise InputError(
-            f"cutoff_hz is {cutoff_hz:g}; expected above 0 and below {highest:g} Hz at a "
-            f"sampling rate of {fs_hz:g} Hz."
-        )
+    two_pass_correction(order)
+    check_cutoff(cutoff_hz, fs_hz=fs_hz)
     return each_run(
         fill_gaps(x, max_gap=max_gap),
         lambda run: filter_run(run, cutoff_hz=cutoff_hz, fs_hz=fs_hz, order=order),
@@ -152,7 +186,7 @@ def filter_run(run: np.ndarray, *, cutoff_hz: float, fs_hz: float, order: int = 
     cutoff_hz, fs_hz : float
         Cut-off of the whole filter and sampling rate, in Hz.
     order : int
-        Order of the whole filter.
+        Total order.
 
     Returns
     -------
@@ -160,11 +194,62 @@ def filter_run(run: np.ndarray, *, cutoff_hz: float, fs_hz: float, order: int = 
         Filtered values.
     """
     sections = _sections(cutoff_hz / fs_hz, order)
-    reach = min(filter_reach(cutoff_hz, fs_hz=fs_hz), len(run) - 1)
-    return sosfiltfilt(sections, run, axis=0, padtype="odd", padlen=reach)
+    longer, reach = extend_run(run, cutoff_hz=cutoff_hz, fs_hz=fs_hz)
+    out = sosfiltfilt(sections, longer, axis=0, padlen=0)
+    return np.asarray(out[reach : reach + len(run)])
+
+
+def extend_run(run: np.ndarray, *, cutoff_hz: float, fs_hz: float) -> tuple[np.ndarray, int]:
+    """Continue a run beyond both ends, so that a smoother has something to lean on there.
+
+    The run is reflected at the point at its end (odd extension) over three periods of the
+    cut-off, so that a trend goes on. A reflected signal has no curvature at the end, and
+    smoothed accelerations would go to 0 there whatever the signal does. So the curvature of the
+    parabola through the last three quarters of a period of the cut-off (least squares, at least
+    five samples) is taken off before and put back after: a parabola is continued exactly. A
+    run that is shorter than that tells no curvature, and none is assumed.
+
+    Parameters
+    ----------
+    run : ndarray, shape (n,) or (n, k)
+        Values without gaps.
+    cutoff_hz, fs_hz : float
+        Cut-off of the smoother and sampling rate, in Hz.
+
+    Returns
+    -------
+    longer : ndarray, shape (n + 2 reach,) or (n + 2 reach, k)
+        The run with its continuations.
+    reach : int
+        Samples added at each end.
+    """
+    reach = filter_reach(cutoff_hz, fs_hz=fs_hz) if len(run) > 1 else 0
+    window = max(_LEAST_BEND, math.ceil(_BEND_PERIODS * fs_hz / cutoff_hz))
+    before = _continuation(run, reach, window)[::-1]
+    after = _continuation(run[::-1], reach, window)
+    return np.concatenate((before, run, after)), reach
+
+
+def _continuation(run: np.ndarray, reach: int, window: int) -> np.ndarray:
+    """Continue a run beyond its first sample; outwards."""
+    one_axis = [1] * (run.ndim - 1)
+    bend = np.zeros(run.shape[1:])
+    if len(run) >= window:
+        bend = np.tensordot(_bend_weights(window), run[:window], axes=1)
+    since = np.arange(float(len(run))).reshape(-1, *one_axis)
+    widths = [(reach, 0), *[(0, 0)] * len(one_axis)]
+    straight = np.pad(run - bend * since**2, widths, mode="reflect", reflect_type="odd")
+    away = np.arange(1.0, reach + 1.0).reshape(-1, *one_axis)
+    return np.asarray(straight[:reach][::-1] + bend * away**2)
+
+
+@lru_cache(maxsize=256)
+def _bend_weights(m: int) -> np.ndarray:
+    """Return the weights of m samples in the quadratic term of their parabola."""
+    return np.asarray(np.linalg.pinv(np.vander(np.arange(m) / m, 3))[0] / m**2)
 
 
 @lru_cache(maxsize=1024)
 def _sections(share: float, order: int) -> np.ndarray:
     """Return one pass of the filter; the cut-off is a share of the sampling rate."""
-    return butter(order // 2, share / two_pass_correction(order), fs=1.0, output="sos")
+    return butter(order // 2, one_pass_cutoff(share, fs_hz=1.0, order=order), fs=1.0, output="sos")

@@ -13,8 +13,8 @@ def effective_parameters(
 ) -> float:
     """Count the parameters a linear smoother spends on a run: the trace of its matrix.
 
-    Each diagonal element is what a pulse leaves at its own place. It is computed near both
-    ends; further in than ``reach`` it is the same everywhere.
+    Each diagonal element is what a pulse leaves at its own place. It is computed near one end
+    and taken to be the same near the other; further in than ``reach`` it is the same everywhere.
 
     Parameters
     ----------
@@ -31,8 +31,9 @@ def effective_parameters(
         Trace of the smoother's matrix, between 0 and n.
     """
     m = min(n, 2 * reach + 1)
-    share = np.diag(smooth(np.eye(m)))
-    return float(share.sum() + (n - m) * share[m // 2])
+    share = np.diag(smooth(np.eye(m, (m + 1) // 2)))
+    ends = 2.0 * share.sum() - (share[-1] if m % 2 else 0.0)
+    return float(ends + (n - m) * share[-1])
 
 
 def gcv_score(square_sum: float, *, spent: float, n: int) -> float:

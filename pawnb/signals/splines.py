@@ -9,7 +9,7 @@ import numpy as np
 from scipy.interpolate import make_smoothing_spline
 
 from pawnb.errors import InputError
-from pawnb.signals.butterworth import filter_reach
+from pawnb.signals.butterworth import check_cutoff, check_rate, extend_run, filter_reach
 from pawnb.signals.gcv import effective_parameters, find_lowest, gcv_score
 from pawnb.signals.runs import each_column, each_run, fill_gaps, find_runs
 
@@ -31,9 +31,11 @@ def smooth_spline(
     ends such a spline passes ``1 / (1 + (2 pi f)^4 lambda)`` of the amplitude at the
     frequency f (in cycles per sample), the very response of the fourth-order zero-lag
     Butterworth filter, so both can be given the same cut-off:
-    ``lambda = (sqrt(2) - 1) / (2 pi cutoff_hz / fs_hz)^4``. They differ at the ends of runs,
-    where the second derivative of the spline is 0, and in how derivatives are taken: those
-    of the spline are exact. The fit is scipy's ``make_smoothing_spline``, run by run.
+    ``lambda = (sqrt(2) - 1) / (2 pi cutoff_hz / fs_hz)^4``. They differ in how derivatives are
+    taken: those of the spline are exact. At its own ends a smoothing spline has no curvature;
+    so each run is continued first, as for the filter
+    (:func:`~pawnb.signals.butterworth.extend_run`). The fit is scipy's
+    ``make_smoothing_spline``, run by run.
 
     Parameters
     ----------
@@ -63,7 +65,9 @@ def smooth_spline(
     """
     if derivative not in (0, 1, 2):
         raise InputError(f"derivative is {derivative}; expected 0, 1 or 2.")
-    _check(fs_hz, cutoff_hz)
+    check_rate(fs_hz)
+    if cutoff_hz is not None:
+        check_cutoff(cutoff_hz, fs_hz=fs_hz)
 
     def smooth(column: np.ndarray) -> np.ndarray:
         if not np.isfinite(column).any():
@@ -74,9 +78,11 @@ def smooth_spline(
         def fit(run: np.ndarray) -> np.ndarray:
             if len(run) < LEAST_SAMPLES:
                 return np.full(len(run), np.nan)
-            at = np.arange(len(run), dtype=float)
-            curve = make_smoothing_spline(at, run, lam=weight)
-            return curve.derivative(derivative)(at) * fs_hz**derivative
+            longer, reach = extend_run(run, cutoff_hz=cutoff, fs_hz=fs_hz)
+            at = np.arange(len(longer), dtype=float)
+            curve = make_smoothing_spline(at, longer, lam=weight)
+            inner = at[reach : reach + len(run)]
+            return curve.derivative(derivative)(inner) * fs_hz**derivative
 
         return each_run(column, fit)
 
@@ -108,7 +114,7 @@ def spline_cutoff(x: np.ndarray, *, fs_hz: float) -> float:
     InputError
         If the sampling rate is not above 0 or no run has five samples.
     """
-    _check(fs_hz, None)
+    check_rate(fs_hz)
     x = np.asarray(x, dtype=float)
     spans = find_runs(np.isfinite(x))
     runs = [x[start:stop] for start, stop in spans if stop - start >= LEAST_SAMPLES]
@@ -143,14 +149,3 @@ def _spent(n: int, share: float) -> float:
     """Return the parameters spent on a run; the same for every signal of that length."""
     reach = filter_reach(share, fs_hz=1.0)
     return effective_parameters(lambda pulses: _fit(pulses, share), n, reach=reach)
-
-
-def _check(fs_hz: float, cutoff_hz: float | None) -> None:
-    """Refuse rates and cut-offs that cannot be."""
-    if not fs_hz > 0:
-        raise InputError(f"fs_hz is {fs_hz}; expected a sampling rate above 0 Hz.")
-    if cutoff_hz is not None and not 0.0 < cutoff_hz < fs_hz / 2.0:
-        raise InputError(
-            f"cutoff_hz is {cutoff_hz:g}; expected above 0 and below {fs_hz / 2.0:g} Hz at a "
-            f"sampling rate of {fs_hz:g} Hz."
-        )

@@ -8,10 +8,14 @@ import numpy as np
 import pandas as pd
 
 from pawnb.errors import InputError, did_you_mean
-from pawnb.gait.residuals import ResidualAnalysis, analyse_residuals, compare_cutoffs
+from pawnb.gait.residuals import (
+    METHODS,
+    POOLED,
+    ResidualAnalysis,
+    analyse_residuals,
+    compare_cutoffs,
+)
 from pawnb.signals import SmoothedMotion, differentiate, smooth_motion
-
-POOLED = "pooled"
 
 
 class ResidualSession:
@@ -33,7 +37,10 @@ class ResidualSession:
     name : str
         The one that is shown.
     cutoff_hz : float
-        The cut-off in the hand; at first that of residual analysis over all signals.
+        The cut-off in the hand; at first that of residual analysis over all signals, or of the
+        next method that has one, or else so high that next to nothing is taken away.
+    begun_by : str
+        The method that the first cut-off came from; empty where none had one.
     choices : pandas.DataFrame
         What three methods would choose, see :func:`pawnb.gait.residuals.compare_cutoffs`.
 
@@ -49,13 +56,16 @@ class ResidualSession:
         self.choices = compare_cutoffs(signals, fs_hz=fs_hz, order=order)
         self.name = self.names[0]
         self._found: dict[str, ResidualAnalysis] = {}
-        self.cutoff_hz = self._first_cutoff()
+        self.begun_by, self.cutoff_hz = self._first_choice()
+        self._begun_hz = self.cutoff_hz
 
-    def _first_cutoff(self) -> float:
-        """Return the first choice over all signals there is, else a tenth of the rate."""
+    def _first_choice(self) -> tuple[str, float]:
+        """Return the first method that has a cut-off over all signals, and the cut-off."""
         wanted = POOLED if len(self.names) > 1 else self.names[0]
-        known = self.choices.loc[self.choices["signal"] == wanted, "cutoff_hz"].dropna()
-        return float(known.iloc[0]) if len(known) else self.fs_hz / 10.0
+        own = self.choices[self.choices["signal"] == wanted].dropna(subset=["cutoff_hz"])
+        if len(own):
+            return str(own["method"].iloc[0]), float(own["cutoff_hz"].iloc[0])
+        return "", self.highest_hz
 
     @property
     def highest_hz(self) -> float:
@@ -118,6 +128,12 @@ class ResidualSession:
     def text(self) -> str:
         """Say which cut-off is in the hand, and which methods have none, and why."""
         told = [f"{self.name}: cut-off {self.cutoff_hz:.2f} Hz."]
+        if self.cutoff_hz == self._begun_hz and self.begun_by != METHODS[0]:
+            told.append(
+                f"It is that of {self.begun_by}, as residual analysis has none."
+                if self.begun_by
+                else "No method has one; at this cut-off next to nothing is taken away."
+            )
         told += [
             f"{method}: {reason}"
             for method, (cutoff_hz, reason) in self.chosen().items()

@@ -65,7 +65,20 @@ def test_residual_figure_says_when_there_is_no_cutoff():
     noise = pd.DataFrame({"x": np.random.default_rng(5).standard_normal(300)})
     table = build_residual_analysis_table(noise, fs_hz=FS)
     ax = plot_residual_analysis(table)
-    assert [text.get_text() for text in ax.texts] == ["no cut-off found"]
+    (said,) = [text.get_text().replace("\n", " ") for text in ax.texts]
+    assert said.startswith("no cut-off: the noise line starts at")
+
+
+def test_residual_figure_says_why_a_stride_of_few_frames_has_no_cutoff():
+    t = np.arange(300) / 100
+    x = np.sin(2 * np.pi * 10 * t) + 0.002 * np.random.default_rng(1).standard_normal(300)
+    table = build_residual_analysis_table(pd.DataFrame({"x": x}), fs_hz=100.0)
+    assert table["chosen_hz"].isna().all()
+    assert table["noise_rms"].isna().all()
+    assert table["reason"].iloc[0].startswith("no cut-off: the line's noise")
+    ax = plot_residual_analysis(table)
+    said = ax.texts[0].get_text().replace("\n", " ").replace("- ", "-")
+    assert said in table["reason"].iloc[0]
 
 
 def test_one_axes_for_several_signals_is_refused():

@@ -52,15 +52,14 @@ def test_filling_invents_no_extreme():
     assert filled[8:13].max() <= max(x[7], x[13]) + 1e-12
 
 
-@pytest.mark.parametrize("cutoff", [2.0, 6.0, 20.0])
+@pytest.mark.parametrize("cutoff", [2.0, 6.0, 20.0, 75.0])
 def test_half_power_at_the_cutoff(cutoff):
-    # amplitude 1/sqrt(2) at the cut-off is what the correction for two passes is for;
-    # warping allows 7 % at a fifth of the sampling rate, here cutoff <= fs / 12
+    # amplitude 1/sqrt(2) at the cut-off is what the correction for two passes is for
     t = np.arange(0, 40 / cutoff, 1 / FS)
     middle = slice(len(t) // 4, 3 * len(t) // 4)
     out = butterworth_lowpass(np.cos(2 * np.pi * cutoff * t), cutoff_hz=cutoff, fs_hz=FS)
     amplitude = np.sqrt(2 * np.mean(out[middle] ** 2))
-    assert amplitude == pytest.approx(np.sqrt(0.5), rel=0.02)
+    assert amplitude == pytest.approx(np.sqrt(0.5), rel=0.01)
     # without the correction it would be one half
     assert abs(amplitude - 0.5) > 0.1
 
@@ -102,8 +101,9 @@ def test_single_samples_pass_the_filter():
 @pytest.mark.parametrize(
     ("cutoff", "rms"),
     # root mean square residual of the noisy signal at fixed cut-offs, two passes of
-    # second order, corrected: BMClab's residual analysis (reference_filter_numbers)
-    [(2, 0.033921532), (4, 0.0067650205), (6, 0.0049928654), (10, 0.0038663226)],
+    # second order, corrected: BMClab's residual analysis (reference_filter_numbers), which
+    # divides the frequency by 0.802 and not its tangent: it takes away 1 % less at 6 Hz
+    [(2, 0.033921532), (4, 0.0067650205), (6, 0.0049928654)],
 )
 def test_residuals_of_the_pezzack_signal(real_data, cutoff, rms):
     table = pd.read_csv(real_data("signal-pezzack") / "pezzack.csv")
@@ -116,9 +116,9 @@ def test_residuals_of_the_pezzack_signal(real_data, cutoff, rms):
     assert found != pytest.approx(1.03 * rms, rel=0.005)
 
 
-@pytest.mark.parametrize("cutoff", [0.0, -1.0, 101.0, np.nan])
+@pytest.mark.parametrize("cutoff", [0.0, -1.0, 125.0, np.nan])
 def test_impossible_cutoff_is_refused(cutoff):
-    with pytest.raises(InputError, match=r"cutoff_hz is .*; expected above 0 and below 100.28 Hz"):
+    with pytest.raises(InputError, match=r"cutoff_hz is .*; expected above 0 and below 125 Hz"):
         butterworth_lowpass(np.zeros(50), cutoff_hz=cutoff, fs_hz=FS)
 
 

@@ -7,6 +7,7 @@ import pytest
 
 from pawnb.errors import InputError
 from pawnb.signals import butterworth_lowpass, smooth_motion, smooth_spline, spline_cutoff
+from pawnb.signals.butterworth import extend_run
 
 FS = 250.0
 
@@ -23,17 +24,24 @@ def test_spline_is_the_textbook_solution():
     # Green & Silverman (1994), Eq. 2.4: (I + lambda Q R^-1 Q') f = y, Q second differences,
     # R tridiagonal with 2/3 and 1/6, for samples one apart
     rng = np.random.default_rng(1)
-    n, cutoff = 40, 30.0
-    y = rng.standard_normal(n)
+    cutoff = 30.0
+    run = rng.standard_normal(40)
+    # both ends are continued first, over three periods of 30 Hz
+    y, reach = extend_run(run, cutoff_hz=cutoff, fs_hz=FS)
+    n = len(y)
+    assert (n, reach) == (40 + 2 * 25, 25)
     q = np.zeros((n, n - 2))
     for j in range(n - 2):
         q[j : j + 3, j] = 1.0, -2.0, 1.0
     r = 2 / 3 * np.eye(n - 2) + 1 / 6 * (np.eye(n - 2, k=1) + np.eye(n - 2, k=-1))
     weight = (np.sqrt(2) - 1) / (2 * np.pi * cutoff / FS) ** 4
     expected = np.linalg.solve(np.eye(n) + weight * q @ np.linalg.solve(r, q.T), y)
-    found = smooth_spline(y, fs_hz=FS, cutoff_hz=cutoff)
+    expected = expected[reach:-reach]
+    found = smooth_spline(run, fs_hz=FS, cutoff_hz=cutoff)
     np.testing.assert_allclose(found, expected, atol=1e-9)
-    assert not np.allclose(smooth_spline(y, fs_hz=FS, cutoff_hz=1.05 * cutoff), expected, atol=1e-3)
+    assert not np.allclose(
+        smooth_spline(run, fs_hz=FS, cutoff_hz=1.05 * cutoff), expected, atol=1e-3
+    )
 
 
 @pytest.mark.parametrize("cutoff", [3.0, 12.0])

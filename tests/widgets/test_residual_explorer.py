@@ -41,6 +41,24 @@ def test_a_method_without_a_choice_says_why():
     assert f"residual: {reason}" in session.text()
 
 
+def test_where_residual_analysis_has_no_answer_the_hand_begins_with_another_method_and_says_so():
+    # ten frames a stride: a cut-off of 10.7 Hz would halve the movement
+    t = np.arange(300) / FS
+    x = np.sin(2 * np.pi * 10 * t) + 0.002 * np.random.default_rng(1).standard_normal(300)
+    session = ResidualSession(pd.DataFrame({"a": x}), fs_hz=FS)
+    assert session.begun_by == "gcv"
+    assert 25 < session.cutoff_hz < 45
+    assert "It is that of gcv, as residual analysis has none." in session.text()
+    assert "residual: no cut-off: the line's noise" in session.text()
+    session.set_cutoff(20.0)
+    assert "It is that of" not in session.text()
+    noise = np.random.default_rng(1).standard_normal(300)
+    nothing = ResidualSession(pd.DataFrame({"a": noise}), fs_hz=FS)
+    assert nothing.begun_by == ""
+    assert nothing.cutoff_hz == nothing.highest_hz
+    assert "next to nothing is taken away" in nothing.text()
+
+
 def test_cutoffs_stay_within_what_the_filter_can_do():
     session = ResidualSession(SIGNALS, fs_hz=FS)
     assert session.set_cutoff(1e6) == session.highest_hz

@@ -23,7 +23,6 @@ from pawnb.errors import InputError
 from pawnb.io.tables import write_text
 from pawnb.schema import ORIGIN_CODE, Tracks
 from pawnb.signals import (
-    TWO_PASS_CORRECTION,
     butterworth_lowpass,
     find_turns,
     refine_extremum,
@@ -200,9 +199,8 @@ def _is_sure(own: Tracks) -> np.ndarray:
 
 def lowpass_path(uv: np.ndarray, *, cutoff_hz: float, fps: float) -> np.ndarray:
     """Low-pass a path, bridging gaps of 5 frames; a slow recording limits the cut-off."""
-    highest = 0.9 * TWO_PASS_CORRECTION * fps / 2.0
     return butterworth_lowpass(
-        uv, cutoff_hz=min(cutoff_hz, highest), fs_hz=fps, max_gap=_GAP_FRAMES
+        uv, cutoff_hz=min(cutoff_hz, 0.36 * fps), fs_hz=fps, max_gap=_GAP_FRAMES
     )
 
 
