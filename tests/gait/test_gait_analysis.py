@@ -85,7 +85,10 @@ def test_ground_and_treadmill_agree(duty):
         belt.strides["duty_factor"], ground.strides["duty_factor"], atol=0.01
     )
     np.testing.assert_allclose(belt.strides["period_s"], ground.strides["period_s"], atol=0.002)
-    difference = belt.phases["phase"].to_numpy() - ground.phases["phase"].to_numpy()
+    # legs of a diagonal step together: whether the last AEP falls into the last stride is chance
+    both = belt.phases.merge(ground.phases, on=["leg", "reference", "stride"])
+    assert len(both) >= len(belt.phases) - 4
+    difference = both["phase_x"].to_numpy() - both["phase_y"].to_numpy()
     np.testing.assert_allclose((difference + 0.5) % 1 - 0.5, 0.0, atol=0.01)
 
 
