@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from pawnb.errors import InputError
+from pawnb.io.tables import write_text
 
 FPS = 200.0
 BELT_PX_S = 600.0
@@ -66,11 +67,12 @@ def write_deeplabcut_sample(
         lags = {point: lag + 0.02 * rng.standard_normal() for point, lag in _LAGS.items()}
         table = _walk(rng, period, duty, lags, seconds)
         paths.append(folder / f"{name}DLC.csv")
-        table.to_csv(paths[-1], lineterminator="\n")
+        write_text(table.to_csv(lineterminator="\n"), paths[-1])
         row = {"animal": name, "group": "B" if late else "A", "period_s": period}
         row["contact_duty_factor"] = duty
         truth.append(row | {f"phase_{_LEGS[p]}": lag % 1.0 for p, lag in lags.items()})
-    pd.DataFrame(truth).to_csv(folder / "truth.csv", index=False, lineterminator="\n")
+    text = pd.DataFrame(truth).to_csv(index=False, lineterminator="\n")
+    write_text(text, folder / "truth.csv")
     return paths
 
 

@@ -16,6 +16,8 @@ import numpy as np
 import pandas as pd
 
 from pawnb.errors import InputError
+from pawnb.files import whole_file
+from pawnb.io.tables import write_text
 from pawnb.synthetic.camera import Camera, make_cameras
 from pawnb.synthetic.gait_model import Gait, plan_gait
 from pawnb.synthetic.mouse import Mouse
@@ -123,9 +125,10 @@ def render_mouse_trial(
         ("truth/events.csv", events),
         ("start.csv", clicks),
     ):
-        table.to_csv(folder / name, index=False, lineterminator="\n")
+        write_text(table.to_csv(index=False, lineterminator="\n"), folder / name)
     coefs = pd.DataFrame(np.column_stack([camera.coefs for camera in cameras]))
-    coefs.to_csv(folder / "DLTcoefs.csv", header=False, index=False, lineterminator="\n")
+    text = coefs.to_csv(header=False, index=False, lineterminator="\n")
+    write_text(text, folder / "DLTcoefs.csv")
     return save_trial(trial, folder / "trial.toml")
 
 
@@ -167,7 +170,8 @@ def _render_videos(
     with ExitStack() as stack:
         views = []
         for number, camera in enumerate(cameras):
-            writer = stack.enter_context(_VideoWriter(folder / f"{camera.name}.avi", scene))
+            part = stack.enter_context(whole_file(folder / f"{camera.name}.avi"))
+            writer = stack.enter_context(_VideoWriter(part, scene))
             worker = stack.enter_context(ThreadPoolExecutor(max_workers=1))
             views.append((ViewRenderer(camera, scene, number), writer, worker))
         under_way: deque[list[Future[dict[str, float]]]] = deque()

@@ -8,6 +8,8 @@ import numpy as np
 import pandas as pd
 
 from pawnb.errors import InputError
+from pawnb.files import whole_file
+from pawnb.io.tables import write_text
 from pawnb.schema import EVENTS_COLUMNS
 from pawnb.synthetic.spider_film import Progress, render_video
 from pawnb.synthetic.spider_recording import Recording, record_spider
@@ -97,13 +99,15 @@ def render_spider_trial(
     recording = record_spider(scene, individual, frames)
     (folder / "truth").mkdir(parents=True, exist_ok=True)
     (folder / "trial.toml").unlink(missing_ok=True)
-    render_video(folder / _VIDEO, recording, views=views, progress=progress)
+    with whole_file(folder / _VIDEO) as part:
+        render_video(part, recording, views=views, progress=progress)
     trial = _describe(folder, recording, (difficulty, views))
     for name, table in _tables(recording, trial).items():
-        table.to_csv(folder / name, index=False, lineterminator="\n")
+        write_text(table.to_csv(index=False, lineterminator="\n"), folder / name)
     if views == 2:
         coefs = pd.DataFrame(dlt_coefs(scene))
-        coefs.to_csv(folder / "DLTcoefs.csv", header=False, index=False, lineterminator="\n")
+        text = coefs.to_csv(header=False, index=False, lineterminator="\n")
+        write_text(text, folder / "DLTcoefs.csv")
     return save_trial(trial, folder / "trial.toml")
 
 
