@@ -29,9 +29,17 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from pawnb.errors import CalibrationError, InputError
+from pawnb.errors import InputError
+from pawnb.io.coefs import read_coefs
 from pawnb.io.tables import read_cells, read_numbers
-from pawnb.schema import ORIGIN_CODE, Tracks, add_provenance, make_tracks
+from pawnb.schema import (
+    ORIGIN_CODE,
+    Tracks,
+    add_provenance,
+    check_frames,
+    make_tracks,
+    note_absent,
+)
 
 VIEWS = ("cam1", "cam2", "cam3", "cam4")
 HEADER_LINES = 5
@@ -116,6 +124,7 @@ def read_authors_trial(
                 refused[f"cam{cam + k}.{part}"] = own_frames[bad[:, k]].tolist()
         columns = [points.index(name) for name in _point_names(cam, part)]
         _enter(tracks, own_frames - frames[0], slice(cam - 1, cam + 1), columns, uv)
+    tracks = note_absent(tracks, every, file=f"the files of {matched['stamp'] if matched else ''}")
     return add_provenance(
         tracks,
         step="read",
@@ -145,17 +154,7 @@ def read_authors_dlt(path: str | Path, *, size: tuple[int, int] = SIZE) -> np.nd
     CalibrationError
         If the file is missing or is not that.
     """
-    path = Path(path)
-    try:
-        coefs = np.loadtxt(path, delimiter=",", ndmin=2)
-    except FileNotFoundError:
-        raise CalibrationError(f"{path}: no such file.") from None
-    except ValueError:
-        raise CalibrationError(f"{path.name}: not a table of numbers; expected 11 × 4.") from None
-    if coefs.shape != (11, 4):
-        raise CalibrationError(
-            f"{path.name}: {coefs.shape[0]} rows and {coefs.shape[1]} columns; expected 11 and 4."
-        )
+    coefs = read_coefs(Path(path), VIEWS)
     P = np.concatenate([coefs, np.ones((1, 4))]).T.reshape(4, 3, 4)
     P[:, 1] = size[1] * P[:, 2] - P[:, 1]  # v = height - v of the authors
     P[2:, 0] -= P[2:, 2]  # u = u of the authors - 1: they mirror with width - X
@@ -253,10 +252,7 @@ def _read_file(path: Path, markers: tuple[str, ...]) -> tuple[np.ndarray, np.nda
     cells = read_cells(path, names, skip_lines=HEADER_LINES)
     where = path.name
     frames = read_numbers(cells, "Frames", where=where, whole=True)
-    if len(frames) == 0:
-        raise InputError(f"{where}: no rows; expected one for each frame.")
-    if (np.diff(frames) <= 0).any():
-        raise InputError(f"{where}: frame numbers do not rise; sort the rows.")
+    check_frames(frames, where=where)
     values = np.stack([read_numbers(cells, n, where=where, empty=True) for n in names[1:]], axis=1)
     yx = values.reshape(len(frames), len(markers), 2, 2)
     return frames, yx[..., ::-1].transpose(0, 2, 3, 1).copy()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -9,7 +10,10 @@ import numpy as np
 import pandas as pd
 
 from pawnb.errors import CalibrationError
-from pawnb.io.tables import write_text
+from pawnb.io.tables import read_table_text, write_text
+
+_LARGEST = 1e12
+"""Above it, image positions cannot be told to a fraction of a pixel in double precision."""
 
 
 def read_coefs(path: Path, names: Sequence[str]) -> np.ndarray:
@@ -30,18 +34,14 @@ def read_coefs(path: Path, names: Sequence[str]) -> np.ndarray:
     Raises
     ------
     CalibrationError
-        If the file is missing or is not that.
+        If the file is missing or is not that, or a number is too large for a camera.
     """
     path = Path(path)
+    expected = "the csv of DLT coefficients, 11 rows, one column a view, no header"
+    text = read_table_text(path, expected=expected, error=CalibrationError)
     try:
-        table = pd.read_csv(path, header=None, dtype=str, skipinitialspace=True)
-    except FileNotFoundError:
-        raise CalibrationError(
-            f"{path}: no such file; [calibration] dlt must name the csv with the DLT coefficients."
-        ) from None
-    except IsADirectoryError:
-        raise CalibrationError(f"{path}: a folder; expected the csv of DLT coefficients.") from None
-    except (pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeDecodeError):
+        table = pd.read_csv(io.StringIO(text), header=None, dtype=str, skipinitialspace=True)
+    except (pd.errors.ParserError, pd.errors.EmptyDataError):
         raise CalibrationError(
             f"{path.name}: not a table of numbers; expected 11 rows, one column a view, no header."
         ) from None
@@ -57,6 +57,12 @@ def read_coefs(path: Path, names: Sequence[str]) -> np.ndarray:
         raise CalibrationError(
             f"{path.name}: row {row + 1}, column {column + 1} is "
             f"{_word(table.to_numpy()[row, column])}; expected a number."
+        )
+    if np.abs(coefs).max() > _LARGEST:
+        row, column = np.unravel_index(np.abs(coefs).argmax(), coefs.shape)
+        raise CalibrationError(
+            f"{path.name}: row {row + 1}, column {column + 1} is {coefs[row, column]:g}; no camera "
+            "has such a coefficient: calibrate again, or copy the file anew."
         )
     return coefs
 

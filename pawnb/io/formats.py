@@ -7,14 +7,15 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-import h5py
-
 from pawnb.errors import InputError, did_you_mean
+from pawnb.files import check_file
 from pawnb.io import native, track_tables
 from pawnb.io.anipose import read_anipose
-from pawnb.io.deeplabcut import read_deeplabcut
+from pawnb.io.deeplabcut import GROUP, read_deeplabcut
 from pawnb.io.dltdv import read_dltdv_points, read_dltdv_points3d
+from pawnb.io.hdf5 import open_hdf5
 from pawnb.io.sleap import read_sleap
+from pawnb.io.tables import check_separator
 from pawnb.io.wide import is_wide_table, read_wide_table
 from pawnb.schema import Tracks
 
@@ -26,6 +27,7 @@ FORMATS = (
 
 _ANIPOSE = re.compile(r"(.+)_(x|y|z|error|ncams|score)")
 _DLTDV_SPACE = re.compile(r".+_[XYZ]")
+_LONGEST_LINE = 2**22
 _DLTDV_IMAGE = re.compile(r".+_cam\d+_[XY]")
 
 
@@ -48,11 +50,7 @@ def recognise_format(path: str | Path) -> str:
     InputError
         If there is no such file or it is none of them.
     """
-    path = Path(path)
-    if path.is_dir():
-        raise InputError(f"{path}: a folder; name the file of tracks in it.")
-    if not path.is_file():
-        raise InputError(f"{path}: no such file.")
+    path = check_file(path, expected="a file of tracks")
     found = None
     if path.suffix == ".slp":
         found = "sleap"
@@ -116,7 +114,7 @@ def read_any_tracks(
             "of the recording (--fps on the command line)."
         )
     if found == "deeplabcut":
-        return read_deeplabcut(path, fps=fps)
+        return read_deeplabcut(path, fps=fps, unit=unit or "mm")
     if found == "sleap":
         return read_sleap(path, fps=fps)
     if found == "anipose":
@@ -151,12 +149,12 @@ def check_rate(fps: float | None) -> None:
 
 def _recognise_hdf5(path: Path) -> str | None:
     """Tell files of HDF5 apart by the names inside."""
-    try:
-        with h5py.File(path, "r") as file:
-            names = set(file)
-    except OSError:
-        return "movement" if path.suffix == ".nc" else None  # netCDF 3 is no HDF5
-    if "df_with_missing" in names:
+    with path.open("rb") as start:
+        if start.read(3) == b"CDF":
+            return "movement"  # netCDF 3 is no HDF5
+    with open_hdf5(path, expected="tracks in HDF5 or netCDF") as file:
+        names = set(file)
+    if GROUP in names:
         return "deeplabcut"
     if {"tracks", "node_names"} <= names:
         return "sleap"
@@ -167,11 +165,14 @@ def _recognise_hdf5(path: Path) -> str | None:
 
 def _recognise_csv(path: Path) -> str | None:
     """Tell tables apart by their first line."""
+    with path.open("rb") as file:
+        line = file.readline(_LONGEST_LINE)
     try:
-        with path.open(encoding="utf-8-sig") as file:
-            names: Sequence[str] = [name.strip() for name in file.readline().split(",")]
+        first = line.decode("utf-8-sig")
     except UnicodeDecodeError:
         return None
+    check_separator(first, where=path.name, expected="tracks as csv")
+    names: Sequence[str] = [name.strip() for name in first.split(",")]
     columns = set(names)
     if names[0] == "scorer":
         return "deeplabcut"

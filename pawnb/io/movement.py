@@ -2,21 +2,28 @@
 
 movement's releases differ in how they name two dimensions: ``keypoints`` and
 ``individuals`` in some, ``keypoint`` and ``individual`` in others. Both are read, and
-either can be made. movement itself is only needed to read other programs' files.
+either can be made. movement itself is not needed for that.
 """
 
 from __future__ import annotations
 
 import json
-import warnings
-from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 import xarray as xr
 
 from pawnb.errors import InputError
-from pawnb.schema import ORIGIN_CODE, Tracks, check_tracks, make_tracks
+from pawnb.io.points import check_finite, check_names
+from pawnb.schema import (
+    ORIGIN_CODE,
+    Tracks,
+    check_frames,
+    check_tracks,
+    every_frame,
+    make_tracks,
+    note_absent,
+)
 
 _PLURAL = {"keypoint": "keypoints", "individual": "individuals"}
 _SINGULAR = {plural: singular for singular, plural in _PLURAL.items()}
@@ -44,62 +51,6 @@ def is_movement(dataset: xr.Dataset) -> bool:
     if any(name in dataset.dims for name in _SINGULAR):
         return True
     return "origin" not in dataset and "frame" not in dataset.coords
-
-
-def load_with_movement(
-    loader: str, path: str | Path, *, fps: float, program: str, **options: Any
-) -> xr.Dataset:
-    """Read another program's file with movement.
-
-    Parameters
-    ----------
-    loader : str
-        A function of ``movement.io.load_poses``.
-    path : str or Path
-        The file.
-    fps : float
-        Frames per second of the recording.
-    program : str
-        Who made the file, for messages.
-    **options
-        Further options of the loader.
-
-    Returns
-    -------
-    xarray.Dataset
-        movement's poses dataset.
-
-    Raises
-    ------
-    InputError
-        If the file is missing, or movement cannot read it.
-    """
-    # imported here: movement takes seconds to import, and most runs read no foreign file; it
-    # also takes over the warnings of every package and options of xarray, which are put back
-    show, options_before = warnings.showwarning, xr.get_options()  # type: ignore[no-untyped-call]
-    from loguru import logger
-    from movement.io import load_poses
-
-    warnings.showwarning = show
-    options_now = xr.get_options()  # type: ignore[no-untyped-call]
-    changed = {k: v for k, v in options_before.items() if options_now[k] != v}
-    xr.set_options(**changed)  # type: ignore[no-untyped-call]
-
-    path = Path(path)
-    if not path.is_file():
-        raise InputError(f"{path}: no such file.")
-    logger.disable("movement")  # what it would log is said by the sentence below
-    try:
-        dataset: xr.Dataset = getattr(load_poses, loader)(path, fps=fps, **options)
-    except (OSError, ValueError, KeyError, TypeError, IndexError, AttributeError) as error:
-        reason = " ".join(str(error).split())
-        raise InputError(
-            f"{path.name}: cannot be read as a file of {program} ({reason}); expected the file as "
-            f"{program} writes it."
-        ) from None
-    finally:
-        logger.enable("movement")
-    return dataset
 
 
 def to_movement(tracks: Tracks, *, dims: Literal["plural", "singular"] = "plural") -> xr.Dataset:
@@ -152,13 +103,14 @@ def from_movement(
     -------
     xarray.Dataset
         Tracks. Points with a position are ``measured``, others ``missing``; frames are
-        counted from the times. A dataset with a view dimension gives image positions, its
+        counted from the times, and those that lack are missing. A dataset with a view dimension gives image positions, its
         positions in space are missing. Confidence stays NaN where it was not given.
 
     Raises
     ------
     InputError
-        If it holds no poses, has no frame rate, or its times fall between frames.
+        If it holds no poses, has no frame rate, or its times fall between frames or do not
+        rise.
     """
     names = {name: new for name, new in _SINGULAR.items() if name in dataset.dims}
     dataset = dataset.rename(names)
@@ -176,47 +128,55 @@ def from_movement(
     if "origin" in dataset and "frame" in dataset.coords:
         return check_tracks(dataset, where=where)  # Tracks that went through movement
     rate = _frame_rate(dataset, fps, where)
-    frames = _frames(dataset, rate, where)
+    frames = check_frames(_frames(dataset, rate, where), where=where)
+    every = every_frame(frames)
     views = [str(v) for v in dataset["view"].to_numpy()] if "view" in found else []
     space = [str(s) for s in dataset["space"].to_numpy()]
+    points = [str(k) for k in dataset["keypoint"].to_numpy()]
+    animals = [str(i) for i in dataset["individual"].to_numpy()]
+    for labels, what in ((points, "point"), (animals, "animal"), (views, "view")):
+        check_names(labels, what=what, where=where)
     tracks = make_tracks(
-        frames,
-        [str(k) for k in dataset["keypoint"].to_numpy()],
+        every,
+        points,
         fps=rate,
         views=views,
         space=("x", "y", "z") if views else space,
         source_software=str(dataset.attrs.get("source_software") or "movement"),
         unit=str(dataset.attrs.get("units") or "px"),
     )
-    who = np.array([str(i) for i in dataset["individual"].to_numpy()], dtype=str)
-    if len(who) != 1:
-        tracks = tracks.isel(individual=np.zeros(len(who), dtype=int)).copy(deep=True)
-    tracks = tracks.assign_coords(individual=who)
-    _enter(tracks, dataset, views)
+    if len(animals) != 1:
+        tracks = tracks.isel(individual=np.zeros(len(animals), dtype=int)).copy(deep=True)
+    tracks = tracks.assign_coords(individual=np.array(animals, dtype=str))
+    _enter(tracks, dataset, np.searchsorted(every, frames), where)
     if "log" in dataset.attrs:
         steps = [{"step": "movement", "log": dataset.attrs["log"]}]
         tracks.attrs["provenance"] = json.dumps({"steps": steps}, sort_keys=True)
-    return check_tracks(tracks, where=where)
+    return check_tracks(note_absent(tracks, frames, file=where), where=where)
 
 
-def _enter(tracks: Tracks, dataset: xr.Dataset, views: list[str]) -> None:
+def _enter(tracks: Tracks, dataset: xr.Dataset, rows: np.ndarray, where: str) -> None:
     """Copy positions and confidences, into the views where there are several."""
-    prefix = "image_" if views else ""
+    prefix = "image_" if "view" in tracks.dims else ""
     place = tracks[f"{prefix}position"]
     order = ["space" if dim == "image_space" else dim for dim in map(str, place.dims)]
     values = dataset["position"].transpose(*order).to_numpy()
-    if values.shape != place.shape:
+    if values.shape[1:] != place.shape[1:]:
         raise InputError(
-            f"views hold u and v, but position has {dataset.sizes['space']} values for each point."
+            f"{where}: views hold u and v, but position has {dataset.sizes['space']} values for each point."
         )
-    place.to_numpy()[:] = values
+    check_finite(
+        np.moveaxis(values, order.index("space"), -1),
+        frames=rows, points=[str(k) for k in dataset["keypoint"].to_numpy()], where=where,
+    )  # fmt: skip
+    place.to_numpy()[rows] = values
     known = np.isfinite(values).all(axis=order.index("space"))
     dims = [dim for dim in order if dim != "space"]
     confidence = np.full(known.shape, np.nan)
     if "confidence" in dataset:
         confidence = dataset["confidence"].transpose(*dims).to_numpy()
-    tracks[f"{prefix}confidence"].to_numpy()[:] = np.where(known, confidence, 0.0)
-    tracks[f"{prefix}origin"].to_numpy()[:] = np.where(
+    tracks[f"{prefix}confidence"].to_numpy()[rows] = np.where(known, confidence, 0.0)
+    tracks[f"{prefix}origin"].to_numpy()[rows] = np.where(
         known, ORIGIN_CODE["measured"], ORIGIN_CODE["missing"]
     )
 
@@ -225,15 +185,21 @@ def _frame_rate(dataset: xr.Dataset, fps: float | None, where: str) -> float:
     """Return the frame rate, from the caller or the dataset."""
     stored = dataset.attrs.get("fps")
     rate = stored if fps is None else fps
-    if rate is None or not np.isfinite(rate) or rate <= 0:
+    try:
+        rate = None if rate is None else float(np.asarray(rate).item())
+    except (TypeError, ValueError):
+        rate = None
+    if rate is None or not 0 < rate < np.inf:
         raise InputError(
             f"{where}: no frame rate; give fps, the frames per second of the recording."
         )
-    return float(rate)
+    return rate
 
 
 def _frames(dataset: xr.Dataset, fps: float, where: str) -> np.ndarray:
     """Return frame numbers from the time coordinate, in frames or in seconds."""
+    if "time" not in dataset.coords or dataset["time"].dtype.kind not in "iuf":
+        raise InputError(f"{where}: times are no numbers; expected seconds, or frames.")
     time = np.asarray(dataset["time"].to_numpy(), dtype=float)
     exact = time if dataset.attrs.get("time_unit") == "frames" else time * fps
     frames = np.rint(exact)
@@ -243,4 +209,4 @@ def _frames(dataset: xr.Dataset, fps: float, where: str) -> np.ndarray:
             f"{where}: times fall between frames at {fps:g} frames per second (the first at "
             f"{time[np.argmax(off)]:g}); give the fps of the recording."
         )
-    return frames.astype(np.int64)
+    return frames

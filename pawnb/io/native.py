@@ -7,6 +7,7 @@ exports for other programs, with rounded numbers (see :mod:`pawnb.io.tables`).
 from __future__ import annotations
 
 import io
+import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -18,8 +19,10 @@ import xarray as xr
 from xarray.backends import H5NetCDFStore
 
 from pawnb.errors import InputError
-from pawnb.files import write_whole
+from pawnb.files import check_file, write_whole
+from pawnb.io.hdf5 import faults_in, open_hdf5
 from pawnb.io.movement import from_movement, is_movement
+from pawnb.io.points import check_names
 from pawnb.io.start import check_start, read_start, write_start
 from pawnb.io.tables import write_table, write_text
 from pawnb.schema import (
@@ -28,6 +31,7 @@ from pawnb.schema import (
     POINTS3D_COLUMNS,
     TRACKS_COLUMNS,
     Tracks,
+    check_frames,
     check_tracks,
 )
 
@@ -47,6 +51,7 @@ SINGLE_VIEW = "image"
 """Name of the view in ``tracks.csv`` where Tracks in px name none."""
 
 _HDF5, _NETCDF3 = b"\x89HDF", b"CDF"
+_EXPECTED = "tracks.nc as pawnb writes it, or netCDF of movement"
 
 
 def write_tracks(tracks: Tracks, path: str | Path) -> Path:
@@ -115,24 +120,42 @@ def read_tracks(path: str | Path, *, fps: float | None = None) -> Tracks:
     InputError
         If the file is missing, is not netCDF, or does not hold tracks.
     """
-    path = Path(path)
-    try:
+    path = check_file(path, expected=_EXPECTED)
+    with faults_in(path, expected=_EXPECTED):
         with path.open("rb") as file:
             head = file.read(4)
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file.") from None
-    except (IsADirectoryError, PermissionError) as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}).") from None
-    if not head.startswith((_HDF5, _NETCDF3)):
-        raise InputError(f"{path.name}: not a netCDF file; expected tracks.nc as pawnb writes it.")
-    try:
-        dataset = xr.load_dataset(path, engine="scipy" if head.startswith(_NETCDF3) else "h5netcdf")
-    except (OSError, ValueError, KeyError) as error:
-        raise InputError(f"{path.name}: damaged or not netCDF ({error}); make it again.") from None
-    dataset = _plain(dataset)
-    if is_movement(dataset):
-        return from_movement(dataset, fps=fps, where=path.name)
-    return check_tracks(dataset, where=path.name)
+        if not head.startswith((_HDF5, _NETCDF3)):
+            raise InputError(f"{path.name}: not a netCDF file; expected {_EXPECTED}.")
+        old = head.startswith(_NETCDF3)
+        if not old:
+            with open_hdf5(path, expected=_EXPECTED):
+                pass  # looked through before xarray follows what is in it
+        dataset = _plain(xr.load_dataset(path, engine="scipy" if old else "h5netcdf"))
+        if is_movement(dataset):
+            return from_movement(dataset, fps=fps, where=path.name)
+        return _checked(check_tracks(dataset, where=path.name), path.name)
+
+
+def _checked(tracks: Tracks, where: str) -> Tracks:
+    """Return Tracks whose frames, names and record are what they were when they were written."""
+    for dim, what in (("keypoint", "point"), ("individual", "animal"), ("view", "view")):
+        if dim in tracks.dims:
+            check_names(_names(tracks, dim), what=what, where=where)
+    check_frames(tracks["frame"].to_numpy(), where=where)
+    for name in ("provenance", "trial"):
+        try:
+            record = json.loads(tracks.attrs.get(name, "{}"))
+        except (ValueError, TypeError, RecursionError):
+            record = None
+        if not isinstance(record, dict):
+            raise InputError(f"{where}: damaged, its attribute {name!r} is no JSON; make it again.")
+    for name in ("origin", "image_origin"):
+        if name in tracks and not np.isin(tracks[name], np.arange(len(ORIGINS))).all():
+            raise InputError(f"{where}: damaged, {name!r} holds unknown codes; make it again.")
+    for name in ("position", "image_position"):
+        if name in tracks and tracks[name].dtype.kind != "f":
+            raise InputError(f"{where}: damaged, {name!r} is no array of numbers; make it again.")
+    return tracks
 
 
 def _plain(dataset: xr.Dataset) -> xr.Dataset:

@@ -6,7 +6,9 @@ files become whole.
 
 from __future__ import annotations
 
+import csv
 import io
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -14,8 +16,8 @@ import numpy as np
 import pandas as pd
 
 from pawnb.errors import InputError
-from pawnb.files import write_whole
-from pawnb.schema import check_columns
+from pawnb.files import read_text, write_whole
+from pawnb.schema import MOST_FRAMES, check_columns
 
 DECIMALS = {
     "u": 4, "v": 4, "confidence": 4, "residual_px": 4, "x": 6, "y": 6, "z": 6,
@@ -71,6 +73,70 @@ def write_table(table: pd.DataFrame, path: str | Path) -> Path:
     return write_text(rounded.to_csv(index=False, lineterminator="\n"), path)
 
 
+def read_table_text(
+    path: str | Path, *, expected: str, error: type[InputError] = InputError, skip_lines: int = 0
+) -> str:
+    r"""Read a csv as text.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+    expected : str
+        What it should be, for the message.
+    error : type
+        Kind of InputError to raise.
+    skip_lines : int
+        Lines before the first one of the table, which may hold anything.
+
+    Returns
+    -------
+    str
+        The whole text, without byte order mark, line ends as ``\\n``.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read as text, or its cells are separated by semicolons or tabs.
+    """
+    text = read_text(path, expected=expected, error=error)
+    name = Path(path).name
+    if "\0" in text:
+        raise error(f"{name}: not text, it holds zero bytes; expected {expected}.")
+    first = next(iter(text.split("\n", skip_lines + 1)[skip_lines:]), "")
+    check_separator(first, where=name, expected=expected, error=error)
+    return text
+
+
+def check_separator(
+    line: str, *, where: str, expected: str, error: type[InputError] = InputError
+) -> None:
+    """Refuse a table whose cells are separated by semicolons or tabs, by its first line.
+
+    Parameters
+    ----------
+    line : str
+        The line.
+    where : str
+        How the message names the file.
+    expected : str
+        What it should be.
+    error : type
+        Kind of InputError to raise.
+
+    Raises
+    ------
+    InputError
+        If there is such a separator in it and no comma.
+    """
+    for mark, word in ((";", "semicolons"), ("\t", "tabs")):
+        if mark in line and "," not in line:
+            raise error(
+                f"{where}: cells are separated by {word}; expected {expected}: save it as csv with "
+                "commas between the cells and points in the numbers."
+            )
+
+
 def read_cells(path: str | Path, columns: Sequence[str], *, skip_lines: int = 0) -> pd.DataFrame:
     """Read a csv as text cells and check that it has the expected columns.
 
@@ -91,24 +157,36 @@ def read_cells(path: str | Path, columns: Sequence[str], *, skip_lines: int = 0)
     Raises
     ------
     InputError
-        If the file is missing, is not a csv, or lacks a column.
+        If the file is missing, is not a csv, lacks a column, has two of one name, or a row has
+        more cells than there are columns.
     """
     path = Path(path)
+    described = f"the columns {', '.join(columns)}" if columns else "names of columns and rows"
+    expected = f"a csv table with {described}"
+    text = read_table_text(path, expected=expected, skip_lines=skip_lines)
+    body = text.split("\n", skip_lines)[-1] if text.count("\n") >= skip_lines else ""
     try:
-        table = pd.read_csv(
-            io.StringIO(path.read_text(encoding="utf-8-sig")),
-            dtype=str,
-            keep_default_na=False,
-            skiprows=skip_lines,
+        # names of columns are read as a row of cells: pandas renames the second of two equal ones
+        table = pd.read_csv(io.StringIO(body), header=None, dtype=str, keep_default_na=False)
+    except (pd.errors.ParserError, pd.errors.EmptyDataError, csv.Error) as reason:
+        where = re.search(r"in line (\d+), saw (\d+)", str(reason))
+        if where is None:
+            raise InputError(f"{path.name}: not a csv table; expected {described}.") from None
+        raise InputError(
+            f"{path.name}: line {int(where[1]) + skip_lines} has {where[2]} cells, more than there "
+            f"are columns; expected {described}: mend that line."
+        ) from None
+    names = [str(name).strip() for name in table.iloc[0]]
+    twice = [name for name in names if name and names.count(name) > 1]
+    if twice:
+        raise InputError(
+            f"{path.name}: column {twice[0]!r} is there twice; keep one of them, or name them "
+            "differently."
         )
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file.") from None
-    except (IsADirectoryError, PermissionError) as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}).") from None
-    except (pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeDecodeError):
-        expected = f"the columns {', '.join(columns)}" if columns else "names of columns and rows"
-        raise InputError(f"{path.name}: not a csv table; expected {expected}.") from None
-    table.columns = table.columns.str.strip()
+    table = table.iloc[1:].reset_index(drop=True)
+    table.columns = pd.Index([name or f"Unnamed: {i}" for i, name in enumerate(names)])
+    blank = [not name and not (table.iloc[:, i] != "").any() for i, name in enumerate(names)]
+    table = table.loc[:, ~np.array(blank)]  # a comma at the end of every line
     table = check_columns(table, columns, where=path.name)
     return table.apply(lambda column: column.str.strip())
 
@@ -127,7 +205,7 @@ def read_numbers(
     where : str
         File name for the message.
     whole : bool
-        Whether only whole numbers will do; they are returned as int64.
+        Whether only whole numbers will do, such as those of frames; they are returned as int64.
     empty : bool
         Whether a cell may be empty; it becomes NaN.
 
@@ -139,7 +217,7 @@ def read_numbers(
     Raises
     ------
     InputError
-        For the first cell that is not a (whole) finite number.
+        For the first cell that is not a (whole) finite number, or too large for that of a frame.
     """
     cells = table[column]
     values = pd.to_numeric(cells, errors="coerce").to_numpy(float)
@@ -147,10 +225,12 @@ def read_numbers(
     if empty:
         bad &= (cells != "").to_numpy(bool)
     if whole:
-        bad |= values != np.rint(values)
+        bad |= (values != np.rint(values)) | (np.abs(values) > MOST_FRAMES)
     if bad.any():
         row = int(np.argmax(bad))
         found = repr(cells.iloc[row]) if cells.iloc[row] else "empty"
         kind = "a whole number" if whole else "a number"
+        if whole and abs(values[row]) > MOST_FRAMES:
+            kind = f"a whole number up to {MOST_FRAMES:,}"
         raise InputError(f"{where}: line {row + 2}, column {column!r} is {found}; expected {kind}.")
     return values.astype(np.int64) if whole else values

@@ -16,7 +16,9 @@ from pawnb.schema import (
     POINTS3D_COLUMNS,
     TRACKS_COLUMNS,
     Tracks,
+    check_frames,
     make_tracks,
+    note_absent,
 )
 
 
@@ -49,29 +51,32 @@ def read_tracks_table(
     -------
     xarray.Dataset
         Tracks of every frame from the first to the last in the file; what the file does
-        not hold is missing.
+        not hold is missing, and the provenance says of which frames it has no row.
 
     Raises
     ------
     InputError
-        For a missing column, a cell that is not what it should be, or a row given twice.
+        For a missing column, a cell that is not what it should be, a row given twice, or
+        frames of a point that do not rise.
     """
     where = Path(path).name
     table = _read_points(path, TRACKS_COLUMNS, ("view", "point"), ("u", "v", "confidence"))
     views, points = (list(dict.fromkeys(table[name])) for name in ("view", "point"))
     space_table = None
-    frames = table["frame"]
+    frames = table["frame"].to_numpy()
     if points3d is not None:
         space_table = _read_points(
             points3d, POINTS3D_COLUMNS, ("point",), ("x", "y", "z", "residual_px")
         )
         points += [p for p in dict.fromkeys(space_table["point"]) if p not in points]
-        frames = pd.concat([frames, space_table["frame"]])
-    if frames.empty:
+        frames = np.concatenate([frames, space_table["frame"].to_numpy()])
+    if not frames.size:
         raise InputError(f"{where}: no rows; expected one for each frame, view and point.")
+    frames = check_frames(np.unique(frames), where=where)
+    every = np.arange(frames[0], frames[-1] + 1)
     flat = points3d is None and len(views) == 1
     tracks = make_tracks(
-        np.arange(frames.min(), frames.max() + 1),
+        every,
         points,
         fps=fps,
         views=views,
@@ -79,7 +84,7 @@ def read_tracks_table(
         individual=individual,
         unit="px" if points3d is None else unit,
     )
-    at = table["frame"] - frames.min()
+    at = np.searchsorted(every, table["frame"].to_numpy())
     view, point = (table[n].map(names.index) for n, names in (("view", views), ("point", points)))
     for axis, name in enumerate(("u", "v")):
         tracks["image_position"].to_numpy()[at, view, axis, point, 0] = table[name]
@@ -91,7 +96,7 @@ def read_tracks_table(
         tracks["origin"].to_numpy()[:] = tracks["image_origin"].to_numpy()[:, 0]
     if space_table is not None:
         _fill_space(tracks, space_table, points)
-    return tracks
+    return note_absent(tracks, frames, file=where)
 
 
 def read_points3d_table(
@@ -118,24 +123,26 @@ def read_points3d_table(
     Raises
     ------
     InputError
-        For a missing column, a cell that is not what it should be, or a row given twice.
+        For a missing column, a cell that is not what it should be, a row given twice, or
+        frames of a point that do not rise.
     """
     table = _read_points(path, POINTS3D_COLUMNS, ("point",), ("x", "y", "z", "residual_px"))
     if table.empty:
         raise InputError(f"{Path(path).name}: no rows; expected one for each frame and point.")
     points = list(dict.fromkeys(table["point"]))
-    first, last = table["frame"].min(), table["frame"].max()
-    tracks = make_tracks(
-        np.arange(first, last + 1), points, fps=fps, individual=individual, unit=unit
-    )
-    at, point = table["frame"] - first, table["point"].map(points.index)
+    where = Path(path).name
+    frames = check_frames(np.unique(table["frame"].to_numpy()), where=where)
+    every = np.arange(frames[0], frames[-1] + 1)
+    tracks = make_tracks(every, points, fps=fps, individual=individual, unit=unit)
+    at = np.searchsorted(every, table["frame"].to_numpy())
+    point = table["point"].map(points.index)
     _enter_space(tracks, table, at, point)
     known = tracks["origin"].to_numpy() != ORIGIN_CODE["missing"]
     tracks["confidence"].to_numpy()[:] = known
-    return tracks
+    return note_absent(tracks, frames, file=where)
 
 
-def _enter_space(tracks: Tracks, table: pd.DataFrame, at: pd.Series, point: pd.Series) -> None:
+def _enter_space(tracks: Tracks, table: pd.DataFrame, at: np.ndarray, point: pd.Series) -> None:
     """Enter positions, residuals and origins at rows ``at`` of the points ``point``."""
     for axis, name in enumerate("xyz"):
         tracks["position"].to_numpy()[at, axis, point, 0] = table[name]
@@ -145,7 +152,7 @@ def _enter_space(tracks: Tracks, table: pd.DataFrame, at: pd.Series, point: pd.S
 
 def _fill_space(tracks: Tracks, table: pd.DataFrame, points: Sequence[str]) -> None:
     """Enter the rows of ``points3d.csv``; confidence is the mean of the views that see it."""
-    at = table["frame"] - int(tracks["frame"].to_numpy()[0])
+    at = np.searchsorted(tracks["frame"].to_numpy(), table["frame"].to_numpy())
     _enter_space(tracks, table, at, table["point"].map(list(points).index))
     seen = tracks["image_origin"].to_numpy() != ORIGIN_CODE["missing"]
     total = np.where(seen, tracks["image_confidence"].to_numpy(), 0.0).sum(axis=1)
@@ -177,4 +184,12 @@ def _read_points(
         row = table[twice].iloc[0]
         named = ", ".join(f"{key} {row[key]}" for key in ("frame", *keys))
         raise InputError(f"{where}: {named} is there twice; keep one of them.")
+    falls = table.groupby(list(keys), sort=False)["frame"].diff() < 0
+    if falls.any():
+        row = table[falls].iloc[0]
+        named = ", ".join(f"{key} {row[key]}" for key in keys)
+        raise InputError(
+            f"{where}: frame {row['frame']} of {named} comes after a later one; sort the rows by "
+            "frame."
+        )
     return table

@@ -9,8 +9,9 @@ from pathlib import Path
 import numpy as np
 
 from pawnb.errors import InputError
+from pawnb.io.points import build_tracks
 from pawnb.io.tables import read_cells, read_numbers
-from pawnb.schema import ORIGIN_CODE, Tracks, make_tracks
+from pawnb.schema import Tracks
 
 _COLUMN = re.compile(r"(?P<point>.+)_(?P<axis>[xyz])")
 
@@ -48,12 +49,14 @@ def read_wide_table(path: str | Path, *, fps: float, unit: str | None = None) ->
     Returns
     -------
     xarray.Dataset
-        Tracks; the table gives no confidence, so that of a point that was seen is NaN.
+        Tracks; the table gives no confidence, so that of a point that was seen is NaN. Frames
+        without a row are missing, and the provenance says which they are.
 
     Raises
     ------
     InputError
-        If the file is missing or of another layout, or a point lacks a column.
+        If the file is missing or of another layout, a point lacks a column, or frames do not
+        rise.
     """
     where = Path(path).name
     cells = read_cells(path, ("frame",))
@@ -70,19 +73,17 @@ def read_wide_table(path: str | Path, *, fps: float, unit: str | None = None) ->
     if not points:
         raise InputError(f"{where}: no point; expected columns <point>_x, <point>_y.")
     cells = cells.mask(cells.apply(lambda column: column.str.lower() == "nan"), "")
-    frames = read_numbers(cells, "frame", where=where, whole=True)
     columns = [
         read_numbers(cells, f"{point}_{axis}", where=where, empty=True)
         for point in points
         for axis in axes
     ]
-    places = np.column_stack(columns).reshape(len(frames), len(points), len(axes))
-    tracks = make_tracks(
-        frames, points, fps=fps, space=tuple(axes), unit=unit or ("mm" if len(axes) == 3 else "px"),
-        source_software="table",
-    )  # fmt: skip
-    tracks["position"].to_numpy()[:] = places.transpose(0, 2, 1)[..., None]
-    known = np.isfinite(places).all(axis=2)[..., None]
-    tracks["origin"].to_numpy()[known] = ORIGIN_CODE["measured"]
-    tracks["confidence"].to_numpy()[known] = np.nan
-    return tracks
+    return build_tracks(
+        read_numbers(cells, "frame", where=where, whole=True),
+        points,
+        np.column_stack(columns).reshape(len(cells), len(points), 1, len(axes)),
+        fps=fps,
+        unit=unit or ("mm" if len(axes) == 3 else "px"),
+        program="table",
+        where=where,
+    )

@@ -15,6 +15,13 @@ from pawnb.schema.columns import (
     TRACKS_COLUMNS,
     check_columns,
 )
+from pawnb.schema.frames import (
+    MOST_FRAMES,
+    absent_frames,
+    check_frames,
+    every_frame,
+    note_absent,
+)
 from pawnb.schema.settings import SettingsT, build_settings, check_ranges
 from pawnb.schema.tracks import (
     ORIGIN_CODE,
@@ -28,6 +35,7 @@ from pawnb.schema.tracks import (
 __all__ = [
     "DROPPED_COLUMNS",
     "EVENTS_COLUMNS",
+    "MOST_FRAMES",
     "ORIGINS",
     "ORIGIN_CODE",
     "PHASES_COLUMNS",
@@ -39,10 +47,14 @@ __all__ = [
     "TRACKS_COLUMNS",
     "SettingsT",
     "Tracks",
+    "absent_frames",
     "add_provenance",
     "build_settings",
     "check_columns",
+    "check_frames",
     "check_ranges",
     "check_tracks",
+    "every_frame",
     "make_tracks",
+    "note_absent",
 ]

@@ -165,7 +165,7 @@ def check_tracks(tracks: Tracks, *, where: str = "these tracks") -> Tracks:
         if name in tracks and tuple(tracks[name].dims) != dims:
             faults.append(f"{name!r} has dimensions {tracks[name].dims} instead of {dims}")
     fps = tracks.attrs.get("fps")
-    if fps is None or not np.isfinite(fps) or fps <= 0:
+    if not isinstance(fps, int | float | np.number) or not 0 < fps < np.inf:
         faults.append(f"attribute fps is {fps!r} instead of a positive number")
     if "frame" not in tracks.coords:
         faults.append("no coordinate 'frame' along time")

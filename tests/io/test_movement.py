@@ -7,8 +7,6 @@ xarray when it is imported; the fixture keeps all of that away from other tests.
 from __future__ import annotations
 
 import importlib
-import subprocess
-import sys
 import warnings
 
 import numpy as np
@@ -19,7 +17,7 @@ import xarray as xr
 from pawnb.errors import InputError
 from pawnb.io.movement import from_movement, is_movement, to_movement
 from pawnb.io.native import read_tracks, write_tracks
-from pawnb.schema import ORIGIN_CODE, make_tracks
+from pawnb.schema import ORIGIN_CODE, absent_frames, make_tracks
 
 
 @pytest.fixture(scope="module")
@@ -171,7 +169,10 @@ def test_both_spellings_are_read(dims):
 
 def test_times_become_frames():
     seconds = from_movement(poses(time=np.array([0.2, 0.22, 0.24, 0.3])))
-    assert seconds["frame"].to_numpy().tolist() == [10, 11, 12, 15]
+    assert seconds["frame"].to_numpy().tolist() == [10, 11, 12, 13, 14, 15]
+    # the frames between 0.24 s and 0.3 s are not in the dataset
+    assert (seconds["origin"].to_numpy()[3:5] == ORIGIN_CODE["missing"]).all()
+    assert absent_frames(seconds) == [(13, 14, "this dataset")]
     frames = from_movement(poses(time=np.array([3, 4, 5, 6]), time_unit="frames"))
     assert frames["frame"].to_numpy().tolist() == [3, 4, 5, 6]
     np.testing.assert_allclose(frames["time"], [0.06, 0.08, 0.1, 0.12])
@@ -210,18 +211,3 @@ def test_what_holds_no_poses_is_refused():
         from_movement(poses().isel(individuals=0, drop=True), where="d")
     with pytest.raises(InputError, match="expected 'plural' or 'singular'"):
         to_movement(example(), dims="both")
-
-
-def test_reading_with_movement_leaves_the_warnings_of_others_alone(tmp_path):
-    # movement reroutes all warnings to its own log when it is imported
-    code = (
-        "import warnings, xarray; before = warnings.showwarning, xarray.get_options()\n"
-        "from pawnb.io.movement import load_with_movement\n"
-        "from pathlib import Path\n"
-        f"path = Path({str(tmp_path)!r}) / 'a.csv'\n"
-        "path.write_text('scorer,n,n,n\\nbodyparts,a,a,a\\ncoords,x,y,likelihood\\n0,1,2,1\\n')\n"
-        "load_with_movement('from_dlc_file', path, fps=1.0, program='DeepLabCut')\n"
-        "assert (warnings.showwarning, xarray.get_options()) == before\n"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr

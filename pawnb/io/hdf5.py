@@ -1,0 +1,219 @@
+"""HDF5 from other programs, read with care: any fault of the file is one sentence.
+
+A damaged file makes h5py raise errors of many kinds, or ask for more memory than any machine
+has. A file may also name other files, which would then be read in its place. What pawnb reads
+from HDF5 is read through here, as plain numbers and text only.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+from pawnb.errors import InputError
+from pawnb.files import check_file
+
+HDF5_FAULTS = (
+    OSError, RuntimeError, ValueError, KeyError, IndexError, TypeError, AttributeError,
+    MemoryError, OverflowError, AssertionError, SystemError,
+)  # fmt: skip
+"""What h5py and those who build on it raise where a file is damaged."""
+
+_MOST_RATIO = 1100
+"""gzip makes no data smaller than by this factor; more than that was never in the file."""
+
+_SLACK_BYTES = 2**26
+_MOST_ATTRIBUTE_BYTES = 2**24
+
+
+@contextmanager
+def open_hdf5(path: str | Path, *, expected: str) -> Iterator[h5py.File]:
+    """Open an HDF5 file for reading.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+    expected : str
+        What it should be, for messages: ``"the h5 file that SLEAP writes"``.
+
+    Yields
+    ------
+    h5py.File
+        The open file. It has neither links to other files nor data that is larger than the
+        file can hold.
+
+    Raises
+    ------
+    InputError
+        If it is no regular file, no HDF5, damaged, or one of those; also where that is found
+        out only while the caller reads.
+    """
+    path = check_file(path, expected=expected)
+    with faults_in(path, expected=expected), h5py.File(path, "r") as file:
+        _check_links(file, path.name)
+        yield file
+
+
+@contextmanager
+def faults_in(path: Path, *, expected: str) -> Iterator[None]:
+    """Turn what is raised where an HDF5 file is damaged into one sentence.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    expected : str
+        What it should be.
+
+    Raises
+    ------
+    InputError
+        For every fault of the file.
+    """
+    try:
+        yield
+    except InputError:
+        raise
+    except HDF5_FAULTS as error:
+        reason = " ".join(str(error).split())[:150] or type(error).__name__
+        raise InputError(
+            f"{path.name}: damaged or of another kind ({reason}); expected {expected}: copy it "
+            "again from where it is whole, or write it anew."
+        ) from None
+
+
+def read_array(group: h5py.Group, name: str, *, where: str, ndim: int | None = None) -> np.ndarray:
+    """Read a dataset of numbers.
+
+    Parameters
+    ----------
+    group : h5py.Group
+        Where it lies.
+    name : str
+        Its name.
+    where : str
+        How messages name the file.
+    ndim : int, optional
+        The number of its dimensions.
+
+    Returns
+    -------
+    ndarray
+        Numbers, or records of them.
+
+    Raises
+    ------
+    InputError
+        If it is not there, or holds something else than numbers.
+    """
+    data = _dataset(group, name, where)
+    kinds = [data.dtype[n].base.kind for n in data.dtype.names or ()] or [data.dtype.kind]
+    if not set(kinds) <= set("iufb") or (ndim is not None and data.ndim != ndim):
+        raise InputError(
+            f"{where}: {name} is an array of {data.dtype} with shape {data.shape}; expected "
+            f"numbers{f' in {ndim} dimensions' if ndim is not None else ''}."
+        )
+    return np.asarray(data[()])
+
+
+def read_texts(group: h5py.Group, name: str, *, where: str) -> list[str]:
+    """Read a dataset of text.
+
+    Parameters
+    ----------
+    group : h5py.Group
+        Where it lies.
+    name : str
+        Its name.
+    where : str
+        How messages name the file.
+
+    Returns
+    -------
+    list of str
+        The words.
+
+    Raises
+    ------
+    InputError
+        If it is not there, or holds something else than text.
+    """
+    data = _dataset(group, name, where)
+    words = data.dtype.kind == "S" or h5py.check_string_dtype(data.dtype) is not None
+    if data.size == 0:
+        return []
+    if not words or data.ndim != 1:
+        raise InputError(f"{where}: {name} is an array of {data.dtype}; expected a list of names.")
+    return [word.decode() if isinstance(word, bytes) else str(word) for word in data[()]]
+
+
+def read_attribute(item: h5py.Group | h5py.Dataset, name: str, *, where: str) -> bytes:
+    """Read an attribute that is a text, as its bytes.
+
+    Parameters
+    ----------
+    item : h5py.Group or h5py.Dataset
+        What has the attribute.
+    name : str
+        Its name.
+    where : str
+        How messages name the file.
+
+    Returns
+    -------
+    bytes
+        What it holds, up to 16 MB.
+
+    Raises
+    ------
+    InputError
+        If it is not there, or is something else.
+    """
+    if name not in item.attrs:
+        raise InputError(f"{where}: attribute {name} of {item.name} is missing.")
+    kind = item.attrs.get_id(name)
+    text = h5py.check_string_dtype(kind.dtype) is not None
+    if not (text or kind.dtype.kind in "SV") or kind.shape != ():
+        raise InputError(f"{where}: attribute {name} of {item.name} is no text.")
+    value = item.attrs[name]
+    if isinstance(value, h5py.Empty):
+        return b""
+    data = value.encode() if isinstance(value, str) else bytes(value)
+    if len(data) > _MOST_ATTRIBUTE_BYTES:
+        raise InputError(f"{where}: attribute {name} of {item.name} has {len(data)} bytes.")
+    return data
+
+
+def _dataset(group: h5py.Group, name: str, where: str) -> h5py.Dataset:
+    """Return a dataset by name."""
+    data = group.get(name)
+    if not isinstance(data, h5py.Dataset) or data.shape is None:
+        raise InputError(f"{where}: no array {name} in {group.name}.")
+    return data
+
+
+def _check_links(file: h5py.File, where: str) -> None:
+    """Refuse links out of the file, and data larger than the file can hold."""
+
+    def look(name: bytes, info: h5py.h5l.LinkInfo) -> None:
+        path = name.decode("utf-8", "replace")
+        if info.type != h5py.h5l.TYPE_HARD:
+            raise InputError(f"{where}: {path!r} is a link to elsewhere; only whole files are read.")
+        item = file[name]
+        if not isinstance(item, h5py.Dataset):
+            return
+        if item.is_virtual or item.external:
+            raise InputError(f"{where}: {path!r} lies in another file; only whole files are read.")
+        stored, size = item.id.get_storage_size(), item.dtype.itemsize * (item.size or 0)
+        if size > _SLACK_BYTES + _MOST_RATIO * stored:
+            raise InputError(
+                f"{where}: damaged, {path!r} claims {size / 1e9:.1f} GB of which the file holds "
+                f"{stored} bytes; copy it again from where it is whole."
+            )
+
+    file.id.links.visit(look, info=True)
