@@ -24,7 +24,7 @@ from pawnb.gait.scored import check_scored_events
 from pawnb.gait.strides import Motion
 from pawnb.gait.tables import GaitTables, Pairs, build_tables, pool
 from pawnb.io.belt import read_belt_speed
-from pawnb.schema import Tracks, build_settings, check_columns, check_tracks
+from pawnb.schema import Tracks, absent_frames, build_settings, check_columns, check_tracks
 from pawnb.trial import Trial
 
 _LEAST_CONFIDENCE = {"DeepLabCut": 0.6}
@@ -89,6 +89,7 @@ def analyse(
     named = choose_legs(tracks, trial=trial, legs=legs, where=where)
     grid, dense = put_on_grid(tracks, where=where)
     belt = _belt_on_grid(belt_speed, trial, grid)
+    lost = _lost_frames(tracks, grid)
     individuals = [str(i) for i in tracks["individual"].to_numpy()]
     parts = []
     for individual in individuals:
@@ -97,7 +98,7 @@ def analyse(
             _analyse_one(
                 dense, grid, named, trial=trial, individual=individual, pairs=pairs, belt=belt,
                 forward=None if forward is None else np.asarray(forward, dtype=float),
-                settings=settings,
+                settings=settings, lost=lost,
                 who={"animal": animal, "trial": trial.name if trial is not None else "trial"},
             )
         )  # fmt: skip
@@ -223,6 +224,7 @@ def _analyse_one(
     belt: np.ndarray | None,
     forward: np.ndarray | None,
     settings: EventSettings,
+    lost: Sequence[Mapping[str, Any]],
     who: Mapping[str, str],
 ) -> GaitTables:
     """Analyse one individual on the grid."""
@@ -236,7 +238,7 @@ def _analyse_one(
         )
     events: list[dict[str, Any]] = []
     gaps: list[dict[str, Any]] = []
-    dropped: list[dict[str, Any]] = []
+    dropped: list[dict[str, Any]] = [dict(row) for row in lost]
     motion: dict[str, Motion] = {}
     signals: list[LegSignals] = []
     notes: list[str] = []
@@ -270,6 +272,21 @@ def _analyse_one(
         dropped=dropped_table(dropped, who), notes=notes, signals=signals,
         body_length=_body_length(dense, trial, spaces[0].unit),
     )  # fmt: skip
+
+
+def _lost_frames(tracks: Tracks, grid: Grid) -> list[dict[str, Any]]:
+    """Return what is said of frames without a row: they are no frames without movement."""
+    rows = []
+    for first, last, file in absent_frames(tracks):
+        start, end = np.interp((first, last), grid.frame, grid.time_s)
+        span = f"frame {first} is" if first == last else f"frames {first} to {last} are"
+        rows.append(
+            {
+                "leg": "", "start_s": float(start), "end_s": float(end), "what": "frames",
+                "why": f"{span} not in {file}",
+            }
+        )  # fmt: skip
+    return rows
 
 
 def _body_length(tracks: Tracks, trial: Trial | None, unit: str) -> float | None:

@@ -15,7 +15,7 @@ from pawnb.io.deeplabcut import GROUP, read_deeplabcut
 from pawnb.io.dltdv import read_dltdv_points, read_dltdv_points3d
 from pawnb.io.hdf5 import open_hdf5
 from pawnb.io.sleap import read_sleap
-from pawnb.io.tables import check_separator
+from pawnb.io.tables import read_column_names
 from pawnb.io.wide import is_wide_table, read_wide_table
 from pawnb.schema import Tracks
 
@@ -27,7 +27,6 @@ FORMATS = (
 
 _ANIPOSE = re.compile(r"(.+)_(x|y|z|error|ncams|score)")
 _DLTDV_SPACE = re.compile(r".+_[XYZ]")
-_LONGEST_LINE = 2**22
 _DLTDV_IMAGE = re.compile(r".+_cam\d+_[XY]")
 
 
@@ -165,16 +164,9 @@ def _recognise_hdf5(path: Path) -> str | None:
 
 def _recognise_csv(path: Path) -> str | None:
     """Tell tables apart by their first line."""
-    with path.open("rb") as file:
-        line = file.readline(_LONGEST_LINE)
-    try:
-        first = line.decode("utf-8-sig")
-    except UnicodeDecodeError:
-        return None
-    check_separator(first, where=path.name, expected="tracks as csv")
-    names: Sequence[str] = [name.strip() for name in first.split(",")]
+    names = read_column_names(path, expected="tracks as csv")
     columns = set(names)
-    if names[0] == "scorer":
+    if names[:1] == ["scorer"]:
         return "deeplabcut"
     if {"frame", "point", "x", "y", "z"} <= columns:
         return "csv-3d"

@@ -16,7 +16,7 @@ import numpy as np
 import pandas as pd
 
 from pawnb.errors import InputError
-from pawnb.files import read_text, write_whole
+from pawnb.files import check_file, read_text, write_whole
 from pawnb.schema import MOST_FRAMES, check_columns
 
 DECIMALS = {
@@ -24,6 +24,8 @@ DECIMALS = {
 }  # fmt: skip
 """Decimals kept in csv: 0.0001 px and 0.000001 of the unit of length are far below what
 any tracker can tell. Other columns are written in full."""
+
+_LONGEST_LINE = 2**22
 
 
 def write_text(text: str, path: str | Path) -> Path:
@@ -135,6 +137,37 @@ def check_separator(
                 f"{where}: cells are separated by {word}; expected {expected}: save it as csv with "
                 "commas between the cells and points in the numbers."
             )
+
+
+def read_column_names(path: str | Path, *, expected: str) -> list[str]:
+    """Read the first line of a csv only: the names of its columns.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+    expected : str
+        What it should be, for messages.
+
+    Returns
+    -------
+    list of str
+        Names without blanks around them; none where the line is no text.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or its cells are separated by semicolons or tabs.
+    """
+    path = check_file(path, expected=expected)
+    try:
+        with path.open("rb") as file:
+            first = file.readline(_LONGEST_LINE).decode("utf-8-sig")
+        cells = next(csv.reader([first]), [])
+    except (OSError, UnicodeDecodeError, csv.Error):
+        return []
+    check_separator(first, where=path.name, expected=expected)
+    return [cell.strip() for cell in cells]
 
 
 def read_cells(path: str | Path, columns: Sequence[str], *, skip_lines: int = 0) -> pd.DataFrame:

@@ -9,7 +9,7 @@ import pandas as pd
 
 from pawnb.errors import InputError, did_you_mean
 from pawnb.gait.contacts import events_from_contacts, is_contact_table
-from pawnb.io.tables import read_cells, read_numbers
+from pawnb.io.tables import read_cells, read_column_names, read_numbers
 from pawnb.schema import check_columns
 from pawnb.trial import Trial
 
@@ -42,6 +42,9 @@ def read_scored_file(path: Path, *, fps: float | None) -> pd.DataFrame | None:
         If it is such a table and cannot be read.
     """
     if path.suffix.lower() != ".csv":
+        return None
+    names = read_column_names(path, expected="a csv table")
+    if not {"event", "frame"} & set(names):
         return None
     cells = read_cells(path, ())
     if "event" in cells:

@@ -9,6 +9,7 @@ from pathlib import Path
 import pandas as pd
 
 from pawnb.errors import InputError
+from pawnb.files import check_file
 from pawnb.gait import GaitTables
 from pawnb.io.authors2019 import trial_stamp
 from pawnb.io.formats import check_rate, read_any_tracks, recognise_format
@@ -118,10 +119,7 @@ def read_source(path: str | Path, *, fps: float | None = None) -> GaitSource:
             f"{path}: neither a trial nor results; expected a trial.toml, a tracks.nc or an "
             "events.csv in it."
         )
-    if not path.exists():
-        raise InputError(
-            f"{path}: no such file; expected a trial, a results folder, tracks or an events.csv."
-        )
+    check_file(path, expected="a trial, a results folder, tracks or an events.csv")
     if path.suffix == ".toml":
         return _read_trial(load_trial(path))
     if trial_stamp(path.name) is not None:
