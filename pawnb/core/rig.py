@@ -182,7 +182,9 @@ class Rig:
         return find_epipolar_line(L_from, np.asarray(uv, dtype=float), L_to, size=size)
 
 
-def load_rig(trial: Trial, *, sizes: Mapping[str, tuple[int, int]] | None = None) -> Rig | None:
+def load_rig(
+    trial: Trial, *, sizes: Mapping[str, tuple[int, int]] | None = None, first_pixel: int = 0
+) -> Rig | None:
     """Read the calibration of a trial.
 
     Parameters
@@ -194,6 +196,10 @@ def load_rig(trial: Trial, *, sizes: Mapping[str, tuple[int, int]] | None = None
         Width and height in px of the file's whole picture of each view. Needed only where
         coefficients must be converted: for ``v = "up"``, and for ``pixels = "file"`` with a
         mirrored view that is not cropped.
+    first_pixel : int
+        Number of the first pixel in the pixels that the coefficients belong to: 1 where they
+        come with points of DLTdv, which counts from 1 as MATLAB does. Those with ``v = "up"``
+        are always counted from 1.
 
     Returns
     -------
@@ -220,7 +226,9 @@ def load_rig(trial: Trial, *, sizes: Mapping[str, tuple[int, int]] | None = None
     names = tuple(view.name for view in trial.views)
     coefs = read_coefs(trial.path(calibration.dlt), names)
     columns = [
-        dlt.transform_image(coefs[:, i], _to_view(view, calibration, (sizes or {}).get(view.name)))
+        dlt.transform_image(
+            coefs[:, i], _to_view(view, calibration, (sizes or {}).get(view.name), first_pixel)
+        )
         for i, view in enumerate(trial.views)
     ]
     return Rig(
@@ -232,14 +240,16 @@ def load_rig(trial: Trial, *, sizes: Mapping[str, tuple[int, int]] | None = None
     )
 
 
-def require_rig(trial: Trial, *, sizes: Mapping[str, tuple[int, int]] | None = None) -> Rig:
+def require_rig(
+    trial: Trial, *, sizes: Mapping[str, tuple[int, int]] | None = None, first_pixel: int = 0
+) -> Rig:
     """Read the calibration of a trial for a step that cannot do without.
 
     Parameters
     ----------
     trial : Trial
         The trial.
-    sizes : mapping, optional
+    sizes, first_pixel : optional
         As for :func:`load_rig`.
 
     Returns
@@ -252,7 +262,7 @@ def require_rig(trial: Trial, *, sizes: Mapping[str, tuple[int, int]] | None = N
     CalibrationError
         If the trial has no DLT calibration, or it cannot be read.
     """
-    rig = load_rig(trial, sizes=sizes)
+    rig = load_rig(trial, sizes=sizes, first_pixel=first_pixel)
     if rig is None:
         raise CalibrationError(
             f"trial {trial.name!r} has no DLT calibration; add [calibration] dlt = "
@@ -329,11 +339,13 @@ def fit_rig(
     return rig, pd.concat(residuals, ignore_index=True)
 
 
-def _to_view(view: View, calibration: Calibration, size: tuple[int, int] | None) -> np.ndarray:
+def _to_view(
+    view: View, calibration: Calibration, size: tuple[int, int] | None, first_pixel: int
+) -> np.ndarray:
     """Return the homography from the pixels of the coefficients to those of the view."""
     if calibration.pixels == "view" and view.crop is not None:
         size = (view.crop[2] - view.crop[0], view.crop[3] - view.crop[1])
-    H = np.eye(3)
+    H = np.array([[1.0, 0.0, -first_pixel], [0.0, 1.0, -first_pixel], [0.0, 0.0, 1.0]])
     if calibration.v == "up":
         if size is None:
             raise _size_needed(view, 'v = "up"')
@@ -357,7 +369,7 @@ def _size_needed(view: View, why: str) -> CalibrationError:
     """Make the error for a picture size that is needed and unknown."""
     return CalibrationError(
         f"view {view.name!r}: the size of its picture is needed to convert DLT coefficients with "
-        f"{why}; open the videos first and give their sizes."
+        f"{why}; name its video under [[views]], or give crop = [0, 0, width, height] there."
     )
 
 

@@ -37,7 +37,7 @@ def read_coefs(path: Path, names: Sequence[str]) -> np.ndarray:
         If the file is missing or is not that, or a number is too large for a camera.
     """
     path = Path(path)
-    expected = "the csv of DLT coefficients, 11 rows, one column a view, no header"
+    expected = "the csv with the DLT coefficients that [calibration] dlt names"
     text = read_table_text(path, expected=expected, error=CalibrationError)
     try:
         table = pd.read_csv(io.StringIO(text), header=None, dtype=str, skipinitialspace=True)

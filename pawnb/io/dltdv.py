@@ -10,8 +10,9 @@ import numpy as np
 import pandas as pd
 
 from pawnb.errors import InputError
+from pawnb.io.points import build_tracks
 from pawnb.io.tables import read_cells, read_numbers
-from pawnb.schema import ORIGIN_CODE, Tracks, make_tracks
+from pawnb.schema import Tracks
 
 _SPACE = re.compile(r"(?P<point>.+)_(?P<axis>[XYZ])")
 _IMAGE = re.compile(r"(?P<point>.+)_cam(?P<view>\d+)_(?P<axis>[XY])")
@@ -39,7 +40,7 @@ def read_dltdv_points3d(path: str | Path, *, fps: float, unit: str = "mm") -> Tr
     Raises
     ------
     InputError
-        If the file is missing or of another layout.
+        If the file is missing or of another layout, or frames do not rise.
     """
     frames, table = _read(path)
     names = [name for name in map(str, table) if not _IMAGE.fullmatch(name)]
@@ -47,13 +48,10 @@ def read_dltdv_points3d(path: str | Path, *, fps: float, unit: str = "mm") -> Tr
     points = list(dict.fromkeys(m["point"] for m in found))
     wanted = [f"{point}_{axis}" for point in points for axis in "XYZ"]
     _check_layout(path, table, wanted, "<point>_X, <point>_Y, <point>_Z")
-    tracks = make_tracks(frames, points, fps=fps, unit=unit, source_software="DLTdv")
-    places = table[wanted].to_numpy(dtype=float).reshape(len(frames), len(points), 3)
-    tracks["position"].to_numpy()[:] = places.transpose(0, 2, 1)[..., None]
-    known = np.isfinite(places).all(axis=2)[..., None]
-    tracks["origin"].to_numpy()[known] = ORIGIN_CODE["measured"]
-    tracks["confidence"].to_numpy()[known] = np.nan
-    return tracks
+    places = table[wanted].to_numpy(dtype=float).reshape(len(frames), len(points), 1, 3)
+    return build_tracks(
+        frames, points, places, fps=fps, unit=unit, program="DLTdv", where=Path(path).name
+    )
 
 
 def read_dltdv_points(
@@ -68,19 +66,27 @@ def read_dltdv_points(
     fps : float
         Frames per second of the recording.
     heights_px : sequence of int, optional
-        Height of each camera's picture. DLTdv 7 and older count v upwards from the bottom
-        edge, from 1: v down is height - v. Without heights, v is taken to count downwards
-        from 1, as MATLAB's pictures do.
+        Height of each camera's picture. DLTdv 7 and older count Y upwards from the bottom edge,
+        from 1: v is height - Y. A height of 0 leaves it at -Y, which is enough for
+        triangulation with coefficients that are moved alike. Without heights, Y counts
+        downwards from 1, as in MATLAB's pictures and in DLTdv 8.
 
     Returns
     -------
     xarray.Dataset
-        Tracks with ``image_position`` in px of the views ``cam1``, ``cam2``, ...
+        Tracks with ``image_position`` in px of the views ``cam1``, ``cam2``, ... DLTdv gives no
+        confidence, so that of a digitised point is NaN.
 
     Raises
     ------
     InputError
-        If the file is missing or of another layout, or the heights do not fit the cameras.
+        If the file is missing or of another layout, frames do not rise, or the heights do not
+        fit the cameras.
+
+    Notes
+    -----
+    ``DLTcoefs.csv`` of DLTdv belongs to its own pixels: move it by the same change before using
+    it with these points (:func:`pawnb.core.rig.load_rig` does with ``first_pixel=1``).
     """
     frames, table = _read(path)
     found = [m for name in map(str, table) if (m := _IMAGE.fullmatch(name))]
@@ -93,19 +99,22 @@ def read_dltdv_points(
             f"{Path(path).name}: {len(numbers)} cameras but {len(heights_px)} heights; give one "
             "height a camera."
         )
-    views = [f"cam{n}" for n in numbers]
-    tracks = make_tracks(frames, points, fps=fps, views=views, source_software="DLTdv")
-    places = np.array(table[wanted], dtype=float).reshape(len(frames), len(points), len(views), 2)
+    places = np.array(table[wanted], dtype=float).reshape(len(frames), len(points), len(numbers), 2)
     places[..., 0] -= 1.0
     if heights_px is None:
         places[..., 1] -= 1.0
     else:
         places[..., 1] = np.asarray(heights_px, dtype=float) - places[..., 1]
-    tracks["image_position"].to_numpy()[:] = places.transpose(0, 2, 3, 1)[..., None]
-    known = np.isfinite(places).all(axis=3).transpose(0, 2, 1)[..., None]
-    tracks["image_origin"].to_numpy()[known] = ORIGIN_CODE["measured"]
-    tracks["image_confidence"].to_numpy()[known] = np.nan
-    return tracks
+    return build_tracks(
+        frames,
+        points,
+        places.transpose(0, 2, 1, 3)[:, :, :, None],
+        fps=fps,
+        unit="px",
+        program="DLTdv",
+        where=Path(path).name,
+        views=[f"cam{n}" for n in numbers],
+    )
 
 
 def _read(path: str | Path) -> tuple[np.ndarray, pd.DataFrame]:

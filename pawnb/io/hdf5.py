@@ -203,7 +203,7 @@ def _check_links(file: h5py.File, where: str) -> None:
     def look(name: bytes, info: h5py.h5l.LinkInfo) -> None:
         path = name.decode("utf-8", "replace")
         if info.type != h5py.h5l.TYPE_HARD:
-            raise InputError(f"{where}: {path!r} is a link to elsewhere; only whole files are read.")
+            raise InputError(f"{where}: {path!r} links to elsewhere; only whole files are read.")
         item = file[name]
         if not isinstance(item, h5py.Dataset):
             return

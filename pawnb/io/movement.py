@@ -103,8 +103,9 @@ def from_movement(
     -------
     xarray.Dataset
         Tracks. Points with a position are ``measured``, others ``missing``; frames are
-        counted from the times, and those that lack are missing. A dataset with a view dimension gives image positions, its
-        positions in space are missing. Confidence stays NaN where it was not given.
+        counted from the times, and those that lack are missing. A dataset with a view
+        dimension gives image positions, its positions in space are missing. Confidence stays
+        NaN where it was not given.
 
     Raises
     ------
@@ -163,7 +164,8 @@ def _enter(tracks: Tracks, dataset: xr.Dataset, rows: np.ndarray, where: str) ->
     values = dataset["position"].transpose(*order).to_numpy()
     if values.shape[1:] != place.shape[1:]:
         raise InputError(
-            f"{where}: views hold u and v, but position has {dataset.sizes['space']} values for each point."
+            f"{where}: views hold u and v, but position has {dataset.sizes['space']} values for "
+            "each point."
         )
     check_finite(
         np.moveaxis(values, order.index("space"), -1),

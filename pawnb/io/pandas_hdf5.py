@@ -55,9 +55,7 @@ def read_pandas_frame(
     )
 
 
-def _read_table(
-    group: h5py.Group, where: str
-) -> tuple[np.ndarray, list[Column], np.ndarray]:
+def _read_table(group: h5py.Group, where: str) -> tuple[np.ndarray, list[Column], np.ndarray]:
     """Read the format "table": one compound type with the index and a field a block."""
     table = group.get("table")
     if not isinstance(table, h5py.Dataset) or not table.dtype.names:
@@ -79,9 +77,7 @@ def _read_table(
     return rows["index"], order, _in_order(parts, order, where)
 
 
-def _read_fixed(
-    group: h5py.Group, where: str
-) -> tuple[np.ndarray, list[Column], np.ndarray]:
+def _read_fixed(group: h5py.Group, where: str) -> tuple[np.ndarray, list[Column], np.ndarray]:
     """Read the format "fixed": arrays of index, levels and codes of the columns, and blocks."""
     if "axis1" not in group:
         raise InputError(
@@ -110,7 +106,7 @@ def _levels(group: h5py.Group, name: str, where: str) -> list[Column]:
             break
         words = np.array(read_texts(group, f"{name}_level{level}", where=where), dtype=object)
         codes = read_array(group, f"{name}_label{level}", where=where, ndim=1)
-        if codes.size and not (0 <= codes.min() and codes.max() < len(words)):
+        if codes.size and not (codes.min() >= 0 and codes.max() < len(words)):
             raise InputError(f"{where}: damaged, {name} has names that are not in the file.")
         columns.append([str(word) for word in words[codes.astype(np.int64)]])
     return list(zip(*columns, strict=True))

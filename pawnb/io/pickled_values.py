@@ -28,7 +28,6 @@ _CONSTANTS: dict[str, Callable[[], Any]] = {
     "EMPTY_LIST": list,
     "EMPTY_TUPLE": tuple,
 }
-_TUPLES = {"TUPLE1": 1, "TUPLE2": 2, "TUPLE3": 3}
 _PUTS, _GETS = {"PUT", "BINPUT", "LONG_BINPUT"}, {"GET", "BINGET", "LONG_BINGET"}
 _FAULTS = (ValueError, IndexError, KeyError, TypeError, AttributeError, OverflowError, struct.error)
 
@@ -67,11 +66,9 @@ def read_pickled_values(data: bytes, *, where: str) -> Any:
 def _follow(data: bytes, where: str) -> Any:
     """Follow the opcodes of a pickle with a stack of plain values."""
     stack: list[Any] = []
-    memo: dict[int, Any] = {}
+    memo: dict[Any, Any] = {}
     for code, argument, _ in pickletools.genops(data):
         name = code.name
-        if name in ("PROTO", "FRAME"):
-            continue
         if name == "STOP":
             (value,) = stack
             return value
@@ -79,32 +76,37 @@ def _follow(data: bytes, where: str) -> Any:
             stack.append(argument)
         elif name in _CONSTANTS:
             stack.append(_CONSTANTS[name]())
-        elif name == "MARK":
-            stack.append(_MARK)
-        elif name in ("LIST", "TUPLE"):
-            made = _pop_to_mark(stack)
-            stack.append(made if name == "LIST" else tuple(made))
-        elif name in _TUPLES:
-            n = _TUPLES[name]
-            stack[-n:] = [tuple(_last(stack, n))]
-        elif name == "APPEND":
-            (item,) = _last(stack, 1)
-            stack.pop()
-            _list_on(stack).append(item)
-        elif name == "APPENDS":
-            items = _pop_to_mark(stack)
-            _list_on(stack).extend(items)
         elif name in _PUTS or name == "MEMOIZE":
             memo[len(memo) if name == "MEMOIZE" else argument] = _last(stack, 1)[0]
         elif name in _GETS:
             stack.append(memo[argument])
-        else:
+        elif name in _BUILDERS:
+            _BUILDERS[name](stack)
+        elif name not in ("PROTO", "FRAME"):
             raise InputError(
                 f"{where}: holds a pickled {name.lower()}, which could run a program when it is "
                 "opened; only names and numbers are read from there. If you trust the file, use "
                 "the csv of the same tracks."
             )
     raise ValueError("it ends too early")
+
+
+def _append(stack: list[Any]) -> None:
+    """Move the last value into the list below it."""
+    (item,) = _last(stack, 1)
+    stack.pop()
+    _list_on(stack).append(item)
+
+
+def _extend(stack: list[Any]) -> None:
+    """Move the values above the last mark into the list below it."""
+    items = _pop_to_mark(stack)
+    _list_on(stack).extend(items)
+
+
+def _make_tuple(stack: list[Any], n: int) -> None:
+    """Put the last values into a tuple."""
+    stack[-n:] = [tuple(_last(stack, n))]
 
 
 def _last(stack: list[Any], n: int) -> list[Any]:
@@ -128,3 +130,16 @@ def _list_on(stack: list[Any]) -> list[Any]:
     if not isinstance(stack[-1], list):
         raise TypeError("items are added to what is no list")
     return stack[-1]
+
+
+_BUILDERS: dict[str, Callable[[list[Any]], None]] = {
+    "MARK": lambda stack: stack.append(_MARK),
+    "LIST": lambda stack: stack.append(_pop_to_mark(stack)),
+    "TUPLE": lambda stack: stack.append(tuple(_pop_to_mark(stack))),
+    "TUPLE1": lambda stack: _make_tuple(stack, 1),
+    "TUPLE2": lambda stack: _make_tuple(stack, 2),
+    "TUPLE3": lambda stack: _make_tuple(stack, 3),
+    "APPEND": _append,
+    "APPENDS": _extend,
+}
+"""What each opcode that makes a list or tuple does to the stack."""

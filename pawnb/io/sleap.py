@@ -83,17 +83,22 @@ def _read_analysis(file: h5py.File, where: str) -> _Read:
         scores = read_array(file, "point_scores", where=where, ndim=3).astype(float)
         order = tuple(name for name in _ORDER if name != "xy")
         score = _ordered(scores, file["point_scores"], order, ("frame", "node", "track"), where)
-    expected = (len(data), len(points), len(individuals) or 1)
-    if data.shape != (*expected, 2) or score.shape != expected:
+    n_points, n_tracks = len(points), len(individuals) or 1
+    expected = [len(data), n_points, n_tracks]
+    if list(data.shape) != [*expected, 2] or list(score.shape) != expected:
         raise InputError(
             f"{where}: damaged, tracks have shape {data.shape} and scores {score.shape}; expected "
-            f"{expected[1]} nodes and {expected[2]} tracks, as the file names them."
+            f"{n_points} nodes and {n_tracks} tracks, as the file names them."
         )
     return np.arange(len(data)), points, individuals, data, score
 
 
 def _ordered(
-    data: np.ndarray, item: h5py.Dataset, order: tuple[str, ...], wanted: tuple[str, ...], where: str
+    data: np.ndarray,
+    item: h5py.Dataset,
+    order: tuple[str, ...],
+    wanted: tuple[str, ...],
+    where: str,
 ) -> np.ndarray:
     """Bring dimensions into the wanted order: newer files say theirs in an attribute."""
     if "dims" in item.attrs:
@@ -107,57 +112,63 @@ def _ordered(
 def _read_labels(file: h5py.File, where: str) -> _Read:
     """Read a .slp: tables of frames, instances and points."""
     points, version = _skeleton(file, where)
-    individuals = [_track_name(text, where) for text in read_texts(file, "tracks_json", where=where)]
+    names = read_texts(file, "tracks_json", where=where)
+    individuals = [_track_name(text, where) for text in names]
     frames, instances, user, predicted = (
         read_array(file, name, where=where, ndim=1)
         for name in ("frames", "instances", "points", "pred_points")
     )
     _check_one(frames, "video", "videos", where)
     _check_one(instances, "skeleton", "skeletons", where)
-    numbers = np.sort(frames["frame_idx"].astype(np.int64))
-    check_frames(numbers, where=where)
+    # labels are kept in the order in which they were made
+    numbers = check_frames(np.sort(frames["frame_idx"]), where=where)
     of_frame = dict(zip(frames["frame_id"].tolist(), frames["frame_idx"].tolist(), strict=True))
     shape = (len(numbers), len(points), len(individuals) or 1)
     places, score = np.full((*shape, 2), np.nan), np.full(shape, np.nan)
-    stray = 0
-    filled: dict[tuple[int, int], int] = {}
-    for row in instances:
-        kind, track, first = (
-            int(row[name]) for name in ("instance_type", "track", "point_id_start")
-        )
-        table = user if kind == _USER else predicted
-        own = table[first : int(row["point_id_end"])]
-        if int(row["frame_id"]) not in of_frame or track >= len(individuals) or first < 0:
-            raise InputError(f"{where}: damaged, an instance is of no frame or track of the file.")
-        if track < 0 and individuals:
-            stray += 1
-            continue
+    for (frame_id, track), row in _chosen(instances, individuals, of_frame, where).items():
+        table = predicted if row["instance_type"] == _PREDICTED else user
+        own = table[int(row["point_id_start"]) : int(row["point_id_end"])]
         if len(own) != len(points):
             raise InputError(
                 f"{where}: damaged, an instance has {len(own)} points; expected {len(points)}."
             )
-        frame = of_frame[int(row["frame_id"])]
-        at = (int(np.searchsorted(numbers, frame)), max(track, 0))
-        before = filled.get(at)
-        if before == kind:
-            name = individuals[track] if individuals else "animal"
+        at = np.searchsorted(numbers, of_frame[frame_id])
+        places[at, :, track] = _positions(own, version)
+        score[at, :, track] = own["score"] if row["instance_type"] == _PREDICTED else np.nan
+    return numbers, points, individuals, places, score
+
+
+def _chosen(
+    instances: np.ndarray, individuals: list[str], of_frame: dict[int, int], where: str
+) -> dict[tuple[int, int], np.void]:
+    """Return one instance for each frame and track: a person's, else the predicted one."""
+    chosen: dict[tuple[int, int], np.void] = {}
+    stray = 0
+    for row in instances:
+        frame_id, track = int(row["frame_id"]), int(row["track"])
+        if frame_id not in of_frame or track >= len(individuals):
+            raise InputError(f"{where}: damaged, an instance is of no frame or track of the file.")
+        if track < 0 and individuals:
+            stray += 1
+            continue
+        at = (frame_id, max(track, 0))
+        before = chosen.get(at)
+        if before is not None and before["instance_type"] == row["instance_type"]:
+            name = individuals[track] if individuals else "the animal"
             raise InputError(
-                f"{where}: frame {frame} has two instances of {name!r}; tell the animals apart by "
-                "tracks in SLEAP, and keep one instance a track."
+                f"{where}: frame {of_frame[frame_id]} has two instances of {name}; tell "
+                "the animals apart by tracks in SLEAP, and keep one instance a track."
             )
-        if before is not None and kind == _PREDICTED:
-            continue  # a person's labels go before predicted ones
-        filled[at] = kind
-        places[at[0], :, at[1]] = _positions(own, version)
-        score[at[0], :, at[1]] = own["score"] if kind == _PREDICTED else np.nan
+        if before is None or row["instance_type"] == _USER:
+            chosen[at] = row
     if stray:
         warnings.warn(
             f"{where}: {stray} instances belong to no track and are left out; assign them in "
             "SLEAP to keep them.",
             InputWarning,
-            stacklevel=3,
+            stacklevel=4,
         )
-    return numbers, points, individuals, places, score
+    return chosen
 
 
 def _positions(own: np.ndarray, version: float) -> np.ndarray:
@@ -184,9 +195,7 @@ def _skeleton(file: h5py.File, where: str) -> tuple[list[str], float]:
         own = said["skeletons"][-1]["nodes"]
         return [nodes[int(node["id"])] for node in own], version
     except (KeyError, TypeError, IndexError, ValueError):
-        raise InputError(
-            f"{where}: damaged, it does not name the nodes of its skeleton."
-        ) from None
+        raise InputError(f"{where}: damaged, it does not name the nodes of its skeleton.") from None
 
 
 def _track_name(text: str, where: str) -> str:

@@ -166,6 +166,8 @@ def read_column_names(path: str | Path, *, expected: str) -> list[str]:
         cells = next(csv.reader([first]), [])
     except (OSError, UnicodeDecodeError, csv.Error):
         return []
+    if "\0" in first:
+        return []
     check_separator(first, where=path.name, expected=expected)
     return [cell.strip() for cell in cells]
 

@@ -47,8 +47,8 @@ def check_frames(frames: Sequence[int] | np.ndarray, *, where: str) -> np.ndarra
     bad = ~(np.isfinite(exact) & (exact == np.rint(exact)) & (np.abs(exact) <= MOST_FRAMES))
     if bad.any():
         raise InputError(
-            f"{where}: row {int(np.argmax(bad)) + 1} is of frame {values[np.argmax(bad)]}; expected "
-            f"a whole number up to {MOST_FRAMES:,}."
+            f"{where}: row {int(np.argmax(bad)) + 1} is of frame {values[np.argmax(bad)]}; "
+            f"expected a whole number up to {MOST_FRAMES:,}."
         )
     whole = values.astype(np.int64)
     numbers, counts = np.unique(whole, return_counts=True)

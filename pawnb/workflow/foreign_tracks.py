@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 
-from pawnb.core.reconstruct import triangulate_tracks
 from pawnb.core.rig import Rig, require_rig
 from pawnb.errors import InputError
 from pawnb.io import authors2019
@@ -16,11 +13,15 @@ from pawnb.io.belt import read_belt_speed
 from pawnb.io.formats import read_any_tracks, recognise_format
 from pawnb.io.track_tables import read_tracks_table
 from pawnb.schema import Tracks
-from pawnb.trial import Trial, View
+from pawnb.trial import Trial
+from pawnb.workflow.file_pixels import (
+    needs_space,
+    picture_sizes,
+    read_dltdv_trial,
+    triangulate_foreign,
+    with_views,
+)
 from pawnb.workflow.real_units import in_real_units
-
-MAX_RESIDUAL_PX = 20.0
-"""Points whose views disagree by more are left out in space; the provenance says how many."""
 
 
 def read_foreign_tracks(trial: Trial) -> Tracks:
@@ -50,10 +51,16 @@ def read_foreign_tracks(trial: Trial) -> Tracks:
     path = trial.path(trial.tracks_file or "")
     stamp = authors2019.trial_stamp(path.name)
     if stamp is not None:
-        tracks = _read_authors(path, stamp, trial)
+        return _chosen_frames(_read_authors(path, stamp, trial), trial)
+    program = recognise_format(path)
+    if program == "dltdv":
+        tracks = read_dltdv_trial(path, trial)
     else:
-        tracks = in_real_units(_in_space(_read_file(path, trial), trial), trial)
-    return _chosen_frames(tracks, trial)
+        tracks = _read_file(path, trial, program)
+        if needs_space(tracks, trial):
+            rig = require_rig(with_views(trial, tracks), sizes=picture_sizes(trial))
+            tracks = triangulate_foreign(tracks, rig, where=path.name)
+    return _chosen_frames(in_real_units(tracks, trial), trial)
 
 
 def _read_authors(path: Path, stamp: str, trial: Trial) -> Tracks:
@@ -66,15 +73,14 @@ def _read_authors(path: Path, stamp: str, trial: Trial) -> Tracks:
         )
     coefs = authors2019.read_authors_dlt(trial.path(trial.calibration.dlt))
     rig = Rig(authors2019.VIEWS, coefs, unit=trial.calibration.unit)
-    return triangulate_tracks(tracks, rig, max_residual_px=MAX_RESIDUAL_PX)
+    return triangulate_foreign(tracks, rig, where=f"trial {stamp}")
 
 
-def _read_file(path: Path, trial: Trial) -> Tracks:
+def _read_file(path: Path, trial: Trial, program: str) -> Tracks:
     """Read a file of tracks of any program."""
     unit = None  # of lengths in the file: one that a scale must make real is in px
     if trial.calibration is not None and trial.calibration.px_per_unit is None:
         unit = trial.calibration.unit
-    program = recognise_format(path)
     if program == "csv":
         return read_tracks_table(
             path,
@@ -115,23 +121,6 @@ def files_of_tracks(trial: Trial) -> tuple[Path, ...]:
     dlt = trial.calibration.dlt if trial.calibration is not None else None
     files += [trial.path(name) for name in (dlt, trial.belt_speed) if isinstance(name, str)]
     return tuple(dict.fromkeys(files))
-
-
-def _in_space(tracks: Tracks, trial: Trial) -> Tracks:
-    """Triangulate points of several calibrated views that are not known in space."""
-    if (
-        trial.calibration is None
-        or trial.calibration.dlt is None
-        or tracks.sizes.get("view", 0) < 2
-        or tracks.sizes["space"] != 3
-        or np.isfinite(tracks["position"]).any()
-    ):
-        return tracks
-    if not trial.views:  # the columns of the DLT are then the views of the file
-        named = tuple(View(name=str(name), video="") for name in tracks["view"].to_numpy())
-        trial = replace(trial, views=named)
-    rig = require_rig(trial)
-    return triangulate_tracks(tracks, rig, max_residual_px=MAX_RESIDUAL_PX)
 
 
 def _chosen_frames(tracks: Tracks, trial: Trial) -> Tracks:

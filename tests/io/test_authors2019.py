@@ -174,7 +174,9 @@ def test_bad_coefficients_are_refused(tmp_path):
     with pytest.raises(CalibrationError, match="no such file"):
         authors2019.read_authors_dlt(tmp_path / "DLT.csv")
     (tmp_path / "DLT.csv").write_text("a,b\n")
-    with pytest.raises(CalibrationError, match="1 rows and 2 columns; expected 11 rows and 4 columns"):
+    with pytest.raises(
+        CalibrationError, match="1 rows and 2 columns; expected 11 rows and 4 columns"
+    ):
         authors2019.read_authors_dlt(tmp_path / "DLT.csv")
     (tmp_path / "DLT.csv").write_text("1,2\n")
     with pytest.raises(CalibrationError, match="expected 11 rows and 4 columns, one for each view"):

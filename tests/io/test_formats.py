@@ -122,7 +122,7 @@ def test_our_own_files_and_strangers(tmp_path):
         read_any_tracks(other, fps=1.0, program="deeplabcat")
     broken = tmp_path / "broken.csv"
     broken.write_text("scorer,net\nbodyparts,a\n")
-    with pytest.raises(InputError, match="expected the header lines scorer, .* of DeepLabCut") as caught:
+    with pytest.raises(InputError, match="expected the header lines scorer, ") as caught:
         read_deeplabcut(broken, fps=1.0)
     assert "\n" not in str(caught.value)
 

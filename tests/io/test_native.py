@@ -135,7 +135,7 @@ def test_what_cannot_be_stored_is_named(tmp_path):
 def test_reading_checks_what_is_there(tmp_path):
     with pytest.raises(InputError, match=r"t.nc: no such file; expected tracks.nc"):
         native.read_tracks(tmp_path / "t.nc")
-    with pytest.raises(InputError, match="a folder; expected tracks.nc"):
+    with pytest.raises(InputError, match=r"a folder; expected tracks\.nc"):
         native.read_tracks(tmp_path)
     (tmp_path / "t.nc").write_text("frame,view\n")
     with pytest.raises(InputError, match=r"^t.nc: not a netCDF file; expected tracks.nc"):

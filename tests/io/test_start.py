@@ -108,7 +108,9 @@ def test_bad_files_are_refused_in_one_sentence(tmp_path, trial, text, message):
 
 
 def test_a_missing_file_is_named(tmp_path, trial):
-    with pytest.raises(InputError, match=r"start.csv: no such file; expected a csv table with the columns"):
+    with pytest.raises(
+        InputError, match=r"start.csv: no such file; expected a csv table with the columns"
+    ):
         read_start(tmp_path / "start.csv", trial)
 
 
