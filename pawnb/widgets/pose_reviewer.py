@@ -101,7 +101,7 @@ class PoseReviewer(StickPoser, Retracking):
         self._own_views = shown if views is None else None
         self.label = "Review poses"
         self.keys_help = [list(line) for line in (*_KEYS, *MOUSE_AND_KEYS)]
-        self._show_state(" ".join(self.corrected.notes))
+        self._show_state(self._opening_notes(folder))
 
     @property
     def tracks(self) -> Tracks:

@@ -16,6 +16,7 @@ from pawnb.schema import Tracks
 from pawnb.trial import Trial
 from pawnb.widgets.frame_canvas import FrameCanvas
 from pawnb.widgets.review_session import suspect_options
+from pawnb.workflow.manifest import MANIFEST, PUT_ASIDE, find_fault
 from pawnb.workflow.results import write_track_results
 from pawnb.workflow.track import retrack as workflow_retrack
 
@@ -58,6 +59,12 @@ class Retracking(FrameCanvas):
                 write_track_results(tracks, folder, rig=rig)
 
         return save
+
+    def _opening_notes(self, folder: Path) -> str:
+        """Return what to know of the file of corrections and of the results they belong to."""
+        written = any((folder / name).exists() for name in (MANIFEST, PUT_ASIDE))
+        fault = find_fault(folder, run="track") if written else None
+        return " ".join([*self.corrected.notes, *([fault] if fault else [])])
 
     def _offer_doubtful(self, found: pd.DataFrame | None) -> None:
         """Take over which frames are to be looked at: those of ``suspects.csv``, in its order."""

@@ -120,7 +120,7 @@ class TrackReviewer(Retracking):
         super().__init__(shown, **{"frame": first, "span": span, **options})
         self.label = "Review tracks"
         self.keys_help = [list(line) for line in (("Marks", _MARKS), *_KEYS, *MOUSE_AND_KEYS)]
-        self._show_state(" ".join(self.session.notes))
+        self._show_state(self._opening_notes(folder))
 
     @property
     def tracks(self) -> Tracks:

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -317,3 +321,28 @@ def test_units_of_the_first_files_are_found_under_their_old_name(tmp_path):
     found = native.read_tracks(tmp_path / "tracks.nc")
     assert found.attrs["units"] == "cm"
     assert "unit" not in found.attrs
+
+
+@pytest.mark.skipif(os.name == "nt", reason="limits of POSIX")
+def test_a_full_disk_while_tracks_are_written_is_a_sentence(tmp_path):
+    """In a process that may write 100 kB a file: HDF5 itself crashes it when it is closed."""
+    path = native.write_tracks(make_tracks(range(2), ["FR"], fps=250.0), tmp_path / "tracks.nc")
+    before = path.read_bytes()
+    code = (
+        "import resource, sys\n"
+        "from pawnb.errors import InputError\n"
+        "from pawnb.io.native import write_tracks\n"
+        "from pawnb.schema import make_tracks\n"
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000))\n"
+        "tracks = make_tracks(range(20_000), ['FR'], fps=250.0)\n"
+        "try:\n    write_tracks(tracks, sys.argv[1])\n"
+        "except InputError as error:\n    sys.exit(str(error))\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, str(path)], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 1
+    assert done.stderr.count("\n") == 1
+    assert "tracks.nc: cannot be written (File too large); free some space" in done.stderr
+    assert path.read_bytes() == before
+    assert [file.name for file in tmp_path.iterdir()] == ["tracks.nc"]

@@ -176,3 +176,21 @@ def test_tracks_that_were_made_meanwhile_are_not_written_over(trial_file, tmp_pa
     assert "every correction is in its file" in widget.alarm
     assert (tmp_path / "tracks.nc").read_bytes() == kept
     widget.close()
+
+
+def test_results_that_were_changed_or_cut_off_are_told_when_a_review_opens(trial_file, tmp_path):
+    write_track_results(scene.true_tracks(), tmp_path)
+
+    def said():
+        widget = TrackReviewer(trial_file, scene.true_tracks(), edits=tmp_path / "edits.jsonl")
+        widget.close()
+        return widget.status
+
+    assert "pawnb track" not in said()
+    (tmp_path / "suspects.csv").write_text("")
+    assert "not as pawnb track left it (changed: suspects.csv)" in said()
+    # what a review saves is as whole as what a tracker writes
+    widget = TrackReviewer(trial_file, scene.true_tracks(), edits=tmp_path / "edits.jsonl")
+    widget.edit("action", {"action": "save", "frame": 0})
+    widget.close()
+    assert "pawnb track" not in said()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import threading
 
 import pytest
@@ -9,11 +10,14 @@ import pytest
 from pawnb.cli import main
 from pawnb.errors import InputError
 from pawnb.io.native import read_tracks
-from pawnb.schema import add_provenance
+from pawnb.schema import ORIGIN_CODE, add_provenance, make_tracks
 from pawnb.trial import load_trial
 from pawnb.workflow import batch as batch_module
 from pawnb.workflow.batch import batch, find_trials, is_tracked
 from pawnb.workflow.batch_places import Processes
+from pawnb.workflow.manifest import MANIFEST, PUT_ASIDE, writing_results
+from pawnb.workflow.methods import settings_in_force
+from pawnb.workflow.provenance import build_step, trial_checksums, trial_fingerprint
 from pawnb.workflow.results import write_track_results
 from pawnb.workflow.track import track
 
@@ -81,6 +85,59 @@ def test_unfinished_results_are_not_skipped(small_spider):
     asked = []
     track(small_spider, settings=QUICK, out=out, stop=lambda: asked.append(1) or len(asked) > 12)
     assert not is_tracked(load_trial(small_spider), out, method="pawnb", settings=QUICK)
+
+
+@pytest.mark.parametrize("name", ["../../escaped", "/escaped", "..", "a/b", "a\\\\b", "NUL"])
+def test_names_that_lead_out_of_the_folder_are_refused(small_spider, tmp_path, name):
+    toml = small_spider / "trial.toml"
+    lines = toml.read_text().splitlines()
+    lines = [f'name = "{name}"' if line.startswith('name = "spider-') else line for line in lines]
+    toml.write_text("\n".join(lines))
+    before = sorted(tmp_path.rglob("*"))
+    done = batch([small_spider], settings=QUICK, out=tmp_path / "x" / "out")
+    assert done.table["status"].tolist() == ["failed"]
+    assert "which cannot be the name of a folder in" in done.table["said"][0]
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+def test_a_run_killed_between_two_files_is_not_taken_for_tracked(small_spider, tmp_path):
+    """Two runs of one trial; the second is cut off after its nth file."""
+    trial = load_trial(small_spider)
+    step = build_step(
+        "track",
+        command=None,
+        inputs=trial_checksums(trial),
+        settings=settings_in_force(trial, method="pawnb", settings=QUICK),
+        method="pawnb",
+        complete=True,
+        trial=trial_fingerprint(trial),
+    )
+    runs = []
+    for name, u in (("old", 1.0), ("new", 2.0)):
+        tracks = make_tracks(range(5), ["L1"], fps=trial.fps, views=["top"], space=("x", "y"))
+        tracks["image_position"][:] = u
+        tracks["image_origin"][:] = ORIGIN_CODE["measured"]
+        tracks = add_provenance(tracks, **step)
+        with writing_results(tmp_path, run="track", steps=[step]) as staging:
+            shutil.copytree(
+                write_track_results(tracks, tmp_path / name), staging, dirs_exist_ok=True
+            )
+            (staging / "pose.csv").write_text(name)  # of a jointed animal
+            (staging / MANIFEST).unlink()
+        runs.append({path.name: path.read_bytes() for path in tmp_path.glob("*.*")})
+        assert is_tracked(trial, tmp_path, method="pawnb", settings=QUICK)
+    old, new = runs
+    changed = [name for name in sorted(old) if old[name] != new[name]]
+    assert {"pose.csv", "tracks.csv", "tracks.nc"} <= set(changed)
+    for number in range(1, len(changed)):
+        for name in changed:
+            (tmp_path / name).write_bytes((new if name in changed[:number] else old)[name])
+        # whatever of the list of files is there
+        for kept in (old, new):
+            (tmp_path / MANIFEST).write_bytes(kept[MANIFEST])
+            assert not is_tracked(trial, tmp_path, method="pawnb", settings=QUICK)
+            (tmp_path / MANIFEST).rename(tmp_path / PUT_ASIDE)
+            assert not is_tracked(trial, tmp_path, method="pawnb", settings=QUICK)
 
 
 def test_corrections_by_hand_are_not_overwritten(trials):
