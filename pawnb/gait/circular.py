@@ -18,6 +18,7 @@ from scipy.stats import chi2
 from pawnb.errors import InputError
 from pawnb.gait.checks import as_numbers, check_level
 
+_LARGE_KAPPA = 1e6
 _NEARLY_ONE = 1.0 - 1e-5
 _TINY = float(np.finfo(float).tiny)
 # differences and sums of two phases are phases; degrees and radians are not
@@ -223,7 +224,7 @@ def _resultant_integral(lengths: np.ndarray, total: float) -> float:
     total = n * unit
 
     def excess(k: float) -> float:
-        return float((times * lengths * ive(1, lengths * k) / ive(0, lengths * k)).sum()) - total
+        return float((times * lengths * length_of_kappa(lengths * k)).sum()) - total
 
     height = max(brentq(excess, 0.0, 10.0 * n / (1.0 - unit)), n**-0.5)
     width = math.sqrt(2.0 / n) * max(1.0, 0.7 * height)  # of the peak at u = 0
@@ -239,6 +240,27 @@ def _resultant_integral(lengths: np.ndarray, total: float) -> float:
     values = np.exp(log_j0 + log_h1).real  # the value at -u is the complex conjugate
     integral = step * (2.0 * values.sum() - values[0])
     return float(np.clip(-total / 2.0 * integral, _TINY, 1.0))
+
+
+def length_of_kappa(kappa: np.ndarray) -> np.ndarray:
+    """Return the length of the mean vector of von Mises distributions, ``I1 / I0``.
+
+    Parameters
+    ----------
+    kappa : ndarray
+        Concentrations, 0 or more and finite.
+
+    Returns
+    -------
+    ndarray
+        Lengths, 0 to 1.
+    """
+    kappa = np.asarray(kappa, dtype=float)
+    # far out the functions are no longer evaluated (NaN); the next term is below rounding there
+    some = np.minimum(kappa, _LARGE_KAPPA)
+    near = ive(1, some) / ive(0, some)
+    far = 1.0 - 0.5 / np.maximum(kappa, 1.0) - 0.125 / np.maximum(kappa, 1.0) ** 2
+    return np.where(kappa < _LARGE_KAPPA, near, far)
 
 
 def mean_interval(mean: float, r: float, n: int, *, level: float = 0.95) -> tuple[float, float]:

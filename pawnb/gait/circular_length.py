@@ -18,7 +18,7 @@ from scipy.stats import chi2
 
 from pawnb.errors import InputError
 from pawnb.gait.checks import check_level
-from pawnb.gait.circular import check_r, rayleigh_p
+from pawnb.gait.circular import check_r, length_of_kappa, rayleigh_p
 
 _NEARLY_ONE = 1.0 - 1e-5
 _WIDEST = 1e9  # concentration at which 1 - r is nothing
@@ -61,15 +61,15 @@ def length_interval(r: float, n: int, *, level: float = 0.95) -> tuple[float, fl
     tail = (1.0 - level) / 2.0
     if r > _NEARLY_ONE:
         ends = chi2.ppf((tail, 1.0 - tail), n - 1) / (2.0 * n * max(1.0 - r, 1.0 / _WIDEST**2))
-        low, high = (_length(min(float(kappa), _WIDEST)) for kappa in ends)
+        low, high = (float(length_of_kappa(min(float(kappa), _WIDEST))) for kappa in ends)
         return low, high
     random = rayleigh_p(n, r)
     chance = _chances(r, n)
     low = high = 0.0
     if random < tail:
-        low = _length(_solve(lambda kappa: chance(kappa)[1] - tail))
+        low = float(length_of_kappa(_solve(lambda kappa: chance(kappa)[1] - tail)))
     if 1.0 - random > tail:
-        high = _length(_solve(lambda kappa: tail - chance(kappa)[0]))
+        high = float(length_of_kappa(_solve(lambda kappa: tail - chance(kappa)[0])))
     return low, high
 
 
@@ -187,12 +187,7 @@ def kappa_of_length(r: float) -> float:
     float
         kappa, that solves ``I1(kappa) / I0(kappa) = r``.
     """
-    return float(brentq(lambda kappa: _length(kappa) - r, 0.0, 2.0 / (1.0 - r)))
-
-
-def _length(kappa: float) -> float:
-    """Return the length of the mean vector of a von Mises distribution."""
-    return float(ive(1, kappa) / ive(0, kappa))
+    return float(brentq(lambda kappa: float(length_of_kappa(kappa)) - r, 0.0, 2.0 / (1.0 - r)))
 
 
 def _solve(excess: Callable[[float], float]) -> float:

@@ -53,8 +53,9 @@ def name_pattern(mean: float, r: float, n: int) -> str:
         If r is out of range.
     """
     check_r(r)
-    # the interval's upper end is below a length where so short an r is too rare under it
-    if r == 0.0 or (r < 1.0 and chance_of_length(r, n, _random_kappa())[0] < _TAIL):
+    # the interval's upper end is below a length where so short an r is too rare under it; it is
+    # never below r itself
+    if r == 0.0 or (r < RANDOM_LENGTH and chance_of_length(r, n, _random_kappa())[0] < _TAIL):
         return RANDOM
     if not math.isfinite(mean) or rayleigh_p(n, r) > RAYLEIGH_LEVEL:
         return NOT_DETERMINED

@@ -11,7 +11,8 @@ from scipy.stats import chi2
 
 from pawnb.errors import InputError
 from pawnb.gait.circular import rayleigh_p
-from pawnb.gait.circular_length import chance_of_length, length_interval
+from pawnb.gait.circular_length import chance_of_length, kappa_of_length, length_interval
+from pawnb.gait.phase_patterns import name_pattern
 
 
 def length_of(kappa):
@@ -82,3 +83,14 @@ def test_what_cannot_be_has_no_interval():
         length_interval(0.5, 5, level=2)
     with pytest.raises(InputError, match=r"^r is 0\.5, n 1, kappa 1"):
         chance_of_length(0.5, 1, 1)
+
+
+@pytest.mark.parametrize("apart", [1e-16, 1e-13, 1e-10, 1e-7, 1e-4])
+def test_phases_that_are_all_but_one_have_a_kappa(apart):
+    # Fisher (1993), p. 50: I1 / I0 = 1 - 1 / (2 kappa) + O(kappa ** -2); a recording whose every
+    # stride has the same phase to rounding is no fault of its owner
+    r = 1.0 - apart
+    assert kappa_of_length(r) == pytest.approx(0.5 / (1.0 - r), rel=1e-3)
+    for n in (2, 8, 1000, 200_000):
+        assert name_pattern(0.5, r, n) == "anti-phase"
+        assert rayleigh_p(n, r) < 0.01
