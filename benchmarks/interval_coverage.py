@@ -1,26 +1,30 @@
 """Coverage of intervals and false positives of tests that count animals.
 
-    python benchmarks/interval_coverage.py [--studies 2000] [--animals 5] [--strides 10]
+    python benchmarks/interval_coverage.py [--quick] [--studies 2000] [--animals 5] [--part phase]
 
-Studies are drawn from a known truth: animals differ, strides differ within animals. Printed
-for every setting: how often the 95 % interval holds the truth (to be 93-97 %), and how often
-each default test says p <= 0.05 where nothing is there (to be at most 6 %), beside the
-naive way that takes strides to be independent. With 2000 studies the standard error of a
-coverage of 95 % is 0.5 %. An interval that is left blank because any mean phase is possible
-is counted as holding the truth; how many there were is printed.
+Studies are drawn from a known truth: animals differ, strides differ within animals. Printed for
+every setting: how often the 95 % interval holds the truth, and how often each default test says
+p <= 0.05 where nothing is there (to be at most 6 %), beside the naive way that takes strides to be
+independent. With 2000 studies the standard error of a coverage of 95 % is 0.5 %.
 
-Found with 2000 studies of 5 animals of 10 strides: mean phase 94.5-97.2 % in 28 settings, blank
-in none where animals are alike to 86 % where they hardly share a direction (bootstrap 87.8-95.5,
-plain percentiles 73.2-85.3, strides as independent 40-97); duty factor
-93.5-95.0 % though skewed between animals (naive 42-93), slope of phase on speed 94.7-95.7 %.
-False positives of the default tests at most 6.0 % (naive 5-77). Hotelling's F as in the books
-has 10-11 % where animals are regular and differ at random, and so is not the default.
+``phase``: the mean phase of 3, 5 and 10 animals with 3 to 30 strides each, von Mises and a mixture
+(30 % of the animals a quarter of a cycle later). Every study has an interval. Beside the coverage
+of all stand the share of studies in which any phase is possible, so that the interval is its
+longest, 95 % of the cycle; the coverage of the others; and the median length. ``kinds`` is the
+coverage of the studies of a mixture that hold animals of both kinds: where all are of one kind,
+nothing tells of the other.
+``pattern``: how often phases of pairs of legs are given which name, and whether the interval of r
+holds the truth. ``speed``: how often a shift of phase with speed within animals is found.
+
+FOUND
 Set OMP_NUM_THREADS=1: the matrices are small.
 """
 
 from __future__ import annotations
 
 import argparse
+import cmath
+import itertools
 import math
 import sys
 import time
@@ -35,16 +39,18 @@ from pawnb.gait.bootstrap import bootstrap_units
 from pawnb.gait.circular import mean_interval, mean_vector
 from pawnb.gait.circular_correlation import angular_linear
 from pawnb.gait.circular_groups import watson_u2_test, watson_williams_test, wheeler_watson_test
+from pawnb.gait.circular_length import kappa_of_length, length_interval
 from pawnb.gait.circular_tests import hodges_ajne_test, mean_test, rayleigh_test, v_test
 from pawnb.gait.groups import compare_groups
 from pawnb.gait.mixed import fit_mixed
+from pawnb.gait.phase_patterns import ANTI_PHASE, NOT_DETERMINED, RANDOM, name_pattern
 from pawnb.gait.second_order import animal_vectors, hotelling_test, moore_test
 
 CIRCLE = 2.0 * np.pi
-# concentration between animals, and of strides within: r is 1.00 to 0.24
-PHASES = [
-    (b, w) for b in (math.inf, 200.0, 20.0, 4.0, 2.0, 1.0, 0.5) for w in (50.0, 10.0, 3.0, 1.0)
-]
+# concentration between animals; of strides within an animal it is 10 (r 0.95)
+BETWEEN = (0.3, 1.0, 2.0, 3.0, 5.0, 10.0, 50.0)
+WITHIN = 10.0
+LATER, SHARE_LATER = 0.25, 0.3  # the mixture: cycles, and share of the animals
 # standard deviation between animals over that within
 RATIOS = (0.0, 0.2, 0.5, 1.0, 3.0)
 
@@ -63,34 +69,107 @@ class Size:
         return np.mod(0.5 + turns / CIRCLE, 1.0)
 
 
-def covers(low: float, high: float, truth: float) -> tuple[bool, bool]:
-    """Return whether an interval of phases holds the truth, and whether it is blank."""
-    blank = math.isnan(low)
-    return blank or (truth - low) % 1.0 <= (high - low) % 1.0, blank
+def uneven_study(
+    rng: np.random.Generator, k: int, between: float, *, mixed: bool
+) -> tuple[np.ndarray, np.ndarray, int]:
+    """Draw phases of k animals of 3 to 30 strides about half a cycle; and how many are later."""
+    who = np.repeat(np.arange(k), rng.integers(3, 31, k))
+    later = (rng.random(k) < SHARE_LATER) & mixed
+    own = 0.5 + LATER * later + rng.vonmises(0.0, between, k) / CIRCLE
+    return np.mod(own[who] + rng.vonmises(0.0, WITHIN, len(who)) / CIRCLE, 1.0), who, later.sum()
 
 
-def phase_coverage(size: Size, studies: int, rng: np.random.Generator) -> None:
-    print("mean phase: t of sines | bootstrap | plain percentiles | strides as independent")
-    print("between within     t  blank   boot  plain  naive")
-    for between, within in PHASES:
-        hits, blank = np.zeros(4), 0
+def phase_coverage(studies: int, rng: np.random.Generator) -> None:
+    """Print how often intervals of a mean phase hold it."""
+    print("mean phase: 3 to 30 strides an animal, concentration within 10")
+    print("                    all   any phase   others   median  both    strides as")
+    print("animals  between  holds    possible    hold    length  kinds  independent")
+    for mixed in (False, True):
+        print("mixture of two kinds" if mixed else "von Mises")
+        part = SHARE_LATER if mixed else 0.0
+        truth = 0.5 + cmath.phase(1.0 - part + part * cmath.exp(1j * CIRCLE * LATER)) / CIRCLE
+        for k, between in itertools.product((3, 5, 10), BETWEEN):
+            rows = np.array(
+                [_one_interval(rng, k, between, truth, mixed=mixed) for _ in range(studies)]
+            )
+            held, longest, length, both, naive = rows.T
+            others = held[longest == 0]
+            kinds = f"{100 * held[both == 1].mean():6.1f}" if mixed else "      "
+            print(
+                f"{k:7d} {between:8g} {100 * held.mean():6.1f} {100 * longest.mean():11.1f} "
+                f"{100 * others.mean() if len(others) else math.nan:7.1f} "
+                f"{np.median(length):9.3f} {kinds} {100 * naive.mean():12.1f}",
+                flush=True,
+            )
+
+
+def _one_interval(
+    rng: np.random.Generator, k: int, between: float, truth: float, *, mixed: bool
+) -> tuple[bool, bool, float, bool, bool]:
+    """Return of one study: held, longest possible, length, both kinds, held by the naive one."""
+    phases, who, later = uneven_study(rng, k, between, mixed=mixed)
+    ends = interval_of_phases(animal_vectors(phases, who.tolist()).means)
+    naive = mean_interval(*mean_vector(phases))
+    (held, length), (naively, _) = (_covers(low, high, truth) for low, high in (ends, naive))
+    return held, length >= 0.95 - 1e-9, length, 0 < later < k, naively
+
+
+def _covers(low: float, high: float, truth: float) -> tuple[bool, float]:
+    """Return whether an interval of phases holds the truth, and its length."""
+    length = 1.0 if high - low == 1.0 else (high - low) % 1.0
+    return (truth - low) % 1.0 <= length, length
+
+
+def patterns(studies: int, rng: np.random.Generator) -> None:
+    """Print the names that pairs of legs are given, and coverage of the interval of r."""
+    print("patterns, true mean 0.5: share of studies with each name; r's interval holds the truth")
+    print("animals  true r                  random  not det.  anti-phase  other   holds")
+    kappas = {0.0: 1e-9} | {r: kappa_of_length(r) for r in (0.3, 0.5, 0.7, 0.9, 0.99)}
+    for k, (r, kappa) in itertools.product((2, 3, 5, 10, 30), kappas.items()):
+        _print_names(k, f"{r:g}", r, 0.5 + rng.vonmises(0.0, kappa, (studies, k)) / CIRCLE)
+    for k in (3, 5, 10, 30):  # a third each of a cycle apart; r 0.5 as of von Mises above
+        kinds = (rng.random((studies, k)) < 0.5) / 3.0 + 1.0 / 3.0
+        _print_names(k, "0.5, of two kinds", 0.5, kinds + rng.normal(0.0, 1e-6, kinds.shape))
+
+
+def _print_names(k: int, label: str, r: float, draws: np.ndarray) -> None:
+    """Print one line of :func:`patterns`."""
+    vectors = [mean_vector(np.mod(one, 1.0)) for one in draws]
+    names = [name_pattern(one.mean, one.r, k) for one in vectors]
+    counts = [names.count(name) for name in (RANDOM, NOT_DETERMINED, ANTI_PHASE)]
+    ends = [length_interval(one.r, k) for one in vectors[:200]]  # slow
+    held = np.mean([low <= r <= high for low, high in ends])
+    shares = [100.0 * n / len(names) for n in (*counts, len(names) - sum(counts))]
+    print(f"{k:7d}  {label:20s}" + " ".join(f"{one:9.1f}" for one in (*shares, 100.0 * held)),
+          flush=True)  # fmt: skip
+
+
+def speed_studies(studies: int, rng: np.random.Generator) -> None:
+    """Print how often phase_speed_table and means of animals find a shift of phase with speed."""
+    print("phase against speed, six animals at three speeds of 8 strides: p <= 0.05")
+    print("speeds         shift within   within animals   means of animals")
+    for own, shift in itertools.product((False, True), (0.2, 0.1, 0.0)):
+        low = np.zeros(2)
         for _ in range(studies):
-            phases = size.phases(rng, between, within)
-            means = animal_vectors(phases, size.who.tolist()).means
-            ends = [interval_of_phases(means)]
-            for corrected in (True, False):
-                found = bootstrap_units(means, circular=True, corrected=corrected)
-                ends.append((found.low, found.high))
-            ends.append(mean_interval(*mean_vector(phases)))
-            held = [covers(low, high, 0.5) for low, high in ends]
-            hits += [h for h, _ in held]
-            blank += held[0][1]
-        t, boot, plain, naive = 100.0 * hits / studies
-        print(
-            f"{between:7g} {within:6g} {t:5.1f} {100 * blank / studies:6.1f} {boot:6.1f} "
-            f"{plain:6.1f} {naive:6.1f}",
-            flush=True,
-        )
+            x, y, who = _belt_study(rng, own=own, shift=shift)
+            low[0] += slope_of_animals(x, y, who, circular=True).p <= 0.05
+            low[1] += angular_linear(y, x, animals=who, n_permutations=199).p_permutation <= 0.05
+        within, means = 100.0 * low / studies
+        print(f"{'of their own' if own else 'equal':14s} {shift:12g} {within:16.1f} {means:18.1f}",
+              flush=True)  # fmt: skip
+
+
+def _belt_study(
+    rng: np.random.Generator, *, own: bool, shift: float
+) -> tuple[np.ndarray, np.ndarray, list[int]]:
+    """Draw speeds and phases; ``own``: each animal has a range of speeds of its own."""
+    start = rng.uniform(50.0, 250.0, (6, 1)) if own else np.full((6, 1), 100.0)
+    span = rng.uniform(40.0, 250.0, (6, 1)) if own else np.full((6, 1), 200.0)
+    place = np.repeat(np.tile([0.0, 0.5, 1.0], (6, 1)), 8, axis=1)
+    trial = np.repeat(rng.normal(0.0, 0.02, (6, 3)), 8, axis=1)  # trials of one animal differ
+    y = rng.random((6, 1)) + shift * place + trial + rng.normal(0.0, 0.05, place.shape)
+    x = start + span * place + rng.normal(0.0, 2.0, place.shape)
+    return x.ravel(), np.mod(y, 1.0).ravel(), np.repeat(np.arange(6), 24).tolist()
 
 
 def duty(size: Size, rng: np.random.Generator, ratio: float) -> np.ndarray:
@@ -240,16 +319,24 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
-    parser.add_argument("--studies", type=int, default=2000)
+    parser.add_argument("--studies", type=int)
+    parser.add_argument("--quick", action="store_true", help="200 studies instead of 2000")
     parser.add_argument("--animals", type=int, default=5)
     parser.add_argument("--strides", type=int, default=10)
-    parser.add_argument("--part", choices=["phase", "linear", "random", "effects", "mixed"])
+    parts = ["phase", "pattern", "speed", "linear", "random", "effects", "mixed"]
+    parser.add_argument("--part", choices=parts)
     asked = parser.parse_args()
+    if asked.studies is None:
+        asked.studies = 200 if asked.quick else 2000
     size, rng = Size(asked.animals, asked.strides), np.random.default_rng(20)
     began = time.perf_counter()
     print(f"{asked.studies} studies of {size.k} animals of {size.n} strides (a group)")
     if asked.part in (None, "phase"):
-        phase_coverage(size, asked.studies, rng)
+        phase_coverage(asked.studies, rng)
+    if asked.part in (None, "pattern"):
+        patterns(asked.studies, rng)
+    if asked.part in (None, "speed"):
+        speed_studies(asked.studies, rng)
     if asked.part in (None, "linear"):
         linear_coverage(size, asked.studies, rng)
     if asked.part in (None, "random"):

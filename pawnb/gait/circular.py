@@ -152,10 +152,10 @@ def rayleigh_p(n: int, r: float, *, method: str = "exact") -> float:
     Raises
     ------
     InputError
-        If n is below 1, r is not between 0 and 1, or the method is unknown.
+        If n is no whole number of 1 or more, r is not between 0 and 1, or the method is unknown.
     """
-    if n < 1:
-        raise InputError(f"n is {n}; expected at least one phase.")
+    if not isinstance(n, (int, np.integer)) or n < 1:
+        raise InputError(f"n is {n!r}; expected a whole number of phases, at least one.")
     check_r(r)
     if method not in ("exact", "zar"):
         raise InputError(f"method is {method!r}; expected 'exact' or 'zar'.")

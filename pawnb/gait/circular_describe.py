@@ -225,10 +225,11 @@ def circular_moment(phases: np.ndarray, order: int) -> MeanVector:
     Raises
     ------
     InputError
-        If there is no phase, one is not a finite number, or the order is below 1.
+        If there is no phase, one is not a finite number, or the order is no whole number of 1
+        or more.
     """
-    if order < 1:
-        raise InputError(f"order is {order}; expected 1 or more.")
+    if not isinstance(order, (int, np.integer)) or order < 1:
+        raise InputError(f"order is {order!r}; expected a whole number of 1 or more.")
     return mean_vector(np.mod(check_phases(phases) * order, 1.0))
 
 

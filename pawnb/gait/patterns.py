@@ -73,7 +73,7 @@ def pattern_distances(
     rows = []
     for animal, own in phases.groupby("animal", sort=True):
         means = {
-            (str(leg), str(reference)): mean_vector(part["phase"].to_numpy(dtype=float)).mean
+            (str(leg), str(reference)): mean_vector(part["phase"].to_numpy()).mean
             for (leg, reference), part in own.groupby(["leg", "reference"])
         }
         pairs = [(_place(a), _place(b)) for a, b in means]

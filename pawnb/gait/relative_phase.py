@@ -8,10 +8,12 @@ import numpy as np
 from scipy.signal import hilbert
 
 from pawnb.errors import InputError
+from pawnb.gait.checks import as_numbers
 from pawnb.gait.circular import mean_vector
 from pawnb.signals import find_runs
 
 _SHORTEST = 8
+_LARGEST = 1e150  # whose square is finite
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -56,9 +58,9 @@ def phase_angle(x: np.ndarray) -> np.ndarray:
         Cycles in [0, 1): 0 at the anterior extreme, 0.5 at the posterior one. NaN where x is
         missing and in stretches of fewer than 8 samples.
     """
-    x = np.asarray(x, dtype=float)
+    x = as_numbers(x, "signal")
     out = np.full(len(x), np.nan)
-    for start, stop in find_runs(np.isfinite(x)):
+    for start, stop in find_runs(np.abs(x) < _LARGEST):
         run = x[start:stop]
         if len(run) < _SHORTEST or not np.ptp(run) > 0:
             continue
@@ -89,8 +91,8 @@ def continuous_relative_phase(x: np.ndarray, reference: np.ndarray) -> RelativeP
     InputError
         If the signals differ in length or never overlap.
     """
-    x, reference = np.asarray(x, dtype=float), np.asarray(reference, dtype=float)
-    if x.shape != reference.shape or x.ndim != 1:
+    x, reference = as_numbers(x, "signal"), as_numbers(reference, "reference")
+    if x.shape != reference.shape:
         raise InputError(
             f"the signals have shapes {x.shape} and {reference.shape}; expected two of one length."
         )

@@ -175,7 +175,7 @@ def test_wrapped_phases_are_in_the_cycle(phase):
         (lambda: mean_vector(np.array([])), "^phases: none was given; expected at least"),
         (lambda: mean_vector(np.array([0.1, np.nan])), "^phases: 1 of 2 are not finite; expected"),
         (lambda: circular_sd(1.2), r"^r is 1\.2; expected the length of a mean vector, 0 to 1\.$"),
-        (lambda: rayleigh_p(0, 0.5), "^n is 0; expected at least one phase"),
+        (lambda: rayleigh_p(0, 0.5), "^n is 0; expected a whole number of phases"),
         (lambda: mean_interval(0.1, 0.5, 9, level=95), "^level is 95; expected between 0 and 1"),
     ],
 )  # fmt: skip

@@ -194,7 +194,7 @@ def test_differences_go_the_short_way(a, b):
     [
         (lambda: angular_deviation(-0.1), r"^r is -0\.1; expected the length"),
         (lambda: concentration(0.5, method="x"), "^method is 'x'; expected 'exact' or 'fisher'"),
-        (lambda: circular_moment(D1, 0), "^order is 0; expected 1 or more"),
+        (lambda: circular_moment(D1, 0), "^order is 0; expected a whole number"),
         (lambda: grouped_mean(D1, np.ones(8), class_width=0.6), r"^class_width is 0\.6; expected"),
         (lambda: mean_vector(D1, weights=np.ones(3)), "^weights: expected 8 numbers of 0 or more"),
         (lambda: mean_vector(D1, weights=np.zeros(8)), "^weights: expected 8 numbers of 0 or more"),

@@ -107,6 +107,23 @@ def test_events_alone_give_no_speed():
     assert "stride_length" not in set(found["animals"]["measure"])
 
 
+def test_phases_on_speed_are_those_within_animals():
+    tables, _ = two_groups()
+    order = tables.strides.groupby(["animal", "leg"]).cumcount()
+    strides = tables.strides.assign(speed=100.0 + 10.0 * order)
+    # 0.002 cycle for each unit of speed, in every animal
+    phases = tables.phases.assign(
+        phase=0.4 + 0.02 * tables.phases.groupby(["animal", "leg"]).cumcount()
+    )
+    found, _ = statistics_tables(dataclasses.replace(tables, strides=strides, phases=phases))
+    row = found["phase_speed"].iloc[0]
+    assert list(found["phase_speed"].columns[:6]) == [
+        "leg", "reference", "slope", "ci_low", "ci_high", "n_animals",
+    ]  # fmt: skip
+    assert row[["slope", "ci_low", "ci_high"]].tolist() == pytest.approx([0.002] * 3)
+    assert (row["n_animals"], row["unit"]) == (8, "cycle/(unit of the tracks/s)")
+
+
 def test_nothing_at_all_gives_no_table():
     tables, _ = two_groups()
     empty = dataclasses.replace(tables, strides=tables.strides.head(0))
@@ -128,12 +145,17 @@ def test_the_command_writes_them(tmp_path):
     out = tmp_path / "all"
     run = run_gait(paths, out=out, figures="none")
     written = {path.name for path in run.files}
-    names = ("animals", "steadiness", "against_speed", "joint_ranges", "groups")
+    names = (
+        "animals", "steadiness", "against_speed", "phase_speed", "joint_ranges", "groups",
+    )  # fmt: skip
     assert {f"{name}.csv" for name in names} <= written
     assert all((out / name).is_file() for name in written)
     against = pd.read_csv(out / "against_speed.csv")
     assert set(against["predictor"]) == {"speed", "speed_bl"}
     assert set(against["n_animals"]) == {4}
+    slopes = pd.read_csv(out / "phase_speed.csv")
+    assert len(slopes) == len(pd.read_csv(out / "phase_summary.csv"))
+    assert set(slopes["unit"]) == {"cycle/(mm/s)"}
     ranges = pd.read_csv(out / "joint_ranges.csv", dtype={"pair": str})
     true = study.true_angles()
     knee = true[(true["joint"] == "TM") & true["leg"].isin(["L2", "R2"])]
