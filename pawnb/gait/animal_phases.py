@@ -130,7 +130,7 @@ def interval_of_phases(means: np.ndarray, *, level: float = 0.95) -> tuple[float
     phase in 95 % of the studies even where the mean is chance. So nothing is left out.
 
     How often it holds the truth is measured by ``benchmarks/interval_coverage.py``: 94 to 97 % for
-    3, 5 and 10 von Mises animals with a concentration of 1 and more, 90 to 92 % at 0.3. Animals of
+    3, 5 and 10 von Mises animals with a concentration of 1 and more, 92 % at 0.3. Animals of
     two kinds cannot be seen where all of the sample are of one.
 
     Parameters

@@ -94,15 +94,17 @@ def test_an_interval_is_given_whatever_rayleighs_p_is():
     assert math.isnan(opposite.mean)
 
 
-@pytest.mark.parametrize(("k", "between"), [(3, 1.0), (3, 3.0), (5, 1.0)])
-def test_few_animals_that_differ_much_have_intervals_that_hold(k, between):
+@pytest.mark.parametrize(
+    ("k", "between", "least"), [(3, 1.0, 0.93), (3, 3.0, 0.93), (5, 1.0, 0.93), (5, 0.3, 0.885)]
+)
+def test_few_animals_that_differ_much_have_intervals_that_hold(k, between, least):
     # 700 studies: standard error 0.9 %. With the interval given only where Rayleigh's p was
     # small, those given held the truth in 81 to 91 %
     rng = np.random.default_rng(k)
     draws = 0.5 + rng.vonmises(0, between, (700, k)) / (2 * np.pi)
     found = [interval_of_phases(np.mod(one, 1)) for one in draws]
     assert not np.isnan(found).any()
-    assert np.mean([covers(low, high, 0.5) for low, high in found]) >= 0.93
+    assert np.mean([covers(low, high, 0.5) for low, high in found]) >= least
 
 
 def test_the_interval_reaches_to_the_side_of_outlying_animals():
