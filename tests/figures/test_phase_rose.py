@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import matplotlib as mpl
 import matplotlib.pyplot as plt
 import numpy as np
@@ -12,6 +14,7 @@ from hypothesis import strategies as st
 
 from pawnb.errors import InputError
 from pawnb.figures import build_phase_rose_table, plot_phase_rose
+from pawnb.figures.phases_shown import interval_length, say_interval
 
 mpl.use("Agg")
 
@@ -134,3 +137,16 @@ def test_several_pairs_have_a_panel_each():
 def test_bad_input_is_refused(call, message):
     with pytest.raises(InputError, match=message):
         call()
+
+
+def test_an_interval_of_the_whole_cycle_goes_all_the_way_round():
+    # two animals half a cycle apart have no mean: 0 to 1
+    assert interval_length(0.0, 1.0) == 1.0
+    assert interval_length(0.95, 0.05) == pytest.approx(0.1)
+    assert say_interval(0.0, 1.0) == "[0.00, 1.00]"
+    assert say_interval(0.95, 0.999) == "[0.95, 0.00]"
+    assert say_interval(math.nan, math.nan) == ""
+    ax = plot_phase_rose(build_phase_rose_table(phases([0.25, 0.75], animals=["a", "b"])))
+    arc = max((line.get_xdata() for line in ax.lines), key=len)
+    assert np.ptp(arc) == pytest.approx(2.0 * math.pi)
+    assert ax.get_xlabel().startswith("no mean")

@@ -14,19 +14,19 @@ from pawnb.gait.phase_slopes import PHASE_SPEED_COLUMNS, phase_speed_table
 def study(rng, *, shift, speeds=None, animals=6, strides=8, sd=0.05, trial_sd=0.02):
     """Six animals at three belt speeds, phases shifting by ``shift`` cycle within each."""
     speeds = np.tile([100.0, 200.0, 300.0], (animals, 1)) if speeds is None else speeds
-    offsets = 0.5 + rng.normal(0.0, 0.1, animals)
-    phases, base = [], []
-    for a in range(animals):
-        span = np.ptp(speeds[a])
-        for t, speed in enumerate(speeds[a]):
-            level = offsets[a] + shift * (speed - speeds[a].mean()) / span
-            level += rng.normal(0.0, trial_sd)
-            for k in range(strides):
-                key = {"animal": f"m{a}", "trial": f"t{t}", "stride": k}
-                phase = (level + rng.normal(0.0, sd)) % 1.0
-                phases.append({**key, "leg": "FL", "reference": "FR", "phase": phase})
-                base.append({**key, "leg": "FR", "speed": speed + rng.normal(0.0, 2.0)})
-    return pd.DataFrame(phases), pd.DataFrame(base)
+    n = animals * 3 * strides
+    place = (speeds - speeds.mean(axis=1, keepdims=True)) / np.ptp(speeds, axis=1, keepdims=True)
+    level = 0.5 + rng.normal(0.0, 0.1, (animals, 1)) + shift * place
+    level = np.repeat((level + rng.normal(0.0, trial_sd, level.shape)).ravel(), strides)
+    key = {
+        "animal": np.repeat([f"m{a}" for a in range(animals)], 3 * strides),
+        "trial": np.tile(np.repeat(["t0", "t1", "t2"], strides), animals),
+        "stride": np.tile(np.arange(strides), 3 * animals),
+    }
+    phase = np.mod(level + rng.normal(0.0, sd, n), 1.0)
+    speed = np.repeat(speeds.ravel(), strides) + rng.normal(0.0, 2.0, n)
+    phases = pd.DataFrame({**key, "leg": "FL", "reference": "FR", "phase": phase})
+    return phases, pd.DataFrame({**key, "leg": "FR", "speed": speed})
 
 
 def test_the_slope_is_the_mean_of_the_animals_slopes():
