@@ -1,6 +1,6 @@
 """False positives and power of the tests that are made with few animals.
 
-    OMP_NUM_THREADS=1 python benchmarks/few_animals.py [--studies 1000] [--part mixed]
+    OMP_NUM_THREADS=1 python benchmarks/few_animals.py [--studies 1000] [--part legs]
 
 Studies are drawn from a known truth, 10 strides an animal where nothing else is said. Printed are
 the shares of studies with p <= 0.05. With 1000 studies the standard error of 5 % is 0.7 %.
@@ -16,6 +16,9 @@ from collections.abc import Callable
 import numpy as np
 import pandas as pd
 
+from pawnb.gait.circular_groups import watson_u2_test, wheeler_watson_test
+from pawnb.gait.circular_tests import hodges_ajne_test, symmetry_test
+from pawnb.gait.durations import compare_legs
 from pawnb.gait.mixed import fit_mixed
 from pawnb.gait.regression import slope_over_animals
 
@@ -79,7 +82,66 @@ def p_of_groups(rng: np.random.Generator, k: int, sd: float) -> float:
     return float(fit_mixed(table, "y", ["group"]).terms["p"].iloc[1])
 
 
-PARTS = {"mixed": mixed}
+def legs(studies: int, rng: np.random.Generator) -> None:
+    """Print how often legs are found to differ, by permutation and by Greenhouse and Geisser."""
+    print("legs compared, 10 strides of each; permutation (Greenhouse-Geisser)")
+    print("animals legs  CV of strides, of odd legs  no difference  one leg 25 % longer")
+    settings = [(0.1, 0.0), (0.2, 0.0), (0.1, 0.05), (0.1, 0.1)]
+    for k, n in ((2, 4), (3, 4), (3, 8), (4, 4), (5, 4)):
+        for cv, odd in settings:
+            shares = []
+            for longer in (0.0, 0.25):
+                both = np.zeros(2)
+                for _ in range(studies):
+                    table = periods(rng, (k, n), cv=cv, odd=odd, longer=longer)
+                    ways = (("permutation", 199), ("greenhouse-geisser", 0))
+                    both += [compare_legs(table, method=m, n_permutations=b).p <= 0.05
+                             for m, b in ways]  # fmt: skip
+                shares.append("{:.3f} ({:.3f})".format(*both / studies))
+            print(f"{k:7d} {n:4d}  {cv:.2f} {odd:.2f}  {'  '.join(shares)}", flush=True)
+
+
+def periods(
+    rng: np.random.Generator, size: tuple[int, int], *, cv: float, odd: float, longer: float
+) -> pd.DataFrame:
+    """Draw strides of animals' legs; every animal has a level and odd legs of its own."""
+    k, n = size
+    level = 0.2 * (1.0 + 0.1 * rng.normal(0.0, 1.0, (k, 1, 1)))
+    share = 1.0 + longer * (np.arange(n) == 1)[None, :, None]
+    share = share + odd * rng.normal(0.0, 1.0, (k, n, 1)) + cv * rng.normal(0.0, 1.0, (k, n, 10))
+    index = np.indices(share.shape).reshape(3, -1)
+    names = np.array([f"L{i + 1}" for i in range(n)])
+    return pd.DataFrame({
+        "animal": index[0].astype(str), "leg": names[index[1]], "period_s": (level * share).ravel()
+    })  # fmt: skip
+
+
+def circular(studies: int, rng: np.random.Generator) -> None:
+    """Print false positives of tests of phases, and the least p that their counts allow."""
+    print("tests of phases that animals count in; false positives, and least p that is possible")
+    for k in (*ANIMALS, 10):
+        found: dict[str, list[tuple[bool, float]]] = {}
+        for _ in range(studies):
+            phases = rng.random(2 * k)
+            groups, who = ["a"] * k + ["b"] * k, list(range(2 * k))
+            results = {
+                "Watson U2": watson_u2_test(phases, groups, animals=who, n_permutations=199),
+                "Wheeler-Watson": wheeler_watson_test(
+                    phases, groups, animals=who, n_permutations=199
+                ),
+                "Hodges-Ajne": hodges_ajne_test(phases[:k], animals=who[:k]),
+                "symmetry": symmetry_test(phases[:k], animals=who[:k]),
+            }
+            for name, one in results.items():
+                found.setdefault(name, []).append((one.p <= 0.05, one.smallest_p))
+        said = "  ".join(
+            f"{name} {np.mean([low for low, _ in own]):.3f} ({min(p for _, p in own):.3g})"
+            for name, own in found.items()
+        )
+        print(f"{k:3d} animals  {said}", flush=True)
+
+
+PARTS = {"mixed": mixed, "legs": legs, "circular": circular}
 
 
 def main() -> None:

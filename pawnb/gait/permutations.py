@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -10,7 +10,9 @@ _BLOCK = 4_000_000
 """Numbers in one block of permutations: 32 MB."""
 
 
-def shuffle_in_blocks(items: np.ndarray, count: int, *, seed: int) -> Iterator[np.ndarray]:
+def shuffle_in_blocks(
+    items: np.ndarray, count: int, *, seed: int | Sequence[int]
+) -> Iterator[np.ndarray]:
     """Shuffle items many times, without holding more than a block of the results at once.
 
     Parameters
@@ -19,7 +21,7 @@ def shuffle_in_blocks(items: np.ndarray, count: int, *, seed: int) -> Iterator[n
         What is shuffled.
     count : int
         Number of permutations.
-    seed : int
+    seed : int or sequence of int
         Seed.
 
     Yields

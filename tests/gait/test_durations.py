@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -26,8 +27,12 @@ def test_stride_durations_between_legs():
         [pd.DataFrame({"animal": "a", "trial": "t", "leg": k, "period_s": v})
          for k, v in shells.items()]
     )  # fmt: skip
-    row = stride_duration_by_leg(table).iloc[0]
+    row = stride_duration_by_leg(table, method="f").iloc[0]
     assert row["f"] == pytest.approx(7.121, abs=1e-3)
+    permuted = stride_duration_by_leg(table).iloc[0]
+    assert permuted["f"] == row["f"]
+    assert permuted["p"] == pytest.approx(0.000281, abs=0.0015)  # 1,999 permutations
+    assert (row["method"], permuted["method"]) == ("F", "1999 permutations")
     assert row["p"] == pytest.approx(0.000281, abs=1e-6)
     assert (row["longest"], row["shortest"]) == ("L3", "L2")
     assert row["n_animals"] == 1
@@ -63,6 +68,99 @@ def test_legs_over_animals_are_statsmodels_repeated_measures():
     assert again.p == pytest.approx(found.p)
 
 
+def by_all_orders(table):
+    """p of F over all exchanges of legs in every animal, by the textbook's sums of squares."""
+
+    def f(values):
+        k, n = values.shape
+        legs = k * ((values.mean(axis=0) - values.mean()) ** 2).sum()
+        animals = n * ((values.mean(axis=1) - values.mean()) ** 2).sum()
+        rest = ((values - values.mean()) ** 2).sum() - legs - animals
+        return legs / (n - 1) / (rest / ((n - 1) * (k - 1)))
+
+    values = table.pivot_table(index="animal", columns="leg", values="period_s").to_numpy()
+    orders = itertools.product(*(itertools.permutations(row) for row in values))
+    every = np.array([f(np.array(order)) for order in orders])
+    return (every >= f(values) * (1 - 1e-9)).mean(), every
+
+
+def test_permutation_of_legs_is_exact_where_it_can_be():
+    table = legs(k=3, n=1, shift=0.02)
+    table = table[table["leg"] != "R2"]  # 6^3 orders
+    found = compare_legs(table)
+    p, every = by_all_orders(table)
+    assert found.p == pytest.approx(p)
+    assert found.method == "legs exchanged within trials, all permutations"
+    assert found.smallest_p == pytest.approx((every >= every.max() * (1 - 1e-9)).mean())
+    assert found.note == ""
+
+
+def test_smallest_p_of_few_animals_is_said():
+    # two legs of 3 animals, one stride each: 2 of 8 exchanges keep the same leg ahead in all
+    table = legs(k=3, n=1, shift=0.1)
+    found = compare_legs(table[table["leg"].isin(["L1", "L2"])])
+    assert found.p == found.smallest_p == 0.25
+    assert found.note == "with 3 animals no p below 0.25 is possible"
+
+
+def test_strides_are_exchanged_within_their_trial_only():
+    # a fast and a slow trial with the legs unequally often in each: the leg that was seen in the
+    # slow trial only has longer strides, and no trial says that legs differ
+    rng = np.random.default_rng(0)
+    rows = [
+        (f"m{a}", trial, leg, period + rng.normal(0, 0.01))
+        for a in range(3)
+        for trial, period, counts in (("fast", 0.1, (9, 2)), ("slow", 0.2, (2, 9)))
+        for leg, count in zip(("L1", "R1"), counts, strict=True)
+        for _ in range(count)
+    ]
+    table = pd.DataFrame(rows, columns=["animal", "trial", "leg", "period_s"])
+    assert compare_legs(table).p > 0.05
+    assert compare_legs(table.drop(columns="trial")).p < 0.02
+
+
+def test_permutation_is_the_default_below_six_animals():
+    for k, name in ((2, "permut"), (5, "permut"), (6, "Greenhouse-Geisser")):
+        assert name in compare_legs(legs(k=k)).method
+    table = legs(k=5)
+    assert compare_legs(table) == compare_legs(table)
+    assert compare_legs(table, seed=1).p != compare_legs(table).p
+    with pytest.raises(InputError, match=r"^method is 'f'; expected one of"):
+        compare_legs(table, method="f")
+    with pytest.raises(InputError, match=r"^method is 'x'; expected 'auto', 'permutation' or 'f'"):
+        stride_duration_by_leg(table.assign(trial="t"), method="x")
+
+
+def test_a_difference_that_is_the_same_in_every_animal():
+    table = legs(k=3, n=4)
+    table["period_s"] = 0.2 + 0.05 * (table["leg"] == "L2")
+    found = compare_legs(table)
+    assert math.isinf(found.f)
+    assert found.p < 0.01
+    alike = compare_legs(table.assign(period_s=0.2))
+    assert math.isnan(alike.p)
+    assert alike.note == "the legs differ by the same in every animal: no test"
+
+
+def test_longer_strides_of_one_leg_are_found_with_three_animals():
+    # strides that vary by 20 %, one of four legs 25 % longer: Greenhouse-Geisser finds 0.6 of
+    # 200 studies, benchmarks/few_animals.py
+    found = np.zeros(2)
+    for seed in range(30):
+        rng = np.random.default_rng(seed)
+        table = legs(k=3, n=10, seed=seed)
+        table["period_s"] = 0.2 * (
+            1 + 0.25 * (table["leg"] == "L2") + rng.normal(0, 0.2, len(table))
+        )
+        both = (
+            compare_legs(table, method=m, n_permutations=199)
+            for m in ("auto", "greenhouse-geisser")
+        )
+        found += [one.p <= 0.05 for one in both]
+    assert found[0] >= 26
+    assert found[1] <= 24
+
+
 def test_greenhouse_and_geissers_correction():
     # by the textbook form with the covariance of the legs (Winer 1991): n^2 (mean of variances -
     # mean of all)^2 / ((n - 1) (sum s^2 - 2 n sum of squared row means + n^2 mean^2))
@@ -92,8 +190,12 @@ def test_few_animals_and_missing_legs_are_said():
 @pytest.mark.slow
 def test_level_over_animals():
     # no difference between legs: at most 5 %; measured 2.0 %, the correction is a careful one
-    low = [compare_legs(legs(k=5, n=2, seed=s)).p <= 0.05 for s in range(1000)]
+    how = {"method": "greenhouse-geisser"}
+    low = [compare_legs(legs(k=5, n=2, seed=s), **how).p <= 0.05 for s in range(1000)]
     assert 0.005 < np.mean(low) < 0.06
     # and it finds one that is there: half the spread of the animals
-    low = [compare_legs(legs(k=5, n=2, shift=0.03, seed=s)).p <= 0.05 for s in range(100)]
+    low = [compare_legs(legs(k=5, n=2, shift=0.03, seed=s), **how).p <= 0.05 for s in range(100)]
     assert np.mean(low) > 0.6
+    # by permutation 5 %, standard error 1 %
+    low = [compare_legs(legs(k=3, n=3, seed=s), n_permutations=199).p <= 0.05 for s in range(500)]
+    assert 0.02 < np.mean(low) < 0.08
