@@ -48,10 +48,14 @@ def whole_file(path: str | Path) -> Iterator[Path]:
     try:
         with _said_in_a_sentence(path):
             yield part
-            with part.open("r+b") as file:
-                os.fsync(file.fileno())
+            # what is written into something unfinished is forced to disk when that is finished
+            lasts = not any(map(is_leftover, path.parents))
+            if lasts:
+                with part.open("r+b") as file:
+                    os.fsync(file.fileno())
             part.replace(path)
-            sync_folder(path.parent)
+            if lasts:
+                sync_folder(path.parent)
     finally:
         with suppress(OSError):
             part.unlink(missing_ok=True)

@@ -24,6 +24,7 @@ from pawnb.workflow.results import (
     read_result_tracks,
     results_folder,
     tell_fault,
+    tell_fault_of_events,
 )
 
 
@@ -129,6 +130,7 @@ def read_source(path: str | Path, *, fps: float | None = None) -> GaitSource:
         )
     events = read_scored_file(path, fps=fps)
     if events is not None:
+        tell_fault_of_events(path)
         guessed = bool((events["animal"] == path.stem).all())
         return GaitSource(path, path.parent / RESULTS_FOLDER, events=events, guessed=guessed)
     program = recognise_format(path)

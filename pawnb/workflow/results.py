@@ -23,7 +23,7 @@ from pawnb.io.tables import write_table
 from pawnb.schema import Tracks
 from pawnb.trial import Trial, trial_document, trial_from_document
 from pawnb.workflow.foreign_tracks import read_belt
-from pawnb.workflow.manifest import MANIFEST, find_fault, writing_results
+from pawnb.workflow.manifest import MANIFEST, find_fault, known_files, writing_results
 from pawnb.workflow.notes import notes_table
 
 RESULTS_FOLDER = "results"
@@ -216,6 +216,25 @@ def tell_fault(tracks: Tracks, path: Path) -> None:
     fault = find_fault(path.parent, run="track")
     if fault is not None:
         warnings.warn(fault, InputWarning, stacklevel=3)
+
+
+def tell_fault_of_events(path: Path) -> None:
+    """Warn where an ``events.csv`` of pawnb's own lies in a folder that is not whole.
+
+    Parameters
+    ----------
+    path : Path
+        A table of events. Tables scored by hand lie where no run has written any.
+
+    Warns
+    -----
+    InputWarning
+        If files of the folder are not as the run that is on record left them.
+    """
+    if path.name in known_files(path.parent).files_of("gait"):
+        fault = find_fault(path.parent, run="gait")
+        if fault is not None:
+            warnings.warn(fault, InputWarning, stacklevel=3)
 
 
 def provenance_steps(tracks: Tracks) -> list[dict[str, Any]]:

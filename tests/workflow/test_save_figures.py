@@ -89,3 +89,16 @@ def test_main_and_none(tmp_path, only_png):
     assert save_gait_figures(gait_drawings(tables), tmp_path / "no", record={}, which="none") == []
     with pytest.raises(InputError, match=r"^figures is 'few'; expected 'all', 'main' or 'none'"):
         save_gait_figures(gait_drawings(tables), tmp_path, record={}, which="few")
+
+
+def test_names_of_trials_and_animals_never_lead_out_of_the_folder(tmp_path, only_png):
+    """Two trials whose names differ in signs only that no file name has."""
+    table = events(trials=("../../x", "..-..-x")).assign(animal="/a")
+    folder = tmp_path / "a" / "b" / "c" / "figures"
+    files = save_gait_figures(gait_drawings(analyse_events(table)), folder, record={}, which="main")
+    assert set(tmp_path.rglob("*.*")) == set(files)
+    diagrams = sorted(path.name for path in files if path.name.startswith("gait_diagram"))
+    assert diagrams == [
+        "gait_diagram_-a_------x-2.csv", "gait_diagram_-a_------x-2.png",
+        "gait_diagram_-a_------x.csv", "gait_diagram_-a_------x.png",
+    ]  # fmt: skip
