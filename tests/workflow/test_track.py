@@ -36,6 +36,7 @@ def tracked(rendered_trial, tmp_path_factory):
 def test_files_and_columns_are_those_of_the_contract(tracked):
     _, out = tracked
     assert sorted(path.name for path in out.iterdir()) == [
+        "notes.csv",
         "points3d.csv",
         "provenance.json",
         "suspects.csv",
