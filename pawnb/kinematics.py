@@ -31,9 +31,9 @@ class BodyFrame:
         Unit vectors towards the front.
     path : ndarray, shape (n, d)
         Where the body is in the laboratory: its points, or the low-passed mean of the
-        feet. On a treadmill the origin stays and the path drifts.
+        feet. Seen from the laboratory, on a treadmill, the origin stays and the path drifts.
     method : str
-        ``"body points"``, ``"laboratory"`` or ``"mean of the feet"``.
+        ``"body points"``, ``"laboratory"``, ``"other points"`` or ``"mean of the feet"``.
     """
 
     origin: np.ndarray
@@ -146,7 +146,7 @@ def stride_frequency(positions: np.ndarray, *, fs_hz: float) -> float:
         Dominant frequency along the feet's main axis of motion, in Hz; NaN where
         nothing can be told.
     """
-    axis = _main_axis(np.diff(positions, axis=0))
+    axis = main_axis(np.diff(positions, axis=0))
     return dominant_frequency(np.einsum("ndk,d->nk", positions, axis), fs_hz=fs_hz)
 
 
@@ -201,7 +201,7 @@ def is_travelling(positions: np.ndarray, path: np.ndarray) -> bool:
     tenth = max(1, len(known) // 10)
     gone = path[known[-tenth:]].mean(axis=0) - path[known[:tenth]].mean(axis=0)
     relative = positions - path[:, :, None]
-    axis = _main_axis(relative - np.nanmean(relative, axis=0))
+    axis = main_axis(relative - np.nanmean(relative, axis=0))
     feet = np.einsum("ndk,d->nk", relative, axis)
     excursion = np.nanmedian(np.nanpercentile(feet, 95, axis=0) - np.nanpercentile(feet, 5, axis=0))
     return bool(np.linalg.norm(gone) > TRAVEL_FACTOR * excursion)
@@ -282,7 +282,7 @@ def swing_direction(positions: np.ndarray, *, fs_hz: float) -> np.ndarray:
     ndarray, shape (d,)
         Unit vector.
     """
-    axis = _main_axis(positions - np.nanmean(positions, axis=0))
+    axis = main_axis(positions - np.nanmean(positions, axis=0))
     frequency = stride_frequency(positions, fs_hz=fs_hz)
     feet = np.einsum("ndk,d->nk", positions, axis)
     if math.isfinite(frequency) and 8.0 * frequency < 0.4 * fs_hz:
@@ -292,8 +292,19 @@ def swing_direction(positions: np.ndarray, *, fs_hz: float) -> np.ndarray:
     return axis if fastest[0] >= fastest[1] else -axis
 
 
-def _main_axis(deviations: np.ndarray) -> np.ndarray:
-    """Return the first principal axis of deviations (n, d, k) pooled over the feet."""
+def main_axis(deviations: np.ndarray) -> np.ndarray:
+    """Find the first principal axis of deviations, pooled over the feet.
+
+    Parameters
+    ----------
+    deviations : ndarray, shape (n, d, k)
+        Deviations; NaN where missing.
+
+    Returns
+    -------
+    ndarray, shape (d,)
+        Unit vector, its largest component above 0.
+    """
     pooled = np.moveaxis(deviations, 1, 2).reshape(-1, deviations.shape[1])
     pooled = pooled[np.isfinite(pooled).all(axis=1)]
     if len(pooled) == 0:
@@ -352,19 +363,21 @@ def body_frame_from_points(
     )
 
 
-def body_frame_of_feet(
-    path: np.ndarray, forward: Sequence[float] | np.ndarray, *, treadmill: bool
+def body_frame_of_path(
+    path: np.ndarray, forward: Sequence[float] | np.ndarray, *, at_rest: bool, method: str
 ) -> BodyFrame:
     """Make the body frame where no point of the body is named.
 
     Parameters
     ----------
     path : ndarray, shape (n, d)
-        Low-passed mean of the feet.
+        Path of the body, as the low-passed mean of the feet.
     forward : array_like, shape (d,)
         Direction towards the front.
-    treadmill : bool
-        True: the laboratory's axes, origin at rest. False: origin at ``path``.
+    at_rest : bool
+        True: the origin is at rest in the laboratory. False: it is at ``path``.
+    method : str
+        How the frame was found.
 
     Returns
     -------
@@ -374,8 +387,8 @@ def body_frame_of_feet(
     unit = np.asarray(forward, dtype=float)
     unit = unit / np.linalg.norm(unit)
     return BodyFrame(
-        origin=np.zeros_like(path) if treadmill else path,
+        origin=np.zeros_like(path) if at_rest else path,
         forward=np.tile(unit, (len(path), 1)),
         path=path,
-        method="laboratory" if treadmill else "mean of the feet",
+        method=method,
     )

@@ -11,7 +11,7 @@ from pawnb.errors import InputError
 from pawnb.kinematics import (
     along,
     body_frame_from_points,
-    body_frame_of_feet,
+    body_frame_of_path,
     is_travelling,
     mean_path,
     smooth_path,
@@ -81,9 +81,9 @@ def test_heading_is_level_in_space():
 
 def test_laboratory_frame_leaves_the_origin():
     path, feet = moving_feet()
-    lab = body_frame_of_feet(path, [2.0, 0.0], treadmill=True)
+    lab = body_frame_of_path(path, [2.0, 0.0], at_rest=True, method="laboratory")
     np.testing.assert_allclose(lab.fore_aft(feet), feet[:, 0])
-    moving = body_frame_of_feet(path, [2.0, 0.0], treadmill=False)
+    moving = body_frame_of_path(path, [2.0, 0.0], at_rest=False, method="mean of the feet")
     np.testing.assert_allclose(moving.fore_aft(feet), np.tile(feet[0, 0], (300, 1)), atol=1e-9)
     assert (lab.method, moving.method) == ("laboratory", "mean of the feet")
     np.testing.assert_allclose(along(feet, np.tile([0.0, 1.0], (300, 1))), feet[:, 1])

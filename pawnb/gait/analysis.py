@@ -18,7 +18,7 @@ from pawnb.gait.feet import EVENT_TABLE_COLUMNS, analyse_space, dropped_table
 from pawnb.gait.grid import Grid, put_on_grid
 from pawnb.gait.leg_names import choose_legs, guess_body
 from pawnb.gait.legs import sort_legs
-from pawnb.gait.paths import get_foot_paths
+from pawnb.gait.paths import FootPaths, get_foot_paths
 from pawnb.gait.pose_body import pose_body
 from pawnb.gait.scored import check_scored_events
 from pawnb.gait.strides import Motion
@@ -254,9 +254,10 @@ def _analyse_one(
             _body_points(dense, trial, individual, space.source, least=least),
             space,
         )
+        others = _other_points(dense, legs, individual, space.source, least=least)
         found = analyse_space(
-            space, grid, trial=trial, belt=belt, body=body, forward=forward, settings=settings,
-            who=who,
+            space, grid, trial=trial, belt=belt, body=body, others=others, forward=forward,
+            settings=settings, who=who,
         )  # fmt: skip
         events += found.events
         gaps += found.gaps
@@ -303,6 +304,20 @@ def _least_confidence(tracks: Tracks, settings: EventSettings) -> float:
     if settings.min_confidence is not None:
         return settings.min_confidence
     return _LEAST_CONFIDENCE.get(str(tracks.attrs.get("source_software")), 0.0)
+
+
+def _other_points(
+    dense: Tracks, legs: Mapping[str, str], individual: str, source: str, *, least: float
+) -> FootPaths | None:
+    """Return the tracked points that are no feet, in one space."""
+    feet = set(legs.values())
+    points = [p for p in map(str, dense["keypoint"].to_numpy()) if p not in feet]
+    if not points:
+        return None
+    found = get_foot_paths(
+        dense, {p: p for p in points}, individual=individual, min_confidence=least
+    )
+    return next((one for one in found if one.source == source), None)
 
 
 def _body_points(

@@ -2,10 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pawnb.gait.body_path import (
+    SLOW,
+    BodyPath,
+    choose_body_path,
+    follow_body,
+    is_carried,
+    points_of_body,
+)
 from pawnb.gait.bouts import Bouts, find_bouts
 from pawnb.gait.direction import choose_direction, find_up
 from pawnb.gait.event_settings import EventSettings
@@ -14,7 +22,7 @@ from pawnb.gait.scales import Scales, choose_scales, say_scales, stepping_freque
 from pawnb.kinematics import (
     BodyFrame,
     body_frame_from_points,
-    body_frame_of_feet,
+    body_frame_of_path,
     is_travelling,
     is_wandering,
     smooth_path,
@@ -26,6 +34,13 @@ from pawnb.trial import Trial
 _BODY_CUTOFF_STRIDES = 3.0
 """Low-pass of points of the body, in stride frequencies: a body moves twice in a stride, what is
 faster is how well its points were tracked, and every foot would share it."""
+
+_METHODS = {
+    "laboratory": "laboratory",
+    "points": "other points",
+    "feet": "mean of the feet",
+}
+"""What the body frame is called in the method of an event."""
 
 _BOUT_STRIDES, _PAUSE_STRIDES = 2.0, 0.5
 """Shortest bout and shortest pause, in strides."""
@@ -86,13 +101,16 @@ def find_body(
     trial: Trial | None,
     belt: np.ndarray | None,
     body: BodyPoints | None,
+    others: FootPaths | None,
     forward: np.ndarray | None,
     settings: EventSettings,
 ) -> FoundBody:
     """Find what the animal runs on, its body frame, its bouts, and the scales of time.
 
     The stride frequency is guessed from the spectrum first, which suffices for the path
-    of the body; in the body's frame the steps can be counted.
+    of the body; in the body's frame the steps can be counted. Where no point of the body is
+    named and the animal drifts on its treadmill, other tracked points stand in for it, or else
+    the mean of the feet (:mod:`pawnb.gait.body_path`).
 
     Parameters
     ----------
@@ -106,6 +124,8 @@ def find_body(
         Belt speed; None where unknown.
     body : BodyPoints or None
         Points along the body.
+    others : FootPaths or None
+        Tracked points that are no feet.
     forward : ndarray, shape (d,), or None
         Direction stated by the caller.
     settings : EventSettings
@@ -121,18 +141,28 @@ def find_body(
     guess = _guess_frequency(feet, body, fs)
     scales = choose_scales(settings, guess, fs)
     path = smooth_path(feet.positions, cutoff_hz=scales.body_cutoff_hz, fs_hz=fs)
+    others = points_of_body(feet, others, frequency_hz=guess, fs_hz=fs)
     treadmill = settings.substrate == "treadmill"
     if settings.substrate == "auto":
-        wanders = body is not None and is_wandering(body.points)
-        travels = wanders or is_travelling(feet.positions, path)
-        treadmill = belt is not None or not travels
-    direction = None
+        treadmill = belt is not None or _runs_on_a_belt(
+            feet, body, others, path, settings, guess, fs
+        )
+    direction, seen_from = None, BodyPath(source="feet")
     if body is None:
         direction, said = choose_direction(
-            feet, path, trial=trial, forward=forward, treadmill=treadmill, fs_hz=fs
-        )
+            _without_drift(feet, others, guess, fs) if treadmill else feet,
+            path, trial=trial, forward=forward, treadmill=treadmill, fs_hz=fs,
+        )  # fmt: skip
         notes += said
-    frame = _frame(feet, trial, body, direction, scales, fs, treadmill=treadmill, stride_hz=guess)
+        if treadmill:
+            seen_from = choose_body_path(
+                feet, others, settings, forward=direction, frequency_hz=guess, fs_hz=fs
+            )
+            notes += _say_path(feet, seen_from, others)
+    given = _Given(
+        feet=feet, trial=trial, body=body, others=others, direction=direction, path=seen_from, fs=fs
+    )
+    frame = _frame(given, scales, stride_hz=guess)
     bouts = None
     if settings.bouts and not treadmill:
         bouts = _bouts(_body_speed(frame, guess, fs), settings, guess, fs)
@@ -147,9 +177,7 @@ def find_body(
     notes.append(say_scales(feet, scales, frequency))
     if bouts is not None and len(bouts.pauses):
         notes.append(_say_bouts(feet, bouts, standing, fs))
-    frame = _frame(
-        feet, trial, body, direction, scales, fs, treadmill=treadmill, stride_hz=frequency
-    )
+    frame = _frame(given, scales, stride_hz=frequency)
     return FoundBody(
         treadmill=treadmill,
         frame=frame,
@@ -188,30 +216,87 @@ def _guess_frequency(feet: FootPaths, body: BodyPoints | None, fs: float) -> flo
     return dominant_frequency(frame.fore_aft(feet.positions), fs_hz=fs)
 
 
-def _frame(
-    feet: FootPaths,
-    trial: Trial | None,
-    body: BodyPoints | None,
-    direction: np.ndarray | None,
-    scales: Scales,
-    fs: float,
-    *,
-    treadmill: bool,
-    stride_hz: float,
-) -> BodyFrame:
-    """Return the body frame, from the body's points or else from the feet."""
-    if body is not None:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Given:
+    """What the body frame is made from."""
+
+    feet: FootPaths
+    trial: Trial | None
+    body: BodyPoints | None
+    others: FootPaths | None
+    direction: np.ndarray | None
+    path: BodyPath
+    fs: float
+
+
+def _frame(given: _Given, scales: Scales, *, stride_hz: float) -> BodyFrame:
+    """Return the body frame: from the body's points, from other points, or from the feet."""
+    feet, fs, chosen = given.feet, given.fs, given.path
+    if given.body is not None:
         cutoff = _BODY_CUTOFF_STRIDES * (stride_hz if np.isfinite(stride_hz) else 1.0)
         return body_frame_from_points(
-            body.points,
+            given.body.points,
             cutoff_hz=cutoff if cutoff < 0.4 * fs else None,
             fs_hz=fs,
-            up=find_up(trial, feet),
+            up=find_up(given.trial, feet),
         )
-    path = smooth_path(feet.positions, cutoff_hz=scales.body_cutoff_hz, fs_hz=fs)
-    if direction is None:
+    if given.direction is None:
         raise AssertionError("a body without points has a direction")
-    return body_frame_of_feet(path, direction, treadmill=treadmill)
+    if chosen.source == "points" or chosen.band != SLOW:
+        path = follow_body(feet, chosen, given.others, frequency_hz=stride_hz, fs_hz=fs)
+    else:
+        path = smooth_path(feet.positions, cutoff_hz=scales.body_cutoff_hz, fs_hz=fs)
+    return body_frame_of_path(
+        path, given.direction, at_rest=chosen.source == "laboratory", method=_METHODS[chosen.source]
+    )
+
+
+def _runs_on_a_belt(
+    feet: FootPaths,
+    body: BodyPoints | None,
+    others: FootPaths | None,
+    path: np.ndarray,
+    settings: EventSettings,
+    stride_hz: float,
+    fs: float,
+) -> bool:
+    """Say whether an animal of which no belt speed is known runs on a treadmill or ball."""
+    if body is not None and is_wandering(body.points):
+        return False
+    if body is not None:
+        others = FootPaths(
+            source=feet.source, unit=feet.unit, legs=body.names, positions=body.points
+        )
+    moving = path
+    if others is not None:
+        points = BodyPath(source="points", band=1.0)
+        moving = follow_body(feet, points, others, frequency_hz=stride_hz, fs_hz=fs)
+    carried = is_carried(feet, moving, settings)
+    return not is_travelling(feet.positions, path) if carried is None else carried
+
+
+def _without_drift(
+    feet: FootPaths, others: FootPaths | None, stride_hz: float, fs: float
+) -> FootPaths:
+    """Return the feet as they move against the slow path of the body."""
+    slow = BodyPath(source="feet" if others is None else "points")
+    path = follow_body(feet, slow, others, frequency_hz=stride_hz, fs_hz=fs)
+    return replace(feet, positions=feet.positions - path[:, :, None])
+
+
+def _say_path(feet: FootPaths, chosen: BodyPath, others: FootPaths | None) -> list[str]:
+    """Say what the feet are seen from where it is not the laboratory."""
+    if chosen.source == "laboratory":
+        return []
+    what = "the slow mean of the feet"
+    if chosen.source == "points" and others is not None:
+        what = ", ".join(repr(name) for name in others.legs)
+    return [
+        f"{feet.label}: the animal drifts on its treadmill; the feet are seen from {what} "
+        f"(low-pass {chosen.band:.2g} of the stride frequency), which makes "
+        f"{chosen.regular:.0%} of the recording regular strides. Name points of the body, rear to "
+        "front, in [animal] body to choose others."
+    ]
 
 
 def _body_speed(frame: BodyFrame, frequency: float, fs: float) -> np.ndarray:

@@ -21,9 +21,16 @@ from pawnb.gait.scales import least_excursion
 from pawnb.kinematics import main_axis, smooth_path
 from pawnb.signals import butterworth_lowpass, fill_gaps, find_turns
 
-_BANDS: dict[str, tuple[float, ...]] = {"points": (3.0, 1.0), "feet": (1 / 3, 1 / 2)}
-"""Low-passes that are tried, in stride frequencies. Points of the body may follow what it does in
-a stride; the mean of the feet must not, for it moves in a stride as they do."""
+Source = Literal["laboratory", "points", "feet"]
+
+SLOW = 1 / 3
+"""Low-pass of a path that takes no part in the strides, in stride frequencies."""
+
+_TRIED: tuple[tuple[Source, float], ...] = (
+    ("points", 3.0), ("points", 1.0), ("feet", SLOW), ("feet", 0.5),
+)  # fmt: skip
+"""Paths and their low-passes, in stride frequencies, the better ones first. Points of the body may
+follow what it does in a stride; the mean of the feet must not, for it moves as they do."""
 
 _LAB_IS_ENOUGH = 0.05
 """Where no other path makes more of the recording regular strides by this share, the feet are
@@ -32,8 +39,12 @@ seen from the laboratory."""
 _REGULAR = 1.5
 """A stride is regular when it lasts between the usual time divided and multiplied by this."""
 
-_SAME_PLACE = 0.5
-"""Points belong to the body where, against the feet, they swing and go astray by less than this."""
+_OF_THE_BODY = 0.5
+"""Points are of the body where, against the feet, they swing and go astray by less than this."""
+
+_CARRIED = 0.5
+"""Share of its speed against the body at which a carried foot goes through the picture: 1 on a
+belt, 0 on the ground."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -45,19 +56,19 @@ class BodyPath:
     source : {"laboratory", "points", "feet"}
         What it is made of: nothing, other tracked points, or the mean of the feet.
     band : float
-        Its low-pass, in stride frequencies; 0 for the laboratory.
+        Its low-pass, in stride frequencies.
     regular : float
         Share of the recording, over all feet, that is regular strides when seen from it.
     """
 
-    source: Literal["laboratory", "points", "feet"]
-    band: float
-    regular: float
+    source: Source
+    band: float = SLOW
+    regular: float = 0.0
 
 
 def follow_body(
     feet: FootPaths,
-    choice: BodyPath,
+    chosen: BodyPath,
     others: FootPaths | None,
     *,
     frequency_hz: float,
@@ -69,8 +80,8 @@ def follow_body(
     ----------
     feet : FootPaths
         The feet.
-    choice : BodyPath
-        Of what the path is made; of the laboratory, the slow mean of the feet.
+    chosen : BodyPath
+        Of what the path is made.
     others : FootPaths or None
         Points that move with the body.
     frequency_hz : float
@@ -81,13 +92,12 @@ def follow_body(
     Returns
     -------
     ndarray, shape (n, d)
-        The path; on other points it begins where the feet's own mean path does, on average.
+        The low-passed mean of the other points, or of the feet.
     """
     stride = frequency_hz if math.isfinite(frequency_hz) else 1.0
-    band = choice.band or _BANDS["feet"][0]
-    of_feet = choice.source != "points" or others is None
-    points = feet.positions if of_feet or others is None else others.positions
-    return smooth_path(points, cutoff_hz=min(band * stride, 0.4 * fs_hz), fs_hz=fs_hz)
+    points = others if chosen.source == "points" and others is not None else feet
+    cutoff = min(chosen.band * stride, 0.4 * fs_hz)
+    return smooth_path(points.positions, cutoff_hz=cutoff, fs_hz=fs_hz)
 
 
 def choose_body_path(
@@ -122,25 +132,22 @@ def choose_body_path(
         The laboratory, unless another path makes clearly more of the recording regular
         strides; then the first, other points before feet, that comes near the best.
     """
-    lab = BodyPath(
-        source="laboratory",
-        band=0.0,
-        regular=_regular_share(feet.positions, np.zeros(2), forward, settings),
-    )
+    unit = forward / np.linalg.norm(forward)
+    share = _regular_share(feet.positions, unit, settings)
+    laboratory = BodyPath(source="laboratory", regular=share)
     if not math.isfinite(frequency_hz):
-        return lab
+        return laboratory
     tried = []
-    for source, bands in _BANDS.items():
+    for source, band in _TRIED:
         if source == "points" and others is None:
             continue
-        for band in bands:
-            one = BodyPath(source=source, band=band, regular=0.0)  # type: ignore[arg-type]
-            path = follow_body(feet, one, others, frequency_hz=frequency_hz, fs_hz=fs_hz)
-            share = _regular_share(feet.positions, path, forward, settings)
-            tried.append(replace(one, regular=share))
+        one = BodyPath(source=source, band=band)
+        path = follow_body(feet, one, others, frequency_hz=frequency_hz, fs_hz=fs_hz)
+        share = _regular_share(feet.positions - path[:, :, None], unit, settings)
+        tried.append(replace(one, regular=share))
     best = max(one.regular for one in tried)
-    if best <= lab.regular + _LAB_IS_ENOUGH:
-        return lab
+    if best <= laboratory.regular + _LAB_IS_ENOUGH:
+        return laboratory
     return next(one for one in tried if one.regular >= best - _LAB_IS_ENOUGH)
 
 
@@ -163,23 +170,21 @@ def points_of_body(
     Returns
     -------
     FootPaths or None
-        Those that are seen in half of the samples or more, swing within a stride by less than
-        half of what the feet do (a knee swings more), and follow the slow path of the feet to
-        within half of its own extent (a corner of the belt does not, where the animal drifts).
-        None where there are none.
+        Those that are seen in half of the samples or more, move within a stride by less than
+        half of what the feet do (an ankle moves more), and follow the slow path of the feet to
+        within half of its extent or of theirs (a corner of the belt does not, where the
+        animal drifts). None where there are none.
     """
     if others is None or not math.isfinite(frequency_hz):
         return None
     slow = _slow(feet.positions, frequency_hz, fs_hz)
-    swing = np.median(_spread(feet.positions - slow))
-    extent = _spread(slow.mean(axis=2, keepdims=True))[0]
+    swing = float(np.median(_spread(feet.positions - slow)))
+    way = smooth_path(feet.positions, cutoff_hz=SLOW * frequency_hz, fs_hz=fs_hz)[:, :, None]
+    most = _OF_THE_BODY * max(float(_spread(way)[0]), swing)
     path = _slow(others.positions, frequency_hz, fs_hz)
     seen = np.isfinite(others.positions).all(axis=1).mean(axis=0) >= 0.5
-    swings = _spread(others.positions - path)
-    astray = _spread(path - np.nanmean(slow, axis=2, keepdims=True))
-    kept = np.flatnonzero(
-        seen & (swings < _SAME_PLACE * swing) & (astray < _SAME_PLACE * np.maximum(extent, swing))
-    )
+    moves = _spread(others.positions - path)
+    kept = np.flatnonzero(seen & (moves < _OF_THE_BODY * swing) & (_spread(path - way) < most))
     if not len(kept):
         return None
     return replace(
@@ -223,17 +228,13 @@ def is_carried(feet: FootPaths, path: np.ndarray, settings: EventSettings) -> bo
                 ratios[kind].append((lab[last] - lab[first]) / (own[last] - own[first]))
     if min(len(one) for one in ratios.values()) < 2:
         return None
-    return min(abs(float(np.median(one))) for one in ratios.values()) > 0.5
+    return min(abs(float(np.median(one))) for one in ratios.values()) > _CARRIED
 
 
-def _regular_share(
-    positions: np.ndarray, path: np.ndarray, forward: np.ndarray, settings: EventSettings
-) -> float:
+def _regular_share(positions: np.ndarray, forward: np.ndarray, settings: EventSettings) -> float:
     """Return which share of the time of all feet is strides of about the usual time."""
     fore_aft = np.einsum("ndk,d->nk", positions, forward)
-    if path.ndim == 2:
-        fore_aft = fore_aft - (path @ forward)[:, None]
-    times = []
+    times: list[float] = []
     for column in fore_aft.T:
         least = least_excursion(column, settings)
         if least > 0.0:
@@ -241,7 +242,7 @@ def _regular_share(
             times += np.diff(turns[turns[:, 1] > 0, 0]).tolist()
     if not times:
         return 0.0
-    lasted = np.array(times, dtype=float)
+    lasted = np.array(times)
     usual = float(np.median(lasted))
     regular = (lasted > usual / _REGULAR) & (lasted < usual * _REGULAR)
     return float(lasted[regular].sum() / fore_aft.size)
@@ -250,15 +251,12 @@ def _regular_share(
 def _slow(positions: np.ndarray, frequency_hz: float, fs_hz: float) -> np.ndarray:
     """Return each point without what it does in a stride, shape (n, d, k)."""
     filled = fill_gaps(positions, max_gap=len(positions))
-    cutoff = frequency_hz / 3.0
-    if not 0.0 < cutoff < 0.5 * fs_hz:
-        return filled
-    return butterworth_lowpass(filled, cutoff_hz=cutoff, fs_hz=fs_hz)
+    return butterworth_lowpass(filled, cutoff_hz=min(SLOW * frequency_hz, 0.4 * fs_hz), fs_hz=fs_hz)
 
 
 def _spread(positions: np.ndarray) -> np.ndarray:
-    """Return the standard deviation in the plane or in space of each point, shape (k,)."""
-    seen = np.isfinite(positions).any(axis=0).all(axis=0)
+    """Return the standard deviation, over all directions, of each point; shape (k,)."""
     out = np.full(positions.shape[2], np.inf)
+    seen = np.isfinite(positions).any(axis=0).all(axis=0)
     out[seen] = np.sqrt(np.nanvar(positions[:, :, seen], axis=0).sum(axis=0))
     return out

@@ -69,6 +69,7 @@ def analyse_space(
     trial: Trial | None,
     belt: np.ndarray | None,
     body: BodyPoints | None,
+    others: FootPaths | None,
     forward: np.ndarray | None,
     settings: EventSettings,
     who: Mapping[str, str],
@@ -87,6 +88,8 @@ def analyse_space(
         Belt speed in the trial's unit per second; None where unknown.
     body : BodyPoints or None
         Points of the body, where they are named or can be guessed.
+    others : FootPaths or None
+        Tracked points that are no feet.
     forward : ndarray, shape (d,), or None
         Direction stated by the caller.
     settings : EventSettings
@@ -103,8 +106,9 @@ def analyse_space(
     feet, jumps = _without_jumps(feet, settings.jump_factor)
     up = find_up(trial, feet)
     found_body = find_body(
-        feet, fs, trial=trial, belt=belt, body=body, forward=forward, settings=settings
-    )
+        feet, fs, trial=trial, belt=belt, body=body, others=others, forward=forward,
+        settings=settings,
+    )  # fmt: skip
     frame, scales, notes = found_body.frame, found_body.scales, found_body.notes
     max_gap = round(scales.max_gap_s * fs)
     raw = frame.fore_aft(feet.positions)
