@@ -13,6 +13,7 @@ from pawnb.gait.event_settings import EventSettings
 from pawnb.gait.legs import default_pairs, sort_legs
 from pawnb.gait.notes import Note
 from pawnb.gait.phases import build_phases, summarise_phases
+from pawnb.gait.plausibility import say_implausible
 from pawnb.gait.stride_measures import measure_strides
 from pawnb.gait.stride_support import measure_support
 from pawnb.gait.strides import PARTNER, Motion, build_strides, choose_stride_event
@@ -274,7 +275,7 @@ def build_tables(
     strides = measure_support(strides, events, signals=signals)
     phases, no_phases = build_phases(events, strides, chosen, start_event=start)
     all_dropped = [t for t in (dropped, no_strides, no_phases) if t is not None]
-    remarks = list(notes)
+    remarks = [*notes, *say_implausible(strides)]
     if not chosen:
         remarks.append("no pair of legs by name; name them with pairs for phases.")
     return GaitTables(

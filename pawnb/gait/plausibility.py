@@ -1,0 +1,77 @@
+"""What looks wrong in the strides of a trial: signs that something else than feet was followed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pandas as pd
+
+_LEAST_STRIDES = 3
+_FREQUENCY_APART = 1.15
+"""Legs of one animal step equally often; medians this many times apart are no chance."""
+
+_DUTY_APART = 0.15
+"""Contact begins after AEP and ends before PEP, in running mice by up to 0.12 of a stride."""
+
+
+def say_implausible(strides: pd.DataFrame) -> list[str]:
+    """Say what cannot be right in the strides of one animal in one trial.
+
+    Parameters
+    ----------
+    strides : pandas.DataFrame
+        Strides of one animal and trial, columns ``leg, frequency_hz, duty_factor`` and, where
+        they are known, ``contact_duty_factor`` and ``speed``.
+
+    Returns
+    -------
+    list of str
+        One sentence each: where legs differ by more than 15 % in their median frequency, where
+        the duty factors of a leg from AEP to PEP and from touch-down to lift-off differ by more
+        than 0.15, and where the body goes backwards.
+    """
+    return [*_frequencies(strides), *_duties(strides), *_backwards(strides)]
+
+
+def _frequencies(strides: pd.DataFrame) -> Iterator[str]:
+    """Compare how often the legs step."""
+    by_leg = strides.groupby("leg", sort=False)["frequency_hz"]
+    median = by_leg.median()[by_leg.count() >= _LEAST_STRIDES]
+    if len(median) > 1 and median.max() > _FREQUENCY_APART * median.min():
+        slow, fast = median.idxmin(), median.idxmax()
+        yield (
+            f"{fast} makes {median[fast]:.3g} strides a second and {slow} {median[slow]:.3g}; legs "
+            "of one animal step equally often: was another point than the foot followed, or "
+            "does a leg lack strides (dropped.csv)?"
+        )
+
+
+def _duties(strides: pd.DataFrame) -> Iterator[str]:
+    """Compare the two duty factors of each leg."""
+    if "contact_duty_factor" not in strides:
+        return
+    known = strides.dropna(subset=["contact_duty_factor", "duty_factor"])
+    found = []
+    for leg, own in known.groupby("leg", sort=False):
+        whole, contact = own["duty_factor"].mean(), own["contact_duty_factor"].mean()
+        if len(own) >= _LEAST_STRIDES and abs(whole - contact) > _DUTY_APART:
+            found.append(f"{leg} {whole:.2f} and {contact:.2f}")
+    if found:
+        yield (
+            f"duty factors from AEP to PEP and from TD to LO are far apart ({'; '.join(found)}); "
+            "check belt_speed, the direction (forward, facing) and what the animal runs on "
+            "(substrate), and whether the feet themselves were followed."
+        )
+
+
+def _backwards(strides: pd.DataFrame) -> Iterator[str]:
+    """Count strides in which the body goes backwards."""
+    if "speed" not in strides:
+        return
+    backwards = int((strides["speed"] < 0.0).sum())
+    if backwards:
+        yield (
+            f"{backwards} of {len(strides)} strides have a negative speed: the animal goes "
+            "backwards, or it runs on a belt whose speed is not known (belt_speed, substrate), "
+            "or forward is the wrong way round."
+        )
