@@ -7,7 +7,6 @@ prism, tilt). The straightened picture keeps the camera matrix and the size.
 from __future__ import annotations
 
 import functools
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,6 +16,7 @@ import numpy as np
 
 from pawnb.core.colour import Picture
 from pawnb.errors import InputError, did_you_mean
+from pawnb.files import read_toml
 
 _COUNTS = (4, 5, 8, 12, 14)
 _INT16 = (-(2**15), 2**15 - 1)
@@ -57,12 +57,7 @@ def load_lenses(path: str | Path) -> dict[str, Lens]:
         If the file is missing, is not TOML, or a section is not a lens.
     """
     path = Path(path)
-    try:
-        document = tomllib.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file; [calibration] lens names it.") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: not a TOML file ({error}); mend that line.") from None
+    document = read_toml(path, expected="the lenses.toml that [calibration] lens names")
     return {name: _lens(section, f"{path.name}: [{name}]") for name, section in document.items()}
 
 

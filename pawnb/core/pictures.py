@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import glob
 import re
 from collections import defaultdict
@@ -12,6 +13,7 @@ import numpy as np
 
 from pawnb.core.colour import GreyPicture, PackedPicture, Picture
 from pawnb.errors import VideoError
+from pawnb.files import read_bytes
 
 SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp")
 
@@ -153,16 +155,12 @@ class PictureFolder:
     def _load(self, index: int) -> Picture:
         """Read and decode one file."""
         file = self._files[index]
-        try:
-            data = file.read_bytes()
-        except OSError as error:
-            raise VideoError(
-                f"{file}: frame {index} cannot be read ({error.strerror or error})."
-            ) from None
+        data = read_bytes(file, expected=f"the picture of frame {index}", error=VideoError)
         pixels = None
         if data and _is_whole(data):
             # not cv2.imread: it cannot open names outside ASCII on Windows
-            pixels = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
+            with contextlib.suppress(cv2.error):  # it says that it is larger than a picture can be
+                pixels = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
         if pixels is None:
             raise VideoError(
                 f"{file}: frame {index} cannot be read as a picture; the file is damaged, cut "

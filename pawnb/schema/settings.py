@@ -109,7 +109,7 @@ def _convert(value: Any, hint: Any, what: str) -> Any:
         number = isinstance(value, int | float) and not isinstance(value, bool)
         if option is float and number:
             return float(value)
-        if option is int and number and float(value).is_integer():
+        if option is int and number and value == value // 1:
             return int(value)
         if option in (bool, str) and isinstance(value, option):
             return value

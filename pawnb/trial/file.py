@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 
 import tomli_w
 
-from pawnb.errors import InputError
-from pawnb.files import write_whole
+from pawnb.files import read_toml, write_whole
 from pawnb.trial.description import Trial
 from pawnb.trial.document import trial_document, trial_from_document
 
@@ -35,14 +33,7 @@ def load_trial(path: str | Path) -> Trial:
     path = Path(path)
     if path.is_dir():
         path = path / "trial.toml"
-    try:
-        document = tomllib.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise InputError(
-            f"{path}: no such trial; expected a trial.toml or the folder that holds one."
-        ) from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: not a TOML file ({error}); mend that line.") from None
+    document = read_toml(path, expected="a trial.toml or the folder that holds one")
     return trial_from_document(document, where=str(path), folder=path.parent)
 
 

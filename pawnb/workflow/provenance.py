@@ -59,7 +59,8 @@ def file_checksum(path: str | Path) -> str:
     elif path.is_file():
         files = [path]
     else:
-        files = sorted(path.parent.glob(path.name)) if path.parent.is_dir() else []
+        found = path.parent.glob(path.name) if path.parent.is_dir() else ()
+        files = sorted(item for item in found if item.is_file())  # a pipe would never end
     if not files:
         raise InputError(f"{path}: no such file; check the path in the trial.")
     states = [(file, file.stat()) for file in files]

@@ -10,7 +10,7 @@ from pathlib import Path
 from pawnb.core.pose.grid import PxPerUnit, scale_from_grid
 from pawnb.core.video import open_views
 from pawnb.errors import InputError
-from pawnb.files import locked
+from pawnb.files import MOST_TEXT_BYTES, locked, parse_toml, read_text
 from pawnb.io.tables import write_text
 from pawnb.trial import Calibration, Trial, load_trial
 from pawnb.workflow.propose_pose import trial_background
@@ -92,8 +92,8 @@ def write_scale(trial: Trial, px_per_unit: float) -> Trial:
 
 def _put_scale(path: Path, value: float, known: Calibration) -> None:
     """Change the scale in a file; raise InputError where it is not as it was read."""
-    before = path.read_text(encoding="utf-8")
-    expected = tomllib.loads(before)
+    before = read_text(path, expected="a trial.toml", most_bytes=MOST_TEXT_BYTES)
+    expected = parse_toml(before, where=str(path))
     section = expected.setdefault("calibration", {"unit": known.unit})
     there = section.get("px_per_unit")
     if there != known.px_per_unit:

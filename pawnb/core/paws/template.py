@@ -20,6 +20,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from pawnb.errors import InputError
+from pawnb.files import read_text
 from pawnb.io.tables import write_text
 from pawnb.schema import ORIGIN_CODE, Tracks
 from pawnb.signals import (
@@ -287,10 +288,10 @@ def load_template(path: str | Path = DEFAULT_TEMPLATE) -> StrideTemplate:
     """
     path = Path(path)
     try:
-        document = json.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise InputError(f"{path}: cannot read the stride template ({error.strerror}).") from None
-    except (json.JSONDecodeError, UnicodeDecodeError):
+        document = json.loads(read_text(path, expected="a stride template", most_bytes=2**24))
+    except (ValueError, RecursionError) as error:
+        if isinstance(error, InputError):
+            raise
         document = None
     if not isinstance(document, dict) or document.get("format") != _FORMAT:
         raise InputError(

@@ -11,7 +11,6 @@ more than segments) may be left out. The files beside this module are examples.
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Mapping, Sequence
 from importlib import resources
 from pathlib import Path
@@ -19,6 +18,7 @@ from typing import Any
 
 from pawnb.core.pose.animal import LEFT, RIGHT, Ellipse, Leg, StickAnimal
 from pawnb.errors import InputError, did_you_mean
+from pawnb.files import MOST_TEXT_BYTES, parse_toml, read_text
 
 _ANIMAL_KEYS = ("name", "title", "unit", "source", "body", "legs")
 _BODY_KEYS = ("name", "centre", "length", "width")
@@ -65,12 +65,13 @@ def load_species(species: str | Path, *, folder: Path | None = None) -> StickAni
         text = (resources.files("pawnb.core.pose.species") / f"{species}.toml").read_text("utf-8")
         return parse_species(text, where=f"{species}.toml")
     path = Path(species) if folder is None else folder / species
-    if not path.is_file():
+    if not path.exists():
         raise InputError(
             f"species {str(species)!r}{did_you_mean(str(species), names)}: neither a built-in "
             f"species ({', '.join(names)}) nor a file."
         )
-    return parse_species(path.read_text("utf-8"), where=path.name)
+    text = read_text(path, expected="a species file", most_bytes=MOST_TEXT_BYTES)
+    return parse_species(text, where=path.name)
 
 
 def parse_species(text: str, *, where: str = "species file") -> StickAnimal:
@@ -93,10 +94,7 @@ def parse_species(text: str, *, where: str = "species file") -> StickAnimal:
     InputError
         As :func:`load_species`.
     """
-    try:
-        raw = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{where}: not TOML: {error}.") from None
+    raw = parse_toml(text, where=where)
     _check_keys(raw, _ANIMAL_KEYS, ("body", "legs"), where)
     body, pairs = raw["body"], raw["legs"]
     for name, tables in (("body", body), ("legs", pairs)):
