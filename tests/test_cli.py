@@ -228,7 +228,7 @@ def test_convert_reads_another_program_and_asks_for_the_frame_rate(tmp_path, cap
         (("gait", "noise.csv"), "noise.csv: not tracks that are read here; expected"),
         (("gait", "cam1.f.rat.2018-06-08_13_30_12.csv"), "a trial.toml of kind 'tracks'"),
         (("lab", "--port", "99999999", "--no-browser"), "port is 99999999; expected 1 to 65535"),
-        (("batch", "none"), "1 of 1 trials failed: none: none: no such trial"),
+        (("batch", "none"), "1 of 1 trials failed: none: none: no such file"),
     ],
 )
 def test_bad_input_of_any_command_is_one_sentence(tmp_path, monkeypatch, capsys, words, sentence):

@@ -101,6 +101,15 @@ def test_name_defaults_to_the_folder(tmp_path):
         ),
         ("fps = 250", "fps = 0", "[trial] fps is 0.0; expected a number above 0."),
         ("fps = 250", 'fps = "fast"', "[trial]: fps is 'fast'; expected a number."),
+        ("fps = 250", 'fps = "250"', "[trial]: fps is '250'; expected a number."),
+        ("fps = 250", "fps = inf", "[trial]: fps is inf; expected a number."),
+        ("belt_speed = 350", "belt_speed = nan", "belt_speed is nan; expected a number or text."),
+        (
+            'points = ["FR", "HR"]',
+            'points = ["FR", "HR", "FR"]',
+            "[[views]] number 1: points of view 'cam1': the name 'FR' is there twice; give each "
+            "its own.",
+        ),
         (
             "frames = [0, 1000]",
             "frames = [10, 10]",
@@ -127,7 +136,7 @@ def test_name_defaults_to_the_folder(tmp_path):
             "crop = [0, 0, 2048, 700]",
             "crop = [9, 0, 9, 700]",
             "[[views]] number 1: crop is [9, 0, 9, 700]; expected u0, v0, u1, v1 with u0 < u1 and "
-            "v0 < v1, half open.",
+            "v0 < v1, half open; if 9 and 700 are its width and height, write [9, 0, 18, 700].",
         ),
         (
             '"rggb"',
@@ -142,7 +151,7 @@ def test_name_defaults_to_the_folder(tmp_path):
         (
             'name = "cam2"',
             'name = "cam1"',
-            "two views are called 'cam1'; give each its own name.",
+            "views: the name 'cam1' is there twice; give each its own.",
         ),
         (
             'video = "cam2.avi"',
@@ -152,12 +161,12 @@ def test_name_defaults_to_the_folder(tmp_path):
         (
             "forward = [0, 2, 0]",
             "forward = [0, 0, 0]",
-            "[calibration] forward is [0.0, 0.0, 0.0]; expected a direction that is not zero.",
+            "[calibration]: forward is [0.0, 0.0, 0.0]; expected a direction that is not zero.",
         ),
         (
             "forward = [0, 2, 0]",
             "px_per_unit = 4.8",
-            "[calibration] has both dlt and px_per_unit; keep the one that is meant.",
+            "[calibration]: has both dlt and px_per_unit; keep the one that is meant.",
         ),
     ],
 )
@@ -169,7 +178,7 @@ def test_what_is_wrong_is_said_in_one_sentence(tmp_path, old, new, message):
 
 
 def test_missing_file_and_text_that_is_no_toml(tmp_path):
-    with pytest.raises(InputError, match=r"no such trial; expected a trial\.toml or the folder"):
+    with pytest.raises(InputError, match=r"no such file; expected a trial\.toml or the folder"):
         load_trial(tmp_path / "nowhere")
     (tmp_path / "trial.toml").write_text("[trial\n")
     with pytest.raises(InputError, match=r"not a TOML file .*mend that line"):
@@ -203,7 +212,7 @@ views = st.builds(
     bayer=st.sampled_from([None, "rggb", "gbrg"]),
     offset=st.integers(-9, 9),
     facing=st.sampled_from([None, 1, -1]),
-    points=st.lists(names, max_size=3).map(tuple),
+    points=st.lists(names, max_size=3, unique=True).map(tuple),
 )
 
 
@@ -245,5 +254,75 @@ def test_a_value_where_a_section_belongs_is_said(tmp_path, name):
 def test_across_names_two_points(tmp_path):
     two = load_trial(write(tmp_path, 'id = "m07"', 'id = "m07"\nacross = ["ear_L", "ear_R"]'))
     assert two.animal.across == ("ear_L", "ear_R")
-    with pytest.raises(InputError, match=r"\[animal\] across names 1 points; expected two, at the"):
+    with pytest.raises(
+        InputError, match=r"\[animal\]: across names 1 points; expected two, at the"
+    ):
         load_trial(write(tmp_path, 'id = "m07"', 'id = "m07"\nacross = ["ear_L"]'))
+
+
+def made(**fields):
+    return Trial(**{"kind": "paws", "name": "t", "fps": 250, "animal": Animal(id="a"), **fields})
+
+
+@pytest.mark.parametrize(
+    ("fields", "message"),
+    [
+        ({"kind": "paw"}, "trial kind is 'paw'; expected one of 'paws', 'pose', 'tracks'."),
+        ({"fps": "250"}, "trial fps is '250'; expected a number."),
+        ({"fps": True}, "trial fps is True; expected a number."),
+        ({"fps": 0}, "[trial] fps is 0.0; expected a number above 0."),
+        ({"fps": float("nan")}, "trial fps is nan; expected a number."),
+        ({"fps": 10**400}, "expected a number."),
+        ({"frames": (10, 10)}, "[trial] frames is [10, 10]; expected first and one past last"),
+        ({"frames": "ab"}, "trial frames is 'ab'; expected a list of 2, each a whole number."),
+        ({"belt_speed": float("inf")}, "trial belt_speed is inf; expected a number or text."),
+        ({"animal": "m07"}, "trial animal is 'm07'; expected Animal."),
+        ({"views": View(name="a", video="a")}, "trial views is View("),
+        ({"views": (View(name="a", video="a"),) * 2}, "views: the name 'a' is there twice"),
+        ({"tracking": []}, "trial tracking is []; expected Mapping."),
+        ({"start_points": 3}, "trial start_points is 3; expected text."),
+        ({"name": None}, "trial name is None; expected text."),
+    ],
+)
+def test_a_trial_made_in_python_is_checked_as_one_from_a_file(fields, message):
+    with pytest.raises(InputError) as caught:
+        made(**fields)
+    assert message in str(caught.value)
+    assert len(str(caught.value)) < 400
+
+
+@pytest.mark.parametrize(
+    ("part", "fields"),
+    [
+        (View, {"name": "a", "video": "a", "crop": (5, 5, 5, 9)}),
+        (View, {"name": "a", "video": "a", "crop": (0, 0, 5)}),
+        (View, {"name": "a", "video": "a", "points": "FR"}),
+        (View, {"name": "a", "video": "a", "mirror": "no"}),
+        (View, {"name": "a", "video": "a", "offset": 0.5}),
+        (View, {"name": "a", "video": "a", "bayer": "rgb"}),
+        (View, {"name": "a", "video": "a", "background_frames": (8, 0)}),
+        (View, {"name": "", "video": "a"}),
+        (Calibration, {"px_per_unit": float("inf")}),
+        (Calibration, {"px_per_unit": -1}),
+        (Calibration, {"up": (0, 0)}),
+        (Calibration, {"forward": (0, float("nan"), 0)}),
+        (Animal, {"id": 7}),
+        (Animal, {"id": "a", "body": ("nose", "nose")}),
+        (Animal, {"id": "a", "across": ("ear",)}),
+    ],
+)
+def test_parts_made_in_python_are_checked(part, fields):
+    with pytest.raises(InputError):
+        part(**fields)
+
+
+def test_what_is_meant_is_taken(tmp_path):
+    """Paths for text, lists for tuples and whole numbers for numbers change nothing."""
+    view = View(name="a", video=Path("b") / "c.avi", crop=[0, 0, 5, 5])
+    trial = made(folder=str(tmp_path), views=[view], frames=[0, 5])
+    assert trial == made(
+        folder=tmp_path,
+        views=(View(name="a", video="b/c.avi", crop=(0, 0, 5, 5)),),
+        frames=(0, 5),
+        fps=250.0,
+    )

@@ -22,7 +22,7 @@ from pawnb.schema.frames import (
     every_frame,
     note_absent,
 )
-from pawnb.schema.settings import SettingsT, build_settings, check_ranges
+from pawnb.schema.settings import SettingsT, build_settings, check_fields, check_ranges, shown
 from pawnb.schema.tracks import (
     ORIGIN_CODE,
     ORIGINS,
@@ -51,10 +51,12 @@ __all__ = [
     "add_provenance",
     "build_settings",
     "check_columns",
+    "check_fields",
     "check_frames",
     "check_ranges",
     "check_tracks",
     "every_frame",
     "make_tracks",
     "note_absent",
+    "shown",
 ]

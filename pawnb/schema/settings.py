@@ -5,17 +5,30 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
+import numbers
+import os
+import reprlib
 import types
 import typing
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any, TypeVar
 
 from pawnb.errors import InputError, did_you_mean
 
 SettingsT = TypeVar("SettingsT")
 
+_MOST = 1e300
+"""Numbers beyond it, and infinite ones, are none that anybody means."""
 
-def build_settings(cls: type[SettingsT], values: Mapping[str, Any], *, where: str) -> SettingsT:
+_SHORT = reprlib.Repr()
+_SHORT.maxstring = _SHORT.maxother = _SHORT.maxlong = 100
+_SHORT.maxlist = _SHORT.maxtuple = _SHORT.maxdict = 8
+
+
+def build_settings(
+    cls: type[SettingsT], values: Mapping[str, Any], *, where: str, typed: bool = False
+) -> SettingsT:
     """Make a frozen settings dataclass from plain values; refuse what it does not know.
 
     Parameters
@@ -26,6 +39,8 @@ def build_settings(cls: type[SettingsT], values: Mapping[str, Any], *, where: st
         Field names to values; text (as from ``--set``) is read as JSON where it can be.
     where : str
         Where the values come from, for the message.
+    typed : bool
+        Whether the values have their types already (TOML): text then stands for text only.
 
     Returns
     -------
@@ -46,8 +61,33 @@ def build_settings(cls: type[SettingsT], values: Mapping[str, Any], *, where: st
                 f"{where}: unknown name {name!r}{did_you_mean(name, fields)}; "
                 f"known are {', '.join(sorted(fields))}."
             )
-        clean[name] = _convert(value, hints[name], f"{where}: {name}")
+        clean[name] = _convert(value, hints[name], f"{where}: {name}", typed=typed)
     return cls(**clean)
+
+
+def check_fields(item: Any, *, where: str) -> None:
+    """Check the types of a frozen dataclass's fields, for its ``__post_init__``.
+
+    What is of the type in other words is changed to it: a list to a tuple, a path to text, a
+    whole number to float.
+
+    Parameters
+    ----------
+    item : dataclass
+        What was made.
+    where : str
+        What it is, for the message.
+
+    Raises
+    ------
+    InputError
+        For the first field whose value is of another type, or is no finite number.
+    """
+    hints = typing.get_type_hints(type(item))
+    for field in dataclasses.fields(item):
+        value = getattr(item, field.name)
+        what = f"{where} {field.name}"
+        object.__setattr__(item, field.name, _convert(value, hints[field.name], what, typed=True))
 
 
 def check_ranges(
@@ -84,18 +124,19 @@ def _options(hint: Any) -> tuple[Any, ...]:
     return (hint,)
 
 
-def _convert(value: Any, hint: Any, what: str) -> Any:
+def _convert(value: Any, hint: Any, what: str, *, typed: bool) -> Any:
     """Convert one plain value to the annotated type, or say what was expected."""
     options = _options(hint)
     if (
-        isinstance(value, str)
+        not typed
+        and isinstance(value, str)
         and str not in options
         and not any(typing.get_origin(option) is typing.Literal for option in options)
     ):
         try:
             value = json.loads(value.lower() if value in {"True", "False", "None"} else value)
-        except json.JSONDecodeError:
-            raise InputError(f"{what} is {value!r}; expected {_describe(hint)}.") from None
+        except (ValueError, RecursionError):
+            raise InputError(f"{what} is {shown(value)}; expected {_describe(hint)}.") from None
     if value is None and type(None) in options:
         return None
     for option in options:
@@ -105,15 +146,37 @@ def _convert(value: Any, hint: Any, what: str) -> Any:
         if origin is tuple and isinstance(value, list | tuple):
             inner = args[:1] * len(value) if len(args) == 2 and args[1] is ... else args
             if len(inner) == len(value):
-                return tuple(_convert(v, t, what) for v, t in zip(value, inner, strict=True))
-        number = isinstance(value, int | float) and not isinstance(value, bool)
-        if option is float and number:
-            return float(value)
-        if option is int and number and value == value // 1:
-            return int(value)
-        if option in (bool, str) and isinstance(value, option):
-            return value
-    raise InputError(f"{what} is {value!r}; expected {_describe(hint)}.")
+                return tuple(
+                    _convert(v, t, what, typed=typed) for v, t in zip(value, inner, strict=True)
+                )
+        fitting = _fit(value, option if origin is None else origin)
+        if fitting is not None:
+            return fitting
+    raise InputError(f"{what} is {shown(value)}; expected {_describe(hint)}.")
+
+
+def _fit(value: Any, kind: Any) -> Any:
+    """Return a value as one of a plain type, or None where it is of another."""
+    if kind in (float, int):
+        is_number = isinstance(value, numbers.Real) and not isinstance(value, bool)
+        if is_number and abs(value) < _MOST and (kind is float or value == value // 1):
+            return kind(value)
+        return None
+    if kind in (str, Path) and isinstance(value, os.PathLike):
+        return kind(value)
+    if kind is Path and isinstance(value, str):
+        return Path(value)
+    return value if kind is Any or (kind is not tuple and _is_a(value, kind)) else None
+
+
+def _is_a(value: Any, kind: Any) -> bool:
+    """Tell whether a value is of a class; what is annotated otherwise is none."""
+    return isinstance(kind, type) and isinstance(value, kind)
+
+
+def shown(value: Any) -> str:
+    """Return a value as a message shows it: as Python writes it, but not at great length."""
+    return _SHORT.repr(value)
 
 
 def _describe(hint: Any) -> str:
@@ -132,5 +195,6 @@ def _describe(hint: Any) -> str:
         int: "a whole number",
         bool: "true or false",
         str: "text",
+        Path: "a folder",
     }
-    return words.get(hint, str(hint))
+    return words.get(hint, getattr(origin or hint, "__name__", str(hint)))

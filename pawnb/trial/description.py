@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
 from pawnb.errors import InputError, did_you_mean
+from pawnb.schema import check_fields
 
 Kind = Literal["paws", "pose", "tracks"]
 Bayer = Literal["rggb", "bggr", "grbg", "gbrg"]
@@ -52,6 +54,21 @@ class View:
     background_frames: tuple[int, int] | None = None
     points: tuple[str, ...] = ()
 
+    def __post_init__(self) -> None:
+        check_fields(self, where="view")
+        if not self.name:
+            raise InputError("the name of a view is empty; name it.")
+        u0, v0, u1, v1 = self.crop or (0, 0, 1, 1)
+        if not (0 <= u0 < u1 and 0 <= v0 < v1):
+            raise InputError(
+                f"crop is {[u0, v0, u1, v1]}; expected u0, v0, u1, v1 with u0 < u1 and v0 < v1, "
+                f"half open{_other_corner(u0, v0, u1, v1)}."
+            )
+        if self.facing not in (None, 1, -1):
+            raise InputError(f"facing is {self.facing}; expected 1 (right) or -1 (left).")
+        _check_range(self.background_frames, "background_frames")
+        _check_unique(self.points, f"points of view {self.name!r}")
+
 
 @dataclass(frozen=True, kw_only=True)
 class Calibration:
@@ -84,6 +101,15 @@ class Calibration:
     pixels: Literal["view", "file"] = "view"
     v: Literal["down", "up"] = "down"
 
+    def __post_init__(self) -> None:
+        check_fields(self, where="calibration")
+        if self.px_per_unit is not None and self.px_per_unit <= 0:
+            raise InputError(f"px_per_unit is {self.px_per_unit}; expected above 0.")
+        if self.dlt is not None and self.px_per_unit is not None:
+            raise InputError("has both dlt and px_per_unit; keep the one that is meant.")
+        object.__setattr__(self, "forward", _unit_vector(self.forward, "forward"))
+        object.__setattr__(self, "up", _unit_vector(self.up, "up"))
+
 
 @dataclass(frozen=True, kw_only=True)
 class Animal:
@@ -112,6 +138,16 @@ class Animal:
     body: tuple[str, ...] = ()
     across: tuple[str, ...] = ()
     extra: Mapping[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        check_fields(self, where="animal")
+        if len(self.across) not in (0, 2):
+            raise InputError(
+                f"across names {len(self.across)} points; expected two, at the left and at the "
+                'right, for instance across = ["ear_L", "ear_R"].'
+            )
+        _check_unique(self.body, "body")
+        _check_unique(self.across, "across")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -163,6 +199,13 @@ class Trial:
     tracks_legs: Mapping[str, str] = field(default_factory=dict)
     tracking: Mapping[str, Any] = field(default_factory=dict)
 
+    def __post_init__(self) -> None:
+        check_fields(self, where="trial")
+        if self.fps <= 0:
+            raise InputError(f"[trial] fps is {self.fps}; expected a number above 0.")
+        _check_range(self.frames, "[trial] frames")
+        _check_unique([view.name for view in self.views], "views")
+
     def view(self, name: str) -> View:
         """Return the view of that name; raises InputError if there is none."""
         for view in self.views:
@@ -191,3 +234,35 @@ class Trial:
     def path(self, relative: str) -> Path:
         """Return a path of the trial as a path that can be opened."""
         return self.folder / relative
+
+
+def _check_range(span: tuple[int, int] | None, what: str) -> None:
+    """Refuse a half-open range that holds no frame."""
+    if span is not None and not 0 <= span[0] < span[1]:
+        raise InputError(
+            f"{what} is {list(span)}; expected first and one past last, for instance [0, 1000]."
+        )
+
+
+def _check_unique(names: Sequence[str], what: str) -> None:
+    """Refuse a name that is there twice."""
+    twice = next((name for i, name in enumerate(names) if name in names[:i]), None)
+    if twice is not None:
+        raise InputError(f"{what}: the name {twice!r} is there twice; give each its own.")
+
+
+def _other_corner(u0: int, v0: int, width: int, height: int) -> str:
+    """Say how a crop is written that was perhaps given by its width and height."""
+    if min(u0, v0) < 0 or min(width, height) < 1:
+        return ""
+    corners = [u0, v0, u0 + width, v0 + height]
+    return f"; if {width} and {height} are its width and height, write {corners}"
+
+
+def _unit_vector(vector: tuple[float, float, float], what: str) -> tuple[float, float, float]:
+    """Return the direction with length 1, or say that it has none."""
+    length = math.hypot(*vector)
+    if not (math.isfinite(length) and length > 0):
+        raise InputError(f"{what} is {list(vector)}; expected a direction that is not zero.")
+    x, y, z = vector
+    return vector if abs(length - 1) < 1e-15 else (x / length, y / length, z / length)

@@ -108,5 +108,5 @@ def test_wrong_lens_files_are_refused(tmp_path, text, message):
 
 
 def test_missing_lens_file(tmp_path):
-    with pytest.raises(InputError, match=r"no such file; \[calibration\] lens names it\."):
+    with pytest.raises(InputError, match=r"no such file; expected the lenses\.toml that"):
         load_lenses(tmp_path / "lenses.toml")

@@ -188,7 +188,7 @@ def test_own_species_file(tmp_path):
         ("width = 2.0", "width = 0.0", "width is 0"),
         ("width = 2.0", "", "width missing"),
         ("[[body]]", "[body]", r"write \[\[body\]\]"),
-        ('name = "two legs"', "name = ", "not TOML"),
+        ('name = "two legs"', "name = ", "not a TOML file"),
         ("attach =", 'free = ["AB", "CD"]\nattach =', "free names the joint 'CD'"),
     ],
 )
