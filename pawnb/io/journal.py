@@ -212,6 +212,8 @@ class Journal(Generic[RecordT]):
     def _append(self, line: bytes) -> None:
         """Add a line behind what is known, while nobody else may write."""
         is_new = not self.path.exists()
+        if is_new and self._size:
+            raise self._changed()  # it was taken away
         # unbuffered: what could not be written is not tried again when the file is closed
         with self.path.open("a+b", buffering=0) as file:
             file.seek(self._size - len(self._tail))

@@ -20,7 +20,7 @@ from pawnb.workflow.check_pose import check_pose_trial
 from pawnb.workflow.check_report import CheckReport
 from pawnb.workflow.event_sources import read_trial_events
 from pawnb.workflow.foreign_tracks import read_belt, read_foreign_tracks
-from pawnb.workflow.manifest import find_fault
+from pawnb.workflow.manifest import RUN_KINDS, find_fault, known_files
 from pawnb.workflow.methods import pose_tracker_settings, tracker_settings
 from pawnb.workflow.results import provenance_steps, results_folder
 from pawnb.workflow.trial_views import frame_range, paw_task, trial_rig
@@ -65,6 +65,9 @@ def _check_results(trial: Trial, report: CheckReport) -> None:
     """Say whether the trial is tracked already, and doubt tracks that cannot be read."""
     path = results_folder(trial) / "tracks.nc"
     name = f"{path.parent.name}/{path.name}"
+    for run in RUN_KINDS:
+        if known_files(path.parent).files_of(run) and (fault := find_fault(path.parent, run=run)):
+            report.doubts.append(fault.rstrip("."))
     if not path.exists():
         return
     try:
@@ -77,9 +80,6 @@ def _check_results(trial: Trial, report: CheckReport) -> None:
         return
     report.found.append(f"tracked already: {name}, {tracks.sizes['time']} frames")
     made = [step for step in provenance_steps(tracks) if step["step"] == "track"]
-    fault = find_fault(path.parent, run="track") if made else None
-    if fault is not None:
-        report.doubts.append(fault.rstrip("."))
     if made and not made[-1].get("complete", True):
         report.doubts.append(f"{name} is of a run that was interrupted; track again to go on")
 

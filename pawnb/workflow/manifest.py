@@ -28,6 +28,7 @@ from pawnb.files import child_folder, locked, remove_leftovers, sync_folder, wri
 from pawnb.workflow.provenance import provenance_text
 
 RunKind = Literal["track", "gait"]
+RUN_KINDS: tuple[RunKind, ...] = ("track", "gait")
 
 MANIFEST = "provenance.json"
 PUT_ASIDE = "provenance.unfinished.json"

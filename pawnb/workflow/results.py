@@ -238,9 +238,18 @@ def tell_fault_of_events(path: Path) -> None:
 
 
 def provenance_steps(tracks: Tracks) -> list[dict[str, Any]]:
-    """Return the steps that made these Tracks, oldest first."""
-    steps: list[dict[str, Any]] = json.loads(tracks.attrs["provenance"]).get("steps", [])
-    return steps
+    """Return the steps that made these Tracks, oldest first; none where they do not say."""
+    try:
+        steps = json.loads(tracks.attrs.get("provenance", "{}")).get("steps", [])
+        named = all(isinstance(step["step"], str) for step in steps)
+    except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
+        named = False
+    if not named:
+        raise InputError(
+            "the attribute 'provenance' of these tracks is not a record of steps; mend it, or take "
+            "it away."
+        )
+    return list(steps)
 
 
 def tracking_notes(tracks: Tracks) -> list[Note]:

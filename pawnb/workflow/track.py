@@ -251,7 +251,10 @@ def retrack(
             clicks = clicks_by_hand(trial, tracks)
             begin, old = int(known[0]), None
             if not learn:
-                store = reopen_store(trial, results_folder(trial, out))
+                folder = results_folder(trial, out)
+                if folder.is_dir():  # a run there would write the same candidates
+                    stack.enter_context(run_alone(folder))
+                store = reopen_store(trial, folder)
                 stack.callback(keep_store, store)
                 kept = {"looked": looked, "store": store}
         with _progress(progress, "tracking again", method) as report:

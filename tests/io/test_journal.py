@@ -105,6 +105,15 @@ def test_a_file_says_what_was_open_when_another_window_has_changed_it(tmp_path):
     assert read_journal(path, LINES) == (first.entries, [])
 
 
+def test_a_file_that_was_taken_away_is_not_begun_anew(tmp_path):
+    journal = Journal(tmp_path / "notes.jsonl", LINES, made_in="book")
+    journal.append("undo")
+    journal.path.unlink()
+    with pytest.raises(InputError, match="open the book again and repeat it"):
+        journal.append("redo")
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_file_of_another_kind_is_refused(tmp_path):
     path = tmp_path / "notes.jsonl"
     path.write_bytes(b"\xff\xfe\x00")

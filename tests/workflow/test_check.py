@@ -124,6 +124,9 @@ def test_tracks_that_are_there_are_read(small_trial):
     (results / "tracks.csv").write_text("changed in another program")
     (doubt,) = check_trial(small_trial).doubts
     assert doubt.startswith(f"{results}: not as pawnb track left it (changed: tracks.csv)")
+    (results / "tracks.nc").unlink()
+    (doubt,) = check_trial(small_trial).doubts
+    assert doubt.startswith(f"{results}: not as pawnb track left it (missing: tracks.nc)")
 
 
 def test_paws_of_the_colour_of_their_surroundings_are_doubted(small_trial):

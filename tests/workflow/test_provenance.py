@@ -8,8 +8,10 @@ import json
 import pytest
 
 from pawnb.errors import InputError
+from pawnb.schema import make_tracks
 from pawnb.trial import Animal, Calibration, Trial, View
 from pawnb.workflow import provenance
+from pawnb.workflow.results import provenance_steps
 
 
 def test_checksum_is_sha256_of_the_file(tmp_path):
@@ -78,3 +80,13 @@ def test_no_absolute_path_is_kept(tmp_path):
 def test_where_results_are_written_changes_no_byte_of_them(out):
     command = ["pawnb", "gait", "m1", *out, "--legs", "FR"]
     assert provenance.plain_command(command) == "pawnb gait m1 --legs FR"
+
+
+@pytest.mark.parametrize("text", ["[", "[" * 10**5, "[]", '{"steps": 1}', '{"steps": [1]}', "1"])
+def test_a_record_that_is_none_is_one_sentence(text):
+    tracks = make_tracks(range(2), ["FR"], fps=250.0)
+    assert provenance_steps(tracks) == []
+    with pytest.raises(InputError, match="is not a record of steps"):
+        provenance_steps(tracks.assign_attrs(provenance=text))
+    del tracks.attrs["provenance"]
+    assert provenance_steps(tracks) == []
