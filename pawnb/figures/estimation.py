@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Hashable
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from matplotlib.axes import Axes
 from pawnb.errors import InputError
 from pawnb.figures.panels import add_animal_legend, add_letter, draw_points, open_grid
 from pawnb.figures.style import figure_size, mark_animals, small_pt, style
-from pawnb.gait.groups import compare_groups
+from pawnb.gait.groups import compare_groups, mean_by_animal
 from pawnb.schema import check_columns
 
 COLUMNS = (
@@ -29,6 +30,7 @@ def build_estimation_table(
     group: str = "group",
     paired: bool = False,
     reference: str | None = None,
+    average_over: str | None = None,
     level: float = 0.95,
 ) -> pd.DataFrame:
     """Take animals' means, group means, and differences of groups with their intervals.
@@ -44,7 +46,10 @@ def build_estimation_table(
     paired : bool
         Whether the groups are conditions of the same animals.
     reference : str, optional
-        Group the others are compared with; default the one that comes first.
+        Group the others are drawn against; default the one that comes first. p is adjusted
+        over all pairs of groups, also those that are not drawn.
+    average_over : str, optional
+        Column, for instance leg, whose every name counts alike in an animal's mean.
     level : float
         Level of the intervals.
 
@@ -60,31 +65,55 @@ def build_estimation_table(
     InputError
         As compare_groups does.
     """
-    check_columns(table, ["animal", group, measure], where="estimation plot")
-    known = table[["animal", group, measure]].dropna()
+    columns = ["animal", group, measure, *([] if average_over is None else [average_over])]
+    check_columns(table, columns, where="estimation plot")
+    known = table[columns].dropna()
     names = list(dict.fromkeys(known[group].astype(str)))
     if not names:
         raise InputError(f"estimation plot: no value of {measure!r} with a {group}.")
     found = compare_groups(
-        known, [measure], group=group, paired=paired, level=level, reference=reference or names[0]
+        known, [measure], group=group, paired=paired, level=level, average_over=average_over
     )
-    means = known.groupby([known[group].astype(str), known["animal"].astype(str)], sort=True)
+    drawn = _against(found, names, reference)
     rows: list[dict[str, Any]] = []
     for name in names:
-        own = means[measure].agg(["mean", "size"]).loc[name]
+        own = known[known[group].astype(str) == name].astype({"animal": str})
+        means = mean_by_animal(own, measure, average_over=average_over)
+        sizes = own["animal"].value_counts().to_dict()
         rows += [
-            {"row": "animal", "group": name, "animal": animal, "value": mean, "n": n}
-            for animal, mean, n in zip(own.index, own["mean"], own["size"], strict=True)
+            {"row": "animal", "group": name, "animal": animal, "value": mean, "n": sizes[animal]}
+            for animal, mean in means.items()
         ]
-        rows.append({"row": "mean", "group": name, "value": float(own["mean"].mean()),
-                     "n": int(own["size"].sum()), "n_animals": len(own)})  # fmt: skip
-    for pair in found.to_dict("records"):
+        rows.append({"row": "mean", "group": name, "value": float(means.mean()),
+                     "n": len(own), "n_animals": len(means)})  # fmt: skip
+    for pair in drawn:
         rows.append({"row": "difference", "group": pair["group_b"], "against": pair["group_a"],
                      "value": pair["difference"], "n": pair["n_a"] + pair["n_b"],
                      "n_animals": pair["n_animals_a"] + pair["n_animals_b"] * (not paired),
                      **{name: pair[name] for name in _FROM_COMPARISON}})  # fmt: skip
     whole = pd.DataFrame(rows).assign(measure=measure, paired=paired)
     return whole.reindex(columns=list(COLUMNS))
+
+
+def _against(
+    found: pd.DataFrame, names: list[str], reference: str | None
+) -> list[dict[Hashable, Any]]:
+    """Return the comparisons with one group, that group being taken away."""
+    one = names[0] if reference is None else str(reference)
+    if one not in names:
+        raise InputError(f"reference is {reference!r}; expected one of the groups {names}.")
+    turned = {"group_a": "group_b", "group_b": "group_a", "n_a": "n_b", "n_b": "n_a",
+              "n_animals_a": "n_animals_b", "n_animals_b": "n_animals_a"}  # fmt: skip
+    rows = []
+    for pair in found.to_dict("records"):
+        if pair["group_b"] == one:  # b less a, seen from the other side
+            pair |= {name: pair[other] for name, other in turned.items()}
+            low, high = -pair["ci_high"], -pair["ci_low"]
+            pair |= {"difference": -pair["difference"], "ci_low": low, "ci_high": high}
+            pair |= {"effect": -pair["effect"]}
+        if pair["group_a"] == one:
+            rows.append(pair)
+    return rows
 
 
 def plot_estimation(

@@ -2,7 +2,7 @@
 
 Each animal counts once. What is reported first is the difference with its interval, in the
 units of the measure, then a standardised effect size with its interval, then p, which is
-corrected where several pairs are compared.
+corrected where one measure is compared more than once.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from pawnb.schema import check_columns
 GROUP_COLUMNS = (
     "measure", "group_a", "group_b", "n_animals_a", "n_animals_b", "n_a", "n_b", "mean_a", "mean_b",
     "difference", "ci_low", "ci_high", "effect", "effect_low", "effect_high", "p", "p_adjusted",
-    "p_strides", "method", "correction", "note",
+    "p_all_measures", "p_strides", "method", "correction", "note",
 )  # fmt: skip
 CORRECTIONS = ("holm", "bonferroni", "fdr", "none")
 
@@ -35,6 +35,7 @@ def compare_groups(
     *,
     group: str = "group",
     by: Sequence[str] = (),
+    average_over: str | None = None,
     paired: bool = False,
     circular: bool = False,
     reference: str | None = None,
@@ -54,6 +55,11 @@ def compare_groups(
     interval of the noncentral t distribution. Phases have none: the difference in cycles is
     its own measure.
 
+    **Families**: each measure is a question of its own, so p is adjusted over the rows of one
+    measure: pairs of groups, and the parts of ``by``. What was not asked of one measure, but
+    whether *any* of the measures differs, is answered by ``p_all_measures``, which is adjusted
+    over all rows.
+
     Parameters
     ----------
     table : pandas.DataFrame
@@ -65,6 +71,9 @@ def compare_groups(
         Column of the group or condition.
     by : sequence of str
         Columns that divide the table, for instance leg and reference.
+    average_over : str, optional
+        Column, for instance leg, whose every name counts alike in an animal's mean: the mean of
+        the means of its legs, whatever the numbers of their strides.
     paired : bool
         Whether the groups are conditions of the same animals. Animals that lack one of
         the two are left out, and the note says how many.
@@ -73,8 +82,7 @@ def compare_groups(
     reference : str, optional
         Group with which each other is compared; without it every pair is.
     correction : {"holm", "bonferroni", "fdr", "none"}
-        How p is adjusted for the number of rows of the result (``"fdr"``: Benjamini and
-        Hochberg, by scipy).
+        How p is adjusted for the number of rows (``"fdr"``: Benjamini and Hochberg, by scipy).
     level : float
         Level of the intervals (not adjusted).
 
@@ -89,10 +97,15 @@ def compare_groups(
     ------
     InputError
         If a column is missing, there are fewer than two groups, an animal is in two groups
-        of an unpaired comparison, or an option is unknown.
+        of an unpaired comparison, an option is unknown, or phases are to be averaged over
+        a column.
     """
-    check_columns(table, ["animal", group, *by, *measures], where="comparison of groups")
+    averaged = [] if average_over is None else [average_over]
+    columns = ["animal", group, *averaged]
+    check_columns(table, [*columns, *by, *measures], where="comparison of groups")
     check_level(level)
+    if circular and averaged:
+        raise InputError(f"phases of several {average_over}s have no common mean; use by= instead.")
     if correction not in CORRECTIONS:
         raise InputError(f"correction is {correction!r}; expected one of {CORRECTIONS}.")
     words = [name for name in measures if not pd.api.types.is_numeric_dtype(table[name])]
@@ -103,17 +116,22 @@ def compare_groups(
     parts = table.groupby(list(by), sort=False) if by else [((), table)]
     for key, part in parts:
         for measure, (a, b) in itertools.product(measures, pairs):
-            known = part[["animal", group, measure]].dropna()
+            known = part[[*columns, measure]].dropna()
             one, two = (known[known[group].astype(str) == name] for name in (a, b))
             head = dict(zip(by, key, strict=True))
             head |= {"measure": measure, "group_a": a, "group_b": b}
             if one.empty or two.empty:
                 rows.append(head | {"note": f"no values in {a if one.empty else b}"})
                 continue
-            rows.append(head | _compare(one, two, measure, (paired, circular, level)))
+            how = (paired, circular, average_over, level)
+            rows.append(head | _compare(one, two, measure, how))
     found = pd.DataFrame(rows, columns=[*by, *GROUP_COLUMNS])
     found["correction"] = correction
-    found["p_adjusted"] = adjust_p(found["p"].to_numpy(dtype=float), correction=correction)
+    p = found["p"].astype(float)
+    found["p_adjusted"] = p.groupby(found["measure"]).transform(
+        lambda own: adjust_p(own.to_numpy(), correction=correction)
+    )
+    found["p_all_measures"] = adjust_p(p.to_numpy(), correction=correction)
     return found
 
 
@@ -167,11 +185,14 @@ def _pairs(table: pd.DataFrame, group: str, reference: str | None) -> list[tuple
 
 
 def _compare(
-    one: pd.DataFrame, two: pd.DataFrame, measure: str, how: tuple[bool, bool, float]
+    one: pd.DataFrame, two: pd.DataFrame, measure: str, how: tuple[bool, bool, str | None, float]
 ) -> dict[str, Any]:
     """Compare the strides of two groups; one row of the result."""
-    paired, circular, level = how
-    a, b = _by_animal(one, measure, circular), _by_animal(two, measure, circular)
+    paired, circular, average_over, level = how
+    if circular:
+        a, b = (_phase_by_animal(part, measure) for part in (one, two))
+    else:
+        a, b = (mean_by_animal(part, measure, average_over=average_over) for part in (one, two))
     shared = a.index.intersection(b.index)
     note = ""
     if paired:
@@ -196,10 +217,33 @@ def _compare(
     return found._asdict() | counts | {"p_strides": naive.p, "note": notes}
 
 
-def _by_animal(part: pd.DataFrame, measure: str, circular: bool) -> pd.Series:
-    """Return the mean of each animal."""
-    if not circular:
-        return part.groupby("animal", sort=True)[measure].mean()
+def mean_by_animal(
+    part: pd.DataFrame, measure: str, *, average_over: str | None = None
+) -> pd.Series:
+    """Compute the mean of each animal.
+
+    Parameters
+    ----------
+    part : pandas.DataFrame
+        Columns animal and the measure, and ``average_over``.
+    measure : str
+        Column to average.
+    average_over : str, optional
+        Column whose every name counts alike.
+
+    Returns
+    -------
+    pandas.Series
+        Means, by animal.
+    """
+    if average_over is not None:
+        keys = ["animal", average_over]
+        part = part.groupby(keys, sort=True)[[measure]].mean().reset_index()
+    return part.groupby("animal", sort=True)[measure].mean()
+
+
+def _phase_by_animal(part: pd.DataFrame, measure: str) -> pd.Series:
+    """Return the mean phase of each animal."""
     phases = {
         animal: animal_sample(own.to_numpy(dtype=float), ["one"] * len(own))[0][0]
         for animal, own in part.groupby("animal", sort=True)[measure]

@@ -252,5 +252,7 @@ def _of_groups(tables: GaitTables, groups: Groups, unit: str | None) -> Iterator
     paired = is_paired(strides)
     for measure, label in _axis_names(unit).items():
         if strides[measure].notna().any():
-            build = partial(figures.build_estimation_table, strides, measure, paired=paired)
+            build = partial(
+                figures.build_estimation_table, strides, measure, paired=paired, average_over="leg"
+            )
             yield make_drawing(f"estimation_{measure}", "estimation", build, label=label)

@@ -34,6 +34,8 @@ MEASURES = (
 BY_LEG = ("period_s", "stance_s", "swing_s", "duty_factor", "stride_length")
 AGAINST_SPEED = ("frequency_hz", "stride_length", "swing_s", "stance_s", "duty_factor")
 _FEWEST_TRIALS = 3
+ALL_LEGS = "all"
+"""In place of a leg's name where legs were averaged."""
 
 Groups = Mapping[tuple[str, str], str]
 """(animal, trial) to its group."""
@@ -62,8 +64,11 @@ def statistics_tables(
         measures differ between legs, over two animals or more),
         ``against_speed`` (Pullar 2009, Table 4.5; three trials or more of known speed),
         ``phase_speed`` (slopes of phase on speed within animals, where speeds are known),
-        ``joint_ranges`` (Table 4.6) and ``groups`` (two groups or more: measures leg by leg
-        and phases pair by pair, p adjusted by Holm over all rows).
+        ``joint_ranges`` (Table 4.6) and ``groups`` (two groups or more; column ``role``:
+        ``measure``, legs averaged first; ``phase`` of a pair of legs; ``follow-up``, a measure
+        of one leg). Each measure is a family: ``p_adjusted`` is Holm's over its pairs of groups,
+        that of phases over pairs of legs too, that of follow-ups over the legs of their measure.
+        ``p_all_measures`` is Holm's over all rows that are no follow-ups.
     notes : list of str
         Why a table that was asked for is not there.
     """
@@ -200,15 +205,20 @@ def _compare(tables: GaitTables, groups: Groups) -> pd.DataFrame:
     if len(strides["group"].unique()) < 2:
         return pd.DataFrame()
     paired = is_paired(strides)
-    found = compare_groups(strides, known_measures(strides), by=["leg"], paired=paired)
+    measures = known_measures(strides)
+    parts = [compare_groups(strides, measures, average_over="leg", paired=paired)]
+    parts[0] = parts[0].assign(role="measure", leg=ALL_LEGS)
     if len(phases["group"].unique()) > 1:
-        other = compare_groups(
-            phases, ["phase"], by=["leg", "reference"], paired=paired, circular=True
-        )
-        found = pd.concat([found, other], ignore_index=True)
-        found["p_adjusted"] = adjust_p(found["p"].to_numpy(dtype=float))
-    columns = ["measure", "leg", "reference"]
-    found = found.reindex(columns=[*columns, *(c for c in found.columns if c not in columns)])
+        pairs = ["leg", "reference"]
+        found = compare_groups(phases, ["phase"], by=pairs, circular=True, paired=paired)
+        parts.append(found.assign(role="phase"))
+    first = pd.concat(parts, ignore_index=True)
+    first["p_all_measures"] = adjust_p(first["p"].to_numpy(dtype=float))
+    legs = compare_groups(strides, measures, by=["leg"], paired=paired)
+    legs = legs.assign(role="follow-up", p_all_measures=np.nan)
+    found = pd.concat([first, legs], ignore_index=True)
+    columns = ["measure", "leg", "reference", "role"]
+    found = found.reindex(columns=[*columns, *(c for c in first.columns if c not in columns)])
     return found.assign(design="paired" if paired else "unpaired")
 
 

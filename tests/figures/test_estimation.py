@@ -76,6 +76,18 @@ def test_points_means_and_intervals_are_drawn():
     ]  # fmt: skip
 
 
+def test_reference_that_comes_later():
+    first = build_estimation_table(strides(), "length")
+    table = build_estimation_table(strides(), "length", reference="lesion")
+    (one,), (other,) = (t[t["row"] == "difference"].to_dict("records") for t in (first, table))
+    assert (other["group"], other["against"]) == ("control", "lesion")
+    assert other["value"] == -one["value"]
+    assert (other["ci_low"], other["ci_high"]) == (-one["ci_high"], -one["ci_low"])
+    assert (other["effect"], other["p_adjusted"]) == (-one["effect"], one["p_adjusted"])
+    with pytest.raises(InputError, match=r"^reference is 'x'; expected one of the groups"):
+        build_estimation_table(strides(), "length", reference="x")
+
+
 def test_bad_input_is_refused():
     with pytest.raises(InputError, match=r"expected two groups or more"):
         build_estimation_table(strides().query("group == 'control'"), "length")

@@ -172,6 +172,37 @@ def test_table_of_groups():
     assert (again["p_strides"] < found["p_strides"]).all()
 
 
+def test_each_measure_is_a_family():
+    table = strides()
+    table["period_s"] = table["phase"] * 0.1
+    found = compare_groups(table, ["duty_factor", "period_s"])
+    p = found["p"].to_numpy()
+    # three pairs of groups a measure, by statsmodels
+    by_hand = [multipletests(p[rows], method="holm")[1] for rows in (slice(3), slice(3, 6))]
+    assert found["p_adjusted"].to_numpy() == pytest.approx(np.concatenate(by_hand))
+    assert found["p_all_measures"].to_numpy() == pytest.approx(multipletests(p, method="holm")[1])
+    assert (found["p_all_measures"] > found["p_adjusted"]).any()
+    alone = compare_groups(table, ["duty_factor"])
+    assert alone["p_adjusted"].to_numpy() == pytest.approx(found["p_adjusted"].to_numpy()[:3])
+
+
+def test_legs_count_alike_where_they_are_averaged():
+    # every animal: 4 strides of L1 at m, 1 of R1 at m + 0.1; its mean over legs is m + 0.05
+    means = {"a1": 1.0, "a2": 1.2, "a3": 1.1, "b1": 2.0, "b2": 2.1, "b3": 2.3}
+    rows = [
+        (animal, animal[0], leg, m + (0.1 if leg == "R1" else 0.0))
+        for animal, m in means.items()
+        for leg in ("L1", "L1", "L1", "L1", "R1")
+    ]
+    table = pd.DataFrame(rows, columns=["animal", "group", "leg", "y"])
+    found = compare_groups(table, ["y"], average_over="leg").iloc[0]
+    assert (found["mean_a"], found["mean_b"]) == pytest.approx((1.15, 6.4 / 3 + 0.05))
+    assert compare_groups(table, ["y"]).iloc[0]["mean_a"] == pytest.approx(1.12)
+    assert (found["n_a"], found["n_animals_a"]) == (15, 3)
+    with pytest.raises(InputError, match=r"^phases of several legs have no common mean; use by="):
+        compare_groups(table, ["y"], average_over="leg", circular=True)
+
+
 def test_conditions_of_the_same_animals():
     table = strides(groups=("walk", "run"))
     table["animal"] = table["animal"].str[-1]

@@ -7,6 +7,8 @@ import dataclasses
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.stats import ttest_ind
+from statsmodels.stats.multitest import multipletests
 
 from pawnb import gait
 from pawnb.gait.groups import adjust_p
@@ -15,6 +17,7 @@ from pawnb.schema import make_tracks
 from pawnb.synthetic.spider_study import simulate_spider_study
 from pawnb.trial import Animal, Trial
 from pawnb.workflow.gait import run_gait
+from pawnb.workflow.gait_drawings import gait_drawings
 from pawnb.workflow.gait_statistics import body_angles_of, joint_angles_of, statistics_tables
 from pawnb.workflow.results import describe_trial
 
@@ -61,9 +64,96 @@ def test_groups_differ_by_what_was_put_in():
     assert (phase["leg"], phase["reference"]) == ("L1", "R1")
     assert phase["difference"] == pytest.approx(0.1, abs=1e-6)
     assert set(found["groups"]["design"]) == {"unpaired"}
-    # one family of tests: Holm over all rows, those of phases too
-    p = found["groups"]["p"].to_numpy()
-    np.testing.assert_allclose(found["groups"]["p_adjusted"], adjust_p(p))
+
+
+def test_measures_are_families_and_single_legs_are_follow_ups():
+    tables, groups = two_groups()
+    table = statistics_tables(tables, groups=groups)[0]["groups"]
+    roles = table.set_index("role")
+    first = table[table["role"] != "follow-up"]
+    assert set(roles.loc["measure", "leg"]) == {"all"}
+    assert set(roles.loc["follow-up", "leg"]) == {"L1", "R1"}
+    assert roles.loc[["phase"], ["leg", "reference"]].to_numpy().tolist() == [["L1", "R1"]]
+    # one comparison a measure: nothing to adjust for
+    assert first["p_adjusted"].to_numpy() == pytest.approx(first["p"].to_numpy())
+    np.testing.assert_allclose(first["p_all_measures"], adjust_p(first["p"].to_numpy()))
+    legs = table[(table["role"] == "follow-up") & (table["measure"] == "period_s")]
+    assert legs["p_adjusted"].tolist() == pytest.approx(multipletests(legs["p"], method="holm")[1])
+    assert legs["p_all_measures"].isna().all()
+
+
+def noisy_groups(*, effect, seed=3, k=3, legs=("FR", "HR", "FL", "HL")):
+    """Strides of k animals a group; of their measures the duty factor alone differs."""
+    rng = np.random.default_rng(seed)
+    tables, _ = two_groups()
+    measures = ["period_s", "frequency_hz", "stance_s", "swing_s", "duty_factor", "stride_length",
+                "speed", "step_displacement"]  # fmt: skip
+    rows, groups = [], {}
+    for group in ("a", "b"):
+        for i in range(k):
+            animal = f"{group}{i}"
+            groups[animal, "t"] = group
+            own = dict(zip(measures, rng.normal(1.0, 0.05, len(measures)), strict=True))
+            own["duty_factor"] = 0.6 + rng.normal(0, 0.01) + effect * (group == "b")
+            rows += [
+                {"animal": animal, "trial": "t", "leg": leg, "stride": n, "start_s": float(n)}
+                | {name: value + rng.normal(0, 0.004) for name, value in own.items()}
+                for leg in legs
+                for n in range(5)
+            ]
+    strides = pd.DataFrame(rows).reindex(columns=tables.strides.columns)
+    events = strides[["animal", "trial", "leg"]].assign(event="AEP", time_s=strides["start_s"])
+    empty = tables.phases.head(0)
+    return dataclasses.replace(tables, strides=strides, phases=empty, events=events), groups
+
+
+def test_a_true_difference_is_not_lost_among_other_measures():
+    tables, groups = noisy_groups(effect=0.05)
+    table = statistics_tables(tables, groups=groups)[0]["groups"]
+    row = table[(table["measure"] == "duty_factor") & (table["role"] == "measure")].iloc[0]
+    # Welch's t of the animals' means over legs
+    strides = tables.strides.groupby(["animal", "leg"])["duty_factor"].mean()
+    means = strides.groupby("animal").mean()
+    expected = ttest_ind(means[["b0", "b1", "b2"]], means[["a0", "a1", "a2"]], equal_var=False)
+    assert row["p"] == pytest.approx(expected.pvalue)
+    assert row["p_adjusted"] == pytest.approx(expected.pvalue)
+    assert row["p_adjusted"] < 0.02
+    assert row["effect"] > 2.5
+    # over all rows, single legs among them, the same difference was lost
+    before = adjust_p(table["p"].to_numpy(dtype=float))[row.name]
+    assert before > 0.1
+
+
+def test_figure_and_table_of_three_groups_print_the_same_p():
+    tables, groups = noisy_groups(effect=0.02, k=6)
+    groups = {key: "c" if key[0] in ("b4", "b5", "a5") else g for key, g in groups.items()}
+    table = statistics_tables(tables, groups=groups)[0]["groups"]
+    rows = table[(table["measure"] == "duty_factor") & (table["role"] == "measure")]
+    drawing = next(
+        d for d in gait_drawings(tables, groups=groups) if d.name == "estimation_duty_factor"
+    )
+    drawn, ax = drawing.draw()
+    said = " ".join(text.get_text() for one in ax.figure.axes for text in one.texts)
+    drawn = drawn[drawn["row"] == "difference"].set_index("group")
+    assert list(drawn.index) == ["c", "b"]
+    for row in rows[rows["group_a"] == "a"].to_dict("records"):
+        for name in ("difference", "ci_low", "ci_high", "effect", "p", "p_adjusted"):
+            column = "value" if name == "difference" else name
+            assert drawn.loc[row["group_b"], column] == row[name]
+        assert f"p {row['p_adjusted']:.3f}" in said
+        assert row["p_adjusted"] > row["p"]
+
+
+def test_groups_of_phases_are_adjusted_over_pairs_of_legs():
+    tables, groups = two_groups()
+    other = tables.phases.assign(
+        leg="L2", phase=np.random.default_rng(0).random(len(tables.phases))
+    )
+    tables = dataclasses.replace(tables, phases=pd.concat([tables.phases, other]))
+    table = statistics_tables(tables, groups=groups)[0]["groups"]
+    rows = table[table["role"] == "phase"]
+    assert rows["p_adjusted"].tolist() == pytest.approx(multipletests(rows["p"], method="holm")[1])
+    assert rows["leg"].tolist() == ["L1", "L2"]
 
 
 def test_conditions_of_the_same_animals_are_paired():
