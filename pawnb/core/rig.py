@@ -44,7 +44,7 @@ class Rig:
     Raises
     ------
     CalibrationError
-        If shape, names or numbers do not make a calibration.
+        If shape, names or numbers do not make a calibration, or two views have one name.
     """
 
     names: tuple[str, ...]
@@ -60,8 +60,12 @@ class Rig:
                 f"DLT coefficients have shape {coefs.shape}; expected 11 rows and one column for "
                 f"each of the {len(self.names)} views ({', '.join(self.names)})."
             )
-        if not np.isfinite(coefs).all():
-            raise CalibrationError("a DLT coefficient is not a finite number; calibrate again.")
+        if len(set(self.names)) < len(self.names):
+            raise CalibrationError(
+                f"two views have one name ({', '.join(self.names)}); give each its own."
+            )
+        for name, column in zip(self.names, coefs.T, strict=True):
+            dlt.check_coefs(column, where=f"view {name!r}")
         coefs.flags.writeable = False
         object.__setattr__(self, "names", tuple(self.names))
         object.__setattr__(self, "coefs", coefs)
@@ -147,7 +151,8 @@ class Rig:
         weight = L[8:11] @ point + 1.0
         u = (L[0:3] @ point + L[3]) / weight
         gradient = (L[0:3] - u * L[8:11]) / weight
-        cosine = gradient @ np.asarray(self.forward) / np.linalg.norm(gradient)
+        steepest = float(np.linalg.norm(gradient)) or np.nan
+        cosine = gradient @ np.asarray(self.forward) / steepest
         if not abs(cosine) >= _AMBIGUOUS:
             raise CalibrationError(
                 f"view {name!r}: a step along forward {list(self.forward)} goes neither right nor "

@@ -188,7 +188,7 @@ class ViewReader(Closing):
         if not (0 <= u0 < u1 <= source.width and 0 <= v0 < v1 <= source.height):
             raise VideoError(
                 f"view {self.name!r}: crop is {list(self._box)}, but the picture of {source.name} "
-                f"is {source.width} x {source.height} px; keep the crop inside it."
+                f"is {source.width} x {source.height} px; keep u0, v0, u1, v1 inside it."
             )
         self.width, self.height = u1 - u0, v1 - v0
         self.is_colour = self.frame(0).is_colour

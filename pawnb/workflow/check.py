@@ -9,13 +9,13 @@ import pandas as pd
 
 from pawnb.core.paws.whole import WholeSettings, doubt_clicks
 from pawnb.core.rig import Rig
-from pawnb.core.video import ViewSet, open_views
+from pawnb.core.video import ViewReader, ViewSet, open_views
 from pawnb.errors import InputError, PawnbError
 from pawnb.gait.leg_names import choose_legs
 from pawnb.gait.legs import sort_legs
 from pawnb.io.native import read_tracks
 from pawnb.io.start import check_start, read_start
-from pawnb.trial import Trial, load_trial
+from pawnb.trial import Trial, View, load_trial
 from pawnb.workflow.check_pose import check_pose_trial
 from pawnb.workflow.check_report import CheckReport
 from pawnb.workflow.event_sources import read_trial_events
@@ -148,8 +148,8 @@ def _check_views(trial: Trial, report: CheckReport) -> None:
             reader = views.readers[name]
             colour = "colour" if reader.is_colour else "grey"
             report.found.append(
-                f"view {name}: {reader.n_frames} frames of {reader.width} x {reader.height} px, "
-                f"{colour}"
+                f"view {name}: {reader.n_frames} frames of {reader.width} x {reader.height} px"
+                f"{_say_crop(trial.view(name), reader)}, {colour}"
             )
         report.doubts += views.notes
         for frame in (0, views.n_frames - 1):
@@ -161,6 +161,17 @@ def _check_views(trial: Trial, report: CheckReport) -> None:
             check_pose_trial(trial, views, report)
         else:
             _check_calibration(trial, views, report)
+
+
+def _say_crop(view: View, reader: ViewReader) -> str:
+    """Say which part of the picture a crop keeps: four numbers may be meant in another way."""
+    if view.crop is None:
+        return ""
+    u0, v0, u1, v1 = view.crop
+    source = reader.source
+    return (
+        f" (crop: u {u0} to {u1 - 1} and v {v0} to {v1 - 1} of {source.width} x {source.height} px)"
+    )
 
 
 def _check_calibration(trial: Trial, views: ViewSet, report: CheckReport) -> None:

@@ -225,7 +225,7 @@ def test_subset_keeps_names_and_columns_together(treadmill):
 def test_a_rig_must_fit_its_names(treadmill):
     with pytest.raises(CalibrationError, match=r"shape \(11, 4\); expected 11 rows and one column"):
         Rig(("a", "b"), treadmill.coefs)
-    with pytest.raises(CalibrationError, match="not a finite number"):
+    with pytest.raises(CalibrationError, match="that of no camera"):
         Rig(("a",), np.full((11, 1), np.nan))
 
 
@@ -437,3 +437,54 @@ def test_triangulate_tracks_needs_views(treadmill):
         CalibrationError, match=r"^1 of the views cam1, cam2, cam3, cam4 are in the"
     ):
         triangulate_tracks(tracks, treadmill.subset(["cam2"]))
+
+
+@pytest.mark.parametrize(
+    ("row", "value"),
+    [(0, 9e18), (8, 9e18), (3, -9e18), (10, 1e300), (0, float("nan")), (5, float("inf"))],
+)
+def test_a_coefficient_of_no_camera_is_named(treadmill, row, value):
+    coefs = treadmill.coefs.copy()
+    coefs[row, 1] = value
+    with pytest.raises(CalibrationError, match=rf"^view 'cam2': the coefficient L{row + 1} is "):
+        Rig(treadmill.names, coefs)
+
+
+@pytest.mark.parametrize("rows", [range(11), range(3), (0, 1, 2, 4, 5, 6)])
+def test_a_view_in_which_nothing_moves_is_no_camera(treadmill, rows):
+    coefs = treadmill.coefs.copy()
+    coefs[list(rows), 2] = 0.0
+    with pytest.raises(CalibrationError, match=r"^view .cam3.: the coefficients L1 to L3 and "):
+        Rig(treadmill.names, coefs)
+
+
+def test_two_views_of_one_name_are_refused(treadmill):
+    with pytest.raises(CalibrationError, match="two views have one name"):
+        Rig(("cam1", "cam1", "cam3", "cam4"), treadmill.coefs)
+
+
+def test_whatever_numbers_make_a_rig_can_be_used_without_a_foreign_error(treadmill):
+    """Coefficients of any size that is let in: numbers, NaN or one sentence come out."""
+    rng = np.random.default_rng(0)
+    sizes = [1e12, -1e12, 1e9, 0.0, 1e-300, 5e-324, -1.0]
+    uv = np.array([[10.0, 20.0], [30.0, 40.0], [50.0, 60.0], [70.0, 80.0]])
+    made = 0
+    for _ in range(100):
+        coefs = treadmill.coefs.copy()
+        for _ in range(rng.integers(1, 6)):
+            coefs[rng.integers(11), rng.integers(4)] = sizes[rng.integers(len(sizes))]
+        try:
+            rig = Rig(treadmill.names, coefs)
+        except CalibrationError:
+            continue
+        made += 1
+        rig.project(np.ones((1, 3)))
+        rig.triangulate(uv)
+        rig.triangulate(uv, refine=True)
+        rig.epipolar_line("cam1", uv[0], "cam2", size=SIZE)
+        for name in rig.names:
+            try:
+                rig.facing(name)
+            except CalibrationError:
+                continue
+    assert made > 30

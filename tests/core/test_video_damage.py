@@ -157,7 +157,7 @@ def test_crop_outside_the_picture(tmp_path):
     path = write_mjpeg(tmp_path / "clip.avi", n=2)
     assert refusal(lambda: opened(path, crop=(0, 0, 200, 60))) == (
         f"view 'cam1': crop is [0, 0, 200, 60], but the picture of {path} is 160 x 64 px; keep "
-        "the crop inside it."
+        "u0, v0, u1, v1 inside it."
     )
 
 

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import os
+
 import pandas as pd
 import pytest
 
+from pawnb.errors import InputError
 from pawnb.schema import add_provenance, make_tracks
 from pawnb.workflow.check import check_trial
 from pawnb.workflow.results import write_track_results
@@ -50,6 +53,58 @@ def test_each_fault_is_found(small_trial, file, old, new, fault):
     assert fault in report.faults[0]
     assert "MEND" in report.text()
     assert report.verdict().startswith("trial 'synthetic-normal-01' cannot be worked on yet: ")
+
+
+def test_what_a_crop_keeps_is_said(small_trial):
+    """x, y, width and height are four numbers, too: the size shows what was understood."""
+    change(
+        small_trial,
+        "trial.toml",
+        'video = "cam1.avi"',
+        'video = "cam1.avi"\ncrop = [10, 5, 300, 100]',
+    )
+    assert (
+        "view cam1: 40 frames of 290 x 95 px (crop: u 10 to 299 and v 5 to 99 of 410 x 140 px), "
+        "colour"
+    ) in check_trial(small_trial).found
+    change(small_trial, "trial.toml", "[10, 5, 300, 100]", "[310, 5, 100, 120]")
+    with pytest.raises(
+        InputError, match=r"if 100 and 120 are its width and height, write \[310, 5, 410, 125\]"
+    ):
+        check_trial(small_trial)
+
+
+def test_a_video_that_is_cut_short_is_doubted(small_trial):
+    video = small_trial / "cam3.avi"
+    video.write_bytes(video.read_bytes()[: video.stat().st_size // 2])
+    report = check_trial(small_trial)
+    assert any(f"{video} is cut short: it promises 40 frames" in doubt for doubt in report.doubts)
+
+
+@pytest.mark.parametrize(
+    ("file", "word"),
+    [
+        ("cam2.avi", "video file"),
+        ("start.csv", "frame, view, point, u, v"),
+        ("DLTcoefs.csv", "DLT"),
+    ],
+)
+@pytest.mark.parametrize("kind", ["pipe", "device", "folder"])
+def test_what_is_no_file_is_a_fault_at_once(small_trial, file, word, kind):
+    """A named pipe would be waited for, a device be read, for ever."""
+    path = small_trial / file
+    path.unlink()
+    if kind == "pipe":
+        os.mkfifo(path)
+    elif kind == "device":
+        path.symlink_to("/dev/zero")
+    else:
+        path.mkdir()
+    (fault, *_) = check_trial(small_trial).faults
+    assert file in fault
+    assert kind in fault or (kind, file) == ("folder", "cam2.avi")
+    if kind != "folder":
+        assert word in fault
 
 
 def test_a_click_on_another_point_is_doubted(small_trial):

@@ -13,6 +13,7 @@ Missing image positions are NaN.
 from pawnb.core.dlt.fit import FLAT, MIN_POINTS, DltFit, fit_dlt
 from pawnb.core.dlt.projection import (
     Triangulation,
+    check_coefs,
     project,
     reprojection_error,
     to_matrix,
@@ -25,6 +26,7 @@ __all__ = [
     "MIN_POINTS",
     "DltFit",
     "Triangulation",
+    "check_coefs",
     "fit_dlt",
     "project",
     "reprojection_error",

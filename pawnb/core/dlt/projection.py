@@ -8,6 +8,9 @@ import numpy as np
 
 from pawnb.errors import CalibrationError
 
+MOST_COEF = 1e12
+"""Coefficients of cameras in use lie below 1e6, whatever the unit."""
+
 _PARALLEL = 1e-9
 """Smallest over largest singular value below which rays do not cross."""
 
@@ -212,6 +215,38 @@ def transform_image(coefs: np.ndarray, homography: np.ndarray) -> np.ndarray:
             "this change of pixels leaves no DLT coefficients with L12 = 1; check the coefficients."
         )
     return (P / P[2, 3]).ravel()[:11]
+
+
+def check_coefs(coefs: np.ndarray, *, where: str) -> None:
+    """Refuse coefficients that are those of no camera.
+
+    Parameters
+    ----------
+    coefs : ndarray, shape (11,)
+        DLT coefficients of one view.
+    where : str
+        Whose they are, for the message.
+
+    Raises
+    ------
+    CalibrationError
+        If one is not a finite number or far too large, or if u and v do not change in two
+        different directions of space.
+    """
+    large = np.flatnonzero(~(np.abs(coefs) <= MOST_COEF))
+    if len(large):
+        k = int(large[0])
+        raise CalibrationError(
+            f"{where}: the coefficient L{k + 1} is {coefs[k]:g}, which is that of no camera; "
+            "calibrate again."
+        )
+    # seen from where L9 X + L10 Y + L11 Z = 0, as at the origin
+    singular = np.linalg.svd(np.stack([coefs[0:3], coefs[4:7]]), compute_uv=False)
+    if not singular[1] > _PARALLEL * singular[0]:
+        raise CalibrationError(
+            f"{where}: the coefficients L1 to L3 and L5 to L7 are those of no camera: u and v do "
+            "not change in two directions of space; calibrate again."
+        )
 
 
 def to_matrix(coefs: np.ndarray) -> np.ndarray:
