@@ -32,9 +32,8 @@ _TRIED: tuple[tuple[Source, float], ...] = (
 """Paths and their low-passes, in stride frequencies, the better ones first. Points of the body may
 follow what it does in a stride; the mean of the feet must not, for it moves as they do."""
 
-_LAB_IS_ENOUGH = 0.05
-"""Where no other path makes more of the recording regular strides by this share, the feet are
-seen from the laboratory."""
+_CLEARLY = 0.05
+"""A path is clearly better when it makes more of the recording regular strides by this share."""
 
 _REGULAR = 1.5
 """A stride is regular when it lasts between the usual time divided and multiplied by this."""
@@ -146,9 +145,9 @@ def choose_body_path(
         share = _regular_share(feet.positions - path[:, :, None], unit, settings)
         tried.append(replace(one, regular=share))
     best = max(one.regular for one in tried)
-    if best <= laboratory.regular + _LAB_IS_ENOUGH:
+    if best <= (1.0 + _CLEARLY) * laboratory.regular:
         return laboratory
-    return next(one for one in tried if one.regular >= best - _LAB_IS_ENOUGH)
+    return next(one for one in tried if one.regular >= (1.0 - _CLEARLY) * best)
 
 
 def points_of_body(
@@ -170,7 +169,7 @@ def points_of_body(
     Returns
     -------
     FootPaths or None
-        Those that are seen in half of the samples or more, move within a stride by less than
+        Those that are seen at least half as often as a foot, move within a stride by less than
         half of what the feet do (an ankle moves more), and follow the slow path of the feet to
         within half of its extent or of theirs (a corner of the belt does not, where the
         animal drifts). None where there are none.
@@ -182,7 +181,10 @@ def points_of_body(
     way = smooth_path(feet.positions, cutoff_hz=SLOW * frequency_hz, fs_hz=fs_hz)[:, :, None]
     most = _OF_THE_BODY * max(float(_spread(way)[0]), swing)
     path = _slow(others.positions, frequency_hz, fs_hz)
-    seen = np.isfinite(others.positions).all(axis=1).mean(axis=0) >= 0.5
+    often, feet_often = (
+        np.isfinite(x).all(axis=1).sum(axis=0) for x in (others.positions, feet.positions)
+    )
+    seen = often >= 0.5 * np.median(feet_often)
     moves = _spread(others.positions - path)
     kept = np.flatnonzero(seen & (moves < _OF_THE_BODY * swing) & (_spread(path - way) < most))
     if not len(kept):

@@ -38,9 +38,9 @@ def _frequencies(strides: pd.DataFrame) -> Iterator[str]:
     by_leg = strides.groupby("leg", sort=False)["frequency_hz"]
     median = by_leg.median()[by_leg.count() >= _LEAST_STRIDES]
     if len(median) > 1 and median.max() > _FREQUENCY_APART * median.min():
-        slow, fast = median.idxmin(), median.idxmax()
         yield (
-            f"{fast} makes {median[fast]:.3g} strides a second and {slow} {median[slow]:.3g}; legs "
+            f"{median.idxmax()} makes {median.max():.3g} strides a second and {median.idxmin()} "
+            f"{median.min():.3g}; legs "
             "of one animal step equally often: was another point than the foot followed, or "
             "does a leg lack strides (dropped.csv)?"
         )
