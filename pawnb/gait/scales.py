@@ -90,7 +90,11 @@ def say_scales(feet: FootPaths, scales: Scales, frequency: float) -> str:
     who = feet.label
     if not math.isfinite(frequency):
         return f"{who}: no stride frequency found; times are set as for 1 Hz."
-    low_pass = "unfiltered" if scales.cutoff_hz is None else f"low-pass {scales.cutoff_hz:.3g} Hz"
+    low_pass = (
+        "unfiltered, as too few frames make a stride for a low-pass of 10 times that"
+        if scales.cutoff_hz is None
+        else f"low-pass {scales.cutoff_hz:.3g} Hz"
+    )
     return (
         f"{who}: about {frequency:.3g} strides a second; {low_pass}, gaps bridged up to "
         f"{scales.max_gap_s:.3g} s, stance at least {scales.min_stance_s:.3g} s, swing at "
