@@ -234,7 +234,9 @@ def _add_convert(parsers: Any) -> None:
     text = "tracks of another program to those of pawnb, or to tables"
     command = parsers.add_parser("convert", help=text, description=text)
     command.add_argument(
-        "source", metavar="IN", help="of DeepLabCut, SLEAP, Anipose, DLTdv, movement or pawnb"
+        "source",
+        metavar="IN",
+        help="of DeepLabCut, SLEAP, Anipose, DLTdv, movement or pawnb, or a trial that names one",
     )
     command.add_argument("target", metavar="OUT", help="tracks.nc, tracks.csv or points3d.csv")
     command.add_argument("--fps", type=float, help="frame rate, where the input does not say")

@@ -199,14 +199,21 @@ def _dataset(group: h5py.Group, name: str, where: str) -> h5py.Dataset:
 
 def _check_links(file: h5py.File, where: str) -> None:
     """Refuse links out of the file, and data larger than the file can hold."""
+    names: list[str] = []
+    hard: list[bool] = []
 
-    def look(name: bytes, info: h5py.h5l.LinkInfo) -> None:
-        path = name.decode("utf-8", "replace")
-        if info.type != h5py.h5l.TYPE_HARD:
+    def note(name: bytes, info: h5py.h5l.LinkInfo) -> None:
+        # h5py loses what is raised in here
+        names.append(name.decode("utf-8", "replace"))
+        hard.append(info.type == h5py.h5l.TYPE_HARD)
+
+    file.id.links.visit(note, info=True)
+    for path, direct in zip(names, hard, strict=True):
+        if not direct:
             raise InputError(f"{where}: {path!r} links to elsewhere; only whole files are read.")
-        item = file[name]
+        item = file[path]
         if not isinstance(item, h5py.Dataset):
-            return
+            continue
         if item.is_virtual or item.external:
             raise InputError(f"{where}: {path!r} lies in another file; only whole files are read.")
         stored, size = item.id.get_storage_size(), item.dtype.itemsize * (item.size or 0)
@@ -215,5 +222,3 @@ def _check_links(file: h5py.File, where: str) -> None:
                 f"{where}: damaged, {path!r} claims {size / 1e9:.1f} GB of which the file holds "
                 f"{stored} bytes; copy it again from where it is whole."
             )
-
-    file.id.links.visit(look, info=True)
