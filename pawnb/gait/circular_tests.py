@@ -247,7 +247,7 @@ def batschelet_test(
     Returns
     -------
     CircularTest
-        ``statistic`` is the count C.
+        ``statistic`` is the count C. ``smallest_p`` is that of C = 0: 0.25 for 3 phases.
 
     Raises
     ------
@@ -257,8 +257,10 @@ def batschelet_test(
     expected = _checked_expected(expected)
     sample, n_animals = animal_sample(phases, animals)
     count = int((np.abs(difference(sample, expected)) > 0.25).sum())
-    p = float(binomtest(count, len(sample), 0.5).pvalue)
-    return make_result("Batschelet C", float(count), p, counts=(len(phases), n_animals, "binomial"))
+    n = len(sample)
+    p, least = (float(binomtest(c, n, 0.5).pvalue) for c in (count, 0))
+    counts = (len(phases), n_animals, "binomial")
+    return make_result("Batschelet C", float(count), p, counts=counts, smallest_p=least)
 
 
 def symmetry_test(phases: np.ndarray, *, animals: Sequence[object] | None = None) -> CircularTest:

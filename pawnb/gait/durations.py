@@ -149,12 +149,10 @@ def compare_legs(
         p = float(fisher.sf(f, *dfs))
         return LegDifference(f, p, *dfs, epsilon, legs, own, k, note, "Greenhouse-Geisser")
     blocks = _blocks(known[known["animal"].isin(whole.index)], measure, legs)
-    found = permute_legs(blocks, k, n, n_permutations=n_permutations, seed=seed)
-    notes = filter(None, (bound_note(found.smallest_p, f"{k} animals"), note))
-    how = f"legs exchanged within trials, {found.method}"
-    return LegDifference(
-        f, found.p, *dfs, epsilon, legs, own, k, "; ".join(notes), how, found.smallest_p
-    )
+    p, least_p, how = permute_legs(blocks, k, n, n_permutations=n_permutations, seed=seed)
+    said = "; ".join(filter(None, (bound_note(least_p, f"{k} animals"), note)))
+    how = f"legs exchanged within trials, {how}"
+    return LegDifference(f, p, *dfs, epsilon, legs, own, k, said, how, least_p)
 
 
 def _epsilon(table: np.ndarray) -> float:
@@ -235,5 +233,5 @@ def _within_trial(legs: dict[str, np.ndarray], method: str, how: tuple[int, int]
         return {"f": f, "p": p, "method": "F"}
     block = Block(0, np.repeat(np.arange(len(legs)), [len(v) for v in legs.values()]),
                   np.concatenate(list(legs.values())))  # fmt: skip
-    found = permute_legs([block], 1, len(legs), n_permutations=how[0], seed=how[1])
-    return {"f": f, "p": found.p, "method": found.method}
+    p, _, name = permute_legs([block], 1, len(legs), n_permutations=how[0], seed=how[1])
+    return {"f": f, "p": p, "method": name}

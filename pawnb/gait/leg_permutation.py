@@ -34,24 +34,6 @@ class Block(NamedTuple):
     values: np.ndarray
 
 
-class Permutation(NamedTuple):
-    """What a permutation found.
-
-    Attributes
-    ----------
-    p : float
-        Share of the arrangements, that of the data among them, whose F is as large or larger.
-    smallest_p : float
-        Least p that is possible for these counts.
-    method : str
-        How many arrangements there were.
-    """
-
-    p: float
-    smallest_p: float
-    method: str
-
-
 def mean_squares(means: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Compute the mean squares of legs that are repeated over animals.
 
@@ -75,7 +57,7 @@ def mean_squares(means: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def permute_legs(
     blocks: list[Block], n_animals: int, n_legs: int, *, n_permutations: int, seed: int
-) -> Permutation:
+) -> tuple[float, float, str]:
     """Exchange the legs of strides within every block, and see how large F becomes.
 
     If legs do not matter, the strides of a trial could have been those of any of its legs. F is
@@ -95,8 +77,12 @@ def permute_legs(
 
     Returns
     -------
-    Permutation
-        What was found.
+    p : float
+        Share of the arrangements, that of the data among them, whose F is as large or larger.
+    smallest_p : float
+        Least p that is possible for these counts.
+    method : str
+        How many arrangements there were.
     """
     counts = np.zeros((n_animals, n_legs))
     for block in blocks:
@@ -122,7 +108,7 @@ def permute_legs(
     if number <= _MOST_ARRANGEMENTS:
         every = np.concatenate([f(sums) for sums in _all_sums(blocks, n_legs)])
         least = float((every >= every.max() * (1.0 - _ROUNDING)).mean())
-        return Permutation(float((every >= observed).mean()), least, "all permutations")
+        return float((every >= observed).mean()), least, "all permutations"
     shuffles = [
         np.concatenate([
             _leg_sums(legs, b.values, n_legs)
@@ -132,7 +118,7 @@ def permute_legs(
     ]  # fmt: skip
     every = f(np.stack(shuffles, axis=1))
     p = (1.0 + float((every >= observed).sum())) / (1.0 + n_permutations)
-    return Permutation(p, 1.0 / (1.0 + n_permutations), f"{n_permutations} permutations")
+    return p, 1.0 / (1.0 + n_permutations), f"{n_permutations} permutations"
 
 
 def _leg_sums(legs: np.ndarray, values: np.ndarray, n_legs: int) -> np.ndarray:

@@ -212,6 +212,13 @@ def test_batschelet():
     assert batschelet_test(twin, expected=45 / 360).p != pytest.approx(0.00661, abs=1e-3)
 
 
+def test_smallest_p_of_batschelet():
+    # all of 3 on one side, either way: 2 / 2^3
+    found = batschelet_test(np.array([0.1, 0.12, 0.15]), expected=0.1, animals=list("abc"))
+    assert found.p == found.smallest_p == pytest.approx(0.25)
+    assert found.note == "with 3 animals no p below 0.25 is possible"
+
+
 def test_symmetry_about_the_median():
     assert symmetry_test(D9).p > 0.5  # Zar 27.6
     skewed = np.array([0.0, 0.002, 0.004, 0.006, 0.008, 0.1, 0.15, 0.2, 0.24, 0.28, 0.3])
