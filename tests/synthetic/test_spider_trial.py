@@ -313,3 +313,13 @@ def test_bad_input_is_refused_before_anything_is_written(tmp_path, options, sent
         render_spider_trial(tmp_path / "new", **options)
     assert sentence in str(caught.value)
     assert not (tmp_path / "new").exists()
+
+
+def test_a_rendering_that_is_broken_off_leaves_no_half_video(tmp_path):
+    def stop(done, _total):
+        if done == 3:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        render_spider_trial(tmp_path, frames=16, scale=0.1, motion="still", progress=stop)
+    assert [path.name for path in tmp_path.iterdir()] == ["truth"]

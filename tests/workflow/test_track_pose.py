@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 import json
+from concurrent.futures import ThreadPoolExecutor
 
 import cv2
 import numpy as np
@@ -19,6 +20,7 @@ from pawnb.io.native import read_tracks
 from pawnb.io.pose import read_pose
 from pawnb.schema import SUSPECTS_COLUMNS, TRACKS_COLUMNS
 from pawnb.trial import load_trial
+from pawnb.workflow.manifest import run_alone
 from pawnb.workflow.propose_pose import trial_background
 from pawnb.workflow.results import RESULT_FILES
 from pawnb.workflow.track import track
@@ -195,3 +197,15 @@ def test_a_second_animal_and_the_edge_are_said(small_spider, method):
         refused if method == "paper" else contextlib.nullcontext(),
     ):
         track(dataclasses.replace(trial, views=(crop,)), start=start, **run)
+
+
+@pytest.mark.parametrize("kind", ["pose", "paws"])
+def test_a_second_run_is_refused_at_once(kind, rendered_spider, rendered_trial, tmp_path):
+    """Two runs would write the same candidates and delete each other's files."""
+    with ThreadPoolExecutor(1) as other:
+        first = contextlib.ExitStack()
+        other.submit(first.enter_context, run_alone(tmp_path)).result()
+        with pytest.raises(InputError, match=r"is writing here; wait until it has ended"):
+            track(rendered_spider if kind == "pose" else rendered_trial, out=tmp_path)
+        other.submit(first.close).result()
+    assert list(tmp_path.iterdir()) == []
