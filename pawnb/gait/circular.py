@@ -242,7 +242,7 @@ def _resultant_integral(lengths: np.ndarray, total: float) -> float:
     return float(np.clip(-total / 2.0 * integral, _TINY, 1.0))
 
 
-def length_of_kappa(kappa: np.ndarray) -> np.ndarray:
+def length_of_kappa(kappa: np.ndarray | float) -> np.ndarray:
     """Return the length of the mean vector of von Mises distributions, ``I1 / I0``.
 
     Parameters

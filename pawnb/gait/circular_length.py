@@ -14,14 +14,15 @@ from collections.abc import Callable
 import numpy as np
 from scipy.optimize import brentq
 from scipy.special import hankel1e, ive
-from scipy.stats import chi2
+from scipy.stats import chi2, norm
 
 from pawnb.errors import InputError
 from pawnb.gait.checks import check_level
 from pawnb.gait.circular import check_r, length_of_kappa, rayleigh_p
 
-_NEARLY_ONE = 1.0 - 1e-5
+_NEARLY_ONE = 1.0 - 1e-4
 _WIDEST = 1e9  # concentration at which 1 - r is nothing
+_MANY = 10_000  # phases, of which r is normally distributed
 
 BelowR = Callable[[float], tuple[float, float]]
 
@@ -32,7 +33,9 @@ def length_interval(r: float, n: int, *, level: float = 0.95) -> tuple[float, fl
     It holds every concentration kappa of a von Mises distribution under which neither a mean
     vector as short as r, nor one as long, is rarer than half of ``1 - level``; each is given
     as its length ``I1(kappa) / I0(kappa)``. The probabilities are exact: see
-    :func:`chance_of_length`. With a concentration of 0 they are Rayleigh's p.
+    :func:`chance_of_length`. With a concentration of 0 they are Rayleigh's p. Nearly equal
+    phases (r above 0.9999) and samples of more than 10,000 have their limits, chi² and normal
+    (Mardia & Jupp 2000, Directional Statistics, section 4.8).
 
     Parameters
     ----------
@@ -60,9 +63,12 @@ def length_interval(r: float, n: int, *, level: float = 0.95) -> tuple[float, fl
         return math.nan, math.nan
     tail = (1.0 - level) / 2.0
     if r > _NEARLY_ONE:
-        ends = chi2.ppf((tail, 1.0 - tail), n - 1) / (2.0 * n * max(1.0 - r, 1.0 / _WIDEST**2))
-        low, high = (float(length_of_kappa(min(float(kappa), _WIDEST))) for kappa in ends)
-        return low, high
+        return _concentrated_interval(r, n, tail)
+    if n > _MANY:
+        kappa = kappa_of_length(r)
+        spread = (1.0 - r**2 - r / kappa) / n if r > 1e-6 else 0.5 / n
+        half = float(norm.isf(tail)) * math.sqrt(spread)
+        return max(r - half, 0.0), min(r + half, 1.0)
     random = rayleigh_p(n, r)
     chance = _chances(r, n)
     low = high = 0.0
@@ -71,6 +77,12 @@ def length_interval(r: float, n: int, *, level: float = 0.95) -> tuple[float, fl
     if 1.0 - random > tail:
         high = float(length_of_kappa(_solve(lambda kappa: tail - chance(kappa)[0])))
     return low, high
+
+
+def _concentrated_interval(r: float, n: int, tail: float) -> tuple[float, float]:
+    """Return the interval of nearly equal phases, where n (1 - r) / (1 - length) is chi²."""
+    low, high = n * (1.0 - r) / chi2.ppf((tail, 1.0 - tail), n - 1)
+    return max(1.0 - float(low), 0.0), 1.0 - float(high)
 
 
 def chance_of_length(r: float, n: int, kappa: float) -> tuple[float, float]:

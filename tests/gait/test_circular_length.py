@@ -42,9 +42,17 @@ def test_concentrated_phases_follow_chi2():
     limits = chi2.ppf([0.025, 0.975], 7) / (2 * 8 * 0.001)
     assert 1 - low == pytest.approx(1 - length_of(limits[0]), rel=0.01)
     assert 1 - high == pytest.approx(1 - length_of(limits[1]), rel=0.01)
-    near = length_interval(1.0 - 2e-5, 8), length_interval(1.0 - 0.9e-5, 8)  # two ways
+    near = length_interval(1.0 - 2e-4, 8), length_interval(1.0 - 0.9e-4, 8)  # two ways
     assert (1 - near[0][0]) / (1 - near[1][0]) == pytest.approx(2 / 0.9, rel=1e-3)
     assert length_interval(1.0, 3) == pytest.approx((1.0, 1.0))
+
+
+def test_many_phases_have_an_interval_too():
+    # large samples: half a width of 1.96 standard errors of r, sqrt((1 - r² - r / kappa) / n)
+    for n, kappa in ((9_000, 0.5), (9_000, 300.0), (200_000, 2.0), (200_000, 4000.0)):
+        r = length_of(kappa)
+        half = 1.96 * math.sqrt((1.0 - r**2 - r / kappa) / n)
+        assert length_interval(r, n) == pytest.approx((r - half, r + half), abs=0.05 * half)
 
 
 @pytest.mark.parametrize(("r", "n"), [(0.2, 3), (0.9, 3), (0.5, 12), (0.8, 200), (0.3, 4000)])
