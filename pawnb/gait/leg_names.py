@@ -108,10 +108,14 @@ def choose_legs(
     points = [str(p) for p in tracks["keypoint"].to_numpy()]
     if isinstance(legs, str):
         raise InputError(f"legs is {legs!r}; expected a list such as ['FR', 'HR'].")
+    if not points:
+        raise InputError(f"{where}: no point at all; expected tracks of at least one foot.")
     if isinstance(legs, Mapping):
         named = dict(legs)
     elif legs is not None:
         named = {leg: leg for leg in legs}
+        if len(named) < len(list(legs)):
+            raise InputError(f"legs is {list(legs)}, with one of them twice; name each once.")
     elif trial is not None and trial.tracks_legs:
         found = dict(trial.tracks_legs)
         # readers may have given the points the names of the legs already
@@ -124,6 +128,10 @@ def choose_legs(
             f"HL; L1, R1, ...; LF, RH, ...); say which are, with legs={{'HR': {points[-1]!r}}} or "
             f"on the command line --legs HR={points[-1]!r}."
         )
+    feet = list(named.values())
+    twice = next((foot for i, foot in enumerate(feet) if foot in feet[:i]), None)
+    if twice is not None:
+        raise InputError(f"{where}: two legs are the one point {twice!r}; name another.")
     return {leg: named[leg] for leg in sort_legs(named)}
 
 

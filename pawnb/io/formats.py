@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from pathlib import Path
 
@@ -16,7 +15,7 @@ from pawnb.io.hdf5 import open_hdf5
 from pawnb.io.sleap import read_sleap
 from pawnb.io.tables import read_column_names
 from pawnb.io.wide import is_wide_table, read_wide_table
-from pawnb.schema import Tracks
+from pawnb.schema import Tracks, check_fps
 
 FORMATS = (
     "pawnb", "movement", "deeplabcut", "sleap", "anipose", "dltdv-3d", "dltdv", "csv", "csv-3d",
@@ -141,8 +140,8 @@ def check_rate(fps: float | None) -> None:
     InputError
         If it is not a number above 0.
     """
-    if fps is not None and not 0 < fps < math.inf:
-        raise InputError(f"fps is {fps:g}; expected frames per second, a number above 0.")
+    if fps is not None:
+        check_fps(fps)
 
 
 def _recognise_hdf5(path: Path) -> str | None:

@@ -22,12 +22,20 @@ from pawnb.schema.frames import (
     every_frame,
     note_absent,
 )
-from pawnb.schema.settings import SettingsT, build_settings, check_fields, check_ranges, shown
+from pawnb.schema.settings import (
+    SettingsT,
+    build_settings,
+    check_fields,
+    check_ranges,
+    each_of,
+    shown,
+)
 from pawnb.schema.tracks import (
     ORIGIN_CODE,
     ORIGINS,
     Tracks,
     add_provenance,
+    check_fps,
     check_tracks,
     make_tracks,
 )
@@ -52,9 +60,11 @@ __all__ = [
     "build_settings",
     "check_columns",
     "check_fields",
+    "check_fps",
     "check_frames",
     "check_ranges",
     "check_tracks",
+    "each_of",
     "every_frame",
     "make_tracks",
     "note_absent",

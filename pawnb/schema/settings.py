@@ -10,7 +10,7 @@ import os
 import reprlib
 import types
 import typing
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -172,6 +172,48 @@ def _fit(value: Any, kind: Any) -> Any:
 def _is_a(value: Any, kind: Any) -> bool:
     """Tell whether a value is of a class; what is annotated otherwise is none."""
     return isinstance(kind, type) and isinstance(value, kind)
+
+
+def each_of(
+    items: Any, *, what: str, kinds: tuple[type, ...] = (str, os.PathLike), one: bool = True
+) -> list[Any]:
+    """Return one item or several as a list; a text is one item, not its letters.
+
+    Parameters
+    ----------
+    items : object or iterable
+        What was given.
+    what : str
+        What the items are, for the message ("inputs").
+    kinds : tuple of type
+        What an item may be.
+    one : bool
+        Whether a single item will do, without a list around it.
+
+    Returns
+    -------
+    list
+        The items, at least one.
+
+    Raises
+    ------
+    InputError
+        If there is none, or one is of another kind.
+    """
+    is_one = isinstance(items, kinds)
+    if is_one and one:
+        return [items]
+    if is_one or not isinstance(items, Iterable) or isinstance(items, str | bytes | Mapping):
+        raise InputError(f"{what} is {shown(items)}; expected a list of them.")
+    found = list(items)
+    if not found:
+        raise InputError(f"no {what}; name at least one.")
+    for item in found:
+        if not isinstance(item, kinds):
+            raise InputError(
+                f"{what} holds {shown(item)}; expected {' or '.join(k.__name__ for k in kinds)}."
+            )
+    return found
 
 
 def shown(value: Any) -> str:

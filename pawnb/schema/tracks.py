@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -10,6 +11,7 @@ import numpy as np
 import xarray as xr
 
 from pawnb.errors import InputError
+from pawnb.schema.settings import shown
 
 Tracks = xr.Dataset
 
@@ -49,6 +51,24 @@ _DIMS: dict[str, tuple[str, ...]] = {
 }
 _REQUIRED = ("position", "confidence", "origin")
 _DTYPES = {"origin": np.int8, "image_origin": np.int8}
+
+
+def check_fps(fps: float) -> None:
+    """Refuse what is no frame rate.
+
+    Parameters
+    ----------
+    fps : float
+        Frames per second.
+
+    Raises
+    ------
+    InputError
+        If it is not a number above 0; text is none, whatever it says.
+    """
+    is_number = isinstance(fps, int | float | np.number) and not isinstance(fps, bool)
+    if not (is_number and 0 < fps < math.inf):
+        raise InputError(f"fps is {shown(fps)}; expected frames per second, a number above 0.")
 
 
 def make_tracks(
@@ -94,7 +114,17 @@ def make_tracks(
         ``image_position`` (time, view, image_space, keypoint, individual) in px,
         ``image_confidence`` and ``image_origin``. Positions are NaN, origins
         ``missing``, confidences 0.
+
+    Raises
+    ------
+    InputError
+        If ``fps`` is not a number above 0, or two points or two views have one name.
     """
+    check_fps(fps)
+    for what, given in (("point", points), ("view", views)):
+        twice = next((name for i, name in enumerate(given) if name in given[:i]), None)
+        if twice is not None:
+            raise InputError(f"two {what}s are called {twice!r}; give each its own name.")
     frames = np.asarray(frames, dtype=np.int64)
     coords: dict[str, Any] = {
         "time": frames / float(fps) if time_s is None else np.asarray(time_s, dtype=float),

@@ -83,8 +83,8 @@ def check_rate(fs_hz: float) -> None:
     InputError
         If it is not a number above 0.
     """
-    if not 0.0 < fs_hz < math.inf:
-        raise InputError(f"fs_hz is {fs_hz}; expected a sampling rate above 0 Hz.")
+    if not (isinstance(fs_hz, int | float | np.number) and 0.0 < fs_hz < math.inf):
+        raise InputError(f"fs_hz is {fs_hz!r}; expected a sampling rate above 0 Hz.")
 
 
 def check_cutoff(cutoff_hz: float, *, fs_hz: float) -> None:

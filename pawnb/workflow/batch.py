@@ -22,6 +22,7 @@ import pandas as pd
 
 from pawnb.errors import InputError, PawnbError
 from pawnb.files import child_folder
+from pawnb.schema import each_of
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.batch_places import Places, Processes
 from pawnb.workflow.batch_scheduler import Scheduler
@@ -81,7 +82,7 @@ class _Job:
 
 
 def batch(
-    trials: Sequence[str | Path],
+    trials: str | Path | Sequence[str | Path],
     *,
     method: str | None = None,
     settings: Mapping[str, Any] | None = None,
@@ -95,7 +96,7 @@ def batch(
 
     Parameters
     ----------
-    trials : sequence of str or Path
+    trials : str, Path, or sequence of them
         ``trial.toml`` files, folders that hold one, or folders of such folders.
     method : str, optional
         Method of the tracker; default that of each kind of trial.
@@ -172,12 +173,12 @@ def _work(
             time.sleep(_WAIT_S if running else 0.0)
 
 
-def find_trials(trials: Sequence[str | Path]) -> list[Path]:
+def find_trials(trials: str | Path | Sequence[str | Path]) -> list[Path]:
     """Return the folders or files of trials; a folder without one stands for those in it.
 
     Parameters
     ----------
-    trials : sequence of str or Path
+    trials : str, Path, or sequence of them
         As for :func:`batch`.
 
     Returns
@@ -193,7 +194,7 @@ def find_trials(trials: Sequence[str | Path]) -> list[Path]:
     found: dict[Path, Path] = {}
 
     def each() -> Iterator[Path]:
-        for path in map(Path, trials):
+        for path in map(Path, each_of(trials, what="trials")):
             inner = sorted(path.glob("*/trial.toml")) if path.is_dir() else []
             if inner and not (path / "trial.toml").exists():
                 yield from (toml.parent for toml in inner)

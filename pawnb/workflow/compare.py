@@ -9,6 +9,7 @@ those of the trials' values.
 from __future__ import annotations
 
 import json
+import os
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -23,7 +24,7 @@ from pawnb.core.compiled import time_compiling
 from pawnb.core.video import open_views
 from pawnb.errors import InputError, did_you_mean
 from pawnb.io.tables import write_table
-from pawnb.schema import Tracks
+from pawnb.schema import Tracks, each_of
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.compare_cameras import (
     compare_cameras,
@@ -149,7 +150,8 @@ def compare_methods(
     InputError
         If a trial has no truth or two have the same name, or a method is unknown.
     """
-    opened = [t if isinstance(t, Trial) else load_trial(t) for t in trials]
+    given = each_of(trials, what="trials", kinds=(str, os.PathLike, Trial))
+    opened = [t if isinstance(t, Trial) else load_trial(t) for t in given]
     for trial in opened:
         if trial.kind != "paws":
             raise InputError(
@@ -256,7 +258,7 @@ def check_methods(
     InputError
         If a method is unknown, a trial has no truth, or two have the same name.
     """
-    for method in methods:
+    for method in each_of(methods, what="methods", kinds=(str,), one=False):
         if method not in known:
             raise InputError(
                 f"unknown method {method!r}{did_you_mean(method, known)}; "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -13,6 +14,7 @@ import pandas as pd
 
 from pawnb.errors import InputError
 from pawnb.io.tables import write_table
+from pawnb.schema import each_of
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.compare import check_methods, settings_by_method
 from pawnb.workflow.evaluate import evaluate_poses
@@ -94,7 +96,8 @@ def compare_pose_methods(
         If a trial has no truth, is of another kind, or two have the same name, or a method is
         unknown.
     """
-    opened = [t if isinstance(t, Trial) else load_trial(t) for t in trials]
+    given = each_of(trials, what="trials", kinds=(str, os.PathLike, Trial))
+    opened = [t if isinstance(t, Trial) else load_trial(t) for t in given]
     for trial in opened:
         if trial.kind != "pose":
             raise InputError(

@@ -19,6 +19,7 @@ from pawnb.gait.event_edits import FILE_NAME
 from pawnb.gait.leg_names import choose_legs
 from pawnb.gait.tables import say_no_strides
 from pawnb.io.tables import write_table
+from pawnb.schema import each_of
 from pawnb.workflow.event_sources import choose_event_legs
 from pawnb.workflow.gait_drawings import gait_drawings
 from pawnb.workflow.gait_sources import GaitSource, read_source
@@ -86,7 +87,7 @@ class GaitRun:
 
 
 def run_gait(
-    inputs: Sequence[str | Path],
+    inputs: str | Path | Sequence[str | Path],
     *,
     out: str | Path | None = None,
     fps: float | None = None,
@@ -105,7 +106,7 @@ def run_gait(
 
     Parameters
     ----------
-    inputs : sequence of str or Path
+    inputs : str, Path, or sequence of them
         Trials (``trial.toml`` or its folder), results folders, files of tracks (also those of
         DeepLabCut, SLEAP, Anipose, DLTdv; without a trial the file's name is the animal's id),
         ``events.csv`` scored by hand, or ground contact by hand (a csv with frame and 0 or 1 for
@@ -234,15 +235,16 @@ def _notes_of(sources: Sequence[GaitSource], tables: GaitTables) -> list[str]:
 
 
 def _read_sources(
-    inputs: Sequence[str | Path],
+    inputs: str | Path | Sequence[str | Path],
     *,
     fps: float | None,
     animals: Sequence[str] | None,
     groups: Sequence[str] | None,
 ) -> list[GaitSource]:
     """Read every input, under the animals' ids and groups that were given."""
+    inputs = each_of(inputs, what="inputs")
     for name, given in (("animals", animals), ("groups", groups)):
-        if given is not None and len(given) != len(inputs):
+        if given is not None and len(each_of(given, what=name, one=False)) != len(inputs):
             raise InputError(
                 f"{name}: {len(given)} for {len(inputs)} inputs; give the "
                 f"{'id' if name == 'animals' else 'group'} of each input's animal."

@@ -9,6 +9,7 @@ method ``pawnb``. Give your own file to the tracker as the setting ``template``.
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -23,7 +24,7 @@ from pawnb.errors import InputError, PawnbError
 from pawnb.io.native import read_tracks
 from pawnb.io.track_tables import read_tracks_table
 from pawnb.kinematics import swing_direction
-from pawnb.schema import Tracks, build_settings, make_tracks
+from pawnb.schema import Tracks, build_settings, each_of, make_tracks
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.foreign_tracks import read_foreign_tracks
 from pawnb.workflow.trial_views import points_by_view, view_facing
@@ -58,7 +59,8 @@ def build_template(
     InputError
         If a trial or its tracks cannot be read, or they hold no complete stride.
     """
-    opened = [t if isinstance(t, Trial) else load_trial(t) for t in trials]
+    every = each_of(trials, what="trials", kinds=(str, os.PathLike, Trial))
+    opened = [t if isinstance(t, Trial) else load_trial(t) for t in every]
     if isinstance(tracks, str | Path):
         given = [_read(trial, tracks) for trial in opened]
     else:

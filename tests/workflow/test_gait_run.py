@@ -337,3 +337,38 @@ def test_files_of_one_animal_count_once(tmp_path):
     assert not any("each counts as one" in note for note in told.tables.notes)
     with pytest.raises(InputError, match=r"^animals: 2 for 3 inputs; give the id of each"):
         run_gait(paths, animals=["m1", "m2"], **options)
+
+
+def test_one_input_needs_no_list(results):
+    """A text is one input, and not its letters."""
+    for inputs in (results, str(results)):
+        run = run_gait(inputs, figures="none")
+        assert set(run.tables.strides["trial"]) == {"t1"}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"inputs": []}, "no inputs; name at least one."),
+        ({"inputs": None}, "inputs is None; expected a list of them."),
+        ({"inputs": [3]}, "inputs holds 3; expected str or PathLike."),
+        ({"animals": "m"}, "animals is 'm'; expected a list of them."),
+        ({"groups": "g"}, "groups is 'g'; expected a list of them."),
+        ({"legs": "FR"}, "legs is 'FR'; expected a list such as"),
+        ({"legs": []}, "none of the points FR, HR, FL, HL is named like a leg"),
+        ({"legs": {"FR": "FR", "HR": "FR"}}, "two legs are the one point 'FR'"),
+        ({"legs": ["FR", "FR"]}, "with one of them twice"),
+        ({"fps": "250"}, "fps is '250'; expected"),
+        ({"fps": float("inf")}, "expected"),
+    ],
+)
+def test_what_is_no_list_of_inputs_animals_or_legs_is_one_sentence(results, arguments, message):
+    with pytest.raises(InputError) as caught:
+        run_gait(**{"inputs": [results], "figures": "none", **arguments})
+    assert message in str(caught.value)
+
+
+def test_one_trial_given_twice_is_refused(results):
+    """Its strides would count twice."""
+    with pytest.raises(InputError, match=r"animal 'm1', trial 't1' is there twice"):
+        run_gait([results, results], figures="none")
