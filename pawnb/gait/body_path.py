@@ -140,6 +140,8 @@ def choose_body_path(
     for source, band in _TRIED:
         if source == "points" and others is None:
             continue
+        if source == "feet" and band != SLOW and settings.body_cutoff_hz is not None:
+            continue  # the low-pass of the feet's mean is what was asked for
         one = BodyPath(source=source, band=band)
         path = follow_body(feet, one, others, frequency_hz=frequency_hz, fs_hz=fs_hz)
         share = _regular_share(feet.positions - path[:, :, None], unit, settings)

@@ -9,11 +9,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from pawnb.gait import analyse
 from pawnb.gait.body_path import is_carried, points_of_body
 from pawnb.gait.event_settings import EventSettings
 from pawnb.gait.paths import get_foot_paths
+from pawnb.io.formats import read_any_tracks
 from pawnb.kinematics import smooth_path
 from pawnb.schema import ORIGIN_CODE, make_tracks
 from pawnb.synthetic.gait_model import plan_gait
@@ -121,3 +123,29 @@ def test_only_points_that_move_with_the_body_stand_for_it():
     assert found.legs == ("snout", "tailbase")
     assert points_of_body(feet, None, frequency_hz=4.6, fs_hz=FS) is None
     assert points_of_body(feet, others, frequency_hz=np.nan, fs_hz=FS) is None
+
+
+@pytest.mark.parametrize("mouse", ["15_25mm_run3-6", "18_25mm_run2-6"])
+@pytest.mark.parametrize("stated", [True, False])
+def test_real_mice_put_on_a_belt_keep_the_strides_they_have_on_the_ground(real_data, mouse, stated):
+    """Runs over a beam, seen from the side, with a belt's speed taken off every position: the
+    mice speed up and slow down, so that they drift. The strides on the ground are the truth."""
+    legs = {"FR": "Front paw tao", "HR": "Hind paw tao"}
+    (file,) = real_data("mouse-autogaita-beam").glob(f"*Mouse{mouse}*200000.csv")
+    tracks = read_any_tracks(file, fps=100.0)
+    ground = analyse(tracks, legs=legs).strides
+    usual = float(ground["speed"].median())
+    carried = tracks.copy(deep=True)
+    step = xr.DataArray(usual * tracks["time"].to_numpy(), dims="time")
+    hind = tracks["position"].sel(keypoint="Hind paw tao").isel(individual=0, space=0)
+    sure = tracks["confidence"].sel(keypoint="Hind paw tao").isel(individual=0) > 0.9
+    seen = hind.to_numpy()[sure.to_numpy()]
+    towards = float(np.sign(np.median(seen[-100:]) - np.median(seen[:100])))
+    first = tracks["space"].to_numpy()[0]
+    carried["position"] = tracks["position"] - towards * step * (tracks["space"] == first)
+    found = analyse(
+        carried, legs=legs, forward=(towards, 0.0), belt_speed=usual if stated else None
+    ).strides
+    assert abs(len(found) - len(ground)) <= 1 < 0.2 * len(ground)
+    assert found["speed"].median() == pytest.approx(usual, rel=0.1)
+    assert found["duty_factor"].mean() == pytest.approx(ground["duty_factor"].mean(), abs=0.02)
