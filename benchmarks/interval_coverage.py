@@ -16,7 +16,18 @@ nothing tells of the other.
 ``pattern``: how often phases of pairs of legs are given which name, and whether the interval of r
 holds the truth. ``speed``: how often a shift of phase with speed within animals is found.
 
-FOUND
+Found with 2000 studies. Mean phase: 94.5 to 96.9 % for 3, 5 and 10 von Mises animals with a
+concentration of 1 and more, 91.6 to 92.2 % at 0.3 (strides as independent: 22 to 69 %). Any phase
+is possible in 64 % of the studies of 3 animals at a concentration of 1, 17 % at 3, none at 10; of
+5 animals in 44, 2 and 0 %; of 10 in 20, 0 and 0 %. The mixture: 93.9 to 96.5 % for 10 animals;
+for 5, 93.5 to 96.2 % up to a concentration of 5, 89.8 at 10 and 84.0 at 50; for 3, 93.4 to 95.5 up
+to 5, 89.4 at 10 and 77.2 at 50: there a third of the studies hold animals of one kind only, and
+of the others 99 to 100 % hold. Called random though r is 0.5: 2 to 3 % of 400 studies of 2 to 30
+animals; 0.7: at most 1.2 %. The interval of r holds the truth in 91 to 99 % of 200 von Mises studies.
+A shift of 0.2 cycle within each of six animals is found in 99 to 100 %, none in 4.2 to 4.6 %.
+Duty factor 93.5 to 95.0 % though skewed between animals (naive 42-93), slope of phase on speed
+94.7 to 95.7 %. False positives of the default tests at most 6.0 % (naive 9-77). Hotelling's F as
+in the books has 10-11 % where animals are regular and differ at random, and so is not the default.
 Set OMP_NUM_THREADS=1: the matrices are small.
 """
 
@@ -135,7 +146,7 @@ def patterns(studies: int, rng: np.random.Generator) -> None:
 def _print_names(k: int, label: str, r: float, draws: np.ndarray) -> None:
     """Print one line of :func:`patterns`."""
     vectors = [mean_vector(np.mod(one, 1.0)) for one in draws]
-    names = [name_pattern(one.mean, one.r, k) for one in vectors[:200]]  # slow
+    names = [name_pattern(one.mean, one.r, k) for one in vectors]
     counts = [names.count(name) for name in (RANDOM, NOT_DETERMINED, ANTI_PHASE)]
     ends = [length_interval(one.r, k) for one in vectors[:200]]  # slow
     held = np.mean([low <= r <= high for low, high in ends])
