@@ -4,6 +4,15 @@
 
 Studies are drawn from a known truth, 10 strides an animal where nothing else is said. Printed are
 the shares of studies with p <= 0.05. With 1000 studies the standard error of 5 % is 0.7 %.
+
+Found. Mixed models, 1000 studies of 3 to 8 animals: false positives of a slope 3.3-6.1 % for SD
+of slopes 0 to 1, with equal and unequal numbers of strides, of a difference of groups 3.7-6.6 %;
+power at a slope of 0.3 is 0.14 for 3 animals, 0.31 for 5, 0.57 for 8, that of the t test of the
+animals' slopes or more. Legs, 400 studies in each of 20 settings: 5.1 % on the whole by
+permutation (3.5-9.2 %; that of 9.2 % had 5.0 % in 1400 others), Greenhouse-Geisser 0-3.5 %; one
+of 4 legs of 3 animals 25 % longer, strides varying by 20 %: 0.94 (0.58). Two groups of 3
+animals that differ in one of 12 measures, 30 studies: median p 0.012, found in 0.93 by p of its
+family, in 0.17 by Holm over measures, in 0.07 by Holm over all rows.
 """
 
 from __future__ import annotations

@@ -292,22 +292,21 @@ def test_variances_that_are_not_told_apart_are_noted():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("k", [3, 5])
 @pytest.mark.parametrize("sd", [0.0, 1.0])
-def test_level_of_slopes(k, sd):
-    # 400 studies of unequal animals, standard error 1.1 %; benchmarks/few_animals.py has more
-    rng = np.random.default_rng(4)
-    animal = np.repeat(np.arange(k), [10, 20, 6, 14, 8][:k])
+def test_level_of_slopes(sd):
+    # 250 studies of 3 unequal animals, standard error 1.4 %; benchmarks/few_animals.py has more
+    rng, k = np.random.default_rng(4), 3
+    animal = np.repeat(np.arange(k), [10, 20, 6])
     low = np.zeros(2)
-    for _ in range(400):
+    for _ in range(250):
         x = rng.normal(0, 1, len(animal))
         y = rng.normal(0, 1, k)[animal] + sd * rng.normal(0, 1, k)[animal] * x
         y += rng.normal(0, 1, len(animal))
         terms = fit_mixed(pd.DataFrame({"animal": animal, "x": x, "y": y}), "y", ["x"]).terms
         low += terms.loc[1, ["p", "p_strides"]].to_numpy(dtype=float) <= 0.05
-    assert 0.015 <= low[0] / 400 <= 0.075
+    assert 0.01 <= low[0] / 250 <= 0.08
     if sd:
-        assert low[1] / 400 > 0.2
+        assert low[1] / 250 > 0.2
 
 
 @pytest.mark.parametrize(
