@@ -23,7 +23,7 @@ is possible in 64 % of the studies of 3 animals at a concentration of 1, 17 % at
 for 5, 93.5 to 96.2 % up to a concentration of 5, 89.8 at 10 and 84.0 at 50; for 3, 93.4 to 95.5 up
 to 5, 89.4 at 10 and 77.2 at 50: there a third of the studies hold animals of one kind only, and
 of the others 99 to 100 % hold. Called random though r is 0.5: 2 to 3 % of 400 studies of 2 to 30
-animals; 0.7: at most 1.2 %. The interval of r holds the truth in 91 to 99 % of 200 von Mises studies.
+animals; 0.7: at most 1.2 %. The interval of r holds it in 91 to 99 % of 200 von Mises studies.
 A shift of 0.2 cycle within each of six animals is found in 99 to 100 %, none in 4.2 to 4.6 %.
 Duty factor 93.5 to 95.0 % though skewed between animals (naive 42-93), slope of phase on speed
 94.7 to 95.7 %. False positives of the default tests at most 6.0 % (naive 9-77). Hotelling's F as
