@@ -78,11 +78,11 @@ class ReviewSession(CorrectedTracks):
         tracks both of.
         """
         every = list(combinations(self.points, 2))
-        sides = {point: _side_and_kind(point) for point in self.points}
+        sided = {p: found for p in self.points if (found := _side_and_kind(p)) is not None}
         across = [
             (a, b)
             for a, b in every
-            if sides[a] and sides[b] and sides[a][1] == sides[b][1] and sides[a][0] != sides[b][0]
+            if {a, b} <= sided.keys() and sided[a][1] == sided[b][1] and sided[a][0] != sided[b][0]
         ]
         tracked = [set(points) for points in self.points_by_view.values()]
         seen = [pair for pair in every if any(set(pair) <= points for points in tracked)]
