@@ -14,11 +14,15 @@ from pawnb.errors import InputError
 from pawnb.trial import Trial, load_trial
 from pawnb.widgets.frame_canvas import MOUSE_AND_KEYS, FrameCanvas, Overlay, Views
 from pawnb.widgets.start_session import StartSession
+from pawnb.widgets.start_words import what_contradicts
 from pawnb.workflow.propose import StartProposal, propose_paws
 
 _KEYS = (
     ("Click", "place the point that is asked for; the next is asked for by itself"),
-    ("Drag a point", "adjust it"),
+    (
+        "Drag a point",
+        "adjust it; the number beside it is its distance in px from where the other views put it",
+    ),
     ("H", "the point that is asked for is hidden in this view"),
     ("Right click, Delete", "take a point away: it is hidden here"),
     ("Ctrl+Z, Ctrl+Y", "undo, redo"),
@@ -166,7 +170,9 @@ class ClickInitialiser(FrameCanvas):
         )
         offered = bool(session.offered())
         said = self._proposal if offered else ""
-        self.status = f"{self._reason}{session.prompt()}\n{said}{session.missing()} {file}"
+        contradiction = what_contradicts(session)
+        warned = f"⚠ {contradiction}\n" if contradiction else ""
+        self.status = f"{self._reason}{session.prompt()}\n{warned}{said}{session.missing()} {file}"
         self.actions = [
             {"id": "skip", "text": "Hidden here", "keys": ["h"],
              "title": "The point that is asked for cannot be seen in this view (H)",

@@ -2,9 +2,9 @@
 
 All views of a trial are shown at the same frame. Pictures travel as JPEG in binary
 messages, as small as the screen can show; points, trails and lines are drawn in the
-browser. ``static/stick.js`` is a stick animal, ``static/stage.js`` one view,
-``static/frames.js`` the traffic of frames, ``static/frame_canvas.js`` the page; they are joined
-here, without any build step.
+browser. ``static/connection.js`` knows whether Python hears the browser, ``static/stick.js`` is a
+stick animal, ``static/stage.js`` one view, ``static/frames.js`` the traffic of frames,
+``static/frame_canvas.js`` the page; they are joined here, without any build step.
 """
 
 from __future__ import annotations
@@ -32,7 +32,10 @@ JSON. Points and hollow marks have id, u, v, colour (and origin); lines have at 
 [u, v], None for a gap), colour, and dash or fade; chips have id, state, title, colour.
 A view may also have ``stick``, a stick animal whose handles can be dragged
 (:func:`pawnb.widgets.stick_session.describe`), and ``tint``, a picture over part of it: url
-(``data:image/png;base64,...``) and box (u0, v0, u1, v1, half open)."""
+(``data:image/png;base64,...``) and box (u0, v0, u1, v1, half open); ``asks``, the point that a
+click there places, or None; ``guides``, where the other views put points (name to [[u, v]], or to
+the two ends of a line), with ``limit_px``, how far from there is too far, and ``residuals``,
+whether the distance is always shown."""
 
 MOUSE_AND_KEYS = (
     ("Wheel", "zoom in and out about the mouse"),
@@ -95,7 +98,7 @@ class FrameCanvas(anywidget.AnyWidget):
 
     _esm = "\n".join(
         (_STATIC / name).read_text(encoding="utf-8")
-        for name in ("stick.js", "stage.js", "frames.js", "frame_canvas.js")
+        for name in ("connection.js", "stick.js", "stage.js", "frames.js", "frame_canvas.js")
     )
     _css = _STATIC / "frame_canvas.css"
 
@@ -203,6 +206,8 @@ class FrameCanvas(anywidget.AnyWidget):
             self._answer_want(message)
         elif message.get("type") == "edit":
             self._answer_edit(message)
+        elif message.get("type") == "hello":
+            self.send({"type": "hello", "who": message["who"]})
 
     def _answer_want(self, message: dict[str, Any]) -> None:
         """Send a frame: its pictures, unless the browser has them, and its overlay."""

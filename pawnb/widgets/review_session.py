@@ -22,6 +22,7 @@ from pawnb.schema import ORIGIN_CODE, ORIGINS, Tracks
 from pawnb.trial import Trial
 from pawnb.widgets.colours import point_colours
 from pawnb.widgets.corrected_tracks import CorrectedTracks
+from pawnb.widgets.start_marks import FAR_PX
 
 TRAIL = 20
 """Frames of the past that a trail shows."""
@@ -140,7 +141,8 @@ class ReviewSession(CorrectedTracks):
             expected, alone = self._reproject(tracks, trail[-1], origin, xyz)
         views = {}
         for k, view in enumerate(self.views):
-            marks: dict[str, list[Any]] = {"points": [], "hollow": [], "lines": [], "chips": []}
+            marks: dict[str, Any] = {"points": [], "hollow": [], "lines": [], "chips": []}
+            marks |= {"guides": {}, "limit_px": FAR_PX}
             for p, point in enumerate(self.points):
                 own = {"id": point, "colour": self.colours[point]}
                 uv, from_others = trail[-1, k, :, p], expected[k, p]
@@ -150,13 +152,15 @@ class ReviewSession(CorrectedTracks):
                     marks["points"].append(own | _uv(uv) | {"origin": word})
                 if np.isfinite(from_others).all():
                     marks["hollow"].append(own | _uv(from_others))
+                if alone[k, p]:
+                    marks["guides"][point] = [_pair(from_others)]
                 if np.isfinite(trail[:, k, :, p]).all(axis=1).sum() > 1:
                     at = [_pair(q) for q in trail[:, k, :, p]]
                     marks["lines"].append({"at": at, "colour": own["colour"], "fade": True})
                 if point in self.points_by_view[view] or shown:
                     words = _describe_point(
                         word, confidence[k, p], residual[p],
-                        float(np.hypot(*(uv - from_others))) if alone[k, p] else np.nan,
+                        float(np.hypot(*(uv - from_others))) if alone[k, p] and shown else np.nan,
                     )  # fmt: skip
                     state = {"measured": "ok", "resolved": "ok"}.get(word, word)
                     marks["chips"].append(own | {"state": state, "title": f"{point}: {words}"})
@@ -166,7 +170,7 @@ class ReviewSession(CorrectedTracks):
     def _reproject(
         self, tracks: Tracks, uv: np.ndarray, origin: np.ndarray, xyz: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Return where the other views see each point (V, P, 2), and where none was left in.
+        """Return where the other views see each point (V, P, 2), and where its own was left out.
 
         Each view is left out in turn, so that a point that is wrong in one view shows up
         there. Where fewer than two others see the point, its 3D position is shown.
@@ -187,7 +191,7 @@ class ReviewSession(CorrectedTracks):
             if name in self.views:
                 k = self.views.index(name)
                 expected[k] = projected[k, :, place]
-        return expected, alone & np.isfinite(np.moveaxis(uv, 1, 2)).all(axis=-1)
+        return expected, alone
 
     # --- inside -------------------------------------------------------------------------
 

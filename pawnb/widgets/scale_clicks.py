@@ -65,7 +65,8 @@ class ScaleClicks:
         ]
         both = [[u, v] for u, v in self.ends.values()]
         lines = [{"at": both, "colour": _COLOUR}] if len(both) == len(ENDS) else []
-        return {"points": points, "lines": lines, "chips": []}
+        free = [name for name in ENDS if name not in self.ends]
+        return {"points": points, "lines": lines, "chips": [], "asks": free[0] if free else None}
 
     def _far(self, name: str, u: float, v: float) -> float:
         """Return the squared distance of an end from a place."""

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
 
 import numpy as np
 
 from pawnb.core.rig import Rig
+from pawnb.workflow.check import MAX_CLICK_RESIDUAL_PX
+
+FAR_PX = MAX_CLICK_RESIDUAL_PX
+"""Clicks further from where the other views put their point contradict them: as in
+:func:`pawnb.check`."""
 
 Slot = tuple[int, str, str]
 """Frame, view and point."""
@@ -24,12 +29,19 @@ class Clicked(Protocol):
     proposed: dict[Slot, tuple[float, float]]
 
     @property
+    def frame(self) -> int:
+        """The frame looked at."""
+
+    @property
     def clicks(self) -> Mapping[Slot, tuple[float, float]]:
         """Every click."""
 
     @property
     def hidden(self) -> frozenset[Slot]:
         """Every point marked as hidden."""
+
+    def asked_in(self, view: str) -> str | None:
+        """Return the point that a click in a view places."""
 
 
 def draw_view(session: Clicked, frame: int, view: str) -> dict[str, Any]:
@@ -47,10 +59,11 @@ def draw_view(session: Clicked, frame: int, view: str) -> dict[str, Any]:
     Returns
     -------
     dict
-        points, hollow, lines and chips; see ``frame_canvas.Overlay``.
+        points, hollow, lines, chips, guides and what is asked for; see ``frame_canvas.Overlay``.
     """
     clicks = session.clicks
     points, hollow, lines, chips = [], [], [], []
+    guides = {}
     for point in session.points_by_view[view]:
         colour = session.colours[point]
         slot = (frame, view, point)
@@ -62,22 +75,69 @@ def draw_view(session: Clicked, frame: int, view: str) -> dict[str, Any]:
             mark = {"id": point, "u": u, "v": v, "colour": colour, "origin": "predicted"}
             points.append(mark)  # drawn dashed
         guide = find_guide(session, frame, view=view, point=point)
+        if guide is not None:
+            guides[point] = guide
         if guide is not None and len(guide) == 1:
             hollow.append({"id": point, "u": guide[0][0], "v": guide[0][1], "colour": colour})
         elif guide is not None and session.current is not None and session.current[1] == point:
             lines.append({"at": guide, "colour": colour, "dash": True})
-        state = "done" if uv else "hidden" if slot in session.hidden else "open"
-        if state == "open" and slot in session.proposed:
-            state = "predicted"
-        words = {
-            "done": "" if uv is None else f"clicked at ({uv[0]:.1f}, {uv[1]:.1f})",
-            "hidden": "hidden here",
-            "open": "not clicked yet",
-            "predicted": "proposed, not accepted yet",
-        }[state]
-        title = f"{point}: {words}"
-        chips.append({"id": point, "state": state, "title": title, "colour": colour})
-    return {"points": points, "hollow": hollow, "lines": lines, "chips": chips}
+        chips.append({"id": point, "colour": colour} | _chip(session, slot, uv, guide))
+    told = {"points": points, "hollow": hollow, "lines": lines, "chips": chips}
+    asks = session.asked_in(view) if frame == session.frame else None
+    return told | {"asks": asks, "guides": guides, "limit_px": FAR_PX, "residuals": True}
+
+
+def _chip(
+    session: Clicked,
+    slot: Slot,
+    uv: tuple[float, float] | None,
+    guide: Sequence[Sequence[float]] | None,
+) -> dict[str, str]:
+    """Return state and title of a point's button."""
+    if uv is not None:
+        state, words = "done", f"clicked at ({uv[0]:.1f}, {uv[1]:.1f})"
+        if guide is not None:
+            words += f", {distance_px(uv, guide):.1f} px from where the other views put it"
+    elif slot in session.hidden:
+        state, words = "hidden", "hidden here"
+    elif slot in session.proposed:
+        state, words = "predicted", "proposed, not accepted yet"
+    else:
+        state, words = "open", "not clicked yet"
+    return {"state": state, "title": f"{slot[2]}: {words}"}
+
+
+def find_contradictions(session: Clicked, frame: int) -> list[tuple[str, str, float]]:
+    """Return the clicks that are far from where the other views put their point.
+
+    Parameters
+    ----------
+    session : StartSession
+        The clicks.
+    frame : int
+        Frame number.
+
+    Returns
+    -------
+    list of (view, point, px)
+        One for each point, in the view where it is farthest off, the worst first.
+    """
+    worst: dict[str, tuple[str, str, float]] = {}
+    for (at, view, point), uv in session.clicks.items():
+        guide = find_guide(session, frame, view=view, point=point) if at == frame else None
+        off = 0.0 if guide is None else distance_px(uv, guide)
+        if off > FAR_PX and off > worst.get(point, ("", "", 0.0))[2]:
+            worst[point] = (view, point, off)
+    return sorted(worst.values(), key=lambda found: -found[2])
+
+
+def distance_px(uv: Sequence[float], guide: Sequence[Sequence[float]]) -> float:
+    """Return how far a click is from where the other views put its point, a place or a line."""
+    start, away = np.array(guide[0]), np.array(uv) - guide[0]
+    if len(guide) == 1:
+        return float(np.hypot(*away))
+    along = np.array(guide[1]) - start
+    return float(abs(along[0] * away[1] - along[1] * away[0]) / np.hypot(*along))
 
 
 def find_guide(session: Clicked, frame: int, *, view: str, point: str) -> list[list[float]] | None:

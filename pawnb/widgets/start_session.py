@@ -174,19 +174,22 @@ class StartSession(Draft[_State]):
             If every point of that view is placed, the click is outside the picture, or
             two other frames have clicks already.
         """
-        open_here = [p for v_, p in self._open_slots() if v_ == view]
-        asked_in, asked = self.current or (None, None)
-        if asked is not None and (asked_in == view or asked in open_here):
-            point = asked
-        elif open_here:
-            point = open_here[0]
-        else:
+        point = self.asked_in(view)
+        if point is None:
             raise InputError(
                 f"every point of {view} is placed or hidden in frame {self.frame}; drag one to "
                 "move it, or choose one above the picture to place it again."
             )
         self.place(view, point, u, v)
         return point
+
+    def asked_in(self, view: str) -> str | None:
+        """Return the point that a click in a view places; None where all is placed or hidden."""
+        open_here = [p for v, p in self._open_slots() if v == view]
+        asked_in, asked = self.current or (None, None)
+        if asked is not None and (asked_in == view or asked in open_here):
+            return asked
+        return open_here[0] if open_here else None
 
     def place(self, view: str, point: str, u: float, v: float) -> None:
         """Put a point at (u, v) in px of a view: a click, or the end of a drag.

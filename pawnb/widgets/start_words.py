@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from pawnb.io.start import MAX_FRAMES
+from pawnb.widgets.start_marks import find_contradictions
 from pawnb.widgets.start_points import MOUSE_PAWS
 
 if TYPE_CHECKING:
@@ -29,6 +30,19 @@ def next_step(session: StartSession) -> str:
     view, point = session.current
     more = f" ({MOUSE_PAWS[point]})" if point in MOUSE_PAWS else ""
     return f"Click {point}{more} in {view}, or press H if it is hidden there."
+
+
+def what_contradicts(session: StartSession) -> str:
+    """Say which clicks of this frame contradict those of the other views; empty where none do."""
+    found = find_contradictions(session, session.frame)
+    parts = []
+    for view, point, off in found:
+        others = [v for f, v, p in session.clicks if (f, p) == (session.frame, point) and v != view]
+        parts.append(
+            f"{point} in {view} is {off:.0f} px from where {' and '.join(others)} "
+            f"{'put' if len(others) > 1 else 'puts'} it: one of these clicks is on another point."
+        )
+    return " ".join(parts)
 
 
 def what_is_missing(session: StartSession) -> str:

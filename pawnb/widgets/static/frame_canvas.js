@@ -1,5 +1,6 @@
 // All views of a trial in one widget: layout, buttons, keys, and what a person does.
-// stage.js (class Stage), frames.js (class Frames) and this file are joined into one module.
+// connection.js, stick.js, stage.js (class Stage), frames.js (class Frames) and this file are joined
+// into one module.
 //
 // browser -> kernel: {type: "edit", what, who, n, frame, selected, ...}
 //                    what: click, moved, hide, select or action
@@ -19,12 +20,14 @@ class Canvas {
   constructor(model, el) {
     this.model = model;
     this.tall = 0; // CSS px that the words above the pictures have taken so far
-    this.pending = 0; // edits that are not yet on disk
+    this.waiting = new Map(); // edits that are not yet on disk, and what takes each back here
+    this.unanswered = 0; // edits that were on their way when the connection was lost
     this.n = 0;
     this.selected = null; // [view, point]
     this.rectangle = false; // whether the next drag zooms
     this.stages = model.get("stages").map((spec) => new Stage(spec, this));
     this.frames = new Frames(model, this);
+    this.connection = new Connection(model, this.frames.who, () => this.reconnected());
     this.build(el);
     this.connect();
     this.frames.step();
@@ -42,13 +45,15 @@ class Canvas {
     this.status.setAttribute("role", "status");
     this.alarm = element("div", "pawnb-alarm");
     this.alarm.setAttribute("role", "alert");
+    this.lost = element("div", "pawnb-lost", { hidden: true });
+    this.lost.setAttribute("role", "alert");
     this.grid = element("div", "pawnb-grid");
     this.grid.append(...this.stages.map((stage) => stage.el));
     this.detail = element("div", "pawnb-detail");
     this.bar = element("div", "pawnb-bar");
     this.actions = element("div", "pawnb-bar");
     this.sliders = element("div", "pawnb-sliders");
-    root.append(this.status, this.alarm, this.grid, this.detail, this.bar, this.actions, this.sliders);
+    root.append(this.lost, this.status, this.alarm, this.grid, this.detail, this.bar, this.actions, this.sliders);
     this.buildBar();
     this.buildHelp();
     this.showActions();
@@ -72,6 +77,7 @@ class Canvas {
     this.button(this.bar, "−1", "One frame back (Left)", by(-1));
     const toggle = () => this.frames.play(!this.frames.playing);
     this.playButton = this.button(this.bar, "", "Play or stop (Space)", toggle);
+    this.playButton.classList.add("pawnb-play");
     this.playing(false);
     this.button(this.bar, "+1", "One frame on (Right)", by(1));
     this.button(this.bar, "+10", "Ten frames on (Shift+Right)", by(10));
@@ -81,6 +87,9 @@ class Canvas {
     this.slider.oninput = () => this.go(+this.slider.value);
     this.slider.onchange = () => this.focus();
     this.caption = element("span", "pawnb-caption");
+    // as wide as the longest words: the slider must not move under the mouse that drags it
+    const longest = `frame ${last} of ${last}, 0000.000 s (Python is busy)`;
+    this.caption.style.width = `${0.9 * longest.length}ch`;
     this.bar.append(this.slider, this.caption);
     const zoom = "Then drag a rectangle in a view (Z); Shift and drag does it at once";
     const press = () => this.setRectangle(!this.rectangle);
@@ -114,7 +123,7 @@ class Canvas {
         made.onchange = () => { send(made.value); made.value = ""; this.focus(); };
         this.actions.append(made);
       } else made = this.button(this.actions, text, title, () => send(null));
-      made.disabled = !enabled;
+      made.disabled = !enabled || this.connection.down;
       made.dataset.action = id;
     }
   }
@@ -131,6 +140,7 @@ class Canvas {
       line.title = title;
       name.textContent = text;
       input.setAttribute("aria-label", text);
+      input.disabled = this.connection.down;
       const typing = input.type === "number" || this.sliding;
       if (input === document.activeElement && typing) return;
       Object.assign(input, { min, max: max ?? "", step, value });
@@ -176,6 +186,46 @@ class Canvas {
     this.status.style.minHeight = `${this.tall}px`;
   }
 
+  // --- the connection to Python (called by Connection and Frames) -------------------------
+
+  // The connection was lost, or is back.
+  reconnected() {
+    const { down } = this.connection;
+    const wasDown = !this.lost.hidden;
+    if (down && !wasDown) {
+      for (const stage of this.stages) stage.cancel();
+      // what got no answer is shown as it was before: it may not have been kept
+      this.unanswered = this.waiting.size;
+      for (const takeBack of [...this.waiting.values()].reverse()) takeBack();
+      this.waiting.clear();
+      this.sliding = null;
+    }
+    this.root.classList.toggle("pawnb-down", down);
+    this.showLost();
+    this.showActions();
+    this.showSliders();
+    if (down) this.frames.lost();
+    else if (wasDown) this.frames.found();
+    this.moved();
+    this.redraw();
+  }
+
+  showLost() {
+    const { connection, unanswered: n } = this;
+    this.lost.hidden = !connection.down;
+    const last = n === 1 ? "The last change got no answer" : `The last ${n} changes got no answer`;
+    const more = n ? ` ${last} and may not be saved; it is shown as before.` : "";
+    this.lost.replaceChildren(connection.words() + more);
+    if (!connection.ended) this.button(this.lost, "Ask again", "Is Python there?", () => connection.ask());
+  }
+
+  // What was tried is not done, and is said to be so.
+  refused() {
+    this.lost.classList.remove("pawnb-flash");
+    void this.lost.offsetWidth; // so that it flashes every time
+    this.lost.classList.add("pawnb-flash");
+  }
+
   // Views stand side by side unless fewer columns make the pictures clearly larger in the
   // height there is.
   layout() {
@@ -219,6 +269,10 @@ class Canvas {
     return this.pending > 0 || this.stages.some((s) => s.drag && s.drag.kind === "point");
   }
 
+  get pending() {
+    return this.waiting.size;
+  }
+
   get dragging() {
     return this.stages.some((s) => s.drag);
   }
@@ -244,7 +298,9 @@ class Canvas {
     this.slider.value = want;
     const caption = overlay && overlay.caption ? `, ${overlay.caption}` : "";
     const text = shown === null ? "" : `frame ${shown} of ${span[1]}${caption}`;
-    this.caption.textContent = loading ? `${text} (loading ${want})` : text;
+    const late = this.connection.busy ? "Python is busy" : `loading ${want}`;
+    this.caption.textContent = loading && !this.connection.down ? `${text} (${late})` : text;
+    this.caption.title = this.caption.textContent;
     const [view, id] = this.selected || [];
     const stage = this.stages.find((s) => s.name === view);
     const chip = stage && (stage.overlay.chips || []).find((c) => c.id === id);
@@ -341,19 +397,37 @@ class Canvas {
     this.edit({ what: "hide", view: this.selected[0], point: this.selected[1] });
   }
 
-  // Send what a person did; no other frame shows until the kernel says it is on disk.
-  edit(message) {
-    if (this.frames.shown === null) return;
-    this.frames.play(false);
-    this.pending++;
-    const { who, shown } = this.frames;
-    const about = { type: "edit", who, n: ++this.n, frame: shown, selected: this.selected };
-    this.model.send({ ...about, ...message });
+  // The point that a click in a view places: what Python asks for, else the chosen point where
+  // that is missing; null where a click places none.
+  asked(stage) {
+    const { asks, chips = [] } = stage.overlay;
+    if (asks !== undefined) return asks;
+    const [view, id] = this.selected || [];
+    const missing = chips.some((chip) => chip.id === id && chip.state === "missing");
+    return view === stage.name && missing ? id : null;
   }
 
-  done({ who, version, frame, overlay, go }) {
+  // Send what a person did; no other frame shows until the kernel says it is on disk. `takeBack`
+  // shows things as they were, should no answer come.
+  edit(message, takeBack = () => {}) {
+    if (this.frames.shown === null) return;
+    if (this.connection.down) {
+      takeBack();
+      this.refused();
+      return;
+    }
+    this.frames.play(false);
+    this.unanswered = 0;
+    this.waiting.set(++this.n, takeBack);
+    const { who, shown } = this.frames;
+    const about = { type: "edit", who, n: this.n, frame: shown, selected: this.selected };
+    this.connection.send({ ...about, ...message });
+  }
+
+  done({ who, n, version, frame, overlay, go }) {
     const mine = who === this.frames.who;
-    if (mine) this.pending--;
+    if (mine) this.waiting.delete(n);
+    if (this.pending) this.connection.asked();
     this.slide();
     this.frames.renew(version);
     this.frames.overlays.set(frame, overlay);
@@ -419,6 +493,7 @@ class Canvas {
     this.closed = true;
     this.observer.disconnect();
     clearTimeout(this.refining);
+    this.connection.close();
     for (const [event, handler] of Object.entries(this.handlers)) this.model.off(event, handler);
     this.frames.close();
   }

@@ -46,7 +46,8 @@ class Pictures {
 }
 
 class Frames {
-  // `host` has stages, and is told: show(bitmaps, overlay, isNew), moved(), playing(on).
+  // `host` has stages, connection and held, and is told: show(bitmaps, overlay, isNew), moved(),
+  // playing(on), refused().
   constructor(model, host) {
     this.model = model;
     this.host = host;
@@ -77,9 +78,32 @@ class Frames {
   go(frame) {
     const [first, last] = this.span;
     frame = Math.max(first, Math.min(last, frame));
+    if (this.host.connection.down && !this.there(frame)) {
+      this.host.refused();
+      frame = this.shown ?? frame;
+    }
     if (frame !== this.want) this.direction = frame > this.want ? 1 : -1;
     this.want = frame;
     this.failed.delete(frame);
+    this.step();
+  }
+
+  there(frame) {
+    return this.pictures.get(frame) && this.overlays.has(frame);
+  }
+
+  // Python hears nothing any more: what was asked for will not come.
+  lost() {
+    this.play(false);
+    this.inFlight = null;
+    if (this.shown !== null) this.want = this.shown;
+  }
+
+  // Python is back: what is drawn may have changed meanwhile.
+  found() {
+    this.version = -1;
+    this.overlays.clear();
+    this.failed.clear();
     this.step();
   }
 
@@ -94,7 +118,7 @@ class Frames {
     const frame = this.want;
     // while an edit is being written or a point is in the hand, this frame stays
     if (!this.host.held || frame === this.shown) {
-      const there = this.pictures.get(frame) && this.overlays.has(frame);
+      const there = this.there(frame);
       if (there) this.display(frame);
       if ((there && this.fine(frame)) || this.decoding.has(frame)) this.prefetch();
       else if (!this.failed.has(frame)) this.request(frame);
@@ -103,11 +127,13 @@ class Frames {
   }
 
   request(frame) {
-    if (this.inFlight !== null) return; // step() runs again when the answer comes
+    // step() runs again when the answer comes, or Python is back
+    if (this.inFlight !== null || this.host.connection.down) return;
     this.inFlight = frame;
     const shrink = this.host.stages.map((stage) => stage.shrink);
     const { who, plain } = this;
-    this.model.send({ type: "want", who, frame, shrink, pixels: !this.fine(frame), plain });
+    const pixels = !this.fine(frame);
+    this.host.connection.send({ type: "want", who, frame, shrink, pixels, plain });
   }
 
   prefetch() {
@@ -170,7 +196,7 @@ class Frames {
 
   // Python learns which frame is looked at once the person stays there.
   tell() {
-    if (this.closed || this.model.get("frame") === this.shown) return;
+    if (this.closed || this.host.connection.down || this.model.get("frame") === this.shown) return;
     this.told = this.shown;
     this.model.set("frame", this.shown);
     this.model.save_changes();

@@ -5,11 +5,23 @@
 // stage.js, frames.js and frame_canvas.js are joined into one module by frame_canvas.py.
 
 const GRAB_PX = 14; // how near, in CSS pixels, the mouse must be to take a point
+const ON_MARK_PX = 8; // the same while a click would place another point: on its ring
 const CLICK_PX = 4; // a press that moves further than this is a pan, not a click
 const MAX_ZOOM = 40; // device pixels per image pixel
 
+const WARN = "#ffd1c4"; // words about a point that contradicts the other views
+
+// The colour around a mark: white around dark ones (relative luminance below 0.2).
+function rim(colour, opacity) {
+  const hex = /^#[0-9a-f]{6}$/i.test(colour) ? colour : "#ffffff";
+  const [r, g, b] = [1, 3, 5].map((at) => (parseInt(hex.slice(at, at + 2), 16) / 255) ** 2.2);
+  const dark = 0.2126 * r + 0.7152 * g + 0.0722 * b < 0.2;
+  return dark ? `rgba(255, 255, 255, ${opacity})` : `rgba(0, 0, 0, ${opacity})`;
+}
+
 class Stage {
-  // `host` is told what the mouse does: edit, select, released, rezoomed, redraw, focus.
+  // `host` is told what the mouse does: edit, select, released, rezoomed, redraw, focus; it knows
+  // what a click would place (asked), and whether Python hears it (connection).
   constructor(spec, host) {
     Object.assign(this, { name: spec.name, W: spec.width, H: spec.height, host });
     this.bitmap = null;
@@ -18,6 +30,7 @@ class Stage {
     this.tint = null; // a translucent picture over the view
     this.drag = null;
     this.over = null; // the point under the mouse
+    this.aim = null; // where the mouse is, while a click there would place a point
     this.zoom = { scale: 1, tx: 0, ty: 0 };
     this.fitted = true;
     this.el = document.createElement("div");
@@ -142,9 +155,12 @@ class Stage {
     this.tint.image.src = tint.url;
   }
 
+  // The point that a press here takes. While one is asked for, a click near another places the
+  // one asked for: only the ring itself takes that other.
   nearest({ x, y }) {
     let best = null;
-    let least = GRAB_PX * (window.devicePixelRatio || 1);
+    const reach = this.host.asked(this) ? ON_MARK_PX : GRAB_PX;
+    let least = reach * (window.devicePixelRatio || 1);
     const handles = this.stick ? this.stick.handles() : [];
     for (const point of [...(this.overlay.points || []), ...handles]) {
       const [px, py] = this.toCanvas(point.u, point.v);
@@ -169,7 +185,7 @@ class Stage {
     on("pointermove", (e) => this.move(e));
     on("pointerup", (e) => this.release(e));
     on("pointercancel", () => this.cancel());
-    on("pointerleave", () => { if (this.over) { this.over = null; this.host.redraw(); } });
+    on("pointerleave", () => { this.over = this.aim = null; this.host.redraw(); });
   }
 
   press(e) {
@@ -186,11 +202,12 @@ class Stage {
     if (e.button === 1 || e.altKey) this.drag = { ...start, kind: "pan" };
     else if (e.button !== 0) return;
     else if (e.shiftKey || this.host.rectangle) this.drag = { ...start, kind: "rectangle" };
-    else if (point) {
+    else if (point && !this.host.connection.down) {
+      const asked = this.host.asked(this);
       if (point.kind) this.stick.grab();
-      if (!point.kind || point.chip) this.host.select(this, point.chip || point.id);
+      if (!asked && (!point.kind || point.chip)) this.host.select(this, point.chip || point.id);
       const off = { du: point.u - at.u, dv: point.v - at.v };
-      this.drag = { ...start, ...off, kind: "point", point, was: [point.u, point.v] };
+      this.drag = { ...start, ...off, kind: "point", point, was: [point.u, point.v], asked };
     } else this.drag = { ...start, kind: "press" };
     e.preventDefault(); // no text selection, no autoscroll
   }
@@ -200,7 +217,9 @@ class Stage {
     const drag = this.drag;
     if (!drag) {
       const over = this.nearest(at);
-      if ((over && over.id) !== (this.over && this.over.id)) this.host.redraw();
+      const asked = this.host.asked(this);
+      this.aim = asked && this.guides[asked] ? { id: asked, u: at.u, v: at.v } : null;
+      if (this.aim || (over && over.id) !== (this.over && this.over.id)) this.host.redraw();
       this.over = over;
       this.marks.style.cursor = over ? "grab" : "crosshair";
       return;
@@ -228,6 +247,7 @@ class Stage {
     const drag = this.drag;
     this.drag = null;
     if (!drag) return;
+    const bent = this.stick && this.stick.start;
     if (drag.kind === "point" && drag.point.kind) this.stick.release();
     const at = this.locate(e);
     if (drag.kind === "rectangle") {
@@ -235,8 +255,13 @@ class Stage {
       this.host.setRectangle(false);
     } else if (drag.kind === "point" && drag.moved) {
       const { id, u, v } = drag.point;
-      this.host.edit({ what: "moved", view: this.name, point: id, u, v, whole: drag.whole });
-    } else if (drag.kind === "press" && this.inside(drag)) {
+      const takeBack = () => {
+        [drag.point.u, drag.point.v] = drag.was;
+        if (bent && this.stick) this.stick.spec = bent;
+      };
+      const moved = { what: "moved", view: this.name, point: id, u, v, whole: drag.whole };
+      this.host.edit(moved, takeBack);
+    } else if ((drag.kind === "press" || drag.asked) && this.inside(drag)) {
       this.host.edit({ what: "click", view: this.name, u: drag.u, v: drag.v });
     }
     this.host.released();
@@ -252,6 +277,32 @@ class Stage {
     if (this.marks.hasPointerCapture(drag.pointer)) this.marks.releasePointerCapture(drag.pointer);
     this.host.released();
     return true;
+  }
+
+  // --- what other views say --------------------------------------------------------------
+
+  // Where the other views put each point: one place, or the two ends of a line.
+  get guides() {
+    return this.overlay.guides || {};
+  }
+
+  // How far (u, v) is from where the other views put a point, px; null where they do not say.
+  off(id, u, v) {
+    const guide = this.guides[id];
+    if (!guide) return null;
+    const [[u0, v0], end] = guide;
+    if (!end) return Math.hypot(u - u0, v - v0);
+    const [du, dv] = [end[0] - u0, end[1] - v0];
+    return Math.abs((u - u0) * dv - (v - v0) * du) / Math.hypot(du, dv);
+  }
+
+  // The same in words, beside a point: for clicks always, for tracks where it is too much.
+  offWords(id, u, v, always) {
+    const off = this.off(id, u, v);
+    if (off === null) return "";
+    const much = off > (this.overlay.limit_px ?? Infinity);
+    if (!much && !always) return "";
+    return `${much ? "⚠ " : ""}${off < 10 ? off.toFixed(1) : off.toFixed(0)} px`;
   }
 
   // --- drawing ---------------------------------------------------------------------
@@ -290,6 +341,7 @@ class Stage {
     }
     const marks = [...points, ...hollow.filter((mark) => !named.has(mark.id)), ...tips];
     this.drawNames(g, k, marks, [...points, ...tips]);
+    this.drawAim(g, k);
     if (drag && drag.kind === "rectangle") {
       const box = [drag.x, drag.y, drag.x1 - drag.x, drag.y1 - drag.y];
       g.setLineDash([6 * k, 4 * k]);
@@ -308,10 +360,32 @@ class Stage {
     g.drawImage(this.tint.image, x0, y0, x1 - x0, y1 - y0);
   }
 
-  // Every mark has a dark rim, so it can be told from light and from dark fur.
-  outlined(g, k, width, colour, stroke, rim = 2) {
-    g.lineWidth = (width + rim) * k;
-    g.strokeStyle = "rgba(0, 0, 0, 0.65)";
+  // How far from the other views' place a point is that is dragged or about to be clicked.
+  drawAim(g, k) {
+    const { drag } = this;
+    const held = drag && drag.kind === "point" && drag.moved && !drag.point.kind ? drag.point : null;
+    const mark = held || (drag || this.over ? null : this.aim);
+    const words = mark && this.offWords(mark.id, mark.u, mark.v, true);
+    if (!words) return;
+    const [x, y] = this.toCanvas(mark.u, mark.v);
+    const text = `${mark.id} ${words}`;
+    g.font = `600 ${13 * k}px system-ui, sans-serif`;
+    const left = Math.min(x + 20 * k, this.marks.width - g.measureText(text).width - 4 * k);
+    this.write(g, k, text, left, Math.max(y - 20 * k, 15 * k), words.startsWith("⚠") ? WARN : "#fff");
+  }
+
+  write(g, k, text, x, y, colour) {
+    g.lineWidth = 3.5 * k;
+    g.strokeStyle = rim(colour, 0.75);
+    g.strokeText(text, x, y);
+    g.fillStyle = colour;
+    g.fillText(text, x, y);
+  }
+
+  // Every mark has a rim, dark or, for dark colours, white: it can be told from any fur.
+  outlined(g, k, width, colour, stroke, wide = 2) {
+    g.lineWidth = (width + wide) * k;
+    g.strokeStyle = rim(colour, 0.65);
     stroke();
     g.lineWidth = width * k;
     g.strokeStyle = colour;
@@ -381,18 +455,18 @@ class Stage {
     for (const mark of marks) {
       if (dragged && this.drag.point.id === mark.id) continue; // must not hide what is aimed at
       const [x, y] = this.toCanvas(mark.u, mark.v);
-      const w = g.measureText(mark.id).width;
+      const off = points.includes(mark)
+        ? this.offWords(mark.id, mark.u, mark.v, this.overlay.residuals)
+        : "";
+      const text = off ? `${mark.id} ${off}` : mark.id;
+      const w = g.measureText(text).width;
       const boxes = [[10, -20], [10, 6], [-10, -20], [-10, 6], [14, -36], [-14, 22]].map(([dx, dy]) => {
         const left = dx > 0 ? x + dx * k : x + dx * k - w;
         return [left, y + dy * k, left + w, y + dy * k + size];
       });
       const box = boxes.find(free) || boxes[0];
       taken.push(box);
-      g.lineWidth = 3.5 * k;
-      g.strokeStyle = "rgba(0, 0, 0, 0.75)";
-      g.strokeText(mark.id, box[0], box[3] - 2 * k);
-      g.fillStyle = mark.colour;
-      g.fillText(mark.id, box[0], box[3] - 2 * k);
+      this.write(g, k, text, box[0], box[3] - 2 * k, off.startsWith("⚠") ? WARN : mark.colour);
     }
   }
 }

@@ -247,7 +247,7 @@ class Stick {
     g.fillStyle = kind === "joint" ? colour : "rgba(0, 0, 0, 0.45)";
     g.fill();
     g.lineWidth = (kind === "joint" ? 1.2 : 3.4) * k;
-    g.strokeStyle = "rgba(0, 0, 0, 0.7)";
+    g.strokeStyle = rim(colour, 0.7);
     g.stroke();
     if (kind !== "joint") {
       g.lineWidth = 1.8 * k;
