@@ -14,7 +14,6 @@ import os
 import threading
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 from typing import Any, Literal, Protocol
 
 import anywidget
@@ -23,8 +22,7 @@ import numpy as np
 import traitlets
 
 from pawnb.errors import InputError, PawnbError
-
-_STATIC = Path(__file__).parent / "static"
+from pawnb.widgets.surroundings import read_static
 
 Overlay = dict[str, Any]
 """``{"views": {name: {"points", "hollow", "lines", "chips"}}, "caption", "current"}``, plain
@@ -96,11 +94,8 @@ class FrameCanvas(anywidget.AnyWidget):
         If the frame is not in the recording, or an option is unknown.
     """
 
-    _esm = "\n".join(
-        (_STATIC / name).read_text(encoding="utf-8")
-        for name in ("connection.js", "stick.js", "stage.js", "frames.js", "frame_canvas.js")
-    )
-    _css = _STATIC / "frame_canvas.css"
+    _esm = read_static("connection.js", "stick.js", "stage.js", "frames.js", "frame_canvas.js")
+    _css = read_static("frame_canvas.css")
 
     stages: traitlets.List = traitlets.List().tag(sync=True)
     span: traitlets.List = traitlets.List().tag(sync=True)

@@ -14,12 +14,18 @@ from pawnb.gait import GaitTables
 from pawnb.widgets.gait_panels import GaitPanels
 from pawnb.widgets.gait_session import GaitSession
 from pawnb.widgets.plot_canvas import make_canvas
+from pawnb.widgets.plot_theme import fit_figure, set_theme
+from pawnb.widgets.surroundings import Surroundings
 
 _REACH = 0.02
 """How near to an event a click must be, as a share of the width of the axes: about 12 px."""
 _STILL = 0.004
 """A shorter way of the pointer is a click, not a drag: about 3 px."""
-_WRONG = "#A33B00"
+_WRONG = {False: "#A33B00", True: "#FF9E64"}
+"""Colour of words on what is wrong, on a light and on a dark page."""
+_MOST_PX, _BESIDE_PX = (1000, 640), 330
+"""Size of the plots where there is room, and height of the window that buttons and menus take."""
+_WRAP = {"flex_flow": "row wrap"}
 _HELP = (
     "Click a stride in the gait diagram, or a point of the plot below right: it turns yellow in "
     "every plot. In the signal, click an event and drag it to where it belongs."
@@ -58,11 +64,12 @@ class GaitExplorer(widgets.VBox):  # type: ignore[misc]
     def __init__(self, tables: GaitTables, path: str | Path | None = None) -> None:
         super().__init__()
         self.session = GaitSession(tables, path)
-        self._figure = Figure(figsize=(10.0, 6.4), dpi=100)
+        self._figure = Figure(figsize=(_MOST_PX[0] / 100, _MOST_PX[1] / 100), dpi=100)
         self._canvas = make_canvas(self._figure)
         self._panels = GaitPanels(self._figure, self.session)
         self._pressed: float | None = None
         self._filling = False
+        self._around = Surroundings()
         self._make_controls()
         self._fill()
         self._draw()
@@ -72,6 +79,8 @@ class GaitExplorer(widgets.VBox):  # type: ignore[misc]
             ("button_release_event", self._on_release),
         ):
             self._canvas.mpl_connect(name, handler)
+        self._around.observe(self._on_room, names=["width", "height"])
+        self._around.observe(lambda _: self._draw(), names="dark")
 
     @property
     def tables(self) -> GaitTables:
@@ -90,7 +99,9 @@ class GaitExplorer(widgets.VBox):  # type: ignore[misc]
         self._legs: dict[str, widgets.ToggleButton] = {}
         self._leg_box = widgets.HBox()
         self._reason = widgets.Text(placeholder="reason, e.g. the animal stumbled")
-        self._told = widgets.Label()
+        self._told, said = widgets.Label(), widgets.Label(_HELP)
+        for words in (self._told, said):
+            words.add_class("pawnb-wrap")
         self._delete = self._button("delete event", "trash", self.session.delete_event)
         self._exclude = self._button("exclude stride", "ban", self._exclude_with_reason)
         self._undo = self._button("undo", "undo", self.session.undo)
@@ -98,12 +109,12 @@ class GaitExplorer(widgets.VBox):  # type: ignore[misc]
         self._trial.observe(self._on_trial, names="value")
         self._pair.observe(self._on_pair, names="value")
         self._span.observe(self._on_span, names="value")
-        row = widgets.HBox([self._trial, self._pair, self._span])
+        row = widgets.HBox([self._trial, self._pair, self._span], layout=_WRAP)
         buttons = [self._delete, self._exclude, self._reason, self._undo, self._redo]
-        legs = widgets.HBox([widgets.Label("legs"), self._leg_box])
-        self.children = (
-            row, legs, widgets.Label(_HELP), widgets.HBox(buttons), self._told, self._canvas
-        )  # fmt: skip
+        legs = widgets.HBox([widgets.Label("legs"), self._leg_box], layout=_WRAP)
+        self._leg_box.layout = _WRAP
+        acts = widgets.HBox(buttons, layout=_WRAP)
+        self.children = (self._around, row, legs, said, acts, self._told, self._canvas)
 
     def _button(self, name: str, icon: str, act: Callable[[], None]) -> Any:
         """Return a button that does something and shows what became of it."""
@@ -124,12 +135,22 @@ class GaitExplorer(widgets.VBox):  # type: ignore[misc]
     def _tell(self, text: str, *, wrong: bool = False) -> None:
         """Say something below the buttons, offer what can be done, and show the plots."""
         self._told.value = text
-        self._told.style.text_color = _WRONG if wrong else None
+        self._told.style.text_color = _WRONG[self._around.dark] if wrong else None
         session, edits = self.session, self.session.edits
         self._undo.disabled, self._redo.disabled = not edits.can_undo, not edits.can_redo
         self._delete.disabled = session.event is None
         self._exclude.disabled = self._reason.disabled = session.picked() is None
+        self._show()
+
+    def _show(self) -> None:
+        """Let the browser show the plots as they are now."""
+        set_theme(self._figure, dark=self._around.dark)
         self._canvas.draw_idle()
+
+    def _on_room(self, _change: dict[str, Any]) -> None:
+        """Fit the plots into the page."""
+        room = (self._around.width, self._around.height)
+        fit_figure(self._figure, room=room, most=_MOST_PX, beside_px=_BESIDE_PX)
 
     def _draw(self) -> None:
         """Draw everything anew."""
@@ -182,7 +203,7 @@ class GaitExplorer(widgets.VBox):  # type: ignore[misc]
         """Show another stretch of time."""
         if not self._filling:
             self._panels.show_span(change["new"])
-            self._canvas.draw_idle()
+            self._show()
 
     def _on_legs(self, change: dict[str, Any]) -> None:
         """Show the legs whose buttons are down; the last one stays down."""

@@ -61,13 +61,16 @@ class GaitPanels:
         self.event_line: Line2D | None = None
         with style(font_size_pt=_SCREEN_PT):
             grid = figure.add_gridspec(
-                2, 2, width_ratios=[2.9, 1.0], left=0.065, right=0.965, bottom=0.085, top=0.93,
-                hspace=0.5, wspace=0.2,
+                1, 2, width_ratios=[2.9, 1.0], left=0.065, right=0.965, bottom=0.11, top=0.885,
+                wspace=0.2,
             )  # fmt: skip
-            self.diagram: Axes = figure.add_subplot(grid[0, 0])
-            self.signal: Axes = figure.add_subplot(grid[1, 0], sharex=self.diagram)
-            self.rose: Any = figure.add_subplot(grid[0, 1], projection="polar")
-            self.strides: Axes = figure.add_subplot(grid[1, 1])
+            left = grid[0].subgridspec(2, 1, hspace=0.5)
+            # the words below the rose are as high on a small screen as on a large one
+            right = grid[1].subgridspec(2, 1, hspace=0.62, height_ratios=[1.2, 1.0])
+            self.diagram: Axes = figure.add_subplot(left[0])
+            self.signal: Axes = figure.add_subplot(left[1], sharex=self.diagram)
+            self.rose: Any = figure.add_subplot(right[0], projection="polar")
+            self.strides: Axes = figure.add_subplot(right[1])
         self.span_s = session.span_s
 
     def draw(self) -> None:
@@ -211,13 +214,12 @@ class GaitPanels:
         """Draw period and duty factor of every stride of the leg."""
         ax, own = self.strides, self.leg_points()
         ax.clear()
-        ax.set_title(f"strides of {self.session.shown_leg}")
         ax.plot(own["period_s"], own["duty_factor"], "o", markersize=5, color=_LINE, alpha=0.8)
         ax.margins(0.12)
         for axis, values in (("x", own["period_s"]), ("y", own["duty_factor"])):
             _at_least(ax, axis, 0.05 * float(values.mean()) if len(own) else 1.0)
         ax.locator_params(nbins=4)
-        ax.set(xlabel="Period (s)", ylabel="Duty factor")
+        ax.set(xlabel=f"Period of {self.session.shown_leg} (s)", ylabel="Duty factor")
         if own.empty:
             _say(ax, "none")
 

@@ -12,7 +12,9 @@ from matplotlib.figure import Figure
 
 from pawnb.figures.style import OKABE_ITO, style
 from pawnb.widgets.plot_canvas import make_canvas
+from pawnb.widgets.plot_theme import fit_figure, set_theme
 from pawnb.widgets.residual_session import ResidualSession
+from pawnb.widgets.surroundings import Surroundings
 
 _RAW, _SMOOTH, _HAND = "0.7", OKABE_ITO["blue"], OKABE_ITO["vermillion"]
 _PANELS = {"position": "", "velocity": "/s", "acceleration": "/s²"}
@@ -23,6 +25,8 @@ _METHODS = {
 }
 """Names of the methods in words, and their marks on the curve."""
 _SCREEN_PT = 9.0
+_MOST_PX, _BESIDE_PX = (1000, 540), 310
+"""Size of the plots where there is room, and height of the window that buttons and menus take."""
 _ROOM = 1.6
 """Height of a panel in ranges of its filtered signal: noise of derivatives would fill it else."""
 
@@ -65,7 +69,8 @@ class ResidualExplorer(widgets.VBox):  # type: ignore[misc]
         super().__init__()
         self.session = ResidualSession(signals, fs_hz=fs_hz, order=order)
         self._unit, self._dragging = unit, False
-        self._figure = Figure(figsize=(10.0, 5.4), dpi=100)
+        self._figure = Figure(figsize=(_MOST_PX[0] / 100, _MOST_PX[1] / 100), dpi=100)
+        self._around = Surroundings()
         self._canvas = make_canvas(self._figure)
         self._choice = widgets.Dropdown(options=self.session.names, description="signal")
         self._slider = widgets.FloatSlider(
@@ -79,7 +84,8 @@ class ResidualExplorer(widgets.VBox):  # type: ignore[misc]
             layout=widgets.Layout(width="32em"),
         )
         self._told = widgets.Label()
-        self._takers = widgets.HBox()
+        self._told.add_class("pawnb-wrap")
+        self._takers = widgets.HBox(layout={"flex_flow": "row wrap"})
         self._draw_all()
         self._choice.observe(self._on_signal, names="value")
         self._slider.observe(self._on_slider, names="value")
@@ -89,8 +95,10 @@ class ResidualExplorer(widgets.VBox):  # type: ignore[misc]
             ("button_release_event", self._on_release),
         ):
             self._canvas.mpl_connect(name, handler)
-        controls = widgets.HBox([self._choice, self._slider])
-        self.children = (controls, self._takers, self._told, self._canvas)
+        self._around.observe(self._on_room, names=["width", "height"])
+        self._around.observe(lambda _: self._draw_all(), names="dark")
+        controls = widgets.HBox([self._choice, self._slider], layout={"flex_flow": "row wrap"})
+        self.children = (self._around, controls, self._takers, self._told, self._canvas)
 
     @property
     def fs_step(self) -> float:
@@ -193,7 +201,13 @@ class ResidualExplorer(widgets.VBox):  # type: ignore[misc]
             if np.nanmin(values) < low or np.nanmax(values) > high:
                 _show_range(line.axes, values)
         self._told.value = self.session.text()
+        set_theme(self._figure, dark=self._around.dark)
         self._canvas.draw_idle()
+
+    def _on_room(self, _change: dict[str, Any]) -> None:
+        """Fit the plots into the page."""
+        room = (self._around.width, self._around.height)
+        fit_figure(self._figure, room=room, most=_MOST_PX, beside_px=_BESIDE_PX)
 
     def _on_signal(self, change: dict[str, Any]) -> None:
         """Show another signal."""

@@ -305,6 +305,8 @@ class Canvas {
     const stage = this.stages.find((s) => s.name === view);
     const chip = stage && (stage.overlay.chips || []).find((c) => c.id === id);
     this.detail.textContent = chip ? `${view}, ${chip.title}` : "";
+    if (this.connection.busy && this.pending)
+      this.detail.textContent = "Python is busy with something else: the last change is not saved yet.";
   }
 
   // Above each view: its name, and every point it tracks as a button.

@@ -1,0 +1,48 @@
+// How much room there is for plots, whether the page is dark, and whether Python hears.
+// Joined behind connection.js by surroundings.py.
+
+// The first colour behind an element that covers what is behind it.
+function isDark(el) {
+  for (let at = el; at; at = at.parentElement) {
+    const [r, g, b, a = 1] = (getComputedStyle(at).backgroundColor.match(/[\d.]+/g) || []).map(Number);
+    if (r !== undefined && a > 0.5) return 0.2126 * r + 0.7152 * g + 0.0722 * b < 128;
+  }
+  return false;
+}
+
+export default {
+  render({ model, el }) {
+    const lost = document.createElement("div");
+    lost.className = "pawnb-lost";
+    lost.setAttribute("role", "alert");
+    lost.hidden = true;
+    el.append(lost);
+    el.classList.add("pawnb-surroundings");
+    const connection = new Connection(model, Math.random().toString(36).slice(2), () => {
+      lost.hidden = !connection.down;
+      lost.textContent = connection.words();
+    });
+    let timer;
+    const look = () => {
+      clearTimeout(timer);
+      timer = setTimeout(() => {
+        const width = Math.floor(el.getBoundingClientRect().width);
+        if (!width || connection.down) return; // in a hidden tab, or nobody hears
+        model.set({ width, height: window.innerHeight, dark: isDark(el) });
+        model.save_changes();
+      }, 150);
+    };
+    const room = new ResizeObserver(look);
+    room.observe(el);
+    const theme = new MutationObserver(look);
+    theme.observe(document.body, { attributes: true });
+    window.addEventListener("resize", look);
+    return () => {
+      clearTimeout(timer);
+      room.disconnect();
+      theme.disconnect();
+      window.removeEventListener("resize", look);
+      connection.close();
+    };
+  },
+};
