@@ -2,9 +2,10 @@
 
 All views of a trial are shown at the same frame. Pictures travel as JPEG in binary
 messages, as small as the screen can show; points, trails and lines are drawn in the
-browser. ``static/connection.js`` knows whether Python hears the browser, ``static/stick.js`` is a
-stick animal, ``static/stage.js`` one view, ``static/frames.js`` the traffic of frames,
-``static/frame_canvas.js`` the page; they are joined here, without any build step.
+browser. Of ``static``, ``connection.js`` knows whether Python hears the browser, ``stage.js`` is
+one view, ``marks.js`` what is drawn over it, ``stick.js`` a stick animal, ``frames.js`` the traffic
+of frames, ``controls.js`` buttons and sliders, ``frame_canvas.js`` the page; they are joined
+here, without any build step.
 """
 
 from __future__ import annotations
@@ -94,7 +95,10 @@ class FrameCanvas(anywidget.AnyWidget):
         If the frame is not in the recording, or an option is unknown.
     """
 
-    _esm = read_static("connection.js", "stick.js", "stage.js", "frames.js", "frame_canvas.js")
+    _esm = read_static(
+        "connection.js", "stick.js", "marks.js", "stage.js", "frames.js", "controls.js",
+        "frame_canvas.js",
+    )  # fmt: skip
     _css = read_static("frame_canvas.css")
 
     stages: traitlets.List = traitlets.List().tag(sync=True)

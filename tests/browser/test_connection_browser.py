@@ -191,9 +191,9 @@ def test_a_widget_that_python_knows_no_more_is_not_connected(reviewing):
     point = notebook.js("c.stages[0].overlay.points.find((p) => p.id === 'FR')")
     np.testing.assert_allclose((point["u"], point["v"]), (u, v), atol=0.01)
     assert lines(file) == []
-    # it is there again
+    assert notebook.page.get_by_role("button", name="Ask again").is_visible()
+    # it is there again: noticed as soon as the kernel does anything, or when asked
     notebook.kernel_runs("w.on_msg(w._receive)")
-    notebook.page.get_by_role("button", name="Ask again").click()
     notebook.wait("!c.connection.down")
     notebook.settle()
     assert notebook.page.locator(LOST).is_hidden()

@@ -291,3 +291,13 @@ def test_left_and_right_are_offered_for_exchange_also_where_no_view_tracks_both(
     tracks = make_tracks(range(4), every, fps=250.0, views=list(points), unit="px")
     offered = session_of(trial, tracks, rig=None).pairs()
     assert ["-".join(pair) for pair in offered] == pairs.split()
+
+
+def test_a_view_is_told_where_the_others_put_each_point_also_where_it_is_missing(trial):
+    tracks = scene.true_tracks()
+    tracks["image_position"].to_numpy()[12, 0, :, 0, 0] = np.nan
+    tracks["image_origin"].to_numpy()[12, 0, 0, 0] = ORIGIN_CODE["missing"]
+    views = session_of(trial, tracks).overlay(12)["views"]
+    np.testing.assert_allclose(views["cam1"]["guides"]["FR"], [scene.seen(12)[0, 0]], atol=0.1)
+    # of HR, which two views track, each has one other only: no place can be told
+    assert "HR" not in views["cam1"]["guides"]

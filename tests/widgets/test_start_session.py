@@ -11,6 +11,7 @@ from pawnb.errors import InputError
 from pawnb.io.start import check_start, read_start
 from pawnb.widgets.start_marks import find_guide
 from pawnb.widgets.start_session import StartSession
+from pawnb.widgets.start_words import what_contradicts
 
 SIZES = dict.fromkeys(scene.POINTS, (scene.WIDTH, scene.HEIGHT))
 ORDER = [("cam1", "FR"), ("cam1", "HR"), ("cam2", "FR"), ("cam2", "HR"), ("cam3", "FR")]
@@ -356,3 +357,50 @@ def test_a_second_window_never_writes_over_the_clicks_of_the_first(trial):
             step()
     assert first.clicks[0, "cam1", "FR"] == (51.0, 61.0)
     assert session_of(trial).clicks[0, "cam1", "FR"] == (52.0, 62.0)
+
+
+def test_a_click_that_contradicts_the_other_views_is_said_with_its_distance(trial):
+    session = session_of(trial)
+    click_all(session)
+    assert what_contradicts(session) == ""
+    overlay = session.overlay(0)["views"]
+    chip = overlay["cam2"]["chips"][0]["title"]
+    assert chip.endswith(", 0.0 px from where the other views put it")
+    # HR has two views; u of cam1 is x + 60 and v = 300 - z, v of cam2 280 - z: the epipolar lines
+    # of both are level, so 12 px down in cam2 are 12 px off in either
+    u, v = truth(0, "cam2", "HR")
+    session.place("cam2", "HR", u, v + 12.0)
+    assert what_contradicts(session) == (
+        "HR in cam1 is 12 px from where cam2 puts it: one of these clicks is on another point."
+    )
+    overlay = session.overlay(0)["views"]
+    for view in ("cam1", "cam2"):
+        title = next(c["title"] for c in overlay[view]["chips"] if c["id"] == "HR")
+        assert title.endswith(", 12.0 px from where the other views put it")
+        assert len(overlay[view]["guides"]["HR"]) == 2
+    assert overlay["cam1"]["limit_px"] == 10.0
+    # along the line another view cannot tell
+    session.place("cam2", "HR", u + 50.0, v)
+    assert what_contradicts(session) == ""
+    # FR has three views: the two others say where it is in cam3
+    u, v = truth(0, "cam3", "FR")
+    session.place("cam3", "FR", u + 30.0, v + 40.0)
+    assert "FR in cam3 is 50 px from where cam1 and cam2 put it" in what_contradicts(session)
+
+
+def test_what_a_click_would_place_is_told_for_each_view(trial):
+    session = session_of(trial)
+
+    def asks():
+        return {view: marks["asks"] for view, marks in session.overlay(0)["views"].items()}
+
+    assert asks() == {"cam1": "FR", "cam2": "FR", "cam3": "FR"}
+    session.click("cam1", *truth(0, "cam1", "FR"))
+    assert asks() == {"cam1": "HR", "cam2": "HR", "cam3": "FR"}
+    for view in ("cam1", "cam3", "cam2", "cam2"):
+        point = asks()[view]
+        assert session.click(view, *truth(0, view, point)) == point
+    assert asks() == dict.fromkeys(scene.POINTS)
+    session.select("cam1", "FR")  # chosen above the picture: a click places it again
+    assert asks()["cam1"] == "FR"
+    assert session.overlay(5)["views"]["cam1"]["asks"] is None  # another frame is looked at

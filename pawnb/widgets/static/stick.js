@@ -2,7 +2,7 @@
 //
 // What a drag does is decided by pawnb/core/pose/handles.py; the same rules stand here, so that
 // what is seen while dragging is what is kept afterwards. Change both together.
-// stick.js is joined with stage.js, frames.js and frame_canvas.js by frame_canvas.py.
+// Joined with the other files here into one module by frame_canvas.py.
 
 const REACH_STEPS = 40;
 const REACH_DAMPING = 0.004; // of the leg's squared length

@@ -1,0 +1,121 @@
+// The buttons, menus, sliders and the help below the pictures.
+// Joined with the other files here into one module by frame_canvas.py.
+
+function element(tag, className, properties = {}) {
+  const made = Object.assign(document.createElement(tag), properties);
+  made.className = className;
+  return made;
+}
+
+// A Canvas (frame_canvas.js) as far as it is operated: it has model, root, bar, actions, sliders,
+// frames and connection, and go, edit, focus, fitAll and setRectangle.
+class Controls {
+  button(parent, text, title, onclick) {
+    const made = element("button", "pawnb-button", { type: "button", textContent: text, title });
+    made.onclick = () => { onclick(); this.focus(); };
+    parent.append(made);
+    return made;
+  }
+
+  buildBar() {
+    const [first, last] = this.frames.span;
+    const by = (n) => () => this.go(this.frames.want + n);
+    this.button(this.bar, "−10", "Ten frames back (Shift+Left)", by(-10));
+    this.button(this.bar, "−1", "One frame back (Left)", by(-1));
+    const toggle = () => this.frames.play(!this.frames.playing);
+    this.playButton = this.button(this.bar, "", "Play or stop (Space)", toggle);
+    this.playButton.classList.add("pawnb-play");
+    this.playing(false);
+    this.button(this.bar, "+1", "One frame on (Right)", by(1));
+    this.button(this.bar, "+10", "Ten frames on (Shift+Right)", by(10));
+    const range = { type: "range", min: first, max: last, value: this.frames.want };
+    this.slider = element("input", "pawnb-slider", { ...range, title: "Choose a frame" });
+    this.slider.setAttribute("aria-label", "frame");
+    this.slider.oninput = () => this.go(+this.slider.value);
+    this.slider.onchange = () => this.focus();
+    this.caption = element("span", "pawnb-caption");
+    // as wide as the longest words: the slider must not move under the mouse that drags it
+    const longest = `frame ${last} of ${last}, 0000.000 s (Python is busy)`;
+    this.caption.style.width = `${0.9 * longest.length}ch`;
+    this.bar.append(this.slider, this.caption);
+    const zoom = "Then drag a rectangle in a view (Z); Shift and drag does it at once";
+    const press = () => this.setRectangle(!this.rectangle);
+    this.zoomButton = this.button(this.bar, "Zoom rectangle", zoom, press);
+    this.zoomButton.setAttribute("aria-pressed", "false");
+    this.button(this.bar, "Whole picture", "Show every view whole again (0)", () => this.fitAll());
+  }
+
+  buildHelp() {
+    const help = element("details", "pawnb-help");
+    help.append(element("summary", "", { textContent: "Mouse and keys" }));
+    for (const [key, text] of this.model.get("keys_help")) {
+      const line = element("div", "");
+      line.append(element("span", "pawnb-key", { textContent: key }), text);
+      help.append(line);
+    }
+    this.root.append(help);
+  }
+
+  // The buttons and menus that Python asks for.
+  showActions() {
+    this.actions.replaceChildren();
+    for (const { id, text, title, enabled = true, options } of this.model.get("actions")) {
+      const send = (value) => this.edit({ what: "action", action: id, value });
+      let made;
+      if (options) {
+        made = element("select", "pawnb-button", { title });
+        made.setAttribute("aria-label", title);
+        for (const [value, words] of [["", text], ...options])
+          made.append(element("option", "", { value, textContent: words }));
+        made.onchange = () => { send(made.value); made.value = ""; this.focus(); };
+        this.actions.append(made);
+      } else made = this.button(this.actions, text, title, () => send(null));
+      made.disabled = !enabled || this.connection.down;
+      made.dataset.action = id;
+    }
+  }
+
+  // The sliders that Python asks for; one in the hand is left alone.
+  showSliders() {
+    const specs = this.model.get("sliders");
+    const known = [...this.sliders.children].map((line) => line.dataset.slider);
+    if (specs.map(({ id }) => id).join() !== known.join())
+      this.sliders.replaceChildren(...specs.map((spec) => this.makeSlider(spec)));
+    specs.forEach(({ text, title, min, max, step, value }, i) => {
+      const line = this.sliders.children[i];
+      const [name, input, shown] = line.children;
+      line.title = title;
+      name.textContent = text;
+      input.setAttribute("aria-label", text);
+      input.disabled = this.connection.down;
+      const typing = input.type === "number" || this.sliding;
+      if (input === document.activeElement && typing) return;
+      Object.assign(input, { min, max: max ?? "", step, value });
+      shown.textContent = input.type === "number" ? "" : value;
+    });
+  }
+
+  makeSlider({ id, number }) {
+    const line = element("label", "pawnb-line");
+    line.dataset.slider = id;
+    const input = element("input", "", { type: number ? "number" : "range" });
+    const shown = element("span", "pawnb-value");
+    line.append(element("span", ""), input, shown);
+    const take = () => {
+      this.sliding = { id, value: +input.value };
+      this.slide();
+    };
+    input.oninput = number ? null : () => { shown.textContent = input.value; take(); };
+    // a number is sent once it is typed: Enter, or a click elsewhere
+    input.onchange = () => { number ? take() : this.slide(); this.focus(); };
+    return line;
+  }
+
+  // One value of a slider is on its way at a time, and the newest wins.
+  slide() {
+    if (!this.sliding || this.pending > 0) return;
+    const { id, value } = this.sliding;
+    this.sliding = null;
+    this.edit({ what: "action", action: id, value });
+  }
+}
