@@ -7,6 +7,8 @@ from HDF5 is read through here, as plain numbers and text only.
 
 from __future__ import annotations
 
+import mmap
+import struct
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -27,6 +29,7 @@ _MOST_RATIO = 1100
 """gzip makes no data smaller than by this factor; more than that was never in the file."""
 
 _SLACK_BYTES = 2**26
+_HEAP = b"GCOL\1\0\0\0"
 _MOST_ATTRIBUTE_BYTES = 2**24
 
 
@@ -54,9 +57,11 @@ def open_hdf5(path: str | Path, *, expected: str) -> Iterator[h5py.File]:
         out only while the caller reads.
     """
     path = check_file(path, expected=expected)
-    with faults_in(path, expected=expected), h5py.File(path, "r") as file:
-        _check_links(file, path.name)
-        yield file
+    with faults_in(path, expected=expected):
+        _check_heaps(path)
+        with h5py.File(path, "r") as file:
+            _check_links(file, path)
+            yield file
 
 
 @contextmanager
@@ -197,28 +202,70 @@ def _dataset(group: h5py.Group, name: str, where: str) -> h5py.Dataset:
     return data
 
 
-def _check_links(file: h5py.File, where: str) -> None:
+def _check_links(file: h5py.File, path: Path) -> None:
     """Refuse links out of the file, and data larger than the file can hold."""
+    where, most = path.name, path.stat().st_size
     names: list[str] = []
     hard: list[bool] = []
 
-    def note(name: bytes, info: h5py.h5l.LinkInfo) -> None:
+    def note(link: bytes, info: h5py.h5l.LinkInfo) -> None:
         # h5py loses what is raised in here
-        names.append(name.decode("utf-8", "replace"))
+        names.append(link.decode("utf-8", "replace"))
         hard.append(info.type == h5py.h5l.TYPE_HARD)
 
     file.id.links.visit(note, info=True)
-    for path, direct in zip(names, hard, strict=True):
+    for name, direct in zip(names, hard, strict=True):
         if not direct:
-            raise InputError(f"{where}: {path!r} links to elsewhere; only whole files are read.")
-        item = file[path]
+            raise InputError(f"{where}: {name!r} links to elsewhere; only whole files are read.")
+        item = file[name]
         if not isinstance(item, h5py.Dataset):
             continue
         if item.is_virtual or item.external:
-            raise InputError(f"{where}: {path!r} lies in another file; only whole files are read.")
+            raise InputError(f"{where}: {name!r} lies in another file; only whole files are read.")
+        if max(_text_lengths(item, path), default=0) > most:
+            raise InputError(f"{where}: damaged, a text in {name!r} is longer than the file.")
         stored, size = item.id.get_storage_size(), item.dtype.itemsize * (item.size or 0)
         if size > _SLACK_BYTES + _MOST_RATIO * stored:
             raise InputError(
-                f"{where}: damaged, {path!r} claims {size / 1e9:.1f} GB of which the file holds "
+                f"{where}: damaged, {name!r} claims {size / 1e9:.1f} GB of which the file holds "
                 f"{stored} bytes; copy it again from where it is whole."
             )
+
+
+def _text_lengths(item: h5py.Dataset, path: Path) -> list[int]:
+    """Return how long the texts of an array are said to be: HDF5 makes room for all of it."""
+    text = h5py.check_string_dtype(item.dtype)
+    offset = item.id.get_offset() if text is not None and text.length is None else None
+    if offset is None:
+        return []
+    with path.open("rb") as file:
+        file.seek(offset)
+        # each is a length (4 bytes), the address of its heap (8) and its number there (4)
+        found = file.read(16 * (item.size or 0))
+    return [length for (length,) in struct.iter_unpack("<I12x", found[: len(found) // 16 * 16])]
+
+
+def _check_heaps(path: Path) -> None:
+    """Refuse a file whose heaps of texts are damaged: HDF5 reads such a heap for ever.
+
+    A global heap is ``GCOL``, its version and size, and objects of a number, a size and their
+    data; number 0 is the room that is left (HDF5 File Format Specification 3.0, III.E).
+    """
+    if path.stat().st_size == 0:
+        return
+    with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
+        start = data.find(_HEAP)
+        while start >= 0:
+            (size,) = struct.unpack("<Q", data[start + 8 : start + 16].ljust(8, b"\xff"))
+            at, end = start + 16, start + size
+            while at + 16 <= end <= len(data):
+                number, length = struct.unpack("<H6xQ", data[at : at + 16])
+                at += length if number == 0 else 16 + (length + 7) // 8 * 8
+                if length == 0 and number == 0:
+                    break
+            if not start + 16 < at <= end <= len(data) or end - at >= 16:
+                raise InputError(
+                    f"{path.name}: damaged, a heap of texts at byte {start} is broken; copy the "
+                    "file again from where it is whole, or write it anew."
+                )
+            start = data.find(_HEAP, start + 4)

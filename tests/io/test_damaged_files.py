@@ -78,6 +78,23 @@ def test_a_damaged_record_of_ours_is_read_or_one_sentence(tmp_path):
     assert not any("\n" in sentence for sentence in sentences)
 
 
+def test_a_broken_heap_of_texts_is_not_read_for_ever(tmp_path):
+    # HDF5 itself never comes back from an object of size 0, nor soon from a text of 4 GB
+    tracks = make_tracks(range(8), POINTS, fps=FPS)
+    whole = write_tracks(tracks, tmp_path / "tracks.nc").read_bytes()
+    heap = whole.index(b"GCOL")
+    first = int.from_bytes(whole[heap + 24 : heap + 32], "little")
+    second = heap + 32 + (first + 7) // 8 * 8
+    (tmp_path / "a.nc").write_bytes(whole[:second] + bytes(16) + whole[second + 16 :])
+    with pytest.raises(InputError, match=r"a.nc: damaged, a heap of texts at byte \d+ is broken"):
+        read_tracks(tmp_path / "a.nc")
+    with h5py.File(tmp_path / "tracks.nc") as file:
+        at = file["keypoint"].id.get_offset()
+    (tmp_path / "b.nc").write_bytes(whole[: at + 3] + b"\xff" + whole[at + 4 :])
+    with pytest.raises(InputError, match=r"b.nc: damaged, a text in 'keypoint' is longer than"):
+        read_tracks(tmp_path / "b.nc")
+
+
 @pytest.mark.parametrize("ending", ENDINGS)
 @pytest.mark.parametrize("kind", ["pipe", "device", "folder", "empty", "nothing"])
 def test_what_is_no_file_is_not_waited_for(tmp_path, ending, kind):
