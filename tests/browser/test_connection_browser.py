@@ -200,3 +200,20 @@ def test_a_widget_that_python_knows_no_more_is_not_connected(reviewing):
     notebook.drag("cam1", (u, v), (u + 20, v + 10))
     notebook.settle()
     assert [line["edit"] for line in lines(file)] == ["move"]
+
+
+def test_plots_say_that_their_kernel_has_ended(notebook):
+    notebook.run("""import numpy as np
+import pandas as pd
+from pawnb.widgets import ResidualExplorer
+t = np.arange(200) / 250.0
+w = ResidualExplorer(pd.DataFrame({"x": np.sin(2 * np.pi * 4 * t)}), fs_hz=250.0)
+w""")
+    notebook.page.locator(".jupyter-matplotlib canvas").last.wait_for(timeout=60_000)
+    notebook.wait_idle()
+    lost = notebook.page.locator(f".pawnb-surroundings {LOST}")
+    assert lost.is_hidden()
+    restart(notebook)
+    lost.wait_for(state="visible", timeout=60_000)
+    assert lost.inner_text().startswith("Not connected: nothing is saved. The kernel of this")
+    notebook.wait_idle()
