@@ -11,6 +11,7 @@ import pandas as pd
 
 from pawnb.errors import InputError
 from pawnb.gait.body import BodyPoints
+from pawnb.gait.contacts import unscored_gaps
 from pawnb.gait.cycles import LegSignals
 from pawnb.gait.debounce import drop_short_states
 from pawnb.gait.event_settings import EventSettings
@@ -164,11 +165,16 @@ def analyse_events(
     for (animal, trial), own in events.groupby(["animal", "trial"], sort=False):
         who = {"animal": str(animal), "trial": str(trial)}
         legs = sort_legs(own["leg"])
+        gaps = unscored_gaps(own)
         own, short = drop_short_states(own, who, settings=settings)
+        unscored = [
+            {**row, "what": "contact", "why": "frames are not in the table, or not scored"}
+            for row in gaps.to_dict("records")
+        ]
         parts.append(
             build_tables(
                 _in_order(own, legs), who, pairs=pairs, settings=settings, legs=legs,
-                dropped=dropped_table(short, who),
+                gaps=gaps, dropped=dropped_table([*unscored, *short], who),
             )
         )  # fmt: skip
     return pool(parts)

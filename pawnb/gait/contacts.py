@@ -17,6 +17,9 @@ AGREEMENT_COLUMNS = (
     "n_lo", "lo_shift_s", "agreement_one_frame", "td_missed", "td_extra", "lo_missed", "lo_extra",
 )  # fmt: skip
 
+UNSCORED_COLUMNS = ("unscored_from_s", "unscored_to_s")
+"""Columns of an event before which frames were not scored: the last one before, the first after."""
+
 
 def events_from_contacts(
     contacts: pd.DataFrame, *, fps: float, animal: str = "animal", trial: str = "trial"
@@ -37,8 +40,10 @@ def events_from_contacts(
     -------
     pandas.DataFrame
         ``EVENTS_COLUMNS`` with TD and LO. A change between two successive frames is put half
-        way between them; next to a frame that is missing or not known there is no event. Slips
-        of the hand are still among them: :func:`~pawnb.gait.analyse_events` takes them out.
+        way between them; next to a frame that is missing or not known there is no event. Where
+        frames lack, :data:`UNSCORED_COLUMNS` say so at the next event of the leg: no stride may
+        hold such a stretch (:func:`unscored_gaps`). Slips of the hand are still among them:
+        :func:`~pawnb.gait.analyse_events` takes them out.
 
     Raises
     ------
@@ -57,11 +62,16 @@ def events_from_contacts(
     next_to = np.diff(frame) == 1
     rows = []
     for leg in legs:
-        change = np.diff(contacts[leg].to_numpy(dtype=float))
+        state = contacts[leg].to_numpy(dtype=float)
+        gaps = _unscored(frame, state)
+        change = np.diff(state)
         for i in np.flatnonzero((np.abs(change) == 1) & next_to):
             at = (frame[i] + frame[i + 1]) / 2.0
+            before = [gaps.pop(0) for _ in gaps.copy() if gaps[0][1] <= at]
+            unscored = (before[0][0] / fps, before[-1][1] / fps) if before else (np.nan, np.nan)
             rows.append(
                 {
+                    **dict(zip(UNSCORED_COLUMNS, unscored, strict=True)),
                     "animal": animal,
                     "trial": trial,
                     "leg": leg,
@@ -71,7 +81,43 @@ def events_from_contacts(
                     "method": CONTACT_BY_HAND,
                 }
             )
-    return pd.DataFrame(rows, columns=list(EVENTS_COLUMNS))
+    events = pd.DataFrame(rows, columns=[*EVENTS_COLUMNS, *UNSCORED_COLUMNS])
+    gap = events[list(UNSCORED_COLUMNS)].notna().to_numpy().any()
+    return events if gap else events[list(EVENTS_COLUMNS)]
+
+
+def unscored_gaps(events: pd.DataFrame) -> pd.DataFrame:
+    """Return the stretches of each leg in which nobody scored its contact.
+
+    Parameters
+    ----------
+    events : pandas.DataFrame
+        As :func:`events_from_contacts` gives them.
+
+    Returns
+    -------
+    pandas.DataFrame
+        leg, start_s and end_s (the last frame scored before it and the first after it), what;
+        none where the table has no :data:`UNSCORED_COLUMNS`.
+    """
+    columns = ["leg", "start_s", "end_s", "what"]
+    if not set(UNSCORED_COLUMNS) <= set(events):
+        return pd.DataFrame(columns=columns)
+    start, end = (pd.to_numeric(events[name], errors="coerce") for name in UNSCORED_COLUMNS)
+    gaps = pd.DataFrame({"leg": events["leg"].astype(str), "start_s": start, "end_s": end})
+    return gaps.dropna().assign(what="not scored")[columns].reset_index(drop=True)
+
+
+def _unscored(frame: np.ndarray, state: np.ndarray) -> list[tuple[float, float]]:
+    """Return the frames around each stretch in which a leg is not scored, in order."""
+    there = np.isfinite(state)
+    known, states = frame[there], state[there]
+    lacking = np.diff(known) - 1
+    change = states[1:] != states[:-1]
+    lasts = np.diff(known[1:][change & (lacking == 0)])  # stances and swings, in frames
+    # the same state around fewer frames than the shortest step has: nothing happened in them
+    seamless = ~change & (lacking < (lasts.min() if len(lasts) else 0))
+    return [(known[i], known[i + 1]) for i in np.flatnonzero((lacking > 0) & ~seamless)]
 
 
 def is_contact_table(table: pd.DataFrame) -> bool:

@@ -93,3 +93,40 @@ def test_real_fly_contacts(real_data):
     # the same pair alternates too
     lag = tables.phase_summary.set_index(["leg", "reference"]).loc[("LF", "RF"), "mean"]
     assert 0.35 < lag < 0.65
+
+
+def walk_by_hand():
+    """Ten seconds at 100 frames a second, four strides a second, 60 % of each on the ground."""
+    t = np.arange(1000) / 100
+    phases = {"FR": 0.13, "HR": 0.63, "FL": 0.63, "HL": 0.13}
+    return pd.DataFrame(
+        {"frame": np.arange(1000)}
+        | {leg: (((t * 4 + phase) % 1) < 0.6).astype(float) for leg, phase in phases.items()}
+    )
+
+
+@pytest.mark.parametrize("how", ["rows", "cells"])
+def test_no_stride_goes_over_frames_that_nobody_scored(how):
+    whole = walk_by_hand()
+    gap = whole["frame"].between(400, 479)
+    legs = list(whole)[1:]
+    cut = whole[~gap] if how == "rows" else whole.assign(**whole[legs].mask(gap).to_dict("series"))
+    tables = gait.analyse_events(events_from_contacts(cut, fps=100.0))
+    # 0.8 s is gone: three strides and two that are cut; without the gap in the table one stride
+    # of a second would stand there, with one lift-off like all others
+    strides = tables.strides[tables.strides["leg"] == "FR"]
+    assert len(strides) == 39 - 4
+    np.testing.assert_allclose(strides["period_s"], 0.25, atol=0.011)
+    rows = tables.dropped[(tables.dropped["leg"] == "FR") & (tables.dropped["what"] == "contact")]
+    assert rows[["start_s", "end_s"]].to_numpy().tolist() == [[3.99, 4.8]]
+
+
+def test_a_frame_not_scored_within_a_stance_is_no_gap():
+    whole = walk_by_hand()
+    middle = whole["FR"].rolling(9, center=True).sum() == 9
+    cut = whole.assign(FR=whole["FR"].mask(middle & (whole["frame"] % 7 == 0)))
+    assert cut["FR"].isna().sum() > 20
+    strides = [
+        gait.analyse_events(events_from_contacts(x, fps=100.0)).strides for x in (whole, cut)
+    ]
+    assert len(strides[0]) == len(strides[1])
