@@ -9,9 +9,20 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable
 
+_MOST_SIGNS = 2000
+
 
 class PawnbError(Exception):
-    """Base of every error that pawnb raises on purpose."""
+    """Base of every error that pawnb raises on purpose.
+
+    A message that holds what a damaged file holds may be of any length: of one longer than
+    2000 signs the beginning and the end are kept.
+    """
+
+    def __init__(self, message: str = "") -> None:
+        if len(message) > _MOST_SIGNS:
+            message = f"{message[: _MOST_SIGNS // 2]} ... {message[-_MOST_SIGNS // 4 :]}"
+        super().__init__(message)
 
 
 class InputError(PawnbError, ValueError):

@@ -118,7 +118,7 @@ class PacketIndex:
         self._restarts = [packet for _, packet in begins]
         self._first_of = {packet: first for first, packet in begins}
         self._in_order = sorted(self._restarts)
-        self._sure = [k for k in self._in_order if packets[k].is_sure or k == 0]
+        self._sure = [k for k in self._in_order if k == 0 or packets[k].is_sure]
         self.stamps_s, self.is_variable_rate = _stamps(ticks[: self.n_frames], tick_s, rate_hz)
 
     def _begins(self, packets: Sequence[Packet], places: np.ndarray) -> list[tuple[int, int]]:
@@ -127,9 +127,6 @@ class PacketIndex:
         begins = []
         for k, packet in enumerate(packets):
             if packet.recovery is None or (self.numbers is None and not packet.is_fresh):
-                # a file may begin in between; sequential reading begins there all the same
-                if k == 0:
-                    begins.append((0, 0))
                 continue
             exact = k
             if packet.recovery:
@@ -138,6 +135,9 @@ class PacketIndex:
                     continue
                 exact = int(references[at])
             begins.append((int(max(places[exact], places[k])), k))
+        if not any(k == 0 for _, k in begins):
+            # a file may begin in between; sequential reading begins there all the same
+            begins.append((0, 0))
         return sorted(begins)
 
     def restarts_for(self, index: int) -> list[tuple[int, int]]:

@@ -10,7 +10,6 @@ begin, checks where it landed, and decodes on.
 
 from __future__ import annotations
 
-import contextlib
 import itertools
 import threading
 from collections import OrderedDict, deque
@@ -24,7 +23,7 @@ from pawnb.core.colour import PartPicture, Picture
 from pawnb.core.packets import PacketIndex
 from pawnb.core.planes import picture_of_frame
 from pawnb.core.video.endings import Ending
-from pawnb.core.video.listing import list_packets
+from pawnb.core.video.listing import list_packets, read_packets
 from pawnb.core.video.parts import PartReader
 from pawnb.errors import VideoError
 from pawnb.files import check_file
@@ -225,21 +224,15 @@ class VideoFile:
                 self._container.seek(ticks, stream=self._stream, backward=True)
             except av.FFmpegError:
                 continue
-            packets = self._packets()
+            packets = read_packets(self._container, self._stream)
             head = next(packets, None)
             landed = self._index.identify(head.pos, head.dts) if head is not None else None
             if head is not None and landed is not None and landed <= restart:
                 return self._numbered(itertools.chain([head], packets), landed, restart)
         self._container.close()
         self._container, self._stream = self._open()
-        return self._numbered(self._packets(), 0, 0 if self._has_palette else restart)
-
-    def _packets(self) -> Iterator[av.Packet]:
-        """Yield packets that hold data, up to the end or to where the file is damaged."""
-        with contextlib.suppress(av.FFmpegError):
-            for packet in self._container.demux(self._stream):
-                if packet.size:
-                    yield packet
+        packets = read_packets(self._container, self._stream)
+        return self._numbered(packets, 0, 0 if self._has_palette else restart)
 
     def _numbered(
         self, packets: Iterator[av.Packet], landed: int, restart: int

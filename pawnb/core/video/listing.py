@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import contextlib
+from collections.abc import Iterator
 from pathlib import Path
 
 import av
@@ -37,22 +37,19 @@ def list_packets(
     looks_inside = name in ("h264", "hevc")
     packets: list[Packet] = []
     is_partial, end = False, 0
-    with contextlib.suppress(av.FFmpegError):  # what comes after a damaged place is lost
-        for packet in container.demux(stream):
-            if not packet.size:
-                continue
-            data = bytes(packet) if looks_inside else b""
-            entry = read_entry(data, name, extradata, is_key=packet.is_keyframe)
-            packets.append(Packet(packet.pts, packet.dts, packet.pos, packet.is_discard, *entry))
-            is_partial = packet.is_corrupt
-            end = max(end, (packet.pts or 0) + (packet.duration or 0))
+    lost: list[Exception] = []
+    for packet in read_packets(container, stream, lost):
+        data = bytes(packet) if looks_inside else b""
+        entry = read_entry(data, name, extradata, is_key=packet.is_keyframe)
+        packets.append(Packet(packet.pts, packet.dts, packet.pos, packet.is_discard, *entry))
+        is_partial = packet.is_corrupt
+        end = max(end, (packet.pts or 0) + (packet.duration or 0))
     ending = find_ending(path, container.format.name, stream.id)
     is_partial |= ending is Ending.CUT_IN_PICTURE
     if packets and is_partial:
         packets.pop()
-    is_cut = (
-        is_partial or ending is Ending.CUT or _lacks_packets(container, stream, len(packets), end)
-    )
+    is_cut = is_partial or ending is Ending.CUT or bool(lost)
+    is_cut = is_cut or _lacks_packets(container, stream, len(packets), end)
     times = [p.pts for p in packets if p.pts is not None and not p.is_hidden]
     # H.264 and HEVC in AVI, and streams that reorder but show no sign of it, carry
     # the order of decoding in the place of display times
@@ -73,6 +70,30 @@ def list_packets(
         reorders=reorders,
     )
     return index, Ending.CUT if is_cut else ending
+
+
+def read_packets(
+    container: av.container.InputContainer,
+    stream: av.video.stream.VideoStream,
+    lost: list[Exception] | None = None,
+) -> Iterator[av.Packet]:
+    """Yield packets that hold data, up to the end or to where the file is damaged.
+
+    Parameters
+    ----------
+    container, stream
+        The file, open, and the stream to read.
+    lost : list, optional
+        Told why what comes after a damaged place cannot be read. (PyAV raises IndexError for a
+        packet of a stream that was not there when the file was opened.)
+    """
+    try:
+        for packet in container.demux(stream):
+            if packet.size:
+                yield packet
+    except (av.FFmpegError, IndexError) as error:
+        if lost is not None:
+            lost.append(error)
 
 
 def _lacks_packets(
