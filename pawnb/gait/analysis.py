@@ -168,8 +168,14 @@ def analyse_events(
         gaps = unscored_gaps(own)
         own, short = drop_short_states(own, who, settings=settings)
         unscored = [
-            {**row, "what": "contact", "why": "frames are not in the table, or not scored"}
-            for row in gaps.to_dict("records")
+            {
+                "leg": gap.leg,
+                "start_s": gap.start_s,
+                "end_s": gap.end_s,
+                "what": "contact",
+                "why": "frames are not in the table, or not scored",
+            }
+            for gap in gaps.itertuples()
         ]
         parts.append(
             build_tables(

@@ -56,9 +56,9 @@ def read_anipose(path: str | Path, *, fps: float, unit: str = "mm") -> Tracks:
     ).reshape(len(points), 4, len(cells))
     return build_tracks(
         read_numbers(cells, "fnum", where=where, whole=True),
-        points,
         values[:, :3].transpose(2, 0, 1)[:, :, None],
         values[:, 3].T[..., None],
+        points=points,
         fps=fps,
         unit=unit,
         program="Anipose",

@@ -78,9 +78,9 @@ def read_deeplabcut(path: str | Path, *, fps: float, unit: str = "mm") -> Tracks
 
     return build_tracks(
         frames,
-        points,
         np.stack([picked(axis) for axis in axes], axis=-1),
         picked("likelihood") if any(c[2] == "likelihood" for c in named) else None,
+        points=points,
         fps=fps,
         unit="px" if axes == "xy" else unit,
         program="DeepLabCut",

@@ -50,7 +50,7 @@ def read_dltdv_points3d(path: str | Path, *, fps: float, unit: str = "mm") -> Tr
     _check_layout(path, table, wanted, "<point>_X, <point>_Y, <point>_Z")
     places = table[wanted].to_numpy(dtype=float).reshape(len(frames), len(points), 1, 3)
     return build_tracks(
-        frames, points, places, fps=fps, unit=unit, program="DLTdv", where=Path(path).name
+        frames, places, points=points, fps=fps, unit=unit, program="DLTdv", where=Path(path).name
     )
 
 
@@ -107,8 +107,8 @@ def read_dltdv_points(
         places[..., 1] = np.asarray(heights_px, dtype=float) - places[..., 1]
     return build_tracks(
         frames,
-        points,
         places.transpose(0, 2, 1, 3)[:, :, :, None],
+        points=points,
         fps=fps,
         unit="px",
         program="DLTdv",

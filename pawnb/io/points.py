@@ -19,10 +19,10 @@ from pawnb.schema import (
 
 def build_tracks(
     frames: Sequence[int] | np.ndarray,
-    points: Sequence[str],
     position: np.ndarray,
     confidence: np.ndarray | None = None,
     *,
+    points: Sequence[str],
     fps: float,
     unit: str,
     program: str,
@@ -36,13 +36,13 @@ def build_tracks(
     ----------
     frames : sequence of int, shape (n_rows,)
         The frame of each row; they must rise.
-    points, individuals, views : sequence of str
-        Names, each once. Without views, positions are ``position`` of the Tracks; with views
-        they are image positions.
     position : ndarray, shape (n_rows, [n_views,] n_points, n_individuals, 2 or 3)
         Positions; NaN where a point was not seen.
     confidence : ndarray, shape (n_rows, [n_views,] n_points, n_individuals), optional
         Confidence; without it, that of a point that was seen is NaN.
+    points, individuals, views : sequence of str
+        Names, each once. Without views, positions are ``position`` of the Tracks; with views
+        they are image positions.
     fps : float
         Frames per second of the recording.
     unit : str

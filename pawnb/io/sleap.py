@@ -58,9 +58,9 @@ def read_sleap(path: str | Path, *, fps: float) -> Tracks:
         frames, points, individuals, places, score = read(file, path.name)
     return build_tracks(
         frames,
-        points,
         places,
         score,
+        points=points,
         fps=fps,
         unit="px",
         program="SLEAP",

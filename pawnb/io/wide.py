@@ -80,8 +80,8 @@ def read_wide_table(path: str | Path, *, fps: float, unit: str | None = None) ->
     ]
     return build_tracks(
         read_numbers(cells, "frame", where=where, whole=True),
-        points,
         np.column_stack(columns).reshape(len(cells), len(points), 1, len(axes)),
+        points=points,
         fps=fps,
         unit=unit or ("mm" if len(axes) == 3 else "px"),
         program="table",
