@@ -15,7 +15,7 @@ from pathlib import Path
 
 from pawnb.core.closing import Closing
 from pawnb.errors import InputError
-from pawnb.files import write_all
+from pawnb.files import check_file, write_all
 
 _HEAD = struct.Struct("<II")
 
@@ -54,7 +54,7 @@ class RecordFile(Closing):
         self._file: FileIO | None = None
         with self._refused():
             path.parent.mkdir(parents=True, exist_ok=True)
-            self._read(path.read_bytes() if path.exists() else b"")
+            self._read(check_file(path).read_bytes() if path.exists() else b"")
 
     def take_records(self) -> list[bytes]:
         """Return the records that were there already, and keep them in memory no longer."""

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from pawnb.errors import InputError
 from pawnb.files.lock import locked
+from pawnb.files.reading import check_file
 
 _WAIT_S = 5.0
 """How long to wait for another window that is writing: each of them needs some milliseconds."""
@@ -66,6 +67,9 @@ class GuardedFile:
 
 def _checksum(path: Path) -> bytes | None:
     """Return the SHA-256 of a file; None where there is none."""
+    if not path.exists():
+        return None
+    check_file(path, expected="a file that can be written anew")  # a pipe would be waited for
     try:
         with path.open("rb") as file:
             return hashlib.file_digest(file, "sha256").digest()

@@ -219,7 +219,7 @@ class Trial:
 
     def start_file(self) -> str | None:
         """Return the csv of start clicks: the one named, else ``start.csv`` where it exists."""
-        if self.start_points is None and self.path("start.csv").is_file():
+        if self.start_points is None and self.path("start.csv").exists():
             return "start.csv"
         return self.start_points
 
@@ -228,7 +228,7 @@ class Trial:
 
         Trials of another kind have none unless they name it.
         """
-        there = self.kind == "pose" and self.path("start_pose.csv").is_file()
+        there = self.kind == "pose" and self.path("start_pose.csv").exists()
         return "start_pose.csv" if self.start_pose is None and there else self.start_pose
 
     def path(self, relative: str) -> Path:

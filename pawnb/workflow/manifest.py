@@ -24,7 +24,15 @@ from pathlib import Path
 from typing import Any, Literal
 
 from pawnb.errors import InputError
-from pawnb.files import child_folder, locked, remove_leftovers, sync_folder, write_whole
+from pawnb.files import (
+    check_file,
+    child_folder,
+    locked,
+    read_text,
+    remove_leftovers,
+    sync_folder,
+    write_whole,
+)
 from pawnb.workflow.provenance import provenance_text
 
 RunKind = Literal["track", "gait"]
@@ -133,7 +141,7 @@ def read_manifest(folder: str | Path, *, name: str = MANIFEST) -> Manifest | Non
         None where there is no such file, or it is damaged.
     """
     try:
-        document = json.loads((Path(folder) / name).read_text(encoding="utf-8"))
+        document = json.loads(read_text(Path(folder) / name, expected="a manifest"))
         files = document.get("files", {})
         named = all({"sha256", "run"} <= set(file) for file in files.values())
         steps = [step for step in document["steps"] if isinstance(step, dict)]
@@ -245,9 +253,9 @@ def _text(manifest: Manifest) -> str:
 def _sha256(path: Path) -> str | None:
     """Return the SHA-256 of a file; None where there is none."""
     try:
-        with path.open("rb") as file:
+        with check_file(path).open("rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()
-    except OSError:
+    except (OSError, InputError):
         return None
 
 

@@ -192,7 +192,7 @@ def start_pose(
         table = check_pose(start, names=names, where="start pose")
     else:
         file = trial.start_pose_file()
-        if file is None or not trial.path(file).is_file():
+        if file is None or not trial.path(file).exists():
             there = "" if file is None else f" ({file}: no such file)"
             raise InputError(
                 f"trial {trial.name!r} has no start pose{there}; pose the animal with "

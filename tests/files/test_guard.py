@@ -1,5 +1,6 @@
 """A file that two windows have open is written by one of them only."""
 
+import os
 import subprocess
 import sys
 
@@ -74,3 +75,10 @@ except InputError:
     said = [writer.communicate(timeout=60)[0].strip() for writer in writers]
     assert sorted(said) == ["refused"] * 5 + ["written"]
     assert path.read_text() == str(said.index("written"))
+
+
+def test_a_pipe_in_the_place_of_the_file_is_refused_at_once(tmp_path):
+    path = tmp_path / "start.csv"
+    os.mkfifo(path)
+    with pytest.raises(InputError, match="a named pipe"):
+        GuardedFile(path)
