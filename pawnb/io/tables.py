@@ -212,6 +212,12 @@ def read_cells(path: str | Path, columns: Sequence[str], *, skip_lines: int = 0)
             f"are columns; expected {described}: mend that line."
         ) from None
     names = [str(name).strip() for name in table.iloc[0]]
+    last = text.rpartition("\n")[2]
+    if last and len(table) > 1 and '"' not in last and last.count(",") < len(names) - 1:
+        raise InputError(
+            f"{path.name}: the last line has {last.count(',') + 1} of {len(names)} cells, no end: "
+            "the file was cut short; copy it again from where it is whole, or take that line out."
+        )
     twice = [name for name in names if name and names.count(name) > 1]
     if twice:
         raise InputError(

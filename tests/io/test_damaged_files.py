@@ -204,6 +204,15 @@ def test_points_of_one_name_are_refused(tmp_path):
         read_any_tracks(path, fps=FPS)
 
 
+def test_a_table_cut_short_is_said(tmp_path):
+    path = write_wide(tmp_path / "points.csv", range(6))
+    path.write_text(path.read_text()[:-12])
+    with pytest.raises(
+        InputError, match=r"the last line has 4 of 5 cells, no end: the"
+    ):
+        read_any_tracks(path, fps=FPS)
+
+
 def test_a_row_with_a_cell_too_many_is_not_shifted(tmp_path):
     # pandas takes the first column as an index then, and every value moves by one
     (tmp_path / "points.csv").write_text("frame,FR_x,FR_y\n0,1,2,\n1,2,3,\n")
