@@ -27,6 +27,9 @@ _DARK = 0.1
 """Colours of a lower relative luminance need a light edge on a dark page."""
 _DONE = "_pawnb_dark"
 
+_MARGIN_PX = 12
+"""Room that the canvas leaves about itself."""
+
 LEAST_PX = (420, 300)
 """No plots are smaller; the page scrolls instead."""
 
@@ -47,7 +50,7 @@ def fit_figure(
     beside_px : int
         Height of the window that the plots do not have: menus, buttons, words.
     """
-    width = int(np.clip(room[0], LEAST_PX[0], most[0]))
+    width = int(np.clip(room[0] - _MARGIN_PX, LEAST_PX[0], most[0]))
     height = int(np.clip(room[1] - beside_px, LEAST_PX[1], most[1]))
     dpi = figure.dpi / getattr(figure.canvas, "device_pixel_ratio", 1.0)
     figure.set_size_inches(width / dpi, height / dpi)
