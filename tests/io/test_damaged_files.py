@@ -207,9 +207,7 @@ def test_points_of_one_name_are_refused(tmp_path):
 def test_a_table_cut_short_is_said(tmp_path):
     path = write_wide(tmp_path / "points.csv", range(6))
     path.write_text(path.read_text()[:-12])
-    with pytest.raises(
-        InputError, match=r"the last line has 4 of 5 cells, no end: the"
-    ):
+    with pytest.raises(InputError, match=r"the last line has 4 of 5 cells, no end: the"):
         read_any_tracks(path, fps=FPS)
 
 
