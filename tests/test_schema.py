@@ -77,7 +77,8 @@ def test_phase_summary_has_animals_first_then_strides():
     first = schema.PHASE_SUMMARY_COLUMNS[4:12]
     assert schema.PHASE_SUMMARY_COLUMNS[:4] == ("leg", "reference", "n", "n_animals")
     assert schema.PHASE_SUMMARY_COLUMNS[12:20] == tuple(f"{name}_strides" for name in first)
-    assert schema.PHASE_SUMMARY_COLUMNS[20:] == ("moore_r", "moore_p", "note")
+    further = ("moore_r", "moore_p", "note", "r_low", "r_high", "r_low_strides", "r_high_strides")
+    assert schema.PHASE_SUMMARY_COLUMNS[20:] == further
 
 
 @dataclass(frozen=True)

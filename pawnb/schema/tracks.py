@@ -68,7 +68,8 @@ def check_fps(fps: float) -> None:
     """
     is_number = isinstance(fps, int | float | np.number) and not isinstance(fps, bool)
     if not (is_number and 0 < fps < math.inf):
-        raise InputError(f"fps is {shown(fps)}; expected frames per second, a number above 0.")
+        found = f"{fps:g}" if is_number else shown(fps)
+        raise InputError(f"fps is {found}; expected frames per second, a number above 0.")
 
 
 def make_tracks(

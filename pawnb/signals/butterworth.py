@@ -224,18 +224,42 @@ def extend_run(run: np.ndarray, *, cutoff_hz: float, fs_hz: float) -> tuple[np.n
         Samples added at each end.
     """
     reach = filter_reach(cutoff_hz, fs_hz=fs_hz) if len(run) > 1 else 0
-    window = max(_LEAST_BEND, math.ceil(_BEND_PERIODS * fs_hz / cutoff_hz))
-    before = _continuation(run, reach, window)[::-1]
-    after = _continuation(run[::-1], reach, window)
+    bends = end_bends(run, cutoff_hz=cutoff_hz, fs_hz=fs_hz)
+    before = _continuation(run, reach, bends[0])[::-1]
+    after = _continuation(run[::-1], reach, bends[1])
     return np.concatenate((before, run, after)), reach
 
 
-def _continuation(run: np.ndarray, reach: int, window: int) -> np.ndarray:
-    """Continue a run beyond its first sample; outwards."""
+def end_bends(run: np.ndarray, *, cutoff_hz: float, fs_hz: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return how a run bends at its ends.
+
+    Parameters
+    ----------
+    run : ndarray, shape (n,) or (n, k)
+        Values without gaps.
+    cutoff_hz, fs_hz : float
+        Cut-off of the smoother and sampling rate, in Hz.
+
+    Returns
+    -------
+    first, last : ndarray, shape () or (k,)
+        Half the second derivative, per sample squared, of the parabola through the three quarters
+        of a period of the cut-off at that end (least squares, at least five samples); 0 where the
+        run is shorter.
+    """
+    window = max(_LEAST_BEND, math.ceil(_BEND_PERIODS * fs_hz / cutoff_hz))
+    if len(run) < window:
+        return np.zeros(run.shape[1:]), np.zeros(run.shape[1:])
+    weights = _bend_weights(window)
+    return (
+        np.tensordot(weights, run[:window], axes=1),
+        np.tensordot(weights, run[::-1][:window], axes=1),
+    )
+
+
+def _continuation(run: np.ndarray, reach: int, bend: np.ndarray) -> np.ndarray:
+    """Continue a run that bends at its first sample beyond it; outwards."""
     one_axis = [1] * (run.ndim - 1)
-    bend = np.zeros(run.shape[1:])
-    if len(run) >= window:
-        bend = np.tensordot(_bend_weights(window), run[:window], axes=1)
     since = np.arange(float(len(run))).reshape(-1, *one_axis)
     widths = [(reach, 0), *[(0, 0)] * len(one_axis)]
     straight = np.pad(run - bend * since**2, widths, mode="reflect", reflect_type="odd")

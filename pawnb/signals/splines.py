@@ -6,10 +6,11 @@ import math
 from functools import lru_cache
 
 import numpy as np
+from numpy.polynomial import Polynomial
 from scipy.interpolate import make_smoothing_spline
 
 from pawnb.errors import InputError
-from pawnb.signals.butterworth import check_cutoff, check_rate, extend_run, filter_reach
+from pawnb.signals.butterworth import check_cutoff, check_rate, end_bends, filter_reach
 from pawnb.signals.gcv import effective_parameters, find_lowest, gcv_score
 from pawnb.signals.runs import each_column, each_run, fill_gaps, find_runs
 
@@ -78,11 +79,13 @@ def smooth_spline(
         def fit(run: np.ndarray) -> np.ndarray:
             if len(run) < LEAST_SAMPLES:
                 return np.full(len(run), np.nan)
-            longer, reach = extend_run(run, cutoff_hz=cutoff, fs_hz=fs_hz)
-            at = np.arange(len(longer), dtype=float)
-            curve = make_smoothing_spline(at, longer, lam=weight)
-            inner = at[reach : reach + len(run)]
-            return curve.derivative(derivative)(inner) * fs_hz**derivative
+            at = np.arange(len(run), dtype=float)
+            first, last = end_bends(run, cutoff_hz=cutoff, fs_hz=fs_hz)
+            bent = Polynomial([0.0, 0.0, float(first), float(last - first) / (3 * (len(run) - 1))])
+            curve = make_smoothing_spline(at, run - bent(at), lam=weight)
+            return (
+                curve.derivative(derivative)(at) + bent.deriv(derivative)(at)
+            ) * fs_hz**derivative
 
         return each_run(column, fit)
 

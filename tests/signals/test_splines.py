@@ -7,7 +7,7 @@ import pytest
 
 from pawnb.errors import InputError
 from pawnb.signals import butterworth_lowpass, smooth_motion, smooth_spline, spline_cutoff
-from pawnb.signals.butterworth import extend_run
+from pawnb.signals.butterworth import end_bends
 
 FS = 250.0
 
@@ -25,18 +25,22 @@ def test_spline_is_the_textbook_solution():
     # R tridiagonal with 2/3 and 1/6, for samples one apart
     rng = np.random.default_rng(1)
     cutoff = 30.0
-    run = rng.standard_normal(40)
-    # both ends are continued first, over three periods of 30 Hz
-    y, reach = extend_run(run, cutoff_hz=cutoff, fs_hz=FS)
-    n = len(y)
-    assert (n, reach) == (40 + 2 * 25, 25)
+    n = 40
+    run = rng.standard_normal(n)
+    # a cubic with the curvature of the run's ends is smoothed by nothing
+    first, last = end_bends(run, cutoff_hz=cutoff, fs_hz=FS)
+    # np.polyfit over three quarters of a period of 30 Hz, 7 samples, says the same
+    assert first == pytest.approx(np.polyfit(np.arange(7), run[:7], 2)[0])
+    assert last == pytest.approx(np.polyfit(np.arange(7), run[:-8:-1], 2)[0])
+    t = np.arange(n)
+    cubic = first * t**2 + (last - first) * t**3 / (3 * (n - 1))
+    y = run - cubic
     q = np.zeros((n, n - 2))
     for j in range(n - 2):
         q[j : j + 3, j] = 1.0, -2.0, 1.0
     r = 2 / 3 * np.eye(n - 2) + 1 / 6 * (np.eye(n - 2, k=1) + np.eye(n - 2, k=-1))
     weight = (np.sqrt(2) - 1) / (2 * np.pi * cutoff / FS) ** 4
-    expected = np.linalg.solve(np.eye(n) + weight * q @ np.linalg.solve(r, q.T), y)
-    expected = expected[reach:-reach]
+    expected = np.linalg.solve(np.eye(n) + weight * q @ np.linalg.solve(r, q.T), y) + cubic
     found = smooth_spline(run, fs_hz=FS, cutoff_hz=cutoff)
     np.testing.assert_allclose(found, expected, atol=1e-9)
     assert not np.allclose(
