@@ -155,6 +155,7 @@ def test_lab_opens_the_quick_start_on_this_machine_only():
     assert any(word.endswith("00_quickstart.ipynb") for word in words)
 
 
+@pytest.mark.slow
 def test_lab_asks_nothing_about_news_and_writes_no_settings(monkeypatch):
     """What is switched off is read by JupyterLab's own server."""
     code = (

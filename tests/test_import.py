@@ -36,6 +36,7 @@ def test_every_public_name_is_there(name):
     assert getattr(pawnb, name) is not None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     ["io.movement.to_movement", "core.dlt.fit_dlt", "gait.regression", "schema.make_tracks"],

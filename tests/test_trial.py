@@ -216,6 +216,7 @@ views = st.builds(
 )
 
 
+@pytest.mark.slow
 @given(
     views=st.lists(views, min_size=1, max_size=3, unique_by=lambda v: v.name).map(tuple),
     fps=st.floats(0.1, 1e4),

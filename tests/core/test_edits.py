@@ -308,6 +308,7 @@ def test_a_line_gives_back_the_very_record(record):
     assert edits.EDIT_LINES.from_line(edits.EDIT_LINES.to_line(record), where="here") == record
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(st.lists(st.one_of(RECORDS, st.sampled_from(["undo", "redo"])), max_size=12), st.data())
 def test_replay_gives_the_present_state_whatever_was_done(tmp_path_factory, steps, data):

@@ -198,6 +198,7 @@ def test_damage_is_seen():
     assert seen > 0.8 * tried
 
 
+@pytest.mark.slow
 def test_tables_defined_over_and_over_take_no_memory_and_no_time():
     """20,000 Huffman codes in a header took 3.9 GB; of each name only the last one counts."""
     data = encoded(noisy(64, 48))

@@ -211,6 +211,7 @@ def test_leaving_early_stops_the_threads(clips):
         assert readers_at_work() == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("step", [1, -1])
 def test_memory_stays_flat(tmp_path, monkeypatch, step):
     """Never more pictures alive than are waiting, being made and in the consumer's hands."""

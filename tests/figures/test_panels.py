@@ -30,6 +30,7 @@ def _close():
     plt.close("all")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("n", "width_mm"), [(1, 85.0), (4, 85.0), (5, 170.0), (7, 170.0)])
 def test_panels_fill_one_or_two_columns(n, width_mm):
     with style():

@@ -145,6 +145,7 @@ def test_other_figures_are_the_same_each_time(tables, kind, tmp_path, monkeypatc
     check_same(make, tmp_path, monkeypatch)
 
 
+@pytest.mark.slow
 def test_every_table_is_the_same_each_time(tables, tmp_path):
     analysis, groups = tables
 

@@ -22,6 +22,8 @@ from pawnb.synthetic.gait_model import plan_gait
 from pawnb.synthetic.scene import LEGS, SceneSettings
 from pawnb.synthetic.truth import paw_positions
 
+pytestmark = pytest.mark.slow  # scenes are rendered and tracked
+
 FS, FRAMES, PX = 100.0, 400, 3.0
 T = np.arange(FRAMES) / FS
 DRIFTS_MM = {

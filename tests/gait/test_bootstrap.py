@@ -59,6 +59,7 @@ def test_random_draws_approach_all_draws_and_repeat():
     assert other.low != found.low or other.high != found.high
 
 
+@pytest.mark.slow
 def test_drawing_strides_too_widens_the_interval():
     rng = np.random.default_rng(0)
     data = table({name: rng.normal(0, 1, 10) for name in "abcde"})

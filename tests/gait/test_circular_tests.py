@@ -60,6 +60,7 @@ def test_zars_p_where_it_fails(n, r, zar):
     assert rayleigh_p(n, r) < zar / 8
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("sample", "p"),
     # the column "series (AP, R)" of the worked examples: why astropy's is not followed

@@ -47,6 +47,7 @@ def event_errors(tables, walk, *, event, fps=250.0):
     return np.array(errors)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("duty", DUTIES)
 @pytest.mark.parametrize("treadmill", [True, False])
 def test_known_walk_with_noise(duty, treadmill):
@@ -131,6 +132,7 @@ def test_tables_have_their_columns_and_frames_match_times():
     assert list(dict.fromkeys(tables.events["leg"])) == ["FR", "HR", "FL", "HL"]
 
 
+@pytest.mark.slow
 @settings(max_examples=8, deadline=None)
 @given(st.floats(0.01, 100), st.integers(0, 5000), st.floats(-1000, 1000))
 def test_unit_start_and_place_change_nothing(scale, first, place):
@@ -317,6 +319,7 @@ def test_wrong_direction_is_questioned():
     assert any("the wrong way round?" in note for note in tables.notes)
 
 
+@pytest.mark.slow
 def test_frames_left_out_and_uneven_times():
     walk = Walk(duty=0.6)
     whole = walk.tracks()

@@ -135,6 +135,7 @@ def test_bad_input_is_refused(call, message):
         call()
 
 
+@pytest.mark.slow
 def test_smoothed_angles_have_their_true_range_and_gaps_are_not_bridged():
     """A joint of 20 degrees' range and one that is still, each with errors of 1 degree.
 

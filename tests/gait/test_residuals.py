@@ -93,6 +93,7 @@ def endless_cutoff(frames, sd):
     return brentq(squares, 1.0, 0.4 * frames)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("frames", "sd"), [(60, 0.02), (250, 0.02), (250, 0.002), (500, 0.002)])
 def test_noise_of_known_size_is_read_off_the_curve(monkeypatch, frames, sd):
     # who is right where hundreds of frames make a period: the truth decides
@@ -191,6 +192,7 @@ def test_curve_line_and_band_belong_together():
     assert found.warning == ESTIMATE_WARNING
 
 
+@pytest.mark.slow
 def test_gaps_part_the_signal():
     _, noisy = two_waves()
     gappy = noisy.copy()

@@ -263,6 +263,7 @@ def test_the_space_of_the_real_rig(rats, stamp):
     assert np.nanmedian(np.gradient(foot[:, 0])[low]) < 0
 
 
+@pytest.mark.slow
 def test_the_bad_first_row_of_a_real_hind_file(rats):
     # cam1.h of 13_30_12 begins with markers up to 300 px from where they are in the next frame
     tracks, _ = read_rat(rats, STAMPS[1])

@@ -214,6 +214,7 @@ print("done")
 """
 
 
+@pytest.mark.slow
 def test_no_line_is_lost_or_broken_between_two_writers(tmp_path):
     path = tmp_path / "notes.jsonl"
     started = [_start(_RACE, path, name) for name in "ab"]

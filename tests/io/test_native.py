@@ -323,6 +323,7 @@ def test_units_of_the_first_files_are_found_under_their_old_name(tmp_path):
     assert "unit" not in found.attrs
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="limits of POSIX")
 def test_a_full_disk_while_tracks_are_written_is_a_sentence(tmp_path):
     """In a process that may write 100 kB a file: HDF5 itself crashes it when it is closed."""

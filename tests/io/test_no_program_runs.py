@@ -123,6 +123,7 @@ def test_the_crafted_file_is_a_real_one(tmp_path):
     assert marker.exists()
 
 
+@pytest.mark.slow
 def test_no_reader_loads_what_could_unpickle(tmp_path):
     paths = [str(write(tmp_path / f"{i}_{name}", range(4)))
              for i, (name, write) in enumerate(WRITERS.values())]  # fmt: skip

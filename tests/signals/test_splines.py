@@ -91,6 +91,7 @@ def test_cross_validation_finds_nearly_the_least_error(seed):
         assert np.mean((other - true) ** 2) > 1.3 * min(errors)
 
 
+@pytest.mark.slow
 def test_choice_does_not_depend_on_units_or_on_time_zero():
     _, noisy, _ = noisy_angle(n=300)
     chosen = spline_cutoff(noisy, fs_hz=FS)
@@ -111,6 +112,7 @@ def test_spline_never_crosses_a_gap_and_leaves_short_runs_out():
     assert np.isfinite(filled).all()
 
 
+@pytest.mark.slow
 def test_motion_by_both_ways_agrees():
     true, noisy, acceleration = noisy_angle(sd=0.05)
     inner = slice(60, -60)

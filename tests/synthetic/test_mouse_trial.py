@@ -14,6 +14,8 @@ from pawnb.synthetic import render_mouse_trial
 from pawnb.synthetic.scene import LEGS
 from pawnb.trial import load_trial
 
+pytestmark = pytest.mark.slow  # scenes are rendered and tracked
+
 FPS, FRAMES = 100.0, 30
 SMALL = {"fps": FPS}  # 30 frames are one and a half strides
 
@@ -193,7 +195,6 @@ def test_an_animal_that_runs_the_other_way(turned):
     assert mean.loc["FR", "y"] > mean.loc["FL", "y"]  # and its right towards +Y
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("n_views", [2, 3])
 def test_fewer_views(tmp_path, n_views):
     render_mouse_trial(
@@ -207,7 +208,6 @@ def test_fewer_views(tmp_path, n_views):
     ]
 
 
-@pytest.mark.slow
 def test_the_same_seed_gives_the_same_bytes_and_another_does_not(tmp_path):
     for name, seed in (("a", 5), ("b", 5), ("c", 6)):
         render_mouse_trial(tmp_path / name, frames=3, scale=0.1, seed=seed, difficulty="hard")
@@ -228,7 +228,6 @@ def test_progress_counts_to_the_end(tmp_path):
     assert path == tmp_path / "trial.toml"
 
 
-@pytest.mark.slow
 def test_a_run_that_is_stopped_leaves_no_trial(tmp_path):
     render_mouse_trial(tmp_path, frames=2, scale=0.05)
 

@@ -10,6 +10,8 @@ from pawnb.errors import InputError
 from pawnb.gait.scaling import EXPECTED_EXPONENTS
 from pawnb.synthetic.spider_study import simulate_spider_study, true_exponents
 
+pytestmark = pytest.mark.slow  # scenes are rendered and tracked
+
 
 @pytest.fixture(scope="module")
 def study():
@@ -91,7 +93,6 @@ def test_noise_is_as_large_as_said(study):
     assert not again["position"].equals(other["position"])
 
 
-@pytest.mark.slow
 def test_strides_are_found_again(study):
     """Independent of the truth's formulas: the gait analysis works on positions.
 
@@ -118,7 +119,6 @@ def test_true_angles_name_leg_and_joint(study):
     np.testing.assert_allclose(own.loc[own["joint"] == "TM", "angle_deg"], run.pose["R3_TM"])
 
 
-@pytest.mark.slow
 def test_the_same_seed_is_the_same_study(study):
     again = simulate_spider_study(animals=2, trials=2, seed=4)
     assert again.truth("events").equals(study.truth("events"))

@@ -16,6 +16,8 @@ from pawnb.schema import EVENTS_COLUMNS, PHASES_COLUMNS, TRACKS_COLUMNS
 from pawnb.synthetic import render_spider_trial
 from pawnb.trial import load_trial
 
+pytestmark = pytest.mark.slow  # scenes are rendered and tracked
+
 SCALE, FRAMES = 0.3, 110
 ANIMAL = load_species("dolomedes")
 NAMES = PoseNames(legs=ANIMAL.leg_names, joints=ANIMAL.joints, segments=ANIMAL.segments)

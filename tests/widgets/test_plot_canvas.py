@@ -3,6 +3,8 @@
 import subprocess
 import sys
 
+import pytest
+
 SOURCE = """
 import warnings
 warnings.simplefilter("ignore")
@@ -17,6 +19,7 @@ print(type(explorer._canvas).__module__, matplotlib.get_backend(),
 """
 
 
+@pytest.mark.slow
 def test_the_backend_stays():
     # a process of its own: ipympl takes pyplot over when it is first imported
     done = subprocess.run([sys.executable, "-c", SOURCE], capture_output=True, text=True)

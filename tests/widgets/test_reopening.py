@@ -87,6 +87,7 @@ def test_a_review_of_points_opens_again_with_what_was_tracked_again(small_trial,
     assert "2 corrections in edits.jsonl" in said
 
 
+@pytest.mark.slow
 def test_a_review_of_poses_opens_again_with_what_was_tracked_again(small_spider, poses):
     was = review_poses(small_spider, poses)
     now, said = opened_again(small_spider, poses, PoseReviewer)

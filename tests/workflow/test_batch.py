@@ -21,6 +21,8 @@ from pawnb.workflow.provenance import build_step, trial_checksums, trial_fingerp
 from pawnb.workflow.results import write_track_results
 from pawnb.workflow.track import track
 
+pytestmark = pytest.mark.slow  # scenes are rendered and tracked
+
 QUICK = {"choose_path": False}
 
 
@@ -150,7 +152,6 @@ def test_corrections_by_hand_are_not_overwritten(trials):
     assert sorted(path.name for path in results.iterdir()) == ["edits.jsonl"]
 
 
-@pytest.mark.slow
 def test_results_in_one_folder_have_the_names_of_the_trials(trials, tmp_path):
     out = tmp_path / "out"
     toml = trials / "b" / "trial.toml"
@@ -161,7 +162,6 @@ def test_results_in_one_folder_have_the_names_of_the_trials(trials, tmp_path):
     assert [path.name for path in out.iterdir()] == ["a-normal-still-01"]
 
 
-@pytest.mark.slow
 def test_a_process_that_dies_takes_no_other_with_it(trials, monkeypatch):
     """The interpreter itself ends while the first is tracked."""
     original = Processes.begin
@@ -177,7 +177,6 @@ def test_a_process_that_dies_takes_no_other_with_it(trials, monkeypatch):
     assert done.failed["said"].item().startswith("its process ended with status -9")
 
 
-@pytest.mark.slow
 def test_an_interrupt_stops_what_is_under_way_and_leaves_the_rest(trials, monkeypatch):
     stop = threading.Event()
 
@@ -205,7 +204,6 @@ def test_trials_are_found_in_folders_and_counted_once(trials):
         batch([trials], workers=0)
 
 
-@pytest.mark.slow
 def test_the_command_ends_with_status_2_and_a_sentence_each(trials, capsys):
     (trials / "a" / "start_pose.csv").unlink()
     assert main(["batch", str(trials / "a"), str(trials / "broken")]) == 2

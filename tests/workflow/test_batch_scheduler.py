@@ -67,6 +67,7 @@ def test_an_interrupt_stops_the_workers_and_takes_back_what_waits(trials, cluste
     assert not is_tracked(load_trial(trials / "a"), trials / "a" / "results", method="pawnb")
 
 
+@pytest.mark.slow
 def test_trials_wait_for_a_worker_and_are_taken_back(trials, monkeypatch):
     distributed = pytest.importorskip("distributed")
     asked = []

@@ -156,6 +156,7 @@ def test_tracks_made_elsewhere_are_read_as_gait_will(tmp_path):
     assert "not tracks that are read here" in check_trial(trial).faults[0]
 
 
+@pytest.mark.slow
 def test_tracks_that_are_there_are_read(small_trial):
     results = small_trial / "results"
     results.mkdir()

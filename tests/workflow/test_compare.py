@@ -27,6 +27,8 @@ from pawnb.workflow.compare_cameras import TESTS_COLUMNS
 from pawnb.workflow.evaluation import count_errors
 from pawnb.workflow.track import track
 
+pytestmark = pytest.mark.slow  # scenes are rendered and tracked
+
 FRAMES = (0, 10)
 
 
@@ -205,7 +207,6 @@ def test_bad_input_is_one_sentence(small_trial):
         compare_methods([small_trial])
 
 
-@pytest.mark.slow
 def test_command(rendered_trial, tmp_path, capsys):
     out = tmp_path / "c"
     words = ["compare", str(rendered_trial), "--methods", "slic-2d", "--frames", "4"]

@@ -86,6 +86,7 @@ def study(folder, *, column):
     return [folder / "all.csv"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("column", [True, False], ids=["a column group", "--groups"])
 def test_groups_of_animals_scored_by_hand_compare_in_one_command(tmp_path, column):
     paths = study(tmp_path, column=column)

@@ -147,6 +147,7 @@ def test_points_of_programs_that_are_left_out_are_said(rendered_trial, tmp_path)
 # --- real digitised trials ------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::pawnb.errors.InputWarning")
 @pytest.mark.parametrize("v", ["down", "up"])
 def test_real_spiders_are_where_dltdv_says(real_data, tmp_path, v):

@@ -55,6 +55,7 @@ def results(tmp_path):
     return folder
 
 
+@pytest.mark.slow
 def test_tables_have_the_columns_of_the_contract(results):
     run = run_gait([results], figures="main")
     assert run.out == results
@@ -165,6 +166,7 @@ def test_corrections_of_events_are_made_again(tmp_path):
     assert why.count("excluded by hand: stumbled") == why.count("excluded by hand: turned") == 1
 
 
+@pytest.mark.slow
 def test_events_scored_by_hand_will_do(tmp_path):
     """A foot lands every 50 frames and lifts 30 later: 5 Hz at 250 per second, duty 0.6."""
     rows = [
@@ -184,6 +186,7 @@ def test_events_scored_by_hand_will_do(tmp_path):
         run_gait([path])
 
 
+@pytest.mark.slow
 def test_points3d_of_another_program_need_only_a_frame_rate(tmp_path):
     write_table(points3d_table(walking_tracks("t1", "m1")), tmp_path / "points3d.csv")
     run = run_gait([tmp_path / "points3d.csv"], figures="main", fps=FPS, out=tmp_path / "out")
@@ -272,6 +275,7 @@ def run_gait_of(tracks, folder):
     return run_gait([folder / "own.nc"], figures="main", out=folder / "own")
 
 
+@pytest.mark.slow
 def test_contact_by_hand_is_read_as_events(tmp_path):
     down = [1] * 6 + [0] * 4
     rows = ["frame,LF,RF"] + [f"{i},{down[i % 10]},{down[(i + 5) % 10]}" for i in range(100)]
@@ -325,6 +329,7 @@ def contact_csv(path, *, period=10):
     return path
 
 
+@pytest.mark.slow
 def test_files_of_one_animal_count_once(tmp_path):
     paths = [contact_csv(tmp_path / f"{name}.csv") for name in ("a", "b", "c")]
     options = {"fps": 100.0, "figures": "none", "out": tmp_path / "out"}
@@ -339,6 +344,7 @@ def test_files_of_one_animal_count_once(tmp_path):
         run_gait(paths, animals=["m1", "m2"], **options)
 
 
+@pytest.mark.slow
 def test_one_input_needs_no_list(results):
     """A text is one input, and not its letters."""
     for inputs in (results, str(results)):

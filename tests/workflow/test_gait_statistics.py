@@ -66,6 +66,7 @@ def test_groups_differ_by_what_was_put_in():
     assert set(found["groups"]["design"]) == {"unpaired"}
 
 
+@pytest.mark.slow
 def test_measures_are_families_and_single_legs_are_follow_ups():
     tables, groups = two_groups()
     table = statistics_tables(tables, groups=groups)[0]["groups"]
@@ -107,6 +108,7 @@ def noisy_groups(*, effect, seed=3, k=3, legs=("FR", "HR", "FL", "HL")):
     return dataclasses.replace(tables, strides=strides, phases=empty, events=events), groups
 
 
+@pytest.mark.slow
 def test_a_true_difference_is_not_lost_among_other_measures():
     tables, groups = noisy_groups(effect=0.05)
     table = statistics_tables(tables, groups=groups)[0]["groups"]
@@ -124,6 +126,7 @@ def test_a_true_difference_is_not_lost_among_other_measures():
     assert before > 0.1
 
 
+@pytest.mark.slow
 def test_figure_and_table_of_three_groups_print_the_same_p():
     tables, groups = noisy_groups(effect=0.02, k=6)
     groups = {key: "c" if key[0] in ("b4", "b5", "a5") else g for key, g in groups.items()}
@@ -144,6 +147,7 @@ def test_figure_and_table_of_three_groups_print_the_same_p():
         assert row["p_adjusted"] > row["p"]
 
 
+@pytest.mark.slow
 def test_groups_of_phases_are_adjusted_over_pairs_of_legs():
     tables, groups = two_groups()
     other = tables.phases.assign(
@@ -166,6 +170,7 @@ def test_conditions_of_the_same_animals_are_paired():
     assert period["ci_high"] - period["ci_low"] == pytest.approx(0.0, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_trials_without_group_are_left_out_and_one_group_is_not_compared():
     tables, groups = two_groups()
     some = {key: group for key, group in groups.items() if key[0] != "b3"}

@@ -219,6 +219,7 @@ def test_a_folder_of_figures_that_leads_elsewhere_is_refused(tmp_path):
     assert list((tmp_path / "elsewhere").iterdir()) == []
 
 
+@pytest.mark.slow
 def test_a_second_run_is_refused_while_one_writes(tmp_path):
     out = tmp_path / "out"
     out.mkdir()

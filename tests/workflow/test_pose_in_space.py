@@ -28,6 +28,8 @@ from pawnb.workflow.results import provenance_steps
 from pawnb.workflow.track import retrack, track
 from pawnb.workflow.track_pose import pose_views
 
+pytestmark = pytest.mark.slow  # scenes are rendered and tracked
+
 
 @pytest.fixture(scope="module")
 def two_views(tmp_path_factory):
@@ -43,7 +45,6 @@ def found(two_views, tmp_path_factory):
     return track(two_views, out=out), out
 
 
-@pytest.mark.slow
 def test_joints_and_tips_are_near_the_truth_in_space(found, two_views):
     """Medians within 1 % of the leg span, nineteen of twenty within 5 %."""
     tracks, out = found
@@ -61,7 +62,6 @@ def test_joints_and_tips_are_near_the_truth_in_space(found, two_views):
     assert off[both["point"] == "body"].max() < 0.02 * span
 
 
-@pytest.mark.slow
 def test_tracks_hold_both_views_and_the_pose_of_the_first(found, two_views):
     tracks, out = found
     assert tracks.attrs["units"] == "mm"
@@ -84,7 +84,6 @@ def test_tracks_hold_both_views_and_the_pose_of_the_first(found, two_views):
     assert "DLTcoefs.csv" in step["inputs"]
 
 
-@pytest.mark.slow
 def test_joints_in_space_correct_the_pose_of_the_first_view(found, two_views):
     """From above, where along a straight leg its joints lie shows poorly.
 
@@ -104,7 +103,6 @@ def test_joints_in_space_correct_the_pose_of_the_first_view(found, two_views):
     assert [one["space"]["correct_first"] for one in settings] == [True, False]
 
 
-@pytest.mark.slow
 def test_leg_angles_of_gait_are_those_of_the_pose(found):
     tracks, _ = found
     table = gait.leg_angles(tracks)
@@ -115,7 +113,6 @@ def test_leg_angles_of_gait_are_those_of_the_pose(found):
         np.testing.assert_allclose(angle, own[:, number], atol=1e-6)
 
 
-@pytest.mark.slow
 def test_tracking_again_finds_joints_in_space_in_the_touched_stretch_alone(
     found, two_views, monkeypatch
 ):
@@ -153,7 +150,6 @@ def test_tracking_again_finds_joints_in_space_in_the_touched_stretch_alone(
     assert np.abs(off).max() < 1.0
 
 
-@pytest.mark.slow
 def test_joints_in_space_go_on_where_they_were_stopped(found, two_views, tmp_path, monkeypatch):
     whole, _ = found
     taken, fitted = [], []

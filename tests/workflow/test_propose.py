@@ -14,6 +14,8 @@ from pawnb.synthetic import render_mouse_trial
 from pawnb.trial import load_trial
 from pawnb.workflow.sureness import sureness_in_words
 
+pytestmark = pytest.mark.slow  # scenes are rendered and tracked
+
 # half a hind paw: 20 px in the paper's pictures, 2048 px wide; this scene is 410 px wide
 HALF_PAW_PX = 20 * 0.2
 

@@ -21,6 +21,8 @@ from pawnb.workflow.kept_candidates import FILE_NAME
 from pawnb.workflow.results import provenance_steps
 from pawnb.workflow.track import retrack, track
 
+pytestmark = pytest.mark.slow  # scenes are rendered and tracked
+
 N = 12
 
 

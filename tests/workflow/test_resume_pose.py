@@ -20,6 +20,8 @@ from pawnb.workflow.batch import batch
 from pawnb.workflow.track import track
 from pawnb.workflow.unfinished import KEPT_FILE, _differing
 
+pytestmark = pytest.mark.slow  # scenes are rendered and tracked
+
 QUICK = {"choose_path": False}
 
 
@@ -105,7 +107,6 @@ def test_a_second_run_goes_on_and_ends_as_one_run_would(
             assert (parts / name).read_bytes() == (tmp_path / "whole" / name).read_bytes(), name
 
 
-@pytest.mark.slow
 def test_legs_that_cross_go_on_with_all_that_was_open(tmp_path, fitted):
     """A running spider whose frames leave several places of its legs open."""
     spider, frames = tmp_path / "spider", (16, 44)

@@ -22,6 +22,8 @@ from pawnb.trial import load_trial
 from pawnb.workflow.stride_template import build_template, main
 from pawnb.workflow.track import track
 
+pytestmark = pytest.mark.slow  # scenes are rendered and tracked
+
 
 def tracks_of(trial, *, period=40.0, n=250):
     """Paws that go round an ellipse, forwards as each camera sees it; v lags a quarter."""
@@ -128,7 +130,6 @@ def test_the_template_of_the_package_is_that_of_the_scenes_it_was_made_from():
         np.testing.assert_allclose(own.uv, true.uv, atol=0.025)
 
 
-@pytest.mark.slow
 def test_tracks_of_the_default_method_and_the_truth_give_the_same_template(tmp_path):
     """Front paws are hidden in every stride: tracks bridge that, and the truth knows it."""
     trial = load_trial(render_mouse_trial(tmp_path / "mouse", frames=130, scale=0.3, seed=3))

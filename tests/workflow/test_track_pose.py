@@ -25,6 +25,8 @@ from pawnb.workflow.propose_pose import trial_background
 from pawnb.workflow.results import RESULT_FILES
 from pawnb.workflow.track import track
 
+pytestmark = pytest.mark.slow  # scenes are rendered and tracked
+
 
 @pytest.fixture(scope="module")
 def tracked(rendered_spider, tmp_path_factory):
@@ -87,7 +89,6 @@ def test_a_pose_handed_over_stands_in_the_record(rendered_spider):
     assert step["settings"]["candidates"] == 1
 
 
-@pytest.mark.slow
 def test_the_published_method_follows_the_frames_that_show_the_animal(rendered_spider, tmp_path):
     tracks = track(rendered_spider, method="paper", out=tmp_path)
     assert tracks["frame"].to_numpy().tolist() == list(range(10, 24))

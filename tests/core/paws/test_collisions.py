@@ -377,6 +377,7 @@ def test_the_template_brings_a_hidden_paw_through_a_collision(make_scene):
     assert lost.mean() > 0.2
 
 
+@pytest.mark.slow
 def test_each_view_by_itself_and_space_afterwards(make_scene):
     """slic-2d finds what a run without a rig finds, and has the 3D positions of it."""
     scene, _, _ = crossing_scene(make_scene, n=50)

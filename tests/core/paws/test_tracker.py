@@ -69,6 +69,7 @@ def test_two_views_follow_every_point_in_colour_and_grey(make_scene, grey, affin
     np.testing.assert_allclose(tracks["time"], np.arange(scene.n_frames) / 250.0)
 
 
+@pytest.mark.slow
 def test_three_views_and_any_names(make_scene):
     scene = make_scene(("nose", "left ear", "X7"), angles=(-35, 0, 35))
     tracks = track(scene)
@@ -122,6 +123,7 @@ def test_a_point_of_one_calibrated_view_is_tracked_there_and_has_no_place_in_spa
     assert (tracks["origin"].sel(keypoint="HR") == MISSING).all()
 
 
+@pytest.mark.slow
 def test_calibration_carries_a_point_past_the_edge_of_one_view(make_scene):
     """FR leaves cam1 on the right and never comes back; cam2, from behind, keeps it."""
     scene = make_scene(("HR", "FR"), n_frames=50, speed=1.6, angles=(10, -60))

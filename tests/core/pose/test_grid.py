@@ -25,6 +25,7 @@ def grid(pitch, angle_deg, rng, *, depth=0.05, width=0.8, noise=2.0, size=SIZE, 
     return np.clip(picture + rng.normal(0, noise, picture.shape), 0, 255).round().astype(np.uint8)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("pitch", "angle", "depth", "noise"),
     [

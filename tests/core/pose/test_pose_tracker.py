@@ -178,6 +178,7 @@ def _text(value):
     return {k: _text(v) for k, v in plain.items()} if isinstance(plain, dict) else repr(plain)
 
 
+@pytest.mark.slow
 def test_a_follower_that_goes_on_knows_all_that_it_knew(walk, track, monkeypatch, tmp_path):
     animal, poses, reader, background = walk
     ended = states(monkeypatch)

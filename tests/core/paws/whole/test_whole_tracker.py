@@ -115,6 +115,7 @@ def test_stopping_keeps_what_is_done_and_bad_input_is_refused(scene):
         run(trial, start[start["point"] != "FR"])
 
 
+@pytest.mark.slow
 def test_paws_that_look_like_the_belt_are_told_of(scene, tmp_path):
     """A belt as brown as the paws in its light; on the usual one nothing is said."""
     brown = {"belt_rgb": (135.0, 105.0, 92.0), "light": 0.84, "fur_rgb": (53.0, 35.0, 50.0)}
