@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
+import functools
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
@@ -12,6 +15,86 @@ from numba.core import event
 _F = TypeVar("_F", bound=Callable)
 _LOOSE = {"contract", "arcp", "nsz", "reassoc"}
 """Sums in another order, one division for several: the last digits differ. NaN stays NaN."""
+
+
+class Compiled:
+    """A function compiled for Python, and once more without what only Python needs, for loops.
+
+    Unpacking Python's arguments, tuples of arrays above all, is up to half of a small
+    function's code; what only compiled functions call is compiled without it, and is kept as a
+    part of them.
+
+    Parameters
+    ----------
+    function : callable
+        What to compile.
+    how : dict
+        Options of ``numba.njit``.
+    """
+
+    every: list[Compiled] = []  # noqa: RUF012
+    """All there are, in the order in which they were made."""
+    before_first_call: Callable[[Compiled], None] | None = None
+    """Asked before any of them is called from Python for the first time."""
+
+    def __init__(self, function: Callable, how: dict[str, Any]) -> None:
+        functools.update_wrapper(self, function)
+        self.name = f"{function.__module__}:{function.__qualname__}"
+        """Module and name, from which it can be imported."""
+        self.sources: set[str] = {function.__code__.co_filename}
+        """Files of the function and of all that it may call."""
+        for other in function.__globals__.values():
+            if isinstance(other, Compiled):
+                self.sources |= other.sources
+        njit: Any = numba.njit
+        options = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True, **how}
+        try:
+            self._called = njit(cache=True, **options)(function)
+            self.is_kept = True
+            self._check_all_sources()
+        except RuntimeError:  # numba: "cannot cache function: no locator available"
+            self._called = njit(**options)(function)
+            self.is_kept = False
+        self._inside = njit(no_cpython_wrapper=True, **options)(function)
+        self.is_called = False
+        Compiled.every.append(self)
+
+    def _check_all_sources(self) -> None:
+        """Let code that is kept be old where a file has changed from which it was compiled.
+
+        Numba looks at the function's own file only: what it calls may be in others.
+        """
+        with contextlib.suppress(AttributeError, OSError):  # another numba; not in a folder
+            index = self._called._cache._cache_file
+            about = [(path.name, path.stat()) for path in map(Path, sorted(self.sources))]
+            stamps = [(name, stat.st_mtime, stat.st_size) for name, stat in about]
+            index._source_stamp = (index._source_stamp, *stamps)
+
+    def __call__(self, *arguments: Any) -> Any:  # noqa: D102 - as the function
+        if not self.is_called:
+            if Compiled.before_first_call is not None:
+                Compiled.before_first_call(self)
+            self.is_called = True
+        return self._called(*arguments)
+
+    @property
+    def _numba_type_(self) -> Any:
+        """What numba takes it for where a compiled function calls it."""
+        return self._inside._numba_type_
+
+    @property
+    def signatures(self) -> list[tuple]:
+        """Numba's types of the arguments for which there is compiled code that Python calls."""
+        return list(self._called.signatures)
+
+    def has_code(self) -> bool:
+        """Return whether any code is kept, be it of an earlier version."""
+        folder = Path(self._called.stats.cache_path or "")
+        return any(folder.glob(f"*.{self.name.partition(':')[2]}-*.nbi"))
+
+    def compile_for(self, arguments: tuple) -> None:
+        """Compile for arguments of such types, or read the code that is kept."""
+        self._called.compile(arguments)
 
 
 def compiled(function: _F) -> _F:
@@ -30,7 +113,7 @@ def compiled(function: _F) -> _F:
     callable
         The same, fast.
     """
-    return _compiled(function)
+    return cast("_F", Compiled(function, {}))
 
 
 def compiled_loosely(function: _F) -> _F:
@@ -46,7 +129,7 @@ def compiled_loosely(function: _F) -> _F:
     callable
         The same, faster.
     """
-    return _compiled(function, fastmath=_LOOSE)
+    return cast("_F", Compiled(function, {"fastmath": _LOOSE}))
 
 
 def compiled_inside(function: _F) -> _F:
@@ -62,7 +145,7 @@ def compiled_inside(function: _F) -> _F:
     callable
         The same.
     """
-    return _compiled(function, fastmath=_LOOSE, forceinline=True)
+    return cast("_F", Compiled(function, {"fastmath": _LOOSE, "forceinline": True}))
 
 
 @contextmanager
@@ -81,10 +164,3 @@ def time_compiling() -> Iterator[Callable[[], float]]:
 
     with event.install_listener("numba:compiler_lock", listener):
         yield seconds
-
-
-def _compiled(function: _F, **how: Any) -> _F:
-    try:
-        return cast("_F", numba.njit(cache=True, nogil=True, error_model="numpy", **how)(function))
-    except RuntimeError:  # numba: "cannot cache function: no locator available"
-        return cast("_F", numba.njit(nogil=True, error_model="numpy", **how)(function))

@@ -45,6 +45,7 @@ class Retracking(FrameCanvas):
         """Remember the trial and how it is tracked again."""
         self._trial, self._retrack_trial = trial, retrack
         self._stop = threading.Event()
+        self._doing = ""
         self._worker: threading.Thread | None = None
         self._pointed: tuple[int, str, str] | None = None  # frame, view, point jumped to
         self._looked: set[Doubt] = set()
@@ -204,6 +205,7 @@ class Retracking(FrameCanvas):
             raise InputError(f"tracking again from frame {frame} was stopped.")
         return new
 
-    def _show_progress(self, done: int, total: int) -> None:
-        if done % 10 == 0 or done == total:
-            self._show_state(f"tracking again: {done} of {total} frames", busy=True)
+    def _show_progress(self, done: int, total: int, doing: str = "") -> None:
+        if done % 10 == 0 or done == total or doing != self._doing:
+            self._doing = doing
+            self._show_state(f"{doing}: {done} of {total} frames", busy=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Callable
 
 import numpy as np
@@ -21,7 +20,7 @@ from pawnb.core.sightlines import find_look_point
 from pawnb.core.video import ViewReader, ViewSet
 from pawnb.core.views import Frame
 from pawnb.trial import Trial
-from pawnb.workflow.progress import Progress, progress_bar
+from pawnb.workflow.progress import Progress, tracking_progress
 
 
 class ShiftedReader:
@@ -125,8 +124,7 @@ def find_in_space(
     first, second = trial.views
     reader = views.readers[second.name]
     background = find_background(reader, second, folder=trial.folder)
-    bar = contextlib.nullcontext(progress) if progress else progress_bar("joints in space")
-    with bar as report:
+    with tracking_progress(progress, "joints in space", kind="space") as report:
         space = place_in_space(
             ShiftedReader(reader, second.offset),
             track,

@@ -19,12 +19,13 @@ from pawnb.errors import InputError
 from pawnb.schema import Tracks, add_provenance
 from pawnb.trial import Trial
 from pawnb.workflow.methods import (
+    POSE_METHODS,
     pose_method_of_tracks,
     run_pose_tracker,
     space_settings_of_tracks,
 )
 from pawnb.workflow.pose_in_space import find_in_space, load_second
-from pawnb.workflow.progress import Progress, progress_bar
+from pawnb.workflow.progress import Progress, tracking_progress
 from pawnb.workflow.propose_pose import trial_background
 from pawnb.workflow.provenance import build_step, trial_checksums
 from pawnb.workflow.results import describe_trial, provenance_steps
@@ -90,10 +91,10 @@ def retrack_pose(
     method, settings = pose_method_of_tracks(trial, tracks)
     limits, certain = _certain(tracks, old, here)
     with contextlib.ExitStack() as stack:
+        kind = "pose" if method == POSE_METHODS[0] else None
+        report = stack.enter_context(tracking_progress(progress, "tracking again", kind=kind))
         views = stack.enter_context(open_views(trial))
         view, _ = pose_views(trial)
-        bar = contextlib.nullcontext(progress) if progress else progress_bar("tracking again")
-        report = stack.enter_context(bar)
         background = trial_background(trial, views)
 
         def track_part(part: range) -> PoseTrack:

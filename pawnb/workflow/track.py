@@ -37,7 +37,7 @@ from pawnb.workflow.placed import (
     clicks_of_frame,
     start_clicks,
 )
-from pawnb.workflow.progress import Progress, progress_bar
+from pawnb.workflow.progress import Progress, tracking_progress
 from pawnb.workflow.provenance import build_step, trial_checksums, trial_fingerprint
 from pawnb.workflow.real_units import in_real_units
 from pawnb.workflow.results import (
@@ -91,7 +91,9 @@ def track(
         Folder for ``tracks.nc``, its tables, ``suspects.csv``, ``provenance.json`` and
         ``candidates.bin``. After an interruption a second run goes on from what is there.
     progress : callable, optional
-        ``progress(done, total)``; default a bar on a terminal or in a notebook.
+        ``progress(done, total)``; default a bar on a terminal or in a notebook. One that takes
+        ``doing``, too, is told in words what is done: "tracking", "deciding", or in a first run
+        "compiling (first run only)".
     stop : callable, optional
         Asked before each frame; when it answers True, what is done is kept. By default an
         interrupt (Ctrl-C) does that. Called again with the same ``out``, it goes on from there.
@@ -125,6 +127,8 @@ def track(
     with contextlib.ExitStack() as stack:
         notes = stack.enter_context(noted_warnings())
         asked = stack.enter_context(interruptible()) if stop is None else stop
+        shown = stack.enter_context(contextlib.ExitStack())
+        report = shown.enter_context(_progress(progress, "tracking", method))
         views = stack.enter_context(open_views(trial))
         for note in views.notes:
             warnings.warn(note, InputWarning, stacklevel=2)
@@ -150,10 +154,10 @@ def track(
         # method pawnb keeps its candidates instead
         earlier = unfinished_tracks(Path(out), step) if out and method != METHODS[0] else None
         begin = first if earlier is None else int(earlier["frame"][-1])
-        with _progress(progress, "tracking", method) as report:
-            span = {"frames": (begin, last), "tracks": earlier}
-            task = paw_task(trial, rig, clicks, progress=report, stop=asked, **span)
-            tracks = run_tracker(method, views, clicks, task=task, settings=chosen, store=store)
+        span = {"frames": (begin, last), "tracks": earlier}
+        task = paw_task(trial, rig, clicks, progress=report, stop=asked, **span)
+        tracks = run_tracker(method, views, clicks, task=task, settings=chosen, store=store)
+        shown.close()
         if stop is None and tracks.sizes["time"] < last - first:
             _tell_interrupted(tracks, first, last, kept=store is not None or out is not None)
         sizes = _sizes(views)
@@ -244,6 +248,7 @@ def retrack(
     old: Tracks | None = tracks
     kept: dict[str, Any] = {}
     with contextlib.ExitStack() as stack:
+        report = stack.enter_context(_progress(progress, "tracking again", method))
         views = stack.enter_context(open_views(trial))
         rig = trial_rig(trial, views, method=method)
         looked = clicks_learnt_from(tracks)
@@ -257,12 +262,11 @@ def retrack(
                 store = reopen_store(trial, folder)
                 stack.callback(keep_store, store)
                 kept = {"looked": looked, "store": store}
-        with _progress(progress, "tracking again", method) as report:
-            span = (begin, int(known[-1]) + 1)
-            task = paw_task(trial, rig, clicks, frames=span, tracks=old, progress=report, stop=stop)
-            new = run_tracker(
-                method, views, clicks, task=task, settings=settings, learn_at=learnt, **kept
-            )
+        span = (begin, int(known[-1]) + 1)
+        task = paw_task(trial, rig, clicks, frames=span, tracks=old, progress=report, stop=stop)
+        new = run_tracker(
+            method, views, clicks, task=task, settings=settings, learn_at=learnt, **kept
+        )
         sizes = _sizes(views)
         tolerance = {
             name: TOLERANCE_PX * reader.width / REFERENCE_WIDTH_PX
@@ -353,7 +357,6 @@ def _shown_in_every_view(
 
 def _progress(progress: Progress | None, label: str, method: str) -> Any:
     """Return a context that gives the caller's progress, or a bar of our own."""
-    if progress is not None:
-        return contextlib.nullcontext(progress)
-    then = "deciding (about a minute in the first run)" if method == METHODS[0] else ""
-    return progress_bar(label, then=then)
+    then = "deciding" if method == METHODS[0] else ""
+    kind = "paws" if method == METHODS[0] else None
+    return tracking_progress(progress, label, kind=kind, then=then)

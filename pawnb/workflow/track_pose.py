@@ -38,7 +38,7 @@ from pawnb.workflow.methods import (
 )
 from pawnb.workflow.notes import noted_warnings
 from pawnb.workflow.pose_in_space import find_in_space, load_second
-from pawnb.workflow.progress import Progress, progress_bar
+from pawnb.workflow.progress import Progress, tracking_progress
 from pawnb.workflow.propose_pose import trial_animal, trial_background
 from pawnb.workflow.provenance import build_step, trial_checksums, trial_fingerprint
 from pawnb.workflow.results import describe_trial, make_folder, write_track_results
@@ -96,6 +96,10 @@ def track_pose_trial(
     with contextlib.ExitStack() as stack:
         notes = stack.enter_context(noted_warnings())
         asked = stack.enter_context(interruptible()) if stop is None else stop
+        shown = stack.enter_context(contextlib.ExitStack())
+        report = shown.enter_context(
+            tracking_progress(progress, "tracking", kind="pose" if method == "pawnb" else None)
+        )
         views = stack.enter_context(open_views(trial))
         for note in views.notes:
             warnings.warn(note, InputWarning, stacklevel=3)
@@ -117,12 +121,11 @@ def track_pose_trial(
         if out is not None:
             stack.enter_context(run_alone(make_folder(out)))
         kept = stack.enter_context(open_kept_frames(None if out is None else Path(out), step))
-        bar = contextlib.nullcontext(progress) if progress else progress_bar("tracking")
-        with bar as report:
-            track = run_pose_tracker(
-                method, reader, poses, animal=animal, background=background, settings=chosen,
-                frames=span, progress=report, stop=asked, kept=kept,
-            )  # fmt: skip
+        track = run_pose_tracker(
+            method, reader, poses, animal=animal, background=background, settings=chosen,
+            frames=span, progress=report, stop=asked, kept=kept,
+        )  # fmt: skip
+        shown.close()
         complete = not asked()
         if not complete and not np.isfinite(track.poses.xy).any():
             raise KeyboardInterrupt

@@ -9,6 +9,8 @@ from types import SimpleNamespace
 
 import ipykernel  # noqa: F401  that both are imported does not make a notebook
 import IPython  # noqa: F401
+import numba
+import numpy as np
 import pytest
 
 from pawnb.workflow import progress
@@ -16,8 +18,9 @@ from pawnb.workflow import progress
 
 def test_no_bar_where_nobody_looks(capsys, monkeypatch):
     monkeypatch.setattr(sys.stderr, "isatty", lambda: False, raising=False)
-    assert progress._make_bar("tracking", "frame") is None
-    assert capsys.readouterr().out == ""
+    with progress.progress_bar("tracking") as update:
+        assert update is None
+    assert capsys.readouterr() == ("", "")
 
 
 def read_all(terminal):
@@ -53,17 +56,83 @@ def test_a_terminal_is_told_the_rate_and_the_time_left(monkeypatch, columns):
     assert len(last) <= (columns or 80)
 
 
-def test_what_comes_after_the_last_frame_is_said_while_it_lasts(monkeypatch):
+def make_terminal(monkeypatch):
     monkeypatch.setattr(progress, "_in_notebook", lambda: False)
     terminal = io.StringIO()
     terminal.isatty = lambda: True
     monkeypatch.setattr(sys, "stderr", terminal)
+    return terminal
+
+
+def last_said(terminal):
+    return terminal.getvalue().rstrip().split("\r")[-1].strip()
+
+
+def test_what_comes_after_the_last_frame_is_said_while_it_lasts(monkeypatch):
+    terminal = make_terminal(monkeypatch)
     with progress.progress_bar("tracking", then="deciding") as update:
         update(1, 2)
         assert "deciding" not in terminal.getvalue()
         update(2, 2)
-        assert "tracking, deciding: 100%" in terminal.getvalue()
-    assert terminal.getvalue().rstrip().split("\r")[-1].startswith("tracking: 100%")
+        assert last_said(terminal) == "tracking, deciding, 2 of 2 frames"
+        assert "100%" not in terminal.getvalue()
+    assert last_said(terminal).startswith("tracking: 100%")
+
+
+def slow_to_compile():
+    return numba.njit(lambda x: np.sort(x)[::2].sum())
+
+
+def test_a_bar_says_that_it_is_compiled_not_how_much_is_done(monkeypatch):
+    """It stood at 100 % for 40 s, in silence, while a first run compiled."""
+    terminal = make_terminal(monkeypatch)
+    with progress.tracking_progress(None, "tracking", kind=None, then="deciding") as update:
+        update(1, 2)
+        update(2, 2)
+        wait = slow_to_compile()
+        before = len(terminal.getvalue())
+        wait(np.arange(9.0))
+        said = terminal.getvalue()[before:]
+        assert last_said(terminal) == "tracking, deciding, 2 of 2 frames"
+    assert "tracking, deciding, compiling (first run only), 2 of 2 frames" in said
+    assert "%" not in said
+
+
+def test_nothing_but_compiling_is_said_before_the_first_frame(monkeypatch):
+    terminal = make_terminal(monkeypatch)
+    with progress.tracking_progress(None, "tracking", kind=None):
+        slow_to_compile()(np.arange(9.0))
+        assert "tracking, compiling (first run only)" in terminal.getvalue()
+
+
+def test_a_caller_is_told_in_words_what_is_waited_for():
+    told = []
+
+    def callback(done, total, doing):
+        told.append((done, total, doing))
+
+    with progress.tracking_progress(callback, "tracking", kind=None, then="deciding") as update:
+        update(1, 2)
+        slow_to_compile()(np.arange(9.0))
+        update(2, 2)
+    assert told == [
+        (1, 2, "tracking"),
+        (1, 2, "compiling (first run only)"),
+        (1, 2, "tracking"),
+        (2, 2, "deciding"),
+    ]
+
+
+def test_a_caller_that_takes_numbers_only_is_told_numbers_only():
+    told = []
+
+    def callback(done, total):
+        told.append((done, total))
+
+    with progress.tracking_progress(callback, "tracking", kind=None) as update:
+        slow_to_compile()(np.arange(9.0))
+        update(1, 2)
+    assert told == [(1, 2)]
 
 
 @pytest.mark.parametrize(("shell", "expected"), [(None, False), (SimpleNamespace(kernel=1), True)])

@@ -14,6 +14,7 @@ import av
 import numpy as np
 
 from pawnb.core.colour import PartPicture, Picture
+from pawnb.core.first_run import is_ready
 from pawnb.core.planes import Shown, picture_of_planes, planes_of_frame, shown_as
 
 if TYPE_CHECKING:
@@ -39,7 +40,7 @@ class PartReader:
         codec : VideoCodecContext
             Decodes the first packet, to compare.
         """
-        if not (self._is_new or self._kind):
+        if not (self._is_new or self._kind) or not is_ready():
             return None
         # compiled loops: loaded where they are needed, not by whoever opens a video
         from pawnb.core.jpeg.coded import read_coded

@@ -89,13 +89,14 @@ def _follow(
         for i in range(3):
             P[i, 0] = half[i, 0] + half[i, 1] + 0.5 * half[i, 2] + noise[i, 0]
             P[i, 1], P[i, 2] = half[i, 1] + half[i, 2] + noise[i, 1], half[i, 2] + noise[i, 2]
-        gain[:] = P[:, 0] / (P[0, 0] + variance)
+        for i in range(3):
+            gain[i], half[0, i] = P[i, 0] / (P[0, 0] + variance), P[0, i]
         for c in range(mean.shape[1]):
             mean[0, c] += mean[1, c] + 0.5 * mean[2, c]
             mean[1, c] += mean[2, c]
             away = places[t, c] - mean[0, c]
             for i in range(3):
                 mean[i, c] += gain[i] * away
-        half[0] = P[0]
         for i in range(3):
-            P[i] -= gain[i] * half[0]
+            for j in range(3):
+                P[i, j] -= gain[i] * half[0, j]

@@ -144,13 +144,14 @@ def _add(sums: np.ndarray, row: np.ndarray, sign: int) -> None:
 def _mask(score: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return rows and columns of the pixels with a score above 0, row by row."""
     h, w = score.shape
-    in_row = np.zeros(h, np.int64)
+    in_row, every = np.empty(h, np.int64), 0
     for v in range(h):
         count = 0
         for u in range(w):
             count += score[v, u] > 0
         in_row[v] = count
-    rows, columns = np.empty(in_row.sum(), np.int64), np.empty(in_row.sum(), np.int64)
+        every += count
+    rows, columns = np.empty(every, np.int64), np.empty(every, np.int64)
     n = 0
     for v in range(h):
         if in_row[v] > 0:

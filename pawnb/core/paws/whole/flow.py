@@ -21,6 +21,7 @@ from scipy.sparse import coo_array
 from pawnb.core.compiled import compiled
 from pawnb.core.paws.whole.flow_bounds import useful_links
 from pawnb.core.paws.whole.tracklets import Tracklet, total_costs
+from pawnb.core.sorting_loops import ascending
 
 
 @dataclass(frozen=True)
@@ -237,7 +238,7 @@ def _cheapest(
             if owner[i] < 0 or owner[j] < 0 or owner[j] == owner[i]:
                 # long good pieces first: a place nearby is worth little if it leads nowhere
                 dear[k] = cost[k] - worth[j]
-        for rank, k in enumerate(np.argsort(dear)):
+        for rank, k in enumerate(ascending(dear)):
             j = order[low + k]
             if dear[k] < np.inf and (rank < links or owner[j] >= 0):
                 tail[count], head[count], price[count] = i, j, cost[k]

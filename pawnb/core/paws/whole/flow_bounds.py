@@ -109,7 +109,10 @@ def _one_by_one(
 ) -> float:
     """Return the cost of paths chosen one after the other, infinite if a needed node is left."""
     closed = np.zeros(len(price), np.bool_)
-    drawn = np.where(need, -1e7, price)
+    drawn = price.copy()
+    for i in range(len(need)):
+        if need[i]:
+            drawn[i] = -1e7
     total = 0.0
     for k in range(len(begin)):
         p = (leader + k) % len(begin)
@@ -156,12 +159,11 @@ def _bounds(
         if k == 0 or value > lower:
             if k == 0 or value - lower > 0.01 * (upper - lower):
                 since = 0
-            lower, price[:] = value, now
+            lower = value
+            _copy(now, price)
         if k % 4 == 0:
             upper = min(upper, _one_by_one(first, tail, head, cost, begin, need, now, k))
-        step = passed - 1.0
-        step[(step < 0) & (now <= 0) & ~need] = 0.0
-        square = (step**2).sum()
+        step, square = _wanted(passed, now, need)
         if square == 0.0:
             # no piece is wanted twice, none with a price is left: this is the solution
             upper = min(upper, value)
@@ -170,11 +172,38 @@ def _bounds(
         if since == 10:
             # too far each time: shorter steps, from the best prices
             eager, since = 0.5 * eager, 0
-            now[:] = price
+            _copy(price, now)
         aim = upper if np.isfinite(upper) else value + 100.0
-        now = now + eager * max(aim - value, 1e-3) / square * step
-        now = np.where(need, now, np.maximum(now, 0.0))
+        _move(now, step, eager * max(aim - value, 1e-3) / square, need)
     return lower, upper
+
+
+@compiled
+def _wanted(passed: np.ndarray, price: np.ndarray, need: np.ndarray) -> tuple[np.ndarray, float]:
+    """Return by how many points too many each node is passed, and the sum of the squares."""
+    step, square = np.empty(len(passed)), 0.0
+    for i in range(len(step)):
+        step[i] = passed[i] - 1.0
+        if step[i] < 0 and price[i] <= 0 and not need[i]:
+            step[i] = 0.0
+        square += step[i] ** 2
+    return step, square
+
+
+@compiled
+def _move(price: np.ndarray, step: np.ndarray, far: float, need: np.ndarray) -> None:
+    """Change prices; those of what need not be passed stay at least 0."""
+    for i in range(len(price)):
+        price[i] += far * step[i]
+        if not need[i]:
+            price[i] = max(price[i], 0.0)
+
+
+@compiled
+def _copy(values: np.ndarray, to: np.ndarray) -> None:
+    """Copy values: this is quicker to compile than a slice."""
+    for i in range(len(values)):
+        to[i] = values[i]
 
 
 @compiled
@@ -201,5 +230,6 @@ def _detours(
             after = cost[a] if h < 0 else cost[a] + price[h] + left[h]
             left[tail[a]] = min(left[tail[a]], after)
             more[a] = after + reached[tail[a]]
-        more[first[p] : first[p + 1]] -= left[begin[p]]
+        for a in range(first[p], first[p + 1]):
+            more[a] -= left[begin[p]]
     return more

@@ -38,8 +38,7 @@ def foretell(
     for p in range(n_points):
         A[:], b[:] = 0.0, 0.0
         for t in range(min(3, n)):
-            A[t * d : (t + 1) * d, t * d : (t + 1) * d] = information[t, p]
-            b[t * d : (t + 1) * d] = target[t, p]
+            _add(A, b, t * d, information[t, p], target[t, p])
         for t in range(3, n):
             for i in range(d):
                 w = 1.0 / jerk2[t - 2, p, i]
@@ -48,18 +47,38 @@ def foretell(
                     for k in range(4):
                         A[j * d + i, k * d + i] += _THIRD[j] * _THIRD[k] * w
             _eliminate(A, b, d)
-            B[:], c[:] = A[d:, d:], b[d:]
+            _take(A, b, d, B, c)
             _eliminate(B, c, 2 * d)
-            known[t, p], aim[t, p] = B[2 * d :, 2 * d :], c[2 * d :]
+            _take(B, c, 2 * d, known[t, p], aim[t, p])
             # the last three positions are the first three of the next frame's four
             for j in range(3 * d):
                 b[j] = b[j + d]
                 for k in range(3 * d):
                     A[j, k] = A[j + d, k + d]
-            A[3 * d :], A[:, 3 * d :], b[3 * d :] = 0.0, 0.0, 0.0
-            A[2 * d : 3 * d, 2 * d : 3 * d] += information[t, p]
-            b[2 * d : 3 * d] += target[t, p]
+            for i in range(d):
+                b[3 * d + i] = 0.0
+                for j in range(4 * d):
+                    A[3 * d + i, j], A[j, 3 * d + i] = 0.0, 0.0
+            _add(A, b, 2 * d, information[t, p], target[t, p])
     return known, aim
+
+
+@compiled
+def _add(A: np.ndarray, b: np.ndarray, at: int, more: np.ndarray, right: np.ndarray) -> None:
+    """Add what is known of some unknowns, from ``at`` on, to the equations ``A x = b``."""
+    for i in range(len(right)):
+        b[at + i] += right[i]
+        for j in range(len(right)):
+            A[at + i, at + j] += more[i, j]
+
+
+@compiled
+def _take(A: np.ndarray, b: np.ndarray, at: int, B: np.ndarray, c: np.ndarray) -> None:
+    """Copy the equations of the unknowns from ``at`` on."""
+    for i in range(len(c)):
+        c[i] = b[at + i]
+        for j in range(len(c)):
+            B[i, j] = A[at + i, at + j]
 
 
 @compiled

@@ -54,14 +54,26 @@ def take_nearest(
                         if away <= near[t, p]:
                             cost[p, i] = away + 0.5 * (1.0 - quality[t, v, i])
             for _ in range(min(n_points, most)):
-                p, i = divmod(int(np.argmin(cost)), most)
+                p, i = _least(cost)
                 if cost[p, i] == np.inf:
                     break
-                measured[t, p, v] = at[t, p, v, i]
+                for c in range(2):
+                    measured[t, p, v, c] = at[t, p, v, i, c]
                 good[t, p, v] = quality[t, v, i]
                 cost[p, :] = np.inf
                 cost[:, i] = np.inf
     return measured, good
+
+
+@compiled
+def _least(cost: np.ndarray) -> tuple[int, int]:
+    """Return row and column of the least number, the first of those that are equal."""
+    row, column = 0, 0
+    for q in range(cost.shape[0]):
+        for j in range(cost.shape[1]):
+            if cost[q, j] < cost[row, column]:
+                row, column = q, j
+    return row, column
 
 
 @compiled

@@ -9,6 +9,7 @@ import numpy as np
 from pawnb.core.compiled import compiled
 from pawnb.core.paws.whole.stories_loops import Stories, cell, copy
 from pawnb.core.paws.whole.telling import Telling
+from pawnb.core.sorting_loops import nth
 
 _GATE = 16.0
 """Largest squared distance of a candidate, in standard deviations."""
@@ -257,34 +258,6 @@ def likeliest(missed: np.ndarray, cost: np.ndarray, most: int) -> tuple[np.ndarr
             count += 1
             many += j < len(missed)
     return kept[:count], many
-
-
-@compiled
-def nth(values: np.ndarray, n: int) -> float:
-    """Return the value that would come at place ``n`` if they were sorted; they are moved about.
-
-    Hoare 1961, Commun. ACM 4: 321-322.
-    """
-    low, high = 0, len(values) - 1
-    while low < high:
-        middle = values[(low + high) // 2]
-        i, j = low, high
-        while i <= j:
-            while values[i] < middle:
-                i += 1
-            while middle < values[j]:
-                j -= 1
-            if i <= j:
-                values[i], values[j] = values[j], values[i]
-                i += 1
-                j -= 1
-        if n <= j:
-            high = j
-        elif n >= i:
-            low = i
-        else:
-            break
-    return values[n]
 
 
 @compiled

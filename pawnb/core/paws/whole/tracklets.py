@@ -273,9 +273,15 @@ def _mutual(square: np.ndarray) -> np.ndarray:
     rows, columns = square.shape
     taken = np.full(columns, -1)
     for c in range(columns if rows else 0):
-        r = int(np.argmin(square[:, c]))
+        r, nearest = 0, 0
+        for other in range(rows):
+            if square[other, c] < square[r, c]:
+                r = other
+        for other in range(columns):
+            if square[r, other] < square[r, nearest]:
+                nearest = other
         best = square[r, c]
-        if best > _GATE or int(np.argmin(square[r])) != c:
+        if best > _GATE or nearest != c:
             continue
         next_best = np.inf
         for other in range(columns):

@@ -55,24 +55,28 @@ def follow(
             if not _is_apart(at[t, i], stood[s, 0], thickness):
                 continue
             # what stays about a paw that stands goes with the ground, as that does
-            ground[:] = stood[s, 0] - stood[s, 1]
-            place[:] = at[t, i] - ground
+            for c in range(2):
+                ground[c] = stood[s, 0, c] - stood[s, 1, c]
+                place[c] = at[t, i, c] - ground[c]
             k = _nearest(at[t - 1], count[t - 1], place, thickness)
             if k < 0 or not _is_apart(at[t - 1, k], stood[s, 1], thickness):
                 continue
-            speed[:] = at[t, i] - at[t - 1, k]
+            speed[0], speed[1] = at[t, i, 0] - at[t - 1, k, 0], at[t, i, 1] - at[t - 1, k, 1]
             here = i
             for then in range(t + 1, min(t + 1 + steps, len(at))):
-                place[:] = at[then - 1, here] + speed
+                for c in range(2):
+                    place[c] = at[then - 1, here, c] + speed[c]
                 k = _nearest(at[then], count[then], place, thickness)
                 if k < 0:
                     break
-                place[:] = at[t, i] + (then - t) * ground
+                for c in range(2):
+                    place[c] = at[t, i, c] + (then - t) * ground[c]
                 if _distance(at[then, k], place) > RISEN * thickness:
                     break
                 found[then, k] = True
-                away[then, k] = at[t, i] - stood[s, 0]
-                speed[:] = 0.5 * (speed + at[then, k] - at[then - 1, here])
+                for c in range(2):
+                    away[then, k, c] = at[t, i, c] - stood[s, 0, c]
+                    speed[c] = 0.5 * (speed[c] + at[then, k, c] - at[then - 1, here, c])
                 here = k
 
 

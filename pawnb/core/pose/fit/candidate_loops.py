@@ -34,7 +34,9 @@ def leg_footprint(
     leg_chain(layout, pose, leg, joints)
     height, width = value.shape
     top, bottom, left, right = height, 0, width, 0
-    reach = layout.radius[leg].max() + blur + 1.0
+    reach = 0.0
+    for radius in layout.radius[leg]:
+        reach = max(reach, radius + blur + 1.0)
     for s in range(layout.n_segments[leg] + 1):
         u, v = joints[s, 0] - sight.box[0], joints[s, 1] - sight.box[1]
         left, right = min(left, math.floor(u - reach)), max(right, math.ceil(u + reach))

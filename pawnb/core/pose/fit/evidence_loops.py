@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from pawnb.core.compiled import compiled_loosely
+from pawnb.core.sorting_loops import median
 
 
 @compiled_loosely
@@ -31,7 +32,7 @@ def block_gains(
                         values[n] = image[v, u] / mean[v, u]
                         n += 1
             if n:
-                gains[i, j] = np.median(values[:n])
+                gains[i, j] = median(values[:n])
             counts[i, j] = n
     return gains, counts
 

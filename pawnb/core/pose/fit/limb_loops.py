@@ -13,6 +13,7 @@ import numpy as np
 from pawnb.core.compiled import compiled_inside, compiled_loosely
 from pawnb.core.pose.fit.layout import Layout
 from pawnb.core.pose.fit.solve_loops import Prior
+from pawnb.core.sorting_loops import ascending
 
 N_TURNS = 17
 SHORTER = (-0.4, -0.2, 0.0, 0.2, 0.4)
@@ -122,33 +123,47 @@ def find_limbs(
                     scores[n] = support[b] + gain - cost
                     source[n], turns[n], short[n] = b, turn, factor
                     n += 1
-        order = np.argsort(-scores[:n])
-        kept = np.zeros(width, np.int64)
-        filled_next = 0
-        for i in order:
-            same = False
-            for j in range(filled_next):
-                other = kept[j]
-                du, dv = ends[i, 0] - ends[other, 0], ends[i, 1] - ends[other, 1]
-                near = du * du + dv * dv < (0.5 * apart) ** 2
-                angle = forwards[source[i]] + turns[i] - forwards[source[other]] - turns[other]
-                same = same or (near and (abs(angle) < 0.35 or k == n_links - 1))
-            if not same:
-                kept[filled_next] = i
-                filled_next += 1
-                if filled_next == width:
-                    break
+        kept, filled_next = _unlike(
+            scores[:n], ends, forwards, source, turns, width, apart, k == n_links - 1
+        )
         old_beam, old_places, old_forwards = beam.copy(), places.copy(), forwards.copy()
         for j in range(filled_next):
             i = kept[j]
             b = source[i]
-            beam[j], places[j] = old_beam[b], old_places[b]
+            for c in range(2):
+                for m in range(n_links):
+                    beam[j, c * n_links + m] = old_beam[b, c * n_links + m]
+                for m in range(n_links + 1):
+                    places[j, m, c] = old_places[b, m, c]
+                places[j, k + 1, c] = ends[i, c]
             beam[j, k], beam[j, n_links + k] = turns[i], short[i]
-            places[j, k + 1] = ends[i]
             forwards[j] = old_forwards[b] + turns[i]
             support[j] = scores[i]
         filled = filled_next
     return _distinct(beam, places, support, filled, most, apart)
+
+
+@compiled_loosely
+def _unlike(
+    scores: np.ndarray, ends: np.ndarray, forwards: np.ndarray, source: np.ndarray,
+    turns: np.ndarray, width: int, apart: float, is_last: bool,
+) -> tuple[np.ndarray, int]:  # fmt: skip
+    """Return the best tries that end apart, or at the same place from another direction."""
+    kept, filled = np.zeros(width, np.int64), 0
+    for i in ascending(-scores):
+        same = False
+        for j in range(filled):
+            other = kept[j]
+            du, dv = ends[i, 0] - ends[other, 0], ends[i, 1] - ends[other, 1]
+            near = du * du + dv * dv < (0.5 * apart) ** 2
+            angle = forwards[source[i]] + turns[i] - forwards[source[other]] - turns[other]
+            same = same or (near and (abs(angle) < 0.35 or is_last))
+        if not same:
+            kept[filled] = i
+            filled += 1
+            if filled == width:
+                break
+    return kept, filled
 
 
 @compiled_loosely

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pawnb.core.pose.fit.smooth_loops import from_neighbours
+from pawnb.core.pose.fit.neighbours import from_neighbours
 
 _ANGLE_SD_DEG, _LENGTH_SD = 8.0, 0.12
 """Standard deviation of second differences before anything is known of this animal: wide."""
@@ -79,7 +79,7 @@ def others_say(
     Parameters
     ----------
     precision, vector : ndarray, shape (n, d, d) and (n, d)
-        What each frame's picture says, see :func:`.smooth_loops.from_neighbours`.
+        What each frame's picture says, see :func:`.neighbours.from_neighbours`.
     motion : ndarray, shape (d, d)
         Covariance of second differences.
 

@@ -67,7 +67,9 @@ class Sight(NamedTuple):
 @compiled_loosely
 def group_sums(pose: np.ndarray, prior: Prior, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the precision of each group, and its errors weighted with their precision."""
-    most = prior.group.max() + 1
+    most = 0
+    for g in prior.group:
+        most = max(most, g + 1)
     weights, errors = np.zeros(most + 1), np.zeros(most + 1)
     for i in active:
         g = prior.group[i]
@@ -245,6 +247,17 @@ def damped_step(
 
 
 @compiled_loosely
+def bring_back(
+    still: tuple[np.ndarray, np.ndarray, np.ndarray],
+    value: np.ndarray, owner: np.ndarray, along: np.ndarray,
+) -> None:  # fmt: skip
+    """Put back what was on the canvas."""
+    for v in range(value.shape[0]):
+        for u in range(value.shape[1]):
+            value[v, u], owner[v, u], along[v, u] = still[0][v, u], still[1][v, u], still[2][v, u]
+
+
+@compiled_loosely
 def fit_pose(
     layout: Layout, pose: np.ndarray, sight: Sight, prior: Prior, active: np.ndarray,
     shown: np.ndarray, blur: float, soft: float, rounds: int, enough: float,
@@ -280,12 +293,13 @@ def fit_pose(
     part, step = np.zeros((m, m)), np.zeros(m)
     pose = pose.copy()
     cost, damping = 0.0, 1e-3
-    moves = what_moves(layout, active)
-    rest = shown & ~moves
+    moves, rest = what_moves(layout, active), np.zeros(shown.shape[0], np.bool_)
+    some_rest = False
+    for i in range(shown.shape[0]):
+        rest[i], moves[i] = shown[i] and not moves[i], shown[i] and moves[i]
+        some_rest = some_rest or rest[i]
     paint_some(layout, pose, blur, sight.box, rest, value, owner, along, joints)
-    some_rest = rest.any()
     still = (value.copy(), owner.copy(), along.copy()) if some_rest else (value, owner, along)
-    moves &= shown
     paint_more(layout, pose, blur, sight.box, moves, value, owner, along, joints)
     for _ in range(rounds):  # the pose is on the canvas: that of the last step, which was kept
         cost = normal_matrix(
@@ -301,7 +315,7 @@ def fit_pose(
             for i in range(m):
                 trial[active[i]] += step[m - 1 - i]
             if some_rest:
-                value[:], owner[:], along[:] = still
+                bring_back(still, value, owner, along)
             else:
                 clear(value, owner)
             paint_more(layout, trial, blur, sight.box, moves, value, owner, along, joints)

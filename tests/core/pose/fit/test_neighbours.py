@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pawnb.core.pose.fit.smooth_loops import from_neighbours
+from pawnb.core.pose.fit.neighbours import from_neighbours
 
 
 def spread(rng, d):

@@ -1,30 +1,29 @@
-"""What the frames before and after say about a leg: messages along the recording, compiled loops.
+"""What the frames before and after say about a leg: messages along the recording.
 
 A leg's numbers move evenly but for accelerations: their second differences are normal about zero.
 With a parabola about each frame's own fit this is a chain whose exact posterior is found by one
 pass forwards and one backwards (a Kalman smoother in information form, on pairs of frames).
+Not compiled: that would take longer than most recordings.
 """
 
 from __future__ import annotations
 
 import numpy as np
+from scipy.linalg.lapack import dgesv
 
-from pawnb.core.compiled import compiled
 
-
-@compiled
 def _without(
     matrix: np.ndarray, vector: np.ndarray, gone: slice, left: slice
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return precision and vector of the numbers ``left`` where those ``gone`` are not known."""
-    across = np.ascontiguousarray(matrix[gone, left])
-    solved = np.linalg.solve(np.ascontiguousarray(matrix[gone, gone]), across)
-    precision = matrix[left, left] - across.T @ solved
+    *_, solved, fault = dgesv(matrix[gone, gone], matrix[gone, left])
+    if fault:
+        raise np.linalg.LinAlgError("a leg's precision is singular")
+    precision = matrix[left, left] - matrix[gone, left].T @ solved
     precision = 0.5 * (precision + precision.T)  # errors of symmetry would grow from frame to frame
-    return precision, vector[left] - solved.T @ np.ascontiguousarray(vector[gone])
+    return precision, vector[left] - solved.T @ vector[gone]
 
 
-@compiled
 def from_neighbours(
     precision: np.ndarray, vector: np.ndarray, steady: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
