@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from pawnb import schema
-from pawnb.errors import InputError
+from pawnb.errors import InputError, InputWarning
 from pawnb.gait.event_edits import EventEdits, ExcludeStride, MoveEvent
 from pawnb.io.native import points3d_table, write_tracks
 from pawnb.io.tables import write_table
@@ -231,7 +231,10 @@ def test_real_rats_trot(real_data, tmp_path):
         f'[tracks]\nfile = "{(folder / f"cam1.f.{name}").resolve()}"\n'
         f'[calibration]\ndlt = "{(folder / f"DLT.{name}").resolve()}"\nunit = "mm"\n'
     )
-    run = run_gait([tmp_path], figures="main")
+    with pytest.warns(InputWarning, match="of 15421 points are left out in space"):
+        run = run_gait([tmp_path], figures="main")
+    # what is warned of stands beside the tables too
+    assert "are left out in space" in (run.out / "notes.csv").read_text()
     middle = run.tables.strides.groupby("leg")[["frequency_hz", "duty_factor"]].median()
     assert middle["frequency_hz"].between(1, 3).all()
     assert middle["duty_factor"].between(0.5, 0.8).all()
