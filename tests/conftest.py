@@ -20,6 +20,11 @@ settings.load_profile("pawnb")
 ROOT = Path(__file__).resolve().parents[1]
 
 
+def pytest_collection_modifyitems(items):
+    """Let notebooks go first: each takes minutes, and at the end one worker would wait for it."""
+    items.sort(key=lambda item: "notebooks" not in item.path.parts)
+
+
 @pytest.fixture(scope="session")
 def real_data():
     """Return a function that gives a folder of real data, or skips the test, saying why."""

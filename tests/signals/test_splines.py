@@ -4,9 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.interpolate import make_smoothing_spline
 
 from pawnb.errors import InputError
-from pawnb.signals import butterworth_lowpass, smooth_motion, smooth_spline, spline_cutoff
+from pawnb.signals import (
+    butterworth_lowpass,
+    smooth_motion,
+    smooth_spline,
+    spline_cutoff,
+    splines,
+)
 from pawnb.signals.butterworth import end_bends
 
 FS = 250.0
@@ -142,3 +149,13 @@ def test_motion_by_both_ways_agrees():
 def test_bad_arguments_are_refused(call, message):
     with pytest.raises(InputError, match=message):
         call()
+
+
+@pytest.mark.parametrize("n", [5, 6, 30, 400])
+@pytest.mark.parametrize("share", [0.005, 0.05, 0.45])
+def test_the_spline_of_the_search_is_that_of_scipy(n, share):
+    x = np.random.default_rng(n).normal(size=(n, 2)).cumsum(axis=0)
+    at = np.arange(n, dtype=float)
+    expected = make_smoothing_spline(at, x, lam=splines._weight(share))(at)
+    np.testing.assert_allclose(splines._fit(x, share), expected, rtol=0, atol=1e-8)
+    np.testing.assert_allclose(splines._fit(x[:, 0], share), expected[:, 0], rtol=0, atol=1e-8)
