@@ -320,7 +320,8 @@ def _processors() -> int:
 
 def _start_helper(folder: Path, kind: str) -> subprocess.Popen:
     quiet: dict[str, Any] = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL)
-    command = [sys.executable, "-m", __name__, str(folder), kind]
+    # not __name__: that is "__main__" where this module itself is run
+    command = [sys.executable, "-m", "pawnb.core.first_run", str(folder), kind]
     return subprocess.Popen(command, **quiet)  # noqa: S603 - our own module
 
 

@@ -215,3 +215,12 @@ def test_helpers_compile_what_is_listed(tmp_path, monkeypatch):
     subprocess.run(command, check=True)
     assert {path.name for path in (tmp_path / "share").iterdir()} == {"0", "0.done"}
     assert list((tmp_path / "kept").rglob("sorting_loops.ascending-*.nbc"))
+
+
+def test_helpers_run_this_module_also_where_it_is_run_by_itself(tmp_path, monkeypatch):
+    # python -m pawnb.core.first_run calls itself "__main__", which no helper can be started by
+    started = []
+    monkeypatch.setattr(first_run.subprocess, "Popen", lambda command, **_: started.append(command))
+    monkeypatch.setattr(first_run, "__name__", "__main__")
+    first_run._start_helper(tmp_path, "paws")
+    assert started[0][1:3] == ["-m", "pawnb.core.first_run"]
