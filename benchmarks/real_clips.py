@@ -135,7 +135,7 @@ def run_ours(clip: real.Clip, n: int, clicks: pd.DataFrame, settings: list[str])
 
 
 def run_peer(
-    peer: str, clip: real.Clip, n: int, clicks: pd.DataFrame, *, python: str, cache: Path
+    peer: str, clip: real.Clip, n: int, clicks: pd.DataFrame, *, python: str | None, cache: Path
 ) -> Run | None:
     """Let a peer follow the clicks, or take what it found earlier; None where it cannot run."""
     asked = hashlib.sha256(clicks.to_csv(index=False).encode())
@@ -143,6 +143,8 @@ def run_peer(
     asked.update(f"{clip.threshold_px} {VERSION}".encode())
     kept = cache / f"{clip.name}-{n}-{peer}-{asked.hexdigest()[:12]}.csv"
     if not kept.exists():
+        if python is None:
+            return None
         given, part = kept.with_suffix(".clicks"), kept.with_suffix(".part")
         clicks.to_csv(given, index=False)
         words = [python, PEER_WORKER, peer, clip.folder, given, part]
@@ -167,9 +169,8 @@ def run_clip(clip: real.Clip, options: argparse.Namespace, cache: Path) -> list[
         if clicks is None:
             continue
         for peer in options.peers:
-            if python[peer]:
-                run = run_peer(peer, clip, n, clicks, python=python[peer], cache=cache)
-                runs += [run] if run else []
+            run = run_peer(peer, clip, n, clicks, python=python[peer], cache=cache)
+            runs += [run] if run else []
         if not options.only_peers:
             runs.append(run_ours(clip, n, clicks, options.set))
             if runs[-1].refused:

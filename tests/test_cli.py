@@ -64,6 +64,20 @@ def test_demo_check_track_gait_in_a_row(tmp_path, capsys):
     ).exists()
 
 
+def test_demo_lists_its_variants_and_renders_them(tmp_path, capsys):
+    with pytest.raises(SystemExit):
+        cli.main(["demo", "--help"])
+    said = " ".join(capsys.readouterr().out.split())
+    assert all(name in said for name in ("grey:", "h264-crfNN:", "low-rate-K:", "glass-belt:"))
+    status, _, _ = run(
+        capsys, "demo", "paws", "--out", tmp_path, "--frames", 2, "--scale", 0.06,
+        "--vary", "grey,low-rate",
+    )  # fmt: skip
+    assert status == 0
+    trial = load_trial(tmp_path)
+    assert (trial.name, trial.fps) == ("synthetic-normal-00-grey-low-rate", 50.0)
+
+
 @pytest.mark.slow
 def test_demo_spider_is_a_trial_with_its_truth(tmp_path, capsys):
     out = tmp_path / "spider"
@@ -220,6 +234,8 @@ def test_convert_reads_another_program_and_asks_for_the_frame_rate(tmp_path, cap
     ("words", "sentence"),
     [
         (("demo", "paws", "--frames", "4", "--scale", "0.1", "--out", "file"), "Not a directory"),
+        (("demo", "paws", "--vary", "grey, gray"), "variant 'gray' is unknown (did you mean"),
+        (("demo", "spider", "--vary", "grey"), "only pawnb demo paws has variants"),
         (("convert", "points.csv", "file/tracks.nc", "--fps", "9"), "no such folder"),
         (("convert", "points.csv", "tracks.nc", "--fps", "-2"), "fps is -2; expected"),
         (("convert", "points.csv", "tracks.nc", "--fps", "nan"), "fps is nan; expected"),

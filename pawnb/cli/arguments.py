@@ -7,6 +7,7 @@ from typing import Any, NoReturn
 
 import pawnb
 from pawnb.cli import commands
+from pawnb.synthetic.variants import VARIANTS
 
 EXIT_BAD_INPUT = 2
 
@@ -53,6 +54,13 @@ def _add_demo(parsers: Any) -> None:
         help="1 is 2048 x 700 px a view, of the spider 1280 x 1024 px (default: 0.5)",
     )
     command.add_argument("--seed", type=int, default=0, help="another animal (default: 0)")
+    said = "; ".join(f"{name}: {what}" for name, what in VARIANTS.items())
+    command.add_argument(
+        "--vary",
+        default="",
+        metavar="NAME[,NAME...]",
+        help=f"of paws, how the recording differs from a good one. {said}",
+    )
     command.set_defaults(run=commands.run_demo)
 
 

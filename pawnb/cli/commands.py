@@ -15,6 +15,10 @@ def run_demo(options: argparse.Namespace, _argv: list[str]) -> None:
     from pawnb.synthetic import render_mouse_trial, render_spider_trial
     from pawnb.workflow.progress import progress_bar
 
+    variants = [name.strip() for name in options.vary.split(",") if name.strip()]
+    if variants and options.scene != "paws":
+        raise InputError(f"--vary {options.vary}: only pawnb demo paws has variants.")
+    more: dict[str, Any] = {"variants": variants} if variants else {}
     render = render_spider_trial if options.scene == "spider" else render_mouse_trial
     out = Path(options.out or f"demo-{options.scene}")
     with progress_bar("rendering") as progress:
@@ -24,6 +28,7 @@ def run_demo(options: argparse.Namespace, _argv: list[str]) -> None:
             scale=options.scale,
             seed=options.seed,
             progress=progress,
+            **more,
         )
     print(f"wrote {path}; next: pawnb track {path.parent}")
 

@@ -17,7 +17,8 @@ from pawnb.synthetic.scene import SceneSettings
 
 BELT_HALF_WIDTH_MM = 60.0
 BOX_HALF_LENGTH_MM = 185.0
-_BOX_HEIGHT_MM = 150.0
+WALL_MM = BELT_HALF_WIDTH_MM + 2.0
+BOX_HEIGHT_MM = 150.0
 _DECK_HALF_LENGTH_MM = 290.0
 _DECK_HALF_WIDTH_MM = 210.0
 _CURTAIN_MM = 420.0
@@ -27,7 +28,7 @@ _BELT_LENGTH_MM = 720.0
 """Length after which the marks on the belt repeat."""
 
 Quad = np.ndarray
-_Panel = tuple[Quad, tuple[float, float, float], float]
+Panel = tuple[Quad, tuple[float, float, float], float]
 
 
 @dataclass(frozen=True)
@@ -120,12 +121,12 @@ def make_backdrop(camera: Camera, settings: SceneSettings) -> Backdrop:
     picture += belt[..., None] * (belt_colour - picture)
     far, near = _box_edges(camera.side)
     for quad, rgb, opacity in far:
-        alpha = opacity * _fill(camera, quad, h, w)[..., None]
+        alpha = opacity * fill_quad(camera, quad, (h, w))[..., None]
         picture += alpha * (np.array(rgb) * settings.light - picture)
     glass = np.full((h, w, 1), 0.95, dtype=np.float32)
     reflection = np.full((h, w, 3), 5.0 * settings.light, dtype=np.float32)
     for quad, rgb, opacity in near:
-        alpha = opacity * _fill(camera, quad, h, w)[..., None]
+        alpha = opacity * fill_quad(camera, quad, (h, w))[..., None]
         glass *= 1.0 - alpha
         reflection += alpha * (np.array(rgb, dtype=np.float32) * settings.light - reflection)
     reach = np.abs(ground[..., 1]) < BELT_HALF_WIDTH_MM + 60.0
@@ -203,12 +204,12 @@ def _curtain(
     return settings.light * brightness[..., None] * np.array(settings.backdrop_rgb)
 
 
-def _box_edges(side: int) -> tuple[list[_Panel], list[_Panel]]:
+def _box_edges(side: int) -> tuple[list[Panel], list[Panel]]:
     """Return (quad, rgb, opacity) of the plexiglass behind the animal and before it."""
-    length, width, top = BOX_HALF_LENGTH_MM, BELT_HALF_WIDTH_MM + 2.0, _BOX_HEIGHT_MM
+    length, width, top = BOX_HALF_LENGTH_MM, WALL_MM, BOX_HEIGHT_MM
     pale, line, shade = (150.0, 160.0, 150.0), (205.0, 214.0, 200.0), (70.0, 92.0, 72.0)
-    far: list[_Panel] = []
-    near: list[_Panel] = []
+    far: list[Panel] = []
+    near: list[Panel] = []
     for where, wall in ((far, -side), (near, side)):
         y = wall * width
         for end in (-1, 1):
@@ -236,10 +237,10 @@ def _upright(x: float, y: float, thickness: float, top: float) -> Quad:
     return np.array([[a, y, 0.0], [b, y, 0.0], [b, y, top], [a, y, top]])
 
 
-def _fill(camera: Camera, quad: Quad, h: int, w: int) -> np.ndarray:
-    """Return the share (h, w) of each pixel that a quadrilateral in 3D covers."""
+def fill_quad(camera: Camera, quad: Quad, shape: tuple[int, int]) -> np.ndarray:
+    """Return the share of each pixel of a picture (h, w) that a quadrilateral in 3D covers."""
     uv, _ = camera.project(quad)
-    mask = np.zeros((h, w), dtype=np.uint8)
+    mask = np.zeros(shape, dtype=np.uint8)
     points = np.round(np.clip(uv, -8000, 8000) * 16).astype(np.int32)
     cv2.fillConvexPoly(mask, points, 255, lineType=cv2.LINE_AA, shift=4)
     return mask.astype(np.float32) / 255.0

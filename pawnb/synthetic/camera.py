@@ -16,7 +16,14 @@ _PLACES = (
     ("cam3", 1, 21.0, 16.0, 495.0, 2420.0),
     ("cam4", 1, -19.0, 13.5, 505.0, 2470.0),
 )
+_PLACES_BELOW = (
+    ("cam1", -1, 2.0, -78.0, 520.0, 2430.0),
+    ("cam2", -1, 18.0, -56.0, 510.0, 2500.0),
+    ("cam3", 1, -17.0, -57.0, 515.0, 2420.0),
+    ("cam4", 1, 3.0, -70.0, 505.0, 2470.0),
+)
 _LOOK_AT = np.array([0.0, 0.0, 32.0])
+_LOOK_AT_FROM_BELOW = np.array([0.0, 0.0, 8.0])
 
 
 @dataclass(frozen=True)
@@ -33,7 +40,7 @@ class Camera:
         Projection to homogeneous px of the picture at its scale; the third
         coordinate is the depth in mm.
     side : int
-        -1 on the side of -Y, +1 on the side of +Y.
+        -1 on the side of -Y, +1 on the side of +Y, 0 below the belt.
     """
 
     name: str
@@ -61,12 +68,15 @@ class Camera:
 def make_cameras(settings: SceneSettings) -> list[Camera]:
     """Set up the cameras: two on the side of -Y, two on the side of +Y, of which some are used.
 
+    Below a belt of glass the first looks nearly straight up, the others more from the sides.
+
     At scale 1 the principal point is the centre of the 2048 x 700 picture. A picture
     at scale s is the full picture resampled, so ``u' = (u + 0.5) s - 0.5``.
     """
     rng = np.random.default_rng([settings.seed, 2])
     cameras = []
-    for name, side, ahead, elevation, distance, focal in _PLACES:
+    places = _PLACES_BELOW if settings.below else _PLACES
+    for name, side, ahead, elevation, distance, focal in places:
         turn = settings.camera_jitter_deg * np.clip(rng.standard_normal(4), -2.0, 2.0)
         azimuth = np.radians(ahead + turn[0])
         height = np.radians(elevation + 0.5 * turn[1])
@@ -77,14 +87,16 @@ def make_cameras(settings: SceneSettings) -> list[Camera]:
                 np.sin(height),
             ]
         )
-        target = _LOOK_AT + np.array([turn[2], 0.0, 0.0])
+        target = (_LOOK_AT_FROM_BELOW if settings.below else _LOOK_AT) + np.array(
+            [turn[2], 0.0, 0.0]
+        )
         roll = np.radians(0.25 * turn[3])
         matrix = _projection(target + distance * away, -away, roll, focal)
         s = settings.scale
         resample = np.array([[s, 0, 0.5 * s - 0.5], [0, s, 0.5 * s - 0.5], [0, 0, 1]])
-        cameras.append(
-            Camera(name=name, centre=target + distance * away, matrix=resample @ matrix, side=side)
-        )
+        centre = target + distance * away
+        side = 0 if settings.below else side
+        cameras.append(Camera(name=name, centre=centre, matrix=resample @ matrix, side=side))
     return cameras[: settings.n_views]
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from pawnb.synthetic import anatomy
 from pawnb.synthetic.anatomy import Limb, two_links
+from pawnb.synthetic.covered_paws import cover_paws
 from pawnb.synthetic.gait_model import Gait
 from pawnb.synthetic.hair import Hairs, draw_hairs, hair_triangles
 from pawnb.synthetic.scene import LEGS, SceneSettings
@@ -97,9 +98,14 @@ class Mouse:
         self._add_hairs(*trunk, self._hairs, -1.0)
         self._add_head(pose)
         self._add_tail(pose, time_s)
+        limbs, phases = {}, {}
         for leg in LEGS:
-            self._add_limb(leg, pose, time_s)
+            first = self._builder.count
+            phases[leg] = self._add_limb(leg, pose, time_s)
+            limbs[leg] = slice(first, self._builder.count)
         mesh = self._builder.mesh()
+        if self._settings.covered_paws:
+            mesh = cover_paws(mesh, limbs, phases, settings=self._settings)
         # forward and left become +X and +Y, or -X and -Y
         facing = np.array([self._settings.direction, self._settings.direction, 1.0])
         mesh.vertices = mesh.vertices * facing
@@ -272,8 +278,11 @@ class Mouse:
         start = np.array([-36.0, 0.0, 26.2])
         return np.asarray(start + np.vstack([np.zeros(3), np.cumsum(step[1:] * length, axis=0)]))
 
-    def _add_limb(self, leg: str, pose: _Pose, time_s: float) -> None:
-        """Add a limb from its girdle to the digits; the tracked point is where the gait has it."""
+    def _add_limb(self, leg: str, pose: _Pose, time_s: float) -> float:
+        """Add a limb from its girdle to the digits; return the phase of its step, 0-2.
+
+        The tracked point is where the gait has it.
+        """
         limb = anatomy.FRONT if leg[0] == "F" else anatomy.HIND
         side, size = (1.0 if leg[1] == "L" else -1.0), self._settings.size
         motion = self._gait.legs[leg]
@@ -298,6 +307,7 @@ class Mouse:
         knee = knee + side * left * (1.5 if limb is anatomy.HIND else 1.0) * size
         self._add_shaft(leg, limb, (top, knee, ankle), left, pose)
         self._add_paw(leg, limb, (ankle, pad, point), digit, left)
+        return phase
 
     def _add_shaft(
         self,

@@ -3,25 +3,20 @@
 from __future__ import annotations
 
 import dataclasses
-from collections import deque
-from collections.abc import Callable, Mapping
-from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import ExitStack
-from fractions import Fraction
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import av
 import numpy as np
 import pandas as pd
 
 from pawnb.errors import InputError
-from pawnb.files import whole_file
 from pawnb.io.tables import write_text
 from pawnb.synthetic.camera import Camera, make_cameras
 from pawnb.synthetic.gait_model import Gait, plan_gait
 from pawnb.synthetic.mouse import Mouse
-from pawnb.synthetic.render import ViewRenderer, cast_shadow, cover, paw_fractions
+from pawnb.synthetic.mouse_film import Progress, render_videos, video_name
+from pawnb.synthetic.render import cover, paw_fractions
 from pawnb.synthetic.scene import LEGS, SceneSettings, scene_settings
 from pawnb.synthetic.truth import (
     events_truth,
@@ -31,14 +26,9 @@ from pawnb.synthetic.truth import (
     start_clicks,
     tracks_truth,
 )
+from pawnb.synthetic.variants import vary
 from pawnb.trial import Animal, Calibration, Trial, View, save_trial
 
-Progress = Callable[[int, int], None]
-
-_QUALITY = 2
-"""Quantiser scale of MJPEG: 2 is the finest that is of use."""
-_AHEAD = 3
-"""Frames that may be under way at once: keeps memory flat."""
 _START_SCALE = 0.2
 _START_CANDIDATES = 24
 
@@ -51,6 +41,7 @@ def render_mouse_trial(
     seed: int = 0,
     difficulty: str = "normal",
     settings: Mapping[str, Any] | None = None,
+    variants: Sequence[str] = (),
     progress: Progress | None = None,
 ) -> Path:
     """Render a mouse on a treadmill, seen by up to four cameras, with its exact truth.
@@ -70,6 +61,10 @@ def render_mouse_trial(
     settings : mapping, optional
         Further fields of :class:`pawnb.synthetic.SceneSettings`; they go before
         ``scale``, ``seed`` and the preset.
+    variants : sequence of str, optional
+        What makes the recording worse, or other: names of
+        :data:`pawnb.synthetic.variants.VARIANTS`, which go before all of these. The animal, its
+        gait and the truth of it stay.
     progress : callable, optional
         Called with (frames done, frames in all).
 
@@ -89,19 +84,21 @@ def render_mouse_trial(
     the paw, midway between their base and their tips and at half their thickness. While the
     paw stands it lies 1.2 mm above the belt and moves exactly with it.
 
-    Files: ``cam1.avi`` ... (MJPEG), ``DLTcoefs.csv``, ``start.csv``, ``trial.toml``, and in
-    ``truth/`` the tables ``tracks.csv`` (every paw in every view; ``visible_fraction`` is the
-    share of the paw's picture that nothing hides, ``visible`` is 1 above 0.3),
-    ``points3d.csv``, ``landmarks3d.csv`` (nose, ears, base and tip of the tail: frame, point,
-    x, y, z) and ``events.csv``. A view on the animal's right tracks FR and HR, one
-    on its left FL and HL. Recordings begin where all paws are well seen, as a person would
-    choose. The same arguments give the same bytes with the same versions of the libraries.
+    Files: ``cam1.avi`` ... (MJPEG; H.264 is ``cam1.mp4``), ``DLTcoefs.csv``, ``start.csv``,
+    ``trial.toml``, and in ``truth/`` the tables ``tracks.csv`` (every paw in every view;
+    ``visible_fraction`` is the share of the paw's picture that nothing hides, ``visible`` is 1
+    above 0.3), ``points3d.csv``, ``landmarks3d.csv`` (nose, ears, base and tip of the tail: frame,
+    point, x, y, z) and ``events.csv``. A view on the animal's right tracks FR and HR, one on its
+    left FL and HL, one from below all four. Recordings begin where all paws are well seen, as a
+    person would choose. The same arguments give the same bytes with the same versions of the
+    libraries.
     """
     scene = scene_settings(
         difficulty, changes={"scale": scale, "seed": seed, **(dict(settings or {}))}
     )
     if frames < 2:
         raise InputError(f"frames is {frames}; expected 2 or more.")
+    scene = vary(scene, variants)
     folder = Path(folder)
     (folder / "truth").mkdir(parents=True, exist_ok=True)
     (folder / "trial.toml").unlink(missing_ok=True)
@@ -109,8 +106,11 @@ def render_mouse_trial(
     cameras = make_cameras(scene)
     mouse = Mouse(scene, gait)
     begin_s = find_start(mouse, gait, scene)
-    fractions = _render_videos(folder, mouse, cameras, (scene, begin_s, frames, progress))
-    trial = _describe(folder, scene, cameras, difficulty)
+    fractions = render_videos(
+        folder, mouse, cameras, scene=scene, begin_s=begin_s, frames=frames, progress=progress
+    )
+    name = "-".join(["synthetic", difficulty, f"{scene.seed:02d}", *variants])
+    trial = _describe(folder, scene, cameras, name)
     times_s = np.arange(frames) / scene.fps
     positions = paw_positions(gait, scene, begin_s + times_s)
     tracks = tracks_truth(positions, fractions, cameras)
@@ -133,7 +133,9 @@ def render_mouse_trial(
 
 
 def tracked_legs(camera: Camera, settings: SceneSettings) -> tuple[str, ...]:
-    """Return the legs on the side of the animal that a camera sees."""
+    """Return the legs on the side of the animal that a camera sees; from below all of them."""
+    if camera.side == 0:
+        return LEGS
     return ("FR", "HR") if camera.side * settings.direction < 0 else ("FL", "HL")
 
 
@@ -158,102 +160,18 @@ def find_start(mouse: Mouse, gait: Gait, settings: SceneSettings) -> float:
     return best_s
 
 
-def _render_videos(
-    folder: Path,
-    mouse: Mouse,
-    cameras: list[Camera],
-    plan: tuple[SceneSettings, float, int, Progress | None],
-) -> np.ndarray:
-    """Render all frames, one thread a view; return visible fractions (frames, views, legs)."""
-    scene, begin_s, frames, progress = plan
-    fractions = np.zeros((frames, len(cameras), len(LEGS)))
-    with ExitStack() as stack:
-        views = []
-        for number, camera in enumerate(cameras):
-            part = stack.enter_context(whole_file(folder / f"{camera.name}.avi"))
-            writer = stack.enter_context(_VideoWriter(part, scene))
-            worker = stack.enter_context(ThreadPoolExecutor(max_workers=1))
-            views.append((ViewRenderer(camera, scene, number), writer, worker))
-        under_way: deque[list[Future[dict[str, float]]]] = deque()
-        done = 0
-
-        def finish_oldest() -> None:
-            nonlocal done
-            for number, future in enumerate(under_way.popleft()):
-                seen = future.result()
-                fractions[done, number] = [seen[leg] for leg in LEGS]
-            done += 1
-            if progress is not None:
-                progress(done, frames)
-
-        for frame in range(frames):
-            time_s = begin_s + frame / scene.fps
-            mesh = mouse.mesh(time_s)
-            shadow = cast_shadow(mesh, scene)
-
-            def shoot(
-                renderer: ViewRenderer,
-                writer: _VideoWriter,
-                moment: tuple[Any, ...] = (mesh, shadow, frame, time_s),
-            ) -> dict[str, float]:
-                mesh, shadow, frame, time_s = moment
-                picture, seen = renderer.render(mesh, shadow, frame=frame, time_s=time_s)
-                writer.write(picture)
-                return seen
-
-            under_way.append(
-                [worker.submit(shoot, renderer, writer) for renderer, writer, worker in views]
-            )
-            if len(under_way) >= _AHEAD:
-                finish_oldest()
-        while under_way:
-            finish_oldest()
-    return fractions
-
-
-class _VideoWriter:
-    """Writes RGB pictures to an MJPEG file, the same bytes for the same pictures."""
-
-    def __init__(self, path: Path, settings: SceneSettings) -> None:
-        self._container = av.open(str(path), "w", format="avi", options={"fflags": "+bitexact"})
-        rate = Fraction(settings.fps).limit_denominator(10000)
-        self._stream = self._container.add_stream(
-            "mjpeg",
-            rate=rate,
-            options={
-                "flags": "+qscale+bitexact",
-                "global_quality": str(_QUALITY * 118),  # in units of FF_QP2LAMBDA
-                "threads": "1",
-            },
-        )
-        self._stream.width, self._stream.height = settings.width, settings.height
-        self._stream.pix_fmt = "yuvj422p"
-
-    def __enter__(self) -> _VideoWriter:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._container.mux(self._stream.encode())
-        self._container.close()
-
-    def write(self, picture: np.ndarray) -> None:
-        """Append one picture (h, w, 3) uint8."""
-        frame = av.VideoFrame.from_ndarray(picture, format="rgb24")
-        frame = frame.reformat(format="yuvj422p", dst_colorspace="ITU601", dst_color_range="JPEG")
-        self._container.mux(self._stream.encode(frame))
-
-
-def _describe(folder: Path, scene: SceneSettings, cameras: list[Camera], difficulty: str) -> Trial:
+def _describe(folder: Path, scene: SceneSettings, cameras: list[Camera], name: str) -> Trial:
     """Describe the recording as a trial."""
     return Trial(
         kind="paws",
-        name=f"synthetic-{difficulty}-{scene.seed:02d}",
+        name=name,
         fps=scene.fps,
         animal=Animal(id=f"synthetic-{scene.seed:02d}", species="mouse"),
         folder=folder,
         belt_speed=scene.belt_speed_mm_s,
         views=tuple(
-            View(name=c.name, video=f"{c.name}.avi", points=tracked_legs(c, scene)) for c in cameras
+            View(name=c.name, video=video_name(c, scene), points=tracked_legs(c, scene))
+            for c in cameras
         ),
         calibration=Calibration(
             dlt="DLTcoefs.csv", unit="mm", forward=(float(scene.direction), 0.0, 0.0)

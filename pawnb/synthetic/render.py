@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -15,6 +16,9 @@ from pawnb.synthetic.backdrop import (
     make_belt,
 )
 from pawnb.synthetic.camera import Camera
+from pawnb.synthetic.glass_belt import make_glass_backdrop
+from pawnb.synthetic.lamps import Shadow, brightness, lamp_direction
+from pawnb.synthetic.mirrors import find_mirrors
 from pawnb.synthetic.mouse import EYE, PAW, TWO_SIDED
 from pawnb.synthetic.raster import Fragments, barycentric, rasterise
 from pawnb.synthetic.scene import LEGS, SceneSettings
@@ -24,16 +28,10 @@ SUPERSAMPLE = 2
 """Samples per pixel and direction; colours, edges and visibility are all decided on them."""
 
 _FUR_TEXELS, _FUR_TEXELS_PER_MM = 512, 5.0
-_SHADOW_CELL_MM = 1.0
-_SHADOW_CELLS = (200, 140)
 
 
-@dataclass(frozen=True)
-class Shadow:
-    """Shadow of the animal on the belt: share of the light that is missing, on a grid."""
-
-    grid: np.ndarray
-    corner: np.ndarray
+Moment = tuple[Mesh, Shadow, float]
+"""The animal, its shadow and the time, s."""
 
 
 @dataclass(frozen=True)
@@ -63,12 +61,20 @@ class ViewRenderer:
         self._camera = camera
         self._settings = settings
         self._number = number
-        self._backdrop: Backdrop = make_backdrop(camera, settings)
+        make = make_glass_backdrop if settings.below else make_backdrop
+        self._backdrop: Backdrop = make(camera, settings)
+        self._mirrors = find_mirrors(camera, settings)
         self._belt = make_belt(settings)
         self._fur = _fur_texture(settings)
 
     def render(
-        self, mesh: Mesh, shadow: Shadow, *, frame: int, time_s: float
+        self,
+        mesh: Mesh,
+        shadow: Shadow,
+        *,
+        frame: int,
+        time_s: float,
+        others: Sequence[Moment] = (),
     ) -> tuple[np.ndarray, dict[str, float]]:
         """Render one frame.
 
@@ -77,11 +83,13 @@ class ViewRenderer:
         mesh : Mesh
             The animal.
         shadow : Shadow
-            Its shadow, from :func:`cast_shadow`.
+            Its shadow, from :func:`pawnb.synthetic.lamps.cast_shadow`.
         frame : int
             Number of the frame; seeds its noise.
         time_s : float
             Time, for the place of the belt.
+        others : sequence of tuple
+            Mesh, shadow and time at further moments for which the shutter is open.
 
         Returns
         -------
@@ -90,17 +98,39 @@ class ViewRenderer:
         fractions : dict
             For each leg the share of its paw that is seen, 0-1; see :func:`paw_fractions`.
         """
-        settings, backdrop = self._settings, self._backdrop
-        picture = backdrop.picture.copy()
-        picture[backdrop.rows] *= self._ground(shadow, time_s)[..., None]
+        settings = self._settings
         covered = cover(mesh, self._camera, settings)
-        self._paint(picture, mesh, covered)
-        picture *= backdrop.glass
-        picture += backdrop.reflection
+        picture = self._see(mesh, shadow, covered, time_s)
+        for other, its_shadow, its_time_s in others:
+            there = cover(other, self._camera, settings)
+            picture += self._see(other, its_shadow, there, its_time_s)
+        if others:
+            picture /= np.float32(1 + len(others))
         blur = settings.blur_px * settings.scale
         if blur > 0.15:
             picture = cv2.GaussianBlur(picture, (0, 0), blur)
         return self._expose(picture, frame), paw_fractions(mesh, covered)
+
+    def _see(self, mesh: Mesh, shadow: Shadow, covered: _Coverage, time_s: float) -> np.ndarray:
+        """Return what a moment looks like (h, w, 3) float32, without the camera's faults."""
+        settings, backdrop = self._settings, self._backdrop
+        picture = backdrop.picture.copy()
+        ground = self._ground(shadow, time_s)[..., None]
+        if not settings.below:
+            picture[backdrop.rows] *= ground
+        colour = self._shade(mesh)
+        for mirror in self._mirrors:
+            image = mirror.image(mesh)
+            there = cover(image, self._camera, settings)
+            self._paint(picture, image, there, colour, share=mirror.share)
+        self._paint(picture, mesh, covered, colour)
+        if settings.below:
+            picture[backdrop.rows] *= ground  # the belt lies before the animal
+        picture *= backdrop.glass
+        picture += backdrop.reflection
+        if settings.flicker:
+            picture *= np.float32(brightness(settings, time_s))
+        return picture
 
     def _ground(self, shadow: Shadow, time_s: float) -> np.ndarray:
         """Return the relative brightness of the ground: marks of the belt times shadow."""
@@ -116,13 +146,25 @@ class ViewRenderer:
             cv2.INTER_LINEAR,
             borderMode=cv2.BORDER_WRAP,
         )
-        u = (backdrop.ground_x - np.float32(shadow.corner[0])) / np.float32(_SHADOW_CELL_MM)
-        v = (backdrop.ground_y - np.float32(shadow.corner[1])) / np.float32(_SHADOW_CELL_MM)
+        u = (backdrop.ground_x - np.float32(shadow.corner[0])) / np.float32(shadow.cell_mm)
+        v = (backdrop.ground_y - np.float32(shadow.corner[1])) / np.float32(shadow.cell_mm)
         dark = cv2.remap(shadow.grid, u, v, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT)
         return (1.0 + marks * backdrop.belt) * (1.0 - dark)
 
-    def _paint(self, picture: np.ndarray, mesh: Mesh, covered: _Coverage) -> None:
-        """Paint the animal into a picture, in place."""
+    def _paint(
+        self,
+        picture: np.ndarray,
+        mesh: Mesh,
+        covered: _Coverage,
+        colour: np.ndarray,
+        *,
+        share: np.ndarray | None = None,
+    ) -> None:
+        """Paint the animal, of colour (n, 3) at its vertices, into a picture, in place.
+
+        ``share`` (h, w) is how much of what is seen at each pixel is the animal, where it is;
+        default all.
+        """
         u0, v0, u1, v1 = covered.box
         n = SUPERSAMPLE
         wide, high = n * (u1 - u0), n * (v1 - v0)
@@ -132,9 +174,7 @@ class ViewRenderer:
         triangle = covered.fragments.triangle[covered.fragments.winner[sample]]
         xy = np.stack([sample % wide, sample // wide], axis=1)
         weights = barycentric(covered.corners, triangle, xy).astype(np.float32)
-        values = np.concatenate(
-            [self._shade(mesh), mesh.surface, mesh.fur[:, None]], axis=1, dtype=np.float32
-        )
+        values = np.concatenate([colour, mesh.surface, mesh.fur[:, None]], axis=1, dtype=np.float32)
         corner = covered.faces[triangle]
         mixed = sum(weights[:, [k]] * values[corner[:, k]] for k in range(3))
         texel = (mixed[:, 3:5] * np.float32(_FUR_TEXELS_PER_MM)).astype(np.int32) % _FUR_TEXELS
@@ -145,6 +185,8 @@ class ViewRenderer:
         small = cv2.resize(
             layer.reshape(high, wide, 4), (u1 - u0, v1 - v0), interpolation=cv2.INTER_AREA
         )
+        if share is not None:
+            small = small * share[v0:v1, u0:u1, None]
         part = picture[v0:v1, u0:u1]
         part *= 1.0 - small[..., 3:]
         part += small[..., :3]
@@ -152,11 +194,12 @@ class ViewRenderer:
     def _shade(self, mesh: Mesh) -> np.ndarray:
         """Return the colour of each vertex under the lamps (n, 3)."""
         settings = self._settings
-        normal, up = mesh.normals, mesh.normals[:, 2]
         lamp = lamp_direction(settings)
+        # towards the lamps, which stand below a belt of glass
+        normal, up = mesh.normals, mesh.normals[:, 2] * np.sign(lamp[2])
         toward = unit(self._camera.centre - mesh.vertices)
         direct = np.maximum(normal @ lamp, 0.0)
-        light = 0.48 + 0.20 * up + 0.32 * direct / lamp[2]
+        light = 0.48 + 0.20 * up + 0.32 * direct / abs(lamp[2])
         # the side lamps stand with the cameras
         light += 0.12 * np.maximum(np.einsum("ij,ij->i", normal, toward), 0.0)
         # less light reaches what is low under the body
@@ -233,40 +276,6 @@ def paw_fractions(mesh: Mesh, covered: _Coverage) -> dict[str, float]:
         shown = np.count_nonzero(front[alone] == PAW[leg])
         fractions[leg] = shown / len(alone) if len(alone) else 0.0
     return fractions
-
-
-def lamp_direction(settings: SceneSettings) -> np.ndarray:
-    """Return the unit vector towards the stronger lamp, 60 degrees above the belt."""
-    azimuth, elevation = np.radians(settings.light_azimuth_deg), np.radians(60.0)
-    flat = np.cos(elevation)
-    return np.array([np.cos(azimuth) * flat, np.sin(azimuth) * flat, np.sin(elevation)])
-
-
-def cast_shadow(mesh: Mesh, settings: SceneSettings) -> Shadow:
-    """Find the soft shadow of the animal on the belt.
-
-    The lamps are wide: what is close to the belt casts a sharp shadow under itself,
-    what is high a faint, wide one, moved away from the stronger lamp.
-    """
-    corners = mesh.vertices[mesh.faces]
-    middle = corners.mean(axis=1)
-    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    area = 0.5 * np.maximum(cross[:, 2], 0.0)  # seen from above
-    wide, high = _SHADOW_CELLS
-    centre = np.median(mesh.vertices[:, :2], axis=0)
-    corner = centre - 0.5 * _SHADOW_CELL_MM * np.array([wide, high])
-    lamp = lamp_direction(settings)
-    light = np.ones((high, wide), dtype=np.float32)
-    for low, top, blur, strength in ((-1, 5, 1.3, 0.50), (5, 13, 4.0, 0.40), (13, 200, 9.0, 0.42)):
-        here = (middle[:, 2] >= low) & (middle[:, 2] < top) & (area > 0)
-        shift = 0.7 * lamp[:2] / lamp[2] * middle[here, 2:]
-        cell = np.floor((middle[here, :2] - shift - corner) / _SHADOW_CELL_MM).astype(int)
-        inside = ((cell >= 0) & (cell < [wide, high])).all(axis=1)
-        place = cell[inside, 1] * wide + cell[inside, 0]
-        dark = np.bincount(place, weights=area[here][inside], minlength=wide * high)
-        dark = np.minimum(dark.reshape(high, wide) / _SHADOW_CELL_MM**2, 1.0).astype(np.float32)
-        light *= 1.0 - strength * cv2.GaussianBlur(dark, (0, 0), blur / _SHADOW_CELL_MM)
-    return Shadow(grid=1.0 - light, corner=corner + 0.5 * _SHADOW_CELL_MM)
 
 
 def _fur_texture(settings: SceneSettings) -> np.ndarray:

@@ -75,6 +75,20 @@ class SceneSettings:
         Standard deviation of the optical blur at scale 1.
     camera_jitter_deg : float
         Standard deviation of each camera's direction about its usual place.
+    below : bool
+        Whether belt and lamps are those of a treadmill that is filmed from below, through glass.
+    shutter : float
+        Share of the time between two frames for which the shutter is open.
+    flicker : float
+        By how much the lamps grow brighter and darker with the mains, relative to their mean.
+    reflections : float
+        Share of the light that a shining belt reflects; the walls reflect less.
+    covered_paws : float
+        How much a paw has the colour of the fur that lies over it at lift-off, 0 to 1.
+    grey : bool
+        Whether the camera is a grey one.
+    crf : int, optional
+        Quality of H.264, from 0, the best, to 51; without it frames are coded one by one, finely.
     """
 
     seed: int = _limits(0, 0, 2**32 - 1)
@@ -105,6 +119,13 @@ class SceneSettings:
     shot_noise: float = _limits(4.0, 0.0, 30.0)
     blur_px: float = _limits(0.7, 0.0, 4.0)
     camera_jitter_deg: float = _limits(1.5, 0.0, 5.0)
+    below: bool = False
+    shutter: float = _limits(0.0, 0.0, 1.0)
+    flicker: float = _limits(0.0, 0.0, 0.8)
+    reflections: float = _limits(0.0, 0.0, 0.8)
+    covered_paws: float = _limits(0.0, 0.0, 1.0)
+    grey: bool = False
+    crf: int | None = _limits(None, 0, 51)
 
     def __post_init__(self) -> None:
         for item in fields(self):
@@ -117,6 +138,11 @@ class SceneSettings:
                     f"scene setting {item.name} is {value}; expected red, green and blue, "
                     "each from 0 to 255."
                 )
+        if self.below and self.reflections:
+            raise InputError(
+                "a camera below the belt sees no mirror image of the animal: leave out "
+                "reflections, or the belt of glass."
+            )
 
     @property
     def width(self) -> int:

@@ -77,6 +77,11 @@ class MeshBuilder:
             )
         self._count += len(vertices)
 
+    @property
+    def count(self) -> int:
+        """Vertices that were added in this frame."""
+        return self._count
+
     def mesh(self) -> Mesh:
         """Return the mesh of this frame and make ready for the next."""
         if self._kept is None:

@@ -7,8 +7,9 @@ import pytest
 
 from pawnb.synthetic.camera import make_cameras
 from pawnb.synthetic.gait_model import plan_gait
+from pawnb.synthetic.lamps import cast_shadow
 from pawnb.synthetic.mouse import PAW, Mouse
-from pawnb.synthetic.render import ViewRenderer, cast_shadow, cover, paw_fractions
+from pawnb.synthetic.render import ViewRenderer, cover, paw_fractions
 from pawnb.synthetic.scene import LEGS, scene_settings
 
 QUIET = {"scale": 0.25, "read_noise": 0.0, "shot_noise": 0.0, "blur_px": 0.0}
