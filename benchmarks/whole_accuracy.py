@@ -6,6 +6,7 @@ Run it from the project's root:
     python benchmarks/whole_accuracy.py --render scenes --vary --seeds 21 22 23 24 25
     python benchmarks/whole_accuracy.py --trials my/a/trial.toml my/b/trial.toml
     python benchmarks/whole_accuracy.py --render scenes --vary --alone --clicked 0.5
+    python benchmarks/whole_accuracy.py --render scenes --vary --alone --scales 1 0.5 --films
 
 Errors are counted twice. *Alone*: each scene is tracked once from its start clicks; what
 is wrong makes runs of wrong frames, major and minor. *Corrected*: where a major error
@@ -17,13 +18,18 @@ Rates are per 1000 frames of all views together; "<" is the upper end of the exa
 interval of a Poisson count (Garwood 1936). Intervals of shares are exact, too (Clopper and
 Pearson 1934), as if labels were independent, which those of one run are not. Distances
 are px of the picture as it is. With ``--clicked`` wrong labels are also counted before and after
-the frame that was clicked. Time is of the whole call, decoding and the checksums of
-the record included, and of one correction.
+the frame that was clicked.
+
+With ``--films`` the same scenes are filmed in several ways, by default in colour, in grey and
+compressed (H.264, crf 23 and 28), and the last table has, side by side, how many of 1000 visible
+labels are wrong; a film that tracking refuses has none right. Time is of the whole call, decoding
+and the checksums of the record included, and of one correction.
 """
 
 from __future__ import annotations
 
 import argparse
+import itertools
 import re
 import tempfile
 import time
@@ -36,6 +42,7 @@ import pandas as pd
 from scipy.stats import beta
 
 from pawnb.core.video import open_views
+from pawnb.errors import PawnbError
 from pawnb.schema import Tracks
 from pawnb.synthetic import render_mouse_trial
 from pawnb.trial import Trial, load_trial
@@ -50,6 +57,8 @@ SHARES = {"wrong": ("n_wrong", "n_labels"), "bridged": ("n_bridged", "n_hidden")
           "inside 95 %": ("n_inside", "n_coordinates")}  # fmt: skip
 SIDES = {side: (f"n_wrong_{side}", f"n_{side}") for side in ("before", "after")}
 NEAR_FRAMES = 25
+GOOD_FILM = "colour"
+FILMS = (GOOD_FILM, "grey", "h264-crf23", "h264-crf28", "grey,h264-crf23", "grey,h264-crf28")
 
 
 def main() -> None:
@@ -59,14 +68,25 @@ def main() -> None:
     parser.add_argument("--clicked", type=float, metavar="SHARE",
                         help="clicks so far into a recording (0 to 1), by the truth")  # fmt: skip
     arguments = parser.parse_args()
+    rows = []
     with tempfile.TemporaryDirectory() as folder:
-        rows = []
         for path in trials(arguments, arguments.render or Path(folder)):
-            rows.append(
-                measure(load_trial(path), corrected=not arguments.alone, clicked=arguments.clicked)
-            )
-            print(line(rows[-1]), flush=True)
-    print(summary(pd.DataFrame(rows)))
+            trial = load_trial(path)
+            try:
+                rows.append(
+                    measure(trial, corrected=not arguments.alone, clicked=arguments.clicked)
+                )
+            except PawnbError as error:
+                rows.append(refused(trial))
+                print(f"{trial.name}: refused: {error}", flush=True)
+            else:
+                print(line(rows[-1]), flush=True)
+    table = pd.DataFrame(rows)
+    if not table["refused"].all():
+        print(summary(table[~table["refused"]]))
+    if len(films(arguments)) > 1:
+        print("\nwrong of 1000 visible labels\n")
+        print(side_by_side(table))
 
 
 def add_scene_arguments(parser: argparse.ArgumentParser) -> None:
@@ -81,6 +101,14 @@ def add_scene_arguments(parser: argparse.ArgumentParser) -> None:
                         help="of 2048 x 700 (%(default)s)")  # fmt: skip
     parser.add_argument("--vary", action="store_true",
                         help="vary frame rate, views, speed, colours, light")  # fmt: skip
+    parser.add_argument("--films", nargs="*", default=[GOOD_FILM], metavar="NAME[,NAME...]",
+                        help=f"variants of `pawnb demo paws`, {GOOD_FILM} without any; no name: "
+                        f"{' '.join(FILMS)} (%(default)s)")  # fmt: skip
+
+
+def films(arguments: argparse.Namespace) -> list[str]:
+    """Return how scenes are filmed; given without a name it means all that are compared."""
+    return arguments.films or list(FILMS)
 
 
 def trials(arguments: argparse.Namespace, folder: Path) -> Iterator[Path]:
@@ -88,18 +116,19 @@ def trials(arguments: argparse.Namespace, folder: Path) -> Iterator[Path]:
     if arguments.trials:
         yield from arguments.trials
         return
-    for scale in arguments.scales:
-        for difficulty in arguments.difficulty:
-            for seed in arguments.seeds:
-                place = folder / f"{difficulty}-{seed:02d}-{scale:g}-{arguments.frames}"
-                changes = variation(seed) if arguments.vary else None
-                if (place / "trial.toml").exists():  # the last file that is written
-                    yield place / "trial.toml"
-                else:
-                    yield render_mouse_trial(
-                        place, frames=arguments.frames, scale=scale, seed=seed,
-                        difficulty=difficulty, settings=changes,
-                    )  # fmt: skip
+    for scale, difficulty, seed, film in itertools.product(
+        arguments.scales, arguments.difficulty, arguments.seeds, films(arguments)
+    ):
+        variants = [] if film == GOOD_FILM else film.split(",")
+        name = "-".join([difficulty, f"{seed:02d}", f"{scale:g}", str(arguments.frames), *variants])
+        if (folder / name / "trial.toml").exists():  # the last file that is written
+            yield folder / name / "trial.toml"
+        else:
+            yield render_mouse_trial(
+                folder / name, frames=arguments.frames, scale=scale, seed=seed,
+                difficulty=difficulty, settings=variation(seed) if arguments.vary else None,
+                variants=variants,
+            )  # fmt: skip
 
 
 def scene_seed(name: str) -> str:
@@ -158,7 +187,8 @@ def measure(trial: Trial, *, corrected: bool, clicked: float | None = None) -> d
     report = count_errors(tracks, truth, hidden_px=threshold / 2, **limits)
     inside = coordinates_inside(tracks, trial)
     row = {
-        "trial": trial.name, "width": width, "frames": report.n_frames, "major": report.major,
+        "trial": trial.name, "refused": False, "width": width,
+        "frames": report.n_frames, "major": report.major,
         "minor": report.minor, "n_labels": report.n_labels, "n_hidden": report.n_hidden,
         "n_wrong": round(report.share_wrong * report.n_labels),
         "n_bridged": round(np.nan_to_num(report.share_hidden_bridged) * report.n_hidden),
@@ -183,6 +213,19 @@ def measure(trial: Trial, *, corrected: bool, clicked: float | None = None) -> d
         row["s_each"] = (time.perf_counter() - began) / frames
         row["interventions"], row["minor_left"] = len(run.interventions), run.report.minor
     return row
+
+
+def refused(trial: Trial) -> dict[str, object]:
+    """Return the row of a trial that tracking refuses: every visible label is wrong."""
+    truth = pd.read_csv(trial.folder / "truth" / "tracks.csv")
+    points = pd.DataFrame(
+        [(view.name, point) for view in trial.views for point in view.points],
+        columns=["view", "point"],
+    )
+    n = int(truth.merge(points)["visible"].sum())
+    with open_views(trial) as views:
+        width = max(reader.width for reader in views.readers.values())
+    return {"trial": trial.name, "refused": True, "width": width, "n_labels": n, "n_wrong": n}
 
 
 def coordinates_inside(tracks: Tracks, trial: Trial) -> np.ndarray:
@@ -244,6 +287,27 @@ def summary(table: pd.DataFrame) -> str:
         )
         lines += [f"{name}: {len(part)} scenes, {frames} frames; per 1000: " + "; ".join(rates),
                   "    " + "; ".join(shares) + f"; {worst}"]  # fmt: skip
+    return "\n".join(lines)
+
+
+def side_by_side(table: pd.DataFrame) -> str:
+    """Return in Markdown how many of 1000 visible labels are wrong, a column a film."""
+    parts = table["trial"].str.extract(r"^synthetic-(\w+)-\d+-?(.*)$").fillna("other")
+    table = table.assign(
+        scenes=parts[0],
+        film=parts[1].replace("", GOOD_FILM),
+        width=(table["width"] + 1) // 2 * 2,  # H.264 has even widths only
+    )
+    shown = list(dict.fromkeys(table["film"]))
+    lines = ["| scenes | px wide | " + " | ".join(shown) + " |", "|---" * (2 + len(shown)) + "|"]
+    for (scenes, width), here in table.groupby(["scenes", "width"], sort=False):
+        cells = []
+        for film in shown:
+            own = here[here["film"] == film]
+            rate = 1000 * own["n_wrong"].sum() / max(1, own["n_labels"].sum())
+            no = f" ({own['refused'].sum()} of {len(own)} refused)" if own["refused"].any() else ""
+            cells.append(f"{rate:.1f}{no}" if len(own) else "")
+        lines.append(f"| {scenes} | {width} | " + " | ".join(cells) + " |")
     return "\n".join(lines)
 
 
