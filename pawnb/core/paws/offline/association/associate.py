@@ -1,0 +1,113 @@
+"""Mean-field iterations: every point in every view, given the others."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+
+from pawnb.core.paws.offline.annotations import Annotations
+from pawnb.core.paws.offline.association.epipolar import epipolar_support
+from pawnb.core.paws.offline.association.exclusivity import open_to_each
+from pawnb.core.paws.offline.association.forward_backward import smooth_posterior
+from pawnb.core.paws.offline.detection.evidence import bump_at
+from pawnb.core.paws.offline.parameters import AssociationParameters
+from pawnb.core.paws.offline.scene.stack import BodyStack
+from pawnb.core.rig import Rig
+
+_CLICK_SD = 0.6
+"""Standard deviation of a click, in places."""
+
+
+@dataclass(frozen=True)
+class ViewEvidence:
+    """What is known of one view before points and views are compared.
+
+    Parameters
+    ----------
+    stack : BodyStack
+        The view.
+    name : str
+        Its name.
+    size : (int, int)
+        Its width and height, px.
+    annotations : Annotations
+        What was placed by hand; certain.
+    likelihood : mapping
+        Point to ratios of likelihoods (n, h, w) of all kinds together.
+    prior : mapping
+        Point to the probability of places without evidence (h, w).
+    """
+
+    stack: BodyStack
+    name: str
+    size: tuple[int, int]
+    annotations: Annotations
+    likelihood: Mapping[int, np.ndarray]
+    prior: Mapping[int, np.ndarray]
+
+
+def associate(
+    views: Sequence[ViewEvidence],
+    radius: float,
+    parameters: AssociationParameters,
+    rig: Rig | None = None,
+) -> list[dict[int, np.ndarray]]:
+    """Return the probability of every place for every point and frame, view by view.
+
+    Parameters
+    ----------
+    views : sequence of ViewEvidence
+        The views.
+    radius : float
+        About half a paw, in places.
+    parameters : AssociationParameters
+        The stage's parameters.
+    rig : Rig, optional
+        Without it every view is by itself.
+
+    Returns
+    -------
+    list of dict
+        For each view: point to probabilities (n, h, w).
+    """
+    factors: list[dict[int, np.ndarray]] = [{} for _ in views]
+    for iteration in range(parameters.iterations):
+        posteriors = [
+            _solve(view, factor, parameters) for view, factor in zip(views, factors, strict=True)
+        ]
+        if iteration == parameters.iterations - 1:
+            break
+        factors = [open_to_each(p, radius, parameters.exclusive) for p in posteriors]
+        if rig is not None and len(views) > 1:
+            support = epipolar_support(
+                posteriors, [v.stack for v in views], [v.name for v in views], rig, radius,
+                [v.size for v in views],
+            )  # fmt: skip
+            for factor, more in zip(factors, support, strict=True):
+                for point, values in more.items():
+                    factor[point] = factor[point] * values
+    return posteriors
+
+
+def _solve(
+    view: ViewEvidence, factors: Mapping[int, np.ndarray], parameters: AssociationParameters
+) -> dict[int, np.ndarray]:
+    """Return the posteriors of one view, its points in parallel."""
+    stack = view.stack
+    points = sorted(view.likelihood)
+
+    def one(point: int) -> np.ndarray:
+        ratio = view.likelihood[point]
+        ratio = ratio * factors[point] if point in factors else ratio.copy()
+        for row in view.annotations.rows_of(point):
+            uv = view.annotations.places[row][point]
+            ratio[row] = bump_at(ratio.shape[1:], stack.grid_of(uv, row), _CLICK_SD) + 1e-9
+        return smooth_posterior(
+            ratio.astype(np.float32), stack.forward, stack.backward, view.prior[point], parameters
+        )
+
+    with ThreadPoolExecutor() as pool:
+        return dict(zip(points, pool.map(one, points), strict=True))

@@ -1,0 +1,65 @@
+"""Where in the body's frame each point is wont to be."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import cv2
+import numpy as np
+
+from pawnb.core.paws.offline.annotations import Annotations
+from pawnb.core.paws.offline.detection.evidence import bump_at
+from pawnb.core.paws.offline.parameters import OfflineParameters
+from pawnb.core.paws.offline.scene.stack import BodyStack
+
+_REACH = 0.22
+"""Standard deviation about a click, in extents: a paw swings over about half of one."""
+_RADII = 3.2
+"""At least so many radii."""
+
+
+def prior_from_clicks(
+    stack: BodyStack, annotations: Annotations, radius: float, parameters: OfflineParameters
+) -> dict[int, np.ndarray]:
+    """Return the probability of every place for each point, wide about its clicks.
+
+    Parameters
+    ----------
+    stack : BodyStack
+        The view.
+    annotations : Annotations
+        Its clicks.
+    radius : float
+        About half a paw, in places.
+    parameters : OfflineParameters
+        Parameters of the scene and of the association.
+
+    Returns
+    -------
+    dict
+        Point to probabilities (h, w) that sum to 1.
+    """
+    _, h, w = stack.shape
+    anywhere = parameters.association.anywhere
+    priors = {}
+    for point in annotations.points:
+        rows = annotations.rows_of(point)
+        narrower = 1.0 if len(rows) == 1 else 0.8 if len(rows) < 4 else 0.65
+        sd = narrower * max(_REACH * parameters.scene.extent / stack.spacing, _RADII * radius)
+        places = [stack.grid_of(annotations.places[row][point], row) for row in rows]
+        mass = sum(bump_at((h, w), place, sd) for place in places)
+        mass = (1 - anywhere) * mass / mass.sum() + anywhere / (h * w)
+        priors[point] = (mass / mass.sum()).astype(np.float32)
+    return priors
+
+
+def prior_from_tracks(
+    posteriors: Mapping[int, np.ndarray], priors: Mapping[int, np.ndarray], radius: float
+) -> dict[int, np.ndarray]:
+    """Return priors that have learnt where points were found, half old and half new."""
+    learnt = {}
+    for point, posterior in posteriors.items():
+        mass = cv2.GaussianBlur(posterior.mean(axis=0), (0, 0), 1.2 * radius)
+        found = 0.85 * mass / mass.sum() + 0.15 / mass.size
+        learnt[point] = (0.5 * priors[point] + 0.5 * found).astype(np.float32)
+    return learnt

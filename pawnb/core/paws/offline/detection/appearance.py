@@ -1,0 +1,180 @@
+"""Evidence of appearance, learnt in the recording: what each point looks like, and the others."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from pawnb.core.paws.offline.detection.classifier import Classifier, train_classifier
+from pawnb.core.paws.offline.detection.features import feature_maps
+from pawnb.core.paws.offline.parameters import AppearanceParameters
+from pawnb.core.paws.offline.scene.stack import BodyStack
+
+_TURN_DEG, _SCALE, _SHIFT_PX, _LIGHT, _NOISE = 10.0, 0.08, 2.0, (0.8, 1.25), 3.0
+"""How far copies of a clicked picture are turned, scaled, shifted and lit differently."""
+_POSITIVE, _DOUBTFUL, _OPEN = 0.55, 1.0, 1.2
+"""In radii: what is the point's, what is neither its nor background, and about a place that may
+be a point without a name."""
+
+
+@dataclass(frozen=True)
+class Lesson:
+    """What is known of one frame.
+
+    Parameters
+    ----------
+    points : mapping
+        Point number to its position, working px.
+    doubtful : sequence
+        Positions that are no safe background.
+    clicked : bool
+        Whether a person placed the points.
+    """
+
+    points: Mapping[int, np.ndarray]
+    doubtful: Sequence[np.ndarray] = ()
+    clicked: bool = True
+
+
+def learn_appearance(
+    stack: BodyStack,
+    lessons: Mapping[int, Lesson],
+    n_points: int,
+    parameters: AppearanceParameters,
+) -> Classifier:
+    """Learn from some frames what every point looks like; each is a negative of the others.
+
+    Parameters
+    ----------
+    stack : BodyStack
+        The view.
+    lessons : mapping
+        Row to what is known of it.
+    n_points : int
+        Number of points in all.
+    parameters : AppearanceParameters
+        The kind's parameters.
+
+    Returns
+    -------
+    callable
+        See :data:`.classifier.Classifier`.
+    """
+    random = np.random.default_rng(0)
+    samples, labels = [], []
+    for row, lesson in sorted(lessons.items()):
+        copies = parameters.copies if lesson.clicked else max(1, parameters.copies // 4)
+        for copy in range(copies):
+            found, names = _samples(stack, row, lesson, random, parameters, varied=copy > 0)
+            samples.append(found)
+            labels.append(names)
+    return train_classifier(np.concatenate(samples), np.concatenate(labels), n_points, parameters)
+
+
+def _samples(
+    stack: BodyStack,
+    row: int,
+    lesson: Lesson,
+    random: np.random.Generator,
+    parameters: AppearanceParameters,
+    *,
+    varied: bool,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return features and labels of places in one picture, as it is or varied."""
+    grey = stack.grey[row]
+    colour = None if stack.colour is None else stack.colour[row]
+    turned = np.float64([[1, 0, 0], [0, 1, 0]])
+    if varied:
+        grey, colour, turned = _vary(grey, colour, random)
+    features = feature_maps(grey, colour, stack.spacing)
+    h, w = features.shape[:2]
+    label = np.zeros((h, w), int)
+    usable = np.ones((h, w), bool)
+    nearest = np.full((h, w), np.inf)
+    places = stack.from_grid(np.stack(np.meshgrid(np.arange(w), np.arange(h)), axis=-1))
+    radius = parameters.radius
+    for point, xy in lesson.points.items():
+        away = np.linalg.norm(places - (turned[:, :2] @ xy + turned[:, 2]), axis=-1)
+        label[away < _POSITIVE * radius] = point + 1
+        usable &= (away < _POSITIVE * radius) | (away >= _DOUBTFUL * radius)
+        nearest = np.minimum(nearest, away)
+    for xy in lesson.doubtful:
+        away = np.linalg.norm(places - (turned[:, :2] @ xy + turned[:, 2]), axis=-1)
+        usable &= (away >= _OPEN * radius) | (label > 0)
+    positive = np.flatnonzero(label > 0)
+    negative = np.flatnonzero((label == 0) & usable)
+    weight = 1 / (1 + (nearest.ravel()[negative] / (3 * radius)) ** 2)
+    chosen = random.choice(
+        negative, min(len(negative), parameters.background), replace=False, p=weight / weight.sum()
+    )
+    taken = np.concatenate([positive, chosen])
+    return features.reshape(h * w, -1)[taken], label.ravel()[taken]
+
+
+def _vary(
+    grey: np.ndarray, colour: np.ndarray | None, random: np.random.Generator
+) -> tuple[np.ndarray, np.ndarray | None, np.ndarray]:
+    """Return a picture turned, scaled, shifted and lit differently, and the map to it."""
+    height, width = grey.shape
+    turned = cv2.getRotationMatrix2D(
+        (width / 2, height / 2),
+        random.uniform(-_TURN_DEG, _TURN_DEG),
+        random.uniform(1 - _SCALE, 1 + _SCALE),
+    )
+    turned[:, 2] += random.uniform(-_SHIFT_PX, _SHIFT_PX, 2)
+    moved = cv2.warpAffine(grey, turned, (width, height), borderMode=cv2.BORDER_REPLICATE)
+    lit = moved * random.uniform(*_LIGHT) + random.normal(0, _NOISE, moved.shape)
+    if colour is not None:
+        colour = cv2.warpAffine(colour, turned, (width, height), borderMode=cv2.BORDER_REPLICATE)
+    return np.clip(lit, 0, 255).astype(np.uint8), colour, turned
+
+
+def appearance_maps(
+    stack: BodyStack,
+    classify: Classifier,
+    points: Sequence[int],
+    parameters: AppearanceParameters,
+    rows: Sequence[int] | None = None,
+) -> dict[int, np.ndarray]:
+    """Return how much likelier each point is at every place, by its appearance.
+
+    Parameters
+    ----------
+    stack : BodyStack
+        The view.
+    classify : callable
+        What was learnt.
+    points : sequence of int
+        The points.
+    parameters : AppearanceParameters
+        The kind's parameters.
+    rows : sequence of int, optional
+        Rows that are looked at; default all.
+
+    Returns
+    -------
+    dict
+        Point to ratios of likelihoods (rows, h, w), float32.
+    """
+    n, h, w = stack.shape
+    wanted = range(n) if rows is None else rows
+    maps = {point: np.empty((len(wanted), h, w), np.float32) for point in points}
+
+    def look(i: int) -> None:
+        row = wanted[i]
+        colour = None if stack.colour is None else stack.colour[row]
+        features = feature_maps(stack.grey[row], colour, stack.spacing)
+        probability = classify(features.reshape(h * w, -1)).reshape(h, w, -1)
+        probability = cv2.GaussianBlur(probability, (0, 0), 0.8)
+        for point in points:
+            own = probability[..., point + 1]
+            # 0.02 keeps what is certain within what the samples can tell
+            maps[point][i] = np.clip(own / (1.02 - own), parameters.lowest, parameters.highest)
+
+    with ThreadPoolExecutor() as pool:
+        list(pool.map(look, range(len(wanted))))
+    return maps

@@ -1,0 +1,140 @@
+"""What every kind of evidence yields, and the protocol of one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib.metadata import entry_points
+from typing import Protocol
+
+import numpy as np
+
+from pawnb.core.paws.offline.annotations import Annotations
+from pawnb.core.paws.offline.scene.stack import BodyStack
+from pawnb.errors import InputError
+
+ENTRY_POINTS = "pawnb.evidence"
+"""Group of entry points under which other packages offer kinds of evidence."""
+
+
+@dataclass(frozen=True)
+class Detections:
+    """Places at which points were found in one view; m in all.
+
+    Parameters
+    ----------
+    row, point : ndarray of int, shape (m,)
+        Row (frame, counted from the first that is tracked) and number of the point.
+    uv : ndarray, shape (m, 2)
+        Position, px of the view.
+    log_odds : ndarray, shape (m,)
+        Logarithm of how much likelier the point is there than at a place without evidence.
+    sd_px : ndarray, shape (m,)
+        Standard deviation of the position, px of the view.
+    """
+
+    row: np.ndarray
+    point: np.ndarray
+    uv: np.ndarray
+    log_odds: np.ndarray
+    sd_px: np.ndarray
+
+    def within(self, n: int) -> Detections:
+        """Return those of the first n rows that have a position."""
+        kept = (self.row >= 0) & (self.row < n) & np.isfinite(self.uv).all(axis=1)
+        return Detections(
+            *(a[kept] for a in (self.row, self.point, self.uv, self.log_odds, self.sd_px))
+        )
+
+
+class Evidence(Protocol):
+    """A kind of evidence of its own, for example another program's predictions.
+
+    Offer it as an entry point of the group ``pawnb.evidence``: a class that can be called
+    without arguments.
+    """
+
+    name: str
+
+    def detect(
+        self, view: str, stack: BodyStack, annotations: Annotations, points: tuple[str, ...]
+    ) -> Detections:
+        """Return where points were found in a view.
+
+        Parameters
+        ----------
+        view : str
+            Its name.
+        stack : BodyStack
+            Its pictures in the body's frame.
+        annotations : Annotations
+            What was placed in it by hand.
+        points : tuple of str
+            Names of the points, by number.
+
+        Returns
+        -------
+        Detections
+            Any number for a point and row.
+        """
+        ...
+
+
+def installed_evidence() -> list[Evidence]:
+    """Return the kinds of evidence that other installed packages offer.
+
+    Raises
+    ------
+    InputError
+        If one of them cannot be loaded.
+    """
+    kinds: list[Evidence] = []
+    for entry in entry_points(group=ENTRY_POINTS):
+        try:
+            kinds.append(entry.load()())
+        except Exception as error:
+            raise InputError(
+                f"the kind of evidence {entry.name!r} of {entry.value} cannot be used: {error}; "
+                "mend or remove the package that offers it."
+            ) from error
+    return kinds
+
+
+def paint(found: Detections, stack: BodyStack, point: int) -> np.ndarray:
+    """Return a point's detections as ratios of likelihoods over places.
+
+    Parameters
+    ----------
+    found : Detections
+        In the same view.
+    stack : BodyStack
+        The view.
+    point : int
+        The point.
+
+    Returns
+    -------
+    ndarray of float32, shape (n, h, w)
+        1 where nothing was found.
+    """
+    n, h, w = stack.shape
+    ratio = np.ones((n, h, w), np.float32)
+    own = found.within(n)
+    spread = stack.scale / stack.spacing
+    for i in np.flatnonzero(own.point == point):
+        row = own.row[i]
+        x, y = stack.grid_of(own.uv[i], row)
+        sd = max(own.sd_px[i] * spread, 0.5)
+        reach = int(np.ceil(4 * sd))
+        x0, x1 = max(0, int(x) - reach), min(w, int(x) + reach + 2)
+        y0, y1 = max(0, int(y) - reach), min(h, int(y) + reach + 2)
+        if x0 < x1 and y0 < y1:
+            bump = bump_at((y1 - y0, x1 - x0), (x - x0, y - y0), sd)
+            ratio[row, y0:y1, x0:x1] += np.exp(own.log_odds[i]) * bump
+    return ratio
+
+
+def bump_at(shape: tuple[int, int], place: tuple[float, float], sd: float) -> np.ndarray:
+    """Return a Gaussian of height 1 about a place (x, y), float32."""
+    x = np.exp(-((np.arange(shape[1]) - place[0]) ** 2) / (2 * sd**2))
+    y = np.exp(-((np.arange(shape[0]) - place[1]) ** 2) / (2 * sd**2))
+    return np.outer(y, x).astype(np.float32)

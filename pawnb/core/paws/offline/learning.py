@@ -1,0 +1,74 @@
+"""Frames to learn from in which appearance alone and the whole model agree (self-training)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from pawnb.core.paws.offline.annotations import Annotations
+from pawnb.core.paws.offline.association.estimates import Estimates, estimate
+from pawnb.core.paws.offline.detection.appearance import Lesson
+from pawnb.core.paws.offline.parameters import AppearanceParameters
+from pawnb.core.paws.offline.scene.stack import BodyStack
+
+_AGREE = 0.7
+"""Both put the point within so many radii."""
+
+
+def agreed_lessons(
+    stack: BodyStack,
+    annotations: Annotations,
+    estimates: Mapping[int, Estimates],
+    looks: Mapping[int, np.ndarray],
+    priors: Mapping[int, np.ndarray],
+    radius: float,
+    parameters: AppearanceParameters,
+) -> dict[int, Lesson]:
+    """Choose frames spread over the recording in which most points are agreed on.
+
+    Parameters
+    ----------
+    stack : BodyStack
+        The view.
+    annotations : Annotations
+        Clicked frames, which are not chosen.
+    estimates : mapping
+        Point to where the whole model puts it.
+    looks : mapping
+        Point to ratios of likelihoods by appearance alone.
+    priors : mapping
+        Point to the probability of places without evidence.
+    radius : float
+        About half a paw, in places.
+    parameters : AppearanceParameters
+        The kind's parameters.
+
+    Returns
+    -------
+    dict
+        Row to its Lesson; points that are not agreed on are no background there.
+    """
+    n = stack.shape[0]
+    points = sorted(estimates)
+    good = np.zeros((n, len(points)), bool)
+    for i, point in enumerate(points):
+        alone = estimate(looks[point] * priors[point], radius)
+        apart = np.linalg.norm(alone.place - estimates[point].place, axis=1)
+        good[:, i] = (estimates[point].probability > parameters.sure) & (apart < _AGREE * radius)
+    count = good.sum(axis=1)
+    lessons = {}
+    random = np.random.default_rng(0)
+    for part in np.array_split(np.arange(n), parameters.learnt_frames):
+        if not len(part):
+            continue
+        row = int(part[np.argmax(count[part] + random.uniform(0, 0.5, len(part)))])
+        if row in annotations.places or count[row] < max(1, len(points) / 2):
+            continue
+        here = {p: stack.from_grid(estimates[p].place[row]) for p in points}
+        lessons[row] = Lesson(
+            {p: here[p] for i, p in enumerate(points) if good[row, i]},
+            [here[p] for i, p in enumerate(points) if not good[row, i]],
+            clicked=False,
+        )
+    return lessons

@@ -1,0 +1,161 @@
+"""The body's frame: where the animal is in every picture, and which way it is turned."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from pawnb.core.paws.offline.parameters import SceneParameters
+from pawnb.core.paws.offline.scene.camera_motion import find_camera_motion
+from pawnb.core.paws.offline.scene.foreground import Blob, find_blob
+
+_SIDE = 48
+"""Side of the pictures that are compared."""
+_STEP, _TURN_RAD = 0.03, np.radians(3.0)
+"""The frame is held until the animal has moved so many extents, or turned so far: while it rests,
+its pictures are exactly those of the video and flow does not drift."""
+
+
+@dataclass(frozen=True)
+class BodyFrame:
+    """Where the animal is.
+
+    Parameters
+    ----------
+    centre : ndarray, shape (n, 2)
+        A place that goes with the body, px of the view.
+    angle : ndarray, shape (n,)
+        How far the body is turned, rad.
+    kind : {"stays", "travels", "turns"}
+        Whether the frame stays where it is, goes with the animal, or turns with it, too.
+    pans : bool
+        Whether the camera moves.
+    """
+
+    centre: np.ndarray
+    angle: np.ndarray
+    kind: str
+    pans: bool
+
+    def rotations(self) -> np.ndarray:
+        """Return the rotation (n, 2, 2) from the view to the body."""
+        c, s = np.cos(self.angle), np.sin(self.angle)
+        return np.stack([np.stack([c, s], -1), np.stack([-s, c], -1)], -2)
+
+
+def find_body_frame(
+    pictures: np.ndarray,
+    clicks: Mapping[int, np.ndarray],
+    extent: float,
+    *,
+    scale: float,
+    parameters: SceneParameters,
+) -> BodyFrame:
+    """Find the body's frame from small pictures of the whole view.
+
+    Three frames are tried: one that stays, one that follows the centroid of the foreground
+    blob, and one that turns with its longer axis as well. The one in which the foreground
+    about the clicks looks most like that of the clicked frames is taken; the simpler one
+    where there is little between them.
+
+    Parameters
+    ----------
+    pictures : ndarray of uint8, shape (n, H, W)
+        Small grey pictures.
+    clicks : mapping
+        Row to clicked places (k, 2), px of the small pictures.
+    extent : float
+        Size of the animal in them, px.
+    scale : float
+        Px of a small picture in one of the view.
+    parameters : SceneParameters
+        The stage's parameters.
+
+    Returns
+    -------
+    BodyFrame
+        In px of the view.
+    """
+    n = len(pictures)
+    camera = find_camera_motion(pictures)
+    blob = find_blob(pictures, camera, clicks, extent)
+    tried = {"stays": (np.zeros((n, 2)), np.zeros(n)), **_moving(blob)}
+    alike = {
+        kind: _alikeness(blob.difference, clicks, extent, *frame) for kind, frame in tried.items()
+    }
+    best = "stays"
+    for kind in ("travels", "turns"):
+        if kind in alike and alike[kind] > alike[best] + parameters.better:
+            best = kind
+    centre, angle = tried[best]
+    if best != "stays":
+        centre, angle = _held(centre, angle, _STEP * extent)
+    return BodyFrame(centre / scale, angle, best, camera.pans)
+
+
+def _moving(blob: Blob) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+    """Return the frames that a blob gives: its centre, and its direction as well."""
+    found = np.isfinite(blob.centre[:, 0])
+    rows = np.arange(len(found))
+    if found.mean() < 0.8:
+        return {}
+    filled = [np.interp(rows, rows[found], blob.centre[found, d]) for d in (0, 1)]
+    centre = np.stack([_smooth(one, 1.5) for one in filled], axis=1)
+    frames = {"travels": (centre, np.zeros(len(rows)))}
+    clear = found & (blob.elongation > 0.15)
+    if clear.mean() > 0.5:
+        angle = np.unwrap(2 * blob.angle[clear]) / 2
+        frames["turns"] = (centre, _smooth(np.interp(rows, rows[clear], angle), 2.0))
+    return frames
+
+
+def _smooth(values: np.ndarray, sd_frames: float) -> np.ndarray:
+    """Return values smoothed over time."""
+    row = np.ascontiguousarray(values, float)[None]
+    return cv2.GaussianBlur(row, (0, 0), sd_frames, borderType=cv2.BORDER_REPLICATE)[0]
+
+
+def _held(centre: np.ndarray, angle: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return a frame that moves in steps."""
+    centre, angle = centre.copy(), angle.copy()
+    for t in range(1, len(angle)):
+        stays = np.linalg.norm(centre[t] - centre[t - 1]) <= step
+        if stays and abs(angle[t] - angle[t - 1]) <= _TURN_RAD:
+            centre[t], angle[t] = centre[t - 1], angle[t - 1]
+    return centre, angle
+
+
+def _alikeness(
+    difference: np.ndarray,
+    clicks: Mapping[int, np.ndarray],
+    extent: float,
+    centre: np.ndarray,
+    angle: np.ndarray,
+) -> float:
+    """Return the mean correlation of the foreground with that of the clicked frames."""
+    n = len(difference)
+    y, x = np.mgrid[:_SIDE, :_SIDE] - _SIDE / 2
+    weights = np.exp(-(x**2 + y**2) / (2 * (_SIDE / 3.2) ** 2))
+    weights /= weights.sum()
+    compared = np.unique(np.linspace(0, n - 1, min(n, 60)).astype(int))
+    rotation = BodyFrame(centre, angle, "", pans=False).rotations()
+
+    def patch(t: int, offset: np.ndarray) -> np.ndarray:
+        A = rotation[t] * (_SIDE / (1.5 * extent))
+        there = centre[t] + rotation[t].T @ offset
+        to_patch = np.hstack([A, (_SIDE / 2 - A @ there)[:, None]])
+        found = cv2.warpAffine(
+            difference[t], to_patch, (_SIDE, _SIDE), borderMode=cv2.BORDER_REPLICATE
+        )
+        found = found - (weights * found).sum()
+        return found / (np.sqrt((weights * found**2).sum()) + 1e-6)
+
+    alike = []
+    for row, uv in clicks.items():
+        offset = rotation[row] @ (uv.mean(axis=0) - centre[row])
+        reference = weights * patch(row, offset)
+        alike += [(reference * patch(t, offset)).sum() for t in compared if abs(t - row) > 2]
+    return float(np.mean(alike)) if alike else 0.0

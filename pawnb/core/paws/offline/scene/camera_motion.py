@@ -1,0 +1,83 @@
+"""Whether the camera moves, and how: the similarity that most corner features follow."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+_STILL_PX = 0.25
+"""A feature that moves less has not moved."""
+_FEWEST = 12
+
+
+@dataclass(frozen=True)
+class CameraMotion:
+    """Where the pictures of a view lie beside each other.
+
+    Parameters
+    ----------
+    to_first : ndarray, shape (n, 3, 3)
+        Similarity from each picture to the first.
+    pans : bool
+        Whether the camera moves at all.
+    """
+
+    to_first: np.ndarray
+    pans: bool
+
+    def between(self, source: int, target: int) -> np.ndarray:
+        """Return the similarity (3, 3) from one picture to another."""
+        return np.linalg.solve(self.to_first[target], self.to_first[source])
+
+
+def find_camera_motion(pictures: np.ndarray) -> CameraMotion:
+    """Find the camera's motion.
+
+    Parameters
+    ----------
+    pictures : ndarray of uint8, shape (n, H, W)
+        Small grey pictures.
+
+    Returns
+    -------
+    CameraMotion
+        Identity throughout where two fifths of the features stay, or no motion is shared by
+        half of them.
+    """
+    n = len(pictures)
+    to_first = np.tile(np.eye(3), (n, 1, 1))
+    still, shared, steps = [], [], []
+    for before, after in itertools.pairwise(pictures):
+        stays, share, step = _step(before, after)
+        still.append(stays)
+        shared.append(share)
+        steps.append(step)
+    if n < 2 or np.median(still) > 0.4 or np.median(shared) < 0.5:
+        return CameraMotion(to_first, pans=False)
+    for t, step in enumerate(steps):
+        to_first[t + 1] = to_first[t] @ step
+    return CameraMotion(to_first, pans=True)
+
+
+def _step(before: np.ndarray, after: np.ndarray) -> tuple[float, float, np.ndarray]:
+    """Return the share of features that stay, that follow one similarity, and this, backwards."""
+    nothing = (1.0, 0.0, np.eye(3))
+    corners = cv2.goodFeaturesToTrack(before, 200, 0.01, 6)
+    if corners is None or len(corners) < _FEWEST:
+        return nothing
+    moved, status, _ = cv2.calcOpticalFlowPyrLK(
+        before, after, corners, None, winSize=(15, 15), maxLevel=2
+    )
+    found = status[:, 0] > 0
+    if found.sum() < _FEWEST:
+        return nothing
+    stays = float((np.linalg.norm((moved - corners)[found, 0], axis=1) < _STILL_PX).mean())
+    similarity, inliers = cv2.estimateAffinePartial2D(
+        moved[found], corners[found], ransacReprojThreshold=0.7
+    )
+    if similarity is None:
+        return stays, 0.0, np.eye(3)
+    return stays, float(inliers.mean()), np.vstack([similarity, [0.0, 0.0, 1.0]])

@@ -1,0 +1,131 @@
+"""What differs from the scene without the animal, and the blob of it that holds the clicks."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from pawnb.core.paws.offline.scene.camera_motion import CameraMotion
+
+_NEIGHBOURS = np.array([-48, -40, -32, -25, -18, 18, 25, 32, 40, 48])
+"""Frames from which the background of one of a moving camera is taken."""
+
+
+@dataclass(frozen=True)
+class Blob:
+    """The foreground blob that holds the animal, for each of n frames; NaN where there is none.
+
+    Parameters
+    ----------
+    centre : ndarray, shape (n, 2)
+        Centroid, px of the small pictures.
+    angle : ndarray, shape (n,)
+        Direction of the longer axis, rad, modulo pi.
+    elongation : ndarray, shape (n,)
+        0 for a disc, 1 for a line.
+    difference : ndarray, shape (n, H, W)
+        Distance from the background, in thresholds, at most 3.
+    """
+
+    centre: np.ndarray
+    angle: np.ndarray
+    elongation: np.ndarray
+    difference: np.ndarray
+
+
+def find_blob(
+    pictures: np.ndarray, camera: CameraMotion, clicks: Mapping[int, np.ndarray], extent: float
+) -> Blob:
+    """Follow the foreground blob that holds the clicks, both ways from the first of them.
+
+    Parameters
+    ----------
+    pictures : ndarray of uint8, shape (n, H, W)
+        Small grey pictures.
+    camera : CameraMotion
+        Their motion.
+    clicks : mapping
+        Row to clicked places (k, 2), px of the small pictures.
+    extent : float
+        Size of the animal in them, px.
+
+    Returns
+    -------
+    Blob
+        The animal's.
+    """
+    n = len(pictures)
+    side = max(3, int(0.04 * extent) | 1)
+    apart = np.stack([cv2.blur(d, (side, side)) for d in _differences(pictures, camera)])
+    first = min(clicks)
+    threshold = _threshold(apart, clicks[first], first, extent)
+    kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (max(3, int(0.1 * extent) | 1),) * 2)
+    centre = np.full((n, 2), np.nan)
+    angle, elongation = np.full(n, np.nan), np.full(n, np.nan)
+    begin = clicks[first].mean(axis=0)
+    for rows in (range(first, n), range(first - 1, -1, -1)):
+        last = begin if rows.step > 0 or np.isnan(centre[first, 0]) else centre[first]
+        for t in rows:
+            found = _blob_near(apart[t] > threshold, kernel, last, extent)
+            if found is not None:
+                centre[t], angle[t], elongation[t] = found
+                last = centre[t]
+    return Blob(centre, angle, elongation, np.minimum(apart / threshold, 3.0))
+
+
+def _differences(pictures: np.ndarray, camera: CameraMotion) -> Iterator[np.ndarray]:
+    """Yield the distance of every picture from the temporal median, float32."""
+    n, height, width = pictures.shape
+    if not camera.pans:
+        rows = np.unique(np.linspace(0, n - 1, min(n, 61)).astype(int))
+        background = np.median(pictures[rows], axis=0).astype(np.float32)
+        for picture in pictures:
+            yield np.abs(picture.astype(np.float32) - background)
+        return
+    for t, picture in enumerate(pictures):
+        rows = np.unique(np.clip(t + _NEIGHBOURS, 0, n - 1))
+        warped = []
+        for k in rows[np.abs(rows - t) >= 8]:
+            # 1 more than grey, so that 0 is outside
+            one = cv2.warpPerspective(
+                pictures[k].astype(np.float32) + 1, camera.between(k, t), (width, height)
+            )
+            warped.append(np.where(one < 0.5, np.nan, one - 1))
+        if not warped:
+            yield np.zeros((height, width), np.float32)
+            continue
+        with warnings.catch_warnings():  # places that no neighbour shows
+            warnings.simplefilter("ignore", RuntimeWarning)
+            background = np.nanmedian(warped, axis=0)
+        yield np.nan_to_num(np.abs(picture - background)).astype(np.float32)
+
+
+def _threshold(apart: np.ndarray, clicked: np.ndarray, row: int, extent: float) -> float:
+    """Return the difference from which on a pixel is foreground: half that about the clicks."""
+    noise = float(np.median(np.median(apart[:: max(1, len(apart) // 20)], axis=(1, 2))))
+    hull = np.zeros(apart.shape[1:], np.uint8)
+    cv2.fillConvexPoly(hull, cv2.convexHull(clicked.astype(np.float32)).astype(np.int32), 1)
+    hull = cv2.dilate(hull, np.ones((int(0.15 * extent) | 1,) * 2, np.uint8))
+    about = apart[row][hull > 0]
+    return max(3 * noise + 3, 0.5 * float(np.median(about)) if len(about) else 0.0)
+
+
+def _blob_near(
+    mask: np.ndarray, kernel: np.ndarray, last: np.ndarray, extent: float
+) -> tuple[np.ndarray, float, float] | None:
+    """Return centre, angle and elongation of the large blob near a place."""
+    closed = cv2.morphologyEx(mask.astype(np.uint8), cv2.MORPH_CLOSE, kernel)
+    opened = cv2.morphologyEx(closed, cv2.MORPH_OPEN, kernel)  # takes tails and limbs away
+    n, labels, stats, centres = cv2.connectedComponentsWithStats(opened)
+    if n < 2:
+        return None
+    away = np.linalg.norm(centres[1:] - last, axis=1) / (0.5 * extent)
+    best = 1 + int(np.argmax(stats[1:, cv2.CC_STAT_AREA] / (1 + away**2)))
+    moments = cv2.moments((labels == best).astype(np.uint8), binaryImage=True)
+    across, along = 2 * moments["mu11"], moments["mu20"] - moments["mu02"]
+    size = moments["mu20"] + moments["mu02"] + 1e-9
+    return centres[best], 0.5 * np.arctan2(across, along), float(np.hypot(across, along) / size)

@@ -1,0 +1,235 @@
+"""A view as a stack of pictures in the body's frame, at the working scale, with its flow."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from pawnb.core.paws.layout import Views
+from pawnb.core.paws.offline.annotations import Annotations
+from pawnb.core.paws.offline.parameters import SceneParameters
+from pawnb.core.paws.offline.scene.body_frame import BodyFrame, find_body_frame
+
+_UNKNOWN_EXTENT = 0.4
+"""Extent where no frame has two points, in shorter sides of the picture."""
+_COLOUR = 2.0
+"""Mean distance of red and blue from which a view is in colour."""
+
+
+@dataclass(frozen=True)
+class BodyStack:
+    """One view of a recording in the body's frame.
+
+    n frames of H x W working px; places of the grid are h x w.
+
+    Parameters
+    ----------
+    grey : ndarray of uint8, shape (n, H, W)
+        Pictures, stretched to the whole range.
+    colour : ndarray of uint8, shape (n, H, W, 2), or None
+        The two colour channels of CIE Lab, or None in a grey view.
+    to_body : ndarray, shape (n, 2, 3)
+        From px of the view to working px.
+    forward, backward : ndarray of float32, shape (n - 1, h, w, 2)
+        Optical flow from each frame to the next, and from the next to it, in places.
+    spacing : int
+        Working px between places.
+    body : BodyFrame
+        How the frame was found.
+    scale : float
+        Working px in one px of the view.
+    """
+
+    grey: np.ndarray
+    colour: np.ndarray | None
+    to_body: np.ndarray
+    forward: np.ndarray
+    backward: np.ndarray
+    spacing: int
+    body: BodyFrame
+    scale: float
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Frames, rows and columns of the grid."""
+        n, height, width = self.grey.shape
+        return n, height // self.spacing, width // self.spacing
+
+    def to_grid(self, xy: np.ndarray) -> np.ndarray:
+        """Return places of the grid (x, y) of positions (..., 2) in working px."""
+        return (np.asarray(xy, float) - self.spacing // 2) / self.spacing
+
+    def from_grid(self, place: np.ndarray) -> np.ndarray:
+        """Return positions (..., 2) in working px of places of the grid."""
+        return np.asarray(place, float) * self.spacing + self.spacing // 2
+
+    def grid_of(self, uv: np.ndarray, row: int) -> np.ndarray:
+        """Return places of the grid of positions (..., 2), px of the view."""
+        A = self.to_body[row]
+        return self.to_grid(np.asarray(uv, float) @ A[:, :2].T + A[:, 2])
+
+    def picture_of(self, place: np.ndarray, row: int | np.ndarray) -> np.ndarray:
+        """Return positions (..., 2), px of the view, of places of the grid in a row (or rows)."""
+        A = self.to_body[row]
+        back = np.linalg.inv(A[..., :2])
+        return np.einsum("...ij,...j->...i", back, self.from_grid(place) - A[..., 2])
+
+
+def read_stacks(
+    views: Views,
+    annotations: Sequence[Annotations],
+    frames: tuple[int, int],
+    parameters: SceneParameters,
+    *,
+    advanced: Callable[[int], bool],
+) -> list[BodyStack] | None:
+    """Read the views into the body's frame: twice through the video.
+
+    Parameters
+    ----------
+    views : Views
+        The opened views.
+    annotations : sequence of Annotations
+        What was placed in each view; a view without any is left out.
+    frames : tuple of int
+        First frame and one past the last.
+    parameters : SceneParameters
+        The stage's parameters.
+    advanced : callable
+        Told how many frames are read in all (each twice); answers whether to go on.
+
+    Returns
+    -------
+    list of BodyStack or None
+        One a view with any annotation, in order; None where the run was stopped.
+    """
+    names = [n for n, a in zip(views.names, annotations, strict=True) if a.rows]
+    own = [a for a in annotations if a.rows]
+    sizes = [(views.readers[n].width, views.readers[n].height) for n in names]
+    scales = [min(1.0, parameters.overview_px / max(size)) for size in sizes]
+    small: list[list[np.ndarray]] = [[] for _ in names]
+    for row, (_, pictures) in enumerate(views.frames(*frames)):
+        for name, k, kept in zip(names, scales, small, strict=True):
+            grey = _grey(pictures[name].image())  # type: ignore[attr-defined]
+            kept.append(cv2.resize(grey, None, fx=k, fy=k, interpolation=cv2.INTER_AREA))
+        if not advanced(row + 1):
+            return None
+    crops = [
+        _Crops(np.stack(kept), a, size, k, parameters)
+        for kept, a, size, k in zip(small, own, sizes, scales, strict=True)
+    ]
+    del small
+    n = frames[1] - frames[0]
+    for row, (_, pictures) in enumerate(views.frames(*frames)):
+        for name, crop in zip(names, crops, strict=True):
+            crop.take(pictures[name].image())  # type: ignore[attr-defined]
+        if not advanced(n + row + 1):
+            return None
+    return [crop.stack() for crop in crops]
+
+
+class _Crops:
+    """The pictures of one view in the body's frame, as they are read."""
+
+    def __init__(
+        self,
+        small: np.ndarray,
+        annotations: Annotations,
+        size: tuple[int, int],
+        small_scale: float,
+        parameters: SceneParameters,
+    ) -> None:
+        extent = annotations.extent()
+        extent = extent if extent > 0 else _UNKNOWN_EXTENT * min(size)
+        clicks = {
+            row: np.array(list(here.values())) for row, here in sorted(annotations.places.items())
+        }
+        self.spacing = parameters.spacing
+        self.body = find_body_frame(
+            small,
+            {row: uv * small_scale for row, uv in clicks.items()},
+            extent * small_scale,
+            scale=small_scale,
+            parameters=parameters,
+        )
+        self.scale = min(parameters.extent / extent, parameters.largest_enlargement)
+        A = self.body.rotations() * self.scale
+        offset = -np.einsum("nij,nj->ni", A, self.body.centre)
+        margin = parameters.margin * extent * self.scale
+        placed = np.concatenate([uv @ A[row].T + offset[row] for row, uv in clicks.items()])
+        low, high = placed.min(axis=0) - margin, placed.max(axis=0) + margin
+        if self.body.kind == "stays":
+            low = np.maximum(low, 0)
+            high = np.minimum(high, np.array(size) * self.scale)
+        self.size = tuple(int(x) for x in np.ceil((high - low) / self.spacing) * self.spacing)
+        self.to_body = np.concatenate([A, (offset - low)[..., None]], axis=2)
+        self.grey: list[np.ndarray] = []
+        self.colour: list[np.ndarray] = []
+        self.is_colour: bool | None = None
+
+    def take(self, picture: np.ndarray) -> None:
+        """Take the next picture."""
+        A = self.to_body[len(self.grey)]
+        if self.scale < 0.75:  # shrunk first, so that nothing aliases
+            picture = cv2.resize(
+                picture, None, fx=self.scale, fy=self.scale, interpolation=cv2.INTER_AREA
+            )
+            centre = 0.5 / self.scale - 0.5  # of the first pixel, in those of the view
+            A = A @ np.array([[1 / self.scale, 0, centre], [0, 1 / self.scale, centre], [0, 0, 1]])
+        crop = cv2.warpAffine(picture, A, self.size, borderMode=cv2.BORDER_REPLICATE)
+        self.grey.append(_grey(crop))
+        if self.is_colour is None:
+            self.is_colour = crop.ndim == 3 and _coloured(crop)
+        if self.is_colour:
+            self.colour.append(cv2.cvtColor(crop, cv2.COLOR_RGB2LAB)[..., 1:])
+
+    def stack(self) -> BodyStack:
+        """Return what was taken, with its flow."""
+        grey = np.stack(self.grey)
+        low, high = np.percentile(grey[::5], (1, 99.8))
+        levels = np.clip((np.arange(256) - low) / max(high - low, 1), 0, 1) ** 0.7 * 255
+        for picture in grey:
+            cv2.LUT(picture, levels.astype(np.uint8), dst=picture)
+        forward, backward = _flows(grey, self.spacing)
+        return BodyStack(
+            grey,
+            np.stack(self.colour) if self.colour else None,
+            self.to_body[: len(grey)],
+            forward,
+            backward,
+            self.spacing,
+            self.body,
+            self.scale,
+        )
+
+
+def _grey(picture: np.ndarray) -> np.ndarray:
+    """Return a picture in grey."""
+    return cv2.cvtColor(picture, cv2.COLOR_RGB2GRAY) if picture.ndim == 3 else picture
+
+
+def _coloured(picture: np.ndarray) -> bool:
+    """Tell whether a picture has any colour."""
+    return float(np.abs(picture[..., 0].astype(int) - picture[..., 2]).mean()) > _COLOUR
+
+
+def _flows(grey: np.ndarray, spacing: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return dense flow between neighbouring frames (Kroeger et al. 2016), in places."""
+    size = (grey.shape[2] // spacing, grey.shape[1] // spacing)
+
+    def between(pair: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+        flow = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_MEDIUM)
+        flow.setFinestScale(1)
+        found = flow.calc(*pair, None)  # type: ignore[call-overload]
+        return cv2.resize(found, size, interpolation=cv2.INTER_AREA) / spacing
+
+    with ThreadPoolExecutor() as pool:
+        forward = list(pool.map(between, itertools.pairwise(grey)))
+        backward = list(pool.map(between, itertools.pairwise(grey[::-1])))[::-1]
+    empty = np.zeros((0, size[1], size[0], 2), np.float32)
+    return (np.stack(forward), np.stack(backward)) if forward else (empty, empty)
