@@ -17,7 +17,7 @@ from pawnb.synthetic.render import ViewRenderer
 from pawnb.synthetic.scene import LEGS, scene_settings
 from pawnb.trial import load_trial
 
-SHORT = {"frames": 6, "scale": 0.1, "seed": 2, "settings": {"fps": 60.0}}  # half a stride
+SHORT = {"frames": 4, "scale": 0.1, "seed": 2, "settings": {"fps": 40.0}}  # half a stride
 QUIET = {"scale": 0.25, "read_noise": 0.0, "shot_noise": 0.0, "blur_px": 0.0, "belt_marks": 0.0}
 
 
@@ -135,8 +135,8 @@ def test_all_paws_are_seen_from_below_before_the_belly():
 @pytest.mark.parametrize(
     "variants",
     [
-        ["grey"], ["h264-crf28"], ["grey", "h264-crf28"], ["motion-blur"], ["covered-lift-off"],
-        ["white-mouse"], ["reflections"], ["flicker"],
+        ["grey"], ["grey", "h264-crf28"], ["motion-blur", "covered-lift-off"],
+        ["white-mouse", "reflections", "flicker"],
     ],
 )  # fmt: skip
 def test_the_truth_stays(tmp_path, rendered_short, variants):
@@ -160,7 +160,7 @@ def test_the_truth_stays(tmp_path, rendered_short, variants):
         for image in (image for _, image in pairs if image.ndim == 3):
             assert np.abs(image - image.mean(axis=2, keepdims=True)).max() <= 2.0
     else:
-        assert max(np.abs(a.astype(int) - b).max() for a, b in pairs) > 20
+        assert max(np.abs(a.astype(int) - b).max() for a, b in pairs) > 30
 
 
 @pytest.fixture(scope="module")
