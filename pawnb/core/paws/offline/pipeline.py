@@ -52,6 +52,43 @@ class ViewInput:
     detections: Sequence[Detections] = ()
 
 
+@dataclass(frozen=True)
+class ViewTrack:
+    """Where the points are in one view; n frames, P points, NaN where nothing was estimated.
+
+    Parameters
+    ----------
+    uv : ndarray, shape (n, P, 2)
+        Positions, px of the view.
+    probability : ndarray, shape (n, P)
+        Probability, by the model, of being within about half a paw of it.
+    sd_px : ndarray, shape (n, P)
+        Standard deviation, px.
+    """
+
+    uv: np.ndarray
+    probability: np.ndarray
+    sd_px: np.ndarray
+
+
+def no_track(n: int, n_points: int) -> ViewTrack:
+    """Return a track of n frames in which nothing was found."""
+    nothing = np.full((n, n_points), np.nan)
+    return ViewTrack(np.full((n, n_points, 2), np.nan), nothing, nothing.copy())
+
+
+def view_track(stack: BodyStack, estimates: Mapping[int, Estimates], n_points: int) -> ViewTrack:
+    """Return estimates on the grid as positions in the view."""
+    n = stack.shape[0]
+    track = no_track(n, n_points)
+    rows = np.arange(n)
+    for point, own in estimates.items():
+        track.uv[:, point] = stack.picture_of(own.place, rows)
+        track.probability[:, point] = own.probability
+        track.sd_px[:, point] = own.sd * stack.spacing / stack.scale
+    return track
+
+
 def run_pipeline(
     views: Sequence[ViewInput],
     n_points: int,

@@ -71,7 +71,7 @@ def as_tracks(
     new["passes_apart"] = new["residual"].copy().assign_attrs(units="1")
     if n:
         _write(new, int(np.searchsorted(rows, first)), result, placed, layout)
-    return new if task.tracks is None else _keep_rows(task.tracks, new, kept)
+    return new if task.tracks is None else keep_rows(task.tracks, new, kept)
 
 
 def _write(
@@ -128,7 +128,7 @@ def _write(
     new["image_separation"][rows, ..., 0] = result.separation.transpose(0, 2, 1)
 
 
-def _keep_rows(old: Tracks, new: Tracks, kept: np.ndarray) -> Tracks:
+def keep_rows(old: Tracks, new: Tracks, kept: np.ndarray) -> Tracks:
     """Copy the rows of ``old`` that were not tracked again, and its times and attributes."""
     frames = new["frame"].to_numpy()
     source = old.swap_dims(time="frame").sel(frame=kept)

@@ -1,0 +1,158 @@
+"""Estimates of every view written as Tracks: positions, origins, how likely, standard deviations."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import xarray as xr
+
+from pawnb.core import dlt
+from pawnb.core.paws.layout import Layout, Placement
+from pawnb.core.paws.offline.calibration import probability_right
+from pawnb.core.paws.offline.pipeline import ViewTrack
+from pawnb.core.paws.offline.quality import CALIBRATED
+from pawnb.core.paws.task import Task
+from pawnb.core.paws.whole.geometry import Geometry
+from pawnb.core.paws.whole.written import keep_rows
+from pawnb.schema import ORIGIN_CODE, Tracks, make_tracks
+
+SEEN = 0.5
+"""Probability from which a point counts as measured in a view."""
+LOST = 0.05
+"""Probability below which a point is missing."""
+
+
+def write_tracks(
+    found: Sequence[ViewTrack],
+    layout: Layout,
+    task: Task,
+    *,
+    placed: Mapping[int, Sequence[Placement]],
+) -> Tracks:
+    """Write what was found in the views.
+
+    Parameters
+    ----------
+    found : sequence of ViewTrack
+        One for each view of the layout.
+    layout : Layout
+        Points and views.
+    task : Task
+        What was asked for. Of tracks that are gone on from, rows before its frames are kept.
+    placed : mapping
+        Row to what was placed by hand there.
+
+    Returns
+    -------
+    Tracks
+        ``image_confidence`` is the probability that the label lies within about half a paw
+        (:mod:`.calibration`); ``image_origin`` is ``measured`` where that is at least
+        :data:`SEEN`, ``reprojected`` where only other calibrated views saw the point,
+        ``missing`` where it is below :data:`LOST`, else ``predicted``.
+    """
+    uv = np.stack([view.uv for view in found], axis=2)  # (n, P, V, 2)
+    sd_px = np.stack([view.sd_px for view in found], axis=2)
+    chance = probability_right(np.stack([view.probability for view in found], axis=2))
+    by_hand = np.zeros(chance.shape, bool)
+    for row, here in placed.items():
+        for place in here:
+            if place.origin == "edited" and 0 <= row < len(uv):
+                uv[row, place.point, place.view] = place.uv
+                by_hand[row, place.point, place.view] = True
+    chance = np.where(by_hand, 1.0, np.where(np.isfinite(uv[..., 0]), chance, 0.0))
+    image_origin = np.where(chance >= SEEN, ORIGIN_CODE["measured"], ORIGIN_CODE["predicted"])
+    if layout.rig is None:
+        x, sd, residual = _first_view(uv, sd_px, chance)
+    else:
+        x, sd, residual = _in_space(uv, sd_px, chance, layout.rig.coefs)
+        shown = dlt.project(layout.rig.coefs, x)
+        others = (chance >= SEEN).sum(axis=2, keepdims=True) >= 2
+        fill = (chance < SEEN) & others & np.isfinite(shown[..., 0])
+        uv = np.where(fill[..., None], shown, uv)
+        # no surer than the views that it is projected from
+        second = np.sort(chance, axis=2)[..., -2:-1] if chance.shape[2] > 1 else chance
+        chance = np.where(fill, np.maximum(chance, second * 0.9), chance)
+        image_origin = np.where(fill, ORIGIN_CODE["reprojected"], image_origin)
+    lost = ~by_hand & ((chance < LOST) | ~np.isfinite(uv[..., 0]))
+    image_origin = np.where(by_hand, ORIGIN_CODE["edited"], image_origin)
+    image_origin = np.where(lost, ORIGIN_CODE["missing"], image_origin)
+    uv = np.where(lost[..., None], np.nan, uv)
+    chance = np.where(lost, 0.0, chance)
+    return _as_tracks(layout, task, x, sd, residual, uv, image_origin, chance)
+
+
+def _first_view(
+    uv: np.ndarray, sd_px: np.ndarray, chance: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return positions in the first view in which each point was found at all."""
+    found = np.isfinite(uv[..., 0]).any(axis=0)
+    view = np.argmax(found, axis=1)
+    points = np.arange(uv.shape[1])
+    x = np.where((chance[:, points, view] >= LOST)[..., None], uv[:, points, view], np.nan)
+    sd = np.repeat(sd_px[:, points, view][..., None], 2, axis=-1)
+    return x, np.where(np.isfinite(x), sd, np.nan), np.full(x.shape[:2], np.nan)
+
+
+def _in_space(
+    uv: np.ndarray, sd_px: np.ndarray, chance: np.ndarray, coefs: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return positions in space from the views that saw each point, else from the best two."""
+    rank = np.argsort(np.argsort(-chance, axis=2), axis=2)
+    used = ((chance >= SEEN) | (rank < 2)) & (chance >= LOST)
+    result = dlt.triangulate(coefs, np.where(used[..., None], uv, np.nan), refine=True)
+    J = Geometry(coefs).jacobian(np.nan_to_num(result.xyz))
+    weight = np.where(used, 1 / np.maximum(np.nan_to_num(sd_px, nan=1e3), 0.3) ** 2, 0.0)
+    information = np.einsum("npvki,npv,npvkj->npij", J, weight, J)
+    variance = np.linalg.inv(information + 1e-12 * np.eye(3)).diagonal(axis1=-2, axis2=-1)
+    known = np.isfinite(result.xyz)
+    return result.xyz, np.where(known, np.sqrt(np.abs(variance)), np.nan), result.residual_px
+
+
+def _as_tracks(
+    layout: Layout,
+    task: Task,
+    x: np.ndarray,
+    sd: np.ndarray,
+    residual: np.ndarray,
+    uv: np.ndarray,
+    image_origin: np.ndarray,
+    chance: np.ndarray,
+) -> Tracks:
+    """Return the arrays as Tracks, joined to what is gone on from."""
+    first, n = task.frames[0], len(x)
+    rows, kept = np.arange(first, first + n), np.empty(0, int)
+    if task.tracks is not None:
+        known = task.tracks["frame"].to_numpy()
+        kept = known[(known < first) | (known >= first + n)]
+        rows = np.sort(np.concatenate([kept, rows]))
+    new = make_tracks(
+        rows, layout.points, fps=task.fps, views=layout.views,
+        space=("x", "y") if layout.rig is None else ("x", "y", "z"), individual=task.individual,
+        unit="px" if layout.rig is None else task.unit,
+    )  # fmt: skip
+    new["sd"] = new["position"].copy()
+    new["image_residual"] = xr.full_like(new["image_confidence"], np.nan).assign_attrs(units="px")
+    known_x = np.isfinite(x[..., 0])
+    seen = np.isin(image_origin, [ORIGIN_CODE["measured"], ORIGIN_CODE["edited"]])
+    enough = seen.sum(axis=2) >= (1 if layout.rig is None else 2)
+    origin = np.where(enough, ORIGIN_CODE["measured"], ORIGIN_CODE["predicted"])
+    edited = (image_origin == ORIGIN_CODE["edited"]).any(axis=2)
+    origin = np.where(edited, ORIGIN_CODE["edited"], origin)
+    origin = np.where(known_x, origin, ORIGIN_CODE["missing"])
+    at = slice(int(np.searchsorted(rows, first)), int(np.searchsorted(rows, first)) + n)
+    new["position"][at, ..., 0] = np.swapaxes(x, 1, 2)
+    new["sd"][at, ..., 0] = np.swapaxes(sd, 1, 2)
+    new["origin"][at, ..., 0] = origin
+    new["confidence"][at, ..., 0] = np.where(known_x, chance.max(axis=2), 0.0)
+    new["residual"][at, ..., 0] = np.where(known_x, residual, np.nan)
+    new["image_position"][at, ..., 0] = uv.transpose(0, 2, 3, 1)
+    new["image_origin"][at, ..., 0] = image_origin.transpose(0, 2, 1)
+    new["image_confidence"][at, ..., 0] = chance.transpose(0, 2, 1)
+    if layout.rig is not None:
+        off = np.linalg.norm(dlt.project(layout.rig.coefs, x) - uv, axis=-1)
+        new["image_residual"][at, ..., 0] = np.where(seen, off, np.nan).transpose(0, 2, 1)
+    if task.tracks is None:
+        new["image_confidence"].attrs[CALIBRATED] = 1
+        return new
+    return keep_rows(task.tracks, new, kept)

@@ -1,0 +1,113 @@
+"""Tracking points through a recording of any kind: from clicks to Tracks."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from pawnb.core.paws.layout import Layout, Views, make_layout
+from pawnb.core.paws.offline.annotations import annotations_of_view
+from pawnb.core.paws.offline.output import write_tracks
+from pawnb.core.paws.offline.parameters import OfflineParameters
+from pawnb.core.paws.offline.pipeline import (
+    ViewInput,
+    ViewTrack,
+    no_track,
+    run_pipeline,
+    view_track,
+)
+from pawnb.core.paws.offline.scene.stack import read_stacks
+from pawnb.core.paws.settings import PaperSettings
+from pawnb.core.paws.task import Task
+from pawnb.core.paws.whole.placed import read_placements
+from pawnb.schema import START_COLUMNS, Tracks, check_columns
+
+
+def track_offline(
+    views: Views,
+    start: pd.DataFrame,
+    task: Task,
+    *,
+    parameters: OfflineParameters | None = None,
+) -> Tracks:
+    """Track points by evidence that is learnt in the recording itself.
+
+    Parameters
+    ----------
+    views : Views
+        The opened views; several views without a rig are tracked each by itself.
+    start : DataFrame
+        Clicks with columns frame, view, point, u, v (px), in any number of frames, of any
+        part of the points in each.
+    task : Task
+        What is to be tracked.
+    parameters : OfflineParameters, optional
+        Parameters of all stages.
+
+    Returns
+    -------
+    xarray.Dataset
+        Tracks, see :func:`.output.write_tracks`; without any frame where the run was stopped.
+
+    Raises
+    ------
+    InputError
+        If a click does not fit, or a point has none.
+    CalibrationError
+        If the rig lacks a view.
+    """
+    check_columns(start, START_COLUMNS, where="the start points")
+    task.check_frames(views.n_frames)
+    parameters = parameters or OfflineParameters()
+    layout = make_layout(views, start, task, settings=PaperSettings())
+    _, anchors = read_placements(start, layout, task.frames, tracks=task.tracks)
+    first, n = task.frames[0], task.frames[1] - task.frames[0]
+    placed = [annotations_of_view(anchors, v, first) for v in range(len(layout.views))]
+    stacks = read_stacks(views, placed, task.frames, parameters.scene, advanced=_reporter(task, n))
+    if stacks is None:
+        return write_tracks(
+            [no_track(0, len(layout.points)) for _ in layout.views], layout, task, placed={}
+        )
+    used = [v for v, annotations in enumerate(placed) if annotations.rows]
+    inputs = [
+        ViewInput(layout.views[v], layout.sizes[v], stack, placed[v])
+        for v, stack in zip(used, stacks, strict=True)
+    ]
+    estimates = run_pipeline(inputs, len(layout.points), parameters, layout.rig)
+    tracks = write_tracks(
+        _every_view(layout, used, inputs, estimates, n),
+        layout,
+        task,
+        placed={frame - first: here for frame, here in anchors.items()},
+    )
+    tracks.attrs["body_frame"] = "; ".join(_said(one) for one in inputs)
+    return tracks
+
+
+def _every_view(layout: Layout, used, inputs, estimates, n: int) -> list[ViewTrack]:  # type: ignore[no-untyped-def]
+    """Return a track for every view of the layout, empty where nothing was clicked."""
+    found = [no_track(n, len(layout.points)) for _ in layout.views]
+    for v, one, own in zip(used, inputs, estimates, strict=True):
+        found[v] = view_track(one.stack, own, len(layout.points))
+    return found
+
+
+def _reporter(task: Task, n: int):  # type: ignore[no-untyped-def]
+    """Return what tells a person how far the video is read, and asks whether to go on."""
+
+    def advanced(done: int) -> bool:
+        if task.progress is not None:
+            task.progress(done // 2, n)
+        return task.stop is None or not task.stop()
+
+    return advanced
+
+
+def _said(view: ViewInput) -> str:
+    """Say how the body's frame of a view was found."""
+    body = view.stack.body
+    how = {
+        "stays": "the animal stays in place",
+        "travels": "it follows the animal",
+        "turns": "it follows the animal and turns with it",
+    }[body.kind]
+    return f"{view.name}: {how}" + (", the camera moves" if body.pans else "")
