@@ -39,6 +39,7 @@ from pawnb.workflow.placed import (
 )
 from pawnb.workflow.progress import Progress, tracking_progress
 from pawnb.workflow.provenance import build_step, trial_checksums, trial_fingerprint
+from pawnb.workflow.quality import assess_quality, tell_failed
 from pawnb.workflow.real_units import in_real_units
 from pawnb.workflow.results import (
     describe_trial,
@@ -88,8 +89,9 @@ def track(
         ways from the clicks, as tracking a jointed animal does; the others begin with the first
         clicked frame and warn of what lies before it.
     out : str or Path, optional
-        Folder for ``tracks.nc``, its tables, ``suspects.csv``, ``provenance.json`` and
-        ``candidates.bin``. After an interruption a second run goes on from what is there.
+        Folder for ``tracks.nc``, its tables, ``suspects.csv``, ``quality.json``,
+        ``provenance.json`` and ``candidates.bin``. After an interruption a second run goes on
+        from what is there.
     progress : callable, optional
         ``progress(done, total)``; default a bar on a terminal or in a notebook. One that takes
         ``doing``, too, is told in words what is done: "tracking", "deciding", or in a first run
@@ -106,11 +108,17 @@ def track(
     xarray.Dataset
         Tracks; see :mod:`pawnb.schema`. With a calibration, points are shown also in the views
         that do not track them, re-projected from their place in space.
+        :func:`pawnb.assess_quality` says how good they are.
 
     Raises
     ------
     InputError
         If anything the trial names is missing or does not fit.
+
+    Warns
+    -----
+    QualityWarning
+        If most labels are expected to be wrong.
     """
     if not isinstance(trial, Trial):
         trial = load_trial(trial)
@@ -174,6 +182,8 @@ def track(
         tracks = add_provenance(tracks, **step, complete=whole, notes=notes)
         if out is not None:
             write_track_results(tracks, out, rig=rig)
+    if whole:
+        tell_failed(assess_quality(tracks))
     return tracks
 
 

@@ -128,6 +128,8 @@ def read_labels(tracks: Tracks, clicks: pd.DataFrame | None) -> Labels:
     origin = tracks["image_origin"].isel(individual=0).to_numpy()
     views = tracks["view"].to_numpy().tolist()
     pictures = json.loads(tracks.attrs.get("pictures_px", "{}"))
+    if "joint_angle" in tracks:
+        pictures = {}  # a jointed animal is known as a whole: legs that have left are right
     sizes = {v: tuple(pictures[name]) for v, name in enumerate(views) if name in pictures}
     body = _body_px(uv, tracks, clicks)
     return Labels(uv, origin, body, float(tracks.attrs["fps"]), sizes)
