@@ -97,18 +97,20 @@ def next_step(quality: Quality, out: str | Path) -> str:
     return "click the points in more frames, where they are seen best, and track again"
 
 
-def tell_failed(quality: Quality) -> None:
+def tell_failed(tracks: Tracks, *, complete: bool) -> None:
     """Warn of tracks that failed.
 
     Parameters
     ----------
-    quality : Quality
-        The verdict.
+    tracks : xarray.Dataset
+        Tracks as they were made.
+    complete : bool
+        Whether the run was; nothing is said of one that a person stopped.
 
     Warns
     -----
     QualityWarning
-        If it is *failed*.
+        If the verdict is *failed*.
     """
-    if quality.verdict == "failed":
+    if complete and (quality := assess_quality(tracks)).verdict == "failed":
         warnings.warn(f"tracking {quality.line()}", QualityWarning, stacklevel=3)

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from pawnb.core.paws.offline.quality_likeness import add_likeness, keep_likeness
 from pawnb.core.paws.settings import REFERENCE_WIDTH_PX
 from pawnb.core.paws.stretch import TOLERANCE_PX, keep_untouched
 from pawnb.core.paws.whole.store import CandidateStore
@@ -39,7 +40,7 @@ from pawnb.workflow.placed import (
 )
 from pawnb.workflow.progress import Progress, tracking_progress
 from pawnb.workflow.provenance import build_step, trial_checksums, trial_fingerprint
-from pawnb.workflow.quality import assess_quality, tell_failed
+from pawnb.workflow.quality import tell_failed
 from pawnb.workflow.real_units import in_real_units
 from pawnb.workflow.results import (
     describe_trial,
@@ -179,11 +180,11 @@ def track(
             tracks = join_earlier(earlier, tracks)
         tracks = describe_trial(tracks.assign_coords(time=times), trial, sizes=sizes)
         whole = tracks.sizes["time"] == last - first
+        tracks = add_likeness(views, tracks, clicks)
         tracks = add_provenance(tracks, **step, complete=whole, notes=notes)
         if out is not None:
             write_track_results(tracks, out, rig=rig)
-    if whole:
-        tell_failed(assess_quality(tracks))
+    tell_failed(tracks, complete=whole)
     return tracks
 
 
@@ -290,7 +291,8 @@ def retrack(
     new = keep_untouched(tracks, new, frame, tolerance_px=tolerance, joint=joint)
     if method != METHODS[0]:
         new = _shown_in_every_view(new, rig, sizes)
-    new = describe_trial(new.assign_attrs(tracks.attrs).assign_coords(time=tracks["time"]), trial)
+    new = keep_likeness(tracks, new.assign_attrs(tracks.attrs))
+    new = describe_trial(new.assign_coords(time=tracks["time"]), trial)
     step = build_step(
         "retrack",
         command=None,
