@@ -19,6 +19,7 @@ _HOME = {
     "PawnbError": "pawnb.errors",
     "Trial": "pawnb.trial",
     "View": "pawnb.trial",
+    "assess_quality": "pawnb.workflow.quality",
     "batch": "pawnb.workflow.batch",
     "check_trial": "pawnb.workflow.check",
     "count_errors": "pawnb.workflow.evaluation",

@@ -45,6 +45,10 @@ class ResumptionWarning(InputWarning):
     """A run goes on with an interrupted one, or begins anew: no part of what it finds."""
 
 
+class QualityWarning(InputWarning):
+    """Tracks were made, and most of them are expected to be wrong."""
+
+
 def did_you_mean(name: str, known: Iterable[str]) -> str:
     """Return `` (did you mean 'x'?)`` for the nearest known name, or an empty string.
 

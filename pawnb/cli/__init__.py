@@ -1,6 +1,7 @@
 """The commands of ``pawnb``, from ``demo`` and ``check`` to ``lab``.
 
-Exit status 0 on success, 2 on bad input with one sentence on standard error.
+Exit status 0 on success, 2 on bad input with one sentence on standard error, 3 where tracks were
+written and most of them are expected to be wrong.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from collections.abc import Sequence
 
 from pawnb.cli.arguments import EXIT_BAD_INPUT, build_parser
 from pawnb.cli.output import readers_may_leave
-from pawnb.errors import InputWarning, PawnbError
+from pawnb.errors import InputWarning, PawnbError, QualityWarning
 
 __all__ = ["EXIT_BAD_INPUT", "EXIT_INTERRUPTED", "main"]
 
@@ -30,7 +31,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        0 on success, 2 on bad input, 130 when interrupted.
+        0 on success, 2 on bad input, 3 where tracking failed by its own verdict, 130 when
+        interrupted.
     """
     words = list(sys.argv[1:] if argv is None else argv)
     with readers_may_leave():
@@ -44,6 +46,8 @@ def _main(words: list[str]) -> int:
         warnings.simplefilter("always", InputWarning)
         status = _run(options, ["pawnb", *words])
     for warning in caught:
+        if issubclass(warning.category, QualityWarning):
+            continue  # the command's own line says it
         if issubclass(warning.category, InputWarning):
             print(f"pawnb: note: {warning.message}", file=sys.stderr)
         else:
@@ -56,7 +60,7 @@ def _main(words: list[str]) -> int:
 def _run(options: argparse.Namespace, argv: list[str]) -> int:
     """Run the chosen command and turn what it raises into an exit status."""
     try:
-        options.run(options, argv)
+        status = options.run(options, argv)
     except PawnbError as error:
         print(f"pawnb: {error}", file=sys.stderr)
         return EXIT_BAD_INPUT
@@ -68,4 +72,4 @@ def _run(options: argparse.Namespace, argv: list[str]) -> int:
     except KeyboardInterrupt:
         print("pawnb: interrupted", file=sys.stderr)
         return EXIT_INTERRUPTED
-    return 0
+    return int(status or 0)

@@ -10,6 +10,11 @@ from pawnb.cli import commands
 from pawnb.synthetic.variants import VARIANTS
 
 EXIT_BAD_INPUT = 2
+_VERDICT = (
+    "The verdict on tracks: good, look (below 90 % of labels are expected to be right) or failed "
+    "(below 50 %); quality.json says it point by point. Exit status: 0; 2 on bad input; 3 where "
+    "tracks were written and failed."
+)
 
 
 class _Parser(argparse.ArgumentParser):
@@ -73,7 +78,7 @@ def _add_check(parsers: Any) -> None:
 
 def _add_track(parsers: Any) -> None:
     text = "track the points, or the pose, of a trial"
-    command = parsers.add_parser("track", help=text, description=text)
+    command = parsers.add_parser("track", help=text, description=text, epilog=_VERDICT)
     command.add_argument("trial", help="trial.toml, or the folder that holds it")
     command.add_argument("--out", help="folder to write (default: results beside the trial)")
     command.add_argument(
@@ -90,7 +95,7 @@ def _add_track(parsers: Any) -> None:
 
 def _add_batch(parsers: Any) -> None:
     text = "track many trials, one process each; run again, it goes on where it stopped"
-    command = parsers.add_parser("batch", help=text, description=text)
+    command = parsers.add_parser("batch", help=text, description=text, epilog=_VERDICT)
     command.add_argument(
         "trials", nargs="+", metavar="TRIAL", help="trials, or folders that hold folders of trials"
     )

@@ -43,11 +43,12 @@ def run_check(options: argparse.Namespace, _argv: list[str]) -> None:
         raise InputError(report.verdict())
 
 
-def run_track(options: argparse.Namespace, argv: list[str]) -> None:
-    """Track a trial and write its results."""
+def run_track(options: argparse.Namespace, argv: list[str]) -> int:
+    """Track a trial, write its results and say how good they are."""
     from pawnb.trial import load_trial
     from pawnb.workflow.interrupt import interruptible
     from pawnb.workflow.methods import METHODS
+    from pawnb.workflow.quality import EXIT_FAILED, assess_quality, next_step
     from pawnb.workflow.results import results_folder
     from pawnb.workflow.track import track
 
@@ -65,12 +66,16 @@ def run_track(options: argparse.Namespace, argv: list[str]) -> None:
     if interrupted():
         print(f"tracked {tracks.sizes['time']} frames and wrote {out}; run it again to go on")
         raise KeyboardInterrupt
-    print(f"tracked {tracks.sizes['time']} frames; wrote {out}; next: pawnb gait {out}")
+    quality = assess_quality(tracks)
+    said = f"tracked {tracks.sizes['time']} frames: {quality.line()}"
+    print(f"{said}; wrote {out}; next: {next_step(quality, out)}")
+    return EXIT_FAILED if quality.verdict == "failed" else 0
 
 
-def run_batch(options: argparse.Namespace, argv: list[str]) -> None:
+def run_batch(options: argparse.Namespace, argv: list[str]) -> int:
     """Track many trials."""
     from pawnb.workflow.batch import batch
+    from pawnb.workflow.quality import EXIT_FAILED
 
     done = batch(
         options.trials,
@@ -88,6 +93,7 @@ def run_batch(options: argparse.Namespace, argv: list[str]) -> None:
         raise KeyboardInterrupt
     if len(done.failed):
         raise InputError(done.verdict())
+    return EXIT_FAILED if len(done.lost) else 0
 
 
 def run_gait(options: argparse.Namespace, argv: list[str]) -> None:

@@ -41,6 +41,7 @@ _DIMS: dict[str, tuple[str, ...]] = {
     "image_origin": ("time", "view", "keypoint", "individual"),
     "image_residual": ("time", "view", "keypoint", "individual"),
     "image_separation": ("time", "view", "keypoint", "individual"),
+    "image_likeness": ("time", "view", "keypoint", "individual"),
     # jointed animals
     "joint_angle": ("time", "joint", "individual"),
     "joint_angle_sd": ("time", "joint", "individual"),

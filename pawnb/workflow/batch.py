@@ -30,6 +30,7 @@ from pawnb.workflow.interrupt import interruptible
 from pawnb.workflow.manifest import MANIFEST, find_fault, known_files
 from pawnb.workflow.methods import METHODS, settings_in_force
 from pawnb.workflow.provenance import trial_checksums, trial_fingerprint
+from pawnb.workflow.quality import QUALITY_FILE, read_verdict
 from pawnb.workflow.results import RESULT_FILES, results_folder
 
 _WAIT_S = 0.05
@@ -43,7 +44,8 @@ class BatchReport:
     ----------
     table : DataFrame
         trial (its path), out (folder of its results), status (``tracked``, ``skipped``,
-        ``failed``, ``stopped``) and said (one sentence), in the order given.
+        ``failed``, ``stopped``), said (one sentence) and verdict on the tracks (``good``,
+        ``look``, ``failed``; empty where there are none), in the order given.
     """
 
     table: pd.DataFrame
@@ -53,6 +55,11 @@ class BatchReport:
         """The rows of trials that failed."""
         return self.table[self.table["status"] == "failed"]
 
+    @property
+    def lost(self) -> pd.DataFrame:
+        """The rows of trials whose tracks are there and failed."""
+        return self.table[self.table["verdict"] == "failed"]
+
     def verdict(self) -> str:
         """Return how many failed and why, in one sentence."""
         said = "; ".join(
@@ -61,13 +68,14 @@ class BatchReport:
         return f"{len(self.failed)} of {len(self.table)} trials failed: {said}."
 
     def text(self) -> str:
-        """Return how many were tracked, skipped, failed and stopped."""
-        counts = self.table["status"].value_counts()
-        return ", ".join(
-            f"{counts[status]} {status}"
-            for status in ("tracked", "skipped", "failed", "stopped")
-            if status in counts
-        )
+        """Return how many were tracked, skipped, failed and stopped, and how good tracks are."""
+        done = self._counts("status", ("tracked", "skipped", "failed", "stopped"))
+        tracks = self._counts("verdict", ("good", "look", "failed"))
+        return f"{done}; tracks: {tracks}" if tracks else done
+
+    def _counts(self, column: str, names: Sequence[str]) -> str:
+        counts = self.table[column].value_counts()
+        return ", ".join(f"{counts[name]} {name}" for name in names if name in counts)
 
 
 @dataclass
@@ -79,6 +87,7 @@ class _Job:
     out: str | None = None
     status: str = "stopped"
     said: str = "not begun"
+    verdict: str = ""
 
 
 def batch(
@@ -139,8 +148,9 @@ def batch(
     places: Places = Processes(workers or 1) if scheduler is None else Scheduler(scheduler)
     with contextlib.closing(places):
         _work(jobs, places, asked, out=out, tell=tell)
-    rows = [(str(job.path), job.out or "", job.status, job.said) for job in jobs]
-    return BatchReport(pd.DataFrame(rows, columns=["trial", "out", "status", "said"]))
+    rows = [(str(job.path), job.out or "", job.status, job.said, job.verdict) for job in jobs]
+    columns = ["trial", "out", "status", "said", "verdict"]
+    return BatchReport(pd.DataFrame(rows, columns=columns))
 
 
 def _work(
@@ -168,7 +178,7 @@ def _work(
                 places.stop()
             for number, answer in places.ended().items():
                 job = running.pop(number)
-                job.status, job.said = answer
+                job.status, job.said, job.verdict = answer
                 tell(_line(job, len(jobs)))
             time.sleep(_WAIT_S if running else 0.0)
 
@@ -250,7 +260,9 @@ def _tracked_before(out: Path, kind: str) -> dict[str, Any] | None:
     """Return the record of the last tracking in whole results, or None."""
     known = known_files(out)
     listed = {*known.files, MANIFEST}
-    if not listed.issuperset(RESULT_FILES[kind]) or find_fault(out, run="track") is not None:
+    # results of an earlier version, perhaps corrected since, are without a verdict
+    needed = set(RESULT_FILES[kind]) - {QUALITY_FILE}
+    if not listed.issuperset(needed) or find_fault(out, run="track") is not None:
         return None
     made = [step for step in known.steps_of("track") if step["step"] == "track"]
     return made[-1] if made else None
@@ -272,6 +284,7 @@ def _order(
             raise InputError(f"its results would overwrite those of {first}; rename one of them.")
         if is_tracked(trial, folder, method=method, settings=asked["settings"]):
             job.status, job.said = "skipped", f"tracked already, {folder}"
+            job.verdict = read_verdict(folder)
             return None
         if (folder / "edits.jsonl").exists():
             raise InputError(

@@ -12,10 +12,11 @@ from typing import IO, Any, NamedTuple, Protocol
 
 
 class Answer(NamedTuple):
-    """What became of a trial: ``status`` as in a :class:`BatchReport`, and one sentence."""
+    """What became of a trial: status, one sentence and verdict as in a :class:`BatchReport`."""
 
     status: str
     said: str
+    verdict: str = ""
 
 
 class Places(Protocol):

@@ -101,7 +101,7 @@ class Scheduler:
         self._client.close()
 
 
-def track_on_worker(order: Mapping[str, Any], stop_name: str) -> tuple[str, str]:
+def track_on_worker(order: Mapping[str, Any], stop_name: str) -> tuple[str, str, str]:
     """Track a trial in a process of its own on the worker that runs this.
 
     Parameters
@@ -113,14 +113,14 @@ def track_on_worker(order: Mapping[str, Any], stop_name: str) -> tuple[str, str]
 
     Returns
     -------
-    status, said : str
+    status, said, verdict : str
         See :class:`pawnb.workflow.batch_places.Answer`.
     """
     import distributed
 
     stop = distributed.Event(stop_name)
     if stop.is_set():
-        return "stopped", "not begun"
+        return "stopped", "not begun", ""
     process = WorkerProcess(order)
     try:
         while (answer := process.answer()) is None:
@@ -130,4 +130,4 @@ def track_on_worker(order: Mapping[str, Any], stop_name: str) -> tuple[str, str]
     except BaseException:
         process.kill()
         raise
-    return answer.status, answer.said
+    return answer.status, answer.said, answer.verdict

@@ -13,8 +13,9 @@ import threading
 import warnings
 from typing import Any
 
-from pawnb.errors import InputWarning, PawnbError
+from pawnb.errors import InputWarning, PawnbError, QualityWarning
 from pawnb.trial import load_trial
+from pawnb.workflow.quality import assess_quality
 from pawnb.workflow.track import track
 
 
@@ -43,9 +44,16 @@ def _track(order: dict[str, Any], stop: threading.Event) -> dict[str, str]:
             )
         except PawnbError as error:
             return {"status": "failed", "said": str(error)}
-    notes = [str(w.message) for w in caught if issubclass(w.category, InputWarning)]
-    said = "; ".join([f"{tracks.sizes['time']} frames, {order['out']}", *notes])
-    return {"status": "stopped" if stop.is_set() else "tracked", "said": said}
+    told = [w for w in caught if not issubclass(w.category, QualityWarning)]
+    notes = [str(w.message) for w in told if issubclass(w.category, InputWarning)]
+    quality = assess_quality(tracks)
+    done = f"{tracks.sizes['time']} frames, {order['out']}"
+    status = "stopped" if stop.is_set() else "tracked"
+    return {
+        "status": status,
+        "said": "; ".join([done, quality.line(), *notes]),
+        "verdict": quality.verdict,
+    }
 
 
 def _read_line() -> bytes:

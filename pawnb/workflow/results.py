@@ -16,6 +16,7 @@ from pawnb.core.pose.pose_table import pose_names, pose_table
 from pawnb.core.rig import Rig
 from pawnb.core.suspects import find_suspects
 from pawnb.errors import InputError, InputWarning
+from pawnb.files import write_whole
 from pawnb.gait.notes import Note
 from pawnb.io import native
 from pawnb.io.pose import write_pose
@@ -25,12 +26,21 @@ from pawnb.trial import Trial, trial_document, trial_from_document
 from pawnb.workflow.foreign_tracks import read_belt
 from pawnb.workflow.manifest import MANIFEST, find_fault, known_files, writing_results
 from pawnb.workflow.notes import notes_table
+from pawnb.workflow.quality import QUALITY_FILE, assess_quality, quality_text
 
 RESULTS_FOLDER = "results"
 
 RESULT_FILES = {
-    "paws": ("tracks.nc", "tracks.csv", "suspects.csv", "notes.csv", MANIFEST),
-    "pose": ("tracks.nc", "tracks.csv", "pose.csv", "suspects.csv", "notes.csv", MANIFEST),
+    "paws": ("tracks.nc", "tracks.csv", "suspects.csv", "notes.csv", QUALITY_FILE, MANIFEST),
+    "pose": (
+        "tracks.nc",
+        "tracks.csv",
+        "pose.csv",
+        "suspects.csv",
+        "notes.csv",
+        QUALITY_FILE,
+        MANIFEST,
+    ),
     "tracks": (),
 }
 """What tracking a trial of each kind always writes (see :mod:`pawnb.workflow.manifest`)."""
@@ -130,8 +140,9 @@ def results_folder(trial: Trial, out: str | Path | None = None) -> Path:
 
 
 def write_track_results(tracks: Tracks, out: str | Path, *, rig: Rig | None = None) -> Path:
-    """Write ``tracks.nc``, its tables, ``suspects.csv``, ``notes.csv`` and ``provenance.json``.
+    """Write ``tracks.nc``, its tables, ``suspects.csv``, ``quality.json`` and ``notes.csv``.
 
+    ``provenance.json`` is written last.
     ``pose.csv`` of a jointed animal has no row for a frame in which it was not found.
 
     Parameters
@@ -161,6 +172,8 @@ def write_track_results(tracks: Tracks, out: str | Path, *, rig: Rig | None = No
             write_table(find_pose_suspects(tracks), staging / "suspects.csv")
         elif "image_position" in tracks:
             write_table(find_suspects(tracks, rig=rig), staging / "suspects.csv")
+        if "image_position" in tracks:
+            write_whole(staging / QUALITY_FILE, quality_text(assess_quality(tracks)).encode())
         write_table(notes_table(tracking_notes(tracks)), staging / "notes.csv")
     return out
 

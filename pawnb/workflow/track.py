@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from pawnb.core.paws.offline.quality_likeness import add_likeness, keep_likeness
 from pawnb.core.paws.settings import REFERENCE_WIDTH_PX
 from pawnb.core.paws.stretch import TOLERANCE_PX, keep_untouched
 from pawnb.core.paws.whole.store import CandidateStore
@@ -39,6 +40,7 @@ from pawnb.workflow.placed import (
 )
 from pawnb.workflow.progress import Progress, tracking_progress
 from pawnb.workflow.provenance import build_step, trial_checksums, trial_fingerprint
+from pawnb.workflow.quality import tell_failed
 from pawnb.workflow.real_units import in_real_units
 from pawnb.workflow.results import (
     describe_trial,
@@ -88,8 +90,9 @@ def track(
         ways from the clicks, as tracking a jointed animal does; the others begin with the first
         clicked frame and warn of what lies before it.
     out : str or Path, optional
-        Folder for ``tracks.nc``, its tables, ``suspects.csv``, ``provenance.json`` and
-        ``candidates.bin``. After an interruption a second run goes on from what is there.
+        Folder for ``tracks.nc``, its tables, ``suspects.csv``, ``quality.json``,
+        ``provenance.json`` and ``candidates.bin``. After an interruption a second run goes on
+        from what is there.
     progress : callable, optional
         ``progress(done, total)``; default a bar on a terminal or in a notebook. One that takes
         ``doing``, too, is told in words what is done: "tracking", "deciding", or in a first run
@@ -106,11 +109,17 @@ def track(
     xarray.Dataset
         Tracks; see :mod:`pawnb.schema`. With a calibration, points are shown also in the views
         that do not track them, re-projected from their place in space.
+        :func:`pawnb.assess_quality` says how good they are.
 
     Raises
     ------
     InputError
         If anything the trial names is missing or does not fit.
+
+    Warns
+    -----
+    QualityWarning
+        If most labels are expected to be wrong.
     """
     if not isinstance(trial, Trial):
         trial = load_trial(trial)
@@ -171,9 +180,11 @@ def track(
             tracks = join_earlier(earlier, tracks)
         tracks = describe_trial(tracks.assign_coords(time=times), trial, sizes=sizes)
         whole = tracks.sizes["time"] == last - first
+        tracks = add_likeness(views, tracks, clicks)
         tracks = add_provenance(tracks, **step, complete=whole, notes=notes)
         if out is not None:
             write_track_results(tracks, out, rig=rig)
+    tell_failed(tracks, complete=whole)
     return tracks
 
 
@@ -280,7 +291,8 @@ def retrack(
     new = keep_untouched(tracks, new, frame, tolerance_px=tolerance, joint=joint)
     if method != METHODS[0]:
         new = _shown_in_every_view(new, rig, sizes)
-    new = describe_trial(new.assign_attrs(tracks.attrs).assign_coords(time=tracks["time"]), trial)
+    new = keep_likeness(tracks, new.assign_attrs(tracks.attrs))
+    new = describe_trial(new.assign_coords(time=tracks["time"]), trial)
     step = build_step(
         "retrack",
         command=None,

@@ -41,6 +41,7 @@ from pawnb.workflow.pose_in_space import find_in_space, load_second
 from pawnb.workflow.progress import Progress, tracking_progress
 from pawnb.workflow.propose_pose import trial_animal, trial_background
 from pawnb.workflow.provenance import build_step, trial_checksums, trial_fingerprint
+from pawnb.workflow.quality import tell_failed
 from pawnb.workflow.results import describe_trial, make_folder, write_track_results
 from pawnb.workflow.start_doubts import legs_outside, say_outside, start_doubts
 from pawnb.workflow.unfinished import open_kept_frames
@@ -152,6 +153,7 @@ def track_pose_trial(
             write_track_results(tracks, out)
         if complete:
             kept.remove()
+    tell_failed(tracks, complete=complete)
     return tracks
 
 

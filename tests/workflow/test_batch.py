@@ -34,7 +34,8 @@ def test_failures_are_collected_and_what_is_done_is_skipped(trials, monkeypatch)
     assert "spider.avi" in done.failed["said"].item()
     assert done.verdict().startswith("1 of 3 trials failed: ")
     assert "\n" not in done.verdict()
-    assert done.text() == "2 tracked, 1 failed"
+    assert done.table["verdict"].tolist() == ["good", "good", ""]
+    assert done.text() == "2 tracked, 1 failed; tracks: 2 good"
     alone = track(trials / "a", settings=QUICK)
     assert (
         read_tracks(trials / "a" / "results" / "tracks.nc")
@@ -45,6 +46,7 @@ def test_failures_are_collected_and_what_is_done_is_skipped(trials, monkeypatch)
     monkeypatch.setattr(Processes, "begin", lambda _self, _number, order: began.append(order))
     again = batch([trials / "a", trials / "b"], settings=QUICK)
     assert again.table["status"].tolist() == ["skipped", "skipped"]
+    assert again.table["verdict"].tolist() == ["good", "good"]  # as quality.json says
     assert began == []
 
 

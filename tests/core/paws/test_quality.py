@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
+from scipy.ndimage import gaussian_filter
 
 from pawnb.core.paws.offline.quality import CALIBRATED, assess
+from pawnb.core.paws.offline.quality_likeness import add_likeness, keep_likeness
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE, make_tracks
 
@@ -213,3 +216,88 @@ def test_tracks_without_pictures_or_frames():
     assert assess(walk()[0].isel(time=slice(0, 0))).verdict == "failed"
     assert assess(walk()[0].isel(time=slice(0, 1))).verdict == "good"
     assert assess(walk()[0].isel(keypoint=[0])).verdict == "good"
+
+
+class Film:
+    """A film of noise, 240 x 140 px, in which a patch of noise of its own rides on each paw."""
+
+    names = ("side",)
+    n_frames = N
+
+    def __init__(self, uv):
+        rng = np.random.default_rng(3)
+        self.readers = {"side": SimpleNamespace(width=240, height=140)}
+        self._uv = np.round(uv).astype(int)
+        # smooth enough that half a pixel hardly changes it
+        self._ground = gaussian_filter(rng.uniform(0, 255, (140, 240)), 1.5).astype(np.uint8)
+        paws = rng.uniform(0, 255, (len(NAMES), 25, 25))
+        self._paws = gaussian_filter(paws, (0, 1.5, 1.5)).astype(np.uint8)
+
+    def frame(self, i):
+        picture = self._ground.copy()
+        for (u, v), paw in zip(self._uv[i], self._paws, strict=True):
+            picture[v - 12 : v + 13, u - 12 : u + 13] = paw
+        return {"side": SimpleNamespace(crop=lambda u0, v0, u1, v1: picture[v0:v1, u0:u1])}
+
+
+@pytest.fixture(scope="module")
+def filmed():
+    """Tracks as Lucas and Kanade's: measured and sure throughout, no word of other places."""
+    tracks, uv = walk()
+    clicks = pd.DataFrame(
+        [(10, "side", name, *uv[10, i]) for i, name in enumerate(NAMES)],
+        columns=["frame", "view", "point", "u", "v"],
+    )
+    plain = tracks.drop_vars(["sd", "passes_apart", "image_separation"])
+    return plain, uv, clicks, Film(uv)
+
+
+def test_pictures_tell_points_that_left_their_paw(filmed):
+    """HR stands on the ground 30 px beside its paw from frame 100 on, FR everywhere but at 10."""
+    tracks, uv, clicks, film = filmed
+    moved = uv.copy()
+    moved[100:, 1] += [0.0, 30.0]
+    moved[np.arange(N) != 10, 0] += [0.0, 30.0]
+    tracks = tracks.copy(deep=True)
+    put(tracks, moved)
+    assert assess(tracks, clicks=clicks).verdict == "good"  # nothing else speaks against them
+    told = add_likeness(film, tracks, clicks)
+    alike = told["image_likeness"][:, 0, :, 0].to_numpy()
+    assert 30 <= np.isfinite(alike[:, 0]).sum() <= 41
+    assert np.nanmax(alike[:, 0]) < 0.5 < 0.9 < np.nanmin(alike[:, 2:])
+    assert np.nanmin(alike[:100, 1]) > 0.9
+    assert np.nanmax(alike[100:, 1]) < 0.5
+    quality = assess(told, clicks=clicks)
+    right = {p.name: p.expected_right for p in quality.points}
+    assert right["FR"] < 0.3 < right["HR"] < right["FL"]
+    assert (
+        "the picture at FR does not look like what was clicked" in point(quality, "FR").reasons[0]
+    )
+    assert (point(quality, "FR").verdict, quality.verdict) == ("failed", "look")
+
+
+def test_looks_alone_do_not_make_tracks_good(filmed):
+    tracks, _, clicks, film = filmed
+    quality = assess(add_likeness(film, tracks, clicks), clicks=clicks)
+    assert quality.verdict == "look"
+
+
+def test_what_was_measured_stays_where_labels_stay(filmed):
+    tracks, uv, clicks, film = filmed
+    told = add_likeness(film, tracks, clicks)
+    new = tracks.copy(deep=True)
+    moved = uv.copy()
+    moved[50:, 0] += 5.0
+    put(new, moved)
+    kept = keep_likeness(told, new)["image_likeness"].to_numpy()
+    before = told["image_likeness"].to_numpy()
+    assert np.isnan(kept[50:, :, 0]).all()
+    np.testing.assert_array_equal(kept[:50], before[:50])
+    np.testing.assert_array_equal(kept[:, :, 1:], before[:, :, 1:])
+
+
+def test_a_method_that_gives_probabilities_is_not_looked_at_again(filmed):
+    tracks, _, clicks, film = filmed
+    own = tracks.copy(deep=True)
+    own["image_confidence"].attrs[CALIBRATED] = 1
+    assert "image_likeness" not in add_likeness(film, own, clicks)

@@ -20,6 +20,7 @@ import numpy as np
 import pandas as pd
 
 from pawnb.core.paws.offline.quality_measures import (
+    CALIBRATED,
     Labels,
     Measure,
     QualityLimits,
@@ -32,10 +33,6 @@ from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE, Tracks, check_tracks
 
 Verdict = Literal["good", "look", "failed"]
-
-CALIBRATED = "is_probability"
-"""Attribute of ``image_confidence``: 1 where it is the probability, 0 to 1, that the label lies
-within half a paw of the truth, of labels that were found and of others."""
 
 _TELLING = 0.04
 """A measure that takes less than this share of a point's labels is not told."""

@@ -1,0 +1,116 @@
+"""The verdict on tracks, good, look or failed: told after tracking, and beside its results."""
+
+from __future__ import annotations
+
+import json
+import warnings
+from pathlib import Path
+
+import pandas as pd
+
+from pawnb.core.paws.offline.quality import Quality, assess
+from pawnb.core.pose.as_tracks import BODY, animal_of, is_pose
+from pawnb.errors import InputError, QualityWarning
+from pawnb.files import read_text
+from pawnb.schema import START_COLUMNS, Tracks
+
+QUALITY_FILE = "quality.json"
+
+EXIT_FAILED = 3
+"""Exit status of a command that wrote its results, and whose verdict on them is *failed*."""
+
+
+def assess_quality(tracks: Tracks) -> Quality:
+    """Say how good the tracks of a recording are, as they stand now.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks with image positions. Of a jointed animal the body and the tips count.
+
+    Returns
+    -------
+    Quality
+        ``verdict`` is ``"failed"`` where fewer than half of the labels are expected to be right,
+        ``"look"`` below 90 %, else ``"good"``; so has each of its ``points``, with reasons.
+        ``line()`` says it in one line.
+
+    Raises
+    ------
+    InputError
+        If the tracks have no image positions.
+    """
+    if is_pose(tracks):
+        return assess(tracks.sel(keypoint=[BODY, *animal_of(tracks).leg_names]))
+    return assess(tracks, clicks=_clicks(tracks))
+
+
+def _clicks(tracks: Tracks) -> pd.DataFrame | None:
+    """Return every click that tracks were made from; None where they do not say."""
+    steps = json.loads(tracks.attrs.get("provenance", "{}")).get("steps", [])
+    rows = [
+        row for step in steps for row in step.get("start", ()) if set(START_COLUMNS) <= set(row)
+    ]
+    return pd.DataFrame(rows, columns=list(START_COLUMNS)) if rows else None
+
+
+def quality_text(quality: Quality) -> str:
+    """Return the text of ``quality.json``; the same tracks give the same bytes.
+
+    Parameters
+    ----------
+    quality : Quality
+        The verdict.
+    """
+    return json.dumps(quality.document(), indent=1, ensure_ascii=False) + "\n"
+
+
+def read_verdict(folder: str | Path) -> str:
+    """Return the verdict that a folder of results holds, or an empty text.
+
+    Parameters
+    ----------
+    folder : str or Path
+        The folder.
+    """
+    try:
+        document = json.loads(read_text(Path(folder) / QUALITY_FILE, expected="a verdict"))
+        return str(document["verdict"])
+    except (OSError, InputError, ValueError, KeyError, TypeError):
+        return ""
+
+
+def next_step(quality: Quality, out: str | Path) -> str:
+    """Say what to do with tracks of a verdict.
+
+    Parameters
+    ----------
+    quality : Quality
+        The verdict.
+    out : str or Path
+        Folder of the results.
+    """
+    if quality.verdict == "good":
+        return f"pawnb gait {out}"
+    if quality.verdict == "look":
+        return f"review (pawnb.widgets.TrackReviewer), then pawnb gait {out}"
+    return "click the points in more frames, where they are seen best, and track again"
+
+
+def tell_failed(tracks: Tracks, *, complete: bool) -> None:
+    """Warn of tracks that failed.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks as they were made.
+    complete : bool
+        Whether the run was; nothing is said of one that a person stopped.
+
+    Warns
+    -----
+    QualityWarning
+        If the verdict is *failed*.
+    """
+    if complete and (quality := assess_quality(tracks)).verdict == "failed":
+        warnings.warn(f"tracking {quality.line()}", QualityWarning, stacklevel=3)
