@@ -9,7 +9,8 @@ from typing import Any
 import pandas as pd
 
 from pawnb.core.paws import PaperSettings, Task, track_paws
-from pawnb.core.paws.whole import WholeSettings, track_whole
+from pawnb.core.paws.offline.tracker import track_points
+from pawnb.core.paws.whole import WholeSettings
 from pawnb.core.paws.whole.store import CandidateStore
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.background import Background
@@ -366,7 +367,7 @@ def run_tracker(
         See :func:`pawnb.core.paws.track_paws`; method ``pawnb`` has no use for it, as it
         learns from every position placed by hand.
     looked, store
-        See :func:`pawnb.core.paws.whole.track_whole`; the other methods have no use for them.
+        See :func:`pawnb.core.paws.offline.tracker.track_points`; the other methods have no use for them.
 
     Returns
     -------
@@ -374,5 +375,5 @@ def run_tracker(
         Tracks.
     """
     if isinstance(settings, WholeSettings):
-        return track_whole(views, clicks, task, settings=settings, looked=looked, store=store)
+        return track_points(views, clicks, task, settings=settings, looked=looked, store=store)
     return track_paws(views, clicks, task, settings=settings, method=method, learn_at=learn_at)

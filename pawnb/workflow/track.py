@@ -15,6 +15,7 @@ import pandas as pd
 from pawnb.core.paws.offline.quality_likeness import add_likeness, keep_likeness
 from pawnb.core.paws.settings import REFERENCE_WIDTH_PX
 from pawnb.core.paws.stretch import TOLERANCE_PX, keep_untouched
+from pawnb.core.paws.whole import WholeSettings
 from pawnb.core.paws.whole.store import CandidateStore
 from pawnb.core.reproject import fill_reprojected
 from pawnb.core.rig import Rig
@@ -53,6 +54,9 @@ from pawnb.workflow.retrack_pose import retrack_pose
 from pawnb.workflow.track_pose import track_pose_trial
 from pawnb.workflow.trial_views import frame_range, paw_task, trial_rig
 from pawnb.workflow.unfinished import join_earlier, unfinished_tracks
+
+_PUBLISHED_FRAMES = 2
+"""Start clicks in two frames give a published method its first velocities."""
 
 
 def track(
@@ -145,6 +149,7 @@ def track(
         rig = trial_rig(trial, views, method=method)
         first, last = frame_range(trial, views, clicks, method=method, frames=frames)
         if method != METHODS[0]:
+            _refuse_more_frames(clicks, method)
             _tell_left_out((frames or trial.frames or (0, last))[0], first)
         if out is not None:
             stack.enter_context(run_alone(make_folder(out)))
@@ -252,6 +257,9 @@ def retrack(
             f"frame {frame} is not among the tracked frames {known[0]} to {known[-1]}."
         )
     method, settings = method_of_tracks(trial, tracks)
+    if isinstance(settings, WholeSettings) and "evidence" in tracks.attrs:
+        # what found these tracks finds them again
+        settings = dataclasses.replace(settings, evidence=tracks.attrs["evidence"])
     placed = corrected_points(tracks, frame)
     learnt = _frames_learnt_in(tracks) | (dict.fromkeys(placed, frame) if learn else {})
     clicks = clicks_of_frame(trial, tracks, frame)
@@ -315,6 +323,17 @@ def _store(
     store = open_store(trial, None if out is None else Path(out))
     stack.callback(keep_store, store)
     return store
+
+
+def _refuse_more_frames(clicks: pd.DataFrame, method: str) -> None:
+    """Refuse start clicks that a published method has no use for."""
+    frames = sorted(clicks["frame"].unique().tolist())
+    if len(frames) > _PUBLISHED_FRAMES:
+        raise InputError(
+            f"the start has clicks in {len(frames)} frames ({frames[0]} to {frames[-1]}); method "
+            f"{method!r} takes one frame, or two that give the first velocities: leave others out, "
+            f"or use method {METHODS[0]!r}, which takes any number."
+        )
 
 
 def _tell_left_out(asked: int, first: int) -> None:

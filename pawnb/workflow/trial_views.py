@@ -25,8 +25,8 @@ def trial_rig(trial: Trial, views: ViewSet, *, method: str = METHODS[0]) -> Rig 
     views : ViewSet
         Its open views, for the sizes of their pictures.
     method : str
-        The method of the tracker. Only ``slic-2d`` needs no calibration of several views:
-        it tracks each by itself.
+        The method of the tracker. ``pawnb`` and ``slic-2d`` need no calibration of several
+        views: they track each by itself.
 
     Returns
     -------
@@ -40,11 +40,11 @@ def trial_rig(trial: Trial, views: ViewSet, *, method: str = METHODS[0]) -> Rig 
     """
     sizes = {name: (r.source.width, r.source.height) for name, r in views.readers.items()}
     rig = load_rig(trial, sizes=sizes)
-    if rig is None and len(trial.views) > 1 and method != "slic-2d":
+    if rig is None and len(trial.views) > 1 and method not in (METHODS[0], "slic-2d"):
         raise CalibrationError(
             f"trial {trial.name!r} has {len(trial.views)} views and no calibration; "
             'add [calibration] dlt = "DLTcoefs.csv" (11 rows, one column a view), '
-            "keep a single view, or track each view by itself with method slic-2d."
+            "keep a single view, or track each view by itself with method pawnb or slic-2d."
         )
     return rig
 

@@ -1,4 +1,4 @@
-"""Estimates of every view written as Tracks: positions, origins, how likely, standard deviations."""
+"""Estimates of every view written as Tracks: positions, origins, how likely, their sd."""
 
 from __future__ import annotations
 

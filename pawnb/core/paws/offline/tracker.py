@@ -15,11 +15,67 @@ from pawnb.core.paws.offline.pipeline import (
     run_pipeline,
     view_track,
 )
+from pawnb.core.paws.offline.quality import assess
+from pawnb.core.paws.offline.quality_likeness import add_likeness
 from pawnb.core.paws.offline.scene.stack import read_stacks
 from pawnb.core.paws.settings import PaperSettings
 from pawnb.core.paws.task import Task
 from pawnb.core.paws.whole.placed import read_placements
+from pawnb.core.paws.whole.settings import WholeSettings
+from pawnb.core.paws.whole.store import CandidateStore
+from pawnb.core.paws.whole.tracker import track_whole
 from pawnb.schema import START_COLUMNS, Tracks, check_columns
+
+
+COLOUR, LEARNT = "colour", "learnt"
+"""What tracks may be found by; kept in their attribute ``evidence``."""
+
+
+def track_points(
+    views: Views,
+    start: pd.DataFrame,
+    task: Task,
+    *,
+    settings: WholeSettings,
+    looked: pd.DataFrame | None = None,
+    store: CandidateStore | None = None,
+) -> Tracks:
+    """Track points by their colour where that tells them, else by what the recording teaches.
+
+    Paws of a colour of their own are tracked by :func:`pawnb.core.paws.whole.track_whole`,
+    which knows strides and stance. Where its tracks are not good by absolute measures
+    (:func:`.quality.assess`), or it does not apply, :func:`track_offline` tracks the points.
+
+    Parameters
+    ----------
+    views, start, task, settings, looked, store
+        As for :func:`pawnb.core.paws.whole.track_whole`; ``settings.evidence`` may choose one
+        of the two.
+
+    Returns
+    -------
+    xarray.Dataset
+        Tracks; the attribute ``evidence`` is ``"colour"`` or ``"learnt"``.
+
+    Raises
+    ------
+    InputError
+        If a click does not fit, or a point has none.
+    """
+    if settings.evidence != LEARNT and (task.rig is not None or len(views.names) == 1):
+        tracks = track_whole(views, start, task, settings=settings, looked=looked, store=store)
+        tracks.attrs["evidence"] = COLOUR
+        complete = tracks.sizes["time"] >= task.frames[1] - task.frames[0]
+        if settings.evidence == COLOUR or not complete or _is_good(views, tracks, start):
+            return tracks
+    tracks = track_offline(views, start, task)
+    tracks.attrs["evidence"] = LEARNT
+    return tracks
+
+
+def _is_good(views: Views, tracks: Tracks, start: pd.DataFrame) -> bool:
+    """Tell whether tracks are good by absolute measures, their pictures included."""
+    return assess(add_likeness(views, tracks, start), clicks=start).verdict == "good"
 
 
 def track_offline(

@@ -8,6 +8,9 @@ from pawnb.errors import InputError
 from pawnb.schema import check_ranges
 
 
+EVIDENCE = ("auto", "colour", "learnt")
+
+
 @dataclass(frozen=True)
 class WholeSettings:
     """Settings of :func:`pawnb.core.paws.whole.track_whole`.
@@ -48,6 +51,9 @@ class WholeSettings:
         Points that are no paws and are followed by their own picture (nose, ears, a mark on
         the back). Points whose names tell no paw are landmarks without being named where
         other names do (``FR``, ``LH``, ``hind_left``).
+    evidence : {"auto", "colour", "learnt"}
+        What points are found by: their colour, with strides and stance; motion and an appearance
+        that is learnt in the recording; or the first where its tracks are good, else the second.
     """
 
     acceleration: float = 500.0
@@ -64,6 +70,7 @@ class WholeSettings:
     places: int = 16
     links: int = 16
     landmarks: tuple[str, ...] = ()
+    evidence: str = "auto"
 
     def __post_init__(self) -> None:
         check_ranges(
@@ -74,6 +81,10 @@ class WholeSettings:
             ),
             least_0=("hide_cost", "stay_cost", "longest_gap_s", "looks"),
         )  # fmt: skip
+        if self.evidence not in EVIDENCE:
+            raise InputError(
+                f"setting 'evidence' is {self.evidence!r}; expected {', '.join(EVIDENCE)}."
+            )
         if self.shortest_stride_s >= self.longest_stride_s:
             raise InputError(
                 f"setting 'shortest_stride_s' is {self.shortest_stride_s:g}, not below "
