@@ -367,7 +367,7 @@ def run_tracker(
         See :func:`pawnb.core.paws.track_paws`; method ``pawnb`` has no use for it, as it
         learns from every position placed by hand.
     looked, store
-        See :func:`pawnb.core.paws.offline.tracker.track_points`; the other methods have no use for them.
+        See :func:`pawnb.core.paws.offline.tracker.track_points`; other methods do not use them.
 
     Returns
     -------

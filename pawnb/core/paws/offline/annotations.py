@@ -40,6 +40,10 @@ class Annotations:
         """Return all but one frame."""
         return Annotations({r: here for r, here in self.places.items() if r != row})
 
+    def part(self, begin: int, end: int) -> Annotations:
+        """Return the rows from ``begin`` up to ``end``, counted from ``begin``."""
+        return Annotations({r - begin: here for r, here in self.places.items() if begin <= r < end})
+
     def extent(self) -> float:
         """Return the largest distance of two points in one frame, the median over frames; or NaN.
 

@@ -9,7 +9,6 @@ import xarray as xr
 
 from pawnb.core import dlt
 from pawnb.core.paws.layout import Layout, Placement
-from pawnb.core.paws.offline.calibration import probability_right
 from pawnb.core.paws.offline.pipeline import ViewTrack
 from pawnb.core.paws.offline.quality import CALIBRATED
 from pawnb.core.paws.task import Task
@@ -53,7 +52,7 @@ def write_tracks(
     """
     uv = np.stack([view.uv for view in found], axis=2)  # (n, P, V, 2)
     sd_px = np.stack([view.sd_px for view in found], axis=2)
-    chance = probability_right(np.stack([view.probability for view in found], axis=2))
+    chance = np.stack([view.probability for view in found], axis=2)
     by_hand = np.zeros(chance.shape, bool)
     for row, here in placed.items():
         for place in here:

@@ -19,7 +19,8 @@ class SceneParameters:
     Parameters
     ----------
     extent : float
-        Largest distance between points clicked in one frame, working px.
+        Largest distance between points clicked in one frame, working px. Mean over horse and
+        wheel with 1 and 2 clicked frames: 71 % at 160, 76 at 240, 75 at 300.
     spacing : int
         Distance of the places that are told apart, working px.
     margin : float
@@ -33,12 +34,12 @@ class SceneParameters:
         Pictures are enlarged at most so much.
     """
 
-    extent: float = 160.0
-    spacing: int = 3
+    extent: float = 240.0
+    spacing: int = 4
     margin: float = 0.75
     overview_px: int = 320
     better: float = 0.1
-    largest_enlargement: float = 2.5
+    largest_enlargement: float = 3.0
 
 
 @dataclass(frozen=True)
@@ -101,6 +102,10 @@ class AppearanceParameters:
         Power of the likelihood ratio, where the recording itself does not say (one clicked
         frame): classifiers of few clicks are too sure (mean over the three clips 79 % at 0.5
         and 78 at 1).
+    trusts : tuple of float
+        Powers that are tried where two frames or more are clicked.
+    folds : int
+        Clicked frames that are left out in turn to choose one, at most.
     lowest, highest : float
         Bounds of the ratio of likelihoods.
     """
@@ -115,6 +120,8 @@ class AppearanceParameters:
     learnt_frames: int = 16
     sure: float = 0.9
     trust: float = 0.5
+    trusts: tuple[float, ...] = (0.0, 0.5, 1.0)
+    folds: int = 4
     lowest: float = 0.01
     highest: float = 30.0
 

@@ -7,49 +7,35 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.association.associate import ViewEvidence, associate
 from pawnb.core.paws.offline.association.estimates import Estimates, estimate
 from pawnb.core.paws.offline.association.positional_prior import (
     prior_from_clicks,
     prior_from_tracks,
 )
+from pawnb.core.paws.offline.calibration import Signs, probability_right, way_to_clicks
 from pawnb.core.paws.offline.detection.appearance import (
     Lesson,
     appearance_maps,
+    clicked_lessons,
     learn_appearance,
 )
-from pawnb.core.paws.offline.detection.evidence import Detections, paint
+from pawnb.core.paws.offline.detection.evidence import paint
 from pawnb.core.paws.offline.detection.motion import detect_by_motion
 from pawnb.core.paws.offline.learning import agreed_lessons
 from pawnb.core.paws.offline.parameters import OfflineParameters
 from pawnb.core.paws.offline.scene.stack import BodyStack
+from pawnb.core.paws.offline.view_input import ViewInput
+from pawnb.core.paws.offline.weighing import weigh
 from pawnb.core.rig import Rig
 
 
 @dataclass(frozen=True)
-class ViewInput:
-    """What comes in for one view.
+class PointTrack:
+    """Where one point is in one view, and what tells whether that is right."""
 
-    Parameters
-    ----------
-    name : str
-        Its name.
-    size : (int, int)
-        Its width and height, px.
-    stack : BodyStack
-        Its pictures in the body's frame.
-    annotations : Annotations
-        What was placed by hand.
-    detections : sequence of Detections
-        Of further kinds of evidence.
-    """
-
-    name: str
-    size: tuple[int, int]
-    stack: BodyStack
-    annotations: Annotations
-    detections: Sequence[Detections] = ()
+    found: Estimates
+    signs: Signs
 
 
 @dataclass(frozen=True)
@@ -61,7 +47,7 @@ class ViewTrack:
     uv : ndarray, shape (n, P, 2)
         Positions, px of the view.
     probability : ndarray, shape (n, P)
-        Probability, by the model, of being within about half a paw of it.
+        Probability of being within about half a paw of it (:mod:`.calibration`).
     sd_px : ndarray, shape (n, P)
         Standard deviation, px.
     """
@@ -77,15 +63,15 @@ def no_track(n: int, n_points: int) -> ViewTrack:
     return ViewTrack(np.full((n, n_points, 2), np.nan), nothing, nothing.copy())
 
 
-def view_track(stack: BodyStack, estimates: Mapping[int, Estimates], n_points: int) -> ViewTrack:
+def view_track(stack: BodyStack, tracks: Mapping[int, PointTrack], n_points: int) -> ViewTrack:
     """Return estimates on the grid as positions in the view."""
     n = stack.shape[0]
     track = no_track(n, n_points)
     rows = np.arange(n)
-    for point, own in estimates.items():
-        track.uv[:, point] = stack.picture_of(own.place, rows)
-        track.probability[:, point] = own.probability
-        track.sd_px[:, point] = own.sd * stack.spacing / stack.scale
+    for point, own in tracks.items():
+        track.uv[:, point] = stack.picture_of(own.found.place, rows)
+        track.probability[:, point] = probability_right(own.signs)
+        track.sd_px[:, point] = own.found.sd * stack.spacing / stack.scale
     return track
 
 
@@ -94,7 +80,7 @@ def run_pipeline(
     n_points: int,
     parameters: OfflineParameters,
     rig: Rig | None = None,
-) -> list[dict[int, Estimates]]:
+) -> list[dict[int, PointTrack]]:
     """Return where every clicked point is in every view.
 
     Parameters
@@ -111,11 +97,12 @@ def run_pipeline(
     Returns
     -------
     list of dict
-        For each view: point to its Estimates.
+        For each view: point to its track.
     """
     radius = parameters.appearance.radius / parameters.scene.spacing
+    weighing = weigh(views, n_points, parameters)
     motion = [_motion(view, parameters) for view in views]
-    lessons = [_clicked_lessons(view) for view in views]
+    lessons = [clicked_lessons(v.stack, v.annotations) for v in views]
     priors = [prior_from_clicks(v.stack, v.annotations, radius, parameters) for v in views]
     estimates: list[dict[int, Estimates]] = []
     for round_ in range(parameters.appearance.rounds):
@@ -126,7 +113,7 @@ def run_pipeline(
         evidence = [
             ViewEvidence(
                 v.stack, v.name, v.size, v.annotations,
-                {p: m[p] * look[p] ** parameters.appearance.trust for p in m}, prior,
+                {p: m[p] * look[p] ** weighing.trust for p in m}, prior,
             )
             for v, m, look, prior in zip(views, motion, looks, priors, strict=True)
         ]  # fmt: skip
@@ -134,15 +121,49 @@ def run_pipeline(
         estimates = [{p: estimate(m, radius) for p, m in own.items()} for own in posteriors]
         if round_ + 1 < parameters.appearance.rounds:
             lessons = [
-                {**_clicked_lessons(v), **agreed_lessons(v.stack, v.annotations, e, look, prior,
-                                                         radius, parameters.appearance)}
+                clicked_lessons(v.stack, v.annotations)
+                | agreed_lessons(
+                    v.stack, v.annotations, e, look, prior, radius, parameters.appearance
+                )
                 for v, e, look, prior in zip(views, estimates, looks, priors, strict=True)
-            ]  # fmt: skip
+            ]
             priors = [
                 prior_from_tracks(own, prior, radius)
                 for own, prior in zip(posteriors, priors, strict=True)
             ]
-    return estimates
+    return [
+        {p: _point_track(v, p, e[p], m[p], look[p] * prior[p], radius, parameters) for p in e}
+        for v, e, m, look, prior in zip(views, estimates, motion, looks, priors, strict=True)
+    ]
+
+
+def _point_track(
+    view: ViewInput,
+    point: int,
+    found: Estimates,
+    motion: np.ndarray,
+    look: np.ndarray,
+    radius: float,
+    parameters: OfflineParameters,
+) -> PointTrack:
+    """Return the track of a point with what tells whether it is right."""
+    x, y = np.rint(found.place).astype(int).T
+    alone = estimate(look, radius)
+    travelled, between = way_to_clicks(
+        found.place * view.stack.spacing,
+        view.annotations.rows_of(point),
+        parameters.scene.extent,
+    )
+    return PointTrack(
+        found,
+        Signs(
+            found.probability,
+            np.log(motion[np.arange(len(x)), y, x]),
+            np.linalg.norm(alone.place - found.place, axis=1) / radius,
+            travelled,
+            between,
+        ),
+    )
 
 
 def _motion(view: ViewInput, parameters: OfflineParameters) -> dict[int, np.ndarray]:
@@ -154,12 +175,6 @@ def _motion(view: ViewInput, parameters: OfflineParameters) -> dict[int, np.ndar
         for more in found[1:]:
             ratios[point] *= paint(more, view.stack, point)
     return ratios
-
-
-def _clicked_lessons(view: ViewInput) -> dict[int, Lesson]:
-    """Return what the clicks teach."""
-    placed = view.annotations.moved(view.stack.to_body)
-    return {row: Lesson(here) for row, here in placed.places.items()}
 
 
 def _appearance(

@@ -9,7 +9,6 @@ from pawnb.core.paws.offline.annotations import annotations_of_view
 from pawnb.core.paws.offline.output import write_tracks
 from pawnb.core.paws.offline.parameters import OfflineParameters
 from pawnb.core.paws.offline.pipeline import (
-    ViewInput,
     ViewTrack,
     no_track,
     run_pipeline,
@@ -18,6 +17,7 @@ from pawnb.core.paws.offline.pipeline import (
 from pawnb.core.paws.offline.quality import assess
 from pawnb.core.paws.offline.quality_likeness import add_likeness
 from pawnb.core.paws.offline.scene.stack import read_stacks
+from pawnb.core.paws.offline.view_input import ViewInput
 from pawnb.core.paws.settings import PaperSettings
 from pawnb.core.paws.task import Task
 from pawnb.core.paws.whole.placed import read_placements
@@ -25,7 +25,6 @@ from pawnb.core.paws.whole.settings import WholeSettings
 from pawnb.core.paws.whole.store import CandidateStore
 from pawnb.core.paws.whole.tracker import track_whole
 from pawnb.schema import START_COLUMNS, Tracks, check_columns
-
 
 COLOUR, LEARNT = "colour", "learnt"
 """What tracks may be found by; kept in their attribute ``evidence``."""

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from pawnb.errors import InputError
 from pawnb.schema import check_ranges
 
-
 EVIDENCE = ("auto", "colour", "learnt")
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.detection.classifier import Classifier, train_classifier
 from pawnb.core.paws.offline.detection.features import feature_maps
 from pawnb.core.paws.offline.parameters import AppearanceParameters
@@ -38,6 +39,25 @@ class Lesson:
     points: Mapping[int, np.ndarray]
     doubtful: Sequence[np.ndarray] = ()
     clicked: bool = True
+
+
+def clicked_lessons(stack: BodyStack, annotations: Annotations) -> dict[int, Lesson]:
+    """Return what the clicks of a view teach.
+
+    Parameters
+    ----------
+    stack : BodyStack
+        The view.
+    annotations : Annotations
+        Its clicks.
+
+    Returns
+    -------
+    dict
+        Row to its Lesson.
+    """
+    placed = annotations.moved(stack.to_body)
+    return {row: Lesson(here) for row, here in placed.places.items()}
 
 
 def learn_appearance(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -59,6 +60,17 @@ class BodyStack:
         """Frames, rows and columns of the grid."""
         n, height, width = self.grey.shape
         return n, height // self.spacing, width // self.spacing
+
+    def part(self, begin: int, end: int) -> BodyStack:
+        """Return the rows from ``begin`` up to ``end``."""
+        return dataclasses.replace(
+            self,
+            grey=self.grey[begin:end],
+            colour=None if self.colour is None else self.colour[begin:end],
+            to_body=self.to_body[begin:end],
+            forward=self.forward[begin : end - 1],
+            backward=self.backward[begin : end - 1],
+        )
 
     def to_grid(self, xy: np.ndarray) -> np.ndarray:
         """Return places of the grid (x, y) of positions (..., 2) in working px."""
