@@ -1,4 +1,4 @@
-"""Start clicks (``start.csv``): where every point is in the first frame, or the first two."""
+"""Start clicks (``start.csv``): where points are in one frame or more, any points in each."""
 
 from __future__ import annotations
 
@@ -11,9 +11,6 @@ from pawnb.errors import InputError, did_you_mean
 from pawnb.io.tables import read_cells, read_numbers, write_table
 from pawnb.schema import START_COLUMNS, check_columns
 from pawnb.trial import Trial
-
-MAX_FRAMES = 2
-"""Start clicks in two frames give the first velocities; more frames would be corrections."""
 
 
 def read_start(path: str | Path, trial: Trial) -> pd.DataFrame:
@@ -36,8 +33,8 @@ def read_start(path: str | Path, trial: Trial) -> pd.DataFrame:
     ------
     InputError
         For a missing column, a cell that is not a number, an unknown view or point, the same
-        click twice, more than two frames, a frame outside the trial, or a point of the
-        trial that is clicked in no view.
+        click twice, a frame outside the trial, or a point of the trial that is clicked in
+        no view of any frame.
     """
     where = Path(path).name
     cells = read_cells(path, START_COLUMNS)
@@ -141,13 +138,8 @@ def _check_clicks(table: pd.DataFrame, trial: Trial, where: str) -> None:
 
 
 def _check_frames(table: pd.DataFrame, trial: Trial, where: str) -> None:
-    """Refuse more than two frames, and frames that the trial does not have."""
+    """Refuse frames that the trial does not have."""
     frames = sorted({int(frame) for frame in table["frame"]})
-    if len(frames) > MAX_FRAMES:
-        raise InputError(
-            f"{where}: clicks in {len(frames)} frames ({frames[0]} to {frames[-1]}); expected one "
-            "frame, or two to give the first velocities."
-        )
     first, stop = trial.frames or (0, None)
     for frame in frames:
         if frame < first or (stop is not None and frame >= stop):
