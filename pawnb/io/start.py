@@ -1,4 +1,4 @@
-"""Start clicks (``start.csv``): where every point is in one frame or more."""
+"""Start clicks (``start.csv``): where points are in one frame or more, any points in each."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ def read_start(path: str | Path, trial: Trial) -> pd.DataFrame:
     ------
     InputError
         For a missing column, a cell that is not a number, an unknown view or point, the same
-        click twice, a frame outside the trial, or a point of the
-        trial that is clicked in no view.
+        click twice, a frame outside the trial, or a point of the trial that is clicked in
+        no view of any frame.
     """
     where = Path(path).name
     cells = read_cells(path, START_COLUMNS)

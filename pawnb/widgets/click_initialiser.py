@@ -1,4 +1,4 @@
-"""*ClickInitialiser*: click every point in one frame, and tracking can begin."""
+"""*ClickInitialiser*: click every point once, in one frame or more, and tracking can begin."""
 
 from __future__ import annotations
 
@@ -35,7 +35,8 @@ class ClickInitialiser(FrameCanvas):
     The next point is asked for by itself, view by view. Where the views are calibrated, a
     dashed line shows where a point clicked in one other view must lie, and a hollow
     diamond where two others say it is. Every change is written to ``start.csv`` at once.
-    Any frame will do: method ``pawnb`` tracks both ways from it.
+    Any frame will do: method ``pawnb`` tracks both ways from it. Points may be clicked in further
+    frames, any of them in each, and :func:`pawnb.suggest_frames` says where that helps most.
 
     Parameters
     ----------
@@ -172,7 +173,9 @@ class ClickInitialiser(FrameCanvas):
         said = self._proposal if offered else ""
         contradiction = what_contradicts(session)
         warned = f"⚠ {contradiction}\n" if contradiction else ""
-        self.status = f"{self._reason}{session.prompt()}\n{warned}{said}{session.missing()} {file}"
+        clicked = f"{there} " if (there := session.clicked()) else ""
+        state = f"{warned}{said}{clicked}{session.missing()} {file}"
+        self.status = f"{self._reason}{session.prompt()}\n{state}"
         self.actions = [
             {"id": "skip", "text": "Hidden here", "keys": ["h"],
              "title": "The point that is asked for cannot be seen in this view (H)",

@@ -15,14 +15,14 @@ import pandas as pd
 
 from pawnb.core.rig import Rig
 from pawnb.errors import InputError
-from pawnb.io.start import MAX_FRAMES, write_start
+from pawnb.io.start import write_start
 from pawnb.schema import START_COLUMNS, check_columns
 from pawnb.trial import Trial
 from pawnb.widgets.colours import point_colours
 from pawnb.widgets.draft import Draft
 from pawnb.widgets.start_marks import Slot, draw_view
 from pawnb.widgets.start_points import points_by_view, read_unfinished
-from pawnb.widgets.start_words import next_step, what_is_missing
+from pawnb.widgets.start_words import next_step, what_is_clicked, what_is_missing
 
 
 @dataclass(frozen=True)
@@ -171,8 +171,7 @@ class StartSession(Draft[_State]):
         Raises
         ------
         InputError
-            If every point of that view is placed, the click is outside the picture, or
-            two other frames have clicks already.
+            If every point of that view is placed, or the click is outside the picture.
         """
         point = self.asked_in(view)
         if point is None:
@@ -204,7 +203,7 @@ class StartSession(Draft[_State]):
         Raises
         ------
         InputError
-            If the position is outside the picture, or two other frames have clicks.
+            If the position is outside the picture.
         """
         self._check(view, point)
         width, height = self.sizes[view]
@@ -212,13 +211,6 @@ class StartSession(Draft[_State]):
             raise InputError(
                 f"{point} at ({u:.1f}, {v:.1f}) is outside the picture of {view} "
                 f"({width} x {height} px); click inside it."
-            )
-        others = {f for f, _, _ in self._state.clicks} - {self.frame}
-        if len(others) >= MAX_FRAMES:
-            first, second = sorted(others)
-            raise InputError(
-                f"frames {first} and {second} have clicks already, and tracking starts from one "
-                "frame or two; click in one of these, or undo the clicks there first."
             )
         slot = (self.frame, view, point)
         clicks = {**self._state.clicks, slot: (round(float(u), 3), round(float(v), 3))}
@@ -267,6 +259,10 @@ class StartSession(Draft[_State]):
     def prompt(self) -> str:
         """Say what to do next."""
         return next_step(self)
+
+    def clicked(self) -> str:
+        """Say which frames have clicks, where others than this one do."""
+        return what_is_clicked(self)
 
     def missing(self) -> str:
         """Say what a tracker would still lack, or that nothing is missing."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from pawnb.io.start import MAX_FRAMES
 from pawnb.widgets.start_marks import find_contradictions
 from pawnb.widgets.start_points import MOUSE_PAWS
 
@@ -12,24 +11,33 @@ if TYPE_CHECKING:
     from pawnb.widgets.start_session import StartSession
 
 
+_MOST_TOLD = 8
+
+
 def next_step(session: StartSession) -> str:
     """Say what to do next."""
-    clicked = {frame for frame, _, _ in session.clicks}
-    others = sorted(clicked - {session.frame})
-    if session.frame not in clicked and len(others) == MAX_FRAMES:
-        return f"Frames {others[0]} and {others[1]} have the clicks; go there to change them."
-    if session.frame not in clicked and others:
-        return (
-            f"Frame {others[0]} has the clicks. Clicking the points here too is optional: two "
-            "frames give the tracker the first velocities."
-        )
     if session.current is None:
         return "All points are placed or marked as hidden. Drag a point to adjust it."
     if session.offered():
         return "Proposed points are dashed: drag those that are wrong, then accept all (Enter)."
     view, point = session.current
     more = f" ({MOUSE_PAWS[point]})" if point in MOUSE_PAWS else ""
-    return f"Click {point}{more} in {view}, or press H if it is hidden there."
+    asked = f"Click {point}{more} in {view}, or"
+    if any(f != session.frame and p == point for f, _, p in session.clicks):
+        return f"{asked} leave it out here: it is clicked in another frame."
+    return f"{asked} press H if it is hidden there."
+
+
+def what_is_clicked(session: StartSession) -> str:
+    """Say which frames have clicks; empty where no other frame than this one has."""
+    frames = sorted({frame for frame, _, _ in session.clicks})
+    if not set(frames) - {session.frame}:
+        return ""
+    told = ", ".join(map(str, frames[:_MOST_TOLD]))
+    more = len(frames) - _MOST_TOLD
+    return f"Clicked: frame{'s' if len(frames) > 1 else ''} {told}" + (
+        f" and {more} more." if more > 0 else "."
+    )
 
 
 def what_contradicts(session: StartSession) -> str:

@@ -65,3 +65,7 @@ def test_without_a_proposal_the_points_are_clicked(small_trial, opened):
     assert "No paws are proposed: trial 'synthetic-normal-01' is not calibrated" in widget.status
     widget.edit("click", {"frame": 0, "view": "cam1", "u": 100.0, "v": 60.0})
     assert len(widget.start) == 1
+    assert "Clicked:" not in widget.status
+    widget.edit("click", {"frame": 5, "view": "cam1", "u": 101.0, "v": 60.0})
+    widget.edit("click", {"frame": 2, "view": "cam1", "u": 101.0, "v": 60.0})
+    assert "Clicked: frames 0, 2, 5. Not clicked in any view yet: " in widget.status

@@ -150,27 +150,33 @@ def test_undo_goes_back_to_the_frame_where_it_was_made(trial):
     assert session.current == ("cam1", "FR")
 
 
-def test_points_may_be_clicked_in_two_frames_and_no_more(trial):
+def test_any_points_may_be_clicked_in_any_number_of_frames(trial):
     session = session_of(trial)
     click_all(session)
+    assert session.clicked() == ""  # they are what is looked at
     session.go(3)
+    assert session.clicked() == "Clicked: frame 0."
     assert session.prompt() == (
-        "Frame 0 has the clicks. Clicking the points here too is optional: two frames give the "
-        "tracker the first velocities."
+        "Click FR (right front paw) in cam1, or leave it out here: it is clicked in another frame."
     )
-    click_all(session, frame=3)
-    assert set(session.table()["frame"]) == {0, 3}
-    session.go(5)
-    assert session.prompt() == "Frames 0 and 3 have the clicks; go there to change them."
-    with pytest.raises(InputError) as error:
-        session.click("cam1", 5, 5)
-    assert str(error.value) == (
-        "frames 0 and 3 have clicks already, and tracking starts from one frame or two; click in "
-        "one of these, or undo the clicks there first."
-    )
+    session.select("cam2", "HR")
+    for frame in (3, 5, 39):
+        session.go(frame)
+        session.place("cam2", "HR", *truth(frame, "cam2", "HR"))
+    assert session.clicked() == "Clicked: frames 0, 3, 5, 39."
+    assert session.missing() == "Nothing is missing."
     with pytest.raises(InputError, match=r"frame 40 is not in the trial \(0 to 39\)"):
         session.go(40)
     check_start(session.table(), trial, SIZES)
+    assert session_of(trial).clicks == session.clicks  # and they are gone on with
+
+
+def test_of_many_clicked_frames_the_first_are_named(trial):
+    session = session_of(trial)
+    for frame in range(20, 31):
+        session.go(frame)
+        session.click("cam1", 100, 100)
+    assert session.clicked() == "Clicked: frames 20, 21, 22, 23, 24, 25, 26, 27 and 3 more."
 
 
 def test_what_is_missing_in_words(trial):

@@ -98,11 +98,42 @@ def test_two_names_on_one_place_are_told_by_name():
 
 
 def test_paws_that_pass_each_other_are_not_doubted_for_it():
-    """Strides a quarter second long: the two are within 3 px for two or three frames a time."""
+    """FL passes FR at 1.5 px a frame: within 3 px, the size of a place, for four frames a time."""
     tracks, uv = walk()
-    uv[:, 2] = uv[:, 0] * [1.0, 0.0] + [0.0, 88.0] + [[30, 0]] * np.sin(np.arange(N) / 5.0)[:, None]
+    uv[:, 2] = uv[:, 0] + np.stack([30 * np.sin(np.arange(N) / 20.0), np.zeros(N)], axis=-1)
     put(tracks, uv)
-    assert assess(tracks).verdict == "good"
+    near = np.linalg.norm(uv[:, 2] - uv[:, 0], axis=-1) < 0.03 * BODY
+    assert 12 <= near.sum() <= 20
+    assert min(p.expected_right for p in assess(tracks).points) > 1 - 1e-6
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "said"),
+    [
+        # passes 8 standard deviations apart in every frame; a picture 16 % of the body away
+        ("passes_apart", 8.0, "passes forwards and backwards disagree about HR in 100 % of frames"),
+        ("image_residual", 0.16 * BODY, "the picture has HR elsewhere than the other views in "
+         "100 % of frames"),
+        ("image_confidence", 0.0, "HR is hardly recognised in 100 % of frames"),
+    ],
+)  # fmt: skip
+def test_each_measure_speaks_against_its_point_alone(name, value, said):
+    tracks, _ = walk()
+    tracks["image_residual"] = xr.full_like(tracks["image_confidence"], 1.0)
+    tracks[name][{"keypoint": 1}] = value
+    quality = assess(tracks)
+    assert point(quality, "HR").reasons == (said,)
+    assert point(quality, "HR").verdict != "good"
+    assert {p.verdict for p in quality.points if p.name != "HR"} == {"good"}
+
+
+def test_a_point_that_leaps_to_and_fro_is_told():
+    """Every fifth frame it is one body length away: both ends of such a step are doubted."""
+    tracks, uv = walk()
+    uv[::5, 1] += [BODY, 0.0]
+    put(tracks, uv)
+    said = "HR leaps further than any animal moves in one frame in 60 % of frames"
+    assert said in point(assess(tracks), "HR").reasons
 
 
 def test_a_point_that_runs_away_fails_alone():

@@ -19,6 +19,7 @@ _AGREE = 0.7
 def agreed_lessons(
     stack: BodyStack,
     annotations: Annotations,
+    *,
     estimates: Mapping[int, Estimates],
     looks: Mapping[int, np.ndarray],
     priors: Mapping[int, np.ndarray],

@@ -77,6 +77,7 @@ def view_track(stack: BodyStack, tracks: Mapping[int, PointTrack], n_points: int
 
 def run_pipeline(
     views: Sequence[ViewInput],
+    *,
     n_points: int,
     parameters: OfflineParameters,
     rig: Rig | None = None,
@@ -103,7 +104,10 @@ def run_pipeline(
     weighing = weigh(views, n_points, parameters)
     motion = [_motion(view, parameters) for view in views]
     lessons = [clicked_lessons(v.stack, v.annotations) for v in views]
-    priors = [prior_from_clicks(v.stack, v.annotations, radius, parameters) for v in views]
+    priors = [
+        prior_from_clicks(v.stack, v.annotations, radius=radius, parameters=parameters)
+        for v in views
+    ]
     estimates: list[dict[int, Estimates]] = []
     for round_ in range(parameters.appearance.rounds):
         looks = [
@@ -117,13 +121,19 @@ def run_pipeline(
             )
             for v, m, look, prior in zip(views, motion, looks, priors, strict=True)
         ]  # fmt: skip
-        posteriors = associate(evidence, radius, parameters.association, rig)
+        posteriors = associate(evidence, radius=radius, parameters=parameters.association, rig=rig)
         estimates = [{p: estimate(m, radius) for p, m in own.items()} for own in posteriors]
         if round_ + 1 < parameters.appearance.rounds:
             lessons = [
                 clicked_lessons(v.stack, v.annotations)
                 | agreed_lessons(
-                    v.stack, v.annotations, e, look, prior, radius, parameters.appearance
+                    v.stack,
+                    v.annotations,
+                    estimates=e,
+                    looks=look,
+                    priors=prior,
+                    radius=radius,
+                    parameters=parameters.appearance,
                 )
                 for v, e, look, prior in zip(views, estimates, looks, priors, strict=True)
             ]
@@ -181,5 +191,9 @@ def _appearance(
     view: ViewInput, lessons: Mapping[int, Lesson], n_points: int, parameters: OfflineParameters
 ) -> dict[int, np.ndarray]:
     """Return ratios of likelihoods by appearance, for each point."""
-    classify = learn_appearance(view.stack, lessons, n_points, parameters.appearance)
-    return appearance_maps(view.stack, classify, view.annotations.points, parameters.appearance)
+    classify = learn_appearance(
+        view.stack, lessons, n_points=n_points, parameters=parameters.appearance
+    )
+    return appearance_maps(
+        view.stack, classify, points=view.annotations.points, parameters=parameters.appearance
+    )

@@ -95,7 +95,7 @@ def _one_left_out(
     motion = detect_by_motion(part, placed, parameters.motion)
     ratios = {point: paint(motion, part, point) for point in points}
     radius = parameters.appearance.radius / parameters.scene.spacing
-    priors = prior_from_clicks(stack, rest, radius, parameters)
+    priors = prior_from_clicks(stack, rest, radius=radius, parameters=parameters)
     once = dataclasses.replace(parameters.association, iterations=1)
     table = np.zeros((len(points), len(trusts)))
     for k, trust in enumerate(trusts):

@@ -51,6 +51,7 @@ class ViewEvidence:
 
 def associate(
     views: Sequence[ViewEvidence],
+    *,
     radius: float,
     parameters: AssociationParameters,
     rig: Rig | None = None,
@@ -83,8 +84,8 @@ def associate(
         factors = [open_to_each(p, radius, parameters.exclusive) for p in posteriors]
         if rig is not None and len(views) > 1:
             support = epipolar_support(
-                posteriors, [v.stack for v in views], [v.name for v in views], rig, radius,
-                [v.size for v in views],
+                posteriors, [v.stack for v in views], names=[v.name for v in views], rig=rig,
+                radius=radius, sizes=[v.size for v in views],
             )  # fmt: skip
             for factor, more in zip(factors, support, strict=True):
                 for point, values in more.items():
@@ -106,7 +107,11 @@ def _solve(
             uv = view.annotations.places[row][point]
             ratio[row] = bump_at(ratio.shape[1:], stack.grid_of(uv, row), _CLICK_SD) + 1e-9
         return smooth_posterior(
-            ratio.astype(np.float32), stack.forward, stack.backward, view.prior[point], parameters
+            ratio.astype(np.float32),
+            stack.forward,
+            stack.backward,
+            prior=view.prior[point],
+            parameters=parameters,
         )
 
     with ThreadPoolExecutor() as pool:

@@ -21,6 +21,7 @@ _SD_RADII = 0.5
 def epipolar_support(
     posteriors: Sequence[Mapping[int, np.ndarray]],
     stacks: Sequence[BodyStack],
+    *,
     names: Sequence[str],
     rig: Rig,
     radius: float,

@@ -14,6 +14,7 @@ def smooth_posterior(
     likelihood: np.ndarray,
     forward: np.ndarray,
     backward: np.ndarray,
+    *,
     prior: np.ndarray,
     parameters: AssociationParameters,
 ) -> np.ndarray:

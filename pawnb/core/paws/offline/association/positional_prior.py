@@ -19,7 +19,7 @@ _RADII = 3.2
 
 
 def prior_from_clicks(
-    stack: BodyStack, annotations: Annotations, radius: float, parameters: OfflineParameters
+    stack: BodyStack, annotations: Annotations, *, radius: float, parameters: OfflineParameters
 ) -> dict[int, np.ndarray]:
     """Return the probability of every place for each point, wide about its clicks.
 
@@ -47,7 +47,7 @@ def prior_from_clicks(
         narrower = 1.0 if len(rows) == 1 else 0.8 if len(rows) < 4 else 0.65
         sd = narrower * max(_REACH * parameters.scene.extent / stack.spacing, _RADII * radius)
         places = [stack.grid_of(annotations.places[row][point], row) for row in rows]
-        mass = sum(bump_at((h, w), place, sd) for place in places)
+        mass = np.sum([bump_at((h, w), place, sd) for place in places], axis=0)
         mass = (1 - anywhere) * mass / mass.sum() + anywhere / (h * w)
         priors[point] = (mass / mass.sum()).astype(np.float32)
     return priors

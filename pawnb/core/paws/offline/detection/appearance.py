@@ -63,6 +63,7 @@ def clicked_lessons(stack: BodyStack, annotations: Annotations) -> dict[int, Les
 def learn_appearance(
     stack: BodyStack,
     lessons: Mapping[int, Lesson],
+    *,
     n_points: int,
     parameters: AppearanceParameters,
 ) -> Classifier:
@@ -92,7 +93,9 @@ def learn_appearance(
             found, names = _samples(stack, row, lesson, random, parameters, varied=copy > 0)
             samples.append(found)
             labels.append(names)
-    return train_classifier(np.concatenate(samples), np.concatenate(labels), n_points, parameters)
+    return train_classifier(
+        np.concatenate(samples), np.concatenate(labels), n_points=n_points, parameters=parameters
+    )
 
 
 def _samples(
@@ -107,7 +110,7 @@ def _samples(
     """Return features and labels of places in one picture, as it is or varied."""
     grey = stack.grey[row]
     colour = None if stack.colour is None else stack.colour[row]
-    turned = np.float64([[1, 0, 0], [0, 1, 0]])
+    turned = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
     if varied:
         grey, colour, turned = _vary(grey, colour, random)
     features = feature_maps(grey, colour, stack.spacing)
@@ -145,7 +148,9 @@ def _vary(
         random.uniform(-_TURN_DEG, _TURN_DEG),
         random.uniform(1 - _SCALE, 1 + _SCALE),
     )
-    turned[:, 2] += random.uniform(-_SHIFT_PX, _SHIFT_PX, 2)
+    turned = np.hstack(
+        [turned[:, :2], turned[:, 2:] + random.uniform(-_SHIFT_PX, _SHIFT_PX, (2, 1))]
+    )
     moved = cv2.warpAffine(grey, turned, (width, height), borderMode=cv2.BORDER_REPLICATE)
     lit = moved * random.uniform(*_LIGHT) + random.normal(0, _NOISE, moved.shape)
     if colour is not None:
@@ -156,6 +161,7 @@ def _vary(
 def appearance_maps(
     stack: BodyStack,
     classify: Classifier,
+    *,
     points: Sequence[int],
     parameters: AppearanceParameters,
     rows: Sequence[int] | None = None,

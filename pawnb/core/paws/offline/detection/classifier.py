@@ -17,7 +17,7 @@ Classifier = Callable[[np.ndarray], np.ndarray]
 
 
 def train_classifier(
-    features: np.ndarray, labels: np.ndarray, n_points: int, parameters: AppearanceParameters
+    features: np.ndarray, labels: np.ndarray, *, n_points: int, parameters: AppearanceParameters
 ) -> Classifier:
     """Train a few networks with one hidden layer and return the mean of their probabilities.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.metadata import entry_points
 from typing import Protocol
@@ -56,7 +57,7 @@ class Evidence(Protocol):
     name: str
 
     def detect(
-        self, view: str, stack: BodyStack, annotations: Annotations, points: tuple[str, ...]
+        self, view: str, stack: BodyStack, annotations: Annotations, *, points: tuple[str, ...]
     ) -> Detections:
         """Return where points were found in a view.
 
@@ -133,7 +134,7 @@ def paint(found: Detections, stack: BodyStack, point: int) -> np.ndarray:
     return ratio
 
 
-def bump_at(shape: tuple[int, int], place: tuple[float, float], sd: float) -> np.ndarray:
+def bump_at(shape: tuple[int, int], place: Sequence[float] | np.ndarray, sd: float) -> np.ndarray:
     """Return a Gaussian of height 1 about a place (x, y), float32."""
     x = np.exp(-((np.arange(shape[1]) - place[0]) ** 2) / (2 * sd**2))
     y = np.exp(-((np.arange(shape[0]) - place[1]) ** 2) / (2 * sd**2))

@@ -76,7 +76,7 @@ def _ring(x: np.ndarray, radius: float, *, minus: np.ndarray | float = 0.0) -> l
     h, w = x.shape
     around = []
     for angle in np.arange(_DIRECTIONS) * (2 * np.pi / _DIRECTIONS):
-        shift = np.float32([[1, 0, radius * np.cos(angle)], [0, 1, radius * np.sin(angle)]])
+        shift = np.array([[1, 0, radius * np.cos(angle)], [0, 1, radius * np.sin(angle)]])
         moved = cv2.warpAffine(
             x, shift, (w, h), flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
             borderMode=cv2.BORDER_REPLICATE,

@@ -63,13 +63,20 @@ def _follow(
     grey: np.ndarray, row: int, end: int, xy: np.ndarray, parameters: MotionParameters
 ) -> Iterator[tuple[int, float, float, float]]:
     """Yield row, x, y and trust while a place is followed to another row."""
-    how = {"winSize": (parameters.window,) * 2, "maxLevel": parameters.levels}
+
+    def flow(source: np.ndarray, target: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, bool]:
+        to, status, _ = cv2.calcOpticalFlowPyrLK(
+            source, target, at, None,  # type: ignore[call-overload]
+            winSize=(parameters.window,) * 2, maxLevel=parameters.levels,
+        )  # fmt: skip
+        return to, bool(status[0, 0])
+
     step = 1 if end > row else -1
-    here, trust = np.float32([[xy]]), 1.0
+    here, trust = np.array([[xy]], np.float32), 1.0
     for t in range(row, end, step):
-        there, status, _ = cv2.calcOpticalFlowPyrLK(grey[t], grey[t + step], here, None, **how)
-        back, returned, _ = cv2.calcOpticalFlowPyrLK(grey[t + step], grey[t], there, None, **how)
-        if not (status[0, 0] and returned[0, 0]):
+        there, found = flow(grey[t], grey[t + step], here)
+        back, returned = flow(grey[t + step], grey[t], there)
+        if not (found and returned):
             return
         missed = float(np.linalg.norm(back - here))
         trust *= parameters.kept * np.exp(-((missed / parameters.check_px) ** 2))

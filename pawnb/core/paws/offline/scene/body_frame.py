@@ -81,7 +81,7 @@ def find_body_frame(
     """
     n = len(pictures)
     camera = find_camera_motion(pictures)
-    blob = find_blob(pictures, camera, clicks, extent)
+    blob = find_blob(pictures, camera, clicks=clicks, extent=extent)
     tried = {"stays": (np.zeros((n, 2)), np.zeros(n)), **_moving(blob)}
     alike = {
         kind: _alikeness(blob.difference, clicks, extent, *frame) for kind, frame in tried.items()

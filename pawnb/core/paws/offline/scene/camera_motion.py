@@ -68,7 +68,7 @@ def _step(before: np.ndarray, after: np.ndarray) -> tuple[float, float, np.ndarr
     corners = cv2.goodFeaturesToTrack(before, 200, 0.01, 6)
     if corners is None or len(corners) < _FEWEST:
         return nothing
-    moved, status, _ = cv2.calcOpticalFlowPyrLK(
+    moved, status, _ = cv2.calcOpticalFlowPyrLK(  # type: ignore[call-overload]
         before, after, corners, None, winSize=(15, 15), maxLevel=2
     )
     found = status[:, 0] > 0

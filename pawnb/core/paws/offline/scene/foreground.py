@@ -38,7 +38,7 @@ class Blob:
 
 
 def find_blob(
-    pictures: np.ndarray, camera: CameraMotion, clicks: Mapping[int, np.ndarray], extent: float
+    pictures: np.ndarray, camera: CameraMotion, *, clicks: Mapping[int, np.ndarray], extent: float
 ) -> Blob:
     """Follow the foreground blob that holds the clicks, both ways from the first of them.
 
@@ -107,7 +107,7 @@ def _differences(pictures: np.ndarray, camera: CameraMotion) -> Iterator[np.ndar
 def _threshold(apart: np.ndarray, clicked: np.ndarray, row: int, extent: float) -> float:
     """Return the difference from which on a pixel is foreground: half that about the clicks."""
     noise = float(np.median(np.median(apart[:: max(1, len(apart) // 20)], axis=(1, 2))))
-    hull = np.zeros(apart.shape[1:], np.uint8)
+    hull: np.ndarray = np.zeros(apart.shape[1:], np.uint8)
     cv2.fillConvexPoly(hull, cv2.convexHull(clicked.astype(np.float32)).astype(np.int32), 1)
     hull = cv2.dilate(hull, np.ones((int(0.15 * extent) | 1,) * 2, np.uint8))
     about = apart[row][hull > 0]

@@ -95,9 +95,9 @@ class BodyStack:
 def read_stacks(
     views: Views,
     annotations: Sequence[Annotations],
+    *,
     frames: tuple[int, int],
     parameters: SceneParameters,
-    *,
     advanced: Callable[[int], bool],
 ) -> list[BodyStack] | None:
     """Read the views into the body's frame: twice through the video.
