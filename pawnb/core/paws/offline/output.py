@@ -10,7 +10,7 @@ import xarray as xr
 from pawnb.core import dlt
 from pawnb.core.paws.layout import Layout, Placement
 from pawnb.core.paws.offline.pipeline import ViewTrack
-from pawnb.core.paws.offline.quality import CALIBRATED
+from pawnb.core.paws.offline.quality_measures import CALIBRATED
 from pawnb.core.paws.task import Task
 from pawnb.core.paws.whole.geometry import Geometry
 from pawnb.core.paws.whole.written import keep_rows

@@ -117,7 +117,9 @@ def track_offline(
     _, anchors = read_placements(start, layout, task.frames, tracks=task.tracks)
     first, n = task.frames[0], task.frames[1] - task.frames[0]
     placed = [annotations_of_view(anchors, v, first) for v in range(len(layout.views))]
-    stacks = read_stacks(views, placed, task.frames, parameters.scene, advanced=_reporter(task, n))
+    stacks = read_stacks(
+        views, placed, frames=task.frames, parameters=parameters.scene, advanced=_reporter(task, n)
+    )
     if stacks is None:
         return write_tracks(
             [no_track(0, len(layout.points)) for _ in layout.views], layout, task, placed={}
@@ -127,7 +129,9 @@ def track_offline(
         ViewInput(layout.views[v], layout.sizes[v], stack, placed[v])
         for v, stack in zip(used, stacks, strict=True)
     ]
-    estimates = run_pipeline(inputs, len(layout.points), parameters, layout.rig)
+    estimates = run_pipeline(
+        inputs, n_points=len(layout.points), parameters=parameters, rig=layout.rig
+    )
     tracks = write_tracks(
         _every_view(layout, used, inputs, estimates, n),
         layout,

@@ -89,9 +89,14 @@ def _one_left_out(
     end = 1 + min((r for r in rest.rows if r > row), default=stack.shape[0] - 1)
     part, placed = stack.part(begin, end), rest.part(begin, end)
     classify = learn_appearance(
-        stack, clicked_lessons(stack, rest), n_points, parameters.appearance
+        stack,
+        clicked_lessons(stack, rest),
+        n_points=n_points,
+        parameters=parameters.appearance,
     )
-    looks = appearance_maps(stack, classify, points, parameters.appearance, rows=range(begin, end))
+    looks = appearance_maps(
+        stack, classify, points=points, parameters=parameters.appearance, rows=range(begin, end)
+    )
     motion = detect_by_motion(part, placed, parameters.motion)
     ratios = {point: paint(motion, part, point) for point in points}
     radius = parameters.appearance.radius / parameters.scene.spacing
@@ -101,7 +106,7 @@ def _one_left_out(
     for k, trust in enumerate(trusts):
         likelihood = {point: ratios[point] * looks[point] ** trust for point in points}
         evidence = ViewEvidence(part, view.name, view.size, placed, likelihood, priors)
-        posteriors = associate([evidence], radius, once)[0]
+        posteriors = associate([evidence], radius=radius, parameters=once)[0]
         for i, point in enumerate(points):
             mass = posteriors[point][row - begin]
             x, y = stack.grid_of(view.annotations.places[row][point], row)
