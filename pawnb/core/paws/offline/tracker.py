@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+
 import pandas as pd
 
 from pawnb.core.paws.layout import Layout, Views, make_layout
-from pawnb.core.paws.offline.annotations import annotations_of_view
+from pawnb.core.paws.offline.annotations import Annotations, annotations_of_view
 from pawnb.core.paws.offline.output import write_tracks
 from pawnb.core.paws.offline.parameters import OfflineParameters
 from pawnb.core.paws.offline.pipeline import (
@@ -18,12 +20,14 @@ from pawnb.core.paws.offline.quality import assess
 from pawnb.core.paws.offline.quality_likeness import add_likeness
 from pawnb.core.paws.offline.scene.stack import read_stacks
 from pawnb.core.paws.offline.view_input import ViewInput
+from pawnb.core.paws.offline.windows import handed_on, take_over, windows
 from pawnb.core.paws.settings import PaperSettings
 from pawnb.core.paws.task import Task
+from pawnb.core.paws.whole.landmark_tracks import choose_landmarks
 from pawnb.core.paws.whole.placed import read_placements
 from pawnb.core.paws.whole.settings import WholeSettings
 from pawnb.core.paws.whole.store import CandidateStore
-from pawnb.core.paws.whole.tracker import track_whole
+from pawnb.core.paws.whole.tracker import doubt_clicks, track_whole
 from pawnb.schema import START_COLUMNS, Tracks, check_columns
 
 COLOUR, LEARNT = "colour", "learnt"
@@ -61,7 +65,9 @@ def track_points(
     InputError
         If a click does not fit, or a point has none.
     """
-    if settings.evidence != LEARNT and (task.rig is not None or len(views.names) == 1):
+    if settings.evidence == COLOUR or (
+        settings.evidence != LEARNT and _colour_may_tell(views, start, task, settings, looked)
+    ):
         tracks = track_whole(views, start, task, settings=settings, looked=looked, store=store)
         tracks.attrs["evidence"] = COLOUR
         complete = tracks.sizes["time"] >= task.frames[1] - task.frames[0]
@@ -70,6 +76,23 @@ def track_points(
     tracks = track_offline(views, start, task)
     tracks.attrs["evidence"] = LEARNT
     return tracks
+
+
+def _colour_may_tell(
+    views: Views,
+    start: pd.DataFrame,
+    task: Task,
+    settings: WholeSettings,
+    looked: pd.DataFrame | None,
+) -> bool:
+    """Tell whether it is worth trying colour: paws differ from what is around the animal."""
+    if task.rig is None and len(views.names) > 1:
+        return False
+    points = list(dict.fromkeys(start["point"]))
+    kinds = [PaperSettings().kind(point) for point in points]
+    if choose_landmarks(tuple(points), tuple(kinds), settings.landmarks).all():
+        return False
+    return looked is not None or doubt_clicks(views, start, task, settings=settings) is None
 
 
 def _is_good(views: Views, tracks: Tracks, start: pd.DataFrame) -> bool:
@@ -117,45 +140,62 @@ def track_offline(
     _, anchors = read_placements(start, layout, task.frames, tracks=task.tracks)
     first, n = task.frames[0], task.frames[1] - task.frames[0]
     placed = [annotations_of_view(anchors, v, first) for v in range(len(layout.views))]
-    stacks = read_stacks(
-        views, placed, frames=task.frames, parameters=parameters.scene, advanced=_reporter(task, n)
-    )
-    if stacks is None:
-        return write_tracks(
-            [no_track(0, len(layout.points)) for _ in layout.views], layout, task, placed={}
-        )
-    used = [v for v, annotations in enumerate(placed) if annotations.rows]
-    inputs = [
-        ViewInput(layout.views[v], layout.sizes[v], stack, placed[v])
-        for v, stack in zip(used, stacks, strict=True)
-    ]
-    estimates = run_pipeline(
-        inputs, n_points=len(layout.points), parameters=parameters, rig=layout.rig
-    )
+    found = [no_track(n, len(layout.points)) for _ in layout.views]
+    spans = windows(n, [row for annotations in placed for row in annotations.rows])
+    said: list[str] = []
+    for i, span in enumerate(spans):
+        tracked = _track_window(
+            views, layout, task, placed=placed, found=found, span=span, parameters=parameters,
+            advanced=_reporter(task, done=i, of=len(spans)),
+        )  # fmt: skip
+        if tracked is None:  # stopped: a part of the recording does not decide over the whole
+            nothing = [no_track(0, len(layout.points)) for _ in layout.views]
+            return write_tracks(nothing, layout, task, placed={})
+        said = said or tracked
     tracks = write_tracks(
-        _every_view(layout, used, inputs, estimates, n),
-        layout,
-        task,
-        placed={frame - first: here for frame, here in anchors.items()},
+        found, layout, task, placed={frame - first: here for frame, here in anchors.items()}
     )
-    tracks.attrs["body_frame"] = "; ".join(_said(one) for one in inputs)
+    tracks.attrs["body_frame"] = "; ".join(said)
     return tracks
 
 
-def _every_view(layout: Layout, used, inputs, estimates, n: int) -> list[ViewTrack]:  # type: ignore[no-untyped-def]
-    """Return a track for every view of the layout, empty where nothing was clicked."""
-    found = [no_track(n, len(layout.points)) for _ in layout.views]
-    for v, one, own in zip(used, inputs, estimates, strict=True):
-        found[v] = view_track(one.stack, own, len(layout.points))
-    return found
+def _track_window(
+    views: Views,
+    layout: Layout,
+    task: Task,
+    *,
+    placed: Sequence[Annotations],
+    found: Sequence[ViewTrack],
+    span: tuple[int, int],
+    parameters: OfflineParameters,
+    advanced: Callable[[int], bool],
+) -> list[str] | None:
+    """Track one window into ``found``; return how its views were seen, None where stopped."""
+    begin, end = span
+    own = [handed_on(a, whole, begin, end) for a, whole in zip(placed, found, strict=True)]
+    frames = (task.frames[0] + begin, task.frames[0] + end)
+    stacks = read_stacks(views, own, frames=frames, parameters=parameters.scene, advanced=advanced)
+    if stacks is None:
+        return None
+    used = [v for v, annotations in enumerate(own) if annotations.rows]
+    inputs = [
+        ViewInput(layout.views[v], layout.sizes[v], stack, own[v])
+        for v, stack in zip(used, stacks, strict=True)
+    ]
+    n_points = len(layout.points)
+    tracks = run_pipeline(inputs, n_points=n_points, parameters=parameters, rig=layout.rig)
+    for v, one, points in zip(used, inputs, tracks, strict=True):
+        take_over(found[v], view_track(one.stack, points, n_points), begin)
+    return [_said(one) for one in inputs]
 
 
-def _reporter(task: Task, n: int):  # type: ignore[no-untyped-def]
+def _reporter(task: Task, *, done: int, of: int) -> Callable[[int], bool]:
     """Return what tells a person how far the video is read, and asks whether to go on."""
+    n = task.frames[1] - task.frames[0]
 
-    def advanced(done: int) -> bool:
-        if task.progress is not None:
-            task.progress(done // 2, n)
+    def advanced(read: int) -> bool:
+        if task.progress is not None:  # a window is read twice
+            task.progress(min(n, (done * n + read * of // 2) // of), n)
         return task.stop is None or not task.stop()
 
     return advanced

@@ -23,6 +23,10 @@ from pawnb.core.paws.offline.view_input import ViewInput
 _CHANCE = 0.05
 """A click that was wholly missed counts as if so much of the probability had been there."""
 
+_CLEAR = 2.0
+"""The usual power is left only where another one is so much likelier (e to the power of this): of
+two clicked frames each is tracked from one, and all powers may miss it."""
+
 
 @dataclass(frozen=True)
 class Weighing:
@@ -57,13 +61,17 @@ def weigh(views: Sequence[ViewInput], n_points: int, parameters: OfflineParamete
     -------
     Weighing
         The power with the largest mean logarithm of the probability at clicks that were left
-        out; the parameters' own where no frame can be left out.
+        out; the parameters' own where no frame can be left out or none is clearly better.
     """
     scores = [_left_out(view, n_points, parameters) for view in views]
     table = np.concatenate([np.empty((0, len(parameters.appearance.trusts))), *scores])
     if not len(table):
         return Weighing(parameters.appearance.trust, np.empty(0))
-    best = int(np.argmax(np.log(table + _CHANCE).mean(axis=0)))
+    score = np.log(table + _CHANCE).sum(axis=0)
+    usual = parameters.appearance.trusts.index(parameters.appearance.trust)
+    best = int(np.argmax(score))
+    if score[best] < score[usual] + _CLEAR:
+        best = usual
     return Weighing(parameters.appearance.trusts[best], table[:, best])
 
 

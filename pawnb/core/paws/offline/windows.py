@@ -1,0 +1,87 @@
+"""Long recordings in windows: each goes on from what the one before it is sure of."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from pawnb.core.paws.offline.annotations import Annotations
+from pawnb.core.paws.offline.pipeline import ViewTrack
+
+MOST_ROWS = 1000
+"""Rows that are tracked at once: 2 GB for four points in a view."""
+_OVERLAP = 60
+_HANDED_ON = 3
+"""Rows of the overlap in which sure positions are handed on, evenly spread."""
+_SURE = 0.9
+
+
+def windows(n: int, clicked: Sequence[int]) -> list[tuple[int, int]]:
+    """Return windows that cover n rows, in the order in which they are tracked.
+
+    Parameters
+    ----------
+    n : int
+        Number of rows.
+    clicked : sequence of int
+        Rows with clicks, in any view.
+
+    Returns
+    -------
+    list of (int, int)
+        Half-open ranges: first the one with the most clicks, then those after it, then those
+        before it, each overlapping its neighbour.
+    """
+    if n <= MOST_ROWS:
+        return [(0, n)]
+    count = int(np.ceil((n - _OVERLAP) / (MOST_ROWS - _OVERLAP)))
+    begins = np.linspace(0, n - MOST_ROWS, count).round().astype(int)
+    spans = [(int(b), int(b) + MOST_ROWS) for b in begins]
+    held = [sum(b <= row < e for row in clicked) for b, e in spans]
+    best = int(np.argmax(held))
+    return spans[best:] + spans[:best][::-1]
+
+
+def handed_on(annotations: Annotations, found: ViewTrack, begin: int, end: int) -> Annotations:
+    """Return what is certain in a window: its clicks, and what its neighbour is sure of.
+
+    Parameters
+    ----------
+    annotations : Annotations
+        Clicks of the whole recording in this view.
+    found : ViewTrack
+        What was tracked so far; NaN elsewhere.
+    begin, end : int
+        The window.
+
+    Returns
+    -------
+    Annotations
+        Counted from ``begin``. Positions are handed on only where no click lies within the
+        overlap.
+    """
+    own = dict(annotations.part(begin, end).places)
+    known = np.flatnonzero(np.isfinite(found.probability[begin:end]).any(axis=1))
+    if len(known):
+        for row in known[np.linspace(0, len(known) - 1, _HANDED_ON + 2).astype(int)[1:-1]]:
+            sure = np.flatnonzero(found.probability[begin + row] >= _SURE)
+            if len(sure) and row not in own:
+                own[int(row)] = {int(p): found.uv[begin + row, p] for p in sure}
+    return Annotations(own)
+
+
+def take_over(whole: ViewTrack, part: ViewTrack, begin: int) -> None:
+    """Write a window into the whole; where both are known each keeps its half of the overlap."""
+    rows = begin + np.arange(len(part.uv))
+    known = np.isfinite(whole.probability[rows]).any(axis=1)
+    keep = np.zeros(len(rows), bool)
+    shared = np.flatnonzero(known)
+    if len(shared):
+        after = known[0]  # the neighbour lies before this window
+        half = shared[: len(shared) // 2] if after else shared[len(shared) // 2 :]
+        keep[half] = True
+    new = rows[~keep]
+    whole.uv[new] = part.uv[~keep]
+    whole.probability[new] = part.probability[~keep]
+    whole.sd_px[new] = part.sd_px[~keep]
