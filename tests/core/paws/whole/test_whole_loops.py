@@ -30,6 +30,7 @@ def slope(project, x, step=1e-5):
     )
 
 
+@pytest.mark.usefixtures("steps_of_loops")
 @pytest.mark.parametrize("coefs", [None, COEFS])
 def test_pictures_and_their_derivatives(coefs):
     geometry = Geometry(coefs)
@@ -38,7 +39,7 @@ def test_pictures_and_their_derivatives(coefs):
     expected, derivative = geometry.project(mean[:, :d]), slope(geometry.project, mean[:, :d])
     stories = stories_loops.room_for(9, d, 1)
     stories.mean[:, :7], stories.covariance[:] = mean.T, 0.0
-    for v, L in enumerate(np.ascontiguousarray(geometry.table.T)):
+    for v, L in enumerate(geometry.rows):
         seen = sight_loops.pictures(stories, 7, L)
         np.testing.assert_allclose(seen.at.T, expected[:, v], rtol=1e-12)
         np.testing.assert_allclose(
@@ -55,9 +56,7 @@ def test_normal_equations(coefs):
     measured = uv + rng.normal(size=uv.shape)
     weight = rng.uniform(0.5, 2.0, uv.shape[:-1])
     measured[1, 0], weight[1, 0] = np.nan, 0.0
-    W, z = refine_loops.normal_equations(
-        x, measured, weight, np.ascontiguousarray(geometry.table.T)
-    )
+    W, z = refine_loops.normal_equations(x, measured, weight, geometry.rows)
     assert (W[1, 0] == 0).all()
     assert (z[1, 0] == 0).all()
     for t, p in np.ndindex(5, 2):
