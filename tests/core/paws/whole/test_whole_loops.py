@@ -1,5 +1,6 @@
 """Compiled loops against the same written with matrices, for cameras with perspective."""
 
+import numba
 import numpy as np
 import pytest
 
@@ -28,6 +29,16 @@ def slope(project, x, step=1e-5):
     return np.stack(
         [(project(x + e) - project(x - e)) / (2 * step) for e in step * np.eye(d)], axis=-1
     )
+
+
+@pytest.mark.parametrize("views", [1, 3])
+@pytest.mark.parametrize("order", ["C", "F"])
+def test_cameras_are_of_one_type_for_loops(views, order):
+    """Else what takes longest to compile is compiled once more for one view without a rig."""
+    coefs = np.array(COEFS[:, :views], order=order)
+    coefs.flags.writeable = False  # as those of a rig
+    assert numba.typeof(Geometry(coefs).rows) == numba.typeof(Geometry(None).rows)
+    np.testing.assert_array_equal(Geometry(coefs).rows, coefs.T)
 
 
 @pytest.mark.usefixtures("steps_of_loops")
