@@ -10,6 +10,7 @@ from pathlib import Path
 for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ.setdefault(name, "1")
 
+import filelock  # noqa: E402
 import pytest  # noqa: E402
 from hypothesis import settings  # noqa: E402
 
@@ -39,6 +40,18 @@ def real_data():
     return find
 
 
+def once(tmp_path_factory, name, render):
+    """Return the folder of a trial that is rendered by the first worker to want it, for all."""
+    home = tmp_path_factory.getbasetemp()
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        home = home.parent
+    folder = home / name
+    with filelock.FileLock(home / f"{name}.lock"):
+        if not (folder / "trial.toml").exists():  # it is written last
+            render(folder)
+    return folder
+
+
 @pytest.fixture(scope="session")
 def rendered_trial(tmp_path_factory):
     """Folder of a small synthetic trial: a mouse runs for 40 frames before four cameras.
@@ -48,9 +61,11 @@ def rendered_trial(tmp_path_factory):
     """
     from pawnb.synthetic import render_mouse_trial
 
-    folder = tmp_path_factory.mktemp("rendered") / "mouse"
-    render_mouse_trial(folder, frames=40, scale=0.2, seed=1)
-    return folder
+    return once(
+        tmp_path_factory,
+        "rendered-mouse",
+        lambda folder: render_mouse_trial(folder, frames=40, scale=0.2, seed=1),
+    )
 
 
 @pytest.fixture(scope="session")
@@ -61,9 +76,11 @@ def rendered_spider(tmp_path_factory):
     """
     from pawnb.synthetic import render_spider_trial
 
-    folder = tmp_path_factory.mktemp("rendered") / "spider"
-    render_spider_trial(folder, frames=24, scale=0.3, seed=1, motion="still")
-    return folder
+    return once(
+        tmp_path_factory,
+        "rendered-spider",
+        lambda folder: render_spider_trial(folder, frames=24, scale=0.3, seed=1, motion="still"),
+    )
 
 
 @pytest.fixture

@@ -21,6 +21,8 @@ from pawnb.gait.checks import as_numbers, check_level
 _LARGE_KAPPA = 1e6
 _NEARLY_ONE = 1.0 - 1e-5
 _TINY = float(np.finfo(float).tiny)
+_BLOCK, _LEFT_OUT = 128, 1e-8
+"""Points of an integral at first, and the share of it at which its end is left out."""
 # differences and sums of two phases are phases; degrees and radians are not
 _LEAST_PHASE, _MOST_PHASE = -1.0, 2.0
 
@@ -231,15 +233,23 @@ def _resultant_integral(lengths: np.ndarray, total: float) -> float:
     step = min(height / 8.0, width / 2.0)
     # beyond the peak the integrand falls at least as (height / u)^((n + 1) / 2)
     reach = height * min(1000.0, 10.0 ** (60.0 / (n + 1))) + 12.0 * width
-    t = step * np.arange(math.ceil(reach / step)) + 1j * height
-    # logarithms with the growth of both factors taken out: ive and hankel1e are scaled
-    log_j0 = np.zeros(len(t), dtype=complex)
-    for length, often in zip(lengths, times, strict=True):
-        log_j0 += often * (np.log(ive(0, -1j * length * t)) + length * height)
-    log_h1 = np.log(hankel1e(1, total * t)) + 1j * total * t
-    values = np.exp(log_j0 + log_h1).real  # the value at -u is the complex conjugate
-    integral = step * (2.0 * values.sum() - values[0])
-    return float(np.clip(-total / 2.0 * integral, _TINY, 1.0))
+    count, both_sides = math.ceil(reach / step), 0.0
+    first, beyond = 0, _BLOCK
+    while first < count:
+        t = step * np.arange(first, min(beyond, count)) + 1j * height
+        # logarithms with the growth of both factors taken out: ive and hankel1e are scaled
+        log_j0 = np.zeros(len(t), dtype=complex)
+        for length, often in zip(lengths, times, strict=True):
+            log_j0 += often * (np.log(ive(0, -1j * length * t)) + length * height)
+        log_h1 = np.log(hankel1e(1, total * t)) + 1j * total * t
+        values = np.exp(log_j0 + log_h1)
+        # the value at -u is the complex conjugate
+        both_sides += float(2.0 * values.real.sum() - (values[0].real if first == 0 else 0.0))
+        # all that follows is less than the last value times its distance
+        if abs(values[-1]) * t[-1].real < _LEFT_OUT * step * abs(both_sides):
+            break
+        first, beyond = beyond, 4 * beyond
+    return float(np.clip(-total / 2.0 * step * both_sides, _TINY, 1.0))
 
 
 def length_of_kappa(kappa: np.ndarray | float) -> np.ndarray:

@@ -16,15 +16,17 @@ from pawnb.errors import InputError
 from pawnb.gait.grid import put_on_grid
 from pawnb.gait.paths import get_foot_paths
 from pawnb.gait.pose_body import pose_body
-from pawnb.synthetic import render_spider_trial
+from pawnb.synthetic import render_spider_trial, spider_trial
 from pawnb.trial import load_trial
 
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory):
-    """Return trial, animal, true poses and their Tracks of a running spider; pictures are tiny."""
+    """Return trial, animal and true poses of a running spider; nobody looks at pictures."""
     folder = tmp_path_factory.mktemp("run")
-    render_spider_trial(folder, frames=110, scale=0.1, seed=1)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(spider_trial, "render_video", lambda path, *_, **__: path.touch())
+        render_spider_trial(folder, frames=110, scale=0.1, seed=1)
     trial = load_trial(folder)
     animal, poses = read_start_pose(folder / "truth" / "pose.csv", load_species("dolomedes"))
     return trial, animal, poses

@@ -27,6 +27,7 @@ def test_real_mouse_notebook_runs_on_the_real_clip(tmp_path, real_data):
     assert shown(notebook, "image/png") == 2
 
 
+@pytest.mark.slow
 def test_real_mouse_notebook_says_so_where_there_is_no_clip(tmp_path):
     notebook = execute(
         FOLDER / "01_real_mouse_two_views.ipynb",

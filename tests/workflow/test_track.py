@@ -22,6 +22,7 @@ from pawnb.workflow.track import _frames_learnt_in, retrack, track
 from pawnb.workflow.trial_views import frame_range, view_facing
 
 FRAMES = (0, 12)
+SLIC = ("slic-3d", "slic-2d")
 
 
 @pytest.fixture(scope="module")
@@ -71,7 +72,7 @@ def clicks_in(folder, frame):
     return truth[["frame", "view", "point", "u", "v"]].reset_index(drop=True)
 
 
-@pytest.mark.parametrize("clicked", [5, 30])
+@pytest.mark.parametrize("clicked", [pytest.param(5, marks=pytest.mark.slow), 30])
 def test_the_default_goes_both_ways_from_where_paws_were_clicked(rendered_trial, clicked):
     """Nothing is missing before the click, and paws are found there as they are after one."""
     start = clicks_in(rendered_trial, clicked)
@@ -129,7 +130,9 @@ def test_points_clicked_in_different_frames_are_all_tracked_from_the_first(rende
     assert report.share_wrong < 0.05
 
 
-@pytest.mark.parametrize("method", ["pawnb", "slic-3d", "slic-2d"])
+@pytest.mark.parametrize(
+    "method", ["pawnb", *(pytest.param(name, marks=pytest.mark.slow) for name in SLIC)]
+)
 def test_every_method_tracks_again_from_a_frame(small_trial, method):
     trial = load_trial(small_trial)
     tracks = track(trial, method=method, frames=(0, 12))
@@ -219,7 +222,7 @@ def test_retracking_keeps_what_was_before_and_starts_from_the_correction(tracked
         retrack(trial, tracks, 99)
 
 
-@pytest.mark.parametrize("method", ["paper", "pawnb"])
+@pytest.mark.parametrize("method", [pytest.param("paper", marks=pytest.mark.slow), "pawnb"])
 def test_tracking_again_changes_the_corrected_points_only(method, small_trial):
     """FR is put right in frame 4 and in frame 8: rows 4 to 7 of FR are tracked again."""
     trial = load_trial(small_trial)

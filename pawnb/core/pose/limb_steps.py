@@ -126,11 +126,12 @@ def _leg_cost(
     for that, and ``near`` the map of distances from them, cut off where background pixels no
     longer cost.
     """
-    left, right = points[: n_links + 1, 0].min(), points[: n_links + 1, 0].max()
-    top, bottom = points[: n_links + 1, 1].min(), points[: n_links + 1, 1].max()
+    left, top, right, bottom = points[0, 0], points[0, 1], points[0, 0], points[0, 1]
     step = np.empty((n_links, 3))
     for i in range(n_links):
-        step[i, :2] = points[i + 1] - points[i]
+        u, v = points[i + 1, 0], points[i + 1, 1]
+        left, right, top, bottom = min(left, u), max(right, u), min(top, v), max(bottom, v)
+        step[i, 0], step[i, 1] = u - points[i, 0], v - points[i, 1]
         step[i, 2] = 1.0 / max(step[i, 0] ** 2 + step[i, 1] ** 2, 1e-12)
     cost = 0.0
     for k in range(len(pixels)):
@@ -292,5 +293,6 @@ def turn_leg(
             first = lowest = cost
         elif cost < lowest:
             lowest = cost
-            angles[:] = trial
+            for i in range(len(angles)):
+                angles[i] = trial[i]
     return first - lowest

@@ -102,7 +102,7 @@ def find_candidates(pixels: np.ndarray, origin: tuple[int, int], look: Look) -> 
         # edges of all sorts have thin ends: those that look most like paws are kept, in order
         promise = _likeness(loops.mean_score(score, near), share)
         best = np.sort(np.argsort(-promise, kind="stable")[:_LOOKED_AT])
-        pixels, share, near = pixels[:, best], share[best], near[best]
+        pixels, share, near = np.ascontiguousarray(pixels[:, best]), share[best], near[best]
     limits = _NO_LIMITS if look.limits is None else np.asarray(look.limits, float)
     table = loops.describe(score, weight, pixels, share, near, r, limits, (*origin, look.shrink))
     table = table[np.argsort(-worth(table, look.distal), kind="stable")[: look.most]]

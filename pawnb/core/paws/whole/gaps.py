@@ -281,7 +281,7 @@ class _Teller:
         # told backwards a paw that stands has not landed yet: how it will is not known
         lift = ground.lift[point] if way > 0 else np.zeros_like(ground.drift)
         return How(
-            Cameras(np.ascontiguousarray(self.geometry.table.T), self.thickness_px, own),
+            Cameras(self.geometry.rows, self.thickness_px, own),
             self.moves._replace(drift=way * ground.drift, lift=lift),
             ground.doubts(point, way=way), self.telling,
         )  # fmt: skip

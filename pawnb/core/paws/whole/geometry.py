@@ -33,6 +33,15 @@ class Geometry:
         """DLT coefficients (11, V); those of a single view leave positions as they are."""
         return _SAME if self.coefs is None else self.coefs
 
+    @property
+    def rows(self) -> np.ndarray:
+        """The same, a row a view (V, 11), for loops.
+
+        A new array each time: those that may not be written, as a rig's, are another type, for
+        which all would be compiled once more.
+        """
+        return np.array(self.table.T, dtype=float, order="C")
+
     def project(self, x: np.ndarray) -> np.ndarray:
         """Return image positions (..., V, 2) of positions (..., d)."""
         if self.coefs is None:

@@ -176,7 +176,7 @@ def _smoothest(
     geometry: Geometry,
 ) -> tuple[np.ndarray, Equations]:
     """Return the smoothest path (n, d) through what views (n, V) have seen, and what it solves."""
-    table = np.ascontiguousarray(geometry.table.T)
+    table = geometry.rows
     seen = np.isfinite(uv[..., 0])
     jerk2 = np.full(x.shape, jerk**2)
     for step in range(_STEPS):

@@ -313,8 +313,7 @@ def _normal(
     x: np.ndarray, measured: np.ndarray, weight: np.ndarray, what: Refinement
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return information (n, P, d, d) and target (n, P, d) of the measurements."""
-    table = np.ascontiguousarray(what.geometry.table.T)
-    return loops.normal_equations(x, measured, weight, table)
+    return loops.normal_equations(x, measured, weight, what.geometry.rows)
 
 
 def _expected(seen: np.ndarray) -> np.ndarray:

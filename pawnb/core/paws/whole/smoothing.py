@@ -50,7 +50,8 @@ def smooth(
     jerk2 = jerk2 if jerk2.ndim == 2 else jerk2[:, None]
     return loops.smooth(
         np.ascontiguousarray(information, float), np.ascontiguousarray(target, float),
-        np.ascontiguousarray(np.broadcast_to(jerk2, target.shape), float),
+        # copied: what is broadcast may not be written, which is another type to compile for
+        np.array(np.broadcast_to(jerk2, target.shape), float, order="C"),
         np.zeros(target.shape) if bend is None else np.ascontiguousarray(bend @ axes.T), axes,
     )  # fmt: skip
 

@@ -107,8 +107,11 @@ def follow_wrists(
         )
         uv = geometry.project(places)
         for v in range(n_views):
+            # copies: of one point in one view the slice would be of another type to compile for
+            near, far = np.zeros((n, sights.at.shape[3]), bool), np.zeros((n, *sights.at.shape[3:]))
             follow(
-                sights.at[:, p, v], count[:, v], last, uv[:, :, v], float(thickness_px[v]), steps,
-                found[:, p, v], away[:, p, v],
+                sights.at[:, p, v].copy(), count[:, v].copy(), last, uv[:, :, v].copy(),
+                float(thickness_px[v]), steps, near, far,
             )  # fmt: skip
+            found[:, p, v], away[:, p, v] = near, far
     return Wrists(found, away)

@@ -73,6 +73,7 @@ def test_upward_is_a_beta_density_in_its_largest_value(a, b):
     assert upward(np.array(a / (a + b)), shape) == pytest.approx(1.0)
 
 
+@pytest.mark.usefixtures("steps_of_loops")
 def test_before_it_lifts_off_and_after_it_has_landed_a_paw_is_on_the_ground():
     way, up = arc_at(np.array([10.0, 30.0, 2.0, 0.3]), SHAPE, np.array([-5.0, 10, 20, 30, 99]))
     np.testing.assert_allclose(way[[0, 1, 3, 4]], [0.0, 0.0, 1.0, 1.0])
@@ -83,6 +84,7 @@ def test_before_it_lifts_off_and_after_it_has_landed_a_paw_is_on_the_ground():
     assert np.isfinite(arc_at(np.array([10.0, 10.0, 2.0, 0.3]), SHAPE, np.arange(20.0))).all()
 
 
+@pytest.mark.usefixtures("steps_of_loops")
 def test_changes_of_the_arc_are_its_derivatives():
     values, frames = np.array([[10.0, 30.0, 2.0, 0.3], [40.0, 55.0, 1.0, 0.0]]), np.arange(12.0, 29)
     frames = np.stack([frames, frames[:14:-1].repeat(9)[:17] + 20.0])

@@ -41,8 +41,7 @@ def how(geometry, told, *, drift=None, lift=None, **doubts):
     }  # fmt: skip
     return bridging_loops.How(
         sight_loops.Cameras(
-            np.ascontiguousarray(geometry.table.T), np.linspace(8.0, 10.0, n_views),
-            np.ones(n_views, bool),
+            geometry.rows, np.linspace(8.0, 10.0, n_views), np.ones(n_views, bool),
         ),
         moves_of(told, drift, lift=lift), Doubts(**{**nothing, **doubts}), told,
     )  # fmt: skip
@@ -111,14 +110,13 @@ def tell(at, cost, *, state, covariance, place=None, expected=(), lifting=None, 
     told = telling(**setting.pop("options", {}))
     covered = np.full(len(at), setting.pop("covered", False))
     there = np.isfinite(at[..., 0])
-    against = np.broadcast_to(cost, there.shape)
+    against = np.repeat(np.broadcast_to(cost, there.shape)[None, :, None], 2, axis=0)
     nowhere = np.full((0, len(at), 2), np.nan)
     taken, stood = bridging_loops.tell_stretch(
         np.asarray(state, float), covariance, np.full(2, np.nan) if place is None else place,
         bridging_loops.Shown(
             there.sum(axis=1)[:, None], np.nan_to_num(at)[:, None],
-            np.stack([against, against])[:, :, None], covered, np.empty((0, 2)),
-            np.zeros(len(at)) if lifting is None else lifting,
+            against, covered, np.empty((0, 2)), np.zeros(len(at)) if lifting is None else lifting,
         ),
         bridging_loops.Expected(nowhere, nowhere, np.empty((0, 2, 2)), np.empty(0)),
         how(Geometry(None), told, **setting),
@@ -158,6 +156,7 @@ def conditioned(state, covariance, jerk, observed):
     return every[-3 * d :], left[-3 * d :, -3 * d :]
 
 
+@pytest.mark.usefixtures("steps_of_loops")
 @pytest.mark.parametrize("coefs", [None, LINEAR])
 def test_one_candidate_a_frame_is_a_kalman_filter(coefs):
     rng = np.random.default_rng(3)
@@ -232,6 +231,7 @@ def test_what_a_point_is_doubted_for_is_not_believed():
         np.testing.assert_array_equal(taken[1:], 1 if sign > 0 else 0)
 
 
+@pytest.mark.usefixtures("steps_of_loops")
 def test_stories_that_tell_the_same_are_told_once():
     stories = Steps(Geometry(None), np.zeros((3, 2)), np.diag([4.0, 4.0, 1.0]), most=5)
     rng = np.random.default_rng(2)
@@ -251,6 +251,7 @@ def test_stories_that_tell_the_same_are_told_once():
     assert np.linalg.eigvalsh(stories.covariance).min() > 0
 
 
+@pytest.mark.usefixtures("steps_of_loops")
 def test_an_expected_place_is_taken_in_as_a_kalman_filter_does():
     rng = np.random.default_rng(6)
     turn = np.array([[0.6, 0.8], [-0.8, 0.6]])  # forward and up, oblique in the picture
@@ -272,6 +273,7 @@ def test_an_expected_place_is_taken_in_as_a_kalman_filter_does():
     assert stories.cost[0] - before[2] == pytest.approx(0.5 * square)
 
 
+@pytest.mark.usefixtures("steps_of_loops")
 def test_a_story_far_from_where_it_is_expected_goes_its_own_way():
     stories = Steps(Geometry(None), np.zeros((3, 2)), np.diag([0.04, 0.01, 1e-4]), **ONLY)
     stories.advance()
@@ -310,6 +312,7 @@ def test_a_paw_lifts_off_earlier_where_that_is_dear_when_it_does(dear, last):
     np.testing.assert_array_equal(standing(np.zeros(2), dear=dear)[1], np.arange(1, 9) <= last)
 
 
+@pytest.mark.usefixtures("steps_of_loops")
 def test_what_stands_goes_exactly_with_the_ground():
     stories = Steps(
         Geometry(None), np.ones((3, 2)), np.eye(3), place=[3.0, 2.0], drift=[-1.0, 0.25],
@@ -329,6 +332,7 @@ def test_what_stands_goes_exactly_with_the_ground():
         assert stories.now.standing[0]
 
 
+@pytest.mark.usefixtures("steps_of_loops")
 def test_a_paw_that_has_just_lifted_off_may_look_poor():
     price = []
     for since in range(4):
@@ -339,6 +343,7 @@ def test_a_paw_that_has_just_lifted_off_may_look_poor():
     np.testing.assert_allclose(np.subtract(price, price[0]), [0.0, -2.0, -2.0, 0.0], atol=1e-9)
 
 
+@pytest.mark.usefixtures("steps_of_loops")
 @pytest.mark.parametrize(
     ("taken", "was", "certain", "price"),
     [
@@ -361,6 +366,7 @@ def test_what_being_hidden_costs(taken, was, certain, price):
     assert stories.now.hidden[0] == (price in (2.0, 0.6))
 
 
+@pytest.mark.usefixtures("steps_of_loops")
 def test_a_point_is_seldom_seen_from_the_other_side():
     price = []
     for own in (True, False):
@@ -375,6 +381,7 @@ def test_a_point_is_seldom_seen_from_the_other_side():
     assert taken_across - taken == pytest.approx(np.log(0.7 / 0.15))
 
 
+@pytest.mark.usefixtures("steps_of_loops")
 def test_one_that_stands_is_another_story_than_one_that_is_where_it_would_be():
     stories = Steps(Geometry(None), np.zeros((3, 2)), np.eye(3))
     alone = Steps(Geometry(None), np.zeros((3, 2)), np.eye(3))

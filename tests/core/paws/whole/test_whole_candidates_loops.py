@@ -71,9 +71,10 @@ def test_centres_are_those_of_discs(score):
         mass = weight[inside] / 2.0**25
         places = np.column_stack([columns[inside], rows[inside]])
         expected.append(mass @ places / mass.sum())
-    found = loops.centres(weight, at[:, 0], at[:, 1], 5)
+    u, v = np.ascontiguousarray(at.T)
+    found = loops.centres(weight, u, v, 5)
     assert found == pytest.approx(np.array(expected), abs=1e-9)
-    nothing = loops.centres(np.zeros_like(weight), at[:, 0], at[:, 1], 5)
+    nothing = loops.centres(np.zeros_like(weight), u, v, 5)
     assert np.array_equal(nothing, at)
 
 
@@ -106,7 +107,7 @@ def test_ends_are_described_in_pixels_of_the_view(score):
     for apart, n in ((3.4, 1), (3.6, 2)):
         pair = np.array([[20.0, 10.0], [20.0 + apart, 10.0]])
         of_pair = loops.describe(
-            score, weight, pixels[:, :2], share[:2], pair, 5, beyond, (100, 30, 2)
+            score, weight, pixels[:, :2].copy(), share[:2], pair, 5, beyond, (100, 30, 2)
         )
         assert len(of_pair) == n
     assert found[:, :2] == pytest.approx((near[kept] + 0.5) * 2 - 0.5 + [100, 30])

@@ -1,5 +1,6 @@
 """Compiled loops against the same written with matrices, for cameras with perspective."""
 
+import numba
 import numpy as np
 import pytest
 
@@ -30,6 +31,17 @@ def slope(project, x, step=1e-5):
     )
 
 
+@pytest.mark.parametrize("views", [1, 3])
+@pytest.mark.parametrize("order", ["C", "F"])
+def test_cameras_are_of_one_type_for_loops(views, order):
+    """Else what takes longest to compile is compiled once more for one view without a rig."""
+    coefs = np.array(COEFS[:, :views], order=order)
+    coefs.flags.writeable = False  # as those of a rig
+    assert numba.typeof(Geometry(coefs).rows) == numba.typeof(Geometry(None).rows)
+    np.testing.assert_array_equal(Geometry(coefs).rows, coefs.T)
+
+
+@pytest.mark.usefixtures("steps_of_loops")
 @pytest.mark.parametrize("coefs", [None, COEFS])
 def test_pictures_and_their_derivatives(coefs):
     geometry = Geometry(coefs)
@@ -38,7 +50,7 @@ def test_pictures_and_their_derivatives(coefs):
     expected, derivative = geometry.project(mean[:, :d]), slope(geometry.project, mean[:, :d])
     stories = stories_loops.room_for(9, d, 1)
     stories.mean[:, :7], stories.covariance[:] = mean.T, 0.0
-    for v, L in enumerate(np.ascontiguousarray(geometry.table.T)):
+    for v, L in enumerate(geometry.rows):
         seen = sight_loops.pictures(stories, 7, L)
         np.testing.assert_allclose(seen.at.T, expected[:, v], rtol=1e-12)
         np.testing.assert_allclose(
@@ -55,9 +67,7 @@ def test_normal_equations(coefs):
     measured = uv + rng.normal(size=uv.shape)
     weight = rng.uniform(0.5, 2.0, uv.shape[:-1])
     measured[1, 0], weight[1, 0] = np.nan, 0.0
-    W, z = refine_loops.normal_equations(
-        x, measured, weight, np.ascontiguousarray(geometry.table.T)
-    )
+    W, z = refine_loops.normal_equations(x, measured, weight, geometry.rows)
     assert (W[1, 0] == 0).all()
     assert (z[1, 0] == 0).all()
     for t, p in np.ndindex(5, 2):

@@ -15,8 +15,13 @@ def scene(light: np.ndarray):
     disc = np.hypot(u - 100, v - 100) < 25
     image = empty * light * np.where(disc, 0.3, 1.0)
     covered = np.where(np.hypot(u - 100, v - 100) < 32, 0, -1)
+    # the panel goes on beyond what is looked at, as it does beyond a crop
+    empty = np.pad(empty, 2, mode="edge")
     background = SimpleNamespace(mean=empty, sd=np.full(empty.shape, 2.0))
     return background, image, covered, disc
+
+
+BOX = (2, 2, 202, 202)
 
 
 def test_a_shadow_leaves_darkness_as_it_is():
@@ -24,17 +29,17 @@ def test_a_shadow_leaves_darkness_as_it_is():
     for light in (np.ones((200, 200)), np.tile(0.8 - 0.25 * u / 200, (200, 1))):
         background, image, covered, disc = scene(light)
         evidence = Evidence(background, factor=1, light=0.0, spread=0.1)
-        sight = evidence.sight(image, (0, 0, 200, 200), covered)
+        sight = evidence.sight(image, BOX, covered)
         assert abs(np.median(sight.seen[disc]) - 0.7) < 0.03
         assert np.abs(sight.seen[~disc]).max() < 0.1
 
 
 def test_light_animals_count_as_dark():
     background, _, covered, disc = scene(np.ones((200, 200)))
-    image = np.where(disc, 250.0, background.mean * 0.5)
+    image = np.where(disc, 250.0, background.mean[2:202, 2:202] * 0.5)
     background.mean = background.mean * 0.5
     evidence = Evidence(background, factor=1, light=250.0, spread=0.1)
-    sight = evidence.sight(image, (0, 0, 200, 200), covered)
+    sight = evidence.sight(image, BOX, covered)
     assert abs(np.median(sight.seen[disc]) - 1.0) < 0.03
     assert np.abs(sight.seen[~disc]).max() < 0.05
 

@@ -41,8 +41,11 @@ def smooth_posterior(
 
     def carried(mass: np.ndarray, flow: np.ndarray) -> np.ndarray:
         moved = cv2.remap(mass, x + flow[..., 0], y + flow[..., 1], cv2.INTER_LINEAR)
-        near = cv2.GaussianBlur(moved, (0, 0), parameters.near_sd)
-        far = cv2.GaussianBlur(moved, (0, 0), parameters.far_sd)
+        # this border keeps every mass within and is the same forwards and backwards
+        near, far = (
+            cv2.GaussianBlur(moved, (0, 0), sd, borderType=cv2.BORDER_REFLECT)
+            for sd in (parameters.near_sd, parameters.far_sd)
+        )
         return (1 - parameters.far) * near + parameters.far * far
 
     filtered = np.empty_like(likelihood)

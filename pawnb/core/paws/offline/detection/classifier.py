@@ -62,7 +62,7 @@ def train_classifier(
         probability = np.zeros((len(samples), n_points + 1), np.float32)
         for i, (weights, intercept) in enumerate(outer):
             score = active[:, i * hidden : (i + 1) * hidden] @ weights + intercept
-            if score.shape[1] == 1:  # two classes have one output
+            if score.shape[1] < len(classes):  # two classes have one output
                 score = np.hstack([-score / 2, score / 2])
             score = np.exp(score - score.max(axis=1, keepdims=True))
             probability[:, classes] += score / score.sum(axis=1, keepdims=True) / len(outer)

@@ -28,7 +28,7 @@ def feature_maps(grey: np.ndarray, colour: np.ndarray | None, spacing: int) -> n
     Returns
     -------
     ndarray of float32, shape (h, w, F)
-        F is 43 without colour and 55 with it.
+        F is 47 without colour and 59 with it.
     """
     h, w = grey.shape[0] // spacing, grey.shape[1] // spacing
     offset = spacing // 2
