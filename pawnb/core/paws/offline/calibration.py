@@ -25,6 +25,8 @@ class Signs:
         swing is an occasion to be taken for another.
     between : ndarray of bool, shape (n,)
         Whether there are clicks on both sides.
+    agreement : ndarray, shape (n,)
+        How far what came before and what comes after put the point in one place, 0 to 1.
     """
 
     probability: np.ndarray
@@ -32,9 +34,10 @@ class Signs:
     apart: np.ndarray
     travelled: np.ndarray
     between: np.ndarray
+    agreement: np.ndarray
 
     def columns(self) -> np.ndarray:
-        """Return the signs (n, 5) as they enter the calibration."""
+        """Return the signs (n, 6) as they enter the calibration."""
         p = np.clip(self.probability, 2.5e-3, 1 - 2.5e-3)
         return np.stack(
             [
@@ -43,6 +46,7 @@ class Signs:
                 np.minimum(self.apart, 3.0),
                 np.log1p(self.travelled),
                 self.between.astype(float),
+                np.where(self.between, np.log(np.clip(self.agreement, 1e-2, 1.0)), 0.0),
             ],
             axis=-1,
         )
@@ -77,8 +81,8 @@ def way_to_clicks(
     return travelled, (row >= min(rows)) & (row <= max(rows))
 
 
-_WEIGHTS = np.array([0.55, 0.0, 0.0, 0.0, 0.0])
-_OFFSET = 0.3
+_WEIGHTS = np.array([0.37, 1.34, 0.0, 0.0, 2.19, 0.0])
+_OFFSET = -1.01
 
 
 def probability_right(signs: Signs) -> np.ndarray:

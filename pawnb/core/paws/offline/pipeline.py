@@ -122,7 +122,7 @@ def run_pipeline(
             for v, m, look, prior in zip(views, motion, looks, priors, strict=True)
         ]  # fmt: skip
         posteriors = associate(evidence, radius=radius, parameters=parameters.association, rig=rig)
-        estimates = [{p: estimate(m, radius) for p, m in own.items()} for own in posteriors]
+        estimates = [{p: estimate(q.mass, radius) for p, q in own.items()} for own in posteriors]
         if round_ + 1 < parameters.appearance.rounds:
             lessons = [
                 clicked_lessons(v.stack, v.annotations)
@@ -138,41 +138,48 @@ def run_pipeline(
                 for v, e, look, prior in zip(views, estimates, looks, priors, strict=True)
             ]
             priors = [
-                prior_from_tracks(own, prior, radius)
+                prior_from_tracks({p: q.mass for p, q in own.items()}, prior, radius)
                 for own, prior in zip(posteriors, priors, strict=True)
             ]
     return [
-        {p: _point_track(v, p, e[p], m[p], look[p] * prior[p], radius, parameters) for p in e}
-        for v, e, m, look, prior in zip(views, estimates, motion, looks, priors, strict=True)
+        {
+            p: PointTrack(
+                found[p],
+                _signs(v, p, found[p], m[p], look[p] * prior[p], own[p].agreement, parameters),
+            )
+            for p in found
+        }
+        for v, found, m, look, prior, own in zip(
+            views, estimates, motion, looks, priors, posteriors, strict=True
+        )
     ]
 
 
-def _point_track(
+def _signs(
     view: ViewInput,
     point: int,
     found: Estimates,
     motion: np.ndarray,
     look: np.ndarray,
-    radius: float,
+    agreement: np.ndarray,
     parameters: OfflineParameters,
-) -> PointTrack:
-    """Return the track of a point with what tells whether it is right."""
+) -> Signs:
+    """Return what tells whether the track of a point is right."""
     x, y = np.rint(found.place).astype(int).T
+    radius = parameters.appearance.radius / parameters.scene.spacing
     alone = estimate(look, radius)
     travelled, between = way_to_clicks(
         found.place * view.stack.spacing,
         view.annotations.rows_of(point),
         parameters.scene.extent,
     )
-    return PointTrack(
-        found,
-        Signs(
-            found.probability,
-            np.log(motion[np.arange(len(x)), y, x]),
-            np.linalg.norm(alone.place - found.place, axis=1) / radius,
-            travelled,
-            between,
-        ),
+    return Signs(
+        found.probability,
+        np.log(motion[np.arange(len(x)), y, x]),
+        np.linalg.norm(alone.place - found.place, axis=1) / radius,
+        travelled,
+        between,
+        agreement,
     )
 
 

@@ -34,8 +34,8 @@ _ALIKE, _ALIKE_AGAINST = 3.9, -1.95
 labels of two trackers in four real clips with marks (mouse in a wheel, mouse from below, horse,
 fly)."""
 _ALONE = 0.75
-"""Looks alone make no label surer than this: a point may ride on what looks alike, such as the other
-hind paw. Of 165 labels in seven real clips that look best, 0.8 and more, 70 % are right."""
+"""Looks alone make no label surer than this: a point may ride on what looks alike, such as the
+other hind paw. Of 165 labels in seven real clips that look best, 0.8 and more, 70 % are right."""
 _USUAL_SHARE, _USUAL_WEIGHT = 0.3, 0.5
 """Share of labels that were right there, and how much it counts beside a point's own labels, which
 follow each other and tell less than so many by themselves."""

@@ -116,7 +116,7 @@ def _one_left_out(
         evidence = ViewEvidence(part, view.name, view.size, placed, likelihood, priors)
         posteriors = associate([evidence], radius=radius, parameters=once)[0]
         for i, point in enumerate(points):
-            mass = posteriors[point][row - begin]
+            mass = posteriors[point].mass[row - begin]
             x, y = stack.grid_of(view.annotations.places[row][point], row)
             v, u = np.mgrid[: mass.shape[0], : mass.shape[1]]
             table[i, k] = mass[(u - x) ** 2 + (v - y) ** 2 <= radius**2].sum()

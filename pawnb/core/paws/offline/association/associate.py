@@ -11,7 +11,10 @@ import numpy as np
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.association.epipolar import epipolar_support
 from pawnb.core.paws.offline.association.exclusivity import open_to_each
-from pawnb.core.paws.offline.association.forward_backward import smooth_posterior
+from pawnb.core.paws.offline.association.forward_backward import (
+    Posterior,
+    smooth_posterior,
+)
 from pawnb.core.paws.offline.detection.evidence import bump_at
 from pawnb.core.paws.offline.parameters import AssociationParameters
 from pawnb.core.paws.offline.scene.stack import BodyStack
@@ -55,7 +58,7 @@ def associate(
     radius: float,
     parameters: AssociationParameters,
     rig: Rig | None = None,
-) -> list[dict[int, np.ndarray]]:
+) -> list[dict[int, Posterior]]:
     """Return the probability of every place for every point and frame, view by view.
 
     Parameters
@@ -72,7 +75,7 @@ def associate(
     Returns
     -------
     list of dict
-        For each view: point to probabilities (n, h, w).
+        For each view: point to its Posterior.
     """
     factors: list[dict[int, np.ndarray]] = [{} for _ in views]
     for iteration in range(parameters.iterations):
@@ -81,10 +84,11 @@ def associate(
         ]
         if iteration == parameters.iterations - 1:
             break
-        factors = [open_to_each(p, radius, parameters.exclusive) for p in posteriors]
+        masses = [{point: p.mass for point, p in own.items()} for own in posteriors]
+        factors = [open_to_each(own, radius, parameters.exclusive) for own in masses]
         if rig is not None and len(views) > 1:
             support = epipolar_support(
-                posteriors, [v.stack for v in views], names=[v.name for v in views], rig=rig,
+                masses, [v.stack for v in views], names=[v.name for v in views], rig=rig,
                 radius=radius, sizes=[v.size for v in views],
             )  # fmt: skip
             for factor, more in zip(factors, support, strict=True):
@@ -95,12 +99,12 @@ def associate(
 
 def _solve(
     view: ViewEvidence, factors: Mapping[int, np.ndarray], parameters: AssociationParameters
-) -> dict[int, np.ndarray]:
+) -> dict[int, Posterior]:
     """Return the posteriors of one view, its points in parallel."""
     stack = view.stack
     points = sorted(view.likelihood)
 
-    def one(point: int) -> np.ndarray:
+    def one(point: int) -> Posterior:
         ratio = view.likelihood[point]
         ratio = ratio * factors[point] if point in factors else ratio.copy()
         for row in view.annotations.rows_of(point):

@@ -2,12 +2,34 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import cv2
 import numpy as np
 
 from pawnb.core.paws.offline.parameters import AssociationParameters
 
 _TINY = 1e-20
+_HALF_PAW = 1.5
+"""Blur before two distributions are compared, in places."""
+
+
+@dataclass(frozen=True)
+class Posterior:
+    """What is known of one point in n frames.
+
+    Parameters
+    ----------
+    mass : ndarray of float32, shape (n, h, w)
+        Probability of every place given all frames; each frame sums to 1.
+    agreement : ndarray, shape (n,)
+        How far what came before a frame and what comes after it (each with the frame itself) put
+        the point in one place: 1 where they agree, 0 where they exclude each other
+        (Bhattacharyya coefficient after a blur of half a paw).
+    """
+
+    mass: np.ndarray
+    agreement: np.ndarray
 
 
 def smooth_posterior(
@@ -17,7 +39,7 @@ def smooth_posterior(
     *,
     prior: np.ndarray,
     parameters: AssociationParameters,
-) -> np.ndarray:
+) -> Posterior:
     """Return the probability of every place in every frame, given all frames.
 
     Parameters
@@ -33,8 +55,8 @@ def smooth_posterior(
 
     Returns
     -------
-    ndarray of float32, shape (n, h, w)
-        Each frame sums to 1.
+    Posterior
+        Of the n frames.
     """
     n, h, w = likelihood.shape
     x, y = np.meshgrid(np.arange(w, dtype=np.float32), np.arange(h, dtype=np.float32))
@@ -55,11 +77,19 @@ def smooth_posterior(
         mass = (1 - parameters.lost) * mass + parameters.lost * prior
         filtered[t] = _normalised(mass * likelihood[t])
     to_come = np.full((h, w), 1 / (h * w), np.float32)
+    agreement = np.ones(n)
     for t in range(n - 2, -1, -1):
         mass = carried(_normalised(to_come * likelihood[t + 1]), forward[t])
         to_come = _normalised(mass) + 10 * parameters.lost / (h * w)
+        agreement[t] = _overlap(filtered[t], _normalised(to_come * likelihood[t]))
         filtered[t] = _normalised(filtered[t] * to_come)
-    return filtered
+    return Posterior(filtered, agreement)
+
+
+def _overlap(before: np.ndarray, after: np.ndarray) -> float:
+    """Return the Bhattacharyya coefficient of two distributions, blurred."""
+    blurred = [cv2.GaussianBlur(mass, (0, 0), _HALF_PAW) for mass in (before, after)]
+    return float(np.sqrt(np.maximum(blurred[0] * blurred[1], 0)).sum())
 
 
 def _normalised(mass: np.ndarray) -> np.ndarray:

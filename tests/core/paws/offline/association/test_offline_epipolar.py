@@ -105,8 +105,8 @@ def test_a_point_with_two_likely_places_in_one_view_is_decided_by_the_other(stac
         ViewEvidence(stack, name, SIZE, Annotations({}), ratio, prior)
         for stack, name, ratio in zip(stacks, CAMERAS, likely, strict=True)
     ]
-    alone = associate(views, radius=RADIUS, parameters=parameters)[1][0]
-    found = associate(views, radius=RADIUS, parameters=parameters, rig=RIG)[1][0]
+    alone = associate(views, radius=RADIUS, parameters=parameters)[1][0].mass
+    found = associate(views, radius=RADIUS, parameters=parameters, rig=RIG)[1][0].mass
     for t, xyz in enumerate(TRUTH):
         x, y = place_of("right", xyz)
         assert alone[t, y, x] < 0.6

@@ -52,7 +52,7 @@ def view(make_stack):
 
 def about(posterior, place):
     x, y = place
-    return posterior[:, y - 1 : y + 2, x - 1 : x + 2].sum(axis=(1, 2))
+    return posterior.mass[:, y - 1 : y + 2, x - 1 : x + 2].sum(axis=(1, 2))
 
 
 def test_two_points_with_one_look_end_on_different_places(view):

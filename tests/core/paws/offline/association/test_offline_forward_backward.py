@@ -40,7 +40,7 @@ def test_without_flow_it_is_the_sum_over_all_paths(sds):
     prior = random.uniform(0.1, 1, (3, 3)).astype(np.float32)
     prior /= prior.sum()
     flow = no_flow(3, 3, 3)
-    found = smooth_posterior(likelihood, flow, flow, prior=prior, parameters=parameters)
+    found = smooth_posterior(likelihood, flow, flow, prior=prior, parameters=parameters).mass
 
     step = transition(3, 3, parameters)
     np.testing.assert_allclose(step.sum(axis=0), 1, rtol=1e-9)
@@ -62,9 +62,11 @@ def test_every_frame_sums_to_one_and_one_frame_is_the_rule_of_bayes():
     prior = np.full((8, 11), 1 / 88, np.float32)
     flow = random.normal(0, 2, (5, 8, 11, 2)).astype(np.float32)
     parameters = AssociationParameters()
-    found = smooth_posterior(likelihood, flow, -flow, prior=prior, parameters=parameters)
+    found = smooth_posterior(likelihood, flow, -flow, prior=prior, parameters=parameters).mass
     np.testing.assert_allclose(found.sum(axis=(1, 2)), 1, rtol=1e-4)
-    alone = smooth_posterior(likelihood[:1], flow[:0], flow[:0], prior=prior, parameters=parameters)
+    alone = smooth_posterior(
+        likelihood[:1], flow[:0], flow[:0], prior=prior, parameters=parameters
+    ).mass
     np.testing.assert_allclose(alone[0], likelihood[0] / likelihood[0].sum(), rtol=1e-4)
 
 
@@ -77,7 +79,7 @@ def test_what_is_seen_once_is_carried_by_flow_to_later_and_earlier_frames(seen):
     likelihood[seen, 7, 11] = 1e6
     prior = np.full((h, w), 1 / (h * w), np.float32)
     parameters = AssociationParameters(lost=1e-6)
-    found = smooth_posterior(likelihood, flow, -flow, prior=prior, parameters=parameters)
+    found = smooth_posterior(likelihood, flow, -flow, prior=prior, parameters=parameters).mass
     for t in range(n):
         y, x = np.unravel_index(found[t].argmax(), (h, w))
         assert (x, y) == (11 + 2 * (t - seen), 7 + (t - seen))
@@ -95,6 +97,6 @@ def test_a_point_that_was_lost_is_found_anywhere():
     at = {}
     for lost in (0.0, 1e-3):
         parameters = AssociationParameters(lost=lost, near_sd=0.3, far=0.01, far_sd=1.0)
-        found = smooth_posterior(likelihood, flow, flow, prior=prior, parameters=parameters)
+        found = smooth_posterior(likelihood, flow, flow, prior=prior, parameters=parameters).mass
         at[lost] = [int(m.argmax()) % 40 for m in found]
     assert at == {0.0: [5, 5, 5, 5], 1e-3: [5, 5, 35, 35]}
