@@ -31,6 +31,7 @@ _HOME = {
     "run_gait": "pawnb.workflow.gait",
     "sample_trial": "pawnb.workflow.sample",
     "save_trial": "pawnb.trial",
+    "suggest_frames": "pawnb.workflow.suggest",
     "track": "pawnb.workflow.track",
     "tracks_table": "pawnb.io.native",
 }

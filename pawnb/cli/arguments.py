@@ -32,6 +32,7 @@ def build_parser() -> argparse.ArgumentParser:
     _add_demo(parsers)
     _add_check(parsers)
     _add_track(parsers)
+    _add_suggest(parsers)
     _add_batch(parsers)
     _add_gait(parsers)
     _add_evaluate(parsers)
@@ -91,6 +92,19 @@ def _add_track(parsers: Any) -> None:
         "--set", action="append", default=[], metavar="NAME=VALUE", help="a setting of the tracker"
     )
     command.set_defaults(run=commands.run_track)
+
+
+def _add_suggest(parsers: Any) -> None:
+    text = "name the frames of a tracked trial in which further clicks would help most"
+    more = f"{text}; gain is the number of labels that are expected to become right"
+    command = parsers.add_parser("suggest", help=text, description=more)
+    command.add_argument("trial", help="trial.toml, or the folder that holds it")
+    command.add_argument(
+        "--results", help="folder with its tracks (default: results beside the trial)"
+    )
+    command.add_argument("-n", type=int, default=3, help="frames at most (default: %(default)s)")
+    command.add_argument("--json", action="store_true", help="print a JSON list instead")
+    command.set_defaults(run=commands.run_suggest)
 
 
 def _add_batch(parsers: Any) -> None:

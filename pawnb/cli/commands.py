@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 from pathlib import Path
 from typing import Any
 
@@ -70,6 +71,26 @@ def run_track(options: argparse.Namespace, argv: list[str]) -> int:
     said = f"tracked {tracks.sizes['time']} frames: {quality.line()}"
     print(f"{said}; wrote {out}; next: {next_step(quality, out)}")
     return EXIT_FAILED if quality.verdict == "failed" else 0
+
+
+def run_suggest(options: argparse.Namespace, _argv: list[str]) -> None:
+    """Print the frames in which further clicks would help most."""
+    from pawnb.trial import load_trial
+    from pawnb.workflow.results import read_result_tracks, results_folder
+    from pawnb.workflow.suggest import suggest_frames
+
+    trial = load_trial(options.trial)
+    path = results_folder(trial, options.results) / "tracks.nc"
+    if not path.exists():
+        raise InputError(f"{path}: no such tracks; run pawnb track {options.trial} first.")
+    found = suggest_frames(trial, read_result_tracks(path), n=options.n)
+    if options.json:
+        rows = found.assign(points=found["points"].str.split(", ")).to_dict(orient="records")
+        print(json.dumps(rows, ensure_ascii=False))
+    elif found.empty:
+        print("no frame: further clicks are expected to mend less than half a label each")
+    else:
+        print(found.to_string(index=False))
 
 
 def run_batch(options: argparse.Namespace, argv: list[str]) -> int:

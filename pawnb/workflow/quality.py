@@ -42,11 +42,22 @@ def assess_quality(tracks: Tracks) -> Quality:
     """
     if is_pose(tracks):
         return assess(tracks.sel(keypoint=[BODY, *animal_of(tracks).leg_names]))
-    return assess(tracks, clicks=_clicks(tracks))
+    return assess(tracks, clicks=clicks_of_tracks(tracks))
 
 
-def _clicks(tracks: Tracks) -> pd.DataFrame | None:
-    """Return every click that tracks were made from; None where they do not say."""
+def clicks_of_tracks(tracks: Tracks) -> pd.DataFrame | None:
+    """Return every click that tracks were made from; None where they do not say.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks.
+
+    Returns
+    -------
+    DataFrame or None
+        frame, view, point, u, v (px).
+    """
     steps = json.loads(tracks.attrs.get("provenance", "{}")).get("steps", [])
     rows = [
         row for step in steps for row in step.get("start", ()) if set(START_COLUMNS) <= set(row)
@@ -94,7 +105,7 @@ def next_step(quality: Quality, out: str | Path) -> str:
         return f"pawnb gait {out}"
     if quality.verdict == "look":
         return f"review (pawnb.widgets.TrackReviewer), then pawnb gait {out}"
-    return "click the points in more frames, where they are seen best, and track again"
+    return "click the points in more frames (pawnb suggest names some), and track again"
 
 
 def tell_failed(tracks: Tracks, *, complete: bool) -> None:

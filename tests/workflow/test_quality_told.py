@@ -66,7 +66,7 @@ def tracked_as(tmp_path, monkeypatch):
          0, "review (pawnb.widgets.TrackReviewer), then pawnb gait "),
         ((0.4, 0.1), "failed: HR (10 % of labels expected right) - HR is missing in 90 % of "
          "frames; FR (40 % of labels expected right) - FR is missing in 60 % of frames", 3,
-         "click the points in more frames, where they are seen best, and track again"),
+         "click the points in more frames (pawnb suggest names some), and track again"),
     ],
 )  # fmt: skip
 def test_one_line_says_how_good_tracks_are(tracked_as, capsys, right, verdict, status, after):

@@ -151,11 +151,8 @@ def assess(
     InputError
         If the tracks have no image positions.
     """
-    check_tracks(tracks)
-    if "image_position" not in tracks:
-        raise InputError("these tracks have no image positions; their quality cannot be told.")
     limits = limits or QualityLimits()
-    labels = read_labels(tracks, clicks)
+    labels = _labels(tracks, clicks)
     chance, measures = _chances(tracks, labels, limits)
     names = [str(name) for name in tracks["keypoint"].to_numpy()]
     points = tuple(
@@ -171,6 +168,48 @@ def assess(
     return Quality(
         verdict, reasons=_told(points), points=points, gaps=find_time_gaps(tracks), **means
     )
+
+
+def label_chances(
+    tracks: Tracks, *, clicks: pd.DataFrame | None = None, limits: QualityLimits | None = None
+) -> np.ndarray:
+    """Return the probability that each label is right: what the verdict is the mean of.
+
+    Parameters
+    ----------
+    tracks, clicks, limits
+        As for :func:`assess`.
+
+    Returns
+    -------
+    ndarray, shape (n, V, P)
+        0 to 1, and 0 where there is no label; NaN in views in which a point was never found,
+        if it was found in others.
+
+    Raises
+    ------
+    InputError
+        If the tracks have no image positions.
+    """
+    labels = _labels(tracks, clicks)
+    chance, _ = _chances(tracks, labels, limits or QualityLimits())
+    for p in range(chance.shape[2]):
+        chance[:, ~np.isin(np.arange(chance.shape[1]), _views_of(labels, p)), p] = np.nan
+    return chance
+
+
+def _labels(tracks: Tracks, clicks: pd.DataFrame | None) -> Labels:
+    """Return what is measured, of tracks that have image positions."""
+    check_tracks(tracks)
+    if "image_position" not in tracks:
+        raise InputError("these tracks have no image positions; their quality cannot be told.")
+    return read_labels(tracks, clicks)
+
+
+def _views_of(labels: Labels, p: int) -> np.ndarray:
+    """Return the views in which a point was ever found; all where it was in none."""
+    views = np.flatnonzero(labels.found[:, :, p].any(axis=0))
+    return views if len(views) else np.arange(labels.found.shape[1])
 
 
 def _chances(
@@ -200,9 +239,7 @@ def _point_quality(
     limits: QualityLimits,
 ) -> PointQuality:
     """Return the quality of one point: over the views in which it was ever found, else all."""
-    views = np.flatnonzero(labels.found[:, :, p].any(axis=0))
-    if not len(views):
-        views = np.arange(chance.shape[1])
+    views = _views_of(labels, p)
     known, found = labels.known[:, views, p], labels.found[:, views, p]
     right = _mean(chance[:, views, p])
     reasons = []
