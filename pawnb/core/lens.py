@@ -37,6 +37,19 @@ class Lens:
     matrix: tuple[tuple[float, ...], ...]
     distortion: tuple[float, ...]
 
+    def straighten(self, uv: np.ndarray) -> np.ndarray:
+        """Return where positions (..., 2) of the filmed picture lie in the straightened one."""
+        uv = np.asarray(uv, float)
+        matrix = np.array(self.matrix)
+        flat = uv.reshape(-1, 1, 2)
+        straight = np.full_like(flat, np.nan)
+        known = np.isfinite(flat).all(axis=(1, 2))
+        if known.any():  # OpenCV refuses an empty list
+            straight[known] = cv2.undistortPoints(
+                flat[known], matrix, np.array(self.distortion), P=matrix
+            )
+        return straight.reshape(uv.shape)
+
 
 def load_lenses(path: str | Path) -> dict[str, Lens]:
     """Read ``lenses.toml``: a section per view with ``matrix`` and ``distortion``.

@@ -246,6 +246,14 @@ class ViewReader(Closing):
             picture = StraightPicture(picture, self.lens)
         return Frame(index, picture, self._box, mirror=self._view.mirror)
 
+    def uv_of_file(self, uv: np.ndarray) -> np.ndarray:
+        """Return where positions (..., 2) in the file's own picture lie in the view, px."""
+        straight = np.asarray(uv, float) if self.lens is None else self.lens.straighten(uv)
+        shown = straight - np.array(self._box[:2], float)
+        if self._view.mirror:
+            shown = np.array([self.width - 1.0, 0.0]) + np.array([-1.0, 1.0]) * shown
+        return shown
+
     def read(self, index: int) -> np.ndarray:
         """Return the whole view at that frame: (H, W, 3) RGB or (H, W) grey, uint8."""
         return self.frame(index).image()

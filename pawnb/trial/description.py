@@ -10,6 +10,7 @@ from typing import Any, Literal
 
 from pawnb.errors import InputError, did_you_mean
 from pawnb.schema import check_fields
+from pawnb.trial.detections import check_detections
 
 Kind = Literal["paws", "pose", "tracks"]
 Bayer = Literal["rggb", "bggr", "grbg", "gbrg"]
@@ -182,6 +183,10 @@ class Trial:
         Leg names to the names of points in that file.
     tracking : mapping
         Settings of the tracker.
+    detections : mapping
+        View to a file of another program's predictions, taken as evidence (kind ``paws``).
+    detections_points : mapping
+        Names of points in those files to the trial's own, where they differ.
     """
 
     kind: Kind
@@ -198,6 +203,8 @@ class Trial:
     tracks_file: str | None = None
     tracks_legs: Mapping[str, str] = field(default_factory=dict)
     tracking: Mapping[str, Any] = field(default_factory=dict)
+    detections: Mapping[str, str] = field(default_factory=dict)
+    detections_points: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         check_fields(self, where="trial")
@@ -205,6 +212,12 @@ class Trial:
             raise InputError(f"[trial] fps is {self.fps}; expected a number above 0.")
         _check_range(self.frames, "[trial] frames")
         _check_unique([view.name for view in self.views], "views")
+        if self.detections and self.kind != "paws":
+            raise InputError(
+                f"[tracking] detections are taken by a trial of kind 'paws', and the kind is "
+                f"{self.kind!r}; leave them out."
+            )
+        check_detections(self.detections, [view.name for view in self.views])
 
     def view(self, name: str) -> View:
         """Return the view of that name; raises InputError if there is none."""

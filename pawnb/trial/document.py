@@ -10,6 +10,8 @@ from typing import Any, TypeVar
 from pawnb.errors import InputError, did_you_mean
 from pawnb.schema import build_settings, shown
 from pawnb.trial.description import Animal, Calibration, Kind, Trial, View
+from pawnb.trial.detections import FIELDS as DETECTION_FIELDS
+from pawnb.trial.detections import read_detections, read_detections_points
 
 PartT = TypeVar("PartT")
 
@@ -107,7 +109,11 @@ def trial_from_document(document: dict[str, Any], *, where: str, folder: Path) -
             start_pose=files.pose,
             tracks_file=files.file,
             tracks_legs=legs,
-            tracking=tracking,
+            tracking={k: v for k, v in tracking.items() if k not in DETECTION_FIELDS},
+            detections=read_detections(
+                tracking.get("detections", {}), [view.name for view in parts["views"]]
+            ),
+            detections_points=read_detections_points(tracking.get("detections_points", {})),
             **parts,
         )
     except InputError as error:
@@ -212,8 +218,10 @@ def trial_document(trial: Trial) -> dict[str, Any]:
         document["tracks"] = {"file": trial.tracks_file}
         if trial.tracks_legs:
             document["tracks"]["legs"] = dict(trial.tracks_legs)
-    if trial.tracking:
-        document["tracking"] = dict(trial.tracking)
+    detections = {name: dict(getattr(trial, name)) for name in DETECTION_FIELDS}
+    tracking = {**trial.tracking, **{name: own for name, own in detections.items() if own}}
+    if tracking:
+        document["tracking"] = tracking
     return document
 
 

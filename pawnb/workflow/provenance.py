@@ -93,7 +93,7 @@ def trial_inputs(trial: Trial, *, start: bool = True) -> list[str]:
     Returns
     -------
     list of str
-        Videos, backgrounds, species file, calibration, start, tracks, belt speed.
+        Videos, backgrounds, species file, calibration, start, tracks, predictions, belt speed.
     """
     paths = [view.video for view in trial.views]
     paths += [view.background for view in trial.views if view.background]
@@ -105,6 +105,7 @@ def trial_inputs(trial: Trial, *, start: bool = True) -> list[str]:
     if start:
         paths += [p for p in (trial.start_file(), trial.start_pose_file()) if p]
     paths += [p for p in (trial.tracks_file,) if p]
+    paths += trial.detections.values()
     if isinstance(trial.belt_speed, str):
         paths.append(trial.belt_speed)
     return list(dict.fromkeys(paths))

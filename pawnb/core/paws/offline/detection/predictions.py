@@ -1,0 +1,233 @@
+r"""Another program's predictions as evidence, with log-odds calibrated in the recording itself.
+
+A prediction is right with probability :math:`\pi` and then lies about the point with standard
+deviation :math:`\sigma`; otherwise it lies anywhere in an area :math:`A` about the animal. The
+point is therefore likelier at the place predicted than at any other by
+
+.. math:: L = 1 + \frac{\pi}{1 - \pi} \, \frac{A}{2 \pi_0 \sigma^2}, \qquad \pi_0 = 3.14...
+
+A program that is wrong stays wrong for :math:`D` frames on average, so that neighbouring frames
+repeat each other: each counts for :math:`1 / D`, and the log-odds of a Detection are
+:math:`\log(L^{1/D} - 1)` (:func:`.evidence.paint` adds the 1). :math:`\pi` and :math:`D` are those
+of :mod:`.right_or_wrong`; :math:`A` is the square of the extent of the clicks;
+
+.. math:: \sigma^2 = \frac{2 \nu \sigma_0^2 + \sum_i w_i r_i^2}{2 \nu + 2 \sum_i w_i}
+
+from distances :math:`r_i` between predictions and clicks, each with its probability
+:math:`w_i` of being right, and :math:`\nu = 2` clicks' worth of :math:`\sigma_0` (0.03 extents).
+It is at least 1 px and 0.01 extents. What has a likelihood below 0.02 carries nothing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pawnb.core.paws.offline.annotations import Annotations
+from pawnb.core.paws.offline.detection.evidence import Detections
+from pawnb.core.paws.offline.detection.right_or_wrong import (
+    EXCHANGE,
+    LIKELIHOOD_EDGES,
+    RIGHT,
+    STEP_EDGES,
+    UNKNOWN,
+    estimate_rates,
+    no_data,
+    smooth_states,
+)
+
+_LEAST_LIKELIHOOD = 0.02
+_SD, _SD_CLICKS, _SD_LEAST, _SD_LEAST_PX = 0.03, 2.0, 0.01, 1.0
+"""Standard deviation before any click is seen and its worth in clicks; extents, clicks, ..., px."""
+_MISPLACED = 0.02
+"""A right prediction is not where it was clicked in this share of clicks."""
+_SURE = 0.98
+_ROUNDS = 12
+_UNKNOWN_EXTENT = 0.4
+"""Extent where there are no two points, in shorter sides of the picture."""
+_MOSTLY, _LEAST_STEP, _MOST_STEP = 90.0, 0.01, 0.1
+"""Steps mostly do not reach this percentile of them, within these bounds, extents in a frame."""
+_STEP_GAP = 5
+"""Predictions farther apart than so many frames say nothing of steps."""
+_CROSSED = 0.5
+"""Two points exchange places if crossed steps are shorter than this share of straight ones."""
+
+
+@dataclass(frozen=True)
+class Predictions:
+    """What another program predicts in one view; n frames from the first that is tracked.
+
+    Parameters
+    ----------
+    file : str
+        The file's name.
+    points : tuple of str
+        Names of its points, as the trial calls them; P in all.
+    uv : ndarray, shape (n, P, 2)
+        Positions, px of the view; NaN where there is none.
+    likelihood : ndarray, shape (n, P)
+        The program's own, from 0 to 1.
+    """
+
+    file: str
+    points: tuple[str, ...]
+    uv: np.ndarray
+    likelihood: np.ndarray
+
+    def of(self, points: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray]:
+        """Return positions and likelihoods of points by number; NaN and 0 of other points."""
+        n = len(self.uv)
+        uv, likelihood = np.full((n, len(points), 2), np.nan), np.zeros((n, len(points)))
+        for i, name in enumerate(points):
+            if name in self.points:
+                uv[:, i] = self.uv[:, self.points.index(name)]
+                likelihood[:, i] = self.likelihood[:, self.points.index(name)]
+        return uv, likelihood
+
+
+@dataclass(frozen=True)
+class PredictionQuality:
+    """How good predictions are, as the recording and its clicks say.
+
+    Parameters
+    ----------
+    right : ndarray, shape (n, P)
+        Probability that a prediction is right; 0 where there is none.
+    sd_px : float
+        Standard deviation of those that are right, along each axis, px of the view.
+    stays_wrong : float
+        Mean number of frames for which the program stays wrong.
+    extent_px : float
+        Extent of the clicks, px of the view.
+    """
+
+    right: np.ndarray
+    sd_px: float
+    stays_wrong: float
+    extent_px: float
+
+
+def predictions_as_detections(
+    uv: np.ndarray, likelihood: np.ndarray, annotations: Annotations, size: tuple[int, int]
+) -> Detections:
+    """Return predictions with log-odds that mean what they say.
+
+    Parameters
+    ----------
+    uv : ndarray, shape (n, P, 2)
+        Positions, px of the view; NaN where there is none. n frames from row 0 of the
+        annotations; P points by number.
+    likelihood : ndarray, shape (n, P)
+        The program's own, from 0 to 1.
+    annotations : Annotations
+        What was placed in the view by hand.
+    size : (int, int)
+        Width and height of the view, px.
+
+    Returns
+    -------
+    Detections
+        At most one for each point and row.
+    """
+    quality = judge_predictions(uv, likelihood, annotations, size)
+    row, point = np.nonzero(quality.right > 0)
+    right = np.minimum(quality.right[row, point], _SURE)
+    area = quality.extent_px**2 / (2 * np.pi * quality.sd_px**2)
+    exponent = 1 / max(quality.stays_wrong, 1.0)
+    ratio = np.expm1(exponent * np.log1p(right / (1 - right) * area))
+    return Detections(
+        row=row,
+        point=point,
+        uv=uv[row, point],
+        log_odds=np.log(np.maximum(ratio, 1e-12)),
+        sd_px=np.full(len(row), quality.sd_px),
+    )
+
+
+def judge_predictions(
+    uv: np.ndarray, likelihood: np.ndarray, annotations: Annotations, size: tuple[int, int]
+) -> PredictionQuality:
+    """Return how good predictions are; parameters as :func:`predictions_as_detections`."""
+    there = np.isfinite(uv).all(axis=2) & (likelihood >= _LEAST_LIKELIHOOD)
+    uv = np.where(there[..., None], uv, np.nan)
+    extent = _extent(uv, annotations, size)
+    kinds = np.where(there, np.digitize(likelihood, LIKELIHOOD_EDGES), -1)
+    steps = _kinds_of_steps(uv, extent)
+    apart = distances_from_clicks(uv, annotations)
+    sd, rates = _SD * extent, no_data()
+    for _ in range(_ROUNDS):
+        state, pairs = smooth_states(kinds, steps, _at_clicks(apart, sd, extent), rates)
+        sd = _estimate_sd(apart, state[..., RIGHT], extent)
+        rates = estimate_rates(kinds, state, pairs)
+    return PredictionQuality(
+        np.where(there, state[..., RIGHT], 0.0), sd, rates.stays_wrong, extent
+    )
+
+
+def _extent(uv: np.ndarray, annotations: Annotations, size: tuple[int, int]) -> float:
+    """Return the extent of the animal, px: where few points are clicked paws may just meet."""
+    apart = np.linalg.norm(uv[:, :, None] - uv[:, None], axis=-1).reshape(len(uv), -1)
+    largest = np.where(np.isnan(apart), 0.0, apart).max(axis=1, initial=0.0)
+    found = [annotations.extent(), float(np.median(largest[largest > 0])) if largest.any() else 0.0]
+    largest_of = np.nanmax(found)
+    return float(largest_of) if largest_of > 0 else _UNKNOWN_EXTENT * min(size)
+
+
+def distances_from_clicks(uv: np.ndarray, annotations: Annotations) -> np.ndarray:
+    """Return how far predictions are from clicks, px, shape (n, P); NaN where there is no click."""
+    apart = np.full(uv.shape[:2], np.nan)
+    for row, here in annotations.places.items():
+        for point, clicked in here.items():
+            if 0 <= row < len(uv):
+                apart[row, point] = np.linalg.norm(uv[row, point] - clicked)
+    return apart
+
+
+def _kinds_of_steps(uv: np.ndarray, extent: float) -> np.ndarray:
+    """Tell how far predictions step from the ones before, beside what they mostly do."""
+    n, n_points = uv.shape[:2]
+    before, gap = _ones_before(uv)
+    straight = np.linalg.norm(uv - before, axis=2)
+    single = straight[gap == 1]
+    mostly = np.percentile(single, _MOSTLY) if len(single) else 0.0
+    mostly = np.clip(mostly, _LEAST_STEP * extent, _MOST_STEP * extent)
+    known = (gap > 0) & (gap <= _STEP_GAP)
+    kinds = np.full((n, n_points), UNKNOWN)
+    kinds[known] = np.digitize(straight[known] / (mostly * gap[known]), STEP_EDGES)
+    for a in range(n_points):
+        for b in range(a):
+            crossed = np.linalg.norm(uv[:, a] - before[:, b], axis=1)
+            crossed += np.linalg.norm(uv[:, b] - before[:, a], axis=1)
+            both = straight[:, a] + straight[:, b]
+            exchanged = (crossed < _CROSSED * both) & (both > 2 * STEP_EDGES[0] * mostly)
+            exchanged &= known[:, a] & known[:, b]
+            kinds[exchanged, a] = kinds[exchanged, b] = EXCHANGE
+    return kinds
+
+
+def _ones_before(uv: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the last position before each frame, and how many frames ago; 0 where none is."""
+    n = len(uv)
+    there = np.isfinite(uv[..., 0])
+    last = np.where(there, np.arange(n)[:, None], -1)
+    last = np.concatenate([np.full((1, uv.shape[1]), -1), np.maximum.accumulate(last)[:-1]])
+    before = np.take_along_axis(uv, np.maximum(last, 0)[..., None], axis=0)
+    gap = np.where(there & (last >= 0), np.arange(n)[:, None] - last, 0)
+    return before, gap
+
+
+def _at_clicks(apart: np.ndarray, sd: float, extent: float) -> np.ndarray:
+    """Return how much likelier distances from clicks are where predictions are right."""
+    clicked = np.isfinite(apart)
+    near = extent**2 / (2 * np.pi * sd**2) * np.exp(-np.where(clicked, apart, 0) ** 2 / (2 * sd**2))
+    return np.where(clicked, (1 - _MISPLACED) * near + _MISPLACED, 1.0)
+
+
+def _estimate_sd(apart: np.ndarray, right: np.ndarray, extent: float) -> float:
+    """Return the standard deviation of predictions that are right, px."""
+    clicked = np.isfinite(apart)
+    weight = right[clicked]
+    total = 2 * _SD_CLICKS * (_SD * extent) ** 2 + (weight * apart[clicked] ** 2).sum()
+    sd = np.sqrt(total / (2 * _SD_CLICKS + 2 * weight.sum()))
+    return float(max(sd, _SD_LEAST * extent, _SD_LEAST_PX))

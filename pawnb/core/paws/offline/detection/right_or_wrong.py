@@ -1,0 +1,154 @@
+"""When another program is right: a hidden Markov chain for each point.
+
+A program is right about a point, astray (somewhere else in each frame), or on another point, where
+it stays for a while and moves as smoothly as on its own. What is seen of it:
+
+- its likelihood, by :data:`LIKELIHOOD_EDGES`;
+- how far its prediction steps, beside how far it mostly does, by :data:`STEP_EDGES`, and whether
+  it exchanges places with another point;
+- how far it lies from a click, where there is one.
+
+How often each is seen in each state, and how often the state changes, is estimated in the
+recording by expectation-maximisation (Baum et al. 1970) with pseudo-counts, as clicks are few.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+LIKELIHOOD_EDGES = (0.1, 0.3, 0.6, 0.9, 0.97)
+"""Likelihoods between these are one kind."""
+STEP_EDGES = (1.0, 2.0, 3.0)
+"""Steps between these are one kind, in steps that are mostly not reached."""
+EXCHANGE = len(STEP_EDGES) + 1
+UNKNOWN = EXCHANGE + 1
+"""Further kinds of step: places are exchanged with another point; nothing to step from."""
+
+RIGHT, ASTRAY, ELSEWHERE = 0, 1, 2
+
+_CHANGE = np.array([[98.7, 0.9, 0.4], [8.0, 1.6, 0.4], [0.8, 0.2, 9.0]])
+"""Pseudo-counts of states from one frame to the next."""
+_LIKELIHOODS = np.array(
+    [[0.1, 0.3, 1.0, 2.0, 3.0, 3.6], [2.5, 2.0, 1.8, 1.5, 1.2, 1.0], [1.5, 1.5, 1.8, 1.8, 1.7, 1.7]]
+)
+"""Pseudo-counts of likelihoods in each state."""
+_STEPS = np.array([[45.0, 4.0, 0.7, 0.2, 0.1], [0.4, 0.8, 1.0, 7.6, 0.2], [0.5, 0.8, 1.0, 3.7, 4.0]])
+"""Pseudo-counts of steps: in one state, from or to being astray, from or to being elsewhere."""
+_STEP_OF = np.array([[0, 1, 2], [1, 1, 1], [2, 1, 0]])
+"""Which of those goes with which change of state."""
+
+
+@dataclass
+class Rates:
+    """Probabilities of the chain.
+
+    Parameters
+    ----------
+    change : ndarray, shape (3, 3)
+        Of the next state.
+    likelihoods : ndarray, shape (3, kinds)
+        Of each kind of likelihood in each state.
+    steps : ndarray, shape (3, kinds)
+        Of each kind of step, by ``_STEP_OF``.
+    """
+
+    change: np.ndarray
+    likelihoods: np.ndarray
+    steps: np.ndarray
+
+    @property
+    def stays_wrong(self) -> float:
+        """Mean number of frames for which the program stays elsewhere."""
+        return float(1 / (1 - self.change[ELSEWHERE, ELSEWHERE]))
+
+    def with_steps(self) -> np.ndarray:
+        """Return the probability of the next state and of a step, (kinds, from, to)."""
+        steps = np.concatenate([self.steps[_STEP_OF], np.ones((3, 3, 1))], axis=2)
+        return self.change * steps.transpose(2, 0, 1)
+
+    def usual(self) -> np.ndarray:
+        """Return the probability of each state at any time."""
+        return np.linalg.matrix_power(self.change, 4096)[0]
+
+
+def estimate_rates(kinds: np.ndarray, state: np.ndarray, pairs: np.ndarray) -> Rates:
+    """Return the rates that fit what was found, with the pseudo-counts.
+
+    Parameters
+    ----------
+    kinds : ndarray of int, shape (n, P)
+        Kinds of likelihood; -1 where nothing is predicted.
+    state : ndarray, shape (n, P, 3)
+        Probability of each state.
+    pairs : ndarray, shape (kinds of step + 1, 3, 3)
+        Expected number of each step with each change of state.
+    """
+    change = _CHANGE + pairs.sum(axis=0)
+    likelihoods, steps = _LIKELIHOODS.copy(), _STEPS.copy()
+    seen = kinds >= 0
+    for one in (RIGHT, ASTRAY, ELSEWHERE):
+        likelihoods[one] += np.bincount(
+            kinds[seen], weights=state[seen, one], minlength=likelihoods.shape[1]
+        )
+    for of in range(len(steps)):
+        steps[of] += pairs[:UNKNOWN, _STEP_OF == of].sum(axis=1)
+    return Rates(*(a / a.sum(axis=1, keepdims=True) for a in (change, likelihoods, steps)))
+
+
+def no_data() -> Rates:
+    """Return the rates before the recording is looked at."""
+    return Rates(*(a / a.sum(axis=1, keepdims=True) for a in (_CHANGE, _LIKELIHOODS, _STEPS)))
+
+
+def smooth_states(
+    kinds: np.ndarray, steps: np.ndarray, at_clicks: np.ndarray, rates: Rates
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the probability of each state, given the whole recording.
+
+    Likelihoods of neighbouring frames are alike: while the program may be elsewhere, each counts
+    for one in as many frames as it stays there.
+
+    Parameters
+    ----------
+    kinds : ndarray of int, shape (n, P)
+        Kinds of likelihood; -1 where nothing is predicted.
+    steps : ndarray of int, shape (n, P)
+        Kinds of step from the prediction before.
+    at_clicks : ndarray, shape (n, P)
+        How much likelier the distance from the click is where the program is right than where
+        it is not; 1 where there is no click.
+    rates : Rates
+        The chain.
+
+    Returns
+    -------
+    state : ndarray, shape (n, P, 3)
+        Probabilities.
+    pairs : ndarray, shape (kinds of step + 1, 3, 3)
+        Expected number of each step with each change of state.
+    """
+    n, n_points = kinds.shape
+    counts = np.array([1.0, 1.0, 1.0 / rates.stays_wrong])
+    relative = rates.likelihoods / rates.likelihoods[RIGHT]
+    seen = (relative ** counts[:, None])[:, kinds].transpose(1, 2, 0)
+    seen = np.where((kinds >= 0)[..., None], seen, 1.0)
+    seen[..., RIGHT] *= at_clicks
+    change = rates.with_steps()[steps]
+    ahead, back = np.empty((n, n_points, 3)), np.ones((n, n_points, 3))
+    ahead[0] = _to_one(rates.usual() * seen[0])
+    for t in range(1, n):
+        ahead[t] = _to_one(np.matmul(ahead[t - 1][:, None], change[t])[:, 0] * seen[t])
+    for t in range(n - 2, -1, -1):
+        to_come = seen[t + 1] * back[t + 1]
+        back[t] = _to_one(np.matmul(change[t + 1], to_come[..., None])[..., 0])
+    both = ahead[:-1, ..., None] * change[1:] * (seen[1:] * back[1:])[..., None, :]
+    both /= np.maximum(both.sum(axis=(2, 3), keepdims=True), 1e-300)
+    pairs = np.stack([both[steps[1:] == kind].sum(axis=0) for kind in range(UNKNOWN + 1)])
+    return _to_one(ahead * back), pairs
+
+
+def _to_one(mass: np.ndarray) -> np.ndarray:
+    """Return what sums to 1 for each point."""
+    return mass / np.maximum(mass.sum(axis=-1, keepdims=True), 1e-300)
