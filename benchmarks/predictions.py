@@ -59,7 +59,7 @@ def main() -> None:
             helped = dataclasses.replace(trial, detections=files)
             tracks = tracks_table(track(helped, progress=silent))
             print(say(f"predictions, seed {seed}", labels, predicted, limit))
-            print(say(f"pawnb with these", labels, tracks, limit))
+            print(say("pawnb with these", labels, tracks, limit))
 
 
 def silent(done: int, total: int) -> None:

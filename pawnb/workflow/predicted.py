@@ -112,7 +112,7 @@ def match_points(
     if not given:
         raise InputError(
             f"{where} has points {', '.join(names)}, and the trial has {', '.join(points)}: name "
-            f'them alike, or say which is which under [tracking.detections_points], for instance '
+            f"them alike, or say which is which under [tracking.detections_points], for instance "
             f'{_key(names[0])} = "{points[0]}".'
         )
     return {given[point]: point for point in points if point in given}

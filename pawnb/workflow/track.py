@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from pawnb.core.paws.offline.detection.predictions import Predictions
 from pawnb.core.paws.offline.quality_likeness import add_likeness, keep_likeness
 from pawnb.core.paws.settings import REFERENCE_WIDTH_PX
 from pawnb.core.paws.stretch import TOLERANCE_PX, keep_untouched
@@ -39,6 +40,7 @@ from pawnb.workflow.placed import (
     clicks_of_frame,
     start_clicks,
 )
+from pawnb.workflow.predicted import read_predictions
 from pawnb.workflow.progress import Progress, tracking_progress
 from pawnb.workflow.provenance import build_step, trial_checksums, trial_fingerprint
 from pawnb.workflow.quality import tell_failed
@@ -52,7 +54,7 @@ from pawnb.workflow.results import (
 )
 from pawnb.workflow.retrack_pose import retrack_pose
 from pawnb.workflow.track_pose import track_pose_trial
-from pawnb.workflow.trial_views import frame_range, paw_task, trial_rig
+from pawnb.workflow.trial_views import frame_range, paw_task, points_by_view, trial_rig
 from pawnb.workflow.unfinished import join_earlier, unfinished_tracks
 
 _PUBLISHED_FRAMES = 2
@@ -169,7 +171,9 @@ def track(
         # method pawnb keeps its candidates instead
         earlier = unfinished_tracks(Path(out), step) if out and method != METHODS[0] else None
         begin = first if earlier is None else int(earlier["frame"][-1])
-        span = {"frames": (begin, last), "tracks": earlier}
+        span: dict[str, Any] = {"frames": (begin, last), "tracks": earlier}
+        if method == METHODS[0]:
+            span["predictions"] = _predictions(trial, views, clicks, (begin, last))
         task = paw_task(trial, rig, clicks, progress=report, stop=asked, **span)
         tracks = run_tracker(method, views, clicks, task=task, settings=chosen, store=store)
         shown.close()
@@ -283,7 +287,13 @@ def retrack(
                 stack.callback(keep_store, store)
                 kept = {"looked": looked, "store": store}
         span = (begin, int(known[-1]) + 1)
-        task = paw_task(trial, rig, clicks, frames=span, tracks=old, progress=report, stop=stop)
+        predictions = {}
+        if method == METHODS[0]:
+            predictions = _predictions(trial, views, clicks, span)
+        task = paw_task(
+            trial, rig, clicks, frames=span, tracks=old, predictions=predictions, progress=report,
+            stop=stop,
+        )  # fmt: skip
         new = run_tracker(
             method, views, clicks, task=task, settings=settings, learn_at=learnt, **kept
         )
@@ -313,6 +323,15 @@ def retrack(
         start=clicks.to_dict(orient="records"),
     )
     return add_provenance(new, **step)
+
+
+def _predictions(
+    trial: Trial, views: ViewSet, clicks: pd.DataFrame, frames: tuple[int, int]
+) -> dict[str, Predictions]:
+    """Return what other programs predict, for the method that has a use for it."""
+    own = points_by_view(trial, clicks).values()
+    points = list(dict.fromkeys(point for names in own for point in names))
+    return read_predictions(trial, views, points, frames)
 
 
 def _store(

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from pawnb.core.rig import Rig
 from pawnb.errors import InputError
 from pawnb.schema import Tracks
+
+if TYPE_CHECKING:
+    from pawnb.core.paws.offline.detection.predictions import Predictions
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,6 +39,9 @@ class Task:
     tracks : Tracks, optional
         Tracks to go on from: rows before ``frames[0]`` are kept; what the tracker takes
         from the others it says itself.
+    predictions : mapping, optional
+        View to what another program predicts there, counted from ``frames[0]``; the default
+        method takes it as evidence beside its own.
     progress : callable, optional
         ``progress(done, total)`` after each frame.
     stop : callable, optional
@@ -49,6 +56,7 @@ class Task:
     individual: str = "animal"
     unit: str = "px"
     tracks: Tracks | None = None
+    predictions: Mapping[str, Predictions] = field(default_factory=dict)
     progress: Callable[[int, int], None] | None = None
     stop: Callable[[], bool] | None = None
 

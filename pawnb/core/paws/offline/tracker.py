@@ -8,6 +8,8 @@ import pandas as pd
 
 from pawnb.core.paws.layout import Layout, Views, make_layout
 from pawnb.core.paws.offline.annotations import Annotations, annotations_of_view
+from pawnb.core.paws.offline.detection.evidence import Detections, installed_evidence
+from pawnb.core.paws.offline.detection.predictions import predictions_as_detections
 from pawnb.core.paws.offline.output import write_tracks
 from pawnb.core.paws.offline.parameters import OfflineParameters
 from pawnb.core.paws.offline.pipeline import (
@@ -18,7 +20,7 @@ from pawnb.core.paws.offline.pipeline import (
 )
 from pawnb.core.paws.offline.quality import assess
 from pawnb.core.paws.offline.quality_likeness import add_likeness
-from pawnb.core.paws.offline.scene.stack import read_stacks
+from pawnb.core.paws.offline.scene.stack import BodyStack, read_stacks
 from pawnb.core.paws.offline.view_input import ViewInput
 from pawnb.core.paws.offline.windows import handed_on, take_over, windows
 from pawnb.core.paws.settings import PaperSettings
@@ -85,8 +87,10 @@ def _colour_may_tell(
     settings: WholeSettings,
     looked: pd.DataFrame | None,
 ) -> bool:
-    """Tell whether it is worth trying colour: paws differ from what is around the animal."""
-    if task.rig is None and len(views.names) > 1:
+    """Tell whether it is worth trying colour: there are no predictions, and paws differ from their
+    surroundings.
+    """
+    if task.predictions or (task.rig is None and len(views.names) > 1):
         return False
     points = list(dict.fromkeys(start["point"]))
     kinds = [PaperSettings().kind(point) for point in points]
@@ -179,7 +183,13 @@ def _track_window(
         return None
     used = [v for v, annotations in enumerate(own) if annotations.rows]
     inputs = [
-        ViewInput(layout.views[v], layout.sizes[v], stack, own[v])
+        ViewInput(
+            layout.views[v],
+            layout.sizes[v],
+            stack,
+            own[v],
+            _detections(layout, task, stack, annotations=own[v], view=v, span=span),
+        )  # fmt: skip
         for v, stack in zip(used, stacks, strict=True)
     ]
     n_points = len(layout.points)
@@ -187,6 +197,27 @@ def _track_window(
     for v, one, points in zip(used, inputs, tracks, strict=True):
         take_over(found[v], view_track(one.stack, points, n_points), begin)
     return [_said(one) for one in inputs]
+
+
+def _detections(
+    layout: Layout,
+    task: Task,
+    stack: BodyStack,
+    *,
+    annotations: Annotations,
+    view: int,
+    span: tuple[int, int],
+) -> list[Detections]:
+    """Return what other programs and other packages' kinds of evidence find in a view."""
+    name = layout.views[view]
+    found = [kind.detect(name, stack, annotations, layout.points) for kind in installed_evidence()]
+    if name in task.predictions:
+        uv, likelihood = task.predictions[name].of(layout.points)
+        part = slice(*span)
+        found.append(
+            predictions_as_detections(uv[part], likelihood[part], annotations, layout.sizes[view])
+        )
+    return found
 
 
 def _reporter(task: Task, *, done: int, of: int) -> Callable[[int], bool]:

@@ -160,9 +160,7 @@ def judge_predictions(
         state, pairs = smooth_states(kinds, steps, _at_clicks(apart, sd, extent), rates)
         sd = _estimate_sd(apart, state[..., RIGHT], extent)
         rates = estimate_rates(kinds, state, pairs)
-    return PredictionQuality(
-        np.where(there, state[..., RIGHT], 0.0), sd, rates.stays_wrong, extent
-    )
+    return PredictionQuality(np.where(there, state[..., RIGHT], 0.0), sd, rates.stays_wrong, extent)
 
 
 def _extent(uv: np.ndarray, annotations: Annotations, size: tuple[int, int]) -> float:
@@ -220,7 +218,9 @@ def _ones_before(uv: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def _at_clicks(apart: np.ndarray, sd: float, extent: float) -> np.ndarray:
     """Return how much likelier distances from clicks are where predictions are right."""
     clicked = np.isfinite(apart)
-    near = extent**2 / (2 * np.pi * sd**2) * np.exp(-np.where(clicked, apart, 0) ** 2 / (2 * sd**2))
+    near = (
+        extent**2 / (2 * np.pi * sd**2) * np.exp(-(np.where(clicked, apart, 0) ** 2) / (2 * sd**2))
+    )
     return np.where(clicked, (1 - _MISPLACED) * near + _MISPLACED, 1.0)
 
 

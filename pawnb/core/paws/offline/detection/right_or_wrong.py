@@ -34,7 +34,9 @@ _LIKELIHOODS = np.array(
     [[0.1, 0.3, 1.0, 2.0, 3.0, 3.6], [2.5, 2.0, 1.8, 1.5, 1.2, 1.0], [1.5, 1.5, 1.8, 1.8, 1.7, 1.7]]
 )
 """Pseudo-counts of likelihoods in each state."""
-_STEPS = np.array([[45.0, 4.0, 0.7, 0.2, 0.1], [0.4, 0.8, 1.0, 7.6, 0.2], [0.5, 0.8, 1.0, 3.7, 4.0]])
+_STEPS = np.array(
+    [[45.0, 4.0, 0.7, 0.2, 0.1], [0.4, 0.8, 1.0, 7.6, 0.2], [0.5, 0.8, 1.0, 3.7, 4.0]]
+)
 """Pseudo-counts of steps: in one state, from or to being astray, from or to being elsewhere."""
 _STEP_OF = np.array([[0, 1, 2], [1, 1, 1], [2, 1, 0]])
 """Which of those goes with which change of state."""
@@ -93,7 +95,7 @@ def estimate_rates(kinds: np.ndarray, state: np.ndarray, pairs: np.ndarray) -> R
             kinds[seen], weights=state[seen, one], minlength=likelihoods.shape[1]
         )
     for of in range(len(steps)):
-        steps[of] += pairs[:UNKNOWN, _STEP_OF == of].sum(axis=1)
+        steps[of] += pairs[:UNKNOWN, of == _STEP_OF].sum(axis=1)
     return Rates(*(a / a.sum(axis=1, keepdims=True) for a in (change, likelihoods, steps)))
 
 
