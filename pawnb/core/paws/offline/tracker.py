@@ -87,9 +87,7 @@ def _colour_may_tell(
     settings: WholeSettings,
     looked: pd.DataFrame | None,
 ) -> bool:
-    """Tell whether it is worth trying colour: there are no predictions, and paws differ from their
-    surroundings.
-    """
+    """Tell whether colour is worth trying: no predictions, and paws unlike what is about them."""
     if task.predictions or (task.rig is None and len(views.names) > 1):
         return False
     points = list(dict.fromkeys(start["point"]))
@@ -182,16 +180,10 @@ def _track_window(
     if stacks is None:
         return None
     used = [v for v, annotations in enumerate(own) if annotations.rows]
-    inputs = [
-        ViewInput(
-            layout.views[v],
-            layout.sizes[v],
-            stack,
-            own[v],
-            _detections(layout, task, stack, annotations=own[v], view=v, span=span),
-        )  # fmt: skip
-        for v, stack in zip(used, stacks, strict=True)
-    ]
+    inputs = []
+    for v, stack in zip(used, stacks, strict=True):
+        detections = _detections(layout, task, stack, annotations=own[v], view=v, span=span)
+        inputs.append(ViewInput(layout.views[v], layout.sizes[v], stack, own[v], detections))
     n_points = len(layout.points)
     tracks = run_pipeline(inputs, n_points=n_points, parameters=parameters, rig=layout.rig)
     for v, one, points in zip(used, inputs, tracks, strict=True):
@@ -210,7 +202,10 @@ def _detections(
 ) -> list[Detections]:
     """Return what other programs and other packages' kinds of evidence find in a view."""
     name = layout.views[view]
-    found = [kind.detect(name, stack, annotations, layout.points) for kind in installed_evidence()]
+    found = [
+        kind.detect(name, stack, annotations=annotations, points=layout.points)
+        for kind in installed_evidence()
+    ]
     if name in task.predictions:
         uv, likelihood = task.predictions[name].of(layout.points)
         part = slice(*span)
