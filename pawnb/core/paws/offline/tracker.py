@@ -49,7 +49,8 @@ def track_points(
 
     Paws of a colour of their own are tracked by :func:`pawnb.core.paws.whole.track_whole`,
     which knows strides and stance. Where its tracks are not good by absolute measures
-    (:func:`.quality.assess`), or it does not apply, :func:`track_offline` tracks the points.
+    (:func:`.quality.assess`), or it does not apply, :func:`track_offline` tracks the points, and
+    those of which more labels are expected to be right are taken.
 
     Parameters
     ----------
@@ -67,16 +68,23 @@ def track_points(
     InputError
         If a click does not fit, or a point has none.
     """
+    by_colour, expected = None, 0.0
     if settings.evidence == COLOUR or (
         settings.evidence != LEARNT and _colour_may_tell(views, start, task, settings, looked)
     ):
-        tracks = track_whole(views, start, task, settings=settings, looked=looked, store=store)
-        tracks.attrs["evidence"] = COLOUR
-        complete = tracks.sizes["time"] >= task.frames[1] - task.frames[0]
-        if settings.evidence == COLOUR or not complete or _is_good(views, tracks, start):
-            return tracks
+        by_colour = track_whole(views, start, task, settings=settings, looked=looked, store=store)
+        by_colour.attrs["evidence"] = COLOUR
+        complete = by_colour.sizes["time"] >= task.frames[1] - task.frames[0]
+        if settings.evidence == COLOUR or not complete:
+            return by_colour
+        quality = assess(add_likeness(views, by_colour, start), clicks=start)
+        if quality.verdict == "good":
+            return by_colour
+        expected = quality.expected_right
     tracks = track_offline(views, start, task)
     tracks.attrs["evidence"] = LEARNT
+    if by_colour is not None and assess(tracks, clicks=start).expected_right < expected:
+        return by_colour
     return tracks
 
 
@@ -95,11 +103,6 @@ def _colour_may_tell(
     if choose_landmarks(tuple(points), tuple(kinds), settings.landmarks).all():
         return False
     return looked is not None or doubt_clicks(views, start, task, settings=settings) is None
-
-
-def _is_good(views: Views, tracks: Tracks, start: pd.DataFrame) -> bool:
-    """Tell whether tracks are good by absolute measures, their pictures included."""
-    return assess(add_likeness(views, tracks, start), clicks=start).verdict == "good"
 
 
 def track_offline(
