@@ -48,11 +48,13 @@ class Annotations:
         """Return the largest distance of two points in one frame, the median over frames; or NaN.
 
         Frames in which only a part of the points could be placed say too little, so only
-        those with the most points count.
+        those with the most points count. Where each frame has one, all frames together do.
         """
         most = max((len(here) for here in self.places.values()), default=0)
         if most < 2:
-            return float("nan")
+            uv = np.array([uv for here in self.places.values() for uv in here.values()])
+            size = np.linalg.norm(uv[:, None] - uv, axis=-1).max() if len(self.points) > 1 else 0.0
+            return float(size) if size > 0 else float("nan")
         sizes = []
         for here in self.places.values():
             if len(here) == most:

@@ -83,7 +83,9 @@ def track_points(
         expected = quality.expected_right
     tracks = track_offline(views, start, task)
     tracks.attrs["evidence"] = LEARNT
-    if by_colour is not None and assess(tracks, clicks=start).expected_right < expected:
+    if by_colour is not None and (
+        not tracks.sizes["time"] or assess(tracks, clicks=start).expected_right < expected
+    ):
         return by_colour
     return tracks
 

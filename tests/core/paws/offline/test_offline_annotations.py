@@ -30,8 +30,13 @@ def test_extent_is_the_median_of_the_longest_sides_of_frames_with_the_most_point
     assert TRIANGLES.without(1).extent() == pytest.approx(5)
 
 
-@pytest.mark.parametrize("places", [{}, {0: {}}, {0: {3: np.zeros(2)}, 5: {4: np.ones(2)}}])
-def test_extent_is_unknown_where_no_frame_has_two_points(places):
+def test_extent_is_that_of_all_frames_where_each_has_one_point():
+    places = {0: {3: np.zeros(2)}, 5: {4: np.array([3.0, 4.0])}}
+    assert Annotations(places).extent() == pytest.approx(5)
+
+
+@pytest.mark.parametrize("places", [{}, {0: {}}, {0: {3: np.zeros(2)}, 5: {3: np.ones(2)}}])
+def test_extent_is_unknown_where_there_are_no_two_points(places):
     assert np.isnan(Annotations(places).extent())
 
 
