@@ -1,10 +1,19 @@
-"""From the model's own probability to one that holds on real marks."""
+"""How likely estimates are right, and how exact: learnt from marks on real clips."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
+
+_WEIGHTS = np.array([0.17, 1.47, -0.24, 2.81, 0.87])
+_OFFSET = 0.12
+"""Logistic regression on 508 marks of horse_walk, mouse_below_grey and mouse_wheel_two_views, each
+clip and number of clicked frames (1, 2, 3, 5) weighing the same. On the four other clips the area
+under the ROC curve is 0.87 (0.77 by the model's own probability)."""
+_CLICK_SD, _ASTRAY_SD = 0.012, 0.3
+"""Standard deviations of a click, and of a point that is astray, in extents: 90 % of marks of these
+three clips and 92 % of the others lie inside 95 % limits."""
 
 
 @dataclass(frozen=True)
@@ -18,13 +27,9 @@ class Signs:
     motion : ndarray, shape (n,)
         Logarithm of the ratio of likelihoods by motion at the estimate; 0 where flow says nothing.
     apart : ndarray, shape (n,)
-        Distance between where appearance alone puts the point and the estimate, in radii, at
-        most 3.
-    travelled : ndarray, shape (n,)
-        Way of the point in the body's frame since (or until) the nearest click, in extents: every
-        swing is an occasion to be taken for another.
+        Distance between where appearance alone puts the point and the estimate, in radii.
     between : ndarray of bool, shape (n,)
-        Whether there are clicks on both sides.
+        Whether a click lies before the frame (or in it) and one after it (or in it).
     agreement : ndarray, shape (n,)
         How far what came before and what comes after put the point in one place, 0 to 1.
     """
@@ -32,19 +37,17 @@ class Signs:
     probability: np.ndarray
     motion: np.ndarray
     apart: np.ndarray
-    travelled: np.ndarray
     between: np.ndarray
     agreement: np.ndarray
 
     def columns(self) -> np.ndarray:
-        """Return the signs (n, 6) as they enter the calibration."""
+        """Return the signs (n, 5) as they enter the calibration."""
         p = np.clip(self.probability, 2.5e-3, 1 - 2.5e-3)
         return np.stack(
             [
                 np.log(p / (1 - p)),
                 self.motion,
                 np.minimum(self.apart, 3.0),
-                np.log1p(self.travelled),
                 self.between.astype(float),
                 np.where(self.between, np.log(np.clip(self.agreement, 1e-2, 1.0)), 0.0),
             ],
@@ -52,42 +55,27 @@ class Signs:
         )
 
 
-def way_to_clicks(
-    place: np.ndarray, rows: list[int], extent: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return how far a point has moved since its nearest click, and where clicks are on both sides.
+def probability_right(signs: Signs) -> np.ndarray:
+    """Return the probability (n,) that estimates lie within half a paw of the truth."""
+    return np.asarray(1 / (1 + np.exp(-(signs.columns() @ _WEIGHTS + _OFFSET))))
+
+
+def standard_deviation(sd: np.ndarray, right: np.ndarray, extent: float) -> np.ndarray:
+    """Return the standard deviation of estimates along each axis.
 
     Parameters
     ----------
-    place : ndarray, shape (n, 2)
-        Its track in the body's frame.
-    rows : list of int
-        Rows in which it was clicked.
+    sd : ndarray
+        That of the distribution over places.
+    right : ndarray
+        Probability that the estimate is right.
     extent : float
-        Size of the animal in the same unit.
+        Size of the animal, in the unit of ``sd``.
 
     Returns
     -------
-    travelled : ndarray, shape (n,)
-        In extents.
-    between : ndarray of bool, shape (n,)
-        Whether a click lies before and one after (or in) the row.
+    ndarray
+        With what a click is off by, and what a point that is astray is off by.
     """
-    steps = np.linalg.norm(np.diff(place, axis=0), axis=1) / extent
-    way = np.concatenate([[0.0], np.cumsum(steps)])
-    n = len(place)
-    travelled = np.min([np.abs(way - way[row]) for row in rows], axis=0)
-    row = np.arange(n)
-    return travelled, (row >= min(rows)) & (row <= max(rows))
-
-
-_WEIGHTS = np.array([0.37, 1.34, 0.0, 0.0, 2.19, 0.0])
-_OFFSET = -1.01
-
-
-def probability_right(signs: Signs) -> np.ndarray:
-    """Return the probability (n,) that estimates lie within half a paw of the truth.
-
-    Logistic regression on the marks of the clips on which parameters were chosen.
-    """
-    return np.asarray(1 / (1 + np.exp(-(signs.columns() @ _WEIGHTS + _OFFSET))))
+    square = sd**2 + (_CLICK_SD * extent) ** 2 + (1 - right) * (_ASTRAY_SD * extent) ** 2
+    return np.asarray(np.sqrt(square))

@@ -13,7 +13,7 @@ from pawnb.core.paws.offline.association.positional_prior import (
     prior_from_clicks,
     prior_from_tracks,
 )
-from pawnb.core.paws.offline.calibration import Signs, probability_right, way_to_clicks
+from pawnb.core.paws.offline.calibration import Signs, probability_right, standard_deviation
 from pawnb.core.paws.offline.detection.appearance import (
     Lesson,
     appearance_maps,
@@ -70,8 +70,10 @@ def view_track(stack: BodyStack, tracks: Mapping[int, PointTrack], n_points: int
     rows = np.arange(n)
     for point, own in tracks.items():
         track.uv[:, point] = stack.picture_of(own.found.place, rows)
-        track.probability[:, point] = probability_right(own.signs)
-        track.sd_px[:, point] = own.found.sd * stack.spacing / stack.scale
+        right = probability_right(own.signs)
+        track.probability[:, point] = right
+        sd_px = own.found.sd * stack.spacing / stack.scale
+        track.sd_px[:, point] = standard_deviation(sd_px, right, stack.extent_px)
     return track
 
 
@@ -168,17 +170,12 @@ def _signs(
     x, y = np.rint(found.place).astype(int).T
     radius = parameters.appearance.radius / parameters.scene.spacing
     alone = estimate(look, radius)
-    travelled, between = way_to_clicks(
-        found.place * view.stack.spacing,
-        view.annotations.rows_of(point),
-        parameters.scene.extent,
-    )
+    rows, row = view.annotations.rows_of(point), np.arange(len(x))
     return Signs(
         found.probability,
-        np.log(motion[np.arange(len(x)), y, x]),
+        np.log(motion[row, y, x]),
         np.linalg.norm(alone.place - found.place, axis=1) / radius,
-        travelled,
-        between,
+        (row >= min(rows)) & (row <= max(rows)),
         agreement,
     )
 

@@ -117,6 +117,6 @@ def make_stack():
         forward = np.broadcast_to(np.float32(flow), (max(n - 1, 0), h, w, 2))
         body = BodyFrame(np.zeros((n, 2)), np.zeros(n), "stays", pans=False)
         to_body = np.tile(np.eye(3)[:2], (n, 1, 1))
-        return BodyStack(grey, colour, to_body, forward, -forward, spacing, body, 1.0)
+        return BodyStack(grey, colour, to_body, forward, -forward, spacing, body, 1.0, 60.0)
 
     return make

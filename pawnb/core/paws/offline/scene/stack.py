@@ -44,6 +44,8 @@ class BodyStack:
         How the frame was found.
     scale : float
         Working px in one px of the view.
+    extent_px : float
+        Size of the animal, px of the view.
     """
 
     grey: np.ndarray
@@ -54,6 +56,7 @@ class BodyStack:
     spacing: int
     body: BodyFrame
     scale: float
+    extent_px: float
 
     @property
     def shape(self) -> tuple[int, int, int]:
@@ -161,7 +164,7 @@ class _Crops:
         clicks = {
             row: np.array(list(here.values())) for row, here in sorted(annotations.places.items())
         }
-        self.spacing = parameters.spacing
+        self.spacing, self.extent_px = parameters.spacing, extent
         self.body = find_body_frame(
             small,
             {row: uv * small_scale for row, uv in clicks.items()},
@@ -217,6 +220,7 @@ class _Crops:
             self.spacing,
             self.body,
             self.scale,
+            self.extent_px,
         )
 
 

@@ -207,7 +207,7 @@ def test_where_it_is_stopped_there_is_nothing(two_views, last):
     assert read(two_views, [CLICKED, CLICKED], extent=40.0, advanced=lambda n: n < last) is None
 
 
-def test_with_one_point_in_a_frame_the_extent_is_that_of_the_picture(two_views):
+def test_of_one_point_the_extent_is_that_of_the_picture(two_views):
     """0.4 of the shorter side, 60 px, are 24 px; 48 working px were asked for."""
-    alone = Annotations({0: {0: np.array([20.0, 30.0])}, 3: {1: np.array([60.0, 30.0])}})
+    alone = Annotations({0: {0: np.array([20.0, 30.0])}, 3: {0: np.array([60.0, 30.0])}})
     assert read(two_views, [alone, Annotations({})], extent=48.0)[0].scale == pytest.approx(2)
