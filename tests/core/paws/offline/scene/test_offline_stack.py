@@ -40,7 +40,7 @@ def test_places_of_the_grid_and_positions_in_the_view_are_inverse(spacing, angle
     empty = np.zeros((1, 1, 1, 2), np.float32)
     body = BodyFrame(np.zeros((2, 2)), np.array([0, angle]), "turns", pans=False)
     stack = BodyStack(
-        np.zeros((2, 9, 9), np.uint8), None, to_body, empty, empty, spacing, body, scale
+        np.zeros((2, 9, 9), np.uint8), None, to_body, empty, empty, spacing, body, scale, 60.0
     )
     uv = np.array(uv)
     place = stack.grid_of(uv, 1)
