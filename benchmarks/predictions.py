@@ -110,7 +110,7 @@ def write_predictions(trial: Trial, *, seed: int) -> pd.DataFrame:
     for view in trial.views:
         own = truth[truth["view"] == view.name]
         points = list(dict.fromkeys(own["point"]))
-        wide = own.pivot(index="frame", columns="point", values=["u", "v"])
+        wide = own.pivot_table(index="frame", columns="point", values=["u", "v"])
         uv = np.stack([wide[axis][points].to_numpy() for axis in "uv"], axis=2)
         uv, likelihood = predict(rng, uv, points)
         write_deeplabcut(trial.folder / f"{view.name}DLC.csv", points, uv, likelihood)

@@ -22,8 +22,9 @@ from pawnb.workflow.event_sources import read_trial_events
 from pawnb.workflow.foreign_tracks import read_belt, read_foreign_tracks
 from pawnb.workflow.manifest import RUN_KINDS, find_fault, known_files
 from pawnb.workflow.methods import pose_tracker_settings, tracker_settings
+from pawnb.workflow.predicted import doubt_predictions, read_predictions
 from pawnb.workflow.results import provenance_steps, results_folder
-from pawnb.workflow.trial_views import frame_range, paw_task, trial_rig
+from pawnb.workflow.trial_views import frame_range, paw_task, points_by_view, trial_rig
 
 MAX_CLICK_RESIDUAL_PX = 10.0
 
@@ -197,7 +198,7 @@ def _check_calibration(trial: Trial, views: ViewSet, report: CheckReport) -> Non
     try:
         clicks = read_start(trial.path(file), trial)
         check_start(clicks, trial, sizes)
-        frame_range(trial, views, clicks)
+        frames = frame_range(trial, views, clicks)
     except PawnbError as error:
         report.faults.append(str(error))
         return
@@ -205,6 +206,7 @@ def _check_calibration(trial: Trial, views: ViewSet, report: CheckReport) -> Non
         f"start: {len(clicks)} clicks on {', '.join(dict.fromkeys(clicks['point']))} in frame "
         f"{', '.join(str(f) for f in sorted(set(clicks['frame'])))}"
     )
+    _check_predictions(trial, views, clicks, frames, report)
     if not report.faults:
         _doubt_colours(trial, views, rig, clicks, report)
     if rig is None:
@@ -219,6 +221,31 @@ def _check_calibration(trial: Trial, views: ViewSet, report: CheckReport) -> Non
                 f"start clicks of {point} in frame {frame} disagree between the views by "
                 f"{residual:.0f} px: one of them is on another point, or the calibration is off"
             )
+
+
+def _check_predictions(
+    trial: Trial,
+    views: ViewSet,
+    clicks: pd.DataFrame,
+    frames: tuple[int, int],
+    report: CheckReport,
+) -> None:
+    """Read other programs' predictions as tracking will, and doubt those far from the clicks."""
+    tracked = points_by_view(trial, clicks)
+    points = tuple(dict.fromkeys(point for own in tracked.values() for point in own))
+    try:
+        predictions = read_predictions(trial, views, points=points, frames=frames)
+    except PawnbError as error:
+        report.faults.append(str(error))
+        return
+    for view, own in predictions.items():
+        share = np.isfinite(own.uv[..., 0]).mean()
+        report.found.append(
+            f"predictions of view {view} in {own.file}: {', '.join(own.points)}, there in "
+            f"{100 * share:.0f} % of frames"
+        )
+    said = doubt_predictions(predictions, clicks, views=views, first=frames[0])
+    report.doubts += [words.rstrip(".") for words in said]
 
 
 def _doubt_colours(

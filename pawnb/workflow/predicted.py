@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 from pawnb.core.paws.offline.annotations import Annotations
-from pawnb.core.paws.offline.detection.predictions import Predictions, distances_from_clicks
+from pawnb.core.paws.offline.detection.predictions import (
+    Predictions,
+    distances_from_clicks,
+    find_extent,
+)
 from pawnb.core.viewset import ViewSet
-from pawnb.errors import InputError, InputWarning, did_you_mean
+from pawnb.errors import InputError, did_you_mean
 from pawnb.io.formats import read_any_tracks, recognise_format
 from pawnb.schema import Tracks
 from pawnb.trial import Trial
@@ -19,11 +23,13 @@ from pawnb.trial import Trial
 _OWN = ("pawnb", "csv")
 """Formats of pawnb itself: in the pixels and frames of the trial, not of a view's file."""
 _FAR = 0.2
-"""Predictions farther than this from clicks, in extents of the clicks, are on something else."""
+"""Predictions farther than this from clicks, in extents of the animal, are on something else."""
+_FEWEST = 2
+"""One click may be a slip of the hand, or of the program."""
 
 
 def read_predictions(
-    trial: Trial, views: ViewSet, points: Sequence[str], frames: tuple[int, int]
+    trial: Trial, views: ViewSet, *, points: Sequence[str], frames: tuple[int, int]
 ) -> dict[str, Predictions]:
     """Read the predictions of every view that has some.
 
@@ -119,46 +125,51 @@ def match_points(
 
 
 def doubt_predictions(
-    predictions: Predictions, annotations: Annotations, points: tuple[str, ...]
-) -> str | None:
+    predictions: Mapping[str, Predictions], clicks: pd.DataFrame, *, views: ViewSet, first: int
+) -> list[str]:
     """Say where most predictions lie far from the clicks: they are of another video, or crop.
 
     Parameters
     ----------
-    predictions : Predictions
-        Of one view.
-    annotations : Annotations
-        Clicks of that view.
-    points : tuple of str
-        Names of the points, by number.
+    predictions : mapping
+        View to its predictions.
+    clicks : pandas.DataFrame
+        frame, view, point, u, v.
+    views : ViewSet
+        The open views.
+    first : int
+        First frame that is tracked.
 
     Returns
     -------
-    str or None
-        A sentence, or None where there is no doubt.
+    list of str
+        A sentence for each such file.
     """
-    apart = distances_from_clicks(predictions.of(points)[0], annotations)
-    apart = apart[np.isfinite(apart)]
-    extent = annotations.extent()
-    if len(apart) < 2 or not extent > 0 or np.median(apart) <= _FAR * extent:
-        return None
-    return (
-        f"{predictions.file}: predictions lie {np.median(apart):.0f} px from the clicks (median of "
-        f"{len(apart)}), so they count for little; if they are of another video, crop or frame "
-        "range, give those of this view."
-    )
-
-
-def warn_of_doubtful(
-    predictions: Mapping[str, Predictions],
-    annotations: Mapping[str, Annotations],
-    points: tuple[str, ...],
-) -> None:
-    """Warn of predictions that do not fit the clicks; see :func:`doubt_predictions`."""
+    doubts = []
     for view, own in predictions.items():
-        words = doubt_predictions(own, annotations[view], points)
-        if words is not None:
-            warnings.warn(words, InputWarning, stacklevel=3)
+        reader = views.readers[view]
+        annotations = _annotations(clicks, view, own.points, first)
+        apart = distances_from_clicks(own.uv, annotations)
+        apart = apart[np.isfinite(apart)]
+        extent = find_extent(own.uv, annotations, (reader.width, reader.height))
+        if len(apart) >= _FEWEST and np.median(apart) > _FAR * extent:
+            doubts.append(
+                f"{own.file}: predictions lie {np.median(apart):.0f} px from the clicks in view "
+                f"{view!r} (median of {len(apart)}), so they count for little; if they are of "
+                "another video, crop or frame range, give those of this one."
+            )
+    return doubts
+
+
+def _annotations(
+    clicks: pd.DataFrame, view: str, points: tuple[str, ...], first: int
+) -> Annotations:
+    """Return the clicks of a view on the points of its predictions."""
+    places: dict[int, dict[int, np.ndarray]] = {}
+    own = clicks[(clicks["view"] == view) & clicks["point"].isin(points)]
+    for frame, point, u, v in zip(*(own[c] for c in ("frame", "point", "u", "v")), strict=True):
+        places.setdefault(int(frame) - first, {})[points.index(point)] = np.array([u, v], float)
+    return Annotations(places)
 
 
 def _of_animal(tracks: Tracks, trial: Trial, path: Path) -> Tracks:

@@ -109,7 +109,7 @@ class PredictionQuality:
 
 
 def predictions_as_detections(
-    uv: np.ndarray, likelihood: np.ndarray, annotations: Annotations, size: tuple[int, int]
+    uv: np.ndarray, likelihood: np.ndarray, annotations: Annotations, *, size: tuple[int, int]
 ) -> Detections:
     """Return predictions with log-odds that mean what they say.
 
@@ -130,7 +130,7 @@ def predictions_as_detections(
     Detections
         At most one for each point and row.
     """
-    quality = judge_predictions(uv, likelihood, annotations, size)
+    quality = judge_predictions(uv, likelihood, annotations, size=size)
     row, point = np.nonzero(quality.right > 0)
     right = np.minimum(quality.right[row, point], _SURE)
     area = quality.extent_px**2 / (2 * np.pi * quality.sd_px**2)
@@ -146,30 +146,35 @@ def predictions_as_detections(
 
 
 def judge_predictions(
-    uv: np.ndarray, likelihood: np.ndarray, annotations: Annotations, size: tuple[int, int]
+    uv: np.ndarray, likelihood: np.ndarray, annotations: Annotations, *, size: tuple[int, int]
 ) -> PredictionQuality:
     """Return how good predictions are; parameters as :func:`predictions_as_detections`."""
     there = np.isfinite(uv).all(axis=2) & (likelihood >= _LEAST_LIKELIHOOD)
     uv = np.where(there[..., None], uv, np.nan)
-    extent = _extent(uv, annotations, size)
+    extent = find_extent(uv, annotations, size)
     kinds = np.where(there, np.digitize(likelihood, LIKELIHOOD_EDGES), -1)
     steps = _kinds_of_steps(uv, extent)
     apart = distances_from_clicks(uv, annotations)
     sd, rates = _SD * extent, no_data()
     for _ in range(_ROUNDS):
-        state, pairs = smooth_states(kinds, steps, _at_clicks(apart, sd, extent), rates)
+        at_clicks = _at_clicks(apart, sd, extent)
+        state, pairs = smooth_states(kinds, steps, at_clicks=at_clicks, rates=rates)
         sd = _estimate_sd(apart, state[..., RIGHT], extent)
         rates = estimate_rates(kinds, state, pairs)
     return PredictionQuality(np.where(there, state[..., RIGHT], 0.0), sd, rates.stays_wrong, extent)
 
 
-def _extent(uv: np.ndarray, annotations: Annotations, size: tuple[int, int]) -> float:
-    """Return the extent of the animal, px: where few points are clicked paws may just meet."""
+def find_extent(uv: np.ndarray, annotations: Annotations, size: tuple[int, int]) -> float:
+    """Return the extent of the animal, px: of the clicks or, where that is larger, of predictions.
+
+    Where few points are clicked in one frame they may just meet there. Parameters as for
+    :func:`predictions_as_detections`.
+    """
     apart = np.linalg.norm(uv[:, :, None] - uv[:, None], axis=-1).reshape(len(uv), -1)
     largest = np.where(np.isnan(apart), 0.0, apart).max(axis=1, initial=0.0)
-    found = [annotations.extent(), float(np.median(largest[largest > 0])) if largest.any() else 0.0]
-    largest_of = np.nanmax(found)
-    return float(largest_of) if largest_of > 0 else _UNKNOWN_EXTENT * min(size)
+    predicted = float(np.median(largest[largest > 0])) if largest.any() else 0.0
+    extent = float(np.nanmax([annotations.extent(), predicted]))
+    return extent if extent > 0 else _UNKNOWN_EXTENT * min(size)
 
 
 def distances_from_clicks(uv: np.ndarray, annotations: Annotations) -> np.ndarray:

@@ -105,7 +105,7 @@ def no_data() -> Rates:
 
 
 def smooth_states(
-    kinds: np.ndarray, steps: np.ndarray, at_clicks: np.ndarray, rates: Rates
+    kinds: np.ndarray, steps: np.ndarray, *, at_clicks: np.ndarray, rates: Rates
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the probability of each state, given the whole recording.
 
