@@ -26,6 +26,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
+from pawnb.core.paws.offline.quality_measures import CALIBRATED
 from pawnb.core.rig import Rig
 from pawnb.core.suspect_evidence import Evidence, collect_evidence, image_positions
 from pawnb.core.suspect_limits import collect_limits
@@ -43,6 +44,9 @@ _LEAST_DEVIATIONS = 1.0
 """Frames with less doubt than this are not listed, of tracks without uncertainty."""
 _LEAST_ERRORS = 0.02
 """Who looks at fifty frames for one error has found nearly all of them."""
+_CHANCE_FRAMES, _LEAST_WRONG = 2.0, 0.3
+"""Of labels that state their chance of being right, the frames are listed in which so many points
+are expected to be wrong; a look shows what is wrong in so many frames before and after."""
 _LEAST_SHARE = 0.02
 """This share of frames is listed in any case: a recording may err where no other did."""
 
@@ -120,8 +124,9 @@ def find_suspects(
         where it is doubted most. The score is that of the frame. For tracks with ``sd`` it is
         the number of errors that a look at it, and at the five frames before and after, is
         expected to find besides those that frames listed before it show; scores of
-        several recordings can be compared. For others it is the doubts about all points added
-        up, in robust standard deviations, less what frames listed before have calmed.
+        several recordings can be compared. Where ``image_confidence`` is the chance of being
+        right, it is the number of points expected to be wrong. For others it is the doubts
+        about all points added up, in robust standard deviations, less what frames listed before have calmed.
 
     Raises
     ------
@@ -133,7 +138,9 @@ def find_suspects(
     if "image_position" not in tracks:
         raise InputError("these tracks have no image positions; suspects need them.")
     settings = settings or SuspectSettings()
-    if states_uncertainty(tracks):
+    if tracks["image_confidence"].attrs.get(CALIBRATED):
+        rows = _by_chance(tracks, settings)
+    elif states_uncertainty(tracks):
         rows = _by_expected_errors(tracks, rig, settings, other)
     else:
         rows = _by_evidence(tracks, rig, settings, other)
@@ -171,6 +178,32 @@ def _by_expected_errors(
                 when = _elsewhere_in_words(int(frames[at]), int(frames[t]))
                 said = when + _heaviest(doubts, weights[:, at, p], at, p)
                 rows.append((int(frames[t]), view, points[p], said, round(score, 4)))
+    return rows
+
+
+def _by_chance(tracks: Tracks, settings: SuspectSettings) -> list[Row]:
+    """List the frames of tracks whose labels state their own chance of being right."""
+    frames = tracks["frame"].to_numpy()
+    views, points = (tracks[name].to_numpy().tolist() for name in ("view", "keypoint"))
+    chance = np.nan_to_num(tracks["image_confidence"].isel(individual=0).to_numpy())
+    followed = np.isfinite(image_positions(tracks)[..., 0]).any(axis=0)
+    wrong = np.where(followed & ~_placed_by_hand(tracks), 1.0 - chance, 0.0)  # (n, V, P)
+    looks = choose_looks(
+        wrong.max(axis=1),
+        frames,
+        around=_CHANCE_FRAMES if settings.apart_frames is None else settings.apart_frames / 2,
+        least=settings.least_score or _LEAST_WRONG,
+    )
+    rows = []
+    for t, score, expected, worst in looks:
+        for p in np.argsort(-expected, kind="stable").tolist():
+            if expected[p] >= _TELLING * expected.max():
+                at = int(worst[p])
+                view = int(wrong[at, :, p].argmax())
+                when = _elsewhere_in_words(int(frames[at]), int(frames[t]))
+                sure = 100 * (1 - wrong[at, view, p])
+                said = f"{when}the tracker is {sure:.0f} % sure of it"
+                rows.append((int(frames[t]), views[view], points[p], said, round(score, 4)))
     return rows
 
 

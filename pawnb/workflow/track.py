@@ -331,7 +331,7 @@ def _predictions(
     """Return what other programs predict, for the method that has a use for it."""
     own = points_by_view(trial, clicks).values()
     points = list(dict.fromkeys(point for names in own for point in names))
-    return read_predictions(trial, views, points, frames)
+    return read_predictions(trial, views, points=points, frames=frames)
 
 
 def _store(

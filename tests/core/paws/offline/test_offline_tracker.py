@@ -153,9 +153,9 @@ def test_a_kind_of_evidence_of_another_package_is_taken(
 
 @pytest.mark.parametrize(
     ("colour", "learnt", "taken"),
-    [("good", None, "colour"), (0.7, 0.6, "colour"), (0.4, 0.6, "learnt")],
+    [("good", None, "colour"), (0.7, 0.6, "colour"), (0.5, 0.6, "colour"), (0.4, 0.6, "learnt")],
 )
-def test_tracks_of_which_more_is_expected_to_be_right_are_taken(
+def test_tracks_of_which_clearly_more_is_expected_to_be_right_are_taken(
     views, truth, monkeypatch, colour, learnt, taken
 ):
     """Quality is given here; how it is told has its own tests."""
