@@ -126,7 +126,8 @@ def find_suspects(
         expected to find besides those that frames listed before it show; scores of
         several recordings can be compared. Where ``image_confidence`` is the chance of being
         right, it is the number of points expected to be wrong. For others it is the doubts
-        about all points added up, in robust standard deviations, less what frames listed before have calmed.
+        about all points added up, in robust standard deviations, less what frames listed
+        before have calmed.
 
     Raises
     ------

@@ -52,7 +52,7 @@ class WholeSettings:
         other names do (``FR``, ``LH``, ``hind_left``).
     evidence : {"auto", "colour", "learnt"}
         What points are found by: their colour, with strides and stance; motion and an appearance
-        that is learnt in the recording; or the first where its tracks are good, else the second.
+        that is learnt in the recording; or the first unless its tracks failed.
     """
 
     acceleration: float = 500.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -152,28 +153,15 @@ def test_a_kind_of_evidence_of_another_package_is_taken(
 
 
 @pytest.mark.parametrize(
-    ("colour", "learnt", "taken"),
-    [("good", None, "colour"), (0.7, 0.6, "colour"), (0.5, 0.6, "colour"), (0.4, 0.6, "learnt")],
+    ("verdict", "taken"), [("good", "colour"), ("look", "colour"), ("failed", "learnt")]
 )
-def test_tracks_of_which_clearly_more_is_expected_to_be_right_are_taken(
-    views, truth, monkeypatch, colour, learnt, taken
-):
-    """Quality is given here; how it is told has its own tests."""
-    by_colour = track_offline(views, clicks(truth, [2]), task(), parameters=QUICK)
-    by_learning = by_colour.copy()
-    told = {
-        "colour": ("good", 0.95) if colour == "good" else ("look", colour),
-        "learnt": ("look", learnt),
-    }
-
-    class Told:
-        def __init__(self, verdict, expected_right):
-            self.verdict, self.expected_right = verdict, expected_right
-
-    monkeypatch.setattr(tracker, "track_whole", lambda *a, **k: by_colour)
-    monkeypatch.setattr(tracker, "track_offline", lambda *a, **k: by_learning)
+def test_colour_gives_way_where_its_tracks_failed(views, truth, monkeypatch, verdict, taken):
+    """The verdict is given here; how it is told has its own tests."""
+    found = track_offline(views, clicks(truth, [2]), task(), parameters=QUICK)
+    monkeypatch.setattr(tracker, "track_whole", lambda *a, **k: found.copy())
+    monkeypatch.setattr(tracker, "track_offline", lambda *a, **k: found.copy())
     monkeypatch.setattr(tracker, "_colour_may_tell", lambda *a: True)
     monkeypatch.setattr(tracker, "add_likeness", lambda views, tracks, start: tracks)
-    monkeypatch.setattr(tracker, "assess", lambda t, **k: Told(*told[t.attrs["evidence"]]))
+    monkeypatch.setattr(tracker, "assess", lambda t, **k: SimpleNamespace(verdict=verdict))
     tracks = track_points(views, clicks(truth, [2]), task(), settings=WholeSettings())
     assert tracks.attrs["evidence"] == taken
