@@ -19,7 +19,7 @@ from typing import Any
 from pawnb.errors import InputError
 from pawnb.trial import Trial, trial_document
 
-_PACKAGES = ("pawnb", "numpy", "scipy", "pandas", "xarray", "scikit-image",
+_PACKAGES = ("pawnb", "numpy", "scipy", "pandas", "xarray", "scikit-image", "scikit-learn",
              "opencv-python-headless", "av", "astropy", "matplotlib")  # fmt: skip
 
 
