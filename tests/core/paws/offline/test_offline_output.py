@@ -1,0 +1,111 @@
+"""Estimates of views as Tracks: a sound place in space shows where a view does not see it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from pawnb.core.paws.layout import Placement, make_layout
+from pawnb.core.paws.offline.output import write_tracks
+from pawnb.core.paws.offline.pipeline import ViewTrack
+from pawnb.core.paws.settings import PaperSettings
+from pawnb.core.paws.task import Task
+from pawnb.core.rig import Rig
+from pawnb.schema import ORIGIN_CODE
+
+SIZE = (120, 90)
+XYZ = np.array([[3.0, 2.0, -4.0], [2.0, 2.5, -3.0], [1.0, 3.0, -2.0]])
+"""One point in three frames, mm."""
+
+
+def look_at(position):
+    """Projection matrix (3, 4) of a camera that looks at the origin from a position, Z up."""
+    position = np.asarray(position, float)
+    z = -position / np.linalg.norm(position)
+    x = np.cross(z, [0.0, 0.0, 1.0])
+    x /= np.linalg.norm(x)
+    R = np.stack([x, np.cross(z, x), z])
+    K = np.array([[300.0, 0, 60.0], [0, 300.0, 45.0], [0, 0, 1]])
+    return K @ np.c_[R, -R @ position]
+
+
+CAMERAS = {
+    name: look_at(position)
+    for name, position in {
+        "left": (-60, -100, 0), "right": (60, -100, 30), "top": (0, -60, 110)
+    }.items()
+}  # fmt: skip
+RIG = Rig(tuple(CAMERAS), np.stack([(P / P[2, 3]).ravel()[:11] for P in CAMERAS.values()], axis=1))
+TRUTH = np.stack(
+    [[(h := P @ np.append(xyz, 1))[:2] / h[2] for P in CAMERAS.values()] for xyz in XYZ]
+)
+"""(frames, views, 2) by the projection matrices themselves."""
+
+
+@pytest.fixture
+def layout(array_views):
+    films = {name: np.zeros((3, SIZE[1], SIZE[0]), np.uint8) for name in CAMERAS}
+    start = pd.DataFrame(
+        [(0, name, "FR", *TRUTH[0, v]) for v, name in enumerate(CAMERAS)],
+        columns=["frame", "view", "point", "u", "v"],
+    )
+    return lambda rig: make_layout(
+        array_views(films), start, Task(frames=(0, 3), fps=100.0, rig=rig), settings=PaperSettings()
+    )
+
+
+def found(chance, uv=TRUTH):
+    """Return tracks of the views; chance (frames, views)."""
+    chance = np.broadcast_to(chance, (3, 3)).astype(float)
+    return [
+        ViewTrack(uv[:, v, None].copy(), chance[:, v, None].copy(), np.ones((3, 1)))
+        for v in range(3)
+    ]
+
+
+def written(layout, tracks, rig=RIG, placed=None):
+    task = Task(frames=(0, 3), fps=100.0, rig=rig)
+    return write_tracks(tracks, layout(rig), task, placed=placed or {})
+
+
+def origins(tracks):
+    codes = tracks["image_origin"].isel(individual=0, keypoint=0).to_numpy()
+    names = {code: name for name, code in ORIGIN_CODE.items()}
+    return [[names[int(code)] for code in row] for row in codes]
+
+
+def test_places_in_space_are_those_of_which_the_views_are_pictures(layout):
+    tracks = written(layout, found(0.9))
+    place = tracks["position"].isel(individual=0, keypoint=0).to_numpy()
+    np.testing.assert_allclose(place, XYZ, atol=1e-6)
+    assert origins(tracks) == [["measured"] * 3] * 3
+    assert (tracks["sd"].to_numpy() > 0).all()
+
+
+def test_a_view_that_does_not_see_the_point_shows_where_the_others_put_it(layout):
+    astray = TRUTH.copy()
+    astray[1, 2] += (30, -20)
+    chance = np.full((3, 3), 0.9)
+    chance[1, 2] = 0.2
+    tracks = written(layout, found(chance, astray))
+    uv = tracks["image_position"].isel(individual=0, keypoint=0).to_numpy()
+    np.testing.assert_allclose(uv, TRUTH, atol=1e-4)
+    assert origins(tracks)[1] == ["measured", "measured", "reprojected"]
+    sure = tracks["image_confidence"].isel(individual=0, keypoint=0).to_numpy()
+    assert 0.2 < sure[1, 2] < 0.9
+
+
+def test_what_is_hardly_likely_is_missing_and_what_was_placed_is_not(layout):
+    placed = {2: [Placement(0, 0, TRUTH[2, 0] + 1)]}
+    chance = np.array([[0.9] * 3, [0.3, 0.3, 0.01], [0.01] * 3])
+    tracks = written(layout, found(chance), rig=None, placed=placed)
+    assert origins(tracks) == [
+        ["measured"] * 3,
+        ["predicted", "predicted", "missing"],
+        ["edited", "missing", "missing"],
+    ]
+    uv = tracks["image_position"].isel(individual=0, keypoint=0).to_numpy()
+    np.testing.assert_allclose(uv[2, 0], TRUTH[2, 0] + 1)
+    assert np.isnan(uv[2, 1:]).all()
+    assert tracks["image_confidence"].isel(individual=0, keypoint=0)[2, 0] == 1
