@@ -48,7 +48,7 @@ def test_where_too_few_frames_stay_the_usual_trust_is_kept(view, rows):
 def test_appearance_is_trusted_where_it_finds_what_was_left_out(view):
     found = weigh([view([1, 5, 8, 12])], 1, PARAMETERS)
     assert found.trust > 0
-    assert found.found.mean() > 0.8
+    assert np.median(found.found) > 0.8
     assert len(found.found) == 4  # folds
 
 
