@@ -102,7 +102,8 @@ def change(folder, file, old, new):
     ("file", "old", "new", "options", "sentence"),
     [
         ("trial.toml", "cam2.avi", "none.avi", (), "no such file"),
-        ("trial.toml", '[calibration]\ndlt = "DLTcoefs.csv"\nunit = "mm"\n', "", (),
+        ("trial.toml", '[calibration]\ndlt = "DLTcoefs.csv"\nunit = "mm"\n', "",
+         ("--method", "paper"),
          "has 4 views and no calibration"),
         ("start.csv", "0,cam1,FR,", "0,cam1,FR,5", (), "outside the picture"),
         ("start.csv", "0,cam1,FR,", "0,cam3,FL,", (), "is clicked twice"),

@@ -186,7 +186,8 @@ def _check_calibration(trial: Trial, views: ViewSet, report: CheckReport) -> Non
         if rig is not None:
             report.found.append(f"DLT of {len(rig.names)} views, unit {rig.unit}")
         else:
-            report.doubts.append("no calibration: positions will be in px")
+            alone = "each view is tracked by itself, and " if len(views.names) > 1 else ""
+            report.doubts.append(f"no calibration: {alone}positions will be in px")
     file = trial.start_file()
     if file is None:
         report.faults.append(
@@ -202,12 +203,13 @@ def _check_calibration(trial: Trial, views: ViewSet, report: CheckReport) -> Non
     except PawnbError as error:
         report.faults.append(str(error))
         return
+    clicked = sorted(set(clicks["frame"]))
     report.found.append(
-        f"start: {len(clicks)} clicks on {', '.join(dict.fromkeys(clicks['point']))} in frame "
-        f"{', '.join(str(f) for f in sorted(set(clicks['frame'])))}"
+        f"start: {len(clicks)} clicks on {', '.join(dict.fromkeys(clicks['point']))} in "
+        f"frame{'s' if len(clicked) > 1 else ''} {', '.join(map(str, clicked))}"
     )
     _check_predictions(trial, views, clicks, frames, report)
-    if not report.faults:
+    if not report.faults and (rig is not None or len(views.names) == 1):
         _doubt_colours(trial, views, rig, clicks, report)
     if rig is None:
         return

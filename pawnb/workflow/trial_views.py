@@ -98,7 +98,7 @@ def frame_range(
     Raises
     ------
     InputError
-        If the recording has not all of these frames, or the first click lies outside.
+        If the recording has not all of these frames, or a click lies outside.
     """
     clicked = int(clicks["frame"].min())
     first, last = frames or trial.frames or (views.first_frame, views.n_frames)
@@ -107,11 +107,12 @@ def frame_range(
             f"frames {first} to {last - 1} were asked for; the recording has frames 0 to "
             f"{views.n_frames - 1}: choose a range within."
         )
-    if not first <= clicked < last:
-        raise InputError(
-            f"the start points were clicked in frame {clicked}, outside frames {first} to "
-            f"{last - 1}; click a frame within, or change the range."
-        )
+    for frame in (clicked, int(clicks["frame"].max())):
+        if not first <= frame < last:
+            raise InputError(
+                f"the start points were clicked in frame {frame}, outside frames {first} to "
+                f"{last - 1}; click a frame within, or change the range."
+            )
     # a view may begin later than the trial
     return max(first, views.first_frame) if method == METHODS[0] else clicked, last
 

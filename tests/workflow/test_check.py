@@ -117,6 +117,18 @@ def test_a_click_on_another_point_is_doubted(small_trial):
     assert doubt.startswith("start clicks of FR in frame 0 disagree between the views by ")
 
 
+def test_views_without_calibration_and_many_clicked_frames_are_said(small_trial):
+    change(small_trial, "trial.toml", '[calibration]\ndlt = "DLTcoefs.csv"\nunit = "mm"\n', "")
+    start = small_trial / "start.csv"
+    start.write_text(start.read_text().rstrip() + "\n7,cam1,FR,100,60\n30,cam2,HR,100,60\n")
+    report = check_trial(small_trial)
+    assert report.faults == []
+    assert report.doubts == [
+        "no calibration: each view is tracked by itself, and positions will be in px"
+    ]
+    assert "start: 10 clicks on FR, HR, FL, HL in frames 0, 7, 30" in report.found
+
+
 def test_a_belt_that_runs_forwards_is_doubted(small_trial):
     change(small_trial, "trial.toml", "belt_speed = 300.0", "belt_speed = -300.0")
     assert any("belt speed is -300" in doubt for doubt in check_trial(small_trial).doubts)

@@ -283,17 +283,38 @@ def test_bad_input_is_one_sentence(small_trial):
         "the start points were clicked in frame 0, outside frames 5 to 8; click a frame within, "
         "or change the range."
     )
+    late = pd.concat([clicks_in(small_trial, frame) for frame in (0, 3, 8)])
+    assert "were clicked in frame 8, outside frames 0 to 7;" in refuse(start=late, frames=(0, 8))
     change(small_trial, 'points = "start.csv"', 'pose = "pose.csv"')
     (small_trial / "start.csv").rename(small_trial / "other.csv")
     assert "has no start points; click them with pawnb.widgets.ClickInitialiser" in refuse()
 
 
-def test_several_views_without_calibration_are_refused(small_trial):
-    text = (small_trial / "trial.toml").read_text()
-    head, _, rest = text.partition("[calibration]")
-    (small_trial / "trial.toml").write_text(head + rest[rest.index("[start]") :])
-    with pytest.raises(CalibrationError, match="has 4 views and no calibration; add"):
-        track(small_trial, method="paper")
+def uncalibrated(folder):
+    """Take the calibration out of a trial."""
+    head, _, rest = (folder / "trial.toml").read_text().partition("[calibration]")
+    (folder / "trial.toml").write_text(head + rest[rest.index("[start]") :])
+
+
+def test_published_methods_in_space_need_a_calibration(small_trial):
+    uncalibrated(small_trial)
+    for method in ("paper", "slic-3d"):
+        with pytest.raises(CalibrationError, match="has 4 views and no calibration; add"):
+            track(small_trial, method=method)
+
+
+@pytest.mark.slow
+def test_without_a_calibration_points_of_several_views_keep_their_names(small_trial):
+    uncalibrated(small_trial)
+    tracks = track(small_trial, frames=(0, 20))
+    assert tracks["keypoint"].to_numpy().tolist() == ["FR", "HR", "FL", "HL"]
+    assert tracks["view"].to_numpy().tolist() == ["cam1", "cam2", "cam3", "cam4"]
+    assert (tracks.sizes["space"], tracks.attrs["units"]) == (2, "px")
+    start = pd.read_csv(small_trial / "start.csv")
+    known = np.isfinite(tracks["image_position"]).all("image_space").any("time").squeeze()
+    for view in ("cam1", "cam2", "cam3", "cam4"):
+        clicked = set(start["point"][start["view"] == view])
+        assert {p for p in ("FR", "HR", "FL", "HL") if known.sel(view=view, keypoint=p)} == clicked
 
 
 # the animal is 87 mm from the nose to the base of the tail, an ear 11 mm wide
@@ -393,9 +414,7 @@ def _with_positions(tracks, truth):
 def test_each_of_several_views_is_tracked_by_itself_without_calibration(small_trial):
     """What slic-2d finds in the pictures does not depend on the calibration."""
     known = track(small_trial, method="slic-2d", frames=(0, 8))
-    text = (small_trial / "trial.toml").read_text()
-    head, _, rest = text.partition("[calibration]")
-    (small_trial / "trial.toml").write_text(head + rest[rest.index("[start]") :])
+    uncalibrated(small_trial)
     out = small_trial / "results"
     tracks = track(small_trial, method="slic-2d", frames=(0, 8), out=out)
     assert (tracks.sizes["space"], tracks.attrs["units"]) == (2, "px")
