@@ -176,7 +176,9 @@ def _track_window(
 ) -> list[str] | None:
     """Track one window into ``found``; return how its views were seen, None where stopped."""
     begin, end = span
-    own = [handed_on(a, whole, begin, end) for a, whole in zip(placed, found, strict=True)]
+    own = [
+        handed_on(a, whole, begin=begin, end=end) for a, whole in zip(placed, found, strict=True)
+    ]
     frames = (task.frames[0] + begin, task.frames[0] + end)
     stacks = read_stacks(views, own, frames=frames, parameters=parameters.scene, advanced=advanced)
     if stacks is None:

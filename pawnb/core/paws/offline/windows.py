@@ -43,7 +43,7 @@ def windows(n: int, clicked: Sequence[int]) -> list[tuple[int, int]]:
     return spans[best:] + spans[:best][::-1]
 
 
-def handed_on(annotations: Annotations, found: ViewTrack, begin: int, end: int) -> Annotations:
+def handed_on(annotations: Annotations, found: ViewTrack, *, begin: int, end: int) -> Annotations:
     """Return what is certain in a window: its clicks, and what its neighbour is sure of.
 
     Parameters

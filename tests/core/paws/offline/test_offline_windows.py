@@ -39,14 +39,14 @@ def track_of(rows, n, value, probability=0.95):
 def test_clicks_and_what_the_neighbour_is_sure_of_are_handed_on():
     found = track_of(slice(0, 60), 100, (7.0, 8.0))
     clicked = Annotations({80: {0: np.array([1.0, 2.0])}})
-    own = handed_on(clicked, found, 40, 100)
+    own = handed_on(clicked, found, begin=40, end=100)
     np.testing.assert_array_equal(own.places[40][0], (1.0, 2.0))
     given_on = [row for row in own.rows if row != 40]
     assert len(given_on) == 3
     assert all(row < 20 for row in given_on)
     np.testing.assert_array_equal(own.places[given_on[0]][0], (7.0, 8.0))
     unsure = track_of(slice(0, 60), 100, (7.0, 8.0), probability=0.5)
-    assert handed_on(clicked, unsure, 40, 100).rows == [40]
+    assert handed_on(clicked, unsure, begin=40, end=100).rows == [40]
 
 
 @pytest.mark.parametrize("after", [True, False])
