@@ -327,3 +327,70 @@ def test_what_is_meant_is_taken(tmp_path):
         frames=(0, 5),
         fps=250.0,
     )
+
+
+DETECTIONS = "[tracking]\nmedian_px = 3"
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        'detections = ["", "b.csv"]',
+        'detections = { cam2 = "b.csv" }',
+        'detections = { cam1 = "", cam2 = "b.csv" }',
+    ],
+)
+def test_predictions_are_no_settings_of_the_tracker(tmp_path, given):
+    points = '[tracking.detections_points]\npaw_FR = "FR"'
+    trial = load_trial(write(tmp_path, DETECTIONS, f"{DETECTIONS}\n{given}\n{points}"))
+    assert trial.tracking == {"median_px": 3}
+    assert trial.detections == {"cam2": "b.csv"}
+    assert trial.detections_points == {"paw_FR": "FR"}
+    save_trial(trial, tmp_path / "copy.toml")
+    assert load_trial(tmp_path / "copy.toml") == trial
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        (
+            'detections = ["a.csv"]',
+            "[tracking] detections has 1 file and the trial has 2 views; expected one a view, in "
+            'their order, "" for a view without.',
+        ),
+        (
+            'detections = ["a.csv", "b.csv", "c.csv"]',
+            "[tracking] detections has 3 files and the trial has 2 views; expected one a view, in "
+            'their order, "" for a view without.',
+        ),
+        (
+            'detections = { cam3 = "a.csv" }',
+            "[tracking] detections: there is no view 'cam3' (did you mean 'cam2'?); the views are "
+            "cam1, cam2.",
+        ),
+        (
+            "detections = 3",
+            '[tracking] detections is 3; expected ["cam1DLC.h5"], one file a view, or '
+            '{ cam1 = "cam1DLC.h5" }.',
+        ),
+        (
+            "detections_points = 3",
+            '[tracking.detections_points] is 3; expected lines as paw_FR = "FR".',
+        ),
+        (
+            'detections_points = { a = "FR", b = "FR" }',
+            "[tracking.detections_points]: 'a' and 'b' are both 'FR'; keep one of them.",
+        ),
+    ],
+)
+def test_predictions_that_fit_no_view_are_one_sentence(tmp_path, given, message):
+    with pytest.raises(InputError) as error:
+        load_trial(write(tmp_path, DETECTIONS, f"{DETECTIONS}\n{given}"))
+    assert str(error.value).split(": ", 1)[1] == message
+
+
+def test_predictions_belong_to_a_trial_of_paws(tmp_path):
+    path = write(tmp_path, DETECTIONS, f'{DETECTIONS}\ndetections = ["a.csv", ""]')
+    path.write_text(path.read_text().replace('kind = "paws"', 'kind = "pose"'))
+    with pytest.raises(InputError, match="detections are taken by a trial of kind 'paws'"):
+        load_trial(path)

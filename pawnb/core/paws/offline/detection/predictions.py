@@ -6,10 +6,11 @@ point is therefore likelier at the place predicted than at any other by
 
 .. math:: L = 1 + \frac{\pi}{1 - \pi} \, \frac{A}{2 \pi_0 \sigma^2}, \qquad \pi_0 = 3.14...
 
-A program that is wrong stays wrong for :math:`D` frames on average, so that neighbouring frames
-repeat each other: each counts for :math:`1 / D`, and the log-odds of a Detection are
-:math:`\log(L^{1/D} - 1)` (:func:`.evidence.paint` adds the 1). :math:`\pi` and :math:`D` are those
-of :mod:`.right_or_wrong`; :math:`A` is the square of the extent of the clicks;
+A program that is elsewhere stays there for :math:`D` frames on average (30 at most here), so that
+neighbouring frames repeat each other: each counts for :math:`1 / D`, and the log-odds of a
+Detection are :math:`\log(L^{1/D} - 1)` (:func:`.evidence.paint` adds the 1). :math:`\pi`
+and :math:`D` are those of :mod:`.right_or_wrong`, :math:`A` is the square of the extent
+(:func:`find_extent`), and
 
 .. math:: \sigma^2 = \frac{2 \nu \sigma_0^2 + \sum_i w_i r_i^2}{2 \nu + 2 \sum_i w_i}
 
@@ -33,7 +34,7 @@ from pawnb.core.paws.offline.detection.right_or_wrong import (
     STEP_EDGES,
     UNKNOWN,
     estimate_rates,
-    no_data,
+    first_rates,
     smooth_states,
 )
 
@@ -42,12 +43,17 @@ _SD, _SD_CLICKS, _SD_LEAST, _SD_LEAST_PX = 0.03, 2.0, 0.01, 1.0
 """Standard deviation before any click is seen and its worth in clicks; extents, clicks, ..., px."""
 _MISPLACED = 0.02
 """A right prediction is not where it was clicked in this share of clicks."""
+_ON_ANOTHER = 0.5
+"""A wrong prediction is on another point in this share of clicks."""
 _SURE = 0.98
+_LONGEST_WRONG = 30.0
+"""Longer stretches of errors, in frames, are told by clicks alone and make no evidence weaker."""
 _ROUNDS = 12
 _UNKNOWN_EXTENT = 0.4
 """Extent where there are no two points, in shorter sides of the picture."""
-_MOSTLY, _LEAST_STEP, _MOST_STEP = 90.0, 0.01, 0.1
-"""Steps mostly do not reach this percentile of them, within these bounds, extents in a frame."""
+_MOSTLY, _MOSTLY_TIMES, _LEAST_STEP, _MOST_STEP = 75.0, 1.5, 0.01, 0.1
+"""Steps are mostly below this percentile of them times this, within these bounds, extents in a
+frame; predictions may be wrong in a tenth of frames, which is a fifth of steps."""
 _STEP_GAP = 5
 """Predictions farther apart than so many frames say nothing of steps."""
 _CROSSED = 0.5
@@ -134,7 +140,7 @@ def predictions_as_detections(
     row, point = np.nonzero(quality.right > 0)
     right = np.minimum(quality.right[row, point], _SURE)
     area = quality.extent_px**2 / (2 * np.pi * quality.sd_px**2)
-    exponent = 1 / max(quality.stays_wrong, 1.0)
+    exponent = 1 / min(quality.stays_wrong, _LONGEST_WRONG)
     ratio = np.expm1(exponent * np.log1p(right / (1 - right) * area))
     return Detections(
         row=row,
@@ -155,9 +161,9 @@ def judge_predictions(
     kinds = np.where(there, np.digitize(likelihood, LIKELIHOOD_EDGES), -1)
     steps = _kinds_of_steps(uv, extent)
     apart = distances_from_clicks(uv, annotations)
-    sd, rates = _SD * extent, no_data()
+    sd, rates = _SD * extent, first_rates()
     for _ in range(_ROUNDS):
-        at_clicks = _at_clicks(apart, sd, extent)
+        at_clicks = _at_clicks(uv, annotations, sd=sd, extent=extent)
         state, pairs = smooth_states(kinds, steps, at_clicks=at_clicks, rates=rates)
         sd = _estimate_sd(apart, state[..., RIGHT], extent)
         rates = estimate_rates(kinds, state, pairs)
@@ -193,7 +199,7 @@ def _kinds_of_steps(uv: np.ndarray, extent: float) -> np.ndarray:
     before, gap = _ones_before(uv)
     straight = np.linalg.norm(uv - before, axis=2)
     single = straight[gap == 1]
-    mostly = np.percentile(single, _MOSTLY) if len(single) else 0.0
+    mostly = _MOSTLY_TIMES * np.percentile(single, _MOSTLY) if len(single) else 0.0
     mostly = np.clip(mostly, _LEAST_STEP * extent, _MOST_STEP * extent)
     known = (gap > 0) & (gap <= _STEP_GAP)
     kinds = np.full((n, n_points), UNKNOWN)
@@ -220,13 +226,28 @@ def _ones_before(uv: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return before, gap
 
 
-def _at_clicks(apart: np.ndarray, sd: float, extent: float) -> np.ndarray:
-    """Return how much likelier distances from clicks are where predictions are right."""
-    clicked = np.isfinite(apart)
-    near = (
-        extent**2 / (2 * np.pi * sd**2) * np.exp(-(np.where(clicked, apart, 0) ** 2) / (2 * sd**2))
-    )
-    return np.where(clicked, (1 - _MISPLACED) * near + _MISPLACED, 1.0)
+def _at_clicks(uv: np.ndarray, annotations: Annotations, *, sd: float, extent: float) -> np.ndarray:
+    """Return how much likelier predictions at clicks are where they are right than where not.
+
+    One that is not right is anywhere, or as near to another click of that frame as one that is
+    right to its own.
+    """
+    ratio = np.ones(uv.shape[:2])
+    height = extent**2 / (2 * np.pi * sd**2)
+    for row, here in annotations.places.items():
+        if not 0 <= row < len(uv):
+            continue
+        for point in here:
+            density = {
+                other: height * np.exp(-((uv[row, point] - at) ** 2).sum() / (2 * sd**2))
+                for other, at in here.items()
+            }
+            own = density.pop(point)
+            if np.isfinite(own):
+                wrong = np.mean(list(density.values()) or [1.0])
+                right = (1 - _MISPLACED) * own + _MISPLACED
+                ratio[row, point] = right / ((1 - _ON_ANOTHER) + _ON_ANOTHER * wrong)
+    return ratio
 
 
 def _estimate_sd(apart: np.ndarray, right: np.ndarray, extent: float) -> float:

@@ -1,7 +1,8 @@
 """When another program is right: a hidden Markov chain for each point.
 
-A program is right about a point, astray (somewhere else in each frame), or on another point, where
-it stays for a while and moves as smoothly as on its own. What is seen of it:
+A program is right about a point, astray (somewhere else in each frame), elsewhere (on another
+point for a while, where it moves as smoothly as on its own), or mistaken: it calls another point
+by this name throughout, which clicks alone can tell. What is seen of it:
 
 - its likelihood, by :data:`LIKELIHOOD_EDGES`;
 - how far its prediction steps, beside how far it mostly does, by :data:`STEP_EDGES`, and whether
@@ -26,19 +27,23 @@ EXCHANGE = len(STEP_EDGES) + 1
 UNKNOWN = EXCHANGE + 1
 """Further kinds of step: places are exchanged with another point; nothing to step from."""
 
-RIGHT, ASTRAY, ELSEWHERE = 0, 1, 2
+RIGHT, ASTRAY, ELSEWHERE, MISTAKEN = 0, 1, 2, 3
 
-_CHANGE = np.array([[98.7, 0.9, 0.4], [8.0, 1.6, 0.4], [0.8, 0.2, 9.0]])
+_CHANGE = np.array(
+    [[98.7, 0.9, 0.4, 0.001], [8.0, 1.6, 0.4, 0.0], [0.8, 0.2, 9.0, 0.0], [0.001, 0.9, 0.4, 98.7]]
+)
 """Pseudo-counts of states from one frame to the next."""
+_AT_FIRST = np.array([0.9, 0.03, 0.04, 0.03])
+"""Probabilities of states in the first frame."""
 _LIKELIHOODS = np.array(
     [[0.1, 0.3, 1.0, 2.0, 3.0, 3.6], [2.5, 2.0, 1.8, 1.5, 1.2, 1.0], [1.5, 1.5, 1.8, 1.8, 1.7, 1.7]]
 )
-"""Pseudo-counts of likelihoods in each state."""
+"""Pseudo-counts of likelihoods in each state; those where it is mistaken are those where right."""
 _STEPS = np.array(
-    [[45.0, 4.0, 0.7, 0.2, 0.1], [0.4, 0.8, 1.0, 7.6, 0.2], [0.5, 0.8, 1.0, 3.7, 4.0]]
+    [[450.0, 40.0, 7.0, 2.0, 0.1], [0.4, 0.8, 1.0, 7.6, 0.2], [0.5, 0.8, 1.0, 3.7, 4.0]]
 )
 """Pseudo-counts of steps: in one state, from or to being astray, from or to being elsewhere."""
-_STEP_OF = np.array([[0, 1, 2], [1, 1, 1], [2, 1, 0]])
+_STEP_OF = np.array([[0, 1, 2, 2], [1, 1, 1, 1], [2, 1, 0, 2], [2, 1, 2, 0]])
 """Which of those goes with which change of state."""
 
 
@@ -48,7 +53,7 @@ class Rates:
 
     Parameters
     ----------
-    change : ndarray, shape (3, 3)
+    change : ndarray, shape (4, 4)
         Of the next state.
     likelihoods : ndarray, shape (3, kinds)
         Of each kind of likelihood in each state.
@@ -62,17 +67,13 @@ class Rates:
 
     @property
     def stays_wrong(self) -> float:
-        """Mean number of frames for which the program stays elsewhere."""
-        return float(1 / (1 - self.change[ELSEWHERE, ELSEWHERE]))
+        """Mean number of frames for which the program stays elsewhere, at least 1."""
+        return float(max(1 / (1 - self.change[ELSEWHERE, ELSEWHERE]), 1.0))
 
     def with_steps(self) -> np.ndarray:
         """Return the probability of the next state and of a step, (kinds, from, to)."""
-        steps = np.concatenate([self.steps[_STEP_OF], np.ones((3, 3, 1))], axis=2)
+        steps = np.concatenate([self.steps[_STEP_OF], np.ones((4, 4, 1))], axis=2)
         return self.change * steps.transpose(2, 0, 1)
-
-    def usual(self) -> np.ndarray:
-        """Return the probability of each state at any time."""
-        return np.linalg.matrix_power(self.change, 4096)[0]
 
 
 def estimate_rates(kinds: np.ndarray, state: np.ndarray, pairs: np.ndarray) -> Rates:
@@ -82,16 +83,16 @@ def estimate_rates(kinds: np.ndarray, state: np.ndarray, pairs: np.ndarray) -> R
     ----------
     kinds : ndarray of int, shape (n, P)
         Kinds of likelihood; -1 where nothing is predicted.
-    state : ndarray, shape (n, P, 3)
+    state : ndarray, shape (n, P, 4)
         Probability of each state.
-    pairs : ndarray, shape (kinds of step + 1, 3, 3)
+    pairs : ndarray, shape (kinds of step + 1, 4, 4)
         Expected number of each step with each change of state.
     """
     change = _CHANGE + pairs.sum(axis=0)
     likelihoods, steps = _LIKELIHOODS.copy(), _STEPS.copy()
     seen = kinds >= 0
-    for one in (RIGHT, ASTRAY, ELSEWHERE):
-        likelihoods[one] += np.bincount(
+    for one in (RIGHT, ASTRAY, ELSEWHERE, MISTAKEN):
+        likelihoods[one % MISTAKEN] += np.bincount(
             kinds[seen], weights=state[seen, one], minlength=likelihoods.shape[1]
         )
     for of in range(len(steps)):
@@ -99,7 +100,7 @@ def estimate_rates(kinds: np.ndarray, state: np.ndarray, pairs: np.ndarray) -> R
     return Rates(*(a / a.sum(axis=1, keepdims=True) for a in (change, likelihoods, steps)))
 
 
-def no_data() -> Rates:
+def first_rates() -> Rates:
     """Return the rates before the recording is looked at."""
     return Rates(*(a / a.sum(axis=1, keepdims=True) for a in (_CHANGE, _LIKELIHOODS, _STEPS)))
 
@@ -126,20 +127,20 @@ def smooth_states(
 
     Returns
     -------
-    state : ndarray, shape (n, P, 3)
+    state : ndarray, shape (n, P, 4)
         Probabilities.
-    pairs : ndarray, shape (kinds of step + 1, 3, 3)
+    pairs : ndarray, shape (kinds of step + 1, 4, 4)
         Expected number of each step with each change of state.
     """
     n, n_points = kinds.shape
-    counts = np.array([1.0, 1.0, 1.0 / rates.stays_wrong])
-    relative = rates.likelihoods / rates.likelihoods[RIGHT]
+    counts = np.array([1.0, 1.0, 1.0 / rates.stays_wrong, 1.0])
+    relative = rates.likelihoods[[RIGHT, ASTRAY, ELSEWHERE, RIGHT]] / rates.likelihoods[RIGHT]
     seen = (relative ** counts[:, None])[:, kinds].transpose(1, 2, 0)
     seen = np.where((kinds >= 0)[..., None], seen, 1.0)
     seen[..., RIGHT] *= at_clicks
     change = rates.with_steps()[steps]
-    ahead, back = np.empty((n, n_points, 3)), np.ones((n, n_points, 3))
-    ahead[0] = _to_one(rates.usual() * seen[0])
+    ahead, back = np.empty((n, n_points, 4)), np.ones((n, n_points, 4))
+    ahead[0] = _to_one(_AT_FIRST * seen[0])
     for t in range(1, n):
         ahead[t] = _to_one(np.matmul(ahead[t - 1][:, None], change[t])[:, 0] * seen[t])
     for t in range(n - 2, -1, -1):
