@@ -33,11 +33,12 @@ def test_of_two_modes_the_higher_is_taken_and_the_other_is_its_doubt():
 
 def test_modes_come_the_likeliest_first_and_the_unlikely_not_at_all():
     mass = np.zeros((20, 30))
-    for (x, y), p in {(5, 5): 0.3, (20, 10): 0.5, (28, 1): 0.19, (12, 17): 0.01}.items():
+    for (x, y), p in {(5, 5): 0.3, (20, 10): 0.5, (28, 1): 0.14, (12, 17): 0.01}.items():
         mass[y, x] = p
+    mass[10, 21] = 0.05  # of the mode beside it, less than another's
     found = modes(mass, 3, 9)
     assert [tuple(place) for place, _ in found] == [(20, 10), (5, 5), (28, 1)]
-    assert [p for _, p in found] == pytest.approx([0.5, 0.3, 0.19])
+    assert [p for _, p in found] == pytest.approx([0.55, 0.3, 0.14])
     assert len(modes(mass, 3, 2)) == 2
     assert mass.sum() == pytest.approx(1)  # left as it was
 

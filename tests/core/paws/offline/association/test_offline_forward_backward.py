@@ -100,3 +100,21 @@ def test_a_point_that_was_lost_is_found_anywhere():
         found = smooth_posterior(likelihood, flow, flow, prior=prior, parameters=parameters).mass
         at[lost] = [int(m.argmax()) % 40 for m in found]
     assert at == {0.0: [5, 5, 5, 5], 1e-3: [5, 5, 35, 35]}
+
+
+def test_what_came_before_and_what_comes_after_agree_or_exclude_each_other():
+    """Seen at (8, 6) first and last; or last 22 places further, where it cannot be so soon."""
+    n, h, w = 5, 12, 40
+    prior = np.full((h, w), 1 / (h * w), np.float32)
+    flow = no_flow(n, h, w)
+    middle = {}
+    for end in (8, 30):
+        likelihood = np.ones((n, h, w), np.float32)
+        likelihood[0, 6, 8] = likelihood[-1, 6, end] = 1e6
+        parameters = AssociationParameters(lost=1e-6)
+        found = smooth_posterior(likelihood, flow, flow, prior=prior, parameters=parameters)
+        assert found.agreement.shape == (n,)
+        assert found.agreement[-1] == 1  # nothing comes after the last
+        middle[end] = found.agreement[2]
+    assert middle[8] > 0.95
+    assert middle[30] < 0.1

@@ -53,6 +53,17 @@ def test_rings_tell_what_lies_in_each_direction():
     assert ring[2] == pytest.approx(ring[6], abs=1e-6)
 
 
+@pytest.mark.parametrize("spacing", [3, 5])
+def test_a_place_is_the_middle_of_its_square(spacing):
+    """A dot there is as bright to the left as to the right, and above as below."""
+    grey = np.zeros((20 * spacing, 20 * spacing), np.uint8)
+    grey[10 * spacing + spacing // 2, 8 * spacing + spacing // 2] = 255
+    brightness = feature_maps(grey, None, spacing)[..., 4]
+    assert np.unravel_index(brightness.argmax(), (20, 20)) == (10, 8)
+    assert brightness[10, 7] == pytest.approx(brightness[10, 9], rel=1e-4)
+    assert brightness[9, 8] == pytest.approx(brightness[11, 8], rel=1e-4)
+
+
 def test_texture_has_its_direction():
     """Stripes along v: change along u only, coherence 1; a quarter turn is the opposite."""
     stripes = np.tile(128 + 100 * np.sin(np.arange(120) / 2), (120, 1)).astype(np.uint8)

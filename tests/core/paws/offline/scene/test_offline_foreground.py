@@ -64,6 +64,9 @@ def test_before_a_panning_camera_the_animal_stands_out_as_well(film_animal):
         pictures, motion, clicks={20: centre[20] + np.array([[-12, 0], [12, 0]])}, extent=30.0
     )
     np.testing.assert_allclose(found.centre, centre, atol=3)
+    # the ground of neighbours is laid over that of the picture, so that nothing is left of it
+    assert np.median(found.difference[20, :, 50:80]) < 0.06
+    assert np.median(found.difference[20, 32:39, 100:121]) > 1
 
 
 def test_of_two_animals_the_one_that_holds_the_clicks_is_followed(film_animal):
