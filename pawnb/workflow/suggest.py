@@ -25,10 +25,12 @@ SURE = 0.9
 AGAIN_FRAMES = 3
 """A point is sure again when it is for so many frames in a row."""
 
-HOLDS_S = 0.25
-HOLDS_FRAMES = 5
-"""Time, and least number of frames, over which what a click says of the frames beside it falls to
-1/e: about a step of a running animal."""
+HOLDS_S = 1.0
+HOLDS_FRAMES = 10
+"""Time, and least number of frames, over which what a click mends beside it falls to 1/e. With 1 s
+gains are of the size that is measured in real clips with marks (camel, horse, fly); in a mouse
+from below, where one click taught the looks of paws for the whole clip, three times as many labels
+became right."""
 
 APART_FRAMES = 5
 """No frame is suggested nearer than this to a clicked one, or to another."""
@@ -46,15 +48,16 @@ def suggest_frames(trial: Trial | str | Path, tracks: Tracks, *, n: int = 3) -> 
     ``c`` the probability that a label is right (that of :func:`pawnb.assess_quality`), the gain is
 
         gain(t) = sum over points, and over frames s of the point's unsure stretch that holds t,
-        of (1 - c) exp(-abs(s - t) / h) times the product, over clicked frames k of the point,
-        of 1 - exp(-abs(s - k) / h)
+        of (1 - c) exp(-abs(s - t) / h) times the product, over frames k in which the point was
+        clicked since it was tracked, of 1 - exp(-abs(s - k) / h)
 
     summed over views. A stretch is unsure where the mean of c over views is below 0.9, and ends
-    where it is not for three frames in a row. ``h`` is 0.25 s, at least 5 frames. Clicked are those
-    of the tracks, those of the trial's start file and corrections; the frame with the
-    largest gain is taken, counts as clicked in its stretch, and the next is chosen.
-    No frame is within 5 frames of a clicked one. Where a point cannot be seen in its frame, click
-    it in the nearest one in which it can.
+    where it is not for three frames in a row. ``h`` is 1 s, at least 10 frames. What was mended by
+    clicks that tracks were made from, c says; clicks that are new in the trial's start file, and
+    corrections, are reckoned with in the product. The frame with the largest gain is taken and
+    counts as clicked in its stretch, then the next is chosen. No frame is within 5 frames of a
+    clicked one. Where a point cannot be seen in its frame, click it in the nearest one in which it
+    can.
 
     Parameters
     ----------
@@ -88,15 +91,15 @@ def suggest_frames(trial: Trial | str | Path, tracks: Tracks, *, n: int = 3) -> 
         )
     clicks = clicks_of_tracks(tracks)
     chance = label_chances(tracks, clicks=clicks)
-    clicked = _clicked_frames(trial, tracks, clicks)
+    known, since = _clicked_frames(trial, tracks, clicks)
     frames = tracks["frame"].to_numpy()
     holds = max(HOLDS_S * float(tracks.attrs["fps"]), HOLDS_FRAMES)
     wrong = np.nansum(1.0 - chance, axis=1)
-    for p, own in enumerate(clicked):
+    for p, own in enumerate(since):
         for frame in own:
             wrong[:, p] *= -np.expm1(-np.abs(frames - frame) / holds)
     free = np.ones(len(frames), dtype=bool)
-    for frame in sorted(set().union(*clicked)):
+    for frame in sorted(set().union(*known, *since)):
         free &= np.abs(frames - frame) > APART_FRAMES
     names = [str(name) for name in tracks["keypoint"].to_numpy()]
     rows = [
@@ -106,19 +109,28 @@ def suggest_frames(trial: Trial | str | Path, tracks: Tracks, *, n: int = 3) -> 
     return pd.DataFrame(rows, columns=list(SUGGESTION_COLUMNS))
 
 
-def _clicked_frames(trial: Trial, tracks: Tracks, clicks: pd.DataFrame | None) -> list[set[int]]:
-    """Return the frames in which each point of tracks was placed by hand."""
-    tables = [] if clicks is None else [clicks]
-    if (file := trial.start_file()) is not None:
-        tables.append(read_start(trial.path(file), trial))
+def _clicked_frames(
+    trial: Trial, tracks: Tracks, clicks: pd.DataFrame | None
+) -> tuple[list[set[int]], list[set[int]]]:
+    """Return the frames in which tracks had clicks of each point, and those clicked since."""
+    names = tracks["keypoint"].to_numpy()
+    known = _by_point(clicks, names)
+    file = trial.start_file()
+    since = _by_point(None if file is None else read_start(trial.path(file), trial), names)
     origin = tracks["image_origin"].isel(individual=0).transpose("time", "view", "keypoint")
     placed = (origin.to_numpy() == ORIGIN_CODE["edited"]).any(axis=1)
     frames = tracks["frame"].to_numpy()
-    clicked = [{int(frame) for frame in frames[own]} for own in placed.T]
-    for p, name in enumerate(tracks["keypoint"].to_numpy()):
-        for table in tables:
-            clicked[p].update(int(frame) for frame in table["frame"][table["point"] == name])
-    return clicked
+    for p, own in enumerate(since):
+        own.update(int(frame) for frame in frames[placed[:, p]])
+        own -= known[p]
+    return known, since
+
+
+def _by_point(clicks: pd.DataFrame | None, names: np.ndarray) -> list[set[int]]:
+    """Return the frames in which each point is clicked."""
+    if clicks is None:
+        return [set() for _ in names]
+    return [{int(frame) for frame in clicks["frame"][clicks["point"] == name]} for name in names]
 
 
 def _unsure(chance: np.ndarray) -> np.ndarray:

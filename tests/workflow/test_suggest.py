@@ -18,7 +18,7 @@ from pawnb.workflow.results import write_track_results
 
 N = 200
 POINTS = ("FR", "HR", "FL")
-H = 5.0  # at 20 frames per second 0.25 s are 5 frames
+H = 10.0  # at 10 frames per second 1 s are 10 frames
 
 
 def unit(d):
@@ -29,13 +29,13 @@ def unit(d):
 @pytest.fixture
 def trial(tmp_path):
     (tmp_path / "trial.toml").write_text(
-        '[trial]\nkind = "paws"\nname = "t"\nfps = 20.0\n[animal]\nid = "m"\n'
+        '[trial]\nkind = "paws"\nname = "t"\nfps = 10.0\n[animal]\nid = "m"\n'
         '[[views]]\nname = "side"\nvideo = "side.avi"\npoints = ["FR", "HR", "FL"]\n'
     )
     return load_trial(tmp_path)
 
 
-def tracks_with(chance, *, views=("side",), first=0, fps=20.0, clicked=()):
+def tracks_with(chance, *, views=("side",), first=0, fps=10.0, clicked=()):
     """Points 80 px apart that stand still: labels of the given chances (n, P) in every view."""
     chance = np.asarray(chance, dtype=float)
     tracks = make_tracks(
@@ -64,31 +64,32 @@ def sure_but(**low):
 
 
 def test_the_middle_of_the_stretch_is_named_with_the_labels_that_it_mends(trial):
-    """0.8 labels wrong in each of five frames: 0.8 (1 + 2 exp(-1/5) + 2 exp(-2/5)) = 3.18."""
+    """0.8 labels wrong in each of five frames: 0.8 (1 + 2 exp(-0.1) + 2 exp(-0.2)) = 3.56."""
     tracks = tracks_with(sure_but(HR=[(100, 105, 0.2)]))
     found = pawnb.suggest_frames(trial, tracks)
     assert list(found.columns) == ["frame", "points", "gain"]
-    assert found.iloc[0].tolist() == [102, "HR", 3.2]
+    assert found.iloc[0].tolist() == [102, "HR", 3.6]
     assert len(found) == 1  # nothing else within reach is left
     later = pawnb.suggest_frames(trial, tracks_with(sure_but(HR=[(100, 105, 0.2)]), first=1000))
     assert later["frame"].tolist() == [1102]
 
 
 def test_each_frame_is_chosen_given_the_earlier_ones(trial):
-    """A long stretch, and a short one with fewer wrong labels than half the long one."""
+    """A long stretch of one point, from row 20 to 60, and a short one of another."""
     tracks = tracks_with(sure_but(FR=[(20, 61, 0.0)], HR=[(120, 125, 0.0)]))
     found = pawnb.suggest_frames(trial, tracks, n=4)
-    assert found["frame"].tolist()[:1] == [40]
-    s = np.arange(20, 61)
-    assert found["gain"][0] == pytest.approx(unit(s - 40).sum(), abs=0.05)
-    left = 1.0 - unit(s - 40)
-    gains = {t: (left * unit(s - t)).sum() for t in s}
-    second = max(gains, key=gains.get)
-    assert found["frame"][1] in (second, 80 - second)  # on either side of the first
-    assert found["gain"][1] == pytest.approx(gains[second], abs=0.05)
-    assert sorted(found["frame"][1:3]) == [second, 80 - second]
-    gain = unit(np.arange(-2, 3)).sum()
-    assert found.iloc[3].tolist() == [122, "HR", pytest.approx(gain, abs=0.05)]
+    s, left, free = np.arange(20, 61), np.ones(41), np.ones(41, dtype=bool)
+    for row in found.query("points == 'FR'").itertuples():
+        gains = np.array([(left * unit(s - t)).sum() for t in s]) * free
+        assert row.gain == pytest.approx(gains.max(), abs=0.051)
+        assert gains[row.frame - 20] == pytest.approx(gains.max())  # sides may be alike
+        left *= 1.0 - unit(s - row.frame)
+        free &= np.abs(s - row.frame) > 5
+    assert found["frame"][0] == 40
+    short = found.query("points == 'HR'")
+    assert short["frame"].tolist() == [122]
+    assert short["gain"].iloc[0] == pytest.approx(unit(np.arange(-2, 3)).sum(), abs=0.05)
+    assert len(found) == 4
     assert found["gain"].is_monotonic_decreasing
 
 
@@ -100,19 +101,21 @@ def test_any_chances_give_what_the_formula_gives(trial):
         for p in range(3):
             for begin in rng.choice(N // 10, 6, replace=False) * 10:  # sure for 3 rows between
                 chance[begin : begin + 7, p] = rng.uniform(0.0, 0.8, 7)
-        clicked = [(int(f), point) for f, point in zip(rng.choice(N, 3), POINTS, strict=True)]
+        clicked = rng.choice(N, 3)
+        rows = [f"{f},side,{point},1,1" for f, point in zip(clicked, POINTS, strict=True)]
+        (trial.folder / "start.csv").write_text("\n".join(["frame,view,point,u,v", *rows]))
         gains = np.zeros((N, 3))
         for t in range(N):
             for p in range(3):
                 if chance[t, p] < 0.9:
                     own = np.arange(t // 10 * 10, t // 10 * 10 + 10)
-                    known = 1.0 - unit(own - clicked[p][0])
+                    known = 1.0 - unit(own - clicked[p])
                     gains[t, p] = ((1.0 - chance[own, p]) * unit(own - t) * known).sum()
         named = (gains >= 0.5) & (gains >= 0.2 * gains.max(axis=1, keepdims=True))
         gain = np.where(named, gains, 0.0).sum(axis=1)
-        for frame, _ in clicked:
+        for frame in clicked:
             gain[max(frame - 5, 0) : frame + 6] = 0.0
-        found = pawnb.suggest_frames(trial, tracks_with(chance, clicked=clicked), n=1).iloc[0]
+        found = pawnb.suggest_frames(trial, tracks_with(chance), n=1).iloc[0]
         assert found["frame"] == gain.argmax()
         assert found["gain"] == pytest.approx(gain.max(), abs=0.051)
         order = np.argsort(-gains[gain.argmax()])
@@ -139,48 +142,50 @@ def test_the_points_that_need_a_click_are_named_the_neediest_first(trial):
     assert found["gain"] == pytest.approx(1.3 * unit(np.arange(-5, 6)).sum(), abs=0.05)
 
 
-def test_frames_beside_clicked_ones_count_as_mended(trial):
-    """A stretch from row 100 on: without a click in its middle, with one beyond it."""
+def test_what_was_clicked_since_counts_as_mended(trial):
+    """A stretch of 21 rows: without further clicks its middle, 110, with one at its begin later."""
     chance = sure_but(HR=[(100, 121, 0.0)])
     s = np.arange(100, 121)
-
-    def best(own):
-        gains = {t: ((1.0 - unit(s - 100)) * unit(s - t)).sum() if own else unit(s - t).sum()
-                 for t in s if t > 105}  # fmt: skip
-        return max(gains, key=gains.get)
-
-    assert pawnb.suggest_frames(trial, tracks_with(chance))["frame"][0] == best(False) == 110
-    by_tracks = tracks_with(chance, clicked=[(100, "HR")])
-    assert pawnb.suggest_frames(trial, by_tracks)["frame"][0] == best(True) == 113
-    # clicks since then, and a correction, count as well
-    start = "frame,view,point,u,v\n0,side,FR,1,1\n0,side,FL,1,1\n100,side,HR,1,1\n"
-    (trial.folder / "start.csv").write_text(start)
-    assert pawnb.suggest_frames(trial, tracks_with(chance))["frame"][0] == 113
-    (trial.folder / "start.csv").unlink()
+    gains = {t: ((1.0 - unit(s - 100)) * unit(s - t)).sum() for t in s if t > 105}
+    later = max(gains, key=gains.get)
+    assert later > 110
+    assert pawnb.suggest_frames(trial, tracks_with(chance))["frame"][0] == 110
+    file = trial.folder / "start.csv"
+    file.write_text("frame,view,point,u,v\n0,side,FR,1,1\n0,side,FL,1,1\n100,side,HR,1,1\n")
+    assert pawnb.suggest_frames(trial, tracks_with(chance))["frame"][0] == later
+    # of a click that tracks were made from their chances say what it mended
+    known = tracks_with(chance, clicked=[(100, "HR")])
+    assert pawnb.suggest_frames(trial, known)["frame"][0] == 110
+    file.unlink()
     corrected = tracks_with(chance)
     corrected["image_origin"][100, :, 1] = ORIGIN_CODE["edited"]
-    assert pawnb.suggest_frames(trial, corrected)["frame"][0] == 113
-    # a click on another point mends nothing of this one, but keeps its frame's neighbours
-    other = pawnb.suggest_frames(trial, tracks_with(chance, clicked=[(109, "FL")]))
-    assert other["frame"][0] == 115
-    assert (np.abs(other["frame"] - 109) > 5).all()
+    assert pawnb.suggest_frames(trial, corrected)["frame"][0] == later
+
+
+def test_frames_near_clicked_ones_are_not_suggested(trial):
+    """Whichever point was clicked there; of those more than 5 away the nearest to the middle."""
+    chance = sure_but(HR=[(100, 121, 0.0)])
+    for point in ("HR", "FL"):
+        found = pawnb.suggest_frames(trial, tracks_with(chance, clicked=[(109, point)]))
+        assert found["frame"][0] == 115
+        assert (np.abs(found["frame"] - 109) > 5).all()
 
 
 def test_labels_of_every_view_count_but_not_where_a_point_was_never_found(trial):
     chance = sure_but(HR=[(100, 105, 0.2)])
     two = tracks_with(chance, views=("side", "below"))
-    assert pawnb.suggest_frames(trial, two).iloc[0].tolist() == [102, "HR", 6.4]
+    assert pawnb.suggest_frames(trial, two).iloc[0].tolist() == [102, "HR", 7.1]
     two["image_origin"][:, 1] = ORIGIN_CODE["reprojected"]
-    assert pawnb.suggest_frames(trial, two).iloc[0].tolist() == [102, "HR", 3.2]
+    assert pawnb.suggest_frames(trial, two).iloc[0].tolist() == [102, "HR", 3.6]
 
 
 def test_tracks_of_other_methods_have_chances_too(trial):
-    """HR is missing in the last 15 of 50 frames, at 100 a second: a click holds for 25 frames."""
+    """HR is missing in the last 15 of 50 frames, at 100 a second: a click holds for 100 frames."""
     tracks = tracks_with(np.ones((50, 3)), fps=100.0)
     tracks["image_confidence"].attrs.clear()
     tracks["image_position"][35:, ..., 1, :] = np.nan
     tracks["image_origin"][35:, :, 1] = ORIGIN_CODE["missing"]
-    gain = np.exp(-np.abs(np.arange(-7, 8)) / 25.0).sum()
+    gain = np.exp(-np.abs(np.arange(-7, 8)) / 100.0).sum()
     found = pawnb.suggest_frames(trial, tracks)
     assert found.iloc[0].tolist() == [42, "HR", round(gain, 1)]
 
@@ -215,11 +220,11 @@ def test_the_command_prints_a_table_or_json(trial, capsys):
     assert cli.main(["suggest", str(trial.folder)]) == 0
     table = capsys.readouterr().out.splitlines()
     assert [line.split() for line in table] == [
-        ["frame", "points", "gain"], ["102", "HR,", "FR", "5.6"], ["21", "FL", "1.8"],
+        ["frame", "points", "gain"], ["102", "HR,", "FR", "6.2"], ["21", "FL", "2.0"],
     ]  # fmt: skip
     assert cli.main(["suggest", str(trial.folder), "--json", "-n", "1"]) == 0
     assert json.loads(capsys.readouterr().out) == [
-        {"frame": 102, "points": ["HR", "FR"], "gain": 5.6}
+        {"frame": 102, "points": ["HR", "FR"], "gain": 6.2}
     ]
     other = trial.folder / "other"
     write_track_results(tracks_with(np.ones((N, 3))), other)
