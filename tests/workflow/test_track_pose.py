@@ -70,7 +70,7 @@ def test_poses_are_those_of_the_truth(tracked, rendered_spider):
 def test_the_record_names_everything_that_shaped_the_result(tracked):
     _, out = tracked
     (step,) = json.loads((out / "provenance.json").read_text())["steps"]
-    assert step["command"] == "pawnb track spider"
+    assert step["command"] == f"pawnb track {rendered_spider.name}"
     assert sorted(step["inputs"]) == ["spider.avi", "start_pose.csv"]
     assert step["method"] == "pawnb"
     assert step["complete"] is True
