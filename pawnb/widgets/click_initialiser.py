@@ -143,7 +143,7 @@ class ClickInitialiser(FrameCanvas):
             return
         self.session.propose(proposal.start)
         each = "; ".join(f"{row.point} {row.words}" for row in proposal.points.itertuples())
-        self._proposal = f"Proposed: {each}. "
+        self._proposal = " ".join([f"Proposed: {each}.", *proposal.notes, ""])
 
     def _act(self, action: str) -> None:
         """Do what a button or its key asks for."""

@@ -25,6 +25,11 @@ MOST_FRAMES = 60
 
 PAWS = ("FR", "HR", "FL", "HL")
 
+SIDES_UNKNOWN = (
+    "Check left and right: this calibration does not tell them (its views are parallel "
+    "projections, mirrored, or its axes left-handed)."
+)
+
 
 @dataclass(frozen=True)
 class StartProposal:
@@ -38,11 +43,14 @@ class StartProposal:
         frame, view, point, u, v (px), as :func:`pawnb.track` takes them for ``start``.
     points : DataFrame
         point, sure (0 to 1), words: how sure each point is.
+    notes : tuple of str
+        What a person should know besides.
     """
 
     frame: int
     start: pd.DataFrame
     points: pd.DataFrame
+    notes: tuple[str, ...] = ()
 
     @property
     def sure(self) -> float:
@@ -58,7 +66,7 @@ class StartProposal:
         """Return frame, points and how sure they are, one a line."""
         lines = [f"proposed start in frame {self.frame}: {self.words} ({self.sure:.2f})"]
         lines += [f"  {row.point}  {row.sure:.2f}  {row.words}" for row in self.points.itertuples()]
-        return "\n".join(lines)
+        return "\n".join([*lines, *self.notes])
 
 
 def propose_start(
@@ -201,4 +209,5 @@ def propose_in_views(
         ),
         ignore_index=True,
     )
-    return StartProposal(found.frame, start, points)
+    notes = () if found.sides_known else (SIDES_UNKNOWN,)
+    return StartProposal(found.frame, start, points, notes)

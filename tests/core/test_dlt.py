@@ -456,3 +456,21 @@ def test_world_origin_beside_the_camera_is_refused():
     uv = dlt.project(look_at([0, 800, 0], [0, 0, 0]), xyz)[:, 0]
     with pytest.raises(CalibrationError, match="move the origin into the filmed space"):
         dlt.fit_dlt(xyz - [100, 800, 50], uv)
+
+
+def test_mirrored_space_is_told_from_space_as_it_is():
+    """det(R) of a rotation is 1 (Hartley & Zisserman 2004, 6.2), that of a mirrored one -1."""
+    about = np.random.default_rng(1).uniform(-40, 40, (6, 3))
+    as_it_is = look_at([200, -800, 150], [0, 0, 0])
+    flipped = np.array([[-1.0, 0, 2048], [0, 1, 0], [0, 0, 1]])  # what a mirror shows
+    mirrored = dlt.transform_image(as_it_is, flipped)
+    parallel = np.r_[1.06, 0, 0, 5, 0, 0, -1, 168, 0, 0, 0]
+    coefs = np.stack([as_it_is, mirrored, parallel], axis=1)
+    assert dlt.handedness(coefs, about).tolist() == [1, -1, 0]
+    # axes named so that they are left-handed: y to the other side
+    other = coefs[:, :1].copy()
+    other[[1, 5, 9]] *= -1
+    assert dlt.handedness(other, about * [1, -1, 1]).tolist() == [-1]
+    # seen from far behind the origin, where the last row of P changes its sign
+    behind = look_at([0, 900, 100], [0, 2000, 0])
+    assert dlt.handedness(behind[:, None], about + np.array([0, 2000, 0])).tolist() == [1]

@@ -60,7 +60,8 @@ def test_paws_are_found_on_belts_as_red_as_they_are(tmp_path, monkeypatch, belt)
     assert proposal.sure > 0.5
     # what has the redness of half the picture is never sure
     monkeypatch.setattr(propose, "_WAYS", ("red",))
-    assert pawnb.propose_start(tmp_path / "mouse", progress=silent).sure < 0.05
+    with pytest.raises(InputError, match="shows the paws so clearly"):
+        pawnb.propose_start(tmp_path / "mouse", progress=silent)
 
 
 def test_how_sure_it_is_in_numbers_and_words(proposal):
@@ -127,3 +128,18 @@ def test_what_cannot_be_proposed_is_said(rendered_trial):
     )
     with pytest.raises(InputError, match="no point is tracked by two views"):
         pawnb.propose_start(dataclasses.replace(trial, views=alone), frames=[0], progress=silent)
+
+
+def test_left_and_right_are_not_sure_where_axes_are_left_handed(small_trial):
+    coefs = np.loadtxt(small_trial / "DLTcoefs.csv", delimiter=",")
+    coefs[[1, 5, 9]] *= -1
+    np.savetxt(small_trial / "DLTcoefs.csv", coefs, delimiter=",")
+    proposal = pawnb.propose_start(small_trial, progress=silent)
+    assert proposal.points["sure"].max() < 0.25
+    assert "left and right" in proposal.text()
+
+
+def test_paws_of_a_real_mouse_that_are_not_found_are_not_proposed(real_data):
+    """One of four paws was called sure there, and was that of the other side."""
+    with pytest.raises(InputError, match="click the points instead"):
+        pawnb.propose_start(real_data("real-clips") / "mouse_wheel_two_views", progress=silent)

@@ -67,7 +67,7 @@ def test_poses_are_those_of_the_truth(tracked, rendered_spider):
     assert position * 4.84 * 0.3 == pytest.approx(pose["x"].iloc[0], rel=1e-3)
 
 
-def test_the_record_names_everything_that_shaped_the_result(tracked):
+def test_the_record_names_everything_that_shaped_the_result(tracked, rendered_spider):
     _, out = tracked
     (step,) = json.loads((out / "provenance.json").read_text())["steps"]
     assert step["command"] == f"pawnb track {rendered_spider.name}"

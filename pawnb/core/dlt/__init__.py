@@ -14,6 +14,7 @@ from pawnb.core.dlt.fit import FLAT, MIN_POINTS, DltFit, fit_dlt
 from pawnb.core.dlt.projection import (
     Triangulation,
     check_coefs,
+    handedness,
     project,
     reprojection_error,
     to_matrix,
@@ -28,6 +29,7 @@ __all__ = [
     "Triangulation",
     "check_coefs",
     "fit_dlt",
+    "handedness",
     "project",
     "reprojection_error",
     "to_matrix",

@@ -14,6 +14,10 @@ MOST_COEF = 1e12
 _PARALLEL = 1e-9
 """Smallest over largest singular value below which rays do not cross."""
 
+_LEAST_CONVERGENCE = 0.01
+"""Lines of sight that converge by less than this, as a share of the distance, are parallel: how a
+view shows depth is then not known."""
+
 
 class Triangulation(NamedTuple):
     """Points in space and how well they fit; every array has the shape of the input.
@@ -247,6 +251,35 @@ def check_coefs(coefs: np.ndarray, *, where: str) -> None:
             f"{where}: the coefficients L1 to L3 and L5 to L7 are those of no camera: u and v do "
             "not change in two directions of space; calibrate again."
         )
+
+
+def handedness(coefs: np.ndarray, xyz: np.ndarray) -> np.ndarray:
+    """Tell whether views show space as it is or mirrored.
+
+    A camera that is not mirrored has ``det(R) = 1`` (Hartley & Zisserman 2004, section 6.2), so
+    that the determinant of its first three columns is positive where points lie before it. It is
+    negative where space has left-handed axes or the picture is that of a mirror.
+
+    Parameters
+    ----------
+    coefs : ndarray, shape (11, V)
+        DLT coefficients, v down.
+    xyz : ndarray, shape (n, 3)
+        Points that the views see, two or more.
+
+    Returns
+    -------
+    ndarray of int, shape (V,)
+        1 as it is, -1 mirrored, 0 where lines of sight are parallel, which does not tell.
+    """
+    coefs = _as_coefs(coefs)
+    xyz = np.asarray(xyz, dtype=float)
+    depth = np.median(1.0 + xyz @ coefs[8:11], axis=0)
+    size = np.linalg.norm(np.ptp(xyz, axis=0))
+    converge = np.linalg.norm(coefs[8:11], axis=0) * size / np.abs(depth)
+    matrix = np.stack([coefs[0:3], coefs[4:7], coefs[8:11]]).transpose(2, 0, 1)
+    sign = np.sign(np.linalg.det(matrix)) * np.sign(depth)
+    return np.where(converge < _LEAST_CONVERGENCE, 0, sign).astype(int)
 
 
 def to_matrix(coefs: np.ndarray) -> np.ndarray:

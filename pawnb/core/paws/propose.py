@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pandas as pd
 
+from pawnb.core import dlt
 from pawnb.core.grey import has_colour
 from pawnb.core.paws.appearance import Picture
 from pawnb.core.paws.blobs import (
@@ -43,6 +44,11 @@ _SURE = 0.25
 """Where each paw is so sure, they are not looked for in another way."""
 _RARE = 0.03
 """Paws that so large a share of the picture has the colour of are half as sure."""
+_FOUND = 0.1
+"""Where half of the paws are less sure than this no animal was found, whatever one of them says:
+in a real clip of a mouse on a wheel the four were 0, 0, 0.06 and 0.72 sure, the last wrongly."""
+_SIDES_UNKNOWN = 0.24
+"""No paw is surer than this (unsure) where the calibration does not tell left from right."""
 _TRIED = 12
 """Frames in which the digits are measured before one is chosen."""
 
@@ -65,11 +71,14 @@ class FoundPaws:
         frame, view, point, u, v (px).
     sure : dict of str to float
         How sure each point is, 0 to 1; 0 for a point that was not found.
+    sides_known : bool
+        Whether the calibration tells left from right.
     """
 
     frame: int
     start: pd.DataFrame
     sure: dict[str, float]
+    sides_known: bool = True
 
 
 def find_paws(
@@ -126,7 +135,37 @@ def find_paws(
             "no paws were found: too few spots stand out where the views agree; click the points "
             "instead."
         )
-    return found
+    return _as_sure_as_all(found, rig)
+
+
+def _as_sure_as_all(found: FoundPaws, rig: Rig) -> FoundPaws:
+    """Withhold paws of which most are not sure; doubt all where left and right cannot be told."""
+    usual = float(np.median(list(found.sure.values())))
+    if usual < _FOUND:
+        raise InputError(
+            "no frame shows the paws so clearly that they can be proposed; click the points "
+            "instead."
+        )
+    start = found.start
+    seen = [
+        rig.triangulate(_in_all_views(rows, rig))
+        for _, rows in start.groupby("point")
+        if len(rows) > 1
+    ]
+    known = len(seen) > 1 and bool(
+        (dlt.handedness(rig.coefs, np.stack([solved.xyz for solved in seen])) == 1).all()
+    )
+    most = 1.0 if known else _SIDES_UNKNOWN
+    sure = {point: min(value, most) for point, value in found.sure.items()}
+    return replace(found, sure=sure, sides_known=known)
+
+
+def _in_all_views(rows: pd.DataFrame, rig: Rig) -> np.ndarray:
+    """Return the clicks (V, 2) of one point; NaN in views that have none."""
+    uv = np.full((len(rig.names), 2), np.nan)
+    for view, u, v in zip(rows["view"], rows["u"], rows["v"], strict=True):
+        uv[rig.index(view)] = u, v
+    return uv
 
 
 def _after(progress: Callable[[int, int], None], before: int) -> Callable[[int, int], None]:
