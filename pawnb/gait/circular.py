@@ -8,6 +8,7 @@ could not be measured does not belong in a sample. More description is in
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -165,7 +166,12 @@ def rayleigh_p(n: int, r: float, *, method: str = "exact") -> float:
         total = n * r
         root = math.sqrt(1.0 + 4.0 * n + 4.0 * (n**2 - total**2))
         return min(1.0, max(math.exp(root - (1.0 + 2.0 * n)), _TINY))
-    return resultant_p(np.ones(n), n * r)
+    return _rayleigh_exact(int(n), float(n * r))
+
+
+@lru_cache(maxsize=1024)  # table, pattern and interval of the same phases all ask for it
+def _rayleigh_exact(n: int, total: float) -> float:
+    return resultant_p(np.ones(n), total)
 
 
 def resultant_p(lengths: np.ndarray, total: float) -> float:
