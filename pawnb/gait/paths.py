@@ -10,6 +10,8 @@ import numpy as np
 from pawnb.errors import InputError, did_you_mean
 from pawnb.schema import Tracks
 
+_USED = ("position", "confidence", "image_position", "image_confidence")
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FootPaths:
@@ -87,7 +89,8 @@ def get_foot_paths(
     who = [str(i) for i in tracks["individual"].values]
     if individual is not None and individual not in who:
         raise InputError(f"no individual {individual!r}; the tracks have {', '.join(who)}.")
-    one = tracks.isel(individual=who.index(individual) if individual else 0)
+    used = [name for name in _USED if name in tracks]
+    one = tracks[used].isel(individual=who.index(individual) if individual else 0)
     spaces: dict[str, tuple[str, list[str], list[np.ndarray]]] = {}
     for leg, point in legs.items():
         found = _best_space(one.sel(keypoint=point), min_confidence)
@@ -112,11 +115,14 @@ def _best_space(point: Tracks, least: float) -> tuple[str, str, np.ndarray] | No
     n_position = int(np.isfinite(position).all(axis=1).sum())
     seen: list[tuple[int, str, np.ndarray]] = []
     if "image_position" in point:
-        for view in point["view"].values:
-            one = point.sel(view=view)
-            path = one["image_position"].transpose("time", "image_space").values.astype(float)
-            path = np.where(_sure(one["image_confidence"].values, least)[:, None], path, np.nan)
-            seen.append((int(np.isfinite(path).all(axis=1).sum()), str(view), path))
+        paths = point["image_position"].transpose("view", "time", "image_space").values
+        sure = _sure(point["image_confidence"].transpose("view", "time").values, least)
+        paths = np.where(sure[..., None], paths.astype(float), np.nan)
+        counts = np.isfinite(paths).all(axis=2).sum(axis=1)
+        seen = [
+            (int(n), str(view), path)
+            for n, view, path in zip(counts, point["view"].values, paths, strict=True)
+        ]
     most = max((n for n, _, _ in seen), default=0)
     if n_position and 2 * n_position >= most:
         return "position", str(point.attrs.get("units", "px")), position
