@@ -189,6 +189,7 @@ MODULES = {
 }
 
 
+@pytest.mark.slow
 def test_code_is_old_where_what_it_calls_has_changed(tmp_path):
     """Numba looks at the file of the function that Python calls only."""
     for number, expected in (("1.0", "8.0"), ("10.0", "26.0")):
@@ -200,6 +201,7 @@ def test_code_is_old_where_what_it_calls_has_changed(tmp_path):
         assert done.stdout.strip() == expected
 
 
+@pytest.mark.slow
 def test_helpers_compile_what_is_listed(tmp_path, monkeypatch):
     """The real thing: a process that claims functions, and what it leaves on disk."""
     name = "pawnb.core.sorting_loops:ascending"

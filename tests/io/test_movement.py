@@ -22,7 +22,7 @@ from pawnb.schema import ORIGIN_CODE, absent_frames, make_tracks
 
 @pytest.fixture(scope="module")
 def movement(tmp_path_factory):
-    """The installed movement, imported with HOME in a temporary folder."""
+    """The installed movement (seconds to import), imported with HOME in a temporary folder."""
     options = {"keep_attrs": xr.get_options()["keep_attrs"],
                "display_expand_data": xr.get_options()["display_expand_data"]}  # fmt: skip
     with pytest.MonkeyPatch.context() as patch, warnings.catch_warnings():
@@ -63,6 +63,7 @@ def example(n=40):
 # --- with movement itself -----------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_movement_accepts_our_file(movement, tmp_path):
     tracks = example()
     path = write_tracks(tracks, tmp_path / "tracks.nc")
@@ -82,6 +83,7 @@ def test_movement_accepts_our_file(movement, tmp_path):
     assert np.isfinite(whole).all()
 
 
+@pytest.mark.slow
 def test_movement_refuses_what_it_cannot_read(movement):
     # the perturbed twin of the test above: its validation does look
     other = to_movement(example(), dims=spellings(movement)[1])
@@ -89,6 +91,7 @@ def test_movement_refuses_what_it_cannot_read(movement):
         movement.validators.datasets.ValidPosesInputs.validate(other)
 
 
+@pytest.mark.slow
 def test_we_read_what_movement_saves(movement, tmp_path):
     rng = np.random.default_rng(0)
     position = rng.normal(size=(20, 2, 3, 2))
@@ -114,6 +117,7 @@ def test_we_read_what_movement_saves(movement, tmp_path):
     xr.testing.assert_identical(read_tracks(tmp_path / "tracks.nc"), tracks)
 
 
+@pytest.mark.slow
 def test_deeplabcut_through_movement(movement, real_data, tmp_path):
     # the same clip as csv and h5 must give the same tracks; read here from its csv
     file = real_data("mouse-openfield-dlc") / "raw_clip1DLC.csv"

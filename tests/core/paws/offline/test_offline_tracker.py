@@ -79,7 +79,14 @@ def views(array_views, make_texture, truth):
     return array_views({"side": film(make_texture, truth)})
 
 
-@pytest.mark.parametrize("frames", [[0], [3, 20], [2, 9, 15, 22]])
+@pytest.mark.parametrize(
+    "frames",
+    [
+        pytest.param([0], marks=pytest.mark.slow),
+        [3, 20],
+        pytest.param([2, 9, 15, 22], marks=pytest.mark.slow),
+    ],
+)
 def test_points_are_tracked_from_any_number_of_clicked_frames(views, truth, frames):
     tracks = track_offline(views, clicks(truth, frames), task(), parameters=QUICK)
     assert off(tracks, truth).max() < 4
@@ -102,6 +109,7 @@ def test_a_point_without_any_click_is_refused(views, truth):
         track_offline(views, clicks(truth, [2], points=["FR"]), task(), parameters=QUICK)
 
 
+@pytest.mark.slow
 def test_views_without_a_rig_are_tracked_each_by_itself(array_views, make_texture, truth):
     mirrored = truth * [-1, 1] + [159, 0]
     views = array_views(
@@ -129,6 +137,7 @@ def test_where_it_is_stopped_there_is_nothing(views, truth):
     assert tracks.sizes["time"] == 0
 
 
+@pytest.mark.slow
 def test_a_kind_of_evidence_of_another_package_is_taken(
     array_views, make_texture, truth, monkeypatch
 ):
