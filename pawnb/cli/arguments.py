@@ -16,6 +16,15 @@ _VERDICT = (
     "tracks were written and failed."
 )
 
+# written here, since reading the table of pawnb.io.formats would slow every command down
+_FORMATS = (
+    "Formats: pawnb, movement, deeplabcut, collected, lightning-pose, sleap, anipose, dltdv-3d, "
+    "dltdv, argus-3d, argus, csv, csv-3d, nwb, c3d; read only: table, locomouse, authors2019. "
+    "A name of OUT that says its format needs no --to: tracks.nc, tracks.csv, ...3d.csv, "
+    "...xypts.csv, ...xyzpts.csv, ...DLC....csv or .h5, CollectedData....csv or .h5, "
+    "....analysis.h5, .slp, .nwb, .c3d."
+)
+
 
 class _Parser(argparse.ArgumentParser):
     """Says what is wrong in one sentence instead of printing the usage too."""
@@ -258,17 +267,35 @@ def _add_calibrate(parsers: Any) -> None:
 
 
 def _add_convert(parsers: Any) -> None:
-    text = "tracks of another program to those of pawnb, or to tables"
-    command = parsers.add_parser("convert", help=text, description=text)
+    text = "tracks of one program to those of another, both ways"
+    command = parsers.add_parser("convert", help=text, description=text, epilog=_FORMATS)
     command.add_argument(
         "source",
         metavar="IN",
-        help="of DeepLabCut, SLEAP, Anipose, DLTdv, movement or pawnb, or a trial that names one",
+        help="tracks of any program below, or a trial of kind tracks that names some",
     )
-    command.add_argument("target", metavar="OUT", help="tracks.nc, tracks.csv or points3d.csv")
+    command.add_argument(
+        "target",
+        metavar="OUT",
+        help="the file; of several views, a format of one view writes NAME_VIEW",
+    )
+    command.add_argument(
+        "--to", metavar="FORMAT", help="format of OUT (default: what its name says)"
+    )
+    command.add_argument(
+        "--from", dest="program", metavar="FORMAT", help="format of IN (default: as it looks)"
+    )
     command.add_argument("--fps", type=float, help="frame rate, where the input does not say")
-    command.add_argument("--from", dest="program", help="whose file it is (default: as it looks)")
     command.add_argument("--unit", help="unit of 3D points, where the input does not say")
+    command.add_argument("--view", help="write this view only")
+    command.add_argument("--animal", help="write this animal only")
+    command.add_argument(
+        "--heights",
+        type=int,
+        nargs="+",
+        metavar="PX",
+        help="heights of the pictures, for Argus and DLTdv 7, which count upwards",
+    )
     command.set_defaults(run=commands.run_convert)
 
 

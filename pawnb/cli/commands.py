@@ -201,14 +201,18 @@ def run_convert(options: argparse.Namespace, _argv: list[str]) -> None:
     """Convert tracks."""
     from pawnb.workflow.convert import convert_tracks
 
-    path = convert_tracks(
+    for path in convert_tracks(
         options.source,
         options.target,
+        to=options.to,
         fps=options.fps,
         program=options.program,
         unit=options.unit,
-    )
-    print(f"wrote {path}")
+        view=options.view,
+        animal=options.animal,
+        heights_px=options.heights,
+    ):
+        print(f"wrote {path}")
 
 
 def run_lab(options: argparse.Namespace, _argv: list[str]) -> None:

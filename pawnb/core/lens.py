@@ -7,6 +7,7 @@ prism, tilt). The straightened picture keeps the camera matrix and the size.
 from __future__ import annotations
 
 import functools
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,8 +16,10 @@ import cv2
 import numpy as np
 
 from pawnb.core.colour import Picture
-from pawnb.errors import InputError, did_you_mean
+from pawnb.errors import CalibrationError, InputError, VideoError, did_you_mean
 from pawnb.files import read_toml
+from pawnb.io.cameras import Camera, read_cameras
+from pawnb.trial import Trial
 
 _COUNTS = (4, 5, 8, 12, 14)
 _INT16 = (-(2**15), 2**15 - 1)
@@ -72,6 +75,82 @@ def load_lenses(path: str | Path) -> dict[str, Lens]:
     path = Path(path)
     document = read_toml(path, expected="the lenses.toml that [calibration] lens names")
     return {name: _lens(section, f"{path.name}: [{name}]") for name, section in document.items()}
+
+
+def cameras_of_views(trial: Trial, names: Sequence[str]) -> dict[str, Camera]:
+    """Return the cameras of another program's calibration, by the views of a trial.
+
+    Parameters
+    ----------
+    trial : Trial
+        Its ``[calibration] anipose`` or ``opencv`` names the file.
+    names : sequence of str
+        Views.
+
+    Returns
+    -------
+    dict of str to Camera
+        A camera a view, in that order.
+
+    Raises
+    ------
+    CalibrationError
+        If the file cannot be read, or no camera is called as a view is.
+    """
+    file = trial.calibration.cameras if trial.calibration is not None else None
+    found = {camera.name: camera for camera in read_cameras(trial.path(file or ""))}
+    for name in names:
+        if name not in found:
+            raise CalibrationError(
+                f"{file}: no camera {name!r}{did_you_mean(name, found)}; it has "
+                f"{', '.join(found)}: call the views so, or the cameras as the views."
+            )
+    return {name: found[name] for name in names}
+
+
+def lenses_of_views(trial: Trial, names: Sequence[str]) -> dict[str, Lens]:
+    """Return the lenses of views: of ``lenses.toml``, or of another program's calibration.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    names : sequence of str
+        Its views.
+
+    Returns
+    -------
+    dict of str to Lens
+        One a view; without those that bend nothing where the calibration is another program's;
+        empty where the trial names neither.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or lacks a view.
+    """
+    calibration = trial.calibration
+    if calibration is None:
+        return {}
+    if calibration.cameras is not None:
+        return {
+            name: Lens(
+                matrix=tuple(tuple(float(x) for x in row) for row in camera.matrix),
+                distortion=camera.distortion,
+            )
+            for name, camera in cameras_of_views(trial, names).items()
+            if not camera.is_straight
+        }
+    if calibration.lens is None:
+        return {}
+    lenses = load_lenses(trial.path(calibration.lens))
+    for name in names:
+        if name not in lenses:
+            raise VideoError(
+                f"{calibration.lens}: no section [{name}]{did_you_mean(name, lenses)}; expected "
+                "one for each view."
+            )
+    return lenses
 
 
 def _lens(section: Any, where: str) -> Lens:

@@ -10,7 +10,12 @@ from pawnb.schema import ORIGIN_CODE, Tracks, add_provenance
 
 
 def triangulate_tracks(
-    tracks: Tracks, rig: Rig, *, max_residual_px: float | None = None, refine: bool = False
+    tracks: Tracks,
+    rig: Rig,
+    *,
+    max_residual_px: float | None = None,
+    refine: bool = False,
+    even: bool = False,
 ) -> Tracks:
     """Fill the positions in space of Tracks from their image positions.
 
@@ -25,6 +30,8 @@ def triangulate_tracks(
         many is written to the provenance.
     refine : bool
         Whether to minimise the reprojection error after the linear solution.
+    even : bool
+        Whether all views weigh alike: see :func:`pawnb.core.dlt.triangulate`.
 
     Returns
     -------
@@ -52,7 +59,7 @@ def triangulate_tracks(
     part = tracks.sel(view=views)
     order = ("time", "keypoint", "individual", "view", "image_space")
     uv = part["image_position"].transpose(*order).to_numpy()
-    found = rig.subset(views).triangulate(uv, refine=refine)
+    found = rig.subset(views).triangulate(uv, refine=refine, even=even)
     limit = np.inf if max_residual_px is None else max_residual_px
     too_far = found.residual_px > limit
     good = np.isfinite(found.residual_px) & ~too_far

@@ -9,6 +9,7 @@ directions of the calibrated space. It is read with :func:`load_rig` or fitted w
 from __future__ import annotations
 
 import dataclasses
+import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -16,8 +17,10 @@ import numpy as np
 import pandas as pd
 
 from pawnb.core import dlt
+from pawnb.core.lens import cameras_of_views
 from pawnb.core.sightlines import find_epipolar_line, find_look_point
-from pawnb.errors import CalibrationError, InputError, did_you_mean
+from pawnb.errors import CalibrationError, InputError, InputWarning, did_you_mean
+from pawnb.io.cameras import coefs_of_cameras
 from pawnb.io.coefs import read_coefs
 from pawnb.schema import check_columns
 from pawnb.trial import Calibration, Trial, View
@@ -84,7 +87,9 @@ class Rig:
         """Return where points (..., 3) appear in every view: (..., n_views, 2) in px."""
         return dlt.project(self.coefs, xyz)
 
-    def triangulate(self, uv: np.ndarray, *, refine: bool = False) -> dlt.Triangulation:
+    def triangulate(
+        self, uv: np.ndarray, *, refine: bool = False, even: bool = False
+    ) -> dlt.Triangulation:
         """Find points in space from image positions.
 
         Parameters
@@ -93,13 +98,15 @@ class Rig:
             Image positions in px in the order of ``names``, NaN where not seen.
         refine : bool
             Whether to minimise the reprojection error after the linear solution.
+        even : bool
+            Whether all views weigh alike, wherever the origin of the calibration lies.
 
         Returns
         -------
         pawnb.core.dlt.Triangulation
             ``xyz`` (..., 3) in ``unit``, ``residual_px``, ``dltres``, ``n_views``.
         """
-        return dlt.triangulate(self.coefs, uv, refine=refine)
+        return dlt.triangulate(self.coefs, uv, refine=refine, even=even)
 
     def reprojection_error(self, xyz: np.ndarray, uv: np.ndarray) -> np.ndarray:
         """Return the distance in px (..., n_views) of points (..., 3) from where seen."""
@@ -196,7 +203,8 @@ def load_rig(
     ----------
     trial : Trial
         Its ``[calibration] dlt`` names a csv of 11 rows, one column a view in the order of
-        the views, without header.
+        the views, without header; or ``anipose`` or ``opencv`` another program's cameras, called
+        as the views are.
     sizes : mapping, optional
         Width and height in px of the file's whole picture of each view. Needed only where
         coefficients must be converted: for ``v = "up"``, and for ``pixels = "file"`` with a
@@ -226,10 +234,15 @@ def load_rig(
     1 as in MATLAB, v upwards): u = u_DLTdv - 1 and v = height - v_DLTdv.
     """
     calibration = trial.calibration
-    if calibration is None or calibration.dlt is None:
+    if calibration is None or calibration.of_views is None:
         return None
     names = tuple(view.name for view in trial.views)
-    coefs = read_coefs(trial.path(calibration.dlt), names)
+    if calibration.dlt is not None:
+        coefs = read_coefs(trial.path(calibration.dlt), names)
+    else:
+        # cameras of other programs belong to the whole picture, straightened, pixels from 0
+        coefs, first_pixel = _coefs_of_cameras(trial, names), 0
+        calibration = dataclasses.replace(calibration, pixels="file", v="down")
     columns = [
         dlt.transform_image(
             coefs[:, i], _to_view(view, calibration, (sizes or {}).get(view.name), first_pixel)
@@ -243,6 +256,21 @@ def load_rig(
         forward=calibration.forward,
         up=calibration.up,
     )
+
+
+def _coefs_of_cameras(trial: Trial, names: Sequence[str]) -> np.ndarray:
+    """Return coefficients of the views from another program's cameras of the same names."""
+    cameras = cameras_of_views(trial, names)
+    coefs, origin = coefs_of_cameras(list(cameras.values()))
+    if origin.any():
+        x, y, z = origin
+        warnings.warn(
+            f"trial {trial.name!r}: a camera stands at the origin of its calibration, which has no "
+            f"DLT coefficients: positions are counted from ({x:g}, {y:g}, {z:g}) there.",
+            InputWarning,
+            stacklevel=4,
+        )
+    return coefs
 
 
 def require_rig(

@@ -8,12 +8,14 @@ import itertools
 import re
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
+import h5py
 import numpy as np
 import pandas as pd
 
 from pawnb.errors import InputError
-from pawnb.io.hdf5 import open_hdf5
+from pawnb.io.hdf5 import is_hdf5, open_hdf5
 from pawnb.io.pandas_hdf5 import Column, read_pandas_frame
 from pawnb.io.points import build_tracks
 from pawnb.io.tables import read_table_text
@@ -22,9 +24,22 @@ from pawnb.schema import Tracks
 GROUP = "df_with_missing"
 """Where DeepLabCut puts its table in an h5 file."""
 
+SCORER = "scorer"
+"""Attribute of Tracks that keeps who scored or predicted the points."""
+
+LABELS_GROUP = "keypoints"
+"""Where newer programs put labels."""
+
+PICTURES = "labelled_pictures"
+"""Attribute of Tracks that keeps how labelled pictures are called: ``.../img%04d.png``."""
+
+ONE = "individual_0"
+"""The animal of a file that names none."""
+
 _LEVELS = (("scorer", "bodyparts", "coords"), ("scorer", "individuals", "bodyparts", "coords"))
-_ONE = "individual_0"
 _EXPECTED = "a csv or h5 as DeepLabCut writes it"
+_FRAMES = "numbers of frames, as in the file of predictions for a video"
+_NUMBER = re.compile(r"(\d+)(?=\D*$)")
 
 
 def read_deeplabcut(path: str | Path, *, fps: float, unit: str = "mm") -> Tracks:
@@ -58,14 +73,72 @@ def read_deeplabcut(path: str | Path, *, fps: float, unit: str = "mm") -> Tracks
     :mod:`pawnb.io.pickled_values`.
     """
     path = Path(path)
-    frames, columns, values = (_read_csv if path.suffix == ".csv" else _read_h5)(path)
+    frames, columns, values = (_read_h5 if is_hdf5(path) else _read_csv)(path)
+    tracks = _build(path.name, frames, columns, values, fps=fps, unit=unit)
+    return tracks.assign_attrs({SCORER: columns[0][0]})
+
+
+def read_collected(path: str | Path, *, fps: float) -> Tracks:
+    """Read labels for training: DeepLabCut's ``CollectedData_<scorer>``, or Lightning Pose's.
+
+    Parameters
+    ----------
+    path : str or Path
+        The csv or h5, whose rows are named by pictures such as
+        ``labeled-data/clip/img0012.png``; the last number in the name is that of the frame.
+    fps : float
+        Frames per second of the recording.
+
+    Returns
+    -------
+    xarray.Dataset
+        Tracks in px without confidence (a person put the points); frames that nobody labelled
+        are missing. How pictures are called is kept in the attribute ``labelled_pictures``.
+
+    Raises
+    ------
+    InputError
+        If the file is of another kind, a picture has no number, or two have the same, as
+        pictures of several videos do.
+    """
+    path = Path(path)
+    rows, columns, values = (_read_h5 if is_hdf5(path) else _read_csv)(path, labels=True)
+    names = ["/".join(row) for row in rows]
+    found = [_NUMBER.search(name) for name in names]
+    folders = {name.rpartition("/")[0] for name in names}
+    if not all(found) or len(folders) != 1:
+        raise InputError(
+            f"{path.name}: labels of {', '.join(sorted(folders)) or 'no picture'}; expected those "
+            "of the pictures of one video, named by their frames as img0012.png is."
+        )
+    numbers = [m[1] for m in found if m is not None]
+    frames = np.array([int(number) for number in numbers])
+    order = np.argsort(frames, kind="stable")
+    tracks = _build(path.name, frames[order], columns, values[order], fps=fps, unit="px")
+    first = names[0]
+    at = _NUMBER.search(first)
+    width = f"0{len(numbers[0])}" if len(set(map(len, numbers))) == 1 else ""
+    pattern = f"{first[: at.start(1)]}%{width}d{first[at.end(1) :]}" if at else ""
+    return tracks.assign_attrs({SCORER: columns[0][0], PICTURES: pattern})
+
+
+def _build(
+    where: str,
+    frames: np.ndarray,
+    columns: Sequence[Column],
+    values: np.ndarray,
+    *,
+    fps: float,
+    unit: str,
+) -> Tracks:
+    """Make Tracks of a table whose columns have names of three or four levels."""
     if not {len(name) for name in columns} <= {3, 4} or len(set(map(len, columns))) != 1:
         raise InputError(
-            f"{path.name}: columns have {len(columns[0])} levels; expected scorer, (individuals,) "
+            f"{where}: columns have {len(columns[0])} levels; expected scorer, (individuals,) "
             "bodyparts, coords."
         )
-    named = [(c[1] if len(c) == 4 else _ONE, c[-2], c[-1]) for c in columns]
-    _check_columns(named, path.name)
+    named = [(c[1] if len(c) == 4 else ONE, c[-2], c[-1]) for c in columns]
+    _check_columns(named, where)
     individuals, points = (list(dict.fromkeys(c[i] for c in named)) for i in (0, 1))
     axes = "xyz" if any(c[2] == "z" for c in named) else "xy"
     place = {c: i for i, c in enumerate(named)}
@@ -84,22 +157,28 @@ def read_deeplabcut(path: str | Path, *, fps: float, unit: str = "mm") -> Tracks
         fps=fps,
         unit="px" if axes == "xy" else unit,
         program="DeepLabCut",
-        where=path.name,
+        where=where,
         individuals=individuals,
     )
 
 
-def _read_h5(path: Path) -> tuple[np.ndarray, list[Column], np.ndarray]:
-    """Return frames, columns and numbers of an h5."""
+def _read_h5(path: Path, *, labels: bool = False) -> tuple[Any, list[Column], np.ndarray]:
+    """Return frames (of labels: names of rows), columns and numbers of an h5."""
     with open_hdf5(path, expected=_EXPECTED) as file:
-        group = file.get(GROUP)
-        if group is None:
+        group = next((file[name] for name in (GROUP, LABELS_GROUP) if name in file), None)
+        if not isinstance(group, h5py.Group):
             raise InputError(f"{path.name}: no {GROUP} in it; expected {_EXPECTED}.")
-        return read_pandas_frame(group, where=path.name)
+        index, columns, values = read_pandas_frame(group, where=path.name)
+    if isinstance(index, list) is not labels:
+        raise InputError(
+            f"{path.name}: rows are named by {'numbers' if labels else 'pictures or words'}; "
+            f"expected {'pictures, as in labels for training' if labels else _FRAMES}."
+        )
+    return index, columns, values
 
 
-def _read_csv(path: Path) -> tuple[np.ndarray, list[Column], np.ndarray]:
-    """Return frames, columns and numbers of a csv."""
+def _read_csv(path: Path, *, labels: bool = False) -> tuple[Any, list[Column], np.ndarray]:
+    """Return frames (of labels: names of rows), columns and numbers of a csv."""
     text = read_table_text(path, expected=_EXPECTED)
     head = list(itertools.islice(csv.reader(io.StringIO(text)), 4))
     levels = tuple(row[0].strip() for row in head if row)
@@ -109,12 +188,24 @@ def _read_csv(path: Path) -> tuple[np.ndarray, list[Column], np.ndarray]:
             f"{path.name}: lines begin with {', '.join(levels)}; expected the header lines "
             "scorer, (individuals,) bodyparts, coords of DeepLabCut."
         )
-    names = [[cell.strip() for cell in row[1:]] for row in head[: len(header)]]
+    n_header = len(header)
+    skip = 1
+    if labels:  # a picture's name may take three cells
+        skip = next((i for i, cell in enumerate(head[0][1:], start=1) if cell.strip()), 1)
+    names = [[cell.strip() for cell in row[skip:]] for row in head[:n_header]]
     width = len(names[0])
     if width == 0 or any(len(row) != width for row in names):
         raise InputError(f"{path.name}: header lines of different length; expected {_EXPECTED}.")
-    body = _numbers(text, len(header), width + 1, names[-2:], path.name)
-    return body[:, 0], list(zip(*names, strict=True)), body[:, 1:]
+    columns = list(zip(*names, strict=True))
+    if not labels:
+        body = _numbers(text, n_header, width + 1, names[-2:], path.name)
+        return body[:, 0], columns, body[:, 1:]
+    lines = [line for line in text.split("\n") if line.strip()][n_header:]
+    rows = [tuple(cell.strip() for cell in line.split(",")[:skip]) for line in lines]
+    # the number of the line in place of the picture: one way of reading the cells
+    plain = [f"{i},{','.join(line.split(',')[skip:])}" for i, line in enumerate(lines)]
+    filled = "\n".join([*text.split("\n")[:n_header], *plain])
+    return rows, columns, _numbers(filled, n_header, width + 1, names[-2:], path.name)[:, 1:]
 
 
 def _numbers(
@@ -170,7 +261,7 @@ def _check_columns(named: Sequence[tuple[str, str, str]], where: str) -> None:
     known = ("x", "y", "z", "likelihood")
     seen: set[tuple[str, str, str]] = set()
     for who, point, axis in named:
-        of = f"{point} {axis}" if who == _ONE else f"{who} {point} {axis}"
+        of = f"{point} {axis}" if who == ONE else f"{who} {point} {axis}"
         if (who, point, axis) in seen:
             raise InputError(
                 f"{where}: column {of} is there twice; keep one of them, or name the points "

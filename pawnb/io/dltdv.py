@@ -1,4 +1,10 @@
-"""Points digitised with DLTdv: ``...xyzpts.csv`` in space, ``...xypts.csv`` in the views."""
+"""Points digitised with DLTdv: ``...xyzpts.csv`` in space, ``...xypts.csv`` in the views.
+
+DLTdv 8 also writes both sparse (``.tsv``): the names of the columns, then the numbers of rows, of
+columns and of values, then row, column and value of each point, counted from 1. Beside them lie
+``...offsets.csv``, how many frames each camera runs ahead, and ``...xyzres.csv``, DLTdv's
+algebraic residual of each point.
+"""
 
 from __future__ import annotations
 
@@ -10,6 +16,7 @@ import numpy as np
 import pandas as pd
 
 from pawnb.errors import InputError
+from pawnb.files import check_file, read_text
 from pawnb.io.points import build_tracks
 from pawnb.io.tables import read_cells, read_numbers
 from pawnb.schema import Tracks
@@ -17,6 +24,18 @@ from pawnb.schema import Tracks
 _SPACE = re.compile(r"(?P<point>.+)_(?P<axis>[XYZ])")
 _IMAGE = re.compile(r"(?P<point>.+)_cam(?P<view>\d+)_(?P<axis>[XY])")
 _FRAME = "frame0"
+_SPARSE_CELL = re.compile(
+    r"(\d{1,9})\s+(\d{1,9})\s+([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?)"
+)
+
+DLTRES = "dltres"
+"""Variable of Tracks: DLTdv's algebraic residual of a point in space."""
+
+OFFSETS = "view_offset"
+"""Variable of Tracks (time, view): by how many frames a camera's file runs ahead."""
+
+_MOST_CELLS = 10**8
+"""More than an hour of a thousand pictures a second with a dozen points in two cameras."""
 
 
 def read_dltdv_points3d(path: str | Path, *, fps: float, unit: str = "mm") -> Tracks:
@@ -26,7 +45,8 @@ def read_dltdv_points3d(path: str | Path, *, fps: float, unit: str = "mm") -> Tr
     ----------
     path : str or Path
         ``...xyzpts.csv`` with columns ``<point>_X, _Y, _Z``; a row a frame, or a column
-        ``frame0`` with the frame's number.
+        ``frame0`` with the frame's number; or the sparse ``.tsv``. Where ``...xyzres`` lies beside
+        it, its residuals are kept as ``dltres``.
     fps : float
         Frames per second of the recording.
     unit : str
@@ -49,9 +69,15 @@ def read_dltdv_points3d(path: str | Path, *, fps: float, unit: str = "mm") -> Tr
     wanted = [f"{point}_{axis}" for point in points for axis in "XYZ"]
     _check_layout(path, table, wanted, "<point>_X, <point>_Y, <point>_Z")
     places = table[wanted].to_numpy(dtype=float).reshape(len(frames), len(points), 1, 3)
-    return build_tracks(
+    tracks = build_tracks(
         frames, places, points=points, fps=fps, unit=unit, program="DLTdv", where=Path(path).name
     )
+    residuals = _beside(path, "xyzpts", "xyzres")
+    if residuals is None:
+        return tracks
+    names = [f"{point}_{DLTRES}" for point in points]
+    values = _aligned(residuals, names, tracks)
+    return tracks.assign({DLTRES: (("time", "keypoint", "individual"), values[..., None])})
 
 
 def read_dltdv_points(
@@ -62,7 +88,9 @@ def read_dltdv_points(
     Parameters
     ----------
     path : str or Path
-        ``...xypts.csv`` with columns ``<point>_cam<n>_X, _Y``.
+        ``...xypts.csv`` with columns ``<point>_cam<n>_X, _Y``, or the sparse ``.tsv``. Where
+        ``...offsets.csv`` lies beside it, its numbers are kept as ``view_offset``: points are in
+        the frames of the first camera already.
     fps : float
         Frames per second of the recording.
     heights_px : sequence of int, optional
@@ -105,7 +133,7 @@ def read_dltdv_points(
         places[..., 1] -= 1.0
     else:
         places[..., 1] = np.asarray(heights_px, dtype=float) - places[..., 1]
-    return build_tracks(
+    tracks = build_tracks(
         frames,
         places.transpose(0, 2, 1, 3)[:, :, :, None],
         points=points,
@@ -115,11 +143,43 @@ def read_dltdv_points(
         where=Path(path).name,
         views=[f"cam{n}" for n in numbers],
     )
+    offsets = _beside(path, "xypts", "offsets")
+    if offsets is None:
+        return tracks
+    values = _aligned(offsets, [f"cam{n}_offset" for n in numbers], tracks)
+    return tracks.assign({OFFSETS: (("time", "view"), values)})
+
+
+def _beside(path: str | Path, kind: str, other: str) -> Path | None:
+    """Return the file of another kind that DLTdv wrote beside one, if it is there."""
+    name = Path(path).name
+    if kind not in name:
+        return None
+    for ending in (Path(path).suffix, ".csv", ".tsv"):
+        found = Path(path).with_name(name.replace(kind, other)).with_suffix(ending)
+        if found.is_file():
+            return found
+    return None
+
+
+def _aligned(path: Path, names: Sequence[str], tracks: Tracks) -> np.ndarray:
+    """Return columns of a table (n_frames, n_names) in the frames of tracks; NaN where absent."""
+    frames, table = _read(path)
+    values = np.full((tracks.sizes["time"], len(names)), np.nan)
+    rows = np.searchsorted(tracks["frame"].to_numpy(), frames)
+    inside = rows < len(values)
+    inside[inside] = tracks["frame"].to_numpy()[rows[inside]] == frames[inside]
+    for i, name in enumerate(names):
+        if name in table:
+            values[rows[inside], i] = table[name].to_numpy()[inside]
+    return values
 
 
 def _read(path: str | Path) -> tuple[np.ndarray, pd.DataFrame]:
     """Return frame numbers and the table of numbers; NaN where nothing was digitised."""
     where = Path(path).name
+    if is_sparse(path):
+        return _read_sparse(path)
     cells = read_cells(path, ())
     cells = cells.mask(cells.apply(lambda column: column.str.lower() == "nan"), "")
     table = pd.DataFrame(
@@ -132,6 +192,47 @@ def _read(path: str | Path) -> tuple[np.ndarray, pd.DataFrame]:
     if _FRAME in cells:
         return read_numbers(cells, _FRAME, where=where, whole=True), table
     return np.arange(len(table)), table
+
+
+def is_sparse(path: str | Path) -> bool:
+    """Say whether a table is one of DLTdv's sparse ones: three whole numbers in its second line.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+
+    Returns
+    -------
+    bool
+        True where it looks like that.
+    """
+    with check_file(path, expected="points digitised with DLTdv").open("rb") as file:
+        file.readline(2**22)
+        second = file.readline(100).split()
+    return len(second) == 3 and all(cell.isdigit() for cell in second)
+
+
+def _read_sparse(path: str | Path) -> tuple[np.ndarray, pd.DataFrame]:
+    """Return frame numbers and the table of a sparse file; NaN where nothing was digitised."""
+    where = Path(path).name
+    lines = read_text(path, expected="points digitised with DLTdv").rstrip("\n").split("\n")
+    names = re.split(r"[,\t]", lines[0].strip())
+    n_rows, n_columns, n_values = map(int, lines[1].split())
+    if n_columns != len(names) or n_values != len(lines) - 2 or n_rows * n_columns > _MOST_CELLS:
+        raise InputError(
+            f"{where}: says {n_rows} rows, {n_columns} columns and {n_values} values, and has "
+            f"{len(names)} names and {len(lines) - 2} values: the file was cut short; copy it "
+            "again from where it is whole."
+        )
+    values = np.full((n_rows, n_columns), np.nan)
+    for i, line in enumerate(lines[2:], start=3):
+        cell = _SPARSE_CELL.fullmatch(line.strip())
+        at = (int(cell[1]) - 1, int(cell[2]) - 1) if cell else (-1, -1)
+        if cell is None or not (0 <= at[0] < n_rows and 0 <= at[1] < n_columns):
+            raise InputError(f"{where}: line {i} is {line[:40]!r}; expected row, column and value.")
+        values[at] = float(cell[3])
+    return np.arange(n_rows), pd.DataFrame(values, columns=names)
 
 
 def _check_layout(

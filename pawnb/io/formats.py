@@ -1,31 +1,212 @@
-"""Tracks of any program: the format is recognised by what is in the file."""
+"""Tracks of any program, in and out: one table of formats, told apart by what is in the file."""
 
 from __future__ import annotations
 
-import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from pawnb.errors import InputError, did_you_mean
-from pawnb.files import check_file
-from pawnb.io import native, track_tables
-from pawnb.io.anipose import read_anipose
-from pawnb.io.deeplabcut import GROUP, read_deeplabcut
+from pawnb.io import argus, native
+from pawnb.io.anipose import read_anipose, write_anipose
+from pawnb.io.authors2019 import read_authors_trial, trial_stamp
+from pawnb.io.c3d_file import read_c3d, write_c3d
+from pawnb.io.deeplabcut import read_collected, read_deeplabcut
+from pawnb.io.deeplabcut_out import write_collected, write_deeplabcut, write_lightning_pose
 from pawnb.io.dltdv import read_dltdv_points, read_dltdv_points3d
-from pawnb.io.hdf5 import open_hdf5
+from pawnb.io.dltdv_out import write_dltdv_points, write_dltdv_points3d
+from pawnb.io.locomouse import read_locomouse
+from pawnb.io.movement import write_movement
+from pawnb.io.nwb import read_nwb, write_nwb
+from pawnb.io.outgoing import has_space, views_of
+from pawnb.io.recognise import find_format
 from pawnb.io.sleap import read_sleap
-from pawnb.io.tables import read_column_names
-from pawnb.io.wide import is_wide_table, read_wide_table
+from pawnb.io.sleap_out import write_sleap
+from pawnb.io.tables import write_table
+from pawnb.io.track_tables import read_points3d_table, read_tracks_table
+from pawnb.io.wide import read_wide_table
 from pawnb.schema import Tracks, check_fps
 
-FORMATS = (
-    "pawnb", "movement", "deeplabcut", "sleap", "anipose", "dltdv-3d", "dltdv", "csv", "csv-3d",
-    "table",
+
+@dataclass(frozen=True, kw_only=True)
+class Format:
+    """A format of tracks.
+
+    Parameters
+    ----------
+    name : str
+        What ``--from`` and ``--to`` call it.
+    title : str
+        What people call it.
+    endings : tuple of str
+        How names of its files end.
+    read : callable
+        ``read(path, fps=)`` gives Tracks.
+    reads_with : tuple of str
+        What else reading may be told: ``unit``, ``heights_px``.
+    write : callable, optional
+        ``write(tracks, path)`` gives the file; None where the format is only read.
+    writes_with : tuple of str
+        What else writing may be told: ``view``, ``heights_px``.
+    holds : {"view", "views", "space", "view or space", "all"}
+        What a file holds: points of one view (several views make several files), of all views,
+        in space, either, or everything.
+    says_fps : bool
+        Whether a file says its frame rate.
+    names : tuple of str
+        Words in a name by which people know the format: such a name gets no other one.
+    extra : str
+        Extra of the package that a part of it needs.
+    """
+
+    name: str
+    title: str
+    endings: tuple[str, ...]
+    read: Callable[..., Tracks]
+    reads_with: tuple[str, ...] = ()
+    write: Callable[..., Any] | None = None
+    writes_with: tuple[str, ...] = ()
+    holds: str = "view"
+    says_fps: bool = False
+    names: tuple[str, ...] = ()
+    extra: str = ""
+
+
+def _read_authors(path: Path, *, fps: float) -> Tracks:
+    """Read the trial of the 2019 authors that a file belongs to."""
+    stamp = trial_stamp(path.name)
+    if stamp is None:
+        raise InputError(
+            f"{path.name}: not named as the 2019 authors do (cam1.f.<animal>.<condition>.<stamp>"
+            ".csv); without its name the other three files of the trial cannot be found."
+        )
+    return read_authors_trial(path.parent, stamp, fps=fps)
+
+
+def _write_views(tracks: Tracks, path: Path) -> Path:
+    """Write ``tracks.csv``."""
+    return write_table(native.tracks_table(tracks), path)
+
+
+def _write_space(tracks: Tracks, path: Path) -> Path:
+    """Write ``points3d.csv``."""
+    return write_table(native.points3d_table(tracks), path)
+
+
+_UNIT, _HEIGHTS, _VIEW = ("unit",), ("heights_px",), ("view",)
+
+TABLE: tuple[Format, ...] = (
+    Format(
+        name="pawnb", title="pawnb tracks.nc", endings=(".nc",), holds="all", says_fps=True,
+        read=native.read_tracks, write=native.write_tracks,
+    ),
+    Format(
+        name="movement", title="movement netCDF", endings=(".nc",), holds="view or space",
+        says_fps=True, read=native.read_tracks, write=write_movement, writes_with=_VIEW,
+    ),
+    Format(
+        name="deeplabcut", title="DeepLabCut", endings=(".csv", ".h5"), names=("DLC",),
+        read=read_deeplabcut, reads_with=_UNIT, write=write_deeplabcut, writes_with=_VIEW,
+    ),
+    Format(
+        name="collected", title="DeepLabCut CollectedData", endings=(".csv", ".h5"),
+        names=("CollectedData",), read=read_collected, write=write_collected, writes_with=_VIEW,
+    ),
+    Format(
+        name="lightning-pose", title="Lightning Pose", endings=(".csv",),
+        read=read_deeplabcut, write=write_lightning_pose, writes_with=_VIEW,
+    ),
+    Format(
+        name="sleap", title="SLEAP", endings=(".slp", ".h5", ".csv"), extra="sleap",
+        names=(".analysis.h5", ".analysis.csv"), read=read_sleap, write=write_sleap,
+        writes_with=_VIEW,
+    ),
+    Format(
+        name="anipose", title="Anipose 3D csv", endings=(".csv",), holds="space",
+        read=read_anipose, reads_with=_UNIT, write=write_anipose,
+    ),
+    Format(
+        name="dltdv-3d", title="DLTdv xyzpts", endings=(".csv", ".tsv"), holds="space",
+        names=("xyzpts",), read=read_dltdv_points3d, reads_with=_UNIT, write=write_dltdv_points3d,
+    ),
+    Format(
+        name="dltdv", title="DLTdv xypts", endings=(".csv", ".tsv"), holds="views",
+        names=("xypts",), read=read_dltdv_points, reads_with=_HEIGHTS, write=write_dltdv_points,
+        writes_with=_HEIGHTS,
+    ),
+    Format(
+        name="argus-3d", title="Argus xyzpts", endings=(".csv",), holds="space",
+        names=("-xyzpts",), read=argus.read_argus_points3d, reads_with=_UNIT,
+        write=argus.write_argus_points3d,
+    ),
+    Format(
+        name="argus", title="Argus xypts", endings=(".csv",), holds="views", names=("-xypts",),
+        read=argus.read_argus_points, reads_with=_HEIGHTS, write=argus.write_argus_points,
+        writes_with=_HEIGHTS,
+    ),
+    Format(
+        name="csv", title="pawnb tracks.csv", endings=(".csv",), holds="views",
+        read=read_tracks_table, write=_write_views,
+    ),
+    Format(
+        name="csv-3d", title="pawnb points3d.csv", endings=(".csv",), holds="space",
+        names=("3d.csv",), read=read_points3d_table, reads_with=_UNIT, write=_write_space,
+    ),
+    Format(
+        name="table", title="table of points side by side", endings=(".csv",),
+        read=read_wide_table, reads_with=_UNIT,
+    ),
+    Format(
+        name="nwb", title="NWB with ndx-pose", endings=(".nwb",), holds="view or space",
+        says_fps=True, extra="nwb", read=read_nwb, write=write_nwb, writes_with=_VIEW,
+    ),
+    Format(
+        name="c3d", title="C3D", endings=(".c3d",), holds="space", says_fps=True, extra="c3d",
+        read=read_c3d, reads_with=_UNIT, write=write_c3d,
+    ),
+    Format(
+        name="locomouse", title="LocoMouse .mat", endings=(".mat",), holds="views",
+        read=read_locomouse,
+    ),
+    Format(
+        name="authors2019", title="csv of the 2019 authors", endings=(".csv",), holds="views",
+        read=_read_authors,
+    ),
 )  # fmt: skip
+"""Every format: how it is read, how it is written, what a file of it holds."""
+
+FORMATS = tuple(one.name for one in TABLE)
 """Names of the formats that are read."""
 
-_ANIPOSE = re.compile(r"(.+)_(x|y|z|error|ncams|score)")
-_DLTDV_SPACE = re.compile(r".+_[XYZ]")
-_DLTDV_IMAGE = re.compile(r".+_cam\d+_[XY]")
+WRITTEN = tuple(one.name for one in TABLE if one.write is not None)
+"""Names of the formats that are written."""
+
+
+def find_entry(name: str) -> Format:
+    """Return a format by its name.
+
+    Parameters
+    ----------
+    name : str
+        One of :data:`FORMATS`.
+
+    Returns
+    -------
+    Format
+        What is known of it.
+
+    Raises
+    ------
+    InputError
+        If there is none of that name.
+    """
+    for one in TABLE:
+        if one.name == name:
+            return one
+    raise InputError(
+        f"unknown format {name!r}{did_you_mean(name, FORMATS)}; expected {', '.join(FORMATS)}."
+    )
 
 
 def recognise_format(path: str | Path) -> str:
@@ -47,20 +228,15 @@ def recognise_format(path: str | Path) -> str:
     InputError
         If there is no such file or it is none of them.
     """
-    path = check_file(path, expected="a file of tracks")
-    found = None
-    if path.suffix == ".slp":
-        found = "sleap"
-    elif path.suffix in {".h5", ".hdf5", ".nc"}:
-        found = _recognise_hdf5(path)
-    elif path.suffix == ".csv":
-        found = _recognise_csv(path)
+    path = Path(path)
+    found = find_format(path)
     if found is None:
         raise InputError(
             f"{path.name}: not tracks that are read here; expected tracks.nc, tracks.csv, "
-            "points3d.csv, or a file of DeepLabCut (.csv, .h5), SLEAP (.slp, .h5), Anipose (.csv), "
-            "DLTdv (xypts.csv, xyzpts.csv) or movement (.nc), or a csv with frame and <point>_x, "
-            "<point>_y (and _z) of every point."
+            "points3d.csv, or a file of DeepLabCut, Lightning Pose (.csv, .h5), SLEAP (.slp, .h5, "
+            ".csv), Anipose (.csv), DLTdv, Argus (xypts.csv, xyzpts.csv), movement (.nc), NWB, "
+            "C3D or LocoMouse (.mat), or a csv with frame and <point>_x, <point>_y (and _z) of "
+            "every point."
         )
     return found
 
@@ -71,6 +247,7 @@ def read_any_tracks(
     fps: float | None = None,
     program: str | None = None,
     unit: str | None = None,
+    heights_px: Sequence[int] | None = None,
 ) -> Tracks:
     """Read tracks of pawnb or of another program.
 
@@ -84,6 +261,9 @@ def read_any_tracks(
         One of :data:`FORMATS`; default as :func:`recognise_format` says.
     unit : str, optional
         Unit of length of 3D points whose file does not say; default mm.
+    heights_px : sequence of int, optional
+        Heights of the pictures in px (one of all, or one a view), for points that are counted
+        upwards from the lower edge: those of Argus, and of DLTdv 7 and older.
 
     Returns
     -------
@@ -97,34 +277,164 @@ def read_any_tracks(
     """
     path = Path(path)
     check_rate(fps)
-    found = recognise_format(path) if program is None else program
-    if found not in FORMATS:
-        raise InputError(
-            f"unknown format {found!r}{did_you_mean(found, FORMATS)}; "
-            f"expected {', '.join(FORMATS)}."
-        )
-    if found in {"pawnb", "movement"}:
-        return native.read_tracks(path, fps=fps)
-    if fps is None:
+    entry = find_entry(recognise_format(path) if program is None else program)
+    if fps is None and not entry.says_fps:
         raise InputError(
             f"{path.name}: this file does not say its frame rate; give fps, the frames per second "
             "of the recording (--fps on the command line)."
         )
-    if found == "deeplabcut":
-        return read_deeplabcut(path, fps=fps, unit=unit or "mm")
-    if found == "sleap":
-        return read_sleap(path, fps=fps)
-    if found == "anipose":
-        return read_anipose(path, fps=fps, unit=unit or "mm")
-    if found == "dltdv-3d":
-        return read_dltdv_points3d(path, fps=fps, unit=unit or "mm")
-    if found == "dltdv":
-        return read_dltdv_points(path, fps=fps)
-    if found == "table":
-        return read_wide_table(path, fps=fps, unit=unit)
-    if found == "csv-3d":
-        return track_tables.read_points3d_table(path, fps=fps, unit=unit or "mm")
-    return track_tables.read_tracks_table(path, fps=fps)
+    told = {"unit": unit, "heights_px": heights_px}
+    return entry.read(path, fps=fps, **_taken(told, entry.reads_with))
+
+
+def _taken(told: dict[str, Any], names: Sequence[str]) -> dict[str, Any]:
+    """Return what a format takes of what was told."""
+    return {name: told[name] for name in names if told[name] is not None}
+
+
+def load_tracks(path: str | Path, *, fps: float | None = None, **more: Any) -> Tracks:
+    """Read tracks of any program that is known; the same as :func:`read_any_tracks`.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file, recognised by what is in it.
+    fps : float, optional
+        Frames per second, needed where the file does not say.
+    **more
+        ``program``, ``unit``, ``heights_px``: see :func:`read_any_tracks`.
+
+    Returns
+    -------
+    xarray.Dataset
+        Tracks.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or the frame rate is needed and not given.
+    """
+    return read_any_tracks(path, fps=fps, **more)
+
+
+def target_format(path: str | Path, program: str | None = None) -> Format:
+    """Return the format that a file to be written gets, so that its name never lies.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file to write.
+    program : str, optional
+        The format asked for; default that which the name says.
+
+    Returns
+    -------
+    Format
+        A format that is written.
+
+    Raises
+    ------
+    InputError
+        If the name says no format, or another one than that asked for.
+    """
+    path = Path(path)
+    said = _named(path)
+    if program is None:
+        if said is None:
+            several = [one.name for one in TABLE if path.suffix in one.endings and one.write]
+            hint = f"{path.suffix} may be of {', '.join(several)}: say which with --to" if several \
+                else f"expected --to and one of {', '.join(WRITTEN)}"  # fmt: skip
+            raise InputError(f"{path.name}: not a format that is written by that name; {hint}.")
+        return said
+    entry = find_entry(program)
+    if entry.write is None:
+        raise InputError(
+            f"{entry.title} is read but not written; expected --to and one of {', '.join(WRITTEN)}."
+        )
+    if path.suffix not in entry.endings:
+        raise InputError(
+            f"{path.name}: {entry.title} is written into {' or '.join(entry.endings)}; name the "
+            "file so, or choose another format with --to."
+        )
+    own = any(word in path.name for word in entry.names)
+    other = next((one for one in TABLE if any(word in path.name for word in one.names)), None)
+    if other is not None and not own and other is not entry:
+        raise InputError(
+            f"{path.name} is what a file of {other.title} is called, and {entry.title} is asked "
+            "for; choose another name, or another format with --to."
+        )
+    return entry
+
+
+def _named(path: Path) -> Format | None:
+    """Return the format that a name says, or None where it says none."""
+    fits = [one for one in TABLE if path.suffix in one.endings and one.write is not None]
+    words = [(word, one) for one in fits for word in one.names if word in path.name]
+    if words:
+        return max(words, key=lambda pair: len(pair[0]))[1]
+    if path.suffix == ".csv":
+        return find_entry("csv")
+    if path.suffix == ".nc":
+        return find_entry("pawnb")
+    return fits[0] if len(fits) == 1 or path.suffix == ".slp" else None
+
+
+def write_any_tracks(
+    tracks: Tracks,
+    path: str | Path,
+    *,
+    program: str | None = None,
+    view: str | None = None,
+    heights_px: Sequence[int] | None = None,
+) -> list[Path]:
+    """Write tracks in the format of any program that is known.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks.
+    path : str or Path
+        The file. Where the format holds one view and the tracks have several, each view gets a
+        file of its own, ``<name>_<view><ending>``.
+    program : str, optional
+        The format; default that which the name says.
+    view : str, optional
+        Write this view only.
+    heights_px : sequence of int, optional
+        As for :func:`read_any_tracks`.
+
+    Returns
+    -------
+    list of Path
+        What was written.
+
+    Raises
+    ------
+    InputError
+        If the format cannot hold these tracks, or the name says another one.
+    """
+    path, entry = Path(path), target_format(path, program)
+    views = views_of(tracks)
+    if view is not None and view not in views:
+        raise InputError(
+            f"no view {view!r} in these tracks; there are {', '.join(views) or 'none'}."
+        )
+    if view is not None and "image_position" in tracks and entry.holds == "views":
+        tracks = tracks.sel(view=[view])
+    if entry.holds == "view or space" and view is None and has_space(tracks):
+        tracks = tracks.drop_dims(["view", "image_space"], errors="ignore")
+        views = []
+    apart = entry.holds in ("view", "view or space") and len(views) > 1 and view is None
+    targets = (
+        {one: path.with_name(f"{path.stem}_{one}{path.suffix}") for one in views}
+        if apart
+        else {view: path}
+    )
+    for one, own in targets.items():
+        told = {"view": one, "heights_px": heights_px}
+        if entry.write is not None:
+            entry.write(tracks, own, **_taken(told, entry.writes_with))
+    return list(targets.values())
 
 
 def check_rate(fps: float | None) -> None:
@@ -142,40 +452,3 @@ def check_rate(fps: float | None) -> None:
     """
     if fps is not None:
         check_fps(fps)
-
-
-def _recognise_hdf5(path: Path) -> str | None:
-    """Tell files of HDF5 apart by the names inside."""
-    with path.open("rb") as start:
-        if start.read(3) == b"CDF":
-            return "movement"  # netCDF 3 is no HDF5
-    with open_hdf5(path, expected="tracks in HDF5 or netCDF") as file:
-        names = set(file)
-    if GROUP in names:
-        return "deeplabcut"
-    if {"tracks", "node_names"} <= names:
-        return "sleap"
-    if "position" in names:
-        return "pawnb" if {"origin", "frame"} <= names else "movement"
-    return None
-
-
-def _recognise_csv(path: Path) -> str | None:
-    """Tell tables apart by their first line."""
-    names = read_column_names(path, expected="tracks as csv")
-    columns = set(names)
-    if names[:1] == ["scorer"]:
-        return "deeplabcut"
-    if {"frame", "point", "x", "y", "z"} <= columns:
-        return "csv-3d"
-    if {"frame", "view", "point", "u", "v"} <= columns:
-        return "csv"
-    if "fnum" in columns and any(_ANIPOSE.fullmatch(name) for name in names):
-        return "anipose"
-    if any(_DLTDV_IMAGE.fullmatch(name) for name in names):
-        return "dltdv"
-    if sum(bool(_DLTDV_SPACE.fullmatch(name)) for name in names) >= 3:
-        return "dltdv-3d"
-    if is_wide_table(names):
-        return "table"
-    return None

@@ -29,8 +29,29 @@ _MOST_RATIO = 1100
 """gzip makes no data smaller than by this factor; more than that was never in the file."""
 
 _SLACK_BYTES = 2**26
+_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 _HEAP = b"GCOL\1\0\0\0"
 _MOST_ATTRIBUTE_BYTES = 2**24
+
+
+def is_hdf5(path: str | Path) -> bool:
+    """Say whether a file begins as HDF5 does.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+
+    Returns
+    -------
+    bool
+        True for HDF5; False also for what is no file, which whoever reads it says.
+    """
+    try:
+        with check_file(path).open("rb") as file:
+            return file.read(len(_SIGNATURE)) == _SIGNATURE
+    except (InputError, OSError):
+        return False
 
 
 @contextmanager
@@ -207,14 +228,19 @@ def _check_links(file: h5py.File, path: Path) -> None:
     where, most = path.name, path.stat().st_size
     names: list[str] = []
     hard: list[bool] = []
+    soft: list[bool] = []
 
     def note(link: bytes, info: h5py.h5l.LinkInfo) -> None:
         # h5py loses what is raised in here
         names.append(link.decode("utf-8", "replace"))
+        # one by name within the file leads to what is looked at under its own name
         hard.append(info.type == h5py.h5l.TYPE_HARD)
+        soft.append(info.type == h5py.h5l.TYPE_SOFT)
 
     file.id.links.visit(note, info=True)
-    for name, direct in zip(names, hard, strict=True):
+    for name, direct, within in zip(names, hard, soft, strict=True):
+        if within:
+            continue
         if not direct:
             raise InputError(f"{where}: {name!r} links to elsewhere; only whole files are read.")
         item = file[name]

@@ -7,13 +7,19 @@ either can be made. movement itself is not needed for that.
 
 from __future__ import annotations
 
+import io
 import json
+from pathlib import Path
 from typing import Literal
 
+import h5netcdf
 import numpy as np
 import xarray as xr
+from xarray.backends import H5NetCDFStore
 
 from pawnb.errors import InputError
+from pawnb.files import write_whole
+from pawnb.io.outgoing import take_space, take_view, views_of
 from pawnb.io.points import check_finite, check_names
 from pawnb.schema import (
     ORIGIN_CODE,
@@ -82,6 +88,87 @@ def to_movement(tracks: Tracks, *, dims: Literal["plural", "singular"] = "plural
     dataset = tracks.rename(_PLURAL) if dims == "plural" else tracks.copy()
     dataset.attrs = {**tracks.attrs, "ds_type": "poses", "time_unit": "seconds"}
     return dataset
+
+
+def write_movement(
+    tracks: Tracks,
+    path: str | Path,
+    *,
+    view: str = "",
+    dims: Literal["plural", "singular"] = "plural",
+) -> Path:
+    """Write a poses dataset of movement as netCDF, with nothing that movement does not know.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks: points in a view, or in space where there are no others.
+    path : str or Path
+        ``.nc``.
+    view : str
+        The view, where there are several.
+    dims : {"plural", "singular"}
+        As for :func:`to_movement`.
+
+    Returns
+    -------
+    Path
+        The file. Frames without a row keep theirs, as movement takes times to be regular.
+
+    Raises
+    ------
+    InputError
+        If there are no points.
+    """
+    own = take_view(tracks, view) if views_of(tracks) else take_space(tracks)
+    names = ("keypoints", "individuals") if dims == "plural" else ("keypoint", "individual")
+    every = every_frame(own.frames)
+    rows = np.searchsorted(every, own.frames)
+    place = np.full((len(every), *own.place.shape[1:]), np.nan)
+    place[rows] = own.place
+    confidence = np.full(place.shape[:-1], np.nan)
+    confidence[rows] = own.confidence
+    dataset = xr.Dataset(
+        {
+            "position": (("time", "space", *names), place.transpose(0, 3, 1, 2)),
+            "confidence": (("time", *names), confidence),
+        },
+        coords={
+            "time": every / own.fps,
+            "space": list("xyz")[: place.shape[-1]],
+            names[0]: own.points,
+            names[1]: own.individuals,
+        },
+        attrs={
+            "fps": own.fps,
+            "time_unit": "seconds",
+            "ds_type": "poses",
+            "source_software": str(own.attrs.get("source_software") or "pawnb"),
+            "units": "px" if place.shape[-1] == 2 else str(own.attrs.get("units") or "mm"),
+        },
+    )
+    return write_whole(path, netcdf_bytes(dataset))
+
+
+def netcdf_bytes(dataset: xr.Dataset) -> bytes:
+    """Return what a netCDF file of a dataset holds.
+
+    The library makes it in memory: writing to a disk that fills up it crashes the process.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        What to write.
+
+    Returns
+    -------
+    bytes
+        The file.
+    """
+    buffer = io.BytesIO()
+    with h5netcdf.File(buffer, "w") as file:
+        dataset.dump_to_store(H5NetCDFStore(file))
+    return buffer.getvalue()
 
 
 def from_movement(

@@ -6,22 +6,19 @@ exports for other programs, with rounded numbers (see :mod:`pawnb.io.tables`).
 
 from __future__ import annotations
 
-import io
 import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import h5netcdf
 import numpy as np
 import pandas as pd
 import xarray as xr
-from xarray.backends import H5NetCDFStore
 
 from pawnb.errors import InputError
 from pawnb.files import check_file, write_whole
 from pawnb.io.hdf5 import faults_in, open_hdf5
-from pawnb.io.movement import from_movement, is_movement
+from pawnb.io.movement import from_movement, is_movement, netcdf_bytes
 from pawnb.io.points import check_names
 from pawnb.io.start import check_start, read_start, write_start
 from pawnb.io.tables import write_table, write_text
@@ -86,18 +83,7 @@ def write_tracks(tracks: Tracks, path: str | Path) -> Path:
             raise InputError(
                 f"attribute {name!r} of the tracks is {value!r}; netCDF stores text and numbers."
             )
-    return write_whole(path, _netcdf_bytes(tracks))
-
-
-def _netcdf_bytes(tracks: Tracks) -> bytes:
-    """Return what a netCDF file of these tracks holds.
-
-    The library makes it in memory: writing to a disk that fills up it crashes the process.
-    """
-    buffer = io.BytesIO()
-    with h5netcdf.File(buffer, "w") as file:
-        tracks.dump_to_store(H5NetCDFStore(file))
-    return buffer.getvalue()
+    return write_whole(path, netcdf_bytes(tracks))
 
 
 def read_tracks(path: str | Path, *, fps: float | None = None) -> Tracks:

@@ -17,11 +17,11 @@ from pawnb.io.hdf5 import read_array, read_attribute, read_texts
 from pawnb.io.pickled_values import read_pickled_values
 
 Column = tuple[str, ...]
+Index = np.ndarray | list[Column]
+"""Numbers of rows, or their names of one or several words."""
 
 
-def read_pandas_frame(
-    group: h5py.Group, *, where: str
-) -> tuple[np.ndarray, list[Column], np.ndarray]:
+def read_pandas_frame(group: h5py.Group, *, where: str) -> tuple[Index, list[Column], np.ndarray]:
     """Read a DataFrame whose columns have names of several levels.
 
     Parameters
@@ -33,8 +33,8 @@ def read_pandas_frame(
 
     Returns
     -------
-    index : ndarray, shape (n_rows,)
-        The index, numbers.
+    index : ndarray, shape (n_rows,), or list of tuple of str
+        The index: numbers, or names.
     columns : list of tuple of str
         Names of the columns, one word a level.
     values : ndarray, shape (n_rows, n_columns)
@@ -55,17 +55,20 @@ def read_pandas_frame(
     )
 
 
-def _read_table(group: h5py.Group, where: str) -> tuple[np.ndarray, list[Column], np.ndarray]:
+def _read_table(group: h5py.Group, where: str) -> tuple[Index, list[Column], np.ndarray]:
     """Read the format "table": one compound type with the index and a field a block."""
     table = group.get("table")
     if not isinstance(table, h5py.Dataset) or not table.dtype.names:
         raise InputError(f"{where}: no table in {group.name}; expected that of a DataFrame.")
-    if "index" not in table.dtype.names or table.dtype["index"].kind not in "iuf":
-        raise InputError(
-            f"{where}: rows are named by pictures or words; expected numbers of frames, as in the "
-            "file of predictions for a video."
-        )
-    rows = read_array(group, "table", where=where, ndim=1)
+    if "index" not in table.dtype.names or table.dtype["index"].kind not in "iufS":
+        raise InputError(f"{where}: rows have neither numbers nor names; expected frames.")
+    index: Index
+    if table.dtype["index"].kind == "S":
+        rows = np.asarray(table[()])
+        index = [(name.decode(),) for name in rows["index"].tolist()]
+    else:
+        rows = read_array(group, "table", where=where, ndim=1)
+        index = rows["index"]
     axes = _unpickled(group, "non_index_axes", where)
     order = _columns(axes[0][1] if _is_pair(axes) else None, where)
     parts: dict[Column, np.ndarray] = {}
@@ -74,17 +77,12 @@ def _read_table(group: h5py.Group, where: str) -> tuple[np.ndarray, list[Column]
             raise InputError(f"{where}: no field {field!r} in {group.name}/table.")
         names = _columns(_unpickled(table, f"{field}_kind", where), where)
         _enter(parts, names, rows[field].reshape(len(rows), -1), where)
-    return rows["index"], order, _in_order(parts, order, where)
+    return index, order, _in_order(parts, order, where)
 
 
-def _read_fixed(group: h5py.Group, where: str) -> tuple[np.ndarray, list[Column], np.ndarray]:
+def _read_fixed(group: h5py.Group, where: str) -> tuple[Index, list[Column], np.ndarray]:
     """Read the format "fixed": arrays of index, levels and codes of the columns, and blocks."""
-    if "axis1" not in group:
-        raise InputError(
-            f"{where}: rows are named by pictures or words; expected numbers of frames, as in the "
-            "file of predictions for a video."
-        )
-    index = read_array(group, "axis1", where=where, ndim=1)
+    index = _row_names(group, where)
     order = _levels(group, "axis0", where)
     parts: dict[Column, np.ndarray] = {}
     for i in range(len(group)):
@@ -96,6 +94,16 @@ def _read_fixed(group: h5py.Group, where: str) -> tuple[np.ndarray, list[Column]
             values = values.T  # written by columns
         _enter(parts, _levels(group, f"block{i}_items", where), values, where)
     return index, order, _in_order(parts, order, where)
+
+
+def _row_names(group: h5py.Group, where: str) -> Index:
+    """Return the index of the format "fixed"."""
+    if "axis1" not in group:
+        return _levels(group, "axis1", where)
+    axis = group["axis1"]
+    if isinstance(axis, h5py.Dataset) and axis.dtype.kind == "S":
+        return [(word,) for word in read_texts(group, "axis1", where=where)]
+    return read_array(group, "axis1", where=where, ndim=1)
 
 
 def _levels(group: h5py.Group, name: str, where: str) -> list[Column]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 import numpy as np
@@ -15,6 +16,8 @@ from pawnb.schema import (
     make_tracks,
     note_absent,
 )
+
+_NODE = re.compile(r"Node\(name=['\"](.+)['\"]\)")
 
 
 def build_tracks(
@@ -96,6 +99,23 @@ def build_tracks(
         known, ORIGIN_CODE["measured"], ORIGIN_CODE["missing"]
     )
     return note_absent(tracks, frames, file=where)
+
+
+def plain_name(name: str) -> str:
+    """Return the name of a point without what some programs of SLEAP wrap around it.
+
+    Parameters
+    ----------
+    name : str
+        A name as it stands in a file, such as ``FR`` or ``Node(name='FR')``.
+
+    Returns
+    -------
+    str
+        The name alone.
+    """
+    wrapped = _NODE.fullmatch(name)
+    return wrapped[1] if wrapped else name
 
 
 def check_names(names: Sequence[str], *, what: str, where: str) -> None:

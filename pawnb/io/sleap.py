@@ -1,4 +1,4 @@
-"""Tracks of SLEAP: the analysis ``.h5``, or the labels ``.slp``."""
+"""Tracks of SLEAP: the analysis ``.h5`` or ``.csv``, or the labels ``.slp``."""
 
 from __future__ import annotations
 
@@ -13,7 +13,11 @@ import numpy as np
 from pawnb.errors import InputError, InputWarning
 from pawnb.io.hdf5 import open_hdf5, read_array, read_attribute, read_texts
 from pawnb.io.points import build_tracks
+from pawnb.io.tables import read_cells, read_numbers
 from pawnb.schema import Tracks, check_frames
+
+INSTANCE_SCORE = "instance_score"
+"""Variable of Tracks (time, individual): SLEAP's score of an instance as a whole."""
 
 _EXPECTED = "the .slp or analysis .h5 that SLEAP writes"
 _ORDER = ("track", "xy", "node", "frame")
@@ -33,7 +37,7 @@ def read_sleap(path: str | Path, *, fps: float) -> Tracks:
     Parameters
     ----------
     path : str or Path
-        Predictions as ``.slp``, or SLEAP's analysis export ``.h5``.
+        Predictions as ``.slp``, or SLEAP's analysis export, ``.h5`` or ``.csv``.
     fps : float
         Frames per second of the recording.
 
@@ -43,6 +47,7 @@ def read_sleap(path: str | Path, *, fps: float) -> Tracks:
         Tracks in px with one individual for each of SLEAP's tracks, confidence is the point's
         score (NaN where a person put it). Pixels are taken as they are; those of ``.slp`` files
         before version 1.1, counted from the corner of the first pixel, are moved by half a pixel.
+        Scores of whole instances are kept as ``instance_score`` (time, individual).
         Of a person's and a predicted instance of one track, the person's is taken. Frames
         without a label are missing, and the provenance says which they are.
 
@@ -53,10 +58,14 @@ def read_sleap(path: str | Path, *, fps: float) -> Tracks:
         frame twice, or several animals that no track tells apart.
     """
     path = Path(path)
-    with open_hdf5(path, expected=_EXPECTED) as file:
-        read = _read_labels if path.suffix == ".slp" else _read_analysis
-        frames, points, individuals, places, score = read(file, path.name)
-    return build_tracks(
+    if path.suffix == ".csv":
+        found = _read_table(path)
+    else:
+        with open_hdf5(path, expected=_EXPECTED) as file:
+            read = _read_labels if "instances" in file else _read_analysis
+            found = read(file, path.name)
+    frames, points, individuals, places, score, whole = found
+    tracks = build_tracks(
         frames,
         places,
         score,
@@ -67,9 +76,54 @@ def read_sleap(path: str | Path, *, fps: float) -> Tracks:
         where=path.name,
         individuals=individuals or [_ONE],
     )
+    if not np.isfinite(whole).any():
+        return tracks
+    scores = np.full((tracks.sizes["time"], tracks.sizes["individual"]), np.nan)
+    scores[np.searchsorted(tracks["frame"].to_numpy(), frames)] = whole
+    return tracks.assign({INSTANCE_SCORE: (("time", "individual"), scores)})
 
 
-_Read = tuple[np.ndarray, list[str], list[str], np.ndarray, np.ndarray]
+_Read = tuple[np.ndarray, list[str], list[str], np.ndarray, np.ndarray, np.ndarray]
+"""Frames, points, animals, places, scores of points, scores of instances."""
+
+
+def _read_table(path: Path) -> _Read:
+    """Read the analysis export as csv: a row for each frame and instance."""
+    where = path.name
+    cells = read_cells(path, ("track", "frame_idx"))
+    names = [str(name) for name in cells]
+    points = [name.removesuffix(".x") for name in names if name.endswith(".x")]
+    missing = [f"{p}.{axis}" for p in points for axis in "xy" if f"{p}.{axis}" not in names]
+    if missing or not points or cells.empty:
+        what = f"column {missing[0]} is missing" if missing else "no point, or no row"
+        raise InputError(f"{where}: {what}; SLEAP writes <node>.x, <node>.y and <node>.score.")
+    at = read_numbers(cells, "frame_idx", where=where, whole=True)
+    if (np.diff(at) < 0).any():
+        raise InputError(f"{where}: frames do not rise; sort the rows by frame_idx.")
+    frames, row = np.unique(at, return_inverse=True)
+    individuals = sorted(set(cells["track"])) if (cells["track"] != "").any() else []
+    if "" in individuals:
+        raise InputError(f"{where}: some rows have a track and some have none; name all of them.")
+    who = cells["track"].map({name: k for k, name in enumerate(individuals)} or {"": 0}).to_numpy()
+    twice = cells.duplicated(["frame_idx", "track"])
+    if twice.any():
+        raise InputError(
+            f"{where}: frame {at[twice.to_numpy()][0]} has two instances of one track, or of none; "
+            "tell the animals apart by tracks in SLEAP."
+        )
+
+    def column(name: str) -> np.ndarray:
+        if name not in names:
+            return np.full(len(cells), np.nan)
+        return read_numbers(cells, name, where=where, empty=True)
+
+    n = len(individuals) or 1
+    parts = np.full((len(frames), len(points), n, 3), np.nan)
+    for k, point in enumerate(points):
+        parts[row, k, who] = np.column_stack([column(f"{point}.{p}") for p in ("x", "y", "score")])
+    whole = np.full((len(frames), n), np.nan)
+    whole[row, who] = column("instance.score")
+    return frames, points, individuals, parts[..., :2], parts[..., 2], whole
 
 
 def _read_analysis(file: h5py.File, where: str) -> _Read:
@@ -90,7 +144,14 @@ def _read_analysis(file: h5py.File, where: str) -> _Read:
             f"{where}: damaged, tracks have shape {data.shape} and scores {score.shape}; expected "
             f"{n_points} nodes and {n_tracks} tracks, as the file names them."
         )
-    return np.arange(len(data)), points, individuals, data, score
+    whole = np.full((len(data), n_tracks), np.nan)
+    if "instance_scores" in file:
+        said = read_array(file, "instance_scores", where=where, ndim=2).astype(float)
+        said = _ordered(
+            said, file["instance_scores"], ("track", "frame"), ("frame", "track"), where
+        )
+        whole = said if said.shape == whole.shape else whole
+    return np.arange(len(data)), points, individuals, data, score, whole
 
 
 def _ordered(
@@ -125,6 +186,7 @@ def _read_labels(file: h5py.File, where: str) -> _Read:
     of_frame = dict(zip(frames["frame_id"].tolist(), frames["frame_idx"].tolist(), strict=True))
     shape = (len(numbers), len(points), len(individuals) or 1)
     places, score = np.full((*shape, 2), np.nan), np.full(shape, np.nan)
+    whole = np.full((shape[0], shape[2]), np.nan)
     for (frame_id, track), row in _chosen(instances, individuals, of_frame, where).items():
         table = predicted if row["instance_type"] == _PREDICTED else user
         own = table[int(row["point_id_start"]) : int(row["point_id_end"])]
@@ -134,8 +196,9 @@ def _read_labels(file: h5py.File, where: str) -> _Read:
             )
         at = np.searchsorted(numbers, of_frame[frame_id])
         places[at, :, track] = _positions(own, version)
-        score[at, :, track] = own["score"] if row["instance_type"] == _PREDICTED else np.nan
-    return numbers, points, individuals, places, score
+        if row["instance_type"] == _PREDICTED:
+            score[at, :, track], whole[at, track] = own["score"], row["score"]
+    return numbers, points, individuals, places, score, whole
 
 
 def _chosen(

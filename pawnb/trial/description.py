@@ -85,6 +85,9 @@ class Calibration:
         Name of the unit of length.
     forward, up : tuple of float
         Unit vectors in calibrated space.
+    anipose, opencv : str, optional
+        Instead of ``dlt`` and ``lens``: ``calibration.toml`` of Anipose or Pose2Sim, or
+        ``cameras.yaml`` of OpenCV, whose cameras are called as the views are.
     lens : str, optional
         ``lenses.toml`` with matrix and distortion of each view.
     pixels : {"view", "file"}
@@ -98,6 +101,8 @@ class Calibration:
     unit: str = "mm"
     forward: tuple[float, float, float] = (1.0, 0.0, 0.0)
     up: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    anipose: str | None = None
+    opencv: str | None = None
     lens: str | None = None
     pixels: Literal["view", "file"] = "view"
     v: Literal["down", "up"] = "down"
@@ -106,10 +111,25 @@ class Calibration:
         check_fields(self, where="calibration")
         if self.px_per_unit is not None and self.px_per_unit <= 0:
             raise InputError(f"px_per_unit is {self.px_per_unit}; expected above 0.")
-        if self.dlt is not None and self.px_per_unit is not None:
-            raise InputError("has both dlt and px_per_unit; keep the one that is meant.")
+        named = [
+            n for n in ("dlt", "px_per_unit", "anipose", "opencv") if getattr(self, n) is not None
+        ]
+        if len(named) > 1:
+            raise InputError(f"has both {named[0]} and {named[1]}; keep the one that is meant.")
+        if self.cameras is not None and self.lens is not None:
+            raise InputError(f"has lens, and {named[0]} says the lenses too; leave lens out.")
         object.__setattr__(self, "forward", _unit_vector(self.forward, "forward"))
         object.__setattr__(self, "up", _unit_vector(self.up, "up"))
+
+    @property
+    def cameras(self) -> str | None:
+        """The file of another program's calibrated cameras, if one is named."""
+        return self.anipose or self.opencv
+
+    @property
+    def of_views(self) -> str | None:
+        """The file that says how the views lie in space: coefficients, or cameras."""
+        return self.dlt or self.cameras
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -179,6 +199,8 @@ class Trial:
         Files with the clicked start.
     tracks_file : str, optional
         Tracks made elsewhere (kind ``tracks``).
+    tracks_of_views : mapping
+        View to its file of tracks, where each view has one of its own.
     tracks_legs : mapping
         Leg names to the names of points in that file.
     tracking : mapping
@@ -201,6 +223,7 @@ class Trial:
     start_points: str | None = None
     start_pose: str | None = None
     tracks_file: str | None = None
+    tracks_of_views: Mapping[str, str] = field(default_factory=dict)
     tracks_legs: Mapping[str, str] = field(default_factory=dict)
     tracking: Mapping[str, Any] = field(default_factory=dict)
     detections: Mapping[str, str] = field(default_factory=dict)
@@ -218,6 +241,14 @@ class Trial:
                 f"{self.kind!r}; leave them out."
             )
         check_detections(self.detections, [view.name for view in self.views])
+        if self.views and self.tracks_of_views:
+            names = [view.name for view in self.views]
+            for name in self.tracks_of_views:
+                if name not in names:
+                    raise InputError(
+                        f"[tracks] file names view {name!r}{did_you_mean(name, names)}; the views "
+                        f"are {', '.join(names)}."
+                    )
 
     def view(self, name: str) -> View:
         """Return the view of that name; raises InputError if there is none."""
@@ -229,6 +260,11 @@ class Trial:
             f"trial {self.name!r} has no view {name!r}{did_you_mean(name, names)}; "
             f"its views are {', '.join(names)}."
         )
+
+    @property
+    def track_files(self) -> tuple[str, ...]:
+        """Every file of tracks that was made elsewhere."""
+        return tuple(name for name in (self.tracks_file, *self.tracks_of_views.values()) if name)
 
     def start_file(self) -> str | None:
         """Return the csv of start clicks: the one named, else ``start.csv`` where it exists."""

@@ -85,6 +85,7 @@ def trial_from_document(document: dict[str, Any], *, where: str, folder: Path) -
         raise InputError(
             f'{where}: [tracks] legs is {shown(legs)}; expected {{ leg = "name in the file" }}.'
         )
+    of_views = _files_of_views(tracks, where)
     sections = {name: _section(document, name, where) for name in ("treadmill", "start")}
     files = _build(_Files, {**sections["treadmill"], **sections["start"], **tracks}, where)
     tracking = document.get("tracking", {})
@@ -108,6 +109,7 @@ def trial_from_document(document: dict[str, Any], *, where: str, folder: Path) -
             start_points=files.points,
             start_pose=files.pose,
             tracks_file=files.file,
+            tracks_of_views=of_views,
             tracks_legs=legs,
             tracking={k: v for k, v in tracking.items() if k not in DETECTION_FIELDS},
             detections=read_detections(
@@ -118,13 +120,25 @@ def trial_from_document(document: dict[str, Any], *, where: str, folder: Path) -
         )
     except InputError as error:
         raise InputError(f"{where}: {error}") from None
-    if trial.kind == "tracks" and trial.tracks_file is None:
+    if trial.kind == "tracks" and not trial.track_files:
         raise InputError(f"{where}: kind is 'tracks' but [tracks] file is missing; name the file.")
     if trial.kind != "tracks" and not trial.views:
         raise InputError(
             f"{where}: no [[views]]; a trial of kind {trial.kind!r} needs at least one."
         )
     return trial
+
+
+def _files_of_views(tracks: dict[str, Any], where: str) -> dict[str, str]:
+    """Take the files of [tracks] out where there is one a view."""
+    if not isinstance(tracks.get("file"), dict):
+        return {}
+    files = tracks.pop("file")
+    if not files or not all(isinstance(name, str) and name for name in files.values()):
+        raise InputError(
+            f'{where}: [tracks] file is {shown(files)}; expected {{ view = "its file" }}.'
+        )
+    return dict(files)
 
 
 def _section(document: dict[str, Any], name: str, where: str) -> dict[str, Any]:
@@ -214,8 +228,8 @@ def trial_document(trial: Trial) -> dict[str, Any]:
     start = {"points": trial.start_points, "pose": trial.start_pose}
     if any(start.values()):
         document["start"] = {k: v for k, v in start.items() if v}
-    if trial.tracks_file is not None:
-        document["tracks"] = {"file": trial.tracks_file}
+    if trial.track_files:
+        document["tracks"] = {"file": trial.tracks_file or dict(trial.tracks_of_views)}
         if trial.tracks_legs:
             document["tracks"]["legs"] = dict(trial.tracks_legs)
     detections = {name: dict(getattr(trial, name)) for name in DETECTION_FIELDS}

@@ -2,82 +2,96 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
-from pawnb.errors import InputError
-from pawnb.io import native
-from pawnb.io.formats import read_any_tracks
-from pawnb.io.tables import write_table
-from pawnb.schema import Tracks
-from pawnb.trial import load_trial
+from pawnb.core.dlt import transform_image
+from pawnb.core.reproject import reproject_tracks
+from pawnb.core.rig import Rig
+from pawnb.errors import CalibrationError, InputError
+from pawnb.io.coefs import write_coefs
+from pawnb.io.dltdv_out import beside
+from pawnb.io.formats import Format, read_any_tracks, target_format, write_any_tracks
+from pawnb.io.outgoing import has_space, take_animal, views_of
+from pawnb.schema import Tracks, make_tracks
+from pawnb.trial import Trial, load_trial
+from pawnb.workflow.file_pixels import rig_of_tracks, view_heights
 from pawnb.workflow.foreign_tracks import read_foreign_tracks
-
-_KINDS = ("tracks.nc", "tracks.csv", "points3d.csv")
 
 
 def convert_tracks(
     source: str | Path,
     target: str | Path,
     *,
+    to: str | None = None,
     fps: float | None = None,
     program: str | None = None,
     unit: str | None = None,
-) -> Path:
-    """Read tracks of any program that is known and write them in a format of pawnb.
+    view: str | None = None,
+    animal: str | None = None,
+    heights_px: Sequence[int] | None = None,
+) -> list[Path]:
+    """Read tracks of any program that is known and write them in the format of any other.
 
     Parameters
     ----------
     source : str or Path
-        Tracks of pawnb, DeepLabCut, SLEAP, Anipose, DLTdv or movement; see
-        :mod:`pawnb.io.formats`. Or a trial of kind ``tracks`` (its ``trial.toml`` or folder):
-        what its file holds, triangulated with its calibration.
+        Tracks of any program of :data:`pawnb.io.formats.TABLE`. Or a trial of kind ``tracks``
+        (its ``trial.toml`` or folder): what its files hold, triangulated with its calibration; in
+        a format of pictures, points in space are shown in every calibrated view.
     target : str or Path
-        ``.nc``: everything, which movement reads too. ``.csv``: a table of the points in the
-        views (columns of ``tracks.csv``), or in space where the file's name ends in
-        ``3d.csv`` (columns of ``points3d.csv``).
+        The file. A format of one view makes a file for each of several views,
+        ``<name>_<view><ending>``.
+    to : str, optional
+        The target's format, one of :data:`pawnb.io.formats.WRITTEN`; default what its name says:
+        ``tracks.nc``, ``tracks.csv``, ``points3d.csv`` (any name that ends in ``3d.csv``),
+        ``...xypts.csv``, ``...DLC....csv``, ``.slp``, ``.nwb``, ``.c3d`` and the like.
     fps : float, optional
         Frames per second, needed where the file does not say.
     program : str, optional
-        Which program's file it is; default as its content says.
+        Which program's file the source is; default as its content says.
     unit : str, optional
         Unit of length of 3D points whose file does not say.
+    view, animal : str, optional
+        Only this view, or this animal.
+    heights_px : sequence of int, optional
+        Heights of the pictures (one of all, or one a view), for formats that count upwards from
+        the lower edge: Argus, and DLTdv 7 and older.
 
     Returns
     -------
-    Path
-        What was written.
+    list of Path
+        What was written; where DLTdv or Argus is written from a calibrated trial, also its
+        coefficients, moved to the same pixels.
 
     Raises
     ------
     InputError
-        If the source cannot be read, or the target's format does not hold what it has.
+        If the source cannot be read, the target's format does not hold what it has, or the
+        target's name says another format than ``to``.
     """
     target = Path(target)
-    trial = _trial_file(Path(source))
-    if trial is None:
-        tracks = read_any_tracks(source, fps=fps, program=program, unit=unit)
+    entry = target_format(target, to)
+    path = _trial_file(Path(source))
+    rig = None
+    if path is None:
+        tracks = read_any_tracks(source, fps=fps, program=program, unit=unit, heights_px=heights_px)
     else:
-        tracks = _tracks_of_trial(trial, fps, program, unit)
-    if target.suffix == ".nc":
-        return native.write_tracks(tracks, target)
-    if target.suffix != ".csv":
-        raise InputError(
-            f"{target.name}: not a format that is written; expected a name like "
-            f"{', '.join(_KINDS)}."
-        )
-    if target.stem.endswith("3d"):
-        if not _has_space(tracks):
-            raise InputError(
-                f"{Path(source).name} holds no points in space; write {_KINDS[1]} instead."
-            )
-        return write_table(native.points3d_table(tracks), target)
-    if "image_position" not in tracks and tracks.sizes["space"] != 2:
-        raise InputError(
-            f"{Path(source).name} holds no points in pictures; write {_KINDS[2]} instead."
-        )
-    return write_table(native.tracks_table(tracks), target)
+        trial = _trial(path, fps, program, unit)
+        tracks = read_foreign_tracks(trial)
+        rig = rig_of_tracks(trial, tracks)
+        heights_px = heights_px or _own_heights(trial, tracks, entry)
+    if animal is not None:
+        tracks = take_animal(tracks, animal)
+    tracks = _in_views(tracks, rig, entry)
+    _check_holds(tracks, entry, Path(source).name)
+    written = write_any_tracks(tracks, target, program=to, view=view, heights_px=heights_px)
+    if rig is not None and entry.name in ("dltdv", "argus"):
+        coefs = _moved_coefs(rig, tracks, entry, heights_px)
+        written.append(write_coefs(coefs, beside(target, "DLTcoefs").with_suffix(".csv")))
+    return written
 
 
 def _trial_file(source: Path) -> Path | None:
@@ -86,10 +100,8 @@ def _trial_file(source: Path) -> Path | None:
     return path if path.suffix == ".toml" and path.exists() else None
 
 
-def _tracks_of_trial(
-    path: Path, fps: float | None, program: str | None, unit: str | None
-) -> Tracks:
-    """Return the tracks that a trial names, in space where it is calibrated."""
+def _trial(path: Path, fps: float | None, program: str | None, unit: str | None) -> Trial:
+    """Return a trial of kind ``tracks``, which says itself what else would be given."""
     trial = load_trial(path)
     if trial.kind != "tracks":
         raise InputError(
@@ -101,9 +113,59 @@ def _tracks_of_trial(
             f"{path}: a trial says its frame rate and unit itself, and what its file is the file "
             "says; leave fps, program and unit away."
         )
-    return read_foreign_tracks(trial)
+    return trial
 
 
-def _has_space(tracks: Tracks) -> bool:
-    """Say whether tracks hold points in space."""
-    return tracks.sizes["space"] == 3 and bool(np.isfinite(tracks["position"]).any())
+def _own_heights(trial: Trial, tracks: Tracks, entry: Format) -> list[int] | None:
+    """Return the heights of the pictures where the target needs them and the trial knows them."""
+    up = trial.calibration is not None and trial.calibration.v == "up"
+    if entry.name != "argus" and not (entry.name == "dltdv" and up):
+        return None
+    return view_heights(trial, tracks)
+
+
+def _in_views(tracks: Tracks, rig: Rig | None, entry: Format) -> Tracks:
+    """Show points in space in every calibrated view, where pictures are asked for."""
+    if rig is None or not entry.holds.startswith("view") or not has_space(tracks):
+        return tracks
+    if "image_position" not in tracks:
+        empty = make_tracks(
+            tracks["frame"].to_numpy(),
+            [str(point) for point in tracks["keypoint"].to_numpy()],
+            fps=float(tracks.attrs["fps"]),
+            views=rig.names,
+        )
+        empty = empty.isel(individual=np.zeros(tracks.sizes["individual"], dtype=int))
+        empty = empty.copy(deep=True).assign_coords(individual=tracks["individual"])
+        names = ["image_position", "image_origin", "image_confidence"]
+        tracks = tracks.merge(empty[names], combine_attrs="override", compat="no_conflicts")
+    return reproject_tracks(tracks, rig)
+
+
+def _check_holds(tracks: Tracks, entry: Format, source: str) -> None:
+    """Refuse a format that holds other points than there are."""
+    if entry.holds == "space" and not has_space(tracks):
+        instead = "write tracks.csv instead" if entry.name == "csv-3d" else "choose another format"
+        raise InputError(f"{source} holds no points in space; {instead}.")
+    if entry.holds in ("view", "views") and not views_of(tracks) and entry.name != "deeplabcut":
+        instead = "write points3d.csv instead" if entry.name == "csv" else "choose another format"
+        raise InputError(f"{source} holds no points in pictures; {instead}.")
+
+
+def _moved_coefs(
+    rig: Rig, tracks: Tracks, entry: Format, heights_px: Sequence[int] | None
+) -> np.ndarray:
+    """Return coefficients in the pixels that the points are written in."""
+    names = [name for name in views_of(tracks) if name in rig.names]
+    if names != views_of(tracks):
+        raise CalibrationError("not every view is calibrated; choose calibrated ones with --view.")
+    own = rig.subset(names)
+    first = 1.0 if entry.name == "dltdv" else 0.0
+    columns = []
+    for i, column in enumerate(own.coefs.T):
+        H = np.array([[1.0, 0.0, first], [0.0, 1.0, first], [0.0, 0.0, 1.0]])
+        if heights_px is not None:
+            height = heights_px[i if len(heights_px) > 1 else 0]
+            H[1] = [0.0, -1.0, height]
+        columns.append(transform_image(column, H))
+    return np.stack(columns, axis=1)

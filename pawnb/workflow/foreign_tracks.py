@@ -17,10 +17,12 @@ from pawnb.trial import Trial
 from pawnb.workflow.file_pixels import (
     needs_space,
     picture_sizes,
-    read_dltdv_trial,
+    read_digitised_trial,
+    straighten_tracks,
     triangulate_foreign,
     with_views,
 )
+from pawnb.workflow.files_of_views import OWN, read_files_of_views
 from pawnb.workflow.real_units import in_real_units
 
 
@@ -31,16 +33,18 @@ def read_foreign_tracks(trial: Trial) -> Tracks:
     ----------
     trial : Trial
         ``[tracks] file`` is a ``tracks.nc`` (ours or movement's), a ``tracks.csv``, a file of
-        DeepLabCut, SLEAP, Anipose or DLTdv (see :mod:`pawnb.io.formats`), or one of the four
-        files of a trial of the 2019 authors (``cam1.f.<trial>.csv``), which are triangulated
-        with the DLT of ``[calibration]``, itself in the authors' own pixels.
+        DeepLabCut, SLEAP, Anipose, DLTdv or any other of :mod:`pawnb.io.formats`, or one of the
+        four files of a trial of the 2019 authors (``cam1.f.<trial>.csv``), which are
+        triangulated with the DLT of ``[calibration]``, itself in the authors' own pixels. Or it
+        names a file for each view: ``file = { cam1 = "cam1DLC.h5", cam2 = "cam2DLC.h5" }``.
 
     Returns
     -------
     xarray.Dataset
         Tracks of the trial's ``frames``. Points of several views that the file does not give
-        in space are triangulated with ``[calibration] dlt``; positions of a single view are
-        brought to real units by ``px_per_unit``.
+        in space are straightened where the calibration names lenses (but for pawnb's own, which
+        are straight) and triangulated; positions of a single view are brought to real units by
+        ``px_per_unit``.
 
     Raises
     ------
@@ -48,19 +52,30 @@ def read_foreign_tracks(trial: Trial) -> Tracks:
         If the file is missing or of another format, needs a calibration that is absent, or
         has none of the trial's frames.
     """
+    if trial.tracks_of_views:
+        return _chosen_frames(_in_space(read_files_of_views(trial), trial), trial)
     path = trial.path(trial.tracks_file or "")
     stamp = authors2019.trial_stamp(path.name)
     if stamp is not None:
         return _chosen_frames(_read_authors(path, stamp, trial), trial)
     program = recognise_format(path)
-    if program == "dltdv":
-        tracks = read_dltdv_trial(path, trial)
-    else:
-        tracks = _read_file(path, trial, program)
-        if needs_space(tracks, trial):
-            rig = require_rig(with_views(trial, tracks), sizes=picture_sizes(trial))
-            tracks = triangulate_foreign(tracks, rig, where=path.name)
-    return _chosen_frames(in_real_units(tracks, trial), trial)
+    if program in ("dltdv", "argus"):
+        tracks = read_digitised_trial(path, trial, program)
+        return _chosen_frames(in_real_units(tracks, trial), trial)
+    tracks = _read_file(path, trial, program)
+    return _chosen_frames(_in_space(tracks, trial, own=program in OWN), trial)
+
+
+def _in_space(tracks: Tracks, trial: Trial, *, own: bool = False) -> Tracks:
+    """Triangulate tracks of several calibrated views, and bring those of one to real units."""
+    if not needs_space(tracks, trial):
+        return in_real_units(tracks, trial)
+    trial = with_views(trial, tracks)
+    sizes = picture_sizes(trial)
+    if not own:  # pawnb's own are in the pixels of the straightened view
+        tracks = straighten_tracks(tracks, trial, sizes)
+    rig = require_rig(trial, sizes=sizes)
+    return triangulate_foreign(tracks, rig, where=", ".join(trial.track_files))
 
 
 def _read_authors(path: Path, stamp: str, trial: Trial) -> Tracks:
@@ -111,15 +126,16 @@ def files_of_tracks(trial: Trial) -> tuple[Path, ...]:
     tuple of Path
         The named file first.
     """
-    path = trial.path(trial.tracks_file or "")
+    files = [trial.path(name) for name in trial.track_files]
+    path = files[0]
     stamp = authors2019.trial_stamp(path.name)
-    files = [path]
     if stamp is not None:
         files += sorted(path.parent.glob(f"cam*{stamp}.csv"))
     elif recognise_format(path) == "csv":
         files += [points3d for points3d in (_points3d_beside(path),) if points3d is not None]
-    dlt = trial.calibration.dlt if trial.calibration is not None else None
-    files += [trial.path(name) for name in (dlt, trial.belt_speed) if isinstance(name, str)]
+    said = trial.calibration
+    further = () if said is None else (said.of_views, said.lens)
+    files += [trial.path(name) for name in (*further, trial.belt_speed) if isinstance(name, str)]
     return tuple(dict.fromkeys(files))
 
 
@@ -132,7 +148,7 @@ def _chosen_frames(tracks: Tracks, trial: Trial) -> Tracks:
     inside = (frames >= first) & (frames < stop)
     if not inside.any():
         raise InputError(
-            f"trial {trial.name!r}: {trial.tracks_file} has frames {frames.min()} to "
+            f"trial {trial.name!r}: {', '.join(trial.track_files)} has frames {frames.min()} to "
             f"{frames.max()}, none of [trial] frames = [{first}, {stop}]."
         )
     return tracks.isel(time=inside)

@@ -81,6 +81,7 @@ def describe_source(trial: Trial) -> str:
         }
         for view in trial.views
     ]
-    lens = trial.calibration.lens if trial.calibration is not None else None
+    said = trial.calibration
+    lens = None if said is None else said.lens or said.cameras
     lenses = None if lens is None else file_checksum(trial.path(lens))
     return json.dumps({"views": views, "lens": lenses}, sort_keys=True)

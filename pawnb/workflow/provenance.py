@@ -101,10 +101,10 @@ def trial_inputs(trial: Trial, *, start: bool = True) -> list[str]:
     if trial.kind == "pose" and species and trial.path(species).is_file():
         paths.append(species)
     if trial.calibration is not None:
-        paths += [p for p in (trial.calibration.dlt, trial.calibration.lens) if p]
+        paths += [p for p in (trial.calibration.of_views, trial.calibration.lens) if p]
     if start:
         paths += [p for p in (trial.start_file(), trial.start_pose_file()) if p]
-    paths += [p for p in (trial.tracks_file,) if p]
+    paths += trial.track_files
     paths += trial.detections.values()
     if isinstance(trial.belt_speed, str):
         paths.append(trial.belt_speed)

@@ -84,7 +84,7 @@ def describe_trial(
         kept["calibration"] = {
             name: value
             for name, value in document["calibration"].items()
-            if name not in ("dlt", "lens")
+            if name not in ("dlt", "anipose", "opencv", "lens")
         }
     tracks = tracks.assign_attrs(trial=json.dumps(kept, sort_keys=True))
     if sizes is not None:

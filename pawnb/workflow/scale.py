@@ -71,10 +71,10 @@ def write_scale(trial: Trial, px_per_unit: float) -> Trial:
         the trial, since it was changed after the trial was read.
     """
     calibration = trial.calibration or Calibration()
-    if calibration.dlt is not None:
+    if calibration.of_views is not None:
         raise InputError(
-            f"trial {trial.name!r} is calibrated by {calibration.dlt}, which has its own scale; "
-            "px_per_unit is for a single view."
+            f"trial {trial.name!r} is calibrated by {calibration.of_views}, which has its own "
+            "scale; px_per_unit is for a single view."
         )
     path = trial.path("trial.toml")
     value = float(f"{px_per_unit:.6g}")

@@ -235,7 +235,7 @@ def pose_views(trial: Trial) -> tuple[View, View | None]:
             f"trial {trial.name!r} has {n} views; a pose is tracked in one view, and a second one "
             "gives the joints in space: keep one or two."
         )
-    if n == 2 and (trial.calibration is None or trial.calibration.dlt is None):
+    if n == 2 and (trial.calibration is None or trial.calibration.of_views is None):
         raise InputError(
             f"trial {trial.name!r} has a second view, {trial.views[1].name!r}, but no calibration "
             'that says how it lies to the first; add [calibration] dlt = "DLTcoefs.csv" '

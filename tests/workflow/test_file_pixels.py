@@ -162,7 +162,7 @@ def test_real_spiders_are_where_dltdv_says(real_data, tmp_path, v):
         shutil.copy(folder / f"{name}_xypts.csv", own)
         shutil.copy(folder / f"{name}_DLTcoefs.csv", own / "DLTcoefs.csv")
         trial = write_trial(own, f"{name}_xypts.csv", v=v)
-        found = pd.read_csv(convert_tracks(trial.folder, own / "points3d.csv"))
+        found = pd.read_csv(*convert_tracks(trial.folder, own / "points3d.csv"))
         truth = pd.read_csv(folder / f"{name}_xyzpts.csv")
         points = [column.removesuffix("_X") for column in truth if column.endswith("_X")]
         for point in points:

@@ -17,6 +17,8 @@ _PARALLEL = 1e-9
 _LEAST_CONVERGENCE = 0.01
 """Lines of sight that converge by less than this, as a share of the distance, are parallel: how a
 view shows depth is then not known."""
+_LONGEST_FOCAL_PX = 1e6
+"""Views of a longer focal length have no perspective that could be told from none."""
 
 
 class Triangulation(NamedTuple):
@@ -81,7 +83,9 @@ def reprojection_error(coefs: np.ndarray, xyz: np.ndarray, uv: np.ndarray) -> np
     return np.hypot(*np.moveaxis(project(coefs, xyz) - np.asarray(uv, dtype=float), -1, 0))
 
 
-def triangulate(coefs: np.ndarray, uv: np.ndarray, *, refine: bool = False) -> Triangulation:
+def triangulate(
+    coefs: np.ndarray, uv: np.ndarray, *, refine: bool = False, even: bool = False
+) -> Triangulation:
     """Find points in space from where two or more views see them.
 
     Linear least squares on the DLT equations of all views that see the point, as DLTdv
@@ -90,8 +94,9 @@ def triangulate(coefs: np.ndarray, uv: np.ndarray, *, refine: bool = False) -> T
 
     The linear solution weighs a view by the inverse of its distance from the origin of
     the calibration, which is harmless where all cameras are about equally far from it.
-    Where one is much nearer, or the origin lies outside the filmed space, ``refine``
-    goes on to the smallest reprojection error (Gauss-Newton).
+    Where one is much nearer, or the origin lies outside the filmed space, ``even`` weighs
+    all views alike, wherever the origin lies, and ``refine`` goes on to the smallest
+    reprojection error (Gauss-Newton).
 
     Parameters
     ----------
@@ -101,6 +106,11 @@ def triangulate(coefs: np.ndarray, uv: np.ndarray, *, refine: bool = False) -> T
         Image positions in px, NaN where a view does not see the point.
     refine : bool
         Whether to minimise the reprojection error after the linear solution.
+    even : bool
+        Whether each view's equations are scaled to the depth in front of its own camera,
+        which makes (L9, L10, L11) a unit vector, instead of that of the origin, as Anipose
+        and OpenCV do. ``dltres`` is DLTdv's in any case. Views without perspective have no
+        such depth: with one among them nothing is scaled.
 
     Returns
     -------
@@ -129,7 +139,8 @@ def triangulate(coefs: np.ndarray, uv: np.ndarray, *, refine: bool = False) -> T
     A = _rows(coefs) - np.where(seen[..., None], uv, 0.0)[..., None] * coefs[8:11].T[:, None]
     b = uv - np.stack([coefs[3], coefs[7]], axis=-1)
     A, b = _blank(A, b, seen)
-    xyz = _solve(A, b)
+    scale = np.repeat(_depth_scale(coefs) if even else np.ones(n), 2)
+    xyz = _solve(A * scale[:, None], b * scale)
     xyz[n_views < 2] = np.nan
     if refine:
         xyz = _refine_points(coefs, uv, seen, xyz)
@@ -142,6 +153,13 @@ def triangulate(coefs: np.ndarray, uv: np.ndarray, *, refine: bool = False) -> T
         dltres.reshape(shape),
         n_views.reshape(shape),
     )
+
+
+def _depth_scale(coefs: np.ndarray) -> np.ndarray:
+    """Return what makes (L9, L10, L11) of each view a unit vector; 1 where one is none."""
+    length = np.linalg.norm(coefs[8:11], axis=0)
+    flat = length * _LONGEST_FOCAL_PX < np.linalg.norm(coefs[0:3], axis=0)
+    return np.ones(len(length)) if flat.any() else length.mean() / length
 
 
 def _rows(coefs: np.ndarray) -> np.ndarray:

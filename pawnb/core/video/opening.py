@@ -5,12 +5,12 @@ from __future__ import annotations
 import contextlib
 from pathlib import Path
 
-from pawnb.core.lens import Lens, load_lenses
+from pawnb.core.lens import Lens, lenses_of_views
 from pawnb.core.pictures import SUFFIXES, PictureFolder, is_glob
 from pawnb.core.video.file import VideoFile
 from pawnb.core.views import Source, ViewReader
 from pawnb.core.viewset import ViewSet
-from pawnb.errors import VideoError, did_you_mean
+from pawnb.errors import VideoError
 from pawnb.trial import Trial, View
 
 
@@ -66,15 +66,7 @@ def open_views(trial: Trial) -> ViewSet:
     """
     if not trial.views:
         raise VideoError(f"trial {trial.name!r} has no views; add [[views]] to its trial.toml.")
-    lenses: dict[str, Lens] = {}
-    if trial.calibration is not None and trial.calibration.lens is not None:
-        lenses = load_lenses(trial.path(trial.calibration.lens))
-        for view in trial.views:
-            if view.name not in lenses:
-                raise VideoError(
-                    f"{trial.calibration.lens}: no section [{view.name}]"
-                    f"{did_you_mean(view.name, lenses)}; expected one for each view."
-                )
+    lenses = lenses_of_views(trial, [view.name for view in trial.views])
     sources: dict[str, Source] = {}
     with contextlib.ExitStack() as on_error:
         readers = {}

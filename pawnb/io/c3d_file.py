@@ -1,0 +1,127 @@
+"""Points in C3D, the format of motion capture, through the library c3d (MIT)."""
+
+from __future__ import annotations
+
+import io
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pawnb.errors import InputError
+from pawnb.files import read_bytes, write_whole
+from pawnb.io.extras import need
+from pawnb.io.hdf5 import HDF5_FAULTS
+from pawnb.io.outgoing import take_space
+from pawnb.io.points import build_tracks
+from pawnb.schema import Tracks
+
+_EXPECTED = "a C3D file"
+_MOST_BYTES = 2**30
+_FAULTS = (*HDF5_FAULTS, EOFError, ArithmeticError, UnicodeError)
+
+
+def read_c3d(path: str | Path, *, fps: float | None = None, unit: str | None = None) -> Tracks:
+    """Read the points of a C3D file.
+
+    Parameters
+    ----------
+    path : str or Path
+        ``.c3d``.
+    fps : float, optional
+        Frames per second; default as the file says.
+    unit : str, optional
+        Unit of length; default as the file says, else mm.
+
+    Returns
+    -------
+    xarray.Dataset
+        Tracks in space without confidence; frame 1 of the file is frame 0. Points whose residual
+        is negative were not seen, and neither were those exactly at (0, 0, 0), as some programs
+        mark them.
+
+    Raises
+    ------
+    InputError
+        If c3d is not installed (``pip install pawnb[c3d]``), or the file is damaged.
+    """
+    path = Path(path)
+    c3d: Any = need("c3d", "c3d", what=f"to read {path.name}")
+    data = read_bytes(path, expected=_EXPECTED, most_bytes=_MOST_BYTES)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            reader = c3d.Reader(io.BytesIO(data))
+            points = [str(label).strip() for label in reader.point_labels]
+            rows = [(number, own.copy()) for number, own, _ in reader.read_frames(copy=True)]
+            rate = float(reader.point_rate)
+            said = reader.get("POINT:UNITS")
+            found = said.string_value.strip() if said is not None else ""
+    except _FAULTS as error:
+        reason = " ".join(str(error).split())[:100] or type(error).__name__
+        raise InputError(
+            f"{path.name}: damaged or of another kind ({reason}); expected {_EXPECTED}: copy it "
+            "again from where it is whole."
+        ) from None
+    n = rows[0][1].shape[0] if rows else 0
+    if not rows or n == 0 or len(points) < n:
+        raise InputError(f"{path.name}: no points in it; expected {_EXPECTED} with labelled ones.")
+    values = np.stack([own for _, own in rows]).astype(float)
+    lost = (values[..., 3] < 0) | (values[..., :3] == 0).all(axis=-1)
+    place = np.where(lost[..., None], np.nan, values[..., :3])
+    return build_tracks(
+        [number - 1 for number, _ in rows],
+        place[:, :, None],
+        points=points[:n],
+        fps=fps or rate,
+        unit=unit or found or "mm",
+        program="C3D",
+        where=path.name,
+    )
+
+
+def write_c3d(tracks: Tracks, path: str | Path) -> Path:
+    """Write points in space as C3D.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks with points in space, of one animal.
+    path : str or Path
+        ``.c3d``.
+
+    Returns
+    -------
+    Path
+        The file, numbers in single precision as C3D has them; a row for every frame from the first
+        to the last. C3D counts frames from 1.
+
+    Raises
+    ------
+    InputError
+        If c3d is not installed (``pip install pawnb[c3d]``), there are no points in space, or
+        several animals.
+    """
+    path = Path(path)
+    c3d: Any = need("c3d", "c3d", what=f"to write {path.name}")
+    own = take_space(tracks)
+    own.only_animal("C3D")
+    first = int(own.frames[0])
+    rows = np.full((int(own.frames[-1]) - first + 1, len(own.points), 5), 0.0)
+    rows[..., 3] = -1.0  # not seen
+    place = own.place[:, :, 0]
+    seen = np.isfinite(place).all(axis=-1)
+    rows[own.frames - first, :, :3] = np.where(seen[..., None], place, 0.0)
+    rows[own.frames - first, :, 3] = np.where(seen, 0.0, -1.0)
+    writer = c3d.Writer(point_rate=own.fps, point_scale=-1.0)
+    writer.set_point_labels(own.points)
+    writer.set_start_frame(first + 1)
+    unit = str(own.attrs.get("units") or "mm")
+    writer.point_group.add_str("UNITS", "unit of length", unit.ljust(4), 4)
+    writer.add_frames([(row, np.zeros((0, 0))) for row in rows])
+    data = io.BytesIO()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        writer.write(data)
+    return write_whole(path, data.getvalue())

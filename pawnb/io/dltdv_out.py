@@ -1,0 +1,153 @@
+"""Tracks for DLTdv: points in the views or in space, full or sparse, with what lies beside them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from pawnb.errors import InputError
+from pawnb.io.dltdv import DLTRES, OFFSETS
+from pawnb.io.outgoing import take_space, take_view, views_of, word
+from pawnb.io.tables import write_text
+from pawnb.schema import Tracks
+
+
+def write_dltdv_points(
+    tracks: Tracks, path: str | Path, *, heights_px: Sequence[int] | None = None
+) -> Path:
+    """Write points in the views as DLTdv does.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks with points in pictures, of one animal.
+    path : str or Path
+        ``...xypts.csv``, or ``...xypts.tsv`` for the sparse layout of DLTdv 8.
+    heights_px : sequence of int, optional
+        Height of each view's picture (or one of all): Y then counts upwards from the lower edge,
+        as in DLTdv 7 and older. Without it, Y counts downwards, as in DLTdv 8. Both count from 1.
+
+    Returns
+    -------
+    Path
+        The file: a row for every frame from 0 on, cameras numbered in the order of the views.
+        Offsets that were read are written beside it.
+
+    Raises
+    ------
+    InputError
+        If there are no points in pictures, several animals, or heights do not fit the views.
+    """
+    path, views = Path(path), views_of(tracks)
+    if heights_px is not None and len(heights_px) not in (1, len(views)):
+        raise InputError(f"{len(views)} views but {len(heights_px)} heights; give one a view.")
+    heights = None if heights_px is None else [*heights_px] * (
+        len(views) if len(heights_px) == 1 else 1
+    )  # fmt: skip
+    parts, points = [], []
+    for i, view in enumerate(views or [""]):
+        own = take_view(tracks, view)
+        own.only_animal("DLTdv")
+        place = own.whole(own.place[:, :, 0])
+        place[..., 0] += 1.0
+        place[..., 1] = place[..., 1] + 1.0 if heights is None else heights[i] - place[..., 1]
+        parts.append(place)
+        points = own.points
+    numbers = range(1, len(parts) + 1)
+    names = [f"{p}_cam{n}_{axis}" for p in points for n in numbers for axis in "XY"]
+    values = np.stack(parts, axis=2)
+    _write(path, names, values.reshape(len(values), -1))
+    if OFFSETS in tracks:
+        offsets = own.whole(own_offsets(tracks, own.frames))
+        _write(beside(path, "offsets").with_suffix(".csv"), [f"cam{n}_offset" for n in numbers],
+               np.nan_to_num(offsets))  # fmt: skip
+    return path
+
+
+def own_offsets(tracks: Tracks, frames: np.ndarray) -> np.ndarray:
+    """Return the offsets (n_frames, n_views) of some frames of tracks.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks with ``view_offset``.
+    frames : ndarray, shape (n_frames,)
+        Frames of theirs.
+
+    Returns
+    -------
+    ndarray, shape (n_frames, n_views)
+        By how many frames each camera's file runs ahead.
+    """
+    rows = np.searchsorted(tracks["frame"].to_numpy(), frames)
+    return np.asarray(tracks[OFFSETS].transpose("time", "view").to_numpy()[rows], dtype=float)
+
+
+def write_dltdv_points3d(tracks: Tracks, path: str | Path) -> Path:
+    """Write points in space as DLTdv does.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks with points in space, of one animal.
+    path : str or Path
+        ``...xyzpts.csv``, or ``...xyzpts.tsv`` for the sparse layout of DLTdv 8.
+
+    Returns
+    -------
+    Path
+        The file: a row for every frame from 0 on. Where the tracks know DLTdv's residual
+        (``dltres``), it is written beside it as ``...xyzres``.
+
+    Raises
+    ------
+    InputError
+        If there are no points in space, or several animals.
+    """
+    path = Path(path)
+    own = take_space(tracks)
+    own.only_animal("DLTdv")
+    names = [f"{point}_{axis}" for point in own.points for axis in "XYZ"]
+    values = own.whole(own.place[:, :, 0])
+    _write(path, names, values.reshape(len(values), -1))
+    if DLTRES in own.tracks:
+        residuals = own.whole(own.tracks[DLTRES].to_numpy()[..., 0])
+        _write(beside(path, "xyzres"), [f"{point}_{DLTRES}" for point in own.points], residuals)
+    return path
+
+
+def beside(path: Path, kind: str) -> Path:
+    """Return what DLTdv calls the file of another kind beside one of points.
+
+    Parameters
+    ----------
+    path : Path
+        ``...xypts.csv`` or ``...xyzpts.csv``; any other name gets the kind at its end.
+    kind : str
+        ``offsets``, ``xyzres`` or ``DLTcoefs``.
+
+    Returns
+    -------
+    Path
+        Its name.
+    """
+    for own in ("xyzpts", "xypts"):
+        if own in path.name:
+            return path.with_name(path.name.replace(own, kind))
+    return path.with_name(f"{path.stem}_{kind}{path.suffix}")
+
+
+def _write(path: Path, names: Sequence[str], values: np.ndarray) -> Path:
+    """Write a table of numbers, full (NaN as DLTdv says it) or sparse."""
+    rows = [",".join(names)]
+    if path.suffix == ".tsv":
+        at = np.argwhere(np.isfinite(values))
+        rows.append(f"{values.shape[0]}\t{values.shape[1]}\t{len(at)}")
+        # by columns, as MATLAB goes through a matrix
+        for row, column in at[np.lexsort((at[:, 0], at[:, 1]))]:
+            rows.append(f"{row + 1}\t{column + 1}\t{word(values[row, column])}")
+    else:
+        rows += [",".join(word(value) or "NaN" for value in row) for row in values]
+    return write_text("\n".join(rows) + "\n", path)

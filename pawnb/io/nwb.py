@@ -1,0 +1,252 @@
+"""Tracks in NWB by the extension ndx-pose: read by h5py alone, written by pynwb."""
+
+from __future__ import annotations
+
+import importlib
+import json
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from pawnb.errors import InputError
+from pawnb.files import whole_file
+from pawnb.io.extras import need
+from pawnb.io.hdf5 import open_hdf5, read_array, read_texts
+from pawnb.io.outgoing import take_space, take_view, views_of
+from pawnb.io.points import build_tracks, plain_name
+from pawnb.schema import Tracks
+
+_EXPECTED = "NWB with poses of ndx-pose"
+_POSE, _SERIES = "PoseEstimation", "PoseEstimationSeries"
+_PIXELS = ("pixels", "pixel", "px", "")
+_OFF_FRAME = 0.01
+"""Times further than this part of a frame from a whole frame are no frame numbers."""
+
+
+def is_nwb(file: h5py.File) -> bool:
+    """Say whether an open HDF5 file is one of NWB."""
+    return "nwb_version" in file.attrs or file.attrs.get("neurodata_type") == "NWBFile"
+
+
+def read_nwb(path: str | Path, *, fps: float | None = None) -> Tracks:
+    """Read poses of ndx-pose.
+
+    Parameters
+    ----------
+    path : str or Path
+        ``.nwb`` with one ``PoseEstimation`` in a processing module.
+    fps : float, optional
+        Frames per second; default as its time stamps say.
+
+    Returns
+    -------
+    xarray.Dataset
+        Tracks of the file's subject, points in the order of its skeleton; units as the file says
+        (pixels: px).
+
+    Raises
+    ------
+    InputError
+        If the file is damaged, holds no poses or several, or time stamps are no frames.
+    """
+    where = Path(path).name
+    with open_hdf5(path, expected=_EXPECTED) as file:
+        group = _find_pose(file, where)
+        series = {
+            name: item
+            for name, item in group.items()
+            if isinstance(item, h5py.Group) and _kind(item) == _SERIES
+        }
+        if not series:
+            raise InputError(f"{where}: no {_SERIES} in {group.name}; expected {_EXPECTED}.")
+        names = _in_order(list(series), _skeleton_nodes(file, where))
+        data = [read_array(series[name], "data", where=where, ndim=2) for name in names]
+        scores = [
+            read_array(series[name], "confidence", where=where, ndim=1)
+            if "confidence" in series[name]
+            else np.full(len(values), np.nan)
+            for name, values in zip(names, data, strict=True)
+        ]
+        if len({(values.shape, len(s)) for values, s in zip(data, scores, strict=True)}) != 1:
+            raise InputError(f"{where}: points have different numbers of frames or axes.")
+        rate, frames = _times(series[names[0]], len(data[0]), fps, where)
+        unit = str(series[names[0]]["data"].attrs.get("unit", "pixels"))
+        subject, notes = _subject(file), _text(file.get("general/notes"))
+    if data[0].shape[1] not in (2, 3):
+        raise InputError(f"{where}: points have {data[0].shape[1]} axes; expected 2 or 3.")
+    tracks = build_tracks(
+        frames,
+        np.stack(data, axis=1).astype(float)[:, :, None],
+        np.stack(scores, axis=1).astype(float)[:, :, None],
+        points=[plain_name(name) for name in names],
+        fps=rate,
+        unit="px" if unit in _PIXELS else unit,
+        program="NWB",
+        where=where,
+        individuals=[subject or "animal"],
+    )
+    return _with_notes(tracks, notes)
+
+
+def _find_pose(file: h5py.File, where: str) -> h5py.Group:
+    """Return the one group of poses."""
+    found: list[str] = []
+
+    def note(name: str, item: Any) -> None:
+        if isinstance(item, h5py.Group) and _kind(item) == _POSE:
+            found.append(name)
+
+    if isinstance(file.get("processing"), h5py.Group):
+        file["processing"].visititems(note)
+    if len(found) != 1:
+        raise InputError(
+            f"{where}: {len(found)} pose estimations ({', '.join(found) or 'none'}); expected "
+            f"{_EXPECTED}, one a file."
+        )
+    return file["processing"][found[0]]
+
+
+def _kind(item: h5py.Group) -> str:
+    """Return the type that NWB gives a group."""
+    return str(item.attrs.get("neurodata_type", ""))
+
+
+def _skeleton_nodes(file: h5py.File, where: str) -> list[str]:
+    """Return the names of the nodes of the first skeleton, in their order."""
+    found: list[str] = []
+
+    def note(_: str, item: Any) -> None:
+        known = isinstance(item, h5py.Group) and _kind(item) == "Skeleton" and "nodes" in item
+        if known and not found:
+            found.extend(read_texts(item, "nodes", where=where))
+
+    file["processing"].visititems(note)
+    return found
+
+
+def _in_order(names: list[str], nodes: list[str]) -> list[str]:
+    """Return names in the order of the skeleton, if it names all of them."""
+    plain = {plain_name(name): name for name in names}
+    order = [plain_name(node) for node in nodes]
+    return [plain[name] for name in order] if sorted(order) == sorted(plain) else names
+
+
+def _times(series: h5py.Group, n: int, fps: float | None, where: str) -> tuple[float, np.ndarray]:
+    """Return the frame rate and the number of each frame."""
+    if "timestamps" in series:
+        times = read_array(series, "timestamps", where=where, ndim=1).astype(float)
+        step = float(np.median(np.diff(times))) if len(times) > 1 else np.nan
+        rate = fps or (round(1.0 / step, 6) if step > 0 else np.nan)
+    else:
+        start = series.get("starting_time")
+        if not isinstance(start, h5py.Dataset) or start.shape != ():
+            raise InputError(f"{where}: points have no time stamps; expected {_EXPECTED}.")
+        rate = fps or float(start.attrs.get("rate", np.nan))
+        times = float(start[()]) + np.arange(n) / rate
+    if not 0 < rate < np.inf or len(times) != n:
+        raise InputError(f"{where}: no frame rate; give fps, the frames per second.")
+    frames = np.rint(times * rate)
+    if np.abs(times * rate - frames).max(initial=0.0) > _OFF_FRAME:
+        raise InputError(
+            f"{where}: times fall between frames at {rate:g} frames per second; give the fps of "
+            "the recording."
+        )
+    return rate, frames.astype(np.int64)
+
+
+def _subject(file: h5py.File) -> str:
+    """Return the id of the subject."""
+    return _text(file.get("general/subject/subject_id"))
+
+
+def _text(item: Any) -> str:
+    """Return what a dataset of one text says, or nothing."""
+    if not isinstance(item, h5py.Dataset) or item.shape != ():
+        return ""
+    value = item[()]
+    return value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
+
+
+def _with_notes(tracks: Tracks, notes: str) -> Tracks:
+    """Put the provenance that pawnb wrote as notes before what was done in reading."""
+    try:
+        said = json.loads(notes)
+        own = json.loads(tracks.attrs["provenance"])
+        steps = [*said["steps"], *own.get("steps", [])]
+    except (ValueError, TypeError, KeyError, RecursionError):
+        return tracks
+    record = {**said, **own, "steps": steps}
+    return tracks.assign_attrs(provenance=json.dumps(record, sort_keys=True))
+
+
+def write_nwb(tracks: Tracks, path: str | Path, *, view: str = "") -> Path:
+    """Write poses as NWB with ndx-pose.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks of one animal: points in a view, or in space where there are no others.
+    path : str or Path
+        ``.nwb``.
+    view : str
+        The view, where there are several.
+
+    Returns
+    -------
+    Path
+        The file: subject, frame rate, points with confidence, the provenance as notes. NWB asks
+        for a date of the session, which tracks do not know: it is 1 January 1970.
+
+    Raises
+    ------
+    InputError
+        If pynwb or ndx-pose is not installed (``pip install pawnb[nwb]``), or there are several
+        animals.
+    """
+    path = Path(path)
+    pynwb: Any = need("pynwb", "nwb", what=f"to write {path.name}")
+    ndx: Any = need("ndx_pose", "nwb", what=f"to write {path.name}")
+    own = take_view(tracks, view) if views_of(tracks) else take_space(tracks)
+    own.only_animal("NWB")
+    unit = "pixels" if own.place.shape[-1] == 2 else str(own.attrs.get("units") or "mm")
+    subject = importlib.import_module("pynwb.file").Subject(subject_id=own.individuals[0])
+    nwb = pynwb.NWBFile(
+        session_description="animal tracked from video",
+        identifier=f"{own.individuals[0]}-{path.stem}",
+        session_start_time=datetime(1970, 1, 1, tzinfo=UTC),
+        subject=subject,
+        notes=str(own.attrs.get("provenance") or "{}"),
+    )
+    skeleton = ndx.Skeleton(name="skeleton", nodes=own.points, subject=subject)
+    # a row for each frame, those without points among them: one rate says all times
+    series = [
+        ndx.PoseEstimationSeries(
+            name=point,
+            description=f"{point}, {view or 'tracked'}",
+            data=own.place[:, k, 0],
+            unit=unit,
+            reference_frame="(0, 0) is the centre of the top-left pixel, y down"
+            if unit == "pixels"
+            else "calibrated space",
+            timestamps=own.frames / own.fps,
+            confidence=own.confidence[:, k, 0],
+            confidence_definition="likelihood of the point",
+        )
+        for k, point in enumerate(own.points)
+    ]
+    pose = ndx.PoseEstimation(
+        name=_POSE,
+        pose_estimation_series=series,
+        description=f"view {view}" if view else "tracks",
+        source_software=str(own.attrs.get("source_software") or "pawnb"),
+        skeleton=skeleton,
+    )
+    module = nwb.create_processing_module(name="behavior", description="tracked points")
+    module.add(ndx.Skeletons(skeletons=[skeleton]))
+    module.add(pose)
+    with whole_file(path) as part, pynwb.NWBHDF5IO(str(part), "w") as io:
+        io.write(nwb)
+    return path

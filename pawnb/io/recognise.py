@@ -1,0 +1,144 @@
+"""Which program's tracks a file holds: told by what is in it, never by its name."""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+from pathlib import Path
+
+import h5py
+
+from pawnb.errors import InputError
+from pawnb.files import check_file
+from pawnb.io import argus
+from pawnb.io.authors2019 import HEADER_LINES
+from pawnb.io.deeplabcut import GROUP, LABELS_GROUP
+from pawnb.io.hdf5 import open_hdf5
+from pawnb.io.nwb import is_nwb
+from pawnb.io.tables import read_column_names
+from pawnb.io.wide import is_wide_table
+
+_ANIPOSE = re.compile(r"(.+)_(x|y|z|error|ncams|score)")
+_DLTDV_SPACE = re.compile(r".+_[XYZ]")
+_DLTDV_IMAGE = re.compile(r".+_cam\d+_[XY]")
+_HEAD_BYTES = 2**16
+_EXPECTED = "a file of tracks"
+
+
+def find_format(path: str | Path) -> str | None:
+    """Return the name of a file's format, or None where it is none that is known.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+
+    Returns
+    -------
+    str or None
+        One of :data:`pawnb.io.formats.FORMATS`.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, it is damaged HDF5, or a table whose cells are separated by
+        semicolons or tabs.
+    """
+    path = check_file(path, expected=_EXPECTED)
+    try:
+        with path.open("rb") as file:
+            head = file.read(_HEAD_BYTES)
+    except OSError as reason:
+        raise InputError(f"{path}: cannot be read ({reason.strerror or reason}).") from None
+    if head.startswith(b"CDF"):
+        return "movement"  # netCDF 3 is no HDF5
+    if head.startswith(b"\x89HDF"):
+        return _find_in_hdf5(path)
+    if head.startswith(b"MATLAB 5.0"):
+        return "locomouse"
+    if len(head) >= 512 and head[1] == 0x50 and head[0] in range(2, 17):
+        return "c3d"  # a C3D file begins with the block of its parameters and the key 0x50
+    return _find_in_text(path, head)
+
+
+def _find_in_hdf5(path: Path) -> str | None:
+    """Tell files of HDF5 apart by the names inside."""
+    with open_hdf5(path, expected="tracks in HDF5 or netCDF") as file:
+        names = set(file)
+        for group in (GROUP, LABELS_GROUP):
+            if isinstance(file.get(group), h5py.Group) and "pandas_type" in file[group].attrs:
+                return "collected" if _rows_have_names(file[group]) else "deeplabcut"
+        if GROUP in names:
+            return "deeplabcut"
+        if {"instances", "metadata", "frames"} <= names or {"tracks", "node_names"} <= names:
+            return "sleap"
+        if is_nwb(file):
+            return "nwb"
+        if "position" in names:
+            return "pawnb" if {"origin", "frame"} <= names else "movement"
+    return None
+
+
+def _rows_have_names(group: h5py.Group) -> bool:
+    """Say whether the rows of a DataFrame are named by words."""
+    table, axis = group.get("table"), group.get("axis1")
+    if isinstance(table, h5py.Dataset):
+        return "index" in (table.dtype.names or ()) and table.dtype["index"].kind == "S"
+    if isinstance(axis, h5py.Dataset):
+        return axis.dtype.kind == "S"
+    return "axis1_level0" in group
+
+
+def _find_in_text(path: Path, head: bytes) -> str | None:
+    """Tell tables apart by their first lines."""
+    lines = head.decode("utf-8-sig", "replace").splitlines()
+    if len(lines) > HEADER_LINES and lines[HEADER_LINES].startswith("Frames,First Camera"):
+        return "authors2019"
+    if len(lines) > 1 and "\t" in lines[1] and len(lines[1].split()) == 3:
+        names = [cell.strip() for cell in re.split(r"[,\t]", lines[0])]
+        return _find_dltdv(names)
+    names = read_column_names(path, expected="tracks as csv")
+    if names[:1] == ["scorer"]:
+        return _find_deeplabcut(lines, names)
+    return _find_by_columns(names)
+
+
+def _find_deeplabcut(lines: list[str], names: list[str]) -> str:
+    """Tell predictions, labels and those of Lightning Pose apart."""
+    header = 4 if len(lines) > 1 and lines[1].startswith("individuals") else 3
+    first = next(csv.reader(io.StringIO(lines[header])), [""]) if len(lines) > header else [""]
+    if names[1:2] == [""] or re.search(r"\.(png|jpe?g|tiff?|bmp)$", first[0]):
+        return "collected"
+    return "lightning-pose" if len(names) > 1 and names[1].startswith("heatmap") else "deeplabcut"
+
+
+def _find_by_columns(names: list[str]) -> str | None:
+    """Tell tables apart by the names of their columns."""
+    columns = set(names)
+    if {"frame", "point", "x", "y", "z"} <= columns:
+        return "csv-3d"
+    if {"frame", "view", "point", "u", "v"} <= columns:
+        return "csv"
+    if {"track", "frame_idx"} <= columns:
+        return "sleap"
+    if "fnum" in columns and any(_ANIPOSE.fullmatch(name) for name in names):
+        return "anipose"
+    if any(argus.IMAGE.fullmatch(name) for name in names):
+        return "argus"
+    dltdv = _find_dltdv(names)
+    if dltdv is not None:
+        return dltdv
+    if is_wide_table(names):
+        return "table"
+    space = [m["point"] for name in names if (m := argus.SPACE.fullmatch(name))]
+    return "argus-3d" if names and len(space) == len(names) == 3 * len(set(space)) else None
+
+
+def _find_dltdv(names: list[str]) -> str | None:
+    """Tell the tables of DLTdv apart."""
+    if any(_DLTDV_IMAGE.fullmatch(name) for name in names):
+        return "dltdv"
+    if sum(bool(_DLTDV_SPACE.fullmatch(name)) for name in names) >= 3:
+        return "dltdv-3d"
+    return None
