@@ -85,3 +85,8 @@ __all__ = [
     "set_style",
     "style",
 ]
+
+
+def __dir__() -> list[str]:
+    """List the public names."""
+    return sorted(__all__)
