@@ -1,0 +1,52 @@
+"""Settings of the documentation: ``python -m sphinx -W -b html docs docs/_build``.
+
+Nothing is fetched from the network, neither by the build nor by the pages it makes.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent)]
+
+import pawnb  # noqa: E402
+
+project = "pawnb"
+author = "pawnb developers"
+copyright = "pawnb developers"  # noqa: A001  (the name that Sphinx reads)
+version = release = pawnb.__version__
+
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
+    "sphinx.ext.napoleon",
+    "sphinx.ext.viewcode",
+    "gallery",
+]
+exclude_patterns = ["_build"]
+templates_path = ["_templates"]
+
+html_theme = "furo"
+html_title = f"pawnb {release}"
+html_static_path = ["_static"]
+html_css_files = ["pawnb.css"]
+html_copy_source = False
+
+myst_enable_extensions = ["colon_fence", "deflist"]
+myst_heading_anchors = 3
+# pages of the repository that are included say where a file is, not how it is linked
+suppress_warnings = ["myst.xref_missing"]
+
+autosummary_generate = True
+autosummary_imported_members = True
+autodoc_member_order = "bysource"
+autodoc_typehints = "none"
+autodoc_default_options = {"members": True, "show-inheritance": False}
+napoleon_google_docstring = False
+napoleon_numpy_docstring = True
+napoleon_use_ivar = True
+add_module_names = False
+toc_object_entries = False
