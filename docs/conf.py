@@ -22,12 +22,11 @@ extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
     "sphinx.ext.autosummary",
-    "sphinx.ext.napoleon",
-    "sphinx.ext.viewcode",
+    "numpydoc",
     "gallery",
+    "reference",
 ]
-exclude_patterns = ["_build"]
-templates_path = ["_templates"]
+exclude_patterns = ["_build", "accuracy/README.md"]
 
 html_theme = "furo"
 html_title = f"pawnb {release}"
@@ -40,13 +39,9 @@ myst_heading_anchors = 3
 # pages of the repository that are included say where a file is, not how it is linked
 suppress_warnings = ["myst.xref_missing"]
 
-autosummary_generate = True
-autosummary_imported_members = True
+autosummary_generate = False
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"
-autodoc_default_options = {"members": True, "show-inheritance": False}
-napoleon_google_docstring = False
-napoleon_numpy_docstring = True
-napoleon_use_ivar = True
+numpydoc_show_class_members = False
 add_module_names = False
-toc_object_entries = False
+toc_object_entries_show_parents = "hide"
