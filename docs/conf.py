@@ -44,4 +44,4 @@ autodoc_member_order = "bysource"
 autodoc_typehints = "none"
 numpydoc_show_class_members = False
 add_module_names = False
-toc_object_entries_show_parents = "hide"
+toc_object_entries = False

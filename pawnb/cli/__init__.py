@@ -22,6 +22,7 @@ def __dir__() -> list[str]:
     """List the public names."""
     return sorted(__all__)
 
+
 EXIT_INTERRUPTED = 130
 
 
