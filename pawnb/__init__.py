@@ -19,6 +19,13 @@ Tracks of other programs enter at :func:`run_gait`, or through the readers of :m
 
 Names are imported when they are first used, so that ``import pawnb`` is quick and has no side
 effects.
+
+Examples of functions go on from here: a small synthetic mouse, rendered once, and its tracks.
+
+>>> import pandas as pd
+>>> import pawnb
+>>> trial = pawnb.sample_trial("sample", frames=60, scale=0.2)
+>>> tracks = pawnb.track(trial, out="sample/results")
 """
 
 from __future__ import annotations

@@ -4,6 +4,15 @@
 hold what goes beyond: ``circular`` and its kin (phases), ``animals``, ``groups``, ``mixed`` and
 ``bootstrap`` (animals, not strides), ``regression`` and ``scaling`` (against speed and size),
 ``residuals`` (the cut-off of a filter).
+
+Examples of functions go on from here: two synthetic spiders whose truth is known, a run each.
+
+>>> import numpy as np
+>>> import pandas as pd
+>>> import pawnb
+>>> study = pawnb.synthetic.simulate_spider_study(animals=2, trials=1, seed=3)
+>>> run = study.runs[0]
+>>> tracks = run.tracks()
 """
 
 from pawnb import _lazy

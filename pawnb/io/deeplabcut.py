@@ -56,6 +56,12 @@ def read_deeplabcut(path: str | Path, *, fps: float, unit: str = "mm") -> Tracks
     -----
     Attributes of the h5 are pickles. They are never unpickled: see
     :mod:`pawnb.io.pickled_values`.
+
+    Examples
+    --------
+    >>> tracks = pawnb.io.read_deeplabcut("sample/m01DLC.csv", fps=200.0)
+    >>> tracks.attrs["source_software"]
+    'DeepLabCut'
     """
     path = Path(path)
     frames, columns, values = (_read_csv if path.suffix == ".csv" else _read_h5)(path)
