@@ -139,6 +139,8 @@ def batch(
     Examples
     --------
     >>> report = pawnb.batch(["sample"], out="batch")
+    >>> len(report.failed)
+    0
     """
     if workers is not None and scheduler is not None:
         raise InputError(
