@@ -1,13 +1,37 @@
 """pawnb: high-speed video of a running animal to gait statistics.
 
-The everyday names are here and are imported when they are first used, so that
-``import pawnb`` is quick and has no side effects.
+The work in its order, one name a step:
+
+================================================  =================================================
+:func:`load_trial`, :class:`Trial`                what was filmed, and how
+:func:`check_trial`                               what is there, what is missing, what looks wrong
+:func:`propose_start`                             where the points seem to be, without a click
+:class:`~pawnb.widgets.ClickInitialiser`          click, or accept what is proposed
+:func:`track`                                     video to Tracks
+:func:`assess_quality`                            how many labels are expected to be right
+:func:`suggest_frames`                            where a further click helps most
+:class:`~pawnb.widgets.TrackReviewer`             look, correct, track again (:func:`retrack`)
+:func:`~pawnb.gait.analyse`, :func:`run_gait`     Tracks to events, strides, phases and statistics
+:mod:`pawnb.figures`                              figures that are fit to print
+================================================  =================================================
+
+Tracks of other programs enter at :func:`run_gait`, or through the readers of :mod:`pawnb.io`.
+
+Names are imported when they are first used, so that ``import pawnb`` is quick and has no side
+effects.
+
+Examples of functions go on from here: a small synthetic mouse, rendered once, and its tracks.
+
+>>> import pandas as pd
+>>> import pawnb
+>>> trial = pawnb.sample_trial("sample", frames=60, scale=0.2)
+>>> tracks = pawnb.track(trial, out="sample/results")
 """
 
 from __future__ import annotations
 
 import importlib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 __version__ = "0.1.0"
@@ -37,27 +61,41 @@ _HOME = {
     "track": "pawnb.workflow.track",
     "tracks_table": "pawnb.io.native",
 }
-_MODULES = (
-    "core", "errors", "figures", "gait", "io", "kinematics", "schema", "signals", "synthetic",
-    "trial", "widgets", "workflow",
+_ROOMS = (
+    "core", "figures", "gait", "io", "schema", "signals", "synthetic", "trial", "widgets",
+    "workflow",
 )  # fmt: skip
 
-__all__ = ["__version__", *_HOME]
+__all__ = ["__version__", *_HOME, *_ROOMS]
 
 
-def __getattr__(name: str) -> Any:
-    """Import a name of the public list, or a part of the package, on first use."""
-    if name in _HOME:
-        return getattr(importlib.import_module(_HOME[name]), name)
-    if name in _MODULES:
-        return importlib.import_module(f"pawnb.{name}")
-    raise AttributeError(f"module 'pawnb' has no attribute {name!r}")
+def _lazy(
+    package: str, public: Sequence[str], homes: Mapping[str, str] | None = None
+) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
+    """Return the ``__getattr__`` and the ``__dir__`` of a package that imports on first use.
 
+    Parameters
+    ----------
+    package : str
+        Its ``__name__``.
+    public : sequence of str
+        Its ``__all__``: what ``dir()`` lists, imported or not. Other modules of the package are
+        there by their names, but not listed.
+    homes : mapping of str to str, optional
+        The module of each name that is not a module itself.
 
-def _submodules(package: str) -> Callable[[str], Any]:
-    """Return the ``__getattr__`` of a package whose modules are imported on first use."""
+    Returns
+    -------
+    load : callable
+        Imports a name, or a module of the package.
+    listed : callable
+        Lists the public names.
+    """
+    homes = homes or {}
 
     def load(name: str) -> Any:
+        if name in homes:
+            return getattr(importlib.import_module(homes[name]), name)
         full = f"{package}.{name}"
         try:
             return importlib.import_module(full)
@@ -66,9 +104,10 @@ def _submodules(package: str) -> Callable[[str], Any]:
                 raise  # the module is there, but not what it needs
             raise AttributeError(f"module {package!r} has no attribute {name!r}") from None
 
-    return load
+    def listed() -> list[str]:
+        return sorted(public)
+
+    return load, listed
 
 
-def __dir__() -> list[str]:
-    """List the public names, imported or not."""
-    return sorted([*__all__, *_MODULES])
+__getattr__, __dir__ = _lazy(__name__, __all__, _HOME)

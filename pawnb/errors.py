@@ -17,6 +17,14 @@ class PawnbError(Exception):
 
     A message that holds what a damaged file holds may be of any length: of one longer than
     2000 signs the beginning and the end are kept.
+
+    Examples
+    --------
+    >>> try:
+    ...     pawnb.load_trial("no-such-folder")
+    ... except pawnb.PawnbError as error:
+    ...     print("no-such-folder" in str(error))
+    True
     """
 
     def __init__(self, message: str = "") -> None:
@@ -26,7 +34,16 @@ class PawnbError(Exception):
 
 
 class InputError(PawnbError, ValueError):
-    """Something the user gave (a file, a setting, a click) cannot be used as it is."""
+    """Something the user gave (a file, a setting, a click) cannot be used as it is.
+
+    Examples
+    --------
+    >>> try:
+    ...     pawnb.View(name="cam1", video="cam1.avi", facing=2)
+    ... except pawnb.InputError as error:
+    ...     print(error)
+    facing is 2; expected 1 (right) or -1 (left).
+    """
 
 
 class VideoError(InputError):

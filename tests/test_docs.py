@@ -1,13 +1,16 @@
-"""The documentation names what is there: settings, their defaults, and files."""
+"""The documentation names what is there, and says what was measured."""
 
 from __future__ import annotations
 
+import csv
 import dataclasses
 import re
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
+import pawnb
 from pawnb.core.paws import PaperSettings
 from pawnb.core.paws.settings import PUBLISHED_NAMES as PAW_NAMES
 from pawnb.core.pose.paper_settings import PUBLISHED_NAMES as POSE_NAMES
@@ -60,11 +63,127 @@ def test_section_3_2_of_the_2019_paper_is_complete():
     }  # fmt: skip
 
 
-@pytest.mark.parametrize("page", ["README.md", "CONTRIBUTING.md", *sorted(
-    str(path.relative_to(ROOT)) for path in (ROOT / "docs").glob("*.md"))])  # fmt: skip
+PAGES = [
+    "README.md",
+    "CONTRIBUTING.md",
+    "CHANGELOG.md",
+    *sorted(
+        str(path.relative_to(ROOT))
+        for path in (ROOT / "docs").rglob("*")
+        if path.suffix in (".md", ".csv") and not {"_build", "_generated"} & set(path.parts)
+    ),
+]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+ACCURACY = ROOT / "docs" / "accuracy"
+
+
+@pytest.mark.parametrize("page", PAGES)
 def test_files_that_are_named_are_there(page):
     text = (ROOT / page).read_text(encoding="utf-8")
     named = re.findall(r"`((?:docs|benchmarks|pawnb)/[\w/.]+)`", text)
     named += re.findall(r"python (benchmarks/\w+\.py)", text)
+    named += re.findall(r"\]\((docs/[\w/.]+)\)", text)
     for name in named:
         assert (ROOT / name).exists(), name
+
+
+def test_readme_is_short_and_gives_the_two_commands():
+    assert len(README.split()) <= 500
+    lines = README.splitlines()
+    assert "python -m pip install -e . && pawnb lab" in lines
+    # .ci/run takes this line from here and runs it
+    assert lines.count('python -m pip install -e ".[test]" && python -m pytest') == 1
+
+
+def code_of(heading):
+    """Return the Python below a heading of the README."""
+    return re.search(rf"## {heading}\n.*?```python\n(.*?)```", README, re.S).group(1)
+
+
+@pytest.mark.slow
+def test_readme_goes_from_deeplabcut_to_phases(tmp_path, monkeypatch):
+    import matplotlib.pyplot as plt
+
+    monkeypatch.chdir(tmp_path)
+    pawnb.synthetic.write_deeplabcut_sample(".", animals=3)
+    made = {}
+    exec(code_of("From DeepLabCut"), made)  # noqa: S102  (the README's own lines)
+    assert made["gait"].strides["animal"].nunique() == 3
+    plt.close("all")
+
+
+@pytest.mark.slow
+def test_readme_goes_from_video_to_a_gait_diagram(tmp_path, monkeypatch):
+    import matplotlib.pyplot as plt
+
+    monkeypatch.chdir(tmp_path)
+    pawnb.sample_trial("m07-35cms-03", frames=60, scale=0.2)
+    made = {}
+    exec(code_of("From video"), made)  # noqa: S102
+    assert sorted(made["table"]["leg"].unique()) == ["FL", "FR", "HL", "HR"]
+    plt.close("all")
+
+
+@pytest.mark.parametrize("path", sorted(ACCURACY.glob("*.csv")), ids=lambda path: path.stem)
+def test_tables_of_accuracy_are_whole_and_shown(path):
+    head, *rows_ = csv.reader(path.read_text(encoding="utf-8").splitlines())
+    assert rows_
+    assert {len(row) for row in rows_} == {len(head)}
+    assert all(cell.strip() for row in rows_ for cell in row)
+    pages = (ROOT / "docs").glob("*.md")
+    assert any(f":file: accuracy/{path.name}" in p.read_text(encoding="utf-8") for p in pages)
+
+
+def test_means_of_real_clips_are_those_of_their_rows():
+    table = pd.read_csv(ACCURACY / "real_clips.csv", index_col="clip")
+    clips = table.drop(index=["mean", "mean without fly_ball_left"])
+    # cells are rounded, and so is what is made of them
+    assert (clips.mean() - table.loc["mean"]).abs().max() <= 1.0
+    without = clips.drop(index="fly_ball_left").mean()
+    assert (without - table.loc["mean without fly_ball_left"]).abs().max() <= 1.0
+
+
+def test_the_readmes_lines_on_accuracy_are_those_of_the_tables():
+    said = " ".join(README.split("## How good it is")[1].split("## ")[0].split())
+    table = pd.read_csv(ACCURACY / "real_clips.csv", index_col="clip")
+    pawnb_, lk, csrt = (
+        [int(table.loc["mean", f"{clicks}: {who}"]) for clicks in (1, 2, 3)]
+        for who in ("pawnb", "LK", "CSRT")
+    )
+    one, two, three = pawnb_
+    assert f"{one} % of marks are right from one clicked frame, {two} % from two, {three} %" in said
+    assert "Lucas-Kanade " + ", ".join(map(str, lk)) in said
+    assert "CSRT " + ", ".join(map(str, csrt)) in said
+    ones = table["1: pawnb"].drop(index=["mean", "mean without fly_ball_left"])
+    assert ones.idxmin() == "fly_ball_left"
+    assert f"one clicked frame is a fly: {ones.min()} %" in said
+    page = " ".join((ROOT / "docs" / "accuracy.md").read_text(encoding="utf-8").split())
+    right, of = re.search(r"is right in (\d+) of the (\d+) cells", page).groups()
+    assert f"right in {right} of {of} cases" in said
+    paws = (ACCURACY / "paws.csv").read_text(encoding="utf-8")
+    frames, errors = re.search(r"([\d,]+) frames with (\d+) errors", paws).groups()
+    assert f"{frames} frames: no paw lost, {errors} short mistakes" in said
+    statistics = (ACCURACY / "statistics.csv").read_text(encoding="utf-8")
+    holds = re.search(r"holds the truth in ([\d.]+ to [\d.]+ %)", statistics).group(1)
+    assert f"hold the true mean phase in {holds}" in said
+    assert re.search(r"strides as animals: (\d+ to \d+ %)", statistics).group(1) in said
+
+
+def test_citation_is_that_of_this_version():
+    """Keys that version 1.2.0 of the Citation File Format asks for, and ours."""
+    import yaml
+
+    cited = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    assert {"cff-version", "message", "title", "authors"} <= set(cited)
+    assert cited["cff-version"] == "1.2.0"
+    assert str(cited["version"]) == pawnb.__version__
+    assert cited["license"] == "BSD-3-Clause"
+    for person in [*cited["authors"], *(a for r in cited["references"] for a in r["authors"])]:
+        assert "name" in person or {"family-names", "given-names"} <= set(person)
+
+
+def test_change_log_has_the_usual_sections():
+    text = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    assert re.findall(r"^### (\w+)$", text, re.M)[:3] == ["Added", "Changed", "Fixed"]
+    assert pawnb.__version__ in text
+    assert "whole/" not in text, "a user's words: no names of inner modules"

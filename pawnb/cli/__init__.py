@@ -17,6 +17,12 @@ from pawnb.errors import InputWarning, PawnbError, QualityWarning
 
 __all__ = ["EXIT_BAD_INPUT", "EXIT_INTERRUPTED", "main"]
 
+
+def __dir__() -> list[str]:
+    """List the public names."""
+    return sorted(__all__)
+
+
 EXIT_INTERRUPTED = 130
 
 

@@ -1,5 +1,7 @@
 """The engine: frames, calibration, filters and trackers; it knows no gait and no widget."""
 
-from pawnb import _submodules
+from pawnb import _lazy
 
-__getattr__ = _submodules(__name__)
+__all__ = ["dlt", "edits", "kalman", "lens", "paws", "pose", "rig", "suspects", "video"]
+
+__getattr__, __dir__ = _lazy(__name__, __all__)

@@ -1,4 +1,16 @@
-"""Figures from tables, one a file: ``build_..._table`` makes the numbers, ``plot_...`` draws."""
+"""Figures from tables, one a file: ``build_..._table`` makes the numbers, ``plot_...`` draws.
+
+Examples of functions go on from here: a synthetic study of spiders whose truth is known, analysed.
+
+>>> import numpy as np
+>>> import pandas as pd
+>>> import pawnb
+>>> from pawnb import figures
+>>> study = pawnb.synthetic.simulate_spider_study(animals=4, trials=2, seed=3)
+>>> gait = pawnb.gait.pool(
+...     [pawnb.gait.analyse(run.tracks(), trial=run.trial) for run in study.runs]
+... )
+"""
 
 from pawnb.figures.aligned_acceleration import (
     build_aligned_acceleration_table,
@@ -85,3 +97,8 @@ __all__ = [
     "set_style",
     "style",
 ]
+
+
+def __dir__() -> list[str]:
+    """List the public names."""
+    return sorted(__all__)

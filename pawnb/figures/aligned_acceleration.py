@@ -52,6 +52,14 @@ def build_aligned_acceleration_table(
     InputError
         If a column is missing, there is no stride, swing and stance are mixed, or a leg is not
         there.
+
+    Examples
+    --------
+    >>> angles = [one for one in gait.signals if one.signal == "leg angle"]
+    >>> aligned = pawnb.gait.cycles.align_acceleration(angles, gait.strides, phase="swing")
+    >>> table = figures.build_aligned_acceleration_table(aligned, legs=["L2"])
+    >>> table["leg"].unique().tolist()
+    ['L2']
     """
     check_columns(aligned, ALIGNED_COLUMNS, where="aligned acceleration")
     kinds = list(aligned["phase"].unique())
@@ -103,6 +111,13 @@ def plot_aligned_acceleration(table: pd.DataFrame, *, ax: Axes | None = None) ->
     ------
     InputError
         If a column is missing, the table is empty, or there are several legs for one axes.
+
+    Examples
+    --------
+    >>> angles = [one for one in gait.signals if one.signal == "leg angle"]
+    >>> aligned = pawnb.gait.cycles.align_acceleration(angles, gait.strides, phase="swing")
+    >>> table = figures.build_aligned_acceleration_table(aligned, legs=["L2", "R2"], most=20)
+    >>> ax = figures.plot_aligned_acceleration(table)
     """
     check_columns(table, COLUMNS, where="aligned acceleration")
     legs = sort_legs(table["leg"])

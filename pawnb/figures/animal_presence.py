@@ -41,6 +41,15 @@ def build_animal_presence_table(
     ------
     InputError
         If the lengths differ, there is no frame, or the threshold is not a number.
+
+    Examples
+    --------
+    >>> difference = np.array([1.0, 2.0, 60.0, 80.0, 70.0, 3.0])
+    >>> table = figures.build_animal_presence_table(
+    ...     np.arange(6), difference, threshold=10.0, has_animal=difference > 10.0
+    ... )
+    >>> int(table["has_animal"].sum())
+    3
     """
     lengths = [len(frames), len(difference), len(has_animal)]
     if len(set(lengths)) > 1 or not lengths[0]:
@@ -79,6 +88,14 @@ def plot_animal_presence(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes
     ------
     InputError
         If a column is missing or the table is empty.
+
+    Examples
+    --------
+    >>> difference = np.array([1.0, 2.0, 60.0, 80.0, 70.0, 3.0])
+    >>> table = figures.build_animal_presence_table(
+    ...     np.arange(6), difference, threshold=10.0, has_animal=difference > 10.0
+    ... )
+    >>> ax = figures.plot_animal_presence(table)
     """
     check_columns(table, COLUMNS, where="animal presence")
     if len(table) == 0:

@@ -56,6 +56,13 @@ def build_bland_altman_table(
     ------
     InputError
         If a measure is missing, no stride is shared, or no measure has three shared strides.
+
+    Examples
+    --------
+    >>> again = gait.strides.assign(duty_factor=gait.strides["duty_factor"] + 0.01)
+    >>> table = figures.build_bland_altman_table(gait.strides, again, measures=["duty_factor"])
+    >>> round(float(table["bias"].iloc[0]), 3)
+    0.01
     """
     pairs = match_strides(first, second, tolerance=tolerance)
     found = repeatability_table(first, second, measures=measures, tolerance=tolerance, level=level)
@@ -102,6 +109,17 @@ def plot_bland_altman(
     ------
     InputError
         If a column is missing, the table is empty, or ``ax`` is given for several measures.
+
+    Examples
+    --------
+    >>> runs = [run.tracks(noise_px=0.5, seed=1) for run in study.runs]
+    >>> again = pawnb.gait.pool(
+    ...     [pawnb.gait.analyse(t, trial=run.trial) for t, run in zip(runs, study.runs)]
+    ... )
+    >>> table = figures.build_bland_altman_table(
+    ...     gait.strides, again.strides, measures=["period_s", "duty_factor"]
+    ... )
+    >>> ax = figures.plot_bland_altman(table)
     """
     check_columns(table, COLUMNS, where="Bland-Altman")
     measures = [own for _, own in table.groupby("measure", sort=False)]

@@ -56,6 +56,18 @@ def build_compare_methods_table(trials: pd.DataFrame, reprojection: pd.DataFrame
     ------
     InputError
         If a column is missing or there is no trial.
+
+    Examples
+    --------
+    >>> rates = {"major_per_1000": [3.0, 8.0], "minor_per_1000": [5.0, 9.0],
+    ...          "major_alone_per_1000": [4.0, 9.0], "minor_alone_per_1000": [6.0, 9.0],
+    ...          "time_s_per_1000": [60.0, 40.0]}
+    >>> trials = pd.DataFrame({"trial": "t1", "method": ["paper", "slic-3d"], **rates})
+    >>> errors = pd.DataFrame(
+    ...     {"trial": "t1", "method": "paper", "view": "cam1", "point": ["FR", "HR"],
+    ...      "kind": ["front", "hind"], "n": 100, "mean_px": [3.0, 2.0]}
+    ... )
+    >>> table = figures.build_compare_methods_table(trials, errors)
     """
     check_columns(trials, _NEEDED, where="comparison")
     check_columns(reprojection, _NEEDED_ERRORS, where="reprojection")
@@ -104,6 +116,18 @@ def plot_compare_methods(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes
     ------
     InputError
         If a column is missing or the table is empty.
+
+    Examples
+    --------
+    >>> rates = {"major_per_1000": [3.0, 8.0], "minor_per_1000": [5.0, 9.0],
+    ...          "major_alone_per_1000": [4.0, 9.0], "minor_alone_per_1000": [6.0, 9.0],
+    ...          "time_s_per_1000": [60.0, 40.0]}
+    >>> trials = pd.DataFrame({"trial": "t1", "method": ["paper", "slic-3d"], **rates})
+    >>> errors = pd.DataFrame(
+    ...     {"trial": "t1", "method": "paper", "view": "cam1", "point": ["FR", "HR"],
+    ...      "kind": ["front", "hind"], "n": 100, "mean_px": [3.0, 2.0]}
+    ... )
+    >>> ax = figures.plot_compare_methods(figures.build_compare_methods_table(trials, errors))
     """
     check_columns(table, COLUMNS, where="comparison of methods")
     if len(table) == 0:

@@ -64,6 +64,14 @@ def build_estimation_table(
     ------
     InputError
         As compare_groups does.
+
+    Examples
+    --------
+    >>> group = {"spider-01": "a", "spider-02": "a", "spider-03": "b", "spider-04": "b"}
+    >>> strides = gait.strides.assign(group=gait.strides["animal"].map(group))
+    >>> table = figures.build_estimation_table(strides, "duty_factor", average_over="leg")
+    >>> table["row"].value_counts().to_dict()
+    {'animal': 4, 'mean': 2, 'difference': 1}
     """
     columns = ["animal", group, measure, *([] if average_over is None else [average_over])]
     check_columns(table, columns, where="estimation plot")
@@ -139,6 +147,13 @@ def plot_estimation(
     ------
     InputError
         If a column is missing or the table is empty.
+
+    Examples
+    --------
+    >>> group = {"spider-01": "a", "spider-02": "a", "spider-03": "b", "spider-04": "b"}
+    >>> strides = gait.strides.assign(group=gait.strides["animal"].map(group))
+    >>> table = figures.build_estimation_table(strides, "duty_factor", average_over="leg")
+    >>> ax = figures.plot_estimation(table, label="Duty factor")
     """
     check_columns(table, COLUMNS, where="estimation plot")
     if len(table) == 0:

@@ -55,6 +55,14 @@ def build_filter_effect_table(
     ------
     InputError
         If x is not one signal, or nothing of it is in the span.
+
+    Examples
+    --------
+    >>> time_s = np.arange(200) / 100.0
+    >>> x = 10.0 * np.sin(2 * np.pi * 2.0 * time_s) + np.random.default_rng(0).normal(size=200)
+    >>> table = figures.build_filter_effect_table(x, fs_hz=100.0, cutoff_hz=8.0)
+    >>> len(table) >= 200
+    True
     """
     x = np.asarray(x, dtype=float)
     if x.ndim != 1:
@@ -109,6 +117,13 @@ def plot_filter_effect(
     ------
     InputError
         If a column is missing, the table is empty, or ``ax`` is given for several quantities.
+
+    Examples
+    --------
+    >>> time_s = np.arange(200) / 100.0
+    >>> x = 10.0 * np.sin(2 * np.pi * 2.0 * time_s) + np.random.default_rng(0).normal(size=200)
+    >>> table = figures.build_filter_effect_table(x, fs_hz=100.0, cutoff_hz=8.0)
+    >>> ax = figures.plot_filter_effect(table, unit="mm")
     """
     check_columns(table, COLUMNS, where="filter effect")
     quantities = [own for _, own in table.groupby("quantity", sort=False)]

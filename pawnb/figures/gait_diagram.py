@@ -51,6 +51,13 @@ def build_gait_diagram_table(
     ------
     InputError
         If a column is missing, there is no event, or there are several trials.
+
+    Examples
+    --------
+    >>> one = gait.events[gait.events["trial"] == "spider-01-run-1"]
+    >>> table = figures.build_gait_diagram_table(one)
+    >>> sorted(table["leg"].unique())
+    ['L1', 'L2', 'L3', 'L4', 'R1', 'R2', 'R3', 'R4']
     """
     check_columns(events, ("leg", "event", "time_s"), where="events")
     if len(events) == 0:
@@ -129,6 +136,14 @@ def plot_gait_diagram(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
     ------
     InputError
         If a column is missing or the table is empty.
+
+    Examples
+    --------
+    >>> one = gait.events[gait.events["trial"] == "spider-01-run-1"]
+    >>> table = figures.build_gait_diagram_table(one)
+    >>> ax = figures.plot_gait_diagram(table)
+    >>> ax.get_xlabel()
+    'Time (s)'
     """
     check_columns(table, COLUMNS, where="gait diagram")
     if len(table) == 0:

@@ -45,6 +45,16 @@ def build_hildebrand_diagram_table(strides: pd.DataFrame, phases: pd.DataFrame) 
     ------
     InputError
         If no fore leg is measured relative to the hind leg of its side.
+
+    Examples
+    --------
+    >>> key = {"animal": "m1", "trial": "run-1", "stride": [1, 2]}
+    >>> strides = pd.DataFrame({**key, "leg": "HL", "duty_factor": [0.6, 0.7]})
+    >>> phases = pd.DataFrame({**key, "leg": "FL", "reference": "HL", "phase": [0.4, 0.5]})
+    >>> table = figures.build_hildebrand_diagram_table(strides, phases)
+    >>> animal = table[table["level"] == "animal"].iloc[0]
+    >>> round(float(animal["duty_percent"])), round(float(animal["lag_percent"]))
+    (65, 45)
     """
     table = hildebrand_table(strides, phases)
     rows = []
@@ -80,6 +90,14 @@ def plot_hildebrand_diagram(table: pd.DataFrame, *, ax: Axes | None = None) -> A
     ------
     InputError
         If a column is missing or the table is empty.
+
+    Examples
+    --------
+    >>> key = {"animal": "m1", "trial": "run-1", "stride": [1, 2]}
+    >>> strides = pd.DataFrame({**key, "leg": "HL", "duty_factor": [0.6, 0.7]})
+    >>> phases = pd.DataFrame({**key, "leg": "FL", "reference": "HL", "phase": [0.4, 0.5]})
+    >>> table = figures.build_hildebrand_diagram_table(strides, phases)
+    >>> ax = figures.plot_hildebrand_diagram(table)
     """
     check_columns(table, COLUMNS, where="Hildebrand diagram")
     if len(table) == 0:

@@ -47,6 +47,13 @@ def build_joint_ranges_table(
     ------
     InputError
         If there is no angle or a column is missing.
+
+    Examples
+    --------
+    >>> angles = pawnb.gait.joints.get_joint_angles(study.runs[0].tracks(), smooth=True)
+    >>> table = figures.build_joint_ranges_table(angles)
+    >>> "BC" in set(table["joint"])
+    True
     """
     means = joint_range_table(angles, mechanical=mechanical, trim=trim).assign(row="mean")
     means = means[means.groupby("joint")["range_mean_deg"].transform("max") > 0.0]
@@ -84,6 +91,13 @@ def plot_joint_ranges(
     ------
     InputError
         If a column is missing, the table is empty, or ``ax`` is given for several joints.
+
+    Examples
+    --------
+    >>> angles = pd.concat(
+    ...     [pawnb.gait.joints.get_joint_angles(run.tracks(), smooth=True) for run in study.runs]
+    ... )
+    >>> ax = figures.plot_joint_ranges(figures.build_joint_ranges_table(angles))
     """
     check_columns(table, COLUMNS, where="joint ranges")
     joints = [own for _, own in table.groupby("joint", sort=False)]

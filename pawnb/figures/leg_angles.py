@@ -40,6 +40,13 @@ def plot_leg_angles(
     ------
     InputError
         If a column is missing or the table is empty.
+
+    Examples
+    --------
+    >>> run = study.runs[0]
+    >>> angles = pawnb.gait.leg_angles(run.tracks())
+    >>> events = gait.events[gait.events["trial"] == run.trial.name]
+    >>> ax = figures.plot_leg_angles(angles[angles["leg"].isin(["L2", "R2"])], events=events)
     """
     check_columns(table, COLUMNS, where="leg angles")
     if len(table) == 0:

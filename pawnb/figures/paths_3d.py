@@ -43,6 +43,15 @@ def build_paths_3d_table(
     ------
     InputError
         If a column is missing, a point is not there, or nothing is left to show.
+
+    Examples
+    --------
+    >>> points = pd.DataFrame({"frame": range(40), "point": "FR"})
+    >>> points["x"] = 20.0 * np.cos(points["frame"] / 5.0)
+    >>> points["y"] = 10.0
+    >>> points["z"] = 4.0 * np.sin(points["frame"] / 5.0).clip(lower=0.0)
+    >>> len(figures.build_paths_3d_table(points, frames=(0, 20)))
+    20
     """
     check_columns(points3d, COLUMNS, where="points in space")
     table = points3d
@@ -95,6 +104,14 @@ def plot_paths_3d(
     ------
     InputError
         If a column is missing or the table is empty.
+
+    Examples
+    --------
+    >>> points = pd.DataFrame({"frame": range(40), "point": "FR"})
+    >>> points["x"] = 20.0 * np.cos(points["frame"] / 5.0)
+    >>> points["y"] = 10.0
+    >>> points["z"] = 4.0 * np.sin(points["frame"] / 5.0).clip(lower=0.0)
+    >>> ax = figures.plot_paths_3d(figures.build_paths_3d_table(points), unit="mm")
     """
     check_columns(table, COLUMNS, where="paths")
     if len(table) == 0:

@@ -36,6 +36,11 @@ def plot_pattern_distances(table: pd.DataFrame, *, ax: Axes | None = None) -> Ax
     ------
     InputError
         If a column is missing or the table is empty.
+
+    Examples
+    --------
+    >>> tables = pawnb.gait.coordination.coordination_tables(gait)
+    >>> ax = figures.plot_pattern_distances(tables["patterns"])
     """
     check_columns(table, COLUMNS, where="distances to ideal gaits")
     if len(table) == 0:

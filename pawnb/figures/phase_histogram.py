@@ -58,6 +58,12 @@ def build_phase_histogram_table(
     InputError
         If a column is missing, there is no phase, a pair is not there, a phase is outside
         [0, 1), or bins is below 4.
+
+    Examples
+    --------
+    >>> table = figures.build_phase_histogram_table(gait.phases, pairs=[("L2", "R2")], bins=10)
+    >>> len(table)
+    10
     """
     if bins < 4:
         raise InputError(f"bins is {bins}; expected 4 or more.")
@@ -95,6 +101,13 @@ def plot_phase_histogram(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes
     InputError
         If a column is missing, the table is empty, or it holds several pairs where ``ax`` is
         given.
+
+    Examples
+    --------
+    >>> table = figures.build_phase_histogram_table(
+    ...     gait.phases, summary=gait.phase_summary, pairs=[("L2", "R2"), ("L2", "L3")]
+    ... )
+    >>> ax = figures.plot_phase_histogram(table)
     """
     check_columns(table, COLUMNS, where="phase histogram")
     pairs = [own for _, own in table.groupby(["leg", "reference"], sort=False)]

@@ -53,6 +53,14 @@ def build_phase_plane_table(
     ------
     InputError
         If a column is missing, no stride is complete, or a leg is not there.
+
+    Examples
+    --------
+    >>> angles = [one for one in gait.signals if one.signal == "leg angle"]
+    >>> cycles = pawnb.gait.cycles.cut_cycles(angles, gait.strides)
+    >>> table = figures.build_phase_plane_table(cycles, legs=["L2"])
+    >>> table["leg"].unique().tolist()
+    ['L2']
     """
     check_columns(cycles, CYCLE_COLUMNS, where="cycles")
     key = ["animal", "trial", "stride"]
@@ -103,6 +111,13 @@ def plot_phase_plane(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
     ------
     InputError
         If a column is missing, the table is empty, or there are several pairs for one axes.
+
+    Examples
+    --------
+    >>> angles = [one for one in gait.signals if one.signal == "leg angle"]
+    >>> cycles = pawnb.gait.cycles.cut_cycles(angles, gait.strides)
+    >>> table = figures.build_phase_plane_table(cycles, legs=["L2", "R2"], most=20)
+    >>> ax = figures.plot_phase_plane(table)
     """
     check_columns(table, COLUMNS, where="phase plane")
     groups = group_legs(table["leg"])

@@ -59,6 +59,14 @@ def build_phase_rose_table(
     InputError
         If a column is missing, there is no phase, a phase is outside [0, 1), or bins
         is below 4.
+
+    Examples
+    --------
+    >>> rose = figures.build_phase_rose_table(
+    ...     gait.phases, summary=gait.phase_summary, pairs=[("L2", "R2")]
+    ... )
+    >>> len(rose), int(rose["count"].sum()) == int(rose["n"].iloc[0])
+    (20, True)
     """
     groups = choose_pairs(phases, pairs, where="phase rose")
     if bins < 4:
@@ -104,6 +112,15 @@ def plot_phase_rose(table: pd.DataFrame, *, ax: PolarAxes | None = None) -> Pola
     InputError
         If a column is missing, the table is empty, or it holds several pairs where
         ``ax`` is given.
+
+    Examples
+    --------
+    >>> rose = figures.build_phase_rose_table(
+    ...     gait.phases, summary=gait.phase_summary, pairs=[("L2", "R2"), ("L2", "L3")]
+    ... )
+    >>> ax = figures.plot_phase_rose(rose)
+    >>> len(ax.figure.axes)
+    2
     """
     check_columns(table, COLUMNS, where="phase rose")
     pairs = [own for _, own in table.groupby(["leg", "reference"], sort=False)]

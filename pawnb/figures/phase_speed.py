@@ -68,6 +68,12 @@ def build_phase_speed_table(
     InputError
         If a column is missing, no stride has a speed, a pair is not there, or ``per`` is
         unknown.
+
+    Examples
+    --------
+    >>> table = figures.build_phase_speed_table(gait.phases, gait.strides, pairs=[("L2", "R2")])
+    >>> int(table["n_animals"].iloc[0])
+    4
     """
     if per not in ("trial", "stride"):
         raise InputError(f"per is {per!r}; expected 'trial' or 'stride'.")
@@ -137,6 +143,13 @@ def plot_phase_speed(
     ------
     InputError
         If a column is missing, the table is empty, or there are several pairs for one axes.
+
+    Examples
+    --------
+    >>> table = figures.build_phase_speed_table(
+    ...     gait.phases, gait.strides, pairs=[("L2", "R2"), ("L2", "L3")]
+    ... )
+    >>> ax = figures.plot_phase_speed(table, unit="mm")
     """
     check_columns(table, COLUMNS, where="phase against speed")
     pairs = [own for _, own in table.groupby(["leg", "reference"], sort=False)]

@@ -42,6 +42,14 @@ def build_pose_overlay_table(tracks: Tracks, *, frame: int) -> pd.DataFrame:
     ------
     InputError
         If the frame is not among those tracked, or no point is a joint of a leg.
+
+    Examples
+    --------
+    >>> tracks = study.runs[0].tracks()
+    >>> frame = int(tracks["frame"][len(tracks["frame"]) // 2])
+    >>> table = figures.build_pose_overlay_table(tracks, frame=frame)
+    >>> sorted(table["leg"].unique())[:2]
+    ['L1', 'L2']
     """
     check_tracks(tracks)
     frames = tracks["frame"].to_numpy()
@@ -89,6 +97,12 @@ def plot_pose_overlay(
     ------
     InputError
         If a column is missing, or no joint has a place.
+
+    Examples
+    --------
+    >>> tracks = study.runs[0].tracks()
+    >>> frame = int(tracks["frame"][len(tracks["frame"]) // 2])
+    >>> ax = figures.plot_pose_overlay(figures.build_pose_overlay_table(tracks, frame=frame))
     """
     check_columns(table, COLUMNS, where="pose overlay")
     known = table.dropna(subset=["u", "v"])

@@ -73,6 +73,13 @@ def build_regression_table(
     InputError
         If a column is missing, there is no pair, a setting is not known, or a line cannot be
         fitted.
+
+    Examples
+    --------
+    >>> l2 = gait.strides[gait.strides["leg"] == "L2"]
+    >>> table = figures.build_regression_table(l2, [("frequency_hz", "speed")], points="trial")
+    >>> sorted(table["outcome"].unique())
+    ['frequency_hz']
     """
     if not pairs or points not in _UNITS or kind not in ("linear", "power"):
         raise InputError(
@@ -194,6 +201,13 @@ def plot_regression(
     ------
     InputError
         If a column is missing, the table is empty, or ``ax`` is given for several pairs.
+
+    Examples
+    --------
+    >>> l2 = gait.strides[gait.strides["leg"] == "L2"]
+    >>> table = figures.build_regression_table(l2, [("frequency_hz", "speed")], points="trial")
+    >>> names = {"frequency_hz": "Stride frequency (Hz)", "speed": "Speed (mm/s)"}
+    >>> ax = figures.plot_regression(table, names=names)
     """
     check_columns(table, COLUMNS, where="regression figure")
     pairs = [own for _, own in table.groupby(["outcome", "predictor"], sort=False)]

@@ -52,6 +52,12 @@ def build_residual_analysis_table(
     ------
     InputError
         If there is no signal, or one cannot be analysed.
+
+    Examples
+    --------
+    >>> time_s = np.arange(400) / 100.0
+    >>> x = 10.0 * np.sin(2 * np.pi * 2.0 * time_s) + np.random.default_rng(0).normal(size=400)
+    >>> table = figures.build_residual_analysis_table(pd.DataFrame({"foot": x}), fs_hz=100.0)
     """
     if signals.shape[1] == 0:
         raise InputError("residual analysis: no signal; expected at least one column.")
@@ -97,6 +103,13 @@ def plot_residual_analysis(
     ------
     InputError
         If a column is missing, the table is empty, or ``ax`` is given for several signals.
+
+    Examples
+    --------
+    >>> time_s = np.arange(400) / 100.0
+    >>> x = 10.0 * np.sin(2 * np.pi * 2.0 * time_s) + np.random.default_rng(0).normal(size=400)
+    >>> table = figures.build_residual_analysis_table(pd.DataFrame({"foot": x}), fs_hz=100.0)
+    >>> ax = figures.plot_residual_analysis(table, unit="mm")
     """
     check_columns(table, COLUMNS, where="residual analysis")
     signals = [own for _, own in table.groupby("signal", sort=False)]

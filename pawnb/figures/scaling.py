@@ -63,6 +63,17 @@ def build_scaling_table(
     InputError
         If a column is missing, a value is not above 0, a group to leave out is not there, or
         fewer than three points are left.
+
+    Examples
+    --------
+    >>> others = pd.DataFrame(
+    ...     {"name": list("abcdef"), "group": ["wolf"] * 3 + ["crab"] * 3,
+    ...      "length_mm": [4.0, 6.0, 9.0, 12.0, 15.0, 20.0],
+    ...      "speed_mm_s": [90.0, 130.0, 180.0, 260.0, 300.0, 420.0]}
+    ... )
+    >>> table = figures.build_scaling_table(others, size="length_mm", value="speed_mm_s")
+    >>> len(table) >= 6
+    True
     """
     needed = ["name", group, size, value]
     check_columns(reference, needed, where="reference table")
@@ -120,6 +131,16 @@ def plot_scaling(
     ------
     InputError
         If a column is missing or the table has no point.
+
+    Examples
+    --------
+    >>> others = pd.DataFrame(
+    ...     {"name": list("abcdef"), "group": ["wolf"] * 3 + ["crab"] * 3,
+    ...      "length_mm": [4.0, 6.0, 9.0, 12.0, 15.0, 20.0],
+    ...      "speed_mm_s": [90.0, 130.0, 180.0, 260.0, 300.0, 420.0]}
+    ... )
+    >>> table = figures.build_scaling_table(others, size="length_mm", value="speed_mm_s")
+    >>> ax = figures.plot_scaling(table, size_name="Length (mm)", value_name="Speed (mm/s)")
     """
     check_columns(table, COLUMNS, where="scaling figure")
     points = table[table["row"] == "point"]

@@ -66,6 +66,12 @@ def build_stepping_pattern_table(
     ------
     InputError
         If there is no stride, a trial is not there, or the span is not above 0.
+
+    Examples
+    --------
+    >>> table = figures.build_stepping_pattern_table(gait.events, gait.strides, most=2)
+    >>> table["trial"].nunique()
+    2
     """
     check_columns(strides, ("animal", "trial", "period_s", "speed"), where="strides")
     if span_s is not None and not span_s > 0:
@@ -156,6 +162,13 @@ def plot_stepping_pattern(
     ------
     InputError
         If a column is missing, the table is empty, or there are several trials for one axes.
+
+    Examples
+    --------
+    >>> table = figures.build_stepping_pattern_table(
+    ...     gait.events, gait.strides, dropped=gait.dropped, most=2
+    ... )
+    >>> ax = figures.plot_stepping_pattern(table, unit="mm")
     """
     check_columns(table, COLUMNS, where="stepping pattern")
     if len(table) == 0:

@@ -45,6 +45,12 @@ def plot_stride_average(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
     ------
     InputError
         If a column is missing, the table is empty, or there are several pairs for one axes.
+
+    Examples
+    --------
+    >>> angles = [one for one in gait.signals if one.signal == "leg angle"]
+    >>> cycles = pawnb.gait.cycles.cut_cycles(angles, gait.strides)
+    >>> ax = figures.plot_stride_average(pawnb.gait.cycles.average_cycles(cycles))
     """
     check_columns(table, AVERAGE_COLUMNS, where="stride average")
     groups = group_legs(table["leg"])

@@ -72,6 +72,11 @@ class StyleOptions:
         Leg to a colour that matplotlib knows; legs that are not named keep theirs.
     dpi : float
         Resolution of PNG files.
+
+    Examples
+    --------
+    >>> figures.StyleOptions(font_size_pt=8.0).column_mm
+    85.0
     """
 
     font_size_pt: float = 7.0
@@ -136,6 +141,11 @@ def get_style() -> StyleOptions:
     -------
     StyleOptions
         Those of :func:`set_style` or of the innermost ``with style(...)``.
+
+    Examples
+    --------
+    >>> figures.get_style().column_mm
+    85.0
     """
     return _in_force[-1]
 
@@ -157,6 +167,13 @@ def set_style(**options: Any) -> StyleOptions:
     ------
     InputError
         If an option is unknown or cannot be used.
+
+    Examples
+    --------
+    >>> figures.set_style(column_mm=89.0).column_mm  # the columns of another journal
+    89.0
+    >>> figures.set_style().column_mm  # as before
+    85.0
     """
     _in_force[-1] = _with(options) if options else _DEFAULT
     return _in_force[-1]
@@ -187,6 +204,14 @@ def style(**options: Any) -> Iterator[None]:
     ------
     InputError
         If an option is unknown or cannot be used.
+
+    Examples
+    --------
+    >>> import matplotlib.pyplot as plt
+    >>> with figures.style(font_size_pt=8.0):
+    ...     figure, ax = plt.subplots()
+    ...     ax.get_xticklabels()[0].get_fontsize()
+    8.0
     """
     chosen = _with(options)
     size = chosen.font_size_pt

@@ -59,6 +59,12 @@ def build_summary_page_table(strides: pd.DataFrame, *, animal: str) -> pd.DataFr
     ------
     InputError
         If a column is missing or the animal has no stride.
+
+    Examples
+    --------
+    >>> table = figures.build_summary_page_table(gait.strides, animal="spider-01")
+    >>> len(table) > 0
+    True
     """
     check_columns(strides, ("animal", "trial", "leg", *MEASURES), where="strides")
     own = strides[strides["animal"].astype(str) == animal]
@@ -113,6 +119,13 @@ def plot_summary_page(
     ------
     InputError
         If a column is missing or the table is empty.
+
+    Examples
+    --------
+    >>> table = figures.build_summary_page_table(gait.strides, animal="spider-01")
+    >>> ax = figures.plot_summary_page(
+    ...     table, events=gait.events, strides=gait.strides, phases=gait.phases, unit="mm"
+    ... )
     """
     check_columns(table, ("animal", "leg", "n_strides", "n_trials"), where="summary page")
     if len(table) == 0:

@@ -39,6 +39,11 @@ def plot_support_shares(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
     ------
     InputError
         If a column is missing or the table is empty.
+
+    Examples
+    --------
+    >>> tables = pawnb.gait.coordination.coordination_tables(gait)
+    >>> ax = figures.plot_support_shares(tables["support_shares"])
     """
     check_columns(table, COLUMNS, where="feet on the ground")
     if len(table) == 0:

@@ -47,6 +47,16 @@ def build_template_fit_table(
     ------
     InputError
         If the shapes do not belong together, or no frame was used.
+
+    Examples
+    --------
+    >>> frame = np.arange(20)
+    >>> uv = np.column_stack([5.0 * frame, 300.0 + 10.0 * np.sin(frame / 3.0)])
+    >>> table = figures.build_template_fit_table(
+    ...     frame, uv, uv + 1.0, used=(0, 12), foretold=(12, 16)
+    ... )
+    >>> table["part"].value_counts().to_dict()
+    {'used for the fit': 12, 'foretold': 4, 'other': 4}
     """
     frame = np.asarray(frame, dtype=int)
     uv, uv_fit = np.asarray(uv, dtype=float), np.asarray(uv_fit, dtype=float)
@@ -84,6 +94,15 @@ def plot_template_fit(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
     ------
     InputError
         If a column is missing or the table is empty.
+
+    Examples
+    --------
+    >>> frame = np.arange(20)
+    >>> uv = np.column_stack([5.0 * frame, 300.0 + 10.0 * np.sin(frame / 3.0)])
+    >>> table = figures.build_template_fit_table(
+    ...     frame, uv, uv + 1.0, used=(0, 12), foretold=(12, 16)
+    ... )
+    >>> ax = figures.plot_template_fit(table)
     """
     check_columns(table, COLUMNS, where="template fit")
     if len(table) == 0:

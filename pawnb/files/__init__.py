@@ -49,3 +49,8 @@ __all__ = [
     "write_all",
     "write_whole",
 ]
+
+
+def __dir__() -> list[str]:
+    """List the public names."""
+    return sorted(__all__)

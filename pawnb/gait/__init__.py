@@ -1,6 +1,21 @@
-"""Gait statistics on tracks or events from any source; this part knows no video."""
+"""Gait statistics on tracks or events from any source; this part knows no video.
 
-from pawnb import _submodules
+:func:`analyse` makes every gait table of a trial, :func:`pool` joins trials. The modules listed
+hold what goes beyond: ``circular`` and its kin (phases), ``animals``, ``groups``, ``mixed`` and
+``bootstrap`` (animals, not strides), ``regression`` and ``scaling`` (against speed and size),
+``residuals`` (the cut-off of a filter).
+
+Examples of functions go on from here: two synthetic spiders whose truth is known, a run each.
+
+>>> import numpy as np
+>>> import pandas as pd
+>>> import pawnb
+>>> study = pawnb.synthetic.simulate_spider_study(animals=2, trials=1, seed=3)
+>>> run = study.runs[0]
+>>> tracks = run.tracks()
+"""
+
+from pawnb import _lazy
 from pawnb.gait.analysis import analyse, analyse_events
 from pawnb.gait.body_angles import body_angles
 from pawnb.gait.event_edits import replay_event_edits
@@ -13,10 +28,44 @@ __all__ = [
     "GaitTables",
     "analyse",
     "analyse_events",
+    "animal_summary",
+    "animals",
     "body_angles",
+    "bootstrap",
+    "bouts",
+    "circular",
+    "circular_correlation",
+    "circular_describe",
+    "circular_groups",
+    "circular_tests",
+    "contacts",
+    "coordination",
+    "coupling",
+    "covariates",
+    "cycles",
+    "differences",
+    "durations",
+    "events",
+    "groups",
+    "joints",
     "leg_angles",
+    "legs",
+    "mixed",
+    "patterns",
+    "phase_slopes",
+    "phases",
     "pool",
+    "regression",
+    "relative_phase",
+    "repeatability",
     "replay_event_edits",
+    "residuals",
+    "scaling",
+    "second_order",
+    "selection",
+    "strides",
+    "support",
+    "symmetry",
 ]
 
-__getattr__ = _submodules(__name__)
+__getattr__, __dir__ = _lazy(__name__, __all__)

@@ -92,6 +92,15 @@ def analyse(
     InputError
         If the tracks do not follow the schema, a leg or setting is unknown, no leg is
         ever seen, or the belt speed cannot be used.
+
+    Examples
+    --------
+    >>> gait = pawnb.gait.analyse(tracks, trial=run.trial)
+    >>> true = run.strides["duty_factor"].mean()
+    >>> bool(abs(gait.strides["duty_factor"].mean() - true) < 0.05)
+    True
+    >>> gait.events[["leg", "event", "frame", "time_s"]].shape[1]
+    4
     """
     where = f"trial {trial.name!r}" if trial is not None else "these tracks"
     settings = _settings(settings)
@@ -158,6 +167,18 @@ def analyse_events(
     ------
     InputError
         If a column is missing, an event is unknown, or a time is not a number.
+
+    Examples
+    --------
+    Two feet whose touch-downs and lift-offs (s) were scored by hand.
+
+    >>> rows = [("FR", "TD", t) for t in (0.0, 0.2, 0.4)] + [("FR", "LO", t) for t in (0.12, 0.32)]
+    >>> rows += [("FL", "TD", t) for t in (0.1, 0.3, 0.5)] + [("FL", "LO", t) for t in (0.22, 0.42)]
+    >>> events = pd.DataFrame(rows, columns=["leg", "event", "time_s"])
+    >>> events = events.assign(animal="m01", trial="run-1", frame=events["time_s"] * 250.0)
+    >>> gait = pawnb.gait.analyse_events(events)
+    >>> gait.strides["duty_factor"].round(2).unique().tolist()
+    [0.6]
     """
     settings = _settings(settings)
     events = check_scored_events(events, names=event_names)

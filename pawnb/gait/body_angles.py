@@ -63,6 +63,17 @@ def body_angles(
     InputError
         If the tracks are not in space, a point is unknown or not named, or forward and up
         are parallel.
+
+    Examples
+    --------
+    A body whose front is 45 degrees to the left.
+
+    >>> body = pawnb.schema.make_tracks([0], ["tail_base", "nose"], fps=250.0, unit="mm")
+    >>> body["position"].loc[{"keypoint": "tail_base"}] = 0.0
+    >>> body["position"].loc[{"keypoint": "nose", "space": ["x", "y"]}] = 50.0
+    >>> body["position"].loc[{"keypoint": "nose", "space": "z"}] = 0.0
+    >>> pawnb.gait.body_angles(body, along=["tail_base", "nose"])["yaw_deg"].round(1).tolist()
+    [45.0]
     """
     check_tracks(tracks)
     if tracks.sizes["space"] != 3 or tracks.sizes["individual"] != 1:

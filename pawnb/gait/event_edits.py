@@ -157,6 +157,19 @@ def replay_event_edits(tables: GaitTables, paths: str | Path | Sequence[str | Pa
     ------
     InputError
         If a file cannot be read, or a correction does not fit these events.
+
+    Examples
+    --------
+    >>> from pawnb.gait.event_edits import EventEdits
+    >>> from pawnb.gait.event_edit_records import DeleteEvent
+    >>> gait = pawnb.gait.analyse(tracks, trial=run.trial)
+    >>> first = gait.events.iloc[0]
+    >>> edits = EventEdits(gait, "event_edits.jsonl")
+    >>> key = first[["animal", "trial", "leg", "event", "time_s"]].to_dict()
+    >>> corrected = edits.apply(DeleteEvent(**key))
+    >>> again = pawnb.gait.replay_event_edits(gait, "event_edits.jsonl")
+    >>> len(gait.events) - len(again.events)
+    1
     """
     tables = tables if tables.found is None else tables.found
     files = [Path(path) for path in ([paths] if isinstance(paths, str | Path) else paths)]

@@ -79,6 +79,13 @@ class EventSettings:
     bout_start_fraction, bout_stop_fraction : float
         A bout begins above the one and ends below the other share of the animal's fast speed
         (95th percentile).
+
+    Examples
+    --------
+    >>> settings = pawnb.gait.EventSettings(cutoff_hz=20.0)
+    >>> gait = pawnb.gait.analyse(tracks, trial=run.trial, settings=settings)
+    >>> gait.settings.cutoff_hz
+    20.0
     """
 
     cutoff_hz: float | None = None

@@ -38,6 +38,12 @@ def leg_angles(tracks: Tracks, *, individual: str | None = None) -> pd.DataFrame
     ------
     InputError
         If the Tracks hold no pose.
+
+    Examples
+    --------
+    >>> angles = pawnb.gait.leg_angles(tracks)
+    >>> sorted(angles["leg"].unique())
+    ['L1', 'L2', 'L3', 'L4', 'R1', 'R2', 'R3', 'R4']
     """
     check_tracks(tracks)
     who = individual or str(tracks["individual"].to_numpy()[0])

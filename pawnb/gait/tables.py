@@ -62,6 +62,12 @@ class GaitTables:
         What the tables of each trial were made from, for :func:`rebuild_tables`.
     found : GaitTables, optional
         The same analysis before events were corrected by hand; None where none were.
+
+    Examples
+    --------
+    >>> gait = pawnb.gait.analyse(tracks, trial=run.trial)
+    >>> gait.phase_summary[["leg", "reference", "mean", "pattern"]].shape[1]
+    4
     """
 
     events: pd.DataFrame
@@ -105,6 +111,13 @@ def pool(parts: Sequence[GaitTables]) -> GaitTables:
     InputError
         If there is nothing to pool, two parts hold the same animal and trial, or their
         settings differ.
+
+    Examples
+    --------
+    >>> parts = [pawnb.gait.analyse(one.tracks(), trial=one.trial) for one in study.runs]
+    >>> gait = pawnb.gait.pool(parts)
+    >>> gait.strides["animal"].unique().tolist()
+    ['spider-01', 'spider-02']
     """
     if not parts:
         raise InputError("nothing to pool: expected at least one analysis.")

@@ -51,6 +51,15 @@ def read_anipose(path: str | Path, *, fps: float, unit: str = "mm") -> Tracks:
     ------
     InputError
         If the file is missing or is not of Anipose, a cell is no number, or frames do not rise.
+
+    Examples
+    --------
+    >>> table = pd.DataFrame({"FR_x": [1.0, 2.0], "FR_y": 0.0, "FR_z": [5.0, 5.5],
+    ...                       "FR_error": 0.4, "FR_ncams": 2, "FR_score": 0.9, "fnum": [0, 1]})
+    >>> table.to_csv("clip.csv", index=False)
+    >>> tracks = pawnb.io.read_anipose("clip.csv", fps=250.0)
+    >>> tracks["position"].sel(space="z").values.ravel().tolist()
+    [5.0, 5.5]
     """
     where = Path(path).name
     cells = read_cells(path, ("fnum",))

@@ -27,6 +27,12 @@ def read_belt_speed(path: str | Path) -> pd.DataFrame:
     ------
     InputError
         For a missing column, a cell that is not a number, or a frame given twice.
+
+    Examples
+    --------
+    >>> pd.DataFrame({"frame": [0, 250], "speed": [300.0, 350.0]}).to_csv("belt.csv", index=False)
+    >>> pawnb.io.read_belt_speed("belt.csv")["speed"].tolist()
+    [300.0, 350.0]
     """
     where = Path(path).name
     table = read_cells(path, ("frame", "speed"))

@@ -35,6 +35,14 @@ def read_coefs(path: Path, names: Sequence[str]) -> np.ndarray:
     ------
     CalibrationError
         If the file is missing or is not that, or a number is too large for a camera.
+
+    Examples
+    --------
+    >>> coefs = np.zeros((11, 2))
+    >>> coefs[[0, 5]] = 10.0
+    >>> path = pawnb.io.write_coefs(coefs, "DLTcoefs.csv")
+    >>> pawnb.io.read_coefs(path, ["cam1", "cam2"]).shape
+    (11, 2)
     """
     path = Path(path)
     expected = "the csv with the DLT coefficients that [calibration] dlt names"
@@ -86,6 +94,13 @@ def write_coefs(coefs: np.ndarray, path: str | Path) -> Path:
     ------
     CalibrationError
         If there are not 11 rows of finite numbers.
+
+    Examples
+    --------
+    >>> coefs = np.zeros((11, 2))
+    >>> coefs[[0, 5]] = 10.0  # two cameras that look along Z: 10 px per mm
+    >>> pawnb.io.write_coefs(coefs, "DLTcoefs.csv").name
+    'DLTcoefs.csv'
     """
     coefs = np.asarray(coefs, dtype=float)
     if coefs.ndim != 2 or coefs.shape[0] != 11 or not np.isfinite(coefs).all():

@@ -71,6 +71,12 @@ def read_deeplabcut(path: str | Path, *, fps: float, unit: str = "mm") -> Tracks
     -----
     Attributes of the h5 are pickles. They are never unpickled: see
     :mod:`pawnb.io.pickled_values`.
+
+    Examples
+    --------
+    >>> tracks = pawnb.io.read_deeplabcut("sample/m01DLC.csv", fps=200.0)
+    >>> tracks.attrs["source_software"]
+    'DeepLabCut'
     """
     path = Path(path)
     frames, columns, values = (_read_h5 if is_hdf5(path) else _read_csv)(path)

@@ -61,6 +61,14 @@ def read_dltdv_points3d(path: str | Path, *, fps: float, unit: str = "mm") -> Tr
     ------
     InputError
         If the file is missing or of another layout, or frames do not rise.
+
+    Examples
+    --------
+    >>> table = pd.DataFrame({"pt1_X": [1.0, 2.0], "pt1_Y": 0.0, "pt1_Z": [5.0, 5.5]})
+    >>> table.to_csv("clip_xyzpts.csv", index=False)
+    >>> tracks = pawnb.io.read_dltdv_points3d("clip_xyzpts.csv", fps=250.0)
+    >>> tracks["keypoint"].values.tolist(), tracks.attrs["units"]
+    (['pt1'], 'mm')
     """
     frames, table = _read(path)
     names = [name for name in map(str, table) if not _IMAGE.fullmatch(name)]
@@ -115,6 +123,16 @@ def read_dltdv_points(
     -----
     ``DLTcoefs.csv`` of DLTdv belongs to its own pixels: move it by the same change before using
     it with these points (:func:`pawnb.core.rig.load_rig` does with ``first_pixel=1``).
+
+    Examples
+    --------
+    >>> table = pd.DataFrame({"pt1_cam1_X": [1.0, 2.0], "pt1_cam1_Y": 9.0,
+    ...                       "pt1_cam2_X": [3.0, 4.0], "pt1_cam2_Y": 9.0})
+    >>> table.to_csv("clip_xypts.csv", index=False)
+    >>> tracks = pawnb.io.read_dltdv_points("clip_xypts.csv", fps=250.0)
+    >>> u = tracks["image_position"].sel(image_space="u")
+    >>> u.isel(time=0).values.ravel().tolist()  # DLTdv counts pixels from 1
+    [0.0, 2.0]
     """
     frames, table = _read(path)
     found = [m for name in map(str, table) if (m := _IMAGE.fullmatch(name))]

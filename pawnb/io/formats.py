@@ -227,6 +227,11 @@ def recognise_format(path: str | Path) -> str:
     ------
     InputError
         If there is no such file or it is none of them.
+
+    Examples
+    --------
+    >>> pawnb.io.recognise_format("sample/m01DLC.csv")
+    'deeplabcut'
     """
     path = Path(path)
     found = find_format(path)
@@ -274,6 +279,12 @@ def read_any_tracks(
     ------
     InputError
         If the file cannot be read, or the frame rate is needed and not given.
+
+    Examples
+    --------
+    >>> tracks = pawnb.io.read_any_tracks("sample/m01DLC.csv", fps=200.0)
+    >>> "hindpaw_R" in tracks["keypoint"]
+    True
     """
     path = Path(path)
     check_rate(fps)

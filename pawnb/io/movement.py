@@ -81,6 +81,11 @@ def to_movement(tracks: Tracks, *, dims: Literal["plural", "singular"] = "plural
     ------
     InputError
         If these are no Tracks, or ``dims`` is neither of the two.
+
+    Examples
+    --------
+    >>> pawnb.io.to_movement(tracks).attrs["ds_type"]
+    'poses'
     """
     check_tracks(tracks)
     if dims not in ("plural", "singular"):
@@ -199,6 +204,12 @@ def from_movement(
     InputError
         If it holds no poses, has no frame rate, or its times fall between frames or do not
         rise.
+
+    Examples
+    --------
+    >>> again = pawnb.io.from_movement(pawnb.io.to_movement(tracks))
+    >>> again.sizes["keypoint"] == tracks.sizes["keypoint"]
+    True
     """
     names = {name: new for name, new in _SINGULAR.items() if name in dataset.dims}
     dataset = dataset.rename(names)

@@ -71,6 +71,11 @@ def write_tracks(tracks: Tracks, path: str | Path) -> Path:
     InputError
         If these are not Tracks, if the folder does not exist, if an attribute cannot be stored
         in netCDF, or if the file cannot be written (a full disk, for instance).
+
+    Examples
+    --------
+    >>> pawnb.io.write_tracks(tracks, "tracks.nc").name
+    'tracks.nc'
     """
     path = Path(path)
     check_tracks(tracks)
@@ -105,6 +110,12 @@ def read_tracks(path: str | Path, *, fps: float | None = None) -> Tracks:
     ------
     InputError
         If the file is missing, is not netCDF, or does not hold tracks.
+
+    Examples
+    --------
+    >>> path = pawnb.io.write_tracks(tracks, "tracks.nc")
+    >>> pawnb.io.read_tracks(path).equals(tracks)
+    True
     """
     path = check_file(path, expected=_EXPECTED)
     with faults_in(path, expected=_EXPECTED):
@@ -182,6 +193,12 @@ def tracks_table(tracks: Tracks) -> pd.DataFrame:
         point that the view tracks anywhere. Where a point is missing u and v are NaN and
         ``origin`` says ``missing``. With several individuals, ``individual`` is added on
         the right. Rows are ordered by frame, then view, then point.
+
+    Examples
+    --------
+    >>> table = pawnb.io.tracks_table(tracks)
+    >>> table[["frame", "view", "point", "u", "v"]].shape[1]
+    5
     """
     check_tracks(tracks)
     if "image_position" in tracks:
@@ -239,6 +256,13 @@ def points3d_table(tracks: Tracks) -> pd.DataFrame:
     ------
     InputError
         If positions have two dimensions only.
+
+    Examples
+    --------
+    >>> space = pawnb.schema.make_tracks([0, 1], ["FR"], fps=250.0, unit="mm")
+    >>> space["position"].loc[{"keypoint": "FR"}] = 1.5
+    >>> pawnb.io.points3d_table(space)["z"].tolist()
+    [1.5, 1.5]
     """
     check_tracks(tracks)
     if tracks.sizes["space"] != 3:

@@ -56,6 +56,19 @@ def read_sleap(path: str | Path, *, fps: float) -> Tracks:
     InputError
         If the file is missing, damaged or not of SLEAP, holds several videos or skeletons, has a
         frame twice, or several animals that no track tells apart.
+
+    Examples
+    --------
+    A file as SLEAP exports it for analysis: one animal, two points, three frames.
+
+    >>> import h5py
+    >>> with h5py.File("clip.analysis.h5", "w") as file:
+    ...     file["tracks"] = np.arange(12.0).reshape(1, 2, 2, 3)  # animal, axis, point, frame
+    ...     file["node_names"] = [b"FR", b"HR"]
+    ...     file["track_names"] = [b"mouse"]
+    >>> tracks = pawnb.io.read_sleap("clip.analysis.h5", fps=200.0)
+    >>> tracks["keypoint"].values.tolist(), tracks.sizes["time"]
+    (['FR', 'HR'], 3)
     """
     path = Path(path)
     if path.suffix == ".csv":

@@ -35,6 +35,16 @@ def read_start(path: str | Path, trial: Trial) -> pd.DataFrame:
         For a missing column, a cell that is not a number, an unknown view or point, the same
         click twice, a frame outside the trial, or a point of the trial that is clicked in
         no view of any frame.
+
+    Examples
+    --------
+    >>> clicks = pd.DataFrame({"frame": 0, "view": "cam1", "point": ["FR", "HR"],
+    ...                        "u": [120.0, 80.0], "v": [60.0, 61.0]})
+    >>> path = pawnb.io.write_start(clicks, "start.csv")
+    >>> trial = pawnb.Trial(kind="paws", name="m07", fps=250.0, animal=pawnb.Animal(id="m07"),
+    ...                     views=(pawnb.View(name="cam1", video="cam1.avi"),))
+    >>> len(pawnb.io.read_start(path, trial))
+    2
     """
     where = Path(path).name
     cells = read_cells(path, START_COLUMNS)
@@ -102,6 +112,13 @@ def write_start(start: pd.DataFrame, path: str | Path) -> Path:
     -------
     Path
         The file.
+
+    Examples
+    --------
+    >>> clicks = pd.DataFrame({"frame": 0, "view": "cam1", "point": ["FR", "HR"],
+    ...                        "u": [120.0, 80.0], "v": [60.0, 61.0]})
+    >>> pawnb.io.write_start(clicks, "start.csv").name
+    'start.csv'
     """
     check_columns(start, START_COLUMNS, where="start clicks")
     return write_table(start[list(START_COLUMNS)].reset_index(drop=True), path)

@@ -58,6 +58,13 @@ def read_tracks_table(
     InputError
         For a missing column, a cell that is not what it should be, a row given twice, or
         frames of a point that do not rise.
+
+    Examples
+    --------
+    >>> pawnb.io.tracks_table(tracks).to_csv("tracks.csv", index=False)
+    >>> again = pawnb.io.read_tracks_table("tracks.csv", fps=200.0)
+    >>> again.sizes["time"] == tracks.sizes["time"]
+    True
     """
     where = Path(path).name
     table = _read_points(path, TRACKS_COLUMNS, ("view", "point"), ("u", "v", "confidence"))
@@ -125,6 +132,14 @@ def read_points3d_table(
     InputError
         For a missing column, a cell that is not what it should be, a row given twice, or
         frames of a point that do not rise.
+
+    Examples
+    --------
+    >>> space = pawnb.schema.make_tracks([0, 1], ["FR"], fps=250.0, unit="mm")
+    >>> space["position"].loc[{"keypoint": "FR"}] = 1.5
+    >>> pawnb.io.points3d_table(space).to_csv("points3d.csv", index=False)
+    >>> pawnb.io.read_points3d_table("points3d.csv", fps=250.0).sizes["space"]
+    3
     """
     table = _read_points(path, POINTS3D_COLUMNS, ("point",), ("x", "y", "z", "residual_px"))
     if table.empty:

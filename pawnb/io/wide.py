@@ -57,6 +57,13 @@ def read_wide_table(path: str | Path, *, fps: float, unit: str | None = None) ->
     InputError
         If the file is missing or of another layout, a point lacks a column, or frames do not
         rise.
+
+    Examples
+    --------
+    >>> table = pd.DataFrame({"frame": [0, 1], "FR_x": [10.0, 11.0], "FR_y": [4.0, 4.0]})
+    >>> table.to_csv("points.csv", index=False)
+    >>> pawnb.io.read_wide_table("points.csv", fps=250.0)["keypoint"].values.tolist()
+    ['FR']
     """
     where = Path(path).name
     cells = read_cells(path, ("frame",))

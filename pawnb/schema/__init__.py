@@ -70,3 +70,8 @@ __all__ = [
     "note_absent",
     "shown",
 ]
+
+
+def __dir__() -> list[str]:
+    """List the public names."""
+    return sorted(__all__)

@@ -34,3 +34,8 @@ __all__ = [
     "two_pass_correction",
     "unwrap_angles",
 ]
+
+
+def __dir__() -> list[str]:
+    """List the public names."""
+    return sorted(__all__)

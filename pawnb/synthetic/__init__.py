@@ -5,8 +5,9 @@ Names are imported when they are first used: rendering needs OpenCV and PyAV.
 
 from __future__ import annotations
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from pawnb import _lazy
 
 if TYPE_CHECKING:
     from pawnb.synthetic.deeplabcut_sample import write_deeplabcut_sample
@@ -38,9 +39,4 @@ __all__ = [
     "write_deeplabcut_sample",
 ]
 
-
-def __getattr__(name: str) -> Any:
-    """Import a public name on first use."""
-    if name in _HOME:
-        return getattr(importlib.import_module(_HOME[name]), name)
-    raise AttributeError(f"module 'pawnb.synthetic' has no attribute {name!r}")
+__getattr__, __dir__ = _lazy(__name__, __all__, _HOME)

@@ -20,3 +20,8 @@ __all__ = [
     "trial_document",
     "trial_from_document",
 ]
+
+
+def __dir__() -> list[str]:
+    """List the public names."""
+    return sorted(__all__)

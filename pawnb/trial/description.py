@@ -42,6 +42,11 @@ class View:
         Half-open range of frames without the animal (kind ``pose``).
     points : tuple of str
         Points that are tracked in this view; empty means every point.
+
+    Examples
+    --------
+    >>> pawnb.View(name="cam1", video="cam1.avi", crop=(0, 100, 1280, 500)).crop
+    (0, 100, 1280, 500)
     """
 
     name: str
@@ -94,6 +99,11 @@ class Calibration:
         Whether the coefficients belong to the resulting view or to the whole picture.
     v : {"down", "up"}
         Direction of v for which the coefficients were made.
+
+    Examples
+    --------
+    >>> pawnb.Calibration(dlt="DLTcoefs.csv").unit
+    'mm'
     """
 
     dlt: str | None = None
@@ -151,6 +161,11 @@ class Animal:
         the body's roll.
     extra : mapping
         Any further fields of the section, such as ``mass_g``.
+
+    Examples
+    --------
+    >>> pawnb.Animal(id="m07", group="control", body=("tail_base", "nose")).group
+    'control'
     """
 
     id: str
@@ -209,6 +224,16 @@ class Trial:
         View to a file of another program's predictions, taken as evidence (kind ``paws``).
     detections_points : mapping
         Names of points in those files to the trial's own, where they differ.
+
+    Examples
+    --------
+    >>> views = tuple(pawnb.View(name=name, video=f"{name}.avi") for name in ("cam1", "cam2"))
+    >>> trial = pawnb.Trial(
+    ...     kind="paws", name="m07-35cms-03", fps=250.0, animal=pawnb.Animal(id="m07"), views=views,
+    ...     belt_speed=350.0, calibration=pawnb.Calibration(dlt="DLTcoefs.csv"),
+    ... )
+    >>> [view.name for view in trial.views]
+    ['cam1', 'cam2']
     """
 
     kind: Kind

@@ -29,6 +29,12 @@ def load_trial(path: str | Path) -> Trial:
     InputError
         If the file is missing or is not TOML, if a section or field is unknown or has
         the wrong type, or if a required one (such as ``fps``) is missing.
+
+    Examples
+    --------
+    >>> trial = pawnb.load_trial("sample")
+    >>> trial.fps > 0, len(trial.views)
+    (True, 4)
     """
     path = Path(path)
     if path.is_dir():
@@ -56,5 +62,12 @@ def save_trial(trial: Trial, path: str | Path) -> Path:
     ------
     InputError
         If the file cannot be written.
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> path = pawnb.save_trial(replace(trial, name="another"), "sample/another.toml")
+    >>> pawnb.load_trial(path).name
+    'another'
     """
     return write_whole(path, tomli_w.dumps(trial_document(trial)).encode())

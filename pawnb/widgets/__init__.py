@@ -1,9 +1,14 @@
-"""Thin faces over the workflow, for notebooks."""
+"""Thin faces over the workflow, for notebooks.
 
-from __future__ import annotations
+Names are imported when they are first used: they need Jupyter, which the rest of pawnb does not.
+"""
 
-import importlib
-from typing import Any
+from pawnb import _lazy
+
+__all__ = [
+    "ClickInitialiser", "FrameCanvas", "GaitExplorer", "PoseReviewer", "ResidualExplorer",
+    "StickPoser", "TrackReviewer",
+]  # fmt: skip
 
 _HOME = {
     "ClickInitialiser": "pawnb.widgets.click_initialiser",
@@ -15,14 +20,4 @@ _HOME = {
     "TrackReviewer": "pawnb.widgets.track_reviewer",
 }
 
-__all__ = [
-    "ClickInitialiser", "FrameCanvas", "GaitExplorer", "PoseReviewer", "ResidualExplorer",
-    "StickPoser", "TrackReviewer",
-]  # fmt: skip
-
-
-def __getattr__(name: str) -> Any:
-    """Import a widget on first use: they need Jupyter, which the rest of pawnb does not."""
-    if name in _HOME:
-        return getattr(importlib.import_module(_HOME[name]), name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+__getattr__, __dir__ = _lazy(__name__, __all__, _HOME)

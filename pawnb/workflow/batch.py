@@ -135,6 +135,12 @@ def batch(
     InputError
         If there is no trial, ``workers`` is below 1 or given beside ``scheduler``, or no
         scheduler answers.
+
+    Examples
+    --------
+    >>> report = pawnb.batch(["sample"], out="batch")
+    >>> len(report.failed)
+    0
     """
     if workers is not None and scheduler is not None:
         raise InputError(

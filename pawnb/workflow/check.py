@@ -46,6 +46,12 @@ def check_trial(trial: Trial | str | Path) -> CheckReport:
     ------
     InputError
         If ``trial.toml`` itself cannot be read.
+
+    Examples
+    --------
+    >>> report = pawnb.check_trial(trial)
+    >>> report.faults
+    []
     """
     if not isinstance(trial, Trial):
         trial = load_trial(trial)

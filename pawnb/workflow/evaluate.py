@@ -81,6 +81,12 @@ def evaluate(
     ------
     InputError
         If a file is missing or does not fit the results.
+
+    Examples
+    --------
+    >>> evaluation = pawnb.evaluate("sample/results", "sample/truth")
+    >>> evaluation.text != ""
+    True
     """
     results, truth = Path(results), Path(truth)
     folder = results if results.is_dir() else results.parent

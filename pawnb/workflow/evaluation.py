@@ -238,6 +238,13 @@ def count_errors(
     ------
     InputError
         If the truth lacks a column, or shares no frame, view and point with the tracks.
+
+    Examples
+    --------
+    >>> truth = pd.read_csv("sample/truth/tracks.csv")
+    >>> errors = pawnb.count_errors(tracks, truth, threshold_px=4.0)
+    >>> errors.text().splitlines()[0] != ""
+    True
     """
     for name, value in (
         ("threshold_px", threshold_px),

@@ -144,6 +144,13 @@ def run_gait(
     ------
     InputError
         If an input is missing, is none of the above, or cannot be analysed.
+
+    Examples
+    --------
+    >>> files = pawnb.synthetic.write_deeplabcut_sample("others", animals=2)
+    >>> run = pawnb.run_gait(files, fps=200.0, out="gait", figures="none")
+    >>> sorted(run.tables.strides["leg"].unique())
+    ['FL', 'FR', 'HL', 'HR']
     """
     with noted_warnings() as warned:
         sources = _read_sources(inputs, fps=fps, animals=animals, groups=groups)

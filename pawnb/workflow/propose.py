@@ -95,6 +95,12 @@ def propose_start(
     ------
     InputError
         As these.
+
+    Examples
+    --------
+    >>> proposal = pawnb.propose_start(trial)
+    >>> {"frame", "view", "point", "u", "v"} <= set(proposal.start)
+    True
     """
     if not isinstance(trial, Trial):
         trial = load_trial(trial)

@@ -39,6 +39,11 @@ def assess_quality(tracks: Tracks) -> Quality:
     ------
     InputError
         If the tracks have no image positions.
+
+    Examples
+    --------
+    >>> pawnb.assess_quality(tracks).verdict in ("good", "look", "failed")
+    True
     """
     if is_pose(tracks):
         return assess(tracks.sel(keypoint=[BODY, *animal_of(tracks).leg_names]))

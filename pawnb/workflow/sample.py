@@ -50,6 +50,12 @@ def sample_trial(
     ------
     InputError
         For another scene, or a number that makes no sense.
+
+    Examples
+    --------
+    >>> trial = pawnb.sample_trial("sample", frames=60, scale=0.2)
+    >>> trial.kind
+    'paws'
     """
     if scene not in SAMPLE_FRAMES:
         raise InputError(f"scene is {scene!r}; expected {' or '.join(SAMPLE_FRAMES)}.")

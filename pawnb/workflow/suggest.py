@@ -80,6 +80,11 @@ def suggest_frames(trial: Trial | str | Path, tracks: Tracks, *, n: int = 3) -> 
     InputError
         If ``n`` is below 1, the trial is not of kind ``paws``, the tracks have no image
         positions, or the start clicks cannot be read.
+
+    Examples
+    --------
+    >>> list(pawnb.suggest_frames(trial, tracks, n=2))
+    ['frame', 'points', 'gain']
     """
     if n < 1:
         raise InputError(f"n is {n}; expected at least one frame to suggest.")

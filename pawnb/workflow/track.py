@@ -127,6 +127,12 @@ def track(
     -----
     QualityWarning
         If most labels are expected to be wrong.
+
+    Examples
+    --------
+    >>> tracks = pawnb.track(trial, out="sample/results")
+    >>> sorted(tracks["keypoint"].values.tolist())
+    ['FL', 'FR', 'HL', 'HR']
     """
     if not isinstance(trial, Trial):
         trial = load_trial(trial)
@@ -253,6 +259,13 @@ def retrack(
     ------
     InputError
         If the frame is not among those of the tracks.
+
+    Examples
+    --------
+    >>> frame = int(tracks["frame"][30])
+    >>> again = pawnb.retrack(trial, tracks, frame)
+    >>> again.sizes["time"] == tracks.sizes["time"]
+    True
     """
     if trial.kind == "pose":
         return retrack_pose(trial, tracks, frame, progress=progress, stop=stop)

@@ -36,3 +36,8 @@ __all__ = [
     "transform_image",
     "triangulate",
 ]
+
+
+def __dir__() -> list[str]:
+    """List the public names."""
+    return sorted(__all__)

@@ -6,3 +6,8 @@ from pawnb.core.views import Frame, ViewReader
 from pawnb.core.viewset import ViewSet
 
 __all__ = ["Frame", "VideoFile", "ViewReader", "ViewSet", "open_view", "open_views"]
+
+
+def __dir__() -> list[str]:
+    """List the public names."""
+    return sorted(__all__)
