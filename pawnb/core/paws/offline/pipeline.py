@@ -13,7 +13,7 @@ from pawnb.core.paws.offline.association.positional_prior import (
     prior_from_clicks,
     prior_from_tracks,
 )
-from pawnb.core.paws.offline.calibration import Signs, probability_right, standard_deviation
+from pawnb.core.paws.offline.calibration import probability_right, standard_deviation
 from pawnb.core.paws.offline.detection.appearance import (
     Lesson,
     appearance_maps,
@@ -25,6 +25,7 @@ from pawnb.core.paws.offline.detection.motion import detect_by_motion
 from pawnb.core.paws.offline.learning import agreed_lessons
 from pawnb.core.paws.offline.parameters import OfflineParameters
 from pawnb.core.paws.offline.scene.stack import BodyStack
+from pawnb.core.paws.offline.signs import Signs, read_signs
 from pawnb.core.paws.offline.view_input import ViewInput
 from pawnb.core.paws.offline.weighing import weigh
 from pawnb.core.rig import Rig
@@ -147,37 +148,17 @@ def run_pipeline(
         {
             p: PointTrack(
                 found[p],
-                _signs(v, p, found[p], m[p], look[p] * prior[p], own[p].agreement, parameters),
+                read_signs(
+                    found[p],
+                    motion=m[p],
+                    agreement=own[p].agreement,
+                    clicked=v.annotations.rows_of(p),
+                ),
             )
             for p in found
         }
-        for v, found, m, look, prior, own in zip(
-            views, estimates, motion, looks, priors, posteriors, strict=True
-        )
+        for v, found, m, own in zip(views, estimates, motion, posteriors, strict=True)
     ]
-
-
-def _signs(
-    view: ViewInput,
-    point: int,
-    found: Estimates,
-    motion: np.ndarray,
-    look: np.ndarray,
-    agreement: np.ndarray,
-    parameters: OfflineParameters,
-) -> Signs:
-    """Return what tells whether the track of a point is right."""
-    x, y = np.rint(found.place).astype(int).T
-    radius = parameters.appearance.radius / parameters.scene.spacing
-    alone = estimate(look, radius)
-    rows, row = view.annotations.rows_of(point), np.arange(len(x))
-    return Signs(
-        found.probability,
-        np.log(motion[row, y, x]),
-        np.linalg.norm(alone.place - found.place, axis=1) / radius,
-        (row >= min(rows)) & (row <= max(rows)),
-        agreement,
-    )
 
 
 def _motion(view: ViewInput, parameters: OfflineParameters) -> dict[int, np.ndarray]:
