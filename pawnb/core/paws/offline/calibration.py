@@ -7,8 +7,9 @@ from scipy.special import ndtr
 
 from pawnb.core.paws.offline.signs import Signs
 
-_WEIGHTS = np.array([0.69, -0.61])
-_OFFSET = 1.75
+_WEIGHTS = np.array([0.64, 0.28, -0.56, 0.64])
+_OFFSET = 1.77
+"""Of the columns of :class:`.signs.Signs`: ``benchmarks/learn_calibration.py``."""
 _CLICK_SD, _ASTRAY_SD = 0.014, 0.4
 """Standard deviations of labels that are right, and of those that are astray, in extents."""
 _BEYOND, _LIMIT = 0.05, 1.96

@@ -25,7 +25,7 @@ from pawnb.core.paws.offline.detection.motion import detect_by_motion
 from pawnb.core.paws.offline.learning import agreed_lessons
 from pawnb.core.paws.offline.parameters import OfflineParameters
 from pawnb.core.paws.offline.scene.stack import BodyStack
-from pawnb.core.paws.offline.signs import Signs, read_signs
+from pawnb.core.paws.offline.signs import Signs, found_again, read_signs
 from pawnb.core.paws.offline.view_input import ViewInput
 from pawnb.core.paws.offline.weighing import weigh
 from pawnb.core.rig import Rig
@@ -144,6 +144,7 @@ def run_pipeline(
                 prior_from_tracks({p: q.mass for p, q in own.items()}, prior, radius)
                 for own, prior in zip(posteriors, priors, strict=True)
             ]
+    left_out = found_again(weighing.found)
     return [
         {
             p: PointTrack(
@@ -151,13 +152,15 @@ def run_pipeline(
                 read_signs(
                     found[p],
                     motion=m[p],
+                    look=look[p],
                     agreement=own[p].agreement,
                     clicked=v.annotations.rows_of(p),
+                    left_out=left_out,
                 ),
             )
             for p in found
         }
-        for v, found, m, own in zip(views, estimates, motion, posteriors, strict=True)
+        for v, found, m, look, own in zip(views, estimates, motion, looks, posteriors, strict=True)
     ]
 
 

@@ -3,7 +3,7 @@
 Points that look alike are wrong together and smoothly: places were exchanged where they met, and
 from there on every frame agrees with the next. What tells is the way from the nearest click:
 whether flow comes from it as far as this, and whether what came before and what comes after
-fell apart on it.
+fell apart on it; and how well clicks were found when they were left out.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 
 from pawnb.core.paws.offline.association.estimates import Estimates
 
-SIGNS = {"motion": 1, "broken": -1}
+SIGNS = {"motion": 1, "look": 1, "broken": -1, "left_out": 1}
 """The columns of :meth:`Signs.columns`, and whether each speaks for a label or against it."""
 
 _LEAST = 1e-2
@@ -33,22 +33,37 @@ class Signs:
     motion : ndarray, shape (n,)
         Logarithm of the ratio of likelihoods by motion at the estimate; 0 where flow from no
         click comes so far.
+    look : ndarray, shape (n,)
+        The same by appearance.
     broken : ndarray, shape (n,)
         How far the way from a click is broken: the sum over its frames of minus the logarithm of
         how far what came before and what comes after agree, by the way that is broken least;
         infinite where there is no click.
+    left_out : float
+        Log-odds of finding a click of the recording that was left out; 0 where none could be.
     """
 
     motion: np.ndarray
+    look: np.ndarray
     broken: np.ndarray
+    left_out: float
 
     def columns(self) -> np.ndarray:
-        """Return the signs (n, 2) as they enter the calibration."""
-        return np.stack([self.motion, np.log1p(np.minimum(self.broken, _MOST))], axis=-1)
+        """Return the signs (n, 4) as they enter the calibration."""
+        broken = np.log1p(np.minimum(self.broken, _MOST))
+        return np.stack(
+            [self.motion, self.look, broken, np.full(len(broken), self.left_out)], axis=-1
+        )
 
 
 def read_signs(
-    found: Estimates, *, motion: np.ndarray, agreement: np.ndarray, clicked: Sequence[int]
+    found: Estimates,
+    *,
+    motion: np.ndarray,
+    look: np.ndarray,
+    agreement: np.ndarray,
+    clicked: Sequence[int],
+    left_out: float,
 ) -> Signs:
     """Read the signs of one point in one view.
 
@@ -56,12 +71,14 @@ def read_signs(
     ----------
     found : Estimates
         Where it is.
-    motion : ndarray, shape (n, h, w)
-        Ratios of likelihoods by motion.
+    motion, look : ndarray, shape (n, h, w)
+        Ratios of likelihoods by motion and by appearance.
     agreement : ndarray, shape (n,)
         See :class:`.association.forward_backward.Posterior`.
     clicked : sequence of int
         Rows in which the point was clicked.
+    left_out : float
+        See :func:`found_again`.
 
     Returns
     -------
@@ -69,10 +86,30 @@ def read_signs(
         Of the n frames.
     """
     x, y = np.rint(found.place).astype(int).T
+    rows = np.arange(len(x))
     return Signs(
-        np.log(motion[np.arange(len(x)), y, x]),
+        np.log(motion[rows, y, x]),
+        np.log(look[rows, y, x]),
         sum_from_clicks(-np.log(np.clip(agreement, _LEAST, 1.0)), clicked),
+        left_out,
     )
+
+
+def found_again(found: np.ndarray) -> float:
+    """Return the log-odds of finding a click that was left out.
+
+    Parameters
+    ----------
+    found : ndarray, shape (m,)
+        Probability that the model gave to within half a paw of each (:mod:`.weighing`).
+
+    Returns
+    -------
+    float
+        With one click more of either kind, so that few say little; 0 of none.
+    """
+    hits = float(found.sum())
+    return float(np.log((hits + 1.0) / (len(found) - hits + 1.0)))
 
 
 def sum_from_clicks(values: np.ndarray, clicked: Sequence[int]) -> np.ndarray:
