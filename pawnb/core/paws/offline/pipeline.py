@@ -64,14 +64,32 @@ def no_track(n: int, n_points: int) -> ViewTrack:
     return ViewTrack(np.full((n, n_points, 2), np.nan), nothing, nothing.copy())
 
 
-def view_track(stack: BodyStack, tracks: Mapping[int, PointTrack], n_points: int) -> ViewTrack:
-    """Return estimates on the grid as positions in the view."""
+def view_track(
+    stack: BodyStack,
+    tracks: Mapping[int, PointTrack],
+    n_points: int,
+    *,
+    chance: np.ndarray | None = None,
+) -> ViewTrack:
+    """Return estimates on the grid as positions in the view.
+
+    Parameters
+    ----------
+    stack : BodyStack
+        The view.
+    tracks : mapping
+        Point to its track.
+    n_points : int
+        Number of points in all.
+    chance : ndarray, shape (n_points,), optional
+        How likely what each point was tracked from is right; without it, it surely is.
+    """
     n = stack.shape[0]
     track = no_track(n, n_points)
     rows = np.arange(n)
     for point, own in tracks.items():
         track.uv[:, point] = stack.picture_of(own.found.place, rows)
-        right = probability_right(own.signs)
+        right = probability_right(own.signs) * (1.0 if chance is None else chance[point])
         track.probability[:, point] = right
         sd_px = own.found.sd * stack.spacing / stack.scale
         track.sd_px[:, point] = standard_deviation(sd_px, right, stack.extent_px)
