@@ -28,6 +28,8 @@ import pandas as pd
 
 from pawnb.core.paws.offline.quality_measures import CALIBRATED
 from pawnb.core.rig import Rig
+from pawnb.core.suspect_chances import AROUND_FRAMES as LABEL_AROUND_FRAMES
+from pawnb.core.suspect_chances import doubted_labels
 from pawnb.core.suspect_evidence import Evidence, collect_evidence, image_positions
 from pawnb.core.suspect_limits import collect_limits
 from pawnb.core.suspect_rates import AROUND_FRAMES, choose_looks, error_rates, weigh
@@ -44,9 +46,9 @@ _LEAST_DEVIATIONS = 1.0
 """Frames with less doubt than this are not listed, of tracks without uncertainty."""
 _LEAST_ERRORS = 0.02
 """Who looks at fifty frames for one error has found nearly all of them."""
-_CHANCE_FRAMES, _LEAST_WRONG = 2.0, 0.3
-"""Of labels that state their chance of being right, the frames are listed in which so many points
-are expected to be wrong; a look shows what is wrong in so many frames before and after."""
+_LEAST_WRONG = 0.1
+"""Of labels that state their chance of being right, those are listed that are wrong with this one
+or a larger: a recording whose labels all are surer is good."""
 _LEAST_SHARE = 0.02
 """This share of frames is listed in any case: a recording may err where no other did."""
 
@@ -124,10 +126,12 @@ def find_suspects(
         where it is doubted most. The score is that of the frame. For tracks with ``sd`` it is
         the number of errors that a look at it, and at the five frames before and after, is
         expected to find besides those that frames listed before it show; scores of
-        several recordings can be compared. Where ``image_confidence`` is the chance of being
-        right, it is the number of points expected to be wrong. For others it is the doubts
-        about all points added up, in robust standard deviations, less what frames listed
-        before have calmed.
+        several recordings can be compared. For others it is the doubts about all points added
+        up, in robust standard deviations, less what frames listed before have calmed. Where
+        ``image_confidence`` is the chance of being right, every label that is wrong with a chance
+        of 0.1 and more has a row of its own; the score is the number of labels that a look at it
+        is expected to show as wrong besides those that rows before it show
+        (:mod:`pawnb.core.suspect_chances`).
 
     Raises
     ------
@@ -183,28 +187,23 @@ def _by_expected_errors(
 
 
 def _by_chance(tracks: Tracks, settings: SuspectSettings) -> list[Row]:
-    """List the frames of tracks whose labels state their own chance of being right."""
+    """List the labels of tracks that state their own chance of being right."""
     frames = tracks["frame"].to_numpy()
     views, points = (tracks[name].to_numpy().tolist() for name in ("view", "keypoint"))
     chance = np.nan_to_num(tracks["image_confidence"].isel(individual=0).to_numpy())
     followed = np.isfinite(image_positions(tracks)[..., 0]).any(axis=0)
     wrong = np.where(followed & ~_placed_by_hand(tracks), 1.0 - chance, 0.0)  # (n, V, P)
-    looks = choose_looks(
-        wrong.max(axis=1),
+    listed = doubted_labels(
+        wrong,
         frames,
-        around=_CHANCE_FRAMES if settings.apart_frames is None else settings.apart_frames / 2,
+        around=LABEL_AROUND_FRAMES if settings.apart_frames is None else settings.apart_frames / 2,
         least=settings.least_score or _LEAST_WRONG,
     )
     rows = []
-    for t, score, expected, worst in looks:
-        for p in np.argsort(-expected, kind="stable").tolist():
-            if expected[p] >= _TELLING * expected.max():
-                at = int(worst[p])
-                view = int(wrong[at, :, p].argmax())
-                when = _elsewhere_in_words(int(frames[at]), int(frames[t]))
-                sure = 100 * (1 - wrong[at, view, p])
-                said = f"{when}the tracker is {sure:.0f} % sure of it"
-                rows.append((int(frames[t]), views[view], points[p], said, round(score, 4)))
+    for label in listed:
+        t, v, p = label.row, label.view, label.point
+        said = f"the tracker is {100 * (1 - wrong[t, v, p]):.0f} % sure of it"
+        rows.append((int(frames[t]), views[v], points[p], said, round(label.score, 4)))
     return rows
 
 

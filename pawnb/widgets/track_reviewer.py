@@ -11,6 +11,7 @@ import pandas as pd
 
 from pawnb.core.edits import Edit, describe_edit
 from pawnb.core.rig import Rig
+from pawnb.core.suspect_chances import worth_a_look
 from pawnb.core.suspects import find_suspects
 from pawnb.core.video import open_views
 from pawnb.errors import InputError
@@ -198,10 +199,11 @@ class TrackReviewer(Retracking):
         return None
 
     def _find_doubtful(self) -> pd.DataFrame:
-        """Return the frames to look at: those that were given, else found anew."""
-        if self._given_doubtful is not None:
-            return self._given_doubtful
-        return find_suspects(self.session.tracks, rig=self.session.rig)
+        """Return the labels to look at: those that were given, else found anew."""
+        found = self._given_doubtful
+        if found is None:
+            found = find_suspects(self.session.tracks, rig=self.session.rig)
+        return worth_a_look(found)
 
     def _doubt_no_more(self, frame: int, point: str | None = None) -> None:
         """Leave out what a person has settled, among those that were given as well."""

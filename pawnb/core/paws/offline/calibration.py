@@ -2,57 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
+from scipy.special import ndtr
 
-_WEIGHTS = np.array([0.17, 1.47, -0.24, 2.81, 0.87])
-_OFFSET = 0.12
-"""Logistic regression on 508 marks of horse_walk, mouse_below_grey and mouse_wheel_two_views, each
-clip and number of clicked frames (1, 2, 3, 5) weighing the same. On the four other clips the area
-under the ROC curve is 0.87 (0.77 by the model's own probability)."""
-_CLICK_SD, _ASTRAY_SD = 0.012, 0.3
-"""Standard deviations of a click, and of a point that is astray, in extents: 90 % of marks of these
-three clips and 92 % of the others lie inside 95 % limits."""
+from pawnb.core.paws.offline.signs import Signs
 
-
-@dataclass(frozen=True)
-class Signs:
-    """What tells whether estimates of one point are right; n frames.
-
-    Parameters
-    ----------
-    probability : ndarray, shape (n,)
-        Probability within about half a paw, by the hidden Markov model.
-    motion : ndarray, shape (n,)
-        Logarithm of the ratio of likelihoods by motion at the estimate; 0 where flow says nothing.
-    apart : ndarray, shape (n,)
-        Distance between where appearance alone puts the point and the estimate, in radii.
-    between : ndarray of bool, shape (n,)
-        Whether a click lies before the frame (or in it) and one after it (or in it).
-    agreement : ndarray, shape (n,)
-        How far what came before and what comes after put the point in one place, 0 to 1.
-    """
-
-    probability: np.ndarray
-    motion: np.ndarray
-    apart: np.ndarray
-    between: np.ndarray
-    agreement: np.ndarray
-
-    def columns(self) -> np.ndarray:
-        """Return the signs (n, 5) as they enter the calibration."""
-        p = np.clip(self.probability, 2.5e-3, 1 - 2.5e-3)
-        return np.stack(
-            [
-                np.log(p / (1 - p)),
-                self.motion,
-                np.minimum(self.apart, 3.0),
-                self.between.astype(float),
-                np.where(self.between, np.log(np.clip(self.agreement, 1e-2, 1.0)), 0.0),
-            ],
-            axis=-1,
-        )
+_WEIGHTS = np.array([0.64, 0.28, -0.56, 0.64])
+_OFFSET = 1.77
+"""Of the columns of :class:`.signs.Signs`: ``benchmarks/learn_calibration.py``."""
+_CLICK_SD, _ASTRAY_SD = 0.014, 0.4
+"""Standard deviations of labels that are right, and of those that are astray, in extents."""
+_BEYOND, _LIMIT = 0.05, 1.96
+"""Share outside of 95 % limits, and where they are, in standard deviations."""
+_HALVINGS = 40
 
 
 def probability_right(signs: Signs) -> np.ndarray:
@@ -60,8 +22,12 @@ def probability_right(signs: Signs) -> np.ndarray:
     return np.asarray(1 / (1 + np.exp(-(signs.columns() @ _WEIGHTS + _OFFSET))))
 
 
-def standard_deviation(sd: np.ndarray, right: np.ndarray, extent: float) -> np.ndarray:
+def standard_deviation(sd: np.ndarray, right: np.ndarray, extent: float | np.ndarray) -> np.ndarray:
     """Return the standard deviation of estimates along each axis.
+
+    An estimate is either right, but for what a click is off by, or astray by about the size of
+    the animal. One standard deviation says both where the 95 % limits that follow from it are
+    those of this mixture: labels that are wrong more rarely than that are as exact as right ones.
 
     Parameters
     ----------
@@ -69,13 +35,21 @@ def standard_deviation(sd: np.ndarray, right: np.ndarray, extent: float) -> np.n
         That of the distribution over places.
     right : ndarray
         Probability that the estimate is right.
-    extent : float
+    extent : float or ndarray
         Size of the animal, in the unit of ``sd``.
 
     Returns
     -------
     ndarray
-        With what a click is off by, and what a point that is astray is off by.
+        1.96 of it hold 95 %.
     """
-    square = sd**2 + (_CLICK_SD * extent) ** 2 + (1 - right) * (_ASTRAY_SD * extent) ** 2
-    return np.asarray(np.sqrt(square))
+    near, far = np.hypot(sd, _CLICK_SD * extent), np.hypot(sd, _ASTRAY_SD * extent)
+    low, high = np.zeros(np.shape(far)), _LIMIT * far
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        beyond = 2 * (right * ndtr(-middle / near) + (1 - right) * ndtr(-middle / far))
+        low, high = (
+            np.where(beyond > _BEYOND, middle, low),
+            np.where(beyond > _BEYOND, high, middle),
+        )
+    return np.asarray(high / _LIMIT)

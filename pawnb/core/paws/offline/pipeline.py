@@ -13,7 +13,7 @@ from pawnb.core.paws.offline.association.positional_prior import (
     prior_from_clicks,
     prior_from_tracks,
 )
-from pawnb.core.paws.offline.calibration import Signs, probability_right, standard_deviation
+from pawnb.core.paws.offline.calibration import probability_right, standard_deviation
 from pawnb.core.paws.offline.detection.appearance import (
     Lesson,
     appearance_maps,
@@ -25,6 +25,7 @@ from pawnb.core.paws.offline.detection.motion import detect_by_motion
 from pawnb.core.paws.offline.learning import agreed_lessons
 from pawnb.core.paws.offline.parameters import OfflineParameters
 from pawnb.core.paws.offline.scene.stack import BodyStack
+from pawnb.core.paws.offline.signs import Signs, found_again, read_signs
 from pawnb.core.paws.offline.view_input import ViewInput
 from pawnb.core.paws.offline.weighing import weigh
 from pawnb.core.rig import Rig
@@ -63,14 +64,32 @@ def no_track(n: int, n_points: int) -> ViewTrack:
     return ViewTrack(np.full((n, n_points, 2), np.nan), nothing, nothing.copy())
 
 
-def view_track(stack: BodyStack, tracks: Mapping[int, PointTrack], n_points: int) -> ViewTrack:
-    """Return estimates on the grid as positions in the view."""
+def view_track(
+    stack: BodyStack,
+    tracks: Mapping[int, PointTrack],
+    n_points: int,
+    *,
+    chance: np.ndarray | None = None,
+) -> ViewTrack:
+    """Return estimates on the grid as positions in the view.
+
+    Parameters
+    ----------
+    stack : BodyStack
+        The view.
+    tracks : mapping
+        Point to its track.
+    n_points : int
+        Number of points in all.
+    chance : ndarray, shape (n_points,), optional
+        How likely what each point was tracked from is right; without it, it surely is.
+    """
     n = stack.shape[0]
     track = no_track(n, n_points)
     rows = np.arange(n)
     for point, own in tracks.items():
         track.uv[:, point] = stack.picture_of(own.found.place, rows)
-        right = probability_right(own.signs)
+        right = probability_right(own.signs) * (1.0 if chance is None else chance[point])
         track.probability[:, point] = right
         sd_px = own.found.sd * stack.spacing / stack.scale
         track.sd_px[:, point] = standard_deviation(sd_px, right, stack.extent_px)
@@ -143,41 +162,24 @@ def run_pipeline(
                 prior_from_tracks({p: q.mass for p, q in own.items()}, prior, radius)
                 for own, prior in zip(posteriors, priors, strict=True)
             ]
+    left_out = found_again(weighing.found)
     return [
         {
             p: PointTrack(
                 found[p],
-                _signs(v, p, found[p], m[p], look[p] * prior[p], own[p].agreement, parameters),
+                read_signs(
+                    found[p],
+                    motion=m[p],
+                    look=look[p],
+                    agreement=own[p].agreement,
+                    clicked=v.annotations.rows_of(p),
+                    left_out=left_out,
+                ),
             )
             for p in found
         }
-        for v, found, m, look, prior, own in zip(
-            views, estimates, motion, looks, priors, posteriors, strict=True
-        )
+        for v, found, m, look, own in zip(views, estimates, motion, looks, posteriors, strict=True)
     ]
-
-
-def _signs(
-    view: ViewInput,
-    point: int,
-    found: Estimates,
-    motion: np.ndarray,
-    look: np.ndarray,
-    agreement: np.ndarray,
-    parameters: OfflineParameters,
-) -> Signs:
-    """Return what tells whether the track of a point is right."""
-    x, y = np.rint(found.place).astype(int).T
-    radius = parameters.appearance.radius / parameters.scene.spacing
-    alone = estimate(look, radius)
-    rows, row = view.annotations.rows_of(point), np.arange(len(x))
-    return Signs(
-        found.probability,
-        np.log(motion[row, y, x]),
-        np.linalg.norm(alone.place - found.place, axis=1) / radius,
-        (row >= min(rows)) & (row <= max(rows)),
-        agreement,
-    )
 
 
 def _motion(view: ViewInput, parameters: OfflineParameters) -> dict[int, np.ndarray]:

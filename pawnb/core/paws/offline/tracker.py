@@ -22,7 +22,7 @@ from pawnb.core.paws.offline.quality import assess
 from pawnb.core.paws.offline.quality_likeness import add_likeness
 from pawnb.core.paws.offline.scene.stack import BodyStack, read_stacks
 from pawnb.core.paws.offline.view_input import ViewInput
-from pawnb.core.paws.offline.windows import handed_on, take_over, windows
+from pawnb.core.paws.offline.windows import chance_to_go_on, handed_on, take_over, windows
 from pawnb.core.paws.settings import PaperSettings
 from pawnb.core.paws.task import Task
 from pawnb.core.paws.whole.landmark_tracks import choose_landmarks
@@ -191,7 +191,8 @@ def _track_window(
     n_points = len(layout.points)
     tracks = run_pipeline(inputs, n_points=n_points, parameters=parameters, rig=layout.rig)
     for v, one, points in zip(used, inputs, tracks, strict=True):
-        take_over(found[v], view_track(one.stack, points, n_points), begin)
+        chance = chance_to_go_on(placed[v], found[v], begin=begin, end=end)
+        take_over(found[v], view_track(one.stack, points, n_points, chance=chance), begin)
     return [_said(one) for one in inputs]
 
 

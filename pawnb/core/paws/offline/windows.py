@@ -1,4 +1,4 @@
-"""Long recordings in windows: each goes on from what the one before it is sure of."""
+"""Long recordings in windows: each goes on from what the one before it found."""
 
 from __future__ import annotations
 
@@ -13,8 +13,9 @@ MOST_ROWS = 1000
 """Rows that are tracked at once: 2 GB for four points in a view."""
 _OVERLAP = 60
 _HANDED_ON = 3
-"""Rows of the overlap in which sure positions are handed on, evenly spread."""
-_SURE = 0.9
+"""Rows of the overlap in which positions are handed on, evenly spread."""
+_LIKELY = 0.5
+"""Positions that are likelier wrong than right are not handed on."""
 
 
 def windows(n: int, clicked: Sequence[int]) -> list[tuple[int, int]]:
@@ -44,7 +45,7 @@ def windows(n: int, clicked: Sequence[int]) -> list[tuple[int, int]]:
 
 
 def handed_on(annotations: Annotations, found: ViewTrack, *, begin: int, end: int) -> Annotations:
-    """Return what is certain in a window: its clicks, and what its neighbour is sure of.
+    """Return what a window goes on from: its clicks, and what its neighbour found.
 
     Parameters
     ----------
@@ -65,10 +66,33 @@ def handed_on(annotations: Annotations, found: ViewTrack, *, begin: int, end: in
     known = np.flatnonzero(np.isfinite(found.probability[begin:end]).any(axis=1))
     if len(known):
         for row in known[np.linspace(0, len(known) - 1, _HANDED_ON + 2).astype(int)[1:-1]]:
-            sure = np.flatnonzero(found.probability[begin + row] >= _SURE)
-            if len(sure) and row not in own:
-                own[int(row)] = {int(p): found.uv[begin + row, p] for p in sure}
+            likely = np.flatnonzero(found.probability[begin + row] >= _LIKELY)
+            if len(likely) and row not in own:
+                own[int(row)] = {int(p): found.uv[begin + row, p] for p in likely}
     return Annotations(own)
+
+
+def chance_to_go_on(
+    annotations: Annotations, found: ViewTrack, *, begin: int, end: int
+) -> np.ndarray:
+    """Return how likely what a window goes on from is right, for each point.
+
+    Parameters
+    ----------
+    annotations, found, begin, end
+        As for :func:`handed_on`.
+
+    Returns
+    -------
+    ndarray, shape (P,)
+        1 for points that are clicked in the window, or not known in it; for others the mean
+        probability of what is known: a point that was exchanged stays so.
+    """
+    known = found.probability[begin:end]
+    count = np.isfinite(known).sum(axis=0)
+    chance = np.where(count > 0, np.nansum(known, axis=0) / np.maximum(count, 1), 1.0)
+    chance[annotations.part(begin, end).points] = 1.0
+    return np.asarray(chance)
 
 
 def take_over(whole: ViewTrack, part: ViewTrack, begin: int) -> None:

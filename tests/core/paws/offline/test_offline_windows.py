@@ -10,7 +10,12 @@ from hypothesis import strategies as st
 from pawnb.core.paws.offline import windows as module
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.pipeline import ViewTrack, no_track
-from pawnb.core.paws.offline.windows import handed_on, take_over, windows
+from pawnb.core.paws.offline.windows import (
+    chance_to_go_on,
+    handed_on,
+    take_over,
+    windows,
+)
 
 
 @given(n=st.integers(1, 20_000), clicked=st.integers(0, 19_999))
@@ -36,7 +41,7 @@ def track_of(rows, n, value, probability=0.95):
     return track
 
 
-def test_clicks_and_what_the_neighbour_is_sure_of_are_handed_on():
+def test_clicks_and_what_the_neighbour_found_are_handed_on():
     found = track_of(slice(0, 60), 100, (7.0, 8.0))
     clicked = Annotations({80: {0: np.array([1.0, 2.0])}})
     own = handed_on(clicked, found, begin=40, end=100)
@@ -45,8 +50,18 @@ def test_clicks_and_what_the_neighbour_is_sure_of_are_handed_on():
     assert len(given_on) == 3
     assert all(row < 20 for row in given_on)
     np.testing.assert_array_equal(own.places[given_on[0]][0], (7.0, 8.0))
-    unsure = track_of(slice(0, 60), 100, (7.0, 8.0), probability=0.5)
+    unsure = track_of(slice(0, 60), 100, (7.0, 8.0), probability=0.4)
     assert handed_on(clicked, unsure, begin=40, end=100).rows == [40]
+
+
+def test_a_window_is_as_sure_as_what_it_goes_on_from():
+    """Known in rows 40 to 59 of 40 to 99, with 0.8 and 0.6; clicked there, it is certain."""
+    found = track_of(slice(0, 50), 100, (7.0, 8.0), probability=0.8)
+    found.probability[50:60] = 0.6
+    nothing, clicked = Annotations({}), Annotations({80: {0: np.array([1.0, 2.0])}})
+    assert chance_to_go_on(nothing, found, begin=40, end=100) == pytest.approx(0.7)
+    assert chance_to_go_on(clicked, found, begin=40, end=100) == 1.0
+    assert chance_to_go_on(nothing, no_track(100, 1), begin=40, end=100) == 1.0
 
 
 @pytest.mark.parametrize("after", [True, False])

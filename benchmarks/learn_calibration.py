@@ -1,0 +1,171 @@
+"""Learn how likely labels are right from what is measured of them: `offline/calibration.py`.
+
+python benchmarks/learn_calibration.py [--clips NAME ...] [--clicks 1 2 3 5] [--cache FOLDER]
+
+Tracks real clips with marks (see real_clip_marks.py) by learnt evidence from a few clicked frames
+and takes the signs (`offline/signs.py`) of the labels that have a mark. A logistic regression, in
+which no sign may count against its meaning, gives their weights; each clip and number of clicked
+frames weighs the same. Every clip is then judged by weights learnt from all others: share right
+and expected, verdicts, how often a wrong label has a smaller chance than a right one (AUROC),
+and marks inside the 95 % intervals. Last come the weights that all clips together give.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+from unittest import mock
+
+import numpy as np
+import pandas as pd
+import real_clip_marks as real
+import xarray as xr
+from real_clips import markdown, number, percent, write_trial
+from scipy.optimize import minimize
+from scipy.special import expit
+
+import pawnb
+from pawnb.core.paws.offline import tracker
+from pawnb.core.paws.offline.calibration import standard_deviation
+from pawnb.core.paws.offline.output import SEEN
+from pawnb.core.paws.offline.quality_measures import QualityLimits
+from pawnb.core.paws.offline.signs import SIGNS
+
+CELL_WEIGHT = 20.0
+"""What the marks of a clip, tracked from so many clicked frames, weigh together; a weight of
+one standard deviation of a sign costs one half."""
+
+
+def parse() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--clips", nargs="+", metavar="NAME", help="(default: all that are there)")
+    parser.add_argument("--clicks", nargs="+", type=int, default=[1, 2, 3, 5], metavar="N")
+    parser.add_argument("--cache", type=Path, metavar="FOLDER", help="keeps what was measured")
+    return parser.parse_args()
+
+
+def main() -> None:
+    options = parse()
+    home = real.clips_folder()
+    there = sorted(path.parent.name for path in home.glob("*/marks.csv"))
+    names = [name for name in options.clips or there if name in there]
+    if len(names) < 2:
+        sys.exit(f"two clips are needed in {home} (set PAWNB_TEST_DATA); there are {len(names)}.")
+    with tempfile.TemporaryDirectory() as made:
+        cache = options.cache or Path(made)
+        cache.mkdir(parents=True, exist_ok=True)
+        cells = [labels(real.Clip(home / c), n, cache) for c in names for n in options.clicks]
+    report(pd.concat([cell for cell in cells if cell is not None], ignore_index=True))
+
+
+def labels(clip: real.Clip, n: int, cache: Path) -> pd.DataFrame | None:
+    """Track a clip, or take what was measured of it earlier; None where marks are too few."""
+    clicks, kept = clip.clicks(n), cache / f"{clip.name}-{n}.csv"
+    if clicks is None:
+        return None
+    if not kept.exists():
+        with (
+            tempfile.TemporaryDirectory() as made,
+            mock.patch.object(tracker, "view_track", wraps=tracker.view_track) as seen,
+        ):
+            trial = pawnb.load_trial(write_trial(clip, clicks, Path(made)))
+            tracks = pawnb.track(trial, settings={"evidence": "learnt"})
+        views = dict(zip(_clicked_views(tracks, clicks), seen.call_args_list, strict=True))
+        found = real.compare(clip.marks, clicks, None, clip.threshold_px)
+        points = tracks["keypoint"].to_numpy().tolist()
+        rows = pd.Series(range(tracks.sizes["time"]), index=tracks["frame"].to_numpy())
+        measure(found, views, points, rows, clip.threshold_px).to_csv(kept, index=False)
+        print(f"{clip.name}, {n}: tracked", file=sys.stderr)
+    return pd.read_csv(kept).assign(clip=clip.name, clicks=n)
+
+
+def _clicked_views(tracks: xr.Dataset, clicks: pd.DataFrame) -> list[str]:
+    """Return the views in which anything was clicked, in the order of the tracks."""
+    return [name for name in tracks["view"].to_numpy().tolist() if name in set(clicks["view"])]
+
+
+def measure(
+    marks: pd.DataFrame,
+    views: dict[str, Any],
+    points: list[str],
+    rows: pd.Series,
+    px: float,
+) -> pd.DataFrame:
+    """Return for each mark whether its label is right, its signs, how far off and how exact."""
+    found = []
+    for mark in marks.itertuples():
+        stack, tracks, _ = views[mark.view].args
+        row, own = int(rows[mark.frame]), tracks[points.index(mark.point)]
+        off = stack.picture_of(own.found.place[row], row) - [mark.u, mark.v]
+        signs = dict(zip(SIGNS, own.signs.columns()[row], strict=True))
+        found.append({
+            "ok": np.hypot(*off) <= px, "off_u": off[0], "off_v": off[1], **signs,
+            "sd_px": own.found.sd[row] * stack.spacing / stack.scale, "extent": stack.extent_px,
+        })  # fmt: skip
+    return pd.DataFrame(found)
+
+
+def learn(cells: pd.DataFrame) -> tuple[np.ndarray, float]:
+    """Return the weight of every sign, and the offset."""
+    x, ok = cells[list(SIGNS)].to_numpy(float), cells["ok"].to_numpy(bool)
+    weight = CELL_WEIGHT / cells.groupby(["clip", "clicks"])["ok"].transform("size").to_numpy()
+    middle = np.average(x, axis=0, weights=weight)
+    spread = np.sqrt(np.average((x - middle) ** 2, axis=0, weights=weight)) + 1e-9
+    z = np.column_stack([np.ones(len(x)), (x - middle) / spread])
+
+    def cost(w: np.ndarray) -> tuple[float, np.ndarray]:
+        odds = z @ w
+        off = weight * (expit(odds) - ok)
+        loss = weight @ np.logaddexp(0, np.where(ok, -odds, odds)) + 0.5 * w[1:] @ w[1:]
+        return float(loss), z.T @ off + np.concatenate([[0.0], w[1:]])
+
+    bounds = [(None, None), *[(0, None) if s > 0 else (None, 0) for s in SIGNS.values()]]
+    w = minimize(cost, np.zeros(z.shape[1]), jac=True, bounds=bounds).x
+    weights = w[1:] / spread
+    return weights, float(w[0] - weights @ middle)
+
+
+def report(labels: pd.DataFrame) -> None:
+    """Print how every clip is judged by weights learnt from the others, and the weights."""
+    chance = np.empty(len(labels))
+    for clip in labels["clip"].unique():
+        own = (labels["clip"] == clip).to_numpy()
+        weights, offset = learn(labels[~own])
+        chance[own] = expit(labels.loc[own, list(SIGNS)].to_numpy(float) @ weights + offset)
+    labels = labels.assign(chance=chance)
+    rows = [judge(clip, n, own) for (clip, n), own in labels.groupby(["clip", "clicks"])]
+    print(markdown(pd.DataFrame(rows)))
+    right = sum(row["verdict"] == row["deserved"] for row in rows)
+    auroc = real.auroc(-chance, ~labels["ok"].to_numpy(bool))
+    print(f"\nverdicts right: {right} of {len(rows)}; AUROC of all marks together: {auroc:.2f}")
+    weights, offset = learn(labels)
+    print("weights:", dict(zip(SIGNS, weights.round(2).tolist(), strict=True)))
+    print(f"offset: {offset:.2f}, from {len(labels)} marks of {len(rows)} runs")
+
+
+def judge(clip: str, n: int, own: pd.DataFrame) -> dict[str, str]:
+    """Return a row of the table: a clip tracked from n clicked frames."""
+    ok, chance = own["ok"].to_numpy(bool), own["chance"].to_numpy()
+    sd = standard_deviation(own["sd_px"].to_numpy(), chance, own["extent"].to_numpy())
+    inside = np.abs(own[["off_u", "off_v"]].to_numpy()) <= 1.96 * sd[:, None]
+    return {
+        "clip": clip, "clicked frames": str(n), "marks": str(len(own)),
+        "right %": percent(ok), "expected %": f"{100 * chance.mean():.0f}",
+        "verdict": verdict(float(chance.mean())), "deserved": verdict(float(ok.mean())),
+        "AUROC": number(real.auroc(-chance, ~ok), 2),
+        "unsure of wrong %": percent(chance[~ok] < SEEN), "of right %": percent(chance[ok] < SEEN),
+        "inside 95 % interval %": percent(inside),
+    }  # fmt: skip
+
+
+def verdict(share: float) -> str:
+    """Return the verdict that a share of right labels deserves."""
+    limits = QualityLimits()
+    return "good" if share >= limits.good else "look" if share >= limits.failed else "failed"
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,50 @@
+"""How the weights of signs are learnt, from labels that were drawn by known ones."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy.special import expit
+
+
+def drawn(motion_weight, broken_weight, offset, n=4000):
+    """Labels of two clips whose chance of being right follows from known weights."""
+    rng = np.random.default_rng(0)
+    motion, broken = rng.uniform(0, 3, n), rng.uniform(0, 5, n)
+    chance = expit(motion_weight * motion + broken_weight * broken + offset)
+    return pd.DataFrame({
+        "clip": ["a", "b"] * (n // 2), "clicks": 1, "ok": rng.random(n) < chance,
+        "motion": motion, "look": 0.0, "broken": broken, "left_out": 0.0,
+        "off_u": 0.0, "off_v": 0.0,
+        "sd_px": 1.0, "extent": 100.0,
+    })  # fmt: skip
+
+
+def test_weights_that_made_labels_are_found(monkeypatch):
+    import learn_calibration
+
+    monkeypatch.setattr(learn_calibration, "CELL_WEIGHT", 2000.0)
+    weights, offset = learn_calibration.learn(drawn(0.8, -0.5, 0.3))
+    np.testing.assert_allclose(weights, [0.8, 0.0, -0.5, 0.0], atol=0.12)
+    assert offset == pytest.approx(0.3, abs=0.25)
+
+
+def test_a_sign_never_counts_against_its_meaning():
+    import learn_calibration
+
+    weights, _ = learn_calibration.learn(drawn(-0.8, -0.5, 0.3))
+    assert weights[0] == pytest.approx(0, abs=1e-9)
+    assert weights[2] < -0.3
+
+
+def test_a_clip_is_judged_by_weights_of_the_others(capsys):
+    """In one clip labels that flow reaches are right, in the other wrong."""
+    import learn_calibration
+
+    labels = drawn(0.0, 0.0, 0.0)
+    labels["ok"] = (labels["motion"] > 1.5) == (labels["clip"] == "a")
+    learn_calibration.report(labels)
+    shown = capsys.readouterr().out.splitlines()
+    auroc = [row.split("|")[8].strip() for row in shown[2:4]]
+    # "b" teaches that motion says nothing, "a" that it says all: of "b" it says the opposite
+    assert float(auroc[0]) == pytest.approx(0.5, abs=0.1)
+    assert float(auroc[1]) == pytest.approx(0.0, abs=0.01)
