@@ -156,6 +156,41 @@ class AssociationParameters:
 
 
 @dataclass(frozen=True)
+class IdentityParameters:
+    """Names of tracklets, decided jointly over the whole recording.
+
+    Parameters
+    ----------
+    least : float
+        How likely any point must be at a place that is a candidate.
+    apart : float
+        Candidates of one frame are so far from each other, in radii.
+    coasting : int
+        Rows for which flow carries a tracklet on that is not seen.
+    alike : float
+        Correlation of the errors of appearance within a tracklet: however long it is, it is
+        worth at most the inverse of this in frames.
+    lost : float
+        What it costs to leave or to enter a tracklet without any continuity (natural logarithm).
+    hidden : float
+        What each row costs in which a point is in no tracklet.
+    gain : float
+        Ratio of likelihoods at the place that was decided on.
+    closed : float
+        How far that place is closed to others.
+    """
+
+    least: float = 0.15
+    apart: float = 1.5
+    coasting: int = 3
+    alike: float = 0.5
+    lost: float = 4.0
+    hidden: float = 0.1
+    gain: float = 20.0
+    closed: float = 0.95
+
+
+@dataclass(frozen=True)
 class OfflineParameters:
     """Parameters of all stages."""
 
@@ -163,3 +198,4 @@ class OfflineParameters:
     motion: MotionParameters = field(default_factory=MotionParameters)
     appearance: AppearanceParameters = field(default_factory=AppearanceParameters)
     association: AssociationParameters = field(default_factory=AssociationParameters)
+    identity: IdentityParameters = field(default_factory=IdentityParameters)

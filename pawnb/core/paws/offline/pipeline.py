@@ -119,11 +119,14 @@ def run_pipeline(
         evidence = [
             ViewEvidence(
                 v.stack, v.name, v.size, v.annotations,
-                {p: m[p] * look[p] ** weighing.trust for p in m}, prior,
+                {p: m[p] * look[p] ** weighing.trust for p in m}, prior, look, m,
             )
             for v, m, look, prior in zip(views, motion, looks, priors, strict=True)
         ]  # fmt: skip
-        posteriors = associate(evidence, radius=radius, parameters=parameters.association, rig=rig)
+        posteriors = associate(
+            evidence, radius=radius, parameters=parameters.association, rig=rig,
+            identity=parameters.identity,
+        )  # fmt: skip
         estimates = [{p: estimate(q.mass, radius) for p, q in own.items()} for own in posteriors]
         if round_ + 1 < parameters.appearance.rounds:
             lessons = [
