@@ -74,6 +74,37 @@ class MotionParameters:
 
 
 @dataclass(frozen=True)
+class CorrelationParameters:
+    """Patches about the clicks that are found again.
+
+    Parameters
+    ----------
+    patch_radii : float
+        Half the side of a patch, in radii (CSRT takes as much about a box of two paws).
+    turns_deg : tuple of float
+        Turns of a patch that are tried beside the body's own.
+    reach : float
+        How far from its clicks a point is looked for, in extents.
+    peaks : int
+        Places that are taken from each picture, at most.
+    sure : float
+        Share of the highest trust from which flow says where a point is.
+    gain : float
+        Highest ratio of likelihoods.
+    sd : float
+        Standard deviation of a place, in places of the grid.
+    """
+
+    patch_radii: float = 1.5
+    turns_deg: tuple[float, ...] = (-15.0, 0.0, 15.0)
+    reach: float = 0.5
+    peaks: int = 3
+    sure: float = 0.7
+    gain: float = 6.0
+    sd: float = 1.3
+
+
+@dataclass(frozen=True)
 class AppearanceParameters:
     """A classifier that is learnt in the recording itself.
 
@@ -196,6 +227,7 @@ class OfflineParameters:
 
     scene: SceneParameters = field(default_factory=SceneParameters)
     motion: MotionParameters = field(default_factory=MotionParameters)
+    correlation: CorrelationParameters = field(default_factory=CorrelationParameters)
     appearance: AppearanceParameters = field(default_factory=AppearanceParameters)
     association: AssociationParameters = field(default_factory=AssociationParameters)
     identity: IdentityParameters = field(default_factory=IdentityParameters)

@@ -9,6 +9,7 @@ solved by linear programming. What its solution leaves open is left open.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -105,7 +106,7 @@ def _graph(
     arcs: list[tuple[int, int, float, int]] = [
         (2 * i, 2 * i + 1, 0.0, i) for i in range(len(tracklets))
     ]
-    for before, after in zip(rows[:-1], rows[1:], strict=True):
+    for before, after in itertools.pairwise(rows):
         hidden = parameters.hidden * float(after - before)
         arcs.append((at_row[int(before)], at_row[int(after)], hidden, -1))
     for i in range(len(tracklets)):

@@ -34,9 +34,9 @@ def tell_apart(
 ) -> tuple[list[Tracklet], np.ndarray]:
     """Return tracklets of a view and the number of the point that each is, or -1."""
     points = sorted(masses)
-    n, h, w = stack.shape
+    n = stack.shape[0]
     side = int(1.8 * radius) | 1
-    y0 = _clicked_places(stack, annotations, points)
+    placed = _clicked_places(stack, annotations, points)
 
     def own(point: int, t: int) -> np.ndarray:
         return looks[point][t] / (1 + looks[point][t])
@@ -46,7 +46,7 @@ def tell_apart(
         for p in points:
             score = np.maximum(score, cv2.blur(masses[p][t], (side, side)) * side**2)
         return find_candidates(
-            score, sure=[place for _, place in y0.get(t, [])], most=2 * len(points) + 2,
+            score, sure=[place for _, place in placed.get(t, [])], most=2 * len(points) + 2,
             radius=radius, parameters=parameters,
         )  # fmt: skip
 
@@ -55,12 +55,12 @@ def tell_apart(
     tracklets = [
         one
         for one in link(found, stack.forward, stack.backward, radius=radius, parameters=parameters)
-        if len(one.places) > 1 or one.begin in y0
+        if len(one.places) > 1 or one.begin in placed
     ]
     clicked = {}
     for i, one in enumerate(tracklets):
-        for t in set(one.rows.tolist()) & set(y0):
-            for point, place in y0[t]:
+        for t in set(one.rows.tolist()) & set(placed):
+            for point, place in placed[t]:
                 if np.linalg.norm(one.places[t - one.begin] - place) < 1e-6:
                     clicked[i] = points.index(point)
     gains = np.stack(
