@@ -74,6 +74,37 @@ class MotionParameters:
 
 
 @dataclass(frozen=True)
+class CorrelationParameters:
+    """Patches about the clicks that are found again.
+
+    Parameters
+    ----------
+    patch_radii : float
+        Half the side of a patch, in radii (CSRT takes as much about a box of two paws).
+    turns_deg : tuple of float
+        Turns of a patch that are tried beside the body's own.
+    reach : float
+        How far from its clicks a point is looked for, in extents.
+    peaks : int
+        Places that are taken from each picture, at most.
+    sure : float
+        Share of the highest trust from which flow says where a point is.
+    gain : float
+        Highest ratio of likelihoods.
+    sd : float
+        Standard deviation of a place, in places of the grid.
+    """
+
+    patch_radii: float = 1.5
+    turns_deg: tuple[float, ...] = (-15.0, 0.0, 15.0)
+    reach: float = 0.5
+    peaks: int = 3
+    sure: float = 0.7
+    gain: float = 6.0
+    sd: float = 1.3
+
+
+@dataclass(frozen=True)
 class AppearanceParameters:
     """A classifier that is learnt in the recording itself.
 
@@ -156,10 +187,47 @@ class AssociationParameters:
 
 
 @dataclass(frozen=True)
+class IdentityParameters:
+    """Names of tracklets, decided jointly over the whole recording.
+
+    Parameters
+    ----------
+    least : float
+        How likely any point must be at a place that is a candidate.
+    apart : float
+        Candidates of one frame are so far from each other, in radii.
+    coasting : int
+        Rows for which flow carries a tracklet on that is not seen.
+    alike : float
+        Correlation of the errors of appearance within a tracklet: however long it is, it is
+        worth at most the inverse of this in frames.
+    lost : float
+        What it costs to leave or to enter a tracklet without any continuity (natural logarithm).
+    hidden : float
+        What each row costs in which a point is in no tracklet.
+    gain : float
+        Ratio of likelihoods at the place that was decided on.
+    closed : float
+        How far that place is closed to others.
+    """
+
+    least: float = 0.15
+    apart: float = 1.5
+    coasting: int = 3
+    alike: float = 0.5
+    lost: float = 4.0
+    hidden: float = 0.1
+    gain: float = 20.0
+    closed: float = 0.95
+
+
+@dataclass(frozen=True)
 class OfflineParameters:
     """Parameters of all stages."""
 
     scene: SceneParameters = field(default_factory=SceneParameters)
     motion: MotionParameters = field(default_factory=MotionParameters)
+    correlation: CorrelationParameters = field(default_factory=CorrelationParameters)
     appearance: AppearanceParameters = field(default_factory=AppearanceParameters)
     association: AssociationParameters = field(default_factory=AssociationParameters)
+    identity: IdentityParameters = field(default_factory=IdentityParameters)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.core.paws.offline.agreement import trust_by_agreement
 from pawnb.core.paws.offline.association.associate import ViewEvidence, associate
 from pawnb.core.paws.offline.association.estimates import Estimates, estimate
 from pawnb.core.paws.offline.association.positional_prior import (
@@ -20,6 +21,7 @@ from pawnb.core.paws.offline.detection.appearance import (
     clicked_lessons,
     learn_appearance,
 )
+from pawnb.core.paws.offline.detection.correlation import detect_by_correlation
 from pawnb.core.paws.offline.detection.evidence import paint
 from pawnb.core.paws.offline.detection.motion import detect_by_motion
 from pawnb.core.paws.offline.learning import agreed_lessons
@@ -129,6 +131,7 @@ def run_pipeline(
         prior_from_clicks(v.stack, v.annotations, radius=radius, parameters=parameters)
         for v in views
     ]
+    others = motion
     estimates: list[dict[int, Estimates]] = []
     for round_ in range(parameters.appearance.rounds):
         looks = [
@@ -138,13 +141,20 @@ def run_pipeline(
         evidence = [
             ViewEvidence(
                 v.stack, v.name, v.size, v.annotations,
-                {p: m[p] * look[p] ** weighing.trust for p in m}, prior,
+                {p: m[p] * look[p] ** weighing.trust for p in m}, prior, look, m,
             )
-            for v, m, look, prior in zip(views, motion, looks, priors, strict=True)
+            for v, m, look, prior in zip(views, others, looks, priors, strict=True)
         ]  # fmt: skip
-        posteriors = associate(evidence, radius=radius, parameters=parameters.association, rig=rig)
+        posteriors = associate(
+            evidence, radius=radius, parameters=parameters.association, rig=rig,
+            identity=parameters.identity,
+        )  # fmt: skip
         estimates = [{p: estimate(q.mass, radius) for p, q in own.items()} for own in posteriors]
         if round_ + 1 < parameters.appearance.rounds:
+            others = [
+                _with_correlation(view, m, e, parameters)
+                for view, m, e in zip(views, motion, estimates, strict=True)
+            ]
             lessons = [
                 clicked_lessons(v.stack, v.annotations)
                 | agreed_lessons(
@@ -191,6 +201,22 @@ def _motion(view: ViewInput, parameters: OfflineParameters) -> dict[int, np.ndar
         for more in found[1:]:
             ratios[point] *= paint(more, view.stack, point)
     return ratios
+
+
+def _with_correlation(
+    view: ViewInput,
+    ratios: Mapping[int, np.ndarray],
+    estimates: Mapping[int, Estimates],
+    parameters: OfflineParameters,
+) -> dict[int, np.ndarray]:
+    """Return ratios with those by correlation, as far as it agrees with what others have found."""
+    radius_px = parameters.appearance.radius
+    found = detect_by_correlation(
+        view.stack, view.annotations, parameters.correlation, radius_px=radius_px,
+        followed=detect_by_motion(view.stack, view.annotations, parameters.motion),
+    )  # fmt: skip
+    found = trust_by_agreement(found, view.stack, estimates, radius_px / view.stack.spacing)
+    return {point: own * paint(found, view.stack, point) for point, own in ratios.items()}
 
 
 def _appearance(

@@ -239,6 +239,7 @@ def _said(view: ViewInput) -> str:
     body = view.stack.body
     how = {
         "stays": "the animal stays in place",
+        "follows": "it follows the animal",
         "travels": "it follows the animal",
         "turns": "it follows the animal and turns with it",
     }[body.kind]

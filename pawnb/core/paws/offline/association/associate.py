@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -15,8 +15,9 @@ from pawnb.core.paws.offline.association.forward_backward import (
     Posterior,
     smooth_posterior,
 )
+from pawnb.core.paws.offline.association.joint import paint_names, tell_apart
 from pawnb.core.paws.offline.detection.evidence import bump_at
-from pawnb.core.paws.offline.parameters import AssociationParameters
+from pawnb.core.paws.offline.parameters import AssociationParameters, IdentityParameters
 from pawnb.core.paws.offline.scene.stack import BodyStack
 from pawnb.core.rig import Rig
 
@@ -42,6 +43,9 @@ class ViewEvidence:
         Point to ratios of likelihoods (n, h, w) of all kinds together.
     prior : mapping
         Point to the probability of places without evidence (h, w).
+    looks, others : mapping, optional
+        Point to ratios of likelihoods (n, h, w) by appearance, and by all other kinds; with
+        them names are decided over whole tracklets.
     """
 
     stack: BodyStack
@@ -50,6 +54,8 @@ class ViewEvidence:
     annotations: Annotations
     likelihood: Mapping[int, np.ndarray]
     prior: Mapping[int, np.ndarray]
+    looks: Mapping[int, np.ndarray] = field(default_factory=dict)
+    others: Mapping[int, np.ndarray] = field(default_factory=dict)
 
 
 def associate(
@@ -58,6 +64,7 @@ def associate(
     radius: float,
     parameters: AssociationParameters,
     rig: Rig | None = None,
+    identity: IdentityParameters | None = None,
 ) -> list[dict[int, Posterior]]:
     """Return the probability of every place for every point and frame, view by view.
 
@@ -71,6 +78,8 @@ def associate(
         The stage's parameters.
     rig : Rig, optional
         Without it every view is by itself.
+    identity : IdentityParameters, optional
+        With it the last iteration has names decided jointly over whole tracklets.
 
     Returns
     -------
@@ -85,15 +94,15 @@ def associate(
         if iteration == parameters.iterations - 1:
             break
         masses = [{point: p.mass for point, p in own.items()} for own in posteriors]
-        factors = [open_to_each(own, radius, parameters.exclusive) for own in masses]
-        if rig is not None and len(views) > 1:
-            support = epipolar_support(
-                masses, [v.stack for v in views], names=[v.name for v in views], rig=rig,
-                radius=radius, sizes=[v.size for v in views],
-            )  # fmt: skip
-            for factor, more in zip(factors, support, strict=True):
-                for point, values in more.items():
-                    factor[point] = factor[point] * values
+        support = _support(views, masses, radius, rig)
+        last = iteration == parameters.iterations - 2
+        factors = []
+        for view, own, more in zip(views, masses, support, strict=True):
+            if identity is not None and last and len(own) > 1:
+                factor = _told_apart(view, own, more, radius=radius, parameters=identity)
+            else:
+                factor = open_to_each(own, radius, parameters.exclusive)
+            factors.append({p: f * more[p] if p in more else f for p, f in factor.items()})
     return posteriors
 
 
@@ -120,3 +129,38 @@ def _solve(
 
     with ThreadPoolExecutor() as pool:
         return dict(zip(points, pool.map(one, points), strict=True))
+
+
+def _support(
+    views: Sequence[ViewEvidence],
+    masses: Sequence[Mapping[int, np.ndarray]],
+    radius: float,
+    rig: Rig | None,
+) -> list[dict[int, np.ndarray]]:
+    """Return what calibrated views say of each other; nothing of one view."""
+    if rig is None or len(views) < 2:
+        return [{} for _ in views]
+    return epipolar_support(
+        masses, [v.stack for v in views], names=[v.name for v in views], rig=rig,
+        radius=radius, sizes=[v.size for v in views],
+    )  # fmt: skip
+
+
+def _told_apart(
+    view: ViewEvidence,
+    masses: Mapping[int, np.ndarray],
+    support: Mapping[int, np.ndarray],
+    *,
+    radius: float,
+    parameters: IdentityParameters,
+) -> dict[int, np.ndarray]:
+    """Return factors by which every tracklet is one point's alone."""
+    tracklets, names = tell_apart(
+        view.stack, view.annotations, masses=masses, looks=view.looks,
+        others={p: m * support[p] if p in support else m for p, m in view.others.items()},
+        prior=view.prior, radius=radius, parameters=parameters,
+    )  # fmt: skip
+    return paint_names(
+        view.stack.shape, tracklets, names,
+        points=sorted(masses), radius=radius, parameters=parameters,
+    )  # fmt: skip

@@ -10,6 +10,7 @@ import numpy as np
 
 from pawnb.core.paws.offline.parameters import SceneParameters
 from pawnb.core.paws.offline.scene.camera_motion import find_camera_motion
+from pawnb.core.paws.offline.scene.following import follow_animal
 from pawnb.core.paws.offline.scene.foreground import Blob, find_blob
 
 _SIDE = 48
@@ -17,6 +18,10 @@ _SIDE = 48
 _STEP, _TURN_RAD = 0.03, np.radians(3.0)
 """The frame is held until the animal has moved so many extents, or turned so far: while it rests,
 its pictures are exactly those of the video and flow does not drift."""
+
+_AWAY, _ALIKE = 0.25, 0.05
+"""Extents by which an animal gets away from where it was, farther than a point is wont to be from
+its click; then a frame that follows may be so much less alike than one that stays."""
 
 
 @dataclass(frozen=True)
@@ -29,8 +34,9 @@ class BodyFrame:
         A place that goes with the body, px of the view.
     angle : ndarray, shape (n,)
         How far the body is turned, rad.
-    kind : {"stays", "travels", "turns"}
-        Whether the frame stays where it is, goes with the animal, or turns with it, too.
+    kind : {"stays", "follows", "travels", "turns"}
+        Whether the frame stays where it is, goes with the animal (by what moves, or by its blob),
+        or turns with it, too.
     pans : bool
         Whether the camera moves.
     """
@@ -56,10 +62,11 @@ def find_body_frame(
 ) -> BodyFrame:
     """Find the body's frame from small pictures of the whole view.
 
-    Three frames are tried: one that stays, one that follows the centroid of the foreground
-    blob, and one that turns with its longer axis as well. The one in which the foreground
-    about the clicks looks most like that of the clicked frames is taken; the simpler one
-    where there is little between them.
+    Four frames are tried: one that stays, one that follows the median motion of features that
+    move, one that follows the centroid of the foreground blob, and one that turns with its longer
+    axis as well. The one in which the foreground about the clicks looks most like that of the
+    clicked frames is taken; the simpler one where there is little between them, but the second
+    where the animal gets away from its clicks.
 
     Parameters
     ----------
@@ -82,11 +89,18 @@ def find_body_frame(
     n = len(pictures)
     camera = find_camera_motion(pictures)
     blob = find_blob(pictures, camera, clicks=clicks, extent=extent)
-    tried = {"stays": (np.zeros((n, 2)), np.zeros(n)), **_moving(blob)}
+    first = min(clicks)
+    way = follow_animal(
+        pictures, camera, begin=first, centre=clicks[first].mean(axis=0), extent=extent
+    )
+    tried = {
+        "stays": (np.zeros((n, 2)), np.zeros(n)), "follows": (way, np.zeros(n)), **_moving(blob),
+    }  # fmt: skip
     alike = {
         kind: _alikeness(blob.difference, clicks, extent, *frame) for kind, frame in tried.items()
     }
-    best = "stays"
+    away = float(np.ptp(way, axis=0).max()) > _AWAY * extent
+    best = "follows" if away and alike["follows"] > alike["stays"] - _ALIKE else "stays"
     for kind in ("travels", "turns"):
         if kind in alike and alike[kind] > alike[best] + parameters.better:
             best = kind

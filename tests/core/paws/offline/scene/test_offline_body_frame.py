@@ -1,4 +1,4 @@
-"""Whether the body's frame stays, travels or turns, and where it is."""
+"""Whether the body's frame stays, follows, travels or turns, and where it is."""
 
 from __future__ import annotations
 
@@ -33,14 +33,14 @@ def test_an_animal_that_runs_on_the_spot_stays(film_animal):
     assert not found.angle.any()
 
 
-def test_an_animal_that_crosses_the_picture_travels(film_animal):
+def test_an_animal_that_crosses_the_picture_is_followed(film_animal):
     centre = np.stack([35 + 150 * T, np.full(N, 60.0)], axis=-1)
     angle = np.zeros(N)
     pictures = film_animal(centre, angle, size=(220, 120))
     found = find(pictures, centre, angle)
-    assert found.kind == "travels"
+    assert found.kind == "follows"
     assert not found.angle.any()
-    np.testing.assert_allclose(found.centre, centre, atol=STEP + 2.5)
+    np.testing.assert_allclose(found.centre, centre, atol=0.1 * EXTENT)  # of a way of 3 extents
     # of small pictures of half the size: px of the view are twice as many
     np.testing.assert_allclose(find(pictures, centre, angle, scale=0.5).centre, 2 * found.centre)
 
@@ -62,13 +62,13 @@ def test_while_it_rests_the_frame_is_held(film_animal):
     going = np.concatenate([np.arange(19), np.full(12, 19), np.arange(19, 38)]) / 37
     centre = np.stack([35 + 200 * going, np.full(N, 60.0)], axis=-1)
     found = find(film_animal(centre, np.zeros(N), size=(270, 120)), centre, np.zeros(N), row=10)
-    assert found.kind == "travels"
+    assert found.kind == "follows"
     assert (found.centre[23:28] == found.centre[23]).all()
     np.testing.assert_allclose(found.centre[25], centre[25], atol=STEP + 2.5)
     assert len(np.unique(found.centre[:18], axis=0)) > 12
 
 
-@pytest.mark.parametrize(("speed", "kind"), [(0.0, "stays"), (2.5, "travels")])
+@pytest.mark.parametrize(("speed", "kind"), [(0.0, "stays"), (2.5, "follows")])
 def test_before_a_panning_camera_the_frame_follows_the_animal_in_the_picture(
     film_animal, speed, kind
 ):
@@ -81,7 +81,7 @@ def test_before_a_panning_camera_the_frame_follows_the_animal_in_the_picture(
     found = find_body_frame(pictures, clicks, 30.0, scale=1.0, parameters=SceneParameters())
     assert found.pans
     assert found.kind == kind
-    if kind == "travels":
+    if kind == "follows":
         np.testing.assert_allclose(found.centre, centre, atol=STEP + 4)
 
 

@@ -62,7 +62,7 @@ def path(kind):
     """Centre and angle of an animal."""
     if kind == "stays":
         return np.tile([90.0, 70.0], (N, 1)) + np.outer(np.sin(30 * T), [3, 1]), np.zeros(N)
-    if kind == "travels":
+    if kind == "follows":
         return np.stack([35 + 110 * T, np.full(N, 70.0)], axis=-1), np.zeros(N)
     angle = np.pi * T
     return np.stack([90 + 45 * np.sin(angle), 75 - 35 * np.cos(angle)], axis=-1), angle
@@ -99,7 +99,7 @@ def clicks(centre, angle, row=20):
 
 
 @pytest.mark.parametrize("colour", [False, True])
-@pytest.mark.parametrize("kind", ["stays", "travels", "turns"])
+@pytest.mark.parametrize("kind", ["stays", "follows", "turns"])
 def test_a_dot_of_the_view_is_at_its_place_in_the_stack(film_animal, array_views, kind, colour):
     centre, angle = path(kind)
     pictures = film_animal(centre, angle, size=(180, 150), axes=AXES)

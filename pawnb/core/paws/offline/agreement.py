@@ -1,0 +1,56 @@
+"""How far a kind of evidence is trusted, by how often it agrees with what the others say."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+
+import numpy as np
+
+from pawnb.core.paws.offline.association.estimates import Estimates
+from pawnb.core.paws.offline.detection.evidence import Detections
+from pawnb.core.paws.offline.scene.stack import BodyStack
+
+_PSEUDO = 4.0
+"""Rows in which nothing agreed, before any is looked at."""
+
+
+def trust_by_agreement(
+    found: Detections, stack: BodyStack, estimates: Mapping[int, Estimates], radius: float
+) -> Detections:
+    """Scale detections of a kind by how often its best place is that of all other kinds.
+
+    A kind that finds a point where clicks, flow and appearance find it, forwards and backwards in
+    time, is believed elsewhere; one that is mostly alone is not. The other kinds must not have
+    heard of it.
+
+    Parameters
+    ----------
+    found : Detections
+        Of the kind.
+    stack : BodyStack
+        The view.
+    estimates : mapping
+        Point to where the other kinds put it.
+    radius : float
+        About half a paw, in places.
+
+    Returns
+    -------
+    Detections
+        The ratios of likelihoods of each point, beyond 1, times the share of rows that agree.
+    """
+    log_odds = found.log_odds.copy()
+    for point, estimate in estimates.items():
+        own = np.flatnonzero(found.point == point)
+        if not len(own):
+            continue
+        order = own[np.lexsort((-found.log_odds[own], found.row[own]))]
+        best = order[np.unique(found.row[order], return_index=True)[1]]
+        off = [
+            np.linalg.norm(stack.grid_of(found.uv[i], found.row[i]) - estimate.place[found.row[i]])
+            for i in best
+        ]
+        share = float(np.sum(np.array(off) < radius)) / (len(best) + _PSEUDO)
+        log_odds[own] += np.log(max(share, 1e-6))
+    return dataclasses.replace(found, log_odds=log_odds)

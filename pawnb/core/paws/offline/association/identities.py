@@ -1,0 +1,207 @@
+"""Which tracklet is which point, decided for all points and the whole recording at once.
+
+Every point takes a path through tracklets. A tracklet belongs to one point at most; a path pays
+for what appearance, motion from clicks and positional prior say against the name, for changes of
+velocity from one tracklet to the next, and for every row in which the point is hidden. All paths
+together are the cheapest ones: a multi-commodity flow (Zhang, Li & Nevatia 2008 for one commodity),
+solved by linear programming. What its solution leaves open is left open.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import linprog
+from scipy.sparse import coo_array
+
+from pawnb.core.paws.offline.association.tracklets import Tracklet
+from pawnb.core.paws.offline.parameters import IdentityParameters
+
+_CLICK = 100.0
+"""What a tracklet through a click is worth to the point that was clicked."""
+_START_RADII, _STEP_RADII, _DRIFT_RADII = 1.0, 0.2, 0.05
+"""Standard deviations, in radii: of where a tracklet goes on, as things that meet hide each other;
+of its velocity; of how far it strays from a constant velocity in each row, at least."""
+_DECIDED = 0.9
+"""Share of a point's path from which a tracklet is its own."""
+_LEAVING = 8
+"""Tracklets that are tried as the continuation of one."""
+_OVERLAP = 3
+"""Rows by which a tracklet may begin before the one that it continues has ended."""
+_AHEAD = 4
+"""Rows over which predictions at constant velocity are compared with what came."""
+
+
+@dataclass(frozen=True)
+class _Arcs:
+    """Arcs of the graph of one point: from one node to another at a cost."""
+
+    source: np.ndarray
+    target: np.ndarray
+    cost: np.ndarray
+    tracklet: np.ndarray
+    """The tracklet that is passed, or -1."""
+
+
+def decide(
+    tracklets: Sequence[Tracklet],
+    gains: np.ndarray,
+    clicked: Mapping[int, int],
+    *,
+    n: int,
+    radius: float,
+    parameters: IdentityParameters,
+) -> np.ndarray:
+    """Give tracklets to points.
+
+    Parameters
+    ----------
+    tracklets : sequence of Tracklet
+        N of them.
+    gains : ndarray, shape (N, P)
+        Log-likelihood of each being each point, beside its being none.
+    clicked : mapping
+        Tracklet to the point (column of ``gains``) that was clicked in it.
+    n : int
+        Number of rows.
+    radius : float
+        About half a paw, in places.
+    parameters : IdentityParameters
+        The stage's parameters.
+
+    Returns
+    -------
+    ndarray of int, shape (N,)
+        The point, or -1.
+    """
+    n_tracklets, n_points = gains.shape
+    if not n_tracklets:
+        return np.empty(0, int)
+    gains = gains.copy()
+    for tracklet, point in clicked.items():
+        gains[tracklet] = -_CLICK
+        gains[tracklet, point] = _CLICK
+    arcs = _graph(tracklets, n, radius, parameters)
+    share = _solve(arcs, gains, n_points)
+    best = share.argmax(axis=1)
+    return np.where(share[np.arange(n_tracklets), best] >= _DECIDED, best, -1)
+
+
+def _graph(
+    tracklets: Sequence[Tracklet], n: int, radius: float, parameters: IdentityParameters
+) -> _Arcs:
+    """Return the arcs: through tracklets, between them, and beside them while hidden.
+
+    Nodes 2 i and 2 i + 1 are begin and end of tracklet i; after them comes a node for every row
+    in which a tracklet begins or has ended: the point is hidden there.
+    """
+    begins = np.array([one.begin for one in tracklets])
+    ends = np.array([one.end for one in tracklets])
+    rows = np.unique(np.concatenate([begins, ends + 1, [0, n]]))
+    first = 2 * len(tracklets)
+    at_row = {int(row): first + i for i, row in enumerate(rows)}
+    arcs: list[tuple[int, int, float, int]] = [
+        (2 * i, 2 * i + 1, 0.0, i) for i in range(len(tracklets))
+    ]
+    for before, after in itertools.pairwise(rows):
+        hidden = parameters.hidden * float(after - before)
+        arcs.append((at_row[int(before)], at_row[int(after)], hidden, -1))
+    for i in range(len(tracklets)):
+        enter = parameters.lost if begins[i] > 0 else 0.0
+        leave = parameters.lost if ends[i] < n - 1 else 0.0
+        arcs.append((at_row[int(begins[i])], 2 * i, enter, -1))
+        arcs.append((2 * i + 1, at_row[int(ends[i]) + 1], leave, -1))
+    arcs += _continuations(tracklets, begins, ends, radius, parameters)
+    source, target, cost, through = map(np.array, zip(*arcs, strict=True))
+    return _Arcs(source, target, cost, through)
+
+
+def _continuations(
+    tracklets: Sequence[Tracklet],
+    begins: np.ndarray,
+    ends: np.ndarray,
+    radius: float,
+    parameters: IdentityParameters,
+) -> list[tuple[int, int, float, int]]:
+    """Return arcs from tracklets to those that may continue them at their velocity."""
+    start = _START_RADII * radius
+    drift = max(_drift(tracklets), _DRIFT_RADII * radius)
+    turn = (_STEP_RADII * radius) ** 2 + drift**2
+    first = np.array([one.places[0] for one in tracklets])
+    first_step = np.array([one.first_step for one in tracklets])
+    arcs = []
+    for i, one in enumerate(tracklets):
+        # where things meet the one that goes on may be seen before the other has ended
+        later = np.flatnonzero(
+            (begins > ends[i] - _OVERLAP) & (begins > begins[i]) & (ends > ends[i])
+        )
+        last = np.minimum(ends[i], begins[later] - 1)
+        gap = (begins[later] - last)[:, None]
+        left = one.places[last - one.begin]
+        ahead = left + one.last_step * gap - first[later]
+        back = first[later] - first_step[later] * gap - left
+        square = ((ahead**2).sum(axis=1) + (back**2).sum(axis=1)) / 2
+        variance = start**2 + (drift * gap[:, 0]) ** 2
+        turned = ((one.last_step - first_step[later]) ** 2).sum(axis=1)
+        cost = square / (2 * variance) + np.log(variance / start**2)
+        cost += turned / (2 * turn * gap[:, 0]) + parameters.hidden * (gap[:, 0] - 1)
+        for j in np.argsort(cost, kind="stable")[:_LEAVING]:
+            if cost[j] < 2 * parameters.lost + parameters.hidden * gap[j, 0]:
+                arcs.append((2 * i + 1, 2 * int(later[j]), float(cost[j]), -1))
+    return arcs
+
+
+def _drift(tracklets: Sequence[Tracklet]) -> float:
+    """Return how far points stray from a constant velocity in a row, in places."""
+    missed = [
+        np.linalg.norm(
+            one.places[2 * _AHEAD :] - 2 * one.places[_AHEAD:-_AHEAD] + one.places[: -2 * _AHEAD],
+            axis=1,
+        )
+        for one in tracklets
+        if len(one.places) > 2 * _AHEAD
+    ]
+    return float(np.median(np.concatenate(missed))) / _AHEAD if missed else 0.0
+
+
+def _solve(arcs: _Arcs, gains: np.ndarray, n_points: int) -> np.ndarray:
+    """Return the share of each point's path that passes each tracklet, (N, P)."""
+    n_arcs, n_nodes = len(arcs.cost), int(arcs.target.max()) + 1
+    first = 2 * len(gains)
+    through = np.flatnonzero(arcs.tracklet >= 0)
+    cost = np.tile(arcs.cost, (n_points, 1))
+    cost[:, through] -= gains[arcs.tracklet[through]].T
+    arc = np.arange(n_arcs)
+    rows, columns, values, supply = [], [], [], np.zeros(n_points * n_nodes)
+    for point in range(n_points):
+        rows += [point * n_nodes + arcs.source, point * n_nodes + arcs.target]
+        columns += [point * n_arcs + arc] * 2
+        values += [np.ones(n_arcs), -np.ones(n_arcs)]
+        supply[point * n_nodes + first] = 1.0  # hidden before the first row, after the last one
+        supply[point * n_nodes + n_nodes - 1] = -1.0
+    flow = coo_array(
+        (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))),
+        shape=(n_points * n_nodes, n_points * n_arcs),
+    ).tocsr()
+    owners = coo_array(
+        (
+            np.ones(n_points * len(through)),
+            (
+                np.tile(arcs.tracklet[through], n_points),
+                (np.arange(n_points)[:, None] * n_arcs + through).ravel(),
+            ),
+        ),
+        shape=(len(gains), n_points * n_arcs),
+    ).tocsr()
+    found = linprog(
+        cost.ravel(), A_ub=owners, b_ub=np.ones(len(gains)), A_eq=flow, b_eq=supply,
+        bounds=(0, 1), method="highs",
+    )  # fmt: skip
+    if found.x is None:
+        return np.zeros((len(gains), n_points))
+    share = np.zeros((len(gains), n_points))
+    share[arcs.tracklet[through]] = found.x.reshape(n_points, n_arcs)[:, through].T
+    return share

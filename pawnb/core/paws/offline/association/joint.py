@@ -1,0 +1,145 @@
+"""Points of one view told apart over the whole recording, as factors of each one's likelihood."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+
+import cv2
+import numpy as np
+
+from pawnb.core.paws.offline.annotations import Annotations
+from pawnb.core.paws.offline.association.identities import decide
+from pawnb.core.paws.offline.association.tracklets import Tracklet, find_candidates, link
+from pawnb.core.paws.offline.detection.evidence import bump_at
+from pawnb.core.paws.offline.parameters import IdentityParameters
+from pawnb.core.paws.offline.scene.stack import BodyStack
+
+_UNSURE = 0.02
+"""Added to probabilities by appearance before names are compared."""
+_BUMP_SD = 1.3
+"""Standard deviation of a place that was decided on, in places."""
+
+
+def tell_apart(
+    stack: BodyStack,
+    annotations: Annotations,
+    *,
+    masses: Mapping[int, np.ndarray],
+    others: Mapping[int, np.ndarray],
+    looks: Mapping[int, np.ndarray],
+    prior: Mapping[int, np.ndarray],
+    radius: float,
+    parameters: IdentityParameters,
+) -> tuple[list[Tracklet], np.ndarray]:
+    """Return tracklets of a view and the number of the point that each is, or -1."""
+    points = sorted(masses)
+    n = stack.shape[0]
+    side = int(1.8 * radius) | 1
+    placed = _clicked_places(stack, annotations, points)
+
+    def own(point: int, t: int) -> np.ndarray:
+        return looks[point][t] / (1 + looks[point][t])
+
+    def candidates(t: int) -> np.ndarray:
+        score = np.minimum(np.sum([own(p, t) for p in points], axis=0), 1.0)
+        for p in points:
+            score = np.maximum(score, cv2.blur(masses[p][t], (side, side)) * side**2)
+        return find_candidates(
+            score, sure=[place for _, place in placed.get(t, [])], most=2 * len(points) + 2,
+            radius=radius, parameters=parameters,
+        )  # fmt: skip
+
+    with ThreadPoolExecutor() as pool:
+        found = list(pool.map(candidates, range(n)))
+    tracklets = [
+        one
+        for one in link(found, stack.forward, stack.backward, radius=radius, parameters=parameters)
+        if len(one.places) > 1 or one.begin in placed
+    ]
+    clicked = {}
+    for i, one in enumerate(tracklets):
+        for t in set(one.rows.tolist()) & set(placed):
+            for point, place in placed[t]:
+                if np.linalg.norm(one.places[t - one.begin] - place) < 1e-6:
+                    clicked[i] = points.index(point)
+    gains = np.stack(
+        [
+            _gains(one, points, others=others, looks=looks, prior=prior, parameters=parameters)
+            for one in tracklets
+        ]
+    )
+    names = decide(tracklets, gains, clicked, n=n, radius=radius, parameters=parameters)
+    return tracklets, np.array([points[k] if k >= 0 else -1 for k in names], int)
+
+
+def _clicked_places(
+    stack: BodyStack, annotations: Annotations, points: Sequence[int]
+) -> dict[int, list[tuple[int, np.ndarray]]]:
+    """Return row to the points clicked in it and their places."""
+    n = stack.shape[0]
+    return {
+        row: [(p, stack.grid_of(uv, row)) for p, uv in here.items() if p in points]
+        for row, here in annotations.places.items()
+        if 0 <= row < n
+    }
+
+
+def _gains(
+    one: Tracklet,
+    points: Sequence[int],
+    *,
+    others: Mapping[int, np.ndarray],
+    looks: Mapping[int, np.ndarray],
+    prior: Mapping[int, np.ndarray],
+    parameters: IdentityParameters,
+) -> np.ndarray:
+    """Return the log-likelihood of a tracklet being each of the points."""
+    h, w = prior[points[0]].shape
+    x = np.clip(np.rint(one.places[:, 0]).astype(int), 0, w - 1)
+    y = np.clip(np.rint(one.places[:, 1]).astype(int), 0, h - 1)
+    t = one.rows
+    look = np.stack([looks[p][t, y, x] for p in points], axis=1).astype(float)
+    share = look / (1 + look)
+    any_ = np.clip(share.sum(axis=1), 0.01, 0.99)
+    there = np.clip(np.log(any_ / (1 - any_)), -2, 2)
+    name = np.log(share + _UNSURE) - np.log((share + _UNSURE).mean(axis=1, keepdims=True))
+    motion = np.stack([others[p][t, y, x] for p in points], axis=1).astype(float)
+    wont = np.stack([prior[p][y, x] for p in points], axis=1).astype(float)
+    mean = wont.mean(axis=1, keepdims=True)
+    at_all = np.clip(np.log(mean[:, 0] * h * w), -2, 1)
+    log = (there + at_all)[:, None] + 0.5 * name + np.log(motion)
+    m = len(t)
+    gains = log.mean(axis=0) * m / (1 + (m - 1) * parameters.alike)
+    return np.asarray(gains + np.log(wont / mean).mean(axis=0))
+
+
+def paint_names(
+    shape: tuple[int, int, int],
+    tracklets: Sequence[Tracklet],
+    names: np.ndarray,
+    *,
+    points: Sequence[int],
+    radius: float,
+    parameters: IdentityParameters,
+) -> dict[int, np.ndarray]:
+    """Return how far every place is left to each point: what is decided is its own alone."""
+    factors = {p: np.ones(shape, np.float32) for p in points}
+    _, h, w = shape
+    reach = int(np.ceil(4 * _BUMP_SD + radius))
+    for one, name in zip(tracklets, names, strict=True):
+        if name < 0:
+            continue
+        for t, (cx, cy) in zip(one.rows, one.places, strict=True):
+            x0, x1 = max(0, int(cx) - reach), min(w, int(cx) + reach + 1)
+            y0, y1 = max(0, int(cy) - reach), min(h, int(cy) + reach + 1)
+            if x0 >= x1 or y0 >= y1:
+                continue
+            y, x = np.mgrid[y0:y1, x0:x1]
+            taken = (x - cx) ** 2 + (y - cy) ** 2 < (0.9 * radius) ** 2
+            closed = np.where(taken, 1 - parameters.closed, 1).astype(np.float32)
+            bump = bump_at(closed.shape, (cx - x0, cy - y0), _BUMP_SD)
+            for p in points:
+                part = factors[p][t, y0:y1, x0:x1]
+                part *= 1 + parameters.gain * bump if p == name else closed
+    return factors

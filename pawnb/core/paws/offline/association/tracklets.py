@@ -1,0 +1,218 @@
+"""Tracklets: places that may be a point, joined from frame to frame until they meet others."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from pawnb.core.paws.offline.parameters import IdentityParameters
+
+_VELOCITY_ROWS = 5
+"""Rows from which the velocity at either end is found."""
+
+
+@dataclass(frozen=True)
+class Tracklet:
+    """One thing in consecutive rows that may be any of the points.
+
+    Parameters
+    ----------
+    begin : int
+        Its first row.
+    places : ndarray, shape (m, 2)
+        Places of the grid (x, y) in rows ``begin`` to ``end``.
+    first_step, last_step : ndarray, shape (2,)
+        Velocity at its begin and at its end, in places per row.
+    """
+
+    begin: int
+    places: np.ndarray
+    first_step: np.ndarray
+    last_step: np.ndarray
+
+    @property
+    def end(self) -> int:
+        """Its last row."""
+        return self.begin + len(self.places) - 1
+
+    @property
+    def rows(self) -> np.ndarray:
+        """Its rows."""
+        return np.arange(self.begin, self.end + 1)
+
+
+def find_candidates(
+    score: np.ndarray,
+    *,
+    sure: Sequence[np.ndarray],
+    most: int,
+    radius: float,
+    parameters: IdentityParameters,
+) -> np.ndarray:
+    """Return the highest peaks of one frame.
+
+    Parameters
+    ----------
+    score : ndarray of float32, shape (h, w)
+        How likely any point is at a place, 0 to 1.
+    sure : sequence of ndarray (2,)
+        Clicked places; they come first, in order, however near to each other.
+    most : int
+        How many peaks at most.
+    radius : float
+        About half a paw, in places.
+    parameters : IdentityParameters
+        The stage's parameters.
+
+    Returns
+    -------
+    ndarray, shape (m, 2)
+        Places (x, y); peaks are ``apart`` radii from each other and from what is sure.
+    """
+    apart = parameters.apart * radius
+    left = cv2.GaussianBlur(score, (0, 0), 0.8)
+    h, w = left.shape
+    found = [np.asarray(place, float) for place in sure]
+
+    def close(place: np.ndarray) -> None:
+        x0, x1 = max(0, int(place[0] - apart)), min(w, int(place[0] + apart) + 2)
+        y0, y1 = max(0, int(place[1] - apart)), min(h, int(place[1] + apart) + 2)
+        y, x = np.ogrid[y0:y1, x0:x1]
+        part = left[y0:y1, x0:x1]
+        part[(x - place[0]) ** 2 + (y - place[1]) ** 2 < apart**2] = 0
+
+    for place in found:
+        close(place)
+    for _ in range(most):
+        top = int(left.argmax())
+        y, x = divmod(top, w)
+        if left[y, x] < parameters.least:
+            break
+        y0, y1, x0, x1 = max(0, y - 1), min(h, y + 2), max(0, x - 1), min(w, x + 2)
+        part = left[y0:y1, x0:x1] - left[y0:y1, x0:x1].min() + 1e-6
+        place = np.array(
+            [part.sum(axis=0) @ np.arange(x0, x1), part.sum(axis=1) @ np.arange(y0, y1)]
+        )
+        found.append(place / part.sum())
+        close(np.array([x, y], float))
+    return np.array(found).reshape(-1, 2)
+
+
+def link(
+    candidates: Sequence[np.ndarray],
+    forward: np.ndarray,
+    backward: np.ndarray,
+    *,
+    radius: float,
+    parameters: IdentityParameters,
+) -> list[Tracklet]:
+    """Join candidates of neighbouring frames where there is no choice.
+
+    Two that come so near to each other that either may be the other's continuation are both cut
+    there; one that is not seen for ``coasting`` rows, too.
+
+    Parameters
+    ----------
+    candidates : sequence of ndarray (m, 2)
+        For every row, places of the grid.
+    forward, backward : ndarray of float32, shape (n - 1, h, w, 2)
+        Optical flow, in places.
+    radius : float
+        About half a paw, in places.
+    parameters : IdentityParameters
+        The stage's parameters.
+
+    Returns
+    -------
+    list of Tracklet
+        In order of their first rows.
+    """
+    done: list[_Open] = []
+    active = [_Open(0, place) for place in candidates[0]]
+    for t in range(len(candidates) - 1):
+        new = candidates[t + 1]
+        pairs, fated = _match(active, new, forward[t], backward[t], radius)
+        matched, kept = set(), []
+        for i, one in enumerate(active):
+            if i in pairs:
+                one.go(new[pairs[i]], seen=True)
+                matched.add(pairs[i])
+                kept.append(one)
+            elif i in fated or one.unseen >= parameters.coasting:
+                done.append(one)
+            else:
+                one.go(one.places[-1] + _at(forward[t], one.places[-1]), seen=False)
+                kept.append(one)
+        kept += [_Open(t + 1, place) for j, place in enumerate(new) if j not in matched]
+        active = kept
+    done += active
+    found = [one.closed(forward) for one in done]
+    return sorted(found, key=lambda one: (one.begin, one.end))
+
+
+class _Open:
+    """A tracklet that is still going on."""
+
+    def __init__(self, begin: int, place: np.ndarray) -> None:
+        self.begin, self.places, self.unseen = begin, [np.asarray(place, float)], 0
+
+    def go(self, place: np.ndarray, *, seen: bool) -> None:
+        self.places.append(place)
+        self.unseen = 0 if seen else self.unseen + 1
+
+    def velocity(self) -> np.ndarray | None:
+        last = self.places[-_VELOCITY_ROWS:]
+        return None if len(last) < 3 else (last[-1] - last[0]) / (len(last) - 1)
+
+    def closed(self, forward: np.ndarray) -> Tracklet:
+        """Return it without what was not seen at its end."""
+        places = np.array(self.places[: len(self.places) - self.unseen])
+        ends = []
+        for some in (places[:_VELOCITY_ROWS], places[-_VELOCITY_ROWS:]):
+            ends.append((some[-1] - some[0]) / max(len(some) - 1, 1))
+        if len(places) == 1 and len(forward):
+            step = _at(forward[min(self.begin, len(forward) - 1)], places[0])
+            ends = [step, step]
+        return Tracklet(self.begin, places, ends[0], ends[1])
+
+
+def _match(
+    active: Sequence[_Open],
+    new: np.ndarray,
+    forward: np.ndarray,
+    backward: np.ndarray,
+    radius: float,
+) -> tuple[dict[int, int], set[int]]:
+    """Return which goes on as which without any doubt, and which have met another."""
+    if not len(active) or not len(new):
+        return {}, set()
+    here = np.array([one.places[-1] for one in active])
+    steps = np.array([_at(forward, place) for place in here])
+    back = new + np.array([_at(backward, place) for place in new])
+    away = np.linalg.norm((here + steps)[:, None] - new, axis=-1)
+    away = (away + np.linalg.norm(here[:, None] - back, axis=-1)) / 2
+    for i, one in enumerate(active):
+        step = one.velocity()
+        if step is not None:
+            away[i] = np.minimum(away[i], np.linalg.norm(here[i] + step - new, axis=-1))
+    pairs, fated = {}, set()
+    for i in range(len(active)):
+        j = int(away[i].argmin())
+        if away[i, j] > radius:
+            continue
+        rivals = np.concatenate([np.delete(away[i], j), np.delete(away[:, j], i)])
+        if len(rivals) and rivals.min() < away[i, j] + 0.75 * radius:
+            fated.add(i)
+        else:
+            pairs[i] = j
+    return pairs, fated
+
+
+def _at(flow: np.ndarray, place: np.ndarray) -> np.ndarray:
+    """Return the mean flow of 3 x 3 places about one."""
+    h, w = flow.shape[:2]
+    x, y = int(np.clip(round(place[0]), 0, w - 1)), int(np.clip(round(place[1]), 0, h - 1))
+    return np.asarray(flow[max(0, y - 1) : y + 2, max(0, x - 1) : x + 2].mean(axis=(0, 1)), float)

@@ -1,0 +1,224 @@
+r"""Evidence of correlation: patches about the clicks, turned a little, found again.
+
+Pictures are in the body's frame, so that patches turn and scale with the body; a few further
+turns are tried for the limb. A score, the normalised cross-correlation after Fisher's
+transformation, is compared with scores elsewhere in the same picture (mean 0, variance 1 there).
+Where flow from clicks is trusted the place is known: the scores there say how high those of the
+point itself are. A peak with the score s is the point, not chance or another peak, with
+
+.. math:: \pi = \frac{r(s)}{M + \sum_i r(s_i)}, \qquad r(s) = \frac{N(s; m, v)}{N(s; 0, 1)}
+
+of M places and turns that differ and peaks i. The ratio of likelihoods there is
+:math:`1 + \pi (G - 1)`: however clear, one that matches may be another leg of the same look.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from pawnb.core.paws.offline.annotations import Annotations
+from pawnb.core.paws.offline.detection.evidence import Detections
+from pawnb.core.paws.offline.parameters import CorrelationParameters
+from pawnb.core.paws.offline.scene.stack import BodyStack
+
+_SHRINK = 2
+"""Pictures and patches are made so much smaller."""
+_KNOWN_MEAN, _KNOWN_SD, _KNOWN_WORTH = 4.0, 1.5, 10.0
+"""Scores of the point itself before any is seen, and how many seen ones that is worth."""
+_LEAST_SHARE = 0.05
+"""Peaks that are the point with less probability carry nothing."""
+_HIGHEST = 0.98
+"""Correlations are not taken to be higher: a patch matches itself exactly."""
+
+
+@dataclass(frozen=True)
+class _Scores:
+    """Standardised scores (h, w) of a window; its first px in small pictures, its middle."""
+
+    values: np.ndarray
+    corner: np.ndarray
+    places: float
+    """How many of its places and turns differ."""
+
+
+def detect_by_correlation(
+    stack: BodyStack,
+    annotations: Annotations,
+    parameters: CorrelationParameters,
+    *,
+    radius_px: float,
+    followed: Detections,
+) -> Detections:
+    """Find patches about the clicks again.
+
+    Parameters
+    ----------
+    stack : BodyStack
+        The view.
+    annotations : Annotations
+        The clicks.
+    parameters : CorrelationParameters
+        The kind's parameters.
+    radius_px : float
+        About half a paw, working px.
+    followed : Detections
+        Places to which flow leads from clicks (:func:`.motion.detect_by_motion`): where their
+        log-odds are high, they say how high scores of the points themselves are.
+
+    Returns
+    -------
+    Detections
+        At most ``peaks`` for each point and row.
+    """
+    placed = annotations.moved(stack.to_body)
+    half = max(2, round(parameters.patch_radii * radius_px / _SHRINK))
+    known = _known_places(stack, followed, parameters)
+    small = [
+        cv2.resize(g, None, fx=1 / _SHRINK, fy=1 / _SHRINK, interpolation=cv2.INTER_AREA)
+        for g in stack.grey
+    ]
+    found = []
+    for point in annotations.points:
+        rows = annotations.rows_of(point)
+        xy = {row: (np.asarray(placed.places[row][point]) + 0.5) / _SHRINK - 0.5 for row in rows}
+        patches = {row: _patches(small[row], xy[row], half, parameters) for row in rows}
+        reach = parameters.reach * stack.extent_px * stack.scale / _SHRINK
+        low = np.min(list(xy.values()), axis=0) - reach
+        high = np.max(list(xy.values()), axis=0) + reach
+        found.append(_find_point(small, point, patches, (low, high), known, half, parameters))
+    table = np.concatenate(found) if found else np.empty((0, 5))
+    row = table[:, 0].astype(int)
+    place = stack.to_grid((table[:, 2:4] + 0.5) * _SHRINK - 0.5)
+    return Detections(
+        row=row,
+        point=table[:, 1].astype(int),
+        uv=stack.picture_of(place, row),
+        log_odds=table[:, 4],
+        sd_px=np.full(len(table), parameters.sd * stack.spacing / stack.scale),
+    )
+
+
+def _known_places(
+    stack: BodyStack, followed: Detections, parameters: CorrelationParameters
+) -> dict[tuple[int, int], np.ndarray]:
+    """Return (row, point) to where flow surely leads, px of small pictures."""
+    best = followed.log_odds.max(initial=-np.inf)
+    sure = np.flatnonzero(followed.log_odds > best + np.log(parameters.sure))
+    places = {}
+    for i in sure:
+        row = int(followed.row[i])
+        A = stack.to_body[row]
+        xy = A[:, :2] @ followed.uv[i] + A[:, 2]
+        places[row, int(followed.point[i])] = (xy + 0.5) / _SHRINK - 0.5
+    return places
+
+
+def _patches(
+    picture: np.ndarray, xy: np.ndarray, half: int, parameters: CorrelationParameters
+) -> list[np.ndarray]:
+    """Return the patch about a place, turned by some angles."""
+    side = 2 * half + 1
+    patches = []
+    for degrees in parameters.turns_deg:
+        turn = cv2.getRotationMatrix2D((float(xy[0]), float(xy[1])), degrees, 1.0)
+        turn[:, 2] += half - xy
+        patches.append(cv2.warpAffine(picture, turn, (side, side), borderMode=cv2.BORDER_REPLICATE))
+    return patches
+
+
+def _find_point(
+    small: Sequence[np.ndarray],
+    point: int,
+    patches: Mapping[int, Sequence[np.ndarray]],
+    window: tuple[np.ndarray, np.ndarray],
+    known: Mapping[tuple[int, int], np.ndarray],
+    half: int,
+    parameters: CorrelationParameters,
+) -> np.ndarray:
+    """Return row, point, x, y (px of small pictures) and log-odds of peaks, (m, 5)."""
+    clicked = np.array(sorted(patches))
+    wanted = [t for t in range(len(small)) if t not in patches]
+
+    def look(t: int) -> tuple[list[tuple[float, float, float]], float, float]:
+        nearest = int(clicked[np.abs(clicked - t).argmin()])
+        scores = _score(small[t], patches[nearest], window, half)
+        if scores is None:
+            return [], np.nan, np.nan
+        at = known.get((t, point))
+        score = np.nan if at is None else _read(scores, at)
+        return _peaks(scores, half, parameters.peaks), score, scores.places
+
+    with ThreadPoolExecutor() as pool:
+        seen = list(pool.map(look, wanted))
+    mean, sd = _scores_of_point(np.array([score for _, score, _ in seen]))
+    rows = []
+    for t, (peaks, _, places) in zip(wanted, seen, strict=True):
+        s = np.array([peak[2] for peak in peaks])
+        # a score higher than the point's own mean is no worse than the mean
+        log = -(np.maximum(mean - s, 0.0) ** 2) / (2 * sd**2) - np.log(sd) + s**2 / 2
+        ratio = np.exp(np.minimum(log, 50.0))
+        share = ratio / (places + ratio.sum())
+        for (x, y, _), own in zip(peaks, share, strict=True):
+            if own > _LEAST_SHARE:
+                rows.append((t, point, x, y, np.log((parameters.gain - 1) * own)))
+    return np.array(rows, float).reshape(-1, 5)
+
+
+def _scores_of_point(seen: np.ndarray) -> tuple[float, float]:
+    """Return mean and standard deviation of scores where the point is, from those known."""
+    own = seen[np.isfinite(seen)]
+    weight = _KNOWN_WORTH + len(own)
+    mean = (_KNOWN_WORTH * _KNOWN_MEAN + own.sum()) / weight
+    square = _KNOWN_WORTH * (_KNOWN_SD**2 + (_KNOWN_MEAN - mean) ** 2) + ((own - mean) ** 2).sum()
+    return float(mean), float(np.sqrt(square / weight))
+
+
+def _score(
+    picture: np.ndarray,
+    patches: Sequence[np.ndarray],
+    window: tuple[np.ndarray, np.ndarray],
+    half: int,
+) -> _Scores | None:
+    """Return standardised scores within a window, the best of the patches; None if too small."""
+    height, width = picture.shape
+    x0, y0 = np.maximum(np.floor(window[0]).astype(int) - half, 0)
+    x1, y1 = np.minimum(np.ceil(window[1]).astype(int) + half + 1, (width, height))
+    part = picture[y0:y1, x0:x1]
+    if min(part.shape) < 4 * half:
+        return None
+    best = np.max(
+        [cv2.matchTemplate(part, patch, cv2.TM_CCOEFF_NORMED) for patch in patches], axis=0
+    )
+    z = np.arctanh(np.clip(np.nan_to_num(best), -_HIGHEST, _HIGHEST))
+    y, x = np.unravel_index(z.argmax(), z.shape)
+    elsewhere = np.ones(z.shape, bool)
+    elsewhere[max(0, y - half) : y + half + 1, max(0, x - half) : x + half + 1] = False
+    others = z[elsewhere]
+    if not len(others):
+        return None
+    z = (z - others.mean()) / max(float(others.std()), 1e-3)
+    return _Scores(z, np.array([x0 + half, y0 + half], float), len(patches) * z.size / half**2)
+
+
+def _peaks(scores: _Scores, half: int, count: int) -> list[tuple[float, float, float]]:
+    """Return x, y and score of the highest peaks, ``half`` apart."""
+    left, found = scores.values.copy(), []
+    for _ in range(count):
+        y, x = np.unravel_index(left.argmax(), left.shape)
+        if not np.isfinite(left[y, x]):
+            break
+        found.append((x + scores.corner[0], y + scores.corner[1], float(left[y, x])))
+        left[max(0, y - half) : y + half + 1, max(0, x - half) : x + half + 1] = -np.inf
+    return found
+
+
+def _read(scores: _Scores, at: np.ndarray) -> float:
+    """Return the highest score of 3 x 3 px about a place, NaN outside the window."""
+    x, y = np.rint(at - scores.corner).astype(int)
+    part = scores.values[max(0, y - 1) : max(0, y + 2), max(0, x - 1) : max(0, x + 2)]
+    return float(part.max()) if part.size else np.nan

@@ -1,0 +1,79 @@
+"""Tracklets are given to points jointly: by velocity, by looks, one name each."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pawnb.core.paws.offline.association.identities import decide
+from pawnb.core.paws.offline.association.tracklets import Tracklet
+from pawnb.core.paws.offline.parameters import IdentityParameters
+
+RADIUS = 2.5
+N = 40
+LEFT, RIGHT = 0, 1
+
+
+def tracklet(begin, end, at, step):
+    places = np.array(at, float) + np.outer(np.arange(end - begin + 1), step)
+    return Tracklet(begin, places, np.array(step, float), np.array(step, float))
+
+
+def given(tracklets, gains, clicked):
+    return decide(
+        tracklets, np.array(gains, float), clicked, n=N, radius=RADIUS,
+        parameters=IdentityParameters(),
+    ).tolist()  # fmt: skip
+
+
+@pytest.fixture
+def crossing():
+    """Two that cross about row 20: before it, the first goes right and the second left."""
+    return [
+        tracklet(0, 18, (10, 10), (1, 0)),
+        tracklet(0, 18, (50, 10), (-1, 0)),
+        tracklet(22, 39, (32, 10), (1, 0)),
+        tracklet(22, 39, (28, 10), (-1, 0)),
+    ]
+
+
+def test_legs_that_look_alike_pass_each_other_and_do_not_turn_back(crossing):
+    gains = np.full((4, 2), 3.0)
+    assert given(crossing, gains, {0: LEFT, 1: RIGHT}) == [LEFT, RIGHT, LEFT, RIGHT]
+    assert given(crossing, gains, {2: LEFT, 3: RIGHT}) == [LEFT, RIGHT, LEFT, RIGHT]
+
+
+def test_looks_that_are_clear_enough_say_that_they_turned_back(crossing):
+    """What was learnt of either outweighs velocity; without clicks afterwards nothing else does."""
+    gains = [[3, 3], [3, 3], [-20, 20], [20, -20]]
+    assert given(crossing, gains, {0: LEFT, 1: RIGHT}) == [LEFT, RIGHT, RIGHT, LEFT]
+
+
+def test_a_click_after_they_met_decides_what_lies_before_the_next_meeting(crossing):
+    gains = np.full((4, 2), 3.0)
+    found = given(crossing, gains, {0: LEFT, 1: RIGHT, 2: RIGHT})
+    assert found == [LEFT, RIGHT, RIGHT, LEFT]
+
+
+def test_a_tracklet_belongs_to_one_point():
+    """Only one of two legs is seen from row 20 on: the other is hidden, and takes nothing."""
+    some = [
+        tracklet(0, 18, (10, 10), (1, 0)),
+        tracklet(0, 18, (50, 10), (-1, 0)),
+        tracklet(20, 39, (30, 10), (1, 0)),
+    ]
+    assert given(some, np.full((3, 2), 3.0), {0: LEFT, 1: RIGHT}) == [LEFT, RIGHT, LEFT]
+
+
+def test_what_is_no_point_is_left_out():
+    some = [tracklet(0, 39, (10, 10), (0, 0)), tracklet(5, 30, (40, 15), (0, 0))]
+    assert given(some, [[3.0], [-4.0]], {0: 0}) == [0, -1]
+
+
+def test_the_end_of_one_may_be_seen_after_the_next_has_begun():
+    some = [tracklet(0, 20, (10, 10), (1, 0)), tracklet(19, 39, (29, 10), (1, 0))]
+    assert given(some, [[3.0], [1.0]], {0: 0}) == [0, 0]
+
+
+def test_without_tracklets_nothing_is_given():
+    assert given([], np.empty((0, 2)), {}) == []
