@@ -40,8 +40,8 @@ _PAW, _DOUBTFUL, _OPEN = 0.35, 0.7, 1.2
 and what may be a paw where one was not clicked."""
 _MOST_ODDS = 4.0
 """Largest logarithm of odds: networks that learnt from few clicks are too sure."""
-_NEUTRAL = -3.5
-"""Logarithm of odds that tells neither way: a paw lies in one of so many (33) places."""
+_NEUTRAL = -2.5
+"""Logarithm of odds that tells neither way: a paw lies in one of so many (13) places."""
 _COPIES, _COPIES_TRACKED = 8, 1
 """How often a clicked picture is taken, turned, scaled and lit differently, and a tracked one."""
 _FRAMES = 32
@@ -187,7 +187,7 @@ def clicked_lessons(
 def tracked_lessons(
     refined: Refined, scene: Scene, tracked: np.ndarray, *, first: int
 ) -> dict[int, PawLesson]:
-    """Return what tracks teach where they are certain: frame to lesson.
+    """Return what tracks teach where they are certain and the paw was seen: frame to lesson.
 
     Parameters
     ----------
@@ -201,10 +201,11 @@ def tracked_lessons(
         The frame of their first row.
     """
     shown = scene.geometry.project(refined.x)  # (n, P, V, 2)
+    seen = np.isfinite(np.swapaxes(refined.measured[..., 0], 1, 2))  # (n, V, P)
     sure = refined.sd.mean(axis=-1) < _SURE * scene.thickness
     lessons = {}
     for row in np.unique(np.linspace(0, len(shown) - 1, _FRAMES).round().astype(int)).tolist():
-        own = sure[row] & tracked
+        own = seen[row] & sure[row] & tracked
         lessons[first + row] = PawLesson(
             [shown[row, here, v] for v, here in enumerate(own)],
             [shown[row, ~here, v] for v, here in enumerate(own)],

@@ -78,10 +78,14 @@ def test_tracks_teach_where_they_are_certain_and_in_views_that_track_the_point()
     sd = np.full((4, 2, 3), 0.1)
     sd[2:, 1] = 5.0
     tracked = np.array([[True, True], [False, True]])
-    lessons = tracked_lessons(SimpleNamespace(x=x, sd=sd), scene(), tracked, first=10)
+    measured = np.zeros((4, 2, 2, 2))
+    measured[1, 0, 0] = np.nan
+    tracks = SimpleNamespace(x=x, sd=sd, measured=measured)
+    lessons = tracked_lessons(tracks, scene(), tracked, first=10)
     assert sorted(lessons) == [10, 11, 12, 13]
     np.testing.assert_array_equal(lessons[10].paws[0], [[0, 0], [50, 50]])
     np.testing.assert_array_equal(lessons[10].paws[1], [[150, 150]])
+    np.testing.assert_array_equal(lessons[11].paws[0], [[50, 50]])
     np.testing.assert_array_equal(lessons[13].paws[0], [[0, 0]])
     np.testing.assert_array_equal(lessons[13].doubtful[0], [[50, 50]])
     assert not lessons[13].clicked
