@@ -21,9 +21,10 @@ are px of the picture as it is. With ``--clicked`` wrong labels are also counted
 the frame that was clicked.
 
 With ``--films`` the same scenes are filmed in several ways, by default in colour, in grey and
-compressed (H.264, crf 23 and 28), and the last table has, side by side, how many of 1000 visible
-labels are wrong; a film that tracking refuses has none right. Time is of the whole call, decoding
-and the checksums of the record included, and of one correction.
+compressed (H.264, crf 23 and 28; made of the colour film where that is kept), and the last table
+has, side by side, how many of 1000 visible labels are wrong, and the verdicts; a film that
+tracking refuses has none right. Time is of the whole call, decoding and the checksums of the
+record included, and of one correction.
 """
 
 from __future__ import annotations
@@ -39,8 +40,10 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from refilm import can_refilm, refilm
 from scipy.stats import beta
 
+from pawnb.core.paws.offline.quality import assess
 from pawnb.core.video import open_views
 from pawnb.errors import PawnbError
 from pawnb.schema import Tracks
@@ -120,9 +123,13 @@ def trials(arguments: argparse.Namespace, folder: Path) -> Iterator[Path]:
         arguments.scales, arguments.difficulty, arguments.seeds, films(arguments)
     ):
         variants = [] if film == GOOD_FILM else film.split(",")
-        name = "-".join([difficulty, f"{seed:02d}", f"{scale:g}", str(arguments.frames), *variants])
+        colour = "-".join([difficulty, f"{seed:02d}", f"{scale:g}", str(arguments.frames)])
+        name = "-".join([colour, *variants])
+        in_colour = folder / colour / "trial.toml"
         if (folder / name / "trial.toml").exists():  # the last file that is written
             yield folder / name / "trial.toml"
+        elif can_refilm(variants) and in_colour.exists():
+            yield refilm(in_colour, folder / name, variants)
         else:
             yield render_mouse_trial(
                 folder / name, frames=arguments.frames, scale=scale, seed=seed,
@@ -188,6 +195,7 @@ def measure(trial: Trial, *, corrected: bool, clicked: float | None = None) -> d
     inside = coordinates_inside(tracks, trial)
     row = {
         "trial": trial.name, "refused": False, "width": width,
+        "by": tracks.attrs["evidence"], "verdict": assess(tracks).verdict,
         "frames": report.n_frames, "major": report.major,
         "minor": report.minor, "n_labels": report.n_labels, "n_hidden": report.n_hidden,
         "n_wrong": round(report.share_wrong * report.n_labels),
@@ -250,7 +258,8 @@ def line(row: dict[str, object]) -> str:
         f"major {r['major']} minor {r['minor']} wrong {r['n_wrong'] / r['n_labels']:.2%}; "
         f"median {r['median']:.2f} 95th {r['p95']:.1f} (offsets removed {r['centred']:.2f} "
         f"{r['p95_centred']:.1f}) px; bridged {bridged:.0%}; "
-        f"inside {r['n_inside'] / r['n_coordinates']:.1%}; {r['s']:.1f} s"
+        f"inside {r['n_inside'] / r['n_coordinates']:.1%}; {r['verdict']}, by {r['by']}; "
+        f"{r['s']:.1f} s"
     )
     for side in SIDES:
         if f"n_{side}" in r:
@@ -306,9 +315,15 @@ def side_by_side(table: pd.DataFrame) -> str:
             own = here[here["film"] == film]
             rate = 1000 * own["n_wrong"].sum() / max(1, own["n_labels"].sum())
             no = f" ({own['refused'].sum()} of {len(own)} refused)" if own["refused"].any() else ""
-            cells.append(f"{rate:.1f}{no}" if len(own) else "")
+            said = ", ".join(f"{n} {verdict}" for verdict, n in verdicts(own).items())
+            cells.append(f"{rate:.1f}{no}" + f" ({said})" * bool(said) if len(own) else "")
         lines.append(f"| {scenes} | {width} | " + " | ".join(cells) + " |")
     return "\n".join(lines)
+
+
+def verdicts(table: pd.DataFrame) -> dict[str, int]:
+    """Return how many scenes were given each verdict."""
+    return table["verdict"].value_counts().to_dict() if "verdict" in table else {}
 
 
 def share_interval(hits: int, of: int) -> tuple[float, float]:

@@ -2,6 +2,8 @@
 
 import argparse
 
+import cv2
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -25,10 +27,24 @@ def test_films_side_by_side():
     ]
 
 
+def test_verdicts_stand_beside_what_is_wrong():
+    from whole_accuracy import side_by_side
+
+    rows = [
+        ("synthetic-normal-31", 819, 1, 100, False, "good"),
+        ("synthetic-normal-32", 819, 2, 300, False, "look"),
+        ("synthetic-normal-33", 819, 0, 100, False, "good"),
+    ]
+    columns = ["trial", "width", "n_wrong", "n_labels", "refused", "verdict"]
+    table = side_by_side(pd.DataFrame(rows, columns=columns))
+    assert table.split("\n")[-1] == "| normal | 820 | 6.0 (2 good, 1 look) |"
+
+
 @pytest.mark.slow
 def test_each_scene_is_rendered_as_each_film_and_kept(tmp_path):
     from whole_accuracy import add_scene_arguments, refused, trials
 
+    from pawnb.core.video import open_views
     from pawnb.trial import load_trial
 
     parser = argparse.ArgumentParser()
@@ -38,6 +54,15 @@ def test_each_scene_is_rendered_as_each_film_and_kept(tmp_path):
     paths = list(trials(asked, tmp_path))
     names = [load_trial(path).name for path in paths]
     assert names == ["synthetic-easy-03", "synthetic-easy-03-grey-h264-crf23"]
+    with open_views(load_trial(paths[0])) as colour, open_views(load_trial(paths[1])) as film:
+        assert colour.n_frames == film.n_frames == 2
+        for name in colour.names:
+            grey = film.readers[name].read(1)
+            # H.264 has even sizes only, and is a few levels off
+            h, w = colour.readers[name].height, colour.readers[name].width
+            assert np.ptp(grey.astype(int), axis=2).max() <= 2
+            was = cv2.cvtColor(colour.readers[name].read(1), cv2.COLOR_RGB2GRAY)
+            assert np.abs(grey[:h, :w, 0].astype(float) - was).mean() < 5
     times = [path.stat().st_mtime_ns for path in paths]
     assert [path.stat().st_mtime_ns for path in trials(asked, tmp_path)] == times
 

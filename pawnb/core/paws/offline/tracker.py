@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import pandas as pd
 
+from pawnb.core.grey import has_colour
 from pawnb.core.paws.layout import Layout, Views, make_layout
 from pawnb.core.paws.offline.annotations import Annotations, annotations_of_view
 from pawnb.core.paws.offline.detection.evidence import Detections, installed_evidence
@@ -18,9 +20,10 @@ from pawnb.core.paws.offline.pipeline import (
     run_pipeline,
     view_track,
 )
-from pawnb.core.paws.offline.quality import assess
+from pawnb.core.paws.offline.quality import Quality, assess
 from pawnb.core.paws.offline.quality_likeness import add_likeness
 from pawnb.core.paws.offline.scene.stack import BodyStack, read_stacks
+from pawnb.core.paws.offline.strides import strides_may_tell, track_by_strides
 from pawnb.core.paws.offline.view_input import ViewInput
 from pawnb.core.paws.offline.windows import chance_to_go_on, handed_on, take_over, windows
 from pawnb.core.paws.settings import PaperSettings
@@ -32,7 +35,7 @@ from pawnb.core.paws.whole.store import CandidateStore
 from pawnb.core.paws.whole.tracker import doubt_clicks, track_whole
 from pawnb.schema import START_COLUMNS, Tracks, check_columns
 
-COLOUR, LEARNT = "colour", "learnt"
+COLOUR, STRIDES, LEARNT = "colour", "strides", "learnt"
 """What tracks may be found by; kept in their attribute ``evidence``."""
 
 
@@ -45,46 +48,83 @@ def track_points(
     looked: pd.DataFrame | None = None,
     store: CandidateStore | None = None,
 ) -> Tracks:
-    """Track points by their colour where that tells them, else by what the recording teaches.
+    """Track points by the first way that serves, of three.
 
     Paws of a colour of their own are tracked by :func:`pawnb.core.paws.whole.track_whole`,
-    which knows strides and stance. Where that does not apply, or its tracks failed by absolute
-    measures (:func:`.quality.assess`: on the real clips on which colour does not tell paws 7 to
-    37 % of labels are expected to be right, on rendered scenes 83 % and more),
-    :func:`track_offline` tracks the points.
+    which knows strides and stance. Where colour does not tell them, as in grey pictures, or its
+    tracks are not good by absolute measures (:func:`.quality.assess`), calibrated views of paws
+    are tracked in the same way by a look that is learnt (:func:`.strides.track_by_strides`), and
+    those tracks are kept of which more labels are expected to be right. Where neither applies,
+    or tracks failed (on the real clips on which colour does not tell paws 7 to 37 % of labels are
+    expected to be right, on rendered scenes 83 % and more), :func:`track_offline` tracks points.
 
     Parameters
     ----------
     views, start, task, settings, looked, store
         As for :func:`pawnb.core.paws.whole.track_whole`; ``settings.evidence`` may choose one
-        of the two.
+        of the three.
 
     Returns
     -------
     xarray.Dataset
-        Tracks; the attribute ``evidence`` is ``"colour"`` or ``"learnt"``.
+        Tracks; the attribute ``evidence`` is ``"colour"``, ``"strides"`` or ``"learnt"``.
 
     Raises
     ------
     InputError
         If a click does not fit, or a point has none.
     """
-    if settings.evidence == COLOUR or (
-        settings.evidence != LEARNT and _colour_may_tell(views, start, task, settings, looked)
-    ):
-        tracks = track_whole(views, start, task, settings=settings, looked=looked, store=store)
-        tracks.attrs["evidence"] = COLOUR
+    given: dict[str, Any] = {"settings": settings, "looked": looked, "store": store}
+    best: tuple[Quality, Tracks] | None = None
+    for kind in _ways(views, start, task, settings=settings, looked=looked):
+        find = track_whole if kind == COLOUR else track_by_strides
+        tracks = find(views, start, task, **given)
+        tracks.attrs["evidence"] = kind
         complete = tracks.sizes["time"] >= task.frames[1] - task.frames[0]
-        if settings.evidence == COLOUR or not complete or not _failed(views, tracks, start):
+        if settings.evidence == kind or not complete:
             return tracks
+        quality = assess(add_likeness(views, tracks, start), clicks=start)
+        if best is None or quality.expected_right > best[0].expected_right:
+            best = quality, tracks
+        if best[0].verdict == "good":
+            break
+    if best is not None and best[0].verdict != "failed":
+        return best[1]
     tracks = track_offline(views, start, task)
     tracks.attrs["evidence"] = LEARNT
     return tracks
 
 
-def _failed(views: Views, tracks: Tracks, start: pd.DataFrame) -> bool:
-    """Tell whether tracks failed by absolute measures, their pictures included."""
-    return assess(add_likeness(views, tracks, start), clicks=start).verdict == "failed"
+def _ways(
+    views: Views,
+    start: pd.DataFrame,
+    task: Task,
+    *,
+    settings: WholeSettings,
+    looked: pd.DataFrame | None,
+) -> list[str]:
+    """Return by what tracks are sought, one after the other until they are good."""
+    if settings.evidence in (COLOUR, STRIDES):
+        return [settings.evidence]
+    if settings.evidence == LEARNT:
+        return []
+    by_strides = strides_may_tell(views, start, task, settings=settings)
+    # brightness alone tells a paw worse than a look that is learnt
+    by_colour = not by_strides or _has_colour(views, int(start["frame"].iloc[0]))
+    ways = []
+    if by_colour and _colour_may_tell(views, start, task, settings, looked):
+        ways.append(COLOUR)
+    return [*ways, STRIDES] if by_strides else ways
+
+
+def _has_colour(views: Views, frame: int) -> bool:
+    """Tell whether any view is in colour."""
+    pictures = views.frame(frame)
+    sizes = {name: views.readers[name] for name in views.names}
+    return any(
+        has_colour(pictures[name].crop(0, 0, reader.width, reader.height))
+        for name, reader in sizes.items()
+    )
 
 
 def _colour_may_tell(

@@ -49,6 +49,8 @@ class Look:
         Lines with ``a u + b v + c >= 0`` on the side where paws can be.
     is_below : bool
         Whether the view is from below: paws are spots there, not ends of limbs.
+    is_spots : bool
+        Whether the score is learnt, and high at the paws' points themselves: spots, too.
     light : tuple of float, optional
         Mean of each channel of the searched part at the clicks; see
         :func:`~pawnb.core.paws.whole.light.in_light`.
@@ -62,6 +64,7 @@ class Look:
     distal: tuple[float, float] = (0.0, 1.0)
     limits: np.ndarray | None = None
     is_below: bool = False
+    is_spots: bool = False
     light: tuple[float, ...] | None = None
     most: int = MOST
 
@@ -87,7 +90,7 @@ def find_candidates(pixels: np.ndarray, origin: tuple[int, int], look: Look) -> 
     """
     pixels = in_light(pixels, look.light)
     score = look.appearance.score(pixels, origin, shrink=look.shrink)
-    if look.is_below:
+    if look.is_below or look.is_spots:
         return _spots(score, origin, look)
     score = cv2.GaussianBlur(score, (3, 3), 0.6)
     weight = loops.weigh(score)

@@ -169,7 +169,7 @@ def _prepare(
     ]  # fmt: skip
     offsets = [kinds_of_view[int(one)] for one in below]
     judge = Judge(distal, thickness_px)
-    if scene.geometry.coefs is not None and scene.lead is None:
+    if scene.geometry.coefs is not None and scene.lead is None and not scene.is_learnt:
         # the curves were learnt from views from the side that agree in space
         judge = replace(judge, score=score_at_clicks(clicks, told.found, judge))
     return _Ready(

@@ -85,6 +85,11 @@ class Scene:
     is_flat: bool = False
 
     @property
+    def is_learnt(self) -> bool:
+        """Whether a classifier that was learnt tells paws, not their colour."""
+        return any(look.is_spots for look in self.looks)
+
+    @property
     def across(self) -> np.ndarray | None:
         """Unit vector to the side of the animal; None for one view from the side."""
         if self.volume is not None:
@@ -99,6 +104,7 @@ def read_scene(
     *,
     anchors: Mapping[int, Sequence[Placement]],
     settings: WholeSettings,
+    least_thickness: float = 0.0,
 ) -> Scene:
     """Work out what the clicks say.
 
@@ -114,6 +120,8 @@ def read_scene(
         Frame to positions that tracks pass through.
     settings : WholeSettings
         The settings.
+    least_thickness : float
+        Paws are at least so thick, in distances of front from hind paws.
 
     Returns
     -------
@@ -130,8 +138,9 @@ def read_scene(
     per_unit = np.linalg.norm(geometry.jacobian(middle), axis=(-2, -1)) / np.sqrt(2.0)
     appearances = _learn_looks(views, layout, clicks)
     thickness = float(np.median([a.thickness_px for a in appearances]) / np.mean(per_unit))
-    thickness_px = thickness * per_unit
     span = float(np.linalg.norm(first[:, None] - first[None], axis=-1).max())
+    thickness = max(thickness, least_thickness * span)
+    thickness_px = thickness * per_unit
     ground, height = float((everyone @ up).min()), settings.height
     leading = None
     is_flat = layout.rig is None and shows_two_rows(placed[home], layout.kinds, forward)
@@ -144,9 +153,7 @@ def read_scene(
         span = max(span, _LEAST_SPAN * thickness)
     stage = _Stage(middle, forward, up, ground, span, height)
     if layout.rig is not None:
-        leading = find_lead(
-            geometry.jacobian(middle), up, anchors[home], n_points=len(layout.points)
-        )
+        leading = leading_view(layout, anchors)
     distal = stage.distal(geometry, thickness)
     if is_flat:
         distal = [(float(forward[0]), float(forward[1]))]
@@ -174,6 +181,17 @@ def read_scene(
         geometry, home, placed, span, thickness, thickness_px, looks, regions, distal, up, forward,
         volume, lead, is_flat,
     )  # fmt: skip
+
+
+def leading_view(layout: Layout, anchors: Mapping[int, Sequence[Placement]]) -> int | None:
+    """Return the calibrated view from below that leads, or None; no picture is looked at."""
+    if layout.rig is None:
+        return None
+    here = anchors[fullest(anchors)]
+    up = _directions(layout)[0]
+    middle = np.stack(list(_positions(here, layout, up).values())).mean(axis=0)
+    jacobian = Geometry(layout.rig.coefs).jacobian(middle)
+    return find_lead(jacobian, up, here, n_points=len(layout.points))
 
 
 def fullest(placed: Mapping[int, Sequence[Placement]]) -> int:

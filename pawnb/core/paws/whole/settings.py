@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pawnb.errors import InputError
 from pawnb.schema import check_ranges
 
-EVIDENCE = ("auto", "colour", "learnt")
+EVIDENCE = ("auto", "colour", "strides", "learnt")
 
 
 @dataclass(frozen=True)
@@ -50,9 +50,10 @@ class WholeSettings:
         Points that are no paws and are followed by their own picture (nose, ears, a mark on
         the back). Points whose names tell no paw are landmarks without being named where
         other names do (``FR``, ``LH``, ``hind_left``).
-    evidence : {"auto", "colour", "learnt"}
-        What points are found by: their colour, with strides and stance; motion and an appearance
-        that is learnt in the recording; or the first unless its tracks failed.
+    evidence : {"auto", "colour", "strides", "learnt"}
+        What points are found by: their colour, with strides and stance; the same with a look of
+        paws that is learnt in the recording; motion and an appearance of each point that is learnt
+        there; or the first of these that serves.
     """
 
     acceleration: float = 500.0

@@ -35,7 +35,7 @@ def find_spots(score: np.ndarray, reach: int, usual: float) -> tuple[np.ndarray,
     likeness : ndarray, shape (n,)
         How much each is like a paw, 0 to 1.
     """
-    smooth = cv2.GaussianBlur(np.maximum(score, 0.0), (0, 0), _WIDTH * reach)
+    smooth = _smooth(score, reach)
     around = 2 * round(1.6 * _WIDTH * reach) + 1
     highest = cv2.dilate(smooth, np.ones((around, around), np.uint8))
     v, u = np.nonzero((smooth >= highest) & (smooth > _LEAST * usual))
@@ -48,3 +48,15 @@ def find_spots(score: np.ndarray, reach: int, usual: float) -> tuple[np.ndarray,
     bend = np.minimum(left - 2.0 * middle + right, -1e-6)
     shift = np.clip(0.5 * (left - right) / bend, -0.5, 0.5)
     return np.column_stack([u, v]) + shift.T, likeness
+
+
+def peaks_at(score: np.ndarray, at: np.ndarray, reach: int) -> np.ndarray:
+    """Return the smoothed score (n,) at some positions (n, 2), px of the score."""
+    h, w = score.shape
+    u, v = np.rint(at).astype(int).T
+    return np.asarray(_smooth(score, reach)[np.clip(v, 0, h - 1), np.clip(u, 0, w - 1)])
+
+
+def _smooth(score: np.ndarray, reach: int) -> np.ndarray:
+    """Return what speaks for paws, smoothed over about the width of one."""
+    return cv2.GaussianBlur(np.maximum(score, 0.0), (0, 0), _WIDTH * reach)

@@ -111,29 +111,35 @@ def track_whole(
     CalibrationError
         If the rig lacks a view.
     """
-    asked = _read(views, start, task, looked)
+    asked = read_asked(views, start, task, looked=looked)
     layout = asked.layout
     marks = choose_landmarks(layout.points, layout.kinds, settings.landmarks)
     scene = follower = None
     if not marks.all():
-        scene = _paws_scene(views, asked.of(~marks), settings)
+        scene = paws_scene(views, asked.of(~marks), settings)
+        if not asked.is_looked and (words := _mistaken(scene, views.names)) is not None:
+            warnings.warn(words, InputWarning, stacklevel=2)
     if marks.any():
         marked = asked.of(marks)
         check_landmarks(marked.layout, marked.anchors)
         follower = Follower(marked.layout, marked.anchors)
     span = (asked.begin, task.frames[1])
-    seen = _look_through(views, span, scene, follower, asked.anchors, store, task)
+    seen = look_through(
+        views, span, scene, follower=follower, anchors=asked.anchors, store=store, task=task
+    )
     n = max(asked.begin + len(seen) - task.frames[0], 0)
     result = empty_result(n, layout)
     if n and scene is not None:
-        result.take(~marks, _solve(seen, scene, asked.of(~marks), task, settings))
+        result.take(~marks, solve(seen, scene, asked.of(~marks), task=task, settings=settings))
     if n and follower is not None:
-        result.take(marks, _join(follower, asked.of(marks), n, task, settings))
+        result.take(
+            marks, join_landmarks(follower, asked.of(marks), n, task=task, settings=settings)
+        )
     return as_tracks(result, layout, task, placed=asked.inside(n))
 
 
 @dataclass(frozen=True)
-class _Asked:
+class Asked:
     """What a person gave.
 
     Attributes
@@ -156,7 +162,7 @@ class _Asked:
     begin: int
     is_looked: bool
 
-    def of(self, points: np.ndarray) -> _Asked:
+    def of(self, points: np.ndarray) -> Asked:
         """Return what concerns some of the points, a mask."""
         return dataclasses.replace(
             self,
@@ -170,7 +176,9 @@ class _Asked:
         return {t - self.first: here for t, here in self.anchors.items() if t - self.first < n}
 
 
-def _read(views: Views, start: pd.DataFrame, task: Task, looked: pd.DataFrame | None) -> _Asked:
+def read_asked(
+    views: Views, start: pd.DataFrame, task: Task, *, looked: pd.DataFrame | None = None
+) -> Asked:
     """Return what a person gave, checked."""
     check_columns(start, START_COLUMNS, where="the start points")
     task.check_frames(views.n_frames)
@@ -187,19 +195,19 @@ def _read(views: Views, start: pd.DataFrame, task: Task, looked: pd.DataFrame | 
         is_looked = True
         clicks = read_start(looked, layout, (0, frames[1]))
         begin = min(begin, *clicks)
-    return _Asked(layout, clicks, anchors, frames[0], begin, is_looked)
+    return Asked(layout, clicks, anchors, frames[0], begin, is_looked)
 
 
-def _paws_scene(views: Views, asked: _Asked, settings: WholeSettings) -> Scene:
-    """Return what the clicks on paws say."""
+def paws_scene(
+    views: Views, asked: Asked, settings: WholeSettings, *, least_thickness: float = 0.0
+) -> Scene:
+    """Return what the clicks on paws say; ``least_thickness`` as for :func:`.read_scene`."""
     layout, clicks, anchors = asked.layout, asked.clicks, asked.anchors
-    if asked.is_looked:
-        scene = read_scene(views, layout, clicks, anchors=clicks, settings=settings)
-        return move_anchors(scene, layout, anchors)
-    scene = read_scene(views, layout, clicks, anchors=anchors, settings=settings)
-    if (words := _mistaken(scene, views.names)) is not None:
-        warnings.warn(words, InputWarning, stacklevel=2)
-    return scene
+    scene = read_scene(
+        views, layout, clicks, anchors=clicks if asked.is_looked else anchors, settings=settings,
+        least_thickness=least_thickness,
+    )  # fmt: skip
+    return move_anchors(scene, layout, anchors) if asked.is_looked else scene
 
 
 def doubt_clicks(
@@ -222,7 +230,7 @@ def doubt_clicks(
     InputError
         If a click does not fit.
     """
-    asked = _read(views, start, task, None)
+    asked = read_asked(views, start, task)
     paws = asked.of(~choose_landmarks(asked.layout.points, asked.layout.kinds, settings.landmarks))
     if not paws.layout.points:
         return None
@@ -247,10 +255,11 @@ def _mistaken(scene: Scene, names: Sequence[str]) -> str | None:
     )
 
 
-def _look_through(
+def look_through(
     views: Views,
     frames: tuple[int, int],
     scene: Scene | None,
+    *,
     follower: Follower | None,
     anchors: Mapping[int, Sequence[Placement]],
     store: CandidateStore | None,
@@ -302,8 +311,13 @@ def _look_ahead(
     return found
 
 
-def _solve(
-    seen: list[list[np.ndarray]], scene: Scene, asked: _Asked, task: Task, settings: WholeSettings
+def solve(
+    seen: list[list[np.ndarray]],
+    scene: Scene,
+    asked: Asked,
+    *,
+    task: Task,
+    settings: WholeSettings,
 ) -> Refined:
     """Track the paws through the candidates, ``seen`` from the frame ``asked.begin`` on."""
     found = seen[asked.first - asked.begin :]
@@ -316,7 +330,7 @@ def _solve(
     )  # fmt: skip
 
 
-def _told(seen: list[list[np.ndarray]], asked: _Asked) -> Told:
+def _told(seen: list[list[np.ndarray]], asked: Asked) -> Told:
     """Return the clicks of an earlier run with what was seen there.
 
     They alone say where on a paw its point is, as they did then: a correction puts the paw in
@@ -328,8 +342,8 @@ def _told(seen: list[list[np.ndarray]], asked: _Asked) -> Told:
     return Told(placed[list(here)], {t: seen[t] for t in here})
 
 
-def _join(
-    follower: Follower, asked: _Asked, n: int, task: Task, settings: WholeSettings
+def join_landmarks(
+    follower: Follower, asked: Asked, n: int, *, task: Task, settings: WholeSettings
 ) -> Refined:
     """Return the landmarks' tracks in the n frames asked for, from what each view shows."""
     skip = asked.first - asked.begin

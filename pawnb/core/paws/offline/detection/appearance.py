@@ -112,7 +112,7 @@ def _samples(
     colour = None if stack.colour is None else stack.colour[row]
     turned = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
     if varied:
-        grey, colour, turned = _vary(grey, colour, random)
+        grey, colour, turned = vary_picture(grey, colour, random)
     features = feature_maps(grey, colour, stack.spacing)
     h, w = features.shape[:2]
     label = np.zeros((h, w), int)
@@ -138,7 +138,7 @@ def _samples(
     return features.reshape(h * w, -1)[taken], label.ravel()[taken]
 
 
-def _vary(
+def vary_picture(
     grey: np.ndarray, colour: np.ndarray | None, random: np.random.Generator
 ) -> tuple[np.ndarray, np.ndarray | None, np.ndarray]:
     """Return a picture turned, scaled, shifted and lit differently, and the map to it."""
