@@ -69,6 +69,28 @@ def find_epipolar_line(
     return _clip_line(np.cross(*ends), size)
 
 
+def find_fundamental_matrix(P_from: np.ndarray, P_to: np.ndarray) -> np.ndarray:
+    """Return the matrix that takes a place in one view to its epipolar line in another.
+
+    Parameters
+    ----------
+    P_from, P_to : ndarray, shape (3, 4)
+        Projection matrices of the view in which a point was seen, and of the other; the first
+        may be affine.
+
+    Returns
+    -------
+    ndarray, shape (3, 3)
+        F of norm 1: the line a u + b v + c = 0 has (a, b, c) = F (u, v, 1) of the other view
+        (Hartley & Zisserman 2004, equation 9.1).
+    """
+    _, _, Vt = np.linalg.svd(P_from)
+    e = P_to @ Vt[3]
+    cross = np.array([[0, -e[2], e[1]], [e[2], 0, -e[0]], [-e[1], e[0], 0]])
+    F = cross @ P_to @ np.linalg.pinv(P_from)
+    return np.asarray(F / np.linalg.norm(F))
+
+
 def _clip_line(line: np.ndarray, size: tuple[int, int]) -> np.ndarray:
     """Return the ends within a picture of the line a u + b v + c = 0, or NaN."""
     a, b, c = line

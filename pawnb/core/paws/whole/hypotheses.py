@@ -12,6 +12,7 @@ from pawnb.core import dlt
 from pawnb.core.paws.whole import hypotheses_loops as loops
 from pawnb.core.paws.whole.likeness import Judge
 from pawnb.core.paws.whole.side_by_side import side_by_side
+from pawnb.core.sightlines import find_fundamental_matrix
 
 _AT_ONCE = 200
 """Frames worked on together: enough to save loops, and little memory."""
@@ -104,7 +105,7 @@ class Pairing:
         self.apart, self.most = apart, most
         matrices = [dlt.to_matrix(coefs[:, v]) for v in range(coefs.shape[1])]
         self.pairs = [
-            (a, b, _fundamental(matrices[a], matrices[b]))
+            (a, b, find_fundamental_matrix(matrices[a], matrices[b]))
             for a, b in itertools.combinations(range(len(matrices)), 2)
         ]
 
@@ -192,12 +193,3 @@ class Pairing:
 def triangulate(coefs: np.ndarray, uv: np.ndarray) -> np.ndarray:
     """Triangulate (n, V, 2) by the normal equations: quick, for hypotheses only."""
     return loops.triangulate(np.ascontiguousarray(coefs.T), np.ascontiguousarray(uv))
-
-
-def _fundamental(A: np.ndarray, B: np.ndarray) -> np.ndarray:
-    """Return F with ``b^T F a = 0`` for the pictures a, b of one point."""
-    _, _, Vt = np.linalg.svd(A)
-    e = B @ Vt[3]
-    cross = np.array([[0, -e[2], e[1]], [e[2], 0, -e[0]], [-e[1], e[0], 0]])
-    F = cross @ B @ np.linalg.pinv(A)
-    return np.asarray(F / np.linalg.norm(F))

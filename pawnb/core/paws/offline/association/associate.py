@@ -89,7 +89,8 @@ def associate(
     factors: list[dict[int, np.ndarray]] = [{} for _ in views]
     for iteration in range(parameters.iterations):
         posteriors = [
-            _solve(view, factor, parameters) for view, factor in zip(views, factors, strict=True)
+            _solve(view, factor, parameters, compared=iteration == parameters.iterations - 1)
+            for view, factor in zip(views, factors, strict=True)
         ]
         if iteration == parameters.iterations - 1:
             break
@@ -107,7 +108,11 @@ def associate(
 
 
 def _solve(
-    view: ViewEvidence, factors: Mapping[int, np.ndarray], parameters: AssociationParameters
+    view: ViewEvidence,
+    factors: Mapping[int, np.ndarray],
+    parameters: AssociationParameters,
+    *,
+    compared: bool,
 ) -> dict[int, Posterior]:
     """Return the posteriors of one view, its points in parallel."""
     stack = view.stack
@@ -120,11 +125,12 @@ def _solve(
             uv = view.annotations.places[row][point]
             ratio[row] = bump_at(ratio.shape[1:], stack.grid_of(uv, row), _CLICK_SD) + 1e-9
         return smooth_posterior(
-            ratio.astype(np.float32),
+            np.asarray(ratio, np.float32),
             stack.forward,
             stack.backward,
             prior=view.prior[point],
             parameters=parameters,
+            compared=compared,
         )
 
     with ThreadPoolExecutor() as pool:
@@ -141,9 +147,8 @@ def _support(
     if rig is None or len(views) < 2:
         return [{} for _ in views]
     return epipolar_support(
-        masses, [v.stack for v in views], names=[v.name for v in views], rig=rig,
-        radius=radius, sizes=[v.size for v in views],
-    )  # fmt: skip
+        masses, [v.stack for v in views], names=[v.name for v in views], rig=rig, radius=radius
+    )
 
 
 def _told_apart(

@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 
+import cv2
 import numpy as np
 
+from pawnb.core import dlt
 from pawnb.core.paws.offline.association.estimates import modes
 from pawnb.core.paws.offline.scene.stack import BodyStack
 from pawnb.core.rig import Rig
-from pawnb.core.sightlines import find_epipolar_line
+from pawnb.core.sightlines import find_fundamental_matrix
 
 _MODES = 3
 _FLOOR = 0.05
 """What a place far from every line keeps: the other view may be wrong."""
 _SD_RADII = 0.5
 """Standard deviation of a line, in radii: two clicks of one paw in two views are so far apart."""
+_REACH_SDS, _STEPS = 4.5, 64
+"""Across a line its support is in a table: so far, in so many steps a standard deviation."""
 
 
 def epipolar_support(
@@ -25,7 +30,6 @@ def epipolar_support(
     names: Sequence[str],
     rig: Rig,
     radius: float,
-    sizes: Sequence[tuple[int, int]],
 ) -> list[dict[int, np.ndarray]]:
     """Return how far every place of each view is supported by the other views.
 
@@ -41,37 +45,76 @@ def epipolar_support(
         The calibration.
     radius : float
         About half a paw, in places.
-    sizes : sequence of (int, int)
-        Width and height of each view, px.
 
     Returns
     -------
     list of dict
         For each view: point to factors (n, h, w) of at most 1.
     """
-    coefs = rig.subset(names).coefs
+    matrices = [dlt.to_matrix(L) for L in rig.subset(names).coefs.T]
     support: list[dict[int, np.ndarray]] = []
-    for a, stack in enumerate(stacks):
-        n, h, w = stack.shape
-        support.append({point: np.ones((n, h, w), np.float32) for point in posteriors[a]})
-        y, x = np.mgrid[:h, :w]
-        for b, other in enumerate(stacks):
-            if a == b:
-                continue
-            for point in sorted(set(posteriors[a]) & set(posteriors[b])):
-                factor = support[a][point]
-                for t in range(n):
-                    seen = modes(posteriors[b][point][t], radius, _MODES)
-                    on_line = np.full((h, w), _FLOOR + 1 - sum(p for _, p in seen))
-                    for place, probability in seen:
-                        uv = other.picture_of(place, t)
-                        ends = find_epipolar_line(coefs[:, b], uv, coefs[:, a], size=sizes[a])
-                        if not np.isfinite(ends).all():
-                            continue
-                        p, q = stack.grid_of(ends, t)
-                        along = (q - p) / (np.linalg.norm(q - p) + 1e-12)
-                        away = (x - p[0]) * along[1] - (y - p[1]) * along[0]
-                        sd = _SD_RADII * radius
-                        on_line += probability * np.exp(-(away**2) / (2 * sd**2))
-                    factor[t] *= np.minimum(on_line, 1.0)
+    with ThreadPoolExecutor() as pool:
+        seen = [
+            {point: list(pool.map(_Seen(stack, radius), range(len(own[point])), own[point]))
+             for point in own}
+            for own, stack in zip(posteriors, stacks, strict=True)
+        ]  # fmt: skip
+        for a, stack in enumerate(stacks):
+            support.append({p: np.ones(stack.shape, np.float32) for p in posteriors[a]})
+            others = [
+                (found, find_fundamental_matrix(matrices[b], matrices[a]))
+                for b, found in enumerate(seen) if b != a
+            ]  # fmt: skip
+            for point, factor in support[a].items():
+                told = [(found[point], F) for found, F in others if point in found]
+                draw = _Drawn(stack, told, _SD_RADII * radius)
+                list(pool.map(draw, range(len(factor)), factor))
     return support
+
+
+class _Seen:
+    """What is seen of a point in one view: homogeneous positions (k, 3), px, and probabilities."""
+
+    def __init__(self, stack: BodyStack, radius: float) -> None:
+        self.stack, self.radius = stack, radius
+
+    def __call__(self, row: int, mass: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        found = modes(mass, self.radius, _MODES)
+        places = np.array([place for place, _ in found]).reshape(-1, 2)
+        uv = self.stack.picture_of(places, row)
+        return np.c_[uv, np.ones(len(uv))], np.array([p for _, p in found])
+
+
+class _Drawn:
+    """Draws into the places (h, w) of a row how far other views support each of them."""
+
+    def __init__(
+        self,
+        stack: BodyStack,
+        told: Sequence[tuple[Sequence[tuple[np.ndarray, np.ndarray]], np.ndarray]],
+        sd: float,
+    ) -> None:
+        self.stack, self.told = stack, told
+        reach = int(_REACH_SDS * _STEPS)
+        self.step, self.middle = _STEPS / sd, reach
+        across = np.exp(-0.5 * (np.arange(-reach, reach + 1) / _STEPS) ** 2)
+        self.profile = across.astype(np.float32)[None]
+
+    def __call__(self, row: int, factor: np.ndarray) -> None:
+        # homogeneous px of the view from those of the grid
+        to_view = np.eye(3)
+        corners = self.stack.picture_of(np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]), row)
+        to_view[:2] = np.c_[corners[1] - corners[0], corners[2] - corners[0], corners[0]]
+        size = factor.shape[::-1]
+        for seen, fundamental in self.told:
+            uv, probability = seen[row]
+            on_line = np.full(factor.shape, _FLOOR + 1 - probability.sum(), np.float32)
+            for line, p in zip(uv @ fundamental.T @ to_view, probability, strict=True):
+                to_profile = np.zeros((2, 3))
+                to_profile[0] = line * self.step / (np.hypot(*line[:2]) + 1e-300)
+                to_profile[0, 2] += self.middle
+                ridge = cv2.warpAffine(
+                    self.profile, to_profile, size, flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+                )
+                on_line += np.float32(p) * ridge
+            factor *= np.minimum(on_line, 1.0, out=on_line)

@@ -39,6 +39,7 @@ def smooth_posterior(
     *,
     prior: np.ndarray,
     parameters: AssociationParameters,
+    compared: bool = True,
 ) -> Posterior:
     """Return the probability of every place in every frame, given all frames.
 
@@ -52,6 +53,8 @@ def smooth_posterior(
         Probability of places without any evidence, sum 1.
     parameters : AssociationParameters
         The stage's parameters.
+    compared : bool
+        Whether the agreement is worked out; it is 1 throughout otherwise.
 
     Returns
     -------
@@ -59,39 +62,47 @@ def smooth_posterior(
         Of the n frames.
     """
     n, h, w = likelihood.shape
-    x, y = np.meshgrid(np.arange(w, dtype=np.float32), np.arange(h, dtype=np.float32))
+    grid = np.stack(np.meshgrid(np.arange(w), np.arange(h)), axis=-1).astype(np.float32)
+    prior = np.asarray(prior, np.float32)
 
     def carried(mass: np.ndarray, flow: np.ndarray) -> np.ndarray:
-        moved = cv2.remap(mass, x + flow[..., 0], y + flow[..., 1], cv2.INTER_LINEAR)
+        moved = cv2.remap(mass, grid + flow, None, cv2.INTER_LINEAR)
         # this border keeps every mass within and is the same forwards and backwards
         near, far = (
             cv2.GaussianBlur(moved, (0, 0), sd, borderType=cv2.BORDER_REFLECT)
             for sd in (parameters.near_sd, parameters.far_sd)
         )
-        return (1 - parameters.far) * near + parameters.far * far
+        return cv2.addWeighted(near, 1 - parameters.far, far, parameters.far, 0)
 
     filtered = np.empty_like(likelihood)
     filtered[0] = _normalised(prior * likelihood[0])
     for t in range(1, n):
-        mass = _normalised(carried(filtered[t - 1], backward[t - 1]))
-        mass = (1 - parameters.lost) * mass + parameters.lost * prior
-        filtered[t] = _normalised(mass * likelihood[t])
+        mass = carried(filtered[t - 1], backward[t - 1])
+        kept = (1 - parameters.lost) / (_total(mass) + _TINY)
+        mass = cv2.addWeighted(mass, kept, prior, parameters.lost, 0)
+        filtered[t] = _normalised(cv2.multiply(mass, likelihood[t], dst=mass))
     to_come = np.full((h, w), 1 / (h * w), np.float32)
     agreement = np.ones(n)
     for t in range(n - 2, -1, -1):
         mass = carried(_normalised(to_come * likelihood[t + 1]), forward[t])
         to_come = _normalised(mass) + 10 * parameters.lost / (h * w)
-        agreement[t] = _overlap(filtered[t], _normalised(to_come * likelihood[t]))
-        filtered[t] = _normalised(filtered[t] * to_come)
+        if compared:
+            agreement[t] = _overlap(filtered[t], _normalised(to_come * likelihood[t]))
+        filtered[t] = _normalised(cv2.multiply(to_come, filtered[t]))
     return Posterior(filtered, agreement)
 
 
 def _overlap(before: np.ndarray, after: np.ndarray) -> float:
     """Return the Bhattacharyya coefficient of two distributions, blurred."""
     blurred = [cv2.GaussianBlur(mass, (0, 0), _HALF_PAW) for mass in (before, after)]
-    return float(np.sqrt(np.maximum(blurred[0] * blurred[1], 0)).sum())
+    return _total(cv2.sqrt(np.maximum(cv2.multiply(*blurred), 0)))
 
 
 def _normalised(mass: np.ndarray) -> np.ndarray:
-    """Return what sums to 1."""
-    return mass / (mass.sum() + _TINY)
+    """Return float32 that sums to 1; ``mass`` is changed."""
+    mass *= np.float32(1 / (_total(mass) + _TINY))
+    return mass
+
+
+def _total(mass: np.ndarray) -> float:
+    return float(cv2.sumElems(mass)[0])

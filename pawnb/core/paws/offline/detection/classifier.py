@@ -2,24 +2,61 @@
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 
 import numpy as np
-from sklearn.exceptions import ConvergenceWarning
-from sklearn.neural_network import MLPClassifier
-from sklearn.preprocessing import StandardScaler
 
 from pawnb.core.paws.offline.parameters import AppearanceParameters
 
 Classifier = Callable[[np.ndarray], np.ndarray]
 """Features (m, F) to probabilities (m, 1 + P) of no point and of each."""
 
+_BATCH, _RATE, _DECAY = 256, 3e-3, 0.3
+"""Samples a step, its size, and the weight of the square of the weights."""
+_FIRST_MOMENT, _SECOND_MOMENT, _TINY = 0.9, 0.999, 1e-8
+"""Of Adam, as Kingma & Ba (2015) propose them."""
+
+
+@dataclass(frozen=True)
+class _Networks:
+    """Several networks with one hidden layer each, as one: K networks of H units, C classes.
+
+    Parameters
+    ----------
+    inner : ndarray of float32, shape (F, K H)
+        Weights of the hidden layers.
+    inner_bias : ndarray of float32, shape (K H,)
+        Their biases.
+    outer : ndarray of float32, shape (K, H, C)
+        Weights of the outputs.
+    outer_bias : ndarray of float32, shape (K, C)
+        Their biases.
+    """
+
+    inner: np.ndarray
+    inner_bias: np.ndarray
+    outer: np.ndarray
+    outer_bias: np.ndarray
+
+    @classmethod
+    def in_vector(cls, vector: np.ndarray, sizes: tuple[int, int, int, int]) -> _Networks:
+        """Return networks of sizes F, K, H and C whose parameters are parts of a vector."""
+        f, k, h, c = sizes
+        shapes = ((f, k * h), (k * h,), (k, h, c), (k, c))
+        ends = np.cumsum([int(np.prod(shape)) for shape in shapes])
+        parts = np.split(vector, ends[:-1])
+        return cls(*(part.reshape(shape) for part, shape in zip(parts, shapes, strict=True)))
+
 
 def train_classifier(
     features: np.ndarray, labels: np.ndarray, *, n_points: int, parameters: AppearanceParameters
 ) -> Classifier:
     """Train a few networks with one hidden layer and return the mean of their probabilities.
+
+    Rectified linear units, cross-entropy, Adam (Kingma & Ba 2015). The networks differ by
+    where they begin; they see the same samples in the same order, so that one product serves
+    the hidden layers of all.
 
     Parameters
     ----------
@@ -37,35 +74,96 @@ def train_classifier(
     callable
         See :data:`Classifier`.
     """
-    scaler = StandardScaler().fit(features)
-    scaled = scaler.transform(features).astype(np.float32)
-    networks = []
-    for seed in range(parameters.networks):
-        network = MLPClassifier(
-            (parameters.hidden,), alpha=0.3, batch_size=min(256, len(scaled)),
-            learning_rate_init=3e-3, max_iter=parameters.epochs, random_state=seed,
-        )  # fmt: skip
-        with warnings.catch_warnings():  # a few epochs are enough, and less sure
-            warnings.simplefilter("ignore", ConvergenceWarning)
-            networks.append(network.fit(scaled, labels))
-    # one product for the hidden layers of all networks, with the scaling inside
-    inner = np.hstack([network.coefs_[0] for network in networks]) / scaler.scale_[:, None]
-    bias = np.hstack([network.intercepts_[0] for network in networks]) - scaler.mean_ @ inner
-    inner, bias = inner.astype(np.float32), bias.astype(np.float32)
-    outer = [
-        (n.coefs_[1].astype(np.float32), n.intercepts_[1].astype(np.float32)) for n in networks
-    ]
-    classes, hidden = networks[0].classes_, parameters.hidden
+    mean, scale = features.mean(axis=0, dtype=float), features.std(axis=0, dtype=float)
+    scale[scale < _TINY] = 1.0
+    classes, numbers = np.unique(labels, return_inverse=True)
+    scaled = np.ascontiguousarray((features - mean) / scale, np.float32)
+    networks = _train(scaled, numbers.ravel(), len(classes), parameters)
+    # the scaling goes into the product
+    inner = (networks.inner / scale[:, None]).T
+    bias = (networks.inner_bias - mean @ inner.T).astype(np.float32)[:, None]
+    inner = np.ascontiguousarray(inner, np.float32)
 
     def classify(samples: np.ndarray) -> np.ndarray:
-        active = np.maximum(samples @ inner + bias, 0)
-        probability = np.zeros((len(samples), n_points + 1), np.float32)
-        for i, (weights, intercept) in enumerate(outer):
-            score = active[:, i * hidden : (i + 1) * hidden] @ weights + intercept
-            if score.shape[1] < len(classes):  # two classes have one output
-                score = np.hstack([-score / 2, score / 2])
-            score = np.exp(score - score.max(axis=1, keepdims=True))
-            probability[:, classes] += score / score.sum(axis=1, keepdims=True) / len(outer)
-        return probability
+        # places last: what follows goes along memory
+        active = inner @ samples.T
+        active += bias
+        np.maximum(active, 0, out=active)
+        probability = np.zeros((n_points + 1, len(samples)), np.float32)
+        for part, outer, own in zip(
+            np.split(active, len(networks.outer)), networks.outer, networks.outer_bias, strict=True
+        ):
+            score = outer.T @ part
+            score += own[:, None]
+            score -= score.max(axis=0)
+            np.exp(score, out=score)
+            score /= score.sum(axis=0) * len(networks.outer)
+            probability[classes] += score
+        return probability.T
 
     return classify
+
+
+def _train(
+    samples: np.ndarray, classes: np.ndarray, n_classes: int, parameters: AppearanceParameters
+) -> _Networks:
+    """Return networks that were trained on samples (m, F) float32 of known classes (m,)."""
+    k, h, f = parameters.networks, parameters.hidden, samples.shape[1]
+    random = np.random.default_rng(0)
+    vector = np.concatenate(
+        [
+            random.uniform(-bound, bound, size)
+            for bound, size in (
+                (np.sqrt(6 / (f + h)), (f + 1) * k * h),  # Glorot & Bengio 2010
+                (np.sqrt(6 / (h + n_classes)), k * (h + 1) * n_classes),
+            )
+        ]
+    ).astype(np.float32)
+    gradient = np.empty_like(vector)
+    networks = _Networks.in_vector(vector, (f, k, h, n_classes))
+    slopes = _Networks.in_vector(gradient, (f, k, h, n_classes))
+    first, second = np.zeros_like(vector), np.zeros_like(vector)
+    target = np.eye(n_classes, dtype=np.float32)[classes]
+    for step, rows in enumerate(_batches(len(samples), parameters.epochs, random), start=1):
+        _find_slopes(networks, slopes, samples[rows], target[rows])
+        first += (1 - _FIRST_MOMENT) * (gradient - first)
+        second += (1 - _SECOND_MOMENT) * (gradient * gradient - second)
+        rate = _RATE * np.sqrt(1 - _SECOND_MOMENT**step) / (1 - _FIRST_MOMENT**step)
+        vector -= np.float32(rate) * first / (np.sqrt(second) + np.float32(_TINY))
+    return networks
+
+
+def _batches(n: int, epochs: int, random: np.random.Generator) -> Iterator[np.ndarray]:
+    """Yield the rows of each step: all of them once an epoch, in an order of its own."""
+    for _ in range(epochs):
+        order = random.permutation(n)
+        for begin in range(0, n, _BATCH):
+            yield order[begin : begin + _BATCH]
+
+
+def _find_slopes(
+    networks: _Networks, slopes: _Networks, samples: np.ndarray, target: np.ndarray
+) -> None:
+    """Write into ``slopes`` how the mean cross-entropy of a batch changes with each parameter."""
+    n, h = len(samples), networks.outer.shape[1]
+    active = samples @ networks.inner
+    active += networks.inner_bias
+    np.maximum(active, 0, out=active)
+    back = np.empty_like(active)
+    for i, (outer, bias) in enumerate(zip(networks.outer, networks.outer_bias, strict=True)):
+        own = active[:, i * h : (i + 1) * h]
+        score = own @ outer
+        score += bias
+        score -= score.max(axis=1, keepdims=True)
+        np.exp(score, out=score)
+        score /= score.sum(axis=1, keepdims=True)
+        score -= target
+        score /= n
+        slopes.outer[i] = own.T @ score
+        slopes.outer_bias[i] = score.sum(axis=0)
+        back[:, i * h : (i + 1) * h] = score @ outer.T
+    back *= active > 0
+    slopes.inner[:] = samples.T @ back
+    slopes.inner_bias[:] = back.sum(axis=0)
+    slopes.inner[:] += np.float32(_DECAY / n) * networks.inner
+    slopes.outer[:] += np.float32(_DECAY / n) * networks.outer

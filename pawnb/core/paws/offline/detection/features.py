@@ -2,15 +2,49 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
+
 import cv2
 import numpy as np
 
 _RINGS_PX = (10.0, 20.0, 35.0)
 _DIRECTIONS = 8
+_TURNS = np.arange(_DIRECTIONS) * (2 * np.pi / _DIRECTIONS)
 
 
-def feature_maps(grey: np.ndarray, colour: np.ndarray | None, spacing: int) -> np.ndarray:
-    """Return features of every place of the grid.
+@dataclass(frozen=True)
+class _Ring:
+    """What lies at a distance in each of eight directions.
+
+    Parameters
+    ----------
+    of : ndarray of float32, shape (h, w)
+        What is looked at there.
+    radius : float
+        The distance, in places.
+    minus : ndarray of float32, shape (h, w), optional
+        What is taken from it at the place itself.
+    """
+
+    of: np.ndarray
+    radius: float
+    minus: np.ndarray | None = None
+
+    def at(self, x: np.ndarray, y: np.ndarray, places: np.ndarray) -> np.ndarray:
+        """Return the eight values (8, m) about m places."""
+        around = cv2.remap(
+            self.of,
+            (x + self.radius * np.cos(_TURNS)[:, None]).astype(np.float32),
+            (y + self.radius * np.sin(_TURNS)[:, None]).astype(np.float32),
+            cv2.INTER_LINEAR,
+            borderMode=cv2.BORDER_REPLICATE,
+        )
+        return around if self.minus is None else around - self.minus.ravel()[places]
+
+
+class PictureFeatures:
+    """Features of the places of one picture, computed where they are asked for.
 
     Gaussian derivatives at four scales, their differences, the structure tensor (Bigün &
     Granlund 1987), brightness (and colour) on three rings about the place, direction by
@@ -24,44 +58,81 @@ def feature_maps(grey: np.ndarray, colour: np.ndarray | None, spacing: int) -> n
         Its colour channels.
     spacing : int
         Px between places.
-
-    Returns
-    -------
-    ndarray of float32, shape (h, w, F)
-        F is 47 without colour and 59 with it.
     """
-    h, w = grey.shape[0] // spacing, grey.shape[1] // spacing
-    offset = spacing // 2
 
-    def on_grid(x: np.ndarray) -> np.ndarray:
-        return x[offset::spacing, offset::spacing][:h, :w]
+    def __init__(self, grey: np.ndarray, colour: np.ndarray | None, spacing: int) -> None:
+        h, w = grey.shape[0] // spacing, grey.shape[1] // spacing
+        offset = spacing // 2
+        self.shape = (h, w)
 
-    fine = cv2.GaussianBlur(grey.astype(np.float32) / 255, (0, 0), 1.5)
-    gx, gy = cv2.Sobel(fine, cv2.CV_32F, 1, 0), cv2.Sobel(fine, cv2.CV_32F, 0, 1)
-    brightness = on_grid(fine)
-    gx_grid, gy_grid = on_grid(gx), on_grid(gy)
-    features = _structure(gx, gy, on_grid)
-    features += [brightness, gx_grid * 1.5, gy_grid * 1.5, np.hypot(gx_grid, gy_grid) * 1.5]
-    near = on_grid(cv2.GaussianBlur(fine, (0, 0), 2.6))
-    middle = cv2.GaussianBlur(near, (0, 0), 5.2 / spacing)
-    far = cv2.GaussianBlur(middle, (0, 0), 10.4 / spacing)
-    for x, gain in ((near, 1.0), (middle, 2.0), (far, 4.0)):
-        dx, dy = cv2.Sobel(x, cv2.CV_32F, 1, 0) * gain, cv2.Sobel(x, cv2.CV_32F, 0, 1) * gain
-        features += [x, dx, dy, np.hypot(dx, dy)]
-    features += [(brightness - near) * 4, (near - middle) * 4, (middle - far) * 4]
-    for i, radius in enumerate(_RINGS_PX):
-        features += _ring(near if i == 0 else middle, radius / spacing, minus=0.7 * near)
-    for channel in range(0 if colour is None else 2):
-        shade = colour[..., channel].astype(np.float32) / 32 - 4  # type: ignore[index]
-        shade = np.ascontiguousarray(on_grid(cv2.blur(shade, (3, 3))))
-        smooth = cv2.GaussianBlur(shade, (0, 0), 5.1 / spacing)
-        features += [shade, smooth]
-        if channel == 0:
-            features += _ring(smooth, _RINGS_PX[0] / spacing)
-    return np.stack(features, axis=-1)
+        def on_grid(x: np.ndarray) -> np.ndarray:
+            return np.ascontiguousarray(x[offset::spacing, offset::spacing][:h, :w])
+
+        fine = cv2.GaussianBlur(grey.astype(np.float32) / 255, (0, 0), 1.5)
+        gx, gy = cv2.Sobel(fine, cv2.CV_32F, 1, 0), cv2.Sobel(fine, cv2.CV_32F, 0, 1)
+        brightness = on_grid(fine)
+        gx_grid, gy_grid = on_grid(gx), on_grid(gy)
+        maps = _structure(gx, gy, on_grid)
+        maps += [brightness, gx_grid * 1.5, gy_grid * 1.5, cv2.magnitude(gx_grid, gy_grid) * 1.5]
+        near = on_grid(cv2.GaussianBlur(fine, (0, 0), 2.6))
+        middle = cv2.GaussianBlur(near, (0, 0), 5.2 / spacing)
+        far = cv2.GaussianBlur(middle, (0, 0), 10.4 / spacing)
+        for x, gain in ((near, 1.0), (middle, 2.0), (far, 4.0)):
+            dx, dy = (cv2.Sobel(x, cv2.CV_32F, *d, scale=gain) for d in ((1, 0), (0, 1)))
+            maps += [x, dx, dy, cv2.magnitude(dx, dy)]
+        maps += [(brightness - near) * 4, (near - middle) * 4, (middle - far) * 4]
+        ground = 0.7 * near
+        self._parts: list[np.ndarray | _Ring] = [np.stack(maps).reshape(len(maps), -1)]
+        self._parts += [
+            _Ring(near if i == 0 else middle, radius / spacing, ground)
+            for i, radius in enumerate(_RINGS_PX)
+        ]
+        for channel in range(0 if colour is None else 2):
+            shade = colour[..., channel].astype(np.float32) / 32 - 4  # type: ignore[index]
+            shade = on_grid(cv2.blur(shade, (3, 3)))
+            smooth = cv2.GaussianBlur(shade, (0, 0), 5.1 / spacing)
+            self._parts.append(np.stack([shade, smooth]).reshape(2, -1))
+            if channel == 0:
+                self._parts.append(_Ring(smooth, _RINGS_PX[0] / spacing))
+
+    def at(self, places: np.ndarray) -> np.ndarray:
+        """Return the features of some places.
+
+        Parameters
+        ----------
+        places : ndarray of int, shape (m,)
+            Numbers of places, row by row.
+
+        Returns
+        -------
+        ndarray of float32, shape (m, F)
+            F is 47 without colour and 59 with it.
+        """
+        count = sum(_DIRECTIONS if isinstance(p, _Ring) else len(p) for p in self._parts)
+        found = np.empty((count, len(places)), np.float32)
+        y, x = np.divmod(places, self.shape[1])
+        begin = 0
+        for part in self._parts:
+            if isinstance(part, _Ring):
+                end = begin + _DIRECTIONS
+                found[begin:end] = part.at(x, y, places)
+            else:
+                end = begin + len(part)
+                np.take(part, places, axis=1, out=found[begin:end], mode="clip")
+            begin = end
+        return found.T
 
 
-def _structure(gx: np.ndarray, gy: np.ndarray, on_grid) -> list[np.ndarray]:  # type: ignore[no-untyped-def]
+def feature_maps(grey: np.ndarray, colour: np.ndarray | None, spacing: int) -> np.ndarray:
+    """Return the features of every place, float32 (h, w, F); see :class:`PictureFeatures`."""
+    features = PictureFeatures(grey, colour, spacing)
+    h, w = features.shape
+    return features.at(np.arange(h * w)).reshape(h, w, -1)
+
+
+def _structure(
+    gx: np.ndarray, gy: np.ndarray, on_grid: Callable[[np.ndarray], np.ndarray]
+) -> list[np.ndarray]:
     """Return strength, coherence and direction (doubled) of the texture."""
     xx, yy, xy = (
         on_grid(cv2.blur(cv2.blur(p, (7, 7)), (7, 7))) for p in (gx * gx, gy * gy, gx * gy)
@@ -69,17 +140,3 @@ def _structure(gx: np.ndarray, gy: np.ndarray, on_grid) -> list[np.ndarray]:  # 
     apart = np.sqrt((xx - yy) ** 2 + 4 * xy**2)
     total = np.maximum(xx + yy, 0) + 1e-4
     return [np.sqrt(total) * 4, apart / total, (xx - yy) / total, 2 * xy / total]
-
-
-def _ring(x: np.ndarray, radius: float, *, minus: np.ndarray | float = 0.0) -> list[np.ndarray]:
-    """Return what lies at a distance in each of eight directions."""
-    h, w = x.shape
-    around = []
-    for angle in np.arange(_DIRECTIONS) * (2 * np.pi / _DIRECTIONS):
-        shift = np.array([[1, 0, radius * np.cos(angle)], [0, 1, radius * np.sin(angle)]])
-        moved = cv2.warpAffine(
-            x, shift, (w, h), flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
-            borderMode=cv2.BORDER_REPLICATE,
-        )  # fmt: skip
-        around.append(moved - minus)
-    return around

@@ -20,6 +20,12 @@ _UNKNOWN_EXTENT = 0.4
 """Extent where no frame has two points, in shorter sides of the picture."""
 _COLOUR = 2.0
 """Mean distance of red and blue from which a view is in colour."""
+_SHRUNK = 0.75
+"""Pictures are shrunk before they are turned where the working scale is below this."""
+_KEPT_BYTES = 2e9
+"""Pictures are kept until the body's frame is known, up to so much: those of 1000 frames of four
+colour views of 2048 x 700 px in which the animal is 700 px long."""
+_NOTHING = np.empty((0, 0), np.uint8)
 
 
 @dataclass(frozen=True)
@@ -103,7 +109,10 @@ def read_stacks(
     parameters: SceneParameters,
     advanced: Callable[[int], bool],
 ) -> list[BodyStack] | None:
-    """Read the views into the body's frame: twice through the video.
+    """Read the views into the body's frame.
+
+    The body's frame is found from all pictures. Until it is known, what may be needed of them is
+    kept; where that is too much, the video is read once more.
 
     Parameters
     ----------
@@ -116,7 +125,7 @@ def read_stacks(
     parameters : SceneParameters
         The stage's parameters.
     advanced : callable
-        Told how many frames are read in all (each twice); answers whether to go on.
+        Told how many frames are read in all (each counts twice); answers whether to go on.
 
     Returns
     -------
@@ -124,76 +133,107 @@ def read_stacks(
         One a view with any annotation, in order; None where the run was stopped.
     """
     names = [n for n, a in zip(views.names, annotations, strict=True) if a.rows]
-    own = [a for a in annotations if a.rows]
-    sizes = [(views.readers[n].width, views.readers[n].height) for n in names]
-    scales = [min(1.0, parameters.overview_px / max(size)) for size in sizes]
-    small: list[list[np.ndarray]] = [[] for _ in names]
-    for row, (_, pictures) in enumerate(views.frames(*frames)):
-        for name, k, kept in zip(names, scales, small, strict=True):
-            grey = _grey(pictures[name].image())  # type: ignore[attr-defined]
-            kept.append(cv2.resize(grey, None, fx=k, fy=k, interpolation=cv2.INTER_AREA))
-        if not advanced(row + 1):
-            return None
     crops = [
-        _Crops(np.stack(kept), a, size, k, parameters)
-        for kept, a, size, k in zip(small, own, sizes, scales, strict=True)
+        _Crops(a, (views.readers[n].width, views.readers[n].height), parameters)
+        for n, a in zip(views.names, annotations, strict=True)
+        if a.rows
     ]
-    del small
     n = frames[1] - frames[0]
-    for row, (_, pictures) in enumerate(views.frames(*frames)):
-        for name, crop in zip(names, crops, strict=True):
-            crop.take(pictures[name].image())  # type: ignore[attr-defined]
-        if not advanced(n + row + 1):
-            return None
+    once = n * sum(crop.picture_bytes for crop in crops) <= _KEPT_BYTES
+
+    def read(take: Callable[[_Crops, np.ndarray], None], before: int, each: int) -> bool:
+        with ThreadPoolExecutor() as pool:
+            for row, (_, pictures) in enumerate(views.frames(*frames)):
+                images = [pictures[name].image() for name in names]  # type: ignore[attr-defined]
+                list(pool.map(take, crops, images))
+                if not advanced(before + each * (row + 1)):
+                    return False
+        return True
+
+    if not read(_Crops.look_and_keep if once else _Crops.look, 0, 2 if once else 1):
+        return None
+    for crop in crops:
+        crop.find_body()
+    if not once and not read(_Crops.take, n, 1):
+        return None
     return [crop.stack() for crop in crops]
 
 
 class _Crops:
-    """The pictures of one view in the body's frame, as they are read."""
+    """The pictures of one view, as they are read, and what of them is in the body's frame."""
 
     def __init__(
-        self,
-        small: np.ndarray,
-        annotations: Annotations,
-        size: tuple[int, int],
-        small_scale: float,
-        parameters: SceneParameters,
+        self, annotations: Annotations, size: tuple[int, int], parameters: SceneParameters
     ) -> None:
         extent = annotations.extent()
-        extent = extent if extent > 0 else _UNKNOWN_EXTENT * min(size)
-        clicks = {
+        self.extent_px = extent if extent > 0 else _UNKNOWN_EXTENT * min(size)
+        self.clicks = {
             row: np.array(list(here.values())) for row, here in sorted(annotations.places.items())
         }
-        self.spacing, self.extent_px = parameters.spacing, extent
-        self.body = find_body_frame(
-            small,
-            {row: uv * small_scale for row, uv in clicks.items()},
-            extent * small_scale,
-            scale=small_scale,
-            parameters=parameters,
-        )
-        self.scale = min(parameters.extent / extent, parameters.largest_enlargement)
-        A = self.body.rotations() * self.scale
-        offset = -np.einsum("nij,nj->ni", A, self.body.centre)
-        margin = parameters.margin * extent * self.scale
-        placed = np.concatenate([uv @ A[row].T + offset[row] for row, uv in clicks.items()])
-        low, high = placed.min(axis=0) - margin, placed.max(axis=0) + margin
-        if self.body.kind == "stays":
-            low = np.maximum(low, 0)
-            high = np.minimum(high, np.array(size) * self.scale)
-        self.size = tuple(int(x) for x in np.ceil((high - low) / self.spacing) * self.spacing)
-        self.to_body = np.concatenate([A, (offset - low)[..., None]], axis=2)
+        self.view_size, self.parameters = size, parameters
+        self.scale = min(parameters.extent / self.extent_px, parameters.largest_enlargement)
+        self.shrinks = self.scale < _SHRUNK
+        self.small_scale = min(1.0, parameters.overview_px / max(size))
+        self.small: list[np.ndarray] = []
+        self.kept: list[np.ndarray] = []
         self.grey: list[np.ndarray] = []
         self.colour: list[np.ndarray] = []
         self.is_colour: bool | None = None
 
+    @property
+    def picture_bytes(self) -> float:
+        """Size of a picture that is kept until the body's frame is known."""
+        return 3 * np.prod(self.view_size) * (self.scale**2 if self.shrinks else 1.0)
+
+    def look(self, picture: np.ndarray) -> None:
+        """Take a small picture of the whole view."""
+        k = self.small_scale
+        grey = _grey(picture)
+        self.small.append(cv2.resize(grey, None, fx=k, fy=k, interpolation=cv2.INTER_AREA))
+
+    def look_and_keep(self, picture: np.ndarray) -> None:
+        """Take a small picture of the whole view, and keep what is needed at the working scale."""
+        self.look(picture)
+        self.kept.append(self._shrunk(picture))
+
+    def find_body(self) -> None:
+        """Find the body's frame from all small pictures, and what is to be looked at in it."""
+        k, parameters = self.small_scale, self.parameters
+        small, self.small = np.stack(self.small), []
+        self.body = find_body_frame(
+            small,
+            {row: uv * k for row, uv in self.clicks.items()},
+            self.extent_px * k,
+            scale=k,
+            parameters=parameters,
+        )
+        A = self.body.rotations() * self.scale
+        offset = -np.einsum("nij,nj->ni", A, self.body.centre)
+        margin = parameters.margin * self.extent_px * self.scale
+        placed = np.concatenate([uv @ A[row].T + offset[row] for row, uv in self.clicks.items()])
+        low, high = placed.min(axis=0) - margin, placed.max(axis=0) + margin
+        if self.body.kind == "stays":
+            low = np.maximum(low, 0)
+            high = np.minimum(high, np.array(self.view_size) * self.scale)
+        spacing = parameters.spacing
+        self.size = tuple(int(x) for x in np.ceil((high - low) / spacing) * spacing)
+        self.to_body = np.concatenate([A, (offset - low)[..., None]], axis=2)
+
     def take(self, picture: np.ndarray) -> None:
-        """Take the next picture."""
+        """Take what is in the body's frame of the next picture."""
+        self._crop(self._shrunk(picture))
+
+    def _shrunk(self, picture: np.ndarray) -> np.ndarray:
+        """Return a picture at the working scale where that is smaller, so that nothing aliases."""
+        if not self.shrinks:
+            return picture
+        k = self.scale
+        return cv2.resize(picture, None, fx=k, fy=k, interpolation=cv2.INTER_AREA)
+
+    def _crop(self, picture: np.ndarray) -> None:
+        """Take what is in the body's frame of a picture that was shrunk."""
         A = self.to_body[len(self.grey)]
-        if self.scale < 0.75:  # shrunk first, so that nothing aliases
-            picture = cv2.resize(
-                picture, None, fx=self.scale, fy=self.scale, interpolation=cv2.INTER_AREA
-            )
+        if self.shrinks:
             centre = 0.5 / self.scale - 0.5  # of the first pixel, in those of the view
             A = A @ np.array([[1 / self.scale, 0, centre], [0, 1 / self.scale, centre], [0, 0, 1]])
         crop = cv2.warpAffine(picture, A, self.size, borderMode=cv2.BORDER_REPLICATE)
@@ -205,19 +245,23 @@ class _Crops:
 
     def stack(self) -> BodyStack:
         """Return what was taken, with its flow."""
+        for i in range(len(self.kept)):
+            picture, self.kept[i] = self.kept[i], _NOTHING  # its memory is given back
+            self._crop(picture)
         grey = np.stack(self.grey)
         low, high = np.percentile(grey[::5], (1, 99.8))
         levels = np.clip((np.arange(256) - low) / max(high - low, 1), 0, 1) ** 0.7 * 255
         for picture in grey:
             cv2.LUT(picture, levels.astype(np.uint8), dst=picture)
-        forward, backward = _flows(grey, self.spacing)
+        spacing = self.parameters.spacing
+        forward, backward = _flows(grey, spacing)
         return BodyStack(
             grey,
             np.stack(self.colour) if self.colour else None,
             self.to_body[: len(grey)],
             forward,
             backward,
-            self.spacing,
+            spacing,
             self.body,
             self.scale,
             self.extent_px,

@@ -63,9 +63,7 @@ def at(shape, places):
 
 
 def support(stacks, left, right):
-    return epipolar_support(
-        [left, right], stacks, names=list(CAMERAS), rig=RIG, radius=RADIUS, sizes=[SIZE, SIZE]
-    )
+    return epipolar_support([left, right], stacks, names=list(CAMERAS), rig=RIG, radius=RADIUS)
 
 
 def test_support_is_highest_along_the_line_through_the_true_point(stacks):

@@ -79,7 +79,8 @@ def test_rows_that_are_asked_for_are_those_of_the_whole(maps, stack):
     classify = learn_appearance(stack, {0: lesson}, n_points=3, parameters=PARAMETERS)
     alone = appearance_maps(stack, classify, points=[2], parameters=PARAMETERS, rows=[1])
     assert list(alone) == [2]
-    np.testing.assert_array_equal(alone[2], maps[2][1:])  # and learning is deterministic
+    # and learning is deterministic; blurs differ in the last digits
+    np.testing.assert_allclose(alone[2], maps[2][1:], rtol=1e-5)
 
 
 def test_a_doubtful_place_is_no_background(stack, monkeypatch):

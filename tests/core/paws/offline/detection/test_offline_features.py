@@ -5,10 +5,18 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pawnb.core.paws.offline.detection.features import feature_maps
+from pawnb.core.paws.offline.detection.features import PictureFeatures, feature_maps
 
 RING = 4 + 4 + 3 * 4 + 3
 """Structure, finest scale, three coarser ones and their differences come before the rings."""
+
+
+def test_features_of_some_places_are_those_among_all(make_texture):
+    grey = make_texture(62, 91)
+    colour = np.stack([grey, grey[::-1]], axis=-1)
+    places = np.array([0, 17, 31, 599, 200])
+    some = PictureFeatures(grey, colour, 3).at(places)
+    np.testing.assert_array_equal(some, feature_maps(grey, colour, 3).reshape(600, -1)[places])
 
 
 def test_shape_is_that_of_the_whole_places(make_texture):

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.parameters import SceneParameters
+from pawnb.core.paws.offline.scene import stack as stack_module
 from pawnb.core.paws.offline.scene.body_frame import BodyFrame
 from pawnb.core.paws.offline.scene.stack import BodyStack, read_stacks
 
@@ -189,21 +190,32 @@ def test_a_view_without_clicks_is_left_out(two_views):
     assert len(read(two_views, [CLICKED, CLICKED], extent=40.0)) == 2
 
 
-def test_frames_that_are_asked_for_are_read_twice(two_views):
+@pytest.mark.parametrize(("most", "steps"), [(1e9, [2, 4, 6]), (0, [1, 2, 3, 4, 5, 6])])
+def test_frames_that_are_asked_for_are_read_once_or_where_memory_lacks_twice(
+    two_views, monkeypatch, most, steps
+):
     told = []
 
     def advanced(done):
         told.append(done)
         return True
 
-    stacks = read(two_views, [CLICKED, CLICKED], frames=(2, 5), extent=40.0, advanced=advanced)
-    assert told == [1, 2, 3, 4, 5, 6]
+    asked = {"frames": (2, 5), "extent": 40.0}
+    expected = read(two_views, [CLICKED, CLICKED], **asked)
+    monkeypatch.setattr(stack_module, "_KEPT_BYTES", most)
+    stacks = read(two_views, [CLICKED, CLICKED], **asked, advanced=advanced)
+    assert told == steps
     assert [stack.shape[0] for stack in stacks] == [3, 3]
     assert len(stacks[0].to_body) == 3
+    for stack, other in zip(stacks, expected, strict=True):
+        np.testing.assert_array_equal(stack.grey, other.grey)
+        np.testing.assert_array_equal(stack.to_body, other.to_body)
 
 
+@pytest.mark.parametrize("most", [1e9, 0])
 @pytest.mark.parametrize("last", [1, 6, 7, 12])
-def test_where_it_is_stopped_there_is_nothing(two_views, last):
+def test_where_it_is_stopped_there_is_nothing(two_views, monkeypatch, last, most):
+    monkeypatch.setattr(stack_module, "_KEPT_BYTES", most)
     assert read(two_views, [CLICKED, CLICKED], extent=40.0, advanced=lambda n: n < last) is None
 
 
