@@ -1,4 +1,4 @@
-"""Where the candidates of method ``pawnb`` are kept between runs and corrections."""
+"""Where the evidence of method ``pawnb`` is kept between runs and corrections."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import json
 from collections import OrderedDict
 from pathlib import Path
 
+from pawnb.core.paws.offline.kept import KeptStacks
 from pawnb.core.paws.whole.store import CandidateStore
 from pawnb.trial import Trial
 from pawnb.workflow.provenance import file_checksum
@@ -14,6 +15,7 @@ FILE_NAME = "candidates.bin"
 
 _MOST_IN_MEMORY = 2
 _in_memory: OrderedDict[str, CandidateStore] = OrderedDict()
+_stacks: OrderedDict[str, KeptStacks] = OrderedDict()
 
 
 def open_store(trial: Trial, folder: Path | None) -> CandidateStore:
@@ -67,6 +69,23 @@ def keep_store(store: CandidateStore) -> None:
     _in_memory[store.source] = store
     while len(_in_memory) > _MOST_IN_MEMORY:
         _in_memory.popitem(last=False)
+
+
+def session_stacks(source: str) -> KeptStacks:
+    """Return the pictures and flow that this session keeps of a recording.
+
+    Those of the recording used longest ago are let go.
+
+    Parameters
+    ----------
+    source : str
+        What was filmed, see :func:`describe_source`.
+    """
+    kept = _stacks.pop(source, None) or KeptStacks()
+    _stacks[source] = kept
+    while len(_stacks) > _MOST_IN_MEMORY:
+        _stacks.popitem(last=False)
+    return kept
 
 
 def describe_source(trial: Trial) -> str:

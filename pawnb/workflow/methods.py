@@ -9,6 +9,8 @@ from typing import Any
 import pandas as pd
 
 from pawnb.core.paws import PaperSettings, Task, track_paws
+from pawnb.core.paws.offline.again import Again
+from pawnb.core.paws.offline.kept import KeptStacks
 from pawnb.core.paws.offline.tracker import track_points
 from pawnb.core.paws.whole import WholeSettings
 from pawnb.core.paws.whole.store import CandidateStore
@@ -348,6 +350,8 @@ def run_tracker(
     learn_at: Mapping[str, int] | None = None,
     looked: pd.DataFrame | None = None,
     store: CandidateStore | None = None,
+    stacks: KeptStacks | None = None,
+    again: Again | None = None,
 ) -> Tracks:
     """Track with one of the methods.
 
@@ -366,7 +370,7 @@ def run_tracker(
     learn_at : mapping, optional
         See :func:`pawnb.core.paws.track_paws`; method ``pawnb`` has no use for it, as it
         learns from every position placed by hand.
-    looked, store
+    looked, store, stacks, again
         See :func:`pawnb.core.paws.offline.tracker.track_points`; other methods do not use them.
 
     Returns
@@ -375,5 +379,8 @@ def run_tracker(
         Tracks.
     """
     if isinstance(settings, WholeSettings):
-        return track_points(views, clicks, task, settings=settings, looked=looked, store=store)
+        return track_points(
+            views, clicks, task, settings=settings, looked=looked, store=store, stacks=stacks,
+            again=again,
+        )  # fmt: skip
     return track_paws(views, clicks, task, settings=settings, method=method, learn_at=learn_at)

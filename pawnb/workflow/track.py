@@ -12,8 +12,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from pawnb.core.paws.offline.again import Again, frames_again, weighing_of
 from pawnb.core.paws.offline.detection.predictions import Predictions
 from pawnb.core.paws.offline.quality_likeness import add_likeness, keep_likeness
+from pawnb.core.paws.offline.tracker import LEARNT
 from pawnb.core.paws.settings import REFERENCE_WIDTH_PX
 from pawnb.core.paws.stretch import TOLERANCE_PX, keep_untouched
 from pawnb.core.paws.whole import WholeSettings
@@ -25,7 +27,13 @@ from pawnb.errors import InputError, InputWarning
 from pawnb.schema import ORIGIN_CODE, Tracks, add_provenance
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.interrupt import interruptible
-from pawnb.workflow.kept_candidates import keep_store, open_store, reopen_store
+from pawnb.workflow.kept_candidates import (
+    describe_source,
+    keep_store,
+    open_store,
+    reopen_store,
+    session_stacks,
+)
 from pawnb.workflow.manifest import run_alone
 from pawnb.workflow.methods import (
     METHODS,
@@ -181,7 +189,10 @@ def track(
         if method == METHODS[0]:
             span["predictions"] = _predictions(trial, views, clicks, (begin, last))
         task = paw_task(trial, rig, clicks, progress=report, stop=asked, **span)
-        tracks = run_tracker(method, views, clicks, task=task, settings=chosen, store=store)
+        stacks = None if store is None else session_stacks(store.source)
+        tracks = run_tracker(
+            method, views, clicks, task=task, settings=chosen, store=store, stacks=stacks
+        )
         shown.close()
         if stop is None and tracks.sizes["time"] < last - first:
             _tell_interrupted(tracks, first, last, kept=store is not None or out is not None)
@@ -226,7 +237,10 @@ def retrack(
 
     Method ``pawnb`` decides over the whole recording again, with everything that was put
     in place by hand as certain. Other points then take their new rows, too, about where
-    they have moved: where one paw was taken for another, both are set right.
+    they have moved: where one paw was taken for another, both are set right. Of tracks that were
+    made by what was learnt in the recording only the frames up to the next click of the corrected
+    points are looked at; what paws look like is learnt anew from the correction, too. Pictures and
+    flow that this session has kept of the recording are not decoded again.
 
     Of a jointed animal see :func:`pawnb.workflow.retrack_pose.retrack_pose`.
 
@@ -292,7 +306,9 @@ def retrack(
         if method == METHODS[0] and looked is not None:
             clicks = clicks_by_hand(trial, tracks)
             begin, old = int(known[0]), None
-            if not learn:
+            if tracks.attrs.get("evidence") == LEARNT:
+                kept = _learnt_again(trial, tracks, frame, placed) | {"looked": looked}
+            elif not learn:
                 folder = results_folder(trial, out)
                 if folder.is_dir():  # a run there would write the same candidates
                     stack.enter_context(run_alone(folder))
@@ -336,6 +352,17 @@ def retrack(
         start=clicks.to_dict(orient="records"),
     )
     return add_provenance(new, **step)
+
+
+def _learnt_again(
+    trial: Trial, tracks: Tracks, frame: int, placed: Sequence[str]
+) -> dict[str, Any]:
+    """Return what is kept for tracks by learnt evidence, and in which frames they are made anew."""
+    kept: dict[str, Any] = {"stacks": session_stacks(describe_source(trial))}
+    if placed:
+        frames = frames_again(tracks, int(frame), placed)
+        kept["again"] = Again(tracks, frames, weighing_of(tracks))
+    return kept
 
 
 def _predictions(

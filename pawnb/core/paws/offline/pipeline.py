@@ -29,7 +29,7 @@ from pawnb.core.paws.offline.parameters import OfflineParameters
 from pawnb.core.paws.offline.scene.stack import BodyStack
 from pawnb.core.paws.offline.signs import Signs, found_again, read_signs
 from pawnb.core.paws.offline.view_input import ViewInput
-from pawnb.core.paws.offline.weighing import weigh
+from pawnb.core.paws.offline.weighing import Weighing, weigh
 from pawnb.core.rig import Rig
 
 
@@ -104,6 +104,8 @@ def run_pipeline(
     n_points: int,
     parameters: OfflineParameters,
     rig: Rig | None = None,
+    rows: tuple[int, int] | None = None,
+    weighing: Weighing | None = None,
 ) -> list[dict[int, PointTrack]]:
     """Return where every clicked point is in every view.
 
@@ -117,6 +119,10 @@ def run_pipeline(
         Parameters of all stages.
     rig : Rig, optional
         Calibration of the views; without it each is tracked by itself.
+    rows : tuple of int, optional
+        First row and one past the last that are tracked; all views teach with all of theirs.
+    weighing : Weighing, optional
+        How far appearance is trusted; default what leaving out clicked frames says.
 
     Returns
     -------
@@ -124,19 +130,25 @@ def run_pipeline(
         For each view: point to its track.
     """
     radius = parameters.appearance.radius / parameters.scene.spacing
-    weighing = weigh(views, n_points, parameters)
-    motion = [_motion(view, parameters) for view in views]
-    lessons = [clicked_lessons(v.stack, v.annotations) for v in views]
+    weighing = weighing or weigh(views, n_points, parameters)
+    wholes, clicked = views, [clicked_lessons(v.stack, v.annotations) for v in views]
     priors = [
         prior_from_clicks(v.stack, v.annotations, radius=radius, parameters=parameters)
         for v in views
     ]
+    begin, end = rows or (0, views[0].stack.shape[0])
+    views = [view.part(begin, end) for view in views]
+    motion = [
+        _motion(view, whole.annotations.points, parameters)
+        for view, whole in zip(views, wholes, strict=True)
+    ]
+    lessons = clicked
     others = motion
     estimates: list[dict[int, Estimates]] = []
     for round_ in range(parameters.appearance.rounds):
         looks = [
-            _appearance(view, own, n_points, parameters)
-            for view, own in zip(views, lessons, strict=True)
+            _appearance(view, own, n_points, parameters, rows=range(begin, end))
+            for view, own in zip(wholes, lessons, strict=True)
         ]
         evidence = [
             ViewEvidence(
@@ -156,17 +168,22 @@ def run_pipeline(
                 for view, m, e in zip(views, motion, estimates, strict=True)
             ]
             lessons = [
-                clicked_lessons(v.stack, v.annotations)
-                | agreed_lessons(
-                    v.stack,
-                    v.annotations,
-                    estimates=e,
-                    looks=look,
-                    priors=prior,
-                    radius=radius,
-                    parameters=parameters.appearance,
+                own
+                | _moved_on(
+                    begin,
+                    agreed_lessons(
+                        v.stack,
+                        v.annotations,
+                        estimates=e,
+                        looks=look,
+                        priors=prior,
+                        radius=radius,
+                        parameters=parameters.appearance,
+                    ),
                 )
-                for v, e, look, prior in zip(views, estimates, looks, priors, strict=True)
+                for v, own, e, look, prior in zip(
+                    views, clicked, estimates, looks, priors, strict=True
+                )
             ]
             priors = [
                 prior_from_tracks({p: q.mass for p, q in own.items()}, prior, radius)
@@ -192,11 +209,13 @@ def run_pipeline(
     ]
 
 
-def _motion(view: ViewInput, parameters: OfflineParameters) -> dict[int, np.ndarray]:
+def _motion(
+    view: ViewInput, points: Sequence[int], parameters: OfflineParameters
+) -> dict[int, np.ndarray]:
     """Return ratios of likelihoods by motion and by further detections, for each point."""
     found = [detect_by_motion(view.stack, view.annotations, parameters.motion), *view.detections]
     ratios = {}
-    for point in view.annotations.points:
+    for point in points:
         ratios[point] = paint(found[0], view.stack, point)
         for more in found[1:]:
             ratios[point] *= paint(more, view.stack, point)
@@ -219,13 +238,24 @@ def _with_correlation(
     return {point: own * paint(found, view.stack, point) for point, own in ratios.items()}
 
 
+def _moved_on(begin: int, lessons: Mapping[int, Lesson]) -> dict[int, Lesson]:
+    """Return lessons of a part by the rows of the whole."""
+    return {begin + row: lesson for row, lesson in lessons.items()}
+
+
 def _appearance(
-    view: ViewInput, lessons: Mapping[int, Lesson], n_points: int, parameters: OfflineParameters
+    view: ViewInput,
+    lessons: Mapping[int, Lesson],
+    n_points: int,
+    parameters: OfflineParameters,
+    *,
+    rows: Sequence[int],
 ) -> dict[int, np.ndarray]:
     """Return ratios of likelihoods by appearance, for each point."""
     classify = learn_appearance(
         view.stack, lessons, n_points=n_points, parameters=parameters.appearance
     )
     return appearance_maps(
-        view.stack, classify, points=view.annotations.points, parameters=parameters.appearance
-    )
+        view.stack, classify, points=view.annotations.points, parameters=parameters.appearance,
+        rows=rows,
+    )  # fmt: skip

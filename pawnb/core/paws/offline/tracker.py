@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import pandas as pd
 
 from pawnb.core.grey import has_colour
-from pawnb.core.paws.layout import Layout, Views, make_layout
+from pawnb.core.paws.layout import Layout, Views, make_layout, read_start
+from pawnb.core.paws.offline.again import Again, weighing_as_attributes
 from pawnb.core.paws.offline.annotations import Annotations, annotations_of_view
 from pawnb.core.paws.offline.detection.evidence import Detections, installed_evidence
 from pawnb.core.paws.offline.detection.predictions import predictions_as_detections
+from pawnb.core.paws.offline.kept import KeptStacks, fits
 from pawnb.core.paws.offline.output import write_tracks
 from pawnb.core.paws.offline.parameters import OfflineParameters
 from pawnb.core.paws.offline.pipeline import (
@@ -25,6 +29,7 @@ from pawnb.core.paws.offline.quality_likeness import add_likeness
 from pawnb.core.paws.offline.scene.stack import BodyStack, read_stacks
 from pawnb.core.paws.offline.strides import strides_may_tell, track_by_strides
 from pawnb.core.paws.offline.view_input import ViewInput
+from pawnb.core.paws.offline.weighing import Weighing, weigh
 from pawnb.core.paws.offline.windows import chance_to_go_on, handed_on, take_over, windows
 from pawnb.core.paws.settings import PaperSettings
 from pawnb.core.paws.task import Task
@@ -47,6 +52,8 @@ def track_points(
     settings: WholeSettings,
     looked: pd.DataFrame | None = None,
     store: CandidateStore | None = None,
+    stacks: KeptStacks | None = None,
+    again: Again | None = None,
 ) -> Tracks:
     """Track points by the first way that serves, of three.
 
@@ -63,6 +70,10 @@ def track_points(
     views, start, task, settings, looked, store
         As for :func:`pawnb.core.paws.whole.track_whole`; ``settings.evidence`` may choose one
         of the three.
+    stacks : KeptStacks, optional
+        Evidence of earlier runs on the same recording, for what is learnt in it.
+    again : Again, optional
+        What is to be tracked again, for what is learnt in the recording; colour decides over all.
 
     Returns
     -------
@@ -90,7 +101,7 @@ def track_points(
             break
     if best is not None and best[0].verdict != "failed":
         return best[1]
-    tracks = track_offline(views, start, task)
+    tracks = track_offline(views, start, task, looked=looked, stacks=stacks, again=again)
     tracks.attrs["evidence"] = LEARNT
     return tracks
 
@@ -150,6 +161,9 @@ def track_offline(
     task: Task,
     *,
     parameters: OfflineParameters | None = None,
+    looked: pd.DataFrame | None = None,
+    stacks: KeptStacks | None = None,
+    again: Again | None = None,
 ) -> Tracks:
     """Track points by evidence that is learnt in the recording itself.
 
@@ -164,6 +178,14 @@ def track_offline(
         What is to be tracked.
     parameters : OfflineParameters, optional
         Parameters of all stages.
+    looked : DataFrame, optional
+        Earlier clicks, columns as ``start``, by which the body's frame was found; it is the same
+        again where ``start`` lies well within.
+    stacks : KeptStacks, optional
+        Pictures and flow of earlier runs on the same recording. What is there and fits is not
+        decoded again, and what is decoded goes there.
+    again : Again, optional
+        Frames that are to be tracked again; all others are missing in what is returned.
 
     Returns
     -------
@@ -185,55 +207,139 @@ def track_offline(
     first, n = task.frames[0], task.frames[1] - task.frames[0]
     placed = [annotations_of_view(anchors, v, first) for v in range(len(layout.views))]
     found = [no_track(n, len(layout.points)) for _ in layout.views]
+    run = _Run(
+        views, layout, task, parameters, placed, _framed_by(looked, layout, task) or placed,
+        found, stacks or KeptStacks(), again,
+    )  # fmt: skip
     spans = windows(n, [row for annotations in placed for row in annotations.rows])
+    spans = [span for span in spans if again is None or again.rows_in(first, span)]
     said: list[str] = []
+    weighed: Weighing | None = None
     for i, span in enumerate(spans):
-        tracked = _track_window(
-            views, layout, task, placed=placed, found=found, span=span, parameters=parameters,
-            advanced=_reporter(task, done=i, of=len(spans)),
-        )  # fmt: skip
+        tracked = run.track_window(span, advanced=_reporter(task, done=i, of=len(spans)))
         if tracked is None:  # stopped: a part of the recording does not decide over the whole
             nothing = [no_track(0, len(layout.points)) for _ in layout.views]
             return write_tracks(nothing, layout, task, placed={})
         said = said or tracked
+        weighed = weighed or run.weighing
     tracks = write_tracks(
         found, layout, task, placed={frame - first: here for frame, here in anchors.items()}
     )
     tracks.attrs["body_frame"] = "; ".join(said)
+    if weighed is not None:
+        tracks.attrs.update(weighing_as_attributes(weighed))
     return tracks
 
 
-def _track_window(
-    views: Views,
-    layout: Layout,
-    task: Task,
-    *,
-    placed: Sequence[Annotations],
-    found: Sequence[ViewTrack],
-    span: tuple[int, int],
-    parameters: OfflineParameters,
-    advanced: Callable[[int], bool],
-) -> list[str] | None:
-    """Track one window into ``found``; return how its views were seen, None where stopped."""
-    begin, end = span
-    own = [
-        handed_on(a, whole, begin=begin, end=end) for a, whole in zip(placed, found, strict=True)
-    ]
-    frames = (task.frames[0] + begin, task.frames[0] + end)
-    stacks = read_stacks(views, own, frames=frames, parameters=parameters.scene, advanced=advanced)
-    if stacks is None:
+def _framed_by(looked: pd.DataFrame | None, layout: Layout, task: Task) -> list[Annotations] | None:
+    """Return the clicks by which the body's frame was found earlier."""
+    if looked is None or not len(looked):
         return None
-    used = [v for v, annotations in enumerate(own) if annotations.rows]
-    inputs = []
-    for v, stack in zip(used, stacks, strict=True):
-        detections = _detections(layout, task, stack, annotations=own[v], view=v, span=span)
-        inputs.append(ViewInput(layout.views[v], layout.sizes[v], stack, own[v], detections))
-    n_points = len(layout.points)
-    tracks = run_pipeline(inputs, n_points=n_points, parameters=parameters, rig=layout.rig)
-    for v, one, points in zip(used, inputs, tracks, strict=True):
-        chance = chance_to_go_on(placed[v], found[v], begin=begin, end=end)
-        take_over(found[v], view_track(one.stack, points, n_points, chance=chance), begin)
-    return [_said(one) for one in inputs]
+    inside = looked[looked["frame"].between(task.frames[0], task.frames[1] - 1)]
+    placed = read_start(inside, layout, task.frames)
+    return [annotations_of_view(placed, v, task.frames[0]) for v in range(len(layout.views))]
+
+
+@dataclass
+class _Run:
+    """A recording that is tracked window by window.
+
+    Attributes
+    ----------
+    placed, framing : sequence of Annotations
+        For each view what is certain, and the clicks by which the body's frame is found.
+    found : sequence of ViewTrack
+        For each view, what is tracked so far.
+    weighing : Weighing
+        How far appearance was trusted in the last window.
+    """
+
+    views: Views
+    layout: Layout
+    task: Task
+    parameters: OfflineParameters
+    placed: Sequence[Annotations]
+    framing: Sequence[Annotations]
+    found: Sequence[ViewTrack]
+    stacks: KeptStacks
+    again: Again | None
+    weighing: Weighing | None = None
+
+    def track_window(
+        self, span: tuple[int, int], *, advanced: Callable[[int], bool]
+    ) -> list[str] | None:
+        """Track one window; return how its views were seen, None where stopped."""
+        begin, end = span
+        own, framing = (
+            [
+                handed_on(a, whole, begin=begin, end=end)
+                for a, whole in zip(placed, self.found, strict=True)
+            ]
+            for placed in (self.placed, self.framing)
+        )
+        used = [v for v, annotations in enumerate(own) if annotations.rows]
+        if not used:
+            return []
+        stacks = self._stacks(span, [own[v] for v in used], framing, used, advanced)
+        if stacks is None:
+            return None
+        first, n_points, again = self.task.frames[0], len(self.layout.points), self.again
+        inputs = []
+        for v, stack in zip(used, stacks, strict=True):
+            detections = _detections(
+                self.layout, self.task, stack, annotations=own[v], view=v, span=span
+            )
+            one = ViewInput(self.layout.views[v], self.layout.sizes[v], stack, own[v], detections)
+            if again is not None:
+                known = again.known(one.name, self.layout.points, first).part(begin, end)
+                one = dataclasses.replace(one, known=known)
+            inputs.append(one)
+        rows = None if again is None else again.rows_in(first, span)
+        self.weighing = (
+            weigh(inputs, n_points, self.parameters) if again is None else again.weighing
+        )
+        tracks = run_pipeline(
+            inputs, n_points=n_points, parameters=self.parameters, rig=self.layout.rig,
+            rows=rows, weighing=self.weighing,
+        )  # fmt: skip
+        for v, one, points in zip(used, inputs, tracks, strict=True):
+            chance = chance_to_go_on(self.placed[v], self.found[v], begin=begin, end=end)
+            part = one.stack if rows is None else one.stack.part(*rows)
+            track = view_track(part, points, n_points, chance=chance)
+            take_over(self.found[v], track, begin + (rows or (0, 0))[0])
+        return [_said(one) for one in inputs]
+
+    def _stacks(
+        self,
+        span: tuple[int, int],
+        own: Sequence[Annotations],
+        framing: Sequence[Annotations],
+        used: Sequence[int],
+        advanced: Callable[[int], bool],
+    ) -> list[BodyStack] | None:
+        """Return the pictures of the views that are used: kept ones that fit, else read."""
+        first = self.task.frames[0]
+        names = [self.layout.views[v] for v in used]
+        asked = {
+            "frames": (first + span[0], first + span[1]), "parameters": self.parameters.scene,
+        }  # fmt: skip
+        kept = self.stacks.find(names, own, **asked)
+        if kept is not None:
+            return kept
+        stacks = None
+        if all(framing[v].rows for v in used):
+            by_view = [a if v in used else Annotations({}) for v, a in enumerate(framing)]
+            stacks = read_stacks(self.views, by_view, **asked, advanced=advanced)
+            if stacks is None:
+                return None
+        if stacks is None or not all(map(fits, stacks, own)):
+            by_view = [Annotations({})] * len(framing)
+            for v, annotations in zip(used, own, strict=True):
+                by_view[v] = annotations
+            stacks = read_stacks(self.views, by_view, **asked, advanced=advanced)
+        if stacks is not None:
+            self.stacks.keep(names, stacks, **asked)
+        return stacks
 
 
 def _detections(

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.detection.evidence import Detections
@@ -26,6 +27,9 @@ class ViewInput:
         What was placed by hand.
     detections : sequence of Detections
         Of further kinds of evidence.
+    known : Annotations
+        What is known of earlier tracks: certain where only a part is tracked again, and
+        taught to nobody.
     """
 
     name: str
@@ -33,3 +37,16 @@ class ViewInput:
     stack: BodyStack
     annotations: Annotations
     detections: Sequence[Detections] = ()
+    known: Annotations = field(default_factory=lambda: Annotations({}))
+
+    def part(self, begin: int, end: int) -> ViewInput:
+        """Return the rows from ``begin`` up to ``end``, with all that is certain in them."""
+        placed = {row: dict(here) for row, here in self.known.places.items()}
+        for row, here in self.annotations.places.items():
+            placed[row] = placed.get(row, {}) | here
+        return dataclasses.replace(
+            self,
+            stack=self.stack.part(begin, end),
+            annotations=Annotations(placed).part(begin, end),
+            detections=[found.part(begin, end) for found in self.detections],
+        )

@@ -66,7 +66,7 @@ def smooth_posterior(
     prior = np.asarray(prior, np.float32)
 
     def carried(mass: np.ndarray, flow: np.ndarray) -> np.ndarray:
-        moved = cv2.remap(mass, grid + flow, None, cv2.INTER_LINEAR)
+        moved = cv2.remap(mass, grid + flow, None, cv2.INTER_LINEAR)  # type: ignore[call-overload]
         # this border keeps every mass within and is the same forwards and backwards
         near, far = (
             cv2.GaussianBlur(moved, (0, 0), sd, borderType=cv2.BORDER_REFLECT)
@@ -94,8 +94,8 @@ def smooth_posterior(
 
 def _overlap(before: np.ndarray, after: np.ndarray) -> float:
     """Return the Bhattacharyya coefficient of two distributions, blurred."""
-    blurred = [cv2.GaussianBlur(mass, (0, 0), _HALF_PAW) for mass in (before, after)]
-    return _total(cv2.sqrt(np.maximum(cv2.multiply(*blurred), 0)))
+    before, after = (cv2.GaussianBlur(mass, (0, 0), _HALF_PAW) for mass in (before, after))
+    return _total(cv2.sqrt(np.maximum(before * after, 0)))
 
 
 def _normalised(mass: np.ndarray) -> np.ndarray:

@@ -46,6 +46,14 @@ class Detections:
             *(a[kept] for a in (self.row, self.point, self.uv, self.log_odds, self.sd_px))
         )
 
+    def part(self, begin: int, end: int) -> Detections:
+        """Return those of the rows from ``begin`` up to ``end``, counted from ``begin``."""
+        kept = (self.row >= begin) & (self.row < end)
+        return Detections(
+            self.row[kept] - begin,
+            *(a[kept] for a in (self.point, self.uv, self.log_odds, self.sd_px)),
+        )
+
 
 class Evidence(Protocol):
     """A kind of evidence of its own, for example another program's predictions.

@@ -52,6 +52,9 @@ class BodyStack:
         Working px in one px of the view.
     extent_px : float
         Size of the animal, px of the view.
+    ends : ((bool, bool), (bool, bool))
+        Whether the view ends where the pictures do: at the left and at the top, at the right and
+        at the bottom.
     """
 
     grey: np.ndarray
@@ -63,6 +66,7 @@ class BodyStack:
     body: BodyFrame
     scale: float
     extent_px: float
+    ends: tuple[tuple[bool, bool], tuple[bool, bool]] = ((False, False), (False, False))
 
     @property
     def shape(self) -> tuple[int, int, int]:
@@ -179,6 +183,7 @@ class _Crops:
         self.grey: list[np.ndarray] = []
         self.colour: list[np.ndarray] = []
         self.is_colour: bool | None = None
+        self.ends = ((False, False), (False, False))
 
     @property
     def picture_bytes(self) -> float:
@@ -213,8 +218,12 @@ class _Crops:
         placed = np.concatenate([uv @ A[row].T + offset[row] for row, uv in self.clicks.items()])
         low, high = placed.min(axis=0) - margin, placed.max(axis=0) + margin
         if self.body.kind == "stays":
-            low = np.maximum(low, 0)
-            high = np.minimum(high, np.array(self.view_size) * self.scale)
+            most = np.array(self.view_size) * self.scale
+            self.ends = (
+                (bool(low[0] <= 0), bool(low[1] <= 0)),
+                (bool(high[0] >= most[0]), bool(high[1] >= most[1])),
+            )
+            low, high = np.maximum(low, 0), np.minimum(high, most)
         spacing = parameters.spacing
         self.size = tuple(int(x) for x in np.ceil((high - low) / spacing) * spacing)
         self.to_body = np.concatenate([A, (offset - low)[..., None]], axis=2)
@@ -265,6 +274,7 @@ class _Crops:
             self.body,
             self.scale,
             self.extent_px,
+            self.ends,
         )
 
 

@@ -1,0 +1,115 @@
+"""Evidence of an earlier run, kept in memory: pictures in the body's frame, with their flow.
+
+When clicks are added or corrected only what they change is worked out again: appearance and the
+association of places. What takes longest, decoding and optical flow, depends on clicks only by
+the body's frame, and that of earlier clicks serves while later ones lie well within it.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Sequence
+
+import numpy as np
+
+from pawnb.core.paws.offline.annotations import Annotations
+from pawnb.core.paws.offline.parameters import SceneParameters
+from pawnb.core.paws.offline.scene.stack import BodyStack
+
+MOST_BYTES = 1e9
+"""Stacks of one recording are kept up to so much: 2000 frames of a view, or 500 of four."""
+_INSIDE = 0.35
+"""Clicks lie so far within the pictures, in extents: about 1.5 standard deviations of the prior."""
+_EXTENT = 1.1
+"""The extent of the clicks may differ by this factor from that for which pictures were scaled."""
+
+
+class KeptStacks:
+    """Stacks of one recording; may be used from several threads.
+
+    Parameters
+    ----------
+    most_bytes : float
+        How much is kept; the oldest are let go.
+    """
+
+    def __init__(self, most_bytes: float = MOST_BYTES) -> None:
+        self._most_bytes = most_bytes
+        self._stacks: dict[tuple[object, ...], list[BodyStack]] = {}
+        self._lock = threading.Lock()
+
+    def find(
+        self,
+        names: Sequence[str],
+        annotations: Sequence[Annotations],
+        *,
+        frames: tuple[int, int],
+        parameters: SceneParameters,
+    ) -> list[BodyStack] | None:
+        """Return the stacks of some views, or None where there are none that fit.
+
+        Parameters
+        ----------
+        names : sequence of str
+            The views.
+        annotations : sequence of Annotations
+            What is placed in each of them.
+        frames : tuple of int
+            First frame and one past the last.
+        parameters : SceneParameters
+            What the stacks were to be made with.
+        """
+        with self._lock:
+            stacks = self._stacks.get((*names, frames, parameters))
+        if stacks is None or not all(map(fits, stacks, annotations)):
+            return None
+        return stacks
+
+    def keep(
+        self,
+        names: Sequence[str],
+        stacks: list[BodyStack],
+        *,
+        frames: tuple[int, int],
+        parameters: SceneParameters,
+    ) -> None:
+        """Keep the stacks of some views; arguments as for :meth:`find`."""
+        with self._lock:
+            self._stacks.pop((*names, frames, parameters), None)
+            self._stacks[*names, frames, parameters] = stacks
+            while sum(map(_size, self._stacks.values())) > self._most_bytes:
+                del self._stacks[next(iter(self._stacks))]
+
+
+def fits(stack: BodyStack, annotations: Annotations) -> bool:
+    """Tell whether a stack serves for clicks, too, for which it was not made.
+
+    Parameters
+    ----------
+    stack : BodyStack
+        Pictures in the body's frame.
+    annotations : Annotations
+        What is placed in its view.
+    """
+    extent = annotations.extent()
+    if np.isfinite(extent) and not 1 / _EXTENT <= extent / stack.extent_px <= _EXTENT:
+        return False
+    size = np.array(stack.grey.shape[:0:-1])
+    inside = _INSIDE * stack.extent_px * stack.scale
+    # where the picture itself ends there is no more to be seen
+    low = np.where(stack.ends[0], 0.0, inside)
+    high = np.where(stack.ends[1], size, size - inside)
+    for here in annotations.moved(stack.to_body).places.values():
+        for xy in here.values():
+            if not ((low <= xy) & (xy <= high)).all():
+                return False
+    return True
+
+
+def _size(stacks: list[BodyStack]) -> int:
+    return sum(
+        array.nbytes
+        for stack in stacks
+        for array in (stack.grey, stack.colour, stack.forward, stack.backward)
+        if array is not None
+    )
