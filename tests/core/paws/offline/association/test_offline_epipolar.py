@@ -10,6 +10,7 @@ from pawnb.core.paws.offline.association.associate import ViewEvidence, associat
 from pawnb.core.paws.offline.association.epipolar import epipolar_support
 from pawnb.core.paws.offline.parameters import AssociationParameters
 from pawnb.core.rig import Rig
+from pawnb.core.sightlines import find_fundamental_matrix
 
 SIZE = (120, 90)
 RADIUS = 2.0
@@ -80,6 +81,18 @@ def test_support_is_highest_along_the_line_through_the_true_point(stacks):
             assert found[5][t, y, x] > 0.7
         x, y = other_place(xyz)
         assert found[5][t, y, x] < 0.1
+
+
+def test_the_fundamental_matrix_gives_the_line_through_the_point_in_the_other_view():
+    """A line a u + b v + c = 0; the point itself is seen in both pictures."""
+    F = find_fundamental_matrix(CAMERAS["left"], CAMERAS["right"])
+    assert np.linalg.norm(F) == pytest.approx(1)
+    for xyz in TRUTH:
+        line = F @ np.append(project("left", xyz), 1.0)
+        on, off = project("right", xyz), project("right", xyz + [0.0, 0.0, 5.0])
+        away = [abs(line @ np.append(uv, 1.0)) / np.hypot(*line[:2]) for uv in (on, off)]
+        assert away[0] < 1e-6
+        assert away[1] > 5
 
 
 def test_what_is_not_seen_says_nothing(stacks):
