@@ -89,7 +89,7 @@ def test_the_fundamental_matrix_gives_the_line_through_the_point_in_the_other_vi
     assert np.linalg.norm(F) == pytest.approx(1)
     for xyz in TRUTH:
         line = F @ np.append(project("left", xyz), 1.0)
-        on, off = project("right", xyz), project("right", xyz + [0.0, 0.0, 5.0])
+        on, off = project("right", xyz), project("right", np.add(xyz, [0, 0, 5]))
         away = [abs(line @ np.append(uv, 1.0)) / np.hypot(*line[:2]) for uv in (on, off)]
         assert away[0] < 1e-6
         assert away[1] > 5
