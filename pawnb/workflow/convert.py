@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -10,12 +10,13 @@ import numpy as np
 from pawnb.core.dlt import transform_image
 from pawnb.core.reproject import reproject_tracks
 from pawnb.core.rig import Rig
-from pawnb.errors import CalibrationError, InputError
+from pawnb.errors import CalibrationError, InputError, did_you_mean
 from pawnb.io.coefs import write_coefs
 from pawnb.io.dltdv_out import beside
 from pawnb.io.formats import Format, read_any_tracks, target_format, write_any_tracks
 from pawnb.io.outgoing import has_space, take_animal, views_of
-from pawnb.schema import Tracks, make_tracks
+from pawnb.io.points import check_names
+from pawnb.schema import Tracks, add_provenance, make_tracks
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.file_pixels import rig_of_tracks, view_heights
 from pawnb.workflow.foreign_tracks import read_foreign_tracks
@@ -32,6 +33,7 @@ def convert_tracks(
     view: str | None = None,
     animal: str | None = None,
     heights_px: Sequence[int] | None = None,
+    legs: Sequence[str] | Mapping[str, str] | None = None,
 ) -> list[Path]:
     """Read tracks of any program that is known and write them in the format of any other.
 
@@ -60,6 +62,10 @@ def convert_tracks(
         Heights of the pictures (one of all, or one a view), for formats that count upwards from
         the lower edge: Argus, and DLTdv 7 and older.
 
+    legs : mapping, optional
+        Leg to point: these points are called as the legs from here on, so that what was corrected
+        once need not be said again.
+
     Returns
     -------
     list of Path
@@ -85,6 +91,8 @@ def convert_tracks(
         heights_px = heights_px or _own_heights(trial, tracks, entry)
     if animal is not None:
         tracks = take_animal(tracks, animal)
+    if isinstance(legs, Mapping):
+        tracks = _with_legs(tracks, legs, Path(source).name)
     tracks = _in_views(tracks, rig, entry)
     _check_holds(tracks, entry, Path(source).name)
     written = write_any_tracks(tracks, target, program=to, view=view, heights_px=heights_px)
@@ -122,6 +130,22 @@ def _own_heights(trial: Trial, tracks: Tracks, entry: Format) -> list[int] | Non
     if entry.name != "argus" and not (entry.name == "dltdv" and up):
         return None
     return view_heights(trial, tracks)
+
+
+def _with_legs(tracks: Tracks, legs: Mapping[str, str], source: str) -> Tracks:
+    """Return tracks whose points are called as the legs they are."""
+    names = [str(point) for point in tracks["keypoint"].to_numpy()]
+    for leg, point in legs.items():
+        if point not in names:
+            raise InputError(
+                f"{source}: no point {point!r}{did_you_mean(point, names)} for leg {leg!r}; it has "
+                f"{', '.join(names)}."
+            )
+    called = {point: leg for leg, point in legs.items()}
+    new = [called.get(name, name) for name in names]
+    check_names(new, what="point", where=source)
+    renamed = tracks.assign_coords(keypoint=np.array(new, dtype=str))
+    return add_provenance(renamed, step="name legs", legs=dict(legs))
 
 
 def _in_views(tracks: Tracks, rig: Rig | None, entry: Format) -> Tracks:
