@@ -65,8 +65,8 @@ def places(tracks: Tracks) -> np.ndarray:
     """Return positions in the order of :func:`recording`; of several views, those of the first."""
     own = tracks.sel(keypoint=POINTS)
     if "view" in own.dims:
-        return own["image_position"][:, 0].transpose("time", "keypoint", "individual", ...).values
-    return own["position"].transpose("time", "keypoint", "individual", "space").values
+        return own["image_position"][:, 0].transposeX
+    return own["position"].transposeX
 
 
 def off(found: np.ndarray, true: np.ndarray) -> str:

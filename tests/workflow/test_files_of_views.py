@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from pawnb import cli
 from pawnb.errors import CalibrationError, InputError
 from pawnb.io.cameras import read_cameras
 from pawnb.io.formats import read_any_tracks
@@ -185,3 +186,33 @@ def test_coefficients_and_points_for_dltdv_are_moved_together(tmp_path):
         np.testing.assert_allclose(
             back["position"].to_numpy()[..., 0, 0], [[1, 2, 3], [-4, 5, 6]], atol=1e-6
         )
+
+
+def test_check_and_gait_take_a_file_a_view(tmp_path, capsys):
+    n = 200
+    t = np.arange(n) / 100.0
+    for name, shift in (("a", 0.0), ("b", 3.0)):
+        columns = {"frame": np.arange(n)}
+        for k, leg in enumerate(("FR", "HR", "FL", "HL")):
+            columns[f"{leg}_x"] = 300 + shift + 40 * np.sin(2 * np.pi * (4 * t + k / 2))
+            columns[f"{leg}_y"] = 200 - 5 * np.maximum(0, np.cos(2 * np.pi * (4 * t + k / 2)))
+        pd.DataFrame(columns).to_csv(tmp_path / f"{name}.csv", index=False)
+    section = (
+        '[{0}]\nname = "{0}"\nmatrix = [[900, 0, 300], [0, 900, 200], [0, 0, 1]]\n'
+        "rotation = [0, {1}, 0]\ntranslation = [0, 0, 500]\n"
+    )
+    (tmp_path / "c.toml").write_text(section.format("A", 0.01) + section.format("B", -0.01))
+    (tmp_path / "trial.toml").write_text(
+        HEAD.replace("30.0", "100.0") + '[calibration]\nanipose = "c.toml"\n'
+        '[tracks]\nfile = { A = "a.csv", B = "b.csv" }\n'
+    )
+    cli.main(["check", str(tmp_path)])
+    said = capsys.readouterr().out
+    assert "tracks in a.csv, b.csv: 200 frames, positions in mm" in said
+    words = ["gait", str(tmp_path), "--out", str(tmp_path / "out"), "--figures", "none"]
+    assert cli.main(words) == 0
+    strides = pd.read_csv(tmp_path / "out" / "strides.csv")
+    assert strides["period_s"].median() == pytest.approx(0.25, abs=0.002)  # 4 strides a second
+    (tmp_path / "b.csv").unlink()
+    assert cli.main(["check", str(tmp_path)]) == 2
+    assert "b.csv: no such tracks; check [tracks] file." in capsys.readouterr().out
