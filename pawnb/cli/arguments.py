@@ -19,7 +19,7 @@ _VERDICT = (
 # written here, since reading the table of pawnb.io.formats would slow every command down
 _FORMATS = (
     "Formats: pawnb, movement, deeplabcut, collected, lightning-pose, sleap, anipose, dltdv-3d, "
-    "dltdv, argus-3d, argus, csv, csv-3d, nwb, c3d; read only: table, locomouse, authors2019. "
+    "dltdv, argus-3d, argus, csv, csv-3d, table, nwb, c3d; read only: locomouse, authors2019. "
     "A name of OUT that says its format needs no --to: tracks.nc, tracks.csv, ...3d.csv, "
     "...xypts.csv, ...xyzpts.csv, ...DLC....csv or .h5, CollectedData....csv or .h5, "
     "....analysis.h5, .slp, .nwb, .c3d."
@@ -289,7 +289,7 @@ def _add_convert(parsers: Any) -> None:
     command.add_argument(
         "source",
         metavar="IN",
-        help="tracks of any program below, or a trial of kind tracks that names some",
+        help="tracks of any program below, or a trial: what it names, or what pawnb tracked",
     )
     command.add_argument(
         "target",

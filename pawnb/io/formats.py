@@ -25,7 +25,7 @@ from pawnb.io.sleap import read_sleap
 from pawnb.io.sleap_out import write_sleap
 from pawnb.io.tables import write_table
 from pawnb.io.track_tables import read_points3d_table, read_tracks_table
-from pawnb.io.wide import read_wide_table
+from pawnb.io.wide import read_wide_table, write_wide_table
 from pawnb.schema import Tracks, check_fps
 
 
@@ -155,7 +155,8 @@ TABLE: tuple[Format, ...] = (
     ),
     Format(
         name="table", title="table of points side by side", endings=(".csv",),
-        read=read_wide_table, reads_with=_UNIT,
+        holds="view or space", read=read_wide_table, reads_with=_UNIT, write=write_wide_table,
+        writes_with=_VIEW,
     ),
     Format(
         name="nwb", title="NWB with ndx-pose", endings=(".nwb",), holds="view or space",

@@ -20,6 +20,7 @@ from pawnb.schema import Tracks, add_provenance, make_tracks
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.file_pixels import rig_of_tracks, view_heights
 from pawnb.workflow.foreign_tracks import read_foreign_tracks
+from pawnb.workflow.results import read_result_tracks, results_folder
 
 
 def convert_tracks(
@@ -40,9 +41,10 @@ def convert_tracks(
     Parameters
     ----------
     source : str or Path
-        Tracks of any program of :data:`pawnb.io.formats.TABLE`. Or a trial of kind ``tracks``
-        (its ``trial.toml`` or folder): what its files hold, triangulated with its calibration; in
-        a format of pictures, points in space are shown in every calibrated view.
+        Tracks of any program of :data:`pawnb.io.formats.TABLE`. Or a trial (its ``trial.toml`` or
+        folder): of kind ``tracks`` what its files hold, triangulated with its calibration, of
+        another what pawnb tracked; in a format of pictures, points in space are shown in every
+        calibrated view, also where they were not tracked.
     target : str or Path
         The file. A format of one view makes a file for each of several views,
         ``<name>_<view><ending>``.
@@ -86,7 +88,7 @@ def convert_tracks(
         tracks = read_any_tracks(source, fps=fps, program=program, unit=unit, heights_px=heights_px)
     else:
         trial = _trial(path, fps, program, unit)
-        tracks = read_foreign_tracks(trial)
+        tracks = _tracks_of(trial, path)
         rig = rig_of_tracks(trial, tracks)
         heights_px = heights_px or _own_heights(trial, tracks, entry)
     if animal is not None:
@@ -109,19 +111,25 @@ def _trial_file(source: Path) -> Path | None:
 
 
 def _trial(path: Path, fps: float | None, program: str | None, unit: str | None) -> Trial:
-    """Return a trial of kind ``tracks``, which says itself what else would be given."""
+    """Return a trial, which says itself what else would be given."""
     trial = load_trial(path)
-    if trial.kind != "tracks":
-        raise InputError(
-            f"{path}: a trial of kind {trial.kind!r}, which pawnb tracks itself; name the "
-            "tracks.nc of its results."
-        )
     if (fps, program, unit) != (None, None, None):
         raise InputError(
             f"{path}: a trial says its frame rate and unit itself, and what its file is the file "
             "says; leave fps, program and unit away."
         )
     return trial
+
+
+def _tracks_of(trial: Trial, path: Path) -> Tracks:
+    """Return the tracks of a trial: those made elsewhere, or those that pawnb made of it."""
+    if trial.kind == "tracks":
+        return read_foreign_tracks(trial)
+    results = results_folder(trial) / "tracks.nc"
+    if not results.exists():
+        raise InputError(f"{results}: trial {trial.name!r} is not tracked yet; run pawnb track "
+                         f"{path.parent} first, or name the tracks.nc of its results.")  # fmt: skip
+    return read_result_tracks(results)
 
 
 def _own_heights(trial: Trial, tracks: Tracks, entry: Format) -> list[int] | None:
