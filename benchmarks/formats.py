@@ -9,7 +9,7 @@ the program is at hand, pawnb reads what it wrote itself, which is marked. In px
 0 is exact, 1e-5 is single precision.
 
 Found, with pandas 3.1, PyTables 3.11, sleap-io 0.9.5, movement 0.15, pynwb 4.2, ezc3d 1.7 and
-aniposelib 0.8: see docs/formats.md.
+aniposelib 0.8: see docs/guide/formats.md.
 """
 
 from __future__ import annotations

@@ -325,6 +325,11 @@ def load_tracks(path: str | Path, *, fps: float | None = None, **more: Any) -> T
     ------
     InputError
         If the file cannot be read, or the frame rate is needed and not given.
+
+    Examples
+    --------
+    >>> pawnb.load_tracks("sample/results/tracks.nc").sizes["time"]
+    60
     """
     return read_any_tracks(path, fps=fps, **more)
 
@@ -424,6 +429,11 @@ def write_any_tracks(
     ------
     InputError
         If the format cannot hold these tracks, or the name says another one.
+
+    Examples
+    --------
+    >>> [path.name for path in pawnb.io.write_any_tracks(tracks, "sample/m01.analysis.h5")]
+    ['m01.analysis.h5']
     """
     path, entry = Path(path), target_format(path, program)
     views = views_of(tracks)

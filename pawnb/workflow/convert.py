@@ -79,6 +79,12 @@ def convert_tracks(
     InputError
         If the source cannot be read, the target's format does not hold what it has, or the
         target's name says another format than ``to``.
+
+    Examples
+    --------
+    >>> done = pawnb.convert_tracks("sample/results/tracks.nc", "sample/paws_xypts.csv")
+    >>> [path.name for path in done]
+    ['paws_xypts.csv']
     """
     target = Path(target)
     entry = target_format(target, to)
