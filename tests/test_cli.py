@@ -266,7 +266,7 @@ def test_what_the_system_refuses_is_one_sentence(tmp_path, monkeypatch, capsys):
         raise OSError(28, "No space left on device", "tracks.nc.part")
 
     (tmp_path / "points.csv").write_text("frame,FR_x,FR_y\n0,1,2\n1,2,3\n")
-    monkeypatch.setattr("pawnb.io.native.write_tracks", full)
+    monkeypatch.setattr("pawnb.io.native.write_whole", full)
     status, _, err = run(
         capsys, "convert", tmp_path / "points.csv", tmp_path / "tracks.nc", "--fps", 9
     )

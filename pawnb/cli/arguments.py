@@ -19,7 +19,7 @@ _VERDICT = (
 # written here, since reading the table of pawnb.io.formats would slow every command down
 _FORMATS = (
     "Formats: pawnb, movement, deeplabcut, collected, lightning-pose, sleap, anipose, dltdv-3d, "
-    "dltdv, argus-3d, argus, csv, csv-3d, nwb, c3d; read only: table, locomouse, authors2019. "
+    "dltdv, argus-3d, argus, csv, csv-3d, table, nwb, c3d; read only: locomouse, authors2019. "
     "A name of OUT that says its format needs no --to: tracks.nc, tracks.csv, ...3d.csv, "
     "...xypts.csv, ...xyzpts.csv, ...DLC....csv or .h5, CollectedData....csv or .h5, "
     "....analysis.h5, .slp, .nwb, .c3d."
@@ -252,17 +252,34 @@ def _add_compare(parsers: Any) -> None:
 
 
 def _add_calibrate(parsers: Any) -> None:
-    text = "DLT coefficients from clicked points of known position, with the error of each"
-    command = parsers.add_parser("calibrate", help=text, description=text)
-    command.add_argument("points3d", metavar="POINTS3D", help="csv with point, x, y, z")
-    command.add_argument("clicks", metavar="CLICKS", help="csv with view, point, u, v")
+    text = "DLT coefficients from clicked points, or from another program's calibration"
+    more = (
+        f"{text}: POINTS3D CLICKS (csv with point, x, y, z; csv with view, point, u, v) are "
+        "fitted, with the error of each; FILE is taken over: cameras of Anipose or Pose2Sim "
+        "(.toml), OpenCV (.yaml), XMALab (MayaCam 2.0, one a camera), or DLT coefficients (--from)"
+    )
+    command = parsers.add_parser("calibrate", help=text, description=more)
+    command.add_argument("files", nargs="+", metavar="POINTS3D CLICKS | FILE", help="see above")
     command.add_argument(
         "-o", "--out", default="DLTcoefs.csv", metavar="FILE", help="default: %(default)s"
     )
     command.add_argument(
         "--views", nargs="+", metavar="VIEW",
-        help="order of the views, which is that of the trial (default: that of the clicks)",
+        help="order of the views, which is that of the trial (default: that of the clicks or file)",
     )  # fmt: skip
+    command.add_argument(
+        "--from",
+        dest="program",
+        metavar="PROGRAM",
+        help="whose DLT coefficients FILE holds: dltdv (8), dltdv7, easywand or argus",
+    )
+    command.add_argument(
+        "--heights",
+        type=int,
+        nargs="+",
+        metavar="PX",
+        help="heights of the pictures, for coefficients of DLTdv 7, easyWand and Argus",
+    )
     command.set_defaults(run=commands.run_calibrate)
 
 
@@ -272,7 +289,7 @@ def _add_convert(parsers: Any) -> None:
     command.add_argument(
         "source",
         metavar="IN",
-        help="tracks of any program below, or a trial of kind tracks that names some",
+        help="tracks of any program below, or a trial: what it names, or what pawnb tracked",
     )
     command.add_argument(
         "target",
@@ -289,6 +306,12 @@ def _add_convert(parsers: Any) -> None:
     command.add_argument("--unit", help="unit of 3D points, where the input does not say")
     command.add_argument("--view", help="write this view only")
     command.add_argument("--animal", help="write this animal only")
+    command.add_argument(
+        "--legs",
+        nargs="+",
+        metavar="LEG=POINT",
+        help="call these points as the legs they are, as HR=hindpaw_R",
+    )
     command.add_argument(
         "--heights",
         type=int,

@@ -34,6 +34,7 @@ _HOME = {
     "recognise_format": "pawnb.io.formats",
     "to_movement": "pawnb.io.movement",
     "tracks_table": "pawnb.io.native",
+    "write_any_tracks": "pawnb.io.formats",
     "write_coefs": "pawnb.io.coefs",
     "write_start": "pawnb.io.start",
     "write_tracks": "pawnb.io.native",

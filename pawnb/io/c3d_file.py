@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import struct
 import warnings
 from pathlib import Path
 from typing import Any
@@ -19,7 +20,7 @@ from pawnb.schema import Tracks
 
 _EXPECTED = "a C3D file"
 _MOST_BYTES = 2**30
-_FAULTS = (*HDF5_FAULTS, EOFError, ArithmeticError, UnicodeError)
+_FAULTS = (*HDF5_FAULTS, EOFError, ArithmeticError, UnicodeError, struct.error)
 
 
 def read_c3d(path: str | Path, *, fps: float | None = None, unit: str | None = None) -> Tracks:

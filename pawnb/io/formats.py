@@ -25,7 +25,7 @@ from pawnb.io.sleap import read_sleap
 from pawnb.io.sleap_out import write_sleap
 from pawnb.io.tables import write_table
 from pawnb.io.track_tables import read_points3d_table, read_tracks_table
-from pawnb.io.wide import read_wide_table
+from pawnb.io.wide import read_wide_table, write_wide_table
 from pawnb.schema import Tracks, check_fps
 
 
@@ -155,7 +155,8 @@ TABLE: tuple[Format, ...] = (
     ),
     Format(
         name="table", title="table of points side by side", endings=(".csv",),
-        read=read_wide_table, reads_with=_UNIT,
+        holds="view or space", read=read_wide_table, reads_with=_UNIT, write=write_wide_table,
+        writes_with=_VIEW,
     ),
     Format(
         name="nwb", title="NWB with ndx-pose", endings=(".nwb",), holds="view or space",
@@ -324,6 +325,11 @@ def load_tracks(path: str | Path, *, fps: float | None = None, **more: Any) -> T
     ------
     InputError
         If the file cannot be read, or the frame rate is needed and not given.
+
+    Examples
+    --------
+    >>> pawnb.load_tracks("sample/results/tracks.nc").sizes["time"]
+    60
     """
     return read_any_tracks(path, fps=fps, **more)
 
@@ -423,6 +429,11 @@ def write_any_tracks(
     ------
     InputError
         If the format cannot hold these tracks, or the name says another one.
+
+    Examples
+    --------
+    >>> [path.name for path in pawnb.io.write_any_tracks(tracks, "sample/m01.analysis.h5")]
+    ['m01.analysis.h5']
     """
     path, entry = Path(path), target_format(path, program)
     views = views_of(tracks)

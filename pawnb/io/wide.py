@@ -9,8 +9,9 @@ from pathlib import Path
 import numpy as np
 
 from pawnb.errors import InputError
+from pawnb.io.outgoing import take_space, take_view, views_of, word
 from pawnb.io.points import build_tracks
-from pawnb.io.tables import read_cells, read_numbers
+from pawnb.io.tables import read_cells, read_numbers, write_text
 from pawnb.schema import Tracks
 
 _COLUMN = re.compile(r"(?P<point>.+)_(?P<axis>[xyz])")
@@ -94,3 +95,34 @@ def read_wide_table(path: str | Path, *, fps: float, unit: str | None = None) ->
         program="table",
         where=where,
     )
+
+
+def write_wide_table(tracks: Tracks, path: str | Path, *, view: str = "") -> Path:
+    """Write points side by side, as spreadsheets take them.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks of one animal: points in a view, or in space where there are no others.
+    path : str or Path
+        ``.csv``.
+    view : str
+        The view, where there are several.
+
+    Returns
+    -------
+    Path
+        The file: ``frame``, then x, y (and z) of each point; an empty cell is a missing one.
+
+    Raises
+    ------
+    InputError
+        If there are no points, or several animals.
+    """
+    own = take_view(tracks, view) if views_of(tracks) else take_space(tracks)
+    own.only_animal("a table of points side by side")
+    axes = "xyz"[: own.place.shape[-1]]
+    rows = [",".join(["frame", *(f"{point}_{axis}" for point in own.points for axis in axes)])]
+    for frame, row in zip(own.frames, own.place.reshape(len(own.frames), -1), strict=True):
+        rows.append(",".join([str(int(frame)), *map(word, row)]))
+    return write_text("\n".join(rows) + "\n", path)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,9 +13,10 @@ import pandas as pd
 from pawnb.core.rig import Rig, fit_rig
 from pawnb.errors import InputError
 from pawnb.io.coefs import write_coefs
-from pawnb.io.tables import read_cells, read_numbers
+from pawnb.io.tables import read_cells, read_column_names, read_numbers
 
 POINTS_COLUMNS = ("point", "x", "y", "z")
+_NUMBER = re.compile(r"[-+.\deE]+|nan", re.IGNORECASE)
 CLICKS_COLUMNS = ("view", "point", "u", "v")
 
 
@@ -99,6 +101,25 @@ def calibrate(
     if out is not None:
         write_coefs(rig.coefs, out)
     return CalibrationFit(rig, residuals)
+
+
+def is_points(path: str | Path) -> bool:
+    """Say whether a file is, or was meant to be, the table of known points.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+
+    Returns
+    -------
+    bool
+        True for a csv whose first line names a column.
+    """
+    if Path(path).suffix.lower() != ".csv":
+        return False
+    names = read_column_names(path, expected="a csv of known points, or a calibration")
+    return any(name and not _NUMBER.fullmatch(name) for name in names)
 
 
 def _read(path: str | Path, columns: Sequence[str], numbers: Sequence[str]) -> pd.DataFrame:

@@ -115,9 +115,10 @@ def _check_belt(trial: Trial, report: CheckReport) -> None:
 
 def _check_tracks_file(trial: Trial, report: CheckReport) -> None:
     """Read the tracks made elsewhere as the gait analysis will, and say what they hold."""
-    name = trial.tracks_file or ""
-    if not trial.path(name).exists():
-        report.faults.append(f"{trial.path(name)}: no such tracks; check [tracks] file.")
+    name = ", ".join(trial.track_files)
+    absent = [trial.path(one) for one in trial.track_files if not trial.path(one).exists()]
+    if absent:
+        report.faults.append(f"{absent[0]}: no such tracks; check [tracks] file.")
         return
     try:
         events = read_trial_events(trial)

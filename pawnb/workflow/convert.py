@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -10,15 +10,17 @@ import numpy as np
 from pawnb.core.dlt import transform_image
 from pawnb.core.reproject import reproject_tracks
 from pawnb.core.rig import Rig
-from pawnb.errors import CalibrationError, InputError
+from pawnb.errors import CalibrationError, InputError, did_you_mean
 from pawnb.io.coefs import write_coefs
 from pawnb.io.dltdv_out import beside
 from pawnb.io.formats import Format, read_any_tracks, target_format, write_any_tracks
 from pawnb.io.outgoing import has_space, take_animal, views_of
-from pawnb.schema import Tracks, make_tracks
+from pawnb.io.points import check_names
+from pawnb.schema import Tracks, add_provenance, make_tracks
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.file_pixels import rig_of_tracks, view_heights
 from pawnb.workflow.foreign_tracks import read_foreign_tracks
+from pawnb.workflow.results import read_result_tracks, results_folder
 
 
 def convert_tracks(
@@ -32,15 +34,17 @@ def convert_tracks(
     view: str | None = None,
     animal: str | None = None,
     heights_px: Sequence[int] | None = None,
+    legs: Sequence[str] | Mapping[str, str] | None = None,
 ) -> list[Path]:
     """Read tracks of any program that is known and write them in the format of any other.
 
     Parameters
     ----------
     source : str or Path
-        Tracks of any program of :data:`pawnb.io.formats.TABLE`. Or a trial of kind ``tracks``
-        (its ``trial.toml`` or folder): what its files hold, triangulated with its calibration; in
-        a format of pictures, points in space are shown in every calibrated view.
+        Tracks of any program of :data:`pawnb.io.formats.TABLE`. Or a trial (its ``trial.toml`` or
+        folder): of kind ``tracks`` what its files hold, triangulated with its calibration, of
+        another what pawnb tracked; in a format of pictures, points in space are shown in every
+        calibrated view, also where they were not tracked.
     target : str or Path
         The file. A format of one view makes a file for each of several views,
         ``<name>_<view><ending>``.
@@ -60,6 +64,10 @@ def convert_tracks(
         Heights of the pictures (one of all, or one a view), for formats that count upwards from
         the lower edge: Argus, and DLTdv 7 and older.
 
+    legs : mapping, optional
+        Leg to point: these points are called as the legs from here on, so that what was corrected
+        once need not be said again.
+
     Returns
     -------
     list of Path
@@ -71,6 +79,12 @@ def convert_tracks(
     InputError
         If the source cannot be read, the target's format does not hold what it has, or the
         target's name says another format than ``to``.
+
+    Examples
+    --------
+    >>> done = pawnb.convert_tracks("sample/results/tracks.nc", "sample/paws_xypts.csv")
+    >>> [path.name for path in done]
+    ['paws_xypts.csv']
     """
     target = Path(target)
     entry = target_format(target, to)
@@ -80,11 +94,13 @@ def convert_tracks(
         tracks = read_any_tracks(source, fps=fps, program=program, unit=unit, heights_px=heights_px)
     else:
         trial = _trial(path, fps, program, unit)
-        tracks = read_foreign_tracks(trial)
+        tracks = _tracks_of(trial, path)
         rig = rig_of_tracks(trial, tracks)
         heights_px = heights_px or _own_heights(trial, tracks, entry)
     if animal is not None:
         tracks = take_animal(tracks, animal)
+    if isinstance(legs, Mapping):
+        tracks = _with_legs(tracks, legs, Path(source).name)
     tracks = _in_views(tracks, rig, entry)
     _check_holds(tracks, entry, Path(source).name)
     written = write_any_tracks(tracks, target, program=to, view=view, heights_px=heights_px)
@@ -101,13 +117,8 @@ def _trial_file(source: Path) -> Path | None:
 
 
 def _trial(path: Path, fps: float | None, program: str | None, unit: str | None) -> Trial:
-    """Return a trial of kind ``tracks``, which says itself what else would be given."""
+    """Return a trial, which says itself what else would be given."""
     trial = load_trial(path)
-    if trial.kind != "tracks":
-        raise InputError(
-            f"{path}: a trial of kind {trial.kind!r}, which pawnb tracks itself; name the "
-            "tracks.nc of its results."
-        )
     if (fps, program, unit) != (None, None, None):
         raise InputError(
             f"{path}: a trial says its frame rate and unit itself, and what its file is the file "
@@ -116,12 +127,39 @@ def _trial(path: Path, fps: float | None, program: str | None, unit: str | None)
     return trial
 
 
+def _tracks_of(trial: Trial, path: Path) -> Tracks:
+    """Return the tracks of a trial: those made elsewhere, or those that pawnb made of it."""
+    if trial.kind == "tracks":
+        return read_foreign_tracks(trial)
+    results = results_folder(trial) / "tracks.nc"
+    if not results.exists():
+        raise InputError(f"{results}: trial {trial.name!r} is not tracked yet; run pawnb track "
+                         f"{path.parent} first, or name the tracks.nc of its results.")  # fmt: skip
+    return read_result_tracks(results)
+
+
 def _own_heights(trial: Trial, tracks: Tracks, entry: Format) -> list[int] | None:
     """Return the heights of the pictures where the target needs them and the trial knows them."""
     up = trial.calibration is not None and trial.calibration.v == "up"
     if entry.name != "argus" and not (entry.name == "dltdv" and up):
         return None
     return view_heights(trial, tracks)
+
+
+def _with_legs(tracks: Tracks, legs: Mapping[str, str], source: str) -> Tracks:
+    """Return tracks whose points are called as the legs they are."""
+    names = [str(point) for point in tracks["keypoint"].to_numpy()]
+    for leg, point in legs.items():
+        if point not in names:
+            raise InputError(
+                f"{source}: no point {point!r}{did_you_mean(point, names)} for leg {leg!r}; it has "
+                f"{', '.join(names)}."
+            )
+    called = {point: leg for leg, point in legs.items()}
+    new = [called.get(name, name) for name in names]
+    check_names(new, what="point", where=source)
+    renamed = tracks.assign_coords(keypoint=np.array(new, dtype=str))
+    return add_provenance(renamed, step="name legs", legs=dict(legs))
 
 
 def _in_views(tracks: Tracks, rig: Rig | None, entry: Format) -> Tracks:

@@ -73,7 +73,9 @@ def read_trial_events(trial: Trial) -> pd.DataFrame | None:
     InputError
         If it is one and cannot be read, names other animals, or has no event in ``frames``.
     """
-    path = trial.path(trial.tracks_file or "")
+    if trial.tracks_file is None:
+        return None  # one file a view holds points
+    path = trial.path(trial.tracks_file)
     events = read_scored_file(path, fps=trial.fps) if path.is_file() else None
     if events is None:
         return None

@@ -146,10 +146,10 @@ def read_source(path: str | Path, *, fps: float | None = None) -> GaitSource:
 def _read_trial(trial: Trial) -> GaitSource:
     """Read the tracks of a trial: those made elsewhere, or those that pawnb made."""
     out = results_folder(trial)
-    if trial.kind == "tracks" and trial.tracks_file is not None:
+    if trial.kind == "tracks" and trial.track_files:
         events = read_trial_events(trial)
         if events is not None:
-            return GaitSource(trial.path(trial.tracks_file), out, events=events, trial=trial)
+            return GaitSource(trial.path(trial.track_files[0]), out, events=events, trial=trial)
         tracks = describe_trial(read_foreign_tracks(trial), trial)
         path, *further = files_of_tracks(trial)
         return GaitSource(path, out, tracks=tracks, trial=trial, further=tuple(further))

@@ -474,3 +474,32 @@ def test_mirrored_space_is_told_from_space_as_it_is():
     # seen from far behind the origin, where the last row of P changes its sign
     behind = look_at([0, 900, 100], [0, 2000, 0])
     assert dlt.handedness(behind[:, None], about + np.array([0, 2000, 0])).tolist() == [1]
+
+
+@given(rigs(n_min=3), seeds)
+@settings(max_examples=20)
+def test_weighed_alike_points_do_not_depend_on_where_the_origin_lies(coefs, seed):
+    rng = np.random.default_rng(seed)
+    xyz = cloud(seed, n=5)
+    uv = dlt.project(coefs, xyz) + rng.normal(0, 5.0, (5, coefs.shape[1], 2))
+    move = np.array([300.0, -120.0, 80.0])
+    shift = np.eye(4)
+    shift[:3, 3] = move  # points are counted from elsewhere: X = X' + move
+    moved = []
+    for column in coefs.T:
+        P = dlt.to_matrix(column) @ shift
+        moved.append((P / P[2, 3]).ravel()[:11])
+    moved = np.stack(moved, axis=1)
+    even = dlt.triangulate(coefs, uv, even=True).xyz
+    np.testing.assert_allclose(dlt.triangulate(moved, uv, even=True).xyz + move, even, atol=1e-5)
+    plain = dlt.triangulate(coefs, uv).xyz
+    assert np.abs(dlt.triangulate(moved, uv).xyz + move - plain).max() > 1e-3  # DLTdv's do
+
+
+def test_views_without_perspective_are_not_scaled():
+    affine = np.array(
+        [[2.0, 0, 0, 5, 0, 0, -2, 7, 0, 0, 0], [0, 2.0, 0, 5, 0, 0, -2, 7, 0, 0, 0]]
+    ).T
+    uv = dlt.project(affine, cloud(0)) + np.random.default_rng(0).normal(0, 1, (25, 2, 2))
+    even, plain = (dlt.triangulate(affine, uv, even=one).xyz for one in (True, False))
+    np.testing.assert_array_equal(even, plain)

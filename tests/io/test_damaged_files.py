@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import os
 import warnings
 
@@ -9,16 +10,67 @@ import h5py
 import numpy as np
 import pytest
 from foreign_files import FPS, POINTS, WRITERS, write_analysis_h5, write_dlc_csv, write_wide
+from scipy.io import savemat
 
 from pawnb.errors import CalibrationError, InputError
 from pawnb.io.coefs import read_coefs
-from pawnb.io.formats import read_any_tracks
+from pawnb.io.formats import read_any_tracks, write_any_tracks
 from pawnb.io.native import read_tracks, write_tracks
 from pawnb.io.tables import read_cells
 from pawnb.schema import make_tracks
 from pawnb.workflow.gait_sources import read_source
 
-FORMATS = {**WRITERS, "sleap h5": ("clip.analysis.h5", write_analysis_h5)}
+
+def through(kind, program):
+    """Return a writer that makes a file of one format out of one of another."""
+    name, write = WRITERS[kind]
+
+    def convert(path, frames):
+        source = write(path.with_name(f"source_{name}"), frames)
+        tracks = read_any_tracks(source, fps=FPS)
+        return write_any_tracks(tracks, path, program=program, heights_px=[480])[0]
+
+    return convert
+
+
+def write_mat(path, frames):
+    savemat(path, {"final_tracks": np.random.default_rng(0).uniform(0, 99, (3, 5, len(frames)))},
+            do_compression=True)  # fmt: skip
+    return path
+
+
+def write_nwb(path, frames):
+    """The layout of ndx-pose by h5py."""
+    with h5py.File(path, "w") as file:
+        file.attrs["nwb_version"] = "2.8.0"
+        pose = file.create_group("processing/behavior/PoseEstimation")
+        pose.attrs["neurodata_type"] = "PoseEstimation"
+        for point in POINTS:
+            series = pose.create_group(point)
+            series.attrs["neurodata_type"] = "PoseEstimationSeries"
+            series["data"] = np.random.default_rng(0).uniform(0, 99, (len(frames), 2))
+            series["data"].attrs["unit"] = "pixels"
+            series["confidence"] = np.full(len(frames), 0.9)
+            series["timestamps"] = np.array(frames) / FPS
+        file["general/subject/subject_id"] = "m1"
+    return path
+
+
+FORMATS = {
+    **WRITERS,
+    "sleap h5": ("clip.analysis.h5", write_analysis_h5),
+    "sleap csv": ("clip.csv", through("sleap slp", "sleap")),
+    "collected csv": ("CollectedData_x.csv", through("deeplabcut csv", "collected")),
+    "collected h5": ("CollectedData_x.h5", through("deeplabcut csv", "collected")),
+    "deeplabcut fixed": ("clip.h5", through("deeplabcut csv", "deeplabcut")),
+    "dltdv sparse": ("clip_xypts.tsv", through("dltdv views", "dltdv")),
+    "argus": ("clip-xypts.csv", through("dltdv views", "argus")),
+    "argus space": ("clip-xyzpts.csv", through("dltdv space", "argus-3d")),
+    "locomouse": ("clip.mat", write_mat),
+    "nwb": ("clip.nwb", write_nwb),
+}
+if importlib.util.find_spec("c3d"):
+    FORMATS["c3d"] = ("clip.c3d", through("dltdv space", "c3d"))
 ENDINGS = (".csv", ".h5", ".slp", ".nc")
 
 
@@ -60,7 +112,7 @@ def test_a_damaged_file_is_read_or_one_sentence(tmp_path, kind):
     sentences = []
     for seed in range(60 if path.suffix == ".csv" else 40):
         path.write_bytes(damaged(whole, seed))
-        sentences.append(refusal(read_any_tracks, path, fps=FPS))
+        sentences.append(refusal(read_any_tracks, path, fps=FPS, heights_px=[480]))
     refused = [sentence for sentence in sentences if sentence]
     assert len(refused) > 10
     assert all(path.name in sentence and "\n" not in sentence for sentence in refused)

@@ -133,3 +133,17 @@ def test_the_help_names_every_format():
     assert set(said.replace(";", ",").split(", ")) == set(FORMATS)
     read_only = _FORMATS.split("read only: ")[1].split(". ")[0].split(", ")
     assert set(FORMATS) - set(WRITTEN) == set(read_only)
+
+
+def test_points_are_called_as_the_legs_they_are_from_here_on(tmp_path, capsys):
+    (tmp_path / "clip.csv").write_text(DLC.replace("FR", "paw_3"))
+    words = ["convert", str(tmp_path / "clip.csv"), str(tmp_path / "tracks.nc"), "--fps", "50"]
+    assert cli.main([*words, "--legs", "HR=paw_3"]) == 0
+    tracks = read_tracks(tmp_path / "tracks.nc")
+    assert list(tracks["keypoint"].to_numpy()) == ["HR"]
+    assert '"legs": {"HR": "paw_3"}' in tracks.attrs["provenance"]
+    capsys.readouterr()
+    assert cli.main([*words, "--legs", "HR=paw_4"]) == 2
+    assert capsys.readouterr().err == (
+        "pawnb: clip.csv: no point 'paw_4' (did you mean 'paw_3'?) for leg 'HR'; it has paw_3.\n"
+    )

@@ -8,10 +8,16 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from pawnb import cli
+from pawnb.core.dlt import project
+from pawnb.core.rig import require_rig
+from pawnb.core.video import open_views
 from pawnb.errors import CalibrationError, InputError
-from pawnb.io.cameras import read_cameras
+from pawnb.io.cameras import coefs_of_cameras, read_cameras, write_lenses
+from pawnb.io.coefs import read_coefs, write_coefs
 from pawnb.io.formats import read_any_tracks
-from pawnb.schema import absent_frames
+from pawnb.io.native import write_tracks
+from pawnb.schema import absent_frames, make_tracks
 from pawnb.trial import load_trial, save_trial
 from pawnb.workflow.convert import convert_tracks
 from pawnb.workflow.foreign_tracks import files_of_tracks, read_foreign_tracks
@@ -185,3 +191,87 @@ def test_coefficients_and_points_for_dltdv_are_moved_together(tmp_path):
         np.testing.assert_allclose(
             back["position"].to_numpy()[..., 0, 0], [[1, 2, 3], [-4, 5, 6]], atol=1e-6
         )
+
+
+def test_check_and_gait_take_a_file_a_view(tmp_path, capsys):
+    n = 200
+    t = np.arange(n) / 100.0
+    for name, shift in (("a", 0.0), ("b", 3.0)):
+        columns = {"frame": np.arange(n)}
+        for k, leg in enumerate(("FR", "HR", "FL", "HL")):
+            columns[f"{leg}_x"] = 300 + shift + 40 * np.sin(2 * np.pi * (4 * t + k / 2))
+            columns[f"{leg}_y"] = 200 - 5 * np.maximum(0, np.cos(2 * np.pi * (4 * t + k / 2)))
+        pd.DataFrame(columns).to_csv(tmp_path / f"{name}.csv", index=False)
+    section = (
+        '[{0}]\nname = "{0}"\nmatrix = [[900, 0, 300], [0, 900, 200], [0, 0, 1]]\n'
+        "rotation = [0, {1}, 0]\ntranslation = [0, 0, 500]\n"
+    )
+    (tmp_path / "c.toml").write_text(section.format("A", 0.01) + section.format("B", -0.01))
+    (tmp_path / "trial.toml").write_text(
+        HEAD.replace("30.0", "100.0") + '[calibration]\nanipose = "c.toml"\n'
+        '[tracks]\nfile = { A = "a.csv", B = "b.csv" }\n'
+    )
+    cli.main(["check", str(tmp_path)])
+    said = capsys.readouterr().out
+    assert "tracks in a.csv, b.csv: 200 frames, positions in mm" in said
+    words = ["gait", str(tmp_path), "--out", str(tmp_path / "out"), "--figures", "none"]
+    assert cli.main(words) == 0
+    strides = pd.read_csv(tmp_path / "out" / "strides.csv")
+    assert strides["period_s"].median() == pytest.approx(0.25, abs=0.002)  # 4 strides a second
+    (tmp_path / "b.csv").unlink()
+    assert cli.main(["check", str(tmp_path)]) == 2
+    assert "b.csv: no such tracks; check [tracks] file." in capsys.readouterr().out
+
+
+def test_what_pawnb_tracked_is_shown_in_the_views_that_did_not_track_it(small_trial):
+    # a point that two of four views track; the others get it from its place in space
+    trial = load_trial(small_trial)
+    with pytest.raises(InputError, match=r"tracks\.nc: trial .* is not tracked yet; run pawnb tra"):
+        convert_tracks(small_trial, small_trial / "outDLC.csv")
+    truth = read_any_tracks(small_trial / "truth" / "points3d.csv", fps=trial.fps)
+    coefs = read_coefs(small_trial / "DLTcoefs.csv", [view.name for view in trial.views])
+    xyz = truth["position"].sel(keypoint="FR").to_numpy()[..., 0]
+    uv = project(coefs, xyz)
+    names = [view.name for view in trial.views]
+    tracks = make_tracks(truth["frame"].to_numpy(), ["FR"], fps=trial.fps, views=names, unit="mm")
+    tracks["position"][..., 0, 0], tracks["origin"][..., 0, 0] = xyz, 1
+    tracks["confidence"][:] = 1.0
+    tracks["image_position"][:, :2, :, 0, 0] = uv[:, :2]
+    tracks["image_origin"][:, :2] = 1
+    (small_trial / "results").mkdir()
+    write_tracks(tracks, small_trial / "results" / "tracks.nc")
+    paths = convert_tracks(small_trial, small_trial / "outDLC.csv")
+    assert [path.name for path in paths] == [f"outDLC_{name}.csv" for name in names]
+    for i, path in enumerate(paths):
+        found = read_any_tracks(path, fps=trial.fps)["position"].to_numpy()[..., 0, 0]
+        np.testing.assert_allclose(found, uv[:, i], atol=1e-6)
+
+
+def test_videos_are_straightened_by_the_cameras_of_anipose(real_data, tmp_path):
+    data = real_data("mouse-4cam-cage")
+    views = "".join(
+        f'[[views]]\nname = "{view}"\nvideo = "{data / name}"\ncrop = [100, 50, 900, 800]\n'
+        for view, name in (("back", "cam1_back.mp4"), ("top", "cam4_top.mp4"))
+    )
+    rigs = []
+    cameras = read_cameras(data / "calibration_side_refitted.toml")
+    write_lenses(cameras, tmp_path / "lenses.toml")
+    coefs, _ = coefs_of_cameras([cameras[0], cameras[3]])
+    write_coefs(coefs, tmp_path / "DLTcoefs.csv")
+    for said in (
+        f'anipose = "{data / "calibration_side_refitted.toml"}"',
+        'dlt = "DLTcoefs.csv"\nlens = "lenses.toml"\npixels = "file"',
+    ):
+        (tmp_path / "trial.toml").write_text(
+            f'[trial]\nkind = "paws"\nname = "t"\nfps = 30.0\n{views}[calibration]\n{said}\n'
+        )
+        trial = load_trial(tmp_path)
+        with open_views(trial) as opened:
+            lenses = {name: reader.lens for name, reader in opened.readers.items()}
+            picture = opened.readers["back"].read(0)
+        rigs.append((require_rig(trial), lenses, picture))
+    (one, one_lens, one_picture), (two, two_lens, two_picture) = rigs
+    assert one == two
+    assert one_lens == two_lens
+    assert one_lens["back"].distortion[0] == pytest.approx(-0.2853406)  # calibration.toml
+    np.testing.assert_array_equal(one_picture, two_picture)

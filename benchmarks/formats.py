@@ -1,0 +1,377 @@
+"""Every format, both ways, by the libraries of the programs themselves where they are installed.
+
+    python benchmarks/formats.py
+
+One recording of two animals, four points and 60 frames is drawn from formulas, with a gap. Each row
+says how far, at most, a coordinate is off: *read* is what pawnb reads of a file that the other
+library wrote, *write* what the other library reads of a file that pawnb wrote. Where no library of
+the program is at hand, pawnb reads what it wrote itself, which is marked. In px, or mm in space;
+0 is exact, 1e-5 is single precision.
+
+Found, with pandas 3.1, PyTables 3.11, sleap-io 0.9.5, movement 0.15, pynwb 4.2, ezc3d 1.7 and
+aniposelib 0.8: see docs/guide/formats.md.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import sys
+import tempfile
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import cv2
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from pawnb.core.dlt import project
+from pawnb.io.cameras import Camera, coefs_of_cameras, read_cameras, write_cameras
+from pawnb.io.formats import read_any_tracks, write_any_tracks
+from pawnb.io.points import build_tracks
+from pawnb.schema import Tracks
+
+FPS, N = 100.0, 60
+POINTS, ANIMALS = ["FR", "HR", "FL", "HL"], ["m1", "m2"]
+
+
+def recording(n_animals: int = 2, *, space: bool = False) -> np.ndarray:
+    """Return positions (frames, points, animals, axes) of the recording; HR is lost for a while."""
+    t, k = np.arange(N)[:, None] / FPS, np.arange(4)
+    u = 200 + 60 * np.sin(2 * np.pi * 3 * t + 1.5 * k) + 40 * k
+    v = 300 + 5 * np.cos(2 * np.pi * 3 * t + k)
+    parts = [u / 10, v / 10, 2 + 0 * u] if space else [u, v]
+    place = np.stack(parts, axis=-1)[:, :, None] + 50.0 * np.arange(n_animals)[:, None]
+    place[10:13, 1] = np.nan
+    return place
+
+
+def tracks_of(place: np.ndarray, *, views: int = 0) -> Tracks:
+    """Return a recording as Tracks; with views, seen alike by several."""
+    n_animals = place.shape[2]
+    values = np.repeat(place[:, None], views, axis=1) if views else place
+    return build_tracks(
+        np.arange(N), values, np.full(values.shape[:-1], 0.9), points=POINTS, fps=FPS,
+        unit="px" if place.shape[-1] == 2 else "mm", program="pawnb", where="benchmark",
+        individuals=ANIMALS[:n_animals] if n_animals > 1 else ["animal"],
+        views=[f"cam{i + 1}" for i in range(views)],
+    )  # fmt: skip
+
+
+def places(tracks: Tracks) -> np.ndarray:
+    """Return positions in the order of :func:`recording`; of several views, those of the first."""
+    own = tracks.sel(keypoint=POINTS)
+    if "view" in own.dims:
+        return own["image_position"][:, 0].transposeX
+    return own["position"].transposeX
+
+
+def off(found: np.ndarray, true: np.ndarray) -> str:
+    """Return the largest error; what is missing in one of the two only is said."""
+    found, true = np.asarray(found, float), np.asarray(true, float)
+    lost = np.isnan(true).any(axis=-1)
+    if found.shape != true.shape:
+        return f"shape {found.shape}"
+    if not np.isnan(found[lost]).all() or np.isnan(found[~lost]).any():
+        return "gap lost"
+    return f"{np.abs(found - true)[~lost].max():.1g}"
+
+
+def need(*names: str) -> list[Any]:
+    """Import libraries; raises ModuleNotFoundError where one is not installed."""
+    return [importlib.import_module(name) for name in names]
+
+
+# --- DeepLabCut, by pandas ------------------------------------------------------------------------
+
+
+def dlc_frame(place: np.ndarray, scorer: str = "net") -> pd.DataFrame:
+    """Return a recording as the DataFrame of DeepLabCut."""
+    several = place.shape[2] > 1
+    who = ANIMALS[: place.shape[2]] if several else [None]
+    columns, values = [], []
+    for i, one in enumerate(who):
+        for k, point in enumerate(POINTS):
+            for c, coord in enumerate(("x", "y", "likelihood")):
+                columns.append((scorer, *([one] if several else []), point, coord))
+                values.append(place[:, k, i, c] if c < 2 else np.full(N, 0.9))
+    names = ["scorer", *(["individuals"] if several else []), "bodyparts", "coords"]
+    index = pd.MultiIndex.from_tuples(columns, names=names)
+    return pd.DataFrame(np.stack(values, axis=1), columns=index)
+
+
+def of_frame(frame: pd.DataFrame, n_animals: int) -> np.ndarray:
+    """Return the positions in a DataFrame of DeepLabCut."""
+    values = frame.to_numpy().reshape(N, n_animals, 4, 3)[..., :2]
+    return values.transpose(0, 2, 1, 3)
+
+
+def deeplabcut(folder: Path, ending: str, n_animals: int) -> tuple[str, str]:
+    """By pandas, as DeepLabCut reads and writes."""
+    true = recording(n_animals)
+    path = folder / f"theirs{ending}"
+    if ending == ".h5":
+        need("tables")
+        dlc_frame(true).to_hdf(path, key="df_with_missing", format="table", mode="w")
+    else:
+        dlc_frame(true).to_csv(path)
+    read = off(places(read_any_tracks(path, fps=FPS)), true)
+    (ours,) = write_any_tracks(tracks_of(true), folder / f"ours{ending}", program="deeplabcut")
+    levels = list(range(3 + (n_animals > 1)))
+    frame = pd.read_hdf(ours) if ending == ".h5" else pd.read_csv(ours, header=levels, index_col=0)
+    return read, off(of_frame(frame, n_animals), true)
+
+
+def collected(folder: Path, ending: str) -> tuple[str, str]:
+    """By pandas, rows named by pictures."""
+    true = recording(1)
+    frame = dlc_frame(true, "me").drop(columns="likelihood", level="coords")
+    names = [("labeled-data", "clip", f"img{i:03d}.png") for i in range(N)]
+    frame.index = pd.MultiIndex.from_tuples(names)
+    path = folder / f"CollectedData_me{ending}"
+    if ending == ".h5":
+        need("tables")
+        frame.to_hdf(path, key="df_with_missing", mode="w")
+    else:
+        frame.to_csv(path)
+    tracks = read_any_tracks(path, fps=FPS)
+    read = off(places(tracks), true)
+    (folder / "ours").mkdir(exist_ok=True)
+    (ours,) = write_any_tracks(tracks, folder / "ours" / path.name)
+    again = (
+        pd.read_hdf(ours)
+        if ending == ".h5"
+        else pd.read_csv(ours, header=[0, 1, 2], index_col=[0, 1, 2])
+    )
+    values = again.to_numpy().reshape(N, 4, 1, 2)
+    return read, off(values, true) if list(again.index) == names else "names lost"
+
+
+def lightning_pose(folder: Path) -> tuple[str, str]:
+    """By movement's reader of Lightning Pose."""
+    true = recording(1)
+    (load,) = need("movement.io.load_poses")
+    path = folder / "theirs.csv"
+    dlc_frame(true, "heatmap_tracker").to_csv(path)
+    read = off(places(read_any_tracks(path, fps=FPS)), true)
+    (ours,) = write_any_tracks(tracks_of(true), folder / "lp.csv", program="lightning-pose")
+    return read, off(of_movement(load.from_lp_file(ours, fps=FPS)), true)
+
+
+# --- SLEAP, movement, NWB, Anipose, C3D -----------------------------------------------------------
+
+
+def sleap(folder: Path, ending: str) -> tuple[str, str]:
+    """By sleap-io."""
+    true = recording()
+    (sio,) = need("sleap_io")
+    skeleton = sio.Skeleton(nodes=list(POINTS))
+    animals = [sio.Track(name=who) for who in ANIMALS]
+    video = sio.Video(filename="clip.mp4", open_backend=False)
+    frames = [
+        sio.LabeledFrame(
+            video=video, frame_idx=t,
+            instances=[
+                sio.PredictedInstance.from_numpy(
+                    true[t, :, k], skeleton=skeleton, point_scores=np.full(4, 0.9), score=0.9,
+                    track=animals[k],
+                )
+                for k in range(2)
+            ],
+        )
+        for t in range(N)
+    ]  # fmt: skip
+    labels = sio.Labels(frames, videos=[video], skeletons=[skeleton], tracks=animals)
+    path = folder / f"theirs{ending}"
+    if ending == ".slp":
+        sio.save_slp(labels, str(path), verbose=False)
+    elif ending == ".csv":
+        sio.save_csv(labels, str(path), format="sleap")
+    else:
+        sio.save_analysis_h5(labels, str(path))
+    read = off(places(read_any_tracks(path, fps=FPS)), true)
+    (ours,) = write_any_tracks(tracks_of(true), folder / f"ours{ending}", program="sleap")
+    found = sio.load_csv(str(ours)) if ending == ".csv" else sio.load_file(str(ours))
+    order = [[node.name for node in found.skeleton.nodes].index(point) for point in POINTS]
+    return read, off(found.numpy()[:, :, order].transpose(0, 2, 1, 3), true)
+
+
+def of_movement(dataset: xr.Dataset) -> np.ndarray:
+    """Return the positions in a dataset of movement."""
+    own = dataset["position"].sel(keypoints=POINTS)
+    return own.transpose("time", "keypoints", "individuals", "space").to_numpy()
+
+
+def movement(folder: Path) -> tuple[str, str]:
+    """By movement, and through its exporter to DeepLabCut."""
+    true = recording()
+    load, save = need("movement.io.load_poses", "movement.io.save_poses")
+    theirs = load.from_numpy(
+        true.transpose(0, 3, 1, 2), np.full((N, 4, 2), 0.9), individual_names=ANIMALS,
+        keypoint_names=POINTS, fps=FPS, source_software="benchmark",
+    )  # fmt: skip
+    theirs.to_netcdf(folder / "theirs.nc", engine="h5netcdf")
+    read = off(places(read_any_tracks(folder / "theirs.nc")), true)
+    (ours,) = write_any_tracks(tracks_of(true), folder / "ours.nc", program="movement")
+    dataset = xr.load_dataset(ours, engine="h5netcdf")
+    save.to_dlc_file(dataset, folder / "through.csv", split_individuals=False)
+    again = load.from_dlc_file(folder / "through.csv", fps=FPS)
+    return read, off(of_movement(again), true)
+
+
+def nwb(folder: Path) -> tuple[str, str]:
+    """By movement's exporter to pynwb and ndx-pose, and its reader."""
+    true = recording(1)
+    load, save, pynwb = need("movement.io.load_poses", "movement.io.save_poses", "pynwb")
+    theirs = load.from_numpy(
+        true.transpose(0, 3, 1, 2), np.full((N, 4, 1), 0.9), individual_names=["m1"],
+        keypoint_names=POINTS, fps=FPS, source_software="benchmark",
+    )  # fmt: skip
+    with pynwb.NWBHDF5IO(str(folder / "theirs.nwb"), "w") as io:
+        io.write(save.to_nwb_file(theirs))
+    read = off(places(read_any_tracks(folder / "theirs.nwb")), true)
+    (ours,) = write_any_tracks(tracks_of(true), folder / "ours.nwb")
+    return read, off(of_movement(load.from_nwb_file(str(ours))), true)
+
+
+def anipose(folder: Path) -> tuple[str, str]:
+    """By movement's reader of Anipose; it writes none, so that pawnb reads its own."""
+    true = recording(1, space=True)
+    (load,) = need("movement.io.load_poses")
+    (ours,) = write_any_tracks(tracks_of(true), folder / "ours.csv", program="anipose")
+    read = off(places(read_any_tracks(ours, fps=FPS)), true)
+    return f"{read} (own)", off(of_movement(load.from_anipose_file(ours, fps=FPS)), true)
+
+
+def c3d(folder: Path) -> tuple[str, str]:
+    """By ezc3d; pawnb itself goes through the library c3d."""
+    true = recording(1, space=True)
+    ezc3d, _ = need("ezc3d", "c3d")
+    theirs = ezc3d.c3d()
+    for name, value in (("LABELS", POINTS), ("RATE", [FPS]), ("UNITS", ["mm"])):
+        theirs["parameters"]["POINT"][name]["value"] = value
+    theirs["data"]["points"] = np.concatenate(
+        [true[:, :, 0].transpose(2, 1, 0), np.ones((1, 4, N))], axis=0
+    )
+    theirs.write(str(folder / "theirs.c3d"))
+    read = off(places(read_any_tracks(folder / "theirs.c3d")), true)
+    (ours,) = write_any_tracks(tracks_of(true), folder / "ours.c3d")
+    found = ezc3d.c3d(str(ours))["data"]["points"][:3].transpose(2, 1, 0)[:, :, None]
+    return read, off(found, true)
+
+
+def own(folder: Path, program: str, name: str, **more: Any) -> tuple[str, str]:
+    """Of programs that have no library: pawnb reads what it wrote."""
+    space = program.endswith("3d")
+    true = recording(1, space=space)
+    points = [f"pt{k + 1}" for k in range(4)] if program.startswith("dltdv") else POINTS
+    tracks = tracks_of(true, views=0 if space else 2).assign_coords(keypoint=points)
+    (ours,) = write_any_tracks(tracks, folder / name, program=program, **more)
+    found = read_any_tracks(ours, fps=FPS, **more).assign_coords(keypoint=POINTS)
+    said = off(places(found), true)
+    return f"{said} (own)", f"{said} (own)"
+
+
+# --- cameras --------------------------------------------------------------------------------------
+
+
+def aniposelib(folder: Path) -> tuple[str, str]:
+    """By aniposelib: where its cameras show points, with the distortion of their lenses."""
+    (lib,) = need("aniposelib.cameras")
+    xyz = np.random.default_rng(0).uniform(-40, 40, (50, 3))
+    group = lib.CameraGroup(
+        [
+            lib.Camera(
+                name=name, size=[640, 480], rvec=[0.0, angle, 0.0], tvec=[0.0, 0.0, 400.0],
+                matrix=[[900.0, 0.0, 320.0], [0.0, 900.0, 240.0], [0.0, 0.0, 1.0]],
+                dist=[-0.2, 0.05, 0.0, 0.0, 0.0],
+            )
+            for name, angle in (("a", 0.4), ("b", -0.4))
+        ]
+    )  # fmt: skip
+    group.dump(str(folder / "theirs.toml"))
+    cameras = read_cameras(folder / "theirs.toml")
+    read = max(float(np.abs(shown(c, xyz) - g.project(xyz)[:, 0]).max())
+               for c, g in zip(cameras, group.cameras, strict=True))  # fmt: skip
+    again = lib.CameraGroup.load(str(write_cameras(cameras, folder / "ours.toml")))
+    write = max(float(np.abs(c.project(xyz) - g.project(xyz)).max())
+                for c, g in zip(again.cameras, group.cameras, strict=True))  # fmt: skip
+    return f"{read:.1g}", f"{write:.1g}"
+
+
+def shown(camera: Camera, xyz: np.ndarray) -> np.ndarray:
+    """Return where pawnb shows points: by DLT coefficients, then bent as the lens does."""
+    coefs, origin = coefs_of_cameras([camera])
+    uv = project(coefs[:, 0], xyz - origin)[:, 0]
+    rays = np.linalg.solve(camera.matrix, np.column_stack([uv, np.ones(len(uv))]).T).T
+    return cv2.projectPoints(
+        rays, np.zeros(3), np.zeros(3), camera.matrix, np.array(camera.distortion)
+    )[0][:, 0]
+
+
+def opencv(folder: Path) -> tuple[str, str]:
+    """By OpenCV's FileStorage and projection."""
+    path, angle = folder / "cameras.yaml", np.array([0.1, 0.4, 0.0])
+    K, t = np.array([[900.0, 0, 320], [0, 900, 240], [0, 0, 1]]), np.array([3.0, 2.0, 400.0])
+    D = np.array([[-0.2, 0.05, 0.001, 0.0, 0.0]])
+    storage = cv2.FileStorage(str(path), cv2.FILE_STORAGE_WRITE)
+    for name, value in (("K_a", K), ("dist_a", D), ("R_a", angle.reshape(3, 1)),
+                        ("T_a", t.reshape(3, 1))):  # fmt: skip
+        storage.write(name, value)
+    storage.release()
+    xyz = np.random.default_rng(0).uniform(-40, 40, (50, 3))
+    (camera,) = read_cameras(path)
+    expected = cv2.projectPoints(xyz, angle, t, K, D)[0][:, 0]
+    return f"{np.abs(shown(camera, xyz) - expected).max():.1g}", "-"
+
+
+ROWS: list[tuple[str, str, Callable[[Path], tuple[str, str]]]] = [
+    ("DeepLabCut csv", "pandas", lambda f: deeplabcut(f, ".csv", 1)),
+    ("DeepLabCut h5", "pandas, PyTables", lambda f: deeplabcut(f, ".h5", 1)),
+    ("DeepLabCut csv, 2 animals", "pandas", lambda f: deeplabcut(f, ".csv", 2)),
+    ("DeepLabCut h5, 2 animals", "pandas, PyTables", lambda f: deeplabcut(f, ".h5", 2)),
+    ("CollectedData csv", "pandas", lambda f: collected(f, ".csv")),
+    ("CollectedData h5", "pandas, PyTables", lambda f: collected(f, ".h5")),
+    ("Lightning Pose csv", "movement", lightning_pose),
+    ("SLEAP slp", "sleap-io", lambda f: sleap(f, ".slp")),
+    ("SLEAP analysis h5", "sleap-io", lambda f: sleap(f, ".h5")),
+    ("SLEAP csv", "sleap-io", lambda f: sleap(f, ".csv")),
+    ("movement netCDF", "movement", movement),
+    ("NWB ndx-pose", "movement, pynwb", nwb),
+    ("Anipose 3D csv", "movement", anipose),
+    ("C3D", "ezc3d", c3d),
+    ("DLTdv xypts", "none", lambda f: own(f, "dltdv", "a_xypts.csv")),
+    ("DLTdv xypts sparse", "none", lambda f: own(f, "dltdv", "a_xypts.tsv")),
+    ("DLTdv 7 xypts", "none", lambda f: own(f, "dltdv", "b_xypts.csv", heights_px=[480, 480])),
+    ("DLTdv xyzpts", "none", lambda f: own(f, "dltdv-3d", "a_xyzpts.csv")),
+    ("DLTdv xyzpts sparse", "none", lambda f: own(f, "dltdv-3d", "a_xyzpts.tsv")),
+    ("Argus xypts", "none", lambda f: own(f, "argus", "a-xypts.csv", heights_px=[480])),
+    ("Argus xyzpts", "none", lambda f: own(f, "argus-3d", "a-xyzpts.csv")),
+    ("Anipose calibration.toml", "aniposelib", aniposelib),
+    ("OpenCV yaml", "OpenCV", opencv),
+]
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("--only", help="rows whose name has this word")
+    only = (parser.parse_args().only or "").lower()
+    warnings.simplefilter("ignore")
+    print(f"{'format':28}{'library':20}{'read':>12}{'write':>12}   largest error, px or mm")
+    for name, library, check in ROWS:
+        if only not in name.lower():
+            continue
+        with tempfile.TemporaryDirectory() as folder:
+            try:
+                read, write = check(Path(folder))
+            except ModuleNotFoundError as error:
+                read = write = f"no {error.name}"
+        print(f"{name:28}{library:20}{read:>12}{write:>12}", flush=True)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
