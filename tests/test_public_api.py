@@ -61,6 +61,20 @@ def test_documented_parameters_are_those_of_the_signature():
     assert wrong == {}
 
 
+def test_functions_of_three_or_more_arguments_say_what_they_take_and_return():
+    """The rooms of the paw tracker are being rebuilt, and are checked when they stand."""
+    without = []
+    for name, function in FUNCTIONS.items():
+        if name.startswith("pawnb.core.paws.") or len(parameters(function)) < 3:
+            continue
+        doc = FunctionDoc(function)
+        returned = inspect.signature(function).return_annotation
+        gives = returned not in ("None", None, inspect.Signature.empty, "NoReturn")
+        if not doc["Parameters"] or (gives and not (doc["Returns"] or doc["Yields"])):
+            without.append(name)
+    assert without == []
+
+
 def test_options_are_keyword_only():
     wrong = {}
     for name, function in FUNCTIONS.items():

@@ -45,7 +45,18 @@ class MosaicPicture:
         self.width, self.height = mosaic.width, mosaic.height
 
     def region(self, u0: int, v0: int, u1: int, v1: int) -> np.ndarray:
-        """Return that half-open region as a fresh RGB array."""
+        """Return that half-open region as a fresh RGB array.
+
+        Parameters
+        ----------
+        u0, v0, u1, v1 : int
+            Region in px, half open.
+
+        Returns
+        -------
+        ndarray of uint8, shape (v1 - v0, u1 - u0, 3)
+            Its pixels.
+        """
         left, right = _with_border(u0, u1, self.width)
         top, bottom = _with_border(v0, v1, self.height)
         rgb = cv2.demosaicing(self._mosaic.region(left, top, right, bottom), self._code)

@@ -48,7 +48,18 @@ class Picture(Protocol):
         """Whether regions are RGB rather than grey."""
 
     def region(self, u0: int, v0: int, u1: int, v1: int) -> np.ndarray:
-        """Return that half-open region, (H, W, 3) RGB or (H, W) grey, uint8."""
+        """Return that half-open region, (H, W, 3) RGB or (H, W) grey, uint8.
+
+        Parameters
+        ----------
+        u0, v0, u1, v1 : int
+            Region in px, half open.
+
+        Returns
+        -------
+        ndarray of uint8
+            Its pixels.
+        """
 
 
 class _ArrayBased:
@@ -73,7 +84,18 @@ class GreyPicture(_ArrayBased):
     is_colour = False
 
     def region(self, u0: int, v0: int, u1: int, v1: int) -> np.ndarray:
-        """Return that half-open region as a fresh array."""
+        """Return that half-open region as a fresh array.
+
+        Parameters
+        ----------
+        u0, v0, u1, v1 : int
+            Region in px, half open.
+
+        Returns
+        -------
+        ndarray of uint8, shape (v1 - v0, u1 - u0)
+            Its pixels.
+        """
         return self._pixels[v0:v1, u0:u1].copy()
 
 
@@ -95,7 +117,18 @@ class PackedPicture(_ArrayBased):
         self._channels = list(channels)
 
     def region(self, u0: int, v0: int, u1: int, v1: int) -> np.ndarray:
-        """Return that half-open region as a fresh RGB array."""
+        """Return that half-open region as a fresh RGB array.
+
+        Parameters
+        ----------
+        u0, v0, u1, v1 : int
+            Region in px, half open.
+
+        Returns
+        -------
+        ndarray of uint8, shape (v1 - v0, u1 - u0, 3)
+            Its pixels.
+        """
         part = self._pixels[v0:v1, u0:u1]
         if self._channels == [0, 1, 2]:
             return part[..., :3].copy()
@@ -118,7 +151,18 @@ class PlanarPicture(_ArrayBased):
         self._planes = (red, green, blue)
 
     def region(self, u0: int, v0: int, u1: int, v1: int) -> np.ndarray:
-        """Return that half-open region as a fresh RGB array."""
+        """Return that half-open region as a fresh RGB array.
+
+        Parameters
+        ----------
+        u0, v0, u1, v1 : int
+            Region in px, half open.
+
+        Returns
+        -------
+        ndarray of uint8, shape (v1 - v0, u1 - u0, 3)
+            Its pixels.
+        """
         return cv2.merge([plane[v0:v1, u0:u1] for plane in self._planes])
 
 
@@ -139,7 +183,18 @@ class PalettePicture(_ArrayBased):
         self._palette = palette.copy() if self.is_colour else palette[:, 0].copy()
 
     def region(self, u0: int, v0: int, u1: int, v1: int) -> np.ndarray:
-        """Return that half-open region as a fresh array."""
+        """Return that half-open region as a fresh array.
+
+        Parameters
+        ----------
+        u0, v0, u1, v1 : int
+            Region in px, half open.
+
+        Returns
+        -------
+        ndarray of uint8
+            Its pixels.
+        """
         return self._palette[self._pixels[v0:v1, u0:u1]]
 
 
@@ -168,7 +223,18 @@ class LazyPicture:
         self._lock = threading.Lock()
 
     def region(self, u0: int, v0: int, u1: int, v1: int) -> np.ndarray:
-        """Return that half-open region as a fresh array."""
+        """Return that half-open region as a fresh array.
+
+        Parameters
+        ----------
+        u0, v0, u1, v1 : int
+            Region in px, half open.
+
+        Returns
+        -------
+        ndarray of uint8
+            Its pixels.
+        """
         with self._lock:
             if self._pixels is None:
                 self._pixels = self._load()
@@ -202,7 +268,18 @@ class PartPicture:
         self._load = load
 
     def region(self, u0: int, v0: int, u1: int, v1: int) -> np.ndarray:
-        """Return that half-open region as a fresh array."""
+        """Return that half-open region as a fresh array.
+
+        Parameters
+        ----------
+        u0, v0, u1, v1 : int
+            Region in px, half open.
+
+        Returns
+        -------
+        ndarray of uint8
+            Its pixels.
+        """
         picture, box = self.part((u0, v0, u1, v1))
         return picture.region(*box)
 
@@ -257,7 +334,18 @@ class YuvPicture(_ArrayBased):
         self._matrix = _yuv_matrix(standard, full_range)
 
     def region(self, u0: int, v0: int, u1: int, v1: int) -> np.ndarray:
-        """Return that half-open region as a fresh RGB array."""
+        """Return that half-open region as a fresh RGB array.
+
+        Parameters
+        ----------
+        u0, v0, u1, v1 : int
+            Region in px, half open.
+
+        Returns
+        -------
+        ndarray of uint8, shape (v1 - v0, u1 - u0, 3)
+            Its pixels.
+        """
         out = np.empty((v1 - v0, u1 - u0, 3), np.uint8)
         for top in range(v0, v1, _BAND_ROWS):
             bottom = min(top + _BAND_ROWS, v1)
@@ -270,6 +358,18 @@ class YuvPicture(_ArrayBased):
         The planes are reduced and then converted, ``factor`` squared fewer pixels than the
         other way round. Both are averages: they differ by rounding, and where colours lie
         outside what RGB can show.
+
+        Parameters
+        ----------
+        u0, v0, u1, v1 : int
+            Region in px, half open.
+        factor : int
+            How many px become one.
+
+        Returns
+        -------
+        ndarray of uint8 or None
+            The reduced region.
         """
         step_u, step_v = self._steps
         if factor < max(step_u, step_v) or any(

@@ -208,7 +208,18 @@ class StraightPicture:
         self.is_colour = picture.is_colour
 
     def region(self, u0: int, v0: int, u1: int, v1: int) -> np.ndarray:
-        """Return that half-open region as a fresh array."""
+        """Return that half-open region as a fresh array.
+
+        Parameters
+        ----------
+        u0, v0, u1, v1 : int
+            Region in px, half open.
+
+        Returns
+        -------
+        ndarray of uint8
+            Its pixels.
+        """
         whole, fraction = (m[v0:v1, u0:u1] for m in self._maps)
         # only what the region draws upon is converted; whole-pixel shifts keep it exact
         left, right = _span(whole[..., 0], self.width)

@@ -33,6 +33,11 @@ def locked(path: str | Path, *, remedy: str, wait_s: float = 0.0) -> Iterator[No
     wait_s : float
         How long to wait for the other one, s.
 
+    Yields
+    ------
+    None
+        While the lock is held.
+
     Raises
     ------
     InputError

@@ -99,7 +99,24 @@ def read_bytes(
     most_bytes: int = MOST_TABLE_BYTES,
     error: type[InputError] = InputError,
 ) -> bytes:
-    """Read a regular file of bearable size; parameters and errors as :func:`check_file`."""
+    """Read a regular file of bearable size; parameters and errors as :func:`check_file`.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+    expected : str
+        What it should be, for messages.
+    most_bytes : int
+        A larger file is refused.
+    error : type
+        Kind of :class:`~pawnb.errors.InputError` to raise.
+
+    Returns
+    -------
+    bytes
+        What it holds.
+    """
     path = check_file(path, expected=expected, most_bytes=most_bytes, error=error)
     try:
         with path.open("rb") as file:
@@ -125,6 +142,22 @@ def read_text(
     r"""Read a text file in UTF-8, with or without a byte order mark; else as :func:`read_bytes`.
 
     Line ends come back as ``\n``.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file.
+    expected : str
+        What it should be, for messages.
+    most_bytes : int
+        A larger file is refused.
+    error : type
+        Kind of :class:`~pawnb.errors.InputError` to raise.
+
+    Returns
+    -------
+    str
+        What it holds.
     """
     data = read_bytes(path, expected=expected, most_bytes=most_bytes, error=error)
     try:

@@ -59,7 +59,20 @@ class Motion:
         return self._between(self.body, start_s, end_s)
 
     def foot_between(self, leg: str, start_s: np.ndarray, end_s: np.ndarray) -> np.ndarray:
-        """Return the distances a foot moved between pairs of times; NaN where not known."""
+        """Return the distances a foot moved between pairs of times; NaN where not known.
+
+        Parameters
+        ----------
+        leg : str
+            The leg.
+        start_s, end_s : ndarray, shape (n,)
+            Pairs of times, s.
+
+        Returns
+        -------
+        ndarray, shape (n,)
+            Distances, in the unit of the positions.
+        """
         if leg not in self.feet:
             return np.full(len(start_s), np.nan)
         return self._between(self.feet[leg], start_s, end_s)

@@ -238,7 +238,22 @@ def _upright(x: float, y: float, thickness: float, top: float) -> Quad:
 
 
 def fill_quad(camera: Camera, quad: Quad, shape: tuple[int, int]) -> np.ndarray:
-    """Return the share of each pixel of a picture (h, w) that a quadrilateral in 3D covers."""
+    """Return the share of each pixel of a picture (h, w) that a quadrilateral in 3D covers.
+
+    Parameters
+    ----------
+    camera : Camera
+        The camera.
+    quad : Quad
+        Four corners in space, mm.
+    shape : tuple of int
+        Height and width of the picture, px.
+
+    Returns
+    -------
+    ndarray, shape (h, w)
+        Shares from 0 to 1.
+    """
     uv, _ = camera.project(quad)
     mask = np.zeros(shape, dtype=np.uint8)
     points = np.round(np.clip(uv, -8000, 8000) * 16).astype(np.int32)

@@ -36,6 +36,11 @@ def cover_paws(
         0 to 1 through a leg's stance, from touch-down, and 1 to 2 through its swing.
     settings : SceneSettings
         How much of the colour is that of the fur.
+
+    Returns
+    -------
+    Mesh
+        The same shape with other colours.
     """
     colour, fur = mesh.colour.copy(), mesh.fur.copy()
     for leg, vertices in limbs.items():

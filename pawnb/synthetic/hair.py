@@ -36,7 +36,26 @@ class Hairs:
 def draw_hairs(
     rng: np.random.Generator, count: int, *, rings: tuple[float, float], segments: int, size: float
 ) -> Hairs:
-    """Draw where hairs stand between two rings of a part and what each is like."""
+    """Draw where hairs stand between two rings of a part and what each is like.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+        Source of chance.
+    count : int
+        Number of hairs.
+    rings : tuple of float
+        First and last ring.
+    segments : int
+        Corners of a ring.
+    size : float
+        Size of the animal: hairs are 1.6 to 3.4 times as long.
+
+    Returns
+    -------
+    Hairs
+        Where they stand, and what each is like.
+    """
     return Hairs(
         ring=rng.uniform(*rings, count),
         segment=rng.uniform(0.0, segments, count),

@@ -50,6 +50,28 @@ def render_videos(
     """Render all frames into a folder; return visible fractions (frames, views, legs).
 
     Times and visible fractions are those of the middle of the time the shutter is open.
+
+    Parameters
+    ----------
+    folder : Path
+        Where the videos are written.
+    mouse : Mouse
+        The animal.
+    cameras : list of Camera
+        One a view.
+    scene : SceneSettings
+        The scene.
+    begin_s : float
+        Time of the first frame, s.
+    frames : int
+        How many.
+    progress : callable or None
+        Told of every frame.
+
+    Returns
+    -------
+    ndarray, shape (frames, views, legs)
+        Which fraction of each paw is visible.
     """
     fractions = np.zeros((frames, len(cameras), len(LEGS)))
     with ExitStack() as stack:

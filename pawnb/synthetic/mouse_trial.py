@@ -144,6 +144,20 @@ def find_start(mouse: Mouse, gait: Gait, settings: SceneSettings) -> float:
 
     Looks through one stride at a small scale and takes the moment whose worst-seen paw is
     seen best.
+
+    Parameters
+    ----------
+    mouse : Mouse
+        The animal.
+    gait : Gait
+        How it runs.
+    settings : SceneSettings
+        The scene.
+
+    Returns
+    -------
+    float
+        The time, s.
     """
     small = dataclasses.replace(settings, scale=_START_SCALE)
     cameras = make_cameras(small)

@@ -70,7 +70,22 @@ def rasterise(
 
 
 def barycentric(corners: np.ndarray, triangle: np.ndarray, xy: np.ndarray) -> np.ndarray:
-    """Return the weights (f, 3) of the corners at image positions xy (f, 2)."""
+    """Return the weights (f, 3) of the corners at image positions xy (f, 2).
+
+    Parameters
+    ----------
+    corners : ndarray, shape (triangles, 3, 2)
+        Corners of the triangles in the picture, px.
+    triangle : ndarray of int, shape (f,)
+        Which triangle each position is in.
+    xy : ndarray, shape (f, 2)
+        Positions, px.
+
+    Returns
+    -------
+    ndarray, shape (f, 3)
+        Weights, which add up to 1.
+    """
     a = corners[:, 0]
     ab, ac = corners[:, 1] - a, corners[:, 2] - a
     area = ab[:, 0] * ac[:, 1] - ab[:, 1] * ac[:, 0]

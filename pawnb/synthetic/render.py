@@ -231,7 +231,22 @@ class ViewRenderer:
 
 
 def cover(mesh: Mesh, camera: Camera, settings: SceneSettings) -> _Coverage:
-    """Find which triangles of the animal cover which samples of a view."""
+    """Find which triangles of the animal cover which samples of a view.
+
+    Parameters
+    ----------
+    mesh : Mesh
+        The animal.
+    camera : Camera
+        The view.
+    settings : SceneSettings
+        The scene, for the number of samples.
+
+    Returns
+    -------
+    _Coverage
+        Triangle and depth of every sample.
+    """
     n = SUPERSAMPLE
     uv, depth = camera.project(mesh.vertices)
     low = np.floor(uv.min(axis=0)).astype(int) - 1

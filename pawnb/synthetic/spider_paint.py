@@ -57,7 +57,19 @@ class Body(Protocol):
         *,
         fine_px_per_mm: float,
     ) -> None:
-        """Paint the body over a fine picture."""
+        """Paint the body over a fine picture.
+
+        Parameters
+        ----------
+        density : ndarray, shape (H, W)
+            How much light is stopped; changed in place.
+        grey : ndarray, shape (H, W)
+            What is shown of the animal itself; changed in place.
+        body : tuple of (ndarray, float)
+            Place (u, v), fine px, and heading, degrees, of the body.
+        fine_px_per_mm : float
+            Scale of the fine picture.
+        """
 
 
 class SpiderPainter:

@@ -48,6 +48,11 @@ def to_side(scene: SpiderScene, u: np.ndarray, height_mm: np.ndarray) -> np.ndar
         Column of the point seen from above, px.
     height_mm : ndarray
         Its height above the panel.
+
+    Returns
+    -------
+    ndarray, shape (..., 2)
+        Places, px.
     """
     v = _ground_row(scene) - scene.px_per_mm * height_mm
     return np.stack([u, np.broadcast_to(v, np.shape(u))], axis=-1)
@@ -79,6 +84,11 @@ def points3d_truth(
         Their places from above, px.
     heights : ndarray (n, points)
         Their heights, mm.
+
+    Returns
+    -------
+    pandas.DataFrame
+        One row a frame and point; positions in mm.
     """
     scene = recording.scene
     n, m = heights.shape
@@ -159,7 +169,19 @@ class SideBody:
         *,
         fine_px_per_mm: float,
     ) -> None:
-        """Paint the body over a fine picture: see :meth:`BodyTexture.paint`."""
+        """Paint the body over a fine picture: see :meth:`BodyTexture.paint`.
+
+        Parameters
+        ----------
+        density : ndarray, shape (H, W)
+            How much light is stopped; changed in place.
+        grey : ndarray, shape (H, W)
+            What is shown of the animal itself; changed in place.
+        body : tuple of (ndarray, float)
+            Place (u, v), fine px, and heading, degrees, of the body.
+        fine_px_per_mm : float
+            Scale of the fine picture.
+        """
         at, heading = body
         unit = self._individual.size * fine_px_per_mm
         cos, sin = np.cos(np.radians(heading)), np.sin(np.radians(heading))

@@ -99,6 +99,11 @@ def tracks_truth(
         Name of the view.
     visible : ndarray (n, points) of bool
         Whether a point is in the picture and not under the body.
+
+    Returns
+    -------
+    pandas.DataFrame
+        One row a frame and point.
     """
     n, m = points.shape[:2]
     table = pd.DataFrame(
@@ -116,7 +121,22 @@ def tracks_truth(
 
 
 def under_body(animal: StickAnimal, poses: Poses, points: np.ndarray) -> np.ndarray:
-    """Return which points (n, points, 2) lie within one of the body's ellipses."""
+    """Return which points (n, points, 2) lie within one of the body's ellipses.
+
+    Parameters
+    ----------
+    animal : StickAnimal
+        The animal.
+    poses : Poses
+        Its poses, n of them.
+    points : ndarray, shape (n, points, 2)
+        Places in the picture, px.
+
+    Returns
+    -------
+    ndarray of bool, shape (n, points)
+        True within the body.
+    """
     turn = np.radians(poses.heading_deg)[:, None]
     away = (points - poses.xy[:, None]) / poses.scale[:, None, None]
     x = away[..., 0] * np.cos(turn) + away[..., 1] * np.sin(turn)
@@ -173,6 +193,11 @@ def events_truth(
         First and last frame in which the whole animal is in view; others hold no events.
     animal, trial : str
         Names.
+
+    Returns
+    -------
+    pandas.DataFrame
+        One row an event.
     """
     rows = []
     for leg in sorted(motion.feet):

@@ -160,7 +160,22 @@ def tube_faces(rings: int, segments: int) -> np.ndarray:
 
 
 def tube_surface(lengths: np.ndarray, girth: float, segments: int) -> np.ndarray:
-    """Return skin coordinates (r * segments, 2) in mm for rings at some lengths."""
+    """Return skin coordinates (r * segments, 2) in mm for rings at some lengths.
+
+    Parameters
+    ----------
+    lengths : ndarray, shape (r,)
+        Where the rings are along the tube, mm.
+    girth : float
+        Way round a ring, mm.
+    segments : int
+        Corners of a ring.
+
+    Returns
+    -------
+    ndarray, shape (r * segments, 2)
+        Skin coordinates, mm.
+    """
     around = np.arange(segments) * (girth / segments)
     # there and back, so that the texture has no seam where the ring closes
     around = girth / 2 - np.abs(around - girth / 2)
@@ -180,6 +195,16 @@ def rotation(roll: float, pitch: float, yaw: float) -> np.ndarray:
     """Return the matrix that turns (forward, left, up) by roll, then pitch, then yaw, in rad.
 
     Positive pitch lifts the head, positive yaw turns it to the left.
+
+    Parameters
+    ----------
+    roll, pitch, yaw : float
+        Angles, rad.
+
+    Returns
+    -------
+    ndarray, shape (3, 3)
+        The matrix.
     """
     cr, sr, cp, sp, cy, sy = (f(x) for x in (roll, pitch, yaw) for f in (np.cos, np.sin))
     about_forward = np.array([[1, 0, 0], [0, cr, -sr], [0, sr, cr]])

@@ -18,7 +18,22 @@ VISIBLE_FROM = 0.3
 
 
 def paw_positions(gait: Gait, settings: SceneSettings, time_s: np.ndarray) -> np.ndarray:
-    """Return the tracked points (t, legs, 3) in calibrated X, Y, Z (mm), in the order of LEGS."""
+    """Return the tracked points (t, legs, 3) in calibrated X, Y, Z (mm), in the order of LEGS.
+
+    Parameters
+    ----------
+    gait : Gait
+        How the mouse runs.
+    settings : SceneSettings
+        The scene.
+    time_s : ndarray, shape (t,)
+        Times, s.
+
+    Returns
+    -------
+    ndarray, shape (t, legs, 3)
+        Positions, mm.
+    """
     facing = np.array([settings.direction, settings.direction, 1.0])
     return np.stack([gait.legs[leg].position(time_s) for leg in LEGS], axis=1) * facing
 
@@ -105,6 +120,24 @@ def events_truth(
     and PEP are the turning points of the paw along forward in the laboratory, which is
     what a treadmill study sees: AEP just before TD, PEP just after LO. Frames are
     fractional; only events from the first frame to the last are listed.
+
+    Parameters
+    ----------
+    gait : Gait
+        How the mouse runs.
+    settings : SceneSettings
+        The scene.
+    begin_s : float
+        Time of the first frame, s.
+    frames : int
+        How many frames there are.
+    animal, trial : str
+        Names for the table.
+
+    Returns
+    -------
+    pandas.DataFrame
+        One row an event; positions in mm.
     """
     facing = np.array([settings.direction, settings.direction, 1.0])
     rows = []

@@ -213,7 +213,22 @@ class GaitSession:
     def pick_event(
         self, time_s: float, *, within_s: float, kinds: Sequence[str] = _ALL
     ) -> tuple[str, str, float] | None:
-        """Pick the event of :attr:`shown_leg` nearest to a time; None if none is within reach."""
+        """Pick the event of :attr:`shown_leg` nearest to a time; None if none is within reach.
+
+        Parameters
+        ----------
+        time_s : float
+            The time, s.
+        within_s : float
+            How near an event must be, s.
+        kinds : sequence of str
+            Which events may be picked.
+
+        Returns
+        -------
+        tuple or None
+            Leg, event and time (s).
+        """
         own = self.leg_events
         own = own[own["event"].isin(kinds)]
         away = np.abs(own["time_s"].to_numpy(dtype=float) - time_s)

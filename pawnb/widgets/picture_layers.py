@@ -143,7 +143,26 @@ def shaded(share: np.ndarray, *, opacity: np.ndarray | None = None) -> np.ndarra
 def slider(
     name: str, text: str, *, value: float, step: float, limits: tuple[float, float], title: str
 ) -> dict[str, Any]:
-    """Return one slider as ``static/frame_canvas.js`` takes it."""
+    """Return one slider as ``static/frame_canvas.js`` takes it.
+
+    Parameters
+    ----------
+    name : str
+        Name by which its changes come back.
+    text : str
+        Words beside it.
+    value, step : float
+        Where it stands, and by how much it moves.
+    limits : tuple of float
+        Least and greatest value.
+    title : str
+        What is shown where the pointer rests.
+
+    Returns
+    -------
+    dict
+        The slider.
+    """
     return {
         "id": name, "text": text, "min": limits[0], "max": float(f"{limits[1]:.6g}"),
         "step": step, "value": float(f"{value:.3g}"), "title": title,

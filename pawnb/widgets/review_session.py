@@ -92,11 +92,43 @@ class ReviewSession(CorrectedTracks):
     # --- what a person does -------------------------------------------------------------
 
     def move(self, frame: int, view: str, point: str, *, u: float, v: float) -> str:
-        """Put a point at (u, v) px of a view; returns what was done, in words."""
+        """Put a point at (u, v) px of a view; returns what was done, in words.
+
+        Parameters
+        ----------
+        frame : int
+            The frame.
+        view : str
+            The view.
+        point : str
+            The point.
+        u, v : float
+            Place in the view, px.
+
+        Returns
+        -------
+        str
+            What was done.
+        """
         return self.apply(Move(frame=frame, view=view, point=point, u=round(u, 3), v=round(v, 3)))
 
     def hide(self, frame: int, view: str, point: str) -> str:
-        """Mark a point as not visible in a view; returns what was done, in words."""
+        """Mark a point as not visible in a view; returns what was done, in words.
+
+        Parameters
+        ----------
+        frame : int
+            The frame.
+        view : str
+            The view.
+        point : str
+            The point.
+
+        Returns
+        -------
+        str
+            What was done.
+        """
         return self.apply(Hide(frame=frame, view=view, point=point))
 
     def accept(self, frame: int, view: str, point: str) -> str:
@@ -106,6 +138,20 @@ class ReviewSession(CorrectedTracks):
         ------
         InputError
             If there is no position to accept.
+
+        Parameters
+        ----------
+        frame : int
+            The frame.
+        view : str
+            The view.
+        point : str
+            The point.
+
+        Returns
+        -------
+        str
+            What was done.
         """
         uv = self.position(frame, view, point)
         if uv is None:
@@ -113,11 +159,39 @@ class ReviewSession(CorrectedTracks):
         return self.apply(Accept(frame=frame, view=view, point=point, u=uv[0], v=uv[1]))
 
     def swap(self, frame: int, first: str, second: str) -> str:
-        """Exchange two points from a frame on; returns what was done, in words."""
+        """Exchange two points from a frame on; returns what was done, in words.
+
+        Parameters
+        ----------
+        frame : int
+            From which frame on.
+        first, second : str
+            The points.
+
+        Returns
+        -------
+        str
+            What was done.
+        """
         return self.apply(Swap(frame=frame, first=first, second=second))
 
     def position(self, frame: int, view: str, point: str) -> tuple[float, float] | None:
-        """Return where a point is in px of a view, or None where it is missing."""
+        """Return where a point is in px of a view, or None where it is missing.
+
+        Parameters
+        ----------
+        frame : int
+            The frame.
+        view : str
+            The view.
+        point : str
+            The point.
+
+        Returns
+        -------
+        tuple of float or None
+            (u, v), px.
+        """
         with self.lock:
             tracks = self.present
             uv = tracks["image_position"].to_numpy()[

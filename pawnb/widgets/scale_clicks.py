@@ -33,7 +33,15 @@ class ScaleClicks:
         self.ends[near] = (u, v)
 
     def move(self, name: str, u: float, v: float) -> None:
-        """Put one end elsewhere; raises InputError for an unknown one."""
+        """Put one end elsewhere; raises InputError for an unknown one.
+
+        Parameters
+        ----------
+        name : str
+            Which end.
+        u, v : float
+            Place in the view, px.
+        """
         if name not in self.ends:
             raise InputError(f"{name} was not clicked; click both ends of a known length.")
         self.ends[name] = (u, v)

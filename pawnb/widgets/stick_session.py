@@ -148,7 +148,17 @@ class StickSession(Draft[State]):
         self.leg = self.species.leg(leg.split(".")[0]).name
 
     def drag(self, handle: str, u: float, v: float, *, whole: bool = True) -> None:
-        """Drag a handle of the stick animal; see :meth:`StickPose.drag`."""
+        """Drag a handle of the stick animal; see :meth:`StickPose.drag`.
+
+        Parameters
+        ----------
+        handle : str
+            The handle.
+        u, v : float
+            Where it is dragged to, px of the view.
+        whole : bool
+            Whether the whole leg follows its tip, or only the last joint turns.
+        """
         if handle == "body":
             width, height = self.size
             if not (-0.5 <= u < width - 0.5 and -0.5 <= v < height - 0.5):
@@ -198,7 +208,17 @@ class StickSession(Draft[State]):
         self._make(replace(self._moved_on(nearest), others=_without(others, nearest)))
 
     def propose(self, animal: StickAnimal, pose: Poses, *, notes: tuple[str, ...] = ()) -> None:
-        """Offer a pose of one frame to accept or change, and look at it."""
+        """Offer a pose of one frame to accept or change, and look at it.
+
+        Parameters
+        ----------
+        animal : StickAnimal
+            The animal, with its own proportions.
+        pose : Poses
+            Its pose in one frame.
+        notes : tuple of str
+            What a person should know of the proposal.
+        """
         frame = self._checked_frame(int(pose.frames[0]))
         others = _without(self._state.others, frame)
         self._make(State(stick_pose(self.species, animal, pose), frame, "proposed", others))

@@ -176,7 +176,24 @@ def compare_directions(
 
 
 def disturbed(poses: Poses, *, px: float, deg: float, rng: np.random.Generator) -> Poses:
-    """Return poses with Gaussian errors: ``px`` in x and y, ``deg`` in heading and joints."""
+    """Return poses with Gaussian errors: ``px`` in x and y, ``deg`` in heading and joints.
+
+    Parameters
+    ----------
+    poses : Poses
+        The poses.
+    px : float
+        Standard deviation in x and y, px.
+    deg : float
+        Standard deviation in heading and joints, degrees.
+    rng : numpy.random.Generator
+        Source of chance.
+
+    Returns
+    -------
+    Poses
+        The disturbed poses.
+    """
     return Poses(
         frames=poses.frames,
         xy=poses.xy + rng.normal(0, px, poses.xy.shape),

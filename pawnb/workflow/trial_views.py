@@ -118,7 +118,24 @@ def frame_range(
 
 
 def paw_task(trial: Trial, rig: Rig | None, clicks: pd.DataFrame, **asked: Any) -> Task:
-    """Return what a tracker is to do, with all that the trial says about it."""
+    """Return what a tracker is to do, with all that the trial says about it.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    rig : Rig or None
+        Its calibrated views.
+    clicks : pandas.DataFrame
+        Start clicks.
+    **asked
+        Further fields of :class:`~pawnb.core.paws.task.Task`.
+
+    Returns
+    -------
+    Task
+        The task.
+    """
     return Task(
         rig=rig,
         points_by_view=points_by_view(trial, clicks),

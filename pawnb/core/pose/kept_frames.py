@@ -68,7 +68,17 @@ class KeptFrames(Closing):
         return None if data is None else _unpacked(data)["found"]
 
     def keep(self, way: str, frame: int, found: Record) -> None:
-        """Keep what was found in a frame on that way; any thread may."""
+        """Keep what was found in a frame on that way; any thread may.
+
+        Parameters
+        ----------
+        way : str
+            The way through the recording.
+        frame : int
+            The frame.
+        found : mapping
+            What was found.
+        """
         if self._file is not None:
             data = _packed({"way": way, "frame": frame, "found": found})
             with self._writing:

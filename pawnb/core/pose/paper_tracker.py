@@ -310,6 +310,22 @@ def part_outside(
 
     A leg may reach 4 % of the longest leg pair beyond the edge: the stick animal's legs do not
     shorten when they are raised. The body must be inside with its front and rear ends.
+
+    Parameters
+    ----------
+    sticks : Sticks
+        The stick animal as arrays.
+    pose : ndarray
+        The pose vector.
+    size : tuple of int
+        Width and height of the picture, px.
+    animal : StickAnimal
+        The animal, for the names of its legs.
+
+    Returns
+    -------
+    str or None
+        What lies outside.
     """
     beyond = _BEYOND * 2 * float(sticks.length.sum(axis=1).max())
     low, high = -beyond, np.array(size) - 1 + beyond

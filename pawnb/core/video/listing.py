@@ -86,6 +86,11 @@ def read_packets(
     lost : list, optional
         Told why what comes after a damaged place cannot be read. (PyAV raises IndexError for a
         packet of a stream that was not there when the file was opened.)
+
+    Yields
+    ------
+    av.Packet
+        Packets in the order of the file.
     """
     try:
         for packet in container.demux(stream):

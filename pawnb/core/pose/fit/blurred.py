@@ -15,7 +15,20 @@ def blurred(sight: Sight, half_width: float) -> Sight:
 
 
 def part_of(sight: Sight, low: np.ndarray, high: np.ndarray) -> Sight:
-    """Return the part of a sight between two places, working px, as far as it has it."""
+    """Return the part of a sight between two places, working px, as far as it has it.
+
+    Parameters
+    ----------
+    sight : Sight
+        What a frame shows.
+    low, high : ndarray, shape (2,)
+        Two opposite corners (u, v), working px.
+
+    Returns
+    -------
+    Sight
+        The part.
+    """
     height, width = sight.seen.shape
     first = np.floor(low - sight.box).astype(int)
     last = np.ceil(high - sight.box).astype(int)

@@ -96,7 +96,24 @@ _OF_PAIRS = ("shared", "crossed")
 def recalled(
     fitter: FrameFitter, frame: int, record: Mapping[str, Any], *, image: np.ndarray
 ) -> Choices:
-    """Return what :meth:`Choices.record` was made of; ``image`` are the grey pixels of its box."""
+    """Return what :meth:`Choices.record` was made of; ``image`` are the grey pixels of its box.
+
+    Parameters
+    ----------
+    fitter : FrameFitter
+        What poses are fitted with.
+    frame : int
+        The frame.
+    record : mapping
+        What was kept of it.
+    image : ndarray, shape (H, W)
+        Grey pixels of its box.
+
+    Returns
+    -------
+    Choices
+        The frame as it was.
+    """
     box = tuple(record["box"])
     choices = only_choice(fitter, frame, record["pose"], image=image, box=box)
     for name in _OF_LEGS:
@@ -109,7 +126,26 @@ def recalled(
 def only_choice(
     fitter: FrameFitter, frame: int, pose: np.ndarray, *, image: np.ndarray, box: tuple
 ) -> Choices:
-    """Return the frame with one pose of each leg."""
+    """Return the frame with one pose of each leg.
+
+    Parameters
+    ----------
+    fitter : FrameFitter
+        What poses are fitted with.
+    frame : int
+        The frame.
+    pose : ndarray
+        The pose vector.
+    image : ndarray, shape (H, W)
+        Grey pixels of the box.
+    box : tuple of int
+        Region of the picture, px.
+
+    Returns
+    -------
+    Choices
+        The frame.
+    """
     joints = fitter.joints(pose)
     return Choices(
         frame=frame,
@@ -131,6 +167,24 @@ def limb_candidates(
     Limbs are looked for among what no other leg explains, and then where a neighbour now lies,
     among what no other leg, the leg itself included, explains. Under what is explained a leg
     finds neither support nor hindrance. Poses that the leg is known to have are tried, too.
+
+    Parameters
+    ----------
+    fitter : FrameFitter
+        What poses are fitted with.
+    pose : ndarray
+        The pose vector.
+    leg : int
+        Number of the leg.
+    sight : Sight
+        What the frame shows.
+    prior : Prior
+        What is expected of the pose.
+
+    Returns
+    -------
+    list of ndarray
+        Each the leg's part of a pose vector.
     """
     neutral = _NEUTRAL * float(np.median(fitter.layout.dark[leg]))
     found: list[np.ndarray] = []
@@ -161,7 +215,30 @@ def fit_leg(
     prior: Prior,
     rounds: int = 4,
 ) -> np.ndarray:
-    """Return one leg's part of the pose vector, fitted with the body as it is."""
+    """Return one leg's part of the pose vector, fitted with the body as it is.
+
+    Parameters
+    ----------
+    fitter : FrameFitter
+        What poses are fitted with.
+    pose : ndarray
+        The pose vector, whose body stays as it is.
+    leg : int
+        Number of the leg.
+    guess : ndarray
+        The leg's part of the pose vector to begin with.
+    sight : Sight
+        What the frame shows.
+    prior : Prior
+        What is expected of the pose.
+    rounds : int
+        Steps at most.
+
+    Returns
+    -------
+    ndarray
+        The leg's part of the pose vector.
+    """
     trial = pose.copy()
     trial[fitter.numbers[leg]] = guess
     part = part_about(fitter, sight, pose, leg=leg, guesses=[guess])
@@ -174,7 +251,26 @@ def fit_leg(
 def part_about(
     fitter: FrameFitter, sight: Sight, pose: np.ndarray, *, leg: int, guesses: Sequence[np.ndarray]
 ) -> Sight:
-    """Return the part of a sight about some places of a leg, each its part of the pose vector."""
+    """Return the part of a sight about some places of a leg, each its part of the pose vector.
+
+    Parameters
+    ----------
+    fitter : FrameFitter
+        What poses are fitted with.
+    sight : Sight
+        What the frame shows.
+    pose : ndarray
+        The pose vector.
+    leg : int
+        Number of the leg.
+    guesses : sequence of ndarray
+        Places of the leg.
+
+    Returns
+    -------
+    Sight
+        The part that holds all of them.
+    """
     return part_near(sight, [_joints(fitter, pose, leg, guess) for guess in guesses])
 
 
@@ -283,7 +379,20 @@ def _may_meet(one: np.ndarray, other: np.ndarray) -> bool:
 def legs_cross(
     fitter: FrameFitter, one: tuple[int, np.ndarray], other: tuple[int, np.ndarray]
 ) -> bool:
-    """Return whether two legs, each given by its number and its joints, cross."""
+    """Return whether two legs, each given by its number and its joints, cross.
+
+    Parameters
+    ----------
+    fitter : FrameFitter
+        What poses are fitted with.
+    one, other : tuple of (int, ndarray)
+        Number of a leg and its joints, shape (joints, 2).
+
+    Returns
+    -------
+    bool
+        True if they cross.
+    """
     n = fitter.layout.n_segments
     return bool(chains_cross(one[1], n[one[0]], other[1], n[other[0]]))
 
@@ -327,6 +436,22 @@ def side_energy(
     of anatomy. What a leg explains that one of the ``others`` explains already, each the leg of
     the other side and its candidate, is not counted again: a leg that reaches under the body to
     the limb of a leg of the other side gains nothing there.
+
+    Parameters
+    ----------
+    choices : Choices
+        The frame.
+    legs : sequence of int
+        Legs of the side.
+    share : float
+        Weight of what the picture says.
+    others : mapping of int to int
+        Leg of the other side to its chosen candidate.
+
+    Returns
+    -------
+    ndarray
+        Cost, one axis a leg.
     """
     shape = [len(choices.legs[leg]) for leg in legs]
     out = np.zeros(shape)

@@ -20,7 +20,22 @@ of the body's from which on it is wholly."""
 
 
 def without_corners(fitter: FrameFitter, pose: np.ndarray, sight: Sight) -> Sight:
-    """Return a sight in which corners have no weight; the animal is at ``pose``."""
+    """Return a sight in which corners have no weight; the animal is at ``pose``.
+
+    Parameters
+    ----------
+    fitter : FrameFitter
+        What poses are fitted with.
+    pose : ndarray
+        The pose vector.
+    sight : Sight
+        What the frame shows.
+
+    Returns
+    -------
+    Sight
+        The same without the corners.
+    """
     reach = fitter.body_radius + fitter.blur
     near = part_of(sight, pose[:2] - reach, pose[:2] + reach)
     of_body = _painted(fitter, pose, near, fitter.body_shown) / fitter.layout.ellipse[:, 4].max()

@@ -139,7 +139,22 @@ class FrameFitter:
     def look(
         self, frame: Frame, expected: np.ndarray, *, margin: float = _BODY_MARGIN_PX
     ) -> tuple[Sight, np.ndarray, tuple]:
-        """Return what a frame shows about the expected pose, its grey pixels and their box."""
+        """Return what a frame shows about the expected pose, its grey pixels and their box.
+
+        Parameters
+        ----------
+        frame : Frame
+            The frame.
+        expected : ndarray
+            The pose vector that is expected.
+        margin : float
+            Room about its body, working px.
+
+        Returns
+        -------
+        tuple
+            What the frame shows (Sight), its grey pixels (H, W), and their box, px.
+        """
         box = self.box(expected)
         image = self.evidence.pixels(frame, box)
         return self.sight(image, box, expected, margin=margin), image, box
@@ -156,6 +171,22 @@ class FrameFitter:
 
         What is wider than a leg and further than ``margin`` (working px) from the expected body
         does not count as dark; see :func:`.evidence.without_wide`.
+
+        Parameters
+        ----------
+        image : ndarray, shape (H, W)
+            Grey pixels.
+        box : tuple of int
+            Their place in the picture, px.
+        expected : ndarray
+            The pose vector that is expected.
+        margin : float
+            Room about its body, working px.
+
+        Returns
+        -------
+        Sight
+            What they show.
         """
         empty = Sight(image, image, np.array([float(box[0]), float(box[1])]))
         seen = self.evidence.sight(image, box, self._cover(expected, empty))
@@ -177,7 +208,22 @@ class FrameFitter:
     def narrowed(
         self, sight: Sight, expected: np.ndarray, *, margin: float = _BODY_MARGIN_PX
     ) -> Sight:
-        """Return a sight in which what is wider than a leg, but for the body, is not dark."""
+        """Return a sight in which what is wider than a leg, but for the body, is not dark.
+
+        Parameters
+        ----------
+        sight : Sight
+            What a frame shows.
+        expected : ndarray
+            The pose vector that is expected.
+        margin : float
+            Room about the body, working px.
+
+        Returns
+        -------
+        Sight
+            The same without what is wide.
+        """
         body = self.near_body(expected, sight, margin=margin)
         if self.fixtures is not None:
             sight = sight._replace(seen=sight.seen.copy(), weight=sight.weight.copy())
@@ -187,7 +233,22 @@ class FrameFitter:
     def near_body(
         self, pose: np.ndarray, sight: Sight, *, margin: float = _BODY_MARGIN_PX
     ) -> np.ndarray:
-        """Return where the body is, and what is nearer to it than ``margin``: bool, (H, W)."""
+        """Return where the body is, and what is nearer to it than ``margin``: bool, (H, W).
+
+        Parameters
+        ----------
+        pose : ndarray
+            The pose vector.
+        sight : Sight
+            What the frame shows.
+        margin : float
+            How near, working px.
+
+        Returns
+        -------
+        ndarray of bool, shape (H, W)
+            True at and about the body.
+        """
         value, owner, along, joints = self.canvas(sight)
         paint_some(
             self.layout, pose, margin, sight.box, self.body_shown, value, owner, along, joints
@@ -218,7 +279,32 @@ class FrameFitter:
         rounds: int = 6,
         enough: float = _ENOUGH,
     ) -> tuple[np.ndarray, float]:
-        """Return the pose nearby that fits best, and its cost; see :func:`fit_pose`."""
+        """Return the pose nearby that fits best, and its cost; see :func:`fit_pose`.
+
+        Parameters
+        ----------
+        pose : ndarray
+            The pose vector to begin with.
+        sight : Sight
+            What the frame shows.
+        prior : Prior
+            What is expected of the pose.
+        active : ndarray of int, optional
+            Numbers of the pose that may change, ascending; default all.
+        shown : ndarray of bool, shape (legs + 1,), optional
+            Legs, and last the body, that are painted; default all.
+        blur : float, optional
+            Blur of the picture, working px; default that of the fitter.
+        rounds : int
+            Steps at most.
+        enough : float
+            A step that gains less ends the fit.
+
+        Returns
+        -------
+        tuple of (ndarray, float)
+            The pose vector, and its cost.
+        """
         return fit_pose(
             self.layout, pose, sight, prior,
             self.everything if active is None else active,
@@ -251,6 +337,20 @@ class FrameFitter:
         """Return the Gauss-Newton matrix and the gradient of picture and prior.
 
         The pose is painted on the canvas.
+
+        Parameters
+        ----------
+        pose : ndarray
+            The pose vector.
+        sight : Sight
+            What the frame shows.
+        prior : Prior
+            What is expected of the pose.
+
+        Returns
+        -------
+        tuple of (ndarray, ndarray)
+            The matrix (n, n) and the gradient (n,).
         """
         matrix, slope = np.zeros((self.n, self.n)), np.zeros(self.n)
         value, owner, along, joints = self.canvas(sight)

@@ -99,6 +99,22 @@ class Follower:
 
         What is found in a frame is kept under the name of this ``way``, and is not looked for
         where an earlier run has kept it.
+
+        Parameters
+        ----------
+        frames : iterable of Frame
+            Frames in the order in which they are followed.
+        done : callable, optional
+            Called after each frame.
+        kept : KeptFrames, optional
+            Where frames are kept, and taken from where they are there.
+        way : str
+            Which way this is, in what is kept.
+
+        Returns
+        -------
+        list of Choices
+            One a frame.
         """
         kept = kept or KeptFrames()
         with self._pool:
@@ -171,6 +187,20 @@ class Follower:
         """Return the pose near the expected one that fits best: first blurred, then sharp.
 
         Another thread brings its own ``fitter``.
+
+        Parameters
+        ----------
+        expected : ndarray
+            The pose vector that is expected.
+        sight : Sight
+            What the frame shows.
+        fitter : FrameFitter, optional
+            What is fitted with; default the follower's.
+
+        Returns
+        -------
+        ndarray
+            The pose vector.
         """
         fitter = fitter or self.fitter
         _, prior = self.priors(expected)

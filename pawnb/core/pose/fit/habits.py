@@ -40,6 +40,11 @@ def learn_from_all(fitter: FrameFitter, found: Sequence[Choices], poses: np.ndar
         All frames.
     poses : ndarray, shape (n, n_parameters)
         Their poses.
+
+    Returns
+    -------
+    bool
+        True where something fixed to the body was found.
     """
     fitter.fixtures = find_fixtures(fitter, found, poses)
     if fitter.fixtures is None:

@@ -66,7 +66,22 @@ def _differences(fitter: FrameFitter, pose: np.ndarray, sight: Sight) -> np.ndar
 
 
 def without_hairs(fitter: FrameFitter, pose: np.ndarray, sight: Sight) -> Sight:
-    """Return a sight in which the hairs of legs have no weight; the animal is at ``pose``."""
+    """Return a sight in which the hairs of legs have no weight; the animal is at ``pose``.
+
+    Parameters
+    ----------
+    fitter : FrameFitter
+        What poses are fitted with.
+    pose : ndarray
+        The pose vector.
+    sight : Sight
+        What the frame shows.
+
+    Returns
+    -------
+    Sight
+        The same without the hairs.
+    """
     if fitter.hairs is None:
         return sight
     canvas = fitter.canvas(sight)

@@ -78,7 +78,22 @@ def _difference(fitter: FrameFitter, pose: np.ndarray, sight: Sight, side: int) 
 
 
 def without_odd_places(fitter: FrameFitter, pose: np.ndarray, sight: Sight) -> Sight:
-    """Return a sight in which the fitter's odd places have no weight; the body is at ``pose``."""
+    """Return a sight in which the fitter's odd places have no weight; the body is at ``pose``.
+
+    Parameters
+    ----------
+    fitter : FrameFitter
+        What poses are fitted with, and its odd places.
+    pose : ndarray
+        The pose vector.
+    sight : Sight
+        What the frame shows.
+
+    Returns
+    -------
+    Sight
+        The same without them.
+    """
     if fitter.odd_places is None:
         return sight
     weight = sight.weight.copy()

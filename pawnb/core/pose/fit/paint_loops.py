@@ -339,7 +339,20 @@ def picture_cost(
 
 
 def make_canvas(height: int, width: int, layout: Layout) -> tuple[np.ndarray, ...]:
-    """Return empty ``value``, ``owner``, ``along`` and ``joints`` for :func:`paint`."""
+    """Return empty ``value``, ``owner``, ``along`` and ``joints`` for :func:`paint`.
+
+    Parameters
+    ----------
+    height, width : int
+        Size of the picture, working px.
+    layout : Layout
+        The stick animal as arrays.
+
+    Returns
+    -------
+    tuple of ndarray
+        The four, each to be filled by :func:`paint`.
+    """
     legs, most = layout.length.shape
     return (
         np.zeros((height, width)),

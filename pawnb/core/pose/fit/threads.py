@@ -32,6 +32,18 @@ def side_by_side(one: Callable[[], _T], other: Callable[[], _T], steps: Steps) -
     """Return what two pieces of work return that are done at the same time.
 
     Where one of them fails, or telling how far they are, the other is asked to stop.
+
+    Parameters
+    ----------
+    one, other : callable
+        Pieces of work without arguments.
+    steps : Steps
+        Told while the two run; halted where one of them fails.
+
+    Returns
+    -------
+    tuple
+        What the two returned.
     """
 
     def watched(work: Callable[[], _T]) -> _T:

@@ -94,7 +94,24 @@ class SpaceFitter:
     def crop(
         self, frame: Frame, xy: np.ndarray, *, places: np.ndarray, heights: tuple[float, float]
     ) -> tuple[np.ndarray, tuple[int, int, int, int]]:
-        """Return the second view's crop that holds the animal at some heights, and its box."""
+        """Return the second view's crop that holds the animal at some heights, and its box.
+
+        Parameters
+        ----------
+        frame : Frame
+            A frame of the second view.
+        xy : ndarray, shape (2,)
+            Place of the body in the first view, px.
+        places : ndarray, shape (n, 2)
+            Places of the animal in the first view, px.
+        heights : tuple of float
+            Least and greatest height.
+
+        Returns
+        -------
+        tuple
+            Grey pixels (H, W), and their box, px.
+        """
         lines = self.model.lines
         uv = np.concatenate([xy[None], places.reshape(-1, 2)])
         start, direction = lines.lines(uv[np.isfinite(uv).all(axis=1)])
@@ -120,7 +137,22 @@ class SpaceFitter:
         return make_canvas(height, width, self.model.layout)
 
     def known(self, one: SpaceFrame, expected: np.ndarray | None, expected_sd: float) -> Known:
-        """Return what is known of a frame without its second picture."""
+        """Return what is known of a frame without its second picture.
+
+        Parameters
+        ----------
+        one : SpaceFrame
+            The frame.
+        expected : ndarray or None
+            Unknowns that are expected.
+        expected_sd : float
+            Their standard deviation.
+
+        Returns
+        -------
+        Known
+            What is known.
+        """
         model, settings = self.model, self.model.settings
         legs, joints = one.places.shape[:2]
         nothing = np.full(1 + legs * joints, np.nan)
@@ -141,7 +173,22 @@ class SpaceFitter:
         )
 
     def body_height(self, one: SpaceFrame, sight: Sight, heights: np.ndarray) -> float:
-        """Return at which of some heights the body explains most of the second picture."""
+        """Return at which of some heights the body explains most of the second picture.
+
+        Parameters
+        ----------
+        one : SpaceFrame
+            The frame.
+        sight : Sight
+            What its second picture shows.
+        heights : ndarray, shape (n,)
+            Heights to try.
+
+        Returns
+        -------
+        float
+            The best of them.
+        """
         value, owner, _, _ = self.canvas(sight)
         costs = []
         for height in heights:
@@ -207,6 +254,24 @@ class SpaceFitter:
         """Return the unknowns that fit both views best near ``x``, and their cost.
 
         ``coarse`` looks further away first.
+
+        Parameters
+        ----------
+        one : SpaceFrame
+            The frame.
+        sight : Sight
+            What its second picture shows.
+        x : ndarray
+            Unknowns to begin with.
+        known : Known
+            What is known without the second picture.
+        coarse : bool
+            Whether a fit to a more blurred picture comes before.
+
+        Returns
+        -------
+        tuple of (ndarray, float)
+            Unknowns and cost.
         """
         if coarse:
             x, _ = self._descend(one, sight, x, known, _COARSE * self.blur)
@@ -236,7 +301,22 @@ class SpaceFitter:
         return x, cost
 
     def solve(self, matrix: np.ndarray, right: np.ndarray, damping: float) -> np.ndarray:
-        """Return the solution of the damped equations; legs meet only through the body's height."""
+        """Return the solution of the damped equations; legs meet only through the body's height.
+
+        Parameters
+        ----------
+        matrix : ndarray, shape (n, n)
+            Gauss-Newton matrix.
+        right : ndarray, shape (n,)
+            Right side.
+        damping : float
+            Share of the diagonal that is added to it.
+
+        Returns
+        -------
+        ndarray, shape (n,)
+            The solution.
+        """
         legs = len(self.model.animal.legs)
         m = (len(right) - 1) // legs
         blocks = matrix[1:, 1:].reshape(legs, m, legs, m)[np.arange(legs), :, np.arange(legs)]
@@ -265,7 +345,26 @@ class SpaceFitter:
     def equations(
         self, one: SpaceFrame, sight: Sight, x: np.ndarray, *, known: Known, blur: float
     ) -> tuple[float, np.ndarray, np.ndarray]:
-        """Return cost, Gauss-Newton matrix and gradient at ``x``."""
+        """Return cost, Gauss-Newton matrix and gradient at ``x``.
+
+        Parameters
+        ----------
+        one : SpaceFrame
+            The frame.
+        sight : Sight
+            What its second picture shows.
+        x : ndarray
+            Unknowns.
+        known : Known
+            What is known without the second picture.
+        blur : float
+            Blur of the picture, working px.
+
+        Returns
+        -------
+        tuple of (float, ndarray, ndarray)
+            Cost, matrix (n, n), gradient (n,).
+        """
         model, settings = self.model, self.model.settings
         parts = model.body_parts(one.xy, one.heading_deg, float(x[0]))
         value, owner, along, joints = self.canvas(sight)
@@ -283,7 +382,22 @@ class SpaceFitter:
         return cost, matrix, vector
 
     def painted(self, one: SpaceFrame, sight: Sight, x: np.ndarray) -> tuple[np.ndarray, ...]:
-        """Return the second picture as ``x`` has it: value, owner, along and joints."""
+        """Return the second picture as ``x`` has it: value, owner, along and joints.
+
+        Parameters
+        ----------
+        one : SpaceFrame
+            The frame.
+        sight : Sight
+            What its second picture shows.
+        x : ndarray
+            Unknowns.
+
+        Returns
+        -------
+        tuple of ndarray
+            As :func:`paint` fills them.
+        """
         model = self.model
         parts = model.body_parts(one.xy, one.heading_deg, float(x[0]))
         canvas = self.canvas(sight)
