@@ -13,6 +13,7 @@ from typing import Any
 import matplotlib as mpl
 
 FOLDER = "_generated"
+TITLES = {"Bland altman": "Bland-Altman", "Paths 3d": "Paths in space"}
 HEAD = """# Gallery
 
 Each figure is drawn by the code below it while this page is built, from a study of synthetic
@@ -59,6 +60,7 @@ def draw_gallery(folder: Path) -> None:
             plt.gcf().savefig(folder / f"{name}.png")
         plt.close("all")
         title = name.removeprefix("plot_").replace("_", " ").capitalize()
+        title = TITLES.get(title, title)
         said = doc.strip().splitlines()[0]
         page.append(
             f"## {title}\n\n{said} See {{func}}`pawnb.figures.{name}`.\n\n"

@@ -44,12 +44,13 @@ def build_animal_presence_table(
 
     Examples
     --------
-    >>> difference = np.array([1.0, 2.0, 60.0, 80.0, 70.0, 3.0])
+    >>> frames = np.arange(60)
+    >>> difference = 3.0 + 80.0 * np.exp(-(((frames - 25.0) / 10.0) ** 4))
     >>> table = figures.build_animal_presence_table(
-    ...     np.arange(6), difference, threshold=10.0, has_animal=difference > 10.0
+    ...     frames, difference, threshold=10.0, has_animal=difference > 10.0
     ... )
-    >>> int(table["has_animal"].sum())
-    3
+    >>> table.loc[table["has_animal"], "frame"].agg(["min", "max"]).tolist()
+    [13, 37]
     """
     lengths = [len(frames), len(difference), len(has_animal)]
     if len(set(lengths)) > 1 or not lengths[0]:
@@ -91,9 +92,10 @@ def plot_animal_presence(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes
 
     Examples
     --------
-    >>> difference = np.array([1.0, 2.0, 60.0, 80.0, 70.0, 3.0])
+    >>> frames = np.arange(60)
+    >>> difference = 3.0 + 80.0 * np.exp(-(((frames - 25.0) / 10.0) ** 4))
     >>> table = figures.build_animal_presence_table(
-    ...     np.arange(6), difference, threshold=10.0, has_animal=difference > 10.0
+    ...     frames, difference, threshold=10.0, has_animal=difference > 10.0
     ... )
     >>> ax = figures.plot_animal_presence(table)
     """

@@ -95,7 +95,7 @@ def plot_joint_ranges(
     Examples
     --------
     >>> angles = pd.concat(
-    ...     [pawnb.gait.joints.get_joint_angles(run.tracks(), smooth=True) for run in study.runs]
+    ...     [pawnb.gait.joints.get_joint_angles(run.tracks(), smooth=True) for run in study.runs[:2]]
     ... )
     >>> ax = figures.plot_joint_ranges(figures.build_joint_ranges_table(angles))
     """
