@@ -94,9 +94,8 @@ def plot_joint_ranges(
 
     Examples
     --------
-    >>> angles = pd.concat(
-    ...     [pawnb.gait.joints.get_joint_angles(run.tracks(), smooth=True) for run in study.runs[:2]]
-    ... )
+    >>> get = pawnb.gait.joints.get_joint_angles
+    >>> angles = pd.concat([get(run.tracks(), smooth=True) for run in study.runs[:2]])
     >>> ax = figures.plot_joint_ranges(figures.build_joint_ranges_table(angles))
     """
     check_columns(table, COLUMNS, where="joint ranges")
