@@ -15,6 +15,9 @@ import pawnb
 PACKAGES = ("pawnb", "pawnb.io", "pawnb.gait", "pawnb.figures")
 FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE | doctest.FAIL_FAST
 
+NEEDS = {"read_c3d": "c3d", "write_c3d": "c3d", "read_nwb": "pynwb", "write_nwb": "pynwb"}
+"""Names whose library is an extra."""
+
 
 def names_of(package):
     """Return the functions and classes that a package lists."""
@@ -58,6 +61,8 @@ def test_every_everyday_name_has_an_example(package):
 def test_example_gives_what_it_says(package, name, made, tmp_path_factory, monkeypatch):
     import matplotlib.pyplot as plt
 
+    if name in NEEDS:
+        pytest.importorskip(NEEDS[name])
     module = importlib.import_module(package)
     if package not in made:
         folder = tmp_path_factory.mktemp("examples")

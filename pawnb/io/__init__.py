@@ -11,20 +11,40 @@ Examples of functions go on from here: two synthetic mice, written as DeepLabCut
 >>> import pawnb
 >>> files = pawnb.synthetic.write_deeplabcut_sample("sample", animals=2)
 >>> tracks = pawnb.io.read_any_tracks(files[0], fps=200.0)
+
+and two points in space, and two cameras:
+
+>>> space = pawnb.schema.make_tracks(range(3), ["FR", "HR"], fps=250.0, unit="mm")
+>>> space["position"][:] = 1.5
+>>> matrix = np.array([[800.0, 0.0, 320.0], [0.0, 800.0, 240.0], [0.0, 0.0, 1.0]])
+>>> cameras = [
+...     pawnb.io.Camera(name=name, matrix=matrix, distortion=(0.1, 0.0, 0.0, 0.0, 0.0),
+...                     rotation=np.eye(3), translation=np.array([x, 0.0, 500.0]))
+...     for name, x in (("cam1", -20.0), ("cam2", 20.0))
+... ]
 """
 
 from pawnb import _lazy
 
 _HOME = {
+    "Camera": "pawnb.io.cameras",
+    "coefs_of_cameras": "pawnb.io.cameras",
     "from_movement": "pawnb.io.movement",
     "points3d_table": "pawnb.io.native",
     "read_anipose": "pawnb.io.anipose",
     "read_any_tracks": "pawnb.io.formats",
+    "read_argus_points": "pawnb.io.argus",
+    "read_argus_points3d": "pawnb.io.argus",
     "read_belt_speed": "pawnb.io.belt",
+    "read_c3d": "pawnb.io.c3d_file",
+    "read_cameras": "pawnb.io.cameras",
     "read_coefs": "pawnb.io.coefs",
+    "read_collected": "pawnb.io.deeplabcut",
     "read_deeplabcut": "pawnb.io.deeplabcut",
     "read_dltdv_points": "pawnb.io.dltdv",
     "read_dltdv_points3d": "pawnb.io.dltdv",
+    "read_locomouse": "pawnb.io.locomouse",
+    "read_nwb": "pawnb.io.nwb",
     "read_points3d_table": "pawnb.io.track_tables",
     "read_sleap": "pawnb.io.sleap",
     "read_start": "pawnb.io.start",
@@ -34,8 +54,22 @@ _HOME = {
     "recognise_format": "pawnb.io.formats",
     "to_movement": "pawnb.io.movement",
     "tracks_table": "pawnb.io.native",
+    "write_anipose": "pawnb.io.anipose",
     "write_any_tracks": "pawnb.io.formats",
+    "write_argus_points": "pawnb.io.argus",
+    "write_argus_points3d": "pawnb.io.argus",
+    "write_c3d": "pawnb.io.c3d_file",
+    "write_cameras": "pawnb.io.cameras",
     "write_coefs": "pawnb.io.coefs",
+    "write_collected": "pawnb.io.deeplabcut_out",
+    "write_deeplabcut": "pawnb.io.deeplabcut_out",
+    "write_dltdv_points": "pawnb.io.dltdv_out",
+    "write_dltdv_points3d": "pawnb.io.dltdv_out",
+    "write_lenses": "pawnb.io.cameras",
+    "write_lightning_pose": "pawnb.io.deeplabcut_out",
+    "write_movement": "pawnb.io.movement",
+    "write_nwb": "pawnb.io.nwb",
+    "write_sleap": "pawnb.io.sleap_out",
     "write_start": "pawnb.io.start",
     "write_tracks": "pawnb.io.native",
 }

@@ -138,6 +138,11 @@ def write_anipose(tracks: Tracks, path: str | Path) -> Path:
     ------
     InputError
         If there are no points in space, or several animals.
+
+    Examples
+    --------
+    >>> pawnb.io.write_anipose(space, "pose-3d.csv").name
+    'pose-3d.csv'
     """
     own = take_space(tracks)
     own.only_animal("Anipose")

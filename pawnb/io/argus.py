@@ -46,6 +46,13 @@ def read_argus_points(
     ------
     InputError
         If the file is of another layout, or heights are missing or do not fit the cameras.
+
+    Examples
+    --------
+    >>> path = pawnb.io.write_argus_points(tracks, "clip-xypts.csv", heights_px=[480])
+    >>> again = pawnb.io.read_argus_points(path, fps=200.0, heights_px=[480])
+    >>> again.sizes["keypoint"] == tracks.sizes["keypoint"]
+    True
     """
     where = Path(path).name
     names, table = _read(path)
@@ -94,6 +101,12 @@ def read_argus_points3d(path: str | Path, *, fps: float, unit: str = "mm") -> Tr
     ------
     InputError
         If the file is of another layout.
+
+    Examples
+    --------
+    >>> path = pawnb.io.write_argus_points3d(space, "clip-xyzpts.csv")
+    >>> pawnb.io.read_argus_points3d(path, fps=250.0)["keypoint"].values.tolist()
+    ['FR', 'HR']
     """
     where = Path(path).name
     names, table = _read(path)
@@ -129,6 +142,11 @@ def write_argus_points(
     ------
     InputError
         If there are no points in pictures, several animals, or heights are missing.
+
+    Examples
+    --------
+    >>> pawnb.io.write_argus_points(tracks, "clip-xypts.csv", heights_px=[480]).name
+    'clip-xypts.csv'
     """
     views = views_of(tracks)
     if heights_px is None or len(heights_px) not in (1, len(views)):
@@ -170,6 +188,11 @@ def write_argus_points3d(tracks: Tracks, path: str | Path) -> Path:
     ------
     InputError
         If there are no points in space, or several animals.
+
+    Examples
+    --------
+    >>> pawnb.io.write_argus_points3d(space, "clip-xyzpts.csv").name
+    'clip-xyzpts.csv'
     """
     own = take_space(tracks)
     own.only_animal("Argus")

@@ -46,6 +46,14 @@ def read_c3d(path: str | Path, *, fps: float | None = None, unit: str | None = N
     ------
     InputError
         If c3d is not installed (``pip install pawnb[c3d]``), or the file is damaged.
+
+    Examples
+    --------
+    Needs ``pawnb[c3d]``.
+
+    >>> path = pawnb.io.write_c3d(space, "clip.c3d")
+    >>> pawnb.io.read_c3d(path)["keypoint"].values.tolist()
+    ['FR', 'HR']
     """
     path = Path(path)
     c3d: Any = need("c3d", "c3d", what=f"to read {path.name}")
@@ -103,6 +111,13 @@ def write_c3d(tracks: Tracks, path: str | Path) -> Path:
     InputError
         If c3d is not installed (``pip install pawnb[c3d]``), there are no points in space, or
         several animals.
+
+    Examples
+    --------
+    Needs ``pawnb[c3d]``.
+
+    >>> pawnb.io.write_c3d(space, "clip.c3d").name
+    'clip.c3d'
     """
     path = Path(path)
     c3d: Any = need("c3d", "c3d", what=f"to write {path.name}")

@@ -58,6 +58,14 @@ class Camera:
         t, in the unit of the calibration.
     size : tuple of int, optional
         Width and height of its picture, px.
+
+    Examples
+    --------
+    >>> matrix = np.array([[800.0, 0.0, 320.0], [0.0, 800.0, 240.0], [0.0, 0.0, 1.0]])
+    >>> camera = pawnb.io.Camera(name="cam1", matrix=matrix, distortion=(), rotation=np.eye(3),
+    ...                          translation=np.array([0.0, 0.0, 500.0]), size=(640, 480))
+    >>> camera.is_straight
+    True
     """
 
     name: str
@@ -97,6 +105,12 @@ def read_cameras(path: str | Path, *more: str | Path) -> list[Camera]:
     ------
     CalibrationError
         If a file is of another kind, or a camera lacks something or is none.
+
+    Examples
+    --------
+    >>> path = pawnb.io.write_cameras(cameras, "calibration.toml")
+    >>> [camera.name for camera in pawnb.io.read_cameras(path)]
+    ['cam1', 'cam2']
     """
     cameras = [camera for one in (path, *more) for camera in _read_file(Path(one))]
     names = [camera.name for camera in cameras]
@@ -319,6 +333,11 @@ def write_cameras(cameras: Sequence[Camera], path: str | Path) -> Path:
     -------
     Path
         The file; reading it gives the same numbers, but for the last digit of a rotation.
+
+    Examples
+    --------
+    >>> pawnb.io.write_cameras(cameras, "calibration.toml").name
+    'calibration.toml'
     """
     document: dict[str, Any] = {}
     for i, camera in enumerate(cameras):
@@ -351,6 +370,11 @@ def write_lenses(cameras: Sequence[Camera], path: str | Path) -> Path:
     -------
     Path
         The file, which ``[calibration] lens`` names.
+
+    Examples
+    --------
+    >>> pawnb.io.write_lenses(cameras, "lenses.toml").name
+    'lenses.toml'
     """
     document: Mapping[str, Any] = {
         camera.name: {
@@ -378,6 +402,12 @@ def coefs_of_cameras(cameras: Sequence[Camera]) -> tuple[np.ndarray, np.ndarray]
         Where the origin of the coefficients lies in the space of the calibration: zero, but where
         a camera stands (or looks sideways) at zero, which has no such coefficients; then the
         point that all optical axes pass nearest to.
+
+    Examples
+    --------
+    >>> coefs, origin = pawnb.io.coefs_of_cameras(cameras)
+    >>> coefs.shape
+    (11, 2)
     """
     centres = np.array([-c.rotation.T @ c.translation for c in cameras])
     depth = np.array([c.translation[2] for c in cameras])

@@ -106,6 +106,14 @@ def read_collected(path: str | Path, *, fps: float) -> Tracks:
     InputError
         If the file is of another kind, a picture has no number, or two have the same, as
         pictures of several videos do.
+
+    Examples
+    --------
+    >>> few = tracks.isel(time=[0, 10])
+    >>> path = pawnb.io.write_collected(few, "CollectedData_me.csv")
+    >>> labels = pawnb.io.read_collected(path, fps=200.0)
+    >>> labels["keypoint"].equals(tracks["keypoint"])
+    True
     """
     path = Path(path)
     rows, columns, values = (_read_h5 if is_hdf5(path) else _read_csv)(path, labels=True)

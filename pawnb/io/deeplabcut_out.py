@@ -42,6 +42,12 @@ def write_deeplabcut(tracks: Tracks, path: str | Path, *, view: str = "") -> Pat
     ------
     InputError
         If there are no points, or the file cannot be written.
+
+    Examples
+    --------
+    >>> path = pawnb.io.write_deeplabcut(tracks, "copyDLC.csv")
+    >>> pawnb.io.recognise_format(path)
+    'deeplabcut'
     """
     own = take_view(tracks, view) if views_of(tracks) else take_space(tracks)
     return _write_predictions(own, path, str(own.attrs.get(SCORER) or "pawnb"))
@@ -68,6 +74,11 @@ def write_lightning_pose(tracks: Tracks, path: str | Path, *, view: str = "") ->
     ------
     InputError
         If there are no points in pictures, or several animals.
+
+    Examples
+    --------
+    >>> pawnb.io.write_lightning_pose(tracks, "predictions.csv").name
+    'predictions.csv'
     """
     own = take_view(tracks, view)
     own.only_animal("Lightning Pose")
@@ -97,6 +108,12 @@ def write_collected(tracks: Tracks, path: str | Path, *, view: str = "") -> Path
     ------
     InputError
         If there are no points in pictures.
+
+    Examples
+    --------
+    >>> few = tracks.isel(time=[0, 10])
+    >>> pawnb.io.write_collected(few, "CollectedData_me.csv").name
+    'CollectedData_me.csv'
     """
     path = Path(path)
     own = take_view(tracks, view)

@@ -39,6 +39,11 @@ def write_dltdv_points(
     ------
     InputError
         If there are no points in pictures, several animals, or heights do not fit the views.
+
+    Examples
+    --------
+    >>> pawnb.io.write_dltdv_points(tracks, "copy_xypts.csv").name
+    'copy_xypts.csv'
     """
     path, views = Path(path), views_of(tracks)
     if heights_px is not None and len(heights_px) not in (1, len(views)):
@@ -105,6 +110,11 @@ def write_dltdv_points3d(tracks: Tracks, path: str | Path) -> Path:
     ------
     InputError
         If there are no points in space, or several animals.
+
+    Examples
+    --------
+    >>> pawnb.io.write_dltdv_points3d(space, "copy_xyzpts.csv").name
+    'copy_xyzpts.csv'
     """
     path = Path(path)
     own = take_space(tracks)

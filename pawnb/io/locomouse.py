@@ -50,6 +50,13 @@ def read_locomouse(path: str | Path, *, fps: float) -> Tracks:
     ------
     InputError
         If the file is missing, damaged or of another kind.
+
+    Examples
+    --------
+    >>> from scipy.io import savemat
+    >>> savemat("clip.mat", {"final_tracks": np.arange(45.0).reshape(3, 5, 3)})
+    >>> pawnb.io.read_locomouse("clip.mat", fps=400.0)["view"].values.tolist()
+    ['bottom', 'side']
     """
     where = Path(path).name
     found = _load(path)

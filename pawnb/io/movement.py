@@ -124,6 +124,11 @@ def write_movement(
     ------
     InputError
         If there are no points.
+
+    Examples
+    --------
+    >>> pawnb.io.write_movement(tracks, "poses.nc").name
+    'poses.nc'
     """
     own = take_view(tracks, view) if views_of(tracks) else take_space(tracks)
     names = ("keypoints", "individuals") if dims == "plural" else ("keypoint", "individual")

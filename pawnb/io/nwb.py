@@ -51,6 +51,14 @@ def read_nwb(path: str | Path, *, fps: float | None = None) -> Tracks:
     ------
     InputError
         If the file is damaged, holds no poses or several, or time stamps are no frames.
+
+    Examples
+    --------
+    Needs ``pawnb[nwb]``.
+
+    >>> path = pawnb.io.write_nwb(tracks, "clip.nwb")
+    >>> pawnb.io.read_nwb(path).sizes["keypoint"] == tracks.sizes["keypoint"]
+    True
     """
     where = Path(path).name
     with open_hdf5(path, expected=_EXPECTED) as file:
@@ -205,6 +213,13 @@ def write_nwb(tracks: Tracks, path: str | Path, *, view: str = "") -> Path:
     InputError
         If pynwb or ndx-pose is not installed (``pip install pawnb[nwb]``), or there are several
         animals.
+
+    Examples
+    --------
+    Needs ``pawnb[nwb]``.
+
+    >>> pawnb.io.write_nwb(tracks, "clip.nwb").name
+    'clip.nwb'
     """
     path = Path(path)
     pynwb: Any = need("pynwb", "nwb", what=f"to write {path.name}")

@@ -41,6 +41,12 @@ def write_sleap(tracks: Tracks, path: str | Path, *, view: str = "") -> Path:
     ------
     InputError
         If there are no points in pictures, or sleap-io is needed and not there.
+
+    Examples
+    --------
+    >>> path = pawnb.io.write_sleap(tracks, "clip.analysis.h5")
+    >>> pawnb.io.read_sleap(path, fps=200.0).sizes["keypoint"] == tracks.sizes["keypoint"]
+    True
     """
     path = Path(path)
     own = take_view(tracks, view)
