@@ -95,13 +95,15 @@ def convert_tracks(
     else:
         trial = _trial(path, fps, program, unit)
         tracks = _tracks_of(trial, path)
-        rig = rig_of_tracks(trial, tracks)
+        # points in space need no views
+        pictures = entry.holds in ("view", "views") or (view and entry.holds == "view or space")
+        rig = rig_of_tracks(trial, tracks) if pictures else None
         heights_px = heights_px or _own_heights(trial, tracks, entry)
     if animal is not None:
         tracks = take_animal(tracks, animal)
     if isinstance(legs, Mapping):
         tracks = _with_legs(tracks, legs, Path(source).name)
-    tracks = _in_views(tracks, rig, entry)
+    tracks = _in_views(tracks, rig)
     _check_holds(tracks, entry, Path(source).name)
     written = write_any_tracks(tracks, target, program=to, view=view, heights_px=heights_px)
     if rig is not None and entry.name in ("dltdv", "argus"):
@@ -162,9 +164,9 @@ def _with_legs(tracks: Tracks, legs: Mapping[str, str], source: str) -> Tracks:
     return add_provenance(renamed, step="name legs", legs=dict(legs))
 
 
-def _in_views(tracks: Tracks, rig: Rig | None, entry: Format) -> Tracks:
+def _in_views(tracks: Tracks, rig: Rig | None) -> Tracks:
     """Show points in space in every calibrated view, where pictures are asked for."""
-    if rig is None or not entry.holds.startswith("view") or not has_space(tracks):
+    if rig is None or not has_space(tracks):
         return tracks
     if "image_position" not in tracks:
         empty = make_tracks(

@@ -140,6 +140,11 @@ def rig_of_tracks(trial: Trial, tracks: Tracks) -> Rig | None:
         coefs = read_authors_dlt(trial.path(trial.calibration.dlt))
         return Rig(AUTHORS_VIEWS, coefs, unit=trial.calibration.unit)
     trial = _with_cameras(trial, tracks)
+    if not trial.views:
+        raise CalibrationError(
+            f"trial {trial.name!r}: its tracks are in space only; name the views of its "
+            "calibration under [[views]] to have them in pictures."
+        )
     sizes = picture_sizes(trial)
     return _rig_of_program(trial, sizes, {"Argus": "argus", "DLTdv": "dltdv"}.get(program, ""))
 

@@ -275,3 +275,15 @@ def test_videos_are_straightened_by_the_cameras_of_anipose(real_data, tmp_path):
     assert one_lens == two_lens
     assert one_lens["back"].distortion[0] == pytest.approx(-0.2853406)  # calibration.toml
     np.testing.assert_array_equal(one_picture, two_picture)
+
+
+def test_points_in_space_need_no_views_but_pictures_do(tmp_path):
+    (tmp_path / "points.csv").write_text("frame,FR_x,FR_y,FR_z\n0,1,2,3\n1,-4,5,6\n")
+    (tmp_path / "DLTcoefs.csv").write_text("1,2\n" * 11)
+    (tmp_path / "trial.toml").write_text(
+        f'{HEAD}[calibration]\ndlt = "DLTcoefs.csv"\n[tracks]\nfile = "points.csv"\n'
+    )
+    (path,) = convert_tracks(tmp_path, tmp_path / "pose.csv", to="anipose")
+    assert read_any_tracks(path, fps=30.0)["position"].to_numpy()[1, :, 0, 0].tolist() == [-4, 5, 6]
+    with pytest.raises(CalibrationError, match=r"in space only; name the views of its calibration"):
+        convert_tracks(tmp_path, tmp_path / "poseDLC.csv")
