@@ -68,7 +68,7 @@ def found(scene, rows):
     ones = {p: np.ones((N, H, W), np.float32) for p in looks}
     tracklets, names = tell_apart(
         stack, clicks(stack, rows), masses=masses, others=ones, looks=looks, prior=even(),
-        radius=RADIUS, parameters=PARAMETERS,
+        trust=0.5, radius=RADIUS, parameters=PARAMETERS,
     )  # fmt: skip
     return {
         (int(t), int(name)): place
@@ -126,3 +126,32 @@ def test_with_it_posteriors_pass_where_without_it_they_turn_back(scene, make_sta
 
     assert right(identity=PARAMETERS) > 0.8
     assert right() < 0.7
+
+
+def test_it_is_said_where_a_point_has_a_tracklet(scene):
+    """Where the two meet, one of them at most."""
+    stack, looks, _ = scene
+    ones = {p: np.ones((N, H, W), np.float32) for p in looks}
+    view = ViewEvidence(
+        stack, "side", (W * SPACING, H * SPACING), clicks(stack, [2]), looks, even(), looks, ones
+    )
+    (jointly,) = associate(
+        [view], radius=RADIUS, parameters=AssociationParameters(), identity=PARAMETERS
+    )
+    named = np.stack([jointly[p].named for p in (LEG, OTHER)])
+    assert named[:, [0, 5, 25, 30]].all()
+    assert not named[:, 15].all()
+    (alone,) = associate([view], radius=RADIUS, parameters=AssociationParameters())
+    assert alone[LEG].named is None
+
+
+def test_where_nothing_may_be_a_point_nothing_is_decided(make_stack):
+    stack = make_stack(np.zeros((N, H * SPACING, W * SPACING), np.uint8), spacing=SPACING)
+    nothing = {p: np.full((N, H, W), 1e-3, np.float32) for p in (LEG, OTHER)}
+    tracklets, names = tell_apart(
+        stack, Annotations({}), masses={p: m / (H * W) for p, m in nothing.items()},
+        others=nothing, looks=nothing, prior=even(), trust=0.5, radius=RADIUS,
+        parameters=PARAMETERS,
+    )  # fmt: skip
+    assert tracklets == []
+    assert not len(names)
