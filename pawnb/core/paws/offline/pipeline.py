@@ -190,12 +190,13 @@ def run_pipeline(
                         estimates=e,
                         looks=look,
                         priors=prior,
+                        named={p: q.named for p, q in told.items()},
                         radius=radius,
                         parameters=parameters.appearance,
                     ),
                 )
-                for v, own, e, look, prior in zip(
-                    views, clicked, estimates, looks, priors, strict=True
+                for v, own, e, look, prior, told in zip(
+                    views, clicked, estimates, looks, priors, posteriors, strict=True
                 )
             ]
             priors = [
