@@ -23,6 +23,7 @@ def agreed_lessons(
     estimates: Mapping[int, Estimates],
     looks: Mapping[int, np.ndarray],
     priors: Mapping[int, np.ndarray],
+    named: Mapping[int, np.ndarray | None],
     radius: float,
     parameters: AppearanceParameters,
 ) -> dict[int, Lesson]:
@@ -40,6 +41,9 @@ def agreed_lessons(
         Point to ratios of likelihoods by appearance alone.
     priors : mapping
         Point to the probability of places without evidence.
+    named : mapping
+        Point to where it was given a tracklet (n,); elsewhere nothing is learnt of it. None
+        where names were not decided jointly.
     radius : float
         About half a paw, in places.
     parameters : AppearanceParameters
@@ -57,6 +61,9 @@ def agreed_lessons(
         alone = estimate(looks[point] * priors[point], radius)
         apart = np.linalg.norm(alone.place - estimates[point].place, axis=1)
         good[:, i] = (estimates[point].probability > parameters.sure) & (apart < _AGREE * radius)
+        given = named[point]
+        if given is not None:
+            good[:, i] &= given
     count = good.sum(axis=1)
     lessons = {}
     random = np.random.default_rng(0)

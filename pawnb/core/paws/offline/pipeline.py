@@ -35,10 +35,22 @@ from pawnb.core.rig import Rig
 
 @dataclass(frozen=True)
 class PointTrack:
-    """Where one point is in one view, and what tells whether that is right."""
+    """Where one point is in one view, and what tells whether that is right; n frames.
+
+    Parameters
+    ----------
+    found : Estimates
+        Where it is.
+    signs : Signs
+        What tells whether that is right.
+    named : ndarray of bool, shape (n,), optional
+        Whether one tracklet was given to it, jointly with those of all other points; where not,
+        it was hidden or could not be told. None where a point is alone.
+    """
 
     found: Estimates
     signs: Signs
+    named: np.ndarray | None = None
 
 
 @dataclass(frozen=True)
@@ -154,6 +166,7 @@ def run_pipeline(
             ViewEvidence(
                 v.stack, v.name, v.size, v.annotations,
                 {p: m[p] * look[p] ** weighing.trust for p in m}, prior, look, m,
+                weighing.trust,
             )
             for v, m, look, prior in zip(views, others, looks, priors, strict=True)
         ]  # fmt: skip
@@ -177,12 +190,13 @@ def run_pipeline(
                         estimates=e,
                         looks=look,
                         priors=prior,
+                        named={p: q.named for p, q in told.items()},
                         radius=radius,
                         parameters=parameters.appearance,
                     ),
                 )
-                for v, own, e, look, prior in zip(
-                    views, clicked, estimates, looks, priors, strict=True
+                for v, own, e, look, prior, told in zip(
+                    views, clicked, estimates, looks, priors, posteriors, strict=True
                 )
             ]
             priors = [
@@ -202,6 +216,7 @@ def run_pipeline(
                     clicked=v.annotations.rows_of(p),
                     left_out=left_out,
                 ),
+                own[p].named,
             )
             for p in found
         }

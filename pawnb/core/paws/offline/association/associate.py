@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
@@ -46,6 +47,8 @@ class ViewEvidence:
     looks, others : mapping, optional
         Point to ratios of likelihoods (n, h, w) by appearance, and by all other kinds; with
         them names are decided over whole tracklets.
+    trust : float
+        Power of the ratios by appearance within ``likelihood``.
     """
 
     stack: BodyStack
@@ -56,6 +59,7 @@ class ViewEvidence:
     prior: Mapping[int, np.ndarray]
     looks: Mapping[int, np.ndarray] = field(default_factory=dict)
     others: Mapping[int, np.ndarray] = field(default_factory=dict)
+    trust: float = 1.0
 
 
 def associate(
@@ -87,6 +91,7 @@ def associate(
         For each view: point to its Posterior.
     """
     factors: list[dict[int, np.ndarray]] = [{} for _ in views]
+    decided: dict[str, dict[int, np.ndarray]] = {}
     for iteration in range(parameters.iterations):
         posteriors = [
             _solve(view, factor, parameters, compared=iteration == parameters.iterations - 1)
@@ -100,11 +105,18 @@ def associate(
         factors = []
         for view, own, more in zip(views, masses, support, strict=True):
             if identity is not None and last and len(own) > 1:
-                factor = _told_apart(view, own, more, radius=radius, parameters=identity)
+                factor, named = _told_apart(view, own, more, radius=radius, parameters=identity)
+                decided[view.name] = named
             else:
                 factor = open_to_each(own, radius, parameters.exclusive)
             factors.append({p: f * more[p] if p in more else f for p, f in factor.items()})
-    return posteriors
+    return [
+        {
+            p: dataclasses.replace(q, named=decided[view.name][p]) if view.name in decided else q
+            for p, q in own.items()
+        }
+        for view, own in zip(views, posteriors, strict=True)
+    ]
 
 
 def _solve(
@@ -158,14 +170,19 @@ def _told_apart(
     *,
     radius: float,
     parameters: IdentityParameters,
-) -> dict[int, np.ndarray]:
-    """Return factors by which every tracklet is one point's alone."""
+) -> tuple[dict[int, np.ndarray], dict[int, np.ndarray]]:
+    """Return factors by which every tracklet is one point's alone, and where points have one."""
+    points, shape = sorted(masses), view.stack.shape
     tracklets, names = tell_apart(
         view.stack, view.annotations, masses=masses, looks=view.looks,
         others={p: m * support[p] if p in support else m for p, m in view.others.items()},
-        prior=view.prior, radius=radius, parameters=parameters,
+        prior=view.prior, trust=view.trust, radius=radius, parameters=parameters,
     )  # fmt: skip
-    return paint_names(
-        view.stack.shape, tracklets, names,
-        points=sorted(masses), radius=radius, parameters=parameters,
-    )  # fmt: skip
+    factors = paint_names(
+        shape, tracklets, names, points=points, radius=radius, parameters=parameters
+    )
+    named = {p: np.zeros(shape[0], bool) for p in points}
+    for one, name in zip(tracklets, names, strict=True):
+        if name >= 0:
+            named[int(name)][one.rows] = True
+    return factors, named

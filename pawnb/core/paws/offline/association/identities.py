@@ -4,7 +4,7 @@ Every point takes a path through tracklets. A tracklet belongs to one point at m
 for what appearance, motion from clicks and positional prior say against the name, for changes of
 velocity from one tracklet to the next, and for every row in which the point is hidden. All paths
 together are the cheapest ones: a multi-commodity flow (Zhang, Li & Nevatia 2008 for one commodity),
-solved by linear programming. What its solution leaves open is left open.
+solved by integer programming.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import linprog
+from scipy.optimize import Bounds, LinearConstraint, milp
 from scipy.sparse import coo_array
 
 from pawnb.core.paws.offline.association.tracklets import Tracklet
@@ -25,8 +25,8 @@ _CLICK = 100.0
 _START_RADII, _STEP_RADII, _DRIFT_RADII = 1.0, 0.2, 0.05
 """Standard deviations, in radii: of where a tracklet goes on, as things that meet hide each other;
 of its velocity; of how far it strays from a constant velocity in each row, at least."""
-_DECIDED = 0.9
-"""Share of a point's path from which a tracklet is its own."""
+_NODES, _GAP = 200, 1e-4
+"""The solver stops after so many nodes, or when nothing better than by this share is possible."""
 _LEAVING = 8
 """Tracklets that are tried as the continuation of one."""
 _OVERLAP = 3
@@ -87,7 +87,7 @@ def decide(
     arcs = _graph(tracklets, n, radius, parameters)
     share = _solve(arcs, gains, n_points)
     best = share.argmax(axis=1)
-    return np.where(share[np.arange(n_tracklets), best] >= _DECIDED, best, -1)
+    return np.where(share[np.arange(n_tracklets), best] > 0.5, best, -1)
 
 
 def _graph(
@@ -168,7 +168,7 @@ def _drift(tracklets: Sequence[Tracklet]) -> float:
 
 
 def _solve(arcs: _Arcs, gains: np.ndarray, n_points: int) -> np.ndarray:
-    """Return the share of each point's path that passes each tracklet, (N, P)."""
+    """Return 1 where the path of a point passes a tracklet, else 0, (N, P)."""
     n_arcs, n_nodes = len(arcs.cost), int(arcs.target.max()) + 1
     first = 2 * len(gains)
     through = np.flatnonzero(arcs.tracklet >= 0)
@@ -196,9 +196,12 @@ def _solve(arcs: _Arcs, gains: np.ndarray, n_points: int) -> np.ndarray:
         ),
         shape=(len(gains), n_points * n_arcs),
     ).tocsr()
-    found = linprog(
-        cost.ravel(), A_ub=owners, b_ub=np.ones(len(gains)), A_eq=flow, b_eq=supply,
-        bounds=(0, 1), method="highs",
+    whole = np.zeros(n_points * n_arcs)
+    whole[(np.arange(n_points)[:, None] * n_arcs + through).ravel()] = 1
+    found = milp(
+        cost.ravel(), integrality=whole, bounds=Bounds(0, 1),
+        constraints=[LinearConstraint(flow, supply, supply), LinearConstraint(owners, ub=1.0)],
+        options={"node_limit": _NODES, "mip_rel_gap": _GAP},
     )  # fmt: skip
     if found.x is None:
         return np.zeros((len(gains), n_points))

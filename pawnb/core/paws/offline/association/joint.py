@@ -17,6 +17,8 @@ from pawnb.core.paws.offline.scene.stack import BodyStack
 
 _UNSURE = 0.02
 """Added to probabilities by appearance before names are compared."""
+_MOST_THERE = 2.0
+"""What appearance and prior can say at most for or against there being any point at all."""
 _BUMP_SD = 1.3
 """Standard deviation of a place that was decided on, in places."""
 
@@ -29,10 +31,38 @@ def tell_apart(
     others: Mapping[int, np.ndarray],
     looks: Mapping[int, np.ndarray],
     prior: Mapping[int, np.ndarray],
+    trust: float,
     radius: float,
     parameters: IdentityParameters,
 ) -> tuple[list[Tracklet], np.ndarray]:
-    """Return tracklets of a view and the number of the point that each is, or -1."""
+    """Cut what may be points into tracklets, and give them names.
+
+    Parameters
+    ----------
+    stack : BodyStack
+        The view.
+    annotations : Annotations
+        Its clicks.
+    masses : mapping
+        Point to the probability of every place (n, h, w), as far as known.
+    others, looks : mapping
+        Point to ratios of likelihoods (n, h, w) by all other kinds and views, and by appearance.
+    prior : mapping
+        Point to the probability of places without evidence (h, w).
+    trust : float
+        Power of the ratios by appearance.
+    radius : float
+        About half a paw, in places.
+    parameters : IdentityParameters
+        The stage's parameters.
+
+    Returns
+    -------
+    tracklets : list of Tracklet
+        N of them.
+    names : ndarray of int, shape (N,)
+        The point that each is, or -1.
+    """
     points = sorted(masses)
     n = stack.shape[0]
     side = int(1.8 * radius) | 1
@@ -57,6 +87,8 @@ def tell_apart(
         for one in link(found, stack.forward, stack.backward, radius=radius, parameters=parameters)
         if len(one.places) > 1 or one.begin in placed
     ]
+    if not tracklets:
+        return [], np.empty(0, int)
     clicked = {}
     for i, one in enumerate(tracklets):
         for t in set(one.rows.tolist()) & set(placed):
@@ -65,7 +97,15 @@ def tell_apart(
                     clicked[i] = points.index(point)
     gains = np.stack(
         [
-            _gains(one, points, others=others, looks=looks, prior=prior, parameters=parameters)
+            _gains(
+                one,
+                points,
+                others=others,
+                looks=looks,
+                prior=prior,
+                trust=trust,
+                alike=parameters.alike,
+            )
             for one in tracklets
         ]
     )
@@ -92,7 +132,8 @@ def _gains(
     others: Mapping[int, np.ndarray],
     looks: Mapping[int, np.ndarray],
     prior: Mapping[int, np.ndarray],
-    parameters: IdentityParameters,
+    trust: float,
+    alike: float,
 ) -> np.ndarray:
     """Return the log-likelihood of a tracklet being each of the points."""
     h, w = prior[points[0]].shape
@@ -101,16 +142,16 @@ def _gains(
     t = one.rows
     look = np.stack([looks[p][t, y, x] for p in points], axis=1).astype(float)
     share = look / (1 + look)
-    any_ = np.clip(share.sum(axis=1), 0.01, 0.99)
-    there = np.clip(np.log(any_ / (1 - any_)), -2, 2)
+    of_any = np.clip(share.sum(axis=1), 0.01, 0.99)
+    there = np.clip(np.log(of_any / (1 - of_any)), -_MOST_THERE, _MOST_THERE)
     name = np.log(share + _UNSURE) - np.log((share + _UNSURE).mean(axis=1, keepdims=True))
     motion = np.stack([others[p][t, y, x] for p in points], axis=1).astype(float)
     wont = np.stack([prior[p][y, x] for p in points], axis=1).astype(float)
     mean = wont.mean(axis=1, keepdims=True)
-    at_all = np.clip(np.log(mean[:, 0] * h * w), -2, 1)
-    log = (there + at_all)[:, None] + 0.5 * name + np.log(motion)
+    at_all = np.clip(np.log(mean[:, 0] * h * w), -_MOST_THERE, _MOST_THERE / 2)
+    log = (there + at_all)[:, None] + trust * name + np.log(motion)
     m = len(t)
-    gains = log.mean(axis=0) * m / (1 + (m - 1) * parameters.alike)
+    gains = log.mean(axis=0) * m / (1 + (m - 1) * alike)
     return np.asarray(gains + np.log(wont / mean).mean(axis=0))
 
 

@@ -13,6 +13,8 @@ from pawnb.core.paws.offline.parameters import IdentityParameters
 _VELOCITY_ROWS = 5
 """Rows from which the velocity at either end is found."""
 
+_NEIGHBOURS: np.ndarray = np.ones((3, 3), np.uint8)
+
 
 @dataclass(frozen=True)
 class Tracklet:
@@ -73,7 +75,8 @@ def find_candidates(
         Places (x, y); peaks are ``apart`` radii from each other and from what is sure.
     """
     apart = parameters.apart * radius
-    left = cv2.GaussianBlur(score, (0, 0), 0.8)
+    smooth = cv2.GaussianBlur(score, (0, 0), 0.8)
+    left = np.where(smooth >= cv2.dilate(smooth, _NEIGHBOURS), smooth, 0)
     h, w = left.shape
     found = [np.asarray(place, float) for place in sure]
 
@@ -92,7 +95,7 @@ def find_candidates(
         if left[y, x] < parameters.least:
             break
         y0, y1, x0, x1 = max(0, y - 1), min(h, y + 2), max(0, x - 1), min(w, x + 2)
-        part = left[y0:y1, x0:x1] - left[y0:y1, x0:x1].min() + 1e-6
+        part = smooth[y0:y1, x0:x1] - smooth[y0:y1, x0:x1].min() + 1e-6
         place = np.array(
             [part.sum(axis=0) @ np.arange(x0, x1), part.sum(axis=1) @ np.arange(y0, y1)]
         )

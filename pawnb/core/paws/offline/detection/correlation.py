@@ -155,7 +155,7 @@ def _find_point(
 
     with ThreadPoolExecutor() as pool:
         seen = list(pool.map(look, wanted))
-    mean, sd = _scores_of_point(np.array([score for _, score, _ in seen]))
+    mean, sd = scores_of_point(np.array([score for _, score, _ in seen]))
     rows = []
     for t, (peaks, _, places) in zip(wanted, seen, strict=True):
         s = np.array([peak[2] for peak in peaks])
@@ -169,8 +169,11 @@ def _find_point(
     return np.array(rows, float).reshape(-1, 5)
 
 
-def _scores_of_point(seen: np.ndarray) -> tuple[float, float]:
-    """Return mean and standard deviation of scores where the point is, from those known."""
+def scores_of_point(seen: np.ndarray) -> tuple[float, float]:
+    """Return mean and standard deviation of scores where the point is, from those seen (m,).
+
+    NaN where none is known; what is taken to be known beforehand counts as ten of them.
+    """
     own = seen[np.isfinite(seen)]
     weight = _KNOWN_WORTH + len(own)
     mean = (_KNOWN_WORTH * _KNOWN_MEAN + own.sum()) / weight

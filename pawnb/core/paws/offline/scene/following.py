@@ -80,7 +80,7 @@ def _displacement(
     high = np.maximum(centre + _REACH * extent, 0).astype(int)
     mask[low[1] : high[1], low[0] : high[0]] = 1
     corners = cv2.goodFeaturesToTrack(pictures[source], 150, 0.01, 4, mask=mask)
-    if corners is None:
+    if corners is None or len(corners) < _FEWEST:
         return panned
     here, kept = corners, np.ones(len(corners), bool)
     step = 1 if target > source else -1
@@ -95,7 +95,11 @@ def _displacement(
     return panned + np.median(own[moving], axis=0) if moving.sum() >= _FEWEST else panned
 
 
-def _flow(source: np.ndarray, target: np.ndarray, at: np.ndarray) -> tuple:  # type: ignore[type-arg]
-    return cv2.calcOpticalFlowPyrLK(  # type: ignore[call-overload, no-any-return]
+def _flow(
+    source: np.ndarray, target: np.ndarray, at: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return where features are in another frame, whether they were found, and errors."""
+    moved, found, error = cv2.calcOpticalFlowPyrLK(  # type: ignore[call-overload]
         source, target, at, None, winSize=(11, 11), maxLevel=2
     )
+    return moved, found, error

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from pawnb.core.paws.offline.annotations import Annotations
-from pawnb.core.paws.offline.detection.correlation import detect_by_correlation
+from pawnb.core.paws.offline.detection import correlation
+from pawnb.core.paws.offline.detection.correlation import detect_by_correlation, scores_of_point
 from pawnb.core.paws.offline.detection.evidence import Detections
 from pawnb.core.paws.offline.parameters import CorrelationParameters
 
@@ -74,24 +75,30 @@ def test_two_places_that_look_alike_are_both_taken(make_stack, make_texture):
         assert (off < 2).all()
 
 
-def test_scores_where_flow_is_sure_say_how_high_those_of_the_point_are(make_stack, make_texture):
-    """Where the point itself is known to match badly, what matches badly is evidence, too."""
-    random = np.random.default_rng(0)
-    pictures = film(make_texture)
-    noisy = pictures + random.normal(0, 160, pictures.shape)
-    noisy[4] = pictures[4]
-    stack = make_stack(np.clip(noisy, 0, 255).astype(np.uint8))
+def test_scores_where_flow_is_sure_say_how_high_those_of_the_point_are():
+    """A normal distribution with ten scores' worth of one of mean 4 and sd 1.5 beforehand."""
+    assert scores_of_point(np.array([np.nan])) == (4.0, 1.5)
+    seen = np.array([1.0, 3.0] * 15 + [np.nan])
+    mean, sd = scores_of_point(seen)
+    every = np.concatenate([[4 - 1.5, 4 + 1.5] * 5, seen[:-1]])
+    assert mean == pytest.approx(every.mean())
+    assert sd == pytest.approx(every.std())
+
+
+def test_scores_are_read_where_flow_leads(make_stack, make_texture, monkeypatch):
+    """High ones on the patch; none where flow is not sure."""
+    stack, seen = make_stack(film(make_texture)), []
+    monkeypatch.setattr(
+        correlation, "scores_of_point", lambda own: seen.append(own) or scores_of_point(own)
+    )
     rows = np.array([t for t in range(N) if t != 4])
-    sure = Detections(
-        rows, np.zeros(len(rows), int), np.array([way(t) for t in rows]),
-        np.full(len(rows), 2.7), np.ones(len(rows)),
-    )  # fmt: skip
-
-    def right(found):
-        off = np.linalg.norm(found.uv - np.array([way(t) for t in found.row]), axis=1)
-        return found.log_odds[off < 3].sum()
-
-    assert right(find(stack, followed=sure)) > right(find(stack)) + 0.5
+    sure = np.where(rows < 6, 2.7, 0.1)
+    followed = Detections(
+        rows, np.zeros(len(rows), int), np.array([way(t) for t in rows]), sure, np.ones(len(rows))
+    )
+    find(stack, followed=followed)
+    np.testing.assert_array_equal(np.isfinite(seen[0]), sure > 1)
+    assert np.nanmin(seen[0]) > 4
 
 
 def test_the_nearest_click_is_the_pattern(make_stack, make_texture):
