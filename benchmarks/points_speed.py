@@ -108,8 +108,9 @@ def measure(trial: Trial, n_frames: int, n_again: int) -> None:
         tracks, rig=load_rig(trial),
         retrack=lambda t, f, **given: retrack(trial, t, f, progress=quiet, **given),
     )  # fmt: skip
-    log.apply(Move(corrected, at["view"], at["point"], u=at["u"] + 2.0, v=at["v"]))
-    _, took = timed(lambda: log.apply(Retrack(corrected)))
+    place = {"u": float(at["u"]) + 2.0, "v": float(at["v"])}
+    log.apply(Move(frame=corrected, view=at["view"], point=at["point"], **place))
+    _, took = timed(lambda: log.apply(Retrack(frame=corrected)))
     print(f"  again after a correction, {after + 1 - corrected} frames: {took}")
 
 
