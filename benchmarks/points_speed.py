@@ -23,7 +23,6 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-import numpy as np
 import pandas as pd
 from tracking_speed import decode
 
@@ -34,6 +33,7 @@ from pawnb.io.start import read_start
 from pawnb.schema import Tracks
 from pawnb.synthetic import render_mouse_trial
 from pawnb.trial import Trial, load_trial
+from pawnb.workflow.placed import clicks_of_frame
 from pawnb.workflow.track import retrack, track
 
 LEARNT = {"evidence": "learnt"}
@@ -58,19 +58,6 @@ def timed(work: Callable[[], Tracks | None]) -> tuple[Tracks | None, Took]:
 
 def quiet(_done: int, _total: int) -> None:
     """No bar."""
-
-
-def clicks_at(tracks: Tracks, frame: int) -> pd.DataFrame:
-    """Return where tracks put their points in a frame, as clicks."""
-    here = tracks.isel(time=tracks["frame"].to_numpy() == frame, individual=0)
-    uv = here["image_position"].transpose("time", "view", "keypoint", "image_space").to_numpy()[0]
-    rows = [
-        (frame, view, point, *uv[v, p])
-        for v, view in enumerate(here["view"].to_numpy())
-        for p, point in enumerate(here["keypoint"].to_numpy())
-        if np.isfinite(uv[v, p]).all()
-    ]
-    return pd.DataFrame(rows, columns=["frame", "view", "point", "u", "v"])
 
 
 def measure(trial: Trial, n_frames: int, n_again: int) -> None:
@@ -99,17 +86,18 @@ def measure(trial: Trial, n_frames: int, n_again: int) -> None:
     assert tracks is not None  # noqa: S101 (what a run gives)
     corrected = min(clicked + n_again // 2, frames[1] - 2)
     after = min(corrected + n_again - 1, frames[1] - 1)
-    more = pd.concat([start, clicks_at(tracks, after)])
+    more = pd.concat([start, clicks_of_frame(trial, tracks, after)])
     tracks, took = timed(lambda: run(more))
     print(f"  a click added, until shown, {n} frames: {took}")
     assert tracks is not None  # noqa: S101
-    at = clicks_at(tracks, corrected).iloc[0]
+    at = clicks_of_frame(trial, tracks, corrected).iloc[0]
     log = EditLog(
         tracks, rig=load_rig(trial),
         retrack=lambda t, f, **given: retrack(trial, t, f, progress=quiet, **given),
     )  # fmt: skip
-    log.apply(Move(corrected, at["view"], at["point"], u=at["u"] + 2.0, v=at["v"]))
-    _, took = timed(lambda: log.apply(Retrack(corrected)))
+    place = {"u": float(at["u"]) + 2.0, "v": float(at["v"])}
+    log.apply(Move(frame=corrected, view=at["view"], point=at["point"], **place))
+    _, took = timed(lambda: log.apply(Retrack(frame=corrected)))
     print(f"  again after a correction, {after + 1 - corrected} frames: {took}")
 
 

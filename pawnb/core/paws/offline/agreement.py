@@ -16,7 +16,7 @@ _PSEUDO = 4.0
 
 
 def trust_by_agreement(
-    found: Detections, stack: BodyStack, estimates: Mapping[int, Estimates], radius: float
+    found: Detections, stack: BodyStack, estimates: Mapping[int, Estimates], *, radius: float
 ) -> Detections:
     """Scale detections of a kind by how often its best place is that of all other kinds.
 

@@ -249,7 +249,8 @@ def _with_correlation(
         view.stack, view.annotations, parameters.correlation, radius_px=radius_px,
         followed=detect_by_motion(view.stack, view.annotations, parameters.motion),
     )  # fmt: skip
-    found = trust_by_agreement(found, view.stack, estimates, radius_px / view.stack.spacing)
+    radius = radius_px / view.stack.spacing
+    found = trust_by_agreement(found, view.stack, estimates, radius=radius)
     return {point: own * paint(found, view.stack, point) for point, own in ratios.items()}
 
 

@@ -209,7 +209,7 @@ def track_offline(
     found = [no_track(n, len(layout.points)) for _ in layout.views]
     run = _Run(
         views, layout, task, parameters, placed, _framed_by(looked, layout, task) or placed,
-        found, stacks or KeptStacks(), again,
+        found, stacks or KeptStacks(most_bytes=0), again,
     )  # fmt: skip
     spans = windows(n, [row for annotations in placed for row in annotations.rows])
     spans = [span for span in spans if again is None or again.rows_in(first, span)]
@@ -320,7 +320,7 @@ class _Run:
         """Return the pictures of the views that are used: kept ones that fit, else read."""
         first = self.task.frames[0]
         names = [self.layout.views[v] for v in used]
-        asked = {
+        asked: dict[str, Any] = {
             "frames": (first + span[0], first + span[1]), "parameters": self.parameters.scene,
         }  # fmt: skip
         kept = self.stacks.find(names, own, **asked)

@@ -43,7 +43,7 @@ class ViewInput:
         """Return the rows from ``begin`` up to ``end``, with all that is certain in them."""
         placed = {row: dict(here) for row, here in self.known.places.items()}
         for row, here in self.annotations.places.items():
-            placed[row] = placed.get(row, {}) | here
+            placed[row] = {**placed.get(row, {}), **here}
         return dataclasses.replace(
             self,
             stack=self.stack.part(begin, end),
