@@ -92,7 +92,7 @@ def track_points(
     given: dict[str, Any] = {"settings": settings, "looked": looked, "store": store}
     best: tuple[Quality, Tracks] | None = None
     for kind in _ways(views, start, task, settings=settings, looked=looked):
-        find = track_whole if kind == COLOUR else track_by_strides
+        find: Callable[..., Tracks] = track_whole if kind == COLOUR else track_by_strides
         tracks = find(views, start, task, **given)
         tracks.attrs["evidence"] = kind
         complete = tracks.sizes["time"] >= task.frames[1] - task.frames[0]

@@ -336,14 +336,14 @@ def _lots(
             _distances((h, w), at @ turned[:, :2].T + turned[:, 2]) for at in (paws, doubtful)
         )
         positive = np.flatnonzero(near < _PAW)
-        chosen = np.empty(0, int)
+        chosen: np.ndarray = np.empty(0, int)
         if picture.whole:
             free = np.flatnonzero((near >= _DOUBTFUL) & (may >= _OPEN))
             weight = 1.0 / (1.0 + (near[free] / 4.0) ** 2)
             count = min(len(free), parameters.background)
             chosen = random.choice(free, count, replace=False, p=weight / weight.sum())
         taken = np.concatenate([positive, chosen])
-        labels = np.repeat([1, 0], [len(positive), len(chosen)])
+        labels: np.ndarray = np.repeat([1, 0], [len(positive), len(chosen)])
         lots.append((features.reshape(h * w, -1)[taken], labels))
     return lots
 
