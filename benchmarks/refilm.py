@@ -45,7 +45,8 @@ def refilm(scene: Path, folder: Path, variants: Sequence[str]) -> Path:
         ``trial.toml``, the last file that is written.
     """
     trial = load_trial(scene)
-    shutil.copytree(scene.parent, folder, ignore=shutil.ignore_patterns("*.avi", "*.toml"))
+    kept = shutil.ignore_patterns("*.avi", "*.toml")
+    shutil.copytree(scene.parent, folder, ignore=kept, dirs_exist_ok=True)
     crf = [int(name[1]) for name in map(H264.fullmatch, variants) if name]
     name = "-".join([trial.name, *variants])
     text = scene.read_text().replace(f'name = "{trial.name}"', f'name = "{name}"')

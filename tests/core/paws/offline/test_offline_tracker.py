@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -13,9 +12,8 @@ from pawnb.core.paws.offline import tracker, windows
 from pawnb.core.paws.offline.detection.evidence import Detections
 from pawnb.core.paws.offline.parameters import OfflineParameters, SceneParameters
 from pawnb.core.paws.offline.quality_measures import CALIBRATED
-from pawnb.core.paws.offline.tracker import track_offline, track_points
+from pawnb.core.paws.offline.tracker import track_offline
 from pawnb.core.paws.task import Task
-from pawnb.core.paws.whole.settings import WholeSettings
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE
 
@@ -159,18 +157,3 @@ def test_a_kind_of_evidence_of_another_package_is_taken(
     helped = track_offline(views, start, task(), parameters=QUICK)
     assert np.median(off(alone, truth)) > 4
     assert np.median(off(helped, truth)) < 3
-
-
-@pytest.mark.parametrize(
-    ("verdict", "taken"), [("good", "colour"), ("look", "colour"), ("failed", "learnt")]
-)
-def test_colour_gives_way_where_its_tracks_failed(views, truth, monkeypatch, verdict, taken):
-    """The verdict is given here; how it is told has its own tests."""
-    found = track_offline(views, clicks(truth, [2]), task(), parameters=QUICK)
-    monkeypatch.setattr(tracker, "track_whole", lambda *a, **k: found.copy())
-    monkeypatch.setattr(tracker, "track_offline", lambda *a, **k: found.copy())
-    monkeypatch.setattr(tracker, "_colour_may_tell", lambda *a: True)
-    monkeypatch.setattr(tracker, "add_likeness", lambda views, tracks, start: tracks)
-    monkeypatch.setattr(tracker, "assess", lambda t, **k: SimpleNamespace(verdict=verdict))
-    tracks = track_points(views, clicks(truth, [2]), task(), settings=WholeSettings())
-    assert tracks.attrs["evidence"] == taken

@@ -28,13 +28,15 @@ from pawnb.core.paws.whole.light import in_light
 from pawnb.core.paws.whole.refine import Refined
 from pawnb.core.paws.whole.scene import Scene
 from pawnb.core.paws.whole.spots import peaks_at
+from pawnb.core.record_file import code_checksum
 
 LEAST_THICKNESS = 0.05
 """Paws are at least so thick, in distances of front from hind paws: brightness shows a part of them
 only (0.04 in a grey film whose colours show 0.057)."""
 _THICKNESS_PX, _SPACING = 18.0, 4
 """Pictures are scaled until a paw is so thick, and looked at in such steps, px. Of 725 visible
-labels of a grey film (half scale, seed 31) 0 and 21 were wrong with 16 and 10 px."""
+labels of a grey film (half scale, seed 31) 0 and 21 were wrong where it was enlarged 3.3 and 2.0
+times; this is 2.8."""
 _PAW, _DOUBTFUL, _OPEN = 0.35, 0.7, 1.2
 """In thicknesses: what lies so near to a paw's point is the paw, what is neither it nor background,
 and what may be a paw where one was not clicked."""
@@ -46,6 +48,8 @@ _COPIES, _COPIES_TRACKED = 8, 1
 """How often a clicked picture is taken, turned, scaled and lit differently, and a tracked one."""
 _FRAMES = 32
 """Frames from which is learnt again, spread over the recording."""
+_CODE = ("classifier.py", "features.py", "paw_look.py")
+"""What kept candidates depend on besides what was learnt from."""
 _SURE = 0.3
 """Standard deviation, in thicknesses, below which a track is learnt from."""
 
@@ -63,7 +67,7 @@ class PawLesson:
     clicked : bool
         Whether a person placed them.
     whole : bool
-        Whether all paws are among them: then what is elsewhere is none.
+        Whether as many paws as in any frame are among them: then what is elsewhere is none.
     """
 
     paws: Sequence[np.ndarray]
@@ -171,6 +175,7 @@ def clicked_lessons(
     """
     lessons = {}
     views = range(len(layout.views))
+    most = max(len({place.point for place in here}) for here in clicks.values())
     for frame, here in clicks.items():
         paws = [np.array([p.uv for p in here if p.view == v], float).reshape(-1, 2) for v in views]
         doubtful = []
@@ -179,7 +184,7 @@ def clicked_lessons(
             others = [x for p, x in scene.anchors.get(frame, {}).items() if p not in own]
             shown = scene.geometry.project(np.array(others))[:, v] if others else np.empty((0, 2))
             doubtful.append(shown)
-        whole = len({place.point for place in here}) == len(layout.points)
+        whole = len({place.point for place in here}) == most
         lessons[frame] = PawLesson(paws, doubtful, whole=whole)
     return lessons
 
@@ -251,7 +256,8 @@ def with_paw_looks(
     random = np.random.default_rng(0)
     lots = [lot for p in pictures for lot in _lots(p, readings[p.view], random, parameters)]
     features, labels = (np.concatenate(part) for part in zip(*lots, strict=True))
-    key = hashlib.sha256(features.tobytes() + labels.tobytes()).hexdigest()
+    learnt_from = code_checksum("pawnb.core.paws.offline.detection", _CODE).encode()
+    key = hashlib.sha256(learnt_from + features.tobytes() + labels.tobytes()).hexdigest()
     known = _Known(train_classifier(features, labels, n_points=1, parameters=parameters), key)
     learnt = [
         PawLook(
@@ -330,14 +336,14 @@ def _lots(
             _distances((h, w), at @ turned[:, :2].T + turned[:, 2]) for at in (paws, doubtful)
         )
         positive = np.flatnonzero(near < _PAW)
-        chosen = np.empty(0, int)
+        chosen: np.ndarray = np.empty(0, int)
         if picture.whole:
             free = np.flatnonzero((near >= _DOUBTFUL) & (may >= _OPEN))
             weight = 1.0 / (1.0 + (near[free] / 4.0) ** 2)
             count = min(len(free), parameters.background)
             chosen = random.choice(free, count, replace=False, p=weight / weight.sum())
         taken = np.concatenate([positive, chosen])
-        labels = np.repeat([1, 0], [len(positive), len(chosen)])
+        labels: np.ndarray = np.repeat([1, 0], [len(positive), len(chosen)])
         lots.append((features.reshape(h * w, -1)[taken], labels))
     return lots
 

@@ -66,10 +66,15 @@ def test_a_paw_that_is_clicked_in_another_view_is_doubtful_in_this_one():
     assert lesson.whole
 
 
-def test_where_not_all_paws_are_clicked_nothing_is_background():
+def test_where_fewer_paws_are_clicked_than_elsewhere_nothing_is_background():
     layout = SimpleNamespace(views=("a",), points=("FR", "FL"))
-    here = [Placement(0, 0, np.array([5.0, 6.0]))]
-    assert not clicked_lessons(scene(), layout, {0: here})[0].whole
+    one = Placement(0, 0, np.array([5.0, 6.0]))
+    both = [one, Placement(0, 1, np.array([20.0, 6.0]))]
+    lessons = clicked_lessons(scene(), layout, {0: [one], 4: both})
+    assert not lessons[0].whole
+    assert lessons[4].whole
+    # with no better frame this one has to do
+    assert clicked_lessons(scene(), layout, {0: [one]})[0].whole
 
 
 def test_tracks_teach_where_they_are_certain_and_in_views_that_track_the_point():
