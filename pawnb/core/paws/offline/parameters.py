@@ -77,6 +77,10 @@ class MotionParameters:
 class CorrelationParameters:
     """Patches about the clicks that are found again.
 
+    The best place is right in 26 of 65 (camel), 5 of 25 (horse) and 21 of 28 marks (dog) for which
+    there is any, from one clicked frame: legs look alike. Hence the low gain, and
+    :func:`.agreement.trust_by_agreement`. None of these was tuned.
+
     Parameters
     ----------
     patch_radii : float
@@ -189,6 +193,13 @@ class AssociationParameters:
 @dataclass(frozen=True)
 class IdentityParameters:
     """Names of tracklets, decided jointly over the whole recording.
+
+    With this stage, correlation and a frame that follows, % of marks that are right went from 59
+    to 69 and from 73 to 89 (camel, 1 and 2 clicked frames) and from 50 to 58 (horse, 1). Camel,
+    dog and horse were looked at while it was built. A mark lay in a tracklet that was given to
+    another point in 6 of 64 (camel, 2), 0 of 22 (horse, 2), 3 of 42 (dog, 1), 5 of 26 (horse, 1)
+    and 19 of 68 marks (camel, 1). Two or three times ``hidden``, or half or twice ``alike``,
+    change the first four by up to 2, the last by up to 15.
 
     Parameters
     ----------
