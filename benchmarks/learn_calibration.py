@@ -77,7 +77,8 @@ def labels(clip: real.Clip, n: int, cache: Path) -> pd.DataFrame | None:
         found = real.compare(clip.marks, clicks, None, clip.threshold_px)
         points = tracks["keypoint"].to_numpy().tolist()
         rows = pd.Series(range(tracks.sizes["time"]), index=tracks["frame"].to_numpy())
-        measure(found, views, points, rows, clip.threshold_px).to_csv(kept, index=False)
+        signs = measure(found, views, clip.threshold_px, points=points, rows=rows)
+        signs.to_csv(kept, index=False)
         print(f"{clip.name}, {n}: tracked", file=sys.stderr)
     return pd.read_csv(kept).assign(clip=clip.name, clicks=n)
 
@@ -90,9 +91,10 @@ def _clicked_views(tracks: xr.Dataset, clicks: pd.DataFrame) -> list[str]:
 def measure(
     marks: pd.DataFrame,
     views: dict[str, Any],
+    px: float,
+    *,
     points: list[str],
     rows: pd.Series,
-    px: float,
 ) -> pd.DataFrame:
     """Return for each mark whether its label is right, its signs, how far off and how exact."""
     found = []

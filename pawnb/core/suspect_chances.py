@@ -15,6 +15,8 @@ import pandas as pd
 AROUND_FRAMES = 3
 """A look at a point shows whether it is right so many frames before and after."""
 
+_PREFERENCE = 1e-3
+
 
 @dataclass(frozen=True)
 class DoubtedLabel:
@@ -76,18 +78,21 @@ def _heads(doubted: np.ndarray, frames: np.ndarray, around: float) -> list[tuple
     stop = np.searchsorted(frames, frames + around, side="right")
 
     def shown(rows: slice) -> np.ndarray:
-        total = np.concatenate([[0.0], np.cumsum(left)])
-        # the middle of what is doubted shows no more than its ends: prefer the likeliest wrong
-        return total[stop[rows]] - total[first[rows]] + 1e-3 * doubted[rows]
+        begin = int(first[rows.start])
+        total = np.concatenate([[0.0], np.cumsum(left[begin : int(stop[rows.stop - 1])])])
+        seen = total[stop[rows] - begin] - total[first[rows] - begin]
+        # of labels from which as much is seen the likeliest wrong is shown
+        return np.where(left[rows] > 0, seen + _PREFERENCE * doubted[rows], 0.0)
 
-    gain = np.where(doubted > 0, shown(slice(None)), 0.0)
+    gain = shown(slice(0, len(left))) if len(left) else left
     chosen = []
     while left.any():
         t = int(np.argmax(gain))
-        chosen.append((t, float(left[first[t] : stop[t]].sum())))
-        left[first[t] : stop[t]] = 0.0
-        touched = slice(first[first[t]], stop[stop[t] - 1])
-        gain[touched] = np.where(left[touched] > 0, shown(touched), 0.0)
+        seen = slice(int(first[t]), int(stop[t]))
+        chosen.append((t, float(left[seen].sum())))
+        left[seen] = 0.0
+        touched = slice(int(first[seen.start]), int(stop[seen.stop - 1]))
+        gain[touched] = shown(touched)
     return chosen
 
 

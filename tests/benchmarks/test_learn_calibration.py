@@ -13,7 +13,7 @@ def drawn(motion_weight, broken_weight, offset, n=4000):
     chance = expit(motion_weight * motion + broken_weight * broken + offset)
     return pd.DataFrame({
         "clip": ["a", "b"] * (n // 2), "clicks": 1, "ok": rng.random(n) < chance,
-        "motion": motion, "look": 0.0, "broken": broken, "left_out": 0.0,
+        "probability": 0.0, "motion": motion, "look": 0.0, "broken": broken, "left_out": 0.0,
         "off_u": 0.0, "off_v": 0.0,
         "sd_px": 1.0, "extent": 100.0,
     })  # fmt: skip
@@ -24,7 +24,7 @@ def test_weights_that_made_labels_are_found(monkeypatch):
 
     monkeypatch.setattr(learn_calibration, "CELL_WEIGHT", 2000.0)
     weights, offset = learn_calibration.learn(drawn(0.8, -0.5, 0.3))
-    np.testing.assert_allclose(weights, [0.8, 0.0, -0.5, 0.0], atol=0.12)
+    np.testing.assert_allclose(weights, [0.0, 0.8, 0.0, -0.5, 0.0], atol=0.12)
     assert offset == pytest.approx(0.3, abs=0.25)
 
 
@@ -32,8 +32,8 @@ def test_a_sign_never_counts_against_its_meaning():
     import learn_calibration
 
     weights, _ = learn_calibration.learn(drawn(-0.8, -0.5, 0.3))
-    assert weights[0] == pytest.approx(0, abs=1e-9)
-    assert weights[2] < -0.3
+    assert weights[1] == pytest.approx(0, abs=1e-9)
+    assert weights[3] < -0.3
 
 
 def test_a_clip_is_judged_by_weights_of_the_others(capsys):

@@ -7,6 +7,7 @@ stays as it was in the run that is corrected.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -72,16 +73,19 @@ class Again:
         return Annotations(places)
 
 
-def weighing_as_attributes(weighing: Weighing) -> dict[str, float | list[float]]:
-    """Return what is to be known of a weighing when tracks are corrected, as their attributes."""
+def weighing_as_attributes(weighing: Weighing) -> dict[str, float | str]:
+    """Return what is to be known of a weighing when tracks are corrected, as their attributes.
+
+    Attributes of files of tracks are numbers and text: lists are written as JSON.
+    """
     found = [round(float(value), 4) for value in weighing.found]
-    return {TRUST: float(weighing.trust), **({LEFT_OUT: found} if found else {})}
+    return {TRUST: float(weighing.trust), **({LEFT_OUT: json.dumps(found)} if found else {})}
 
 
 def weighing_of(tracks: Tracks) -> Weighing:
     """Return how far appearance was trusted in the run that made these tracks."""
     usual = OfflineParameters().appearance.trust
-    found = np.atleast_1d(np.asarray(tracks.attrs.get(LEFT_OUT, []), float))
+    found = np.array(json.loads(tracks.attrs.get(LEFT_OUT, "[]")), float)
     return Weighing(float(tracks.attrs.get(TRUST, usual)), found)
 
 

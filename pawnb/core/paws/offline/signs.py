@@ -15,9 +15,11 @@ import numpy as np
 
 from pawnb.core.paws.offline.association.estimates import Estimates
 
-SIGNS = {"motion": 1, "look": 1, "broken": -1, "left_out": 1}
+SIGNS = {"probability": 1, "motion": 1, "look": 1, "broken": -1, "left_out": 1}
 """The columns of :meth:`Signs.columns`, and whether each speaks for a label or against it."""
 
+_SUREST = 2.5e-3
+"""No probability counts as nearer to 0 or 1."""
 _LEAST = 1e-2
 """Agreement below this breaks a way no more."""
 _MOST = 200.0
@@ -30,6 +32,8 @@ class Signs:
 
     Parameters
     ----------
+    probability : ndarray, shape (n,)
+        Probability within about half a paw, by the hidden Markov model.
     motion : ndarray, shape (n,)
         Logarithm of the ratio of likelihoods by motion at the estimate; 0 where flow from no
         click comes so far.
@@ -43,17 +47,18 @@ class Signs:
         Log-odds of finding a click of the recording that was left out; 0 where none could be.
     """
 
+    probability: np.ndarray
     motion: np.ndarray
     look: np.ndarray
     broken: np.ndarray
     left_out: float
 
     def columns(self) -> np.ndarray:
-        """Return the signs (n, 4) as they enter the calibration."""
+        """Return the signs (n, 5) as they enter the calibration."""
+        p = np.clip(self.probability, _SUREST, 1 - _SUREST)
         broken = np.log1p(np.minimum(self.broken, _MOST))
-        return np.stack(
-            [self.motion, self.look, broken, np.full(len(broken), self.left_out)], axis=-1
-        )
+        left_out = np.full(len(broken), self.left_out)
+        return np.stack([np.log(p / (1 - p)), self.motion, self.look, broken, left_out], axis=-1)
 
 
 def read_signs(
@@ -88,6 +93,7 @@ def read_signs(
     x, y = np.rint(found.place).astype(int).T
     rows = np.arange(len(x))
     return Signs(
+        found.probability,
         np.log(motion[rows, y, x]),
         np.log(look[rows, y, x]),
         sum_from_clicks(-np.log(np.clip(agreement, _LEAST, 1.0)), clicked),

@@ -11,12 +11,18 @@ from scipy.stats import norm
 from pawnb.core.paws.offline.calibration import probability_right, standard_deviation
 from pawnb.core.paws.offline.signs import Signs
 
-USUAL = Signs(*(np.array([x]) for x in (1.0, 0.0, 1.0)), 0.0)
+USUAL = Signs(*(np.array([x]) for x in (0.99, 1.0, 0.0, 1.0)), 0.0)
 
 
 @pytest.mark.parametrize(
     ("sign", "better", "worse"),
-    [("motion", 2.5, 0.0), ("look", 2.0, -3.0), ("broken", 0.1, 20.0), ("left_out", 1.5, -1.0)],
+    [
+        ("probability", 0.99, 0.5),
+        ("motion", 2.5, 0.0),
+        ("look", 2.0, -3.0),
+        ("broken", 0.1, 20.0),
+        ("left_out", 1.5, -1.0),
+    ],
 )
 def test_every_sign_speaks_for_or_against_a_label(sign, better, worse):
     """Each was found to on marks by hand."""
@@ -28,13 +34,15 @@ def test_every_sign_speaks_for_or_against_a_label(sign, better, worse):
 
 
 def test_a_label_without_any_click_stays_a_chance():
-    chance = probability_right(Signs(*np.zeros((2, 1)), np.array([np.inf]), 0.0))
+    chance = probability_right(Signs(*np.zeros((3, 1)), np.array([np.inf]), 0.0))
     assert 0 < chance < 0.3
 
 
 def test_what_is_beside_a_click_is_good_and_what_was_lost_on_the_way_is_even():
     """Of marks that flow reaches from a click 96 % and more are right, of others about half."""
-    chance = probability_right(Signs(np.array([2.6, 0.0]), np.zeros(2), np.array([0.0, 8.0]), 0.0))
+    chance = probability_right(
+        Signs(np.ones(2), np.array([2.6, 0.0]), np.zeros(2), np.array([0.0, 8.0]), 0.0)
+    )
     assert chance[0] > 0.95
     assert 0.4 < chance[1] < 0.7
 

@@ -31,14 +31,15 @@ def test_of_two_ways_the_one_that_is_broken_less_counts():
 
 def test_without_a_click_there_is_no_way():
     assert np.isinf(sum_from_clicks(np.zeros(3), [])).all()
-    assert np.isfinite(Signs(*np.zeros((2, 3)), np.full(3, np.inf), 0.0).columns()).all()
+    assert np.isfinite(Signs(*np.zeros((3, 3)), np.full(3, np.inf), 0.0).columns()).all()
 
 
 def test_signs_are_read_at_the_estimate():
     """Flow puts e squared at (3, 1) in row 1, appearance 1/e; agreement is 1/e from there on."""
     motion, look = np.ones((2, 3, 4, 5))
     motion[1, 1, 3], look[1, 1, 3] = np.exp(2), np.exp(-1)
-    found = Estimates(np.array([[0, 0], [2.8, 1.2], [3, 1]]), np.ones(3), np.ones(3))
+    even = np.full(3, 0.5)
+    found = Estimates(np.array([[0, 0], [2.8, 1.2], [3, 1]]), even, np.ones(3))
     signs = read_signs(
         found,
         motion=motion,
@@ -53,6 +54,7 @@ def test_signs_are_read_at_the_estimate():
     columns = dict(zip(SIGNS, signs.columns().T, strict=True))
     np.testing.assert_allclose(columns["broken"], np.log([1, 2, 3]))
     np.testing.assert_allclose(columns["left_out"], 0.7)
+    np.testing.assert_allclose(columns["probability"], 0.0)  # even odds
 
 
 def test_agreement_of_nothing_is_a_break_and_not_the_end():
