@@ -29,10 +29,10 @@ from scipy.special import expit
 
 import pawnb
 from pawnb.core.paws.offline import tracker
-from pawnb.core.paws.offline.calibration import standard_deviation
 from pawnb.core.paws.offline.output import SEEN
-from pawnb.core.paws.offline.quality_measures import QualityLimits
-from pawnb.core.paws.offline.signs import SIGNS
+from pawnb.core.paws.offline.quality.calibration import standard_deviation
+from pawnb.core.paws.offline.quality.measures import QualityLimits
+from pawnb.core.paws.offline.quality.signs import SIGNS
 
 CELL_WEIGHT = 20.0
 """What the marks of a clip, tracked from so many clicked frames, weigh together; a weight of

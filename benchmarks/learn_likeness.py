@@ -27,14 +27,19 @@ import pandas as pd
 from scipy.stats import rankdata
 from whole_accuracy import add_scene_arguments, scene_seed, trials
 
-from pawnb.core.paws import Task
 from pawnb.core.paws.layout import make_layout, read_start
-from pawnb.core.paws.settings import PaperSettings
-from pawnb.core.paws.whole.candidates import worth
-from pawnb.core.paws.whole.extract import extract
-from pawnb.core.paws.whole.likeness import CURVES, Judge, measures, score_at_clicks
-from pawnb.core.paws.whole.scene import read_scene
-from pawnb.core.paws.whole.settings import WholeSettings
+from pawnb.core.paws.maghsoudi2019.settings import PaperSettings
+from pawnb.core.paws.offline.detection.colour.detector import worth
+from pawnb.core.paws.offline.detection.colour.likelihood import (
+    CURVES,
+    Judge,
+    measures,
+    score_at_clicks,
+)
+from pawnb.core.paws.offline.detection.colour.scan import extract
+from pawnb.core.paws.offline.scene.treadmill import read_scene
+from pawnb.core.paws.offline.settings import WholeSettings
+from pawnb.core.paws.request import Task
 from pawnb.core.video import open_views
 from pawnb.io.start import read_start as read_clicks
 from pawnb.trial import Trial, load_trial

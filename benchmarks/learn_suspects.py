@@ -33,8 +33,8 @@ from suspects import SHARES, count, found, most
 from whole_accuracy import add_scene_arguments, clicks_at, scene_seed, silent, trials
 
 from pawnb.core.rig import load_rig
-from pawnb.core.suspect_rates import AROUND_FRAMES, CURVES, INTERCEPT, choose_looks
-from pawnb.core.suspect_uncertainty import collect_doubts
+from pawnb.core.suspects.rates import AROUND_FRAMES, CURVES, INTERCEPT, choose_looks
+from pawnb.core.suspects.uncertainty import collect_doubts
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.track import track
 

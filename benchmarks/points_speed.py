@@ -26,7 +26,7 @@ from typing import NamedTuple
 import pandas as pd
 from tracking_speed import decode
 
-from pawnb.core.edits import EditLog, Move, Retrack
+from pawnb.core.edits.log import EditLog, Move, Retrack
 from pawnb.core.rig import load_rig
 from pawnb.core.video import open_views
 from pawnb.io.start import read_start

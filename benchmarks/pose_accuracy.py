@@ -26,13 +26,13 @@ from scipy.stats import chi2
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.background import Background, find_background
 from pawnb.core.pose.fit.settings import PoseSettings
+from pawnb.core.pose.fit.tracker import track_pose
 from pawnb.core.pose.pose_table import poses_from_table, read_start_pose
 from pawnb.core.pose.poses import Poses, joint_positions, leg_angles, tip_positions
 from pawnb.core.pose.species_file import load_species
 from pawnb.core.pose.track_result import PoseTrack
-from pawnb.core.pose.tracker import track_pose
 from pawnb.core.video import open_view
-from pawnb.core.views import ViewReader
+from pawnb.core.video.views import ViewReader
 from pawnb.synthetic import render_spider_trial
 from pawnb.trial import load_trial
 

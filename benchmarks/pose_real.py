@@ -21,13 +21,13 @@ import numpy as np
 import pandas as pd
 import real_animals as real
 
-from pawnb.core.grey import grey
+from pawnb.core.pixels.grey import grey
 from pawnb.core.pose.animal import StickAnimal
-from pawnb.core.pose.fit.view import fit_to_picture
+from pawnb.core.pose.fit.explanation import fit_to_picture
+from pawnb.core.pose.fit.tracker import track_pose
 from pawnb.core.pose.poses import Poses, joint_positions, leg_angles, tip_positions
 from pawnb.core.pose.track_result import PoseTrack
-from pawnb.core.pose.tracker import track_pose
-from pawnb.core.views import Frame, ViewReader
+from pawnb.core.video.views import Frame, ViewReader
 from pawnb.workflow.pose_evaluation import build_jitter_table
 
 STILL = (0, 1900)

@@ -15,9 +15,9 @@ import numpy as np
 import pandas as pd
 
 from pawnb.core.pose.background import find_background
+from pawnb.core.pose.fit.tracker import track_pose
 from pawnb.core.pose.pose_table import read_start_pose
 from pawnb.core.pose.species_file import load_species
-from pawnb.core.pose.tracker import track_pose
 from pawnb.core.video import open_view
 from pawnb.synthetic import render_spider_trial
 from pawnb.trial import load_trial

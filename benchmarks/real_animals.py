@@ -20,7 +20,7 @@ from pawnb.core.pose.background import Background, find_background
 from pawnb.core.pose.poses import Poses, joint_positions, natural_pose, poses_from_joints
 from pawnb.core.pose.species_file import load_species
 from pawnb.core.video import open_view
-from pawnb.core.views import ViewReader
+from pawnb.core.video.views import ViewReader
 from pawnb.trial import View
 
 SPIDER = View(

@@ -27,8 +27,8 @@ import numpy as np
 import pandas as pd
 
 from pawnb.core.rig import load_rig
-from pawnb.core.suspect_rates import AROUND_FRAMES
-from pawnb.core.suspects import find_suspects
+from pawnb.core.suspects.frames import find_suspects
+from pawnb.core.suspects.rates import AROUND_FRAMES
 from pawnb.core.video import open_views
 from pawnb.schema import Tracks
 from pawnb.synthetic import render_mouse_trial

@@ -35,8 +35,8 @@ from typing import NamedTuple
 import av
 import numpy as np
 
-from pawnb.core.paws import Task
-from pawnb.core.paws.whole import tracker as whole_tracker
+from pawnb.core.paws.offline.treadmill import tracker as whole_tracker
+from pawnb.core.paws.request import Task
 from pawnb.core.video import open_views
 from pawnb.io.start import read_start
 from pawnb.synthetic import render_mouse_trial

@@ -43,7 +43,7 @@ import pandas as pd
 from refilm import can_refilm, refilm
 from scipy.stats import beta
 
-from pawnb.core.paws.offline.quality import assess
+from pawnb.core.paws.offline.quality.assessment import assess
 from pawnb.core.video import open_views
 from pawnb.errors import PawnbError
 from pawnb.schema import Tracks

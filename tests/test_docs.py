@@ -11,10 +11,10 @@ import pandas as pd
 import pytest
 
 import pawnb
-from pawnb.core.paws import PaperSettings
-from pawnb.core.paws.settings import PUBLISHED_NAMES as PAW_NAMES
-from pawnb.core.pose.paper_settings import PUBLISHED_NAMES as POSE_NAMES
-from pawnb.core.pose.paper_settings import PaperPoseSettings
+from pawnb.core.paws.maghsoudi2019.settings import PUBLISHED_NAMES as PAW_NAMES
+from pawnb.core.paws.maghsoudi2019.settings import PaperSettings
+from pawnb.core.pose.pullar2009.settings import PUBLISHED_NAMES as POSE_NAMES
+from pawnb.core.pose.pullar2009.settings import PaperPoseSettings
 
 ROOT = Path(__file__).resolve().parents[1]
 METHODS = (ROOT / "docs" / "published_methods.md").read_text(encoding="utf-8")

@@ -10,10 +10,10 @@ import pandas as pd
 import pytest
 
 from pawnb import schema
-from pawnb.core.paws.settings import PaperSettings
-from pawnb.core.paws.whole.settings import WholeSettings
+from pawnb.core.paws.maghsoudi2019.settings import PaperSettings
+from pawnb.core.paws.offline.settings import WholeSettings
 from pawnb.core.pose.fit.settings import PoseSettings
-from pawnb.core.pose.paper_settings import PaperPoseSettings
+from pawnb.core.pose.pullar2009.settings import PaperPoseSettings
 from pawnb.core.pose.space.settings import SpaceSettings
 from pawnb.errors import InputError
 

@@ -15,7 +15,7 @@ from typing import Any
 import cv2
 import numpy as np
 
-from pawnb.core.colour import Picture
+from pawnb.core.pixels.colour import Picture
 from pawnb.errors import CalibrationError, InputError, VideoError, did_you_mean
 from pawnb.files import read_toml
 from pawnb.io.cameras import Camera, read_cameras

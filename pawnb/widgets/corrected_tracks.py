@@ -6,8 +6,8 @@ import threading
 from collections.abc import Callable
 from pathlib import Path
 
-from pawnb.core.edit_effects import Retracker
-from pawnb.core.edits import Edit, EditLog, Retrack, describe_edit
+from pawnb.core.edits.effects import Retracker
+from pawnb.core.edits.log import Edit, EditLog, Retrack, describe_edit
 from pawnb.core.rig import Rig
 from pawnb.errors import InputError, PawnbError
 from pawnb.schema import Tracks

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from pawnb.core.pose.background import Background
+from pawnb.core.pose.fit.explanation import FitView, explain_fit
 from pawnb.core.pose.fit.settings import PoseSettings
-from pawnb.core.pose.fit.view import FitView, explain_fit
-from pawnb.core.views import Frame
+from pawnb.core.video.views import Frame
 from pawnb.widgets.picture_layers import PictureLayers, shaded, slider
 from pawnb.widgets.stick_session import StickSession
 

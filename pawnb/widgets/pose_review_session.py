@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from pawnb.core.edits import Pose
+from pawnb.core.edits.log import Pose
 from pawnb.core.pose.as_tracks import animal_of, poses_of
 from pawnb.core.pose.corrected import pose_values
 from pawnb.core.pose.pose_suspects import find_pose_suspects

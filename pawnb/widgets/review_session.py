@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pawnb.core.edit_effects import Retracker, triangulate_views, usable_views
-from pawnb.core.edits import Accept, Hide, Move, Swap
+from pawnb.core.edits.effects import Retracker, triangulate_views, usable_views
+from pawnb.core.edits.log import Accept, Hide, Move, Swap
 from pawnb.core.pose.as_tracks import is_pose
 from pawnb.core.rig import Rig
 from pawnb.errors import InputError

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from pawnb.core.pose.grid import PxPerUnit, scale_from_clicks
+from pawnb.core.pose.pixel_scale import PxPerUnit, scale_from_clicks
 from pawnb.errors import InputError
 
 ENDS = ("end 1", "end 2")

@@ -13,8 +13,8 @@ import cv2
 import numpy as np
 
 from pawnb.core.pose.background import Background
-from pawnb.core.pose.energy_view import EnergyView, explain_energy
-from pawnb.core.pose.paper_settings import PaperPoseSettings
+from pawnb.core.pose.pullar2009.energy_view import EnergyView, explain_energy
+from pawnb.core.pose.pullar2009.settings import PaperPoseSettings
 from pawnb.widgets.picture_layers import PictureLayers, shaded, slider
 from pawnb.widgets.stick_session import StickSession
 
@@ -31,7 +31,7 @@ SETTINGS = {
     "thickness_px": "Thickness, px",
     "steepness": "Steepness",
 }
-"""Settings with a slider: see :class:`pawnb.core.pose.paper_settings.PaperPoseSettings`."""
+"""Settings with a slider: see :class:`pawnb.core.pose.pullar2009.settings.PaperPoseSettings`."""
 
 _MOST = 5.0
 """Sliders reach so many times the estimated value."""

@@ -8,10 +8,10 @@ from typing import Any
 
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.background import Background
+from pawnb.core.pose.fit.explanation import fit_to_picture
 from pawnb.core.pose.fit.settings import PoseSettings
-from pawnb.core.pose.fit.view import fit_to_picture
-from pawnb.core.pose.paper_settings import PaperPoseSettings
 from pawnb.core.pose.poses import Poses
+from pawnb.core.pose.pullar2009.settings import PaperPoseSettings
 from pawnb.core.video import ViewSet, open_views
 from pawnb.errors import InputError, PawnbError
 from pawnb.trial import Trial, load_trial

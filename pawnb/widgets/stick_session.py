@@ -122,7 +122,7 @@ class StickSession(Draft[State]):
         return sorted({self.pose_frame, *self._state.others})
 
     def poses(self) -> Poses:
-        """Return all poses as :func:`pawnb.core.pose.tracker.track_pose` takes them to start."""
+        """Return all poses as :func:`.tracker.track_pose` takes them to start."""
         every = {**self._state.others, self.pose_frame: self.pose}
         return join_poses(
             [pose.built_like(self.pose).poses(frame) for frame, pose in sorted(every.items())]

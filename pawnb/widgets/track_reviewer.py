@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pawnb.core.edits import Edit, describe_edit
+from pawnb.core.edits.log import Edit, describe_edit
 from pawnb.core.rig import Rig
-from pawnb.core.suspect_chances import worth_a_look
-from pawnb.core.suspects import find_suspects
+from pawnb.core.suspects.chances import worth_a_look
+from pawnb.core.suspects.frames import find_suspects
 from pawnb.core.video import open_views
 from pawnb.errors import InputError
 from pawnb.schema import Tracks
@@ -66,7 +66,7 @@ class TrackReviewer(Retracking):
         are to be learnt anew; default :func:`pawnb.workflow.track.retrack`.
     suspects : pandas.DataFrame, optional
         Frames to look at (frame, view, point, reason, score), offered as a menu; default
-        those of :func:`pawnb.core.suspects.find_suspects`, found again after tracking again,
+        those of :func:`pawnb.core.suspects.frames.find_suspects`, found again after tracking again,
         an exchange, and undo. What is corrected or accepted is left out.
     **options
         ``out`` (folder for *Save*; default the folder of ``edits``), ``views`` and ``rig``

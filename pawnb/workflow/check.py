@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from pawnb.core.paws.whole import WholeSettings, doubt_clicks
+from pawnb.core.paws.offline.settings import WholeSettings
+from pawnb.core.paws.offline.treadmill.tracker import doubt_clicks
 from pawnb.core.rig import Rig
 from pawnb.core.video import ViewReader, ViewSet, open_views
 from pawnb.errors import InputError, PawnbError

@@ -10,7 +10,7 @@ from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.background import Background, find_background
 from pawnb.core.pose.pose_suspects import joints_beyond_range
 from pawnb.core.pose.poses import Poses
-from pawnb.core.pose.silhouette import find_silhouette
+from pawnb.core.pose.start_proposal.silhouette import find_silhouette
 from pawnb.core.video import ViewReader, ViewSet
 from pawnb.errors import InputWarning, PawnbError
 from pawnb.trial import Trial, View

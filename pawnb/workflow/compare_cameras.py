@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from scipy import stats
 
-from pawnb.core.paws import PaperSettings
+from pawnb.core.paws.maghsoudi2019.settings import PaperSettings
 from pawnb.core.rig import load_rig
 from pawnb.core.video import open_views
 from pawnb.schema import ORIGIN_CODE, Tracks

@@ -6,8 +6,8 @@ import json
 from collections import OrderedDict
 from pathlib import Path
 
+from pawnb.core.paws.offline.detection.colour.cache import CandidateStore
 from pawnb.core.paws.offline.kept import KeptStacks
-from pawnb.core.paws.whole.store import CandidateStore
 from pawnb.trial import Trial
 from pawnb.workflow.provenance import file_checksum
 

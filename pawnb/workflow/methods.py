@@ -8,22 +8,24 @@ from typing import Any
 
 import pandas as pd
 
-from pawnb.core.paws import PaperSettings, Task, track_paws
+from pawnb.core.frame_checkpoint import KeptFrames
+from pawnb.core.paws.maghsoudi2019.settings import PaperSettings
+from pawnb.core.paws.maghsoudi2019.tracker import track_paws
 from pawnb.core.paws.offline.again import Again
+from pawnb.core.paws.offline.detection.colour.cache import CandidateStore
 from pawnb.core.paws.offline.kept import KeptStacks
+from pawnb.core.paws.offline.settings import WholeSettings
 from pawnb.core.paws.offline.tracker import track_points
-from pawnb.core.paws.whole import WholeSettings
-from pawnb.core.paws.whole.store import CandidateStore
+from pawnb.core.paws.request import Task
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.background import Background
 from pawnb.core.pose.fit.settings import PoseSettings
-from pawnb.core.pose.kept_frames import KeptFrames
-from pawnb.core.pose.paper_settings import PaperPoseSettings
-from pawnb.core.pose.paper_tracker import track_pose_paper
+from pawnb.core.pose.fit.tracker import track_pose
 from pawnb.core.pose.poses import Poses
+from pawnb.core.pose.pullar2009.settings import PaperPoseSettings
+from pawnb.core.pose.pullar2009.tracker import track_pose_paper
 from pawnb.core.pose.space.settings import SpaceSettings
 from pawnb.core.pose.track_result import PoseTrack
-from pawnb.core.pose.tracker import track_pose
 from pawnb.core.video import ViewReader, ViewSet
 from pawnb.errors import InputError, did_you_mean
 from pawnb.schema import SettingsT, Tracks, build_settings
@@ -368,7 +370,7 @@ def run_tracker(
     settings : WholeSettings or PaperSettings
         Settings of that method.
     learn_at : mapping, optional
-        See :func:`pawnb.core.paws.track_paws`; method ``pawnb`` has no use for it, as it
+        See :func:`.tracker.track_paws`; method ``pawnb`` has no use for it, as it
         learns from every position placed by hand.
     looked, store, stacks, again
         See :func:`pawnb.core.paws.offline.tracker.track_points`; other methods do not use them.

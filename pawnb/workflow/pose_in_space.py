@@ -6,9 +6,9 @@ from collections.abc import Callable
 
 import numpy as np
 
+from pawnb.core.frame_checkpoint import KeptFrames
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.background import find_background
-from pawnb.core.pose.kept_frames import KeptFrames
 from pawnb.core.pose.space.first_view import corrected_first_view
 from pawnb.core.pose.space.geometry import SightLines, check_second_view
 from pawnb.core.pose.space.settings import SpaceSettings
@@ -18,7 +18,7 @@ from pawnb.core.pose.track_result import PoseTrack
 from pawnb.core.rig import Rig, load_rig
 from pawnb.core.sightlines import find_look_point
 from pawnb.core.video import ViewReader, ViewSet
-from pawnb.core.views import Frame
+from pawnb.core.video.views import Frame
 from pawnb.trial import Trial
 from pawnb.workflow.progress import Progress, tracking_progress
 

@@ -14,7 +14,7 @@ from pawnb.core.paws.offline.detection.predictions import (
     distances_from_clicks,
     find_extent,
 )
-from pawnb.core.viewset import ViewSet
+from pawnb.core.video.viewset import ViewSet
 from pawnb.errors import InputError, did_you_mean
 from pawnb.io.formats import read_any_tracks, recognise_format
 from pawnb.schema import Tracks

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from pawnb.core.paws.propose import find_paws
+from pawnb.core.paws.start_proposal.proposal import find_paws
 from pawnb.core.rig import load_rig
 from pawnb.core.video import ViewSet, open_views
 from pawnb.errors import InputError

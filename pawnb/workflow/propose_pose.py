@@ -13,8 +13,8 @@ from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.background import Background, find_background
 from pawnb.core.pose.pose_table import write_start
 from pawnb.core.pose.poses import Poses
-from pawnb.core.pose.propose import propose_pose
 from pawnb.core.pose.species_file import built_in_species, load_species
+from pawnb.core.pose.start_proposal.proposal import propose_pose
 from pawnb.core.video import ViewSet, open_views
 from pawnb.errors import InputError
 from pawnb.trial import Trial, load_trial

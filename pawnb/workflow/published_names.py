@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from pawnb.core.paws.settings import PUBLISHED_NAMES as PAW_NAMES
-from pawnb.core.pose.paper_settings import PUBLISHED_NAMES as POSE_NAMES
+from pawnb.core.paws.maghsoudi2019.settings import PUBLISHED_NAMES as PAW_NAMES
+from pawnb.core.pose.pullar2009.settings import PUBLISHED_NAMES as POSE_NAMES
 from pawnb.errors import InputError
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from pawnb.core.paws.offline.quality import Quality, assess
+from pawnb.core.paws.offline.quality.assessment import Quality, assess
 from pawnb.core.pose.as_tracks import BODY, animal_of, is_pose
 from pawnb.errors import InputError, QualityWarning
 from pawnb.files import read_text

@@ -14,7 +14,7 @@ from pawnb.core.pose.as_tracks import animal_of, is_pose, poses_of
 from pawnb.core.pose.pose_suspects import find_pose_suspects
 from pawnb.core.pose.pose_table import pose_names, pose_table
 from pawnb.core.rig import Rig
-from pawnb.core.suspects import find_suspects
+from pawnb.core.suspects.frames import find_suspects
 from pawnb.errors import InputError, InputWarning
 from pawnb.files import write_whole
 from pawnb.gait.notes import Note

@@ -7,7 +7,7 @@ import re
 import tomllib
 from pathlib import Path
 
-from pawnb.core.pose.grid import PxPerUnit, scale_from_grid
+from pawnb.core.pose.pixel_scale import PxPerUnit, scale_from_grid
 from pawnb.core.video import open_views
 from pawnb.errors import InputError
 from pawnb.files import MOST_TEXT_BYTES, locked, parse_toml, read_text

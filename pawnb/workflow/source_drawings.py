@@ -10,9 +10,9 @@ import numpy as np
 import pandas as pd
 
 from pawnb import figures
-from pawnb.core.paws import PaperSettings
-from pawnb.core.paws.template import KindTemplate, load_template
-from pawnb.core.paws.template_fit import fit_template
+from pawnb.core.paws.maghsoudi2019.settings import PaperSettings
+from pawnb.core.paws.maghsoudi2019.template import KindTemplate, load_template
+from pawnb.core.paws.maghsoudi2019.template_fit import fit_template
 from pawnb.errors import InputError
 from pawnb.files import safe_name
 from pawnb.io.native import points3d_table

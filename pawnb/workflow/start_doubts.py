@@ -6,7 +6,7 @@ import numpy as np
 
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.poses import Poses, joint_positions
-from pawnb.core.pose.silhouette import Silhouette
+from pawnb.core.pose.start_proposal.silhouette import Silhouette
 
 SECOND_ANIMAL = 0.3
 """Things this large, as a share of the animal, may be a second one."""

@@ -17,8 +17,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from pawnb.core.paws import PaperSettings
-from pawnb.core.paws.template import StrideTemplate, average_strides, cut_strides
+from pawnb.core.paws.maghsoudi2019.settings import PaperSettings
+from pawnb.core.paws.maghsoudi2019.template import StrideTemplate, average_strides, cut_strides
 from pawnb.core.rig import load_rig
 from pawnb.errors import InputError, PawnbError
 from pawnb.io.native import read_tracks

@@ -10,7 +10,7 @@ import pandas as pd
 from scipy.ndimage import binary_closing
 from scipy.signal import lfilter
 
-from pawnb.core.paws.offline.quality import label_chances
+from pawnb.core.paws.offline.quality.assessment import label_chances
 from pawnb.errors import InputError
 from pawnb.io.start import read_start
 from pawnb.schema import ORIGIN_CODE, Tracks

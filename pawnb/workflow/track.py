@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from pawnb.core.paws.maghsoudi2019.settings import REFERENCE_WIDTH_PX
 from pawnb.core.paws.offline.again import Again, frames_again, weighing_of
+from pawnb.core.paws.offline.detection.colour.cache import CandidateStore
 from pawnb.core.paws.offline.detection.predictions import Predictions
-from pawnb.core.paws.offline.quality_likeness import add_likeness, keep_likeness
+from pawnb.core.paws.offline.quality.likeness import add_likeness, keep_likeness
+from pawnb.core.paws.offline.settings import WholeSettings
 from pawnb.core.paws.offline.tracker import LEARNT
-from pawnb.core.paws.settings import REFERENCE_WIDTH_PX
-from pawnb.core.paws.stretch import TOLERANCE_PX, keep_untouched
-from pawnb.core.paws.whole import WholeSettings
-from pawnb.core.paws.whole.store import CandidateStore
+from pawnb.core.paws.retracked_span import TOLERANCE_PX, keep_untouched
 from pawnb.core.reproject import fill_reprojected
 from pawnb.core.rig import Rig
 from pawnb.core.video import ViewSet, open_views

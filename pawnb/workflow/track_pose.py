@@ -17,9 +17,9 @@ from pawnb.core.pose.background import Background
 from pawnb.core.pose.pose_table import pose_names, poses_from_table
 from pawnb.core.pose.poses import Poses
 from pawnb.core.pose.presence import find_animal_frames
-from pawnb.core.pose.silhouette import find_silhouette
 from pawnb.core.pose.space.as_tracks import tracks_in_space
 from pawnb.core.pose.space.track import SpaceTrack
+from pawnb.core.pose.start_proposal.silhouette import find_silhouette
 from pawnb.core.pose.track_result import PoseTrack
 from pawnb.core.rig import Rig
 from pawnb.core.video import ViewReader, ViewSet, open_views

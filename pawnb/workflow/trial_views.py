@@ -7,7 +7,7 @@ from typing import Any
 
 import pandas as pd
 
-from pawnb.core.paws import Task
+from pawnb.core.paws.request import Task
 from pawnb.core.rig import Rig, load_rig
 from pawnb.core.video import ViewSet
 from pawnb.errors import CalibrationError, InputError
@@ -129,7 +129,7 @@ def paw_task(trial: Trial, rig: Rig | None, clicks: pd.DataFrame, **asked: Any) 
     clicks : pandas.DataFrame
         Start clicks.
     **asked
-        Further fields of :class:`~pawnb.core.paws.task.Task`.
+        Further fields of :class:`~pawnb.core.paws.request.Task`.
 
     Returns
     -------

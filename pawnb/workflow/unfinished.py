@@ -8,9 +8,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from pawnb.core.paws.stretch import keep_rows
-from pawnb.core.pose.kept_frames import KeptFrames
-from pawnb.core.record_file import code_checksum
+from pawnb.core.checkpoint import code_checksum
+from pawnb.core.frame_checkpoint import KeptFrames
+from pawnb.core.paws.retracked_span import keep_rows
 from pawnb.errors import InputError, ResumptionWarning
 from pawnb.io.native import read_tracks
 from pawnb.schema import Tracks

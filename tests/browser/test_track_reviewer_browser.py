@@ -114,7 +114,7 @@ def test_a_drag_is_on_disk_before_another_frame_shows(reviewing):
     notebook.wait("f.pictures.get(1) && f.overlays.has(1)")  # frame 1 could be shown at once
     # writing takes long now: the next frame must wait for it
     notebook.kernel_runs(
-        "import os, time, pawnb.core.edit_records as r\n"
+        "import os, time, pawnb.core.edits.records as r\n"
         "sync = os.fsync\n"
         "def slow(fd):\n"
         "    time.sleep(1.0)\n"

@@ -204,7 +204,7 @@ def test_code_is_old_where_what_it_calls_has_changed(tmp_path):
 @pytest.mark.slow
 def test_helpers_compile_what_is_listed(tmp_path, monkeypatch):
     """The real thing: a process that claims functions, and what it leaves on disk."""
-    name = "pawnb.core.sorting_loops:ascending"
+    name = "pawnb.core.sorting_kernels:ascending"
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "kept"))
     script = (
         "import sys; from pawnb.core import first_run\n"
@@ -216,7 +216,7 @@ def test_helpers_compile_what_is_listed(tmp_path, monkeypatch):
     command = [sys.executable, "-c", script, str(tmp_path / "share")]
     subprocess.run(command, check=True)
     assert {path.name for path in (tmp_path / "share").iterdir()} == {"0", "0.done"}
-    assert list((tmp_path / "kept").rglob("sorting_loops.ascending-*.nbc"))
+    assert list((tmp_path / "kept").rglob("sorting_kernels.ascending-*.nbc"))
 
 
 def test_helpers_run_this_module_also_where_it_is_run_by_itself(tmp_path, monkeypatch):

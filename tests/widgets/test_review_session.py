@@ -11,7 +11,7 @@ import small_trial as scene
 import xarray as xr
 
 from pawnb import load_trial
-from pawnb.core.edits import Move, Retrack
+from pawnb.core.edits.log import Move, Retrack
 from pawnb.core.rig import load_rig
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE, make_tracks

@@ -5,7 +5,7 @@ import pytest
 import small_trial as scene
 
 from pawnb import load_trial
-from pawnb.core.edits import Swap, apply_edit
+from pawnb.core.edits.log import Swap, apply_edit
 from pawnb.core.rig import load_rig
 from pawnb.widgets import TrackReviewer
 from pawnb.workflow.results import write_track_results

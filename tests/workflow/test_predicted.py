@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 from pawnb.core.lens import Lens
-from pawnb.core.views import ViewReader
+from pawnb.core.video.views import ViewReader
 from pawnb.errors import InputError
 from pawnb.trial import Animal, Trial, View
 from pawnb.workflow.check import check_trial

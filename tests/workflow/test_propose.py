@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 import pawnb
-from pawnb.core.paws import propose
+from pawnb.core.paws.start_proposal import proposal as propose
 from pawnb.errors import InputError
 from pawnb.schema import START_COLUMNS
 from pawnb.synthetic import render_mouse_trial

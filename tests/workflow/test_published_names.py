@@ -4,10 +4,10 @@ import dataclasses
 
 import pytest
 
-from pawnb.core.paws.settings import PUBLISHED_NAMES as PAW_NAMES
-from pawnb.core.paws.settings import PaperSettings
-from pawnb.core.pose.paper_settings import PUBLISHED_NAMES as POSE_NAMES
-from pawnb.core.pose.paper_settings import PaperPoseSettings
+from pawnb.core.paws.maghsoudi2019.settings import PUBLISHED_NAMES as PAW_NAMES
+from pawnb.core.paws.maghsoudi2019.settings import PaperSettings
+from pawnb.core.pose.pullar2009.settings import PUBLISHED_NAMES as POSE_NAMES
+from pawnb.core.pose.pullar2009.settings import PaperPoseSettings
 from pawnb.errors import InputError
 from pawnb.trial import Animal, Trial, View
 from pawnb.workflow.compare import settings_by_method

@@ -12,7 +12,7 @@ import xarray as xr
 
 from pawnb import cli
 from pawnb.core.rig import load_rig
-from pawnb.core.viewset import ViewSet
+from pawnb.core.video.viewset import ViewSet
 from pawnb.errors import InputWarning
 from pawnb.io.native import read_tracks
 from pawnb.trial import load_trial

@@ -11,8 +11,8 @@ import pandas as pd
 import pytest
 
 from pawnb import cli
-from pawnb.core.pose.fit.follow import Follower
-from pawnb.core.pose.paper_tracker import _Tracker
+from pawnb.core.pose.fit.sequence.one_direction import Follower
+from pawnb.core.pose.pullar2009.tracker import _Tracker
 from pawnb.errors import InputError, InputWarning
 from pawnb.io.native import read_tracks
 from pawnb.synthetic import render_spider_trial

@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pawnb.core.edits import EditLog, Move, Retrack
+from pawnb.core.edits.log import EditLog, Move, Retrack
 from pawnb.core.paws.offline.scene import stack
 from pawnb.synthetic.grey_video import GreyVideoWriter
 from pawnb.trial import load_trial

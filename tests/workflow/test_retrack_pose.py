@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from pawnb.core.edits import EditLog, Pose, Retrack
+from pawnb.core.edits.log import EditLog, Pose, Retrack
 from pawnb.core.pose.as_tracks import animal_of, poses_of
 from pawnb.core.pose.corrected import pose_values, posed_frames, put_pose
 from pawnb.core.pose.poses import Poses, tip_positions

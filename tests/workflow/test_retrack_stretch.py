@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pawnb.core.edits import EditLog, Move, Retrack, Swap
+from pawnb.core.edits.log import EditLog, Move, Retrack, Swap
 from pawnb.core.rig import load_rig
 from pawnb.synthetic import render_mouse_trial
 from pawnb.trial import load_trial

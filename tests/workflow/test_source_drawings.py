@@ -12,7 +12,7 @@ import pytest
 from test_gait_run import walking_tracks
 
 from pawnb import schema
-from pawnb.core.paws.template import load_template
+from pawnb.core.paws.maghsoudi2019.template import load_template
 from pawnb.errors import InputError
 from pawnb.gait import analyse, pool
 from pawnb.trial import Animal, Trial

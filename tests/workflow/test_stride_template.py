@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pawnb.core.paws.template import average_strides, cut_strides, load_template
+from pawnb.core.paws.maghsoudi2019.template import average_strides, cut_strides, load_template
 from pawnb.core.rig import load_rig
 from pawnb.errors import InputError
 from pawnb.io.native import write_tracks

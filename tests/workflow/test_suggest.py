@@ -10,7 +10,7 @@ import pytest
 
 import pawnb
 from pawnb import cli
-from pawnb.core.paws.offline.quality import CALIBRATED
+from pawnb.core.paws.offline.quality.assessment import CALIBRATED
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE, add_provenance, make_tracks
 from pawnb.trial import Animal, Trial, View, load_trial

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pawnb.core.jpeg.block_loops import STRIP_PX, decode_units
+from pawnb.core.jpeg.block_kernels import STRIP_PX, decode_units
 from pawnb.core.jpeg.header import Plan, header_length, read_plan
-from pawnb.core.jpeg.huffman_loops import MOST_BITS, scan_units, take_words
+from pawnb.core.jpeg.huffman_kernels import MOST_BITS, scan_units, take_words
 
 _MARGIN_WORDS = 10 * 64 * MOST_BITS // 64 + 4
 """More than one unit of blocks can take: no bit is read that is not there."""
@@ -30,7 +30,7 @@ class CodedPicture:
     words : ndarray of uint64
         Its bits.
     begins, levels : ndarray
-        See :func:`~pawnb.core.jpeg.huffman_loops.scan_units`.
+        See :func:`~pawnb.core.jpeg.huffman_kernels.scan_units`.
     """
 
     plan: Plan

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pawnb.core.jpeg.standard_codes import STANDARD_CODES
-from pawnb.core.jpeg.table_loops import LOOKED_AT, Tables, fill_heads, fill_tables
+from pawnb.core.jpeg.table_kernels import LOOKED_AT, Tables, fill_heads, fill_tables
 
 _SOF0, _DHT, _SOI, _SOS, _DQT, _DRI = 0xC0, 0xC4, 0xD8, 0xDA, 0xDB, 0xDD
 _APP0, _APP14, _LAST_APP, _COM = 0xE0, 0xEE, 0xEF, 0xFE
@@ -45,8 +45,8 @@ class Plan:
     interval : int
         Units between restart markers; as many as there are where there is no marker.
     blocks, tables, scales
-        See :func:`~pawnb.core.jpeg.huffman_loops.scan_units` and
-        :func:`~pawnb.core.jpeg.huffman_loops.read_units`.
+        See :func:`~pawnb.core.jpeg.huffman_kernels.scan_units` and
+        :func:`~pawnb.core.jpeg.huffman_kernels.read_units`.
     kind : bytes
         All that tells how the samples are to be shown.
     """

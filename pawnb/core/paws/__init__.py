@@ -1,7 +1,7 @@
-"""The paw tracker after Haji Maghsoudi et al. 2019."""
+"""Points tracked through one view or more: paws, and landmarks of the body.
 
-from pawnb.core.paws.settings import PaperSettings
-from pawnb.core.paws.task import Task
-from pawnb.core.paws.tracker import track_paws
-
-__all__ = ["PaperSettings", "Task", "track_paws"]
+A ``request`` says which points, frames and views; every tracker takes it with opened views and
+annotations, and returns Tracks. ``offline`` is the default: it decides over the whole recording.
+``maghsoudi2019`` is the published system, frame by frame. ``start_proposal`` finds the first
+annotations without a click.
+"""

@@ -10,9 +10,9 @@ import numpy as np
 import pandas as pd
 
 from pawnb.core import kalman
-from pawnb.core.paws.appearance import Picture
-from pawnb.core.paws.settings import Lengths, PaperSettings, lengths_in_view
-from pawnb.core.paws.task import Task
+from pawnb.core.paws.maghsoudi2019.settings import Lengths, PaperSettings, lengths_in_view
+from pawnb.core.paws.request import Task
+from pawnb.core.paws.superpixels import Picture
 from pawnb.core.rig import Rig
 from pawnb.errors import CalibrationError, InputError, did_you_mean
 from pawnb.schema import START_COLUMNS

@@ -15,11 +15,11 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from pawnb.core.grey import grey
+from pawnb.core.pixels.grey import grey
 from pawnb.core.pose.contrast import squared_gradient
 from pawnb.core.pose.presence import KNOWN_FRAMES, Presence, find_animal_frames
 from pawnb.core.video import open_view
-from pawnb.core.views import ViewReader
+from pawnb.core.video.views import ViewReader
 from pawnb.errors import InputError, InputWarning
 from pawnb.signals.robust import MAD_TO_SD
 from pawnb.trial import View

@@ -11,7 +11,7 @@ counts 3 at most:
 - it crosses another leg;
 - its tip is three times as uncertain as usual, where the method tells that.
 
-Frames are chosen as for points (:mod:`pawnb.core.suspects`): the most doubtful first, and it
+Frames are chosen as for points (:mod:`pawnb.core.suspects.frames`): the most doubtful first, and it
 calms the doubts about the frames around it.
 """
 
@@ -26,7 +26,7 @@ from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.as_tracks import animal_of, poses_of
 from pawnb.core.pose.poses import joint_positions
 from pawnb.core.pose.track_result import PoseTrack
-from pawnb.core.suspects import choose_frames
+from pawnb.core.suspects.frames import choose_frames
 from pawnb.schema import ORIGIN_CODE, SUSPECTS_COLUMNS, Tracks
 from pawnb.signals.robust import MAD_TO_SD
 

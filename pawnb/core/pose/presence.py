@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import t as student_t
 
-from pawnb.core.grey import grey
-from pawnb.core.views import ViewReader
+from pawnb.core.pixels.grey import grey
+from pawnb.core.video.views import ViewReader
 from pawnb.errors import InputError
 
 KNOWN_FRAMES = 5

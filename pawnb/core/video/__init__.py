@@ -2,8 +2,8 @@
 
 from pawnb.core.video.file import VideoFile
 from pawnb.core.video.opening import open_view, open_views
-from pawnb.core.views import Frame, ViewReader
-from pawnb.core.viewset import ViewSet
+from pawnb.core.video.views import Frame, ViewReader
+from pawnb.core.video.viewset import ViewSet
 
 __all__ = ["Frame", "VideoFile", "ViewReader", "ViewSet", "open_view", "open_views"]
 

@@ -19,11 +19,11 @@ from pathlib import Path
 import av
 import numpy as np
 
-from pawnb.core.colour import PartPicture, Picture
-from pawnb.core.packets import PacketIndex
-from pawnb.core.planes import picture_of_frame
+from pawnb.core.pixels.colour import PartPicture, Picture
+from pawnb.core.pixels.planes import picture_of_frame
 from pawnb.core.video.endings import Ending
 from pawnb.core.video.listing import list_packets, read_packets
+from pawnb.core.video.packets import PacketIndex
 from pawnb.core.video.parts import PartReader
 from pawnb.errors import VideoError
 from pawnb.files import check_file

@@ -8,8 +8,8 @@ from pathlib import Path
 import av
 import numpy as np
 
-from pawnb.core.packets import MOST_REORDERED, Packet, PacketIndex
 from pawnb.core.video.endings import Ending, find_ending
+from pawnb.core.video.packets import MOST_REORDERED, Packet, PacketIndex
 from pawnb.core.video.units import read_entry
 
 

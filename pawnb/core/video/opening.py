@@ -6,10 +6,10 @@ import contextlib
 from pathlib import Path
 
 from pawnb.core.lens import Lens, lenses_of_views
-from pawnb.core.pictures import SUFFIXES, PictureFolder, is_glob
 from pawnb.core.video.file import VideoFile
-from pawnb.core.views import Source, ViewReader
-from pawnb.core.viewset import ViewSet
+from pawnb.core.video.pictures import SUFFIXES, PictureFolder, is_glob
+from pawnb.core.video.views import Source, ViewReader
+from pawnb.core.video.viewset import ViewSet
 from pawnb.errors import VideoError
 from pawnb.trial import Trial, View
 

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING
 import av
 import numpy as np
 
-from pawnb.core.colour import PartPicture, Picture
 from pawnb.core.first_run import is_ready
-from pawnb.core.planes import Shown, picture_of_planes, planes_of_frame, shown_as
+from pawnb.core.pixels.colour import PartPicture, Picture
+from pawnb.core.pixels.planes import Shown, picture_of_planes, planes_of_frame, shown_as
 
 if TYPE_CHECKING:
     from pawnb.core.jpeg.coded import CodedPicture

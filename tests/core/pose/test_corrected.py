@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from walking_poses import uncertain_track, walking_poses
 
-from pawnb.core.edits import EditLog, Hide, Move, Pose, Retrack, Swap
+from pawnb.core.edits.log import EditLog, Hide, Move, Pose, Retrack, Swap
 from pawnb.core.pose.as_tracks import poses_of, tracks_from_poses
 from pawnb.core.pose.corrected import pose_values, posed_frames, put_pose
 from pawnb.core.pose.poses import tip_positions

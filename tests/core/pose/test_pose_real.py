@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pawnb.core.pose.fit.view import fit_to_picture
+from pawnb.core.pose.fit.explanation import fit_to_picture
+from pawnb.core.pose.fit.tracker import track_pose
 from pawnb.core.pose.poses import tip_positions
-from pawnb.core.pose.tracker import track_pose
 
 BENCHMARKS = str(Path(__file__).parents[3] / "benchmarks")
 

@@ -11,13 +11,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pawnb.core import dlt
-from pawnb.core.pose.fit.solve_loops import Sight
+from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Sight
 from pawnb.core.pose.poses import joint_positions, natural_pose
 from pawnb.core.pose.space.arch import arch, arch_angle, slide
 from pawnb.core.pose.space.fitter import SpaceFitter, SpaceFrame
 from pawnb.core.pose.space.geometry import SightLines, check_second_view
 from pawnb.core.pose.space.model import first_view_places, make_model
-from pawnb.core.pose.space.picture_loops import add_known, ground_cost
+from pawnb.core.pose.space.picture_kernels import add_known, ground_cost
 from pawnb.core.pose.space.settings import SpaceSettings
 from pawnb.core.pose.species_file import load_species
 from pawnb.core.pose.track_result import plain_track

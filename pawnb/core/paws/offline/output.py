@@ -10,10 +10,10 @@ import xarray as xr
 from pawnb.core import dlt
 from pawnb.core.paws.layout import Layout, Placement
 from pawnb.core.paws.offline.pipeline import ViewTrack
-from pawnb.core.paws.offline.quality_measures import CALIBRATED
-from pawnb.core.paws.task import Task
-from pawnb.core.paws.whole.geometry import Geometry
-from pawnb.core.paws.whole.written import keep_rows
+from pawnb.core.paws.offline.projection import Geometry
+from pawnb.core.paws.offline.quality.measures import CALIBRATED
+from pawnb.core.paws.offline.treadmill.output import keep_rows
+from pawnb.core.paws.request import Task
 from pawnb.schema import ORIGIN_CODE, Tracks, make_tracks
 
 SEEN = 0.5

@@ -14,7 +14,6 @@ from pawnb.core.paws.offline.association.positional_prior import (
     prior_from_clicks,
     prior_from_tracks,
 )
-from pawnb.core.paws.offline.calibration import probability_right, standard_deviation
 from pawnb.core.paws.offline.detection.appearance import (
     Lesson,
     appearance_maps,
@@ -26,8 +25,9 @@ from pawnb.core.paws.offline.detection.evidence import paint
 from pawnb.core.paws.offline.detection.motion import detect_by_motion
 from pawnb.core.paws.offline.learning import agreed_lessons
 from pawnb.core.paws.offline.parameters import OfflineParameters
+from pawnb.core.paws.offline.quality.calibration import probability_right, standard_deviation
+from pawnb.core.paws.offline.quality.signs import Signs, found_again, read_signs
 from pawnb.core.paws.offline.scene.stack import BodyStack
-from pawnb.core.paws.offline.signs import Signs, found_again, read_signs
 from pawnb.core.paws.offline.view_input import ViewInput
 from pawnb.core.paws.offline.weighing import Weighing, weigh
 from pawnb.core.rig import Rig

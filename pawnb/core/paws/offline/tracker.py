@@ -9,13 +9,15 @@ from typing import Any
 
 import pandas as pd
 
-from pawnb.core.grey import has_colour
 from pawnb.core.paws.layout import Layout, Views, make_layout, read_start
+from pawnb.core.paws.maghsoudi2019.settings import PaperSettings
 from pawnb.core.paws.offline.again import Again, weighing_as_attributes
 from pawnb.core.paws.offline.annotations import Annotations, annotations_of_view
+from pawnb.core.paws.offline.detection.colour.cache import CandidateStore
 from pawnb.core.paws.offline.detection.evidence import Detections, installed_evidence
 from pawnb.core.paws.offline.detection.predictions import predictions_as_detections
 from pawnb.core.paws.offline.kept import KeptStacks, fits
+from pawnb.core.paws.offline.landmarks.tracks import choose_landmarks
 from pawnb.core.paws.offline.output import write_tracks
 from pawnb.core.paws.offline.parameters import OfflineParameters
 from pawnb.core.paws.offline.pipeline import (
@@ -24,20 +26,18 @@ from pawnb.core.paws.offline.pipeline import (
     run_pipeline,
     view_track,
 )
-from pawnb.core.paws.offline.quality import Quality, assess
-from pawnb.core.paws.offline.quality_likeness import add_likeness
+from pawnb.core.paws.offline.quality.assessment import Quality, assess
+from pawnb.core.paws.offline.quality.likeness import add_likeness
 from pawnb.core.paws.offline.scene.stack import BodyStack, read_stacks
-from pawnb.core.paws.offline.strides import strides_may_tell, track_by_strides
+from pawnb.core.paws.offline.settings import WholeSettings
+from pawnb.core.paws.offline.treadmill.annotations import read_placements
+from pawnb.core.paws.offline.treadmill.learnt_appearance import strides_may_tell, track_by_strides
+from pawnb.core.paws.offline.treadmill.tracker import doubt_clicks, track_whole
 from pawnb.core.paws.offline.view_input import ViewInput
 from pawnb.core.paws.offline.weighing import Weighing, weigh
 from pawnb.core.paws.offline.windows import chance_to_go_on, handed_on, take_over, windows
-from pawnb.core.paws.settings import PaperSettings
-from pawnb.core.paws.task import Task
-from pawnb.core.paws.whole.landmark_tracks import choose_landmarks
-from pawnb.core.paws.whole.placed import read_placements
-from pawnb.core.paws.whole.settings import WholeSettings
-from pawnb.core.paws.whole.store import CandidateStore
-from pawnb.core.paws.whole.tracker import doubt_clicks, track_whole
+from pawnb.core.paws.request import Task
+from pawnb.core.pixels.grey import has_colour
 from pawnb.schema import START_COLUMNS, Tracks, check_columns
 
 COLOUR, STRIDES, LEARNT = "colour", "strides", "learnt"
@@ -61,7 +61,7 @@ def track_points(
 ) -> Tracks:
     """Track points by the first way that serves, of three.
 
-    Paws of a colour of their own are tracked by :func:`pawnb.core.paws.whole.track_whole`,
+    Paws of a colour of their own are tracked by :func:`.tracker.track_whole`,
     which knows strides and stance. Where colour does not tell them, as in grey pictures, or its
     tracks are poor by absolute measures (:func:`.quality.assess`), calibrated views of paws
     are tracked in the same way by a look that is learnt (:func:`.strides.track_by_strides`), and
@@ -72,7 +72,7 @@ def track_points(
     Parameters
     ----------
     views, start, task, settings, looked, store
-        As for :func:`pawnb.core.paws.whole.track_whole`; ``settings.evidence`` may choose one
+        As for :func:`.tracker.track_whole`; ``settings.evidence`` may choose one
         of the three.
     stacks : KeptStacks, optional
         Evidence of earlier runs on the same recording, for what is learnt in it.

@@ -8,21 +8,27 @@ import cv2
 import numpy as np
 
 from pawnb.core.pose.animal import StickAnimal
-from pawnb.core.pose.fit.blurred import blurred, part_of
-from pawnb.core.pose.fit.candidate_loops import (
+from pawnb.core.pose.fit.candidates.candidate_kernels import (
     cover_painted,
     leg_support,
     paint_base,
     unexplained,
 )
-from pawnb.core.pose.fit.evidence import Evidence, without_wide
-from pawnb.core.pose.fit.fixtures_loops import hide
 from pawnb.core.pose.fit.layout import N_BODY, Layout
-from pawnb.core.pose.fit.paint_loops import NOTHING, leg_chain, make_canvas
-from pawnb.core.pose.fit.priors import parameter_kinds
+from pawnb.core.pose.fit.learning.anatomy import parameter_kinds
+from pawnb.core.pose.fit.learning.attached_clutter_kernels import hide
+from pawnb.core.pose.fit.rendering.blur import blurred, part_of
+from pawnb.core.pose.fit.rendering.evidence import Evidence, without_wide
+from pawnb.core.pose.fit.rendering.gauss_newton_kernels import (
+    Prior,
+    Sight,
+    fit_pose,
+    normal_matrix,
+    paint_some,
+)
+from pawnb.core.pose.fit.rendering.paint_kernels import NOTHING, leg_chain, make_canvas
 from pawnb.core.pose.fit.settings import PoseSettings
-from pawnb.core.pose.fit.solve_loops import Prior, Sight, fit_pose, normal_matrix, paint_some
-from pawnb.core.views import Frame
+from pawnb.core.video.views import Frame
 
 SQRT5 = float(np.sqrt(5.0))
 _COVER_PX = 7.0
@@ -64,13 +70,14 @@ class FrameFitter:
     Attributes
     ----------
     fixtures : ndarray of bool, shape (side, side), or None
-        Where something that is no leg is fixed to the body; see :mod:`.fit.fixtures`.
+        Where something that is no leg is fixed to the body; see :mod:`.learning.attached_clutter`.
     odd_places : ndarray, shape (side, side), or None
-        How much places of the body count in the last fits; see :mod:`.fit.odd_places`.
+        How much places of the body count in the last fits; see :mod:`.learning.body_clutter`.
     hairs : ndarray of bool, shape (legs, segments, along, across), or None
-        Places beside legs that do not count in the last fits; see :mod:`.fit.hairs`.
+        Places beside legs that do not count in the last fits; see :mod:`.learning.leg_clutter`.
     usual_poses : list of ndarray, shape (poses, 2 links)
-        Of each leg, parts of the pose vector that it is known to have; see :mod:`.fit.habits`.
+        Of each leg, parts of the pose vector that it is known to have; see
+        :mod:`.learning.pose_prior`.
     """
 
     def __init__(

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from pawnb.core.grey import grey
+from pawnb.core.pixels.grey import grey
 from pawnb.core.pose.animal import StickAnimal
-from pawnb.core.pose.fit.evidence import BackgroundPicture, Evidence
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.layout import make_layout, pose_vectors
-from pawnb.core.pose.fit.priors import anatomy
+from pawnb.core.pose.fit.learning.anatomy import anatomy
+from pawnb.core.pose.fit.rendering.evidence import BackgroundPicture, Evidence
 from pawnb.core.pose.fit.settings import PoseSettings
 from pawnb.core.pose.poses import Poses
-from pawnb.core.views import Frame
+from pawnb.core.video.views import Frame
 from pawnb.errors import InputError
 
 _ON_ANIMAL = 0.5

@@ -8,20 +8,20 @@ import numpy as np
 from scipy.ndimage import binary_dilation, label
 
 from pawnb.core import dlt
-from pawnb.core.pose.fit.evidence import BackgroundPicture, Evidence
-from pawnb.core.pose.fit.paint_loops import make_canvas, picture_cost
-from pawnb.core.pose.fit.solve_loops import Sight
+from pawnb.core.pose.fit.rendering.evidence import BackgroundPicture, Evidence
+from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Sight
+from pawnb.core.pose.fit.rendering.paint_kernels import make_canvas, picture_cost
 from pawnb.core.pose.space.arch import arch, slide
 from pawnb.core.pose.space.geometry import view_slope
 from pawnb.core.pose.space.model import SpaceModel
-from pawnb.core.pose.space.picture_loops import (
+from pawnb.core.pose.space.picture_kernels import (
     Known,
     add_known,
     add_picture,
     paint_parts,
     paint_space,
 )
-from pawnb.core.views import Frame
+from pawnb.core.video.views import Frame
 
 _SQRT5 = float(np.sqrt(5.0))
 _ROUNDS = 12
@@ -215,7 +215,7 @@ class SpaceFitter:
         Returns
         -------
         ndarray
-            The unknowns; see :mod:`.picture_loops`.
+            The unknowns; see :mod:`.picture_kernels`.
         """
         model = self.model
         if body is None:

@@ -7,14 +7,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from pawnb.core.pose.fit.layout import Layout
-from pawnb.core.pose.fit.learn import learn_legs
-from pawnb.core.pose.fit.learn_loops import look_equations
-from pawnb.core.pose.fit.paint_loops import picture_cost
-from pawnb.core.pose.fit.solve_loops import Sight
-from pawnb.core.pose.fit.start import partners
+from pawnb.core.pose.fit.learning.appearance import learn_legs
+from pawnb.core.pose.fit.learning.appearance_kernels import look_equations
+from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Sight
+from pawnb.core.pose.fit.rendering.paint_kernels import picture_cost
+from pawnb.core.pose.fit.sequence.first_frame import partners
 from pawnb.core.pose.space.fitter import SpaceFitter, SpaceFrame
 from pawnb.core.pose.space.model import SpaceModel
-from pawnb.core.pose.space.picture_loops import paint_parts, paint_space
+from pawnb.core.pose.space.picture_kernels import paint_parts, paint_space
 
 Sample = tuple[SpaceFrame, Sight, np.ndarray]
 """A frame, its second picture and its unknowns."""

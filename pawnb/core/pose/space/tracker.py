@@ -18,11 +18,11 @@ from typing import Protocol
 import numpy as np
 
 from pawnb.core import dlt
+from pawnb.core.frame_checkpoint import KeptFrames
 from pawnb.core.pose.animal import StickAnimal
-from pawnb.core.pose.fit.evidence import BackgroundPicture
-from pawnb.core.pose.fit.solve_loops import Sight
-from pawnb.core.pose.fit.threads import THREADS
-from pawnb.core.pose.kept_frames import KeptFrames
+from pawnb.core.pose.fit.parallel import THREADS
+from pawnb.core.pose.fit.rendering.evidence import BackgroundPicture
+from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Sight
 from pawnb.core.pose.space.fitter import SpaceFitter, SpaceFrame
 from pawnb.core.pose.space.learn import learn_model
 from pawnb.core.pose.space.model import first_view_places, make_model
@@ -30,7 +30,7 @@ from pawnb.core.pose.space.settings import SpaceSettings
 from pawnb.core.pose.space.track import SpaceTrack
 from pawnb.core.pose.track_result import PoseTrack
 from pawnb.core.rig import Rig
-from pawnb.core.views import Frame
+from pawnb.core.video.views import Frame
 from pawnb.errors import InputError
 
 _LEARN_FROM = 16

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass
 from types import SimpleNamespace
 
@@ -9,8 +10,11 @@ import cv2
 import numpy as np
 import pytest
 
+from pawnb.core.compiled import Compiled
 from pawnb.core.paws.offline.scene.body_frame import BodyFrame
 from pawnb.core.paws.offline.scene.stack import BodyStack
+
+PACKAGE = "pawnb.core.paws.offline."
 
 
 def texture(height, width, *, seed, low, high):
@@ -120,3 +124,19 @@ def make_stack():
         return BodyStack(grey, colour, to_body, forward, -forward, spacing, body, 1.0, 60.0)
 
     return make
+
+
+@pytest.fixture(params=["as written", pytest.param("compiled", marks=pytest.mark.slow)])
+def steps_of_loops(request, monkeypatch):
+    """Let Python run loops that only compiled code calls; slow tests compile them, too.
+
+    By themselves they take seconds to compile; as parts of what calls them they are compiled
+    in any case, and tested so.
+    """
+    if request.param == "compiled":
+        return
+    modules = [module for name, module in sys.modules.items() if name.startswith(PACKAGE)]
+    for module in (*modules, request.module):
+        for name, value in list(vars(module).items()):
+            if isinstance(value, Compiled):
+                monkeypatch.setattr(module, name, value.__wrapped__)

@@ -13,7 +13,7 @@ from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.kept import KeptStacks, fits
 from pawnb.core.paws.offline.parameters import OfflineParameters, SceneParameters
 from pawnb.core.paws.offline.tracker import track_offline
-from pawnb.core.paws.task import Task
+from pawnb.core.paws.request import Task
 from pawnb.schema import ORIGIN_CODE
 
 N = 24

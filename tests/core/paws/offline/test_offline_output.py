@@ -7,10 +7,10 @@ import pandas as pd
 import pytest
 
 from pawnb.core.paws.layout import Placement, make_layout
+from pawnb.core.paws.maghsoudi2019.settings import PaperSettings
 from pawnb.core.paws.offline.output import write_tracks
 from pawnb.core.paws.offline.pipeline import ViewTrack
-from pawnb.core.paws.settings import PaperSettings
-from pawnb.core.paws.task import Task
+from pawnb.core.paws.request import Task
 from pawnb.core.rig import Rig
 from pawnb.schema import ORIGIN_CODE
 

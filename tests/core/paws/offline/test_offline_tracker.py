@@ -11,9 +11,9 @@ import pytest
 from pawnb.core.paws.offline import tracker, windows
 from pawnb.core.paws.offline.detection.evidence import Detections
 from pawnb.core.paws.offline.parameters import OfflineParameters, SceneParameters
-from pawnb.core.paws.offline.quality_measures import CALIBRATED
+from pawnb.core.paws.offline.quality.measures import CALIBRATED
 from pawnb.core.paws.offline.tracker import track_offline
-from pawnb.core.paws.task import Task
+from pawnb.core.paws.request import Task
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE
 

@@ -6,13 +6,13 @@ from types import SimpleNamespace
 
 import numpy as np
 
-from pawnb.core.colour import GreyPicture
+from pawnb.core.pixels.colour import GreyPicture
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.fit.layout import make_layout, pose_vectors
-from pawnb.core.pose.fit.paint_loops import make_canvas, paint
+from pawnb.core.pose.fit.rendering.paint_kernels import make_canvas, paint
 from pawnb.core.pose.poses import Poses
 from pawnb.core.pose.species_file import load_species
-from pawnb.core.views import Frame
+from pawnb.core.video.views import Frame
 
 PX_PER_MM = 2.1
 NOISE = 3.0

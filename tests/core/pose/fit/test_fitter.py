@@ -10,8 +10,8 @@ sys.path.insert(0, str(Path(__file__).parent))
 from painted_walk import painted_walk
 
 from pawnb.core.pose.fit.prepare import prepare_fitter
+from pawnb.core.pose.fit.sequence.first_frame import fit_start
 from pawnb.core.pose.fit.settings import PoseSettings
-from pawnb.core.pose.fit.start import fit_start
 
 
 @pytest.fixture(scope="module")

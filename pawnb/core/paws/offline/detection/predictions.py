@@ -9,7 +9,7 @@ point is therefore likelier at the place predicted than at any other by
 A program that is elsewhere stays there for :math:`D` frames on average (30 at most here), so that
 neighbouring frames repeat each other: each counts for :math:`1 / D`, and the log-odds of a
 Detection are :math:`\log(L^{1/D} - 1)` (:func:`.evidence.paint` adds the 1). :math:`\pi`
-and :math:`D` are those of :mod:`.right_or_wrong`, :math:`A` is the square of the extent
+and :math:`D` are those of :mod:`.prediction_reliability`, :math:`A` is the square of the extent
 (:func:`find_extent`), and
 
 .. math:: \sigma^2 = \frac{2 \nu \sigma_0^2 + \sum_i w_i r_i^2}{2 \nu + 2 \sum_i w_i}
@@ -27,7 +27,7 @@ import numpy as np
 
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.detection.evidence import Detections
-from pawnb.core.paws.offline.detection.right_or_wrong import (
+from pawnb.core.paws.offline.detection.prediction_reliability import (
     EXCHANGE,
     LIKELIHOOD_EDGES,
     RIGHT,

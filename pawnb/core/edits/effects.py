@@ -1,0 +1,384 @@
+"""What each correction does to Tracks: image positions first, then the 3D point again."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from functools import partial
+from typing import Any, Protocol
+
+import numpy as np
+
+from pawnb.core.edits.records import Accept, Edit, Hide, Move, Pose, Retrack, Swap
+from pawnb.core.pose.as_tracks import is_pose
+from pawnb.core.pose.corrected import put_pose
+from pawnb.errors import InputError, did_you_mean
+from pawnb.schema import ORIGIN_CODE, Tracks, check_tracks
+
+MISSING, PREDICTED = ORIGIN_CODE["missing"], ORIGIN_CODE["predicted"]
+EDITED, REPROJECTED = ORIGIN_CODE["edited"], ORIGIN_CODE["reprojected"]
+MEASURED, RESOLVED = ORIGIN_CODE["measured"], ORIGIN_CODE["resolved"]
+
+Retracker = Callable[..., Tracks]
+
+
+class RigLike(Protocol):
+    """The two things asked of a rig; :class:`pawnb.core.rig.Rig` has them."""
+
+    @property
+    def names(self) -> Any:
+        """Names of its views."""
+
+    def triangulate(self, uv: np.ndarray) -> Any:
+        """Return xyz (..., 3) and residual_px (...) of uv (..., V, 2)."""
+
+    def project(self, xyz: np.ndarray) -> np.ndarray:
+        """Return uv (..., V, 2) of xyz (..., 3)."""
+
+
+def apply_edit(
+    tracks: Tracks,
+    edit: Edit,
+    *,
+    rig: RigLike | None = None,
+    px_per_unit: float | None = None,
+    retrack: Retracker | None = None,
+    hidden: Iterable[Hide] = (),
+) -> Tracks:
+    """Return Tracks with one correction applied.
+
+    A corrected point is of origin ``edited`` with confidence 1. Its 3D position and
+    residual are computed again from the views that see it (measured, resolved or
+    edited; predicted ones only where fewer than two see it), and the views that show
+    it as ``reprojected`` follow. Without a rig, ``position`` is the image position in
+    the first view that has the point.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks of one individual with image positions; not modified.
+    edit : Move, Accept, Hide, Swap, Pose or Retrack
+        The correction. Of a jointed animal it is a whole pose, or tracking again.
+    rig : Rig, optional
+        The calibrated views.
+    px_per_unit : float, optional
+        Scale of a single view whose ``position`` is in real units, px per unit.
+    retrack : callable, optional
+        ``retrack(tracks, frame)`` tracks again from a frame on; needed for ``Retrack``. It is
+        called with ``learn=True`` as well where colours are to be learnt anew.
+        What a person corrected in that frame and after it is put back into its result.
+    hidden : iterable of Hide
+        Points a person marked as not visible; those of later frames are marked again
+        after tracking again.
+
+    Returns
+    -------
+    xarray.Dataset
+        New Tracks.
+
+    Raises
+    ------
+    InputError
+        If the frame, view or point is not in the tracks, or the correction is of another kind
+        of animal.
+    """
+    check_editable(tracks)
+    row = _row(tracks, edit.frame)
+    if isinstance(edit, Pose):
+        return put_pose(tracks, edit.frame, edit.pose)
+    if isinstance(edit, Retrack):
+        if retrack is not None and edit.learn:
+            retrack = partial(retrack, learn=True)
+        if is_pose(tracks):
+            return _poses_again(tracks, edit.frame, retrack)
+        return _retracked(tracks, edit.frame, retrack, rig, px_per_unit, hidden)
+    if is_pose(tracks):
+        raise InputError(
+            "a point of a jointed animal cannot be moved by itself; correct its pose with "
+            "pawnb.widgets.PoseReviewer(trial, tracks)."
+        )
+    new = tracks.copy(deep=True)
+    solve = _Solver(new, rig, px_per_unit)
+    if isinstance(edit, Swap):
+        _swap(new, edit, row, solve)
+        return new
+    _put(new, row, edit)
+    solve(np.array([row]), [_place(new, "keypoint", edit.point)])
+    return new
+
+
+def check_editable(tracks: Tracks) -> None:
+    """Raise InputError unless these are Tracks of one animal with image positions."""
+    check_tracks(tracks)
+    if "image_position" not in tracks:
+        raise InputError(
+            "these tracks have no image positions, so there is nothing to correct in a picture; "
+            "open tracks that pawnb made from video."
+        )
+    if tracks.sizes["individual"] != 1:
+        raise InputError(
+            f"these tracks hold {tracks.sizes['individual']} individuals; "
+            "choose one with tracks.isel(individual=[0])."
+        )
+
+
+def _row(tracks: Tracks, frame: int) -> int:
+    """Return the row of a frame number."""
+    frames = tracks["frame"].to_numpy()
+    rows = np.flatnonzero(frames == frame)
+    if not len(rows):
+        raise InputError(f"frame {frame} is not in the tracks ({frames[0]} to {frames[-1]}).")
+    return int(rows[0])
+
+
+def _place(tracks: Tracks, dim: str, name: str) -> int:
+    """Return the place of a view or point along its dimension."""
+    names = [str(n) for n in tracks[dim].to_numpy()]
+    if name not in names:
+        word = {"keypoint": "point"}.get(dim, dim)
+        raise InputError(
+            f"the tracks have no {word} {name!r}{did_you_mean(name, names)}; "
+            f"expected {', '.join(names)}."
+        )
+    return names.index(name)
+
+
+def _put(tracks: Tracks, row: int, edit: Move | Accept | Hide) -> None:
+    """Write one image position, or take it away."""
+    view, point = _place(tracks, "view", edit.view), _place(tracks, "keypoint", edit.point)
+    gone = isinstance(edit, Hide)
+    uv = (np.nan, np.nan) if isinstance(edit, Hide) else (edit.u, edit.v)
+    tracks["image_position"].values[row, view, :, point, 0] = uv
+    tracks["image_origin"].values[row, view, point, 0] = MISSING if gone else EDITED
+    tracks["image_confidence"].values[row, view, point, 0] = 0.0 if gone else 1.0
+
+
+def _swap(tracks: Tracks, edit: Swap, row: int, solve: _Solver) -> None:
+    """Exchange two points from a row on, in one view or in everything there is."""
+    if edit.first == edit.second:
+        raise InputError(f"a point cannot be exchanged with itself ({edit.first!r}).")
+    pair = [_place(tracks, "keypoint", name) for name in (edit.first, edit.second)]
+    if edit.view is not None:
+        view = _place(tracks, "view", edit.view)
+        for name in ("image_position", "image_origin", "image_confidence"):
+            values = tracks[name].values[row:, view]
+            values[..., pair, :] = values[..., pair[::-1], :]
+        solve(np.arange(row, tracks.sizes["time"]), pair)
+        return
+    for variable in tracks.data_vars.values():
+        if "time" in variable.dims and "keypoint" in variable.dims:
+            places = [variable.dims.index(dim) for dim in ("time", "keypoint")]
+            values = np.moveaxis(variable.values, places, [0, 1])[row:]
+            values[:, pair] = values[:, pair[::-1]]
+
+
+def _poses_again(tracks: Tracks, frame: int, retrack: Retracker | None) -> Tracks:
+    """Track poses again about a frame: the tracker itself keeps what a person posed."""
+    new = _tracker(retrack, frame)(tracks.copy(deep=True), frame)
+    check_editable(new)
+    return new
+
+
+def _tracker(retrack: Retracker | None, frame: int) -> Retracker:
+    """Return the tracker, or say that none was given."""
+    if retrack is None:
+        raise InputError(
+            f"tracking again from frame {frame} is not possible here: no tracker was given; "
+            "open the tracks together with their trial."
+        )
+    return retrack
+
+
+def _retracked(
+    tracks: Tracks,
+    frame: int,
+    retrack: Retracker | None,
+    rig: RigLike | None,
+    px_per_unit: float | None,
+    hidden: Iterable[Hide],
+) -> Tracks:
+    """Track again from a frame, then put back what a person had corrected from there on."""
+    new = _tracker(retrack, frame)(tracks.copy(deep=True), frame).copy(deep=True)
+    check_editable(new)
+    for name in ("view", "keypoint"):
+        if list(new[name].to_numpy()) != list(tracks[name].to_numpy()):
+            raise InputError(
+                f"tracking again from frame {frame} gave other {name}s "
+                f"({', '.join(map(str, new[name].to_numpy()))}); the tracks stay as they were."
+            )
+    later = [hide for hide in hidden if hide.frame >= frame]
+    kept = np.intersect1d(tracks["frame"], new["frame"], return_indices=True)
+    rows_old, rows_new = (rows[kept[0] >= frame] for rows in kept[1:])
+    edited = tracks["image_origin"].values[rows_old] == EDITED
+    # rows that were not tracked again are as they were: what is clicked at the start stays smoothed
+    again = ~_are_same(tracks, rows_old, new, rows_new)
+    for name in ("image_origin", "image_confidence"):
+        values = new[name].values[rows_new]
+        new[name].values[rows_new] = np.where(edited, tracks[name].values[rows_old], values)
+    uv = new["image_position"].values[rows_new]
+    old_uv = tracks["image_position"].values[rows_old]
+    new["image_position"].values[rows_new] = np.where(edited[:, :, None], old_uv, uv)
+    touched = edited.any(axis=(1, 3)) & again
+    solve = _Solver(new, rig, px_per_unit)
+    for point in np.flatnonzero(touched.any(axis=0)):
+        solve(rows_new[touched[:, point]], [int(point)])
+    for hide in later:
+        if hide.frame in kept[0]:
+            row = _row(new, hide.frame)
+            _put(new, row, hide)
+            solve(np.array([row]), [_place(new, "keypoint", hide.point)])
+    return new
+
+
+def _are_same(
+    tracks: Tracks, rows: np.ndarray, others: Tracks, other_rows: np.ndarray
+) -> np.ndarray:
+    """Tell where points (n, P) of some rows are placed alike in two tracks."""
+    same = np.ones((len(rows), tracks.sizes["keypoint"]), dtype=bool)
+    for name in ("position", "image_position", "image_origin"):
+        axes = tuple(
+            i for i, dim in enumerate(tracks[name].dims) if dim not in ("time", "keypoint")
+        )
+        pair = (tracks[name].values[rows], others[name].values[other_rows])
+        same &= ((pair[0] == pair[1]) | (pair[0] != pair[0]) & (pair[1] != pair[1])).all(axis=axes)
+    return same
+
+
+class _Solver:
+    """Computes 3D positions again, in place, for some rows and points."""
+
+    def __init__(self, tracks: Tracks, rig: RigLike | None, px_per_unit: float | None) -> None:
+        flat = tracks.sizes["space"] == 2
+        if rig is None and not flat:
+            raise InputError(
+                "these tracks are in 3D, and no calibration was given to compute a corrected "
+                "point again; open them with their trial, or give rig=."
+            )
+        self.tracks, self.rig, self.px_per_unit = tracks, None if flat else rig, px_per_unit
+
+    def __call__(self, rows: np.ndarray, points: list[int]) -> None:
+        """Solve these rows (n,) and points (p,) again from their image positions."""
+        t = self.tracks
+        at = np.ix_(rows, np.asarray(points))
+        # (n, p, V, 2) and (n, p, V)
+        uv = np.moveaxis(t["image_position"].values[rows][:, :, :, points, 0], (1, 2), (2, 3))
+        origin = np.moveaxis(t["image_origin"].values[rows][:, :, points, 0], 1, 2)
+        confidence = np.moveaxis(t["image_confidence"].values[rows][:, :, points, 0], 1, 2)
+        used = usable_views(uv, origin)
+        if self.rig is None:
+            xyz, residual, used = self._first_view(uv, used)
+        else:
+            xyz, residual, used = triangulate_views(t, self.rig, uv, used=used)
+        there = np.isfinite(xyz).all(axis=-1)
+        t["position"].values[at[0], :, at[1], 0] = xyz
+        t["residual"].values[at[0], at[1], 0] = residual
+        count = np.maximum(used.sum(axis=-1), 1)
+        t["confidence"].values[at[0], at[1], 0] = np.where(
+            there, np.where(used, confidence, 0).sum(axis=-1) / count, 0.0
+        )
+        t["origin"].values[at[0], at[1], 0] = np.where(there, _best(origin, used), MISSING)
+        # the tracker's doubts do not describe what a person placed
+        if "sd" in t:
+            t["sd"].values[at[0], :, at[1], 0] = np.nan
+        if "revision" in t:
+            t["revision"].values[at[0], at[1], 0] = np.nan
+        if "passes_apart" in t:
+            t["passes_apart"].values[at[0], at[1], 0] = np.nan
+        for name in ("image_residual", "image_separation"):
+            if name in t:
+                t[name].values[at[0], :, at[1], 0] = np.nan
+        self._refresh_reprojected(rows, points, xyz, origin)
+
+    def _first_view(
+        self, uv: np.ndarray, used: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Without a calibration, the image position in the first view that has the point."""
+        first = used.argmax(axis=-1)[..., None]
+        only = used & (np.arange(used.shape[-1]) == first)
+        xy = np.take_along_axis(uv, first[..., None], axis=2)[:, :, 0]
+        xy = np.where(used.any(axis=-1, keepdims=True), xy, np.nan) / (self.px_per_unit or 1.0)
+        return xy, np.full(xy.shape[:-1], np.nan), only
+
+    def _refresh_reprojected(
+        self, rows: np.ndarray, points: list[int], xyz: np.ndarray, origin: np.ndarray
+    ) -> None:
+        """Move the image positions that only show the 3D point in views not tracking it."""
+        follow = origin == REPROJECTED
+        if self.rig is None or not follow.any():
+            return
+        views = [str(name) for name in self.tracks["view"].to_numpy()]
+        projected = np.full((*xyz.shape[:-1], len(views), 2), np.nan)
+        places = [views.index(name) for name in self.rig.names if name in views]
+        keep = [name in views for name in self.rig.names]
+        projected[:, :, places] = np.asarray(self.rig.project(xyz))[:, :, keep]
+        n, p, view = np.nonzero(follow)
+        target = self.tracks["image_position"].values
+        target[rows[n], view, :, np.asarray(points)[p], 0] = projected[n, p, view]
+
+
+def usable_views(uv: np.ndarray, origin: np.ndarray) -> np.ndarray:
+    """Tell which views count for a 3D point.
+
+    Parameters
+    ----------
+    uv : ndarray, shape (..., V, 2)
+        Image positions, px; NaN where missing.
+    origin : ndarray of int, shape (..., V)
+        Origin codes of :mod:`pawnb.schema`.
+
+    Returns
+    -------
+    ndarray of bool, shape (..., V)
+        Views that see the point (measured, resolved, edited). Where fewer than two do,
+        predicted positions count as well; a reprojected one never does, since it comes
+        from the 3D point itself.
+    """
+    there = np.isfinite(uv).all(axis=-1) & (origin != REPROJECTED) & (origin != MISSING)
+    seen = there & (origin != PREDICTED)
+    return np.where(seen.sum(axis=-1, keepdims=True) >= 2, seen, there)
+
+
+def triangulate_views(
+    tracks: Tracks, rig: RigLike, uv: np.ndarray, *, used: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Triangulate image positions that are in the order of the views of the tracks.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        For the names of the views.
+    rig : Rig
+        The calibrated views, in any order.
+    uv : ndarray, shape (..., V, 2)
+        Image positions, px.
+    used : ndarray of bool, shape (..., V)
+        Which of them count.
+
+    Returns
+    -------
+    xyz : ndarray, shape (..., 3)
+        Positions in the unit of the rig; NaN with fewer than two views.
+    residual_px : ndarray, shape (...)
+        RMS reprojection error over the views used, px.
+    used : ndarray of bool, shape (..., V)
+        ``used`` without the views that the rig does not have.
+    """
+    views = [str(name) for name in tracks["view"].to_numpy()]
+    known = np.array([name in set(rig.names) for name in views])
+    used = used & known
+    in_rig = np.full((*uv.shape[:-2], len(rig.names), 2), np.nan)
+    for place, name in enumerate(rig.names):
+        if name in views:
+            view = views.index(name)
+            in_rig[..., place, :] = np.where(used[..., view, None], uv[..., view, :], np.nan)
+    found = rig.triangulate(in_rig)
+    enough = used.sum(axis=-1) >= 2
+    xyz = np.where(enough[..., None], np.asarray(found.xyz), np.nan)
+    return xyz, np.where(enough, np.asarray(found.residual_px), np.nan), used
+
+
+def _best(origin: np.ndarray, used: np.ndarray) -> np.ndarray:
+    """Return the origin of a 3D point: the strongest among the views it was made from."""
+    result = np.full(origin.shape[:-1], PREDICTED, dtype=origin.dtype)
+    for code in (RESOLVED, MEASURED, EDITED):
+        result = np.where(((origin == code) & used).any(axis=-1), code, result)
+    return result

@@ -1,0 +1,398 @@
+"""Corrections with undo and redo, kept in ``edits.jsonl`` as they are made.
+
+:class:`EditLog` holds Tracks together with what a person changed in them. The file
+is the record: reading it again (:func:`replay`) gives the present state.
+
+Tracks that are saved carry, in their provenance, how many corrections they contain
+and a checksum of these; opening them again applies only what came later.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from pawnb.core.edits.effects import Retracker, RigLike, apply_edit, check_editable
+from pawnb.core.edits.records import (
+    EDIT_LINES,
+    Accept,
+    Edit,
+    Entry,
+    Hide,
+    Move,
+    Pose,
+    Retrack,
+    Swap,
+)
+from pawnb.errors import InputError
+from pawnb.io.journal import Journal, enter_step, read_journal
+from pawnb.schema import Tracks, add_provenance
+
+__all__ = [
+    "EDIT_LINES", "Accept", "Edit", "EditLog", "Hide", "Move", "Pose", "Retrack", "Swap",
+    "apply_edit", "describe_edit", "replay",
+]  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Change:
+    """One applied correction with the Tracks before and after, or only their changed row."""
+
+    edit: Edit
+    before: Tracks
+    after: Tracks
+    row: int | None
+
+
+class EditLog:
+    """Tracks and the corrections made in them.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks as the tracker made them, or as they were saved after earlier corrections.
+        They are not modified.
+    path : str or Path, optional
+        ``edits.jsonl``. What it holds already is applied; without a path nothing is kept.
+    rig : Rig, optional
+        The calibrated views, to compute 3D points again.
+    px_per_unit : float, optional
+        Scale of a single view whose ``position`` is in real units, px per unit.
+    retrack : callable, optional
+        ``retrack(tracks, frame) -> Tracks`` tracks again from a frame on; it is given
+        ``learn=True`` as well where colours are to be learnt anew.
+
+    Attributes
+    ----------
+    tracks : xarray.Dataset
+        The present state.
+    active : tuple of Edit
+        Every correction in force, in the order they were made.
+    notes : list of str
+        What a person should know about the file: a half-written last line, for instance.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or a correction in it does not fit these tracks.
+    """
+
+    def __init__(
+        self,
+        tracks: Tracks,
+        path: str | Path | None = None,
+        *,
+        rig: RigLike | None = None,
+        px_per_unit: float | None = None,
+        retrack: Retracker | None = None,
+    ) -> None:
+        check_editable(tracks)
+        self._rig, self._px_per_unit, self._retrack = rig, px_per_unit, retrack
+        self._file = None if path is None else Journal(path, EDIT_LINES, made_in="tracks")
+        entries = self._file.entries if self._file is not None else []
+        self.notes: list[str] = list(self._file.notes) if self._file is not None else []
+        self._contained, self._past, self._future, note = _settle(entries, tracks)
+        self.notes += note
+        self.tracks = tracks
+        self._changes: list[_Change] = []
+        self._undone: list[_Change] = []  # those at the end of _future that were made here
+        for edit in self._past[self._contained :]:
+            self._changes.append(self._change(edit, self._past[: self._n_applied]))
+
+    @property
+    def _n_applied(self) -> int:
+        return self._contained + len(self._changes)
+
+    @property
+    def active(self) -> tuple[Edit, ...]:
+        """Every correction in force, in the order they were made."""
+        return tuple(self._past)
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is a correction to undo that the opened tracks did not contain."""
+        return bool(self._changes)
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether an undone correction can be made again."""
+        return bool(self._future)
+
+    def apply(self, edit: Edit) -> Tracks:
+        """Make a correction: compute it, write its line to disk, then let it be seen.
+
+        Parameters
+        ----------
+        edit : Move, Accept, Hide, Swap, Pose or Retrack
+            The correction.
+
+        Returns
+        -------
+        xarray.Dataset
+            The present Tracks.
+
+        Raises
+        ------
+        InputError
+            If it does not fit the tracks or cannot be written; nothing has changed then.
+        """
+        before = self.tracks
+        change = self._change(edit, self._past)
+        self._write(edit, back_to=before)
+        self._changes.append(change)
+        self._past.append(edit)
+        self._future.clear()
+        self._undone.clear()
+        return self.tracks
+
+    def undo(self) -> Edit | None:
+        """Take back the last correction.
+
+        Returns
+        -------
+        Edit or None
+            What was taken back; None where there was nothing.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be written; nothing has changed then.
+        """
+        if not self._changes:
+            return None
+        self._write("undo", back_to=self.tracks)
+        change = self._changes.pop()
+        self._undone.append(change)
+        self._future.append(self._past.pop())
+        self.tracks = self._restored(change, change.before)
+        return change.edit
+
+    def redo(self) -> Edit | None:
+        """Make the correction that was undone last again.
+
+        Returns
+        -------
+        Edit or None
+            What was made again; None where there was nothing.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be written; nothing has changed then.
+        """
+        if not self._future:
+            return None
+        before = self.tracks
+        if self._undone:
+            # the tracks are as they were then, so nothing needs to be computed again
+            change = self._undone[-1]
+            self.tracks = self._restored(change, change.after)
+        else:
+            change = self._change(self._future[-1], self._past)
+        self._write("redo", back_to=before)
+        if self._undone:
+            self._undone.pop()
+        self._changes.append(change)
+        self._past.append(self._future.pop())
+        return change.edit
+
+    def stamped(self) -> Tracks:
+        """Return the present Tracks with the corrections they contain in their provenance.
+
+        Returns
+        -------
+        xarray.Dataset
+            Tracks to save: opened again with the same ``edits.jsonl``, no correction is
+            applied twice.
+        """
+        if not self._past:
+            return self.tracks
+        return add_provenance(
+            self.tracks, step="edit", corrections=len(self._past), sha256=_checksum(self._past)
+        )
+
+    def check_alone(self) -> None:
+        """Raise InputError if another window has written to the file since it was read here."""
+        if self._file is None:
+            return
+        there, _ = read_journal(self._file.path, EDIT_LINES)
+        if there != self._file.entries:
+            raise InputError(
+                f"{self._file.path}: another window or program has made corrections since it was "
+                "opened here, which these tracks lack; open the tracks again."
+            )
+
+    def _change(self, edit: Edit, past: Sequence[Edit]) -> _Change:
+        """Apply a correction to the present tracks and remember what it changed."""
+        before = self.tracks
+        self.tracks = apply_edit(
+            before,
+            edit,
+            rig=self._rig,
+            px_per_unit=self._px_per_unit,
+            retrack=self._retrack,
+            hidden=_hidden_by_hand(past),
+        )
+        if isinstance(edit, Swap | Retrack):
+            return _Change(edit, before, self.tracks, None)
+        # a single frame changed: keep one row, not the whole recording
+        row = int(np.flatnonzero(before["frame"].to_numpy() == edit.frame)[0])
+        was, now = (t.isel(time=slice(row, row + 1)).copy(deep=True) for t in (before, self.tracks))
+        return _Change(edit, was, now, row)
+
+    def _restored(self, change: _Change, state: Tracks) -> Tracks:
+        """Return the tracks as they were on one side of a change."""
+        if change.row is None:
+            return state
+        tracks = self.tracks.copy(deep=True)
+        for name, variable in state.data_vars.items():
+            if "time" in variable.dims:
+                tracks[name].values[change.row] = variable.values[0]
+        return tracks
+
+    def _write(self, entry: Entry, *, back_to: Tracks) -> None:
+        """Write one line; where that fails, the tracks stay as they were."""
+        if self._file is None:
+            return
+        try:
+            self._file.append(entry)
+        except InputError:
+            self.tracks = back_to
+            raise
+
+
+def replay(
+    tracks: Tracks,
+    path: str | Path,
+    *,
+    rig: RigLike | None = None,
+    px_per_unit: float | None = None,
+    retrack: Retracker | None = None,
+) -> Tracks:
+    """Apply the corrections of ``edits.jsonl`` to Tracks, without any widget.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks as the tracker made them, or saved after some of these corrections.
+    path : str or Path
+        ``edits.jsonl``; it is only read.
+    rig, px_per_unit, retrack
+        As for :class:`EditLog`.
+
+    Returns
+    -------
+    xarray.Dataset
+        Tracks with every correction in force, and with these in their provenance.
+
+    Raises
+    ------
+    InputError
+        If the file does not exist, cannot be read, or does not fit these tracks.
+    """
+    if not Path(path).exists():
+        raise InputError(f"{path}: no such file; expected the edits.jsonl of these tracks.")
+    return EditLog(tracks, path, rig=rig, px_per_unit=px_per_unit, retrack=retrack).stamped()
+
+
+def describe_edit(edit: Edit) -> str:
+    """Say in words what a correction was, for a status line.
+
+    Parameters
+    ----------
+    edit : Edit
+        The correction.
+
+    Returns
+    -------
+    str
+        For instance ``"FR in cam1 moved in frame 12"``.
+    """
+    match edit:
+        case Move():
+            return f"{edit.point} in {edit.view} moved in frame {edit.frame}"
+        case Accept():
+            return f"{edit.point} in {edit.view} accepted in frame {edit.frame}"
+        case Hide():
+            return f"{edit.point} in {edit.view} marked as not visible in frame {edit.frame}"
+        case Swap():
+            place = "" if edit.view is None else f" in {edit.view}"
+            return f"{edit.first} and {edit.second} exchanged{place} from frame {edit.frame} on"
+        case Pose():
+            return f"posed in frame {edit.frame}"
+        case Retrack():
+            learnt = ", colours learnt there" if edit.learn else ""
+            return f"tracked again from frame {edit.frame} on{learnt}"
+
+
+def _settle(
+    entries: Sequence[Entry], tracks: Tracks
+) -> tuple[int, list[Edit], list[Edit], list[str]]:
+    """Work out which corrections are in force and how many the tracks contain already.
+
+    Returns
+    -------
+    n_contained : int
+        How many of the corrections in force the tracks contain.
+    past, future : list of Edit
+        Corrections in force, and undone ones that can be made again.
+    notes : list of str
+        What a person should know.
+    """
+    steps = json.loads(tracks.attrs.get("provenance", "{}")).get("steps", [])
+    stamp = next((s for s in reversed(steps) if s.get("step") == "edit"), None)
+    past: list[Edit] = []
+    future: list[Edit] = []
+    met = False
+    for entry in entries:
+        enter_step(past, future, entry)
+        met = met or _contains(past, stamp)
+    if stamp is None:
+        return 0, past, future, []
+    n = int(stamp["corrections"])
+    if _contains(past[:n], stamp):
+        return n, past, future, []
+    if met:
+        raise InputError(
+            f"these tracks contain corrections that were undone after they were saved ({n} then, "
+            f"{len(past)} now); track the trial again, or open the tracks from before: the "
+            "corrections in force are applied to them by themselves."
+        )
+    note = f"these tracks contain corrections that this edits.jsonl does not list ({n})"
+    return 0, past, future, [note + "; they cannot be undone."]
+
+
+def _contains(past: Sequence[Edit], stamp: dict | None) -> bool:
+    """Whether these corrections are exactly those that a saved file says it contains."""
+    return (
+        stamp is not None
+        and len(past) == stamp["corrections"]
+        and _checksum(past) == stamp["sha256"]
+    )
+
+
+def _checksum(edits: Sequence[Edit]) -> str:
+    """Return a checksum of corrections, independent of undone ones between them."""
+    return hashlib.sha256("\n".join(map(EDIT_LINES.to_line, edits)).encode()).hexdigest()
+
+
+def _hidden_by_hand(past: Sequence[Edit]) -> list[Hide]:
+    """Return the points that a person marked as not visible and did not place again."""
+    hidden: dict[tuple[int, str, str], None] = {}
+    for edit in past:
+        if isinstance(edit, Hide):
+            hidden[edit.frame, edit.view, edit.point] = None
+        elif isinstance(edit, Move | Accept):
+            hidden.pop((edit.frame, edit.view, edit.point), None)
+        elif isinstance(edit, Swap):
+            other = {edit.first: edit.second, edit.second: edit.first}
+            hidden = {
+                (f, v, other.get(p, p) if f >= edit.frame and edit.view in (None, v) else p): None
+                for f, v, p in hidden
+            }
+    return [Hide(frame=f, view=v, point=p) for f, v, p in hidden]

@@ -1,0 +1,288 @@
+"""Paws that a view shows but nobody clicked: those of the other side of the animal.
+
+They look like the clicked ones and cross them in the picture. Followed as points of their
+own, strangers, they are not taken for the clicked ones. Where two views give space its depth,
+a paw stays at its side of the animal: that tells the two of a kind from each other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from pawnb.core import dlt
+from pawnb.core.paws.offline.association.network_flow.tracklets import Tracklet, joined
+from pawnb.core.paws.offline.scene.treadmill import Scene, unclicked_kinds
+
+_ASIDE_SD = 0.1
+"""Standard deviation, in spans, of how far to the side of its click a paw is later: it wanders
+by 0.02 to 0.08 itself, and candidates of two views of one side that lie half a thickness off
+are as much off in depth."""
+_FARTHEST = 6.0
+"""Squared standard deviations beyond which it costs no more: that is the other paw. Half of it is
+less than being hidden costs in a frame, as all that tells where a point usually is must be."""
+_SAME_SIDE = 0.1
+"""A stranger that is within so many spans, to the side, of where the paw of its kind was clicked
+is that paw: clicks of two views of one side are 0.01 off in depth, and left and right paws of
+rendered mice are 0.2 (front) to 0.9 (hind) apart."""
+_FAR_SIDE = 0.2
+"""A stranger is so many spans farther from the cameras than the clicked paw of its kind."""
+
+Fixed = Mapping[int, Mapping[int, np.ndarray]]
+"""Frame to point number to position, certain."""
+
+
+def with_strangers(tracked: np.ndarray, kinds: Sequence[str], extra: Sequence[str]) -> np.ndarray:
+    """Return which view tracks which point (P + S, V): strangers are seen like their kind.
+
+    Parameters
+    ----------
+    tracked : ndarray of bool, shape (V, P)
+        Which view tracks which clicked point.
+    kinds, extra : sequence of str
+        Kinds of the clicked points, and of the strangers.
+    """
+    alike = [tracked[:, [kind == own for kind in kinds]].any(axis=1) for own in extra]
+    return np.stack([*tracked.T, *alike])
+
+
+def aside(
+    x: np.ndarray, fixed: Fixed, *, body: np.ndarray, point: int, across: np.ndarray
+) -> np.ndarray:
+    """Return how far to the side of where a point was clicked places are.
+
+    The side of an animal moves with it: both are taken relative to the body.
+
+    Parameters
+    ----------
+    x, body : ndarray, shape (n, d)
+        Places, NaN where hidden, and the body in their frames.
+    fixed : mapping
+        Of the frames with clicks, each point's distance from the body there, (d,).
+    point : int
+        Which point.
+    across : ndarray, shape (d,)
+        Unit vector to the side.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        The distance, positive along ``across``, in the unit of space.
+    """
+    clicked = np.mean([here[point] @ across for here in fixed.values() if point in here])
+    return np.asarray((x - body) @ across - clicked)
+
+
+def aside_cost(away: np.ndarray, span: float) -> np.ndarray:
+    """Return the cost of places so far to the side of a click, half a squared deviation each.
+
+    Parameters
+    ----------
+    away : ndarray, shape (n,)
+        Distances to the side.
+    span : float
+        Distance of front from hind paws, in the same unit.
+    """
+    return np.asarray(0.5 * np.minimum((away / (_ASIDE_SD * span)) ** 2, _FARTHEST))
+
+
+def side_cost(
+    pieces: Sequence[Tracklet],
+    fixed: Fixed,
+    scene: Scene,
+    *,
+    body: np.ndarray,
+    kinds: Sequence[str],
+) -> np.ndarray:
+    """Return what it costs clicked points to go to the other side, and strangers to this one.
+
+    Only points of which the other side's was not clicked need it: where all four paws were,
+    each holds its own pieces.
+
+    Parameters
+    ----------
+    pieces : sequence of Tracklet
+        Pieces of path.
+    fixed : mapping
+        Frame to point number to position, certain.
+    scene : Scene
+        What the clicks say.
+    body : ndarray, shape (n, d)
+        The slowly moving middle of the body.
+    kinds : sequence of str
+        Kind of each point; strangers come last.
+
+    Returns
+    -------
+    ndarray, shape (P, pieces)
+        The cost of each piece for each point; 0 where no depth tells the sides apart.
+    """
+    cost = near_side_cost(pieces, fixed, scene, body=body, kinds=kinds)
+    across = side_told(scene)
+    if not pieces or across is None:
+        return cost
+    clicked = sorted({p for here in fixed.values() for p in here})
+    once = unclicked_kinds([kinds[p] for p in clicked])
+    frame, at, first = joined(pieces)
+    since = _from_body(fixed, body)
+    for p in clicked:
+        if kinds[p] in once:
+            away = aside(at, since, body=body[frame], point=p, across=across)
+            cost[p] = np.add.reduceat(aside_cost(away, scene.span), first)
+    return cost
+
+
+def near_side_cost(
+    pieces: Sequence[Tracklet],
+    fixed: Fixed,
+    scene: Scene,
+    *,
+    body: np.ndarray,
+    kinds: Sequence[str],
+) -> np.ndarray:
+    """Return what it costs strangers to be no farther from the cameras than the clicked points.
+
+    A stranger that takes the place of a hidden paw keeps it: nothing else says whose it is.
+    Parameters as for :func:`side_cost`.
+
+    Returns
+    -------
+    ndarray, shape (P, pieces)
+        The cost of each piece for each point; 0 where cameras stand on both sides of the animal.
+    """
+    cost = np.zeros((len(kinds), len(pieces)))
+    across, way = side_told(scene), _away_from_cameras(scene)
+    if not pieces or across is None or way == 0.0:
+        return cost
+    clicked = 1 + max(p for here in fixed.values() for p in here)
+    frame, at, first = joined(pieces)
+    since = _from_body(fixed, body)
+    for p in range(clicked, len(kinds)):
+        point = kinds.index(kinds[p])
+        away = way * aside(at, since, body=body[frame], point=point, across=across)
+        short = np.maximum(_FAR_SIDE * scene.span - away, 0.0)
+        cost[p] = np.add.reduceat(aside_cost(short, scene.span), first)
+    return cost
+
+
+def share_seen(
+    x: np.ndarray, fixed: Fixed, scene: Scene, *, body: np.ndarray, kinds: Sequence[str]
+) -> np.ndarray:
+    """Return in what share of all frames each stranger was seen as a paw of its own.
+
+    Where the paw of the other side is hidden its stranger finds pieces of the clicked one, and
+    the two share one paw. In space such a stranger is at the side of the click.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n, P, d)
+        Chosen places, NaN where hidden; strangers come last.
+    fixed : mapping
+        Frame to point number to position, certain.
+    scene : Scene
+        What the clicks say.
+    body : ndarray, shape (n, d)
+        The slowly moving middle of the body.
+    kinds : sequence of str
+        Kind of each point.
+
+    Returns
+    -------
+    ndarray, shape (S,)
+        From 0 to 1, in the order of the strangers.
+    """
+    since, across = _from_body(fixed, body), side_told(scene)
+    clicked = 1 + max(p for here in fixed.values() for p in here)
+    shares = []
+    for p in range(clicked, len(kinds)):
+        own = np.isfinite(x[:, p, 0])
+        if across is not None:
+            away = aside(
+                np.nan_to_num(x[:, p]), since, body=body, point=kinds.index(kinds[p]),
+                across=across,
+            )  # fmt: skip
+            own &= np.abs(away) > _SAME_SIDE * scene.span
+        shares.append(own.mean())
+    return np.array(shares)
+
+
+def nearer(
+    x: np.ndarray,
+    fixed: Fixed,
+    scene: Scene,
+    *,
+    body: np.ndarray,
+    kinds: Sequence[str],
+    clicked: int,
+) -> np.ndarray:
+    """Exchange the paths of clicked points and strangers where those fit the clicks better.
+
+    In space, a clicked point stays at the side where it was clicked. In a picture, what was
+    clicked is on the near side of the animal, and what is near is lower in the picture.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n, P, d)
+        Chosen places, NaN where hidden; strangers come last.
+    fixed : mapping
+        Frame to point number to position, certain.
+    scene : Scene
+        What the clicks say.
+    body : ndarray, shape (n, d)
+        The slowly moving middle of the body.
+    kinds : sequence of str
+        Kind of each point, "front" or "hind" for strangers.
+    clicked : int
+        Number of clicked points.
+
+    Returns
+    -------
+    ndarray, shape (n, P, d)
+        The places of the points that they belong to.
+    """
+    x = x.copy()
+    since = _from_body(fixed, body)
+    for stranger in range(clicked, len(kinds)):
+        point = kinds.index(kinds[stranger])
+        if not np.isfinite(x[:, [point, stranger], 0]).any(axis=0).all():
+            continue
+        if scene.volume is None:
+            away = [np.nanmedian(x[:, p] @ scene.up) for p in (point, stranger)]
+        else:
+            side = scene.volume.across
+            away = [
+                np.abs(np.nanmedian(aside(x[:, p], since, body=body, point=point, across=side)))
+                for p in (point, stranger)
+            ]
+        if away[1] < away[0]:
+            x[:, [point, stranger]] = x[:, [stranger, point]]
+    for t, here in fixed.items():
+        x[t] = np.nan
+        for p, at in here.items():
+            x[t, p] = at
+    return x
+
+
+def side_told(scene: Scene) -> np.ndarray | None:
+    """Return the direction to the side where places have a depth: from the side, in space."""
+    return None if scene.volume is None or scene.lead is not None else scene.volume.across
+
+
+def _away_from_cameras(scene: Scene) -> float:
+    """Return the sign of the direction to the side that leads away from all cameras, 0 if none."""
+    across = side_told(scene)
+    if across is None:
+        return 0.0
+    middle = np.mean([x for here in scene.anchors.values() for x in here.values()], axis=0)
+    signs = set()
+    for coefs in scene.geometry.table.T:
+        # a projection maps its centre, in homogeneous coordinates, to nothing
+        *centre, far = np.linalg.svd(dlt.to_matrix(coefs))[2][-1]
+        signs.add(float(-np.sign((centre - far * middle) @ across * far)))
+    return signs.pop() if len(signs) == 1 else 0.0
+
+
+def _from_body(fixed: Fixed, body: np.ndarray) -> dict[int, dict[int, np.ndarray]]:
+    """Return how far from the body certain positions are."""
+    return {t: {p: at - body[t] for p, at in here.items()} for t, here in fixed.items()}

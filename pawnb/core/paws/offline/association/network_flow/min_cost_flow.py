@@ -1,0 +1,376 @@
+"""Which pieces belong to which point: the cheapest set of paths over the whole recording.
+
+Every point goes from piece to piece, through all its anchors; between two pieces it is
+hidden. One that is not placed in the first frame begins wherever that is cheapest, as every
+point ends. No piece belongs to two points. The sum of all costs is lowest over the whole
+recording: a flow of several commodities, solved as a linear programme (whose solution is
+whole-numbered in practice; where it is not, it is solved again in whole numbers).
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import Bounds, LinearConstraint, milp
+from scipy.sparse import coo_array
+
+from pawnb.core.compiled import compiled
+from pawnb.core.paws.offline.association.network_flow.pruning import useful_links
+from pawnb.core.paws.offline.association.network_flow.tracklets import Tracklet, total_costs
+from pawnb.core.sorting_kernels import ascending
+
+
+@dataclass(frozen=True)
+class FlowCosts:
+    """What paths cost.
+
+    Parameters
+    ----------
+    acceleration : float
+        Standard deviation of the acceleration, length per frame squared.
+    noise : float
+        Standard deviation of a place.
+    speed : float
+        Standard deviation of an unknown speed, length per frame.
+    drift : ndarray, shape (d,)
+        What an unknown speed is on average.
+    hide, stay : float
+        Cost of each gap, and of each frame in it.
+    longest_gap : int
+        Frames after which a point must have come out again.
+    links : int
+        Pieces considered after each piece.
+    """
+
+    acceleration: float
+    noise: float
+    speed: float
+    drift: np.ndarray
+    hide: float
+    stay: float
+    longest_gap: int
+    links: int
+
+
+class _Ends(NamedTuple):
+    """Position, speed and its variance at one end of every piece."""
+
+    frame: np.ndarray  # (n,)
+    x: np.ndarray  # (n, d)
+    v: np.ndarray  # (n, d)
+    var: np.ndarray  # (n,)
+
+    @classmethod
+    def of(cls, nodes: Sequence[Tracklet], costs: FlowCosts, *, head: bool) -> _Ends:
+        """Take the first or the last end of every piece."""
+        ends = [node.end(costs.drift, head=head) for node in nodes]
+        return cls(
+            np.array([node.first if head else node.last for node in nodes]),
+            np.stack([end[0] for end in ends]),
+            np.stack([end[1] for end in ends]),
+            np.array([_speed_variance(end[2], costs) for end in ends]),
+        )
+
+
+@compiled
+def _link_cost(
+    tails: _Ends, heads: _Ends, i: int, j: int, q: float, r: float, hide: float, stay: float
+) -> float:
+    """Return the cost of going from the end of piece i to the beginning of piece j.
+
+    The least squared acceleration that joins the two ends, in units of its variance: for
+    a gap of g frames, ``12 |dx|^2 / g^3 + |dv|^2 / g`` with ``dx`` what the mean of both
+    speeds does not explain. ``q`` is that variance and ``r`` the one of a place.
+    """
+    gap, d = float(heads.frame[j] - tails.frame[i]), heads.x.shape[1]
+    unsure = tails.var[i] + heads.var[j]
+    var_v = q * gap + unsure
+    var_x = q * gap**3 / 12 + 2 * r + unsure * gap**2 / 4
+    away, turned = 0.0, 0.0
+    for k in range(d):
+        v0, v1 = tails.v[i, k], heads.v[j, k]
+        away += (heads.x[j, k] - tails.x[i, k] - 0.5 * (v0 + v1) * gap) ** 2
+        turned += (v1 - v0) ** 2
+    hidden = hide + stay * (gap - 1) if gap > 1 else 0.0
+    return 0.5 * (away / var_x + turned / var_v) + 0.15 * d * np.log(var_x / (2 * r)) + hidden
+
+
+def _speed_variance(n: int, costs: FlowCosts) -> float:
+    """Return the variance of a speed told from n frames."""
+    if n == 1:
+        return costs.speed**2
+    return min(12 * costs.noise**2 / (n * (n**2 - 1)) * (2.0 if n >= 5 else 1.0), costs.speed**2)
+
+
+class Flow:
+    """The choice of pieces; it can be made again with other costs of pieces.
+
+    Parameters
+    ----------
+    pieces : sequence of Tracklet
+        The pieces.
+    anchors : mapping
+        Frame to point number to position, certain; a point placed in frame 0 begins there.
+    n_frames : int
+        Number of frames.
+    costs : FlowCosts
+        What paths cost.
+    strangers : int
+        Further points, numbered after the others, that begin nobody knows where.
+    """
+
+    def __init__(
+        self,
+        pieces: Sequence[Tracklet],
+        anchors: Mapping[int, Mapping[int, np.ndarray]],
+        n_frames: int,
+        costs: FlowCosts,
+        *,
+        strangers: int = 0,
+    ) -> None:
+        known = 1 + max(p for here in anchors.values() for p in here)
+        self.n_points = known + strangers
+        fixed = [
+            (p, Tracklet(t, [-2], np.asarray(at, float)[None], np.zeros(1)))
+            for t, here in sorted(anchors.items()) for p, at in here.items()
+        ]  # fmt: skip
+        self.nodes = [*pieces, *(piece for _, piece in fixed)]
+        self.owner = np.full(len(self.nodes), -1)
+        self.owner[len(pieces) :] = [p for p, _ in fixed]
+        self.costs, self._is_begun = costs, 0 in anchors
+        self.edges = _edges(self.nodes, self.owner, costs)
+        self.begin = np.array([self._begin(p, len(pieces)) for p in range(self.n_points)])
+        self.size = (n_frames, len(pieces))
+
+    def _begin(self, point: int, n_pieces: int) -> int:
+        """Return the node at which a point begins: placed in the first frame, or nowhere."""
+        own = np.flatnonzero(self.owner == point).tolist()
+        if own and not self.nodes[own[0]].first:
+            return int(own[0])
+        begin, ahead = len(self.nodes), [*range(n_pieces), *own[:1]]
+        first = np.array([self.nodes[i].first for i in ahead])
+        if self._is_begun and not own:
+            # a stranger is there with those that are placed
+            start, links = 0, _first_links(first, begin, self.costs)
+        else:
+            start, links = -1, _links_back(first, begin, ahead, self.costs)
+        nowhere = np.zeros((1, len(self.costs.drift)))
+        self.nodes.append(Tracklet(start, [-2], nowhere, np.zeros(1)))
+        self.owner = np.append(self.owner, point)
+        self.edges += links
+        return begin
+
+    def assign(self, prior: np.ndarray | None = None) -> list[list[int]]:
+        """Choose the pieces of every point.
+
+        Parameters
+        ----------
+        prior : ndarray, shape (n_points, n_pieces), optional
+            Further cost of each piece for each point.
+
+        Returns
+        -------
+        list of list of int
+            For each point the numbers of its pieces, in the order of time.
+        """
+        return _solve(self.nodes, self.owner, self.edges, self.begin, self.size, self.costs, prior)
+
+
+def _edges(
+    nodes: Sequence[Tracklet], owner: np.ndarray, costs: FlowCosts
+) -> list[tuple[int, int, float]]:
+    """Return the links (from, to, cost) worth considering."""
+    heads, tails = _Ends.of(nodes, costs, head=True), _Ends.of(nodes, costs, head=False)
+    order = np.argsort(heads.frame, kind="stable")
+    starts = heads.frame[order]
+    low = np.searchsorted(starts, tails.frame + 1)
+    high = np.searchsorted(starts, tails.frame + costs.longest_gap, side="right")
+    lasts = np.array([len(node.picks) for node in nodes])
+    worth = np.minimum(costs.stay * lasts - total_costs(nodes), 30.0)
+    found = _cheapest(
+        tails, heads, order, np.column_stack([low, high]), owner, worth, costs.links,
+        (costs.acceleration**2, costs.noise**2, costs.hide, costs.stay),
+    )  # fmt: skip
+    edges = list(zip(*(part.tolist() for part in found), strict=True))
+    return edges + _long_links(nodes, owner, costs)
+
+
+@compiled
+def _cheapest(
+    tails: _Ends,
+    heads: _Ends,
+    order: np.ndarray,
+    within: np.ndarray,
+    owner: np.ndarray,
+    worth: np.ndarray,
+    links: int,
+    costs: tuple[float, float, float, float],
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the cheapest links from each piece: from, to and cost.
+
+    Parameters
+    ----------
+    tails, heads : _Ends
+        Where pieces end and begin.
+    order, within : ndarray of int, shape (n,) and (n, 2)
+        Pieces in the order of their first frames, and which of these may follow each.
+    owner, worth : ndarray, shape (n,)
+        Point whose anchor each is, -1 for a piece, and what it is worth to go through it.
+    links : int
+        Links kept from each; those to anchors come besides.
+    costs : tuple of float
+        See :func:`_link_cost`.
+    """
+    n, (q, r, hide, stay) = len(order), costs
+    most = n * (links + int((owner >= 0).sum()))
+    tail, head, price = np.empty(most, np.int64), np.empty(most, np.int64), np.empty(most)
+    count = 0
+    for i in range(n):
+        low, high = within[i, 0], within[i, 1]
+        cost, dear = np.empty(max(high - low, 0)), np.empty(max(high - low, 0))
+        for k in range(len(cost)):
+            j = order[low + k]
+            cost[k], dear[k] = _link_cost(tails, heads, i, j, q, r, hide, stay), np.inf
+            if owner[i] < 0 or owner[j] < 0 or owner[j] == owner[i]:
+                # long good pieces first: a place nearby is worth little if it leads nowhere
+                dear[k] = cost[k] - worth[j]
+        for rank, k in enumerate(ascending(dear)):
+            j = order[low + k]
+            if dear[k] < np.inf and (rank < links or owner[j] >= 0):
+                tail[count], head[count], price[count] = i, j, cost[k]
+                count += 1
+    return tail[:count], head[:count], price[:count]
+
+
+def _long_links(
+    nodes: Sequence[Tracklet], owner: np.ndarray, costs: FlowCosts
+) -> list[tuple[int, int, float]]:
+    """Return links between anchors of a point that are farther apart than a gap may be.
+
+    Without them nothing could be chosen where no piece leads from one to the next.
+    """
+    links = []
+    for p in np.unique(owner[owner >= 0]):
+        own = sorted(np.flatnonzero(owner == p).tolist(), key=lambda i: nodes[i].last)
+        for i, j in itertools.pairwise(own):
+            gap = nodes[j].first - nodes[i].last
+            if gap > costs.longest_gap:
+                links.append((i, j, costs.hide + costs.stay * (gap - 1)))
+    return links
+
+
+def _first_links(first: np.ndarray, begin: int, costs: FlowCosts) -> list[tuple[int, int, float]]:
+    """Return the links (from, to, cost) of a point that may begin with any early piece.
+
+    ``first`` (pieces,) are their first frames.
+    """
+    return [
+        (begin, i, costs.hide + costs.stay * (frames - 1))
+        for i, frames in enumerate(first.tolist()) if 0 < frames <= costs.longest_gap
+    ]  # fmt: skip
+
+
+def _links_back(
+    first: np.ndarray, begin: int, ahead: Sequence[int], costs: FlowCosts
+) -> list[tuple[int, int, float]]:
+    """Return the links (from, to, cost) of a point of which nothing is known in frame 0.
+
+    It may begin with any of the nodes ``ahead``, whose first frames are ``first``. To be hidden
+    before costs as much as to be hidden after the last.
+    """
+    cost = np.where(first > 0, costs.hide + costs.stay * first, 0.0)
+    return [(begin, i, own) for i, own in zip(ahead, cost.tolist(), strict=True)]
+
+
+def _solve(
+    nodes: Sequence[Tracklet],
+    owner: np.ndarray,
+    edges: Sequence[tuple[int, int, float]],
+    begin: np.ndarray,
+    size: tuple[int, int],
+    costs: FlowCosts,
+    prior: np.ndarray | None,
+) -> list[list[int]]:
+    """Solve the flow; return the pieces of each point."""
+    n_frames, n_pieces = size
+    n_nodes = len(nodes)
+    weight = total_costs(nodes)
+    tail = np.array([e[0] for e in edges], int)
+    head = np.array([e[1] for e in edges], int)
+    link = np.array([e[2] for e in edges])
+    objective, meaning = [], []
+    for p in range(len(begin)):
+        own = weight.copy()
+        if prior is not None:
+            own[:n_pieces] = own[:n_pieces] + prior[p]
+        usable = (owner < 0) | (owner == p)
+        ok = usable[tail] & usable[head]
+        e = np.flatnonzero(ok)
+        objective.append(link[e] + own[head[e]])
+        meaning.append(np.column_stack([np.full(len(e), p), tail[e], head[e]]))
+        ends = np.flatnonzero(usable)
+        left = np.array([n_frames - 1 - nodes[i].last for i in ends.tolist()])
+        objective.append(np.where(left > 0, costs.hide + costs.stay * left, 0.0))
+        meaning.append(np.column_stack([np.full(len(ends), p), ends, np.full(len(ends), -1)]))
+    what, cost = np.concatenate(meaning), np.concatenate(objective)
+    # every anchor must be passed
+    need = np.zeros(n_nodes, bool)
+    need[n_pieces:] = True
+    need[begin] = False
+    keep = useful_links(
+        what, cost, rank=np.array([node.first for node in nodes]), begin=begin, need=need,
+        price=np.zeros(n_nodes),
+    )  # fmt: skip
+    what, cost = what[keep], cost[keep]
+    x = _optimum(what, cost, begin, need)
+    return _follow(what[x > 0.5], begin, n_pieces)
+
+
+def _optimum(what: np.ndarray, cost: np.ndarray, begin: np.ndarray, need: np.ndarray) -> np.ndarray:
+    """Return the cheapest whole-numbered flow through links (point, from, to), to -1 at the end."""
+    n_nodes, column = len(need), np.arange(len(what))
+    enters = np.flatnonzero(what[:, 2] >= 0)
+    one = np.ones(len(enters))
+    # flow leaves its tail and enters its head
+    leaving, entering = what[:, 0] * n_nodes + what[:, 1], what[:, 0] * n_nodes + what[:, 2]
+    A = coo_array(
+        (
+            np.concatenate([np.ones(len(what)), -one]),
+            (np.concatenate([leaving, entering[enters]]), np.concatenate([column, enters])),
+        ),
+        shape=(len(begin) * n_nodes, len(what)),
+    ).tocsr()
+    b = np.zeros(len(begin) * n_nodes)
+    b[np.arange(len(begin)) * n_nodes + begin] = 1.0
+    single = coo_array((one, (what[enters, 2], enters)), shape=(n_nodes, len(what))).tocsr()
+    constraints = [
+        LinearConstraint(A, b, b), LinearConstraint(single, need.astype(float), 1.0),
+    ]  # fmt: skip
+    whole = np.zeros(len(cost))
+    answer = milp(cost, constraints=constraints, bounds=Bounds(0, 1), integrality=whole)
+    x = answer.x
+    if x is None or np.abs(x - np.round(x)).max() > 1e-6:
+        answer = milp(
+            cost, constraints=constraints, bounds=Bounds(0, 1), integrality=np.ones(len(cost)),
+            options={"mip_rel_gap": 1e-4, "time_limit": 60.0},
+        )  # fmt: skip
+        x = answer.x
+    return np.asarray(x)
+
+
+def _follow(used: np.ndarray, begin: np.ndarray, n_pieces: int) -> list[list[int]]:
+    """Read the pieces of each point off the links used (point, from, to)."""
+    chosen = []
+    for p, first in enumerate(begin.tolist()):
+        nexts = {int(i): int(j) for q, i, j in used if q == p}
+        at, own = first, []
+        while at >= 0:
+            if at < n_pieces:
+                own.append(at)
+            at = nexts.get(at, -1)
+        chosen.append(own)
+    return chosen

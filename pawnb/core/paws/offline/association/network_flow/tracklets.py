@@ -1,0 +1,325 @@
+"""Short certain pieces of paths: places that follow each other without any doubt."""
+
+from __future__ import annotations
+
+import functools
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from pawnb.core.compiled import compiled
+from pawnb.core.paws.offline.association.network_flow.triangulation import Places
+
+_GATE, _CLEAR = 16.0, 5.0
+"""Squared standard deviations within which a place may follow, and by which all others must be
+farther."""
+_ENDS = 6
+"""Frames at each end from which position and speed there are taken."""
+_DEAR, _ENOUGH = (0.3, 0.6, 0.9, 1.2, 1.5), 0.3
+"""The speed of the ground is told by good places; by worse ones where those make fewer steps than
+so many a frame, as where paws are dim."""
+_CLOSER = (1.0, 0.5)
+"""It is the mean of the steps within smaller and smaller distances of where most are."""
+
+
+@dataclass(frozen=True)
+class Linking:
+    """When places of consecutive frames belong together.
+
+    Parameters
+    ----------
+    acceleration : float
+        Standard deviation of the acceleration, length per frame squared.
+    noise : float
+        Standard deviation of a place.
+    speed : float
+        Standard deviation of an unknown speed, length per frame.
+    drift : ndarray, shape (d,)
+        The commonest speed, length per frame: that of paws on the ground.
+    best_cost : float
+        Places dearer than this are left out.
+    """
+
+    acceleration: float
+    noise: float
+    speed: float
+    drift: np.ndarray
+    best_cost: float
+
+
+@dataclass
+class Tracklet:
+    """One piece: the places ``picks[i]`` of frames ``first + i``.
+
+    Parameters
+    ----------
+    first : int
+        Its first frame.
+    picks : list of int
+        Numbers of the places.
+    at : ndarray, shape (n, d)
+        Their positions.
+    cost : ndarray, shape (n,)
+        Their costs.
+    """
+
+    first: int
+    picks: list[int]
+    at: np.ndarray
+    cost: np.ndarray
+
+    @property
+    def last(self) -> int:
+        """Its last frame."""
+        return self.first + len(self.picks) - 1
+
+    def end(self, drift: np.ndarray, *, head: bool) -> tuple[np.ndarray, np.ndarray, int]:
+        """Return position and speed at the first or last frame, and how many frames told."""
+        part = self.at[:_ENDS] if head else self.at[-_ENDS:]
+        n = len(part)
+        if n == 1:
+            return part[0], drift, 1
+        place, speed = _end_weights(n, head) @ part
+        return place, speed, n
+
+
+@functools.cache
+def _end_weights(n: int, head: bool) -> np.ndarray:
+    """Return what each of n places weighs in position and speed (2, n) at one end.
+
+    Those of the straight line of least squares, or of the parabola where there are enough.
+    """
+    time = np.arange(n) - (0 if head else n - 1)
+    powers = time[:, None] ** np.arange(3 if n >= 5 else 2)
+    return np.asarray(np.linalg.pinv(powers)[:2])
+
+
+def find_drift(
+    places: Sequence[Places], *, within: float, longest: float, lag: int = 1
+) -> np.ndarray:
+    """Return the commonest step of good places from one frame to the next, (d,).
+
+    Paws on the ground all move with it, so their steps pile up.
+
+    Parameters
+    ----------
+    places : sequence of Places
+        Hypotheses of each frame.
+    within : float
+        Steps closer than this count as the same.
+    longest : float
+        Longest step considered.
+    lag : int
+        Frames over which steps are taken; those of a single one are hardly longer than places
+        err. Shorter recordings take what they have.
+
+    Returns
+    -------
+    ndarray
+        The mean of the steps where they are densest, a frame; 0 where there are none.
+    """
+    lag = max(1, min(lag, len(places) - 1))
+    sampled = range(0, len(places) - lag, max(1, len(places) // 400))
+    every = np.empty((0, places[0].at.shape[1]))
+    for dearest in _DEAR:
+        pairs = [[p.at[p.cost < dearest] for p in (places[t], places[t + lag])] for t in sampled]
+        steps = [(later[None] - now[:, None]).reshape(-1, every.shape[1]) for now, later in pairs]
+        every = np.concatenate([every[:0], *steps])
+        every = every[np.linalg.norm(every, axis=1) < longest * lag]
+        if len(every) >= _ENOUGH * len(sampled):
+            break
+    if not len(every):
+        return np.zeros(every.shape[1])
+    tree = cKDTree(every)
+    count = tree.query_ball_point(every, within, return_length=True)
+    middle = every[int(np.argmax(count))]
+    for share in _CLOSER:
+        middle = every[tree.query_ball_point(middle, share * within)].mean(axis=0)
+    return np.asarray(middle / lag)
+
+
+def build_tracklets(places: Sequence[Places], linking: Linking) -> list[Tracklet]:
+    """Join places of consecutive frames wherever each is the other's only choice.
+
+    Parameters
+    ----------
+    places : sequence of Places
+        Hypotheses of each frame.
+    linking : Linking
+        What belongs together.
+
+    Returns
+    -------
+    list of Tracklet
+        Pieces in the order of their first frames; no place is in two of them.
+    """
+    d = len(linking.drift)
+    ids, n_chains = np.empty(0, int), 0
+    at, speed, var = np.empty((0, d)), np.empty((0, d)), np.empty((0, 3))
+    drift = np.ascontiguousarray(linking.drift, float)
+    spread = (linking.noise**2, linking.acceleration**2, linking.speed**2)
+    rows = []
+    for here in places:
+        good = np.flatnonzero(here.cost <= linking.best_cost)
+        picks, chain, at, speed, var = _followed(
+            at, speed, var, here.at[good], here.cost[good], drift, spread
+        )
+        old, picks = ids[chain], good[picks]
+        ids = np.concatenate([old, n_chains + np.arange(len(picks) - len(old))])
+        n_chains += len(picks) - len(old)
+        rows.append((ids, picks, here.at[picks], here.cost[picks]))
+    return _pieces(rows, n_chains)
+
+
+@compiled
+def _followed(
+    at: np.ndarray,
+    speed: np.ndarray,
+    var: np.ndarray,
+    places: np.ndarray,
+    cost: np.ndarray,
+    drift: np.ndarray,
+    spread: tuple[float, float, float],
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Follow chains to the places of the next frame, as a Kalman filter does.
+
+    Parameters
+    ----------
+    at, speed : ndarray, shape (k, d)
+        Where chains are, and how fast they go.
+    var : ndarray, shape (k, 3)
+        Variance of place, covariance, variance of speed.
+    places, cost : ndarray, shape (m, d) and (m,)
+        The places, and what speaks against them.
+    drift : ndarray, shape (d,)
+        The commonest speed.
+    spread : tuple of float
+        Variances of a place, of the acceleration and of an unknown speed.
+
+    Returns
+    -------
+    picks : ndarray of int, shape (m,)
+        The places: first those that go on a chain, then those that begin one.
+    chain : ndarray of int
+        The chain that each of the first goes on.
+    at, speed, var : ndarray
+        Of the chains that there are now, in the order of ``picks``.
+    """
+    (noise, q, unknown), (rows, d), columns = spread, at.shape, len(places)
+    ahead, wide, square = at + speed, np.empty((rows, 3)), np.zeros((rows, columns))
+    for r in range(rows):
+        v0, v1, v2 = var[r, 0], var[r, 1], var[r, 2]
+        wide[r, 0], wide[r, 1], wide[r, 2] = v0 + 2 * v1 + v2 + q / 4, v1 + v2 + q / 2, v2 + q
+        for c in range(columns):
+            for i in range(d):
+                square[r, c] += (places[c, i] - ahead[r, i]) ** 2
+            square[r, c] = square[r, c] / (wide[r, 0] + noise) + 2.0 * cost[c]
+    taken = _mutual(square)
+    picks, chain, old = np.empty(columns, np.int64), np.empty(columns, np.int64), 0
+    for c in range(columns):
+        if taken[c] >= 0:
+            picks[old], chain[old] = c, taken[c]
+            old += 1
+    count = old
+    for c in range(columns):
+        if taken[c] < 0:
+            picks[count] = c
+            count += 1
+    now, going, spreads = np.empty((columns, d)), np.empty((columns, d)), np.empty((columns, 3))
+    for k, mine in enumerate(picks):
+        if k >= old:
+            for i in range(d):
+                now[k, i], going[k, i] = places[mine, i], drift[i]
+            spreads[k, 0], spreads[k, 1], spreads[k, 2] = noise, 0.0, unknown
+            continue
+        r = chain[k]
+        gain, gain_v = wide[r, 0] / (wide[r, 0] + noise), wide[r, 1] / (wide[r, 0] + noise)
+        for i in range(d):
+            step = places[mine, i] - ahead[r, i]
+            now[k, i], going[k, i] = ahead[r, i] + gain * step, speed[r, i] + gain_v * step
+        spreads[k, 0], spreads[k, 1] = wide[r, 0] * (1.0 - gain), wide[r, 1] * (1.0 - gain)
+        spreads[k, 2] = wide[r, 2] - gain_v * wide[r, 1]
+    return picks, chain[:old], now, going, spreads
+
+
+def _pieces(
+    rows: Sequence[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]], n_chains: int
+) -> list[Tracklet]:
+    """Gather the pieces from the numbers, picks, positions and costs of every frame."""
+    if not rows:
+        return []
+    ids = np.concatenate([row[0] for row in rows])
+    frame = np.repeat(np.arange(len(rows)), [len(row[0]) for row in rows])
+    order = np.argsort(ids, kind="stable")
+    picks, at, cost = (np.concatenate([row[k] for row in rows])[order] for k in (1, 2, 3))
+    edge = np.searchsorted(ids[order], np.arange(n_chains + 1)).tolist()
+    first = frame[order]
+    return [
+        Tracklet(int(first[a]), picks[a:b].tolist(), at[a:b], cost[a:b])
+        for a, b in itertools.pairwise(edge)
+    ]
+
+
+@compiled
+def _mutual(square: np.ndarray) -> np.ndarray:
+    """Return for each column the row that it alone belongs to, or -1.
+
+    A pair belongs together if each is the other's nearest within the gate and the next
+    nearest of either is clearly farther.
+    """
+    rows, columns = square.shape
+    taken = np.full(columns, -1)
+    for c in range(columns if rows else 0):
+        r, nearest = 0, 0
+        for other in range(rows):
+            if square[other, c] < square[r, c]:
+                r = other
+        for other in range(columns):
+            if square[r, other] < square[r, nearest]:
+                nearest = other
+        best = square[r, c]
+        if best > _GATE or nearest != c:
+            continue
+        next_best = np.inf
+        for other in range(columns):
+            if other != c:
+                next_best = min(next_best, square[r, other])
+        for other in range(rows):
+            if other != r:
+                next_best = min(next_best, square[other, c])
+        if next_best >= min(best + _CLEAR, 4.0 * best + 0.3):
+            taken[c] = r
+    return taken
+
+
+def total_costs(pieces: Sequence[Tracklet]) -> np.ndarray:
+    """Return the summed costs (pieces,) of the places of each piece."""
+    if not pieces:
+        return np.zeros(0)
+    first = np.cumsum([0, *(len(piece.cost) for piece in pieces[:-1])])
+    return np.asarray(np.add.reduceat(np.concatenate([piece.cost for piece in pieces]), first))
+
+
+def joined(pieces: Sequence[Tracklet]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return all pieces one after another.
+
+    Parameters
+    ----------
+    pieces : sequence of Tracklet
+        The pieces, at least one.
+
+    Returns
+    -------
+    frame : ndarray of int, shape (k,)
+        Frame of each place.
+    at : ndarray, shape (k, d)
+        The places.
+    first : ndarray of int, shape (pieces,)
+        Where each piece begins.
+    """
+    first = np.concatenate([[0], np.cumsum([len(piece.picks) for piece in pieces])[:-1]])
+    frame = np.concatenate([piece.first + np.arange(len(piece.picks)) for piece in pieces])
+    return frame, np.concatenate([piece.at for piece in pieces]), first

@@ -1,0 +1,195 @@
+"""Places in space where a paw may be: candidates of two views that meet."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pawnb.core import dlt
+from pawnb.core.paws.offline.association.network_flow import triangulation_kernels as loops
+from pawnb.core.paws.offline.detection.colour.likelihood import Judge
+from pawnb.core.paws.offline.detection.colour.padding import side_by_side
+from pawnb.core.sightlines import find_fundamental_matrix
+
+_AT_ONCE = 200
+"""Frames worked on together: enough to save loops, and little memory."""
+
+
+@dataclass(frozen=True)
+class Volume:
+    """Where paws can be, as limits of coordinates along some directions.
+
+    Parameters
+    ----------
+    up, across : ndarray, shape (3,)
+        Unit vectors.
+    height : tuple of float
+        Lowest and highest coordinate along ``up``.
+    width : tuple of float
+        Lowest and highest coordinate along ``across``.
+    """
+
+    up: np.ndarray
+    across: np.ndarray
+    height: tuple[float, float]
+    width: tuple[float, float]
+
+    def holds(self, xyz: np.ndarray) -> np.ndarray:
+        """Tell which points (n, 3) lie inside."""
+        h, w = xyz @ self.up, xyz @ self.across
+        return np.asarray(
+            (h >= self.height[0]) & (h <= self.height[1])
+            & (w >= self.width[0]) & (w <= self.width[1])
+        )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Places:
+    """Hypotheses of one frame.
+
+    Parameters
+    ----------
+    at : ndarray, shape (k, d)
+        Positions.
+    cost : ndarray, shape (k,)
+        Cost of taking each for a paw; lower is better.
+    """
+
+    at: np.ndarray
+    cost: np.ndarray
+
+    def take(self, which: np.ndarray) -> Places:
+        """Return some of the hypotheses."""
+        return Places(self.at[which], self.cost[which])
+
+    def distance(self, points: np.ndarray) -> np.ndarray:
+        """Return the distance (k,) of each from the nearest of some points (m, d)."""
+        away = np.linalg.norm(self.at[:, None] - points[None], axis=-1)
+        return np.asarray(away.min(axis=1, initial=np.inf))
+
+
+class Pairing:
+    """Makes hypotheses of candidates; holds what depends on the rig alone.
+
+    Parameters
+    ----------
+    coefs : ndarray, shape (11, V)
+        DLT coefficients.
+    volume : Volume
+        Where paws can be.
+    tolerance_px : ndarray, shape (V,)
+        Distance at which candidates of two views still count as one point.
+    judge : Judge
+        Tells how much candidates look like paws.
+    apart : float
+        Hypotheses closer than this are one.
+    most : int
+        Hypotheses kept.
+    """
+
+    def __init__(
+        self,
+        coefs: np.ndarray,
+        volume: Volume,
+        *,
+        tolerance_px: np.ndarray,
+        judge: Judge,
+        apart: float,
+        most: int,
+    ) -> None:
+        self.judge = judge
+        self.coefs, self.volume, self.tolerance_px = coefs, volume, tolerance_px
+        self.apart, self.most = apart, most
+        matrices = [dlt.to_matrix(coefs[:, v]) for v in range(coefs.shape[1])]
+        self.pairs = [
+            (a, b, find_fundamental_matrix(matrices[a], matrices[b]))
+            for a, b in itertools.combinations(range(len(matrices)), 2)
+        ]
+
+    def places(self, found: Sequence[Sequence[np.ndarray]]) -> list[Places]:
+        """Return the hypotheses of every frame from the candidates of its views."""
+        every: list[Places] = []
+        for first in range(0, len(found), _AT_ONCE):
+            every += self._places_of(found[first : first + _AT_ONCE])
+        return every
+
+    def _places_of(self, found: Sequence[Sequence[np.ndarray]]) -> list[Places]:
+        """Return the hypotheses of some frames, all at once."""
+        rows, is_there = side_by_side(found)
+        frame, xyz = self._meeting(rows, is_there)
+        inside = self.volume.holds(xyz)
+        frame, xyz = frame[inside], xyz[inside]
+        support = self._seen(frame, xyz, rows, is_there).sum(axis=1)
+        # best first, frame by frame
+        order = np.lexsort((-support, frame))
+        frame, xyz, support = frame[order], xyz[order], support[order]
+        first = np.searchsorted(frame, np.arange(len(found) + 1))
+        cost = 1.5 * np.maximum(0.0, 2.0 - support)
+        keep = loops.distinct(xyz, first, self.apart, self.most)
+        return [
+            Places(xyz[a:b][keep[a:b]], cost[a:b][keep[a:b]])
+            for a, b in itertools.pairwise(first.tolist())
+        ]
+
+    def _meeting(self, rows: np.ndarray, is_there: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return frames (k,) and positions (k, 3) where rays of two views meet."""
+        frames, positions = [np.empty(0, int)], [np.empty((0, 3))]
+        point = np.concatenate([rows[..., :2], np.ones_like(rows[..., :1])], axis=-1).astype(float)
+        for a, b, F in self.pairs:
+            pa, pb = point[:, a], point[:, b]
+            line_b, line_a = pa @ F.T, pb @ F
+            value = np.abs(line_b @ pb.transpose(0, 2, 1))
+            away_b = value / np.hypot(line_b[..., 0], line_b[..., 1])[:, :, None]
+            away_a = value / np.hypot(line_a[..., 0], line_a[..., 1])[:, None]
+            meet = (away_b < self.tolerance_px[b]) & (away_a < self.tolerance_px[a])
+            t, i, j = np.nonzero(meet & is_there[:, a, :, None] & is_there[:, b, None])
+            uv = np.stack([pa[t, i, :2], pb[t, j, :2]], axis=1)
+            frames.append(t)
+            positions.append(triangulate(self.coefs[:, [a, b]], uv))
+        return np.concatenate(frames), np.concatenate(positions)
+
+    def seen(
+        self, frame: np.ndarray, xyz: np.ndarray, found: Sequence[Sequence[np.ndarray]]
+    ) -> np.ndarray:
+        """Return how much each view shows a paw at points, softly counted.
+
+        Parameters
+        ----------
+        frame : ndarray of int, shape (k,)
+            Frame of each point.
+        xyz : ndarray, shape (k, 3)
+            The points.
+        found : sequence
+            Candidates of every frame and view.
+
+        Returns
+        -------
+        ndarray, shape (k, V)
+            From 0, nothing there, to 1.
+        """
+        return self._seen(frame, xyz, *side_by_side(found))
+
+    def _seen(
+        self, frame: np.ndarray, xyz: np.ndarray, rows: np.ndarray, is_there: np.ndarray
+    ) -> np.ndarray:
+        """Return the same for candidates side by side."""
+        good = np.stack(
+            [
+                self.judge.likeness(rows[:, v].reshape(-1, rows.shape[-1]), v).reshape(
+                    is_there[:, v].shape
+                )
+                for v in range(rows.shape[1])
+            ],
+            axis=1,
+        )
+        at = np.ascontiguousarray(rows[..., :2])
+        uv = dlt.project(self.coefs, xyz)
+        return loops.support(frame, uv, at, good, is_there, 0.6 * self.tolerance_px)
+
+
+def triangulate(coefs: np.ndarray, uv: np.ndarray) -> np.ndarray:
+    """Triangulate (n, V, 2) by the normal equations: quick, for hypotheses only."""
+    return loops.triangulate(np.ascontiguousarray(coefs.T), np.ascontiguousarray(uv))

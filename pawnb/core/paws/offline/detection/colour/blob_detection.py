@@ -1,0 +1,62 @@
+"""Where a paw may be in a picture from below: the middles of paw-coloured spots.
+
+From below the whole paw is seen, with its digits spread: it has no one end, but it is the
+brightest spot of a limb that is otherwise dimmer and farther away. Its middle is the local
+maximum of the score, smoothed over about the width of a paw.
+"""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+_WIDTH = 0.4
+"""Standard deviation of the smoothing, in reaches of the search."""
+_LEAST = 0.13
+"""Least smoothed score of a spot, in that which clicked paws have."""
+
+
+def find_spots(score: np.ndarray, reach: int, usual: float) -> tuple[np.ndarray, np.ndarray]:
+    """Find the middles of paw-coloured spots.
+
+    Parameters
+    ----------
+    score : ndarray, shape (h, w)
+        Log-likelihood ratio of every pixel.
+    reach : int
+        See :class:`~pawnb.core.paws.offline.detection.colour.detector.Look`.
+    usual : float
+        Score that clicked paws have: more does not make a spot more like a paw.
+
+    Returns
+    -------
+    at : ndarray, shape (n, 2)
+        u, v of the middles, px of the score.
+    likeness : ndarray, shape (n,)
+        How much each is like a paw, 0 to 1.
+    """
+    smooth = _smooth(score, reach)
+    around = 2 * round(1.6 * _WIDTH * reach) + 1
+    highest = cv2.dilate(smooth, np.ones((around, around), np.uint8))
+    v, u = np.nonzero((smooth >= highest) & (smooth > _LEAST * usual))
+    likeness = np.minimum(smooth[v, u] / usual, 1.0)
+    padded = np.pad(smooth, 1, mode="edge")
+    # the top of a parabola through the maximum and its neighbours, along u and along v
+    left = np.stack([padded[v + 1, u], padded[v, u + 1]])
+    middle = padded[v + 1, u + 1]
+    right = np.stack([padded[v + 1, u + 2], padded[v + 2, u + 1]])
+    bend = np.minimum(left - 2.0 * middle + right, -1e-6)
+    shift = np.clip(0.5 * (left - right) / bend, -0.5, 0.5)
+    return np.column_stack([u, v]) + shift.T, likeness
+
+
+def peaks_at(score: np.ndarray, at: np.ndarray, reach: int) -> np.ndarray:
+    """Return the smoothed score (n,) at some positions (n, 2), px of the score."""
+    h, w = score.shape
+    u, v = np.rint(at).astype(int).T
+    return np.asarray(_smooth(score, reach)[np.clip(v, 0, h - 1), np.clip(u, 0, w - 1)])
+
+
+def _smooth(score: np.ndarray, reach: int) -> np.ndarray:
+    """Return what speaks for paws, smoothed over about the width of one."""
+    return cv2.GaussianBlur(np.maximum(score, 0.0), (0, 0), _WIDTH * reach)

@@ -1,0 +1,127 @@
+"""Candidates kept while they are found, so that no frame is decoded twice.
+
+A store holds the candidates of consecutive frames, in memory and, where it has a path, in
+a file that grows frame by frame. Its key is a checksum of all that they depend on: what
+was filmed, the first frame, how and where is searched, and the code that does it. A run
+that asks with the same key goes on where the last one ended; any other key starts it anew.
+
+The file is a :class:`pawnb.core.checkpoint.RecordFile` with one record a frame: the number of
+candidates of each view (uint16) and the candidates (float32, 8 each).
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pawnb.core.checkpoint import RecordFile, code_checksum
+from pawnb.core.closing import Closing
+
+_FIRST_LINE = "pawnb candidates 1 {key}"
+_COLUMNS = 8
+_CODE = (
+    "background.py",
+    "blob_detection.py",
+    "colour_model.py",
+    "colour_quantisation.py",
+    "detector.py",
+    "detector_kernels.py",
+    "illumination.py",
+    "scan.py",
+)
+
+
+class CandidateStore(Closing):
+    """Candidates of consecutive frames; a context manager.
+
+    Parameters
+    ----------
+    path : Path, optional
+        The file. Without it candidates are kept in memory only.
+    source : str
+        What was filmed: changes whenever a picture of any view may.
+    """
+
+    def __init__(self, path: Path | None = None, *, source: str = "") -> None:
+        self.path, self.source = path, source
+        self._key = ""
+        self._found: list[list[np.ndarray]] = []
+        self._file: RecordFile | None = None
+
+    def begin(self, n_views: int, *depends_on: Any) -> list[list[np.ndarray]]:
+        """Return the candidates that are there already, and get ready for more.
+
+        Parameters
+        ----------
+        n_views : int
+            Number of views.
+        *depends_on
+            All that the candidates depend on besides the source: numbers, text, arrays,
+            and lists and dataclasses of these.
+
+        Returns
+        -------
+        list of list of ndarray
+            For each frame in turn, the candidates of each view.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be read or written.
+        """
+        digest = hashlib.sha256()
+        code = code_checksum("pawnb.core.paws.offline.detection.colour", _CODE)
+        for item in (code, self.source, n_views, *depends_on):
+            _feed(digest, item)
+        key = digest.hexdigest()
+        if key != self._key:
+            self.close()
+            self._key, self._found = key, []
+            if self.path is not None:
+                self._file = RecordFile(self.path, _FIRST_LINE.format(key=key))
+                self._found = [_candidates(record, n_views) for record in self._file.take_records()]
+        return list(self._found)
+
+    def add(self, candidates: Sequence[np.ndarray]) -> None:
+        """Keep the candidates of the next frame."""
+        self._found.append(list(candidates))
+        if self._file is not None:
+            numbers = np.array([len(rows) for rows in candidates], "<u2")
+            self._file.append(
+                numbers.tobytes()
+                + b"".join(np.ascontiguousarray(rows, "<f4").tobytes() for rows in candidates)
+            )
+
+    def close(self) -> None:
+        """Close the file; what is in memory can still be used."""
+        if self._file is not None:
+            self._file.close()
+
+
+def _candidates(record: bytes, n_views: int) -> list[np.ndarray]:
+    """Return the candidates of each view that a record holds."""
+    numbers = np.frombuffer(record, "<u2", n_views)
+    rows = np.frombuffer(record, "<f4", offset=numbers.nbytes).reshape(-1, _COLUMNS)
+    return np.split(rows.astype(np.float32), np.cumsum(numbers)[:-1])
+
+
+def _feed(digest: hashlib._Hash, item: Any) -> None:
+    """Feed a value to a checksum, with its kind and shape."""
+    if dataclasses.is_dataclass(item):
+        digest.update(type(item).__name__.encode())
+        for field in dataclasses.fields(item):
+            _feed(digest, getattr(item, field.name))
+    elif isinstance(item, np.ndarray):
+        digest.update(f"{item.dtype.str}{item.shape}".encode())
+        digest.update(np.ascontiguousarray(item).tobytes())
+    elif isinstance(item, (list, tuple)):
+        digest.update(f"[{len(item)}".encode())
+        for part in item:
+            _feed(digest, part)
+    else:
+        digest.update(f"{item!r};".encode())

@@ -1,0 +1,142 @@
+"""Where a paw may be in one picture: the ends of paw-coloured parts.
+
+Pixels whose colour is likelier on a paw make a mask. At the end of a limb the share of
+mask in a square about a pixel is about half of what it is further along, whatever the
+limb's direction, so ends are the mask's local minima of that share. The position is
+the centre of the mask's pixels near the end, and the direction in which the limb ends is
+that from the centre of a wider neighbourhood to it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from pawnb.core.paws.offline.detection.colour import detector_kernels as loops
+from pawnb.core.paws.offline.detection.colour.blob_detection import find_spots
+from pawnb.core.paws.offline.detection.colour.colour_model import Appearance
+from pawnb.core.paws.offline.detection.colour.illumination import in_light
+
+_SHARE = 0.34
+"""Share of mask about a pixel that is neither an end nor further along a limb."""
+
+_LOOKED_AT = 60
+"""Ends in one picture that are looked at closely."""
+
+_NO_LIMITS = np.empty((0, 3))
+
+MOST = 16
+"""Candidates usually kept in one picture."""
+
+
+@dataclass(frozen=True)
+class Look:
+    """How the pictures of one view are searched.
+
+    Parameters
+    ----------
+    appearance : Appearance
+        What paws look like.
+    shrink : int
+        Pictures are reduced by this factor first.
+    reach : int
+        Half the side of the square, in reduced pixels, in which an end is looked for.
+    distal : tuple of float
+        Unit vector in the picture in which limbs tend to end: forward and down.
+    limits : ndarray, shape (m, 3), optional
+        Lines with ``a u + b v + c >= 0`` on the side where paws can be.
+    is_below : bool
+        Whether the view is from below: paws are spots there, not ends of limbs.
+    is_spots : bool
+        Whether the score is learnt, and high at the paws' points themselves: spots, too.
+    light : tuple of float, optional
+        Mean of each channel of the searched part at the clicks; see
+        :func:`~pawnb.core.paws.offline.detection.colour.illumination.in_light`.
+    most : int
+        Candidates kept in one picture.
+    """
+
+    appearance: Appearance
+    shrink: int
+    reach: int
+    distal: tuple[float, float] = (0.0, 1.0)
+    limits: np.ndarray | None = None
+    is_below: bool = False
+    is_spots: bool = False
+    light: tuple[float, ...] | None = None
+    most: int = MOST
+
+
+def find_candidates(pixels: np.ndarray, origin: tuple[int, int], look: Look) -> np.ndarray:
+    """Find the ends of paw-coloured parts.
+
+    Parameters
+    ----------
+    pixels : ndarray
+        Part of a view, RGB or grey, uint8, reduced by ``look.shrink``.
+    origin : tuple of int
+        Its left and top in the view, px.
+    look : Look
+        How to search.
+
+    Returns
+    -------
+    ndarray, shape (n, 8), float32
+        u, v of the end (centre of the mask near it), direction du, dv in px (from the
+        wider centre to the near one), share of mask, mean score, and u, v of the end
+        pixel itself.
+    """
+    pixels = in_light(pixels, look.light)
+    score = look.appearance.score(pixels, origin, shrink=look.shrink)
+    if look.is_below or look.is_spots:
+        return _spots(score, origin, look)
+    score = cv2.GaussianBlur(score, (3, 3), 0.6)
+    weight = loops.weigh(score)
+    r = look.reach
+    v, u, share = loops.find_ends(score, weight, r, r // 2)
+    # specks are not ends: there must be mask behind
+    order = np.argsort(share)
+    order = order[share[order] * (2 * r + 1) ** 2 > 0.25 * r * r]
+    pixels, share = np.array([u[order], v[order]]), share[order]
+    near = loops.centres(weight, pixels[0], pixels[1], r)
+    if len(share) > _LOOKED_AT:
+        # edges of all sorts have thin ends: those that look most like paws are kept, in order
+        promise = _likeness(loops.mean_score(score, near), share)
+        best = np.sort(np.argsort(-promise, kind="stable")[:_LOOKED_AT])
+        pixels, share, near = np.ascontiguousarray(pixels[:, best]), share[best], near[best]
+    limits = _NO_LIMITS if look.limits is None else np.asarray(look.limits, float)
+    table = loops.describe(score, weight, pixels, share, near, r, limits, (*origin, look.shrink))
+    table = table[np.argsort(-worth(table, look.distal), kind="stable")[: look.most]]
+    return table.astype(np.float32)
+
+
+def _spots(score: np.ndarray, origin: tuple[int, int], look: Look) -> np.ndarray:
+    """Return the candidates of a view from below: each points where limbs tend to end."""
+    at, likeness = find_spots(score, look.reach, look.appearance.usual)
+    at = (at + 0.5) * look.shrink - 0.5 + origin
+    if look.limits is not None:
+        inside = (at @ look.limits[:, :2].T + look.limits[:, 2] >= 0).all(axis=1)
+        at, likeness = at[inside], likeness[inside]
+    direction = np.broadcast_to(np.asarray(look.distal) * look.reach * look.shrink, at.shape)
+    # worth() is their likeness
+    mean_score = 0.5 + 2.0 * likeness
+    table = np.column_stack([at, direction, np.zeros(len(at)), mean_score, at])
+    return table[np.argsort(-likeness, kind="stable")[: look.most]].astype(np.float32)
+
+
+def worth(rows: np.ndarray, distal: tuple[float, float]) -> np.ndarray:
+    """Return how much each candidate of one view looks like the end of a paw, 0 to 1."""
+    length = np.hypot(rows[:, 2], rows[:, 3])
+    cosine = (rows[:, 2:4] @ np.asarray(distal)) / np.maximum(length, 1e-6)
+    # an end that points back or up is a heel, an elbow or the tail's
+    ahead = np.clip(0.8 + 0.6 * cosine, 0.05, 1.0)
+    return np.asarray(_likeness(rows[:, 5], rows[:, 4]) * ahead)
+
+
+def _likeness(score: np.ndarray, share: np.ndarray) -> np.ndarray:
+    """Return how much a place looks like the end of a paw, wherever it points, 0 to 1."""
+    # further along a limb the share is twice that at its end
+    end = 1.0 / (1.0 + np.exp((share - _SHARE) / 0.03))
+    return np.asarray(np.clip(0.5 * (score - 0.5), 0.05, 1.0) * end)

@@ -1,0 +1,258 @@
+"""The one pass over the video: candidates of every frame and view, and nothing else, are kept."""
+
+from __future__ import annotations
+
+import contextlib
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass, field, replace
+from typing import TypeAlias
+
+import numpy as np
+
+from pawnb.core.parallel import THREADS
+from pawnb.core.paws.layout import Views
+from pawnb.core.paws.offline.detection.colour.cache import CandidateStore
+from pawnb.core.paws.offline.detection.colour.colour_model import Appearance, reduce
+from pawnb.core.paws.offline.detection.colour.detector import MOST, Look, find_candidates, worth
+from pawnb.core.paws.superpixels import Picture
+from pawnb.core.video.views import Frame
+
+Watch: TypeAlias = Callable[[int, Mapping[str, Picture]], None]
+
+FOLLOW = 0.06
+"""Share by which the searched region follows the candidates from frame to frame."""
+
+_STRIDE = 8
+"""Frames between those in which the animal is sought back from the clicks: the region follows over
+twice as many."""
+
+_MOST_FAINT = 24
+"""Candidates kept in one picture where paws are hardly told from their surroundings."""
+
+_IN_HAND = 2
+"""Frames that may wait to be searched: no thread stands idle for the slowest view."""
+
+
+@dataclass
+class Region:
+    """The part of one view that is searched; it follows the animal.
+
+    Parameters
+    ----------
+    centre : ndarray, shape (2,)
+        Its middle, px.
+    half : ndarray, shape (2,)
+        Half its width and height, px.
+    size : tuple of int
+        Width and height of the view.
+    """
+
+    centre: np.ndarray
+    half: np.ndarray
+    size: tuple[int, int]
+    offset: float | None = field(default=None)
+
+    def box(self, step: int = 1) -> tuple[int, int, int, int]:
+        """Return left, top, right, bottom within the view, multiples of ``step``."""
+        ends = []
+        for centre, half, size in zip(self.centre, self.half, self.size, strict=True):
+            least = step * -(-8 // step)
+            last = size // step * step
+            low = min(max(int(np.floor((centre - half) / step)) * step, 0), last - least)
+            high = int(np.ceil((centre + half) / step)) * step
+            ends.append((low, max(min(high, last), low + least)))
+        (u0, u1), (v0, v1) = ends
+        return u0, v0, u1, v1
+
+    def follow(self, found: np.ndarray, likeness: np.ndarray) -> None:
+        """Move with the mean of the candidates, by how much each looks like a paw.
+
+        What looks little like one may be a part of the belt or the box: it does not move
+        with the animal, and each view has its own.
+
+        Parameters
+        ----------
+        found : ndarray, shape (n, ...)
+            The candidates; their first column is u, px.
+        likeness : ndarray, shape (n,)
+            How much each looks like a paw, 0 to 1.
+        """
+        if len(found) < 2:
+            return
+        mean = float(np.average(found[:, 0], weights=likeness))
+        if self.offset is None:
+            self.offset = mean - float(self.centre[0])
+        step = mean - self.offset - self.centre[0]
+        limit = 0.1 * self.half[0]
+        self.centre = self.centre + np.array([FOLLOW * np.clip(step, -limit, limit), 0.0])
+
+
+def make_look(
+    appearance: Appearance,
+    thickness_px: float,
+    distal: tuple[float, float],
+    *,
+    limits: np.ndarray | None = None,
+    is_below: bool = False,
+) -> Look:
+    """Choose the scale of the search: a paw is about six reduced pixels thick."""
+    shrink = max(1, round(thickness_px / 6.0))
+    reach = max(3, round(0.85 * thickness_px / shrink))
+    most = _MOST_FAINT if appearance.is_faint else MOST
+    return Look(appearance, shrink, reach, distal, limits, is_below, most=most)
+
+
+def extract(
+    views: Views,
+    frames: tuple[int, int],
+    *,
+    looks: Sequence[Look],
+    regions: Sequence[Region],
+    home: int | None = None,
+    store: CandidateStore | None = None,
+    watch: Watch | None = None,
+    progress: Callable[[int], None] | None = None,
+    stop: Callable[[], bool] | None = None,
+) -> list[list[np.ndarray]]:
+    """Find the candidates of every view in consecutive frames.
+
+    Parameters
+    ----------
+    views : Views
+        The opened views.
+    frames : tuple of int
+        First frame and one past the last.
+    looks, regions : sequence
+        How to search each view, and where in frame ``home``.
+    home : int, optional
+        Frame in which the regions are about the animal; default the first. From a later one the
+        animal is sought backwards, in a few frames, to know where it was in the first.
+    store : CandidateStore, optional
+        What an earlier run found is taken from it, and the rest is kept in it.
+    watch : callable, optional
+        ``watch(frame, pictures)`` is shown every frame in order, also those of the store.
+    progress : callable, optional
+        Called with the number of frames done.
+    stop : callable, optional
+        Asked before each frame.
+
+    Returns
+    -------
+    list of list of ndarray
+        For each frame done, the candidates of each view (see
+        :func:`~pawnb.core.paws.offline.detection.colour.detector.find_candidates`).
+    """
+    store = store or CandidateStore()
+    home = frames[0] if home is None else home
+    found = store.begin(len(looks), frames[0], home, looks, regions)[: frames[1] - frames[0]]
+    begin = frames[0] + len(found)
+    if watch is not None:
+        deque(_shown(views, (frames[0], begin), watch), maxlen=0)
+    if found and progress is not None:
+        progress(len(found))
+    if begin == frames[1]:
+        return found
+    search = _Search(looks, regions, home)
+    if frames[0] < home and begin < home and not search.go_back(views, frames[0], stop):
+        return found
+    for t, here in enumerate(found, frames[0]):
+        search.again(t, here)
+
+    waiting: deque[list[Future[np.ndarray]]] = deque()
+    with contextlib.ExitStack() as stack:
+        stack.callback(store.close)
+        # a view stays with its thread: its region follows what the frame before has shown
+        pools = [stack.enter_context(ThreadPoolExecutor(1)) for _ in range(THREADS)]
+
+        def finish() -> None:
+            found.append([future.result() for future in waiting.popleft()])
+            store.add(found[-1])
+            if progress is not None:
+                progress(len(found))
+
+        for t, pictures in enumerate(_shown(views, (begin, frames[1]), watch), begin):
+            if stop is not None and stop():
+                break
+            waiting.append(
+                [pools[v % THREADS].submit(search.find, v, t, pictures[name])
+                 for v, name in enumerate(views.names)]
+            )  # fmt: skip
+            if len(waiting) > _IN_HAND:
+                finish()
+        while waiting:
+            finish()
+    return found
+
+
+class _Search:
+    """The search of every view, frame after frame.
+
+    Parameters
+    ----------
+    looks, regions : sequence
+        How to search each view, and where in frame ``home``.
+    home : int
+        That frame: what is searched from there on does not depend on the frames before it.
+    """
+
+    def __init__(self, looks: Sequence[Look], regions: Sequence[Region], home: int) -> None:
+        self.looks, self.home = looks, home
+        self.at_home = regions
+        self.regions = [replace(region) for region in regions]
+
+    def find(self, view: int, frame: int, picture: Picture) -> np.ndarray:
+        """Return the candidates of the next frame of a view, and follow them."""
+        self._come_home(view, frame)
+        look = self.looks[view]
+        rows = find_candidates(*searched(picture, self.regions[view], look.shrink), look)
+        self._follow(view, rows)
+        return rows
+
+    def again(self, frame: int, here: Sequence[np.ndarray]) -> None:
+        """Follow candidates that were found before in the next frame."""
+        for view, rows in enumerate(here):
+            self._come_home(view, frame)
+            self._follow(view, rows)
+
+    def go_back(self, views: Views, begin: int, stop: Callable[[], bool] | None) -> bool:
+        """Move the regions to where the animal was in an earlier frame; False if stopped."""
+        for t, pictures in views.frames(self.home, begin - 1, step=-_STRIDE, partly=True):
+            if stop is not None and stop():
+                return False
+            for v, name in enumerate(views.names):
+                rows = self.find(v, t, pictures[name])
+                for _ in range(min(_STRIDE, t - begin) - 1):
+                    self._follow(v, rows)
+        return True
+
+    def _follow(self, view: int, rows: np.ndarray) -> None:
+        """Move the region of a view with its candidates."""
+        self.regions[view].follow(rows, worth(rows, self.looks[view].distal))
+
+    def _come_home(self, view: int, frame: int) -> None:
+        """Return to where the animal is known to be in its frame."""
+        if frame == self.home:
+            self.regions[view] = replace(self.at_home[view])
+
+
+def _shown(
+    views: Views,
+    frames: tuple[int, int],
+    watch: Callable[[int, Mapping[str, Picture]], None] | None,
+) -> Iterator[Mapping[str, Picture]]:
+    """Go through frames, each shown to whoever watches."""
+    for i, pictures in views.frames(*frames, partly=True):
+        if watch is not None:
+            watch(i, pictures)
+        yield pictures
+
+
+def searched(picture: Picture, region: Region, shrink: int) -> tuple[np.ndarray, tuple[int, int]]:
+    """Return the part of a picture that is searched, reduced, and its left and top in px."""
+    # chroma has half the resolution: reduced, its planes need an even grid
+    box = region.box(1 if shrink == 1 else 2 * shrink)
+    if isinstance(picture, Frame):  # frames of a video reduce as they are decoded
+        return picture.reduced(*box, factor=shrink), box[:2]
+    return reduce(picture.crop(*box), shrink), box[:2]

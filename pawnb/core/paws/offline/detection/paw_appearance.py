@@ -1,0 +1,358 @@
+"""What paws look like where colour does not tell: a classifier that is learnt in the recording.
+
+Brightness alone does not tell a paw from belt and box, but what is about it does: it is the end of
+something thin, below a body, above its own shadow. A small network learns from the clicks what
+the places of paws look like at several scales: one class for all paws, as which is which is for the
+tracks to decide. Views are mirrored so that the animal faces to the right in all of them, and one
+network serves them all. It is learnt again from tracks that were found with it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import cv2
+import numpy as np
+
+from pawnb.core.checkpoint import code_checksum
+from pawnb.core.paws.layout import Layout, Placement, Views
+from pawnb.core.paws.offline.detection.appearance import vary_picture
+from pawnb.core.paws.offline.detection.classifier import Classifier, train_classifier
+from pawnb.core.paws.offline.detection.colour.blob_detection import peaks_at
+from pawnb.core.paws.offline.detection.colour.colour_model import Appearance
+from pawnb.core.paws.offline.detection.colour.illumination import in_light
+from pawnb.core.paws.offline.detection.colour.scan import Region, searched
+from pawnb.core.paws.offline.detection.features import feature_maps
+from pawnb.core.paws.offline.parameters import AppearanceParameters
+from pawnb.core.paws.offline.scene.treadmill import Scene
+from pawnb.core.paws.offline.smoothing.refinement import Refined
+from pawnb.core.pixels.grey import grey, has_colour
+
+LEAST_THICKNESS = 0.05
+"""Paws are at least so thick, in distances of front from hind paws: brightness shows a part of them
+only (0.04 in a grey film whose colours show 0.057)."""
+_THICKNESS_PX, _SPACING = 18.0, 4
+"""Pictures are scaled until a paw is so thick, and looked at in such steps, px. Of 725 visible
+labels of a grey film (half scale, seed 31) 0 and 21 were wrong where it was enlarged 3.3 and 2.0
+times; this is 2.8."""
+_PAW, _DOUBTFUL, _OPEN = 0.35, 0.7, 1.2
+"""In thicknesses: what lies so near to a paw's point is the paw, what is neither it nor background,
+and what may be a paw where one was not clicked."""
+_MOST_ODDS = 4.0
+"""Largest logarithm of odds: networks that learnt from few clicks are too sure."""
+_NEUTRAL = -2.5
+"""Logarithm of odds that tells neither way: a paw lies in one of so many (13) places."""
+_COPIES, _COPIES_TRACKED = 8, 1
+"""How often a clicked picture is taken, turned, scaled and lit differently, and a tracked one."""
+_FRAMES = 32
+"""Frames from which is learnt again, spread over the recording."""
+_CODE = ("classifier.py", "features.py", "paw_appearance.py")
+"""What kept candidates depend on besides what was learnt from."""
+_SURE = 0.3
+"""Standard deviation, in thicknesses, below which a track is learnt from."""
+
+
+@dataclass(frozen=True)
+class PawLesson:
+    """Where paws are in one frame.
+
+    Parameters
+    ----------
+    paws : sequence of ndarray, shape (k, 2)
+        For each view, positions, px.
+    doubtful : sequence of ndarray, shape (k, 2)
+        Where there may be a paw as well.
+    clicked : bool
+        Whether a person placed them.
+    whole : bool
+        Whether as many paws as in any frame are among them: then what is elsewhere is none.
+    """
+
+    paws: Sequence[np.ndarray]
+    doubtful: Sequence[np.ndarray]
+    clicked: bool = True
+    whole: bool = True
+
+
+@dataclass(frozen=True)
+class _Reading:
+    """How pictures of one view are read: enlarged so much, mirrored, from black to white."""
+
+    scale: float
+    mirrored: bool
+    black: float
+    white: float
+    is_colour: bool
+
+    def read(self, pixels: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
+        """Return brightness and colour (two channels) of a picture at the working scale."""
+        if self.mirrored:
+            pixels = np.ascontiguousarray(pixels[:, ::-1])
+        h, w = (max(_SPACING, round(side * self.scale)) for side in pixels.shape[:2])
+        large = cv2.resize(pixels, (w, h), interpolation=cv2.INTER_LINEAR)
+        level = large if large.ndim == 2 else cv2.cvtColor(large, cv2.COLOR_RGB2GRAY)
+        steps = np.clip((np.arange(256) - self.black) / max(self.white - self.black, 1.0), 0, 1)
+        level = cv2.LUT(level, (steps**0.7 * 255).astype(np.uint8))
+        colour = cv2.cvtColor(large, cv2.COLOR_RGB2LAB)[..., 1:] if self.is_colour else None
+        return level, colour
+
+    def place(self, xy: np.ndarray, width: int) -> np.ndarray:
+        """Return working px of positions (..., 2) in a picture that is so wide."""
+        xy = np.array(xy, float)
+        if self.mirrored:
+            xy[..., 0] = width - 1 - xy[..., 0]
+        return (xy + 0.5) * self.scale - 0.5
+
+    def back(self, grid: np.ndarray, size: tuple[int, int]) -> np.ndarray:
+        """Return values of the grid (h, w) at the pixels of a picture of this width and height."""
+        k = self.scale / _SPACING
+        shift = (0.5 * self.scale - 0.5 - _SPACING // 2) / _SPACING
+        values = cv2.warpAffine(
+            grid, np.array([[k, 0, shift], [0, k, shift]]), size,
+            flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP, borderMode=cv2.BORDER_REPLICATE,
+        )  # fmt: skip
+        return np.ascontiguousarray(values[:, ::-1]) if self.mirrored else np.asarray(values)
+
+
+class _Known:
+    """A classifier that is known by what it was learnt from: kept candidates depend on it."""
+
+    def __init__(self, classify: Classifier, key: str) -> None:
+        self.classify, self._key = classify, key
+
+    def __repr__(self) -> str:
+        return f"classifier {self._key}"
+
+
+@dataclass(frozen=True)
+class PawLook(Appearance):
+    """A look whose score is what a classifier says, instead of a table of colours.
+
+    Parameters
+    ----------
+    known : _Known
+        The classifier.
+    reading : _Reading
+        How pictures are read.
+    """
+
+    known: _Known | None = None
+    reading: _Reading | None = None
+
+    def score(
+        self, pixels: np.ndarray, origin: tuple[int, int] = (0, 0), *, shrink: int = 1
+    ) -> np.ndarray:
+        """Return how far the logarithm of odds exceeds what tells neither way, (h, w) float32."""
+        del origin, shrink  # what is about a place tells, and how it is read is known
+        if self.known is None or self.reading is None:
+            raise ValueError("this look was not learnt")
+        features = feature_maps(*self.reading.read(pixels), _SPACING)
+        h, w = features.shape[:2]
+        chance = self.known.classify(features.reshape(h * w, -1))[:, 1].reshape(h, w)
+        least = 1.0 / (1.0 + np.exp(_MOST_ODDS))
+        chance = np.clip(chance, least, 1.0 - least)
+        odds = (np.log(chance / (1.0 - chance)) - _NEUTRAL).astype(np.float32)
+        return self.reading.back(odds, (pixels.shape[1], pixels.shape[0]))
+
+
+def clicked_lessons(
+    scene: Scene, layout: Layout, clicks: Mapping[int, Sequence[Placement]]
+) -> dict[int, PawLesson]:
+    """Return what clicks teach: frame to lesson.
+
+    A paw that is clicked in other views only may be in sight.
+
+    Parameters
+    ----------
+    scene : Scene
+        What the clicks say.
+    layout : Layout
+        Points and views.
+    clicks : mapping
+        Frame to what was placed by hand.
+    """
+    lessons = {}
+    views = range(len(layout.views))
+    most = max(len({place.point for place in here}) for here in clicks.values())
+    for frame, here in clicks.items():
+        paws = [np.array([p.uv for p in here if p.view == v], float).reshape(-1, 2) for v in views]
+        doubtful = []
+        for v in views:
+            own = {place.point for place in here if place.view == v}
+            others = [x for p, x in scene.anchors.get(frame, {}).items() if p not in own]
+            shown = scene.geometry.project(np.array(others))[:, v] if others else np.empty((0, 2))
+            doubtful.append(shown)
+        whole = len({place.point for place in here}) == most
+        lessons[frame] = PawLesson(paws, doubtful, whole=whole)
+    return lessons
+
+
+def tracked_lessons(
+    refined: Refined, scene: Scene, tracked: np.ndarray, *, first: int
+) -> dict[int, PawLesson]:
+    """Return what tracks teach where they are certain and the paw was seen: frame to lesson.
+
+    Parameters
+    ----------
+    refined : Refined
+        The tracks.
+    scene : Scene
+        What the clicks say.
+    tracked : ndarray of bool, shape (V, P)
+        Which point each view tracks. A paw on the other side may or may not be in sight.
+    first : int
+        The frame of their first row.
+    """
+    shown = scene.geometry.project(refined.x)  # (n, P, V, 2)
+    seen = np.isfinite(np.swapaxes(refined.measured[..., 0], 1, 2))  # (n, V, P)
+    sure = refined.sd.mean(axis=-1) < _SURE * scene.thickness
+    lessons = {}
+    for row in np.unique(np.linspace(0, len(shown) - 1, _FRAMES).round().astype(int)).tolist():
+        own = seen[row] & sure[row] & tracked
+        lessons[first + row] = PawLesson(
+            [shown[row, here, v] for v, here in enumerate(own)],
+            [shown[row, ~here, v] for v, here in enumerate(own)],
+            clicked=False,
+        )
+    return lessons
+
+
+def with_paw_looks(
+    views: Views,
+    layout: Layout,
+    scene: Scene,
+    *,
+    lessons: Mapping[int, PawLesson],
+    parameters: AppearanceParameters,
+) -> Scene:
+    """Return a scene with looks that are learnt from lessons.
+
+    Parameters
+    ----------
+    views : Views
+        The opened views.
+    layout : Layout
+        Points and views.
+    scene : Scene
+        What the clicks say.
+    lessons : mapping
+        Frame to where paws are.
+    parameters : AppearanceParameters
+        Of the classifier.
+    """
+    pictures = _pictures(views, layout, scene, lessons)
+    levels = np.concatenate([grey(p.pixels).ravel()[::7] for p in pictures])
+    black, white = (float(x) for x in np.percentile(levels, (1, 99.8)))
+    is_colour = all(has_colour(p.pixels) for p in pictures)
+    readings = [
+        _Reading(
+            _THICKNESS_PX * look.shrink / float(scene.thickness_px[v]), layout.facing[v] < 0,
+            black, white, is_colour,
+        )
+        for v, look in enumerate(scene.looks)
+    ]  # fmt: skip
+    random = np.random.default_rng(0)
+    lots = [lot for p in pictures for lot in _lots(p, readings[p.view], random, parameters)]
+    features, labels = (np.concatenate(part) for part in zip(*lots, strict=True))
+    learnt_from = code_checksum("pawnb.core.paws.offline.detection", _CODE).encode()
+    key = hashlib.sha256(learnt_from + features.tobytes() + labels.tobytes()).hexdigest()
+    known = _Known(train_classifier(features, labels, n_points=1, parameters=parameters), key)
+    learnt = [
+        PawLook(
+            np.empty(0, np.float32), look.appearance.thickness_px, look.appearance.around_px,
+            known=known, reading=reading,
+        )
+        for look, reading in zip(scene.looks, readings, strict=True)
+    ]  # fmt: skip
+    at_clicks = [
+        peaks_at(learnt[p.view].score(p.pixels), p.paws, scene.looks[p.view].reach)
+        for p in pictures
+        if p.copies == _COPIES
+    ]
+    usual = max(float(np.median(np.concatenate(at_clicks))), 0.1)
+    looks = [
+        replace(look, is_spots=True, appearance=replace(one, usual=usual))
+        for look, one in zip(scene.looks, learnt, strict=True)
+    ]
+    return replace(scene, looks=looks)
+
+
+@dataclass(frozen=True)
+class _Picture:
+    """The searched part of one view in one frame, with where paws are in it."""
+
+    view: int
+    pixels: np.ndarray
+    paws: np.ndarray
+    doubtful: np.ndarray
+    copies: int
+    whole: bool
+
+
+def _pictures(
+    views: Views, layout: Layout, scene: Scene, lessons: Mapping[int, PawLesson]
+) -> list[_Picture]:
+    """Return the searched part of each view of each lesson."""
+    found = []
+    for frame, lesson in sorted(lessons.items()):
+        opened = views.frame(frame)
+        for v, name in enumerate(layout.views):
+            paws, doubtful = lesson.paws[v], lesson.doubtful[v]
+            if not len(paws):
+                continue
+            look, region = scene.looks[v], scene.regions[v]
+            if frame != scene.home:  # the animal may have moved
+                centre = np.array([paws[:, 0].mean(), region.centre[1]])
+                region = Region(centre, region.half, region.size)
+            pixels, origin = searched(opened[name], region, look.shrink)
+            paws, doubtful = ((at - origin + 0.5) / look.shrink - 0.5 for at in (paws, doubtful))
+            copies = _COPIES if lesson.clicked else _COPIES_TRACKED
+            pixels = in_light(pixels, look.light)
+            found.append(_Picture(v, pixels, paws, doubtful, copies, lesson.whole))
+    return found
+
+
+def _lots(
+    picture: _Picture,
+    reading: _Reading,
+    random: np.random.Generator,
+    parameters: AppearanceParameters,
+) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Return features and labels of places in a picture as it is, and varied."""
+    level, colour = reading.read(picture.pixels)
+    paws, doubtful = (
+        reading.place(at, picture.pixels.shape[1]) for at in (picture.paws, picture.doubtful)
+    )
+    lots = []
+    for copy in range(picture.copies):
+        seen, shade, turned = level, colour, np.eye(2, 3)
+        if copy:
+            seen, shade, turned = vary_picture(level, colour, random)
+        features = feature_maps(seen, shade, _SPACING)
+        h, w = features.shape[:2]
+        near, may = (
+            _distances((h, w), at @ turned[:, :2].T + turned[:, 2]) for at in (paws, doubtful)
+        )
+        positive = np.flatnonzero(near < _PAW)
+        chosen: np.ndarray = np.empty(0, int)
+        if picture.whole:
+            free = np.flatnonzero((near >= _DOUBTFUL) & (may >= _OPEN))
+            weight = 1.0 / (1.0 + (near[free] / 4.0) ** 2)
+            count = min(len(free), parameters.background)
+            chosen = random.choice(free, count, replace=False, p=weight / weight.sum())
+        taken = np.concatenate([positive, chosen])
+        labels: np.ndarray = np.repeat([1, 0], [len(positive), len(chosen)])
+        lots.append((features.reshape(h * w, -1)[taken], labels))
+    return lots
+
+
+def _distances(shape: tuple[int, int], at: np.ndarray) -> np.ndarray:
+    """Return how far each place of a grid (h * w,) is from the nearest position, thicknesses."""
+    h, w = shape
+    grid = np.stack(np.meshgrid(np.arange(w), np.arange(h)), axis=-1) * _SPACING + _SPACING // 2
+    away = np.full(h * w, np.inf)
+    for xy in at:
+        away = np.minimum(away, np.linalg.norm(grid - xy, axis=-1).ravel() / _THICKNESS_PX)
+    return away

@@ -1,0 +1,62 @@
+"""A stretch of frames in which a point is not certain, with what is known on either side."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pawnb.core.paws.offline.stride.stance import Stance
+
+_BEFORE, _AFTER = 10, 6
+"""Certain frames that tell how a stretch begins, and how it ends."""
+
+
+@dataclass(frozen=True)
+class OpenStretch:
+    """Frames of a point that are told anew, in the order in which they are told.
+
+    Parameters
+    ----------
+    before, frames, after : ndarray of int
+        Certain frames that tell how it begins, its own, and certain ones that tell how it ends.
+    is_last : bool
+        Whether hardly anything follows.
+    way : int
+        +1, or -1 where it is told backwards in time.
+    """
+
+    before: np.ndarray
+    frames: np.ndarray
+    after: np.ndarray
+    is_last: bool
+    way: int
+
+    @classmethod
+    def of(cls, first: int, stop: int, is_open: np.ndarray) -> OpenStretch:
+        """Return the stretch ``first`` to ``stop`` (exclusive); the first one goes backwards."""
+        n = len(is_open)
+        frames = np.arange(n)
+        if first == 0:
+            # before the first frame nothing is known: it is told from what follows
+            begin = stop + _certain_frames(is_open[stop:], _BEFORE)
+            return cls(frames[stop:begin][::-1], frames[:stop][::-1], frames[:0], True, -1)
+        # going back from the stretch is going forward in reversed time
+        begin = first - _certain_frames(is_open[:first][::-1], _BEFORE)
+        end = stop + _certain_frames(is_open[stop:], _AFTER)
+        return cls(frames[begin:first], frames[first:stop], frames[stop:end], stop + _AFTER > n, 1)
+
+    def stance(self, stances: Sequence[Stance]) -> Stance | None:
+        """Return the stance of the point where the stretch begins; None where it does not stand."""
+        if not len(self.before):
+            return None
+        edge = int(self.before[-1])
+        ends = [one.stop - 1 if self.way > 0 else one.first for one in stances]
+        return stances[ends.index(edge)] if edge in ends else None
+
+
+def _certain_frames(is_open: np.ndarray, most: int) -> int:
+    """Return how many frames are certain before the first open one, at most ``most``."""
+    near = is_open[:most]
+    return int(np.argmax(near)) if near.any() else len(near)

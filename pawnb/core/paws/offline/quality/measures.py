@@ -1,0 +1,387 @@
+"""What is left of the probability that labels are right, by each measure, on absolute scales.
+
+Arrays are (n frames, V views, P points). Lengths are in body sizes: the usual largest distance
+between two points of one clicked frame. Half a paw, within which a label counts as right, is
+0.035 to 0.1 of it in seven real clips with marks (horse, camel, dog, mice, fly), 0.055 in the
+middle. A measure that is not known takes nothing away.
+"""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+import pandas as pd
+from scipy.ndimage import binary_opening, distance_transform_edt
+from scipy.special import expit, logit
+
+from pawnb.schema import ORIGIN_CODE, Tracks
+
+CALIBRATED = "is_probability"
+"""Attribute of ``image_confidence``: 1 where it is the probability, 0 to 1, that the label lies
+within half a paw of the truth, of labels that were found and of others."""
+
+LIKENESS = "image_likeness"
+"""Variable of tracks: how much pictures at labels look like those at clicks of the point, -1 to 1;
+NaN where it was not measured (:mod:`.likeness`)."""
+
+_SURE = 0.9
+"""Looks lower a label that is sure to this by all else as odds do."""
+_ALIKE, _ALIKE_AGAINST = 3.9, -1.95
+"""A likeness s adds ``_ALIKE_AGAINST + _ALIKE * s`` to the log-odds of being right: fitted to
+labels of two trackers in four real clips with marks (mouse in a wheel, mouse from below, horse,
+fly)."""
+_ALONE = 0.75
+"""Looks alone make no label surer than this: a point may ride on what looks alike, such as the
+other hind paw. Of 165 labels in seven real clips that look best, 0.8 and more, 70 % are right."""
+_USUAL_SHARE, _USUAL_WEIGHT = 0.3, 0.5
+"""Share of labels that were right there, and how much it counts beside a point's own labels, which
+follow each other and tell less than so many by themselves."""
+
+_ROUNDS = 30
+_MOST_FRAMES = 1000
+"""The usual size is told from so many frames, spread evenly."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class QualityLimits:
+    """Absolute limits of what is right, good and failed.
+
+    Parameters
+    ----------
+    good, failed : float
+        Shares of labels that are expected to be right: ``good`` from the one on, ``failed``
+        below the other, between them ``look``.
+    right : float
+        Labels this near to the truth are right, in body sizes: half a paw.
+    bridged_s : float
+        Labels further than this from the next frame in which the point was found are not
+        to be believed, s: a stance of a walking animal lasts a few tenths of a second, and what
+        a paw did in a step that nobody saw is not known.
+    beyond : float
+        No point of an animal is further from the middle of the others, in body sizes; an
+        animal may come nearer to the camera.
+    leap : float
+        No point moves so far in one frame, in body sizes: a leg tip of a fly at 100 frames per
+        second moves 0.25, a horse's hoof at 24 frames per second 0.3.
+    beside : float
+        Points nearer than this, in body sizes, lie on one place.
+    beside_s : float
+        Paws that pass each other part again within this time, s.
+    """
+
+    good: float = 0.9
+    failed: float = 0.5
+    right: float = 0.055
+    bridged_s: float = 0.3
+    beyond: float = 1.25
+    leap: float = 0.6
+    beside: float = 0.03
+    beside_s: float = 0.25
+
+
+@dataclass(frozen=True)
+class Measure:
+    """One measure of labels.
+
+    Parameters
+    ----------
+    words : str
+        What speaks against a label; ``{point}`` and, where there is one, ``{other}``.
+    left : ndarray, shape (n, V, P)
+        What it leaves of the probability that a label is right, 0 to 1.
+    other : ndarray of int, shape (n, V, P), optional
+        Number of the other point that it is about.
+    """
+
+    words: str
+    left: np.ndarray
+    other: np.ndarray | None = None
+
+
+@dataclass(frozen=True)
+class Labels:
+    """What the measures need of tracks.
+
+    Parameters
+    ----------
+    uv : ndarray, shape (n, V, P, 2)
+        Image positions, px.
+    origin : ndarray of int, shape (n, V, P)
+        Their origins.
+    body_px : ndarray, shape (V,)
+        Size of the body; NaN where there is one point only.
+    fps : float
+        Frames per second.
+    sizes : dict
+        Width and height of views, px, by number, where they are known.
+    """
+
+    uv: np.ndarray
+    origin: np.ndarray
+    body_px: np.ndarray
+    fps: float
+    sizes: dict[int, tuple[int, int]]
+
+    @property
+    def found(self) -> np.ndarray:
+        """Which labels were found in the picture, or placed by hand."""
+        return np.asarray(np.isin(self.origin, (ORIGIN_CODE["measured"], ORIGIN_CODE["edited"])))
+
+    @property
+    def known(self) -> np.ndarray:
+        """Which labels there are."""
+        return np.asarray(np.isfinite(self.uv).all(axis=-1))
+
+
+def read_labels(tracks: Tracks, clicks: pd.DataFrame | None) -> Labels:
+    """Take from tracks what the measures need.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks with image positions.
+    clicks : DataFrame, optional
+        frame, view, point, u, v: what a person has placed; it tells the size of the body.
+    """
+    uv = np.moveaxis(tracks["image_position"].isel(individual=0).to_numpy(), 2, -1)
+    origin = tracks["image_origin"].isel(individual=0).to_numpy()
+    views = tracks["view"].to_numpy().tolist()
+    pictures = json.loads(tracks.attrs.get("pictures_px", "{}"))
+    if "joint_angle" in tracks:
+        pictures = {}  # a jointed animal is known as a whole: legs that have left are right
+    sizes = {v: tuple(pictures[name]) for v, name in enumerate(views) if name in pictures}
+    body = _body_px(uv, tracks, clicks)
+    return Labels(uv, origin, body, float(tracks.attrs["fps"]), sizes)
+
+
+def _body_px(uv: np.ndarray, tracks: Tracks, clicks: pd.DataFrame | None) -> np.ndarray:
+    """Return the size of the body in each view (V,), px: where it was clicked, else as usual."""
+    here = np.zeros((len(uv), uv.shape[2]), dtype=bool)
+    if clicks is not None:
+        # what was clicked in any view tracks pass through in the others, too
+        frames, points = tracks["frame"].to_numpy(), tracks["keypoint"].to_numpy()
+        for frame, clicked in clicks.groupby("frame"):
+            here[frames == frame] = np.isin(points, clicked["point"])
+    clicked_uv = np.where(here[:, None, :, None], uv, np.nan)[here.any(axis=1)]
+    body = np.array([_usual_span(clicked_uv[:, v]) for v in range(uv.shape[1])])
+    usual = np.array([_usual_span(uv[:, v]) for v in range(uv.shape[1])])
+    return np.where(np.isfinite(body), body, usual)
+
+
+def largest_distance(places: np.ndarray) -> float:
+    """Return the largest distance between two of some places (P, d); NaN where there is none."""
+    places = places[np.isfinite(places).all(axis=-1)]
+    if len(places) < 2:
+        return np.nan
+    away = np.linalg.norm(places[:, None] - places[None], axis=-1)
+    return float(away.max()) or np.nan
+
+
+def _usual_span(places: np.ndarray) -> float:
+    """Return the median over frames of the largest distance of places (n, P, d)."""
+    # the median of so many frames is that of all of them
+    few = np.unique(np.linspace(0, max(len(places) - 1, 0), _MOST_FRAMES).astype(int))
+    spans = np.array([largest_distance(places[t]) for t in few if t < len(places)])
+    known = spans[np.isfinite(spans)]
+    return float(np.median(known)) if len(known) else np.nan
+
+
+def measure_places(labels: Labels, limits: QualityLimits, trust: np.ndarray) -> list[Measure]:
+    """Measure what speaks against labels of any method: places that no animal can have.
+
+    Parameters
+    ----------
+    labels : Labels
+        The labels.
+    limits : QualityLimits
+        The limits.
+    trust : ndarray, shape (n, V, P)
+        What the method's own evidence leaves of each: a point is not blamed for being far from
+        others that are lost.
+    """
+    return [
+        _off_the_picture(labels, limits),
+        _beyond_the_body(labels, limits, trust),
+        _on_one_place(labels, limits),
+        _leaps(labels, limits),
+    ]
+
+
+def measure_evidence(tracks: Tracks, labels: Labels, limits: QualityLimits) -> list[Measure]:
+    """Measure what a method says of its labels, where it gives no probability."""
+    return [
+        _bridged(labels, limits),
+        _not_separated(tracks, labels),
+        _vague(tracks, labels, limits),
+        _passes_apart(tracks, labels),
+        _views_disagree(tracks, labels, limits),
+        _hardly_recognised(tracks, labels),
+        _looks_otherwise(tracks, labels),
+    ]
+
+
+def _falling(values: np.ndarray, begin: float, end: float, least: float) -> np.ndarray:
+    """Return 1 up to ``begin``, ``least`` from ``end`` on, a line between; 1 where unknown."""
+    return np.where(np.isfinite(values), np.interp(values, (begin, end), (1.0, least)), 1.0)
+
+
+def _off_the_picture(labels: Labels, limits: QualityLimits) -> Measure:
+    left = np.ones(labels.origin.shape)
+    for v, size in labels.sizes.items():
+        spare = np.nan_to_num(limits.right * labels.body_px[v])
+        off = np.maximum(-labels.uv[:, v], labels.uv[:, v] - (np.array(size) - 1)).max(axis=-1)
+        left[:, v] = np.where(off > spare, 0.0, 1.0)
+    return Measure("{point} lies off the picture", left)
+
+
+def _beyond_the_body(labels: Labels, limits: QualityLimits, trust: np.ndarray) -> Measure:
+    away = np.full(labels.origin.shape, np.nan)
+    sound = np.where(trust[..., None] >= limits.failed, labels.uv, np.nan)
+    for p in range(labels.origin.shape[2]):
+        others = np.delete(sound, p, axis=2)
+        middle = _middle(others)
+        away[:, :, p] = np.linalg.norm(labels.uv[:, :, p] - middle, axis=-1) / labels.body_px
+    left = _falling(away, limits.beyond, 1.4 * limits.beyond, 0.1)
+    return Measure("{point} lies further from the others than the body is long", left)
+
+
+def _middle(uv: np.ndarray) -> np.ndarray:
+    """Return the median over points (n, V, P, 2); NaN where there is none."""
+    middle = np.full((*uv.shape[:2], 2), np.nan)
+    some = np.isfinite(uv).all(axis=-1).any(axis=-1)
+    middle[some] = np.nanmedian(uv[some], axis=-2)
+    return middle
+
+
+def _on_one_place(labels: Labels, limits: QualityLimits) -> Measure:
+    _, n_views, n_points = labels.origin.shape
+    shared = np.zeros((len(labels.uv), n_points), dtype=bool)
+    other = np.zeros(shared.shape, dtype=int)
+    lasting = np.ones(max(2, round(limits.beside_s * labels.fps) + 1))
+    for p, q in combinations(range(n_points), 2):
+        away = np.linalg.norm(labels.uv[:, :, p] - labels.uv[:, :, q], axis=-1)
+        both = np.isfinite(away)
+        # in space they share a place only where every view that has both says so
+        near = ((away < limits.beside * labels.body_px) | ~both).all(axis=1) & both.any(axis=1)
+        near = binary_opening(near, lasting)
+        shared[near, p] = shared[near, q] = True
+        other[near, p], other[near, q] = q, p
+    left = np.where(shared, 0.5, 1.0)
+    others = np.repeat(other[:, None], n_views, axis=1)
+    return Measure("{point} and {other} lie on one place", _in_views(left, labels), others)
+
+
+def _leaps(labels: Labels, limits: QualityLimits) -> Measure:
+    step = np.full(labels.origin.shape, np.nan)
+    if len(step) > 1:
+        moved = np.linalg.norm(np.diff(labels.uv, axis=0), axis=-1) / labels.body_px[:, None]
+        step[1:] = moved
+        step[:-1] = np.fmax(step[:-1], moved)
+    left = _falling(step, limits.leap, 1.4 * limits.leap, 0.3)
+    return Measure("{point} leaps further than any animal moves in one frame", left)
+
+
+def _bridged(labels: Labels, limits: QualityLimits) -> Measure:
+    # a point that another view finds is found
+    found = np.asarray(labels.found.any(axis=1))
+    away = np.full(found.shape, np.inf)
+    for p in np.flatnonzero(found.any(axis=0)).tolist():
+        away[:, p] = distance_transform_edt(~found[:, p])
+    late = away / labels.fps - limits.bridged_s / 3.0
+    left = np.exp(-np.maximum(late, 0.0) / limits.bridged_s)
+    return Measure("{point} was not found for long and is only guessed", _in_views(left, labels))
+
+
+def _in_views(values: np.ndarray, labels: Labels) -> np.ndarray:
+    return np.broadcast_to(values[:, None], labels.origin.shape).copy()
+
+
+def _not_separated(tracks: Tracks, labels: Labels) -> Measure:
+    left = np.ones(labels.origin.shape)
+    each = expit(_separation(tracks, labels))
+    told = np.isfinite(each).sum(axis=1)
+    mean = np.where(told > 0, np.nansum(each, axis=1) / np.maximum(told, 1), np.nan)
+    rows = np.arange(len(mean))
+    for p in np.flatnonzero((told > 0).any(axis=0)).tolist():
+        at = np.flatnonzero(np.isfinite(mean[:, p]))
+        # what is bridged between doubtful places is doubtful
+        left[:, :, p] = np.interp(rows, at, mean[at, p])[:, None]
+    left = np.where(np.isfinite(each), each, left)
+    return Measure("other places fit {point} about as well", left)
+
+
+def _vague(tracks: Tracks, labels: Labels, limits: QualityLimits) -> Measure:
+    left = np.ones(labels.origin.shape)
+    if "sd" in tracks:
+        x = np.moveaxis(tracks["position"].isel(individual=0).to_numpy(), 1, -1)
+        sd = np.sqrt(np.square(tracks["sd"].isel(individual=0).to_numpy()).mean(axis=1))
+        size = _usual_span(x)
+        for v in range(len(labels.body_px)):
+            px = sd * _usual_span(labels.uv[:, v]) / size
+            chance = -np.expm1(-0.5 * np.square(limits.right * labels.body_px[v] / px))
+            left[:, v] = np.where(np.isfinite(chance), chance, 1.0)
+    return Measure("the place of {point} is only vaguely known", left)
+
+
+def _passes_apart(tracks: Tracks, labels: Labels) -> Measure:
+    left = np.ones(labels.origin.shape)
+    if "passes_apart" in tracks:
+        apart = tracks["passes_apart"].isel(individual=0).to_numpy()
+        left = _in_views(_falling(apart, 3.0, 8.0, 0.3), labels)
+    return Measure("passes forwards and backwards disagree about {point}", left)
+
+
+def _views_disagree(tracks: Tracks, labels: Labels, limits: QualityLimits) -> Measure:
+    off = tracks["residual"].isel(individual=0).to_numpy()[:, None] / labels.body_px[:, None]
+    if "image_residual" in tracks:
+        off = tracks["image_residual"].isel(individual=0).to_numpy() / labels.body_px[:, None]
+    left = _falling(off, limits.right, 3.0 * limits.right, 0.1)
+    return Measure("the picture has {point} elsewhere than the other views", left)
+
+
+def _hardly_recognised(tracks: Tracks, labels: Labels) -> Measure:
+    confidence = tracks["image_confidence"].isel(individual=0).to_numpy()
+    left = np.where(labels.found, _falling(1.0 - confidence, 0.7, 1.0, 0.5), 1.0)
+    return Measure("{point} is hardly recognised", left)
+
+
+def _looks_otherwise(tracks: Tracks, labels: Labels) -> Measure:
+    left = np.ones(labels.origin.shape)
+    if LIKENESS in tracks:
+        alike = tracks[LIKENESS].isel(individual=0).to_numpy()
+        # a method that says nothing of other places has only looks to speak for it
+        alone = ~np.isfinite(_separation(tracks, labels)).any(axis=(0, 1))
+        alike = np.where(labels.found, alike, np.nan)
+        rows = np.arange(len(alike))
+        for p in np.flatnonzero(np.isfinite(alike).any(axis=(0, 1))).tolist():
+            odds = _ALIKE_AGAINST + _ALIKE * alike[:, :, p]
+            if alone[p]:
+                share = _share_alike(odds[np.isfinite(odds)])
+                chance = np.minimum(expit(odds + logit(share)), _ALONE)
+            else:
+                chance = expit(logit(_SURE) + np.minimum(odds, 0.0)) / _SURE
+            for v in np.flatnonzero(np.isfinite(chance).any(axis=0)).tolist():
+                at = np.flatnonzero(np.isfinite(chance[:, v]))
+                left[:, v, p] = np.interp(rows, at, chance[at, v])
+        left = np.where(labels.found, left, 1.0)
+    return Measure("the picture at {point} does not look like what was clicked", left)
+
+
+def _share_alike(odds: np.ndarray) -> float:
+    """Return the share of labels that is most likely, by what looks add to their log-odds."""
+    share = _USUAL_SHARE
+    for _ in range(_ROUNDS):
+        own = expit(odds + logit(share)).mean()
+        share = float(own + _USUAL_WEIGHT * _USUAL_SHARE) / (1.0 + _USUAL_WEIGHT)
+    return share
+
+
+def _separation(tracks: Tracks, labels: Labels) -> np.ndarray:
+    """Return the log-odds of labels that were found against other places; NaN where not told."""
+    odds = np.full(labels.origin.shape, np.nan)
+    if "image_separation" in tracks:
+        odds = tracks["image_separation"].isel(individual=0).to_numpy()
+    return np.where(labels.found, odds, np.nan)

@@ -1,0 +1,266 @@
+"""A view from below leads: feet do not hide each other there, so it decides alone who is who.
+
+Seen from the side, feet hide each other and what they stand on looks like them, and every
+candidate from below pairs with several from the side. Paths are then chosen among the
+candidates of the view from below, laid on one plane at the height of the ground; the other
+views tell the heights afterwards, along the whole path at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pawnb.core import dlt
+from pawnb.core.paws.layout import Placement
+from pawnb.core.paws.offline.association.network_flow.triangulation import (
+    Places,
+    Volume,
+    triangulate,
+)
+from pawnb.core.paws.offline.detection.colour.detector import worth
+from pawnb.core.paws.offline.detection.colour.observations import Sights
+
+_UPRIGHT = 0.8
+"""Cosine between the line of sight and up from which a view counts as one from below."""
+_ALONE = 0.4
+"""Cost of a candidate that no other view confirms."""
+_SUNK = 0.7
+"""Paws may be lower than the lowest click by so many thicknesses: not all ground is level."""
+_GAP = 8
+"""Frames over which heights are joined."""
+_NEW = 3.0
+"""Cost of beginning again with another height."""
+_REWARD = 1.5
+"""What a candidate of another view may cost to be taken at all."""
+
+
+@dataclass(frozen=True)
+class Lead:
+    """The view that leads, and what places on its plane need.
+
+    Parameters
+    ----------
+    view : int
+        Its number.
+    coefs : ndarray, shape (11, V)
+        DLT coefficients.
+    volume : Volume
+        Where paws can be.
+    ground : float
+        Height of the plane.
+    thickness : float
+        Thickness of a paw in space.
+    thickness_px : ndarray, shape (V,)
+        The same in each view.
+    distal : sequence of (float, float)
+        For each view, see :class:`~pawnb.core.paws.offline.detection.colour.detector.Look`.
+    """
+
+    view: int
+    coefs: np.ndarray
+    volume: Volume
+    ground: float
+    thickness: float
+    thickness_px: np.ndarray
+    distal: Sequence[tuple[float, float]]
+
+    def flat(self, x: np.ndarray) -> np.ndarray:
+        """Return where points (..., 3) seem to be on the plane."""
+        uv = dlt.project(self.coefs[:, [self.view]], x)[..., 0, :]
+        return self.on_plane(uv, np.full(uv.shape[:-1], self.ground))
+
+    def on_plane(self, uv: np.ndarray, height: np.ndarray) -> np.ndarray:
+        """Return the points (..., 3) at some heights (...) that the view sees at ``uv``."""
+        L = self.coefs[:, self.view]
+        rows = np.stack(
+            [
+                L[0:3] - uv[..., :1] * L[8:11],
+                L[4:7] - uv[..., 1:] * L[8:11],
+                np.broadcast_to(self.volume.up, (*uv.shape[:-1], 3)),
+            ],
+            axis=-2,
+        )
+        right = np.stack([uv[..., 0] - L[3], uv[..., 1] - L[7], height], axis=-1)
+        return np.asarray(np.linalg.solve(rows, right[..., None])[..., 0])
+
+    def at_height(self, x: np.ndarray, height: np.ndarray) -> np.ndarray:
+        """Move points (n, 3) along the line of sight to other heights (n,)."""
+        return self.on_plane(dlt.project(self.coefs[:, [self.view]], x)[..., 0, :], height)
+
+    def places(self, found: Sequence[Sequence[np.ndarray]], most: int) -> list[Places]:
+        """Return the places of every frame on the plane, the best first."""
+        return [self._places_of(rows, most) for rows in found]
+
+    def _places_of(self, found: Sequence[np.ndarray], most: int) -> Places:
+        """Return the places of one frame."""
+        own = found[self.view]
+        if not len(own):
+            return Places(np.empty((0, 3)), np.empty(0))
+        uv = own[:, :2].astype(float)
+        good = [worth(rows, self.distal[v]) for v, rows in enumerate(found)]
+        _, price = self.heights(uv, [rows[:, :2] for rows in found], good)
+        confirmed = (price < _REWARD).any(axis=1)
+        cost = 1.5 * (1.0 - good[self.view]) + np.where(confirmed, 0.0, _ALONE)
+        at = self.on_plane(uv, np.full(len(uv), self.ground))
+        kept: list[int] = []
+        for i in np.argsort(cost, kind="stable").tolist():
+            away = np.linalg.norm(at[kept] - at[i], axis=1)
+            if len(kept) < most and away.min(initial=np.inf) >= self.thickness:
+                kept.append(i)
+        return Places(at[kept], cost[kept])
+
+    def heights(
+        self, uv: np.ndarray, seen: Sequence[np.ndarray], good: Sequence[np.ndarray]
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return what the other views say of the height of points.
+
+        Parameters
+        ----------
+        uv : ndarray, shape (k, 2)
+            Where the view sees them, px.
+        seen : sequence of ndarray, shape (c, 2)
+            Candidates of every view in that frame, px.
+        good : sequence of ndarray, shape (c,)
+            How much each looks like the end of a paw, 0 to 1.
+
+        Returns
+        -------
+        heights, price : ndarray, shape (k, m)
+            The height at which each candidate of another view meets the line of sight, and
+            how badly it fits: from 0, infinite where it does not meet.
+        """
+        heights, price = [np.empty((len(uv), 0))], [np.empty((len(uv), 0))]
+        for v, other in enumerate(seen):
+            if v == self.view or not len(other):
+                continue
+            both = [self.view, v]
+            pair = np.empty((len(uv), len(other), 2, 2))
+            pair[:, :, 0], pair[:, :, 1] = uv[:, None], other
+            flat = pair.reshape(-1, 2, 2)
+            xyz = triangulate(self.coefs[:, both], flat)
+            step = dlt.project(self.coefs[:, both], xyz) - flat
+            away = (np.linalg.norm(step, axis=-1) / self.thickness_px[both]).max(axis=1)
+            # both views bear half of the distance
+            cost = (away / 0.4) ** 2 + np.tile(1.0 - good[v], len(uv))
+            height = xyz @ self.volume.up
+            # what a paw stands on may look like one
+            low = np.maximum(self.ground - _SUNK * self.thickness - height, 0.0)
+            cost += 0.5 * (low / (0.5 * self.thickness)) ** 2
+            cost[(away > 0.4) | ~self.volume.holds(xyz)] = np.inf
+            heights.append(height.reshape(pair.shape[:2]))
+            price.append(cost.reshape(pair.shape[:2]))
+        return np.concatenate(heights, axis=1), np.concatenate(price, axis=1)
+
+    def lift(self, flat: np.ndarray, sights: Sights, acceleration: float) -> np.ndarray:
+        """Give paths on the plane their heights.
+
+        Parameters
+        ----------
+        flat : ndarray, shape (n, P, 3)
+            Places on the plane, NaN where hidden.
+        sights : Sights
+            What every view shows.
+        acceleration : float
+            Standard deviation of the acceleration of a paw, length per frame squared.
+
+        Returns
+        -------
+        ndarray, shape (n, P, 3)
+            Places in space, NaN where hidden. Where no view tells the height it is
+            interpolated, and where none ever does it is that of the ground.
+        """
+        uv = dlt.project(self.coefs[:, [self.view]], flat)[..., 0, :]
+        lifted = np.full_like(flat, np.nan)
+        for p in range(flat.shape[1]):
+            seen = np.flatnonzero(np.isfinite(uv[:, p, 0]))
+            choices = {t: self._told(uv[t, p], t, p, sights) for t in seen.tolist()}
+            known = _likeliest(choices, max(2.0 * acceleration, 0.15 * self.thickness))
+            at = np.array(sorted(known), int)
+            height = np.full(len(seen), self.ground)
+            if known:
+                height = np.interp(seen, at, [known[t] for t in at.tolist()])
+            lifted[seen, p] = self.on_plane(uv[seen, p], height)
+        return lifted
+
+    def _told(
+        self, uv: np.ndarray, t: int, point: int, sights: Sights
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return the heights that views tell of one place, and what each costs."""
+        there = sights.is_there[t]
+        # all spots are moved alike
+        shift = (sights.at[t, point, self.view] - sights.raw[t, self.view])[there[self.view]]
+        moved = uv + shift.mean(axis=0) if len(shift) else uv
+        heights, price = self.heights(
+            moved[None],
+            [sights.at[t, point, v, there[v]] for v in range(len(there))],
+            [sights.quality[t, v, there[v]] for v in range(len(there))],
+        )
+        return heights[0], price[0]
+
+
+def _likeliest(
+    choices: Mapping[int, tuple[np.ndarray, np.ndarray]], speed: float
+) -> dict[int, float]:
+    """Return the likeliest course of a height: frame to height, some frames left out.
+
+    ``choices`` has the heights of each frame and what each costs; ``speed`` is the standard
+    deviation of a change from frame to frame.
+    """
+    ends: dict[int, tuple[np.ndarray, np.ndarray, list[tuple[int, int] | None]]] = {}
+    lowest: tuple[float, tuple[int, int] | None] = (0.0, None)
+    for t in sorted(choices):
+        height, price = choices[t]
+        good = np.flatnonzero(price < _REWARD)
+        if not len(good):
+            continue
+        total, before = np.full(len(good), lowest[0] + _NEW), [lowest[1]] * len(good)
+        for earlier in range(max(t - _GAP, min(ends, default=t)), t):
+            if earlier not in ends:
+                continue
+            past, cost, _ = ends[earlier]
+            step = (height[good][:, None] - past) / (speed * np.sqrt(t - earlier))
+            chained = cost + 0.5 * np.minimum(step**2, 4.0 * _NEW)
+            best = chained.argmin(axis=1)
+            for i, j in enumerate(best.tolist()):
+                if chained[i, j] < total[i]:
+                    total[i], before[i] = chained[i, j], (earlier, j)
+        total = total + price[good] - _REWARD
+        ends[t] = (height[good], total, before)
+        i = int(total.argmin())
+        if total[i] < lowest[0]:
+            lowest = (float(total[i]), (t, i))
+    course: dict[int, float] = {}
+    at = lowest[1]
+    while at is not None:
+        heights, _, links = ends[at[0]]
+        course[at[0]] = float(heights[at[1]])
+        at = links[at[1]]
+    return course
+
+
+def find_lead(
+    jacobian: np.ndarray, up: np.ndarray, here: Sequence[Placement], *, n_points: int
+) -> int | None:
+    """Return the view that leads, or None.
+
+    Parameters
+    ----------
+    jacobian : ndarray, shape (V, 2, 3)
+        Of the views, at the animal.
+    up : ndarray, shape (3,)
+        Unit vector.
+    here : sequence of Placement
+        What was placed in one frame.
+    n_points : int
+        Number of points; the view must have shown every one of them.
+    """
+    sight = np.cross(jacobian[:, 0], jacobian[:, 1])
+    upright = np.abs(sight @ up) / np.maximum(np.linalg.norm(sight, axis=1), 1e-12)
+    for v in np.argsort(-upright).tolist():
+        placed = {place.point for place in here if place.view == v}
+        if len(jacobian) > 1 and upright[v] > _UPRIGHT and len(placed) == n_points:
+            return int(v)
+    return None

@@ -1,0 +1,398 @@
+"""What the clicks say about a recording: sizes, colours, where to search and how."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import cv2
+import numpy as np
+
+from pawnb.core.parallel import on_threads
+from pawnb.core.paws.layout import Layout, Placement, Views
+from pawnb.core.paws.offline.association.network_flow.triangulation import Volume
+from pawnb.core.paws.offline.detection.colour.background import find_still, to_grey
+from pawnb.core.paws.offline.detection.colour.colour_model import Appearance, learn
+from pawnb.core.paws.offline.detection.colour.detector import Look
+from pawnb.core.paws.offline.detection.colour.illumination import mean_light
+from pawnb.core.paws.offline.detection.colour.scan import Region, make_look, searched
+from pawnb.core.paws.offline.projection import Geometry
+from pawnb.core.paws.offline.scene.bottom_view import Lead, find_lead
+from pawnb.core.paws.offline.settings import WholeSettings
+
+_LEAST_SPAN = 14.0
+"""Least distance of front from hind paws, in thicknesses of a paw."""
+_BELOW = 0.15
+"""Paws may be this much lower than the lowest click, in spans."""
+_BROAD, _BROAD_BELOW = 0.4, 0.7
+"""Paws are searched this far to either side, in spans; and in a view from below."""
+_BESIDE, _BESIDE_STRANGE = 0.35, 0.8
+"""Paws are this far to the side of the clicks, in spans; and where one side was not clicked."""
+_ROWS = 0.25
+"""A view from below shows left and right paws in two rows this far apart, in distances of front
+from hind paws; from the side, however steep, the far ones are less high."""
+_AROUND_SHARE = 0.06
+"""Side of the square that tells a grey paw's surroundings, as a share of the picture's width."""
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What the clicks say.
+
+    Parameters
+    ----------
+    geometry : Geometry
+        The views.
+    home : int
+        The frame in which most points were placed: sizes, directions and what is searched are
+        taken from it.
+    anchors : dict
+        Frame to point number to position (d,).
+    span : float
+        Distance of front from hind paws, in the unit of space.
+    thickness : float
+        Thickness of a paw there.
+    thickness_px : ndarray, shape (V,)
+        The same in each view.
+    looks, regions : list
+        How and where each view is searched.
+    distal : list of (float, float)
+        Direction in each picture in which limbs tend to end.
+    up, forward : ndarray, shape (d,)
+        Unit vectors.
+    volume : Volume, optional
+        Where paws can be; None for one view by itself.
+    lead : Lead, optional
+        The view from below, where there is one.
+    is_flat : bool
+        Whether there is one view only, from below: up in its picture is to one side of the
+        animal, and positions have no height.
+    """
+
+    geometry: Geometry
+    home: int
+    anchors: dict[int, dict[int, np.ndarray]]
+    span: float
+    thickness: float
+    thickness_px: np.ndarray
+    looks: list[Look]
+    regions: list[Region]
+    distal: list[tuple[float, float]]
+    up: np.ndarray
+    forward: np.ndarray
+    volume: Volume | None
+    lead: Lead | None = None
+    is_flat: bool = False
+
+    @property
+    def is_learnt(self) -> bool:
+        """Whether a classifier that was learnt tells paws, not their colour."""
+        return any(look.is_spots for look in self.looks)
+
+    @property
+    def across(self) -> np.ndarray | None:
+        """Unit vector to the side of the animal; None for one view from the side."""
+        if self.volume is not None:
+            return self.volume.across
+        return self.up if self.is_flat else None
+
+
+def read_scene(
+    views: Views,
+    layout: Layout,
+    clicks: Mapping[int, Sequence[Placement]],
+    *,
+    anchors: Mapping[int, Sequence[Placement]],
+    settings: WholeSettings,
+    least_thickness: float = 0.0,
+) -> Scene:
+    """Work out what the clicks say.
+
+    Parameters
+    ----------
+    views : Views
+        The opened views.
+    layout : Layout
+        Which point is tracked in which view.
+    clicks : mapping
+        Frame to positions placed by hand, from which the look of the paws is learnt.
+    anchors : mapping
+        Frame to positions that tracks pass through.
+    settings : WholeSettings
+        The settings.
+    least_thickness : float
+        Paws are at least so thick, in distances of front from hind paws.
+
+    Returns
+    -------
+    Scene
+        What they say.
+    """
+    geometry = Geometry(None if layout.rig is None else layout.rig.coefs)
+    up, forward = _directions(layout)
+    placed = {t: _positions(here, layout, up) for t, here in sorted(anchors.items())}
+    home = fullest(anchors)
+    first = np.stack(list(placed[home].values()))
+    everyone = np.stack([x for here in placed.values() for x in here.values()])
+    middle = first.mean(axis=0)
+    per_unit = np.linalg.norm(geometry.jacobian(middle), axis=(-2, -1)) / np.sqrt(2.0)
+    appearances = _learn_looks(views, layout, clicks)
+    thickness = float(np.median([a.thickness_px for a in appearances]) / np.mean(per_unit))
+    span = float(np.linalg.norm(first[:, None] - first[None], axis=-1).max())
+    thickness = max(thickness, least_thickness * span)
+    thickness_px = thickness * per_unit
+    ground, height = float((everyone @ up).min()), settings.height
+    leading = None
+    is_flat = layout.rig is None and shows_two_rows(placed[home], layout.kinds, forward)
+    if is_flat:
+        leading = 0
+        # all of the animal's breadth is searched
+        breadth = float(np.ptp(everyone @ up))
+        ground, height = ground - _BESIDE * span, breadth / span + 2.0 * _BESIDE
+    else:
+        span = max(span, _LEAST_SPAN * thickness)
+    stage = _Stage(middle, forward, up, ground, span, height)
+    if layout.rig is not None:
+        leading = leading_view(layout, anchors)
+    distal = stage.distal(geometry, thickness)
+    if is_flat:
+        distal = [(float(forward[0]), float(forward[1]))]
+    regions, hulls = stage.search(geometry, layout.sizes, leading)
+    looks = [
+        make_look(
+            appearances[v], thickness_px[v], distal[v], limits=hulls[v], is_below=v == leading
+        )
+        for v in range(len(layout.sizes))
+    ]
+    looks = _in_their_light(looks, views, home, regions)
+    volume = lead = None
+    if layout.rig is not None:
+        across = np.cross(up, forward)
+        beside = everyone @ across
+        # the paws of the other side are to be found too, or they are taken for the clicked
+        margin = (_BESIDE_STRANGE if unclicked_kinds(layout.kinds) else _BESIDE) * span
+        volume = Volume(
+            up, across, (ground - _BELOW * span, ground + settings.height * span),
+            (float(beside.min()) - margin, float(beside.max()) + margin),
+        )  # fmt: skip
+        if leading is not None:
+            lead = Lead(leading, layout.rig.coefs, volume, ground, thickness, thickness_px, distal)
+    return Scene(
+        geometry, home, placed, span, thickness, thickness_px, looks, regions, distal, up, forward,
+        volume, lead, is_flat,
+    )  # fmt: skip
+
+
+def leading_view(layout: Layout, anchors: Mapping[int, Sequence[Placement]]) -> int | None:
+    """Return the calibrated view from below that leads, or None; no picture is looked at."""
+    if layout.rig is None:
+        return None
+    here = anchors[fullest(anchors)]
+    up = _directions(layout)[0]
+    middle = np.stack(list(_positions(here, layout, up).values())).mean(axis=0)
+    jacobian = Geometry(layout.rig.coefs).jacobian(middle)
+    return find_lead(jacobian, up, here, n_points=len(layout.points))
+
+
+def fullest(placed: Mapping[int, Sequence[Placement]]) -> int:
+    """Return the frame in which most points are placed, in most views; the first of several.
+
+    A recording may be corrected before it was clicked, one paw at a time.
+    """
+
+    def count(frame: int) -> tuple[int, int, int]:
+        here = placed[frame]
+        return len({place.point for place in here}), len(here), -frame
+
+    return max(placed, key=count)
+
+
+def shows_two_rows(
+    placed: Mapping[int, np.ndarray], kinds: Sequence[str], forward: np.ndarray
+) -> bool:
+    """Tell whether a single picture shows left and right paws in two rows, as from below.
+
+    Parameters
+    ----------
+    placed : mapping
+        Point number to position (2,), px, in one frame.
+    kinds : sequence of str
+        Kind of each point.
+    forward : ndarray, shape (2,)
+        Unit vector along the animal.
+
+    Returns
+    -------
+    bool
+        True where two front and two hind paws lie in two rows well apart.
+    """
+    pairs = [
+        np.array([x for p, x in placed.items() if kinds[p] == kind]) for kind in ("front", "hind")
+    ]
+    if any(len(pair) != 2 for pair in pairs):
+        return False
+    long = abs(float((pairs[0].mean(axis=0) - pairs[1].mean(axis=0)) @ forward))
+    rows = np.sort([pair @ np.array([-forward[1], forward[0]]) for pair in pairs], axis=1)
+    return bool(rows[:, 1].min() - rows[:, 0].max() > _ROWS * long)
+
+
+def unclicked_kinds(kinds: Sequence[str]) -> list[str]:
+    """Return the kinds of paws of which an animal has one more than was clicked."""
+    return [kind for kind in ("front", "hind") if list(kinds).count(kind) == 1]
+
+
+def move_anchors(scene: Scene, layout: Layout, anchors: Mapping[int, Sequence[Placement]]) -> Scene:
+    """Return the same scene with other positions that tracks pass through."""
+    placed = {t: _positions(here, layout, scene.up) for t, here in sorted(anchors.items())}
+    return replace(scene, anchors=placed)
+
+
+def _directions(layout: Layout) -> tuple[np.ndarray, np.ndarray]:
+    """Return up and forward in space, or in the picture of a single view."""
+    if layout.rig is not None:
+        return np.array(layout.rig.up), np.array(layout.rig.forward)
+    return np.array([0.0, -1.0]), np.array([float(layout.facing[0]), 0.0])
+
+
+def _positions(here: Sequence[Placement], layout: Layout, up: np.ndarray) -> dict[int, np.ndarray]:
+    """Return the position of every point placed in one frame."""
+    uv = np.full((len(layout.points), len(layout.views), 2), np.nan)
+    for place in here:
+        uv[place.point, place.view] = place.uv
+    n_views = np.isfinite(uv[..., 0]).sum(axis=1)
+    if layout.rig is None:
+        return {int(p): uv[p, 0] for p in np.flatnonzero(n_views)}
+    xyz = layout.rig.triangulate(uv, refine=True).xyz
+    known = xyz[n_views >= 2]
+    height = float(np.median(known @ up)) if len(known) else 0.0
+    for p in np.flatnonzero(n_views == 1):
+        v = int(np.flatnonzero(np.isfinite(uv[p, :, 0]))[0])
+        xyz[p] = _on_plane(layout.rig.coefs[:, v], uv[p, v], up, height)
+    return {int(p): xyz[p] for p in np.flatnonzero(n_views)}
+
+
+def _on_plane(L: np.ndarray, uv: np.ndarray, up: np.ndarray, height: float) -> np.ndarray:
+    """Return the point of a plane at some height that one view sees at ``uv``."""
+    A = np.stack([L[0:3] - uv[0] * L[8:11], L[4:7] - uv[1] * L[8:11], up])
+    b = np.array([uv[0] - L[3], uv[1] - L[7], height])
+    return np.linalg.lstsq(A, b, rcond=None)[0]
+
+
+def _learn_looks(
+    views: Views, layout: Layout, clicks: Mapping[int, Sequence[Placement]]
+) -> list[Appearance]:
+    """Learn the look of the paws in every view.
+
+    Colours are the same in all views, so one look is learnt from all clicks. Grey levels are
+    not: light comes from one side, and a mirror or a glass floor dims. There each view
+    learns from its own clicks if it has some.
+    """
+    like = fullest(clicks)
+    shown = _whole_pictures(views, layout, like, range(len(layout.views)))
+    still = find_still(views, layout.sizes, shown)
+    pictures, places, owners = [], [], []
+    for frame, here in clicks.items():
+        clicked = sorted({place.view for place in here})
+        whole = shown if frame == like else _whole_pictures(views, layout, frame, clicked)
+        for v in clicked:
+            pictures.append(whole[v] if still[v] is None else to_grey(whole[v]))
+            places.append(np.stack([place.uv for place in here if place.view == v]))
+            owners.append(v)
+    around = 2 * round(_AROUND_SHARE * max(size[0] for size in layout.sizes) / 2) + 1
+
+    def learn_from(which: Sequence[int]) -> Appearance:
+        return learn(
+            [pictures[i] for i in which], [places[i] for i in which], around_px=around,
+            backgrounds=[still[owners[i]] for i in which],
+        )  # fmt: skip
+
+    everywhere = learn_from(range(len(pictures)))
+    looks = []
+    for v, background in enumerate(still):
+        own_pictures = [i for i, owner in enumerate(owners) if owner == v]
+        alone = background is not None and len(own_pictures) > 0
+        look = learn_from(own_pictures) if alone else everywhere
+        looks.append(replace(look, background=background))
+    return looks
+
+
+def _whole_pictures(
+    views: Views, layout: Layout, frame: int, which: Sequence[int]
+) -> dict[int, np.ndarray]:
+    """Return whole pictures of some views in one frame."""
+    opened = views.frame(frame)
+
+    def whole(v: int) -> np.ndarray:
+        return np.asarray(opened[layout.views[v]].crop(0, 0, *layout.sizes[v]))
+
+    return dict(zip(which, on_threads(whole, which), strict=True))
+
+
+def _in_their_light(
+    looks: Sequence[Look], views: Views, frame: int, regions: Sequence[Region]
+) -> list[Look]:
+    """Note how bright what is searched is in a clicked frame."""
+    opened = views.frame(frame)
+    parts = [
+        searched(opened[name], region, look.shrink)[0]
+        for name, region, look in zip(views.names, regions, looks, strict=True)
+    ]
+    return [replace(look, light=mean_light(part)) for look, part in zip(looks, parts, strict=True)]
+
+
+@dataclass(frozen=True)
+class _Stage:
+    """Where the animal is and how large; see :class:`Scene`."""
+
+    middle: np.ndarray
+    forward: np.ndarray
+    up: np.ndarray
+    ground: float
+    span: float
+    height: float
+
+    def distal(self, geometry: Geometry, thickness: float) -> list[tuple[float, float]]:
+        """Return the direction in each picture in which limbs tend to end."""
+        tip = self.middle + (self.forward - self.up) * thickness
+        step = geometry.project(tip) - geometry.project(self.middle)
+        step = step / np.maximum(np.linalg.norm(step, axis=-1, keepdims=True), 1e-9)
+        return [(float(a), float(b)) for a, b in step]
+
+    def search(
+        self, geometry: Geometry, sizes: Sequence[tuple[int, int]], leading: int | None
+    ) -> tuple[list[Region], list[np.ndarray]]:
+        """Return the region of each view, and the limits within which paws can be."""
+        regions, hulls = [], []
+        for v, size in enumerate(sizes):
+            # what is far to the side is not hidden from below
+            broad = _BROAD_BELOW if v == leading else _BROAD
+            corners = geometry.project(self._box(1.15, broad))[:, v]
+            low, high = corners.min(axis=0), corners.max(axis=0)
+            regions.append(Region((low + high) / 2, (high - low) / 2, size))
+            hulls.append(_hull(geometry.project(self._box(2.5, broad))[:, v]))
+        return regions, hulls
+
+    def _box(self, long: float, broad: float) -> np.ndarray:
+        """Return the corners of the box in which paws are searched."""
+        base = self.middle + (self.ground - self.middle @ self.up) * self.up
+        sides = [np.zeros_like(self.up)]
+        if len(self.up) == 3:
+            across = broad * self.span * np.cross(self.up, self.forward)
+            sides = [across, -across]
+        return np.stack(
+            [
+                base + a * long * self.span * self.forward + s + c * self.span * self.up
+                for a in (-1.0, 1.0) for s in sides for c in (-_BELOW, self.height)
+            ]
+        )  # fmt: skip
+
+
+def _hull(corners: np.ndarray) -> np.ndarray:
+    """Return the lines (m, 3) of the convex hull of points, positive inside."""
+    hull = cv2.convexHull(corners.astype(np.float32))[:, 0].astype(float)
+    edge = np.roll(hull, -1, axis=0) - hull
+    normal = np.column_stack([-edge[:, 1], edge[:, 0]])
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-9)
+    lines = np.column_stack([normal, -(normal * hull).sum(axis=1)])
+    inside = lines[:, :2] @ hull.mean(axis=0) + lines[:, 2]
+    return np.asarray(lines * np.sign(inside)[:, None])

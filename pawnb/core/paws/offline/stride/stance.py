@@ -1,0 +1,261 @@
+"""Paws that stand while nothing shows them, and how they lift off.
+
+A front paw that is about to lift off is often covered by the hind paw that lands beside it.
+It still stands: it goes exactly as the ground does, at the height of the ground. What goes
+with the ground above it is no paw but a wrist over one. A paw that lifts off changes its speed
+at once; by how much is learnt where that was seen.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pawnb.core.paws.offline.projection import Geometry
+from pawnb.core.paws.offline.scene.motion_model import Manner
+from pawnb.core.paws.offline.stride.plausibility_kernels import Doubts
+from pawnb.core.paws.offline.treadmill.median import middle
+
+_HALF = 2
+"""Frames before and after over which a speed is taken."""
+_WITH_GROUND = 0.25
+"""A point goes with the ground if its speed differs by less than this share of the ground's, or"""
+_SLOW = 0.04
+"""by less than so many thicknesses a frame."""
+_OFF = 0.35
+"""A point has left the ground if it is so many thicknesses from where it stood."""
+_LEAST = 4
+"""Frames needed to tell that a point stands."""
+_BESIDE = 1.2
+"""Another paw covers a point up to so many thicknesses from it in the picture."""
+_UP = 1.0
+"""Change of speed at lift-off before anything is learnt, in that of the fastest swings: upwards."""
+_ASSUMED = 2.0
+"""That counts as so many lift-offs seen."""
+_HALF_FRAME = 0.5
+"""A paw lifts off so long after the last frame in which it stands, on average."""
+
+
+@dataclass(frozen=True)
+class Stance:
+    """A time for which a point stands.
+
+    Parameters
+    ----------
+    first, stop : int
+        Its first frame, and one past its last.
+    origin : ndarray, shape (d,)
+        Where in frame 0 the ground was on which it stands.
+    """
+
+    first: int
+    stop: int
+    origin: np.ndarray
+
+
+@dataclass(frozen=True)
+class Ground:
+    """What points stand on, and how they leave it.
+
+    Parameters
+    ----------
+    height : ndarray, shape (P,)
+        Of each point where it stands, NaN where it was never seen standing.
+    drift : ndarray, shape (d,)
+        Speed of the ground.
+    lift : ndarray, shape (P, d)
+        How much the speed of each point changes at lift-off.
+    manner : Manner
+        How points move.
+    """
+
+    height: np.ndarray
+    drift: np.ndarray
+    lift: np.ndarray
+    manner: Manner
+
+    def places(self, stance: Stance, frames: np.ndarray) -> np.ndarray:
+        """Return where (n, d) what stands is in some frames (n,)."""
+        return np.asarray(stance.origin + frames[:, None] * self.drift)
+
+    def doubts(self, point: int, *, way: int = 1) -> Doubts:
+        """Return what speaks against how a point may move, told backwards where ``way`` is -1."""
+        manner = self.manner
+        forward = manner.axes[0]
+        fastest = min(0.0, float(manner.drift @ forward))
+        return Doubts(
+            forward, manner.axes[-1], fastest, 0.25 * abs(fastest) + 0.5 * manner.acceleration,
+            float(manner.ground), float(manner.thickness), float(self.height[point]), self.drift,
+            _tolerance(self.drift, manner), way,
+        )  # fmt: skip
+
+    def stances(self, places: np.ndarray) -> list[list[Stance]]:
+        """Return when each point stands, given its certain places (n, P, d), NaN elsewhere."""
+        n, n_points, _ = places.shape
+        # in the frame of the ground nothing that stands moves
+        still = places - np.arange(n)[:, None, None] * self.drift
+        slow = np.zeros((n, n_points), bool)
+        if n > 2 * _HALF:
+            step = (still[2 * _HALF :] - still[: -2 * _HALF]) / (2.0 * _HALF)
+            slow[_HALF:-_HALF] = _length(step, self.manner) < _tolerance(self.drift, self.manner)
+        return [self._stances(still[:, p], slow[:, p]) for p in range(n_points)]
+
+    def _stances(self, still: np.ndarray, slow: np.ndarray) -> list[Stance]:
+        """Return the stances of one point: where it is slow, and as long as it is at that place."""
+        found: list[Stance] = []
+        edge = np.flatnonzero(np.diff(np.concatenate([[False], slow, [False]]).astype(int)))
+        for first, stop in edge.reshape(-1, 2).tolist():
+            known = np.isfinite(still[first:stop, 0])
+            if stop - first + _HALF < _LEAST or not known.any():
+                continue
+            if found and first <= found[-1].stop:
+                continue
+            origin = middle(still[first:stop][known])
+            on = _length(still - origin, self.manner) < _OFF * self.manner.thickness
+            # at a place between the two it cannot stand twice
+            free = found[-1].stop if found else 0
+            first -= int(np.argmin(np.append(on[free:first][::-1], False)))
+            stop += int(np.argmin(np.append(on[stop:], False)))
+            found.append(Stance(first, stop, origin))
+        return found
+
+
+def learn_ground(chosen: np.ndarray, manner: Manner, *, lift: np.ndarray | None = None) -> Ground:
+    """Learn how fast the ground goes, and at which height points stand on it.
+
+    Parameters
+    ----------
+    chosen : ndarray, shape (n, P, d)
+        Certain places, NaN elsewhere.
+    manner : Manner
+        How points move.
+    lift : ndarray, shape (P, d), optional
+        How much speeds change at lift-off, if that was learnt already.
+
+    Returns
+    -------
+    Ground
+        What was learnt; no heights where the only view is from below.
+    """
+    n, n_points, _ = chosen.shape
+    if lift is None:
+        lift = np.tile(_UP * manner.speed * manner.axes[-1], (n_points, 1))
+    height = np.full(n_points, np.nan)
+    if not np.isfinite(manner.ground) or n <= 2 * _HALF:
+        return Ground(height, manner.drift, lift, manner)
+    speed = (chosen[2 * _HALF :] - chosen[: -2 * _HALF]) / (2.0 * _HALF)
+    standing = _length(speed - manner.drift, manner) < _tolerance(manner.drift, manner)
+    up = chosen[_HALF:-_HALF] @ manner.axes[-1]
+    for p in range(n_points):
+        here = standing[:, p] & np.isfinite(up[:, p])
+        if here.any():
+            height[p] = np.median(up[here, p])
+    drift = np.median(speed[standing], axis=0) if standing.any() else manner.drift
+    return Ground(height, drift, lift, manner)
+
+
+def learn_lift(
+    ground: Ground,
+    x: np.ndarray,
+    seen: np.ndarray,
+    *,
+    lifts: Sequence[tuple[int, int]],
+    frames: int,
+) -> np.ndarray:
+    """Learn by how much the speed of each point changes at lift-off.
+
+    Parameters
+    ----------
+    ground : Ground
+        What points stand on.
+    x : ndarray, shape (n, P, d)
+        Tracks.
+    seen : ndarray of bool, shape (n, P)
+        Where a view shows the point.
+    lifts : sequence of (int, int)
+        Number of the point, and the last frame in which it stands.
+    frames : int
+        Frames in which a paw that lifts off goes on as it began.
+
+    Returns
+    -------
+    ndarray, shape (P, d)
+        The median of what was seen, drawn towards what is assumed where that was seldom; upwards
+        only: forward a paw goes on with the ground and gains speed little by little.
+    """
+    n_points = x.shape[1]
+    told: list[list[np.ndarray]] = [[] for _ in range(n_points)]
+    for p, last in lifts:
+        later = np.flatnonzero(seen[last + 1 : last + 1 + frames, p])
+        if len(later):
+            since = int(later[-1]) + 1
+            gone = x[last + since, p] - x[last, p] - since * ground.drift
+            told[p].append(gone / (since - _HALF_FRAME))
+    up = ground.manner.axes[-1]
+    assumed = _UP * ground.manner.speed * up
+    lift = np.tile(assumed, (n_points, 1))
+    for p, changes in enumerate(told):
+        if changes:
+            share = len(changes) / (len(changes) + _ASSUMED)
+            lift[p] += share * (np.median(changes, axis=0) @ up * up - assumed)
+    return lift
+
+
+def covered(
+    standing: np.ndarray,
+    uv: np.ndarray,
+    point: int,
+    *,
+    geometry: Geometry,
+    thickness_px: np.ndarray,
+) -> np.ndarray:
+    """Tell in which views another paw covers a point.
+
+    Parameters
+    ----------
+    standing : ndarray, shape (n, d)
+        Where the point stands.
+    uv : ndarray, shape (n, P, V, 2)
+        Where all points are, px, NaN where nothing is known.
+    point : int
+        Its number.
+    geometry : Geometry
+        The views.
+    thickness_px : ndarray, shape (V,)
+        Thickness of a paw in each view.
+
+    Returns
+    -------
+    ndarray of bool, shape (n, V)
+        True where one does.
+    """
+    others = np.delete(uv, point, axis=1) - geometry.project(standing)[:, None]
+    away = np.linalg.norm(others, axis=-1) / thickness_px
+    return np.asarray((away < _BESIDE).any(axis=1))
+
+
+def expected_bends(
+    lifts: Sequence[tuple[int, int]], lift: np.ndarray, n: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the third differences (n, P, d) that lift-offs make, and where (n, P) they do."""
+    bend = np.zeros((n, *lift.shape))
+    near = np.zeros((n, len(lift)), bool)
+    for p, last in lifts:
+        if 1 <= last < n - 2:
+            # of a line that bends upwards at the middle of the step after the last frame
+            bend[last - 1, p] += _HALF_FRAME * lift[p]
+            bend[last + 1, p] += (_HALF_FRAME - 1.0) * lift[p]
+            near[last - 1 : last + 2, p] = True
+    return bend, near
+
+
+def _length(step: np.ndarray, manner: Manner) -> np.ndarray:
+    """Return the length of steps (..., d) forward and up: to the side is told less well."""
+    return np.asarray(np.hypot(step @ manner.axes[0], step @ manner.axes[-1]))
+
+
+def _tolerance(drift: np.ndarray, manner: Manner) -> float:
+    """Return by how much the speed of what stands may differ from that of the ground."""
+    return _WITH_GROUND * float(np.linalg.norm(drift)) + _SLOW * manner.thickness

@@ -1,0 +1,272 @@
+"""Where paws are while they swing, from the arc that the recording's swings share.
+
+A swing goes from one stance to the next. Where a paw is hidden for a part of it, the arc says
+where it was; after the last stance of a recording and before the first one, a stride's rhythm
+says when the paw landed or lifted off.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pawnb.core.paws.offline.scene.motion_model import Manner
+from pawnb.core.paws.offline.stride.duty_factor import DEAREST, Rhythm
+from pawnb.core.paws.offline.stride.stance import Ground, Stance
+from pawnb.core.paws.offline.stride.swing_detection import (
+    TO_FRAME,
+    Swing,
+    find_swings,
+    since_landing,
+)
+from pawnb.core.paws.offline.stride.swing_trajectory import (
+    Arc,
+    Guess,
+    Part,
+    arc_at,
+    changes,
+    fit_swings,
+    learn_arc,
+)
+
+_LEAST = 3
+"""Swings of a kind from which its arc is learnt, and"""
+_LEAST_STEP = 2.0
+"""thicknesses that a swing goes forward."""
+_ODD = 1.5
+"""Swings so many times as long as the usual one, or as short, are none."""
+_MARGIN = 4
+"""Frames before and after a swing that are fitted too."""
+_SEEN = 0.3
+"""Weight from which a place counts as seen."""
+_TOLD = 0.2
+"""How much a place counts that is not certain, in a swing of which one end is not known."""
+_UNSURE, _UNSURE_ASIDE = 0.1, 0.2
+"""Standard deviations of places about their arc, in thicknesses."""
+_BEND_TO = 0.9
+"""Share of a swing after which its bends are not expected: landings differ."""
+_NEAR_S, _NEAREST = 0.02, 5
+"""A lift-off belongs to a stretch that begins or ends so near, s, and frames."""
+_DUE_SD = 0.7
+"""Least standard deviation, frames, of a lift-off that an arc tells."""
+
+
+@dataclass(frozen=True)
+class Swings:
+    """Where points swing.
+
+    Parameters
+    ----------
+    place : ndarray, shape (n, P, d)
+        Where the arc has them, NaN where they stand or it is not known.
+    sd : ndarray, shape (n, P, d)
+        Standard deviations along forward, across and up.
+    bend : ndarray, shape (n, P, d)
+        Third differences of the arcs, NaN where they are not known.
+    lifts : tuple of tuple
+        Number of the point, frame of the lift-off, and its standard deviation.
+    """
+
+    place: np.ndarray
+    sd: np.ndarray
+    bend: np.ndarray
+    lifts: tuple[tuple[int, float, float], ...]
+
+    def due(self, point: int, frames: np.ndarray, fps: float) -> np.ndarray | None:
+        """Return what speaks against lifting off just before each of some frames.
+
+        Parameters
+        ----------
+        point : int
+            Number of the point.
+        frames : ndarray of int, shape (n,)
+            Consecutive frames.
+        fps : float
+            Frames per second.
+
+        Returns
+        -------
+        ndarray, shape (n,), or None
+            Costs; None if no swing is known to begin there.
+        """
+        reach = max(_NEAR_S * fps, _NEAREST)
+        near = [
+            0.5 * ((frames - TO_FRAME - lift) / max(sd, _DUE_SD)) ** 2
+            for p, lift, sd in self.lifts
+            if p == point and frames[0] - reach < lift < frames[-1] + reach
+        ]
+        return np.minimum(np.min(near, axis=0), DEAREST) if near else None
+
+
+def learn_swings(
+    x: np.ndarray,
+    weight: np.ndarray,
+    stances: Sequence[Sequence[Stance]],
+    *,
+    certain: np.ndarray,
+    ground: Ground,
+    rhythm: Rhythm | None,
+    kinds: Sequence[str],
+    fps: float,
+) -> Swings:
+    """Learn how points swing, and where they are while they do.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n, P, d)
+        Tracks.
+    weight : ndarray, shape (n, P)
+        How much each place counts, 0 where nothing was seen.
+    stances : sequence
+        Those of each point.
+    certain : ndarray of bool, shape (n, P)
+        Where places are certain. In swings after the last stance and before the first one the
+        others count less: only one side tells them.
+    ground : Ground
+        What they stand on.
+    rhythm : Rhythm, optional
+        When they lift off.
+    kinds : sequence of str
+        Kind of each point: those of a kind have one arc.
+    fps : float
+        Frames per second.
+
+    Returns
+    -------
+    Swings
+        Nothing of kinds with fewer than three swings.
+    """
+    manner = ground.manner
+    seen = (weight > _SEEN) & np.isfinite(x[..., 0])
+    stances = since_landing(stances, x, seen=seen, ground=ground)
+    found = [
+        swing
+        for swing in find_swings(
+            stances, seen, rhythm, certain=certain, fps=fps, drift=ground.drift
+        )
+        if (swing.end - swing.begin) @ manner.axes[0] > _LEAST_STEP * manner.thickness
+    ]
+    place, sd, bend = (np.full(x.shape, np.nan) for _ in range(3))
+    lifts: list[tuple[int, float, float]] = []
+    still = (x - np.arange(len(x))[:, None, None] * ground.drift) @ manner.axes.T
+    outside = _outside(still, kinds)
+    for kind in sorted(set(kinds)):
+        mine = _usual([swing for swing in found if kinds[swing.point] == kind])
+        whole = [swing for swing in mine if swing.is_whole]
+        if len(whole) < _LEAST:
+            continue
+        arc = learn_arc(
+            _part(whole, still, weight, outside, manner, certain=certain), _guess(whole)
+        )
+        part = _part(mine, still, weight, outside, manner, certain=certain)
+        for swing, values, covariance in zip(
+            mine, *fit_swings(arc, part, _guess(mine)), strict=True
+        ):
+            frames, path, spread = _path(swing, values, covariance, arc, ground, outside)
+            third = np.full(path.shape, np.nan)
+            third[1:-2] = np.diff(path, 3, axis=0)
+            here = (frames >= 0) & (frames < len(x))
+            inside = here & (frames > values[0]) & (frames < values[1])
+            bent = here & np.isfinite(third[:, 0])
+            bent &= frames < values[0] + _BEND_TO * (values[1] - values[0])
+            place[frames[inside], swing.point] = path[inside]
+            sd[frames[inside], swing.point] = spread[inside]
+            bend[frames[bent], swing.point] = third[bent]
+            lifts.append((swing.point, float(values[0]), float(np.sqrt(covariance[0, 0]))))
+    return Swings(place, sd, bend, tuple(lifts))
+
+
+def _usual(swings: Sequence[Swing]) -> list[Swing]:
+    """Leave out swings that last much longer or shorter than most: a stance was missed there."""
+    if not swings:
+        return []
+    lasts = np.array([land - lift for lift, land in (one.times for one in swings)])
+    usual = float(np.median(lasts))
+    usually = (lasts > usual / _ODD) & (lasts < usual * _ODD)
+    return [one for one, kept in zip(swings, usually, strict=True) if kept]
+
+
+def _outside(still: np.ndarray, kinds: Sequence[str]) -> np.ndarray:
+    """Return the sign (P,) of the way to the outside: left and right paws mirror each other."""
+    sign = np.ones(len(kinds))
+    if still.shape[2] == 3:
+        known = np.isfinite(still[..., 1]).any(axis=0)
+        for kind in set(kinds):
+            pair = [p for p, of in enumerate(kinds) if of == kind and known[p]]
+            if len(pair) == 2:
+                middle = np.nanmedian(still[:, pair, 1], axis=0)
+                sign[pair] = np.where(middle >= middle.max(), 1.0, -1.0)
+    return sign
+
+
+def _guess(swings: Sequence[Swing]) -> Guess:
+    """Return what is known of swings."""
+    return Guess(np.array([one.times for one in swings]), np.array([one.sd for one in swings]))
+
+
+def _part(
+    swings: Sequence[Swing],
+    still: np.ndarray,
+    weight: np.ndarray,
+    outside: np.ndarray,
+    manner: Manner,
+    *,
+    certain: np.ndarray,
+) -> Part:
+    """Return what is seen of swings, given places (n, P, d) along the axes on the ground."""
+    first = np.array([int(one.times[0]) - _MARGIN for one in swings])
+    length = max(int(one.times[1]) - int(one.times[0]) for one in swings) + 2 * _MARGIN
+    frames = first[:, None] + np.arange(length)
+    last = np.array([int(one.times[1]) + _MARGIN for one in swings])
+    point = np.array([one.point for one in swings])
+    begin, end = (
+        np.array([getattr(one, name) for one in swings]) @ manner.axes.T
+        for name in ("begin", "end")
+    )
+    inside = (frames >= 0) & (frames < np.minimum(last, len(still))[:, None])
+    at = np.clip(frames, 0, len(still) - 1)
+    places = still[at, point[:, None]]
+    inside &= np.isfinite(places).all(axis=-1)
+    places = np.where(inside[..., None], places, begin[:, None])
+    step = end - begin
+    way = (places[..., 0] - begin[:, None, 0]) / step[:, None, 0]
+    line = begin[:, None] + np.clip(way, 0.0, 1.0)[..., None] * step[:, None]
+    off = (places - line) / manner.thickness
+    is_whole = np.array([one.is_whole for one in swings])
+    sure = certain[at, point[:, None]] | is_whole[:, None]
+    counted = weight[at, point[:, None]] * np.where(sure, 1.0, _TOLD)
+    aside = off[..., 1] if off.shape[-1] == 3 else np.zeros(way.shape)
+    return Part(
+        frames, way, off[..., -1], outside[point][:, None] * aside,
+        np.where(inside, counted, 0.0), step[:, 0] / manner.thickness,
+    )  # fmt: skip
+
+
+def _path(
+    swing: Swing,
+    values: np.ndarray,
+    covariance: np.ndarray,
+    arc: Arc,
+    ground: Ground,
+    outside: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return frames (T,) about a swing, where the paw is (T, d), and how sure that is (T, d)."""
+    manner = ground.manner
+    axes, thickness = manner.axes, manner.thickness
+    frames = np.arange(int(np.ceil(values[0])) - _MARGIN + 1, int(values[1]) + _MARGIN)
+    way, up = arc_at(values, arc.shape, frames)
+    begin, end = axes @ swing.begin, axes @ swing.end
+    along = begin + way[:, None] * (end - begin)
+    along[:, -1] += up * thickness
+    by_value, by_shape = changes(values, arc.shape, frames)
+    variance = np.einsum("iat,jat,ij->ta", by_value, by_value, covariance)
+    variance += np.einsum("iat,jat,ij->ta", by_shape, by_shape, arc.covariance)
+    variance = variance * np.array([end[0] - begin[0], thickness]) ** 2
+    variance += (_UNSURE * thickness) ** 2
+    if len(axes) == 3:
+        along[:, 1] += outside[swing.point] * arc.aside * up * thickness
+        aside = (arc.aside_sd**2 * up**2 + _UNSURE**2 + _UNSURE_ASIDE**2) * thickness**2
+        variance = np.insert(variance, 1, aside, axis=1)
+    return frames, along @ axes + frames[:, None] * ground.drift, np.sqrt(variance)

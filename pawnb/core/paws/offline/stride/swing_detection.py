@@ -1,0 +1,220 @@
+"""Where stances leave room for swings, and when those begin and end as far as stances tell."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from pawnb.core.paws.offline.stride.duty_factor import Rhythm
+from pawnb.core.paws.offline.stride.stance import Ground, Stance
+
+_LEAST_FRAMES = 3
+"""Frames between two stances from which on a swing is looked for."""
+_TOUCH_S, _TOUCH = 0.003, 0.5
+"""Standard deviation of when a stance that is seen begins or ends: time, s, and frames."""
+_OPEN, _VAGUE = 2.0, 3.0
+"""So much larger where the stance begins or ends with a place that is seen but not certain, and
+where it is not seen."""
+_ANYWHERE = 0.3
+"""Where nothing shows when a stance ends, it may be anywhere in the frames between: its standard
+deviation is so much of their number, that of what is equally likely throughout."""
+TO_FRAME, _STILL_NEAR = 0.5, 0.5
+"""A stance begins and ends between two frames, and it seems to last so many frames longer at either
+end: what leaves the ground is still near it."""
+_AROUND = 2
+"""Frames about a stance's end that must be seen to tell it."""
+_SPREAD = 0.05
+"""Least standard deviation of strides, in their length."""
+_ON_PLACE = 0.7
+"""A paw that is seen within so many thicknesses of where it will stand has landed."""
+
+
+@dataclass(frozen=True)
+class Swing:
+    """A swing before it is fitted.
+
+    Parameters
+    ----------
+    point : int
+        Number of the point.
+    times, sd : tuple of float
+        Frames of lift-off and landing, and their standard deviations.
+    begin, end : ndarray, shape (d,)
+        Where in frame 0 the ground was from which it lifts off, and on which it lands.
+    is_whole : bool
+        Whether stances before and after it are known.
+    """
+
+    point: int
+    times: tuple[float, float]
+    sd: tuple[float, float]
+    begin: np.ndarray
+    end: np.ndarray
+    is_whole: bool = True
+
+
+def since_landing(
+    stances: Sequence[Sequence[Stance]], x: np.ndarray, *, seen: np.ndarray, ground: Ground
+) -> list[list[Stance]]:
+    """Let stances begin where the paw was first seen on its place, certain or not.
+
+    Places just after a landing are often not certain, as where two paws come together; a swing
+    that seems to end when they are again would be one of another stride.
+
+    Parameters
+    ----------
+    stances : sequence
+        Those of each point.
+    x : ndarray, shape (n, P, d)
+        Tracks.
+    seen : ndarray of bool, shape (n, P)
+        Where a view that tracks the point shows it.
+    ground : Ground
+        What they stand on.
+
+    Returns
+    -------
+    list of list of Stance
+        The same stances, some of them longer.
+    """
+    axes, near = ground.manner.axes, _ON_PLACE * ground.manner.thickness
+    frames = np.arange(len(x))
+    longer = []
+    for p, mine in enumerate(stances):
+        own: list[Stance] = []
+        for one in mine:
+            off = (x[:, p] - ground.places(one, frames)) @ axes[[0, -1]].T
+            on = seen[:, p] & (np.hypot(*off.T) < near)
+            first = one.first - int(np.argmin(np.append(on[: one.first][::-1], False)))
+            if own:
+                first = min(one.first, max(first, own[-1].stop + 1))
+            own.append(replace(one, first=first))
+        longer.append(own)
+    return longer
+
+
+def find_swings(
+    stances: Sequence[Sequence[Stance]],
+    seen: np.ndarray,
+    rhythm: Rhythm | None,
+    *,
+    certain: np.ndarray,
+    fps: float,
+    drift: np.ndarray,
+) -> list[Swing]:
+    """Return the swings between stances, and those after the last and before the first one.
+
+    Parameters
+    ----------
+    stances : sequence
+        Those of each point.
+    seen, certain : ndarray of bool, shape (n, P)
+        Where a view that tracks the point shows it, and where places are certain.
+    rhythm : Rhythm, optional
+        When they lift off; without it only swings between stances are found.
+    fps : float
+        Frames per second.
+    drift : ndarray, shape (d,)
+        Speed of the ground.
+
+    Returns
+    -------
+    list of Swing
+        The swings.
+    """
+    found = []
+    for p, mine in enumerate(stances):
+        ends = _Ends(seen[:, p], certain[:, p], rhythm, p, fps)
+        for now, after in pairwise(mine):
+            if after.first - now.stop >= _LEAST_FRAMES:
+                land = ends.touch_down(after)
+                lift = ends.lift_off(now, after.first - now.first, land[1])
+                found.append(_swing(p, lift, land, now.origin, after.origin))
+        if rhythm is None or not mine:
+            continue
+        steps = [after.origin - now.origin for now, after in pairwise(mine)]
+        step = np.median(steps, axis=0) if steps else -rhythm.stride * drift
+        stride = rhythm.stride
+        spread = float(np.hypot(rhythm.spread, _SPREAD * stride))
+        # the share is that of stances as they seem
+        swung = (1.0 - rhythm.share[p]) * stride + 2.0 * _STILL_NEAR
+        swung_sd = np.hypot(rhythm.sd[p] * stride, (1.0 - rhythm.share[p]) * spread)
+        first, last = mine[0], mine[-1]
+        if first.first > 0:
+            land = ends.touch_down(first)
+            lift = land[0] - swung, swung_sd
+            found.append(_swing(p, lift, land, first.origin - step, first.origin, whole=False))
+        if last.first > 0 and last.stop < len(seen):
+            lift = ends.lift_off(last, stride, float(np.hypot(spread, ends.touch_down(last)[1])))
+            land = lift[0] + swung, swung_sd
+            found.append(_swing(p, lift, land, last.origin, last.origin + step, whole=False))
+    return found
+
+
+def _swing(
+    point: int,
+    lift: tuple[float, float],
+    land: tuple[float, float],
+    begin: np.ndarray,
+    end: np.ndarray,
+    *,
+    whole: bool = True,
+) -> Swing:
+    """Return a swing, given when it begins and ends, each with its standard deviation."""
+    return Swing(point, (lift[0], land[0]), (lift[1], land[1]), begin, end, whole)
+
+
+@dataclass(frozen=True)
+class _Ends:
+    """When stances of one point begin and end, frames, and how surely."""
+
+    seen: np.ndarray  # (n,)
+    certain: np.ndarray  # (n,)
+    rhythm: Rhythm | None
+    point: int
+    fps: float
+
+    def lift_off(self, stance: Stance, stride: float, end_sd: float) -> tuple[float, float]:
+        """Return when a stance ends and the standard deviation: as seen, and as due.
+
+        The stride that begins with it lasts ``stride`` frames; when it ends is known to ``end_sd``.
+        """
+        told = self._is_seen(stance.stop - _AROUND, stance.stop + _AROUND + 1)
+        at = stance.stop - TO_FRAME - _STILL_NEAR
+        if told:
+            known = self.certain[stance.stop - 1 : stance.stop + 1].all()
+            sd = self._sd(1.0 if known else _OPEN)
+        else:
+            sd = max(self._sd(_VAGUE), _ANYWHERE * self._unseen(stance.stop))
+        rhythm = self.rhythm
+        if rhythm is None or stance.first == 0 or not rhythm.is_usual(stride):
+            return at, sd
+        share = rhythm.share[self.point]
+        due = stance.first - TO_FRAME - _STILL_NEAR + share * stride
+        # it divides the stride in between: neither end of that counts whole
+        ends = (1.0 - share) * self.touch_down(stance)[1], share * end_sd
+        due_sd = float(np.linalg.norm([rhythm.sd[self.point] * stride, *ends]))
+        weight = np.array([sd, due_sd]) ** -2.0
+        return float(weight @ [at, due] / weight.sum()), float(weight.sum() ** -0.5)
+
+    def touch_down(self, stance: Stance) -> tuple[float, float]:
+        """Return when a stance begins, and the standard deviation."""
+        told = self._is_seen(stance.first - _AROUND - 1, stance.first + _AROUND)
+        vague = _VAGUE if not told else 1.0 if self.certain[stance.first] else _OPEN
+        return stance.first - TO_FRAME + _STILL_NEAR, self._sd(vague)
+
+    def _unseen(self, frame: int) -> int:
+        """Return for how many frames about one the point is not seen."""
+        before, after = self.seen[:frame][::-1], self.seen[frame:]
+        return sum(int(np.argmax(np.append(part, True))) for part in (before, after))
+
+    def _is_seen(self, first: int, stop: int) -> bool:
+        """Tell whether the point is seen in all of some frames."""
+        return bool(self.seen[max(0, first) : stop].all())
+
+    def _sd(self, vague: float) -> float:
+        """Return the standard deviation of an edge told so vaguely."""
+        return vague * (_TOUCH_S * self.fps + _TOUCH)

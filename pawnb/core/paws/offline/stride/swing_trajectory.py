@@ -1,0 +1,234 @@
+"""The arc on which paws swing, and how it is fitted to swings that are seen in part.
+
+Forward a paw goes with least jerk from where it stood to where it lands (Flash and Hogan 1985,
+J. Neurosci. 5: 1688-1703), from rest on the ground to a speed with which it meets it. Upwards
+it goes as ``s**a (1 - s)**b`` with the share ``s`` of the swing. Paws of a kind share a and b;
+when a swing begins and ends, its height and its last speed are its own. The beginning of a
+front paw's swing is mostly hidden by the hind paw that lands there: what is seen later, and how
+other swings went, tell it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from pawnb.core.paws.offline.stride import trajectory_kernels as loops
+from pawnb.core.paws.offline.stride.trajectory_kernels import ALIKE, SHORTEST
+
+SHAPE = np.array([1.5, 2.0])
+"""Exponents a and b before any swing is seen, and their standard deviations: front paws of mice
+are highest early on a belt, but late where they reach out (a of 2 to 3 in the LocoMouse data)."""
+SHAPE_SD = np.array([0.5, 0.8])
+_LEAST_SHAPE, _LARGEST_SHAPE = 0.7, 4.0
+SLOPE, SLOPE_SD = 0.3, 0.3
+"""Speed at landing in the mean speed of the swing, and its standard deviation: LocoMouse's mice
+land with 0.3 to 0.55."""
+HEIGHT_SD = 0.15
+"""Standard deviation of heights, in their median."""
+_LOWEST, _HIGHEST = 0.6, 1.6
+"""A swing's height lies between these, in the median: what goes lower was mistaken."""
+_NOISE_ASIDE = 0.3
+"""Standard deviation of a place about its arc, in thicknesses, aside."""
+_STEPS, _ROUNDS, _FITS = 4, 6, 4
+_MOST_FRAMES, _MOST_SLOPE, _MOST_SHAPE = 1.5, 0.2, 0.3
+"""Largest changes in one step of a fit."""
+_ASIDE_SD = 0.3
+_LEAST_HIGH = 0.2
+"""A swing that is seen no higher than so many thicknesses says nothing of heights."""
+_SEEN = 0.3
+"""Weight from which a place counts as seen."""
+
+
+@dataclass(frozen=True)
+class Part:
+    """What is seen of S swings, in T frames about each.
+
+    Parameters
+    ----------
+    frames : ndarray, shape (S, T)
+        The frames.
+    way : ndarray, shape (S, T)
+        Share of the way forward.
+    up, aside : ndarray, shape (S, T)
+        Height above the line from begin to end, and distance from it to the outside,
+        thicknesses.
+    weight : ndarray, shape (S, T)
+        How much each frame counts, 0 where nothing is seen.
+    step : ndarray, shape (S,)
+        Length of the way, thicknesses.
+    """
+
+    frames: np.ndarray
+    way: np.ndarray
+    up: np.ndarray
+    aside: np.ndarray
+    weight: np.ndarray
+    step: np.ndarray
+
+
+@dataclass(frozen=True)
+class Guess:
+    """What is known of S swings before they are fitted.
+
+    Parameters
+    ----------
+    times, sd : ndarray, shape (S, 2)
+        Frames of lift-off and landing, and their standard deviations.
+    """
+
+    times: np.ndarray
+    sd: np.ndarray
+
+
+@dataclass(frozen=True)
+class Arc:
+    """The arc of a kind of paw.
+
+    Parameters
+    ----------
+    shape, covariance : ndarray, shape (2,) and (2, 2)
+        The exponents a and b.
+    height : float
+        Median height of its swings, thicknesses.
+    aside, aside_sd : float
+        How far it goes to the outside for each thickness that it goes up.
+    """
+
+    shape: np.ndarray
+    covariance: np.ndarray
+    height: float
+    aside: float
+    aside_sd: float
+
+
+def arc_at(
+    values: np.ndarray, shape: np.ndarray, frames: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return how far forward and up swings are in some frames.
+
+    Parameters
+    ----------
+    values : ndarray, shape (..., 4)
+        Lift-off and landing, frames; height, thicknesses; speed at landing.
+    shape : ndarray, shape (2,)
+        The exponents.
+    frames : ndarray, shape (..., T)
+        The frames.
+
+    Returns
+    -------
+    way, up : ndarray, shape (..., T)
+        Share of the way, and thicknesses.
+    """
+    way, up = loops.arc(*_flat(values, shape, frames))
+    return way.reshape(frames.shape), up.reshape(frames.shape)
+
+
+def changes(
+    values: np.ndarray, shape: np.ndarray, frames: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return how the arc changes with the values, (4, 2, ..., T), and the shape, (2, 2, ..., T)."""
+    found = loops.changes(*_flat(values, shape, frames)).reshape(6, 2, *frames.shape)
+    return found[:4], found[4:]
+
+
+def _flat(
+    values: np.ndarray, shape: np.ndarray, frames: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return values (S, 4), the shape and frames (S, T) of swings, whatever their arrangement."""
+    return values.reshape(-1, 4), shape, np.asarray(frames, float).reshape(-1, frames.shape[-1])
+
+
+def learn_arc(part: Part, guess: Guess) -> Arc:
+    """Learn the arc from swings of one kind.
+
+    Parameters
+    ----------
+    part : Part
+        What is seen of them.
+    guess : Guess
+        What is known of them.
+
+    Returns
+    -------
+    Arc
+        The arc.
+    """
+    highest = np.where(part.weight > _SEEN, part.up, 0.0).max(axis=1, initial=0.0)
+    told = highest[highest > _LEAST_HIGH]
+    height, shape = float(np.median(told)) if len(told) else 1.0, SHAPE.copy()
+    values = _first(guess, height)
+    for _ in range(_ROUNDS):
+        values, _, (normal, target) = _fit(values, part, guess, shape, height)
+        normal = normal + np.diag(1.0 / SHAPE_SD**2)
+        step = np.linalg.solve(normal, target + (shape - SHAPE) / SHAPE_SD**2)
+        step = np.clip(step, -_MOST_SHAPE, _MOST_SHAPE)
+        shape = np.clip(shape - step, _LEAST_SHAPE, _LARGEST_SHAPE)
+        height = float(np.median(values[:, 2]))
+    _, up = arc_at(values, shape, part.frames)
+    weight = part.weight / (_NOISE_ASIDE**2 * ALIKE)
+    sure = 1.0 / _ASIDE_SD**2 + float((weight * up**2).sum())
+    aside = float((weight * up * part.aside).sum()) / sure
+    return Arc(shape, np.linalg.inv(normal), height, aside, sure**-0.5)
+
+
+def fit_swings(arc: Arc, part: Part, guess: Guess) -> tuple[np.ndarray, np.ndarray]:
+    """Fit swings to an arc.
+
+    Parameters
+    ----------
+    arc : Arc
+        The arc.
+    part : Part
+        What is seen of S swings.
+    guess : Guess
+        What is known of them.
+
+    Returns
+    -------
+    values : ndarray, shape (S, 4)
+        See :func:`arc_at`.
+    covariance : ndarray, shape (S, 4, 4)
+        Theirs.
+    """
+    values = _first(guess, arc.height)
+    for _ in range(_FITS):
+        values, covariance, _ = _fit(values, part, guess, arc.shape, arc.height)
+    return values, covariance
+
+
+def _first(guess: Guess, height: float) -> np.ndarray:
+    """Return values (S, 4) before anything is fitted."""
+    return np.column_stack([guess.times, np.tile([height, SLOPE], (len(guess.times), 1))])
+
+
+def _fit(
+    values: np.ndarray, part: Part, guess: Guess, shape: np.ndarray, height: float
+) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray]]:
+    """Return values (S, 4) after some steps, their covariances, and the shape's equations.
+
+    Gauss-Newton; places far from their arc count less and less.
+    """
+    expected = _first(guess, height)
+    sd = np.column_stack([guess.sd, np.tile([HEIGHT_SD * height, SLOPE_SD], (len(values), 1))])
+    most = np.array([_MOST_FRAMES, _MOST_FRAMES, 2.0 * HEIGHT_SD * height, _MOST_SLOPE])
+    frames, seen = part.frames.astype(float), np.stack([part.way, part.up])
+    for step in range(_STEPS + 1):
+        normal, target = loops.equations(
+            values, shape, frames, seen, part.step, part.weight, 6 if step == _STEPS else 4
+        )
+        normal[:, :4, :4] += (1.0 / sd**2)[:, :, None] * np.eye(4)
+        if step == _STEPS:
+            break
+        target += (values - expected) / sd**2
+        change = np.linalg.solve(normal, target[..., None])[..., 0]
+        values = values - np.clip(change, -most, most)
+        values[:, 1] = np.maximum(values[:, 1], values[:, 0] + SHORTEST)
+        values[:, 2] = np.clip(values[:, 2], _LOWEST * height, _HIGHEST * height)
+    covariance = np.linalg.inv(normal[:, :4, :4])
+    cross = normal[:, 4:, :4]
+    # what the values of the swings could do as well says nothing of the shape
+    shared = np.einsum("sij,sjk,slk->il", cross, covariance, cross)
+    return values, covariance, (normal[:, 4:, 4:].sum(axis=0) - shared, target[:, 4:].sum(axis=0))

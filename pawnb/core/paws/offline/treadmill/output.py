@@ -1,0 +1,146 @@
+"""What was found, written as Tracks: smoothed places, their projections, and how sure they are."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import xarray as xr
+
+from pawnb.core.paws.layout import Layout, Placement
+from pawnb.core.paws.offline.projection import Geometry
+from pawnb.core.paws.offline.smoothing.refinement import Refined
+from pawnb.core.paws.request import Task
+from pawnb.schema import ORIGIN_CODE, Tracks, make_tracks
+
+
+def empty_result(n: int, layout: Layout) -> Refined:
+    """Return tracks of all points in n frames of which nothing is known yet."""
+    n_views, n_points = layout.tracked.shape
+    d = 2 if layout.rig is None else 3
+    x = np.full((n, n_points, d), np.nan)
+    measured = np.full((n, n_points, n_views, 2), np.nan)
+    not_known = np.full((n, n_points), np.nan)
+    return Refined(
+        x, x.copy(), measured, np.zeros((n, n_points, n_views)), not_known,
+        np.full((n, n_points, n_views), np.nan), not_known.copy(),
+    )  # fmt: skip
+
+
+def as_tracks(
+    result: Refined,
+    layout: Layout,
+    task: Task,
+    *,
+    placed: Mapping[int, Sequence[Placement]],
+) -> Tracks:
+    """Return what was found as Tracks.
+
+    Parameters
+    ----------
+    result : Refined
+        Of the task's frames, from the first on; fewer where the run was stopped.
+    layout : Layout
+        Points and views.
+    task : Task
+        What was asked for. Of tracks that are gone on from, the other rows are kept.
+    placed : dict
+        Row of ``result`` to what was placed by hand there.
+
+    Returns
+    -------
+    Tracks
+        See :func:`.tracker.track_whole`.
+    """
+    first, n = task.frames[0], len(result.x)
+    rows, kept = np.arange(first, first + n), np.empty(0, int)
+    if task.tracks is not None:
+        known = task.tracks["frame"].to_numpy()
+        kept = known[(known < first) | (known >= first + n)]
+        rows = np.sort(np.concatenate([kept, rows]))
+    new = make_tracks(
+        rows, layout.points, fps=task.fps, views=layout.views,
+        space=("x", "y") if task.rig is None else ("x", "y", "z"), individual=task.individual,
+        unit="px" if task.rig is None else task.unit,
+    )  # fmt: skip
+    new["sd"] = new["position"].copy()
+    new["image_residual"] = xr.full_like(new["image_confidence"], np.nan).assign_attrs(units="px")
+    new["revision"] = new["residual"].copy().assign_attrs(units=new["position"].attrs["units"])
+    # logarithms of odds, and standard deviations
+    new["image_separation"] = xr.full_like(new["image_confidence"], np.nan).assign_attrs(units="1")
+    new["passes_apart"] = new["residual"].copy().assign_attrs(units="1")
+    if n:
+        _write(new, int(np.searchsorted(rows, first)), result, placed, layout)
+    return new if task.tracks is None else keep_rows(task.tracks, new, kept)
+
+
+def _write(
+    new: Tracks,
+    begin: int,
+    result: Refined,
+    placed: Mapping[int, Sequence[Placement]],
+    layout: Layout,
+) -> None:
+    """Write refined tracks into Tracks, from row ``begin`` on."""
+    n, _, d = result.x.shape
+    rows = slice(begin, begin + n)
+    uv = Geometry(None if layout.rig is None else layout.rig.coefs).project(result.x)
+    seen = np.isfinite(result.measured[..., 0])
+    known = np.isfinite(result.x[..., 0])
+    count = seen.sum(axis=-1)
+    enough = 1 if d == 2 else 2
+    origin = np.where(
+        count >= enough,
+        ORIGIN_CODE["measured"],
+        np.where(count == 1, ORIGIN_CODE["resolved"], ORIGIN_CODE["predicted"]),
+    )
+    image_origin = np.where(
+        seen,
+        ORIGIN_CODE["measured"],
+        np.where((count > 0)[..., None], ORIGIN_CODE["reprojected"], ORIGIN_CODE["predicted"]),
+    )
+    quality = np.where(seen, result.quality, 0.0)
+    confidence = quality.sum(axis=-1) / np.maximum(count, 1)
+    off = np.linalg.norm(result.measured - uv, axis=-1)  # NaN where a view saw nothing
+    square = np.where(seen, off**2, 0.0).sum(axis=-1)
+    residual = np.where(count > 0, np.sqrt(square / np.maximum(count, 1)), np.nan)
+    for t, here in placed.items():
+        for place in here:
+            if place.origin != "edited":
+                continue
+            uv[t, place.point, place.view] = place.uv
+            image_origin[t, place.point, place.view] = ORIGIN_CODE["edited"]
+            origin[t, place.point] = ORIGIN_CODE["edited"]
+            confidence[t, place.point] = 1.0
+    origin = np.where(known, origin, ORIGIN_CODE["missing"])
+    image_origin = np.where(known[..., None], image_origin, ORIGIN_CODE["missing"])
+    new["position"][rows, ..., 0] = np.swapaxes(result.x, 1, 2)
+    new["sd"][rows, ..., 0] = np.where(known[:, None], np.swapaxes(result.sd, 1, 2), np.nan)
+    new["revision"][rows, ..., 0] = np.where(known, result.revision, np.nan)
+    new["passes_apart"][rows, ..., 0] = np.where(known, result.apart, np.nan)
+    new["origin"][rows, ..., 0] = origin
+    new["confidence"][rows, ..., 0] = np.where(known, confidence, 0.0)
+    new["residual"][rows, ..., 0] = residual
+    new["image_position"][rows, ..., 0] = uv.transpose(0, 2, 3, 1)
+    new["image_origin"][rows, ..., 0] = image_origin.transpose(0, 2, 1)
+    new["image_confidence"][rows, ..., 0] = quality.transpose(0, 2, 1)
+    new["image_residual"][rows, ..., 0] = off.transpose(0, 2, 1)
+    new["image_separation"][rows, ..., 0] = result.separation.transpose(0, 2, 1)
+
+
+def keep_rows(old: Tracks, new: Tracks, kept: np.ndarray) -> Tracks:
+    """Copy the rows of ``old`` that were not tracked again, and its times and attributes."""
+    frames = new["frame"].to_numpy()
+    source = old.swap_dims(time="frame").sel(frame=kept)
+    rows = np.isin(frames, kept)
+    for name in new.data_vars:
+        if name not in source:
+            continue
+        there = [dim for dim in ("view", "keypoint", "space") if dim in new[name].dims]
+        part = source[name].reindex({dim: new[dim] for dim in there})
+        whole = new[name].dtype.kind == "i" or "confidence" in str(name)
+        new[name][rows] = part.fillna(0 if whole else np.nan).to_numpy()
+    time = new["time"].to_numpy().copy()
+    shared = np.isin(frames, old["frame"].to_numpy())
+    time[shared] = old.swap_dims(time="frame").sel(frame=frames[shared])["time"].to_numpy()
+    return new.assign_coords(time=time).assign_attrs(old.attrs)

@@ -1,0 +1,358 @@
+"""Tracking points through a whole recording at once: from clicks to Tracks."""
+
+from __future__ import annotations
+
+import dataclasses
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from pawnb.core.paws.layout import (
+    Layout,
+    Placement,
+    Views,
+    make_layout,
+    only_points,
+    read_start,
+)
+from pawnb.core.paws.maghsoudi2019.settings import PaperSettings
+from pawnb.core.paws.offline.detection.colour.cache import CandidateStore
+from pawnb.core.paws.offline.detection.colour.scan import extract
+from pawnb.core.paws.offline.landmarks.backward_tracking import frames_back, look_back
+from pawnb.core.paws.offline.landmarks.template_tracking import Follower
+from pawnb.core.paws.offline.landmarks.tracks import check_landmarks, choose_landmarks, join_views
+from pawnb.core.paws.offline.scene.treadmill import Scene, move_anchors, read_scene
+from pawnb.core.paws.offline.settings import WholeSettings
+from pawnb.core.paws.offline.smoothing.refinement import Refined
+from pawnb.core.paws.offline.treadmill.annotations import (
+    certain_points,
+    certain_positions,
+    placed_points,
+    read_placements,
+)
+from pawnb.core.paws.offline.treadmill.output import as_tracks, empty_result
+from pawnb.core.paws.offline.treadmill.pipeline import Told, decide
+from pawnb.core.paws.request import Task
+from pawnb.errors import InputError, InputWarning
+from pawnb.schema import START_COLUMNS, Tracks, check_columns
+
+_MISTAKEN = 0.08
+"""Share of what is about the animal that passes for paws from which on a person is told: 0.2 to 6 %
+in rendered scenes that are tracked well, 9 to 23 % where belts are as brown as the paws: a third
+of these is lost and most others are poor."""
+
+
+def track_whole(
+    views: Views,
+    start: pd.DataFrame,
+    task: Task,
+    *,
+    settings: WholeSettings,
+    looked: pd.DataFrame | None = None,
+    store: CandidateStore | None = None,
+) -> Tracks:
+    """Track points by deciding over the whole recording.
+
+    One pass over the video keeps only candidates: the ends of parts that have the colour
+    of the clicked paws. Candidates of two views that meet make places in space; places
+    that follow each other without doubt make pieces of path; which pieces belong to which
+    point is decided for all points and all frames at once, with gaps where a point is
+    hidden; then every view's candidates are taken in again and the tracks are smoothed.
+    Points that are no paws (:func:`choose_landmarks`) are followed by their own picture.
+
+    Parameters
+    ----------
+    views : ViewSet
+        The opened views.
+    start : DataFrame
+        Clicks with columns frame, view, point, u, v (px); one frame or more, anywhere in the
+        recording: points are tracked before their first click as they are after it.
+    task : Task
+        What is to be tracked: all of its frames. Without a rig there must be one view. With
+        tracks to go on from, positions in the first frame, and positions placed by hand in it
+        or later, are certain.
+    settings : WholeSettings
+        The settings.
+    looked : DataFrame, optional
+        Earlier clicks, columns as ``start``, that say what paws look like, where on a paw
+        its point is and how large the animal is: where tracks are gone on from, those that
+        they were begun with. Candidates are then the same as theirs.
+    store : CandidateStore, optional
+        Where candidates are kept: frames found there are not decoded again.
+
+    Returns
+    -------
+    xarray.Dataset
+        Tracks; without any frame where the run was stopped before each point was placed.
+        ``position`` is smoothed and ``image_position`` is its projection into every view, also
+        those that do not track the point; at clicks it is the click.
+        ``image_origin`` is ``measured`` where a candidate of that view was used,
+        ``reprojected`` where only others saw the point, ``predicted`` where none did.
+        ``origin`` is ``measured`` with two views or more (one without a rig), ``resolved``
+        with one, else ``predicted``. ``image_confidence`` says how much the candidate looks
+        like the end of a paw, 0 to 1, ``image_residual`` how far it is from the projection,
+        px, NaN where there was none; ``sd`` is the standard deviation of ``position``, and
+        ``revision`` how far it is from where the point was before its stride was known (NaN
+        where no stride is learnt). ``image_separation`` says how far the candidate taken is
+        ahead of the best other one in that view and frame, as the logarithm of the odds: near 0
+        nothing tells them apart, below 0 the other fits better by itself, 30 where there is no
+        other. ``passes_apart`` says how far what was seen before a frame and what is seen
+        after it expect the point apart (a filter forwards and one backwards), in standard
+        deviations of that distance.
+
+    Raises
+    ------
+    InputError
+        If a click does not fit the views, points or frames, or a point has no click, or
+        there are several views and no rig, or a landmark was clicked in one of several views.
+    CalibrationError
+        If the rig lacks a view.
+    """
+    asked = read_asked(views, start, task, looked=looked)
+    layout = asked.layout
+    marks = choose_landmarks(layout.points, layout.kinds, settings.landmarks)
+    scene = follower = None
+    if not marks.all():
+        scene = paws_scene(views, asked.of(~marks), settings)
+        if not asked.is_looked and (words := _mistaken(scene, views.names)) is not None:
+            warnings.warn(words, InputWarning, stacklevel=2)
+    if marks.any():
+        marked = asked.of(marks)
+        check_landmarks(marked.layout, marked.anchors)
+        follower = Follower(marked.layout, marked.anchors)
+    span = (asked.begin, task.frames[1])
+    seen = look_through(
+        views, span, scene, follower=follower, anchors=asked.anchors, store=store, task=task
+    )
+    n = max(asked.begin + len(seen) - task.frames[0], 0)
+    result = empty_result(n, layout)
+    if n and scene is not None:
+        result.take(~marks, solve(seen, scene, asked.of(~marks), task=task, settings=settings))
+    if n and follower is not None:
+        result.take(
+            marks, join_landmarks(follower, asked.of(marks), n, task=task, settings=settings)
+        )
+    return as_tracks(result, layout, task, placed=asked.inside(n))
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What a person gave.
+
+    Attributes
+    ----------
+    layout : Layout
+        Points and views.
+    clicks, anchors : dict
+        Frame to the clicks that say what paws look like, and to what tracks must pass through.
+    first, begin : int
+        First frame that is tracked, and that is looked at: clicks of an earlier run may lie
+        before it.
+    is_looked : bool
+        Whether ``clicks`` are those of an earlier run.
+    """
+
+    layout: Layout
+    clicks: Mapping[int, Sequence[Placement]]
+    anchors: Mapping[int, Sequence[Placement]]
+    first: int
+    begin: int
+    is_looked: bool
+
+    def of(self, points: np.ndarray) -> Asked:
+        """Return what concerns some of the points, a mask."""
+        return dataclasses.replace(
+            self,
+            layout=self.layout.only(points),
+            clicks=only_points(self.clicks, points),
+            anchors=only_points(self.anchors, points),
+        )
+
+    def inside(self, n: int) -> dict[int, Sequence[Placement]]:
+        """Return the anchors in the first n frames tracked, by row."""
+        return {t - self.first: here for t, here in self.anchors.items() if t - self.first < n}
+
+
+def read_asked(
+    views: Views, start: pd.DataFrame, task: Task, *, looked: pd.DataFrame | None = None
+) -> Asked:
+    """Return what a person gave, checked."""
+    check_columns(start, START_COLUMNS, where="the start points")
+    task.check_frames(views.n_frames)
+    frames = task.frames
+    if task.rig is None and len(views.names) > 1:
+        raise InputError(
+            f"{len(views.names)} views and no calibration; this method joins views in space: "
+            "calibrate them, or keep one view."
+        )
+    layout = make_layout(views, start, task, settings=PaperSettings())
+    clicks, anchors = read_placements(start, layout, frames, tracks=task.tracks)
+    begin, is_looked = frames[0], False
+    if looked is not None and len(looked):
+        is_looked = True
+        clicks = read_start(looked, layout, (0, frames[1]))
+        begin = min(begin, *clicks)
+    return Asked(layout, clicks, anchors, frames[0], begin, is_looked)
+
+
+def paws_scene(
+    views: Views, asked: Asked, settings: WholeSettings, *, least_thickness: float = 0.0
+) -> Scene:
+    """Return what the clicks on paws say; ``least_thickness`` as for :func:`.read_scene`."""
+    layout, clicks, anchors = asked.layout, asked.clicks, asked.anchors
+    scene = read_scene(
+        views, layout, clicks, anchors=clicks if asked.is_looked else anchors, settings=settings,
+        least_thickness=least_thickness,
+    )  # fmt: skip
+    return move_anchors(scene, layout, anchors) if asked.is_looked else scene
+
+
+def doubt_clicks(
+    views: Views, start: pd.DataFrame, task: Task, *, settings: WholeSettings
+) -> str | None:
+    """Return what a person should know of the clicked paws before they are tracked.
+
+    Parameters
+    ----------
+    views, start, task, settings
+        As for :func:`track_whole`; only the clicked frames are looked at.
+
+    Returns
+    -------
+    str or None
+        A sentence; None where there is nothing to say.
+
+    Raises
+    ------
+    InputError
+        If a click does not fit.
+    """
+    asked = read_asked(views, start, task)
+    paws = asked.of(~choose_landmarks(asked.layout.points, asked.layout.kinds, settings.landmarks))
+    if not paws.layout.points:
+        return None
+    scene = read_scene(views, paws.layout, paws.clicks, anchors=paws.anchors, settings=settings)
+    return _mistaken(scene, views.names)
+
+
+def _mistaken(scene: Scene, names: Sequence[str]) -> str | None:
+    """Return a sentence where paws look like what is around them."""
+    alike = {
+        name: look.appearance.mistaken
+        for name, look in zip(names, scene.looks, strict=True)
+        if look.appearance.mistaken > _MISTAKEN
+    }
+    if not alike:
+        return None
+    return (
+        f"in {', '.join(alike)} the clicked paws hardly differ from what is around the animal: "
+        f"{max(alike.values()):.0%} of it has their colour (usually under 3 %), and the tracks "
+        "will be poor. Look whether every click is on a paw; else another light, a belt of "
+        "another colour or painted paws help."
+    )
+
+
+def look_through(
+    views: Views,
+    frames: tuple[int, int],
+    scene: Scene | None,
+    *,
+    follower: Follower | None,
+    anchors: Mapping[int, Sequence[Placement]],
+    store: CandidateStore | None,
+    task: Task,
+) -> list[list[np.ndarray]]:
+    """Go through the video for paws and landmarks; return the paws' candidates.
+
+    There are none if it was stopped before every point was reached: nothing can be decided.
+    """
+    found = _look_ahead(views, frames, scene, follower, store, task)
+    inside = {t: here for t, here in anchors.items() if t < frames[0] + len(found)}
+    if placed_points(inside) != placed_points(anchors):
+        return []
+    if follower is not None and not look_back(
+        views, follower, frames[0], progress=task.progress, stop=task.stop
+    ):
+        return []
+    return found
+
+
+def _look_ahead(
+    views: Views,
+    frames: tuple[int, int],
+    scene: Scene | None,
+    follower: Follower | None,
+    store: CandidateStore | None,
+    task: Task,
+) -> list[list[np.ndarray]]:
+    """Go through the video once, forwards; return the paws' candidates of every frame."""
+    progress, total = task.progress, frames[1] - frames[0]
+    if follower is not None:
+        total += frames_back(follower.placed, frames[0])
+    report = None if progress is None else lambda done: progress(done, total)
+    watch = None if follower is None else follower.step
+    if scene is not None:
+        return extract(
+            views, frames, looks=scene.looks, regions=scene.regions, home=scene.home,
+            store=store, watch=watch, progress=report, stop=task.stop,
+        )  # fmt: skip
+    found: list[list[np.ndarray]] = []
+    for i, pictures in views.frames(*frames, partly=True):
+        if task.stop is not None and task.stop():
+            break
+        if watch is not None:
+            watch(i, pictures)
+        found.append([])
+        if report is not None:
+            report(len(found))
+    return found
+
+
+def solve(
+    seen: list[list[np.ndarray]],
+    scene: Scene,
+    asked: Asked,
+    *,
+    task: Task,
+    settings: WholeSettings,
+) -> Refined:
+    """Track the paws through the candidates, ``seen`` from the frame ``asked.begin`` on."""
+    found = seen[asked.first - asked.begin :]
+    n = len(found)
+    fixed = {t - asked.first: here for t, here in scene.anchors.items() if t - asked.first < n}
+    certain = certain_positions(asked.inside(n), n, asked.layout)
+    return decide(
+        found, fixed, certain, scene=scene, layout=asked.layout, fps=task.fps, settings=settings,
+        told=_told(seen, asked) if asked.is_looked else None,
+    )  # fmt: skip
+
+
+def _told(seen: list[list[np.ndarray]], asked: Asked) -> Told:
+    """Return the clicks of an earlier run with what was seen there.
+
+    They alone say where on a paw its point is, as they did then: a correction puts the paw in
+    place in its frame, and a hand that was a pixel off there moves the track nowhere else.
+    """
+    clicks, begin = asked.clicks, asked.begin
+    here = {t - begin: clicks[t] for t in sorted(clicks) if t - begin < len(seen)}
+    placed = certain_positions(here, len(seen), asked.layout)
+    return Told(placed[list(here)], {t: seen[t] for t in here})
+
+
+def join_landmarks(
+    follower: Follower, asked: Asked, n: int, *, task: Task, settings: WholeSettings
+) -> Refined:
+    """Return the landmarks' tracks in the n frames asked for, from what each view shows."""
+    skip = asked.first - asked.begin
+    uv, likeness = (
+        np.swapaxes(np.array(values[skip : skip + n]), 1, 2)
+        for values in (follower.uv, follower.likeness)
+    )
+    return join_views(
+        uv, likeness, layout=asked.layout, fps=task.fps,
+        by_hand=certain_points(asked.inside(n), likeness.shape),
+        longest_gap_s=settings.longest_gap_s,
+    )  # fmt: skip

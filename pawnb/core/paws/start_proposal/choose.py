@@ -1,0 +1,175 @@
+"""Which of the places of one frame is which paw, and how sure that is.
+
+A place is rated for a paw by what it looks like, how well its views agree, how near it is to
+the ground and to where such paws stand. Front and hind paw of a side are chosen together, and
+a paw that one view sees in line with a surer one is doubted: there, the view may see the other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pawnb.core.paws.start_proposal.places import Places, Stage
+from pawnb.core.rig import Rig
+
+_ABOVE_SD, _BELOW_SD = 0.2, 0.06
+_ALONG_SD, _APART, _CLEAR, _SAME = 0.6, 0.22, 0.25, 0.15
+_ASIDE, _ASIDE_SD = 0.3, 0.25
+"""All of these are in spans, so that no length has to be known: standard deviations of the
+height above and below the ground, and of the place along forward and to the side; the least
+distances of paws."""
+RESIDUAL_SD = 0.1
+"""Usual disagreement of views about a paw, in paw lengths."""
+_IN_LINE = 0.5
+"""Paws nearer to each other in a view, in paw lengths, may be taken for one another."""
+_ONE_VIEW = 0.6
+"""A place that one view sees is so much less sure."""
+
+
+@dataclass(frozen=True)
+class Paw:
+    """A point that is looked for.
+
+    Parameters
+    ----------
+    point : str
+        FR, HR, FL or HL.
+    group : int
+        Number of the group of views that track it.
+    side : int
+        1 on the animal's right, -1 on its left.
+    is_front : bool
+        Whether it is a front paw.
+    """
+
+    point: str
+    group: int
+    side: int
+    is_front: bool
+
+
+@dataclass(frozen=True)
+class Sights:
+    """Where views that track the same points see places.
+
+    Parameters
+    ----------
+    rig : Rig
+        The calibrated views.
+    groups : sequence of sequence of str
+        Names of the views of each group.
+    paw_px : mapping of str to float
+        Length of a paw in each view, px.
+    """
+
+    rig: Rig
+    groups: Sequence[Sequence[str]]
+    paw_px: Mapping[str, float]
+
+    def apart(self, group: int, here: np.ndarray, there: np.ndarray) -> float:
+        """Return how near two places come to each other in any view, in paw lengths."""
+        names = self.groups[group]
+        uv = self.rig.subset(names).project(np.stack([here, there]))
+        away = np.linalg.norm(uv[0] - uv[1], axis=-1)
+        return float(min(d / self.paw_px[name] for d, name in zip(away, names, strict=True)))
+
+
+def choose_places(
+    parts: Sequence[Places], *, paws: Sequence[Paw], stage: Stage, sights: Sights
+) -> dict[Paw, tuple[np.ndarray, float]]:
+    """Choose a place for each paw in one frame.
+
+    Parameters
+    ----------
+    parts : sequence of Places
+        What each group of views sees.
+    paws : sequence of Paw
+        The paws that are looked for.
+    stage : Stage
+        Where paws stand in the recording.
+    sights : Sights
+        Where the groups see places.
+
+    Returns
+    -------
+    dict
+        For each paw that has a place, where it is and how sure that is (0 to 1).
+    """
+    chosen = {}
+    for group, side in dict.fromkeys((paw.group, paw.side) for paw in paws):
+        pair = {paw.is_front: paw for paw in paws if (paw.group, paw.side) == (group, side)}
+        places = parts[group]
+        scores = {is_front: _rate(places, stage, side, is_front) for is_front in pair}
+        if len(pair) == 2:
+            best, seen = _best_pair(places, scores, stage)
+        else:
+            seen = 1.0
+            best = {k: int(score.argmax()) for k, score in scores.items() if len(score)}
+        for is_front, k in best.items():
+            chosen[pair[is_front]] = (places.xyz[k], seen * float(scores[is_front][k]))
+    return _not_mistaken(_each_its_own(chosen, stage), sights)
+
+
+def _best_pair(
+    places: Places, scores: Mapping[bool, np.ndarray], stage: Stage
+) -> tuple[dict[bool, int], float]:
+    """Return the best front and hind place of one side, and how clear of each other they are."""
+    along = places.xyz @ stage.axes[0]
+    apart = (along[:, None] - along[None]) / stage.span
+    both = np.minimum(scores[True][:, None], scores[False][None])
+    # paws that touch each other hide each other
+    clear = np.where(apart < _APART, 0.0, 1.0 - np.exp(-0.5 * (apart / _CLEAR) ** 2))
+    both = both * clear
+    # of two equal pairs, the one whose better paw is better
+    total = both + 1e-3 * (scores[True][:, None] + scores[False][None]) * (both > 0)
+    if not total.size or total.max() <= 0:
+        return {}, 0.0
+    at = np.unravel_index(int(total.argmax()), total.shape)
+    return {True: int(at[0]), False: int(at[1])}, float(clear[at])
+
+
+def _not_mistaken(
+    chosen: dict[Paw, tuple[np.ndarray, float]], sights: Sights
+) -> dict[Paw, tuple[np.ndarray, float]]:
+    """Make paws less sure that a view may have mistaken for a surer paw in its line of sight."""
+    kept = {}
+    for paw, (xyz, score) in chosen.items():
+        surer = [at for other, (at, sure) in chosen.items()
+                 if other.point != paw.point and sure > score]  # fmt: skip
+        apart = [sights.apart(paw.group, xyz, at) for at in surer]
+        nearest = min(apart, default=np.inf)
+        kept[paw] = (xyz, score * float(1.0 - np.exp(-0.5 * (nearest / _IN_LINE) ** 2)))
+    return kept
+
+
+def _each_its_own(
+    chosen: dict[Paw, tuple[np.ndarray, float]], stage: Stage
+) -> dict[Paw, tuple[np.ndarray, float]]:
+    """Leave out paws whose place is that of another paw that fits it better."""
+    kept: dict[Paw, tuple[np.ndarray, float]] = {}
+    for paw, (xyz, score) in sorted(chosen.items(), key=lambda item: -item[1][1]):
+        others = [place for other, (place, _) in kept.items() if other.point != paw.point]
+        if all(np.linalg.norm(xyz - place) >= _SAME * stage.span for place in others):
+            kept[paw] = (xyz, score)
+    return kept
+
+
+def _rate(places: Places, stage: Stage, side: int, is_front: bool) -> np.ndarray:
+    """Return how well each place fits a paw, 0 to 1."""
+    along, aside, height = (places.xyz @ stage.axes.T).T
+    span = stage.span
+    above = (height - stage.ground) / span
+    fits = np.exp(-0.5 * (above / np.where(above > 0, _ABOVE_SD, _BELOW_SD)) ** 2)
+    off = (along - (stage.front if is_front else stage.hind)) / (_ALONG_SD * span)
+    fits *= np.exp(-0.5 * off**2)
+    outward = side * (aside - stage.middle) / span
+    fits *= np.exp(-0.5 * ((outward - _ASIDE) / _ASIDE_SD) ** 2)
+    views = np.where(
+        np.isnan(places.residual),
+        _ONE_VIEW,
+        np.exp(-0.5 * (np.nan_to_num(places.residual) / RESIDUAL_SD) ** 2),
+    )
+    return fits * views * np.sqrt(np.clip(places.strength, 0.0, 1.0))

@@ -1,0 +1,219 @@
+"""Places in space that could be paws, and what they tell of the ground and the animal.
+
+Spots of every view (:mod:`.start_proposal.blobs`) are paired over the views that track the
+same points; pairs whose lines of sight meet are places. Over many frames most of them
+gather where paws stand: the lowest height at which they gather is the ground; on it, they
+gather twice along forward, where hind and where front paws stand, and the distance of
+these two, the *span*, is the only measure of the animal that is needed.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
+
+from pawnb.core.paws.start_proposal.blobs import Blobs
+from pawnb.core.rig import Rig
+from pawnb.signals.robust import MAD_TO_SD
+
+WORST_RESIDUAL = 0.2
+"""Views that disagree by more than this many paw lengths do not see the same place."""
+
+_LEAST_STRENGTH = 0.1
+"""A spot less like a paw than this, of 1, makes no place."""
+_RESIDUAL_SD = 0.07
+"""Usual disagreement of views about one paw, in paw lengths."""
+_BANDS = 80
+"""Heights that the ground is looked for at, between the lowest places and the highest."""
+_GATHERED = 0.4
+"""The ground is the lowest height where places gather this much of the most they do."""
+
+_FAR = 4.0
+"""Places further from the middle of all than this many times the median are no animal's."""
+
+_LEAST_PLACES = 20
+"""Fewer tell neither a ground nor an animal."""
+
+
+@dataclass(frozen=True)
+class Places:
+    """Places in space that could be paws, n of them.
+
+    Parameters
+    ----------
+    xyz : ndarray, shape (n, 3)
+        The places, in the unit of the rig.
+    strength : ndarray, shape (n,)
+        How paw-like each is, 0 to 1: as its spot that is least like a paw.
+    residual : ndarray, shape (n,)
+        How far its views disagree, in paw lengths; NaN where there is one view only.
+    """
+
+    xyz: np.ndarray
+    strength: np.ndarray
+    residual: np.ndarray
+
+    @property
+    def weight(self) -> np.ndarray:
+        """Strength, less where the views disagree."""
+        off = np.nan_to_num(self.residual, nan=0.0) / _RESIDUAL_SD
+        return self.strength * np.exp(-0.5 * off**2)
+
+
+@dataclass(frozen=True)
+class Stage:
+    """Where paws stand in a recording.
+
+    Parameters
+    ----------
+    axes : ndarray, shape (3, 3)
+        Rows: forward, to the animal's right, up.
+    ground : float
+        Height at which places gather.
+    middle : float
+        Position to the right of the line between left and right paws.
+    hind, front : float
+        Position along forward of the middle of where hind and front paws stand.
+    """
+
+    axes: np.ndarray
+    ground: float
+    middle: float
+    hind: float
+    front: float
+
+    @property
+    def span(self) -> float:
+        """Distance between hind and front paws."""
+        return self.front - self.hind
+
+
+def pair_blobs(rig: Rig, blobs: Mapping[str, Blobs], *, paw_px: Mapping[str, float]) -> Places:
+    """Find the places that two of the views see.
+
+    Parameters
+    ----------
+    rig : Rig
+        The calibrated views.
+    blobs : mapping of str to Blobs
+        Spots of the views that track the same points.
+    paw_px : mapping of str to float
+        Length of a paw in each view, px.
+
+    Returns
+    -------
+    Places
+        One for each pair of spots whose lines of sight meet.
+    """
+    parts = [Places(np.empty((0, 3)), np.empty(0), np.empty(0))]
+    for a, b in itertools.combinations(blobs, 2):
+        here, there = blobs[a], blobs[b]
+        uv = np.stack(np.broadcast_arrays(here.uv[:, None], there.uv[None]), axis=2)
+        strength = np.minimum(here.strength[:, None], there.strength[None]).ravel()
+        solved = rig.subset((a, b)).triangulate(uv.reshape(-1, 2, 2))
+        residual = solved.residual_px / (0.5 * (paw_px[a] + paw_px[b]))
+        good = (residual < WORST_RESIDUAL) & (strength > _LEAST_STRENGTH)
+        parts.append(Places(solved.xyz[good], strength[good], residual[good]))
+    return join(parts)
+
+
+def on_ground(rig: Rig, view: str, blobs: Blobs, *, stage: Stage) -> Places:
+    """Find where the lines of sight of one view meet the ground.
+
+    Parameters
+    ----------
+    rig : Rig
+        The calibrated views.
+    view : str
+        The view.
+    blobs : Blobs
+        Its spots.
+    stage : Stage
+        The ground.
+
+    Returns
+    -------
+    Places
+        One for each spot that is on the ground in front of the camera.
+    """
+    L = rig.coefs[:, rig.index(view)]
+    u, v = blobs.uv.T
+    rows = [L[None, 0:3] - u[:, None] * L[8:11], L[None, 4:7] - v[:, None] * L[8:11]]
+    rows.append(np.broadcast_to(stage.axes[2], rows[0].shape))
+    right = np.stack([u - L[3], v - L[7], np.full(len(u), stage.ground)], axis=-1)
+    matrix = np.stack(rows, axis=1)
+    good = np.abs(np.linalg.det(matrix)) > 1e-12 * np.abs(matrix).max(axis=(1, 2)) ** 3
+    xyz = np.linalg.solve(matrix[good], right[good][..., None])[..., 0]
+    return Places(xyz, blobs.strength[good], np.full(len(xyz), np.nan))
+
+
+def join(parts: Sequence[Places]) -> Places:
+    """Return the places of all parts, in their order."""
+    names = ("xyz", "strength", "residual")
+    return Places(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
+
+
+def find_stage(places: Places, rig: Rig) -> Stage | None:
+    """Find the ground, the line between left and right, and where the paws stand.
+
+    Parameters
+    ----------
+    places : Places
+        Places of many frames from all over the recording.
+    rig : Rig
+        Its directions forward and up.
+
+    Returns
+    -------
+    Stage or None
+        None where too few places gather.
+    """
+    forward, up = np.asarray(rig.forward, dtype=float), np.asarray(rig.up, dtype=float)
+    axes = np.stack([forward, np.cross(forward, up), up])
+    local = places.xyz @ axes.T
+    if len(local) < _LEAST_PLACES:
+        return None
+    away = np.linalg.norm(local - np.median(local, axis=0), axis=1)
+    near = away < _FAR * np.median(away)
+    local, weight = local[near], places.weight[near]
+    low, high = np.percentile(local[:, 2], [5, 95])
+    total, edges = np.histogram(local[:, 2], bins=_BANDS, range=(low, high), weights=weight)
+    # places that are wrong spread over many heights: what counts is a narrow peak
+    peak = gaussian_filter1d(total, 1.0) - gaussian_filter1d(total, 5.0)
+    inner = peak[1:-1]
+    is_peak = (inner > peak[:-2]) & (inner >= peak[2:]) & (inner >= _GATHERED * inner.max())
+    if not is_peak.any():
+        return None
+    band = edges[1] - edges[0]
+    ground = float(low + (np.flatnonzero(is_peak)[0] + 1.5) * band)
+    standing = np.abs(local[:, 2] - ground) < 2.0 * band
+    if standing.sum() < _LEAST_PLACES:
+        return None
+    local, weight = local[standing], weight[standing]
+    for axis in (0, 1, 0, 1):
+        near = _in_the_crowd(local[:, axis])
+        local, weight = local[near], weight[near]
+    hind, front = _two_middles(local[:, 0], weight)
+    left, right = _two_middles(local[:, 1], weight)
+    return Stage(axes, ground, 0.5 * (left + right), hind, front)
+
+
+def _in_the_crowd(values: np.ndarray) -> np.ndarray:
+    """Tell which numbers lie within three robust standard deviations of the median."""
+    away = np.abs(values - np.median(values))
+    return np.asarray(away <= 3.0 * MAD_TO_SD * np.median(away))
+
+
+def _two_middles(values: np.ndarray, weight: np.ndarray) -> tuple[float, float]:
+    """Split numbers in two where it explains most of their variance; return both means."""
+    order = np.argsort(values, kind="stable")
+    x, w = values[order], weight[order] + 1e-12
+    below, sum_below = np.cumsum(w)[:-1], np.cumsum(w * x)[:-1]
+    above, sum_above = w.sum() - below, (w * x).sum() - sum_below
+    low, high = sum_below / below, sum_above / above
+    best = int((below * above * (high - low) ** 2).argmax())
+    return float(low[best]), float(high[best])

@@ -1,0 +1,475 @@
+"""The poses that each leg might have in a frame, and what they are worth together."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from pawnb.core.pose.fit.candidates.candidate_kernels import (
+    free_of_others,
+    leg_footprint,
+    shared_cost,
+)
+from pawnb.core.pose.fit.candidates.limb_kernels import chains_apart, chains_cross, find_limbs
+from pawnb.core.pose.fit.fitter import FrameFitter
+from pawnb.core.pose.fit.rendering.blur import part_of
+from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Prior, Sight, paint_some, prior_cost
+from pawnb.core.pose.fit.rendering.paint_kernels import leg_chain
+
+SAME_PX = 2.5
+"""Poses of a leg nowhere further apart are the same minimum, working px."""
+_BEAM = 24
+_NEUTRAL = 0.4
+"""What a leg sees under others, as a share of its darkness: a little less than half, so that no
+leg is laid across the body where it could as well lie beside it."""
+_BESIDE_PX = 4.0
+"""Legs whose joints are no further apart may share pixels, working px."""
+_CROSSED = 4.0
+"""Cost of neighbouring legs that cross, in a frame: they seldom do."""
+_ROOM_PX = 14.0
+"""Room about legs that are fitted alone, working px."""
+_WORTHLESS, _FEW_PIXELS = 0.35, 30.0
+"""A candidate that explains less, for each pixel it shows and so many more, than this share of what
+the best one does is dropped. Of a leg whose most is hidden, the rest may be all there is to see."""
+
+
+@dataclass
+class Choices:
+    """What a frame leaves open.
+
+    Attributes
+    ----------
+    frame : int
+        Frame number.
+    pose : ndarray, shape (n_parameters,)
+        The pose followed so far.
+    image, box
+        Grey working pixels of the crop (uint8) and where they lie, for a second look.
+    legs : list of ndarray, shape (candidates, 2 links)
+        Of each leg, its possible parts of the pose vector; the first is that of ``pose``.
+    joints : list of ndarray, shape (candidates, segments + 1, 2)
+        Where they put its joints.
+    worth : list of ndarray, shape (candidates,)
+        Cost of the picture with that leg alone added to the body, less that of the body.
+    unlikely : list of ndarray, shape (candidates,)
+        What anatomy makes each candidate cost.
+    shared : dict
+        Of pairs of legs, the cost of both together less that of each, (candidates, candidates).
+    crossed : dict
+        Of neighbouring legs, whether they cross, (candidates, candidates).
+    rivals : list of ndarray
+        Of each leg, the candidates that may still be right by what was known when the frame was
+        first seen, other than the one chosen then.
+    """
+
+    frame: int
+    pose: np.ndarray
+    image: np.ndarray
+    box: tuple[int, int, int, int]
+    legs: list[np.ndarray]
+    joints: list[np.ndarray]
+    worth: list[np.ndarray]
+    unlikely: list[np.ndarray]
+    shared: dict[tuple[int, int], np.ndarray] = field(default_factory=dict)
+    crossed: dict[tuple[int, int], np.ndarray] = field(default_factory=dict)
+    rivals: list[np.ndarray] = field(default_factory=list)
+
+    @property
+    def is_open(self) -> bool:
+        """Whether any leg has more than one candidate."""
+        return any(len(c) > 1 for c in self.legs)
+
+    @property
+    def is_doubtful(self) -> bool:
+        """Whether any leg had a rival."""
+        return any(len(c) for c in self.rivals)
+
+    def record(self) -> dict[str, Any]:
+        """Return all but the picture, as plain values and arrays."""
+        out = {name: getattr(self, name) for name in ("pose", "box", *_OF_LEGS)}
+        return out | {name: [[*k, v] for k, v in getattr(self, name).items()] for name in _OF_PAIRS}
+
+
+_OF_LEGS = ("legs", "joints", "worth", "unlikely", "rivals")
+_OF_PAIRS = ("shared", "crossed")
+
+
+def recalled(
+    fitter: FrameFitter, frame: int, record: Mapping[str, Any], *, image: np.ndarray
+) -> Choices:
+    """Return what :meth:`Choices.record` was made of; ``image`` are the grey pixels of its box.
+
+    Parameters
+    ----------
+    fitter : FrameFitter
+        What poses are fitted with.
+    frame : int
+        The frame.
+    record : mapping
+        What was kept of it.
+    image : ndarray, shape (H, W)
+        Grey pixels of its box.
+
+    Returns
+    -------
+    Choices
+        The frame as it was.
+    """
+    box = tuple(record["box"])
+    choices = only_choice(fitter, frame, record["pose"], image=image, box=box)
+    for name in _OF_LEGS:
+        setattr(choices, name, record[name])
+    for name in _OF_PAIRS:
+        setattr(choices, name, {(a, b): costs for a, b, costs in record[name]})
+    return choices
+
+
+def only_choice(
+    fitter: FrameFitter, frame: int, pose: np.ndarray, *, image: np.ndarray, box: tuple
+) -> Choices:
+    """Return the frame with one pose of each leg.
+
+    Parameters
+    ----------
+    fitter : FrameFitter
+        What poses are fitted with.
+    frame : int
+        The frame.
+    pose : ndarray
+        The pose vector.
+    image : ndarray, shape (H, W)
+        Grey pixels of the box.
+    box : tuple of int
+        Region of the picture, px.
+
+    Returns
+    -------
+    Choices
+        The frame.
+    """
+    joints = fitter.joints(pose)
+    return Choices(
+        frame=frame,
+        pose=pose,
+        image=np.clip(np.round(image), 0, 255).astype(np.uint8),
+        box=box,
+        legs=[pose[numbers][None] for numbers in fitter.numbers],
+        joints=[j[None] for j in joints],
+        worth=[np.zeros(1) for _ in fitter.numbers],
+        unlikely=[np.zeros(1) for _ in fitter.numbers],
+    )
+
+
+def limb_candidates(
+    fitter: FrameFitter, pose: np.ndarray, leg: int, *, sight: Sight, prior: Prior
+) -> list[np.ndarray]:
+    """Return poses of a leg that the silhouette offers, each fitted.
+
+    Limbs are looked for among what no other leg explains, and then where a neighbour now lies,
+    among what no other leg, the leg itself included, explains. Under what is explained a leg
+    finds neither support nor hindrance. Poses that the leg is known to have are tried, too.
+
+    Parameters
+    ----------
+    fitter : FrameFitter
+        What poses are fitted with.
+    pose : ndarray
+        The pose vector.
+    leg : int
+        Number of the leg.
+    sight : Sight
+        What the frame shows.
+    prior : Prior
+        What is expected of the pose.
+
+    Returns
+    -------
+    list of ndarray
+        Each the leg's part of a pose vector.
+    """
+    neutral = _NEUTRAL * float(np.median(fitter.layout.dark[leg]))
+    found: list[np.ndarray] = []
+    canvas = fitter.canvas(sight)
+    near_body = fitter.body_zone(pose, sight) > 0.0
+    open_to = np.empty_like(sight.seen)
+    for absent in (leg, *fitter.neighbours[leg]):
+        shown = fitter.all_shown.copy()
+        shown[absent] = False
+        paint_some(fitter.layout, pose, fitter.blur, sight.box, shown, *canvas)
+        free_of_others(sight, near_body, canvas[1], neutral, open_to)
+        most = 2 if absent == leg else 1
+        numbers, _ = find_limbs(
+            fitter.layout, pose, leg, open_to, sight.box, prior, _BEAM, most, 2 * SAME_PX
+        )
+        found.extend(numbers)
+    found.extend(fitter.usual_poses[leg])
+    return [fit_leg(fitter, pose, leg, guess=guess, sight=sight, prior=prior) for guess in found]
+
+
+def fit_leg(
+    fitter: FrameFitter,
+    pose: np.ndarray,
+    leg: int,
+    *,
+    guess: np.ndarray,
+    sight: Sight,
+    prior: Prior,
+    rounds: int = 4,
+) -> np.ndarray:
+    """Return one leg's part of the pose vector, fitted with the body as it is.
+
+    Parameters
+    ----------
+    fitter : FrameFitter
+        What poses are fitted with.
+    pose : ndarray
+        The pose vector, whose body stays as it is.
+    leg : int
+        Number of the leg.
+    guess : ndarray
+        The leg's part of the pose vector to begin with.
+    sight : Sight
+        What the frame shows.
+    prior : Prior
+        What is expected of the pose.
+    rounds : int
+        Steps at most.
+
+    Returns
+    -------
+    ndarray
+        The leg's part of the pose vector.
+    """
+    trial = pose.copy()
+    trial[fitter.numbers[leg]] = guess
+    part = part_about(fitter, sight, pose, leg=leg, guesses=[guess])
+    fitted, _ = fitter.fit(
+        trial, part, prior, active=fitter.numbers[leg], shown=fitter.only[leg], rounds=rounds
+    )
+    return fitted[fitter.numbers[leg]]
+
+
+def part_about(
+    fitter: FrameFitter, sight: Sight, pose: np.ndarray, *, leg: int, guesses: Sequence[np.ndarray]
+) -> Sight:
+    """Return the part of a sight about some places of a leg, each its part of the pose vector.
+
+    Parameters
+    ----------
+    fitter : FrameFitter
+        What poses are fitted with.
+    sight : Sight
+        What the frame shows.
+    pose : ndarray
+        The pose vector.
+    leg : int
+        Number of the leg.
+    guesses : sequence of ndarray
+        Places of the leg.
+
+    Returns
+    -------
+    Sight
+        The part that holds all of them.
+    """
+    return part_near(sight, [_joints(fitter, pose, leg, guess) for guess in guesses])
+
+
+def part_near(sight: Sight, legs: Sequence[np.ndarray]) -> Sight:
+    """Return the part of a sight about legs that are fitted alone; joints (n, 2), NaN beyond."""
+    joints = np.concatenate(legs)
+    low, high = np.nanmin(joints, axis=0), np.nanmax(joints, axis=0)
+    return part_of(sight, low - _ROOM_PX, high + _ROOM_PX)
+
+
+def add_candidates(
+    fitter: FrameFitter,
+    choices: Choices,
+    extra: dict[int, list[np.ndarray]],
+    *,
+    sight: Sight,
+    prior: Prior,
+) -> None:
+    """Add poses of legs, and weigh all of them.
+
+    A pose nearly where another is that was added before may still be much the better one: what a
+    frame alone offers often has its joints at odd places along the limb, and what is found from the
+    frames after it has not.
+
+    Parameters
+    ----------
+    fitter : FrameFitter
+        Fitter of this frame.
+    choices : Choices
+        Changed in place; candidates that explain little are dropped, and so is, of one added
+        before and one added now on the same limb, the one that costs more.
+    extra : dict
+        Of some legs, further parts of the pose vector; of those on the same limb only the first
+        counts.
+    sight : Sight
+        The frame.
+    prior : Prior
+        Anatomy, a part of what a candidate costs.
+    """
+    for leg, more in extra.items():
+        n, before = fitter.layout.n_segments[leg], len(choices.joints[leg])
+        for numbers in more:
+            joints = _joints(fitter, choices.pose, leg, numbers)
+            others = (choices.joints[leg][0], *choices.joints[leg][before:])
+            if all(chains_apart(joints, known, n) > SAME_PX for known in others):
+                choices.legs[leg] = np.concatenate([choices.legs[leg], numbers[None]])
+                choices.joints[leg] = np.concatenate([choices.joints[leg], joints[None]])
+    if choices.is_open:
+        _weigh(fitter, choices, sight, prior)
+
+
+def _weigh(fitter: FrameFitter, choices: Choices, sight: Sight, prior: Prior) -> None:
+    """Fill in what candidates are worth alone and in pairs, and drop the worthless."""
+    value, owner, along, joints = fitter.canvas(sight)
+    base = fitter.body_zone(choices.pose, sight).copy()
+    soft = fitter.settings.soft_error
+    prints: list[list[tuple[np.ndarray, np.ndarray]]] = []
+    for leg, numbers in enumerate(fitter.numbers):
+        trial, worth, marks, unlikely = choices.pose.copy(), [], [], []
+        for candidate in choices.legs[leg]:
+            trial[numbers] = candidate
+            pixels, darks, cost = leg_footprint(
+                fitter.layout, trial, leg, sight, fitter.blur, soft, base, value, owner, along,
+                joints[leg],
+            )  # fmt: skip
+            worth.append(cost)
+            unlikely.append(prior_cost(trial, prior, numbers))
+            marks.append((pixels, darks))
+        alone = np.array(worth)
+        seen = np.array([len(pixels) for pixels, _ in marks])
+        cost = fitter.settings.evidence_share * alone + np.array(unlikely)
+        distinct = _distinct(choices.joints[leg], cost, int(fitter.layout.n_segments[leg]))
+        keep = _worth_keeping(alone / (seen + _FEW_PIXELS), distinct, fitter.settings.candidates)
+        choices.worth[leg] = alone[keep]
+        choices.unlikely[leg] = np.array(unlikely)[keep]
+        choices.legs[leg] = choices.legs[leg][keep]
+        choices.joints[leg] = choices.joints[leg][keep]
+        prints.append([marks[i] for i in keep])
+    choices.shared, choices.crossed = {}, {}
+    side = fitter.layout.side
+    for a in range(len(prints)):
+        for b in range(a + 1, len(prints)):
+            if len(prints[a]) * len(prints[b]) < 2:
+                continue
+            if side[a] != side[b] and not _may_meet(choices.joints[a], choices.joints[b]):
+                continue
+            if b in fitter.neighbours[a]:
+                choices.crossed[a, b] = np.array(
+                    [
+                        [legs_cross(fitter, (a, p), (b, q)) for q in choices.joints[b]]
+                        for p in choices.joints[a]
+                    ]
+                )
+            choices.shared[a, b] = np.array(
+                [[shared_cost(*p, *q, sight, base, soft) for q in prints[b]] for p in prints[a]]
+            )
+
+
+def _may_meet(one: np.ndarray, other: np.ndarray) -> bool:
+    """Return whether the boxes about all candidates of two legs, joints as in Choices, overlap."""
+    low = np.fmax(np.nanmin(one, axis=(0, 1)), np.nanmin(other, axis=(0, 1)))
+    high = np.fmin(np.nanmax(one, axis=(0, 1)), np.nanmax(other, axis=(0, 1)))
+    return bool(np.all(high - low > -_BESIDE_PX))
+
+
+def legs_cross(
+    fitter: FrameFitter, one: tuple[int, np.ndarray], other: tuple[int, np.ndarray]
+) -> bool:
+    """Return whether two legs, each given by its number and its joints, cross.
+
+    Parameters
+    ----------
+    fitter : FrameFitter
+        What poses are fitted with.
+    one, other : tuple of (int, ndarray)
+        Number of a leg and its joints, shape (joints, 2).
+
+    Returns
+    -------
+    bool
+        True if they cross.
+    """
+    n = fitter.layout.n_segments
+    return bool(chains_cross(one[1], n[one[0]], other[1], n[other[0]]))
+
+
+def _distinct(joints: np.ndarray, cost: np.ndarray, n: int) -> list[int]:
+    """Return the first candidate of a leg and the cheapest of those on each other limb."""
+    kept = [0]
+    for i in np.argsort(cost[1:], kind="stable") + 1:
+        if all(chains_apart(joints[i], joints[k], n) > SAME_PX for k in kept):
+            kept.append(int(i))
+    return kept
+
+
+def _worth_keeping(alone: np.ndarray, distinct: list[int], most: int) -> np.ndarray:
+    """Return the candidates to keep: always the first, the other distinct ones by worth."""
+    others = sorted(distinct[1:], key=lambda i: float(alone[i]))
+    good = [i for i in others if alone[i] < _WORTHLESS * alone.min()]
+    return np.array([0, *good[: most - 1]])
+
+
+def _joints(fitter: FrameFitter, pose: np.ndarray, leg: int, numbers: np.ndarray) -> np.ndarray:
+    """Return where one leg's part of the pose vector puts its joints."""
+    trial = pose.copy()
+    trial[fitter.numbers[leg]] = numbers
+    joints = np.full((fitter.layout.radius.shape[1], 2), np.nan)
+    leg_chain(fitter.layout, trial, leg, joints)
+    return joints
+
+
+def sides_of(side: np.ndarray) -> list[list[int]]:
+    """Return the legs of each side."""
+    return [[i for i, s in enumerate(side) if s == which] for which in np.unique(side)]
+
+
+def side_energy(
+    choices: Choices, legs: Sequence[int], share: float, *, others: Mapping[int, int]
+) -> np.ndarray:
+    """Return the cost of every combination of one side's candidates, one axis a leg.
+
+    That of the picture, times ``share`` (neighbouring pixels do not err independently), and that
+    of anatomy. What a leg explains that one of the ``others`` explains already, each the leg of
+    the other side and its candidate, is not counted again: a leg that reaches under the body to
+    the limb of a leg of the other side gains nothing there.
+
+    Parameters
+    ----------
+    choices : Choices
+        The frame.
+    legs : sequence of int
+        Legs of the side.
+    share : float
+        Weight of what the picture says.
+    others : mapping of int to int
+        Leg of the other side to its chosen candidate.
+
+    Returns
+    -------
+    ndarray
+        Cost, one axis a leg.
+    """
+    shape = [len(choices.legs[leg]) for leg in legs]
+    out = np.zeros(shape)
+    for i, leg in enumerate(legs):
+        alone = share * choices.worth[leg] + choices.unlikely[leg]
+        for other, which in others.items():
+            if (leg, other) in choices.shared:
+                alone = alone + share * choices.shared[leg, other][:, which]
+            elif (other, leg) in choices.shared:
+                alone = alone + share * choices.shared[other, leg][which]
+        out += alone.reshape([-1 if k == i else 1 for k in range(len(legs))])
+        for j in range(i + 1, len(legs)):
+            pair = choices.shared.get((leg, legs[j]))
+            if pair is not None:
+                pair = share * pair + _CROSSED * choices.crossed.get((leg, legs[j]), 0.0)
+                out += pair.reshape([shape[k] if k in (i, j) else 1 for k in range(len(legs))])
+    return out

@@ -1,0 +1,103 @@
+"""What is known of a pose before its frame is seen: anatomy, and where it was before."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pawnb.core.pose.animal import StickAnimal
+from pawnb.core.pose.fit.layout import N_BODY, links_of
+from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Prior
+
+_RANGE_MORE = 1.3
+_RANGE_MORE_DEG = 8.0
+"""Limits are soft: Pullar's own Table 4.6 goes beyond the ranges of Table 3.2."""
+_RANGE_SD, _RANGE_SD_DEG = 0.6, 6.0
+"""Standard deviation of an angle about its natural orientation: share of half its range, more."""
+_START_MORE_DEG = 25.0
+"""A joint that a person posed beyond its range may stay so, and this much more."""
+_WALL_DEG = 4.0
+"""Standard deviation of an angle beyond its end."""
+_FORESHORTENED = (0.3, 1.06)
+"""Least and greatest length of a segment in the picture, as a share of its own."""
+_WALL_LENGTH = 0.03
+"""Standard deviation of the logarithm of a length beyond these."""
+_TOGETHER = 0.95
+"""A leg that is raised is shorter as a whole: this takes most of the cost of that."""
+
+
+def parameter_kinds(animal: StickAnimal) -> tuple[np.ndarray, np.ndarray]:
+    """Return where the angles and the foreshortenings are in the pose vector."""
+    angles: list[int] = []
+    lengths: list[int] = []
+    at = N_BODY
+    for leg in animal.legs:
+        n = int(links_of(leg)[0][-1]) + 1
+        angles += range(at, at + n)
+        lengths += range(at + n, at + 2 * n)
+        at += 2 * n
+    return np.array(angles), np.array(lengths)
+
+
+def anatomy(animal: StickAnimal, start: np.ndarray, *, foreshortening_sd: float) -> Prior:
+    """Return the prior of anatomy.
+
+    Parameters
+    ----------
+    animal : StickAnimal
+        The animal.
+    start : ndarray, shape (n_parameters,)
+        The start pose; limits are wide enough for it.
+    foreshortening_sd : float
+        Standard deviation of the logarithm of projected lengths.
+
+    Returns
+    -------
+    Prior
+        Nothing is known of the body's place.
+    """
+    angles, lengths = parameter_kinds(animal)
+    n = len(start)
+    middle, precision = np.zeros(n), np.zeros(n)
+    low, high, wall = np.full(n, -1e9), np.full(n, 1e9), np.zeros(n)
+    natural, half = np.radians(animal.natural_deg), np.radians(animal.range_deg / 2)
+    reach = _RANGE_MORE * half + np.radians(_RANGE_MORE_DEG)
+    more = np.radians(_START_MORE_DEG)
+    middle[angles] = natural
+    precision[angles] = 1.0 / (_RANGE_SD * half + np.radians(_RANGE_SD_DEG)) ** 2
+    low[angles] = np.minimum(natural - reach, start[angles] - more)
+    high[angles] = np.maximum(natural + reach, start[angles] + more)
+    wall[angles] = 1.0 / np.radians(_WALL_DEG) ** 2
+    precision[lengths] = 1.0 / foreshortening_sd**2
+    low[lengths], high[lengths] = np.log(_FORESHORTENED)
+    wall[lengths] = 1.0 / _WALL_LENGTH**2
+    group, at = np.full(n, -1), 0
+    for i, leg in enumerate(animal.legs):
+        links = int(links_of(leg)[0][-1]) + 1
+        group[lengths[at : at + links]] = i
+        at += links
+    return Prior(
+        middle, precision, low, high, wall, group, np.array([_TOGETHER]),
+        np.zeros(n), np.zeros((0, 0)),
+    )  # fmt: skip
+
+
+def about(prior: Prior, pose: np.ndarray, sd: np.ndarray) -> Prior:
+    """Return the prior with a second source of knowledge: ``pose`` with standard deviations.
+
+    Parameters
+    ----------
+    prior : Prior
+        What is known already.
+    pose, sd : ndarray, shape (n_parameters,)
+        Expected pose and its standard deviations; infinite where nothing is expected.
+
+    Returns
+    -------
+    Prior
+        The product of both.
+    """
+    more = 1.0 / sd**2
+    precision = prior.precision + more
+    weighted = prior.precision * prior.middle + more * pose
+    middle = np.divide(weighted, precision, out=pose.copy(), where=precision > 0)
+    return prior._replace(middle=middle, precision=precision)

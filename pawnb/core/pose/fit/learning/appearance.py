@@ -1,0 +1,286 @@
+"""How thick and how dark this animal is, learnt from frames whose pose is known."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from pawnb.core.pose.fit.layout import Layout
+from pawnb.core.pose.fit.learning.appearance_kernels import body_equations, look_equations
+from pawnb.core.pose.fit.learning.body_equations import LEAST_DARK, MOST_DARK, BodyEquations
+from pawnb.core.pose.fit.parallel import threaded
+from pawnb.core.pose.fit.rendering.gauss_newton_kernels import (
+    Prior,
+    Sight,
+    normal_matrix,
+    prior_cost,
+)
+from pawnb.core.pose.fit.rendering.paint_kernels import make_canvas, paint, picture_cost
+
+_RADIUS_SD, _RADIUS_STEP_SD = 0.4, 0.1
+_DARK_SD, _DARK_STEP_SD = 0.3, 0.1
+_LEAST_OF_DARKEST = 0.5
+"""A leg's palest place, as a share of its darkest: an end laid on the background would be learnt
+as transparent, and stay there."""
+_LEAST_RADIUS_PX = 0.25
+_SHARES = (1.0, 0.5, 0.25, 0.125, 0.06)
+_MOST_RADIUS = 1.2
+"""A leg's thickness as a share of the species file's: one that lay on a wing would grow to it."""
+
+
+def learn_look(
+    layout: Layout,
+    frames: Sequence[tuple[np.ndarray, Sight]],
+    *,
+    first: Layout,
+    partner: np.ndarray,
+    prior: Prior,
+    blur: float,
+    soft: float,
+    rounds: int = 4,
+) -> Layout:
+    """Return the layout with thickness and darkness as the pictures have them.
+
+    Parameters
+    ----------
+    layout : Layout
+        The animal as known so far.
+    frames : sequence of (pose, sight)
+        Frames whose pose is known.
+    first : Layout
+        The animal as the species file has it: where the pictures say little, thickness stays
+        near its.
+    partner : ndarray of int, shape (legs,)
+        The leg of the other side that looks alike, or the leg itself.
+    prior : Prior
+        What is known of poses besides their pictures.
+    blur, soft : float
+        As in the fit.
+    rounds : int
+        Gauss-Newton steps.
+
+    Returns
+    -------
+    Layout
+        Lengths and places are unchanged, except the sizes of the body's parts.
+    """
+    known = _Known(first, partner, prior, blur, soft)
+    here = list(frames)
+    for _ in range(rounds):
+        step = _step(layout, here, known)
+        share = _helpful_share(layout, here, known, step)
+        if share == 0.0:
+            break
+        layout, here = _taken(layout, here, step, share)
+    return layout
+
+
+@dataclass(frozen=True)
+class _Known:
+    """What stays the same while a look is learnt; see :func:`learn_look`."""
+
+    first: Layout
+    partner: np.ndarray
+    prior: Prior
+    blur: float
+    soft: float
+
+
+@dataclass(frozen=True)
+class _Step:
+    """A Gauss-Newton step: the look it leads to, and how the poses of frames move with it.
+
+    Attributes
+    ----------
+    cost : float
+        Of the look and poses before it.
+    look : Layout
+        After the whole step.
+    moves : list of ndarray, shape (n_parameters,)
+        Of the pose of each frame.
+    body : BodyEquations
+        What they were solved by.
+    """
+
+    cost: float
+    look: Layout
+    moves: list[np.ndarray]
+    body: BodyEquations
+
+
+@dataclass(frozen=True)
+class _OfFrame:
+    """What one frame says: its cost, and the equations of legs, body and pose."""
+
+    cost: float
+    legs: tuple[np.ndarray, np.ndarray]
+    body: tuple[np.ndarray, np.ndarray]
+    pose: tuple[np.ndarray, np.ndarray]
+
+
+def _step(layout: Layout, frames: list[tuple[np.ndarray, Sight]], known: _Known) -> _Step:
+    """Return the step that the equations of all frames lead to."""
+    body = BodyEquations(layout.ellipse, known.first.ellipse, len(frames))
+    said = threaded(lambda frame: _of_frame(layout, frame, known, body.meets), frames)
+    for one in said:
+        body.add(*one.body, of_pose=one.pose[0], slope=one.pose[1])
+    matrix, vector = (np.sum([one.legs[i] for one in said], axis=0) for i in (0, 1))
+    legs_learnt = learn_legs(
+        layout, known.first, known.partner, equations=(matrix, vector), n_frames=len(frames)
+    )
+    cost = sum(one.cost for one in said) + _look_cost(layout, known, body, len(frames))
+    ellipse, moves = body.solve()
+    return _Step(cost, legs_learnt._replace(ellipse=ellipse), moves, body)
+
+
+def _of_frame(
+    layout: Layout, frame: tuple[np.ndarray, Sight], known: _Known, meets: np.ndarray
+) -> _OfFrame:
+    """Return what one frame says near its pose; ``meets`` as in :class:`.BodyEquations`."""
+    pose, sight = frame
+    blur, soft, n = known.blur, known.soft, len(pose)
+    canvas, cost = _painted(layout, pose, sight, known)
+    value, owner, along, joints = canvas
+    legs, nodes = layout.radius.shape
+    matrix, vector = np.zeros((legs, 2 * nodes, 2 * nodes)), np.zeros((legs, 2 * nodes))
+    look_equations(
+        layout, blur, sight.box, value, owner, along, joints, sight.seen, sight.weight, soft,
+        matrix, vector,
+    )  # fmt: skip
+    parts, sums = np.zeros((len(meets), 9, 9)), np.zeros((len(meets), 9))
+    body_equations(
+        layout, meets, pose, blur, sight.box, value, owner, sight.seen, sight.weight, soft,
+        parts, sums,
+    )  # fmt: skip
+    of_pose, slope = np.zeros((n, n)), np.zeros(n)
+    normal_matrix(
+        layout, pose, sight, known.prior, np.arange(n), np.ones(legs + 1, bool), blur, soft,
+        value, owner, along, joints, of_pose, slope,
+    )  # fmt: skip
+    whole = of_pose + np.tril(of_pose, -1).T  # the loops fill the lower triangle
+    return _OfFrame(cost, (matrix, vector), (parts, sums), (whole, slope))
+
+
+def _painted(
+    layout: Layout, pose: np.ndarray, sight: Sight, known: _Known
+) -> tuple[tuple[np.ndarray, ...], float]:
+    """Return the painted canvas of a frame, and what picture and pose cost."""
+    canvas = make_canvas(len(sight.seen), sight.seen.shape[1], layout)
+    paint(layout, pose, known.blur, sight.box, *canvas)
+    cost = picture_cost(canvas[0], canvas[1], sight.seen, sight.weight, known.soft)
+    return canvas, cost + prior_cost(pose, known.prior, np.arange(len(pose)))
+
+
+def _look_cost(layout: Layout, known: _Known, body: BodyEquations, n_frames: int) -> float:
+    """Return what a look costs by itself."""
+    return _prior_cost(layout, known.first, n_frames) + body.prior_cost(layout.ellipse)
+
+
+def _taken(
+    layout: Layout, frames: list[tuple[np.ndarray, Sight]], step: _Step, share: float
+) -> tuple[Layout, list[tuple[np.ndarray, Sight]]]:
+    """Return look and frames after a share of a step."""
+
+    def between(now: np.ndarray, then: np.ndarray) -> np.ndarray:
+        return now + share * (then - now)
+
+    radius = layout.radius.copy()
+    thick = radius > 0.0  # legs with few segments are padded
+    radius[thick] = np.exp(between(np.log(radius[thick]), np.log(step.look.radius[thick])))
+    look = layout._replace(
+        radius=radius,
+        dark=between(layout.dark, step.look.dark),
+        ellipse=between(layout.ellipse, step.look.ellipse),
+    )
+    moves = zip(frames, step.moves, strict=True)
+    return look, [(pose + share * move, sight) for (pose, sight), move in moves]
+
+
+def _helpful_share(
+    layout: Layout, frames: list[tuple[np.ndarray, Sight]], known: _Known, step: _Step
+) -> float:
+    """Return the largest share of a step, halved again and again, that makes the cost fall; or 0.
+
+    A whole step goes too far where the animal is not as it is painted (a banded leg, a body paler
+    at one end), for errors that count less at their size now may count in full after it.
+    """
+
+    def cost(share: float) -> float:
+        look, here = _taken(layout, frames, step, share)
+        parts = threaded(lambda frame: _painted(look, *frame, known)[1], here)
+        return sum(parts) + _look_cost(look, known, step.body, len(frames))
+
+    return next((share for share in _SHARES if cost(share) < step.cost), 0.0)
+
+
+def learn_legs(
+    layout: Layout,
+    first: Layout,
+    partner: np.ndarray,
+    *,
+    equations: tuple[np.ndarray, np.ndarray],
+    n_frames: int,
+) -> Layout:
+    """Return the layout with legs as thick and dark as one step of the equations has them.
+
+    Parameters
+    ----------
+    layout, first, partner
+        As in :func:`learn_look`.
+    equations : tuple of ndarray
+        Matrix and vector that ``look_equations`` filled; changed.
+    n_frames : int
+        How many frames they are of.
+
+    Returns
+    -------
+    Layout
+        The body is unchanged.
+    """
+    matrix, vector = equations
+    legs, nodes = layout.radius.shape
+    radius, dark = layout.radius.copy(), layout.dark.copy()
+    both = np.arange(legs) != partner
+    matrix[both] += matrix[partner[both]]
+    vector[both] += vector[partner[both]]
+    for leg in range(legs):
+        n = int(layout.n_segments[leg]) + 1
+        keep = np.concatenate([np.arange(n), nodes + np.arange(n)])
+        share = n_frames * (2.0 if both[leg] else 1.0)
+        now = np.concatenate([np.log(radius[leg, :n]), dark[leg, :n]])
+        goal = np.concatenate([np.log(first.radius[leg, :n]), first.dark[leg, :n]])
+        stiff = share * _look_prior(n)
+        left = matrix[leg][np.ix_(keep, keep)] + stiff
+        move = np.linalg.solve(left, -(vector[leg, keep] + stiff @ (now - goal)))
+        now += np.clip(move, -0.4, 0.4)
+        most = np.maximum(_MOST_RADIUS * first.radius[leg, :n], _LEAST_RADIUS_PX)
+        radius[leg, :n] = np.clip(np.exp(now[:n]), _LEAST_RADIUS_PX, most)
+        least = max(LEAST_DARK, _LEAST_OF_DARKEST * float(now[n:].max()))
+        dark[leg, :n] = np.clip(now[n:], least, MOST_DARK)
+    return layout._replace(radius=radius, dark=dark)
+
+
+def _prior_cost(layout: Layout, first: Layout, n_frames: int) -> float:
+    """Return what the legs' thickness and darkness cost by themselves."""
+    total = 0.0
+    for leg, n_segments in enumerate(layout.n_segments):
+        n = int(n_segments) + 1
+        thicker = np.log(layout.radius[leg, :n] / first.radius[leg, :n])
+        away = np.concatenate([thicker, layout.dark[leg, :n] - first.dark[leg, :n]])
+        total += 0.5 * n_frames * float(away @ _look_prior(n) @ away)
+    return total
+
+
+@functools.cache
+def _look_prior(n: int) -> np.ndarray:
+    """Return the precision of a leg's logarithmic radii and darknesses, shape (2n, 2n)."""
+    out = np.zeros((2 * n, 2 * n))
+    change = np.diff(np.eye(n), axis=0)
+    smooth = change.T @ change
+    out[:n, :n] = np.eye(n) / _RADIUS_SD**2 + smooth / _RADIUS_STEP_SD**2
+    out[n:, n:] = np.eye(n) / _DARK_SD**2 + smooth / _DARK_STEP_SD**2
+    out.setflags(write=False)
+    return out

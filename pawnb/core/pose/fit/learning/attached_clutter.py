@@ -1,0 +1,91 @@
+"""What is fixed to the body and no leg (wings, a marker, hairs), learnt from the recording.
+
+A leg moves relative to the body; what lies in the same place of the body's frame in most frames
+is no leg, and hides what is under it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+
+from pawnb.core.pose.fit.candidates.leg_candidates import Choices
+from pawnb.core.pose.fit.fitter import FrameFitter
+from pawnb.core.pose.fit.learning.attached_clutter_kernels import in_body_frame
+from pawnb.core.pose.fit.parallel import on_threads
+from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Sight
+
+_FRAMES = 80
+"""So many frames of a recording are looked at, evenly spread."""
+_FEW = 20
+"""Of fewer frames nothing is learnt: no leg takes several steps in them."""
+_DARK = 0.08
+"""Darkness from which on something is there; unevenness of the background is a few hundredths."""
+_EDGE_PX = 3
+"""The edge of a wide thing is so far from where a disc fits into it: corners are round then."""
+_LEAST_LEGS = 1.0
+"""Fixtures smaller than so many legs are left alone: a body is no perfect egg."""
+
+
+def find_fixtures(
+    fitter: FrameFitter, found: Sequence[Choices], poses: np.ndarray
+) -> np.ndarray | None:
+    """Return where something that is no leg is fixed to the body.
+
+    Parameters
+    ----------
+    fitter : FrameFitter
+        A fitter.
+    found : sequence of Choices
+        The frames.
+    poses : ndarray, shape (n, n_parameters)
+        Their poses; only the body's place and heading matter.
+
+    Returns
+    -------
+    ndarray of bool, shape (side, side), or None
+        In the body's frame, working pixels: the body looks along the rows, its origin is the
+        middle. None where it is no more than the body, or frames are too few to tell.
+
+    Notes
+    -----
+    The median of the pictures in the body's frame shows what is there in most of them. Of that
+    counts what is wider than legs, which may hold still as well, and hangs together with the body.
+    """
+    if len(found) < _FEW:
+        return None
+    chosen = np.unique(np.linspace(0, len(found) - 1, _FRAMES).astype(int))
+    side = 2 * int(np.ceil(fitter.reach)) + 1
+
+    def turned(own: FrameFitter, t: int) -> np.ndarray:
+        image = found[t].image.astype(float)
+        sight = own.sight(image, found[t].box, poses[t], margin=np.inf)
+        out = np.empty((side, side), np.float32)
+        in_body_frame(sight.seen, sight.box, poses[t], out)
+        return out
+
+    usual = np.median(on_threads(fitter, chosen, turned), axis=0)
+    body = _body(fitter, side)
+    size = fitter.disc_px
+    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
+    wide = (cv2.morphologyEx(usual, cv2.MORPH_OPEN, disc) > _DARK).astype(np.uint8)
+    edge = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * _EDGE_PX + 1, 2 * _EDGE_PX + 1))
+    fixed = (usual > _DARK) & (cv2.dilate(_hanging_on(wide, body), edge) > 0)
+    is_more = np.count_nonzero(fixed & ~body) > _LEAST_LEGS * fitter.leg_area
+    return fixed if is_more else None
+
+
+def _body(fitter: FrameFitter, side: int) -> np.ndarray:
+    """Return where the body itself may be, in its own frame."""
+    pose, empty = np.zeros(fitter.n), np.zeros((side, side))
+    sight = Sight(empty, empty, np.array([-(side // 2), -(side // 2)], dtype=float))
+    return fitter.near_body(pose, sight)
+
+
+def _hanging_on(wide: np.ndarray, body: np.ndarray) -> np.ndarray:
+    """Return the parts of a mask (uint8) that touch the body."""
+    _, names = cv2.connectedComponents(wide)
+    kept = np.unique(names[body])
+    return (np.isin(names, kept[kept > 0])).astype(np.uint8)

@@ -1,0 +1,101 @@
+"""Where the body is not as it is painted (jaws, palps, spinnerets), learnt from the recording.
+
+Its parts are painted as eggs. What sticks out of them would draw their outline, and with it the
+place of the body: it is left out of account.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import cv2
+import numpy as np
+
+from pawnb.core.pose.fit.fitter import FrameFitter
+from pawnb.core.pose.fit.learning.attached_clutter_kernels import disregard, in_body_frame
+from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Sight
+from pawnb.core.pose.fit.rendering.paint_kernels import make_canvas, paint
+
+_FEW = 6
+"""Of fewer frames nothing is learnt: noise and what passes by are not told from the body."""
+_ODD = 0.25
+"""Difference, of the body's darkness, from which on a place is odd: an outline that is wrong by a
+third of a pixel errs by as much."""
+_MOST = 0.1
+"""Nothing is left out where a larger share of the body is odd: it is no animal of eggs then, and
+too little of its outline would be left to tell its heading."""
+_BEYOND_PX = 8.0
+_GROWS_PX = 2
+"""The blur spreads what is odd so far."""
+_LEG = 0.01
+"""Share of a leg in a place from which on it says nothing about the body."""
+
+
+def find_odd_places(
+    fitter: FrameFitter, frames: Sequence[tuple[np.ndarray, Sight]]
+) -> np.ndarray | None:
+    """Return how much each place of the body's frame counts.
+
+    Parameters
+    ----------
+    fitter : FrameFitter
+        A fitter.
+    frames : sequence of (pose, sight)
+        Frames whose pose is known.
+
+    Returns
+    -------
+    ndarray, shape (side, side), or None
+        0 where the median of the frames shows something else than is painted, else 1; working
+        pixels, the body looks along the rows, its origin is the middle. None of too few frames,
+        and where so much is odd that too little would be left.
+    """
+    if len(frames) < _FEW:
+        return None
+    side = 2 * int(np.ceil(fitter.body_radius + _BEYOND_PX)) + 1
+    stack = np.array([_difference(fitter, pose, sight, side) for pose, sight in frames])
+    stack[:, np.isnan(stack).all(axis=0)] = 0.0
+    away = np.abs(np.nanmedian(stack, axis=0))
+    pose, empty = np.zeros(fitter.n), np.zeros((side, side))
+    middle = np.array([-(side // 2), -(side // 2)], dtype=float)
+    body = fitter.near_body(pose, Sight(empty, empty, middle), margin=fitter.blur)
+    odd = away > _ODD * float(fitter.layout.ellipse[:, 4].max())
+    if odd[body].mean() > _MOST:
+        return None
+    disc = np.ones((2 * _GROWS_PX + 1, 2 * _GROWS_PX + 1), np.uint8)
+    return 1.0 - cv2.dilate(odd.astype(np.uint8), disc).astype(float)
+
+
+def _difference(fitter: FrameFitter, pose: np.ndarray, sight: Sight, side: int) -> np.ndarray:
+    """Return what is seen less what is painted, in the body's frame; NaN where a leg is."""
+    canvas = make_canvas(len(sight.seen), sight.seen.shape[1], fitter.layout)
+    paint(fitter.layout, pose, fitter.blur, sight.box, *canvas)
+    away, leg = np.empty((side, side)), np.empty((side, side))
+    in_body_frame(sight.seen - canvas[0], sight.box, pose, away)
+    in_body_frame((canvas[1] >= 0).astype(float), sight.box, pose, leg)
+    away[leg > _LEG] = np.nan
+    return away
+
+
+def without_odd_places(fitter: FrameFitter, pose: np.ndarray, sight: Sight) -> Sight:
+    """Return a sight in which the fitter's odd places have no weight; the body is at ``pose``.
+
+    Parameters
+    ----------
+    fitter : FrameFitter
+        What poses are fitted with, and its odd places.
+    pose : ndarray
+        The pose vector.
+    sight : Sight
+        What the frame shows.
+
+    Returns
+    -------
+    Sight
+        The same without them.
+    """
+    if fitter.odd_places is None:
+        return sight
+    weight = sight.weight.copy()
+    disregard(fitter.odd_places, pose, sight.box, weight)
+    return sight._replace(weight=weight)

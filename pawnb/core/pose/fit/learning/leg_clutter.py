@@ -1,0 +1,91 @@
+"""Where hairs and spines stand out from legs, learnt from the recording.
+
+A leg is painted alike on both sides. What stands out on one of them would draw it to that side,
+its pale end most: it is left out of account.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from pawnb.core.pose.fit.fitter import FrameFitter
+from pawnb.core.pose.fit.learning.leg_clutter_kernels import add_differences, disregard_cells
+from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Sight, paint_some
+from pawnb.core.pose.fit.rendering.paint_kernels import make_canvas, paint
+
+_FEW = 6
+"""Of fewer frames nothing is learnt: noise and what passes by are not told from hairs."""
+_ALONG = 8
+"""Cells along a segment: a hair is about as long."""
+_HAIRY = 0.12
+"""Darkness by which the median of the frames is darker than painted where a hair is, and than the
+place that mirrors it: the rings of a leg are on both sides, and tell where it is."""
+
+
+def find_hairs(
+    fitter: FrameFitter, frames: Sequence[tuple[np.ndarray, Sight]]
+) -> np.ndarray | None:
+    """Return where hairs stand out from legs.
+
+    Parameters
+    ----------
+    fitter : FrameFitter
+        A fitter.
+    frames : sequence of (pose, sight)
+        Frames whose pose is known.
+
+    Returns
+    -------
+    ndarray of bool, shape (legs, segments, along, across), or None
+        Cells of every segment; those across are half a working pixel wide, the middle one lies on
+        the axis. None of too few frames.
+    """
+    if len(frames) < _FEW:
+        return None
+    seen = np.array([_differences(fitter, pose, sight) for pose, sight in frames])
+    seen[:, np.isnan(seen).all(axis=0)] = 0.0  # where no pixel ever lies, it is as painted
+    darker = np.nanmedian(seen, axis=0)
+    hairs = (darker > _HAIRY) & (darker - darker[..., ::-1] > _HAIRY)
+    grown = hairs.copy()  # the blur spreads a hair by a cell
+    grown[..., 1:] |= hairs[..., :-1]
+    grown[..., :-1] |= hairs[..., 1:]
+    return grown
+
+
+def _differences(fitter: FrameFitter, pose: np.ndarray, sight: Sight) -> np.ndarray:
+    """Return what is seen less what is painted in the cells of the legs; NaN where nothing is."""
+    layout = fitter.layout
+    canvas = make_canvas(len(sight.seen), sight.seen.shape[1], layout)
+    paint(layout, pose, fitter.blur, sight.box, *canvas)
+    across = 4 * int(np.ceil(layout.radius.max() + fitter.blur)) + 1
+    total, count = np.zeros((2, *layout.length.shape, _ALONG, across))
+    add_differences(canvas, sight.seen, sight.box, total, count)
+    return np.where(count > 0.0, total, np.nan) / np.maximum(count, 1.0)
+
+
+def without_hairs(fitter: FrameFitter, pose: np.ndarray, sight: Sight) -> Sight:
+    """Return a sight in which the hairs of legs have no weight; the animal is at ``pose``.
+
+    Parameters
+    ----------
+    fitter : FrameFitter
+        What poses are fitted with.
+    pose : ndarray
+        The pose vector.
+    sight : Sight
+        What the frame shows.
+
+    Returns
+    -------
+    Sight
+        The same without the hairs.
+    """
+    if fitter.hairs is None:
+        return sight
+    canvas = fitter.canvas(sight)
+    paint_some(fitter.layout, pose, fitter.blur, sight.box, fitter.all_shown, *canvas)
+    weight = sight.weight.copy()
+    disregard_cells(canvas, sight.box, fitter.hairs, weight)
+    return sight._replace(weight=weight)

@@ -1,0 +1,110 @@
+"""How this animal holds its legs, learnt from frames in which they are well seen.
+
+Of a leg that is mostly hidden, all that is seen may be the end that sticks out: the rest is where
+the legs of this animal usually are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from pawnb.core.pose.fit.candidates.leg_candidates import Choices
+from pawnb.core.pose.fit.fitter import FrameFitter
+from pawnb.core.pose.fit.learning.attached_clutter import find_fixtures
+from pawnb.core.pose.fit.parallel import on_threads
+from pawnb.core.pose.fit.sequence.first_frame import partners
+from pawnb.signals.robust import MAD_TO_SD
+
+_SEEN = 0.7
+"""Support of a leg and of its outer third from which on it is well seen."""
+_FEW = 20
+"""Of fewer poses of a leg and its partner nothing is learnt."""
+_WIDER = 1.5
+"""A leg that is hidden is held a little differently from those that are seen."""
+_LEAST_SD_DEG, _LEAST_SD = 8.0, 0.1
+_ODD = 3.0
+"""Poses with a number so many standard deviations from the middle are not usual ones."""
+_POSES = 10
+
+
+def learn_from_all(fitter: FrameFitter, found: Sequence[Choices], poses: np.ndarray) -> bool:
+    """Learn what hides legs, and how they are held; return whether it is worth a second look.
+
+    Parameters
+    ----------
+    fitter : FrameFitter
+        Learns, where something that is no leg is fixed to the body.
+    found : sequence of Choices
+        All frames.
+    poses : ndarray, shape (n, n_parameters)
+        Their poses.
+
+    Returns
+    -------
+    bool
+        True where something fixed to the body was found.
+    """
+    fitter.fixtures = find_fixtures(fitter, found, poses)
+    if fitter.fixtures is None:
+        return False
+    learn_habits(fitter, found, poses)
+    return True
+
+
+def learn_habits(fitter: FrameFitter, found: Sequence[Choices], poses: np.ndarray) -> None:
+    """Make anatomy that of this animal's own legs, and keep poses that they usually have.
+
+    Parameters
+    ----------
+    fitter : FrameFitter
+        Its ``anatomy`` and ``usual_poses`` are replaced, those of legs that are seldom well seen
+        left as they are.
+    found : sequence of Choices
+        The frames.
+    poses : ndarray, shape (n, n_parameters)
+        Their poses.
+    """
+
+    def support(own: FrameFitter, t: int) -> np.ndarray:
+        sight = own.sight(found[t].image.astype(float), found[t].box, poses[t])
+        return own.support(poses[t], sight)
+
+    supports = np.array(on_threads(fitter, range(len(found)), support))
+    seen: np.ndarray = np.all(supports >= _SEEN, axis=2)
+    partner = partners(fitter.animal)
+    middle, precision = fitter.anatomy.middle.copy(), fitter.anatomy.precision.copy()
+    for leg, numbers in enumerate(fitter.numbers):
+        alike = {leg, int(partner[leg])}
+        own = np.concatenate([poses[np.ix_(seen[:, i], fitter.numbers[i])] for i in alike])
+        if len(own) < _FEW:
+            continue
+        centre, sd = _spread(own)
+        middle[numbers], precision[numbers] = centre, 1.0 / sd**2
+        fitter.usual_poses[leg] = _far_apart((own - centre) / sd) * sd + centre
+    fitter.anatomy = fitter.anatomy._replace(middle=middle, precision=precision)
+
+
+def _spread(own: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return middles and standard deviations of a leg's numbers, robustly."""
+    centre = np.median(own, axis=0)
+    sd = _WIDER * MAD_TO_SD * np.median(np.abs(own - centre), axis=0)
+    least = np.repeat([np.radians(_LEAST_SD_DEG), _LEAST_SD], own.shape[1] // 2)
+    return centre, np.maximum(sd, least)
+
+
+def _far_apart(away: np.ndarray) -> np.ndarray:
+    """Return the most usual of standardised poses, and others as far from those before as may be.
+
+    Poses with an odd number are left out.
+    """
+    away = away[np.abs(away).max(axis=1) < _ODD]
+    if not len(away):
+        return away
+    chosen = [int(np.argmin((away**2).sum(axis=1)))]
+    nearest = np.full(len(away), np.inf)
+    while len(chosen) < min(_POSES, len(away)):
+        nearest = np.minimum(nearest, ((away - away[chosen[-1]]) ** 2).sum(axis=1))
+        chosen.append(int(np.argmax(nearest)))
+    return away[chosen]

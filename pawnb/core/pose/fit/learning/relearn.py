@@ -1,0 +1,70 @@
+"""Thickness, darkness and lengths once more, from sure frames of the whole recording."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pawnb.core.pose.fit.candidates.leg_candidates import Choices
+from pawnb.core.pose.fit.fitter import FrameFitter
+from pawnb.core.pose.fit.learning.appearance import learn_look
+from pawnb.core.pose.fit.learning.body_clutter import find_odd_places
+from pawnb.core.pose.fit.learning.leg_clutter import find_hairs
+from pawnb.core.pose.fit.parallel import on_threads
+from pawnb.core.pose.fit.rendering.excluded_parts import counted
+from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Prior, Sight
+from pawnb.core.pose.fit.sequence.first_frame import partners
+
+_FRAMES = 12
+"""Frames that the look is learnt from, spread over the recording."""
+_ROUNDS = 2
+"""Turns of learning and fitting."""
+
+
+def learn_again(fitter: FrameFitter, found: list[Choices], poses: np.ndarray) -> np.ndarray:
+    """Learn the animal's look from sure frames; return all poses, those of these frames refitted.
+
+    Parameters
+    ----------
+    fitter : FrameFitter
+        Its layout is replaced.
+    found : list of Choices
+        Every frame.
+    poses : ndarray, shape (n, n_parameters)
+        Their poses.
+
+    Returns
+    -------
+    ndarray, shape (n, n_parameters)
+        Poses.
+    """
+    if not found:
+        return poses
+    poses = poses.copy()
+    sure = [i for i, choices in enumerate(found) if not choices.is_open]
+    if len(sure) < _FRAMES:
+        sure = list(range(len(found)))
+    chosen = sorted({sure[k] for k in np.linspace(0, len(sure) - 1, _FRAMES).astype(int)})
+    for _ in range(_ROUNDS):
+        known = usual_lengths(fitter, poses)
+
+        def fitted(own: FrameFitter, i: int, known: Prior = known) -> tuple[np.ndarray, Sight]:
+            sight = own.sight(found[i].image.astype(float), found[i].box, poses[i])
+            return own.fit(poses[i], counted(own, poses[i], sight), known, rounds=6)[0], sight
+
+        frames = on_threads(fitter, chosen, fitted)
+        poses[chosen] = [pose for pose, _ in frames]
+        fitter.odd_places = find_odd_places(fitter, frames)
+        fitter.hairs = find_hairs(fitter, frames)
+        frames = [(pose, counted(fitter, pose, sight)) for pose, sight in frames]
+        fitter.layout = learn_look(
+            fitter.layout, frames, first=fitter.first, partner=partners(fitter.animal),
+            prior=known, blur=fitter.blur, soft=fitter.settings.soft_error,
+        )  # fmt: skip
+    return poses
+
+
+def usual_lengths(fitter: FrameFitter, poses: np.ndarray) -> Prior:
+    """Return anatomy with each link's usual foreshortening in these poses."""
+    middle = fitter.anatomy.middle.copy()
+    middle[fitter.lengths] = np.median(poses[:, fitter.lengths], axis=0)
+    return fitter.anatomy._replace(middle=middle)

@@ -1,0 +1,155 @@
+"""What a frame shows of the animal: darkness relative to the background's light, on a crop.
+
+The light of the scene may change slowly over the picture and from frame to frame (a shadow that
+passes, a flickering lamp): a gain is estimated in blocks from pixels that the expected animal
+does not cover, and smoothed.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import cv2
+import numpy as np
+
+from pawnb.core.pixels.grey import grey
+from pawnb.core.pose.fit.rendering.evidence_kernels import (
+    behind_filter,
+    block_gains,
+    darkness,
+    in_levels,
+    smooth_gains,
+)
+from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Sight
+from pawnb.core.video.views import Frame
+
+_BLOCKS_ACROSS = 9
+"""Blocks along the crop in which the light is estimated."""
+_LEVELS = 200.0
+"""Steps of darkness, so that the opening works on bytes."""
+_UNEVEN, _BLACK = 0.02, 0.9
+"""Darkness below which a wide thing is unevenness of the background; and at most of one."""
+
+
+class BackgroundPicture(Protocol):
+    """The empty scene: grey values and their standard deviation, shape (H, W)."""
+
+    @property
+    def mean(self) -> np.ndarray:
+        """Mean grey values."""
+
+    @property
+    def sd(self) -> np.ndarray:
+        """Their standard deviation."""
+
+
+class Evidence:
+    """Turns frames into :class:`Sight`.
+
+    Parameters
+    ----------
+    background : Background
+        The empty scene, in pixels of the view.
+    factor : int
+        View pixels along each side of a working pixel.
+    light : float
+        0 for an animal darker than the background, else its grey value.
+    spread : float
+        Standard deviation of what a well fitted animal leaves unexplained, relative darkness.
+    """
+
+    def __init__(
+        self, background: BackgroundPicture, *, factor: int, light: float, spread: float
+    ) -> None:
+        self.factor = factor
+        self.light = light
+        self.spread = spread
+        self.mean = reduced(background.mean, factor)
+        sd = np.nan_to_num(np.asarray(background.sd, dtype=float), nan=0.0)
+        # noise of neighbours is taken as independent
+        self.sd = np.sqrt(reduced(sd**2, factor)) / factor
+        self.height, self.width = self.mean.shape
+
+    def crop_box(self, centre: np.ndarray, reach: float) -> tuple[int, int, int, int]:
+        """Return the crop about a place, cut at the picture's edges, working pixels."""
+        u0, v0 = (int(max(0, np.floor(c - reach))) for c in centre)
+        u1 = int(min(self.width, np.ceil(centre[0] + reach) + 1))
+        v1 = int(min(self.height, np.ceil(centre[1] + reach) + 1))
+        u0, v0 = min(u0, self.width - 2), min(v0, self.height - 2)
+        return u0, v0, max(u1, u0 + 2), max(v1, v0 + 2)
+
+    def pixels(self, frame: Frame, box: tuple[int, int, int, int]) -> np.ndarray:
+        """Return the crop of a frame as grey working pixels."""
+        f = self.factor
+        u0, v0, u1, v1 = (f * edge for edge in box)
+        return grey(frame.reduced(u0, v0, u1, v1, factor=f), np.float64)
+
+    def sight(
+        self, image: np.ndarray, box: tuple[int, int, int, int], covered: np.ndarray
+    ) -> Sight:
+        """Return what a crop shows.
+
+        Parameters
+        ----------
+        image : ndarray, shape (H, W), float
+            Grey working pixels (:meth:`pixels`).
+        box : tuple of int
+            Where they lie.
+        covered : ndarray, shape (H, W), int
+            -1 where the animal is not expected.
+
+        Returns
+        -------
+        Sight
+            Darkness and its weight.
+        """
+        u0, v0, u1, v1 = box
+        mean, sd = self.mean[v0:v1, u0:u1], self.sd[v0:v1, u0:u1]
+        block = max(12, int(max(image.shape) / _BLOCKS_ACROSS))
+        gains, counts = block_gains(image, mean, covered, block)
+        gains = smooth_gains(gains, counts, 0.8)
+        seen, weight = np.empty(image.shape), np.empty(image.shape)
+        darkness(image, mean, sd, gains, block, self.light, self.spread, seen, weight)
+        return Sight(seen, weight, np.array([float(u0), float(v0)]))
+
+
+def without_wide(sight: Sight, body: np.ndarray, *, size: int) -> Sight:
+    """Return a sight in which only the body and what is as thin as a leg is dark.
+
+    Wings, the shadow of someone who passes, a lump of debris that a leg touches: whatever holds a
+    disc wider than the thickest leg is no leg. It is taken as a filter before which legs are
+    seen, as far as it is not black.
+
+    Parameters
+    ----------
+    sight : Sight
+        What the crop shows.
+    body : ndarray of bool, shape (H, W)
+        Where the body may be, which is wide itself: it stays as it is.
+    size : int
+        Diameter of the disc, working px.
+
+    Returns
+    -------
+    Sight
+        Darkness relative to the light that is left, and its weight.
+
+    Notes
+    -----
+    The filter is the grey opening by the disc (Serra 1982), and what is left the top hat of the
+    picture, divided by the light that the filter lets through.
+    """
+    whole = np.empty(sight.seen.shape, np.uint8)
+    in_levels(sight.seen, _LEVELS, whole)
+    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
+    wide = cv2.morphologyEx(whole, cv2.MORPH_OPEN, disc)
+    seen, weight = sight.seen.copy(), sight.weight.copy()
+    behind_filter(wide, 1.0 / _LEVELS, _UNEVEN, _BLACK, body, seen, weight)
+    return Sight(seen, weight, sight.box)
+
+
+def reduced(picture: np.ndarray, factor: int) -> np.ndarray:
+    """Return the mean of squares of ``factor`` pixels; a rest at right and bottom is left out."""
+    height, width = (n // factor for n in picture.shape)
+    whole = np.asarray(picture, dtype=float)[: height * factor, : width * factor]
+    return whole.reshape(height, factor, width, factor).mean(axis=(1, 3))

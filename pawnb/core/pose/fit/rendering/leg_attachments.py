@@ -1,0 +1,55 @@
+"""Where legs leave the body: what is seen there is darker than either of them is painted.
+
+A pixel on the edge of both a leg and the body is covered by both, and the painted animal has it as
+dark as the darker of the two. As legs leave the two sides at different places, these corners
+would turn the body: they are left out of account.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pawnb.core.pose.fit.fitter import FrameFitter
+from pawnb.core.pose.fit.rendering.blur import part_of
+from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Sight, paint_some
+from pawnb.core.pose.fit.rendering.paint_kernels import NOTHING
+
+_SOME, _WHOLE = 0.15, 0.97
+"""Darkness of a leg, and share of the body's, from which on a pixel is partly covered, and share
+of the body's from which on it is wholly."""
+
+
+def without_corners(fitter: FrameFitter, pose: np.ndarray, sight: Sight) -> Sight:
+    """Return a sight in which corners have no weight; the animal is at ``pose``.
+
+    Parameters
+    ----------
+    fitter : FrameFitter
+        What poses are fitted with.
+    pose : ndarray
+        The pose vector.
+    sight : Sight
+        What the frame shows.
+
+    Returns
+    -------
+    Sight
+        The same without the corners.
+    """
+    reach = fitter.body_radius + fitter.blur
+    near = part_of(sight, pose[:2] - reach, pose[:2] + reach)
+    of_body = _painted(fitter, pose, near, fitter.body_shown) / fitter.layout.ellipse[:, 4].max()
+    of_legs = _painted(fitter, pose, near, ~fitter.body_shown)
+    left, top = (near.box - sight.box).astype(int)
+    height, width = near.seen.shape
+    weight = sight.weight.copy()
+    part = weight[top : top + height, left : left + width]
+    part[(of_legs > _SOME) & (of_body > _SOME) & (of_body < _WHOLE)] = 0.0
+    return sight._replace(weight=weight)
+
+
+def _painted(fitter: FrameFitter, pose: np.ndarray, sight: Sight, shown: np.ndarray) -> np.ndarray:
+    """Return how dark some parts of the animal are painted."""
+    canvas = fitter.canvas(sight)
+    paint_some(fitter.layout, pose, fitter.blur, sight.box, shown, *canvas)
+    return np.where(canvas[1] != NOTHING, canvas[0], 0.0)

@@ -1,0 +1,236 @@
+"""The last fit of every frame, with all other frames in mind, and how sure it is.
+
+A leg that lies along another is not seen to end, and can be fitted anywhere on it. Its picture
+then says little, and the frames before and after say where it is: the legs of this animal move
+evenly, by as much as was learnt from the whole recording. No direction is preferred.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from pawnb.core.pose.fit.candidates.crossed_legs import uncrossed
+from pawnb.core.pose.fit.candidates.leg_candidates import Choices
+from pawnb.core.pose.fit.fitter import FrameFitter
+from pawnb.core.pose.fit.learning.relearn import usual_lengths
+from pawnb.core.pose.fit.parallel import on_threads, threaded
+from pawnb.core.pose.fit.rendering.excluded_parts import counted
+from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Prior, Sight
+from pawnb.core.pose.fit.rendering.uncertainty_kernels import error_ratio, place_sds
+from pawnb.core.pose.fit.sequence.first_frame import partners
+from pawnb.core.pose.fit.sequence.leg_motion import first_motion, learn_motion, others_say
+
+_SWEEPS = 5
+"""How often frames are fitted at most, each time with what the last fits of the others say."""
+_GAIN = 0.5
+"""A frame is fitted again where the cost of one of its legs is expected to fall by this, which is
+that of one standard deviation."""
+_ROUNDS = 3
+"""Steps of each of these fits: they begin close to their end."""
+_ALIKE_PX = 4.5
+"""Errors of pixels nearer than this go together: so many pixels count as one in each direction."""
+_MODEL_SD = 0.3
+"""What the painted shape errs by itself, alike in all frames (hairs, shadow, bends), half widths of
+the picture's blur; set, as the line above, on rendered spiders."""
+
+
+@dataclass(frozen=True)
+class Settled:
+    """A frame's last fit; working pixels and radians.
+
+    Attributes
+    ----------
+    pose, sd : ndarray, shape (n_parameters,)
+        The pose and its standard deviations.
+    places_sd : ndarray, shape (legs, segments + 1, 2)
+        Standard deviations of joints and tips.
+    support : ndarray, shape (legs, 2)
+        How dark each leg and its outer third are relative to what is expected.
+    """
+
+    pose: np.ndarray
+    sd: np.ndarray
+    places_sd: np.ndarray
+    support: np.ndarray
+
+
+@dataclass(frozen=True)
+class _Own:
+    """What a frame's own picture says near a pose.
+
+    Attributes
+    ----------
+    pose : ndarray, shape (n_parameters,)
+        The pose.
+    precision : ndarray, shape (n_parameters, n_parameters)
+        Of picture and anatomy.
+    slope : ndarray, shape (n_parameters,)
+        How their cost changes with the pose.
+    many : float
+        So many times are precision and slope less than those of the fit's cost, in which pixels
+        err independently.
+    sight : Sight
+        What the frame shows, in half precision: that of all frames is kept until the end.
+    """
+
+    pose: np.ndarray
+    precision: np.ndarray
+    slope: np.ndarray
+    many: float
+    sight: Sight
+
+
+@dataclass(frozen=True)
+class _Others:
+    """What the other frames say of each frame.
+
+    Attributes
+    ----------
+    around : ndarray, shape (n, n_parameters)
+        Its legs' numbers; 0 for the body.
+    pulls : list of ndarray, shape (n, d, d)
+        Of each leg, how surely: a precision of its d numbers.
+    gain : ndarray, shape (n,)
+        How much the cost of a leg would fall at most by heeding it.
+    """
+
+    around: np.ndarray
+    pulls: list[np.ndarray]
+    gain: np.ndarray
+
+    def pull(self, fitter: FrameFitter, t: int) -> np.ndarray:
+        """Return how surely they say it of frame t, a precision of the whole pose."""
+        out = np.zeros((fitter.n, fitter.n))
+        for numbers, pull in zip(fitter.numbers, self.pulls, strict=True):
+            out[np.ix_(numbers, numbers)] = pull[t]
+        return out
+
+
+def settle_all(fitter: FrameFitter, found: Sequence[Choices], poses: np.ndarray) -> list[Settled]:
+    """Fit every frame of a path for good.
+
+    Parameters
+    ----------
+    fitter : FrameFitter
+        A fitter.
+    found : sequence of Choices
+        The frames, ascending.
+    poses : ndarray, shape (n, n_parameters)
+        The path.
+
+    Returns
+    -------
+    list of Settled
+        One a frame.
+    """
+    if not found:
+        return []
+    anatomy = usual_lengths(fitter, poses)
+    frames = np.array([choices.frame for choices in found])
+    stretches = np.split(np.arange(len(frames)), np.flatnonzero(np.diff(frames) > 1) + 1)
+
+    def first(own: FrameFitter, t: int) -> _Own:
+        sight = own.sight(found[t].image.astype(float), found[t].box, poses[t])
+        sight = counted(own, poses[t], sight)
+        pose, _ = own.fit(poses[t], sight, anatomy, rounds=8, enough=0.01)  # the look is new
+        pose = uncrossed(own, pose, sight, prior=anatomy)
+        return _own_near(own, pose, sight, anatomy)
+
+    own = on_threads(fitter, range(len(found)), first)
+    motions = [first_motion(len(numbers) // 2) for numbers in fitter.numbers]
+    motions = _learnt(fitter, own, motions, stretches)
+    for _ in range(_SWEEPS):
+        others = _from_others(fitter, own, motions, stretches)
+        again = np.flatnonzero(others.gain > _GAIN)
+        if not len(again):
+            break
+        work = partial(_fit_again, own=own, others=others, anatomy=anatomy)
+        on_threads(fitter, again, work)
+        motions = _learnt(fitter, own, motions, stretches)
+    others = _from_others(fitter, own, motions, stretches)
+    return on_threads(fitter, range(len(own)), lambda f, t: _settled(f, own[t], others.pull(f, t)))
+
+
+def _from_others(
+    fitter: FrameFitter, own: Sequence[_Own], motions: list[np.ndarray], stretches: list[np.ndarray]
+) -> _Others:
+    """Return what the other frames of its stretch say of each frame; the legs are independent."""
+
+    def of_leg(leg: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        numbers = fitter.numbers[leg]
+        poses = np.array([one.pose[numbers] for one in own])
+        precision = np.array([one.precision[np.ix_(numbers, numbers)] for one in own])
+        slope = np.array([one.slope[numbers] for one in own])
+        vector = np.einsum("tij,tj->ti", precision, poses) - slope
+        around, pull = np.empty_like(poses), np.empty_like(precision)
+        for rows in stretches:
+            around[rows], pull[rows] = others_say(precision[rows], vector[rows], motions[leg])
+        down = slope + np.einsum("tij,tj->ti", pull, poses - around)
+        step = np.linalg.solve(precision + pull, down[..., None])[..., 0]
+        return around, pull, 0.5 * (down * step).sum(axis=1)
+
+    arounds, pulls, gains = zip(*threaded(of_leg, range(len(motions))), strict=True)
+    around = np.zeros((len(own), fitter.n))
+    for numbers, place in zip(fitter.numbers, arounds, strict=True):
+        around[:, numbers] = place
+    return _Others(around, list(pulls), np.max(gains, axis=0))
+
+
+def _learnt(
+    fitter: FrameFitter, own: Sequence[_Own], motions: list[np.ndarray], stretches: list[np.ndarray]
+) -> list[np.ndarray]:
+    """Return how each leg moves, that of the other side alike."""
+    poses, partner = np.array([one.pose for one in own]), partners(fitter.animal)
+    out = []
+    for leg, motion in enumerate(motions):
+        alike = {leg, int(partner[leg])}
+        parts = [poses[np.ix_(rows, fitter.numbers[i])] for rows in stretches for i in alike]
+        out.append(learn_motion(parts, motion))
+    return out
+
+
+def _own_near(fitter: FrameFitter, pose: np.ndarray, sight: Sight, anatomy: Prior) -> _Own:
+    """Return what a frame's picture says near a pose."""
+    precision, slope = fitter.equations(pose, sight, anatomy)
+    value, owner, _, _ = fitter.canvas(sight)  # the pose is still on it
+    many = error_ratio(value, owner, sight, fitter.settings.soft_error) * _ALIKE_PX**2
+    half = Sight(sight.seen.astype(np.float16), sight.weight.astype(np.float16), sight.box)
+    return _Own(pose, precision / many, slope / many, many, half)
+
+
+def _whole(sight: Sight) -> Sight:
+    """Return a sight in full precision."""
+    return Sight(sight.seen.astype(float), sight.weight.astype(float), sight.box)
+
+
+def _fit_again(
+    fitter: FrameFitter,
+    t: int,
+    *,
+    own: list[_Own],
+    others: _Others,
+    anatomy: Prior,
+) -> None:
+    """Fit frame t with the others in mind; replace what its picture says."""
+    pose, pull = own[t].pose, own[t].many * others.pull(fitter, t)
+    prior = anatomy._replace(around=others.around[t], pull=pull)
+    sight = _whole(own[t].sight)
+    pose, _ = fitter.fit(pose, sight, prior, rounds=_ROUNDS)
+    own[t] = _own_near(fitter, pose, sight, anatomy)
+
+
+def _settled(fitter: FrameFitter, own: _Own, pull: np.ndarray) -> Settled:
+    """Return a frame's last fit with its uncertainty, by its picture and all others."""
+    covariance = np.linalg.inv(own.precision + pull)
+    places = np.full((*fitter.layout.radius.shape, 2), np.nan)
+    place_sds(fitter.layout, own.pose, covariance, np.zeros_like(places), places)
+    return Settled(
+        pose=own.pose,
+        sd=np.sqrt(np.maximum(np.diag(covariance), 0.0)),
+        places_sd=np.hypot(places, _MODEL_SD * fitter.blur),
+        support=fitter.support(own.pose, _whole(own.sight)),
+    )

@@ -1,0 +1,333 @@
+"""One direction through a recording: each frame from the one before, with what it leaves open."""
+
+from __future__ import annotations
+
+import itertools
+from collections import ChainMap
+from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+
+from pawnb.core.frame_checkpoint import KeptFrames, Record
+from pawnb.core.pose.fit.candidates.leg_candidates import (
+    SAME_PX,
+    Choices,
+    add_candidates,
+    fit_leg,
+    legs_cross,
+    limb_candidates,
+    only_choice,
+    recalled,
+    side_energy,
+    sides_of,
+)
+from pawnb.core.pose.fit.candidates.viterbi import Trellis
+from pawnb.core.pose.fit.fitter import FrameFitter
+from pawnb.core.pose.fit.learning.anatomy import about
+from pawnb.core.pose.fit.rendering.blur import blurred
+from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Prior, Sight, prior_cost
+from pawnb.core.video.views import Frame
+
+_COARSE_BLUR = 4.0
+"""Blur, px, of the first fit of a lost animal, which draws from further away."""
+_BODY_LOST = 0.5
+"""Share of the body's darkness below which it is not there."""
+_LOST_FRAMES = 2
+"""Following ends after more frames in a row without a body."""
+_LEG_LOST, _TIP_LOST = 0.75, 0.5
+_UNEXPLAINED_SHARE = 0.12
+"""Dark pixels left over beyond the usual, as a share of a leg's area, from which on legs are
+looked for."""
+_UNLIKELY = 5.0
+"""Cost of a leg's pose by anatomy from which on it is doubted."""
+_USUAL_GROWS = 1.02
+"""What is left over may grow by 2 % a frame and still be usual."""
+_FIRST_FRAMES = 2
+"""Frames after the start in which it is not known yet how the legs move."""
+_KEEP_VELOCITY = 0.9
+"""Share of a step that is expected again: legs stop and turn."""
+_LEAP_PX = 12.0
+"""Three times as far is no motion of a leg from one frame to the next: it was lost."""
+_RIVAL = 30.0
+"""A candidate whose best path costs this much more than the best is followed no further."""
+_LEARN_LENGTH = 0.03
+"""Share by which the usual length of each segment follows each frame: about 30 frames."""
+_JUMP_OF_MEDIAN, _JUMP_FRAMES = 1.5, 30
+"""Spread of the places of legs, as a multiple of how far the middle one strays over so many frames:
+a walking fly takes half a step between two frames at 25 a second."""
+_STATE = ("pose", "velocity", "middle", "jump_px", "_usual", "_lost", "_astray")
+"""All that the next frame needs to know of those before, besides what each leaves open."""
+
+
+class Follower:
+    """Follows the animal from frame to frame.
+
+    Parameters
+    ----------
+    fitter : FrameFitter
+        Fits single frames.
+    pose : ndarray, shape (n_parameters,)
+        The pose in the frame before the first.
+    """
+
+    def __init__(self, fitter: FrameFitter, pose: np.ndarray) -> None:
+        self.fitter = fitter
+        self.pose = pose
+        self.velocity = np.zeros_like(pose)
+        self.middle = pose[fitter.lengths].copy()
+        self.kept: list[Choices] = []
+        self.sides = sides_of(fitter.layout.side)
+        self.trellises = [Trellis(fitter.settings.jump_px) for _ in self.sides]
+        self._usual = np.full(2, np.inf)
+        # numpy's own part is small: the compiled loops of two legs run side by side
+        self._twins = [fitter.twin() for _ in self.sides]
+        self._pool = ThreadPoolExecutor(len(self.sides), thread_name_prefix="pawnb-legs")
+        self._lost = 0
+        self._astray: list[float] = []
+        self.jump_px = fitter.settings.jump_px
+
+    def run(
+        self,
+        frames: Iterable[Frame],
+        *,
+        done: Callable[[], None] | None = None,
+        kept: KeptFrames | None = None,
+        way: str = "",
+    ) -> list[Choices]:
+        """Follow through frames until they end or the animal leaves; return what was found.
+
+        What is found in a frame is kept under the name of this ``way``, and is not looked for
+        where an earlier run has kept it.
+
+        Parameters
+        ----------
+        frames : iterable of Frame
+            Frames in the order in which they are followed.
+        done : callable, optional
+            Called after each frame.
+        kept : KeptFrames, optional
+            Where frames are kept, and taken from where they are there.
+        way : str
+            Which way this is, in what is kept.
+
+        Returns
+        -------
+        list of Choices
+            One a frame.
+        """
+        kept = kept or KeptFrames()
+        with self._pool:
+            for frame in frames:
+                record = kept.recall(way, frame.index)
+                if record is not None:
+                    self._go_on(frame, record)
+                elif self.advance(frame):
+                    kept.keep(way, frame.index, self._record())
+                else:
+                    break
+                if done is not None:
+                    done()
+        if self._lost:  # the last frames were kept in case the body came back
+            del self.kept[len(self.kept) - min(self._lost, _LOST_FRAMES) :]
+        return self.kept
+
+    def advance(self, frame: Frame) -> bool:
+        """Fit the next frame; False where the animal is no longer there."""
+        fitter = self.fitter
+        expected = self.pose + self.velocity
+        evidence = fitter.evidence
+        if not (0 <= expected[0] < evidence.width and 0 <= expected[1] < evidence.height):
+            return False
+        sight, image, box = fitter.look(frame, expected, margin=np.inf)
+        found = fitter.body_found(expected, sight)
+        if found is expected:  # what is left out of the light is the same
+            sight = fitter.narrowed(sight, expected)
+        else:
+            expected = found
+            sight = fitter.sight(image, box, expected)
+        anatomy, prior = self.priors(expected)
+        pose = self.fit_from(expected, sight)
+        if fitter.body_support(pose, sight) < _BODY_LOST:
+            self._lost += 1
+            if self._lost > _LOST_FRAMES:
+                return False
+        else:
+            self._lost = 0
+        choices = only_choice(fitter, frame.index, pose, image=image, box=box)
+        if fitter.settings.choose_path:
+            self._add(choices, sight, anatomy)
+            pose = self._decide(choices, sight, prior)
+            self._learn_jump(expected, pose)
+        self._move_on(pose)
+        self.kept.append(choices)
+        return True
+
+    def _record(self) -> Record:
+        """Return what the last frame left open, and what the next one needs to know."""
+        state = {name: getattr(self, name) for name in _STATE}
+        return {"choices": self.kept[-1].record(), "state": state}
+
+    def _go_on(self, frame: Frame, record: Record) -> None:
+        """Be as if the frame had been fitted, of which :meth:`_record` made this."""
+        fitter, box = self.fitter, tuple(record["choices"]["box"])
+        image = fitter.evidence.pixels(frame, box)
+        choices = recalled(fitter, frame.index, record["choices"], image=image)
+        if fitter.settings.choose_path:
+            self._push(choices)
+        for name in _STATE:
+            setattr(self, name, record["state"][name])
+        for trellis in self.trellises:
+            trellis.jump_px = self.jump_px
+        self.kept.append(choices)
+
+    def fit_from(
+        self, expected: np.ndarray, sight: Sight, fitter: FrameFitter | None = None
+    ) -> np.ndarray:
+        """Return the pose near the expected one that fits best: first blurred, then sharp.
+
+        Another thread brings its own ``fitter``.
+
+        Parameters
+        ----------
+        expected : ndarray
+            The pose vector that is expected.
+        sight : Sight
+            What the frame shows.
+        fitter : FrameFitter, optional
+            What is fitted with; default the follower's.
+
+        Returns
+        -------
+        ndarray
+            The pose vector.
+        """
+        fitter = fitter or self.fitter
+        _, prior = self.priors(expected)
+        soft = blurred(sight, _COARSE_BLUR)
+        pose, _ = fitter.fit(expected, soft, prior, blur=fitter.blur + _COARSE_BLUR, rounds=2)
+        pose, _ = fitter.fit(pose, sight, prior, rounds=5)
+        return pose
+
+    def priors(self, expected: np.ndarray) -> tuple[Prior, Prior]:
+        """Return the prior of anatomy alone, and with the expected pose."""
+        fitter = self.fitter
+        middle = fitter.anatomy.middle.copy()
+        middle[fitter.lengths] = self.middle
+        anatomy = fitter.anatomy._replace(middle=middle)
+        sd = np.full(fitter.n, np.inf)
+        sd[fitter.angles] = np.radians(fitter.settings.angle_step_deg)
+        sd[fitter.lengths] = fitter.settings.foreshortening_sd
+        return anatomy, about(anatomy, expected, sd)
+
+    def _add(self, choices: Choices, sight: Sight, anatomy: Prior) -> None:
+        """Add candidates to a frame that gives reason to doubt, and those of the frame before."""
+        doubted = self._doubted(choices, sight, anatomy)
+        # each thread takes the next leg; those that take long come first
+        waiting = iter(np.argsort(~doubted, kind="stable").tolist())
+
+        def search(fitter: FrameFitter) -> dict[int, list[np.ndarray]]:
+            found = {}
+            for leg in waiting:
+                found[leg] = self._continued(fitter, leg, choices.pose, sight, anatomy)
+                if doubted[leg]:
+                    found[leg] += limb_candidates(
+                        fitter, choices.pose, leg, sight=sight, prior=anatomy
+                    )
+            return found
+
+        found = dict(ChainMap(*self._pool.map(search, self._twins)))
+        extra = {leg: found[leg] for leg in sorted(found) if found[leg]}
+        if extra:
+            add_candidates(self.fitter, choices, extra, sight=sight, prior=anatomy)
+
+    def _continued(
+        self, fitter: FrameFitter, leg: int, pose: np.ndarray, sight: Sight, anatomy: Prior
+    ) -> list[np.ndarray]:
+        """Return the last frame's rivals of a leg's pose, moved with the body and fitted."""
+        if not self.kept:
+            return []
+        return [
+            fit_leg(fitter, pose, leg, guess=numbers, sight=sight, prior=anatomy, rounds=3)
+            for numbers in self.kept[-1].rivals[leg]
+        ]
+
+    def _doubted(self, choices: Choices, sight: Sight, anatomy: Prior) -> np.ndarray:
+        """Return which legs may be elsewhere."""
+        fitter = self.fitter
+        support = fitter.support(choices.pose, sight)
+        doubted = ~((support[:, 0] >= _LEG_LOST) & (support[:, 1] >= _TIP_LOST))
+        doubted |= len(self.kept) < _FIRST_FRAMES
+        left_over = fitter.unexplained(choices.pose, sight)
+        usual = np.minimum(self._usual * _USUAL_GROWS + 1.0, left_over)
+        on_right = (fitter.layout.side > 0).astype(int)
+        doubted |= (left_over > usual + _UNEXPLAINED_SHARE * fitter.leg_area)[on_right]
+        self._usual = usual
+        joints = [j[0] for j in choices.joints]
+        for legs in self.sides:
+            for a, b in itertools.pairwise(legs):
+                gap = np.hypot(*(joints[a] - joints[b]).T)
+                close = np.nanmin(gap[-3:]) < 2 * SAME_PX
+                if close or legs_cross(fitter, (a, joints[a]), (b, joints[b])):
+                    doubted[[a, b]] = True
+        for leg, numbers in enumerate(fitter.numbers):
+            if prior_cost(choices.pose, anatomy, numbers) > _UNLIKELY:
+                doubted[leg] = True
+        return doubted
+
+    def _decide(self, choices: Choices, sight: Sight, prior: Prior) -> np.ndarray:
+        """Return the pose that is best by what is known so far."""
+        fitter, pose = self.fitter, choices.pose.copy()
+        changed = False
+        choices.rivals = [c[:0] for c in choices.legs]
+        states = self._push(choices)
+        for legs, trellis, state in zip(self.sides, self.trellises, states, strict=True):
+            for leg, which, cost in zip(legs, state, trellis.marginals(), strict=True):
+                near = cost < cost[which] + _RIVAL
+                near[which] = False
+                choices.rivals[leg] = choices.legs[leg][near]
+                if which:
+                    pose[fitter.numbers[leg]] = choices.legs[leg][which]
+                    changed = True
+        if changed:
+            sd = np.full(fitter.n, np.inf)
+            sd[fitter.angles] = np.radians(fitter.settings.angle_step_deg)
+            pose, _ = fitter.fit(pose, sight, about(prior, pose, sd), rounds=4)
+        return pose
+
+    def _push(self, choices: Choices) -> list[tuple[int, ...]]:
+        """Add a frame to the paths; return the best state of each side by what is known so far."""
+        share = self.fitter.settings.evidence_share
+        states, which = [], dict.fromkeys(range(len(choices.legs)), 0)
+        for legs, trellis in zip(self.sides, self.trellises, strict=True):
+            others = {leg: k for leg, k in which.items() if leg not in legs}
+            energy = side_energy(choices, legs, share, others=others)
+            states.append(trellis.push(energy, [choices.joints[leg] for leg in legs]))
+            which.update(zip(legs, states[-1], strict=True))
+        return states
+
+    def _learn_jump(self, expected: np.ndarray, pose: np.ndarray) -> None:
+        """Let legs jump as far as they are seen to stray from their expected places."""
+        fitter = self.fitter
+        square = ((fitter.joints(pose) - fitter.joints(expected)) ** 2).sum(axis=-1)
+        self._astray.append(float(np.median(np.sqrt(np.nanmean(square, axis=1)))))
+        self._astray = self._astray[-_JUMP_FRAMES:]
+        usual = _JUMP_OF_MEDIAN * float(np.median(self._astray))
+        self.jump_px = max(fitter.settings.jump_px, usual)
+        for trellis in self.trellises:
+            trellis.jump_px = self.jump_px
+
+    def _move_on(self, pose: np.ndarray) -> None:
+        """Remember the pose, and how it moves."""
+        fitter = self.fitter
+        moved = pose - self.pose
+        far = np.abs(fitter.joints(pose) - fitter.joints(self.pose)).reshape(
+            len(fitter.numbers), -1
+        )
+        for leg, numbers in enumerate(fitter.numbers):
+            if np.nanmax(far[leg]) > 3 * _LEAP_PX:
+                moved[numbers] = 0.0
+        moved[fitter.lengths] = 0.0
+        self.velocity = _KEEP_VELOCITY * moved
+        self.middle += _LEARN_LENGTH * (pose[fitter.lengths] - self.middle)
+        self.pose = pose

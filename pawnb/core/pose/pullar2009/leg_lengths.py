@@ -1,0 +1,115 @@
+"""How long each leg looks in the start frame.
+
+Seen from above a leg is shorter than it is, since it is raised. In the thesis a person adjusts the
+leg span by eye, so that "a balance had to be struck between having some of the stick model legs
+too long and/or short" (Pullar 2009, §5.1.2). Here each leg has its factor, chosen by the energy.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+
+import cv2
+import numpy as np
+
+from pawnb.core.pose.animal import StickAnimal
+from pawnb.core.pose.pullar2009.energy import FrameCosts, PaperEnergy
+from pawnb.core.pose.pullar2009.inference import infer_pose
+from pawnb.core.pose.pullar2009.limb_steps import shape_cost
+from pawnb.core.pose.sticks import Sticks, distance_map
+
+FACTORS = np.arange(0.6, 1.101, 0.02)
+"""Lengths that are tried, as shares of the start pose: a raised leg looks down to 0.6 long."""
+_ROUNDS = 4
+"""Turns of pose and lengths, at most."""
+_REACH = 5.0
+"""Pixels as many d_r from the shape may be its legs."""
+_SPECK_PX = 6
+"""Smaller dark spots are no part of a leg."""
+_MARGIN_OF_SPAN = 0.15
+"""Room about the animal in which its legs are looked for."""
+
+
+def fit_leg_lengths(
+    energy: PaperEnergy, frame: FrameCosts, pose: np.ndarray, *, rng: np.random.Generator
+) -> np.ndarray:
+    """Find how long each leg looks, and give the energy's stick animal those lengths.
+
+    Parameters
+    ----------
+    energy : PaperEnergy
+        The energy; its ``sticks`` change.
+    frame : FrameCosts
+        The start frame's costs.
+    pose : ndarray, shape (3 + n_joints,)
+        The start pose.
+    rng : numpy.random.Generator
+        Source of the random combinations.
+
+    Returns
+    -------
+    ndarray, shape (n_legs,)
+        Factor of each leg's length, 0.6 to 1.1. The pose and the factors are fitted in turn, at
+        most four times: each leg gets the factor for which the shape prior costs least, the
+        labels being those of the likelihood alone (Fig. 3.6b) near the legs, which keep their
+        thin ends.
+    """
+    whole = energy.sticks
+    factors = np.ones(len(whole.n_links))
+    for _ in range(_ROUNDS):
+        fit = infer_pose(energy, frame, pose, rng=rng)
+        pose, before = fit.pose, factors.copy()
+        dark = _dark_along(energy, frame, scaled(whole, np.full(len(factors), FACTORS[-1])), pose)
+        for leg in range(len(factors)):
+            costs = []
+            for factor in FACTORS:
+                factors[leg] = factor
+                costs.append(_cost(energy, frame, scaled(whole, factors), pose, dark))
+            factors[leg] = FACTORS[int(np.argmin(costs))]
+        energy.sticks = scaled(whole, factors)
+        if np.abs(factors - before).max() < 0.03:
+            break
+    return factors
+
+
+def scaled(sticks: Sticks, factors: np.ndarray) -> Sticks:
+    """Return the shape with each leg's lengths multiplied by its factor."""
+    return dataclasses.replace(sticks, length=sticks.length * factors[:, None])
+
+
+def per_segment(animal: StickAnimal, factors: np.ndarray) -> np.ndarray:
+    """Return the factor of each segment, shape (n_segments,), from those of the legs."""
+    return np.repeat(factors, [len(leg.segments) for leg in animal.legs])
+
+
+def _dark_along(
+    energy: PaperEnergy, frame: FrameCosts, sticks: Sticks, pose: np.ndarray
+) -> np.ndarray:
+    """Return the pixels near the shape that stand out of the background, specks left out."""
+    u0, v0, u1, v1 = frame.box
+    reach = _REACH * energy.parameters.thickness_px
+    away = distance_map(
+        (u0, v0), (v1 - v0, u1 - u0), pose[2], sticks.points(pose), sticks.n_links,
+        sticks.parts(pose), reach,
+    )  # fmt: skip
+    dark = (frame.own < 0) & (away < reach)
+    _, names, stats, _ = cv2.connectedComponentsWithStats(dark.astype(np.uint8), connectivity=8)
+    large = stats[:, cv2.CC_STAT_AREA] >= _SPECK_PX
+    large[0] = False
+    return large[names]
+
+
+def _cost(
+    energy: PaperEnergy, frame: FrameCosts, sticks: Sticks, pose: np.ndarray, labels: np.ndarray
+) -> float:
+    """Return the shape prior's cost for labels that stay."""
+    p, margin = energy.parameters, int(_MARGIN_OF_SPAN * energy.span_px)
+    # beyond the picture there is no animal either
+    wide = np.pad(labels, margin)
+    origin = (frame.box[0] - margin, frame.box[1] - margin)
+    return float(
+        shape_cost(
+            wide, origin, pose[2], sticks.points(pose), sticks.n_links,
+            sticks.parts(pose), p.thickness_px, p.steepness,
+        )
+    )  # fmt: skip

@@ -1,0 +1,189 @@
+"""Folders and globs of pictures, read as if they were a video."""
+
+from __future__ import annotations
+
+import contextlib
+import glob
+import re
+from collections import defaultdict
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from pawnb.core.pixels.colour import GreyPicture, PackedPicture, Picture
+from pawnb.errors import VideoError
+from pawnb.files import read_bytes
+
+SUFFIXES = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp")
+
+
+def is_glob(name: str) -> bool:
+    """Tell whether a path holds wildcards."""
+    return any(c in name for c in "*?[")
+
+
+def natural_key(name: str) -> tuple[tuple[str, int, str], ...]:
+    """Return a sort key under which frame2 comes before frame10."""
+    parts = re.findall(r"(\D*)(\d*)", name)
+    return tuple((text.casefold(), int(number or -1), text) for text, number in parts)
+
+
+class PictureFolder:
+    """Numbered pictures in a folder, in the order of their numbers.
+
+    Parameters
+    ----------
+    path : str or Path
+        A folder, or a glob such as ``frames/left_*.png``.
+
+    Attributes
+    ----------
+    n_frames, width, height : int
+        Number and size of the pictures, px.
+    is_colour : bool
+        Whether the first picture is in colour.
+    stamps_s : None
+        Pictures carry no time.
+    is_variable_rate : bool
+        False.
+    notes : list of str
+        What a user should know, in plain sentences.
+
+    Raises
+    ------
+    VideoError
+        If there is no picture, if a number is missing, or if the folder holds several
+        series.
+
+    Notes
+    -----
+    Frame 0 is the picture with the lowest number. Reading keeps no state, so any
+    number of threads may read at once. 16-bit pictures keep their upper 8 bits.
+    """
+
+    def __init__(self, path: str | Path) -> None:
+        self.name = str(path)
+        self.notes: list[str] = []
+        self._files = self._list(Path(path))
+        self.n_frames = len(self._files)
+        first = self._load(0)
+        self.width, self.height = first.width, first.height
+        self.is_colour = first.is_colour
+        self.stamps_s: np.ndarray | None = None
+        self.is_variable_rate = False
+
+    def grab(self, index: int, *, partly: bool = False) -> Picture:  # noqa: ARG002
+        """Return a picture, decoded whole; raises VideoError where it cannot be read."""
+        picture = self._load(index)
+        if (picture.width, picture.height) != (self.width, self.height):
+            raise VideoError(
+                f"{self._files[index]}: frame {index} is {picture.width} x {picture.height} px, "
+                f"but frame 0 is {self.width} x {self.height}; all must be of one size."
+            )
+        if picture.is_colour != self.is_colour:
+            kinds = ("grey", "in colour")
+            raise VideoError(
+                f"{self._files[index]}: frame {index} is {kinds[picture.is_colour]}, but frame 0 "
+                f"is {kinds[self.is_colour]}; all must be of one kind."
+            )
+        return picture
+
+    def again(self) -> PictureFolder:
+        """Return this: reading keeps no state."""
+        return self
+
+    def close(self) -> None:
+        """Do nothing: no file is kept open."""
+
+    def _list(self, path: Path) -> list[Path]:
+        """List the pictures in order and check that none is missing."""
+        # not Path.glob: the pattern may be absolute
+        names = path.iterdir() if path.is_dir() else map(Path, glob.glob(str(path)))  # noqa: PTH207
+        found = [p for p in names if p.suffix.lower() in SUFFIXES and not p.name.startswith(".")]
+        if not found:
+            raise VideoError(
+                f"{self.name}: no pictures there; expected files that end in {', '.join(SUFFIXES)}."
+            )
+        found.sort(key=lambda p: natural_key(str(p)))
+        return self._series(found)
+
+    def _series(self, files: list[Path]) -> list[Path]:
+        """Keep the one numbered series; refuse several, and refuse gaps."""
+        series: dict[tuple[str, ...], list[Path]] = defaultdict(list)
+        for file in files:
+            series[tuple(re.split(r"\d+", str(file)))].append(file)
+        numbered = {key: group for key, group in series.items() if len(group) > 1}
+        if len(numbered) > 1:
+            names = " and ".join(group[0].name for group in list(numbered.values())[:2])
+            raise VideoError(
+                f"{self.name}: several series of pictures ({names}, ...); name one by a glob, "
+                'for instance video = "frames/cam1_*.png".'
+            )
+        if not numbered:
+            return files
+        (kept,) = numbered.values()
+        left_out = [file.name for file in files if file not in kept]
+        if left_out:
+            self.notes.append(
+                f"{self.name}: {', '.join(left_out)} is not part of the numbered series and is "
+                "left out."
+            )
+        self._check_numbers(kept)
+        return kept
+
+    def _check_numbers(self, files: list[Path]) -> None:
+        """Raise VideoError where the numbers repeat or one is missing."""
+        numbers = np.array([[int(d) for d in re.findall(r"\d+", str(f))] for f in files])
+        varying = np.flatnonzero((numbers != numbers[0]).any(axis=0))
+        last = numbers[:, varying[-1]] if len(varying) else np.zeros(len(files), int)
+        if len(np.unique(last)) < len(last):
+            raise VideoError(
+                f"{self.name}: two pictures have the same number "
+                f"({files[0].name}, ...), as if there were several series; name one by a glob, "
+                'for instance video = "frames/cam1_*.png".'
+            )
+        steps = np.diff(last)
+        gaps = np.flatnonzero(steps != steps.min())
+        if len(varying) == 1 and len(gaps):
+            at = int(gaps[0])
+            raise VideoError(
+                f"{self.name}: frame {at + 1} is missing, between {files[at].name} and "
+                f"{files[at + 1].name}; put the picture back or number the pictures without a gap."
+            )
+
+    def _load(self, index: int) -> Picture:
+        """Read and decode one file."""
+        file = self._files[index]
+        data = read_bytes(file, expected=f"the picture of frame {index}", error=VideoError)
+        pixels = None
+        if data and _is_whole(data):
+            # not cv2.imread: it cannot open names outside ASCII on Windows
+            with contextlib.suppress(cv2.error):  # it says that it is larger than a picture can be
+                pixels = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
+        if pixels is None:
+            raise VideoError(
+                f"{file}: frame {index} cannot be read as a picture; the file is damaged, cut "
+                "short or of another kind."
+            )
+        if pixels.dtype == np.uint16:
+            pixels = np.right_shift(pixels, 8).astype(np.uint8)
+        if pixels.dtype != np.uint8:
+            raise VideoError(
+                f"{file}: frame {index} has pixels of type {pixels.dtype}; expected whole numbers "
+                "of 8 or 16 bits."
+            )
+        if pixels.ndim == 2:
+            return GreyPicture(pixels)
+        return PackedPicture(pixels, (2, 1, 0))
+
+
+def _is_whole(data: bytes) -> bool:
+    """Tell whether a file ends as its kind should: cv2 fills what is cut off with grey."""
+    if data.startswith(b"\xff\xd8"):
+        return b"\xff\xd9" in data[-4096:]
+    if data.startswith(b"\x89PNG"):
+        return b"IEND" in data[-4096:]
+    if data.startswith(b"BM"):
+        return len(data) >= int.from_bytes(data[2:6], "little")
+    return True

@@ -1,0 +1,228 @@
+"""The views of a trial side by side, read ahead in threads."""
+
+from __future__ import annotations
+
+import operator
+from collections import deque
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+
+import numpy as np
+
+from pawnb.core.closing import Closing
+from pawnb.core.video.views import Frame, ViewReader, no_such_frame
+from pawnb.errors import VideoError
+
+READ_AHEAD = 4
+"""Frames of each view that may wait, decoded, for whoever asked for them."""
+
+
+class ViewSet(Closing):
+    """The views of a trial, side by side, numbered by trial frames.
+
+    Made by :func:`pawnb.core.video.open_views`; a context manager. The file's frame is
+    the trial's frame plus the offset of the view.
+
+    Parameters
+    ----------
+    readers : mapping of str to ViewReader
+        The views by name, in the order of the trial.
+    offsets : mapping of str to int
+        Each file's frame that belongs to frame 0 of the trial; 0 where not named.
+    fps : float
+        Frames per second of the recording.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Names of the views.
+    readers : dict of str to ViewReader
+        The views, by name.
+    first_frame : int
+        First trial frame that every view has (0 unless an offset is negative).
+    n_frames : int
+        One past the last trial frame that every view has.
+    notes : list of str
+        What a user should know about the files, in plain sentences.
+
+    Raises
+    ------
+    VideoError
+        If no frame is common to all views.
+    """
+
+    def __init__(
+        self,
+        readers: Mapping[str, ViewReader],
+        *,
+        fps: float,
+        offsets: Mapping[str, int] | None = None,
+    ) -> None:
+        self.readers = dict(readers)
+        self.names = tuple(self.readers)
+        self._fps = fps
+        self._offsets = {name: (offsets or {}).get(name, 0) for name in self.names}
+        ends = {name: r.n_frames - self._offsets[name] for name, r in self.readers.items()}
+        self.first_frame = max(0, *(-offset for offset in self._offsets.values()))
+        self.n_frames = min(ends.values())
+        if self.n_frames <= self.first_frame:
+            shortest = min(ends, key=ends.__getitem__)
+            raise VideoError(
+                f"view {shortest!r} ends at frame {self.n_frames - 1} of the trial, before every "
+                f"view has begun (frame {self.first_frame}); mend the offsets."
+            )
+        self.notes = [*self._file_notes(), *self._length_notes(ends)]
+
+    @property
+    def time_s(self) -> np.ndarray:
+        """Time of each trial frame, s, shape (n_frames,), 0 at frame 0.
+
+        Frame / fps; where the rate of a file varies, the time stamps of the first such view.
+        """
+        for name, reader in self.readers.items():
+            offset = self._offsets[name]
+            if reader.is_variable_rate and offset >= 0:
+                stamps = reader.time_s[offset : offset + self.n_frames]
+                return stamps - stamps[0]
+        return np.arange(self.n_frames) / self._fps
+
+    def frame(self, index: int) -> dict[str, Frame]:
+        """Return one trial frame of every view.
+
+        Parameters
+        ----------
+        index : int
+            Trial frame.
+
+        Returns
+        -------
+        dict of str to Frame
+            One frame a view; ``Frame.index`` is the trial frame.
+
+        Raises
+        ------
+        VideoError
+            If a view lacks that frame or it cannot be decoded.
+        """
+        index = operator.index(index)
+        self._check(index)
+        found: dict[str, Frame] = {}
+        for group in self._groups():
+            found.update(self._read(group, index))
+        return {name: found[name] for name in self.names}
+
+    def frames(
+        self, start: int, stop: int, *, step: int = 1, partly: bool = False
+    ) -> Iterator[tuple[int, dict[str, Frame]]]:
+        """Iterate over trial frames, read ahead in one thread a file.
+
+        Parameters
+        ----------
+        start, stop, step : int
+            As in :class:`range`: backwards from 99 to 0 is ``frames(99, -1, step=-1)``.
+        partly : bool
+            Whether only small parts of each frame will be looked at. Where the file allows
+            it (Motion JPEG), no more than these is decoded, when they are asked for; what
+            they hold is the same.
+
+        Yields
+        ------
+        index : int
+            Trial frame.
+        frames : dict of str to Frame
+            One frame a view.
+
+        Raises
+        ------
+        VideoError
+            If a view lacks a frame of the range (at once), or one cannot be decoded (after
+            the frames before it were handed out).
+        """
+        numbers = range(start, stop, step)
+        for end in (numbers[0], numbers[-1]) if numbers else ():
+            self._check(end)
+        return self._ahead(numbers, partly=partly)
+
+    def _ahead(self, numbers: range, *, partly: bool) -> Iterator[tuple[int, dict[str, Frame]]]:
+        """Keep up to READ_AHEAD frames of each file in the making or waiting."""
+        groups = self._groups()
+        pools = [ThreadPoolExecutor(1, thread_name_prefix=f"pawnb-{g[0]}") for g in groups]
+        waiting: deque[tuple[int, list[Future[dict[str, Frame]]]]] = deque()
+        todo = iter(numbers)
+        try:
+            for _ in numbers:
+                while len(waiting) < READ_AHEAD and (following := next(todo, None)) is not None:
+                    jobs = zip(pools, groups, strict=True)
+                    waiting.append(
+                        (following, [p.submit(self._read, g, following, partly) for p, g in jobs])
+                    )
+                index, futures = waiting.popleft()
+                found: dict[str, Frame] = {}
+                for future in futures:
+                    found.update(future.result())
+                del futures, future
+                yield index, {name: found.pop(name) for name in self.names}
+        finally:
+            for pool in pools:
+                pool.shutdown(wait=True, cancel_futures=True)
+
+    def _groups(self) -> list[list[str]]:
+        """Return the names of views that show the same frame of the same file together."""
+        groups: dict[tuple[int, int], list[str]] = {}
+        for name, reader in self.readers.items():
+            groups.setdefault((id(reader.source), self._offsets[name]), []).append(name)
+        return list(groups.values())
+
+    def _read(self, group: Sequence[str], index: int, partly: bool = False) -> dict[str, Frame]:
+        """Decode one file's picture once and return the frame of each of its views."""
+        picture = self.readers[group[0]].grab(index + self._offsets[group[0]], partly=partly)
+        return {name: self.readers[name].frame_of(picture, index) for name in group}
+
+    def _check(self, index: int) -> None:
+        """Raise VideoError unless every view has that trial frame."""
+        for name, reader in self.readers.items():
+            at = index + self._offsets[name]
+            if not 0 <= at < reader.n_frames:
+                where = f" (frame {index} of the trial)" if self._offsets[name] else ""
+                raise VideoError(f"view {name!r}: {no_such_frame(reader.source, at)[:-1]}{where}.")
+
+    def check_range(self, start: int, stop: int) -> None:
+        """Raise VideoError unless every view has the trial frames ``start`` to ``stop - 1``."""
+        self._check(start)
+        self._check(stop - 1)
+
+    def _file_notes(self) -> list[str]:
+        """Collect what is known about the files, once a file."""
+        notes: dict[str, None] = {}
+        for name, reader in self.readers.items():
+            notes.update(dict.fromkeys(reader.source.notes))
+            if reader.is_variable_rate:
+                rate = (reader.n_frames - 1) / float(reader.time_s[-1])
+                notes[
+                    f"{name}: the frame rate varies (mean {rate:.4g} frames/s, fps is "
+                    f"{self._fps:.4g}); the file's own time stamps are used."
+                ] = None
+        return list(notes)
+
+    def _length_notes(self, ends: Mapping[str, int]) -> list[str]:
+        """Say which frames are left out because a view is shorter or begins later."""
+        shortest = min(ends, key=ends.__getitem__)
+        end = ends[shortest]
+        since = " from frame 0 of the trial on" if any(self._offsets.values()) else ""
+        notes = [
+            f"{shortest} has {end} frames{since}, {name} has {other}: frames {end} to "
+            f"{other - 1} are left out."
+            for name, other in ends.items()
+            if other > end
+        ]
+        notes += [
+            f"{name} begins at frame {-offset} of the trial: it lacks frames 0 to {-offset - 1}."
+            for name, offset in self._offsets.items()
+            if offset < 0
+        ]
+        return notes
+
+    def close(self) -> None:
+        """Close every file."""
+        for reader in self.readers.values():
+            reader.close()

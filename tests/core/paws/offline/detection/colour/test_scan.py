@@ -1,0 +1,113 @@
+"""The part of a view that is searched."""
+
+import numpy as np
+import pytest
+
+from pawnb.core.paws.offline.detection.colour import scan
+from pawnb.core.paws.offline.detection.colour.cache import CandidateStore
+from pawnb.core.paws.offline.detection.colour.detector import Look
+from pawnb.core.paws.offline.detection.colour.scan import Region
+
+
+def _follow(frames: int, paws: np.ndarray, clutter: np.ndarray) -> Region:
+    """Return a region after paws (frames, 4) moved and poor clutter (frames, 12) was there too."""
+    region = Region(np.array([600.0, 200.0]), np.array([200.0, 50.0]), (1200, 400))
+    for t in range(frames):
+        u = np.concatenate([paws[t], clutter[t]])
+        found = np.column_stack([u, np.full(len(u), 200.0)])
+        region.follow(found, np.repeat([0.95, 0.03], [4, 12]))
+    return region
+
+
+def test_the_searched_region_follows_paws_not_what_little_looks_like_them():
+    frames = 200
+    ahead = np.linspace(0.0, 200.0, frames)[:, None]
+    paws = np.array([520.0, 560.0, 660.0, 680.0]) + ahead
+    # an edge of the belt comes into the picture behind the animal, as the animal leaves it
+    clutter = np.full((frames, 12), 620.0)
+    clutter[60:] = 350.0
+    region = _follow(frames, paws, clutter)
+    # the region lags behind by 1 / FOLLOW frames, 17 px, and clutter has a tenth of the weight
+    assert region.centre[0] == pytest.approx(800.0 - 17.0, abs=0.1 * (800.0 - 350.0))
+    left, _, right, _ = region.box()
+    assert left < paws[-1].min()
+    assert paws[-1].max() < right
+
+
+def test_the_searched_region_stays_where_the_animal_stays():
+    frames = 100
+    paws = np.tile([520.0, 560.0, 660.0, 680.0], (frames, 1))
+    region = _follow(frames, paws, np.linspace(700.0, 900.0, frames)[:, None] + np.zeros(12))
+    assert region.centre[0] == pytest.approx(600.0, abs=20.0)
+
+
+PLACES = np.array([-80.0, -40.0, 60.0, 90.0])
+"""Paws from the middle of the animal, px."""
+
+
+class Passing:
+    """Views of an animal that goes 0.6 px a frame to the right; a frame is where its paws are."""
+
+    names = ("side",)
+
+    def __init__(self):
+        self.asked = []
+
+    def frames(self, start, stop, *, step=1, partly=False):
+        for t in range(start, stop, step):
+            self.asked.append(t)
+            yield t, {"side": 300.0 + 0.6 * t + PLACES}
+
+
+@pytest.fixture
+def search(monkeypatch):
+    """Search the passing animal: paws are found where they are within the region."""
+
+    def found(paws, box, _look):
+        u = paws[(paws >= box[0]) & (paws < box[2])]
+        rows = np.zeros((len(u), 8), np.float32)
+        rows[:, 0] = u
+        rows[:, 2:6] = [2.0, 1.0, 0.22, 1.0]
+        rows[:, 6] = box[0]  # what was searched shows, too
+        return rows
+
+    monkeypatch.setattr(scan, "searched", lambda paws, region, _shrink: (paws, region.box()))
+    monkeypatch.setattr(scan, "find_candidates", found)
+
+    def search(frames, home, **options):
+        middle = np.array([300.0 + 0.6 * home, 200.0])
+        region = Region(middle, np.array([150.0, 50.0]), (1200, 400))
+        looks = [Look(None, 1, 3, (0.9, 0.4))]
+        views = options.pop("views", Passing())
+        return scan.extract(views, frames, home=home, looks=looks, regions=[region], **options)
+
+    return search
+
+
+def test_an_animal_that_was_elsewhere_before_the_clicks_is_found_there(search):
+    """In frame 0 it is 120 px from where it was clicked, with paws up to 90 px from its middle."""
+    found = search((0, 300), 200)
+    assert [len(here[0]) for here in found] == [4] * 300
+    # what follows the clicks is what would be found without the frames before
+    for both, alone in zip(found[200:], search((200, 300), 200), strict=True):
+        np.testing.assert_array_equal(both[0], alone[0])
+
+
+def test_an_interrupted_search_goes_on_before_the_clicks_and_after(search):
+    whole = search((0, 120), 80)
+    for done in (30, 100):
+        store = CandidateStore()
+        reported = []
+        part = search(
+            (0, 120), 80, store=store, progress=reported.append,
+            stop=lambda n=done, reported=reported: len(reported) >= n,
+        )  # fmt: skip
+        assert done <= len(part) < 120
+        views = Passing()
+        again = search((0, 120), 80, store=store, views=views)
+        assert all(np.array_equal(a[0], b[0]) for a, b in zip(again, whole, strict=True))
+        assert len(views.asked) == 120 - len(part) + (11 if done < 80 else 0)
+
+
+def test_the_way_back_can_be_stopped(search):
+    assert search((0, 120), 80, stop=lambda: True) == []

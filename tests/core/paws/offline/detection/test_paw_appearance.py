@@ -1,0 +1,96 @@
+"""The look of paws that is learnt: places in the picture, and what is learnt from where."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from pawnb.core.paws.layout import Placement
+from pawnb.core.paws.offline.detection.paw_appearance import (
+    PawLook,
+    _Known,
+    _Reading,
+    clicked_lessons,
+    tracked_lessons,
+)
+
+BRIGHTNESS = 4
+"""Column of the features that is the smoothed brightness of the place itself."""
+
+
+def bright(features):
+    """What is bright is a paw."""
+    chance = np.clip(features[:, BRIGHTNESS], 0.01, 0.99)
+    return np.stack([1 - chance, chance], axis=1)
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+@pytest.mark.parametrize("scale", [1.7, 3.0])
+def test_the_score_is_highest_where_the_classifier_sees_a_paw(scale, mirrored):
+    picture = np.full((60, 90), 10, np.uint8)
+    picture[30:35, 61:66] = 250  # about (63, 32)
+    reading = _Reading(scale, mirrored, 0.0, 255.0, is_colour=False)
+    look = PawLook(np.empty(0, np.float32), 5.0, 11, known=_Known(bright, "a"), reading=reading)
+    score = look.score(picture)
+    assert score.shape == picture.shape
+    weight = np.exp(score - score.max()) > 0.5
+    v, u = np.nonzero(weight)
+    np.testing.assert_allclose([u.mean(), v.mean()], [63, 32], atol=0.8)
+
+
+def test_a_position_is_found_again_at_the_working_scale():
+    """A mirrored picture, twice as large: the first column is the last one there."""
+    reading = _Reading(2.0, True, 0.0, 255.0, is_colour=False)
+    np.testing.assert_allclose(reading.place(np.array([[0.0, 3.0]]), 50), [[98.5, 6.5]])
+
+
+def scene(anchors=None):
+    """Two views of a plane: the second is shifted by 100 px."""
+
+    def project(x):
+        return np.stack([x[..., :2], x[..., :2] + 100.0], axis=-2)
+
+    return SimpleNamespace(
+        geometry=SimpleNamespace(project=project), anchors=anchors or {}, thickness=2.0
+    )
+
+
+def test_a_paw_that_is_clicked_in_another_view_is_doubtful_in_this_one():
+    layout = SimpleNamespace(views=("a", "b"), points=("FR", "FL"))
+    here = [Placement(0, 0, np.array([5.0, 6.0])), Placement(1, 1, np.array([120.0, 130.0]))]
+    anchors = {7: {0: np.array([5.0, 6.0, 0.0]), 1: np.array([20.0, 30.0, 0.0])}}
+    lesson = clicked_lessons(scene(anchors), layout, {7: here})[7]
+    np.testing.assert_array_equal(lesson.paws[0], [[5, 6]])
+    np.testing.assert_array_equal(lesson.doubtful[0], [[20, 30]])
+    np.testing.assert_array_equal(lesson.doubtful[1], [[105, 106]])
+    assert lesson.whole
+
+
+def test_where_fewer_paws_are_clicked_than_elsewhere_nothing_is_background():
+    layout = SimpleNamespace(views=("a",), points=("FR", "FL"))
+    one = Placement(0, 0, np.array([5.0, 6.0]))
+    both = [one, Placement(0, 1, np.array([20.0, 6.0]))]
+    lessons = clicked_lessons(scene(), layout, {0: [one], 4: both})
+    assert not lessons[0].whole
+    assert lessons[4].whole
+    # with no better frame this one has to do
+    assert clicked_lessons(scene(), layout, {0: [one]})[0].whole
+
+
+def test_tracks_teach_where_they_are_certain_and_in_views_that_track_the_point():
+    x = np.zeros((4, 2, 3))
+    x[:, 1] = 50.0
+    sd = np.full((4, 2, 3), 0.1)
+    sd[2:, 1] = 5.0
+    tracked = np.array([[True, True], [False, True]])
+    measured = np.zeros((4, 2, 2, 2))
+    measured[1, 0, 0] = np.nan
+    tracks = SimpleNamespace(x=x, sd=sd, measured=measured)
+    lessons = tracked_lessons(tracks, scene(), tracked, first=10)
+    assert sorted(lessons) == [10, 11, 12, 13]
+    np.testing.assert_array_equal(lessons[10].paws[0], [[0, 0], [50, 50]])
+    np.testing.assert_array_equal(lessons[10].paws[1], [[150, 150]])
+    np.testing.assert_array_equal(lessons[11].paws[0], [[50, 50]])
+    np.testing.assert_array_equal(lessons[13].paws[0], [[0, 0]])
+    np.testing.assert_array_equal(lessons[13].doubtful[0], [[50, 50]])
+    assert not lessons[13].clicked

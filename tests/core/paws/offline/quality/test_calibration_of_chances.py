@@ -1,0 +1,66 @@
+"""Chances and standard deviations of labels."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pytest
+from scipy.stats import norm
+
+from pawnb.core.paws.offline.quality.calibration import probability_right, standard_deviation
+from pawnb.core.paws.offline.quality.signs import Signs
+
+USUAL = Signs(*(np.array([x]) for x in (0.99, 1.0, 0.0, 1.0)), 0.0)
+
+
+@pytest.mark.parametrize(
+    ("sign", "better", "worse"),
+    [
+        ("probability", 0.99, 0.5),
+        ("motion", 2.5, 0.0),
+        ("look", 2.0, -3.0),
+        ("broken", 0.1, 20.0),
+        ("left_out", 1.5, -1.0),
+    ],
+)
+def test_every_sign_speaks_for_or_against_a_label(sign, better, worse):
+    """Each was found to on marks by hand."""
+    more, less = (
+        dataclasses.replace(USUAL, **{sign: value if sign == "left_out" else np.array([value])})
+        for value in (better, worse)
+    )
+    assert probability_right(more) > probability_right(less)
+
+
+def test_a_label_without_any_click_stays_a_chance():
+    chance = probability_right(Signs(*np.zeros((3, 1)), np.array([np.inf]), 0.0))
+    assert 0 < chance < 0.3
+
+
+def test_what_is_beside_a_click_is_good_and_what_was_lost_on_the_way_is_even():
+    """Of marks that flow reaches from a click 96 % and more are right, of others about half."""
+    chance = probability_right(
+        Signs(np.ones(2), np.array([2.6, 0.0]), np.zeros(2), np.array([0.0, 8.0]), 0.0)
+    )
+    assert chance[0] > 0.95
+    assert 0.4 < chance[1] < 0.7
+
+
+def test_sure_labels_are_as_exact_as_a_click_and_their_own_distribution_allow():
+    """3-4-5: a click is off by 1.4 % of the size."""
+    sd = standard_deviation(np.array(3.0), np.array(1.0), 4 / 0.014)
+    assert sd == pytest.approx(5.0, rel=1e-3)
+
+
+def test_lost_labels_are_as_far_off_as_the_animal_is_large():
+    sd = standard_deviation(np.array(0.0), np.array(0.0), 100.0)
+    assert sd == pytest.approx(40.0, rel=1e-3)
+
+
+@pytest.mark.parametrize("right", [0.97, 0.9, 0.6])
+def test_95_percent_lie_within_limits_of_the_mixture(right):
+    limit = 1.96 * standard_deviation(np.array(1.0), np.array(right), 100.0)
+    near, far = np.hypot(1, 1.4), np.hypot(1, 40)
+    beyond = 2 * (right * norm.sf(limit / near) + (1 - right) * norm.sf(limit / far))
+    assert beyond == pytest.approx(0.05, abs=1e-6)

@@ -1,0 +1,73 @@
+"""What tells of labels whether they are right."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pawnb.core.paws.offline.association.estimates import Estimates
+from pawnb.core.paws.offline.quality.signs import (
+    SIGNS,
+    Signs,
+    found_again,
+    read_signs,
+    sum_from_clicks,
+)
+
+
+def test_sums_begin_beside_a_click_and_hold_the_row_itself():
+    values = np.array([1.0, 2.0, 4.0, 8.0, 16.0])
+    np.testing.assert_allclose(sum_from_clicks(values, [2]), [3, 2, 0, 8, 24])
+
+
+def test_of_two_ways_the_one_that_is_broken_less_counts():
+    """Between clicks in rows 0 and 4: one way breaks in row 1, the other nowhere."""
+    values = np.array([0.0, 9.0, 1.0, 1.0, 0.0])
+    np.testing.assert_allclose(sum_from_clicks(values, [0, 4]), [0, 9, 2, 1, 0])
+    # exchanged between two breaks: neither way is sound
+    values = np.array([0.0, 5.0, 0.0, 0.0, 4.0, 0.0])
+    np.testing.assert_allclose(sum_from_clicks(values, [0, 5])[2:4], 4.0)
+
+
+def test_without_a_click_there_is_no_way():
+    assert np.isinf(sum_from_clicks(np.zeros(3), [])).all()
+    assert np.isfinite(Signs(*np.zeros((3, 3)), np.full(3, np.inf), 0.0).columns()).all()
+
+
+def test_signs_are_read_at_the_estimate():
+    """Flow puts e squared at (3, 1) in row 1, appearance 1/e; agreement is 1/e from there on."""
+    motion, look = np.ones((2, 3, 4, 5))
+    motion[1, 1, 3], look[1, 1, 3] = np.exp(2), np.exp(-1)
+    even = np.full(3, 0.5)
+    found = Estimates(np.array([[0, 0], [2.8, 1.2], [3, 1]]), even, np.ones(3))
+    signs = read_signs(
+        found,
+        motion=motion,
+        look=look,
+        agreement=np.array([0.5, np.exp(-1), np.exp(-1)]),
+        clicked=[0],
+        left_out=0.7,
+    )
+    np.testing.assert_allclose(signs.motion, [0, 2, 0])
+    np.testing.assert_allclose(signs.broken, [0, 1, 2])
+    np.testing.assert_allclose(signs.look, [0, -1, 0])
+    columns = dict(zip(SIGNS, signs.columns().T, strict=True))
+    np.testing.assert_allclose(columns["broken"], np.log([1, 2, 3]))
+    np.testing.assert_allclose(columns["left_out"], 0.7)
+    np.testing.assert_allclose(columns["probability"], 0.0)  # even odds
+
+
+def test_agreement_of_nothing_is_a_break_and_not_the_end():
+    found = Estimates(np.zeros((2, 2)), np.ones(2), np.ones(2))
+    even = np.ones((2, 1, 1))
+    signs = read_signs(
+        found, motion=even, look=even, agreement=np.zeros(2), clicked=[0], left_out=0.0
+    )
+    assert signs.broken[1] == pytest.approx(np.log(100))
+
+
+def test_clicks_that_were_found_again_speak_for_a_recording_the_more_the_more_there_are():
+    """Two of three: odds of 3 to 2 with one more of either kind; 20 of 30: 21 to 11."""
+    assert found_again(np.array([1.0, 0.0, 1.0])) == pytest.approx(np.log(1.5))
+    assert found_again(np.repeat([1.0, 0.0, 1.0], 10)) == pytest.approx(np.log(21 / 11))
+    assert found_again(np.empty(0)) == 0

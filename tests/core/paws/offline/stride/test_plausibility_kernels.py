@@ -1,0 +1,74 @@
+"""What speaks against a motion: steps of one unit, worked out by hand."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pawnb.core.paws.offline.scene.motion_model import Manner
+from pawnb.core.paws.offline.stride.plausibility_kernels import doubt
+from pawnb.core.paws.offline.stride.stance import Ground
+
+# the belt carries standing paws back by 1 a frame; the lowest click was at height 2
+MANNER = Manner(
+    acceleration=0.2, jerk=0.1, speed=5.0, drift=np.array([-1.0, 0.0, 0.0]), axes=np.eye(3),
+    ground=2.0, span=30.0, thickness=1.0,
+)  # fmt: skip
+
+
+def doubted(height, speed, *, stands=np.nan, recent=False, way=1, manner=MANNER):
+    """What speaks against a height and a speed of a point that stands at another height."""
+    ground = Ground(np.array([stands]), manner.drift, np.zeros((1, 3)), manner)
+    x, v, cost = np.array([[0.0], [0.0], [height]]), np.array(speed)[:, None], np.array([3.0])
+    doubt(x, v, np.array([recent]), ground.doubts(0, way=way), cost)
+    return cost[0] - 3.0
+
+
+@pytest.mark.parametrize(
+    ("height", "forward", "strange"),
+    [
+        (2.0, -1.0, 0.0),  # stands on the belt
+        (9.0, 5.0, 0.0),  # swings
+        (1.4, -1.0, 0.0),  # the middle of a paw may be 0.7 thicknesses below its clicked end
+        (0.8, -1.0, 0.5),  # half a thickness further down is one standard deviation
+        (-0.2, -1.0, 4.5),  # three of them
+        (2.0, -1.35, 0.5),  # one deviation, a quarter of the belt and half the acceleration
+        (2.0, -50.0, 4.5),  # no more than three count
+        (0.8, -1.35, 1.0),
+    ],
+)
+def test_nothing_goes_below_the_ground_nor_back_faster_than_it(height, forward, strange):
+    assert doubted(height, [forward, 0.0, 0.0]) == pytest.approx(strange, abs=1e-12)
+    # told backwards in time the same is seen to go the other way
+    backwards = doubted(height, [-forward, 0.0, 0.0], way=-1)
+    assert backwards == pytest.approx(strange, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("above", "speed", "recent", "is_dear"),
+    [
+        (0.0, [-1.0, 0.0, 0.0], False, False),  # it stands
+        (1.4, [-1.0, 0.0, 0.0], False, True),  # a wrist over a paw that stands
+        (1.4, [-1.0, 3.0, 0.0], False, True),  # to the side does not matter
+        (1.4, [-0.8, 0.1, 2.5], False, False),  # a paw that lifts off
+        (0.0, [-1.0, 0.0, 0.0], True, True),  # lifted off, yet it stands
+    ],
+)
+def test_what_rides_above_the_ground_is_no_paw(above, speed, recent, is_dear):
+    cost = doubted(2.2 + above, speed, stands=2.2, recent=recent)
+    assert (cost > 5.0) if is_dear else (cost < 0.1)
+    # where it stands is not known
+    assert doubted(2.2 + above, speed, recent=recent) == 0.0
+
+
+def test_half_lifted_counts_half():
+    # lifted from 0.6 thicknesses on, for certain from 1.1
+    half, whole = (doubted(2.2 + up, MANNER.drift, stands=2.2) for up in (0.85, 1.1))
+    assert half == pytest.approx(0.5 * whole)
+    assert doubted(2.2 + 1.7, MANNER.drift, stands=2.2) == pytest.approx(whole)
+
+
+def test_where_no_ground_is_known_nothing_is_below_it():
+    assert doubted(-99.0, [5.0, 0.0, 0.0], manner=replace(MANNER, ground=-np.inf)) == 0.0

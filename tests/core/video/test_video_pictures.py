@@ -1,0 +1,175 @@
+"""Folders and globs of pictures."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import pytest
+from video_clips import barcode, picture
+
+from pawnb.core.video import open_view
+from pawnb.core.video.pictures import PictureFolder, _is_whole, natural_key
+from pawnb.errors import VideoError
+from pawnb.trial import View
+
+
+def write(folder, name, number=0, *, grey=False):
+    image = picture(number)[..., ::-1]
+    ok, data = cv2.imencode((folder / name).suffix, image[..., 1] if grey else image)
+    assert ok
+    (folder / name).parent.mkdir(exist_ok=True)
+    (folder / name).write_bytes(data.tobytes())
+
+
+def numbers(path):
+    source = PictureFolder(path)
+    return [
+        barcode(source.grab(k).region(0, 0, source.width, source.height))
+        for k in range(source.n_frames)
+    ]
+
+
+def refusal(path):
+    with pytest.raises(VideoError) as caught:
+        PictureFolder(path)
+    return str(caught.value)
+
+
+@pytest.mark.parametrize("suffix", [".png", ".jpg", ".tif", ".bmp", ".PNG"])
+def test_numbers_decide_the_order(tmp_path, suffix):
+    for k in (8, 9, 10, 11):
+        write(tmp_path, f"frame{k}{suffix}", k)
+    assert numbers(tmp_path) == [8, 9, 10, 11]
+
+
+def test_lossless_pictures_come_back_in_rgb(tmp_path):
+    write(tmp_path, "a0.png", 5)
+    write(tmp_path, "a1.png", 6)
+    with open_view(View(name="cam1", video="."), tmp_path) as reader:
+        assert np.array_equal(reader.read(1), picture(6))
+
+
+def test_grey_and_sixteen_bit_pictures(tmp_path):
+    for k in range(3):
+        cv2.imwrite(str(tmp_path / f"a{k}.png"), picture(k)[..., 1].astype(np.uint16) * 256 + 77)
+    source = PictureFolder(tmp_path)
+    assert not source.is_colour
+    assert np.array_equal(source.grab(2).region(0, 0, 160, 64), picture(2)[..., 1])
+
+
+def test_names_outside_ascii(tmp_path):
+    for k in range(2):
+        write(tmp_path, f"Mäuse/läuft_{k}.png", k)
+    assert numbers(tmp_path / "Mäuse") == [0, 1]
+
+
+def test_a_glob_picks_one_series(tmp_path):
+    for k in range(3):
+        write(tmp_path, f"cam1_{k:03d}.png", k)
+        write(tmp_path, f"cam2_{k:03d}.png", 100 + k)
+    assert numbers(tmp_path / "cam2_*.png") == [100, 101, 102]
+    assert refusal(tmp_path) == (
+        f"{tmp_path}: two pictures have the same number (cam1_000.png, ...), as if there were "
+        'several series; name one by a glob, for instance video = "frames/cam1_*.png".'
+    )
+
+
+def test_several_series_are_refused(tmp_path):
+    for k in range(2):
+        write(tmp_path, f"left{k}.png")
+        write(tmp_path, f"right{k}.png")
+    assert "several series of pictures (left0.png and right0.png, ...)" in refusal(tmp_path)
+
+
+def test_a_lone_background_is_left_out_and_said(tmp_path):
+    for k in range(3):
+        write(tmp_path, f"frame{k:05d}.png", k)
+    write(tmp_path, "background.png", 999)
+    assert numbers(tmp_path) == [0, 1, 2]
+    assert PictureFolder(tmp_path).notes == [
+        f"{tmp_path}: background.png is not part of the numbered series and is left out."
+    ]
+
+
+@pytest.mark.parametrize("step", [1, 10])
+def test_a_missing_number_is_named(tmp_path, step):
+    for k in (0, 1, 2, 4, 5):
+        write(tmp_path, f"frame{k * step:03d}.png")
+    assert refusal(tmp_path) == (
+        f"{tmp_path}: frame 3 is missing, between frame{2 * step:03d}.png and "
+        f"frame{4 * step:03d}.png; put the picture back or number the pictures without a gap."
+    )
+
+
+def test_every_tenth_picture_is_no_gap(tmp_path):
+    for k in range(4):
+        write(tmp_path, f"frame{k * 10}.png", k * 10)
+    assert numbers(tmp_path) == [0, 10, 20, 30]
+
+
+def test_no_pictures(tmp_path):
+    assert refusal(tmp_path) == (
+        f"{tmp_path}: no pictures there; expected files that end in .png, .jpg, .jpeg, .tif, "
+        ".tiff, .bmp."
+    )
+    assert refusal(tmp_path / "*.png").startswith(f"{tmp_path / '*.png'}: no pictures there;")
+
+
+@pytest.mark.parametrize("suffix", [".png", ".jpg", ".bmp", ".tif"])
+def test_a_picture_cut_short_is_refused(tmp_path, suffix):
+    """cv2 would fill the missing part with grey without a word."""
+    for k in range(3):
+        write(tmp_path, f"a{k}{suffix}", k)
+    file = tmp_path / f"a2{suffix}"
+    file.write_bytes(file.read_bytes()[: file.stat().st_size // 2])
+    source = PictureFolder(tmp_path)
+    source.grab(1)
+    with pytest.raises(VideoError) as caught:
+        source.grab(2)
+    assert str(caught.value) == (
+        f"{file}: frame 2 cannot be read as a picture; the file is damaged, cut short or of "
+        "another kind."
+    )
+
+
+@pytest.mark.parametrize("suffix", [".png", ".jpg", ".bmp"])
+def test_is_whole(suffix):
+    """Not left to cv2: some versions decode what is there and say nothing."""
+    data = cv2.imencode(suffix, picture(3))[1].tobytes()
+    assert _is_whole(data)
+    assert not _is_whole(data[:-20])
+    assert not _is_whole(data[: len(data) // 2])
+
+
+def test_pictures_of_another_size_or_kind_are_refused(tmp_path):
+    for k in range(3):
+        write(tmp_path, f"a{k}.png", grey=k == 2)
+    cv2.imwrite(str(tmp_path / "a1.png"), np.zeros((10, 20, 3), np.uint8))
+    source = PictureFolder(tmp_path)
+    with pytest.raises(VideoError, match="frame 1 is 20 x 10 px, but frame 0 is 160 x 64"):
+        source.grab(1)
+    with pytest.raises(VideoError, match="frame 2 is grey, but frame 0 is in colour"):
+        source.grab(2)
+
+
+def test_pictures_carry_no_time(tmp_path):
+    for k in range(4):
+        write(tmp_path, f"a{k}.png")
+    view = View(name="cam1", video=".")
+    with pytest.raises(VideoError, match="view 'cam1': pictures carry no time; give fps"):
+        _ = open_view(view, tmp_path).time_s
+    np.testing.assert_allclose(open_view(view, tmp_path, fps=8.0).time_s, [0, 0.125, 0.25, 0.375])
+
+
+def test_natural_key():
+    names = ["a10", "a9", "b1", "a", "A2"]
+    assert sorted(names, key=natural_key) == ["a", "A2", "a9", "a10", "b1"]
+
+
+def test_real_pictures_of_a_fly(real_data):
+    """A numbered series beside background.png."""
+    folder = real_data("flies-topview")
+    with open_view(View(name="top", video="clip_inverted"), folder, fps=25.0) as reader:
+        assert reader.n_frames > 100
+        assert reader.read(7).shape[:2] == (reader.height, reader.width)
+        assert "background.png" in reader.source.notes[0]
