@@ -28,18 +28,18 @@ from scipy.stats import rankdata
 from whole_accuracy import add_scene_arguments, scene_seed, trials
 
 from pawnb.core.paws.layout import make_layout, read_start
-from pawnb.core.paws.maghsoudi2019.settings import PaperSettings
-from pawnb.core.paws.offline.detection.colour.detector import worth
+from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
+from pawnb.core.paws.offline.detection.colour.detector import endpoint_score
 from pawnb.core.paws.offline.detection.colour.likelihood import (
     CURVES,
-    Judge,
+    AppearanceLikelihood,
     measures,
     score_at_clicks,
 )
-from pawnb.core.paws.offline.detection.colour.scan import extract
+from pawnb.core.paws.offline.detection.colour.scan import scan_video
 from pawnb.core.paws.offline.scene.treadmill import read_scene
-from pawnb.core.paws.offline.settings import WholeSettings
-from pawnb.core.paws.request import Task
+from pawnb.core.paws.offline.settings import OfflineSettings
+from pawnb.core.paws.request import TrackingRequest
 from pawnb.core.video import open_views
 from pawnb.io.start import read_start as read_clicks
 from pawnb.trial import Trial, load_trial
@@ -85,22 +85,22 @@ def sample(trial: Trial) -> Sample | None:
     with open_views(trial) as views:
         sizes = {name: (r.width, r.height) for name, r in views.readers.items()}
         rig = trial_rig(trial, views)
-        task = Task(
+        task = TrackingRequest(
             frames=(0, views.n_frames), fps=trial.fps, rig=rig,
             points_by_view=points_by_view(trial, clicks), facing=view_facing(trial, rig),
         )  # fmt: skip
-        layout = make_layout(views, clicks, task, settings=PaperSettings())
+        layout = make_layout(views, clicks, task, settings=Maghsoudi2019Settings())
         placed = read_start(clicks, layout, task.frames)
-        scene = read_scene(views, layout, placed, anchors=placed, settings=WholeSettings())
-        found = extract(
-            views, task.frames, looks=scene.looks, regions=scene.regions, home=scene.home
+        scene = read_scene(views, layout, placed, anchors=placed, settings=OfflineSettings())
+        found = scan_video(
+            views, task.frames, detectors=scene.detectors, rois=scene.rois, home=scene.home
         )
     uv = np.full((1, len(layout.points), len(layout.views), 2), np.nan)
     first = min(placed)
     for place in placed[first]:
         uv[0, place.point, place.view] = place.uv
-    judge = Judge(scene.distal, scene.thickness_px)
-    score = score_at_clicks(uv, {first: found[first]}, judge)
+    likelihood = AppearanceLikelihood(scene.limb_direction, scene.paw_width_px)
+    score = score_at_clicks(uv, {first: found[first]}, likelihood)
     if score is None or scene.lead is not None:
         return None
     truth = pd.read_csv(trial.folder / "truth" / "tracks.csv").groupby(["frame", "view"])
@@ -116,9 +116,9 @@ def sample(trial: Trial) -> Sample | None:
             paw = np.where(seen, away, np.inf).min(axis=1) < PAW * limit
             keep = paw | (away.min(axis=1) > NO_PAW * limit)
             is_paw.append(paw[keep])
-            plain.append(worth(rows[keep], scene.distal[v]))
-            measured.append(measures(rows[keep], scene.distal[v], score=score,
-                                     thickness_px=scene.thickness_px[v]))  # fmt: skip
+            plain.append(endpoint_score(rows[keep], scene.limb_direction[v]))
+            measured.append(measures(rows[keep], scene.limb_direction[v], score=score,
+                                     paw_width_px=scene.paw_width_px[v]))  # fmt: skip
     return Sample(
         trial.folder.name, np.concatenate(is_paw),
         {name: np.concatenate([one[name] for one in measured]) for name in CURVES},

@@ -35,8 +35,8 @@ from typing import NamedTuple
 import av
 import numpy as np
 
-from pawnb.core.paws.offline.treadmill import tracker as whole_tracker
-from pawnb.core.paws.request import Task
+from pawnb.core.paws.offline.treadmill import tracker as treadmill_tracker
+from pawnb.core.paws.request import TrackingRequest
 from pawnb.core.video import open_views
 from pawnb.io.start import read_start
 from pawnb.synthetic import render_mouse_trial
@@ -44,8 +44,8 @@ from pawnb.trial import Trial, load_trial
 from pawnb.workflow.methods import METHODS, run_tracker, tracker_settings
 from pawnb.workflow.trial_views import points_by_view, trial_rig, view_facing
 
-STAGES = {"read_scene": "learn from clicks", "extract": "candidates, decoding included",
-          "decide": "deciding"}  # fmt: skip
+STAGES = {"read_scene": "learn from clicks", "scan_video": "detections, decoding included",
+          "run_pipeline": "deciding"}  # fmt: skip
 """Steps of method ``pawnb``, by the names they have in its module."""
 
 
@@ -159,7 +159,7 @@ def run(trial: Trial, method: str, n_frames: int) -> None:
     start = read_start(trial.path(file), trial)
     with open_views(trial) as views:
         rig = trial_rig(trial, views)
-        task = Task(
+        task = TrackingRequest(
             rig=rig,
             frames=(0, min(n_frames, views.n_frames)),
             fps=trial.fps,
@@ -173,7 +173,7 @@ def run(trial: Trial, method: str, n_frames: int) -> None:
 @contextlib.contextmanager
 def timed_stages(stages: dict[str, list[float]], n_frames: int) -> Iterator[None]:
     """Note how long each step of method ``pawnb`` takes while the block runs, ms a frame."""
-    plain = {name: getattr(whole_tracker, name) for name in STAGES}
+    plain = {name: getattr(treadmill_tracker, name) for name in STAGES}
 
     def wrap(name: str) -> Callable[..., object]:
         def step(*args: object, **options: object) -> object:
@@ -186,12 +186,12 @@ def timed_stages(stages: dict[str, list[float]], n_frames: int) -> Iterator[None
         return step
 
     for name in STAGES:
-        setattr(whole_tracker, name, wrap(name))
+        setattr(treadmill_tracker, name, wrap(name))
     try:
         yield
     finally:
         for name, function in plain.items():
-            setattr(whole_tracker, name, function)
+            setattr(treadmill_tracker, name, function)
 
 
 def import_s() -> float:

@@ -12,9 +12,9 @@ import pytest
 
 import pawnb
 from pawnb.core.paws.maghsoudi2019.settings import PUBLISHED_NAMES as PAW_NAMES
-from pawnb.core.paws.maghsoudi2019.settings import PaperSettings
+from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
 from pawnb.core.pose.pullar2009.settings import PUBLISHED_NAMES as POSE_NAMES
-from pawnb.core.pose.pullar2009.settings import PaperPoseSettings
+from pawnb.core.pose.pullar2009.settings import Pullar2009Settings
 
 ROOT = Path(__file__).resolve().parents[1]
 METHODS = (ROOT / "docs" / "published_methods.md").read_text(encoding="utf-8")
@@ -31,7 +31,9 @@ def rows(text):
     ]
 
 
-@pytest.mark.parametrize(("text", "settings"), [(PAWS, PaperSettings), (POSES, PaperPoseSettings)])
+@pytest.mark.parametrize(
+    ("text", "settings"), [(PAWS, Maghsoudi2019Settings), (POSES, Pullar2009Settings)]
+)
 def test_the_papers_names_stand_beside_settings_that_exist(text, settings):
     known = {field.name: field.default for field in dataclasses.fields(settings)}
     found = rows(text)

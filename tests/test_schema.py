@@ -10,10 +10,10 @@ import pandas as pd
 import pytest
 
 from pawnb import schema
-from pawnb.core.paws.maghsoudi2019.settings import PaperSettings
-from pawnb.core.paws.offline.settings import WholeSettings
+from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
+from pawnb.core.paws.offline.settings import OfflineSettings
 from pawnb.core.pose.fit.settings import PoseSettings
-from pawnb.core.pose.pullar2009.settings import PaperPoseSettings
+from pawnb.core.pose.pullar2009.settings import Pullar2009Settings
 from pawnb.core.pose.space.settings import SpaceSettings
 from pawnb.errors import InputError
 
@@ -147,13 +147,13 @@ def test_attributes_of_tracks_are_those_of_the_contract():
 @pytest.mark.parametrize(
     ("cls", "value"),
     [
-        (WholeSettings, {"places": -4}),
-        (WholeSettings, {"noise": 0.0}),
-        (WholeSettings, {"hide_cost": float("nan")}),
-        (PaperSettings, {"scale": 0.0}),
+        (OfflineSettings, {"places": -4}),
+        (OfflineSettings, {"noise": 0.0}),
+        (OfflineSettings, {"hide_cost": float("nan")}),
+        (Maghsoudi2019Settings, {"scale": 0.0}),
         (PoseSettings, {"candidates": -1}),
         (PoseSettings, {"working_span_px": float("inf")}),
-        (PaperPoseSettings, {"steepness": -0.1}),
+        (Pullar2009Settings, {"steepness": -0.1}),
         (SpaceSettings, {"length_sd": 0.0}),
     ],
 )
@@ -166,4 +166,4 @@ def test_settings_out_of_range_are_refused_by_every_tracker(cls, value):
 
 def test_stride_limits_that_leave_nothing_between_are_refused():
     with pytest.raises(InputError, match="'shortest_stride_s' is 2, not below"):
-        WholeSettings(shortest_stride_s=2.0)
+        OfflineSettings(shortest_stride_s=2.0)

@@ -14,7 +14,7 @@ import numpy as np
 
 from pawnb.core.pose.background import Background
 from pawnb.core.pose.pullar2009.energy_view import EnergyView, explain_energy
-from pawnb.core.pose.pullar2009.settings import PaperPoseSettings
+from pawnb.core.pose.pullar2009.settings import Pullar2009Settings
 from pawnb.widgets.picture_layers import PictureLayers, shaded, slider
 from pawnb.widgets.stick_session import StickSession
 
@@ -31,7 +31,7 @@ SETTINGS = {
     "thickness_px": "Thickness, px",
     "steepness": "Steepness",
 }
-"""Settings with a slider: see :class:`pawnb.core.pose.pullar2009.settings.PaperPoseSettings`."""
+"""Settings with a slider: see :class:`pawnb.core.pose.pullar2009.settings.Pullar2009Settings`."""
 
 _MOST = 5.0
 """Sliders reach so many times the estimated value."""
@@ -49,9 +49,9 @@ class EnergyLayers(PictureLayers[np.ndarray, EnergyView]):
         self._estimated: dict[str, float] = {}
 
     @property
-    def settings(self) -> PaperPoseSettings:
+    def settings(self) -> Pullar2009Settings:
         """The settings tried, as ``track(..., method="paper")`` takes them."""
-        return replace(PaperPoseSettings(), **dict[str, Any](self.chosen))
+        return replace(Pullar2009Settings(), **dict[str, Any](self.chosen))
 
     def sliders(self) -> list[dict[str, Any]]:
         """Return a slider for each setting, once the first layer was looked at."""

@@ -11,7 +11,7 @@ from pawnb.core.pose.background import Background
 from pawnb.core.pose.fit.explanation import fit_to_picture
 from pawnb.core.pose.fit.settings import PoseSettings
 from pawnb.core.pose.poses import Poses
-from pawnb.core.pose.pullar2009.settings import PaperPoseSettings
+from pawnb.core.pose.pullar2009.settings import Pullar2009Settings
 from pawnb.core.video import ViewSet, open_views
 from pawnb.errors import InputError, PawnbError
 from pawnb.trial import Trial, load_trial
@@ -293,7 +293,7 @@ class StickPoser(FrameCanvas):
             return None
 
     @property
-    def settings(self) -> PaperPoseSettings:
+    def settings(self) -> Pullar2009Settings:
         """The settings tried, as ``pawnb.track(..., method="paper")`` takes them."""
         return self.layers.settings
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from pawnb.core.paws.offline.settings import WholeSettings
-from pawnb.core.paws.offline.treadmill.tracker import doubt_clicks
+from pawnb.core.paws.offline.settings import OfflineSettings
+from pawnb.core.paws.offline.treadmill.tracker import warn_of_ambiguous_colour
 from pawnb.core.rig import Rig
 from pawnb.core.video import ViewReader, ViewSet, open_views
 from pawnb.errors import InputError, PawnbError
@@ -265,9 +265,9 @@ def _doubt_colours(
     frames = int(clicks["frame"].min()), int(clicks["frame"].max()) + 1
     task = paw_task(trial, rig, clicks, frames=frames)
     settings = tracker_settings(trial)
-    assert isinstance(settings, WholeSettings)  # noqa: S101  those of the default method
+    assert isinstance(settings, OfflineSettings)  # noqa: S101  those of the default method
     try:
-        words = doubt_clicks(views, clicks, task, settings=settings)
+        words = warn_of_ambiguous_colour(views, clicks, task, settings=settings)
     except PawnbError as error:
         report.faults.append(str(error))
         return

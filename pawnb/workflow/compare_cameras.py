@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from scipy import stats
 
-from pawnb.core.paws.maghsoudi2019.settings import PaperSettings
+from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
 from pawnb.core.rig import load_rig
 from pawnb.core.video import open_views
 from pawnb.schema import ORIGIN_CODE, Tracks
@@ -52,7 +52,7 @@ def measure_reprojection(trial: Trial, tracks: Tracks) -> dict[tuple[str, str, s
         if triangulated is None:
             return {}
         error = triangulated
-    settings = PaperSettings()
+    settings = Maghsoudi2019Settings()
     found: dict[tuple[str, str, str], np.ndarray] = {}
     tracked = {view.name: view.points for view in trial.views}
     for p, point in enumerate(tracks["keypoint"].to_numpy().tolist()):

@@ -6,7 +6,7 @@ import json
 from collections import OrderedDict
 from pathlib import Path
 
-from pawnb.core.paws.offline.detection.colour.cache import CandidateStore
+from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
 from pawnb.core.paws.offline.kept import KeptStacks
 from pawnb.trial import Trial
 from pawnb.workflow.provenance import file_checksum
@@ -14,11 +14,11 @@ from pawnb.workflow.provenance import file_checksum
 FILE_NAME = "candidates.bin"
 
 _MOST_IN_MEMORY = 2
-_in_memory: OrderedDict[str, CandidateStore] = OrderedDict()
+_in_memory: OrderedDict[str, DetectionCache] = OrderedDict()
 _stacks: OrderedDict[str, KeptStacks] = OrderedDict()
 
 
-def open_store(trial: Trial, folder: Path | None) -> CandidateStore:
+def open_store(trial: Trial, folder: Path | None) -> DetectionCache:
     """Return the store for a run that tracks a trial.
 
     Parameters
@@ -31,15 +31,15 @@ def open_store(trial: Trial, folder: Path | None) -> CandidateStore:
 
     Returns
     -------
-    CandidateStore
+    DetectionCache
         The store; hand it to :func:`keep_store` after the run.
     """
     if folder is not None:
-        return CandidateStore(folder / FILE_NAME, source=describe_source(trial))
+        return DetectionCache(folder / FILE_NAME, source=describe_source(trial))
     return reopen_store(trial, None)
 
 
-def reopen_store(trial: Trial, folder: Path | None) -> CandidateStore:
+def reopen_store(trial: Trial, folder: Path | None) -> DetectionCache:
     """Return the store of an earlier run on a trial, for tracking again.
 
     Parameters
@@ -51,7 +51,7 @@ def reopen_store(trial: Trial, folder: Path | None) -> CandidateStore:
 
     Returns
     -------
-    CandidateStore
+    DetectionCache
         The one in memory, else that of the folder, else an empty one.
     """
     source = describe_source(trial)
@@ -59,11 +59,11 @@ def reopen_store(trial: Trial, folder: Path | None) -> CandidateStore:
     store = _in_memory.pop(source, None)
     if store is None:
         path = None if folder is None else folder / FILE_NAME
-        store = CandidateStore(path if path and path.exists() else None, source=source)
+        store = DetectionCache(path if path and path.exists() else None, source=source)
     return store
 
 
-def keep_store(store: CandidateStore) -> None:
+def keep_store(store: DetectionCache) -> None:
     """Keep a store in memory for what is tracked next; the oldest of several is let go."""
     store.close()
     _in_memory[store.source] = store

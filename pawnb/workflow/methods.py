@@ -9,21 +9,21 @@ from typing import Any
 import pandas as pd
 
 from pawnb.core.frame_checkpoint import KeptFrames
-from pawnb.core.paws.maghsoudi2019.settings import PaperSettings
-from pawnb.core.paws.maghsoudi2019.tracker import track_paws
+from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
+from pawnb.core.paws.maghsoudi2019.tracker import track_maghsoudi2019
 from pawnb.core.paws.offline.again import Again
-from pawnb.core.paws.offline.detection.colour.cache import CandidateStore
+from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
 from pawnb.core.paws.offline.kept import KeptStacks
-from pawnb.core.paws.offline.settings import WholeSettings
-from pawnb.core.paws.offline.tracker import track_points
-from pawnb.core.paws.request import Task
+from pawnb.core.paws.offline.settings import OfflineSettings
+from pawnb.core.paws.offline.tracker import track_offline
+from pawnb.core.paws.request import TrackingRequest
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.background import Background
 from pawnb.core.pose.fit.settings import PoseSettings
 from pawnb.core.pose.fit.tracker import track_pose
 from pawnb.core.pose.poses import Poses
-from pawnb.core.pose.pullar2009.settings import PaperPoseSettings
-from pawnb.core.pose.pullar2009.tracker import track_pose_paper
+from pawnb.core.pose.pullar2009.settings import Pullar2009Settings
+from pawnb.core.pose.pullar2009.tracker import track_pullar2009
 from pawnb.core.pose.space.settings import SpaceSettings
 from pawnb.core.pose.track_result import PoseTrack
 from pawnb.core.video import ViewReader, ViewSet
@@ -39,23 +39,23 @@ METHODS = ("pawnb", "paper", "slic-3d", "slic-2d")
 POSE_METHODS = ("pawnb", "paper")
 """Methods of the pose tracker; the first is the default."""
 
-TrackerSettings = WholeSettings | PaperSettings
-PoseTrackerSettings = PoseSettings | PaperPoseSettings
+TrackerSettings = OfflineSettings | Maghsoudi2019Settings
+PoseTrackerSettings = PoseSettings | Pullar2009Settings
 
 _SPACE = "space"
 """Where settings of joints in space stand among those of a pose tracker."""
 
 _OF_TRACKS = "settings of these tracks"
 _SETTINGS: dict[str, type[TrackerSettings]] = {
-    method: WholeSettings if method == "pawnb" else PaperSettings for method in METHODS
+    method: OfflineSettings if method == "pawnb" else Maghsoudi2019Settings for method in METHODS
 }
 _POSE_TRACKERS: dict[str, Callable[..., PoseTrack]] = {
     "pawnb": track_pose,
-    "paper": track_pose_paper,
+    "paper": track_pullar2009,
 }
 _POSE_SETTINGS: dict[str, type[PoseTrackerSettings]] = {
     "pawnb": PoseSettings,
-    "paper": PaperPoseSettings,
+    "paper": Pullar2009Settings,
 }
 
 
@@ -75,7 +75,7 @@ def tracker_settings(
 
     Returns
     -------
-    WholeSettings or PaperSettings
+    OfflineSettings or Maghsoudi2019Settings
         The settings.
 
     Raises
@@ -102,7 +102,7 @@ def pose_tracker_settings(
 
     Returns
     -------
-    PoseSettings or PaperPoseSettings
+    PoseSettings or Pullar2009Settings
         The settings.
 
     Raises
@@ -231,7 +231,7 @@ def method_of_tracks(trial: Trial, tracks: Tracks) -> tuple[str, TrackerSettings
     -------
     method : str
         One of :data:`METHODS`.
-    settings : WholeSettings or PaperSettings
+    settings : OfflineSettings or Maghsoudi2019Settings
         Its settings.
     """
     made = _made_by(tracks)
@@ -255,7 +255,7 @@ def pose_method_of_tracks(trial: Trial, tracks: Tracks) -> tuple[str, PoseTracke
     -------
     method : str
         One of :data:`POSE_METHODS`.
-    settings : PoseSettings or PaperPoseSettings
+    settings : PoseSettings or Pullar2009Settings
         Its settings.
     """
     made = _made_by(tracks)
@@ -309,7 +309,7 @@ def run_pose_tracker(
         The animal.
     background : Background
         The empty scene.
-    settings : PoseSettings or PaperPoseSettings
+    settings : PoseSettings or Pullar2009Settings
         Settings of that method.
     frames : tuple of int
         Half-open range of frames.
@@ -347,11 +347,11 @@ def run_tracker(
     views: ViewSet,
     clicks: pd.DataFrame,
     *,
-    task: Task,
+    task: TrackingRequest,
     settings: TrackerSettings,
     learn_at: Mapping[str, int] | None = None,
     looked: pd.DataFrame | None = None,
-    store: CandidateStore | None = None,
+    store: DetectionCache | None = None,
     stacks: KeptStacks | None = None,
     again: Again | None = None,
 ) -> Tracks:
@@ -365,24 +365,26 @@ def run_tracker(
         The open views.
     clicks : pandas.DataFrame
         Start clicks.
-    task : Task
+    task : TrackingRequest
         What is to be tracked.
-    settings : WholeSettings or PaperSettings
+    settings : OfflineSettings or Maghsoudi2019Settings
         Settings of that method.
     learn_at : mapping, optional
-        See :func:`.tracker.track_paws`; method ``pawnb`` has no use for it, as it
+        See :func:`.tracker.track_maghsoudi2019`; method ``pawnb`` has no use for it, as it
         learns from every position placed by hand.
     looked, store, stacks, again
-        See :func:`pawnb.core.paws.offline.tracker.track_points`; other methods do not use them.
+        See :func:`pawnb.core.paws.offline.tracker.track_learnt`; other methods do not use them.
 
     Returns
     -------
     xarray.Dataset
         Tracks.
     """
-    if isinstance(settings, WholeSettings):
-        return track_points(
+    if isinstance(settings, OfflineSettings):
+        return track_offline(
             views, clicks, task, settings=settings, looked=looked, store=store, stacks=stacks,
             again=again,
         )  # fmt: skip
-    return track_paws(views, clicks, task, settings=settings, method=method, learn_at=learn_at)
+    return track_maghsoudi2019(
+        views, clicks, task, settings=settings, method=method, learn_at=learn_at
+    )

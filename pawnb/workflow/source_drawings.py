@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from pawnb import figures
-from pawnb.core.paws.maghsoudi2019.settings import PaperSettings
+from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
 from pawnb.core.paws.maghsoudi2019.template import KindTemplate, load_template
 from pawnb.core.paws.maghsoudi2019.template_fit import fit_template
 from pawnb.errors import InputError
@@ -97,7 +97,7 @@ def _paths(tracks: Tracks, legs: dict[str, str]) -> pd.DataFrame:
 
 def _paws(legs: dict[str, str]) -> dict[str, str]:
     """Return the legs that have a stride template, and whether it is that of front or hind."""
-    kinds = {leg: PaperSettings().kind(leg) for leg in legs}
+    kinds = {leg: Maghsoudi2019Settings().kind(leg) for leg in legs}
     return {leg: kind for leg, kind in kinds.items() if kind != "other"}
 
 

@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from pawnb.core.paws.maghsoudi2019.settings import PaperSettings
+from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
 from pawnb.core.paws.maghsoudi2019.template import StrideTemplate, average_strides, cut_strides
 from pawnb.core.rig import load_rig
 from pawnb.errors import InputError, PawnbError
@@ -71,7 +71,7 @@ def build_template(
     for trial, own in zip(opened, given, strict=True):
         # [tracking] may hold settings of other methods
         known = {name: trial.tracking[name] for name in _SETTINGS if name in trial.tracking}
-        settings = build_settings(PaperSettings, known, where="trial.toml: [tracking]")
+        settings = build_settings(Maghsoudi2019Settings, known, where="trial.toml: [tracking]")
         own = _as_pictures(own)
         names = own["keypoint"].to_numpy().tolist()
         points = {name: settings.kind(name) for name in names if settings.kind(name) != "other"}

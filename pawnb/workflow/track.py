@@ -14,10 +14,10 @@ import pandas as pd
 
 from pawnb.core.paws.maghsoudi2019.settings import REFERENCE_WIDTH_PX
 from pawnb.core.paws.offline.again import Again, frames_again, weighing_of
-from pawnb.core.paws.offline.detection.colour.cache import CandidateStore
+from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
 from pawnb.core.paws.offline.detection.predictions import Predictions
 from pawnb.core.paws.offline.quality.likeness import add_likeness, keep_likeness
-from pawnb.core.paws.offline.settings import WholeSettings
+from pawnb.core.paws.offline.settings import OfflineSettings
 from pawnb.core.paws.offline.tracker import LEARNT
 from pawnb.core.paws.retracked_span import TOLERANCE_PX, keep_untouched
 from pawnb.core.reproject import fill_reprojected
@@ -289,7 +289,7 @@ def retrack(
             f"frame {frame} is not among the tracked frames {known[0]} to {known[-1]}."
         )
     method, settings = method_of_tracks(trial, tracks)
-    if isinstance(settings, WholeSettings) and "evidence" in tracks.attrs:
+    if isinstance(settings, OfflineSettings) and "evidence" in tracks.attrs:
         # what found these tracks finds them again
         settings = dataclasses.replace(settings, evidence=tracks.attrs["evidence"])
     placed = corrected_points(tracks, frame)
@@ -376,7 +376,7 @@ def _predictions(
 
 def _store(
     trial: Trial, method: str, out: str | Path | None, stack: contextlib.ExitStack
-) -> CandidateStore | None:
+) -> DetectionCache | None:
     """Return where candidates are kept, for the method that keeps them."""
     if method != METHODS[0]:
         return None

@@ -7,7 +7,7 @@ from typing import Any
 
 import pandas as pd
 
-from pawnb.core.paws.request import Task
+from pawnb.core.paws.request import TrackingRequest
 from pawnb.core.rig import Rig, load_rig
 from pawnb.core.video import ViewSet
 from pawnb.errors import CalibrationError, InputError
@@ -117,7 +117,7 @@ def frame_range(
     return max(first, views.first_frame) if method == METHODS[0] else clicked, last
 
 
-def paw_task(trial: Trial, rig: Rig | None, clicks: pd.DataFrame, **asked: Any) -> Task:
+def paw_task(trial: Trial, rig: Rig | None, clicks: pd.DataFrame, **asked: Any) -> TrackingRequest:
     """Return what a tracker is to do, with all that the trial says about it.
 
     Parameters
@@ -129,14 +129,14 @@ def paw_task(trial: Trial, rig: Rig | None, clicks: pd.DataFrame, **asked: Any) 
     clicks : pandas.DataFrame
         Start clicks.
     **asked
-        Further fields of :class:`~pawnb.core.paws.request.Task`.
+        Further fields of :class:`~pawnb.core.paws.request.TrackingRequest`.
 
     Returns
     -------
-    Task
+    TrackingRequest
         The task.
     """
-    return Task(
+    return TrackingRequest(
         rig=rig,
         points_by_view=points_by_view(trial, clicks),
         facing=view_facing(trial, rig),

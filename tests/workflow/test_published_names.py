@@ -5,9 +5,9 @@ import dataclasses
 import pytest
 
 from pawnb.core.paws.maghsoudi2019.settings import PUBLISHED_NAMES as PAW_NAMES
-from pawnb.core.paws.maghsoudi2019.settings import PaperSettings
+from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
 from pawnb.core.pose.pullar2009.settings import PUBLISHED_NAMES as POSE_NAMES
-from pawnb.core.pose.pullar2009.settings import PaperPoseSettings
+from pawnb.core.pose.pullar2009.settings import Pullar2009Settings
 from pawnb.errors import InputError
 from pawnb.trial import Animal, Trial, View
 from pawnb.workflow.compare import settings_by_method
@@ -46,7 +46,7 @@ def test_letters_may_be_cased_and_joined_otherwise(name):
 
 @pytest.mark.parametrize(
     ("names", "settings", "pose"),
-    [(PAW_NAMES, PaperSettings, False), (POSE_NAMES, PaperPoseSettings, True)],
+    [(PAW_NAMES, Maghsoudi2019Settings, False), (POSE_NAMES, Pullar2009Settings, True)],
 )
 def test_our_names_are_settings_and_are_not_refused(names, settings, pose):
     known = [field.name for field in dataclasses.fields(settings)]

@@ -10,8 +10,8 @@ import numpy as np
 import pandas as pd
 
 from pawnb.core import kalman
-from pawnb.core.paws.maghsoudi2019.settings import Lengths, PaperSettings, lengths_in_view
-from pawnb.core.paws.request import Task
+from pawnb.core.paws.maghsoudi2019.settings import Lengths, Maghsoudi2019Settings, lengths_in_view
+from pawnb.core.paws.request import TrackingRequest
 from pawnb.core.paws.superpixels import Picture
 from pawnb.core.rig import Rig
 from pawnb.errors import CalibrationError, InputError, did_you_mean
@@ -83,7 +83,7 @@ class Layout:
         Weights of the features for each point.
     kinds : tuple of str
         ``"front"``, ``"hind"`` or ``"other"`` for each point.
-    settings : PaperSettings
+    settings : Maghsoudi2019Settings
         The settings.
     rig : Rig, optional
         The calibrated views, in the order of ``views``.
@@ -102,7 +102,7 @@ class Layout:
     facing: tuple[int, ...]
     weights: tuple[tuple[float, ...], ...]
     kinds: tuple[str, ...]
-    settings: PaperSettings
+    settings: Maghsoudi2019Settings
     rig: Rig | None
     uses_space: bool
     in_space: kalman.ConstantVelocity
@@ -142,9 +142,9 @@ class Layout:
 def make_layout(
     views: Views,
     start: pd.DataFrame,
-    task: Task,
+    task: TrackingRequest,
     *,
-    settings: PaperSettings,
+    settings: Maghsoudi2019Settings,
     in_space: bool = True,
 ) -> Layout:
     """Work out the layout of a run from the opened views and the start clicks.
@@ -155,9 +155,9 @@ def make_layout(
         The opened views.
     start : DataFrame
         Clicks: frame, view, point, u, v.
-    task : Task
+    task : TrackingRequest
         What is to be tracked; the rig may hold further views.
-    settings : PaperSettings
+    settings : Maghsoudi2019Settings
         The settings.
     in_space : bool
         Whether to predict in space where there is a rig.
@@ -225,7 +225,7 @@ def _facings(
     points: Sequence[str],
     start: pd.DataFrame,
     rig: Rig | None,
-    settings: PaperSettings,
+    settings: Maghsoudi2019Settings,
     given: Mapping[str, int],
 ) -> tuple[int, ...]:
     """Say where the animal faces: as given, else by the rig, else front against hind clicks."""

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Task:
+class TrackingRequest:
     """What is to be tracked, and who is told about it.
 
     Parameters

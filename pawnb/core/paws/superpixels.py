@@ -16,7 +16,7 @@ import cv2
 import numpy as np
 from skimage.segmentation import slic
 
-from pawnb.core.paws.maghsoudi2019.settings import Lengths, PaperSettings
+from pawnb.core.paws.maghsoudi2019.settings import Lengths, Maghsoudi2019Settings
 from pawnb.core.pixels.grey import has_colour
 
 # L* of CIELAB runs from 0 to 100 where a grey picture runs from 0 to 1 in slic
@@ -151,7 +151,7 @@ def place_window(centre: np.ndarray, lengths: Lengths, *, width: int, height: in
     return Window(np.array([u, v]), lengths.half_u, lengths.half_v, box)
 
 
-def count_superpixels(window: Window, lengths: Lengths, settings: PaperSettings) -> int:
+def count_superpixels(window: Window, lengths: Lengths, settings: Maghsoudi2019Settings) -> int:
     """Return the number of superpixels of a sub-image, clipped or not (Eq. 10).
 
     Parameters
@@ -160,7 +160,7 @@ def count_superpixels(window: Window, lengths: Lengths, settings: PaperSettings)
         The sub-image.
     lengths : Lengths
         The paw's area.
-    settings : PaperSettings
+    settings : Maghsoudi2019Settings
         ``n_superpixels`` replaces Eq. 10 where given.
 
     Returns
@@ -178,7 +178,7 @@ def count_superpixels(window: Window, lengths: Lengths, settings: PaperSettings)
 
 
 def measure_superpixels(
-    picture: Picture, window: Window, lengths: Lengths, *, settings: PaperSettings
+    picture: Picture, window: Window, lengths: Lengths, *, settings: Maghsoudi2019Settings
 ) -> Superpixels:
     """Cut out a sub-image, filter it, segment it and measure its superpixels.
 
@@ -190,7 +190,7 @@ def measure_superpixels(
         The sub-image.
     lengths : Lengths
         Lengths in px of that view.
-    settings : PaperSettings
+    settings : Maghsoudi2019Settings
         Settings of the median filter and of SLIC.
 
     Returns

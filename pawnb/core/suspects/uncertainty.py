@@ -20,10 +20,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-from pawnb.core.paws.maghsoudi2019.settings import PaperSettings
+from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
 from pawnb.core.paws.offline.association.network_flow.positional_prior import follow_body
 from pawnb.core.paws.offline.landmarks.tracks import choose_landmarks
-from pawnb.core.paws.offline.settings import WholeSettings
+from pawnb.core.paws.offline.settings import OfflineSettings
 from pawnb.core.paws.offline.stride.cycle import learn_cycle
 from pawnb.core.rig import Rig
 from pawnb.core.suspects.evidence import PAW_SHARE, distance_between, find_nearest, image_positions
@@ -99,7 +99,7 @@ def collect_doubts(
     near, who, size_px = find_nearest(uv, paw_px)
     points = tracks["keypoint"].to_numpy().tolist()
     # an ear is always near the other one, and never lifts off
-    marks = choose_landmarks(points, [PaperSettings().kind(point) for point in points])
+    marks = choose_landmarks(points, [Maghsoudi2019Settings().kind(point) for point in points])
     return [
         _hardly_recognised(tracks),
         _vague(tracks, size),
@@ -310,7 +310,7 @@ def off_cycle(tracks: Tracks, rig: Rig | None) -> tuple[np.ndarray, np.ndarray]:
     usual = _usual(sd)
     if not usual > 0:
         return away, off
-    fps, usually = float(tracks.attrs["fps"]), WholeSettings()
+    fps, usually = float(tracks.attrs["fps"]), OfflineSettings()
     cycle = learn_cycle(
         x, follow_body(x, max(1, round(2.0 * usually.body_s * fps))), axes=axes,
         frames=(usually.shortest_stride_s * fps, usually.longest_stride_s * fps), noise=usual / 2.0,

@@ -5,21 +5,21 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pawnb.core.paws.maghsoudi2019.settings import PaperSettings
-from pawnb.core.paws.maghsoudi2019.tracker import track_paws
-from pawnb.core.paws.request import Task
+from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
+from pawnb.core.paws.maghsoudi2019.tracker import track_maghsoudi2019
+from pawnb.core.paws.request import TrackingRequest
 from pawnb.core.paws.retracked_span import MET_FRAMES, Stretch, keep_untouched
 from pawnb.schema import ORIGIN_CODE, make_tracks
 
 EDITED, MEASURED = ORIGIN_CODE["edited"], ORIGIN_CODE["measured"]
-SETTINGS = PaperSettings(scale=0.4, min_paw_area_px=300)
+SETTINGS = Maghsoudi2019Settings(scale=0.4, min_paw_area_px=300)
 VARIABLES = ("position", "image_position", "origin", "image_origin", "image_confidence", "residual")
 
 
 def run(scene, *, learn_at=None, **options):
     asked = {"frames": (0, scene.n_frames), **options}
-    task = Task(fps=250.0, unit="mm", rig=scene.rig, **asked)
-    return track_paws(scene, scene.clicks(), task, settings=SETTINGS, learn_at=learn_at)
+    task = TrackingRequest(fps=250.0, unit="mm", rig=scene.rig, **asked)
+    return track_maghsoudi2019(scene, scene.clicks(), task, settings=SETTINGS, learn_at=learn_at)
 
 
 def spoil(tracks, point, rows, uv=(20.0, 20.0)):

@@ -11,9 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pawnb.core.paws import superpixels
-from pawnb.core.paws.maghsoudi2019.settings import PaperSettings, lengths_in_view
+from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings, lengths_in_view
 
-SETTINGS = PaperSettings(median_px=0)
+SETTINGS = Maghsoudi2019Settings(median_px=0)
 
 
 class Whole:
@@ -55,7 +55,7 @@ def test_sub_image_is_clipped_at_the_edges_and_keeps_its_corner():
     assert window.box == (0, 650, 80, 700)
     # 80 * 50 / 100; and the share of a number that was given
     assert superpixels.count_superpixels(window, lengths, SETTINGS) == 40
-    given = PaperSettings(n_superpixels=280)
+    given = Maghsoudi2019Settings(n_superpixels=280)
     assert superpixels.count_superpixels(window, lengths, given) == 100
     np.testing.assert_array_equal(window.corner(+1), [80, 730])
     np.testing.assert_array_equal(window.corner(-1), [-60, 730])
@@ -136,7 +136,7 @@ def test_median_filter_takes_single_pixels_away():
     pixels = np.full((80, 140), 50, dtype=np.uint8)
     pixels[::7, ::7] = 255
     assert measure(pixels).green.max() > 52
-    assert measure(pixels, PaperSettings(median_px=3)).green.max() == 50
+    assert measure(pixels, Maghsoudi2019Settings(median_px=3)).green.max() == 50
 
 
 def test_colour_difference_is_zero_for_the_same_and_one_for_the_opposite():

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pawnb.core import dlt
-from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Sight
+from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence
 from pawnb.core.pose.poses import joint_positions, natural_pose
 from pawnb.core.pose.space.arch import arch, arch_angle, slide
 from pawnb.core.pose.space.fitter import SpaceFitter, SpaceFrame
@@ -116,7 +116,7 @@ def _scene(*, near=False, seed=0):
     fitter.model = model.changed(lengths=lengths)
     one.places = dlt.project(model.lines.coefs, joints)[..., 0, :]
     truth = np.concatenate([[body], joints.ravel()])
-    blank = Sight(np.zeros((130, 400)), np.full((130, 400), 60.0), np.zeros(2))
+    blank = ImageEvidence(np.zeros((130, 400)), np.full((130, 400), 60.0), np.zeros(2))
     seen = fitter.painted(one, blank, truth)[0]
     return fitter, one, blank._replace(seen=seen), truth
 
@@ -125,21 +125,23 @@ def _scene(*, near=False, seed=0):
 @pytest.mark.parametrize("near", [False, True])
 def test_exact_places_lengths_and_picture_give_the_joints_back(near):
     """From even arches; of a leg span of 75 mm the median within 0.2 mm, all within 2 mm."""
-    fitter, one, sight, truth = _scene(near=near)
+    fitter, one, image_evidence, truth = _scene(near=near)
     known = fitter.known(one, None, 1.0)
     found, cost = fitter.refine(
-        one, sight, fitter.guess(one, sight, truth[0]), known=known, coarse=True
+        one, image_evidence, fitter.guess(one, image_evidence, truth[0]), known=known, coarse=True
     )
     off = np.linalg.norm((found - truth)[1:].reshape(-1, 3), axis=1)
     assert np.median(off) < 0.2
     assert off.max() < 2.0
-    assert cost < fitter.equations(one, sight, truth, known=known, blur=fitter.blur)[0] + 1.0
+    assert (
+        cost < fitter.equations(one, image_evidence, truth, known=known, blur=fitter.blur)[0] + 1.0
+    )
 
 
 def test_the_body_is_found_where_the_second_view_shows_it():
-    fitter, one, sight, truth = _scene()
+    fitter, one, image_evidence, truth = _scene()
     heights = truth[0] + np.arange(-8.0, 9.0)
-    assert fitter.body_height(one, sight, heights) == pytest.approx(truth[0])
+    assert fitter.body_height(one, image_evidence, heights) == pytest.approx(truth[0])
 
 
 @pytest.mark.slow
@@ -165,9 +167,11 @@ def test_the_gradient_is_that_of_the_cost():
 
 
 def test_equations_are_solved_leg_by_leg_as_in_one():
-    fitter, one, sight, truth = _scene()
+    fitter, one, image_evidence, truth = _scene()
     known = fitter.known(one, None, 1.0)
-    _, matrix, vector = fitter.equations(one, sight, truth + 0.2, known=known, blur=fitter.blur)
+    _, matrix, vector = fitter.equations(
+        one, image_evidence, truth + 0.2, known=known, blur=fitter.blur
+    )
     damped = matrix + 0.1 * np.diag(np.diag(matrix))
     both = fitter.solve(matrix, vector, 0.1)
     np.testing.assert_allclose(both, np.linalg.solve(damped, vector), rtol=1e-5, atol=1e-9)

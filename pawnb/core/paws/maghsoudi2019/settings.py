@@ -33,7 +33,7 @@ _PAW = re.compile(
 
 
 @dataclass(frozen=True, kw_only=True)
-class PaperSettings:
+class Maghsoudi2019Settings:
     """Settings of Haji Maghsoudi et al. 2019, section 3.2, and of the steps around them.
 
     The name that the paper uses is given in brackets. Lengths and areas are those of
@@ -230,12 +230,12 @@ class Lengths:
     jump_residual: float
 
 
-def lengths_in_view(settings: PaperSettings, width: int) -> Lengths:
+def lengths_in_view(settings: Maghsoudi2019Settings, width: int) -> Lengths:
     """Bring the settings' lengths to the pixels of a view.
 
     Parameters
     ----------
-    settings : PaperSettings
+    settings : Maghsoudi2019Settings
         The settings.
     width : int
         Width of the view's picture, px.

@@ -17,9 +17,9 @@ from pawnb.core.paws.maghsoudi2019.collisions import Collisions
 from pawnb.core.paws.maghsoudi2019.frame_result import FrameResult
 from pawnb.core.paws.maghsoudi2019.restart import Plan, prepare_again
 from pawnb.core.paws.maghsoudi2019.run import Run
-from pawnb.core.paws.maghsoudi2019.settings import PaperSettings
+from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
 from pawnb.core.paws.maghsoudi2019.template import DEFAULT_TEMPLATE, load_template
-from pawnb.core.paws.request import Task
+from pawnb.core.paws.request import TrackingRequest
 from pawnb.core.paws.retracked_span import keep_rows
 from pawnb.errors import InputError
 from pawnb.schema import START_COLUMNS, Tracks, check_columns, make_tracks
@@ -28,12 +28,12 @@ PAPER_METHODS = ("slic-2d", "slic-3d", "paper")
 """The method of 2019 (``paper``) and the two lesser variants it is compared with."""
 
 
-def track_paws(
+def track_maghsoudi2019(
     views: Views,
     start: pd.DataFrame,
-    task: Task,
+    task: TrackingRequest,
     *,
-    settings: PaperSettings,
+    settings: Maghsoudi2019Settings,
     method: str = "paper",
     learn_at: Mapping[str, int] | None = None,
 ) -> Tracks:
@@ -55,7 +55,7 @@ def track_paws(
         Clicks with columns frame, view, point, u, v (px); one frame or more. A second
         start frame gives new colours, and velocities where it is the next frame. A
         point that is not clicked in a view is hidden there; see ``settings.hidden``.
-    task : Task
+    task : TrackingRequest
         What is to be tracked. Without a rig each view is tracked by itself, and ``position``
         is x = u, y = v, in px, of the first view in which the point was clicked. Where
         nothing tells which way the animal faces, the seventh feature is left out. With
@@ -65,7 +65,7 @@ def track_paws(
         old track; other points and all other rows stay as they are. Where none was put in
         place there, all are tracked to the end, and positions placed by hand in later
         frames hold. ``start`` need only have points that the tracks lack.
-    settings : PaperSettings
+    settings : Maghsoudi2019Settings
         The settings.
     method : {"paper", "slic-3d", "slic-2d"}
         ``"slic-3d"`` does nothing about collisions (the paper's SLIC + 3D); ``"slic-2d"``
@@ -141,7 +141,9 @@ def track_paws(
     return keep_rows(tracks, new, ~again)
 
 
-def _run(run: Run, views: Views, plan: Plan, first: int, task: Task) -> list[FrameResult]:
+def _run(
+    run: Run, views: Views, plan: Plan, first: int, task: TrackingRequest
+) -> list[FrameResult]:
     """Go through the frames from the first on; return a result for each one done."""
     results: list[FrameResult] = []
     total, progress = task.frames[1] - first, task.progress

@@ -10,10 +10,10 @@ import xarray as xr
 from pawnb.core import dlt
 from pawnb.core.paws.layout import Layout, Placement
 from pawnb.core.paws.offline.pipeline import ViewTrack
-from pawnb.core.paws.offline.projection import Geometry
+from pawnb.core.paws.offline.projection import Projection
 from pawnb.core.paws.offline.quality.measures import CALIBRATED
 from pawnb.core.paws.offline.treadmill.output import keep_rows
-from pawnb.core.paws.request import Task
+from pawnb.core.paws.request import TrackingRequest
 from pawnb.schema import ORIGIN_CODE, Tracks, make_tracks
 
 SEEN = 0.5
@@ -25,7 +25,7 @@ LOST = 0.05
 def write_tracks(
     found: Sequence[ViewTrack],
     layout: Layout,
-    task: Task,
+    task: TrackingRequest,
     *,
     placed: Mapping[int, Sequence[Placement]],
 ) -> Tracks:
@@ -37,7 +37,7 @@ def write_tracks(
         One for each view of the layout.
     layout : Layout
         Points and views.
-    task : Task
+    task : TrackingRequest
         What was asked for. Of tracks that are gone on from, rows before its frames are kept.
     placed : mapping
         Row to what was placed by hand there.
@@ -100,7 +100,7 @@ def _in_space(
     rank = np.argsort(np.argsort(-chance, axis=2), axis=2)
     used = ((chance >= SEEN) | (rank < 2)) & (chance >= LOST)
     result = dlt.triangulate(coefs, np.where(used[..., None], uv, np.nan), refine=True)
-    J = Geometry(coefs).jacobian(np.nan_to_num(result.xyz))
+    J = Projection(coefs).jacobian(np.nan_to_num(result.xyz))
     weight = np.where(used, 1 / np.maximum(np.nan_to_num(sd_px, nan=1e3), 0.3) ** 2, 0.0)
     information = np.einsum("npvki,npv,npvkj->npij", J, weight, J)
     variance = np.linalg.inv(information + 1e-12 * np.eye(3)).diagonal(axis1=-2, axis2=-1)
@@ -110,7 +110,7 @@ def _in_space(
 
 def _as_tracks(
     layout: Layout,
-    task: Task,
+    task: TrackingRequest,
     x: np.ndarray,
     sd: np.ndarray,
     residual: np.ndarray,

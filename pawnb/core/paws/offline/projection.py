@@ -12,7 +12,7 @@ _SAME = np.array([[1.0, 0, 0, 0, 0, 1.0, 0, 0, 0, 0, 0]]).T
 
 
 @dataclass(frozen=True)
-class Geometry:
+class Projection:
     """Projection of positions into the views.
 
     Parameters

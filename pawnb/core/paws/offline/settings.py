@@ -11,12 +11,12 @@ EVIDENCE = ("auto", "colour", "strides", "learnt")
 
 
 @dataclass(frozen=True)
-class WholeSettings:
-    """Settings of :func:`pawnb.core.paws.offline.treadmill.tracker.track_whole`.
+class OfflineSettings:
+    """Settings of :func:`pawnb.core.paws.offline.treadmill.tracker.track_treadmill`.
 
     Nothing here is in pixels: sizes come from the clicks. The *span* is the largest
     distance between two points clicked in one frame, about the distance of front
-    from hind paws; a *thickness* is that of a paw's picture at the clicks.
+    from hind paws; a *paw width* is that of a paw's picture at the clicks.
 
     Parameters
     ----------
@@ -26,15 +26,15 @@ class WholeSettings:
     jerk : float
         Standard deviation of the change of acceleration in spans per second cubed.
     noise : float
-        Standard deviation of a place in space, in thicknesses.
+        Standard deviation of a place in space, in paw widths.
     height : float
         Paws are not lifted higher than this above the lowest click, in spans.
     hide_cost, stay_cost : float
-        Cost of becoming hidden and of each second of it, in units of half a squared
-        standard deviation: a paw is hidden for a share of its stride, however many pictures
+        Cost of becoming occluded and of each second of it, in units of half a squared
+        standard deviation: a paw is occluded for a share of its stride, however many pictures
         are taken of it.
     longest_gap_s : float
-        Longest time, s, for which a point may be hidden.
+        Longest time, s, for which a point may be occluded.
     body_s : float
         Time, s, over which the middle of the body is followed: about two strides.
     shortest_stride_s, longest_stride_s : float
@@ -45,7 +45,7 @@ class WholeSettings:
     places : int
         Places in space considered in each frame.
     links : int
-        Pieces of path considered after each.
+        Tracklets considered after each.
     landmarks : tuple of str
         Points that are no paws and are followed by their own picture (nose, ears, a mark on
         the back). Points whose names tell no paw are landmarks without being named where

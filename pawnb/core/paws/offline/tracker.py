@@ -10,10 +10,10 @@ from typing import Any
 import pandas as pd
 
 from pawnb.core.paws.layout import Layout, Views, make_layout, read_start
-from pawnb.core.paws.maghsoudi2019.settings import PaperSettings
+from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
 from pawnb.core.paws.offline.again import Again, weighing_as_attributes
 from pawnb.core.paws.offline.annotations import Annotations, annotations_of_view
-from pawnb.core.paws.offline.detection.colour.cache import CandidateStore
+from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
 from pawnb.core.paws.offline.detection.evidence import Detections, installed_evidence
 from pawnb.core.paws.offline.detection.predictions import predictions_as_detections
 from pawnb.core.paws.offline.kept import KeptStacks, fits
@@ -29,14 +29,14 @@ from pawnb.core.paws.offline.pipeline import (
 from pawnb.core.paws.offline.quality.assessment import Quality, assess
 from pawnb.core.paws.offline.quality.likeness import add_likeness
 from pawnb.core.paws.offline.scene.stack import BodyStack, read_stacks
-from pawnb.core.paws.offline.settings import WholeSettings
+from pawnb.core.paws.offline.settings import OfflineSettings
 from pawnb.core.paws.offline.treadmill.annotations import read_placements
 from pawnb.core.paws.offline.treadmill.learnt_appearance import strides_may_tell, track_by_strides
-from pawnb.core.paws.offline.treadmill.tracker import doubt_clicks, track_whole
+from pawnb.core.paws.offline.treadmill.tracker import track_treadmill, warn_of_ambiguous_colour
 from pawnb.core.paws.offline.view_input import ViewInput
 from pawnb.core.paws.offline.weighing import Weighing, weigh
 from pawnb.core.paws.offline.windows import chance_to_go_on, handed_on, take_over, windows
-from pawnb.core.paws.request import Task
+from pawnb.core.paws.request import TrackingRequest
 from pawnb.core.pixels.grey import has_colour
 from pawnb.schema import START_COLUMNS, Tracks, check_columns
 
@@ -48,31 +48,31 @@ _POOR = 0.82
 crf 28 with 8 %."""
 
 
-def track_points(
+def track_offline(
     views: Views,
     start: pd.DataFrame,
-    task: Task,
+    task: TrackingRequest,
     *,
-    settings: WholeSettings,
+    settings: OfflineSettings,
     looked: pd.DataFrame | None = None,
-    store: CandidateStore | None = None,
+    store: DetectionCache | None = None,
     stacks: KeptStacks | None = None,
     again: Again | None = None,
 ) -> Tracks:
     """Track points by the first way that serves, of three.
 
-    Paws of a colour of their own are tracked by :func:`.tracker.track_whole`,
+    Paws of a colour of their own are tracked by :func:`.tracker.track_treadmill`,
     which knows strides and stance. Where colour does not tell them, as in grey pictures, or its
     tracks are poor by absolute measures (:func:`.quality.assess`), calibrated views of paws
     are tracked in the same way by a look that is learnt (:func:`.strides.track_by_strides`), and
     those tracks are kept of which more labels are expected to be right. Where neither applies,
     or tracks failed (on the real clips on which colour does not tell paws 7 to 37 % of labels are
-    expected to be right, on rendered scenes 83 % and more), :func:`track_offline` tracks points.
+    expected to be right, on rendered scenes 83 % and more), :func:`track_learnt` tracks points.
 
     Parameters
     ----------
     views, start, task, settings, looked, store
-        As for :func:`.tracker.track_whole`; ``settings.evidence`` may choose one
+        As for :func:`.tracker.track_treadmill`; ``settings.evidence`` may choose one
         of the three.
     stacks : KeptStacks, optional
         Evidence of earlier runs on the same recording, for what is learnt in it.
@@ -92,7 +92,7 @@ def track_points(
     given: dict[str, Any] = {"settings": settings, "looked": looked, "store": store}
     best: tuple[Quality, Tracks] | None = None
     for kind in _ways(views, start, task, settings=settings, looked=looked):
-        find: Callable[..., Tracks] = track_whole if kind == COLOUR else track_by_strides
+        find: Callable[..., Tracks] = track_treadmill if kind == COLOUR else track_by_strides
         tracks = find(views, start, task, **given)
         tracks.attrs["evidence"] = kind
         complete = tracks.sizes["time"] >= task.frames[1] - task.frames[0]
@@ -105,7 +105,7 @@ def track_points(
             break
     if best is not None and best[0].verdict != "failed":
         return best[1]
-    tracks = track_offline(views, start, task, looked=looked, stacks=stacks, again=again)
+    tracks = track_learnt(views, start, task, looked=looked, stacks=stacks, again=again)
     tracks.attrs["evidence"] = LEARNT
     return tracks
 
@@ -113,9 +113,9 @@ def track_points(
 def _ways(
     views: Views,
     start: pd.DataFrame,
-    task: Task,
+    task: TrackingRequest,
     *,
-    settings: WholeSettings,
+    settings: OfflineSettings,
     looked: pd.DataFrame | None,
 ) -> list[str]:
     """Return by what tracks are sought, one after the other until one serves."""
@@ -145,24 +145,27 @@ def _has_colour(views: Views, frame: int) -> bool:
 def _colour_may_tell(
     views: Views,
     start: pd.DataFrame,
-    task: Task,
-    settings: WholeSettings,
+    task: TrackingRequest,
+    settings: OfflineSettings,
     looked: pd.DataFrame | None,
 ) -> bool:
     """Tell whether colour is worth trying: no predictions, and paws unlike what is about them."""
     if task.predictions or (task.rig is None and len(views.names) > 1):
         return False
     points = list(dict.fromkeys(start["point"]))
-    kinds = [PaperSettings().kind(point) for point in points]
+    kinds = [Maghsoudi2019Settings().kind(point) for point in points]
     if choose_landmarks(tuple(points), tuple(kinds), settings.landmarks).all():
         return False
-    return looked is not None or doubt_clicks(views, start, task, settings=settings) is None
+    return (
+        looked is not None
+        or warn_of_ambiguous_colour(views, start, task, settings=settings) is None
+    )
 
 
-def track_offline(
+def track_learnt(
     views: Views,
     start: pd.DataFrame,
-    task: Task,
+    task: TrackingRequest,
     *,
     parameters: OfflineParameters | None = None,
     looked: pd.DataFrame | None = None,
@@ -178,7 +181,7 @@ def track_offline(
     start : DataFrame
         Clicks with columns frame, view, point, u, v (px), in any number of frames, of any
         part of the points in each.
-    task : Task
+    task : TrackingRequest
         What is to be tracked.
     parameters : OfflineParameters, optional
         Parameters of all stages.
@@ -206,7 +209,7 @@ def track_offline(
     check_columns(start, START_COLUMNS, where="the start points")
     task.check_frames(views.n_frames)
     parameters = parameters or OfflineParameters()
-    layout = make_layout(views, start, task, settings=PaperSettings())
+    layout = make_layout(views, start, task, settings=Maghsoudi2019Settings())
     _, anchors = read_placements(start, layout, task.frames, tracks=task.tracks)
     first, n = task.frames[0], task.frames[1] - task.frames[0]
     placed = [annotations_of_view(anchors, v, first) for v in range(len(layout.views))]
@@ -235,7 +238,9 @@ def track_offline(
     return tracks
 
 
-def _framed_by(looked: pd.DataFrame | None, layout: Layout, task: Task) -> list[Annotations] | None:
+def _framed_by(
+    looked: pd.DataFrame | None, layout: Layout, task: TrackingRequest
+) -> list[Annotations] | None:
     """Return the clicks by which the body's frame was found earlier."""
     if looked is None or not len(looked):
         return None
@@ -260,7 +265,7 @@ class _Run:
 
     views: Views
     layout: Layout
-    task: Task
+    task: TrackingRequest
     parameters: OfflineParameters
     placed: Sequence[Annotations]
     framing: Sequence[Annotations]
@@ -348,7 +353,7 @@ class _Run:
 
 def _detections(
     layout: Layout,
-    task: Task,
+    task: TrackingRequest,
     stack: BodyStack,
     *,
     annotations: Annotations,
@@ -372,7 +377,7 @@ def _detections(
     return found
 
 
-def _reporter(task: Task, *, done: int, of: int) -> Callable[[int], bool]:
+def _reporter(task: TrackingRequest, *, done: int, of: int) -> Callable[[int], bool]:
     """Return what tells a person how far the video is read, and asks whether to go on."""
     n = task.frames[1] - task.frames[0]
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.fit.layout import poses_of_vectors
-from pawnb.core.pose.fit.learning.appearance import learn_look
+from pawnb.core.pose.fit.learning.appearance import learn_appearance
 from pawnb.core.pose.fit.prepare import check_on_animal, prepare_fitter
 from pawnb.core.pose.fit.rendering.evidence import BackgroundPicture
 from pawnb.core.pose.fit.rendering.paint_kernels import paint, picture_cost
@@ -91,23 +91,25 @@ def explain_fit(
         frame, pose, animal=animal, background=background, settings=settings
     )
     fitter.layout = fitter.first = first_darkness(fitter, frame, vector)
-    sight, _, box = fitter.look(frame, vector)
-    fitter.layout = learn_look(
-        fitter.layout, [(vector, sight)], first=fitter.first, partner=partners(animal),
+    image_evidence, _, box = fitter.look(frame, vector)
+    fitter.layout = learn_appearance(
+        fitter.layout, [(vector, image_evidence)], first=fitter.first, partner=partners(animal),
         prior=start_prior(fitter, vector), blur=fitter.blur, soft=settings.soft_error,
     )  # fmt: skip
-    canvas = fitter.canvas(sight)
-    paint(fitter.layout, vector, fitter.blur, sight.box, *canvas)
+    canvas = fitter.canvas(image_evidence)
+    paint(fitter.layout, vector, fitter.blur, image_evidence.box, *canvas)
     painted = canvas[0].copy()
-    cost = picture_cost(canvas[0], canvas[1], sight.seen, sight.weight, settings.soft_error)
-    support = np.fmin(*fitter.support(vector, sight).T)
+    cost = picture_cost(
+        canvas[0], canvas[1], image_evidence.seen, image_evidence.weight, settings.soft_error
+    )
+    support = np.fmin(*fitter.support(vector, image_evidence).T)
     factor = fitter.evidence.factor
     u0, v0, u1, v1 = (factor * edge for edge in box)
     return FitView(
         box=(u0, v0, u1, v1),
-        darkness=sight.seen,
+        darkness=image_evidence.seen,
         painted=painted,
-        unexplained=np.abs(sight.seen - painted),
+        unexplained=np.abs(image_evidence.seen - painted),
         support=dict(zip(animal.leg_names, support.tolist(), strict=True)),
         cost=float(cost),
     )

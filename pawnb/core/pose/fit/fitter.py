@@ -20,8 +20,8 @@ from pawnb.core.pose.fit.learning.attached_clutter_kernels import hide
 from pawnb.core.pose.fit.rendering.blur import blurred, part_of
 from pawnb.core.pose.fit.rendering.evidence import Evidence, without_wide
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import (
+    ImageEvidence,
     Prior,
-    Sight,
     fit_pose,
     normal_matrix,
     paint_some,
@@ -69,11 +69,11 @@ class FrameFitter:
 
     Attributes
     ----------
-    fixtures : ndarray of bool, shape (side, side), or None
+    attached_clutter : ndarray of bool, shape (side, side), or None
         Where something that is no leg is fixed to the body; see :mod:`.learning.attached_clutter`.
-    odd_places : ndarray, shape (side, side), or None
+    body_clutter : ndarray, shape (side, side), or None
         How much places of the body count in the last fits; see :mod:`.learning.body_clutter`.
-    hairs : ndarray of bool, shape (legs, segments, along, across), or None
+    leg_clutter : ndarray of bool, shape (legs, segments, along, across), or None
         Places beside legs that do not count in the last fits; see :mod:`.learning.leg_clutter`.
     usual_poses : list of ndarray, shape (poses, 2 links)
         Of each leg, parts of the pose vector that it is known to have; see
@@ -113,9 +113,9 @@ class FrameFitter:
         self.body_radius = float((np.abs(layout.ellipse[:, 0]) + layout.ellipse[:, 2]).max())
         self.blur = SQRT5 * settings.blur_px
         self._room = make_canvas(1, 1, layout)
-        self.fixtures: np.ndarray | None = None
-        self.odd_places: np.ndarray | None = None
-        self.hairs: np.ndarray | None = None
+        self.attached_clutter: np.ndarray | None = None
+        self.body_clutter: np.ndarray | None = None
+        self.leg_clutter: np.ndarray | None = None
         self.usual_poses = [np.empty((0, len(numbers))) for numbers in self.numbers]
 
     def twin(self) -> FrameFitter:
@@ -124,9 +124,9 @@ class FrameFitter:
         other._room = make_canvas(1, 1, self.layout)
         return other
 
-    def canvas(self, sight: Sight) -> tuple[np.ndarray, ...]:
+    def canvas(self, image_evidence: ImageEvidence) -> tuple[np.ndarray, ...]:
         """Return a canvas of a sight's size; its content does not last."""
-        height, width = sight.seen.shape
+        height, width = image_evidence.seen.shape
         size = height * width
         if size > self._room[0].size:
             self._room = make_canvas(1, size, self.layout)
@@ -145,7 +145,7 @@ class FrameFitter:
 
     def look(
         self, frame: Frame, expected: np.ndarray, *, margin: float = _BODY_MARGIN_PX
-    ) -> tuple[Sight, np.ndarray, tuple]:
+    ) -> tuple[ImageEvidence, np.ndarray, tuple]:
         """Return what a frame shows about the expected pose, its grey pixels and their box.
 
         Parameters
@@ -164,16 +164,16 @@ class FrameFitter:
         """
         box = self.box(expected)
         image = self.evidence.pixels(frame, box)
-        return self.sight(image, box, expected, margin=margin), image, box
+        return self.image_evidence(image, box, expected, margin=margin), image, box
 
-    def sight(
+    def image_evidence(
         self,
         image: np.ndarray,
         box: tuple[int, int, int, int],
         expected: np.ndarray,
         *,
         margin: float = _BODY_MARGIN_PX,
-    ) -> Sight:
+    ) -> ImageEvidence:
         """Return what grey pixels show, the expected animal left out of the light.
 
         What is wider than a leg and further than ``margin`` (working px) from the expected body
@@ -192,34 +192,46 @@ class FrameFitter:
 
         Returns
         -------
-        Sight
+        ImageEvidence
             What they show.
         """
-        empty = Sight(image, image, np.array([float(box[0]), float(box[1])]))
-        seen = self.evidence.sight(image, box, self._cover(expected, empty))
+        empty = ImageEvidence(image, image, np.array([float(box[0]), float(box[1])]))
+        seen = self.evidence.image_evidence(image, box, self._cover(expected, empty))
         return seen if np.isinf(margin) else self.narrowed(seen, expected, margin=margin)
 
-    def _cover(self, pose: np.ndarray, sight: Sight) -> np.ndarray:
+    def _cover(self, pose: np.ndarray, image_evidence: ImageEvidence) -> np.ndarray:
         """Return where the animal and what is beside it may be: not -1; it does not last."""
-        value, owner, along, joints = self.canvas(sight)
+        value, owner, along, joints = self.canvas(image_evidence)
         paint_some(
-            self.layout, pose, _COVER_PX, sight.box, self.body_shown, value, owner, along, joints
+            self.layout,
+            pose,
+            _COVER_PX,
+            image_evidence.box,
+            self.body_shown,
+            value,
+            owner,
+            along,
+            joints,
         )
         for places, radius in zip(self.joints(pose), self.layout.radius, strict=True):
-            known = places[np.isfinite(places[:, 0])] - sight.box
+            known = places[np.isfinite(places[:, 0])] - image_evidence.box
             ends = np.round(known * (1 << _SUBPIXEL)).astype(np.int32)
             wide = round(2.0 * (float(radius.max()) + _COVER_PX))
             cv2.polylines(owner, [ends], False, 0, wide, cv2.LINE_8, _SUBPIXEL)
         return owner
 
     def narrowed(
-        self, sight: Sight, expected: np.ndarray, *, margin: float = _BODY_MARGIN_PX
-    ) -> Sight:
+        self,
+        image_evidence: ImageEvidence,
+        expected: np.ndarray,
+        *,
+        margin: float = _BODY_MARGIN_PX,
+    ) -> ImageEvidence:
         """Return a sight in which what is wider than a leg, but for the body, is not dark.
 
         Parameters
         ----------
-        sight : Sight
+        image_evidence : ImageEvidence
             What a frame shows.
         expected : ndarray
             The pose vector that is expected.
@@ -228,17 +240,26 @@ class FrameFitter:
 
         Returns
         -------
-        Sight
+        ImageEvidence
             The same without what is wide.
         """
-        body = self.near_body(expected, sight, margin=margin)
-        if self.fixtures is not None:
-            sight = sight._replace(seen=sight.seen.copy(), weight=sight.weight.copy())
-            hide(self.fixtures, expected, body, sight.box, sight.seen, sight.weight)
-        return without_wide(sight, body, size=self.disc_px)
+        body = self.near_body(expected, image_evidence, margin=margin)
+        if self.attached_clutter is not None:
+            image_evidence = image_evidence._replace(
+                seen=image_evidence.seen.copy(), weight=image_evidence.weight.copy()
+            )
+            hide(
+                self.attached_clutter,
+                expected,
+                body,
+                image_evidence.box,
+                image_evidence.seen,
+                image_evidence.weight,
+            )
+        return without_wide(image_evidence, body, size=self.disc_px)
 
     def near_body(
-        self, pose: np.ndarray, sight: Sight, *, margin: float = _BODY_MARGIN_PX
+        self, pose: np.ndarray, image_evidence: ImageEvidence, *, margin: float = _BODY_MARGIN_PX
     ) -> np.ndarray:
         """Return where the body is, and what is nearer to it than ``margin``: bool, (H, W).
 
@@ -246,7 +267,7 @@ class FrameFitter:
         ----------
         pose : ndarray
             The pose vector.
-        sight : Sight
+        image_evidence : ImageEvidence
             What the frame shows.
         margin : float
             How near, working px.
@@ -256,9 +277,17 @@ class FrameFitter:
         ndarray of bool, shape (H, W)
             True at and about the body.
         """
-        value, owner, along, joints = self.canvas(sight)
+        value, owner, along, joints = self.canvas(image_evidence)
         paint_some(
-            self.layout, pose, margin, sight.box, self.body_shown, value, owner, along, joints
+            self.layout,
+            pose,
+            margin,
+            image_evidence.box,
+            self.body_shown,
+            value,
+            owner,
+            along,
+            joints,
         )
         return owner != NOTHING
 
@@ -277,7 +306,7 @@ class FrameFitter:
     def fit(
         self,
         pose: np.ndarray,
-        sight: Sight,
+        image_evidence: ImageEvidence,
         prior: Prior,
         *,
         active: np.ndarray | None = None,
@@ -292,7 +321,7 @@ class FrameFitter:
         ----------
         pose : ndarray
             The pose vector to begin with.
-        sight : Sight
+        image_evidence : ImageEvidence
             What the frame shows.
         prior : Prior
             What is expected of the pose.
@@ -313,33 +342,39 @@ class FrameFitter:
             The pose vector, and its cost.
         """
         return fit_pose(
-            self.layout, pose, sight, prior,
+            self.layout, pose, image_evidence, prior,
             self.everything if active is None else active,
             self.all_shown if shown is None else shown,
             self.blur if blur is None else blur,
-            self.settings.soft_error, rounds, enough, *self.canvas(sight),
+            self.settings.soft_error, rounds, enough, *self.canvas(image_evidence),
         )  # fmt: skip
 
-    def body_found(self, expected: np.ndarray, sight: Sight) -> np.ndarray:
+    def body_found(self, expected: np.ndarray, image_evidence: ImageEvidence) -> np.ndarray:
         """Return the expected pose, moved as a whole onto the body where that is elsewhere.
 
         Where it is in its place, as it is in most frames, that is the array given.
         """
         pose = expected
         reach = 2.0 * self.body_radius + max(_BODY_BLURS)  # further away it is not felt
-        sight = part_of(sight, expected[:2] - reach, expected[:2] + reach)
+        image_evidence = part_of(image_evidence, expected[:2] - reach, expected[:2] + reach)
         for blur, surely in zip(_BODY_BLURS, _BODY_SURELY_PX, strict=True):
             pose, _ = self.fit(
-                pose, blurred(sight, blur), self.anatomy, active=self.body, shown=self.body_shown,
-                blur=self.blur + blur, rounds=6, enough=_ENOUGH_OF_BODY,
-            )  # fmt: skip
+                pose,
+                blurred(image_evidence, blur),
+                self.anatomy,
+                active=self.body,
+                shown=self.body_shown,
+                blur=self.blur + blur,
+                rounds=6,
+                enough=_ENOUGH_OF_BODY,
+            )
             turned = self.body_radius * abs(pose[2] - expected[2])
             if np.hypot(*(pose[:2] - expected[:2])) + turned <= surely:
                 return expected
         return pose
 
     def equations(
-        self, pose: np.ndarray, sight: Sight, prior: Prior
+        self, pose: np.ndarray, image_evidence: ImageEvidence, prior: Prior
     ) -> tuple[np.ndarray, np.ndarray]:
         """Return the Gauss-Newton matrix and the gradient of picture and prior.
 
@@ -349,7 +384,7 @@ class FrameFitter:
         ----------
         pose : ndarray
             The pose vector.
-        sight : Sight
+        image_evidence : ImageEvidence
             What the frame shows.
         prior : Prior
             What is expected of the pose.
@@ -360,14 +395,34 @@ class FrameFitter:
             The matrix (n, n) and the gradient (n,).
         """
         matrix, slope = np.zeros((self.n, self.n)), np.zeros(self.n)
-        value, owner, along, joints = self.canvas(sight)
+        value, owner, along, joints = self.canvas(image_evidence)
         paint_some(
-            self.layout, pose, self.blur, sight.box, self.all_shown, value, owner, along, joints
+            self.layout,
+            pose,
+            self.blur,
+            image_evidence.box,
+            self.all_shown,
+            value,
+            owner,
+            along,
+            joints,
         )
         normal_matrix(
-            self.layout, pose, sight, prior, self.everything, self.all_shown, self.blur,
-            self.settings.soft_error, value, owner, along, joints, matrix, slope,
-        )  # fmt: skip
+            self.layout,
+            pose,
+            image_evidence,
+            prior,
+            self.everything,
+            self.all_shown,
+            self.blur,
+            self.settings.soft_error,
+            value,
+            owner,
+            along,
+            joints,
+            matrix,
+            slope,
+        )
         return matrix + np.tril(matrix, -1).T, slope  # the loops fill the lower triangle
 
     def joints(self, pose: np.ndarray) -> np.ndarray:
@@ -377,53 +432,61 @@ class FrameFitter:
             leg_chain(self.layout, pose, leg, out[leg])
         return out
 
-    def support(self, pose: np.ndarray, sight: Sight) -> np.ndarray:
+    def support(self, pose: np.ndarray, image_evidence: ImageEvidence) -> np.ndarray:
         """Return how much of each leg, and of its outer third, is dark, shape (legs, 2).
 
         What lies on the body does not count; NaN where nothing is left.
         """
-        joints, body = self.joints(pose), self.body_zone(pose, sight)
+        joints, body = self.joints(pose), self.body_zone(pose, image_evidence)
         return np.array(
             [
-                leg_support(self.layout, joints[leg], leg, sight, self.blur, 0.33, body)
+                leg_support(self.layout, joints[leg], leg, image_evidence, self.blur, 0.33, body)
                 for leg in range(len(joints))
             ]
         )
 
-    def body_support(self, pose: np.ndarray, sight: Sight) -> float:
+    def body_support(self, pose: np.ndarray, image_evidence: ImageEvidence) -> float:
         """Return how dark the body's place is relative to what is expected; 0 if out of sight."""
-        value, owner, along, joints = self.canvas(sight)
+        value, owner, along, joints = self.canvas(image_evidence)
         paint_some(
-            self.layout, pose, self.blur, sight.box, self.body_shown, value, owner, along, joints
+            self.layout,
+            pose,
+            self.blur,
+            image_evidence.box,
+            self.body_shown,
+            value,
+            owner,
+            along,
+            joints,
         )
         inside = owner != -1
         total = float(value[inside].sum())
         if total == 0.0:
             return 0.0
-        return float(np.minimum(sight.seen[inside], value[inside]).sum()) / total
+        return float(np.minimum(image_evidence.seen[inside], value[inside]).sum()) / total
 
-    def body_zone(self, pose: np.ndarray, sight: Sight) -> np.ndarray:
+    def body_zone(self, pose: np.ndarray, image_evidence: ImageEvidence) -> np.ndarray:
         """Return the painted body, and more than black where its edge may be; it does not last.
 
         A body is no perfect egg: what is dark beside it is as well more of it as a leg that
         lies along its edge.
         """
-        value, owner, _, _ = self.canvas(sight)
+        value, owner, _, _ = self.canvas(image_evidence)
         layout, ellipse = self.layout, self.layout.ellipse.copy()
         ellipse[:, 2:4] += _BODY_MARGIN_PX
-        paint_base(layout._replace(ellipse=ellipse), pose, self.blur, sight, value, owner)
+        paint_base(layout._replace(ellipse=ellipse), pose, self.blur, image_evidence, value, owner)
         cover_painted(value, owner, _NO_LEG)
         return value
 
-    def unexplained(self, pose: np.ndarray, sight: Sight) -> np.ndarray:
+    def unexplained(self, pose: np.ndarray, image_evidence: ImageEvidence) -> np.ndarray:
         """Return the dark working pixels near the animal that it does not cover.
 
         Those on the animal's left and on its right are counted apart, shape (2,).
         """
-        value, owner, along, joints = self.canvas(sight)
+        value, owner, along, joints = self.canvas(image_evidence)
         paint_some(
-            self.layout, pose, self.blur + 2.0, sight.box, self.all_shown,
+            self.layout, pose, self.blur + 2.0, image_evidence.box, self.all_shown,
             value, owner, along, joints,
         )  # fmt: skip
         dark = 0.5 * float(np.median(self.layout.dark))
-        return unexplained(owner, sight, dark, self.reach, pose)
+        return unexplained(owner, image_evidence, dark, self.reach, pose)

@@ -22,7 +22,7 @@ import numpy as np
 
 from pawnb.core.frame_checkpoint import KeptFrames
 from pawnb.core.pose.animal import StickAnimal
-from pawnb.core.pose.fit.candidates.leg_candidates import Choices
+from pawnb.core.pose.fit.candidates.leg_candidates import LegCandidates
 from pawnb.core.pose.fit.candidates.viterbi_path import chosen_poses
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.layout import pose_vectors, poses_of_vectors
@@ -201,7 +201,7 @@ def _read_ahead(reader: ViewReader, numbers: range, steps: Steps) -> Iterator[Fr
 
 
 def _finish(
-    fitter: FrameFitter, found: list[Choices], poses: np.ndarray, steps: Steps
+    fitter: FrameFitter, found: list[LegCandidates], poses: np.ndarray, steps: Steps
 ) -> list[Settled]:
     """Return the last fit of every frame."""
     settled = settle_all(fitter, found, poses)
@@ -215,7 +215,7 @@ def _result(
     look: Poses,
     fitter: FrameFitter,
     numbers: np.ndarray,
-    found: list[Choices],
+    found: list[LegCandidates],
     settled: list[Settled],
 ) -> PoseTrack:
     """Return what was found in px of the view, one row a frame."""

@@ -24,7 +24,11 @@ from pawnb.core.pose.pullar2009.likelihood import (
 )
 from pawnb.core.pose.pullar2009.limb_steps import limit_cost, softplus
 from pawnb.core.pose.pullar2009.mincut import cut_grid, grid_energy
-from pawnb.core.pose.pullar2009.settings import EnergyParameters, PaperPoseSettings, fill_parameters
+from pawnb.core.pose.pullar2009.settings import (
+    EnergyParameters,
+    Pullar2009Settings,
+    fill_parameters,
+)
 from pawnb.core.pose.sticks import (
     Sticks,
     distance_map,
@@ -78,7 +82,7 @@ class Cut:
     energy: float
 
 
-class PaperEnergy:
+class Pullar2009Energy:
     """The energy of one recording: the empty scene, the animal's size, the parameters.
 
     Parameters
@@ -91,7 +95,7 @@ class PaperEnergy:
         The start frame, of which the parameters that are not set are estimated (Table 3.3).
     background : Background
         The empty scene.
-    settings : PaperPoseSettings
+    settings : Pullar2009Settings
         Settings.
 
     Attributes
@@ -113,7 +117,7 @@ class PaperEnergy:
         *,
         picture: np.ndarray,
         background: EmptyScene,
-        settings: PaperPoseSettings,
+        settings: Pullar2009Settings,
     ) -> None:
         self.animal = animal
         self.settings = settings

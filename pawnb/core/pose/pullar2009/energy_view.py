@@ -14,10 +14,10 @@ from pawnb.core.pixels.grey import grey
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.contrast import edge_fall, squared_gradient
 from pawnb.core.pose.poses import Poses
-from pawnb.core.pose.pullar2009.energy import Box, PaperEnergy
+from pawnb.core.pose.pullar2009.energy import Box, Pullar2009Energy
 from pawnb.core.pose.pullar2009.likelihood import EmptyScene, background_cost
 from pawnb.core.pose.pullar2009.mincut import grid_energy
-from pawnb.core.pose.pullar2009.settings import EnergyParameters, PaperPoseSettings
+from pawnb.core.pose.pullar2009.settings import EnergyParameters, Pullar2009Settings
 from pawnb.core.pose.sticks import distance_map, pose_vector
 
 
@@ -65,7 +65,7 @@ def explain_energy(
     *,
     animal: StickAnimal,
     background: EmptyScene,
-    settings: PaperPoseSettings | None = None,
+    settings: Pullar2009Settings | None = None,
 ) -> EnergyView:
     """Return the terms of the energy of one frame and pose as pictures, for a live view.
 
@@ -79,7 +79,7 @@ def explain_energy(
         The animal.
     background : Background
         The empty scene.
-    settings : PaperPoseSettings, optional
+    settings : Pullar2009Settings, optional
         Settings.
 
     Returns
@@ -92,9 +92,9 @@ def explain_energy(
     InputError
         If nothing in the picture stands out of the background.
     """
-    energy = PaperEnergy(
+    energy = Pullar2009Energy(
         animal, pose, picture=picture, background=background,
-        settings=settings or PaperPoseSettings(),
+        settings=settings or Pullar2009Settings(),
     )  # fmt: skip
     vector, p = pose_vector(pose), energy.parameters
     frame = energy.frame(picture, vector, slack_px=0.0)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pawnb.core.pose.pullar2009.energy import Cut, FrameCosts, PaperEnergy
+from pawnb.core.pose.pullar2009.energy import Cut, FrameCosts, Pullar2009Energy
 from pawnb.core.pose.pullar2009.limb_steps import FLAT, part_distances, shape_cost, turn_leg
 from pawnb.core.pose.sticks import distance_map
 
@@ -41,13 +41,13 @@ class FramePose:
 
 
 def infer_pose(
-    energy: PaperEnergy, frame: FrameCosts, guess: np.ndarray, *, rng: np.random.Generator
+    energy: Pullar2009Energy, frame: FrameCosts, guess: np.ndarray, *, rng: np.random.Generator
 ) -> FramePose:
     """Return the pose of least energy that the 2009 search finds from a guess.
 
     Parameters
     ----------
-    energy : PaperEnergy
+    energy : Pullar2009Energy
         The energy.
     frame : FrameCosts
         The frame's costs.
@@ -89,7 +89,7 @@ def _lower(energy: float, than: float) -> bool:
 
 
 def _move(
-    energy: PaperEnergy, frame: FrameCosts, pose: np.ndarray, cut: Cut
+    energy: Pullar2009Energy, frame: FrameCosts, pose: np.ndarray, cut: Cut
 ) -> tuple[np.ndarray, Cut]:
     """Step to the best of the four neighbouring positions while that lowers the energy."""
     back = None
@@ -108,7 +108,7 @@ def _move(
 
 
 def _turn(
-    energy: PaperEnergy,
+    energy: Pullar2009Energy,
     frame: FrameCosts,
     pose: np.ndarray,
     cut: Cut,
@@ -125,7 +125,7 @@ def _turn(
 
 
 def _turn_body(
-    energy: PaperEnergy, frame: FrameCosts, pose: np.ndarray, labels: np.ndarray
+    energy: Pullar2009Energy, frame: FrameCosts, pose: np.ndarray, labels: np.ndarray
 ) -> np.ndarray:
     """Turn the whole animal about its origin, or its body alone while the legs keep their lie."""
     sticks, p = energy.sticks, energy.parameters
@@ -151,7 +151,7 @@ def _turn_body(
 
 
 def _turn_limbs(
-    energy: PaperEnergy,
+    energy: Pullar2009Energy,
     frame: FrameCosts,
     pose: np.ndarray,
     labels: np.ndarray,

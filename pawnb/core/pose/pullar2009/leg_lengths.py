@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 
 from pawnb.core.pose.animal import StickAnimal
-from pawnb.core.pose.pullar2009.energy import FrameCosts, PaperEnergy
+from pawnb.core.pose.pullar2009.energy import FrameCosts, Pullar2009Energy
 from pawnb.core.pose.pullar2009.inference import infer_pose
 from pawnb.core.pose.pullar2009.limb_steps import shape_cost
 from pawnb.core.pose.sticks import Sticks, distance_map
@@ -31,13 +31,13 @@ _MARGIN_OF_SPAN = 0.15
 
 
 def fit_leg_lengths(
-    energy: PaperEnergy, frame: FrameCosts, pose: np.ndarray, *, rng: np.random.Generator
+    energy: Pullar2009Energy, frame: FrameCosts, pose: np.ndarray, *, rng: np.random.Generator
 ) -> np.ndarray:
     """Find how long each leg looks, and give the energy's stick animal those lengths.
 
     Parameters
     ----------
-    energy : PaperEnergy
+    energy : Pullar2009Energy
         The energy; its ``sticks`` change.
     frame : FrameCosts
         The start frame's costs.
@@ -83,7 +83,7 @@ def per_segment(animal: StickAnimal, factors: np.ndarray) -> np.ndarray:
 
 
 def _dark_along(
-    energy: PaperEnergy, frame: FrameCosts, sticks: Sticks, pose: np.ndarray
+    energy: Pullar2009Energy, frame: FrameCosts, sticks: Sticks, pose: np.ndarray
 ) -> np.ndarray:
     """Return the pixels near the shape that stand out of the background, specks left out."""
     u0, v0, u1, v1 = frame.box
@@ -100,7 +100,11 @@ def _dark_along(
 
 
 def _cost(
-    energy: PaperEnergy, frame: FrameCosts, sticks: Sticks, pose: np.ndarray, labels: np.ndarray
+    energy: Pullar2009Energy,
+    frame: FrameCosts,
+    sticks: Sticks,
+    pose: np.ndarray,
+    labels: np.ndarray,
 ) -> float:
     """Return the shape prior's cost for labels that stay."""
     p, margin = energy.parameters, int(_MARGIN_OF_SPAN * energy.span_px)
@@ -109,7 +113,13 @@ def _cost(
     origin = (frame.box[0] - margin, frame.box[1] - margin)
     return float(
         shape_cost(
-            wide, origin, pose[2], sticks.points(pose), sticks.n_links,
-            sticks.parts(pose), p.thickness_px, p.steepness,
+            wide,
+            origin,
+            pose[2],
+            sticks.points(pose),
+            sticks.n_links,
+            sticks.parts(pose),
+            p.thickness_px,
+            p.steepness,
         )
-    )  # fmt: skip
+    )

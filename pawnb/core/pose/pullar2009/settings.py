@@ -22,7 +22,7 @@ THICKNESS_OF_SPAN = 1 / 200
 
 
 @dataclass(frozen=True, kw_only=True)
-class PaperPoseSettings:
+class Pullar2009Settings:
     """What can be set of ``method="paper"`` for a jointed animal (Pullar 2009, chapter 3).
 
     Parameters
@@ -138,7 +138,7 @@ class EnergyParameters:
 
 
 def fill_parameters(
-    settings: PaperPoseSettings,
+    settings: Pullar2009Settings,
     animal: StickAnimal,
     *,
     scale: float,
@@ -149,7 +149,7 @@ def fill_parameters(
 
     Parameters
     ----------
-    settings : PaperPoseSettings
+    settings : Pullar2009Settings
         What was set.
     animal : StickAnimal
         Its leg span sets the thickness.

@@ -13,11 +13,11 @@ from pawnb.core.frame_checkpoint import KeptFrames
 from pawnb.core.pixels.grey import grey
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.poses import Poses, start_within
-from pawnb.core.pose.pullar2009.energy import PaperEnergy
+from pawnb.core.pose.pullar2009.energy import Pullar2009Energy
 from pawnb.core.pose.pullar2009.inference import FramePose, infer_pose
 from pawnb.core.pose.pullar2009.leg_lengths import fit_leg_lengths, per_segment, scaled
 from pawnb.core.pose.pullar2009.likelihood import EmptyScene, background_cost
-from pawnb.core.pose.pullar2009.settings import PaperPoseSettings
+from pawnb.core.pose.pullar2009.settings import Pullar2009Settings
 from pawnb.core.pose.sticks import Sticks, distance_map, pose_vector
 from pawnb.core.pose.track_result import PoseTrack, plain_track
 from pawnb.core.video.views import ViewReader
@@ -38,13 +38,13 @@ _SEEN_SHARE = 0.3
 """A leg of which less than this lies on subject pixels was not placed by the picture."""
 
 
-def track_pose_paper(
+def track_pullar2009(
     reader: ViewReader,
     start: Poses,
     *,
     animal: StickAnimal,
     background: EmptyScene,
-    settings: PaperPoseSettings | None = None,
+    settings: Pullar2009Settings | None = None,
     frames: tuple[int, int],
     look: Poses | None = None,
     progress: Callable[[int, int], None] | None = None,
@@ -64,7 +64,7 @@ def track_pose_paper(
         The animal.
     background : Background
         The empty scene.
-    settings : PaperPoseSettings, optional
+    settings : Pullar2009Settings, optional
         Settings; see there.
     frames : tuple of int
         First frame and one past the last.
@@ -102,7 +102,7 @@ def track_pose_paper(
     The guess in each frame is the pose before, moved on with the velocity between the two
     poses before it (§3.4.2).
     """
-    settings = settings or PaperPoseSettings()
+    settings = settings or Pullar2009Settings()
     numbers = np.arange(*frames)
     start = start_within(start, frames)
     start = dataclasses.replace(start, heading_deg=np.unwrap(start.heading_deg, period=360.0))
@@ -122,7 +122,7 @@ class _Tracker:
         poses: tuple[Poses, Poses],
         animal: StickAnimal,
         background: EmptyScene,
-        settings: PaperPoseSettings,
+        settings: Pullar2009Settings,
         total: int,
     ) -> None:
         self.reader, self.animal = reader, animal
@@ -130,7 +130,7 @@ class _Tracker:
         self.starts, self.start = poses
         start = self.start
         picture = reader.frame(int(start.frames[0])).image()
-        self.energy = PaperEnergy(
+        self.energy = Pullar2009Energy(
             animal, start, picture=picture, background=background, settings=settings
         )
         check_start(self.energy, picture, start)
@@ -259,12 +259,12 @@ class _Tracker:
         )
 
 
-def check_start(energy: PaperEnergy, picture: np.ndarray, start: Poses) -> None:
+def check_start(energy: Pullar2009Energy, picture: np.ndarray, start: Poses) -> None:
     """Refuse a start pose that is not on the animal or reaches outside the picture.
 
     Parameters
     ----------
-    energy : PaperEnergy
+    energy : Pullar2009Energy
         The energy, made of the start frame.
     picture : ndarray, shape (H, W) or (H, W, 3)
         The start frame.
@@ -339,7 +339,7 @@ def part_outside(
     return "the body" if (ends < 0).any() or (ends > np.array(size) - 1).any() else None
 
 
-def _on_subject(energy: PaperEnergy, fit: FramePose, origin: tuple[int, int]) -> np.ndarray:
+def _on_subject(energy: Pullar2009Energy, fit: FramePose, origin: tuple[int, int]) -> np.ndarray:
     """Return the share of each leg's line that lies on pixels labelled subject."""
     points, out = energy.sticks.points(fit.pose), []
     height, width = fit.cut.labels.shape

@@ -9,7 +9,7 @@ from scipy.ndimage import binary_dilation, label
 
 from pawnb.core import dlt
 from pawnb.core.pose.fit.rendering.evidence import BackgroundPicture, Evidence
-from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Sight
+from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence
 from pawnb.core.pose.fit.rendering.paint_kernels import make_canvas, picture_cost
 from pawnb.core.pose.space.arch import arch, slide
 from pawnb.core.pose.space.geometry import view_slope
@@ -123,17 +123,17 @@ class SpaceFitter:
         box = (int(low[0]), int(low[1]), int(high[0]), int(high[1]))
         return self.evidence.pixels(frame, box), box
 
-    def sight(self, image: np.ndarray, box: tuple[int, int, int, int]) -> Sight:
+    def image_evidence(self, image: np.ndarray, box: tuple[int, int, int, int]) -> ImageEvidence:
         """Return the darkness of a crop of the second view."""
         u0, v0, u1, v1 = box
         mean, sd = self.evidence.mean[v0:v1, u0:u1], self.evidence.sd[v0:v1, u0:u1]
         animal = np.abs(image - mean) > np.maximum(_DARK_SHARE * mean, 4.0 * sd)
         covered = np.where(binary_dilation(animal, iterations=2), 0, -1)
-        return self.evidence.sight(image.astype(float), box, covered)
+        return self.evidence.image_evidence(image.astype(float), box, covered)
 
-    def canvas(self, sight: Sight) -> tuple[np.ndarray, ...]:
+    def canvas(self, image_evidence: ImageEvidence) -> tuple[np.ndarray, ...]:
         """Return an empty canvas of a sight's size."""
-        height, width = sight.seen.shape
+        height, width = image_evidence.seen.shape
         return make_canvas(height, width, self.model.layout)
 
     def known(self, one: SpaceFrame, expected: np.ndarray | None, expected_sd: float) -> Known:
@@ -172,14 +172,16 @@ class SpaceFitter:
             ground_sd=settings.ground_share * model.span,
         )
 
-    def body_height(self, one: SpaceFrame, sight: Sight, heights: np.ndarray) -> float:
+    def body_height(
+        self, one: SpaceFrame, image_evidence: ImageEvidence, heights: np.ndarray
+    ) -> float:
         """Return at which of some heights the body explains most of the second picture.
 
         Parameters
         ----------
         one : SpaceFrame
             The frame.
-        sight : Sight
+        image_evidence : ImageEvidence
             What its second picture shows.
         heights : ndarray, shape (n,)
             Heights to try.
@@ -189,25 +191,29 @@ class SpaceFitter:
         float
             The best of them.
         """
-        value, owner, _, _ = self.canvas(sight)
+        value, owner, _, _ = self.canvas(image_evidence)
         costs = []
         for height in heights:
             parts = self.model.body_parts(one.xy, one.heading_deg, float(height))
             value[:] = 0.0
             owner[:] = -1
-            paint_parts(parts, float(height), self.blur, sight.box, value, owner)
+            paint_parts(parts, float(height), self.blur, image_evidence.box, value, owner)
             soft = self.model.settings.soft_error
-            costs.append(picture_cost(value, owner, sight.seen, sight.weight, soft))
+            costs.append(
+                picture_cost(value, owner, image_evidence.seen, image_evidence.weight, soft)
+            )
         return float(heights[int(np.argmin(costs))])
 
-    def guess(self, one: SpaceFrame, sight: Sight, body: float | None = None) -> np.ndarray:
+    def guess(
+        self, one: SpaceFrame, image_evidence: ImageEvidence, body: float | None = None
+    ) -> np.ndarray:
         """Return unknowns to start from: every leg in an even arch from body to ground.
 
         Parameters
         ----------
         one : SpaceFrame
             The frame.
-        sight : Sight
+        image_evidence : ImageEvidence
             Its second picture.
         body : float, optional
             The body's height; default where the second picture shows it.
@@ -221,7 +227,7 @@ class SpaceFitter:
         if body is None:
             step = _BODY_STEP * model.span
             lowest = np.fmax(model.heights[0], model.ground)
-            body = self.body_height(one, sight, np.arange(lowest, model.heights[1], step))
+            body = self.body_height(one, image_evidence, np.arange(lowest, model.heights[1], step))
         places, heights = self.arches(one, body)
         joints = np.nan_to_num(model.lines.at(places, heights))
         return np.concatenate([[body], joints.ravel()])
@@ -249,7 +255,13 @@ class SpaceFitter:
         return places, heights
 
     def refine(
-        self, one: SpaceFrame, sight: Sight, x: np.ndarray, *, known: Known, coarse: bool = False
+        self,
+        one: SpaceFrame,
+        image_evidence: ImageEvidence,
+        x: np.ndarray,
+        *,
+        known: Known,
+        coarse: bool = False,
     ) -> tuple[np.ndarray, float]:
         """Return the unknowns that fit both views best near ``x``, and their cost.
 
@@ -259,7 +271,7 @@ class SpaceFitter:
         ----------
         one : SpaceFrame
             The frame.
-        sight : Sight
+        image_evidence : ImageEvidence
             What its second picture shows.
         x : ndarray
             Unknowns to begin with.
@@ -274,20 +286,25 @@ class SpaceFitter:
             Unknowns and cost.
         """
         if coarse:
-            x, _ = self._descend(one, sight, x, known, _COARSE * self.blur)
-        return self._descend(one, sight, x, known, self.blur)
+            x, _ = self._descend(one, image_evidence, x, known, _COARSE * self.blur)
+        return self._descend(one, image_evidence, x, known, self.blur)
 
     def _descend(
-        self, one: SpaceFrame, sight: Sight, x: np.ndarray, known: Known, blur: float
+        self,
+        one: SpaceFrame,
+        image_evidence: ImageEvidence,
+        x: np.ndarray,
+        known: Known,
+        blur: float,
     ) -> tuple[np.ndarray, float]:
         """Return the unknowns at the bottom of the cost's valley, and their cost."""
-        cost, matrix, vector = self.equations(one, sight, x, known=known, blur=blur)
+        cost, matrix, vector = self.equations(one, image_evidence, x, known=known, blur=blur)
         damping = 1e-3
         for _ in range(_ROUNDS):
             step = self.solve(matrix, -vector, damping)
             most = 0.04 * self.model.span
             step = np.clip(step, -most, most)
-            new = self.equations(one, sight, x + step, known=known, blur=blur)
+            new = self.equations(one, image_evidence, x + step, known=known, blur=blur)
             gained = cost - new[0]
             if gained > 0:
                 x, damping = x + step, max(damping / 4, 1e-6)
@@ -327,23 +344,29 @@ class SpaceFitter:
         first = (right[0] - (border * both[..., 0]).sum()) / body
         return np.concatenate([[first], (both[..., 0] - first * both[..., 1]).ravel()])
 
-    def ground_below(self, one: SpaceFrame, sight: Sight) -> float:
+    def ground_below(self, one: SpaceFrame, image_evidence: ImageEvidence) -> float:
         """Return the lowest height that the animal in the second picture reaches."""
         model = self.model
         middle = model.lines.at(one.xy, 0.0)
         change = view_slope(model.coefs, middle) @ model.lines.axis
         # where the scene itself is dark, noise looks like an animal
-        sure = sight.weight > 0.5 / model.settings.unexplained_sd**2
-        names, n = label((sight.seen > _ANIMAL_DARK) & sure)
+        sure = image_evidence.weight > 0.5 / model.settings.unexplained_sd**2
+        names, n = label((image_evidence.seen > _ANIMAL_DARK) & sure)
         if not n:
             return np.nan
         largest = 1 + int(np.argmax(np.bincount(names.ravel())[1:]))
-        dark = np.argwhere(names == largest)[:, ::-1] + sight.box
+        dark = np.argwhere(names == largest)[:, ::-1] + image_evidence.box
         heights = (dark - dlt.project(model.coefs, middle)[0]) @ change / (change @ change)
         return float(heights.min())
 
     def equations(
-        self, one: SpaceFrame, sight: Sight, x: np.ndarray, *, known: Known, blur: float
+        self,
+        one: SpaceFrame,
+        image_evidence: ImageEvidence,
+        x: np.ndarray,
+        *,
+        known: Known,
+        blur: float,
     ) -> tuple[float, np.ndarray, np.ndarray]:
         """Return cost, Gauss-Newton matrix and gradient at ``x``.
 
@@ -351,7 +374,7 @@ class SpaceFitter:
         ----------
         one : SpaceFrame
             The frame.
-        sight : Sight
+        image_evidence : ImageEvidence
             What its second picture shows.
         x : ndarray
             Unknowns.
@@ -367,28 +390,44 @@ class SpaceFitter:
         """
         model, settings = self.model, self.model.settings
         parts = model.body_parts(one.xy, one.heading_deg, float(x[0]))
-        value, owner, along, joints = self.canvas(sight)
+        value, owner, along, joints = self.canvas(image_evidence)
         paint_space(
-            model.layout, x, model.coefs, parts, self.shown, blur, sight.box, value, owner,
+            model.layout, x, model.coefs, parts, self.shown, blur, image_evidence.box, value, owner,
             along, joints,
         )  # fmt: skip
         matrix, vector = np.zeros((len(x), len(x))), np.zeros(len(x))
         matrix[0, 0] = 1e-9
         cost = add_picture(
-            model.layout, x, model.coefs, parts, blur, sight.box, value, owner, along, joints,
-            sight.seen, sight.weight, settings.soft_error, settings.evidence_share, matrix, vector,
-        )  # fmt: skip
+            model.layout,
+            x,
+            model.coefs,
+            parts,
+            blur,
+            image_evidence.box,
+            value,
+            owner,
+            along,
+            joints,
+            image_evidence.seen,
+            image_evidence.weight,
+            settings.soft_error,
+            settings.evidence_share,
+            matrix,
+            vector,
+        )
         cost += add_known(model.layout, x, known, matrix, vector)
         return cost, matrix, vector
 
-    def painted(self, one: SpaceFrame, sight: Sight, x: np.ndarray) -> tuple[np.ndarray, ...]:
+    def painted(
+        self, one: SpaceFrame, image_evidence: ImageEvidence, x: np.ndarray
+    ) -> tuple[np.ndarray, ...]:
         """Return the second picture as ``x`` has it: value, owner, along and joints.
 
         Parameters
         ----------
         one : SpaceFrame
             The frame.
-        sight : Sight
+        image_evidence : ImageEvidence
             What its second picture shows.
         x : ndarray
             Unknowns.
@@ -400,10 +439,19 @@ class SpaceFitter:
         """
         model = self.model
         parts = model.body_parts(one.xy, one.heading_deg, float(x[0]))
-        canvas = self.canvas(sight)
+        canvas = self.canvas(image_evidence)
         value, owner, along, joints = canvas
         paint_space(
-            model.layout, x, model.coefs, parts, self.shown, self.blur, sight.box, value, owner,
-            along, joints,
-        )  # fmt: skip
+            model.layout,
+            x,
+            model.coefs,
+            parts,
+            self.shown,
+            self.blur,
+            image_evidence.box,
+            value,
+            owner,
+            along,
+            joints,
+        )
         return canvas

@@ -9,14 +9,14 @@ import numpy as np
 from pawnb.core.pose.fit.layout import Layout
 from pawnb.core.pose.fit.learning.appearance import learn_legs
 from pawnb.core.pose.fit.learning.appearance_kernels import look_equations
-from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Sight
+from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence
 from pawnb.core.pose.fit.rendering.paint_kernels import picture_cost
 from pawnb.core.pose.fit.sequence.first_frame import partners
 from pawnb.core.pose.space.fitter import SpaceFitter, SpaceFrame
 from pawnb.core.pose.space.model import SpaceModel
 from pawnb.core.pose.space.picture_kernels import paint_parts, paint_space
 
-Sample = tuple[SpaceFrame, Sight, np.ndarray]
+Sample = tuple[SpaceFrame, ImageEvidence, np.ndarray]
 """A frame, its second picture and its unknowns."""
 
 _THICKNESS = np.linspace(0.35, 1.25, 10)
@@ -57,12 +57,21 @@ def _learn_body(fitter: SpaceFitter, samples: Sequence[Sample]) -> SpaceModel:
     model = fitter.model
     no_body = np.zeros((0, 10))
     pictures = []
-    for _, sight, x in samples:
-        value, owner, along, joints = fitter.canvas(sight)
+    for _, image_evidence, x in samples:
+        value, owner, along, joints = fitter.canvas(image_evidence)
         paint_space(
-            model.layout, x, model.coefs, no_body, fitter.shown, fitter.blur, sight.box, value,
-            owner, along, joints,
-        )  # fmt: skip
+            model.layout,
+            x,
+            model.coefs,
+            no_body,
+            fitter.shown,
+            fitter.blur,
+            image_evidence.box,
+            value,
+            owner,
+            along,
+            joints,
+        )
         pictures.append((value, owner))
     front = model.size * np.array([part.centre[0] for part in model.animal.body])
     for _ in range(2):
@@ -100,11 +109,13 @@ def _picture_costs(
 ) -> float:
     """Return the cost of all samples with this body painted on their legs."""
     total = 0.0
-    for (one, sight, x), (value, owner) in zip(samples, pictures, strict=True):
+    for (one, image_evidence, x), (value, owner) in zip(samples, pictures, strict=True):
         value, owner = value.copy(), owner.copy()
         parts = model.body_parts(one.xy, one.heading_deg, float(x[0]))
-        paint_parts(parts, float(x[0]), blur, sight.box, value, owner)
-        total += picture_cost(value, owner, sight.seen, sight.weight, model.settings.soft_error)
+        paint_parts(parts, float(x[0]), blur, image_evidence.box, value, owner)
+        total += picture_cost(
+            value, owner, image_evidence.seen, image_evidence.weight, model.settings.soft_error
+        )
     return total
 
 
@@ -118,13 +129,25 @@ def _learn_legs(fitter: SpaceFitter, samples: Sequence[Sample], first: Layout) -
         matrix, vector = np.zeros((legs, 2 * nodes, 2 * nodes)), np.zeros((legs, 2 * nodes))
         fitter.model = model.changed(layout=layout)
         body_dark = []
-        for one, sight, x in samples:
-            value, owner, along, joints = fitter.painted(one, sight, x)
+        for one, image_evidence, x in samples:
+            value, owner, along, joints = fitter.painted(one, image_evidence, x)
             look_equations(
-                layout, fitter.blur, sight.box, value, owner, along, joints, sight.seen,
-                sight.weight, model.settings.soft_error, matrix, vector,
-            )  # fmt: skip
-            body_dark.append(np.median(sight.seen[owner < -1]) if (owner < -1).any() else np.nan)
+                layout,
+                fitter.blur,
+                image_evidence.box,
+                value,
+                owner,
+                along,
+                joints,
+                image_evidence.seen,
+                image_evidence.weight,
+                model.settings.soft_error,
+                matrix,
+                vector,
+            )
+            body_dark.append(
+                np.median(image_evidence.seen[owner < -1]) if (owner < -1).any() else np.nan
+            )
         layout = learn_legs(
             layout, first, partner, equations=(matrix, vector), n_frames=len(samples)
         )

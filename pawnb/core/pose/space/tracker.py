@@ -22,7 +22,7 @@ from pawnb.core.frame_checkpoint import KeptFrames
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.fit.parallel import THREADS
 from pawnb.core.pose.fit.rendering.evidence import BackgroundPicture
-from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Sight
+from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence
 from pawnb.core.pose.space.fitter import SpaceFitter, SpaceFrame
 from pawnb.core.pose.space.learn import learn_model
 from pawnb.core.pose.space.model import first_view_places, make_model
@@ -207,15 +207,15 @@ class _Solver:
         self.x = np.zeros((len(frames), 1 + 3 * frames[0].places[..., 0].size))
         self.cost = np.full(len(frames), np.inf)
 
-    def sight(self, k: int) -> Sight:
+    def image_evidence(self, k: int) -> ImageEvidence:
         """Return what the second view shows of a frame."""
-        return self.fitter.sight(self.frames[k].image, self.frames[k].box)
+        return self.fitter.image_evidence(self.frames[k].image, self.frames[k].box)
 
     def run(self) -> None:
         """Fit all frames."""
         fitter = self.fitter
         some = self.learn
-        ground = [fitter.ground_below(self.frames[k], self.sight(k)) for k in some]
+        ground = [fitter.ground_below(self.frames[k], self.image_evidence(k)) for k in some]
         if not np.isfinite(ground).any():
             raise InputError(
                 "the second view shows nothing that differs from its background; look at the "
@@ -226,7 +226,7 @@ class _Solver:
         for k in some:
             self._alone(k)
         for _ in range(2):
-            samples = [(self.frames[k], self.sight(k), self.x[k]) for k in some]
+            samples = [(self.frames[k], self.image_evidence(k), self.x[k]) for k in some]
             fitter.model = learn_model(fitter, samples, first)
             for k in some:
                 self._alone(k)
@@ -270,19 +270,21 @@ class _Solver:
 
     def _alone(self, k: int) -> None:
         """Fit one frame from even arches."""
-        one, sight = self.frames[k], self.sight(k)
+        one, image_evidence = self.frames[k], self.image_evidence(k)
         known = self.fitter.known(one, None, 1.0)
-        start = self.fitter.guess(one, sight)
-        self.x[k], self.cost[k] = self.fitter.refine(one, sight, start, known=known, coarse=True)
+        start = self.fitter.guess(one, image_evidence)
+        self.x[k], self.cost[k] = self.fitter.refine(
+            one, image_evidence, start, known=known, coarse=True
+        )
 
     def _take_over(self, k: int, *, step: int) -> None:
         """Fit one frame from the heights of the one beside, and keep what explains more."""
         other = k + step
         if not 0 <= other < len(self.x) or self.numbers[other] - self.numbers[k] != step:
             return
-        one, sight = self.frames[k], self.sight(k)
+        one, image_evidence = self.frames[k], self.image_evidence(k)
         known = self.fitter.known(one, None, 1.0)
-        x, cost = self.fitter.refine(one, sight, self._moved(other, k), known=known)
+        x, cost = self.fitter.refine(one, image_evidence, self._moved(other, k), known=known)
         if cost < self.cost[k]:
             self.x[k], self.cost[k] = x, cost
 
@@ -297,11 +299,11 @@ class _Solver:
     def _settle(self, k: int, *, before: np.ndarray) -> None:
         """Fit one frame with the heights of the frames beside, as they were before."""
         model = self.fitter.model
-        one, sight = self.frames[k], self.sight(k)
+        one, image_evidence = self.frames[k], self.image_evidence(k)
         known = self.fitter.known(
             one, self._expected(k, before), model.settings.height_step_share * model.span
         )
-        self.x[k], self.cost[k] = self.fitter.refine(one, sight, self.x[k], known=known)
+        self.x[k], self.cost[k] = self.fitter.refine(one, image_evidence, self.x[k], known=known)
 
     def _expected(self, k: int, x: np.ndarray) -> np.ndarray | None:
         """Return the heights between those that unknowns ``x`` have in the frames beside."""
@@ -346,22 +348,24 @@ class _Solver:
     def _sureness(self, k: int) -> tuple[np.ndarray, np.ndarray]:
         """Return standard deviations of a frame's unknowns, and the support of its legs."""
         fitter, model = self.fitter, self.fitter.model
-        one, sight = self.frames[k], self.sight(k)
+        one, image_evidence = self.frames[k], self.image_evidence(k)
         known = fitter.known(
             one, self._expected(k, self.x), model.settings.height_step_share * model.span
         )
-        _, matrix, _ = fitter.equations(one, sight, self.x[k], known=known, blur=fitter.blur)
+        _, matrix, _ = fitter.equations(
+            one, image_evidence, self.x[k], known=known, blur=fitter.blur
+        )
         sd = np.sqrt(np.diag(np.linalg.inv(matrix)))
-        _, _, _, drawn = fitter.painted(one, sight, self.x[k])
-        height, width = sight.seen.shape
+        _, _, _, drawn = fitter.painted(one, image_evidence, self.x[k])
+        height, width = image_evidence.seen.shape
         support = np.zeros(len(drawn))
         for i, n in enumerate(model.layout.n_segments):
             share = np.linspace(0.0, 1.0, 9)[:, None, None]
             line = drawn[i, :n] + share * np.diff(drawn[i, : n + 1], axis=0)
-            u, v = np.rint(line - sight.box).astype(int).reshape(-1, 2).T
+            u, v = np.rint(line - image_evidence.box).astype(int).reshape(-1, 2).T
             inside = (u >= 0) & (v >= 0) & (u < width) & (v < height)
             dark = np.repeat(0.5 * model.layout.dark[i, :n][None], 9, axis=0).ravel()
-            support[i] = (sight.seen[v[inside], u[inside]] > dark[inside]).sum() / len(u)
+            support[i] = (image_evidence.seen[v[inside], u[inside]] > dark[inside]).sum() / len(u)
         return sd, support
 
 

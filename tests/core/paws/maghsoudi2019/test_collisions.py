@@ -9,17 +9,17 @@ import pytest
 
 from pawnb.core.paws.layout import make_layout
 from pawnb.core.paws.maghsoudi2019.collisions import Collisions
-from pawnb.core.paws.maghsoudi2019.settings import PaperSettings
+from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
 from pawnb.core.paws.maghsoudi2019.template import KindTemplate, StrideTemplate
-from pawnb.core.paws.maghsoudi2019.tracker import track_paws
-from pawnb.core.paws.request import Task
+from pawnb.core.paws.maghsoudi2019.tracker import track_maghsoudi2019
+from pawnb.core.paws.request import TrackingRequest
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE
 
 FPS = 250.0
 PERIOD = 40.0
 SHARE = np.arange(50) / 50
-SETTINGS = PaperSettings(scale=0.4, min_paw_area_px=300)
+SETTINGS = Maghsoudi2019Settings(scale=0.4, min_paw_area_px=300)
 
 
 def shape(phase):
@@ -51,7 +51,7 @@ def walk(scene, n=90, *, apart=45.0, amplitude=30.0):
 
 
 def collisions_of(scene, *, settings=SETTINGS, facing=1, points=None):
-    task = Task(
+    task = TrackingRequest(
         frames=(0, scene.n_frames),
         fps=FPS,
         rig=scene.rig,
@@ -265,7 +265,7 @@ def test_front_and_hind_paw_of_one_side_only(make_scene):
         leave_out=[("cam1", "FL"), ("cam1", "HL"), ("cam2", "FR"), ("cam2", "HR")]
     )
     facing = {"cam1": 1, "cam2": 0}
-    task = Task(frames=(0, 1), fps=FPS, points_by_view=own, facing=facing)
+    task = TrackingRequest(frames=(0, 1), fps=FPS, points_by_view=own, facing=facing)
     layout = make_layout(scene, clicks, task, settings=SETTINGS)
     assert Collisions(layout, TEMPLATE, fps=FPS).pairs == ((0, 0, 1),)
     alone = make_scene(("front", "hindleft"))
@@ -348,8 +348,8 @@ def crossing_scene(make_scene, n=110):
 
 def run(scene, *, method="paper", **options):
     asked = {"rig": scene.rig, "frames": (0, scene.n_frames), **options}
-    task = Task(fps=FPS, unit="mm", **asked)
-    return track_paws(scene, scene.clicks(), task, settings=SETTINGS, method=method)
+    task = TrackingRequest(fps=FPS, unit="mm", **asked)
+    return track_maghsoudi2019(scene, scene.clicks(), task, settings=SETTINGS, method=method)
 
 
 def image_path(tracks):

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from pawnb.core.paws.maghsoudi2019.fusion import best_superpixels, compute_features, fuse, normalise
-from pawnb.core.paws.maghsoudi2019.settings import PaperSettings
+from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
 from pawnb.core.paws.superpixels import Look, Superpixels, Window
 
 # three superpixels in a sub-image of 140 x 80 px about (100, 50)
@@ -58,7 +58,7 @@ def test_normalised_and_fused_by_hand():
 
 def test_front_and_hind_weights_on_the_three_superpixels():
     likenesses = normalise(np.array(FEATURES_RIGHT))
-    settings = PaperSettings()
+    settings = Maghsoudi2019Settings()
     # F1, F3 tie between the first two; only these differ, all over the spread of the three
     f4, f5 = [1.0, 0.8, 0.0], [1 - 20 / 120, 1.0, 0.0]
     corner = np.array([np.hypot(67, 36), np.hypot(70, 30), 30])

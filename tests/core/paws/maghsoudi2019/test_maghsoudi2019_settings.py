@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import pytest
 
-from pawnb.core.paws.maghsoudi2019.settings import PaperSettings, lengths_in_view
+from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings, lengths_in_view
 from pawnb.errors import InputError
 from pawnb.schema import build_settings
 
 
 def test_defaults_are_the_paper_s():
-    settings = PaperSettings()
+    settings = Maghsoudi2019Settings()
     # sections 3.2 and 4.3, Eq. 5
     assert (settings.window_u_px, settings.window_v_px) == (70, 40)
     assert settings.weights("FR") == settings.weights("FL") == (2, 0, 4, 2, 2, 0, 1, 4)
@@ -20,7 +20,7 @@ def test_defaults_are_the_paper_s():
 
 
 def test_names_decide_between_front_and_hind_unless_they_are_listed():
-    settings = PaperSettings(hind=("paw3", "Fluke"), front=("hand",))
+    settings = Maghsoudi2019Settings(hind=("paw3", "Fluke"), front=("hand",))
     kinds = {name: settings.kind(name) for name in ("FL", "HR", "nose", "paw3", "Fluke", "hand")}
     assert kinds == {
         "FL": "front",
@@ -35,7 +35,7 @@ def test_names_decide_between_front_and_hind_unless_they_are_listed():
 
 def test_landmarks_are_no_paws():
     """Only names of paws are; a paw that was named otherwise is listed."""
-    settings = PaperSettings()
+    settings = Maghsoudi2019Settings()
     paws = {"fr": "front", "HL": "hind", "FR_paw": "front", "HRtoe": "hind", "F": "front",
             "h2": "hind", "frontleft": "front", "forepaw": "front", "Hind_R": "hind", "LF": "front",
             "rh": "hind", "left_front": "front", "Right-Hind": "hind"}  # fmt: skip
@@ -65,7 +65,7 @@ def test_landmarks_are_no_paws():
     ],
 )
 def test_lengths_go_with_the_scale_and_areas_with_its_square(width, scale, expected):
-    lengths = lengths_in_view(PaperSettings(scale=scale), width)
+    lengths = lengths_in_view(Maghsoudi2019Settings(scale=scale), width)
     found = (lengths.half_u, lengths.half_v, lengths.median, lengths.paw_area)
     assert found == pytest.approx(expected)
 
@@ -98,13 +98,13 @@ def test_lengths_go_with_the_scale_and_areas_with_its_square(width, scale, expec
 )
 def test_values_out_of_range_are_refused(values, message):
     with pytest.raises(InputError) as error:
-        build_settings(PaperSettings, values, where="here")
+        build_settings(Maghsoudi2019Settings, values, where="here")
     assert str(error.value) == message
 
 
 def test_text_from_the_command_line_is_understood():
     settings = build_settings(
-        PaperSettings,
+        Maghsoudi2019Settings,
         {"scale": "0.5", "hidden": "wait", "weights_front": "[1, 1, 1, 1, 1, 1, 1, 1]"},
         where="--set",
     )

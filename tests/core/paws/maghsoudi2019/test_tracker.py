@@ -12,14 +12,14 @@ from pawnb.core.paws.layout import make_layout, read_start
 from pawnb.core.paws.maghsoudi2019.reacquisition import find_hidden
 from pawnb.core.paws.maghsoudi2019.restart import prepare_again
 from pawnb.core.paws.maghsoudi2019.run import Run
-from pawnb.core.paws.maghsoudi2019.settings import PaperSettings
-from pawnb.core.paws.maghsoudi2019.tracker import track_paws
-from pawnb.core.paws.request import Task
+from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
+from pawnb.core.paws.maghsoudi2019.tracker import track_maghsoudi2019
+from pawnb.core.paws.request import TrackingRequest
 from pawnb.errors import CalibrationError, InputError
 from pawnb.schema import ORIGIN_CODE, check_tracks
 
 # sub-images of 56 x 32 px; the discs cover 113 px
-SETTINGS = PaperSettings(scale=0.4, min_paw_area_px=300)
+SETTINGS = Maghsoudi2019Settings(scale=0.4, min_paw_area_px=300)
 MISSING, MEASURED, PREDICTED, EDITED = (
     ORIGIN_CODE[name] for name in ("missing", "measured", "predicted", "edited")
 )
@@ -27,13 +27,15 @@ MISSING, MEASURED, PREDICTED, EDITED = (
 
 def track(scene, *, start=None, settings=SETTINGS, method="paper", learn_at=None, **options):
     asked = {"rig": scene.rig, "frames": (0, scene.n_frames), **options}
-    task = Task(fps=250.0, unit="mm", **asked)
+    task = TrackingRequest(fps=250.0, unit="mm", **asked)
     clicks = scene.clicks() if start is None else start
-    return track_paws(scene, clicks, task, settings=settings, method=method, learn_at=learn_at)
+    return track_maghsoudi2019(
+        scene, clicks, task, settings=settings, method=method, learn_at=learn_at
+    )
 
 
 def layout_of(scene, clicks, *, settings=SETTINGS):
-    task = Task(frames=(0, scene.n_frames), fps=250.0, rig=scene.rig)
+    task = TrackingRequest(frames=(0, scene.n_frames), fps=250.0, rig=scene.rig)
     return make_layout(scene, clicks, task, settings=settings)
 
 
@@ -403,7 +405,7 @@ def clicks_with(scene, **change):
         ),
         (
             lambda s: s.clicks(),
-            {"settings": PaperSettings(hind=("paw",))},
+            {"settings": Maghsoudi2019Settings(hind=("paw",))},
             "setting 'front' or 'hind' names 'paw'; the points are FR, HR.",
         ),
     ],

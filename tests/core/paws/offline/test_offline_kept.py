@@ -12,8 +12,8 @@ from pawnb.core.paws.offline.again import TRUST, Again, frames_again, weighing_o
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.kept import KeptStacks, fits
 from pawnb.core.paws.offline.parameters import OfflineParameters, SceneParameters
-from pawnb.core.paws.offline.tracker import track_offline
-from pawnb.core.paws.request import Task
+from pawnb.core.paws.offline.tracker import track_learnt
+from pawnb.core.paws.request import TrackingRequest
 from pawnb.schema import ORIGIN_CODE
 
 N = 24
@@ -51,8 +51,8 @@ def clicks(frames):
 
 
 def run(views, start, *, parameters=QUICK, frames=(0, N), **kept):
-    task = Task(frames=frames, fps=100.0, points_by_view={"side": POINTS})
-    return track_offline(views, start, task, parameters=parameters, **kept)
+    task = TrackingRequest(frames=frames, fps=100.0, points_by_view={"side": POINTS})
+    return track_learnt(views, start, task, parameters=parameters, **kept)
 
 
 def positions(tracks):

@@ -7,10 +7,10 @@ import pandas as pd
 import pytest
 
 from pawnb.core.paws.layout import Placement, make_layout
-from pawnb.core.paws.maghsoudi2019.settings import PaperSettings
+from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
 from pawnb.core.paws.offline.output import write_tracks
 from pawnb.core.paws.offline.pipeline import ViewTrack
-from pawnb.core.paws.request import Task
+from pawnb.core.paws.request import TrackingRequest
 from pawnb.core.rig import Rig
 from pawnb.schema import ORIGIN_CODE
 
@@ -51,7 +51,10 @@ def layout(array_views):
         columns=["frame", "view", "point", "u", "v"],
     )
     return lambda rig: make_layout(
-        array_views(films), start, Task(frames=(0, 3), fps=100.0, rig=rig), settings=PaperSettings()
+        array_views(films),
+        start,
+        TrackingRequest(frames=(0, 3), fps=100.0, rig=rig),
+        settings=Maghsoudi2019Settings(),
     )
 
 
@@ -65,7 +68,7 @@ def found(chance, uv=TRUTH):
 
 
 def written(layout, tracks, rig=RIG, placed=None):
-    task = Task(frames=(0, 3), fps=100.0, rig=rig)
+    task = TrackingRequest(frames=(0, 3), fps=100.0, rig=rig)
     return write_tracks(tracks, layout(rig), task, placed=placed or {})
 
 

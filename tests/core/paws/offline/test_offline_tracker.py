@@ -12,8 +12,8 @@ from pawnb.core.paws.offline import tracker, windows
 from pawnb.core.paws.offline.detection.evidence import Detections
 from pawnb.core.paws.offline.parameters import OfflineParameters, SceneParameters
 from pawnb.core.paws.offline.quality.measures import CALIBRATED
-from pawnb.core.paws.offline.tracker import track_offline
-from pawnb.core.paws.request import Task
+from pawnb.core.paws.offline.tracker import track_learnt
+from pawnb.core.paws.request import TrackingRequest
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE
 
@@ -58,7 +58,7 @@ def clicks(truth, frames, *, view="side", points=POINTS):
 
 
 def task(**kept):
-    return Task(frames=(0, N), fps=100.0, points_by_view={"side": POINTS}, **kept)
+    return TrackingRequest(frames=(0, N), fps=100.0, points_by_view={"side": POINTS}, **kept)
 
 
 def off(tracks, truth, view="side"):
@@ -86,7 +86,7 @@ def views(array_views, make_texture, truth):
     ],
 )
 def test_points_are_tracked_from_any_number_of_clicked_frames(views, truth, frames):
-    tracks = track_offline(views, clicks(truth, frames), task(), parameters=QUICK)
+    tracks = track_learnt(views, clicks(truth, frames), task(), parameters=QUICK)
     assert off(tracks, truth).max() < 4
     origin = tracks["image_origin"].isel(view=0, individual=0).to_numpy()
     assert (origin[frames] == ORIGIN_CODE["edited"]).all()
@@ -98,13 +98,13 @@ def test_points_are_tracked_from_any_number_of_clicked_frames(views, truth, fram
 
 def test_a_part_of_the_points_may_be_clicked_in_a_frame(views, truth):
     start = pd.concat([clicks(truth, [2], points=["FR"]), clicks(truth, [9], points=["HR"])])
-    found = track_offline(views, start, task(), parameters=QUICK)
+    found = track_learnt(views, start, task(), parameters=QUICK)
     assert (off(found, truth) < 4).mean() > 0.85
 
 
 def test_a_point_without_any_click_is_refused(views, truth):
     with pytest.raises(InputError, match="'HR' is clicked in no view"):
-        track_offline(views, clicks(truth, [2], points=["FR"]), task(), parameters=QUICK)
+        track_learnt(views, clicks(truth, [2], points=["FR"]), task(), parameters=QUICK)
 
 
 @pytest.mark.slow
@@ -114,8 +114,8 @@ def test_views_without_a_rig_are_tracked_each_by_itself(array_views, make_textur
         {"side": film(make_texture, truth), "other": film(make_texture, mirrored, seed=9)}
     )
     start = pd.concat([clicks(truth, [4]), clicks(mirrored, [4], view="other")])
-    asked = Task(frames=(0, N), fps=100.0)
-    tracks = track_offline(views, start, asked, parameters=QUICK)
+    asked = TrackingRequest(frames=(0, N), fps=100.0)
+    tracks = track_learnt(views, start, asked, parameters=QUICK)
     assert (off(tracks, truth) < 4).mean() > 0.9
     assert (off(tracks, mirrored, "other") < 4).mean() > 0.9
     # position is that of the first view
@@ -126,12 +126,12 @@ def test_views_without_a_rig_are_tracked_each_by_itself(array_views, make_textur
 def test_long_recordings_go_on_from_window_to_window(views, truth, monkeypatch):
     monkeypatch.setattr(windows, "MOST_ROWS", 16)
     monkeypatch.setattr(windows, "_OVERLAP", 8)
-    tracks = track_offline(views, clicks(truth, [4]), task(), parameters=QUICK)
+    tracks = track_learnt(views, clicks(truth, [4]), task(), parameters=QUICK)
     assert (off(tracks, truth) < 4).mean() > 0.85
 
 
 def test_where_it_is_stopped_there_is_nothing(views, truth):
-    tracks = track_offline(views, clicks(truth, [2]), task(stop=lambda: True), parameters=QUICK)
+    tracks = track_learnt(views, clicks(truth, [2]), task(stop=lambda: True), parameters=QUICK)
     assert tracks.sizes["time"] == 0
 
 
@@ -152,8 +152,8 @@ def test_a_kind_of_evidence_of_another_package_is_taken(
             return Detections(row, point, truth[row, point], sure, sd_px)
 
     start = clicks(truth, [2, 10, 20])
-    alone = track_offline(views, start, task(), parameters=QUICK)
+    alone = track_learnt(views, start, task(), parameters=QUICK)
     monkeypatch.setattr(tracker, "installed_evidence", lambda: [Known()])
-    helped = track_offline(views, start, task(), parameters=QUICK)
+    helped = track_learnt(views, start, task(), parameters=QUICK)
     assert np.median(off(alone, truth)) > 4
     assert np.median(off(helped, truth)) < 3

@@ -38,18 +38,18 @@ def test_a_body_that_leapt_is_found(started):
         astray = pose.copy()
         astray[:2] += leap
         astray[2] += 0.15
-        sight, _, _ = fitter.look(reader.frame(0), astray, margin=np.inf)
-        found = fitter.body_found(astray, sight)
+        image_evidence, _, _ = fitter.look(reader.frame(0), astray, margin=np.inf)
+        found = fitter.body_found(astray, image_evidence)
         assert np.hypot(*(found[:2] - pose[:2])) < 1.5
         assert abs(found[2] - pose[2]) < 0.05
 
 
 def test_a_leg_on_the_body_has_no_support(started):
     fitter, pose, reader, _ = started
-    sight, _, _ = fitter.look(reader.frame(0), pose)
-    assert (fitter.support(pose, sight) > 0.8).all()
+    image_evidence, _, _ = fitter.look(reader.frame(0), pose)
+    assert (fitter.support(pose, image_evidence) > 0.8).all()
     folded = pose.copy()
     angles, lengths = np.split(fitter.numbers[1], 2)
     folded[angles] = [np.pi, 0.0, 0.0, 0.0, 0.0][: len(angles)]  # across the body
     folded[lengths] = -2.0
-    assert np.isnan(fitter.support(folded, sight)[1, 0])
+    assert np.isnan(fitter.support(folded, image_evidence)[1, 0])

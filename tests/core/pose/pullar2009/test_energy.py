@@ -10,7 +10,7 @@ from scipy import ndimage
 from pawnb.core.pose.background import Background, mean_background
 from pawnb.core.pose.contrast import neighbour_costs, squared_gradient
 from pawnb.core.pose.poses import Poses
-from pawnb.core.pose.pullar2009.energy import PaperEnergy
+from pawnb.core.pose.pullar2009.energy import Pullar2009Energy
 from pawnb.core.pose.pullar2009.energy_view import explain_energy
 from pawnb.core.pose.pullar2009.likelihood import (
     background_cost,
@@ -19,7 +19,7 @@ from pawnb.core.pose.pullar2009.likelihood import (
     subject_statistics,
 )
 from pawnb.core.pose.pullar2009.mincut import cut_grid, grid_energy
-from pawnb.core.pose.pullar2009.settings import PaperPoseSettings
+from pawnb.core.pose.pullar2009.settings import Pullar2009Settings
 from pawnb.core.pose.species_file import load_species
 from pawnb.core.pose.sticks import pose_vector
 from pawnb.errors import InputError
@@ -46,9 +46,9 @@ def scene():
 
 
 def energy_of(scene, **settings):
-    return PaperEnergy(
+    return Pullar2009Energy(
         scene.animal, scene.pose, picture=scene.picture, background=scene.background,
-        settings=PaperPoseSettings(**settings),
+        settings=Pullar2009Settings(**settings),
     )  # fmt: skip
 
 
@@ -125,7 +125,7 @@ def test_every_parameter_can_be_set(scene):
 )
 def test_impossible_settings_are_refused(setting, words):
     with pytest.raises(InputError, match=words):
-        PaperPoseSettings(**setting)
+        Pullar2009Settings(**setting)
 
 
 @pytest.mark.parametrize("subject", ["background mean", "gaussian"])
@@ -201,7 +201,7 @@ def test_higher_ising_parameter_gives_smoother_borders(scene):
     def borders(ising):
         x = explain_energy(
             scene.picture, scene.pose, animal=scene.animal, background=scene.background,
-            settings=PaperPoseSettings(ising=ising, contrast=0.0),
+            settings=Pullar2009Settings(ising=ising, contrast=0.0),
         ).segmentation.astype(int)  # fmt: skip
         return np.abs(np.diff(x, axis=0)).sum() + np.abs(np.diff(x, axis=1)).sum()
 

@@ -9,11 +9,11 @@ from painted_spider import PaintedReader, paint
 
 from pawnb.core.pose.background import mean_background
 from pawnb.core.pose.poses import Poses, join_poses, joint_positions, leg_angles, natural_pose
-from pawnb.core.pose.pullar2009.energy import PaperEnergy
+from pawnb.core.pose.pullar2009.energy import Pullar2009Energy
 from pawnb.core.pose.pullar2009.inference import draw_turns, infer_pose
 from pawnb.core.pose.pullar2009.limb_steps import part_distances, shape_cost, softplus
-from pawnb.core.pose.pullar2009.settings import PaperPoseSettings
-from pawnb.core.pose.pullar2009.tracker import track_pose_paper
+from pawnb.core.pose.pullar2009.settings import Pullar2009Settings
+from pawnb.core.pose.pullar2009.tracker import track_pullar2009
 from pawnb.core.pose.species_file import load_species
 from pawnb.core.pose.sticks import pose_vector
 from pawnb.errors import InputError, InputWarning
@@ -22,7 +22,7 @@ from pawnb.schema import ORIGIN_CODE
 ANIMAL = load_species("open_insect.toml", folder=Path(__file__).parent)
 SIZE = (330, 250)
 SCALE = 34.0
-QUICK = PaperPoseSettings(combinations=16, max_rounds=5, leg_lengths="start")
+QUICK = Pullar2009Settings(combinations=16, max_rounds=5, leg_lengths="start")
 
 
 def walking(n, *, first=0, step=3.0, x=130.0):
@@ -69,7 +69,7 @@ def error_px(found, true):
 def test_walk_is_followed_both_ways_from_a_frame_in_the_middle(walk):
     poses, reader, background = walk
     seen = []
-    track = track_pose_paper(
+    track = track_pullar2009(
         reader, moved(poses.take([3]), xy=(2, -2), heading=4), animal=ANIMAL,
         background=background, settings=QUICK, frames=(6, 12),
         progress=lambda done, total: seen.append((done, total)),
@@ -96,7 +96,7 @@ def test_frames_between_two_start_poses_are_tracked_from_the_nearer(walk):
     angles = wrong.angles_deg.copy()
     angles[0, ANIMAL.joints.index("L2_BC")] = angles[0, ANIMAL.joints.index("L1_BC")]
     starts = join_poses([dataclasses.replace(wrong, angles_deg=angles), poses.take([4])])
-    track = track_pose_paper(
+    track = track_pullar2009(
         reader, starts, animal=ANIMAL, background=background, settings=QUICK, frames=(6, 12)
     )
     assert np.isfinite(track.poses.xy).all()
@@ -110,7 +110,7 @@ def test_runs_are_repeatable_and_the_seed_matters(walk):
     poses, reader, background = walk
 
     def run(**settings):
-        return track_pose_paper(
+        return track_pullar2009(
             reader, poses.take([0]), animal=ANIMAL, background=background, frames=(6, 7),
             settings=dataclasses.replace(QUICK, **settings),
         ).poses.angles_deg  # fmt: skip
@@ -125,7 +125,7 @@ def test_lengths_in_the_start_pose_are_kept_where_asked(walk):
     short = dataclasses.replace(start, lengths_px=0.9 * start.lengths_px)
 
     def lengths(kind):
-        return track_pose_paper(
+        return track_pullar2009(
             reader, short, animal=ANIMAL, background=background, frames=(6, 7),
             settings=dataclasses.replace(QUICK, leg_lengths=kind),
         ).poses.lengths_px[0]  # fmt: skip
@@ -138,7 +138,7 @@ def test_lengths_in_the_start_pose_are_kept_where_asked(walk):
 def test_energy_never_rises_and_falls_from_a_bad_guess(walk):
     poses, reader, background = walk
     picture, start = reader.frame(8).image(), poses.take([2])
-    energy = PaperEnergy(ANIMAL, start, picture=picture, background=background, settings=QUICK)
+    energy = Pullar2009Energy(ANIMAL, start, picture=picture, background=background, settings=QUICK)
     guess = pose_vector(moved(start, xy=(3, 3), heading=6, angles=4))
     frame = energy.frame(picture, guess, slack_px=25)
     fit = infer_pose(energy, frame, guess, rng=np.random.default_rng(0))
@@ -161,7 +161,7 @@ def test_turns_go_outwards_with_falling_steps():
 def test_shape_cost_for_given_labels_is_the_sum_over_pixels(walk):
     poses, reader, background = walk
     picture, start = reader.frame(8).image(), poses.take([2])
-    energy = PaperEnergy(ANIMAL, start, picture=picture, background=background, settings=QUICK)
+    energy = Pullar2009Energy(ANIMAL, start, picture=picture, background=background, settings=QUICK)
     vector, p, sticks = pose_vector(start), energy.parameters, energy.sticks
     labels = np.random.default_rng(1).random((80, 90)) < 0.3
     points, parts = sticks.points(vector), sticks.parts(vector)
@@ -180,21 +180,21 @@ def test_shape_cost_for_given_labels_is_the_sum_over_pixels(walk):
 def test_a_start_pose_off_the_animal_is_refused(walk):
     poses, reader, background = walk
     with pytest.raises(InputError, match=r"not on the animal: only \d+ % .* move the pose there"):
-        track_pose_paper(reader, moved(poses.take([0]), xy=(85, 0)), animal=ANIMAL,
+        track_pullar2009(reader, moved(poses.take([0]), xy=(85, 0)), animal=ANIMAL,
                          background=background, frames=(6, 8))  # fmt: skip
 
 
 def test_a_start_pose_at_the_edge_is_refused(walk):
     poses, reader, background = walk
     with pytest.raises(InputError, match=r"reaches outside the picture .* start in a frame"):
-        track_pose_paper(reader, moved(poses.take([0]), xy=(-115, 0)), animal=ANIMAL,
+        track_pullar2009(reader, moved(poses.take([0]), xy=(-115, 0)), animal=ANIMAL,
                          background=background, frames=(6, 8))  # fmt: skip
 
 
 def test_a_start_pose_of_another_stretch_is_refused(walk):
     poses, reader, background = walk
     with pytest.raises(InputError, match="frame 6, but frames 8 to 9"):
-        track_pose_paper(reader, poses.take([0]), animal=ANIMAL, background=background,
+        track_pullar2009(reader, poses.take([0]), animal=ANIMAL, background=background,
                          frames=(8, 10))  # fmt: skip
 
 
@@ -202,7 +202,7 @@ def test_tracking_ends_where_the_animal_leaves_the_picture():
     poses = walking(5, first=6, step=14.0, x=240.0)
     reader, background = filmed(poses)
     with pytest.warns(InputWarning, match=r"reaches outside the picture; tracking forwards ends"):
-        track = track_pose_paper(reader, poses.take([0]), animal=ANIMAL, background=background,
+        track = track_pullar2009(reader, poses.take([0]), animal=ANIMAL, background=background,
                                  settings=QUICK, frames=(6, 11))  # fmt: skip
     assert len(track) == 5
     lost = np.isnan(track.poses.xy[:, 0])
@@ -213,6 +213,6 @@ def test_tracking_ends_where_the_animal_leaves_the_picture():
 
 def test_tracking_can_be_stopped(walk):
     poses, reader, background = walk
-    track = track_pose_paper(reader, poses.take([0]), animal=ANIMAL, background=background,
+    track = track_pullar2009(reader, poses.take([0]), animal=ANIMAL, background=background,
                              settings=QUICK, frames=(6, 12), stop=lambda: True)  # fmt: skip
     assert np.isfinite(track.poses.xy[:, 0]).tolist() == [True] + [False] * 5

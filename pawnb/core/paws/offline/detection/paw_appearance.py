@@ -22,12 +22,12 @@ from pawnb.core.paws.offline.detection.appearance import vary_picture
 from pawnb.core.paws.offline.detection.classifier import Classifier, train_classifier
 from pawnb.core.paws.offline.detection.colour.blob_detection import peaks_at
 from pawnb.core.paws.offline.detection.colour.colour_model import Appearance
-from pawnb.core.paws.offline.detection.colour.illumination import in_light
-from pawnb.core.paws.offline.detection.colour.scan import Region, searched
+from pawnb.core.paws.offline.detection.colour.illumination import normalise_illumination
+from pawnb.core.paws.offline.detection.colour.scan import ROI, searched
 from pawnb.core.paws.offline.detection.features import feature_maps
 from pawnb.core.paws.offline.parameters import AppearanceParameters
 from pawnb.core.paws.offline.scene.treadmill import Scene
-from pawnb.core.paws.offline.smoothing.refinement import Refined
+from pawnb.core.paws.offline.smoothing.refinement import SmoothedTracks
 from pawnb.core.pixels.grey import grey, has_colour
 
 LEAST_THICKNESS = 0.05
@@ -38,7 +38,7 @@ _THICKNESS_PX, _SPACING = 18.0, 4
 labels of a grey film (half scale, seed 31) 0 and 21 were wrong where it was enlarged 3.3 and 2.0
 times; this is 2.8."""
 _PAW, _DOUBTFUL, _OPEN = 0.35, 0.7, 1.2
-"""In thicknesses: what lies so near to a paw's point is the paw, what is neither it nor background,
+"""In paw widths: what lies so near to a paw's point is the paw, what is neither it nor background,
 and what may be a paw where one was not clicked."""
 _MOST_ODDS = 4.0
 """Largest logarithm of odds: networks that learnt from few clicks are too sure."""
@@ -49,9 +49,9 @@ _COPIES, _COPIES_TRACKED = 8, 1
 _FRAMES = 32
 """Frames from which is learnt again, spread over the recording."""
 _CODE = ("classifier.py", "features.py", "paw_appearance.py")
-"""What kept candidates depend on besides what was learnt from."""
+"""What kept detections depend on besides what was learnt from."""
 _SURE = 0.3
-"""Standard deviation, in thicknesses, below which a track is learnt from."""
+"""Standard deviation, in paw widths, below which a track is learnt from."""
 
 
 @dataclass(frozen=True)
@@ -117,7 +117,7 @@ class _Reading:
 
 
 class _Known:
-    """A classifier that is known by what it was learnt from: kept candidates depend on it."""
+    """A classifier that is known by what it was learnt from: kept detections depend on it."""
 
     def __init__(self, classify: Classifier, key: str) -> None:
         self.classify, self._key = classify, key
@@ -190,13 +190,13 @@ def clicked_lessons(
 
 
 def tracked_lessons(
-    refined: Refined, scene: Scene, tracked: np.ndarray, *, first: int
+    refined: SmoothedTracks, scene: Scene, tracked: np.ndarray, *, first: int
 ) -> dict[int, PawLesson]:
     """Return what tracks teach where they are certain and the paw was seen: frame to lesson.
 
     Parameters
     ----------
-    refined : Refined
+    refined : SmoothedTracks
         The tracks.
     scene : Scene
         What the clicks say.
@@ -207,7 +207,7 @@ def tracked_lessons(
     """
     shown = scene.geometry.project(refined.x)  # (n, P, V, 2)
     seen = np.isfinite(np.swapaxes(refined.measured[..., 0], 1, 2))  # (n, V, P)
-    sure = refined.sd.mean(axis=-1) < _SURE * scene.thickness
+    sure = refined.sd.mean(axis=-1) < _SURE * scene.paw_width
     lessons = {}
     for row in np.unique(np.linspace(0, len(shown) - 1, _FRAMES).round().astype(int)).tolist():
         own = seen[row] & sure[row] & tracked
@@ -248,10 +248,10 @@ def with_paw_looks(
     is_colour = all(has_colour(p.pixels) for p in pictures)
     readings = [
         _Reading(
-            _THICKNESS_PX * look.shrink / float(scene.thickness_px[v]), layout.facing[v] < 0,
+            _THICKNESS_PX * detector.shrink / float(scene.paw_width_px[v]), layout.facing[v] < 0,
             black, white, is_colour,
         )
-        for v, look in enumerate(scene.looks)
+        for v, detector in enumerate(scene.detectors)
     ]  # fmt: skip
     random = np.random.default_rng(0)
     lots = [lot for p in pictures for lot in _lots(p, readings[p.view], random, parameters)]
@@ -261,22 +261,25 @@ def with_paw_looks(
     known = _Known(train_classifier(features, labels, n_points=1, parameters=parameters), key)
     learnt = [
         PawLook(
-            np.empty(0, np.float32), look.appearance.thickness_px, look.appearance.around_px,
-            known=known, reading=reading,
+            np.empty(0, np.float32),
+            detector.appearance.paw_width_px,
+            detector.appearance.around_px,
+            known=known,
+            reading=reading,
         )
-        for look, reading in zip(scene.looks, readings, strict=True)
-    ]  # fmt: skip
+        for detector, reading in zip(scene.detectors, readings, strict=True)
+    ]
     at_clicks = [
-        peaks_at(learnt[p.view].score(p.pixels), p.paws, scene.looks[p.view].reach)
+        peaks_at(learnt[p.view].score(p.pixels), p.paws, scene.detectors[p.view].reach)
         for p in pictures
         if p.copies == _COPIES
     ]
     usual = max(float(np.median(np.concatenate(at_clicks))), 0.1)
-    looks = [
-        replace(look, is_spots=True, appearance=replace(one, usual=usual))
-        for look, one in zip(scene.looks, learnt, strict=True)
+    detectors = [
+        replace(detector, finds_blobs=True, appearance=replace(one, usual=usual))
+        for detector, one in zip(scene.detectors, learnt, strict=True)
     ]
-    return replace(scene, looks=looks)
+    return replace(scene, detectors=detectors)
 
 
 @dataclass(frozen=True)
@@ -302,14 +305,16 @@ def _pictures(
             paws, doubtful = lesson.paws[v], lesson.doubtful[v]
             if not len(paws):
                 continue
-            look, region = scene.looks[v], scene.regions[v]
+            detector, roi = scene.detectors[v], scene.rois[v]
             if frame != scene.home:  # the animal may have moved
-                centre = np.array([paws[:, 0].mean(), region.centre[1]])
-                region = Region(centre, region.half, region.size)
-            pixels, origin = searched(opened[name], region, look.shrink)
-            paws, doubtful = ((at - origin + 0.5) / look.shrink - 0.5 for at in (paws, doubtful))
+                centre = np.array([paws[:, 0].mean(), roi.centre[1]])
+                roi = ROI(centre, roi.half, roi.size)
+            pixels, origin = searched(opened[name], roi, detector.shrink)
+            paws, doubtful = (
+                (at - origin + 0.5) / detector.shrink - 0.5 for at in (paws, doubtful)
+            )
             copies = _COPIES if lesson.clicked else _COPIES_TRACKED
-            pixels = in_light(pixels, look.light)
+            pixels = normalise_illumination(pixels, detector.illumination)
             found.append(_Picture(v, pixels, paws, doubtful, copies, lesson.whole))
     return found
 
@@ -349,7 +354,7 @@ def _lots(
 
 
 def _distances(shape: tuple[int, int], at: np.ndarray) -> np.ndarray:
-    """Return how far each place of a grid (h * w,) is from the nearest position, thicknesses."""
+    """Return how far each place of a grid (h * w,) is from the nearest position, paw widths."""
     h, w = shape
     grid = np.stack(np.meshgrid(np.arange(w), np.arange(h)), axis=-1) * _SPACING + _SPACING // 2
     away = np.full(h * w, np.inf)

@@ -14,8 +14,8 @@ _BEFORE, _AFTER = 10, 6
 
 
 @dataclass(frozen=True)
-class OpenStretch:
-    """Frames of a point that are told anew, in the order in which they are told.
+class Gap:
+    """Frames of a point that are associated again, in the order in which they are followed.
 
     Parameters
     ----------
@@ -24,7 +24,7 @@ class OpenStretch:
     is_last : bool
         Whether hardly anything follows.
     way : int
-        +1, or -1 where it is told backwards in time.
+        +1, or -1 where it is followed backwards in time.
     """
 
     before: np.ndarray
@@ -34,7 +34,7 @@ class OpenStretch:
     way: int
 
     @classmethod
-    def of(cls, first: int, stop: int, is_open: np.ndarray) -> OpenStretch:
+    def of(cls, first: int, stop: int, is_open: np.ndarray) -> Gap:
         """Return the stretch ``first`` to ``stop`` (exclusive); the first one goes backwards."""
         n = len(is_open)
         frames = np.arange(n)

@@ -1,9 +1,9 @@
-"""What of a paw's limb is taken for a paw: where candidates lie about a tracked paw.
+"""What of a paw's limb is taken for a paw: where detections lie about a tracked paw.
 
-A wrist, a heel or the edge of a sleeve of fur makes candidates too, always at about the same
+A wrist, a heel or the edge of a sleeve of fur makes detections too, always at about the same
 place from its own paw. Where a paw meets another, they are what the other is mistaken for.
 How often they are where is learnt from the recording itself, for each point in each view,
-and so is how often other paws are as near: their ratio says whose a candidate is.
+and so is how often other paws are as near: their ratio says whose a detection is.
 """
 
 from __future__ import annotations
@@ -13,17 +13,17 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import gaussian_filter
 
-from pawnb.core.paws.offline.detection.colour.observations import Sights
+from pawnb.core.paws.offline.detection.colour.observations import Observations
 
 _REACH = 3.5
-"""Candidates up to so many thicknesses to either side of a paw may belong to its limb."""
+"""Detections up to so many paw widths to either side of a paw may belong to its limb."""
 _BIN = 0.5
-"""Side of a bin, in thicknesses: about how well a candidate's place is known."""
+"""Side of a bin, in paw widths: about how well a detection's place is known."""
 _BINS = round(2 * _REACH / _BIN)
 _AT = 0.5
-"""A candidate within so many thicknesses of a point is that point's."""
+"""A detection within so many paw widths of a point is that point's."""
 _GRADES = (0.1, 0.3)
-"""Candidates of a limb look worse than paws: those that look alike are counted together."""
+"""Detections of a limb look worse than paws: those that look alike are counted together."""
 _SMOOTH = 0.7
 """Standard deviation, in bins, by which counts are smoothed."""
 _BEFORE = 10.0
@@ -31,49 +31,49 @@ _BEFORE = 10.0
 
 
 @dataclass(frozen=True)
-class Limbs:
-    """What speaks for candidates being part of a point's limb.
+class LimbClutter:
+    """What speaks for detections being part of a point's limb.
 
     Parameters
     ----------
     cost : ndarray, shape (P, V, bins, bins)
-        What speaks against a candidate being another paw, a logarithm of odds, by how far
+        What speaks against a detection being another paw, a logarithm of odds, by how far
         (row) it lies below the point and (column) to the right of it.
     """
 
     cost: np.ndarray
 
-    def against(
-        self, uv: np.ndarray, sights: Sights, point: int, *, thickness_px: np.ndarray
+    def negative_log_odds(
+        self, uv: np.ndarray, observations: Observations, point: int, *, paw_width_px: np.ndarray
     ) -> np.ndarray:
-        """Return what the limb of a point says against every candidate being another's.
+        """Return what the limb of a point says against every detection being another's.
 
         Parameters
         ----------
         uv : ndarray, shape (n, V, 2)
             Where the point is, px.
-        sights : Sights
+        observations : Observations
             What every view shows.
         point : int
             Its number.
-        thickness_px : ndarray, shape (V,)
-            Thickness of a paw in each view.
+        paw_width_px : ndarray, shape (V,)
+            Width of a paw in each view.
 
         Returns
         -------
         ndarray, shape (n, V, C)
             The cost.
         """
-        row, column, inside = _bins(uv, sights.at[:, point], thickness_px)
-        view = np.arange(len(thickness_px))[:, None]
-        grade = np.digitize(sights.quality, _GRADES)
+        row, column, inside = _bins(uv, observations.at[:, point], paw_width_px)
+        view = np.arange(len(paw_width_px))[:, None]
+        grade = np.digitize(observations.detection_probability, _GRADES)
         return np.where(inside, self.cost[point][view, grade, row, column], 0.0)
 
 
-def learn_limbs(
-    uv: np.ndarray, trust: np.ndarray, sights: Sights, *, thickness_px: np.ndarray
-) -> Limbs:
-    """Learn where candidates lie about each point that are no point's.
+def learn_limb_clutter(
+    uv: np.ndarray, trust: np.ndarray, observations: Observations, *, paw_width_px: np.ndarray
+) -> LimbClutter:
+    """Learn where detections lie about each point that are no point's.
 
     Parameters
     ----------
@@ -81,36 +81,36 @@ def learn_limbs(
         Where the points are thought to be, px.
     trust : ndarray, shape (n, P)
         How much that is to be believed, 0 to 1; 0 where nothing is known.
-    sights : Sights
+    observations : Observations
         What every view shows.
-    thickness_px : ndarray, shape (V,)
-        Thickness of a paw in each view.
+    paw_width_px : ndarray, shape (V,)
+        Width of a paw in each view.
 
     Returns
     -------
-    Limbs
+    LimbClutter
         What was learnt.
     """
     n_points, n_views = uv.shape[1:3]
     n_grades = len(_GRADES) + 1
     count = np.zeros((n_points, n_views, n_grades * _BINS**2))
     # sightings of each point, those with all others elsewhere, and other points near them
-    told, apart, met = (np.zeros((n_points, n_views, 1, 1, 1)) for _ in range(3))
-    grade = np.digitize(sights.quality, _GRADES)
+    observed, apart, met = (np.zeros((n_points, n_views, 1, 1, 1)) for _ in range(3))
+    grade = np.digitize(observations.detection_probability, _GRADES)
     for p in range(n_points):
-        row, column, inside = _bins(uv[:, p], sights.at[:, p], thickness_px)
-        step = (sights.at[:, p] - uv[:, p, :, None]) / thickness_px[:, None, None]
-        near = (np.hypot(step[..., 0], step[..., 1]) < _AT) & sights.is_there
+        row, column, inside = _bins(uv[:, p], observations.at[:, p], paw_width_px)
+        step = (observations.at[:, p] - uv[:, p, :, None]) / paw_width_px[:, None, None]
+        near = (np.hypot(step[..., 0], step[..., 1]) < _AT) & observations.is_there
         # a point tells where it is seen and where every other is known to be elsewhere
         seen = trust[:, p, None] * near.any(axis=-1)
         others = np.delete(uv, p, axis=1) - uv[:, p, None]
-        away = np.abs(others / thickness_px[:, None]).max(axis=-1)
+        away = np.abs(others / paw_width_px[:, None]).max(axis=-1)
         alone = seen * np.delete(trust, p, axis=1).min(axis=1, initial=1.0)[:, None]
         alone = alone * (away > _REACH + 1.0).all(axis=1)
-        told[p, :, 0, 0, 0], apart[p, :, 0, 0, 0] = seen.sum(axis=0), alone.sum(axis=0)
+        observed[p, :, 0, 0, 0], apart[p, :, 0, 0, 0] = seen.sum(axis=0), alone.sum(axis=0)
         met[p, :, 0, 0, 0] = (seen[:, None] * (away < _REACH)).sum(axis=(0, 1))
         for v in range(n_views):
-            limb = inside[:, v] & sights.is_there[:, v] & ~near[:, v]
+            limb = inside[:, v] & observations.is_there[:, v] & ~near[:, v]
             number = (grade[:, v][limb] * _BINS + row[:, v][limb]) * _BINS + column[:, v][limb]
             weight = np.broadcast_to(alone[:, v, None], limb.shape)[limb]
             count[p, v] = np.bincount(number, weight, n_grades * _BINS**2)
@@ -120,15 +120,15 @@ def learn_limbs(
     # what is as common everywhere is no limb
     usual = np.median(rate, axis=(3, 4), keepdims=True)
     # other paws come from everywhere: one is assumed to have come beforehand
-    other = (met + 1.0) / (told + _BEFORE) / _BINS**2
-    return Limbs(np.log1p(np.maximum(rate - usual, 0.0) / (usual + other)))
+    other = (met + 1.0) / (observed + _BEFORE) / _BINS**2
+    return LimbClutter(np.log1p(np.maximum(rate - usual, 0.0) / (usual + other)))
 
 
 def _bins(
-    uv: np.ndarray, at: np.ndarray, thickness_px: np.ndarray
+    uv: np.ndarray, at: np.ndarray, paw_width_px: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return row and column of candidates (n, V, C) about a point, and whether they are near."""
-    step = (at - uv[:, :, None]) / thickness_px[:, None, None]
+    """Return row and column of detections (n, V, C) about a point, and whether they are near."""
+    step = (at - uv[:, :, None]) / paw_width_px[:, None, None]
     number = np.floor((step + _REACH) / _BIN)
     inside = ((number >= 0) & (number < _BINS)).all(axis=-1)
     number = np.where(inside[..., None], number, 0.0).astype(int)

@@ -1,4 +1,4 @@
-"""Telling what a point did in a stretch of frames, compiled: frame after frame, then back."""
+"""Multiple hypothesis tracking through a gap, compiled: frame after frame, then back."""
 
 from __future__ import annotations
 
@@ -8,36 +8,36 @@ import numpy as np
 
 from pawnb.core.compiled import compiled
 from pawnb.core.paws.offline.gap_closing.hypothesis_kernels import (
-    Moves,
-    Stories,
-    advance,
-    begin,
+    HypothesisBank,
+    ProcessNoise,
+    allocate,
     cell,
     copy,
-    expect,
-    room_for,
-    stand,
+    initialise,
+    predict,
+    update_with_expectation,
+    update_with_position,
 )
-from pawnb.core.paws.offline.gap_closing.mht_parameters import Telling
-from pawnb.core.paws.offline.gap_closing.update_kernels import Cameras, room_for_pairs, see
-from pawnb.core.paws.offline.stride.plausibility_kernels import Doubts, doubt
+from pawnb.core.paws.offline.gap_closing.mht_parameters import MHTParameters
+from pawnb.core.paws.offline.gap_closing.update_kernels import Cameras, allocate_pairs, associate
+from pawnb.core.paws.offline.stride.plausibility_kernels import KinematicPrior, add_kinematic_cost
 
-_LAG = 25.0
-"""Stories dearer than the best by this are forgotten."""
-_ASTRAY = 50.0
+_PRUNING_COST = 25.0
+"""Hypotheses dearer than the best by this are forgotten."""
+_OUT_OF_REACH_COST = 50.0
 """Cost of a frame farther from where the stretch begins than a point goes."""
 
 
-class Shown(NamedTuple):
-    """What the frames of a stretch show; certain frames follow those that show candidates.
+class GapEvidence(NamedTuple):
+    """What the frames of a stretch show; certain frames follow those that show detections.
 
     Parameters
     ----------
     number : ndarray of int, shape (f, V)
-        Candidates of each frame and view.
+        Detections of each frame and view.
     at : ndarray, shape (f, V, c, 2)
         Where each says the point is, px.
-    against : ndarray, shape (2, f, V, c)
+    negative_log_odds : ndarray, shape (2, f, V, c)
         What speaks against each: a poor look, or that another point explains it; and the same
         for a paw that has just lifted off.
     covered : ndarray of bool, shape (f,)
@@ -50,13 +50,13 @@ class Shown(NamedTuple):
 
     number: np.ndarray
     at: np.ndarray
-    against: np.ndarray
+    negative_log_odds: np.ndarray
     covered: np.ndarray
     certain: np.ndarray
     lifting: np.ndarray
 
 
-class Expected(NamedTuple):
+class ExpectedPositions(NamedTuple):
     """Where a point is expected in the frames of a stretch and those that follow.
 
     Parameters
@@ -76,34 +76,34 @@ class Expected(NamedTuple):
     most: np.ndarray
 
 
-class How(NamedTuple):
-    """How a point is told of.
+class TargetModel(NamedTuple):
+    """The model of the target.
 
     Parameters
     ----------
     cameras : Cameras
         What sees it.
-    moves, doubts : Moves, Doubts
+    process_noise, kinematic_prior : ProcessNoise, KinematicPrior
         How it moves.
-    told : Telling
-        How its stories are told.
+    parameters : MHTParameters
+        The parameters.
     """
 
     cameras: Cameras
-    moves: Moves
-    doubts: Doubts
-    told: Telling
+    process_noise: ProcessNoise
+    kinematic_prior: KinematicPrior
+    parameters: MHTParameters
 
 
-class Past(NamedTuple):
-    """What the stories were at the end of each frame.
+class History(NamedTuple):
+    """What the hypotheses were at the end of each frame.
 
     Parameters
     ----------
     origin : ndarray of int, shape (f, b)
-        Which of the stories of the frame before each was.
+        Which of the hypotheses of the frame before each was.
     taken : ndarray of int, shape (f, V, b)
-        Candidates that each took, -1 where none.
+        Detections that each took, -1 where none.
     standing : ndarray of bool, shape (f, b)
         Whether it stood.
     """
@@ -114,15 +114,15 @@ class Past(NamedTuple):
 
 
 @compiled
-def tell_stretch(
+def run_mht(
     state: np.ndarray,
     covariance: np.ndarray,
     place: np.ndarray,
-    shown: Shown,
-    expected: Expected,
-    how: How,
+    evidence: GapEvidence,
+    expected: ExpectedPositions,
+    target: TargetModel,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Tell what a point did in a stretch of frames.
+    """Find what a point did in a gap.
 
     Parameters
     ----------
@@ -131,121 +131,154 @@ def tell_stretch(
         along each axis.
     place : ndarray, shape (d,)
         Where it stands, NaN where it does not: it goes on standing until it lifts off.
-    shown : Shown
+    evidence : GapEvidence
         What the frames show.
-    expected : Expected
+    expected : ExpectedPositions
         Where the point is expected.
-    how : How
-        How it is told of.
+    target : TargetModel
+        The model of the target.
 
     Returns
     -------
     taken : ndarray of int, shape (f, V)
-        The candidates that the likeliest story took, -1 where none.
+        The detections that the likeliest hypothesis took, -1 where none.
     stood : ndarray of bool, shape (f,)
         Whether the point stands in it.
     """
-    told, (frames, views) = how.told, shown.number.shape
-    every = frames + len(shown.certain)
-    room = max(2 * told.most, told.most_within)
-    now, then = room_for(room, len(place), views), room_for(room, len(place), views)
-    pairs = room_for_pairs(room * shown.at.shape[2])
-    past = Past(
-        np.empty((every, told.most), np.int64), np.empty((every, views, told.most), np.int64),
-        np.empty((every, told.most), np.bool_),
-    )  # fmt: skip
-    n = begin(now, state, covariance, place, how.moves)
+    parameters, (frames, views) = target.parameters, evidence.number.shape
+    every = frames + len(evidence.certain)
+    room = max(2 * parameters.most, parameters.most_within)
+    now, then = allocate(room, len(place), views), allocate(room, len(place), views)
+    pairs = allocate_pairs(room * evidence.at.shape[2])
+    history = History(
+        np.empty((every, parameters.most), np.int64),
+        np.empty((every, views, parameters.most), np.int64),
+        np.empty((every, parameters.most), np.bool_),
+    )
+    n = initialise(now, state, covariance, place, target.process_noise)
     for t in range(every):
-        n = advance(now, n, then, how.moves, told.kick_cost, shown.lifting[t])
+        n = predict(
+            now, n, then, target.process_noise, parameters.impulse_cost, evidence.lifting[t]
+        )
         now, then = then, now
         if t >= frames:
-            stand(now, n, shown.certain[t - frames], told.noise**2)
+            update_with_position(now, n, evidence.certain[t - frames], parameters.noise**2)
         else:
             for v in range(views):
-                c = shown.number[t, v]
-                now, then, n = see(
-                    now, n, then, v, how.cameras, shown.at[t, v, :c], shown.against[:, t, v, :c],
-                    told, pairs,
-                )  # fmt: skip
+                c = evidence.number[t, v]
+                now, then, n = associate(
+                    now,
+                    n,
+                    then,
+                    v,
+                    target.cameras,
+                    evidence.at[t, v, :c],
+                    evidence.negative_log_odds[:, t, v, :c],
+                    parameters,
+                    pairs,
+                )
         for k in range(len(expected.at)):
             at, variance = expected.at[k, t], expected.variance[k, t]
             if not np.isnan(at[0]):
-                expect(now, n, at, expected.axes[k], variance, expected.most[k])
-        charge(now, n, state[0], how, t >= frames, t < frames and shown.covered[t])
-        n = settle(now, n, then, told)
+                update_with_expectation(now, n, at, expected.axes[k], variance, expected.most[k])
+        add_motion_cost(now, n, state[0], target, t >= frames, t < frames and evidence.covered[t])
+        n = prune_and_merge(now, n, then, parameters)
         now, then = then, now
         for b in range(n):
-            past.origin[t, b], past.standing[t, b] = now.origin[b], now.standing[b]
+            history.origin[t, b], history.standing[t, b] = now.origin[b], now.standing[b]
             for v in range(views):
-                past.taken[t, v, b] = now.taken[v, b]
-    return _read(past, frames)
+                history.taken[t, v, b] = now.taken[v, b]
+    return _read(history, frames)
 
 
 @compiled
-def charge(
-    stories: Stories, n: int, home: np.ndarray, how: How, certain: bool, covered: bool
+def add_motion_cost(
+    hypotheses: HypothesisBank,
+    n: int,
+    home: np.ndarray,
+    target: TargetModel,
+    certain: bool,
+    covered: bool,
 ) -> None:
-    """Let stories pay for what is unlikely of them in a frame, and note which are hidden.
+    """Let hypotheses pay for what is unlikely of them in a frame, and note which are occluded.
 
     Parameters
     ----------
-    stories : Stories
-        The stories, and
+    hypotheses : HypothesisBank
+        The hypotheses, and
     n : int
         how many there are.
     home : ndarray, shape (d,)
         Where the point was when they began.
-    how : How
-        How they are told.
+    target : TargetModel
+        The parameters.
     certain : bool
-        Whether the frame had a certain place, so that nothing is hidden.
+        Whether the frame had a certain place, so that nothing is occluded.
     covered : bool
         Whether another paw covers the point in all views that track it, if it stands.
     """
-    d, told = len(home), how.told
+    d, parameters = len(home), target.parameters
     recent = np.empty(n, np.bool_)
     for b in range(n):
         square = 0.0
         for i in range(d):
-            square += (stories.mean[i, b] - home[i]) ** 2
-        if square > told.reach * told.reach:
-            stories.cost[b] += _ASTRAY
-        recent[b] = 0 < stories.since[b] <= told.swinging
+            square += (hypotheses.mean[i, b] - home[i]) ** 2
+        if square > parameters.reach * parameters.reach:
+            hypotheses.cost[b] += _OUT_OF_REACH_COST
+        recent[b] = 0 < hypotheses.since[b] <= parameters.swinging
         if certain:
-            stories.hidden[b] = False
+            hypotheses.occluded[b] = False
         else:
-            stories.cost[b] += _hide(stories, b, how.cameras.own, told, covered)
-    doubt(stories.mean[:d, :n], stories.mean[d : 2 * d, :n], recent, how.doubts, stories.cost[:n])
+            hypotheses.cost[b] += _occlusion_cost(
+                hypotheses, b, target.cameras.tracked_in_view, parameters, covered
+            )
+    add_kinematic_cost(
+        hypotheses.mean[:d, :n],
+        hypotheses.mean[d : 2 * d, :n],
+        recent,
+        target.kinematic_prior,
+        hypotheses.cost[:n],
+    )
 
 
 @compiled
-def _hide(stories: Stories, b: int, own: np.ndarray, told: Telling, covered: bool) -> float:
-    """Return what being seen or hidden costs a story, and note whether it is hidden."""
-    views, most, was = 0, 0, stories.hidden[b]
-    for v in range(len(own)):
-        if own[v]:
+def _occlusion_cost(
+    hypotheses: HypothesisBank,
+    b: int,
+    tracked_in_view: np.ndarray,
+    parameters: MHTParameters,
+    covered: bool,
+) -> float:
+    """Return what being seen or occluded costs a hypothesis, and note whether it is occluded."""
+    views, most, was = 0, 0, hypotheses.occluded[b]
+    for v in range(len(tracked_in_view)):
+        if tracked_in_view[v]:
             most += 1
-            views += stories.taken[v, b] >= 0
-    stories.hidden[b] = views == 0
+            views += hypotheses.taken[v, b] >= 0
+    hypotheses.occluded[b] = views == 0
     if views > 0:
-        return (told.show if was else 0.0) + told.half * (1.0 - views / most)
-    if covered and stories.standing[b]:
-        return told.covered
-    return told.stay if was else told.hide
+        return (parameters.reappearance_cost if was else 0.0) + parameters.one_view_cost * (
+            1.0 - views / most
+        )
+    if covered and hypotheses.standing[b]:
+        return parameters.covered
+    return parameters.occlusion_frame_cost if was else parameters.occlusion_onset_cost
 
 
 @compiled
-def settle(now: Stories, n: int, then: Stories, told: Telling) -> int:
-    """End the frame: forget unlikely stories and those that tell the same.
+def prune_and_merge(
+    now: HypothesisBank, n: int, then: HypothesisBank, parameters: MHTParameters
+) -> int:
+    """End the frame: prune unlikely hypotheses and merge those that are the same.
 
     Parameters
     ----------
-    now, then : Stories
-        The stories, and where those go that are left, the likeliest first.
+    now, then : HypothesisBank
+        The hypotheses, and where those go that are left, the likeliest first.
     n : int
         How many there are.
-    told : Telling
-        How they are told.
+    parameters : MHTParameters
+        The parameters.
 
     Returns
     -------
@@ -258,13 +291,13 @@ def settle(now: Stories, n: int, then: Stories, told: Telling) -> int:
         for b in range(n):
             # rounding may take a variance below nothing
             spread = np.sqrt(max(now.covariance[cell(i, i), b], 0.0))
-            grain[i, b] = 0.5 * told.noise + told.alike * spread
-    kept, left = np.empty(told.most, np.int64), np.empty(n)
+            grain[i, b] = 0.5 * parameters.noise + parameters.alike * spread
+    kept, left = np.empty(parameters.most, np.int64), np.empty(n)
     count, limit = 0, np.inf
     for b in range(n):
         left[b] = now.cost[b]
-        limit = min(limit, left[b] + _LAG)
-    while count < told.most:
+        limit = min(limit, left[b] + _PRUNING_COST)
+    while count < parameters.most:
         best = 0
         for b in range(n):
             if left[b] < left[best]:
@@ -274,37 +307,37 @@ def settle(now: Stories, n: int, then: Stories, told: Telling) -> int:
         kept[count] = best
         count += 1
         for b in range(n):
-            if left[b] < limit and _alike(now, b, best, grain):
+            if left[b] < limit and _is_same(now, b, best, grain):
                 left[b] = np.inf
     copy(now, kept[:count], then)
     return count
 
 
 @compiled
-def _alike(stories: Stories, a: int, b: int, grain: np.ndarray) -> bool:
-    """Tell whether two stories are the same, given differences (2 d, b) that are none."""
-    if stories.standing[a] != stories.standing[b]:
+def _is_same(hypotheses: HypothesisBank, a: int, b: int, grain: np.ndarray) -> bool:
+    """Tell whether two hypotheses are the same, given differences (2 d, b) that are none."""
+    if hypotheses.standing[a] != hypotheses.standing[b]:
         return False
     for i in range(len(grain)):
-        apart = abs(stories.mean[i, a] - stories.mean[i, b])
+        apart = abs(hypotheses.mean[i, a] - hypotheses.mean[i, b])
         if apart > min(grain[i, a], grain[i, b]):
             return False
     return True
 
 
 @compiled
-def _read(past: Past, frames: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return what the likeliest story took in the first frames, and whether it stood.
+def _read(history: History, frames: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return what the likeliest hypothesis took in the first frames, and whether it stood.
 
     It is read backwards; the likeliest is the first of the last frame.
     """
-    every, views, _ = past.taken.shape
+    every, views, _ = history.taken.shape
     taken, stood = np.empty((frames, views), np.int64), np.empty(frames, np.bool_)
     at = 0
     for t in range(every - 1, -1, -1):
         if t < frames:
-            stood[t] = past.standing[t, at]
+            stood[t] = history.standing[t, at]
             for v in range(views):
-                taken[t, v] = past.taken[t, v, at]
-        at = past.origin[t, at]
+                taken[t, v] = history.taken[t, v, at]
+        at = history.origin[t, at]
     return taken, stood

@@ -1,36 +1,36 @@
-"""How stories of a point are told: the numbers of :mod:`.gap_closing.mht`."""
+"""Parameters of multiple hypothesis tracking, see :mod:`.gap_closing.mht`."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
 
-class Telling(NamedTuple):
-    """How stories are told; costs are minus log-probabilities.
+class MHTParameters(NamedTuple):
+    """Parameters of multiple hypothesis tracking; costs are minus log-probabilities.
 
     Parameters
     ----------
     jerk : float
         Usual standard deviation of the change of acceleration from frame to frame.
-    kick : float
+    impulse : float
         Standard deviation of the change of speed where a point is kicked.
     noise : float
         Standard deviation of a place that is certain.
     reach : float
-        A point does not go farther than this while no piece is certain.
-    kick_cost : float
+        A point does not go farther than this while no tracklet is certain.
+    impulse_cost : float
         Cost of a kick.
     good, bad : float
-        Standard deviation of a candidate, and of one that is half hidden or blurred, in
-        thicknesses of a paw.
+        Standard deviation of a detection, and of one that is half occluded or blurred, in
+        paw widths of a paw.
     bad_cost : float
-        Cost of a bad candidate.
+        Cost of a bad detection.
     clutter : float
-        Candidates that are nothing, per square thickness.
+        Detections that are nothing, per square paw width.
     seen, seen_across : float
         Chance that a view sees the point: one that tracks it, and one from the other side.
-    hide, stay, show, half : float
-        Cost of becoming hidden to all views that track the point, of staying so, of coming
+    occlusion_onset_cost, occlusion_frame_cost, reappearance_cost, one_view_cost : float
+        Cost of becoming occluded to all views that track the point, of staying so, of coming
         out again, and of being seen by none but one of two.
     sideways : float
         Points change their speed so much less to the side than forward and up.
@@ -38,33 +38,33 @@ class Telling(NamedTuple):
         Standard deviation of where a point stands, and of what it moves there from frame to
         frame, in ``noise``.
     lifting : float
-        Standard deviation of how lift-off changes the speed, in ``kick``.
+        Standard deviation of how lift-off changes the speed, in ``impulse``.
     covered : float
         Cost of standing where another paw covers the point.
     rising, swinging : int
         Frames after lift-off in which a paw may look poor, and in which it swings for certain.
     alike : float
-        Stories nearer to each other than so many of their standard deviations tell the same.
+        Hypotheses nearer to each other than so many of their standard deviations tell the same.
     most, most_within : int
-        Stories kept from frame to frame, and from view to view within a frame: a paw that
+        Hypotheses kept from frame to frame, and from view to view within a frame: a paw that
         comes out again is told dearly by the first view and made good by the next.
     """
 
     jerk: float
-    kick: float
+    impulse: float
     noise: float
     reach: float
-    kick_cost: float = 2.0
+    impulse_cost: float = 2.0
     good: float = 0.15
     bad: float = 0.6
     bad_cost: float = 2.0
     clutter: float = 0.05
     seen: float = 0.7
     seen_across: float = 0.15
-    hide: float = 2.0
-    stay: float = 0.6
-    show: float = 1.0
-    half: float = 0.2
+    occlusion_onset_cost: float = 2.0
+    occlusion_frame_cost: float = 0.6
+    reappearance_cost: float = 1.0
+    one_view_cost: float = 0.2
     sideways: float = 0.3
     hold: float = 0.4
     slip: float = 0.1

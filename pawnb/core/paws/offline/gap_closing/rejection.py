@@ -1,4 +1,4 @@
-"""Which certain places of a point are told anew after all.
+"""Which certain places of a point are associated again after all.
 
 A path of certain places may leave its point: it is drawn to another paw and lost there, or it
 stands again where no paw can have swung to. What is known of the recording's strides tells.
@@ -11,29 +11,29 @@ from itertools import pairwise
 
 import numpy as np
 
-from pawnb.core.paws.offline.scene.motion_model import Manner
-from pawnb.core.paws.offline.stride.duty_factor import Rhythm
-from pawnb.core.paws.offline.stride.stance import Stance, learn_ground
+from pawnb.core.paws.offline.scene.motion_model import MotionModel
+from pawnb.core.paws.offline.stride.duty_factor import DutyFactor
+from pawnb.core.paws.offline.stride.stance import Stance, learn_substrate
 from pawnb.core.paws.offline.stride.swing import Swings
 
 _LEAST = 4
-"""Certain stretches shorter than this are told anew too."""
+"""Certain stretches shorter than this are associated again too."""
 _DRAWN_S = 0.03
 """A path that is lost so soon, s, after its point left the place where it stood was drawn off."""
 _SETTLED = 6
 """Frames for which a point must have stood for its path to be told drawn off."""
 _OFF_ARC = 3.0
-"""A place so many standard deviations off the arc of a swing is told anew, and"""
+"""A place so many standard deviations off the arc of a swing is associated again, and"""
 _OFF_AT_LEAST = 0.5
-"""at least so many thicknesses count as one of them."""
+"""at least so many paw widths count as one of them."""
 
 
-def told_anew(
+def frames_to_reassociate(
     chosen: np.ndarray,
-    fixed: np.ndarray,
+    annotated: np.ndarray,
     *,
-    manner: Manner,
-    rhythm: Rhythm | None = None,
+    motion_model: MotionModel,
+    duty_factor: DutyFactor | None = None,
     swings: Swings | None = None,
 ) -> np.ndarray:
     """Return the frames in which points are not certain, or not any more.
@@ -42,11 +42,11 @@ def told_anew(
     ----------
     chosen : ndarray, shape (n, P, d)
         Certain places, NaN elsewhere.
-    fixed : ndarray of bool, shape (n, P)
-        Placed by hand: those are never told anew.
-    manner : Manner
+    annotated : ndarray of bool, shape (n, P)
+        Placed by hand: those are never associated again.
+    motion_model : MotionModel
         How points move.
-    rhythm : Rhythm, optional
+    duty_factor : DutyFactor, optional
         When they lift off.
     swings : Swings, optional
         Where they swing.
@@ -57,21 +57,27 @@ def told_anew(
         True in those frames.
     """
     certain = np.isfinite(chosen[..., 0])
-    is_open = np.stack([open_frames(*of) for of in zip(certain.T, fixed.T, strict=True)], axis=1)
+    is_open = np.stack(
+        [open_frames(*of) for of in zip(certain.T, annotated.T, strict=True)], axis=1
+    )
     sure = np.where(is_open[..., None], np.nan, chosen)
-    off = np.zeros(is_open.shape, bool) if swings is None else off_arc(sure, swings, manner)
-    for p, mine in enumerate(learn_ground(sure, manner).stances(sure)):
-        lost = off[:, p] | drawn_off(mine, is_open[:, p], most=round(_DRAWN_S * manner.fps))
-        if rhythm is not None:
-            lost |= hops(mine, is_open[:, p], least=rhythm.shortest_swing(p))
-        is_open[lost & ~fixed[:, p], p] = True
+    off = (
+        np.zeros(is_open.shape, bool)
+        if swings is None
+        else off_trajectory(sure, swings, motion_model)
+    )
+    for p, mine in enumerate(learn_substrate(sure, motion_model).stances(sure)):
+        lost = off[:, p] | drawn_off(mine, is_open[:, p], most=round(_DRAWN_S * motion_model.fps))
+        if duty_factor is not None:
+            lost |= hops(mine, is_open[:, p], least=duty_factor.shortest_swing(p))
+        is_open[lost & ~annotated[:, p], p] = True
     return is_open
 
 
-def off_arc(sure: np.ndarray, swings: Swings, manner: Manner) -> np.ndarray:
+def off_trajectory(sure: np.ndarray, swings: Swings, motion_model: MotionModel) -> np.ndarray:
     """Tell which places (n, P, d) are off the arcs of swings, forward or up; shape (n, P)."""
-    step = (sure - swings.place) @ manner.axes.T
-    size = np.hypot(swings.sd, _OFF_AT_LEAST * manner.thickness)
+    step = (sure - swings.place) @ motion_model.axes.T
+    size = np.hypot(swings.sd, _OFF_AT_LEAST * motion_model.paw_width)
     square = (step / size)[..., [0, -1]] ** 2
     # NaN where nothing is known compares as False
     return np.asarray(square.sum(axis=-1) > _OFF_ARC**2)
@@ -137,7 +143,7 @@ def hops(stances: Sequence[Stance], is_open: np.ndarray, *, least: float) -> np.
 
 
 def without_hops(
-    stances: Sequence[Sequence[Stance]], is_open: np.ndarray, rhythm: Rhythm | None
+    stances: Sequence[Sequence[Stance]], is_open: np.ndarray, duty_factor: DutyFactor | None
 ) -> tuple[list[list[Stance]], np.ndarray]:
     """Leave out stances that no swing leads to: what follows the last of them is another paw.
 
@@ -147,7 +153,7 @@ def without_hops(
         Those of each point.
     is_open : ndarray of bool, shape (n, P)
         Frames without a certain place.
-    rhythm : Rhythm, optional
+    duty_factor : DutyFactor, optional
         How long swings last; without it all are kept.
 
     Returns
@@ -158,9 +164,9 @@ def without_hops(
         Frames in which a point was on another paw; see :func:`hops`.
     """
     lost = np.zeros(is_open.shape, bool)
-    if rhythm is not None:
+    if duty_factor is not None:
         for p, mine in enumerate(stances):
-            lost[:, p] = hops(mine, is_open[:, p], least=rhythm.shortest_swing(p))
+            lost[:, p] = hops(mine, is_open[:, p], least=duty_factor.shortest_swing(p))
     kept = [
         [one for one in mine if not lost[one.first : one.stop, p].any()]
         for p, mine in enumerate(stances)
@@ -173,21 +179,21 @@ def _until_open(is_open: np.ndarray) -> int:
     return int(np.argmax(is_open)) if is_open.any() else len(is_open)
 
 
-def open_frames(certain: np.ndarray, fixed: np.ndarray) -> np.ndarray:
-    """Return the frames (n,) of one point whose candidates are to be chosen.
+def open_frames(certain: np.ndarray, annotated: np.ndarray) -> np.ndarray:
+    """Return the frames (n,) of one point whose detections are to be chosen.
 
     Parameters
     ----------
     certain : ndarray of bool, shape (n,)
         Frames with a certain place.
-    fixed : ndarray of bool, shape (n,)
+    annotated : ndarray of bool, shape (n,)
         Those placed by hand; they stay.
     """
     is_open = ~certain
     for first, stop in runs(certain):
         if stop - first < _LEAST:
             is_open[first:stop] = True
-    return np.asarray(is_open & ~(fixed & certain))
+    return np.asarray(is_open & ~(annotated & certain))
 
 
 def runs(mask: np.ndarray) -> list[tuple[int, int]]:

@@ -1,4 +1,4 @@
-"""What stories of a point take in of a view's candidates, compiled."""
+"""How hypotheses of a point are updated with a view's detections, compiled."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ from typing import NamedTuple
 import numpy as np
 
 from pawnb.core.compiled import compiled
-from pawnb.core.paws.offline.gap_closing.hypothesis_kernels import Stories, cell, copy
-from pawnb.core.paws.offline.gap_closing.mht_parameters import Telling
+from pawnb.core.paws.offline.gap_closing.hypothesis_kernels import HypothesisBank, cell, copy
+from pawnb.core.paws.offline.gap_closing.mht_parameters import MHTParameters
 from pawnb.core.sorting_kernels import nth
 
 _GATE = 16.0
-"""Largest squared distance of a candidate, in standard deviations."""
+"""Largest squared distance of a detection, in standard deviations."""
 
 
 class Cameras(NamedTuple):
@@ -22,19 +22,19 @@ class Cameras(NamedTuple):
     ----------
     table : ndarray, shape (V, 11)
         DLT coefficients.
-    thickness : ndarray, shape (V,)
-        Thickness of a paw, px.
-    own : ndarray of bool, shape (V,)
+    paw_width : ndarray, shape (V,)
+        Width of a paw, px.
+    tracked_in_view : ndarray of bool, shape (V,)
         Views that track the point.
     """
 
     table: np.ndarray
-    thickness: np.ndarray
-    own: np.ndarray
+    paw_width: np.ndarray
+    tracked_in_view: np.ndarray
 
 
-class Pictures(NamedTuple):
-    """What stories look like in a view.
+class Projections(NamedTuple):
+    """What hypotheses look like in a view.
 
     Parameters
     ----------
@@ -55,24 +55,24 @@ class Pictures(NamedTuple):
 
 
 class Pairs(NamedTuple):
-    """Room for pairs of a story and a candidate.
+    """Room for pairs of a hypothesis and a detection.
 
     Parameters
     ----------
     cost : ndarray, shape (p,)
-        What each costs the story.
-    story, candidate, kind : ndarray of int, shape (p,)
-        Their numbers, and which kind of candidate is cheapest: 0 for a good one, 1 for a bad.
+        What each costs the hypothesis.
+    hypothesis, detection, kind : ndarray of int, shape (p,)
+        Their numbers, and which kind of detection is cheapest: 0 for a good one, 1 for a bad.
     """
 
     cost: np.ndarray
-    story: np.ndarray
-    candidate: np.ndarray
+    hypothesis: np.ndarray
+    detection: np.ndarray
     kind: np.ndarray
 
 
 @compiled
-def room_for_pairs(pairs: int) -> Pairs:
+def allocate_pairs(pairs: int) -> Pairs:
     """Return room for so many pairs."""
     return Pairs(
         np.empty(pairs), np.empty(pairs, np.int64), np.empty(pairs, np.int64),
@@ -81,40 +81,40 @@ def room_for_pairs(pairs: int) -> Pairs:
 
 
 @compiled
-def pictures(stories: Stories, n: int, L: np.ndarray) -> Pictures:
-    """Return what the first ``n`` stories look like in a view of DLT coefficients (11,)."""
-    size = len(stories.mean)
+def project_hypotheses(hypotheses: HypothesisBank, n: int, L: np.ndarray) -> Projections:
+    """Return what the first ``n`` hypotheses look like in a view of DLT coefficients (11,)."""
+    size = len(hypotheses.mean)
     d = size // 3
     at, slope, below = np.empty((2, n)), np.empty((2, d, n)), np.ones(n)
     for i in range(d):
         for b in range(n):
-            below[b] += L[8 + i] * stories.mean[i, b]
+            below[b] += L[8 + i] * hypotheses.mean[i, b]
     for c in range(2):
         for b in range(n):
             at[c, b] = L[4 * c + 3]
         for i in range(d):
             for b in range(n):
-                at[c, b] += L[4 * c + i] * stories.mean[i, b]
+                at[c, b] += L[4 * c + i] * hypotheses.mean[i, b]
         for b in range(n):
             at[c, b] /= below[b]
         for i in range(d):
             for b in range(n):
                 slope[c, i, b] = (L[4 * c + i] - at[c, b] * L[8 + i]) / below[b]
-    across, spread = _spreads(stories, slope)
-    return Pictures(at, slope, across, spread)
+    across, spread = _spreads(hypotheses, slope)
+    return Projections(at, slope, across, spread)
 
 
 @compiled
-def _spreads(stories: Stories, slope: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return covariances of pictures with states, and of pictures; see :class:`Pictures`."""
-    (_, d, n), size = slope.shape, len(stories.mean)
+def _spreads(hypotheses: HypothesisBank, slope: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return covariances of pictures with states, and of pictures; see :class:`Projections`."""
+    (_, d, n), size = slope.shape, len(hypotheses.mean)
     across, spread = np.zeros((2, size, n)), np.zeros((3, n))
     for c in range(2):
         for j in range(size):
             for i in range(d):
                 e = cell(j, i)
                 for b in range(n):
-                    across[c, j, b] += stories.covariance[e, b] * slope[c, i, b]
+                    across[c, j, b] += hypotheses.covariance[e, b] * slope[c, i, b]
         for e in range(c + 1):
             for i in range(d):
                 for b in range(n):
@@ -123,23 +123,23 @@ def _spreads(stories: Stories, slope: np.ndarray) -> tuple[np.ndarray, np.ndarra
 
 
 @compiled
-def find_pairs(
-    seen: Pictures,
+def gate(
+    seen: Projections,
     at: np.ndarray,
     spread: tuple[float, float],
     extra: tuple[float, float],
     pairs: Pairs,
 ) -> int:
-    """Find the pairs of a story and a candidate within the gate, and return how many there are.
+    """Gate: find the pairs of a hypothesis and a detection that fit, and return how many there are.
 
     Parameters
     ----------
-    seen : Pictures
-        What the stories look like.
+    seen : Projections
+        What the hypotheses look like.
     at : ndarray, shape (c, 2)
-        The candidates, px.
+        The detections, px.
     spread, extra : tuple of float
-        For a good and a bad candidate its variance, px squared, and its cost.
+        For a good and a bad detection its variance, px squared, and its cost.
     pairs : Pairs
         Where they go.
     """
@@ -162,30 +162,30 @@ def find_pairs(
         for b in range(n):
             best = min(price[0, b], price[1, b])
             if best < np.inf:
-                pairs.cost[count], pairs.story[count], pairs.candidate[count] = best, b, c
+                pairs.cost[count], pairs.hypothesis[count], pairs.detection[count] = best, b, c
                 pairs.kind[count] = 1 if price[1, b] < price[0, b] else 0
                 count += 1
     return count
 
 
 @compiled
-def see(
-    now: Stories,
+def associate(
+    now: HypothesisBank,
     n: int,
-    then: Stories,
+    then: HypothesisBank,
     view: int,
     cameras: Cameras,
     at: np.ndarray,
-    against: np.ndarray,
-    told: Telling,
+    negative_log_odds: np.ndarray,
+    parameters: MHTParameters,
     pairs: Pairs,
-) -> tuple[Stories, Stories, int]:
-    """Take in one of a view's candidates, or none.
+) -> tuple[HypothesisBank, HypothesisBank, int]:
+    """Associate every hypothesis with one of a view's detections, or none.
 
     Parameters
     ----------
-    now, then : Stories
-        The stories, and room for them.
+    now, then : HypothesisBank
+        The hypotheses, and room for them.
     n : int
         How many there are.
     view : int
@@ -193,52 +193,52 @@ def see(
     cameras : Cameras
         The views.
     at : ndarray, shape (c, 2)
-        Where each candidate says the point is, px.
-    against : ndarray, shape (2, c)
+        Where each detection says the point is, px.
+    negative_log_odds : ndarray, shape (2, c)
         What speaks against each: a poor look, or that another point explains it; and the same
         for a paw that has just lifted off.
-    told : Telling
-        How stories are told.
+    parameters : MHTParameters
+        The parameters.
     pairs : Pairs
         Room for them.
 
     Returns
     -------
-    stories, room : Stories
-        The stories that are left: first those that took in none. And room for the next.
+    hypotheses, room : HypothesisBank
+        The hypotheses that are left: first those that took in none. And room for the next.
     n : int
         How many there are.
     """
-    own, thickness = cameras.own[view], cameras.thickness[view]
-    chance = told.seen if own else told.seen_across
-    seen = pictures(now, n if len(at) else 0, cameras.table[view])
-    spread = ((told.good * thickness) ** 2, (told.bad * thickness) ** 2)
-    count = find_pairs(seen, at, spread, (0.0, told.bad_cost), pairs)
-    nothing = np.log(told.clutter / thickness**2 * 2.0 * np.pi / chance)
+    tracked_in_view, paw_width = cameras.tracked_in_view[view], cameras.paw_width[view]
+    chance = parameters.seen if tracked_in_view else parameters.seen_across
+    seen = project_hypotheses(now, n if len(at) else 0, cameras.table[view])
+    spread = ((parameters.good * paw_width) ** 2, (parameters.bad * paw_width) ** 2)
+    count = gate(seen, at, spread, (0.0, parameters.bad_cost), pairs)
+    nothing = np.log(parameters.clutter / paw_width**2 * 2.0 * np.pi / chance)
     for p in range(count):
-        b = pairs.story[p]
-        rises = 0 < now.since[b] <= told.rising
-        pairs.cost[p] += now.cost[b] + nothing + against[int(rises), pairs.candidate[p]]
-    if not own:
+        b = pairs.hypothesis[p]
+        rises = 0 < now.since[b] <= parameters.rising
+        pairs.cost[p] += now.cost[b] + nothing + negative_log_odds[int(rises), pairs.detection[p]]
+    if not tracked_in_view:
         for b in range(n):
             now.cost[b] -= np.log(1.0 - chance)
-    if count == 0 and n <= told.most_within:
+    if count == 0 and n <= parameters.most_within:
         return now, then, n
-    kept, many = likeliest(now.cost[:n], pairs.cost[:count], told.most_within)
+    kept, many = most_likely(now.cost[:n], pairs.cost[:count], parameters.most_within)
     taken, whose = np.empty(len(kept) - many, np.int64), kept.copy()
     for k in range(len(taken)):
         taken[k] = kept[many + k] - n
-        whose[many + k] = pairs.story[taken[k]]
+        whose[many + k] = pairs.hypothesis[taken[k]]
     copy(now, whose, then)
-    _learn(then, many, seen, pairs, taken, at, spread)
+    _kalman_update(then, many, seen, pairs, taken, at, spread)
     for k, pair in enumerate(taken):
-        then.cost[many + k], then.taken[view, many + k] = pairs.cost[pair], pairs.candidate[pair]
+        then.cost[many + k], then.taken[view, many + k] = pairs.cost[pair], pairs.detection[pair]
     return then, now, len(kept)
 
 
 @compiled
-def likeliest(missed: np.ndarray, cost: np.ndarray, most: int) -> tuple[np.ndarray, int]:
-    """Return the likeliest of stories that take in nothing and after them of pairs.
+def most_likely(missed: np.ndarray, cost: np.ndarray, most: int) -> tuple[np.ndarray, int]:
+    """Return the likeliest of hypotheses that take in nothing and after them of pairs.
 
     And how many the first are. Of those that cost the same, the first are left.
     """
@@ -261,27 +261,27 @@ def likeliest(missed: np.ndarray, cost: np.ndarray, most: int) -> tuple[np.ndarr
 
 
 @compiled
-def _learn(
-    stories: Stories,
+def _kalman_update(
+    hypotheses: HypothesisBank,
     begin: int,
-    seen: Pictures,
+    seen: Projections,
     pairs: Pairs,
     taken: np.ndarray,
     at: np.ndarray,
     spread: tuple[float, float],
 ) -> None:
-    """Let stories from ``begin`` on learn from the candidates of their pairs: a Kalman filter."""
-    n, size = len(taken), len(stories.mean)
+    """Update hypotheses from ``begin`` on with the detections of their pairs: a Kalman filter."""
+    n, size = len(taken), len(hypotheses.mean)
     step, weight = np.empty((2, n)), np.empty((3, n))
     across, gain = np.empty((2, size, n)), np.empty((2, size, n))
     for k, p in enumerate(taken):
-        b = pairs.story[p]
+        b = pairs.hypothesis[p]
         uu, uv = seen.spread[0, b] + spread[pairs.kind[p]], seen.spread[1, b]
         vv = seen.spread[2, b] + spread[pairs.kind[p]]
         area = uu * vv - uv * uv
         weight[0, k], weight[1, k], weight[2, k] = vv / area, -uv / area, uu / area
         for c in range(2):
-            step[c, k] = at[pairs.candidate[p], c] - seen.at[c, b]
+            step[c, k] = at[pairs.detection[p], c] - seen.at[c, b]
             for j in range(size):
                 across[c, j, k] = seen.across[c, j, b]
     for j in range(size):
@@ -289,11 +289,11 @@ def _learn(
             for k in range(n):
                 gain[c, j, k] = across[0, j, k] * weight[c, k] + across[1, j, k] * weight[c + 1, k]
         for k in range(n):
-            stories.mean[j, begin + k] += gain[0, j, k] * step[0, k] + gain[1, j, k] * step[1, k]
+            hypotheses.mean[j, begin + k] += gain[0, j, k] * step[0, k] + gain[1, j, k] * step[1, k]
     for j in range(size):
         for i in range(j + 1):
             e = cell(j, i)
             for k in range(n):
-                stories.covariance[e, begin + k] -= (
+                hypotheses.covariance[e, begin + k] -= (
                     gain[0, j, k] * across[0, i, k] + gain[1, j, k] * across[1, i, k]
                 )

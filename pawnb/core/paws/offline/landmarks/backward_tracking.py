@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 
 from pawnb.core.paws.layout import Placement, Views
-from pawnb.core.paws.offline.landmarks.template_tracking import Follower
+from pawnb.core.paws.offline.landmarks.template_tracking import TemplateTracker
 
 
-def look_back(
+def track_backwards(
     views: Views,
-    follower: Follower,
+    follower: TemplateTracker,
     begin: int,
     *,
     progress: Callable[[int, int], None] | None = None,
@@ -22,7 +22,7 @@ def look_back(
     ----------
     views : Views
         The opened views.
-    follower : Follower
+    follower : TemplateTracker
         Landmarks that were followed forwards; what is found is written into it.
     begin : int
         The frame that it was begun with.
@@ -42,7 +42,7 @@ def look_back(
     last = max(first.values(), default=begin)
     if last == begin:
         return True
-    back = Follower(follower.layout, placed)
+    back = TemplateTracker(follower.layout, placed)
     for frame, pictures in views.frames(last, begin - 1, step=-1, partly=True):
         if stop is not None and stop():
             return False
@@ -57,7 +57,7 @@ def look_back(
 
 
 def frames_back(placed: Mapping[int, Sequence[Placement]], begin: int) -> int:
-    """Return how many frames :func:`look_back` goes back through to frame ``begin``."""
+    """Return how many frames :func:`track_backwards` goes back through to frame ``begin``."""
     return max(_first_placed(placed).values(), default=begin) - begin
 
 

@@ -5,7 +5,7 @@ animal is a patch of its surface, which keeps its look and moves little from fra
 In each view the patch is taken on by optical flow (Lucas & Kanade 1981, pyramidal: Bouguet
 2001), then aligned with the patch as it was clicked, so that errors do not add up. Where
 the look has changed for good, a later patch serves as well. Where nothing looks alike, the
-landmark is hidden until it does again.
+landmark is occluded until it does again.
 """
 
 from __future__ import annotations
@@ -94,7 +94,7 @@ class _State:
         return max(_ALIKE, min(_SAME, _ABOUT * self.usual))
 
 
-class Follower:
+class TemplateTracker:
     """Landmarks followed through consecutive frames.
 
     Parameters

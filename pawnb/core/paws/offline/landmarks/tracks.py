@@ -10,10 +10,13 @@ import numpy as np
 
 from pawnb.core.paws.layout import Layout, Placement
 from pawnb.core.paws.offline.landmarks.template_tracking import window_px
-from pawnb.core.paws.offline.projection import Geometry
+from pawnb.core.paws.offline.projection import Projection
 from pawnb.core.paws.offline.smoothing import refinement_kernels as loops
-from pawnb.core.paws.offline.smoothing.forward_backward_distance import Equations, passes_apart
-from pawnb.core.paws.offline.smoothing.refinement import Refined
+from pawnb.core.paws.offline.smoothing.forward_backward_distance import (
+    NormalEquations,
+    forward_backward_distance,
+)
+from pawnb.core.paws.offline.smoothing.refinement import SmoothedTracks
 from pawnb.core.paws.offline.smoothing.smoother import covariances, diagonals, smooth
 from pawnb.errors import InputError
 
@@ -112,7 +115,7 @@ def join_views(
     layout: Layout,
     fps: float,
     longest_gap_s: float,
-) -> Refined:
+) -> SmoothedTracks:
     """Join what the views have seen into smooth tracks.
 
     Parameters
@@ -132,11 +135,11 @@ def join_views(
 
     Returns
     -------
-    Refined
+    SmoothedTracks
         The tracks; positions are NaN where a landmark is missing.
     """
     n, n_points = likeness.shape[:2]
-    geometry = Geometry(None if layout.rig is None else layout.rig.coefs)
+    geometry = Projection(None if layout.rig is None else layout.rig.coefs)
     d = geometry.n_coordinates
     patch_px = np.array([float(window_px(width)) for width, _ in layout.sizes])
     sigma = _SIGMA * patch_px / np.clip(likeness, 0.3, 1.0)
@@ -160,10 +163,15 @@ def join_views(
         x[known, p] = path[known]
         variance = diagonals(equations.covariance[:, 0]) + (_ALIKE * patch) ** 2
         sd[known, p] = np.sqrt(variance)[known]
-        apart[:, p] = passes_apart(equations)[:, 0]
-    # no two candidates are kept of a landmark, and no earlier decision
-    revision, separation = np.full((n, n_points), np.nan), np.full(likeness.shape, np.nan)
-    return Refined(x, sd, uv, likeness, revision, separation, apart)
+        apart[:, p] = forward_backward_distance(equations)[:, 0]
+    # no two detections are kept of a landmark, and no earlier decision
+    displacement_from_first_pass, association_log_odds = (
+        np.full((n, n_points), np.nan),
+        np.full(likeness.shape, np.nan),
+    )
+    return SmoothedTracks(
+        x, sd, uv, likeness, displacement_from_first_pass, association_log_odds, apart
+    )
 
 
 def _smoothest(
@@ -173,8 +181,8 @@ def _smoothest(
     *,
     by_hand: np.ndarray,
     jerk: float,
-    geometry: Geometry,
-) -> tuple[np.ndarray, Equations]:
+    geometry: Projection,
+) -> tuple[np.ndarray, NormalEquations]:
     """Return the smoothest path (n, d) through what views (n, V) have seen, and what it solves."""
     table = geometry.rows
     seen = np.isfinite(uv[..., 0])
@@ -191,7 +199,7 @@ def _smoothest(
         )
         x, factor = smooth(W[:, 0], z[:, 0], jerk2)
     spread = covariances(factor, x.shape[1])[:, None]
-    return x, Equations(W, z, jerk2[:, None], np.zeros(z.shape), None, spread)
+    return x, NormalEquations(W, z, jerk2[:, None], np.zeros(z.shape), None, spread)
 
 
 def _near(placed: np.ndarray, n: int, longest: float) -> np.ndarray:

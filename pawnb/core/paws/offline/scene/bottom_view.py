@@ -1,8 +1,8 @@
 """A view from below leads: feet do not hide each other there, so it decides alone who is who.
 
 Seen from the side, feet hide each other and what they stand on looks like them, and every
-candidate from below pairs with several from the side. Paths are then chosen among the
-candidates of the view from below, laid on one plane at the height of the ground; the other
+detection from below pairs with several from the side. Paths are then chosen among the
+detections of the view from below, laid on one plane at the height of the ground; the other
 views tell the heights afterwards, along the whole path at once.
 """
 
@@ -16,29 +16,29 @@ import numpy as np
 from pawnb.core import dlt
 from pawnb.core.paws.layout import Placement
 from pawnb.core.paws.offline.association.network_flow.triangulation import (
-    Places,
+    PointHypotheses,
     Volume,
     triangulate,
 )
-from pawnb.core.paws.offline.detection.colour.detector import worth
-from pawnb.core.paws.offline.detection.colour.observations import Sights
+from pawnb.core.paws.offline.detection.colour.detector import endpoint_score
+from pawnb.core.paws.offline.detection.colour.observations import Observations
 
 _UPRIGHT = 0.8
 """Cosine between the line of sight and up from which a view counts as one from below."""
 _ALONE = 0.4
-"""Cost of a candidate that no other view confirms."""
+"""Cost of a detection that no other view confirms."""
 _SUNK = 0.7
-"""Paws may be lower than the lowest click by so many thicknesses: not all ground is level."""
+"""Paws may be lower than the lowest click by so many paw widths: not all ground is level."""
 _GAP = 8
 """Frames over which heights are joined."""
 _NEW = 3.0
 """Cost of beginning again with another height."""
 _REWARD = 1.5
-"""What a candidate of another view may cost to be taken at all."""
+"""What a detection of another view may cost to be taken at all."""
 
 
 @dataclass(frozen=True)
-class Lead:
+class BottomView:
     """The view that leads, and what places on its plane need.
 
     Parameters
@@ -49,28 +49,28 @@ class Lead:
         DLT coefficients.
     volume : Volume
         Where paws can be.
-    ground : float
+    substrate : float
         Height of the plane.
-    thickness : float
-        Thickness of a paw in space.
-    thickness_px : ndarray, shape (V,)
+    paw_width : float
+        Width of a paw in space.
+    paw_width_px : ndarray, shape (V,)
         The same in each view.
-    distal : sequence of (float, float)
-        For each view, see :class:`~pawnb.core.paws.offline.detection.colour.detector.Look`.
+    limb_direction : sequence of (float, float)
+        For each view, see :class:`.detector.DetectorConfig`.
     """
 
     view: int
     coefs: np.ndarray
     volume: Volume
-    ground: float
-    thickness: float
-    thickness_px: np.ndarray
-    distal: Sequence[tuple[float, float]]
+    substrate: float
+    paw_width: float
+    paw_width_px: np.ndarray
+    limb_direction: Sequence[tuple[float, float]]
 
     def flat(self, x: np.ndarray) -> np.ndarray:
         """Return where points (..., 3) seem to be on the plane."""
         uv = dlt.project(self.coefs[:, [self.view]], x)[..., 0, :]
-        return self.on_plane(uv, np.full(uv.shape[:-1], self.ground))
+        return self.on_plane(uv, np.full(uv.shape[:-1], self.substrate))
 
     def on_plane(self, uv: np.ndarray, height: np.ndarray) -> np.ndarray:
         """Return the points (..., 3) at some heights (...) that the view sees at ``uv``."""
@@ -90,27 +90,27 @@ class Lead:
         """Move points (n, 3) along the line of sight to other heights (n,)."""
         return self.on_plane(dlt.project(self.coefs[:, [self.view]], x)[..., 0, :], height)
 
-    def places(self, found: Sequence[Sequence[np.ndarray]], most: int) -> list[Places]:
+    def places(self, found: Sequence[Sequence[np.ndarray]], most: int) -> list[PointHypotheses]:
         """Return the places of every frame on the plane, the best first."""
         return [self._places_of(rows, most) for rows in found]
 
-    def _places_of(self, found: Sequence[np.ndarray], most: int) -> Places:
+    def _places_of(self, found: Sequence[np.ndarray], most: int) -> PointHypotheses:
         """Return the places of one frame."""
         own = found[self.view]
         if not len(own):
-            return Places(np.empty((0, 3)), np.empty(0))
+            return PointHypotheses(np.empty((0, 3)), np.empty(0))
         uv = own[:, :2].astype(float)
-        good = [worth(rows, self.distal[v]) for v, rows in enumerate(found)]
+        good = [endpoint_score(rows, self.limb_direction[v]) for v, rows in enumerate(found)]
         _, price = self.heights(uv, [rows[:, :2] for rows in found], good)
         confirmed = (price < _REWARD).any(axis=1)
         cost = 1.5 * (1.0 - good[self.view]) + np.where(confirmed, 0.0, _ALONE)
-        at = self.on_plane(uv, np.full(len(uv), self.ground))
+        at = self.on_plane(uv, np.full(len(uv), self.substrate))
         kept: list[int] = []
         for i in np.argsort(cost, kind="stable").tolist():
             away = np.linalg.norm(at[kept] - at[i], axis=1)
-            if len(kept) < most and away.min(initial=np.inf) >= self.thickness:
+            if len(kept) < most and away.min(initial=np.inf) >= self.paw_width:
                 kept.append(i)
-        return Places(at[kept], cost[kept])
+        return PointHypotheses(at[kept], cost[kept])
 
     def heights(
         self, uv: np.ndarray, seen: Sequence[np.ndarray], good: Sequence[np.ndarray]
@@ -122,14 +122,14 @@ class Lead:
         uv : ndarray, shape (k, 2)
             Where the view sees them, px.
         seen : sequence of ndarray, shape (c, 2)
-            Candidates of every view in that frame, px.
+            Detections of every view in that frame, px.
         good : sequence of ndarray, shape (c,)
             How much each looks like the end of a paw, 0 to 1.
 
         Returns
         -------
         heights, price : ndarray, shape (k, m)
-            The height at which each candidate of another view meets the line of sight, and
+            The height at which each detection of another view meets the line of sight, and
             how badly it fits: from 0, infinite where it does not meet.
         """
         heights, price = [np.empty((len(uv), 0))], [np.empty((len(uv), 0))]
@@ -142,26 +142,28 @@ class Lead:
             flat = pair.reshape(-1, 2, 2)
             xyz = triangulate(self.coefs[:, both], flat)
             step = dlt.project(self.coefs[:, both], xyz) - flat
-            away = (np.linalg.norm(step, axis=-1) / self.thickness_px[both]).max(axis=1)
+            away = (np.linalg.norm(step, axis=-1) / self.paw_width_px[both]).max(axis=1)
             # both views bear half of the distance
             cost = (away / 0.4) ** 2 + np.tile(1.0 - good[v], len(uv))
             height = xyz @ self.volume.up
             # what a paw stands on may look like one
-            low = np.maximum(self.ground - _SUNK * self.thickness - height, 0.0)
-            cost += 0.5 * (low / (0.5 * self.thickness)) ** 2
+            low = np.maximum(self.substrate - _SUNK * self.paw_width - height, 0.0)
+            cost += 0.5 * (low / (0.5 * self.paw_width)) ** 2
             cost[(away > 0.4) | ~self.volume.holds(xyz)] = np.inf
             heights.append(height.reshape(pair.shape[:2]))
             price.append(cost.reshape(pair.shape[:2]))
         return np.concatenate(heights, axis=1), np.concatenate(price, axis=1)
 
-    def lift(self, flat: np.ndarray, sights: Sights, acceleration: float) -> np.ndarray:
+    def to_space(
+        self, flat: np.ndarray, observations: Observations, acceleration: float
+    ) -> np.ndarray:
         """Give paths on the plane their heights.
 
         Parameters
         ----------
         flat : ndarray, shape (n, P, 3)
-            Places on the plane, NaN where hidden.
-        sights : Sights
+            Places on the plane, NaN where occluded.
+        observations : Observations
             What every view shows.
         acceleration : float
             Standard deviation of the acceleration of a paw, length per frame squared.
@@ -169,34 +171,36 @@ class Lead:
         Returns
         -------
         ndarray, shape (n, P, 3)
-            Places in space, NaN where hidden. Where no view tells the height it is
+            Places in space, NaN where occluded. Where no view tells the height it is
             interpolated, and where none ever does it is that of the ground.
         """
         uv = dlt.project(self.coefs[:, [self.view]], flat)[..., 0, :]
         lifted = np.full_like(flat, np.nan)
         for p in range(flat.shape[1]):
             seen = np.flatnonzero(np.isfinite(uv[:, p, 0]))
-            choices = {t: self._told(uv[t, p], t, p, sights) for t in seen.tolist()}
-            known = _likeliest(choices, max(2.0 * acceleration, 0.15 * self.thickness))
+            choices = {t: self._told(uv[t, p], t, p, observations) for t in seen.tolist()}
+            known = _likeliest(choices, max(2.0 * acceleration, 0.15 * self.paw_width))
             at = np.array(sorted(known), int)
-            height = np.full(len(seen), self.ground)
+            height = np.full(len(seen), self.substrate)
             if known:
                 height = np.interp(seen, at, [known[t] for t in at.tolist()])
             lifted[seen, p] = self.on_plane(uv[seen, p], height)
         return lifted
 
     def _told(
-        self, uv: np.ndarray, t: int, point: int, sights: Sights
+        self, uv: np.ndarray, t: int, point: int, observations: Observations
     ) -> tuple[np.ndarray, np.ndarray]:
         """Return the heights that views tell of one place, and what each costs."""
-        there = sights.is_there[t]
+        there = observations.is_there[t]
         # all spots are moved alike
-        shift = (sights.at[t, point, self.view] - sights.raw[t, self.view])[there[self.view]]
+        shift = (observations.at[t, point, self.view] - observations.raw[t, self.view])[
+            there[self.view]
+        ]
         moved = uv + shift.mean(axis=0) if len(shift) else uv
         heights, price = self.heights(
             moved[None],
-            [sights.at[t, point, v, there[v]] for v in range(len(there))],
-            [sights.quality[t, v, there[v]] for v in range(len(there))],
+            [observations.at[t, point, v, there[v]] for v in range(len(there))],
+            [observations.detection_probability[t, v, there[v]] for v in range(len(there))],
         )
         return heights[0], price[0]
 
@@ -241,7 +245,7 @@ def _likeliest(
     return course
 
 
-def find_lead(
+def find_bottom_view(
     jacobian: np.ndarray, up: np.ndarray, here: Sequence[Placement], *, n_points: int
 ) -> int | None:
     """Return the view that leads, or None.
@@ -257,8 +261,8 @@ def find_lead(
     n_points : int
         Number of points; the view must have shown every one of them.
     """
-    sight = np.cross(jacobian[:, 0], jacobian[:, 1])
-    upright = np.abs(sight @ up) / np.maximum(np.linalg.norm(sight, axis=1), 1e-12)
+    observation = np.cross(jacobian[:, 0], jacobian[:, 1])
+    upright = np.abs(observation @ up) / np.maximum(np.linalg.norm(observation, axis=1), 1e-12)
     for v in np.argsort(-upright).tolist():
         placed = {place.point for place in here if place.view == v}
         if len(jacobian) > 1 and upright[v] > _UPRIGHT and len(placed) == n_points:

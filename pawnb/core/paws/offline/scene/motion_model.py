@@ -11,7 +11,7 @@ FASTEST = 12.0
 
 
 @dataclass(frozen=True)
-class Manner:
+class MotionModel:
     """How points move; lengths in the unit of space, times in frames.
 
     Parameters
@@ -22,28 +22,28 @@ class Manner:
         Standard deviation of the change of acceleration from frame to frame.
     speed : float
         Speed of the fastest swings.
-    drift : ndarray, shape (d,)
+    substrate_velocity : ndarray, shape (d,)
         Speed of paws that stand.
     axes : ndarray, shape (d, d)
         Unit vectors: forward, across (in space only), up.
-    ground : float
+    substrate : float
         Height of the lowest click.
-    span : float
+    body_scale : float
         Distance of front from hind paws.
-    thickness : float
-        Thickness of a paw.
+    paw_width : float
+        Width of a paw.
     """
 
     acceleration: float
     jerk: float
     speed: float
-    drift: np.ndarray
+    substrate_velocity: np.ndarray
     axes: np.ndarray
-    ground: float
-    span: float
-    thickness: float
+    substrate: float
+    body_scale: float
+    paw_width: float
 
     @property
     def fps(self) -> float:
         """Frames per second of a recording in which points move so."""
-        return FASTEST * self.span / self.speed
+        return FASTEST * self.body_scale / self.speed

@@ -11,17 +11,17 @@ import numpy as np
 from pawnb.core.parallel import on_threads
 from pawnb.core.paws.layout import Layout, Placement, Views
 from pawnb.core.paws.offline.association.network_flow.triangulation import Volume
-from pawnb.core.paws.offline.detection.colour.background import find_still, to_grey
+from pawnb.core.paws.offline.detection.colour.background import estimate_background, to_grey
 from pawnb.core.paws.offline.detection.colour.colour_model import Appearance, learn
-from pawnb.core.paws.offline.detection.colour.detector import Look
-from pawnb.core.paws.offline.detection.colour.illumination import mean_light
-from pawnb.core.paws.offline.detection.colour.scan import Region, make_look, searched
-from pawnb.core.paws.offline.projection import Geometry
-from pawnb.core.paws.offline.scene.bottom_view import Lead, find_lead
-from pawnb.core.paws.offline.settings import WholeSettings
+from pawnb.core.paws.offline.detection.colour.detector import DetectorConfig
+from pawnb.core.paws.offline.detection.colour.illumination import mean_illumination
+from pawnb.core.paws.offline.detection.colour.scan import ROI, configure_detector, searched
+from pawnb.core.paws.offline.projection import Projection
+from pawnb.core.paws.offline.scene.bottom_view import BottomView, find_bottom_view
+from pawnb.core.paws.offline.settings import OfflineSettings
 
 _LEAST_SPAN = 14.0
-"""Least distance of front from hind paws, in thicknesses of a paw."""
+"""Least distance of front from hind paws, in paw widths."""
 _BELOW = 0.15
 """Paws may be this much lower than the lowest click, in spans."""
 _BROAD, _BROAD_BELOW = 0.4, 0.7
@@ -41,53 +41,53 @@ class Scene:
 
     Parameters
     ----------
-    geometry : Geometry
+    geometry : Projection
         The views.
     home : int
         The frame in which most points were placed: sizes, directions and what is searched are
         taken from it.
     anchors : dict
         Frame to point number to position (d,).
-    span : float
+    body_scale : float
         Distance of front from hind paws, in the unit of space.
-    thickness : float
-        Thickness of a paw there.
-    thickness_px : ndarray, shape (V,)
+    paw_width : float
+        Width of a paw there.
+    paw_width_px : ndarray, shape (V,)
         The same in each view.
-    looks, regions : list
+    detectors, rois : list
         How and where each view is searched.
-    distal : list of (float, float)
+    limb_direction : list of (float, float)
         Direction in each picture in which limbs tend to end.
     up, forward : ndarray, shape (d,)
         Unit vectors.
     volume : Volume, optional
         Where paws can be; None for one view by itself.
-    lead : Lead, optional
+    bottom_view : BottomView, optional
         The view from below, where there is one.
     is_flat : bool
         Whether there is one view only, from below: up in its picture is to one side of the
         animal, and positions have no height.
     """
 
-    geometry: Geometry
+    geometry: Projection
     home: int
     anchors: dict[int, dict[int, np.ndarray]]
-    span: float
-    thickness: float
-    thickness_px: np.ndarray
-    looks: list[Look]
-    regions: list[Region]
-    distal: list[tuple[float, float]]
+    body_scale: float
+    paw_width: float
+    paw_width_px: np.ndarray
+    detectors: list[DetectorConfig]
+    rois: list[ROI]
+    limb_direction: list[tuple[float, float]]
     up: np.ndarray
     forward: np.ndarray
     volume: Volume | None
-    lead: Lead | None = None
+    bottom_view: BottomView | None = None
     is_flat: bool = False
 
     @property
     def is_learnt(self) -> bool:
         """Whether a classifier that was learnt tells paws, not their colour."""
-        return any(look.is_spots for look in self.looks)
+        return any(detector.finds_blobs for detector in self.detectors)
 
     @property
     def across(self) -> np.ndarray | None:
@@ -103,8 +103,8 @@ def read_scene(
     clicks: Mapping[int, Sequence[Placement]],
     *,
     anchors: Mapping[int, Sequence[Placement]],
-    settings: WholeSettings,
-    least_thickness: float = 0.0,
+    settings: OfflineSettings,
+    least_paw_width: float = 0.0,
 ) -> Scene:
     """Work out what the clicks say.
 
@@ -118,9 +118,9 @@ def read_scene(
         Frame to positions placed by hand, from which the look of the paws is learnt.
     anchors : mapping
         Frame to positions that tracks pass through.
-    settings : WholeSettings
+    settings : OfflineSettings
         The settings.
-    least_thickness : float
+    least_paw_width : float
         Paws are at least so thick, in distances of front from hind paws.
 
     Returns
@@ -128,73 +128,97 @@ def read_scene(
     Scene
         What they say.
     """
-    geometry = Geometry(None if layout.rig is None else layout.rig.coefs)
+    geometry = Projection(None if layout.rig is None else layout.rig.coefs)
     up, forward = _directions(layout)
     placed = {t: _positions(here, layout, up) for t, here in sorted(anchors.items())}
-    home = fullest(anchors)
+    home = frame_with_most_annotations(anchors)
     first = np.stack(list(placed[home].values()))
     everyone = np.stack([x for here in placed.values() for x in here.values()])
     middle = first.mean(axis=0)
     per_unit = np.linalg.norm(geometry.jacobian(middle), axis=(-2, -1)) / np.sqrt(2.0)
-    appearances = _learn_looks(views, layout, clicks)
-    thickness = float(np.median([a.thickness_px for a in appearances]) / np.mean(per_unit))
-    span = float(np.linalg.norm(first[:, None] - first[None], axis=-1).max())
-    thickness = max(thickness, least_thickness * span)
-    thickness_px = thickness * per_unit
-    ground, height = float((everyone @ up).min()), settings.height
+    appearances = _learn_appearance(views, layout, clicks)
+    paw_width = float(np.median([a.paw_width_px for a in appearances]) / np.mean(per_unit))
+    body_scale = float(np.linalg.norm(first[:, None] - first[None], axis=-1).max())
+    paw_width = max(paw_width, least_paw_width * body_scale)
+    paw_width_px = paw_width * per_unit
+    substrate, height = float((everyone @ up).min()), settings.height
     leading = None
     is_flat = layout.rig is None and shows_two_rows(placed[home], layout.kinds, forward)
     if is_flat:
         leading = 0
         # all of the animal's breadth is searched
         breadth = float(np.ptp(everyone @ up))
-        ground, height = ground - _BESIDE * span, breadth / span + 2.0 * _BESIDE
+        substrate, height = substrate - _BESIDE * body_scale, breadth / body_scale + 2.0 * _BESIDE
     else:
-        span = max(span, _LEAST_SPAN * thickness)
-    stage = _Stage(middle, forward, up, ground, span, height)
+        body_scale = max(body_scale, _LEAST_SPAN * paw_width)
+    stage = _Stage(middle, forward, up, substrate, body_scale, height)
     if layout.rig is not None:
         leading = leading_view(layout, anchors)
-    distal = stage.distal(geometry, thickness)
+    limb_direction = stage.limb_direction(geometry, paw_width)
     if is_flat:
-        distal = [(float(forward[0]), float(forward[1]))]
-    regions, hulls = stage.search(geometry, layout.sizes, leading)
-    looks = [
-        make_look(
-            appearances[v], thickness_px[v], distal[v], limits=hulls[v], is_below=v == leading
+        limb_direction = [(float(forward[0]), float(forward[1]))]
+    rois, hulls = stage.search(geometry, layout.sizes, leading)
+    detectors = [
+        configure_detector(
+            appearances[v],
+            paw_width_px[v],
+            limb_direction[v],
+            limits=hulls[v],
+            is_below=v == leading,
         )
         for v in range(len(layout.sizes))
     ]
-    looks = _in_their_light(looks, views, home, regions)
-    volume = lead = None
+    detectors = _with_illumination(detectors, views, home, rois)
+    volume = bottom_view = None
     if layout.rig is not None:
         across = np.cross(up, forward)
         beside = everyone @ across
         # the paws of the other side are to be found too, or they are taken for the clicked
-        margin = (_BESIDE_STRANGE if unclicked_kinds(layout.kinds) else _BESIDE) * span
+        margin = (_BESIDE_STRANGE if unlabelled_kinds(layout.kinds) else _BESIDE) * body_scale
         volume = Volume(
-            up, across, (ground - _BELOW * span, ground + settings.height * span),
+            up, across, (substrate - _BELOW * body_scale, substrate + settings.height * body_scale),
             (float(beside.min()) - margin, float(beside.max()) + margin),
         )  # fmt: skip
         if leading is not None:
-            lead = Lead(leading, layout.rig.coefs, volume, ground, thickness, thickness_px, distal)
+            bottom_view = BottomView(
+                leading,
+                layout.rig.coefs,
+                volume,
+                substrate,
+                paw_width,
+                paw_width_px,
+                limb_direction,
+            )
     return Scene(
-        geometry, home, placed, span, thickness, thickness_px, looks, regions, distal, up, forward,
-        volume, lead, is_flat,
-    )  # fmt: skip
+        geometry,
+        home,
+        placed,
+        body_scale,
+        paw_width,
+        paw_width_px,
+        detectors,
+        rois,
+        limb_direction,
+        up,
+        forward,
+        volume,
+        bottom_view,
+        is_flat,
+    )
 
 
 def leading_view(layout: Layout, anchors: Mapping[int, Sequence[Placement]]) -> int | None:
     """Return the calibrated view from below that leads, or None; no picture is looked at."""
     if layout.rig is None:
         return None
-    here = anchors[fullest(anchors)]
+    here = anchors[frame_with_most_annotations(anchors)]
     up = _directions(layout)[0]
     middle = np.stack(list(_positions(here, layout, up).values())).mean(axis=0)
-    jacobian = Geometry(layout.rig.coefs).jacobian(middle)
-    return find_lead(jacobian, up, here, n_points=len(layout.points))
+    jacobian = Projection(layout.rig.coefs).jacobian(middle)
+    return find_bottom_view(jacobian, up, here, n_points=len(layout.points))
 
 
-def fullest(placed: Mapping[int, Sequence[Placement]]) -> int:
+def frame_with_most_annotations(placed: Mapping[int, Sequence[Placement]]) -> int:
     """Return the frame in which most points are placed, in most views; the first of several.
 
     A recording may be corrected before it was clicked, one paw at a time.
@@ -236,7 +260,7 @@ def shows_two_rows(
     return bool(rows[:, 1].min() - rows[:, 0].max() > _ROWS * long)
 
 
-def unclicked_kinds(kinds: Sequence[str]) -> list[str]:
+def unlabelled_kinds(kinds: Sequence[str]) -> list[str]:
     """Return the kinds of paws of which an animal has one more than was clicked."""
     return [kind for kind in ("front", "hind") if list(kinds).count(kind) == 1]
 
@@ -278,7 +302,7 @@ def _on_plane(L: np.ndarray, uv: np.ndarray, up: np.ndarray, height: float) -> n
     return np.linalg.lstsq(A, b, rcond=None)[0]
 
 
-def _learn_looks(
+def _learn_appearance(
     views: Views, layout: Layout, clicks: Mapping[int, Sequence[Placement]]
 ) -> list[Appearance]:
     """Learn the look of the paws in every view.
@@ -287,9 +311,9 @@ def _learn_looks(
     not: light comes from one side, and a mirror or a glass floor dims. There each view
     learns from its own clicks if it has some.
     """
-    like = fullest(clicks)
+    like = frame_with_most_annotations(clicks)
     shown = _whole_pictures(views, layout, like, range(len(layout.views)))
-    still = find_still(views, layout.sizes, shown)
+    still = estimate_background(views, layout.sizes, shown)
     pictures, places, owners = [], [], []
     for frame, here in clicks.items():
         clicked = sorted({place.view for place in here})
@@ -307,13 +331,13 @@ def _learn_looks(
         )  # fmt: skip
 
     everywhere = learn_from(range(len(pictures)))
-    looks = []
+    detectors = []
     for v, background in enumerate(still):
         own_pictures = [i for i, owner in enumerate(owners) if owner == v]
         alone = background is not None and len(own_pictures) > 0
-        look = learn_from(own_pictures) if alone else everywhere
-        looks.append(replace(look, background=background))
-    return looks
+        detector = learn_from(own_pictures) if alone else everywhere
+        detectors.append(replace(detector, background=background))
+    return detectors
 
 
 def _whole_pictures(
@@ -328,16 +352,19 @@ def _whole_pictures(
     return dict(zip(which, on_threads(whole, which), strict=True))
 
 
-def _in_their_light(
-    looks: Sequence[Look], views: Views, frame: int, regions: Sequence[Region]
-) -> list[Look]:
+def _with_illumination(
+    detectors: Sequence[DetectorConfig], views: Views, frame: int, rois: Sequence[ROI]
+) -> list[DetectorConfig]:
     """Note how bright what is searched is in a clicked frame."""
     opened = views.frame(frame)
     parts = [
-        searched(opened[name], region, look.shrink)[0]
-        for name, region, look in zip(views.names, regions, looks, strict=True)
+        searched(opened[name], roi, detector.shrink)[0]
+        for name, roi, detector in zip(views.names, rois, detectors, strict=True)
     ]
-    return [replace(look, light=mean_light(part)) for look, part in zip(looks, parts, strict=True)]
+    return [
+        replace(detector, illumination=mean_illumination(part))
+        for detector, part in zip(detectors, parts, strict=True)
+    ]
 
 
 @dataclass(frozen=True)
@@ -347,41 +374,41 @@ class _Stage:
     middle: np.ndarray
     forward: np.ndarray
     up: np.ndarray
-    ground: float
-    span: float
+    substrate: float
+    body_scale: float
     height: float
 
-    def distal(self, geometry: Geometry, thickness: float) -> list[tuple[float, float]]:
+    def limb_direction(self, geometry: Projection, paw_width: float) -> list[tuple[float, float]]:
         """Return the direction in each picture in which limbs tend to end."""
-        tip = self.middle + (self.forward - self.up) * thickness
+        tip = self.middle + (self.forward - self.up) * paw_width
         step = geometry.project(tip) - geometry.project(self.middle)
         step = step / np.maximum(np.linalg.norm(step, axis=-1, keepdims=True), 1e-9)
         return [(float(a), float(b)) for a, b in step]
 
     def search(
-        self, geometry: Geometry, sizes: Sequence[tuple[int, int]], leading: int | None
-    ) -> tuple[list[Region], list[np.ndarray]]:
+        self, geometry: Projection, sizes: Sequence[tuple[int, int]], leading: int | None
+    ) -> tuple[list[ROI], list[np.ndarray]]:
         """Return the region of each view, and the limits within which paws can be."""
-        regions, hulls = [], []
+        rois, hulls = [], []
         for v, size in enumerate(sizes):
-            # what is far to the side is not hidden from below
+            # what is far to the side is not occluded from below
             broad = _BROAD_BELOW if v == leading else _BROAD
             corners = geometry.project(self._box(1.15, broad))[:, v]
             low, high = corners.min(axis=0), corners.max(axis=0)
-            regions.append(Region((low + high) / 2, (high - low) / 2, size))
+            rois.append(ROI((low + high) / 2, (high - low) / 2, size))
             hulls.append(_hull(geometry.project(self._box(2.5, broad))[:, v]))
-        return regions, hulls
+        return rois, hulls
 
     def _box(self, long: float, broad: float) -> np.ndarray:
         """Return the corners of the box in which paws are searched."""
-        base = self.middle + (self.ground - self.middle @ self.up) * self.up
+        base = self.middle + (self.substrate - self.middle @ self.up) * self.up
         sides = [np.zeros_like(self.up)]
         if len(self.up) == 3:
-            across = broad * self.span * np.cross(self.up, self.forward)
+            across = broad * self.body_scale * np.cross(self.up, self.forward)
             sides = [across, -across]
         return np.stack(
             [
-                base + a * long * self.span * self.forward + s + c * self.span * self.up
+                base + a * long * self.body_scale * self.forward + s + c * self.body_scale * self.up
                 for a in (-1.0, 1.0) for s in sides for c in (-_BELOW, self.height)
             ]
         )  # fmt: skip

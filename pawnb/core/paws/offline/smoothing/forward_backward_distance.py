@@ -23,7 +23,7 @@ _TOLD_BY = 3
 
 
 @dataclass(frozen=True)
-class Equations:
+class NormalEquations:
     """What tracks were smoothed from: n frames, P points, d coordinates.
 
     Parameters
@@ -32,7 +32,7 @@ class Equations:
         Information of each measurement; 0 where there is none.
     target : ndarray, shape (n, P, d)
         That times the measurement.
-    jerk2, bend : ndarray, shape (n, P, d)
+    jerk2, jerk_mean : ndarray, shape (n, P, d)
         Variance of the change of acceleration along each axis, and its mean in coordinates.
     axes : ndarray, shape (d, d), optional
         The axes; without them those of the coordinates.
@@ -43,17 +43,17 @@ class Equations:
     information: np.ndarray
     target: np.ndarray
     jerk2: np.ndarray
-    bend: np.ndarray
+    jerk_mean: np.ndarray
     axes: np.ndarray | None
     covariance: np.ndarray
 
 
-def passes_apart(equations: Equations) -> np.ndarray:
+def forward_backward_distance(equations: NormalEquations) -> np.ndarray:
     """Tell every frame from the frames before it, and from those after it, and compare.
 
     Parameters
     ----------
-    equations : Equations
+    equations : NormalEquations
         What the tracks were smoothed from.
 
     Returns
@@ -66,16 +66,16 @@ def passes_apart(equations: Equations) -> np.ndarray:
     n, n_points, d = equations.target.shape
     axes = np.eye(d) if equations.axes is None else equations.axes
     W = axes @ equations.information @ axes.T
-    z, bend = equations.target @ axes.T, equations.bend @ axes.T
-    told = np.trace(W, axis1=-2, axis2=-1) > 0.0
+    z, jerk_mean = equations.target @ axes.T, equations.jerk_mean @ axes.T
+    informative = np.trace(W, axis1=-2, axis2=-1) > 0.0
     largest = W.max(initial=0.0) + 20.0 / equations.jerk2.min(initial=np.inf)
     W = W + _TRACE * largest * np.eye(d)
-    forth = loops.foretell(W, z, equations.jerk2, bend)
+    forth = loops.predict(W, z, equations.jerk2, jerk_mean)
     # backwards, the change of acceleration at frame t is that at frame n - 2 - t, the other way
     turn = np.clip(n - 2 - np.arange(n), 0, None)
-    back = loops.foretell(W[::-1].copy(), z[::-1].copy(), equations.jerk2[turn], -bend[turn])
-    count = np.cumsum(told, axis=0)
-    both = (count - told >= _TOLD_BY) & (count[-1:] - count >= _TOLD_BY)
+    back = loops.predict(W[::-1].copy(), z[::-1].copy(), equations.jerk2[turn], -jerk_mean[turn])
+    count = np.cumsum(informative, axis=0)
+    both = (count - informative >= _TOLD_BY) & (count[-1:] - count >= _TOLD_BY)
     one, two = (np.linalg.inv(known[both]) for known in (forth[0], back[0][::-1]))
     away = _times(one, forth[1][both]) - _times(two, back[1][::-1][both])
     apart = np.full((n, n_points), np.nan)
@@ -83,14 +83,14 @@ def passes_apart(equations: Equations) -> np.ndarray:
     return apart
 
 
-def left_out(x: np.ndarray, equations: Equations) -> tuple[np.ndarray, np.ndarray]:
+def leave_one_out(x: np.ndarray, equations: NormalEquations) -> tuple[np.ndarray, np.ndarray]:
     """Tell every frame from all others: smoothed tracks without what the frame itself measured.
 
     Parameters
     ----------
     x : ndarray, shape (n, P, d)
         Smoothed positions.
-    equations : Equations
+    equations : NormalEquations
         What they were smoothed from.
 
     Returns

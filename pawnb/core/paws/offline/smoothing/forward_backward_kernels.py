@@ -10,8 +10,8 @@ _THIRD = (-1.0, 3.0, -3.0, 1.0)
 
 
 @compiled
-def foretell(
-    information: np.ndarray, target: np.ndarray, jerk2: np.ndarray, bend: np.ndarray
+def predict(
+    information: np.ndarray, target: np.ndarray, jerk2: np.ndarray, jerk_mean: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Tell each frame of several tracks from the frames before it alone.
 
@@ -22,7 +22,7 @@ def foretell(
     ----------
     information, target : ndarray, shape (n, P, d, d) and (n, P, d)
         What is measured in each frame, along axes of which each changes by itself.
-    jerk2, bend : ndarray, shape (n, P, d)
+    jerk2, jerk_mean : ndarray, shape (n, P, d)
         Variance and mean of the change of acceleration along them, at frame t from the
         frames t - 1, t and t + 1 to t + 2.
 
@@ -43,7 +43,7 @@ def foretell(
             for i in range(d):
                 w = 1.0 / jerk2[t - 2, p, i]
                 for j in range(4):
-                    b[j * d + i] += _THIRD[j] * w * bend[t - 2, p, i]
+                    b[j * d + i] += _THIRD[j] * w * jerk_mean[t - 2, p, i]
                     for k in range(4):
                         A[j * d + i, k * d + i] += _THIRD[j] * _THIRD[k] * w
             _eliminate(A, b, d)

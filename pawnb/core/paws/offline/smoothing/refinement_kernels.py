@@ -12,29 +12,29 @@ def take_nearest(
     uv: np.ndarray,
     near: np.ndarray,
     at: np.ndarray,
-    quality: np.ndarray,
+    detection_probability: np.ndarray,
     is_there: np.ndarray,
-    thickness_px: np.ndarray,
-    against: np.ndarray,
+    paw_width_px: np.ndarray,
+    negative_log_odds: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Give candidates to points, the cheapest pair first, each only once.
+    """Give detections to points, the cheapest pair first, each only once.
 
     Parameters
     ----------
     uv : ndarray, shape (n, P, V, 2)
         Where each point is expected, px.
     near : ndarray, shape (n, P)
-        How far from there a candidate may lie, in thicknesses.
-    at, quality, is_there : ndarray
-        See :class:`~pawnb.core.paws.offline.detection.colour.observations.Sights`.
-    thickness_px : ndarray, shape (V,)
-        Thickness of a paw in each view.
-    against : ndarray, shape (n, P, V, C)
-        How much nearer each must be for what speaks against it, in thicknesses.
+        How far from there a detection may lie, in paw widths.
+    at, detection_probability, is_there : ndarray
+        See :class:`~pawnb.core.paws.offline.detection.colour.observations.Observations`.
+    paw_width_px : ndarray, shape (V,)
+        Width of a paw in each view.
+    negative_log_odds : ndarray, shape (n, P, V, C)
+        How much nearer each must be for what speaks against it, in paw widths.
 
     Returns
     -------
-    measured, quality : ndarray, shape (n, P, V, 2) and (n, P, V)
+    measured, detection_probability : ndarray, shape (n, P, V, 2) and (n, P, V)
         What each point was given; NaN and 0 where nothing.
     """
     n, n_points, n_views, most = at.shape[:4]
@@ -49,17 +49,17 @@ def take_nearest(
                     if is_there[t, v, i]:
                         du = at[t, p, v, i, 0] - uv[t, p, v, 0]
                         dv = at[t, p, v, i, 1] - uv[t, p, v, 1]
-                        away = np.sqrt(du * du + dv * dv) / thickness_px[v]
-                        away += against[t, p, v, i]
+                        away = np.sqrt(du * du + dv * dv) / paw_width_px[v]
+                        away += negative_log_odds[t, p, v, i]
                         if away <= near[t, p]:
-                            cost[p, i] = away + 0.5 * (1.0 - quality[t, v, i])
+                            cost[p, i] = away + 0.5 * (1.0 - detection_probability[t, v, i])
             for _ in range(min(n_points, most)):
                 p, i = _least(cost)
                 if cost[p, i] == np.inf:
                     break
                 for c in range(2):
                     measured[t, p, v, c] = at[t, p, v, i, c]
-                good[t, p, v] = quality[t, v, i]
+                good[t, p, v] = detection_probability[t, v, i]
                 cost[p, :] = np.inf
                 cost[:, i] = np.inf
     return measured, good
@@ -122,7 +122,7 @@ def normal_equations(
 def add_equation(W: np.ndarray, z: np.ndarray, J: np.ndarray, wanted: float, weight: float) -> None:
     """Add the equation ``J x = wanted`` to information (d, d) and target (d,)."""
     for i in range(len(J)):
-        own = weight * J[i]
-        z[i] += own * wanted
+        tracked_in_view = weight * J[i]
+        z[i] += tracked_in_view * wanted
         for j in range(len(J)):
-            W[i, j] += own * J[j]
+            W[i, j] += tracked_in_view * J[j]

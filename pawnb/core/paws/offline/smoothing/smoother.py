@@ -21,7 +21,7 @@ def smooth(
     target: np.ndarray,
     jerk2: np.ndarray,
     *,
-    bend: np.ndarray | None = None,
+    jerk_mean: np.ndarray | None = None,
     axes: np.ndarray | None = None,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Smooth one track.
@@ -34,7 +34,7 @@ def smooth(
         ``W_t z_t`` of each frame.
     jerk2 : ndarray, shape (n,) or (n, d)
         Variance of the change of acceleration at each frame, along all axes or along each.
-    bend : ndarray, shape (n, d), optional
+    jerk_mean : ndarray, shape (n, d), optional
         What it is on average; default 0.
     axes : ndarray, shape (d, d), optional
         The axes, unit vectors at right angles; default those of the coordinates.
@@ -49,11 +49,13 @@ def smooth(
     axes = np.eye(target.shape[1]) if axes is None else np.ascontiguousarray(axes, float)
     jerk2 = jerk2 if jerk2.ndim == 2 else jerk2[:, None]
     return loops.smooth(
-        np.ascontiguousarray(information, float), np.ascontiguousarray(target, float),
+        np.ascontiguousarray(information, float),
+        np.ascontiguousarray(target, float),
         # copied: what is broadcast may not be written, which is another type to compile for
         np.array(np.broadcast_to(jerk2, target.shape), float, order="C"),
-        np.zeros(target.shape) if bend is None else np.ascontiguousarray(bend @ axes.T), axes,
-    )  # fmt: skip
+        np.zeros(target.shape) if jerk_mean is None else np.ascontiguousarray(jerk_mean @ axes.T),
+        axes,
+    )
 
 
 def variances(factor: np.ndarray, d: int, *, axes: np.ndarray | None = None) -> np.ndarray:

@@ -18,7 +18,7 @@ def smooth(
     information: np.ndarray,
     target: np.ndarray,
     jerk2: np.ndarray,
-    bend: np.ndarray,
+    jerk_mean: np.ndarray,
     axes: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Smooth one track; see :func:`pawnb.core.paws.offline.smoothing.smoother.smooth`.
@@ -27,7 +27,7 @@ def smooth(
     ----------
     information, target : ndarray, shape (n, d, d) and (n, d)
         What is measured.
-    jerk2, bend : ndarray, shape (n, d)
+    jerk2, jerk_mean : ndarray, shape (n, d)
         Variance and mean of the change of acceleration, along the axes.
     axes : ndarray, shape (d, d)
         The axes.
@@ -46,7 +46,7 @@ def smooth(
         for i in range(d):
             w = 1.0 / jerk2[t, i]
             for k in range(4):
-                x[t - 1 + k, i] += _THIRD[k] * w * bend[t, i]
+                x[t - 1 + k, i] += _THIRD[k] * w * jerk_mean[t, i]
                 for later in range(k, 4):
                     band[(t - 1 + k) * d + i, (later - k) * d] += _THIRD[k] * _THIRD[later] * w
     largest = 0.0
@@ -102,9 +102,9 @@ def factorize(band: np.ndarray) -> None:
         for k in range(rows):
             band[j, k] *= scale
         for k in range(1, rows):
-            own = band[j, k]
+            tracked_in_view = band[j, k]
             for i in range(k, rows):
-                band[j + k, i - k] -= own * band[j, i]
+                band[j + k, i - k] -= tracked_in_view * band[j, i]
 
 
 @compiled

@@ -3,7 +3,7 @@
 Learnt from the recording itself. The phase of the stride is common to all points and is
 read from their motion along the animal (complex demodulation, then correction against the
 learnt cycle); the cycle of each point is the smoothest closed curve through where it was
-seen, relative to the slowly moving body. A point that is hidden, or whose pieces could
+seen, relative to the slowly moving body. A point that is occluded, or whose tracklets could
 belong to another, is expected where it is in other strides.
 """
 
@@ -73,7 +73,7 @@ def learn_cycle(
     Parameters
     ----------
     x : ndarray, shape (n, P, d)
-        Tracks, NaN where hidden.
+        Tracks, NaN where occluded.
     body : ndarray, shape (n, d)
         The slowly moving middle of the body.
     axes : ndarray, shape (d, d)
@@ -111,7 +111,7 @@ def learn_cycle(
     mean = np.stack([_at(curve, phase) for curve, _ in curves], axis=1)
     away = np.where(seen[..., None], (relative - mean) ** 2, 0.0)
     left = away[..., 0]
-    # medians: a few wrong pieces do not unmake a cycle
+    # medians: a few wrong tracklets do not unmake a cycle
     explained = 1.0 - np.median(left[seen]) / max(np.median(along[seen] ** 2), 1e-12)
     if not along.any() or explained < _LEAST_SHARE:
         return None
@@ -207,8 +207,8 @@ def _how_unsure(
     basis, third = _basis(phase[seen])
     scale = np.median((x[seen] - basis @ curve) ** 2, axis=0) + 1e-12
     # where nothing was seen the curve is only as sure as its usual bends are small
-    told = gaussian_filter1d(basis.sum(axis=0), 1.0, mode="wrap") > 1.0
-    bend = ((third @ curve) ** 2)[told].mean(axis=0) + 1e-12
+    observed = gaussian_filter1d(basis.sum(axis=0), 1.0, mode="wrap") > 1.0
+    bend = ((third @ curve) ** 2)[observed].mean(axis=0) + 1e-12
     unsure = []
     for s2, j2 in zip(scale, bend, strict=True):
         N = basis.T @ (basis * weight[:, None]) / (_ALIKE * s2) + third.T @ third / j2
@@ -272,7 +272,7 @@ def _spread(
 ) -> np.ndarray:
     """Return the standard deviations (n, d) of expectations, by phase."""
     a, _, _ = _weights(phase[seen])
-    # a few wrong pieces must not make every expectation vague
+    # a few wrong tracklets must not make every expectation vague
     part = np.minimum(away[seen], 16.0 * np.median(away[seen], axis=0))
     total = np.stack([np.bincount(a, column, _BINS) for column in part.T], axis=1)
     count = np.bincount(a, minlength=_BINS).astype(float)[:, None]

@@ -1,8 +1,8 @@
 """When paws lift off: for which share of a stride, from touch-down to touch-down, they stand.
 
-Touch-downs are mostly seen, lift-offs are often hidden behind the paw that lands beside. But an
+Touch-downs are mostly seen, lift-offs are often occluded behind the paw that lands beside. But an
 animal that runs steadily stands for much the same share of every stride, left as right. That is
-learnt from the recording's strides, and says when a paw that is hidden is due to lift off.
+learnt from the recording's strides, and says when a paw that is occluded is due to lift off.
 """
 
 from __future__ import annotations
@@ -25,8 +25,9 @@ _COVERED = 0.35
 0.42 to 0.92. In a clip of a mouse whose paws are seen to stand for a few frames here and there it
 is 0.15, and what such strides say of lift-offs is wrong."""
 _FINEST = 0.02
-"""Standard deviation of the share from stride to stride. What lift-offs that are told wrongly make
-of it would be far more."""
+"""Standard deviation of the share from stride to stride. What lift-offs that are estimated wrongly
+make of it would be far more.
+"""
 _LIKE_OTHERS = 0.02
 """Standard deviation of how much front and hind paws differ in it."""
 _MAD = 1.48
@@ -35,12 +36,12 @@ _OF_MEDIAN = 1.25
 """Standard error of a median in that of a mean."""
 _HOP = 0.5
 """A swing shorter than so much of the usual one was none."""
-DEAREST = 8.0
+MAX_COST = 8.0
 """Largest cost of lifting off at another time."""
 
 
 @dataclass(frozen=True)
-class Rhythm:
+class DutyFactor:
     """For which share of a stride each point stands.
 
     Parameters
@@ -89,7 +90,7 @@ class Rhythm:
         else:
             return np.zeros(len(frames))
         square = (frames - at) ** 2 / ((sd * stride) ** 2 + more**2)
-        return np.minimum(0.5 * square, DEAREST)
+        return np.minimum(0.5 * square, MAX_COST)
 
     def shortest_swing(self, point: int) -> float:
         """Return the frames that a swing of a point lasts at least."""
@@ -100,7 +101,9 @@ class Rhythm:
         return self.stride / _ODD < stride < self.stride * _ODD
 
 
-def learn_rhythm(stances: Sequence[Sequence[Stance]], kinds: Sequence[str]) -> Rhythm | None:
+def learn_duty_factor(
+    stances: Sequence[Sequence[Stance]], kinds: Sequence[str]
+) -> DutyFactor | None:
     """Learn for which share of a stride points stand.
 
     Parameters
@@ -112,7 +115,7 @@ def learn_rhythm(stances: Sequence[Sequence[Stance]], kinds: Sequence[str]) -> R
 
     Returns
     -------
-    Rhythm or None
+    DutyFactor or None
         None with too few strides, or where they make up little of the recording.
     """
     strides = [
@@ -138,7 +141,7 @@ def learn_rhythm(stances: Sequence[Sequence[Stance]], kinds: Sequence[str]) -> R
         return None
     spread = _MAD * float(np.median(np.abs(length[kept] - usual)))
     share, sd = np.array([_of_kind(kind, shares) for kind in kinds]).T
-    return Rhythm(share, sd, usual, spread)
+    return DutyFactor(share, sd, usual, spread)
 
 
 def _lasts(stances: Sequence[Sequence[Stance]]) -> int:

@@ -9,16 +9,16 @@ import numpy as np
 from pawnb.core.compiled import compiled
 
 _ABOVE, _WITHIN = 0.6, 0.5
-"""A point more than so many thicknesses above the ground is lifted, surely after as much more."""
+"""A point more than so many paw widths above the ground is lifted, surely after as much more."""
 _RIDE = 7.0
 """Cost of a frame in which a lifted point goes as the ground does."""
 _BELOW = 0.7
-"""The middle of a paw may be so many thicknesses below its clicked end."""
+"""The middle of a paw may be so many paw widths below its clicked end."""
 _STRANGEST = 9.0
-"""Squared standard deviations beyond which a speed is no stranger."""
+"""Squared standard deviations beyond which a speed is no unlabelled target."""
 
 
-class Doubts(NamedTuple):
+class KinematicPrior(NamedTuple):
     """What is known of how a point moves.
 
     Parameters
@@ -28,11 +28,11 @@ class Doubts(NamedTuple):
     fastest_back, back_sd : float
         Speed forward of what goes back as fast as the ground does, and how much faster is
         strange.
-    lowest, thickness : float
-        Height of the lowest click, and thickness of a paw.
+    lowest, paw_width : float
+        Height of the lowest click, and width of a paw.
     height : float
         Of the point where it stands, NaN where it was never seen standing.
-    drift : ndarray, shape (d,)
+    substrate_velocity : ndarray, shape (d,)
         Speed of the ground.
     tolerance : float
         By how much the speed of what stands may differ from it.
@@ -45,16 +45,16 @@ class Doubts(NamedTuple):
     fastest_back: float
     back_sd: float
     lowest: float
-    thickness: float
+    paw_width: float
     height: float
-    drift: np.ndarray
+    substrate_velocity: np.ndarray
     tolerance: float
     way: int
 
 
 @compiled
-def doubt(
-    x: np.ndarray, speed: np.ndarray, recent: np.ndarray, known: Doubts, cost: np.ndarray
+def add_kinematic_cost(
+    x: np.ndarray, speed: np.ndarray, recent: np.ndarray, known: KinematicPrior, cost: np.ndarray
 ) -> None:
     """Add what speaks against positions and speeds to costs.
 
@@ -64,7 +64,7 @@ def doubt(
         Where points may be, and how fast they may move.
     recent : ndarray of bool, shape (b,)
         Whether they have just lifted off: then they are lifted, however high they are.
-    known : Doubts
+    known : KinematicPrior
         What is known of how they move.
     cost : ndarray, shape (b,)
         Costs, added to.
@@ -75,28 +75,28 @@ def doubt(
             v = known.way * speed[i, b]
             ahead += v * known.forward[i]
             high += x[i, b] * known.up[i]
-            off_ahead += (v - known.drift[i]) * known.forward[i]
-            off_up += (v - known.drift[i]) * known.up[i]
+            off_ahead += (v - known.substrate_velocity[i]) * known.forward[i]
+            off_up += (v - known.substrate_velocity[i]) * known.up[i]
         cost[b] += _strangeness(ahead, high, known)
         if not np.isnan(known.height):
             cost[b] += _riding(np.hypot(off_ahead, off_up), high, recent[b], known)
 
 
 @compiled
-def _strangeness(ahead: float, high: float, known: Doubts) -> float:
+def _strangeness(ahead: float, high: float, known: KinematicPrior) -> float:
     """Return the cost of a speed and a height.
 
     No paw moves back faster than the ground does, and none goes below it.
     """
     back = max(known.fastest_back - ahead, 0.0) / known.back_sd
-    low = max(known.lowest - _BELOW * known.thickness - high, 0.0) / (0.5 * known.thickness)
+    low = max(known.lowest - _BELOW * known.paw_width - high, 0.0) / (0.5 * known.paw_width)
     return 0.5 * min(back * back, _STRANGEST) + 0.5 * low * low
 
 
 @compiled
-def _riding(off: float, high: float, recent: bool, known: Doubts) -> float:
+def _riding(off: float, high: float, recent: bool, known: KinematicPrior) -> float:
     """Return the cost of going with the ground, but for ``off``, though lifted."""
-    above = (high - known.height) / known.thickness
+    above = (high - known.height) / known.paw_width
     lifted = 1.0 if recent else min(max((above - _ABOVE) / _WITHIN, 0.0), 1.0)
     if lifted == 0.0:
         return 0.0

@@ -13,23 +13,23 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pawnb.core.paws.offline.projection import Geometry
-from pawnb.core.paws.offline.scene.motion_model import Manner
-from pawnb.core.paws.offline.stride.plausibility_kernels import Doubts
-from pawnb.core.paws.offline.treadmill.median import middle
+from pawnb.core.paws.offline.projection import Projection
+from pawnb.core.paws.offline.scene.motion_model import MotionModel
+from pawnb.core.paws.offline.stride.plausibility_kernels import KinematicPrior
+from pawnb.core.paws.offline.treadmill.median import median
 
 _HALF = 2
 """Frames before and after over which a speed is taken."""
 _WITH_GROUND = 0.25
 """A point goes with the ground if its speed differs by less than this share of the ground's, or"""
 _SLOW = 0.04
-"""by less than so many thicknesses a frame."""
+"""by less than so many paw widths a frame."""
 _OFF = 0.35
-"""A point has left the ground if it is so many thicknesses from where it stood."""
+"""A point has left the ground if it is so many paw widths from where it stood."""
 _LEAST = 4
 """Frames needed to tell that a point stands."""
 _BESIDE = 1.2
-"""Another paw covers a point up to so many thicknesses from it in the picture."""
+"""Another paw covers a point up to so many paw widths from it in the picture."""
 _UP = 1.0
 """Change of speed at lift-off before anything is learnt, in that of the fastest swings: upwards."""
 _ASSUMED = 2.0
@@ -56,50 +56,59 @@ class Stance:
 
 
 @dataclass(frozen=True)
-class Ground:
+class Substrate:
     """What points stand on, and how they leave it.
 
     Parameters
     ----------
     height : ndarray, shape (P,)
         Of each point where it stands, NaN where it was never seen standing.
-    drift : ndarray, shape (d,)
+    substrate_velocity : ndarray, shape (d,)
         Speed of the ground.
-    lift : ndarray, shape (P, d)
+    liftoff_velocity : ndarray, shape (P, d)
         How much the speed of each point changes at lift-off.
-    manner : Manner
+    motion_model : MotionModel
         How points move.
     """
 
     height: np.ndarray
-    drift: np.ndarray
-    lift: np.ndarray
-    manner: Manner
+    substrate_velocity: np.ndarray
+    liftoff_velocity: np.ndarray
+    motion_model: MotionModel
 
     def places(self, stance: Stance, frames: np.ndarray) -> np.ndarray:
         """Return where (n, d) what stands is in some frames (n,)."""
-        return np.asarray(stance.origin + frames[:, None] * self.drift)
+        return np.asarray(stance.origin + frames[:, None] * self.substrate_velocity)
 
-    def doubts(self, point: int, *, way: int = 1) -> Doubts:
+    def kinematic_prior(self, point: int, *, way: int = 1) -> KinematicPrior:
         """Return what speaks against how a point may move, told backwards where ``way`` is -1."""
-        manner = self.manner
-        forward = manner.axes[0]
-        fastest = min(0.0, float(manner.drift @ forward))
-        return Doubts(
-            forward, manner.axes[-1], fastest, 0.25 * abs(fastest) + 0.5 * manner.acceleration,
-            float(manner.ground), float(manner.thickness), float(self.height[point]), self.drift,
-            _tolerance(self.drift, manner), way,
-        )  # fmt: skip
+        motion_model = self.motion_model
+        forward = motion_model.axes[0]
+        fastest = min(0.0, float(motion_model.substrate_velocity @ forward))
+        return KinematicPrior(
+            forward,
+            motion_model.axes[-1],
+            fastest,
+            0.25 * abs(fastest) + 0.5 * motion_model.acceleration,
+            float(motion_model.substrate),
+            float(motion_model.paw_width),
+            float(self.height[point]),
+            self.substrate_velocity,
+            _tolerance(self.substrate_velocity, motion_model),
+            way,
+        )
 
     def stances(self, places: np.ndarray) -> list[list[Stance]]:
         """Return when each point stands, given its certain places (n, P, d), NaN elsewhere."""
         n, n_points, _ = places.shape
         # in the frame of the ground nothing that stands moves
-        still = places - np.arange(n)[:, None, None] * self.drift
+        still = places - np.arange(n)[:, None, None] * self.substrate_velocity
         slow = np.zeros((n, n_points), bool)
         if n > 2 * _HALF:
             step = (still[2 * _HALF :] - still[: -2 * _HALF]) / (2.0 * _HALF)
-            slow[_HALF:-_HALF] = _length(step, self.manner) < _tolerance(self.drift, self.manner)
+            slow[_HALF:-_HALF] = _length(step, self.motion_model) < _tolerance(
+                self.substrate_velocity, self.motion_model
+            )
         return [self._stances(still[:, p], slow[:, p]) for p in range(n_points)]
 
     def _stances(self, still: np.ndarray, slow: np.ndarray) -> list[Stance]:
@@ -112,8 +121,8 @@ class Ground:
                 continue
             if found and first <= found[-1].stop:
                 continue
-            origin = middle(still[first:stop][known])
-            on = _length(still - origin, self.manner) < _OFF * self.manner.thickness
+            origin = median(still[first:stop][known])
+            on = _length(still - origin, self.motion_model) < _OFF * self.motion_model.paw_width
             # at a place between the two it cannot stand twice
             free = found[-1].stop if found else 0
             first -= int(np.argmin(np.append(on[free:first][::-1], False)))
@@ -122,59 +131,65 @@ class Ground:
         return found
 
 
-def learn_ground(chosen: np.ndarray, manner: Manner, *, lift: np.ndarray | None = None) -> Ground:
+def learn_substrate(
+    chosen: np.ndarray, motion_model: MotionModel, *, liftoff_velocity: np.ndarray | None = None
+) -> Substrate:
     """Learn how fast the ground goes, and at which height points stand on it.
 
     Parameters
     ----------
     chosen : ndarray, shape (n, P, d)
         Certain places, NaN elsewhere.
-    manner : Manner
+    motion_model : MotionModel
         How points move.
-    lift : ndarray, shape (P, d), optional
+    liftoff_velocity : ndarray, shape (P, d), optional
         How much speeds change at lift-off, if that was learnt already.
 
     Returns
     -------
-    Ground
+    Substrate
         What was learnt; no heights where the only view is from below.
     """
     n, n_points, _ = chosen.shape
-    if lift is None:
-        lift = np.tile(_UP * manner.speed * manner.axes[-1], (n_points, 1))
+    if liftoff_velocity is None:
+        liftoff_velocity = np.tile(_UP * motion_model.speed * motion_model.axes[-1], (n_points, 1))
     height = np.full(n_points, np.nan)
-    if not np.isfinite(manner.ground) or n <= 2 * _HALF:
-        return Ground(height, manner.drift, lift, manner)
+    if not np.isfinite(motion_model.substrate) or n <= 2 * _HALF:
+        return Substrate(height, motion_model.substrate_velocity, liftoff_velocity, motion_model)
     speed = (chosen[2 * _HALF :] - chosen[: -2 * _HALF]) / (2.0 * _HALF)
-    standing = _length(speed - manner.drift, manner) < _tolerance(manner.drift, manner)
-    up = chosen[_HALF:-_HALF] @ manner.axes[-1]
+    standing = _length(speed - motion_model.substrate_velocity, motion_model) < _tolerance(
+        motion_model.substrate_velocity, motion_model
+    )
+    up = chosen[_HALF:-_HALF] @ motion_model.axes[-1]
     for p in range(n_points):
         here = standing[:, p] & np.isfinite(up[:, p])
         if here.any():
             height[p] = np.median(up[here, p])
-    drift = np.median(speed[standing], axis=0) if standing.any() else manner.drift
-    return Ground(height, drift, lift, manner)
+    substrate_velocity = (
+        np.median(speed[standing], axis=0) if standing.any() else motion_model.substrate_velocity
+    )
+    return Substrate(height, substrate_velocity, liftoff_velocity, motion_model)
 
 
-def learn_lift(
-    ground: Ground,
+def learn_liftoff_velocity(
+    substrate: Substrate,
     x: np.ndarray,
     seen: np.ndarray,
     *,
-    lifts: Sequence[tuple[int, int]],
+    lift_offs: Sequence[tuple[int, int]],
     frames: int,
 ) -> np.ndarray:
     """Learn by how much the speed of each point changes at lift-off.
 
     Parameters
     ----------
-    ground : Ground
+    substrate : Substrate
         What points stand on.
     x : ndarray, shape (n, P, d)
         Tracks.
     seen : ndarray of bool, shape (n, P)
         Where a view shows the point.
-    lifts : sequence of (int, int)
+    lift_offs : sequence of (int, int)
         Number of the point, and the last frame in which it stands.
     frames : int
         Frames in which a paw that lifts off goes on as it began.
@@ -186,21 +201,21 @@ def learn_lift(
         only: forward a paw goes on with the ground and gains speed little by little.
     """
     n_points = x.shape[1]
-    told: list[list[np.ndarray]] = [[] for _ in range(n_points)]
-    for p, last in lifts:
+    observed: list[list[np.ndarray]] = [[] for _ in range(n_points)]
+    for p, last in lift_offs:
         later = np.flatnonzero(seen[last + 1 : last + 1 + frames, p])
         if len(later):
             since = int(later[-1]) + 1
-            gone = x[last + since, p] - x[last, p] - since * ground.drift
-            told[p].append(gone / (since - _HALF_FRAME))
-    up = ground.manner.axes[-1]
-    assumed = _UP * ground.manner.speed * up
-    lift = np.tile(assumed, (n_points, 1))
-    for p, changes in enumerate(told):
+            gone = x[last + since, p] - x[last, p] - since * substrate.substrate_velocity
+            observed[p].append(gone / (since - _HALF_FRAME))
+    up = substrate.motion_model.axes[-1]
+    assumed = _UP * substrate.motion_model.speed * up
+    liftoff_velocity = np.tile(assumed, (n_points, 1))
+    for p, changes in enumerate(observed):
         if changes:
             share = len(changes) / (len(changes) + _ASSUMED)
-            lift[p] += share * (np.median(changes, axis=0) @ up * up - assumed)
-    return lift
+            liftoff_velocity[p] += share * (np.median(changes, axis=0) @ up * up - assumed)
+    return liftoff_velocity
 
 
 def covered(
@@ -208,8 +223,8 @@ def covered(
     uv: np.ndarray,
     point: int,
     *,
-    geometry: Geometry,
-    thickness_px: np.ndarray,
+    geometry: Projection,
+    paw_width_px: np.ndarray,
 ) -> np.ndarray:
     """Tell in which views another paw covers a point.
 
@@ -221,10 +236,10 @@ def covered(
         Where all points are, px, NaN where nothing is known.
     point : int
         Its number.
-    geometry : Geometry
+    geometry : Projection
         The views.
-    thickness_px : ndarray, shape (V,)
-        Thickness of a paw in each view.
+    paw_width_px : ndarray, shape (V,)
+        Width of a paw in each view.
 
     Returns
     -------
@@ -232,30 +247,30 @@ def covered(
         True where one does.
     """
     others = np.delete(uv, point, axis=1) - geometry.project(standing)[:, None]
-    away = np.linalg.norm(others, axis=-1) / thickness_px
+    away = np.linalg.norm(others, axis=-1) / paw_width_px
     return np.asarray((away < _BESIDE).any(axis=1))
 
 
-def expected_bends(
-    lifts: Sequence[tuple[int, int]], lift: np.ndarray, n: int
+def expected_jerks(
+    lift_offs: Sequence[tuple[int, int]], liftoff_velocity: np.ndarray, n: int
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the third differences (n, P, d) that lift-offs make, and where (n, P) they do."""
-    bend = np.zeros((n, *lift.shape))
-    near = np.zeros((n, len(lift)), bool)
-    for p, last in lifts:
+    jerk_mean = np.zeros((n, *liftoff_velocity.shape))
+    near = np.zeros((n, len(liftoff_velocity)), bool)
+    for p, last in lift_offs:
         if 1 <= last < n - 2:
             # of a line that bends upwards at the middle of the step after the last frame
-            bend[last - 1, p] += _HALF_FRAME * lift[p]
-            bend[last + 1, p] += (_HALF_FRAME - 1.0) * lift[p]
+            jerk_mean[last - 1, p] += _HALF_FRAME * liftoff_velocity[p]
+            jerk_mean[last + 1, p] += (_HALF_FRAME - 1.0) * liftoff_velocity[p]
             near[last - 1 : last + 2, p] = True
-    return bend, near
+    return jerk_mean, near
 
 
-def _length(step: np.ndarray, manner: Manner) -> np.ndarray:
+def _length(step: np.ndarray, motion_model: MotionModel) -> np.ndarray:
     """Return the length of steps (..., d) forward and up: to the side is told less well."""
-    return np.asarray(np.hypot(step @ manner.axes[0], step @ manner.axes[-1]))
+    return np.asarray(np.hypot(step @ motion_model.axes[0], step @ motion_model.axes[-1]))
 
 
-def _tolerance(drift: np.ndarray, manner: Manner) -> float:
+def _tolerance(substrate_velocity: np.ndarray, motion_model: MotionModel) -> float:
     """Return by how much the speed of what stands may differ from that of the ground."""
-    return _WITH_GROUND * float(np.linalg.norm(drift)) + _SLOW * manner.thickness
+    return _WITH_GROUND * float(np.linalg.norm(substrate_velocity)) + _SLOW * motion_model.paw_width

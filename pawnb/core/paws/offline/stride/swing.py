@@ -1,6 +1,6 @@
 """Where paws are while they swing, from the arc that the recording's swings share.
 
-A swing goes from one stance to the next. Where a paw is hidden for a part of it, the arc says
+A swing goes from one stance to the next. Where a paw is occluded for a part of it, the arc says
 where it was; after the last stance of a recording and before the first one, a stride's rhythm
 says when the paw landed or lifted off.
 """
@@ -12,9 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pawnb.core.paws.offline.scene.motion_model import Manner
-from pawnb.core.paws.offline.stride.duty_factor import DEAREST, Rhythm
-from pawnb.core.paws.offline.stride.stance import Ground, Stance
+from pawnb.core.paws.offline.scene.motion_model import MotionModel
+from pawnb.core.paws.offline.stride.duty_factor import MAX_COST, DutyFactor
+from pawnb.core.paws.offline.stride.stance import Stance, Substrate
 from pawnb.core.paws.offline.stride.swing_detection import (
     TO_FRAME,
     Swing,
@@ -22,19 +22,19 @@ from pawnb.core.paws.offline.stride.swing_detection import (
     since_landing,
 )
 from pawnb.core.paws.offline.stride.swing_trajectory import (
-    Arc,
     Guess,
     Part,
-    arc_at,
+    SwingTrajectory,
     changes,
     fit_swings,
-    learn_arc,
+    learn_trajectory,
+    trajectory_at,
 )
 
 _LEAST = 3
 """Swings of a kind from which its arc is learnt, and"""
 _LEAST_STEP = 2.0
-"""thicknesses that a swing goes forward."""
+"""paw widths that a swing goes forward."""
 _ODD = 1.5
 """Swings so many times as long as the usual one, or as short, are none."""
 _MARGIN = 4
@@ -44,7 +44,7 @@ _SEEN = 0.3
 _TOLD = 0.2
 """How much a place counts that is not certain, in a swing of which one end is not known."""
 _UNSURE, _UNSURE_ASIDE = 0.1, 0.2
-"""Standard deviations of places about their arc, in thicknesses."""
+"""Standard deviations of places about their arc, in paw widths."""
 _BEND_TO = 0.9
 """Share of a swing after which its bends are not expected: landings differ."""
 _NEAR_S, _NEAREST = 0.02, 5
@@ -63,16 +63,16 @@ class Swings:
         Where the arc has them, NaN where they stand or it is not known.
     sd : ndarray, shape (n, P, d)
         Standard deviations along forward, across and up.
-    bend : ndarray, shape (n, P, d)
+    jerk_mean : ndarray, shape (n, P, d)
         Third differences of the arcs, NaN where they are not known.
-    lifts : tuple of tuple
+    lift_offs : tuple of tuple
         Number of the point, frame of the lift-off, and its standard deviation.
     """
 
     place: np.ndarray
     sd: np.ndarray
-    bend: np.ndarray
-    lifts: tuple[tuple[int, float, float], ...]
+    jerk_mean: np.ndarray
+    lift_offs: tuple[tuple[int, float, float], ...]
 
     def due(self, point: int, frames: np.ndarray, fps: float) -> np.ndarray | None:
         """Return what speaks against lifting off just before each of some frames.
@@ -94,10 +94,10 @@ class Swings:
         reach = max(_NEAR_S * fps, _NEAREST)
         near = [
             0.5 * ((frames - TO_FRAME - lift) / max(sd, _DUE_SD)) ** 2
-            for p, lift, sd in self.lifts
+            for p, lift, sd in self.lift_offs
             if p == point and frames[0] - reach < lift < frames[-1] + reach
         ]
-        return np.minimum(np.min(near, axis=0), DEAREST) if near else None
+        return np.minimum(np.min(near, axis=0), MAX_COST) if near else None
 
 
 def learn_swings(
@@ -106,8 +106,8 @@ def learn_swings(
     stances: Sequence[Sequence[Stance]],
     *,
     certain: np.ndarray,
-    ground: Ground,
-    rhythm: Rhythm | None,
+    substrate: Substrate,
+    duty_factor: DutyFactor | None,
     kinds: Sequence[str],
     fps: float,
 ) -> Swings:
@@ -124,9 +124,9 @@ def learn_swings(
     certain : ndarray of bool, shape (n, P)
         Where places are certain. In swings after the last stance and before the first one the
         others count less: only one side tells them.
-    ground : Ground
+    substrate : Substrate
         What they stand on.
-    rhythm : Rhythm, optional
+    duty_factor : DutyFactor, optional
         When they lift off.
     kinds : sequence of str
         Kind of each point: those of a kind have one arc.
@@ -138,33 +138,40 @@ def learn_swings(
     Swings
         Nothing of kinds with fewer than three swings.
     """
-    manner = ground.manner
+    motion_model = substrate.motion_model
     seen = (weight > _SEEN) & np.isfinite(x[..., 0])
-    stances = since_landing(stances, x, seen=seen, ground=ground)
+    stances = since_landing(stances, x, seen=seen, substrate=substrate)
     found = [
         swing
         for swing in find_swings(
-            stances, seen, rhythm, certain=certain, fps=fps, drift=ground.drift
+            stances,
+            seen,
+            duty_factor,
+            certain=certain,
+            fps=fps,
+            substrate_velocity=substrate.substrate_velocity,
         )
-        if (swing.end - swing.begin) @ manner.axes[0] > _LEAST_STEP * manner.thickness
+        if (swing.end - swing.begin) @ motion_model.axes[0] > _LEAST_STEP * motion_model.paw_width
     ]
-    place, sd, bend = (np.full(x.shape, np.nan) for _ in range(3))
-    lifts: list[tuple[int, float, float]] = []
-    still = (x - np.arange(len(x))[:, None, None] * ground.drift) @ manner.axes.T
+    place, sd, jerk_mean = (np.full(x.shape, np.nan) for _ in range(3))
+    lift_offs: list[tuple[int, float, float]] = []
+    still = (
+        x - np.arange(len(x))[:, None, None] * substrate.substrate_velocity
+    ) @ motion_model.axes.T
     outside = _outside(still, kinds)
     for kind in sorted(set(kinds)):
         mine = _usual([swing for swing in found if kinds[swing.point] == kind])
         whole = [swing for swing in mine if swing.is_whole]
         if len(whole) < _LEAST:
             continue
-        arc = learn_arc(
-            _part(whole, still, weight, outside, manner, certain=certain), _guess(whole)
+        trajectory = learn_trajectory(
+            _part(whole, still, weight, outside, motion_model, certain=certain), _guess(whole)
         )
-        part = _part(mine, still, weight, outside, manner, certain=certain)
+        part = _part(mine, still, weight, outside, motion_model, certain=certain)
         for swing, values, covariance in zip(
-            mine, *fit_swings(arc, part, _guess(mine)), strict=True
+            mine, *fit_swings(trajectory, part, _guess(mine)), strict=True
         ):
-            frames, path, spread = _path(swing, values, covariance, arc, ground, outside)
+            frames, path, spread = _path(swing, values, covariance, trajectory, substrate, outside)
             third = np.full(path.shape, np.nan)
             third[1:-2] = np.diff(path, 3, axis=0)
             here = (frames >= 0) & (frames < len(x))
@@ -173,9 +180,9 @@ def learn_swings(
             bent &= frames < values[0] + _BEND_TO * (values[1] - values[0])
             place[frames[inside], swing.point] = path[inside]
             sd[frames[inside], swing.point] = spread[inside]
-            bend[frames[bent], swing.point] = third[bent]
-            lifts.append((swing.point, float(values[0]), float(np.sqrt(covariance[0, 0]))))
-    return Swings(place, sd, bend, tuple(lifts))
+            jerk_mean[frames[bent], swing.point] = third[bent]
+            lift_offs.append((swing.point, float(values[0]), float(np.sqrt(covariance[0, 0]))))
+    return Swings(place, sd, jerk_mean, tuple(lift_offs))
 
 
 def _usual(swings: Sequence[Swing]) -> list[Swing]:
@@ -211,7 +218,7 @@ def _part(
     still: np.ndarray,
     weight: np.ndarray,
     outside: np.ndarray,
-    manner: Manner,
+    motion_model: MotionModel,
     *,
     certain: np.ndarray,
 ) -> Part:
@@ -222,7 +229,7 @@ def _part(
     last = np.array([int(one.times[1]) + _MARGIN for one in swings])
     point = np.array([one.point for one in swings])
     begin, end = (
-        np.array([getattr(one, name) for one in swings]) @ manner.axes.T
+        np.array([getattr(one, name) for one in swings]) @ motion_model.axes.T
         for name in ("begin", "end")
     )
     inside = (frames >= 0) & (frames < np.minimum(last, len(still))[:, None])
@@ -233,14 +240,14 @@ def _part(
     step = end - begin
     way = (places[..., 0] - begin[:, None, 0]) / step[:, None, 0]
     line = begin[:, None] + np.clip(way, 0.0, 1.0)[..., None] * step[:, None]
-    off = (places - line) / manner.thickness
+    off = (places - line) / motion_model.paw_width
     is_whole = np.array([one.is_whole for one in swings])
     sure = certain[at, point[:, None]] | is_whole[:, None]
     counted = weight[at, point[:, None]] * np.where(sure, 1.0, _TOLD)
     aside = off[..., 1] if off.shape[-1] == 3 else np.zeros(way.shape)
     return Part(
         frames, way, off[..., -1], outside[point][:, None] * aside,
-        np.where(inside, counted, 0.0), step[:, 0] / manner.thickness,
+        np.where(inside, counted, 0.0), step[:, 0] / motion_model.paw_width,
     )  # fmt: skip
 
 
@@ -248,25 +255,25 @@ def _path(
     swing: Swing,
     values: np.ndarray,
     covariance: np.ndarray,
-    arc: Arc,
-    ground: Ground,
+    trajectory: SwingTrajectory,
+    substrate: Substrate,
     outside: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return frames (T,) about a swing, where the paw is (T, d), and how sure that is (T, d)."""
-    manner = ground.manner
-    axes, thickness = manner.axes, manner.thickness
+    motion_model = substrate.motion_model
+    axes, paw_width = motion_model.axes, motion_model.paw_width
     frames = np.arange(int(np.ceil(values[0])) - _MARGIN + 1, int(values[1]) + _MARGIN)
-    way, up = arc_at(values, arc.shape, frames)
+    way, up = trajectory_at(values, trajectory.shape, frames)
     begin, end = axes @ swing.begin, axes @ swing.end
     along = begin + way[:, None] * (end - begin)
-    along[:, -1] += up * thickness
-    by_value, by_shape = changes(values, arc.shape, frames)
+    along[:, -1] += up * paw_width
+    by_value, by_shape = changes(values, trajectory.shape, frames)
     variance = np.einsum("iat,jat,ij->ta", by_value, by_value, covariance)
-    variance += np.einsum("iat,jat,ij->ta", by_shape, by_shape, arc.covariance)
-    variance = variance * np.array([end[0] - begin[0], thickness]) ** 2
-    variance += (_UNSURE * thickness) ** 2
+    variance += np.einsum("iat,jat,ij->ta", by_shape, by_shape, trajectory.covariance)
+    variance = variance * np.array([end[0] - begin[0], paw_width]) ** 2
+    variance += (_UNSURE * paw_width) ** 2
     if len(axes) == 3:
-        along[:, 1] += outside[swing.point] * arc.aside * up * thickness
-        aside = (arc.aside_sd**2 * up**2 + _UNSURE**2 + _UNSURE_ASIDE**2) * thickness**2
+        along[:, 1] += outside[swing.point] * trajectory.aside * up * paw_width
+        aside = (trajectory.aside_sd**2 * up**2 + _UNSURE**2 + _UNSURE_ASIDE**2) * paw_width**2
         variance = np.insert(variance, 1, aside, axis=1)
-    return frames, along @ axes + frames[:, None] * ground.drift, np.sqrt(variance)
+    return frames, along @ axes + frames[:, None] * substrate.substrate_velocity, np.sqrt(variance)

@@ -8,8 +8,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from pawnb.core.paws.offline.stride.duty_factor import Rhythm
-from pawnb.core.paws.offline.stride.stance import Ground, Stance
+from pawnb.core.paws.offline.stride.duty_factor import DutyFactor
+from pawnb.core.paws.offline.stride.stance import Stance, Substrate
 
 _LEAST_FRAMES = 3
 """Frames between two stances from which on a swing is looked for."""
@@ -29,7 +29,7 @@ _AROUND = 2
 _SPREAD = 0.05
 """Least standard deviation of strides, in their length."""
 _ON_PLACE = 0.7
-"""A paw that is seen within so many thicknesses of where it will stand has landed."""
+"""A paw that is seen within so many paw widths of where it will stand has landed."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class Swing:
 
 
 def since_landing(
-    stances: Sequence[Sequence[Stance]], x: np.ndarray, *, seen: np.ndarray, ground: Ground
+    stances: Sequence[Sequence[Stance]], x: np.ndarray, *, seen: np.ndarray, substrate: Substrate
 ) -> list[list[Stance]]:
     """Let stances begin where the paw was first seen on its place, certain or not.
 
@@ -72,7 +72,7 @@ def since_landing(
         Tracks.
     seen : ndarray of bool, shape (n, P)
         Where a view that tracks the point shows it.
-    ground : Ground
+    substrate : Substrate
         What they stand on.
 
     Returns
@@ -80,13 +80,13 @@ def since_landing(
     list of list of Stance
         The same stances, some of them longer.
     """
-    axes, near = ground.manner.axes, _ON_PLACE * ground.manner.thickness
+    axes, near = substrate.motion_model.axes, _ON_PLACE * substrate.motion_model.paw_width
     frames = np.arange(len(x))
     longer = []
     for p, mine in enumerate(stances):
         own: list[Stance] = []
         for one in mine:
-            off = (x[:, p] - ground.places(one, frames)) @ axes[[0, -1]].T
+            off = (x[:, p] - substrate.places(one, frames)) @ axes[[0, -1]].T
             on = seen[:, p] & (np.hypot(*off.T) < near)
             first = one.first - int(np.argmin(np.append(on[: one.first][::-1], False)))
             if own:
@@ -99,11 +99,11 @@ def since_landing(
 def find_swings(
     stances: Sequence[Sequence[Stance]],
     seen: np.ndarray,
-    rhythm: Rhythm | None,
+    duty_factor: DutyFactor | None,
     *,
     certain: np.ndarray,
     fps: float,
-    drift: np.ndarray,
+    substrate_velocity: np.ndarray,
 ) -> list[Swing]:
     """Return the swings between stances, and those after the last and before the first one.
 
@@ -113,11 +113,11 @@ def find_swings(
         Those of each point.
     seen, certain : ndarray of bool, shape (n, P)
         Where a view that tracks the point shows it, and where places are certain.
-    rhythm : Rhythm, optional
+    duty_factor : DutyFactor, optional
         When they lift off; without it only swings between stances are found.
     fps : float
         Frames per second.
-    drift : ndarray, shape (d,)
+    substrate_velocity : ndarray, shape (d,)
         Speed of the ground.
 
     Returns
@@ -127,21 +127,21 @@ def find_swings(
     """
     found = []
     for p, mine in enumerate(stances):
-        ends = _Ends(seen[:, p], certain[:, p], rhythm, p, fps)
+        ends = _Ends(seen[:, p], certain[:, p], duty_factor, p, fps)
         for now, after in pairwise(mine):
             if after.first - now.stop >= _LEAST_FRAMES:
                 land = ends.touch_down(after)
                 lift = ends.lift_off(now, after.first - now.first, land[1])
                 found.append(_swing(p, lift, land, now.origin, after.origin))
-        if rhythm is None or not mine:
+        if duty_factor is None or not mine:
             continue
         steps = [after.origin - now.origin for now, after in pairwise(mine)]
-        step = np.median(steps, axis=0) if steps else -rhythm.stride * drift
-        stride = rhythm.stride
-        spread = float(np.hypot(rhythm.spread, _SPREAD * stride))
+        step = np.median(steps, axis=0) if steps else -duty_factor.stride * substrate_velocity
+        stride = duty_factor.stride
+        spread = float(np.hypot(duty_factor.spread, _SPREAD * stride))
         # the share is that of stances as they seem
-        swung = (1.0 - rhythm.share[p]) * stride + 2.0 * _STILL_NEAR
-        swung_sd = np.hypot(rhythm.sd[p] * stride, (1.0 - rhythm.share[p]) * spread)
+        swung = (1.0 - duty_factor.share[p]) * stride + 2.0 * _STILL_NEAR
+        swung_sd = np.hypot(duty_factor.sd[p] * stride, (1.0 - duty_factor.share[p]) * spread)
         first, last = mine[0], mine[-1]
         if first.first > 0:
             land = ends.touch_down(first)
@@ -173,7 +173,7 @@ class _Ends:
 
     seen: np.ndarray  # (n,)
     certain: np.ndarray  # (n,)
-    rhythm: Rhythm | None
+    duty_factor: DutyFactor | None
     point: int
     fps: float
 
@@ -182,28 +182,28 @@ class _Ends:
 
         The stride that begins with it lasts ``stride`` frames; when it ends is known to ``end_sd``.
         """
-        told = self._is_seen(stance.stop - _AROUND, stance.stop + _AROUND + 1)
+        observed = self._is_seen(stance.stop - _AROUND, stance.stop + _AROUND + 1)
         at = stance.stop - TO_FRAME - _STILL_NEAR
-        if told:
+        if observed:
             known = self.certain[stance.stop - 1 : stance.stop + 1].all()
             sd = self._sd(1.0 if known else _OPEN)
         else:
             sd = max(self._sd(_VAGUE), _ANYWHERE * self._unseen(stance.stop))
-        rhythm = self.rhythm
-        if rhythm is None or stance.first == 0 or not rhythm.is_usual(stride):
+        duty_factor = self.duty_factor
+        if duty_factor is None or stance.first == 0 or not duty_factor.is_usual(stride):
             return at, sd
-        share = rhythm.share[self.point]
+        share = duty_factor.share[self.point]
         due = stance.first - TO_FRAME - _STILL_NEAR + share * stride
         # it divides the stride in between: neither end of that counts whole
         ends = (1.0 - share) * self.touch_down(stance)[1], share * end_sd
-        due_sd = float(np.linalg.norm([rhythm.sd[self.point] * stride, *ends]))
+        due_sd = float(np.linalg.norm([duty_factor.sd[self.point] * stride, *ends]))
         weight = np.array([sd, due_sd]) ** -2.0
         return float(weight @ [at, due] / weight.sum()), float(weight.sum() ** -0.5)
 
     def touch_down(self, stance: Stance) -> tuple[float, float]:
         """Return when a stance begins, and the standard deviation."""
-        told = self._is_seen(stance.first - _AROUND - 1, stance.first + _AROUND)
-        vague = _VAGUE if not told else 1.0 if self.certain[stance.first] else _OPEN
+        observed = self._is_seen(stance.first - _AROUND - 1, stance.first + _AROUND)
+        vague = _VAGUE if not observed else 1.0 if self.certain[stance.first] else _OPEN
         return stance.first - TO_FRAME + _STILL_NEAR, self._sd(vague)
 
     def _unseen(self, frame: int) -> int:

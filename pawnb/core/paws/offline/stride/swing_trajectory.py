@@ -4,7 +4,7 @@ Forward a paw goes with least jerk from where it stood to where it lands (Flash 
 J. Neurosci. 5: 1688-1703), from rest on the ground to a speed with which it meets it. Upwards
 it goes as ``s**a (1 - s)**b`` with the share ``s`` of the swing. Paws of a kind share a and b;
 when a swing begins and ends, its height and its last speed are its own. The beginning of a
-front paw's swing is mostly hidden by the hind paw that lands there: what is seen later, and how
+front paw's swing is mostly occluded by the hind paw that lands there: what is seen later, and how
 other swings went, tell it.
 """
 
@@ -30,13 +30,13 @@ HEIGHT_SD = 0.15
 _LOWEST, _HIGHEST = 0.6, 1.6
 """A swing's height lies between these, in the median: what goes lower was mistaken."""
 _NOISE_ASIDE = 0.3
-"""Standard deviation of a place about its arc, in thicknesses, aside."""
+"""Standard deviation of a place about its arc, in paw widths, aside."""
 _STEPS, _ROUNDS, _FITS = 4, 6, 4
 _MOST_FRAMES, _MOST_SLOPE, _MOST_SHAPE = 1.5, 0.2, 0.3
 """Largest changes in one step of a fit."""
 _ASIDE_SD = 0.3
 _LEAST_HIGH = 0.2
-"""A swing that is seen no higher than so many thicknesses says nothing of heights."""
+"""A swing that is seen no higher than so many paw widths says nothing of heights."""
 _SEEN = 0.3
 """Weight from which a place counts as seen."""
 
@@ -53,11 +53,11 @@ class Part:
         Share of the way forward.
     up, aside : ndarray, shape (S, T)
         Height above the line from begin to end, and distance from it to the outside,
-        thicknesses.
+        paw widths.
     weight : ndarray, shape (S, T)
         How much each frame counts, 0 where nothing is seen.
     step : ndarray, shape (S,)
-        Length of the way, thicknesses.
+        Length of the way, paw widths.
     """
 
     frames: np.ndarray
@@ -83,7 +83,7 @@ class Guess:
 
 
 @dataclass(frozen=True)
-class Arc:
+class SwingTrajectory:
     """The arc of a kind of paw.
 
     Parameters
@@ -91,7 +91,7 @@ class Arc:
     shape, covariance : ndarray, shape (2,) and (2, 2)
         The exponents a and b.
     height : float
-        Median height of its swings, thicknesses.
+        Median height of its swings, paw widths.
     aside, aside_sd : float
         How far it goes to the outside for each thickness that it goes up.
     """
@@ -103,7 +103,7 @@ class Arc:
     aside_sd: float
 
 
-def arc_at(
+def trajectory_at(
     values: np.ndarray, shape: np.ndarray, frames: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return how far forward and up swings are in some frames.
@@ -111,7 +111,7 @@ def arc_at(
     Parameters
     ----------
     values : ndarray, shape (..., 4)
-        Lift-off and landing, frames; height, thicknesses; speed at landing.
+        Lift-off and landing, frames; height, paw widths; speed at landing.
     shape : ndarray, shape (2,)
         The exponents.
     frames : ndarray, shape (..., T)
@@ -120,9 +120,9 @@ def arc_at(
     Returns
     -------
     way, up : ndarray, shape (..., T)
-        Share of the way, and thicknesses.
+        Share of the way, and paw widths.
     """
-    way, up = loops.arc(*_flat(values, shape, frames))
+    way, up = loops.trajectory(*_flat(values, shape, frames))
     return way.reshape(frames.shape), up.reshape(frames.shape)
 
 
@@ -141,7 +141,7 @@ def _flat(
     return values.reshape(-1, 4), shape, np.asarray(frames, float).reshape(-1, frames.shape[-1])
 
 
-def learn_arc(part: Part, guess: Guess) -> Arc:
+def learn_trajectory(part: Part, guess: Guess) -> SwingTrajectory:
     """Learn the arc from swings of one kind.
 
     Parameters
@@ -153,7 +153,7 @@ def learn_arc(part: Part, guess: Guess) -> Arc:
 
     Returns
     -------
-    Arc
+    SwingTrajectory
         The arc.
     """
     highest = np.where(part.weight > _SEEN, part.up, 0.0).max(axis=1, initial=0.0)
@@ -167,19 +167,21 @@ def learn_arc(part: Part, guess: Guess) -> Arc:
         step = np.clip(step, -_MOST_SHAPE, _MOST_SHAPE)
         shape = np.clip(shape - step, _LEAST_SHAPE, _LARGEST_SHAPE)
         height = float(np.median(values[:, 2]))
-    _, up = arc_at(values, shape, part.frames)
+    _, up = trajectory_at(values, shape, part.frames)
     weight = part.weight / (_NOISE_ASIDE**2 * ALIKE)
     sure = 1.0 / _ASIDE_SD**2 + float((weight * up**2).sum())
     aside = float((weight * up * part.aside).sum()) / sure
-    return Arc(shape, np.linalg.inv(normal), height, aside, sure**-0.5)
+    return SwingTrajectory(shape, np.linalg.inv(normal), height, aside, sure**-0.5)
 
 
-def fit_swings(arc: Arc, part: Part, guess: Guess) -> tuple[np.ndarray, np.ndarray]:
+def fit_swings(
+    trajectory: SwingTrajectory, part: Part, guess: Guess
+) -> tuple[np.ndarray, np.ndarray]:
     """Fit swings to an arc.
 
     Parameters
     ----------
-    arc : Arc
+    trajectory : SwingTrajectory
         The arc.
     part : Part
         What is seen of S swings.
@@ -189,13 +191,13 @@ def fit_swings(arc: Arc, part: Part, guess: Guess) -> tuple[np.ndarray, np.ndarr
     Returns
     -------
     values : ndarray, shape (S, 4)
-        See :func:`arc_at`.
+        See :func:`trajectory_at`.
     covariance : ndarray, shape (S, 4, 4)
         Theirs.
     """
-    values = _first(guess, arc.height)
+    values = _first(guess, trajectory.height)
     for _ in range(_FITS):
-        values, covariance, _ = _fit(values, part, guess, arc.shape, arc.height)
+        values, covariance, _ = _fit(values, part, guess, trajectory.shape, trajectory.height)
     return values, covariance
 
 

@@ -9,7 +9,7 @@ from pawnb.core.compiled import compiled
 SHORTEST = 2.0
 """Frames for which a swing lasts at least."""
 NOISE = 0.15
-"""Standard deviation of a place about its arc, in thicknesses, forward and up."""
+"""Standard deviation of a place about its arc, in paw widths, forward and up."""
 ALIKE = 3.0
 """Neighbouring frames that err alike."""
 _TAIL = 3.0
@@ -52,13 +52,15 @@ def _share(lift: float, land: float, frame: float) -> float:
 
 
 @compiled
-def arc(values: np.ndarray, shape: np.ndarray, frames: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def trajectory(
+    values: np.ndarray, shape: np.ndarray, frames: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     """Return how far forward and up (S, T) swings are in some frames.
 
     Parameters
     ----------
     values : ndarray, shape (S, 4)
-        Lift-off and landing, frames; height, thicknesses; speed at landing.
+        Lift-off and landing, frames; height, paw widths; speed at landing.
     shape : ndarray, shape (2,)
         The exponents.
     frames : ndarray, shape (S, T)
@@ -109,7 +111,7 @@ def _beside(shape: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 @compiled
 def changes(values: np.ndarray, shape: np.ndarray, frames: np.ndarray) -> np.ndarray:
-    """Return how swings (see :func:`arc`) change with the values and the shape, (6, 2, S, T)."""
+    """Return how swings (:func:`trajectory`) change with values and shape, (6, 2, S, T)."""
     found, by = np.empty((6, 2, *frames.shape)), np.empty((6, 2))
     shapes, tops = _beside(shape)
     for i in range(len(frames)):
@@ -135,11 +137,11 @@ def equations(
     Parameters
     ----------
     values, shape, frames : ndarray
-        See :func:`arc`.
+        See :func:`trajectory`.
     seen : ndarray, shape (2, S, T)
-        Share of the way and height, thicknesses, that are seen.
+        Share of the way and height, paw widths, that are seen.
     step : ndarray, shape (S,)
-        Length of the way, thicknesses.
+        Length of the way, paw widths.
     weight : ndarray, shape (S, T)
         How much each frame counts.
     unknowns : int

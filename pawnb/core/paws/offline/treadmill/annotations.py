@@ -82,7 +82,9 @@ def placed_points(placed: Mapping[int, Sequence[Placement]]) -> set[int]:
     return {place.point for here in placed.values() for place in here}
 
 
-def certain_points(placed: Mapping[int, Sequence[Placement]], shape: tuple[int, ...]) -> np.ndarray:
+def annotated_points(
+    placed: Mapping[int, Sequence[Placement]], shape: tuple[int, ...]
+) -> np.ndarray:
     """Return where (n, P, V) points are certain."""
     certain = np.zeros(shape, dtype=bool)
     for t, here in placed.items():
@@ -91,7 +93,7 @@ def certain_points(placed: Mapping[int, Sequence[Placement]], shape: tuple[int, 
     return certain
 
 
-def certain_positions(
+def annotated_positions(
     placed: Mapping[int, Sequence[Placement]], n: int, layout: Layout
 ) -> np.ndarray:
     """Return image positions (n, P, V, 2) that are certain, by row, NaN elsewhere."""

@@ -1,7 +1,7 @@
 """Paws tracked by strides and stance where their look is learnt: twice, the second from the first.
 
-Which candidates belong to which paw is decided as where colour tells them
-(:mod:`.offline.treadmill`): candidates of calibrated views meet in space, pieces of path are
+Which detections belong to which paw is decided as where colour tells them
+(:mod:`.offline.treadmill`): detections of calibrated views meet in space, tracklets are
 chosen for all paws and frames at once, and gaps are bridged by what strides and stance tell. Only
 where paws may be is found otherwise: by :mod:`.detection.paw_appearance`.
 """
@@ -16,8 +16,8 @@ import pandas as pd
 
 from pawnb.core.paws.layout import Views
 from pawnb.core.paws.offline.annotations import annotations_of_view
-from pawnb.core.paws.offline.detection.colour.cache import CandidateStore
-from pawnb.core.paws.offline.detection.colour.detector import worth
+from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
+from pawnb.core.paws.offline.detection.colour.detector import endpoint_score
 from pawnb.core.paws.offline.detection.paw_appearance import (
     LEAST_THICKNESS,
     clicked_lessons,
@@ -25,21 +25,21 @@ from pawnb.core.paws.offline.detection.paw_appearance import (
     with_paw_looks,
 )
 from pawnb.core.paws.offline.detection.predictions import judge_predictions
-from pawnb.core.paws.offline.landmarks.template_tracking import Follower
+from pawnb.core.paws.offline.landmarks.template_tracking import TemplateTracker
 from pawnb.core.paws.offline.landmarks.tracks import check_landmarks, choose_landmarks
 from pawnb.core.paws.offline.parameters import AppearanceParameters
 from pawnb.core.paws.offline.scene.treadmill import Scene, leading_view
-from pawnb.core.paws.offline.settings import WholeSettings
+from pawnb.core.paws.offline.settings import OfflineSettings
 from pawnb.core.paws.offline.treadmill.output import as_tracks, empty_result
 from pawnb.core.paws.offline.treadmill.tracker import (
-    Asked,
+    Annotated,
     join_landmarks,
-    look_through,
-    paws_scene,
-    read_asked,
+    read_request_and_annotations,
+    scan_and_follow,
+    scene_of_paws,
     solve,
 )
-from pawnb.core.paws.request import Task
+from pawnb.core.paws.request import TrackingRequest
 from pawnb.schema import Tracks
 
 _ROUNDS = 2
@@ -50,7 +50,7 @@ _PREDICTED = 0.5
 
 
 def strides_may_tell(
-    views: Views, start: pd.DataFrame, task: Task, *, settings: WholeSettings
+    views: Views, start: pd.DataFrame, task: TrackingRequest, *, settings: OfflineSettings
 ) -> bool:
     """Tell whether paws can be tracked so: front and hind ones, in calibrated views from the side.
 
@@ -66,7 +66,7 @@ def strides_may_tell(
     """
     if task.rig is None or len(views.names) < 2:
         return False
-    asked = read_asked(views, start, task)
+    asked = read_request_and_annotations(views, start, task)
     marks = choose_landmarks(asked.layout.points, asked.layout.kinds, settings.landmarks)
     paws = asked.of(~marks)
     kinds = set(paws.layout.kinds)
@@ -76,11 +76,11 @@ def strides_may_tell(
 def track_by_strides(
     views: Views,
     start: pd.DataFrame,
-    task: Task,
+    task: TrackingRequest,
     *,
-    settings: WholeSettings,
+    settings: OfflineSettings,
     looked: pd.DataFrame | None = None,
-    store: CandidateStore | None = None,
+    store: DetectionCache | None = None,
     parameters: AppearanceParameters | None = None,
 ) -> Tracks:
     """Track paws whose look is learnt from the clicks, then from the tracks that this gives.
@@ -88,7 +88,7 @@ def track_by_strides(
     Parameters
     ----------
     views, start, task, settings, looked, store
-        As for :func:`.tracker.track_whole`; predictions of the task are places where
+        As for :func:`.tracker.track_treadmill`; predictions of the task are places where
         paws may be, whichever they are.
     parameters : AppearanceParameters, optional
         Of the classifier.
@@ -96,7 +96,7 @@ def track_by_strides(
     Returns
     -------
     xarray.Dataset
-        Tracks as those of :func:`.tracker.track_whole`; none where it was stopped.
+        Tracks as those of :func:`.tracker.track_treadmill`; none where it was stopped.
 
     Raises
     ------
@@ -106,27 +106,29 @@ def track_by_strides(
         If the rig lacks a view.
     """
     parameters = parameters or AppearanceParameters()
-    asked = read_asked(views, start, task, looked=looked)
+    asked = read_request_and_annotations(views, start, task, looked=looked)
     layout = asked.layout
     marks = choose_landmarks(layout.points, layout.kinds, settings.landmarks)
     paws, follower = asked.of(~marks), None
     if marks.any():
         marked = asked.of(marks)
         check_landmarks(marked.layout, marked.anchors)
-        follower = Follower(marked.layout, marked.anchors)
-    base = paws_scene(views, paws, settings, least_thickness=LEAST_THICKNESS)
+        follower = TemplateTracker(marked.layout, marked.anchors)
+    base = scene_of_paws(views, paws, settings, least_paw_width=LEAST_THICKNESS)
     placed = {**paws.anchors, **paws.clicks}
     inside = {t: here for t, here in placed.items() if t < task.frames[1]}
     lessons = told = clicked_lessons(base, paws.layout, inside)
-    span = (asked.begin, task.frames[1])
+    body_scale = (asked.begin, task.frames[1])
     for round_ in range(_ROUNDS):
         last = round_ == _ROUNDS - 1
         scene = with_paw_looks(views, paws.layout, base, lessons=lessons, parameters=parameters)
-        seen = look_through(
-            views, span, scene, follower=follower if last else None, anchors=asked.anchors,
+        seen = scan_and_follow(
+            views, body_scale, scene, follower=follower if last else None, anchors=asked.anchors,
             store=store if last else None, task=_part(task, round_),
         )  # fmt: skip
-        if len(seen) < span[1] - span[0]:  # stopped: a part does not decide over the whole
+        if (
+            len(seen) < body_scale[1] - body_scale[0]
+        ):  # stopped: a part does not decide over the whole
             return as_tracks(empty_result(0, layout), layout, task, placed={})
         seen = _with_predictions(seen, scene, paws, task)
         refined = solve(seen, scene, paws, task=task, settings=settings)
@@ -147,7 +149,7 @@ def track_by_strides(
     return as_tracks(result, layout, task, placed=asked.inside(n))
 
 
-def _part(task: Task, round_: int) -> Task:
+def _part(task: TrackingRequest, round_: int) -> TrackingRequest:
     """Return the task with a report of progress that counts the rounds as one."""
     report = task.progress
     if report is None:
@@ -160,9 +162,9 @@ def _part(task: Task, round_: int) -> Task:
 
 
 def _with_predictions(
-    seen: Sequence[Sequence[np.ndarray]], scene: Scene, paws: Asked, task: Task
+    seen: Sequence[Sequence[np.ndarray]], scene: Scene, paws: Annotated, task: TrackingRequest
 ) -> list[list[np.ndarray]]:
-    """Return candidates with places that another program predicts where none was seen."""
+    """Return detections with places that another program predicts where none was seen."""
     found = [list(here) for here in seen]
     layout, first = paws.layout, task.frames[0]
     for v, name in enumerate(layout.views):
@@ -180,18 +182,22 @@ def _with_predictions(
 
 
 def _as_candidates(uv: np.ndarray, likely: np.ndarray, scene: Scene, view: int) -> np.ndarray:
-    """Return places as candidates (n, 8); see :func:`.colour.detector.find_candidates`."""
-    look = scene.looks[view]
-    ahead = np.broadcast_to(np.asarray(look.distal) * look.reach * look.shrink, uv.shape)
+    """Return places as detections (n, 8); see :func:`.colour.detector.detect`."""
+    detector = scene.detectors[view]
+    ahead = np.broadcast_to(
+        np.asarray(detector.limb_direction) * detector.reach * detector.shrink, uv.shape
+    )
     score = 0.5 + 2.0 * likely
     return np.column_stack([uv, ahead, np.zeros(len(uv)), score, uv]).astype(np.float32)
 
 
 def _joined(own: np.ndarray, new: np.ndarray, scene: Scene, view: int) -> np.ndarray:
-    """Return candidates with those of ``new`` that are not within a thickness of one."""
+    """Return detections with those of ``new`` that are not within a paw width of one."""
     if not len(new):
         return own
     away = np.linalg.norm(new[:, None, :2] - own[None, :, :2], axis=-1)
-    free = new[(away > scene.thickness_px[view]).all(axis=1)]
+    free = new[(away > scene.paw_width_px[view]).all(axis=1)]
     rows = np.concatenate([own, free])
-    return np.asarray(rows[np.argsort(-worth(rows, scene.looks[view].distal), kind="stable")])
+    return np.asarray(
+        rows[np.argsort(-endpoint_score(rows, scene.detectors[view].limb_direction), kind="stable")]
+    )

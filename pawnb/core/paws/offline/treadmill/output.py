@@ -8,29 +8,29 @@ import numpy as np
 import xarray as xr
 
 from pawnb.core.paws.layout import Layout, Placement
-from pawnb.core.paws.offline.projection import Geometry
-from pawnb.core.paws.offline.smoothing.refinement import Refined
-from pawnb.core.paws.request import Task
+from pawnb.core.paws.offline.projection import Projection
+from pawnb.core.paws.offline.smoothing.refinement import SmoothedTracks
+from pawnb.core.paws.request import TrackingRequest
 from pawnb.schema import ORIGIN_CODE, Tracks, make_tracks
 
 
-def empty_result(n: int, layout: Layout) -> Refined:
+def empty_result(n: int, layout: Layout) -> SmoothedTracks:
     """Return tracks of all points in n frames of which nothing is known yet."""
     n_views, n_points = layout.tracked.shape
     d = 2 if layout.rig is None else 3
     x = np.full((n, n_points, d), np.nan)
     measured = np.full((n, n_points, n_views, 2), np.nan)
     not_known = np.full((n, n_points), np.nan)
-    return Refined(
+    return SmoothedTracks(
         x, x.copy(), measured, np.zeros((n, n_points, n_views)), not_known,
         np.full((n, n_points, n_views), np.nan), not_known.copy(),
     )  # fmt: skip
 
 
 def as_tracks(
-    result: Refined,
+    result: SmoothedTracks,
     layout: Layout,
-    task: Task,
+    task: TrackingRequest,
     *,
     placed: Mapping[int, Sequence[Placement]],
 ) -> Tracks:
@@ -38,11 +38,11 @@ def as_tracks(
 
     Parameters
     ----------
-    result : Refined
+    result : SmoothedTracks
         Of the task's frames, from the first on; fewer where the run was stopped.
     layout : Layout
         Points and views.
-    task : Task
+    task : TrackingRequest
         What was asked for. Of tracks that are gone on from, the other rows are kept.
     placed : dict
         Row of ``result`` to what was placed by hand there.
@@ -50,7 +50,7 @@ def as_tracks(
     Returns
     -------
     Tracks
-        See :func:`.tracker.track_whole`.
+        See :func:`.tracker.track_treadmill`.
     """
     first, n = task.frames[0], len(result.x)
     rows, kept = np.arange(first, first + n), np.empty(0, int)
@@ -77,14 +77,14 @@ def as_tracks(
 def _write(
     new: Tracks,
     begin: int,
-    result: Refined,
+    result: SmoothedTracks,
     placed: Mapping[int, Sequence[Placement]],
     layout: Layout,
 ) -> None:
     """Write refined tracks into Tracks, from row ``begin`` on."""
     n, _, d = result.x.shape
     rows = slice(begin, begin + n)
-    uv = Geometry(None if layout.rig is None else layout.rig.coefs).project(result.x)
+    uv = Projection(None if layout.rig is None else layout.rig.coefs).project(result.x)
     seen = np.isfinite(result.measured[..., 0])
     known = np.isfinite(result.x[..., 0])
     count = seen.sum(axis=-1)
@@ -99,8 +99,8 @@ def _write(
         ORIGIN_CODE["measured"],
         np.where((count > 0)[..., None], ORIGIN_CODE["reprojected"], ORIGIN_CODE["predicted"]),
     )
-    quality = np.where(seen, result.quality, 0.0)
-    confidence = quality.sum(axis=-1) / np.maximum(count, 1)
+    detection_probability = np.where(seen, result.detection_probability, 0.0)
+    confidence = detection_probability.sum(axis=-1) / np.maximum(count, 1)
     off = np.linalg.norm(result.measured - uv, axis=-1)  # NaN where a view saw nothing
     square = np.where(seen, off**2, 0.0).sum(axis=-1)
     residual = np.where(count > 0, np.sqrt(square / np.maximum(count, 1)), np.nan)
@@ -116,16 +116,16 @@ def _write(
     image_origin = np.where(known[..., None], image_origin, ORIGIN_CODE["missing"])
     new["position"][rows, ..., 0] = np.swapaxes(result.x, 1, 2)
     new["sd"][rows, ..., 0] = np.where(known[:, None], np.swapaxes(result.sd, 1, 2), np.nan)
-    new["revision"][rows, ..., 0] = np.where(known, result.revision, np.nan)
-    new["passes_apart"][rows, ..., 0] = np.where(known, result.apart, np.nan)
+    new["revision"][rows, ..., 0] = np.where(known, result.displacement_from_first_pass, np.nan)
+    new["passes_apart"][rows, ..., 0] = np.where(known, result.forward_backward_distance, np.nan)
     new["origin"][rows, ..., 0] = origin
     new["confidence"][rows, ..., 0] = np.where(known, confidence, 0.0)
     new["residual"][rows, ..., 0] = residual
     new["image_position"][rows, ..., 0] = uv.transpose(0, 2, 3, 1)
     new["image_origin"][rows, ..., 0] = image_origin.transpose(0, 2, 1)
-    new["image_confidence"][rows, ..., 0] = quality.transpose(0, 2, 1)
+    new["image_confidence"][rows, ..., 0] = detection_probability.transpose(0, 2, 1)
     new["image_residual"][rows, ..., 0] = off.transpose(0, 2, 1)
-    new["image_separation"][rows, ..., 0] = result.separation.transpose(0, 2, 1)
+    new["image_separation"][rows, ..., 0] = result.association_log_odds.transpose(0, 2, 1)
 
 
 def keep_rows(old: Tracks, new: Tracks, kept: np.ndarray) -> Tracks:

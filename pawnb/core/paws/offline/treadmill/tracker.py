@@ -18,24 +18,24 @@ from pawnb.core.paws.layout import (
     only_points,
     read_start,
 )
-from pawnb.core.paws.maghsoudi2019.settings import PaperSettings
-from pawnb.core.paws.offline.detection.colour.cache import CandidateStore
-from pawnb.core.paws.offline.detection.colour.scan import extract
-from pawnb.core.paws.offline.landmarks.backward_tracking import frames_back, look_back
-from pawnb.core.paws.offline.landmarks.template_tracking import Follower
+from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
+from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
+from pawnb.core.paws.offline.detection.colour.scan import scan_video
+from pawnb.core.paws.offline.landmarks.backward_tracking import frames_back, track_backwards
+from pawnb.core.paws.offline.landmarks.template_tracking import TemplateTracker
 from pawnb.core.paws.offline.landmarks.tracks import check_landmarks, choose_landmarks, join_views
 from pawnb.core.paws.offline.scene.treadmill import Scene, move_anchors, read_scene
-from pawnb.core.paws.offline.settings import WholeSettings
-from pawnb.core.paws.offline.smoothing.refinement import Refined
+from pawnb.core.paws.offline.settings import OfflineSettings
+from pawnb.core.paws.offline.smoothing.refinement import SmoothedTracks
 from pawnb.core.paws.offline.treadmill.annotations import (
-    certain_points,
-    certain_positions,
+    annotated_points,
+    annotated_positions,
     placed_points,
     read_placements,
 )
 from pawnb.core.paws.offline.treadmill.output import as_tracks, empty_result
-from pawnb.core.paws.offline.treadmill.pipeline import Told, decide
-from pawnb.core.paws.request import Task
+from pawnb.core.paws.offline.treadmill.pipeline import ReferenceAnnotations, run_pipeline
+from pawnb.core.paws.request import TrackingRequest
 from pawnb.errors import InputError, InputWarning
 from pawnb.schema import START_COLUMNS, Tracks, check_columns
 
@@ -45,22 +45,22 @@ in rendered scenes that are tracked well, 9 to 23 % where belts are as brown as 
 of these is lost and most others are poor."""
 
 
-def track_whole(
+def track_treadmill(
     views: Views,
     start: pd.DataFrame,
-    task: Task,
+    task: TrackingRequest,
     *,
-    settings: WholeSettings,
+    settings: OfflineSettings,
     looked: pd.DataFrame | None = None,
-    store: CandidateStore | None = None,
+    store: DetectionCache | None = None,
 ) -> Tracks:
     """Track points by deciding over the whole recording.
 
-    One pass over the video keeps only candidates: the ends of parts that have the colour
-    of the clicked paws. Candidates of two views that meet make places in space; places
-    that follow each other without doubt make pieces of path; which pieces belong to which
+    One pass over the video keeps only detections: the ends of parts that have the colour
+    of the clicked paws. Detections of two views that meet make places in space; places
+    that follow each other without doubt make tracklets; which tracklets belong to which
     point is decided for all points and all frames at once, with gaps where a point is
-    hidden; then every view's candidates are taken in again and the tracks are smoothed.
+    occluded; then every view's detections are taken in again and the tracks are smoothed.
     Points that are no paws (:func:`choose_landmarks`) are followed by their own picture.
 
     Parameters
@@ -70,18 +70,18 @@ def track_whole(
     start : DataFrame
         Clicks with columns frame, view, point, u, v (px); one frame or more, anywhere in the
         recording: points are tracked before their first click as they are after it.
-    task : Task
+    task : TrackingRequest
         What is to be tracked: all of its frames. Without a rig there must be one view. With
         tracks to go on from, positions in the first frame, and positions placed by hand in it
         or later, are certain.
-    settings : WholeSettings
+    settings : OfflineSettings
         The settings.
     looked : DataFrame, optional
         Earlier clicks, columns as ``start``, that say what paws look like, where on a paw
         its point is and how large the animal is: where tracks are gone on from, those that
-        they were begun with. Candidates are then the same as theirs.
-    store : CandidateStore, optional
-        Where candidates are kept: frames found there are not decoded again.
+        they were begun with. Detections are then the same as theirs.
+    store : DetectionCache, optional
+        Where detections are kept: frames found there are not decoded again.
 
     Returns
     -------
@@ -89,19 +89,19 @@ def track_whole(
         Tracks; without any frame where the run was stopped before each point was placed.
         ``position`` is smoothed and ``image_position`` is its projection into every view, also
         those that do not track the point; at clicks it is the click.
-        ``image_origin`` is ``measured`` where a candidate of that view was used,
+        ``image_origin`` is ``measured`` where a detection of that view was used,
         ``reprojected`` where only others saw the point, ``predicted`` where none did.
         ``origin`` is ``measured`` with two views or more (one without a rig), ``resolved``
-        with one, else ``predicted``. ``image_confidence`` says how much the candidate looks
+        with one, else ``predicted``. ``image_confidence`` says how much the detection looks
         like the end of a paw, 0 to 1, ``image_residual`` how far it is from the projection,
         px, NaN where there was none; ``sd`` is the standard deviation of ``position``, and
-        ``revision`` how far it is from where the point was before its stride was known (NaN
-        where no stride is learnt). ``image_separation`` says how far the candidate taken is
-        ahead of the best other one in that view and frame, as the logarithm of the odds: near 0
-        nothing tells them apart, below 0 the other fits better by itself, 30 where there is no
-        other. ``passes_apart`` says how far what was seen before a frame and what is seen
-        after it expect the point apart (a filter forwards and one backwards), in standard
-        deviations of that distance.
+        ``displacement_from_first_pass`` how far it is from where the point was before its stride
+        was known (NaN where no stride is learnt). ``image_separation`` says how far the detection
+        taken is ahead of the best other one in that view and frame, as the logarithm of the odds:
+        near 0 nothing tells them apart, below 0 the other fits better by itself, 30 where there is
+        no other. ``passes_apart`` says how far what was seen before a frame and what is seen after
+        it expect the point apart (a filter forwards and one backwards), in standard deviations of
+        that distance.
 
     Raises
     ------
@@ -111,20 +111,20 @@ def track_whole(
     CalibrationError
         If the rig lacks a view.
     """
-    asked = read_asked(views, start, task, looked=looked)
+    asked = read_request_and_annotations(views, start, task, looked=looked)
     layout = asked.layout
     marks = choose_landmarks(layout.points, layout.kinds, settings.landmarks)
     scene = follower = None
     if not marks.all():
-        scene = paws_scene(views, asked.of(~marks), settings)
-        if not asked.is_looked and (words := _mistaken(scene, views.names)) is not None:
+        scene = scene_of_paws(views, asked.of(~marks), settings)
+        if not asked.is_looked and (words := _ambiguous(scene, views.names)) is not None:
             warnings.warn(words, InputWarning, stacklevel=2)
     if marks.any():
         marked = asked.of(marks)
         check_landmarks(marked.layout, marked.anchors)
-        follower = Follower(marked.layout, marked.anchors)
+        follower = TemplateTracker(marked.layout, marked.anchors)
     span = (asked.begin, task.frames[1])
-    seen = look_through(
+    seen = scan_and_follow(
         views, span, scene, follower=follower, anchors=asked.anchors, store=store, task=task
     )
     n = max(asked.begin + len(seen) - task.frames[0], 0)
@@ -139,7 +139,7 @@ def track_whole(
 
 
 @dataclass(frozen=True)
-class Asked:
+class Annotated:
     """What a person gave.
 
     Attributes
@@ -162,7 +162,7 @@ class Asked:
     begin: int
     is_looked: bool
 
-    def of(self, points: np.ndarray) -> Asked:
+    def of(self, points: np.ndarray) -> Annotated:
         """Return what concerns some of the points, a mask."""
         return dataclasses.replace(
             self,
@@ -176,9 +176,9 @@ class Asked:
         return {t - self.first: here for t, here in self.anchors.items() if t - self.first < n}
 
 
-def read_asked(
-    views: Views, start: pd.DataFrame, task: Task, *, looked: pd.DataFrame | None = None
-) -> Asked:
+def read_request_and_annotations(
+    views: Views, start: pd.DataFrame, task: TrackingRequest, *, looked: pd.DataFrame | None = None
+) -> Annotated:
     """Return what a person gave, checked."""
     check_columns(start, START_COLUMNS, where="the start points")
     task.check_frames(views.n_frames)
@@ -188,37 +188,37 @@ def read_asked(
             f"{len(views.names)} views and no calibration; this method joins views in space: "
             "calibrate them, or keep one view."
         )
-    layout = make_layout(views, start, task, settings=PaperSettings())
+    layout = make_layout(views, start, task, settings=Maghsoudi2019Settings())
     clicks, anchors = read_placements(start, layout, frames, tracks=task.tracks)
     begin, is_looked = frames[0], False
     if looked is not None and len(looked):
         is_looked = True
         clicks = read_start(looked, layout, (0, frames[1]))
         begin = min(begin, *clicks)
-    return Asked(layout, clicks, anchors, frames[0], begin, is_looked)
+    return Annotated(layout, clicks, anchors, frames[0], begin, is_looked)
 
 
-def paws_scene(
-    views: Views, asked: Asked, settings: WholeSettings, *, least_thickness: float = 0.0
+def scene_of_paws(
+    views: Views, asked: Annotated, settings: OfflineSettings, *, least_paw_width: float = 0.0
 ) -> Scene:
-    """Return what the clicks on paws say; ``least_thickness`` as for :func:`.read_scene`."""
+    """Return what the clicks on paws say; ``least_paw_width`` as for :func:`.read_scene`."""
     layout, clicks, anchors = asked.layout, asked.clicks, asked.anchors
     scene = read_scene(
         views, layout, clicks, anchors=clicks if asked.is_looked else anchors, settings=settings,
-        least_thickness=least_thickness,
+        least_paw_width=least_paw_width,
     )  # fmt: skip
     return move_anchors(scene, layout, anchors) if asked.is_looked else scene
 
 
-def doubt_clicks(
-    views: Views, start: pd.DataFrame, task: Task, *, settings: WholeSettings
+def warn_of_ambiguous_colour(
+    views: Views, start: pd.DataFrame, task: TrackingRequest, *, settings: OfflineSettings
 ) -> str | None:
     """Return what a person should know of the clicked paws before they are tracked.
 
     Parameters
     ----------
     views, start, task, settings
-        As for :func:`track_whole`; only the clicked frames are looked at.
+        As for :func:`track_treadmill`; only the clicked frames are looked at.
 
     Returns
     -------
@@ -230,20 +230,20 @@ def doubt_clicks(
     InputError
         If a click does not fit.
     """
-    asked = read_asked(views, start, task)
+    asked = read_request_and_annotations(views, start, task)
     paws = asked.of(~choose_landmarks(asked.layout.points, asked.layout.kinds, settings.landmarks))
     if not paws.layout.points:
         return None
     scene = read_scene(views, paws.layout, paws.clicks, anchors=paws.anchors, settings=settings)
-    return _mistaken(scene, views.names)
+    return _ambiguous(scene, views.names)
 
 
-def _mistaken(scene: Scene, names: Sequence[str]) -> str | None:
+def _ambiguous(scene: Scene, names: Sequence[str]) -> str | None:
     """Return a sentence where paws look like what is around them."""
     alike = {
-        name: look.appearance.mistaken
-        for name, look in zip(names, scene.looks, strict=True)
-        if look.appearance.mistaken > _MISTAKEN
+        name: detector.appearance.mistaken
+        for name, detector in zip(names, scene.detectors, strict=True)
+        if detector.appearance.mistaken > _MISTAKEN
     }
     if not alike:
         return None
@@ -255,48 +255,48 @@ def _mistaken(scene: Scene, names: Sequence[str]) -> str | None:
     )
 
 
-def look_through(
+def scan_and_follow(
     views: Views,
     frames: tuple[int, int],
     scene: Scene | None,
     *,
-    follower: Follower | None,
+    follower: TemplateTracker | None,
     anchors: Mapping[int, Sequence[Placement]],
-    store: CandidateStore | None,
-    task: Task,
+    store: DetectionCache | None,
+    task: TrackingRequest,
 ) -> list[list[np.ndarray]]:
-    """Go through the video for paws and landmarks; return the paws' candidates.
+    """Go through the video for paws and landmarks; return the paws' detections.
 
     There are none if it was stopped before every point was reached: nothing can be decided.
     """
-    found = _look_ahead(views, frames, scene, follower, store, task)
+    found = _scan_forwards(views, frames, scene, follower, store, task)
     inside = {t: here for t, here in anchors.items() if t < frames[0] + len(found)}
     if placed_points(inside) != placed_points(anchors):
         return []
-    if follower is not None and not look_back(
+    if follower is not None and not track_backwards(
         views, follower, frames[0], progress=task.progress, stop=task.stop
     ):
         return []
     return found
 
 
-def _look_ahead(
+def _scan_forwards(
     views: Views,
     frames: tuple[int, int],
     scene: Scene | None,
-    follower: Follower | None,
-    store: CandidateStore | None,
-    task: Task,
+    follower: TemplateTracker | None,
+    store: DetectionCache | None,
+    task: TrackingRequest,
 ) -> list[list[np.ndarray]]:
-    """Go through the video once, forwards; return the paws' candidates of every frame."""
+    """Go through the video once, forwards; return the paws' detections of every frame."""
     progress, total = task.progress, frames[1] - frames[0]
     if follower is not None:
         total += frames_back(follower.placed, frames[0])
     report = None if progress is None else lambda done: progress(done, total)
     watch = None if follower is None else follower.step
     if scene is not None:
-        return extract(
-            views, frames, looks=scene.looks, regions=scene.regions, home=scene.home,
+        return scan_video(
+            views, frames, detectors=scene.detectors, rois=scene.rois, home=scene.home,
             store=store, watch=watch, progress=report, stop=task.stop,
         )  # fmt: skip
     found: list[list[np.ndarray]] = []
@@ -314,23 +314,23 @@ def _look_ahead(
 def solve(
     seen: list[list[np.ndarray]],
     scene: Scene,
-    asked: Asked,
+    asked: Annotated,
     *,
-    task: Task,
-    settings: WholeSettings,
-) -> Refined:
-    """Track the paws through the candidates, ``seen`` from the frame ``asked.begin`` on."""
+    task: TrackingRequest,
+    settings: OfflineSettings,
+) -> SmoothedTracks:
+    """Track the paws through the detections, ``seen`` from the frame ``asked.begin`` on."""
     found = seen[asked.first - asked.begin :]
     n = len(found)
-    fixed = {t - asked.first: here for t, here in scene.anchors.items() if t - asked.first < n}
-    certain = certain_positions(asked.inside(n), n, asked.layout)
-    return decide(
-        found, fixed, certain, scene=scene, layout=asked.layout, fps=task.fps, settings=settings,
-        told=_told(seen, asked) if asked.is_looked else None,
+    anchors = {t - asked.first: here for t, here in scene.anchors.items() if t - asked.first < n}
+    certain = annotated_positions(asked.inside(n), n, asked.layout)
+    return run_pipeline(
+        found, anchors, certain, scene=scene, layout=asked.layout, fps=task.fps, settings=settings,
+        reference=_reference_annotations(seen, asked) if asked.is_looked else None,
     )  # fmt: skip
 
 
-def _told(seen: list[list[np.ndarray]], asked: Asked) -> Told:
+def _reference_annotations(seen: list[list[np.ndarray]], asked: Annotated) -> ReferenceAnnotations:
     """Return the clicks of an earlier run with what was seen there.
 
     They alone say where on a paw its point is, as they did then: a correction puts the paw in
@@ -338,13 +338,18 @@ def _told(seen: list[list[np.ndarray]], asked: Asked) -> Told:
     """
     clicks, begin = asked.clicks, asked.begin
     here = {t - begin: clicks[t] for t in sorted(clicks) if t - begin < len(seen)}
-    placed = certain_positions(here, len(seen), asked.layout)
-    return Told(placed[list(here)], {t: seen[t] for t in here})
+    placed = annotated_positions(here, len(seen), asked.layout)
+    return ReferenceAnnotations(placed[list(here)], {t: seen[t] for t in here})
 
 
 def join_landmarks(
-    follower: Follower, asked: Asked, n: int, *, task: Task, settings: WholeSettings
-) -> Refined:
+    follower: TemplateTracker,
+    asked: Annotated,
+    n: int,
+    *,
+    task: TrackingRequest,
+    settings: OfflineSettings,
+) -> SmoothedTracks:
     """Return the landmarks' tracks in the n frames asked for, from what each view shows."""
     skip = asked.first - asked.begin
     uv, likeness = (
@@ -352,7 +357,10 @@ def join_landmarks(
         for values in (follower.uv, follower.likeness)
     )
     return join_views(
-        uv, likeness, layout=asked.layout, fps=task.fps,
-        by_hand=certain_points(asked.inside(n), likeness.shape),
+        uv,
+        likeness,
+        layout=asked.layout,
+        fps=task.fps,
+        by_hand=annotated_points(asked.inside(n), likeness.shape),
         longest_gap_s=settings.longest_gap_s,
-    )  # fmt: skip
+    )

@@ -8,7 +8,7 @@ import numpy as np
 
 from pawnb.core.compiled import compiled_loosely
 from pawnb.core.pose.fit.layout import Layout
-from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Sight
+from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence
 from pawnb.core.pose.fit.rendering.paint_kernels import (
     NOTHING,
     clear,
@@ -22,10 +22,18 @@ from pawnb.core.pose.fit.rendering.paint_kernels import (
 
 @compiled_loosely
 def leg_footprint(
-    layout: Layout, pose: np.ndarray, leg: int, sight: Sight, blur: float, soft: float,
-    base: np.ndarray, value: np.ndarray, owner: np.ndarray, along: np.ndarray,
+    layout: Layout,
+    pose: np.ndarray,
+    leg: int,
+    image_evidence: ImageEvidence,
+    blur: float,
+    soft: float,
+    base: np.ndarray,
+    value: np.ndarray,
+    owner: np.ndarray,
+    along: np.ndarray,
     joints: np.ndarray,
-) -> tuple[np.ndarray, np.ndarray, float]:  # fmt: skip
+) -> tuple[np.ndarray, np.ndarray, float]:
     """Return the pixels a leg covers, how dark it paints them, and what that is worth.
 
     ``base`` is the painted body; the worth is the cost of the picture with body and leg less
@@ -38,7 +46,7 @@ def leg_footprint(
     for radius in layout.radius[leg]:
         reach = max(reach, radius + blur + 1.0)
     for s in range(layout.n_segments[leg] + 1):
-        u, v = joints[s, 0] - sight.box[0], joints[s, 1] - sight.box[1]
+        u, v = joints[s, 0] - image_evidence.box[0], joints[s, 1] - image_evidence.box[1]
         left, right = min(left, math.floor(u - reach)), max(right, math.ceil(u + reach))
         top, bottom = min(top, math.floor(v - reach)), max(bottom, math.ceil(v + reach))
     left, right = min(max(left, 0), width), min(right, width)
@@ -46,21 +54,21 @@ def leg_footprint(
     for v in range(top, bottom):
         value[v, left:right] = 0.0
         owner[v, left:right] = NOTHING
-    paint_leg(layout, joints, leg, blur, sight.box, value, owner, along)
+    paint_leg(layout, joints, leg, blur, image_evidence.box, value, owner, along)
     n = 0
     for v in range(top, bottom):
         for u in range(left, right):
-            if value[v, u] > base[v, u] + 0.02 and sight.weight[v, u] > 0.0:
+            if value[v, u] > base[v, u] + 0.02 and image_evidence.weight[v, u] > 0.0:
                 n += 1
     pixels, darks = np.empty(n, np.int64), np.empty(n)
     n, cost = 0, 0.0
     for v in range(top, bottom):
         for u in range(left, right):
-            if value[v, u] > base[v, u] + 0.02 and sight.weight[v, u] > 0.0:
+            if value[v, u] > base[v, u] + 0.02 and image_evidence.weight[v, u] > 0.0:
                 pixels[n], darks[n] = v * width + u, value[v, u]
-                seen = sight.seen[v, u]
+                seen = image_evidence.seen[v, u]
                 change = misfit(value[v, u] - seen, soft) - misfit(base[v, u] - seen, soft)
-                cost += sight.weight[v, u] * change
+                cost += image_evidence.weight[v, u] * change
                 n += 1
     return pixels, darks, cost
 
@@ -68,7 +76,7 @@ def leg_footprint(
 @compiled_loosely
 def shared_cost(
     pixels_a: np.ndarray, darks_a: np.ndarray, pixels_b: np.ndarray, darks_b: np.ndarray,
-    sight: Sight, base: np.ndarray, soft: float,
+    image_evidence: ImageEvidence, base: np.ndarray, soft: float,
 ) -> float:  # fmt: skip
     """Return the cost of two footprints together less that of each alone.
 
@@ -85,10 +93,10 @@ def shared_cost(
             j += 1
         else:
             v, u = pixels_a[i] // width, pixels_a[i] % width
-            seen = sight.seen[v, u]
+            seen = image_evidence.seen[v, u]
             a, b = misfit(darks_a[i] - seen, soft), misfit(darks_b[j] - seen, soft)
             both = a if darks_a[i] > darks_b[j] else b
-            total += sight.weight[v, u] * (both - a - b + misfit(base[v, u] - seen, soft))
+            total += image_evidence.weight[v, u] * (both - a - b + misfit(base[v, u] - seen, soft))
             i += 1
             j += 1
     return total
@@ -96,12 +104,12 @@ def shared_cost(
 
 @compiled_loosely
 def paint_base(
-    layout: Layout, pose: np.ndarray, blur: float, sight: Sight, value: np.ndarray,
+    layout: Layout, pose: np.ndarray, blur: float, image_evidence: ImageEvidence, value: np.ndarray,
     owner: np.ndarray,
 ) -> None:  # fmt: skip
     """Paint the body alone."""
     clear(value, owner)
-    paint_body(layout, pose, blur, sight.box, value, owner)
+    paint_body(layout, pose, blur, image_evidence.box, value, owner)
 
 
 @compiled_loosely
@@ -115,7 +123,11 @@ def cover_painted(value: np.ndarray, owner: np.ndarray, dark: float) -> None:
 
 @compiled_loosely
 def free_of_others(
-    sight: Sight, zone: np.ndarray, owner: np.ndarray, neutral: float, out: np.ndarray
+    image_evidence: ImageEvidence,
+    zone: np.ndarray,
+    owner: np.ndarray,
+    neutral: float,
+    out: np.ndarray,
 ) -> None:
     """Write darkness, at most ``neutral`` where ``zone`` or another leg lies, into ``out``.
 
@@ -123,8 +135,8 @@ def free_of_others(
     """
     for v in range(out.shape[0]):
         for u in range(out.shape[1]):
-            here = sight.seen[v, u]
-            if sight.weight[v, u] == 0.0:
+            here = image_evidence.seen[v, u]
+            if image_evidence.weight[v, u] == 0.0:
                 out[v, u] = math.nan
             elif zone[v, u] or owner[v, u] != NOTHING:
                 out[v, u] = min(here, neutral)
@@ -134,16 +146,21 @@ def free_of_others(
 
 @compiled_loosely
 def leg_support(
-    layout: Layout, joints: np.ndarray, leg: int, sight: Sight, blur: float, share: float,
+    layout: Layout,
+    joints: np.ndarray,
+    leg: int,
+    image_evidence: ImageEvidence,
+    blur: float,
+    share: float,
     body: np.ndarray,
-) -> tuple[float, float]:  # fmt: skip
+) -> tuple[float, float]:
     """Return how dark a leg's axis is relative to what is expected: whole leg, outer part.
 
     ``share`` is the part of the leg, from the tip inwards, that counts as outer. Places outside
     the crop do not count, nor do those where the painted ``body`` is as dark as the leg: they
     look the same without it. Where nothing counts, the answer is NaN.
     """
-    height, width = sight.seen.shape
+    height, width = image_evidence.seen.shape
     n = layout.n_segments[leg]
     whole = 0.0
     for s in range(n):
@@ -155,8 +172,8 @@ def leg_support(
         steps = max(1, int(piece))
         for i in range(steps):
             t = (i + 0.5) / steps
-            u = round(joints[s, 0] + t * du - sight.box[0])
-            v = round(joints[s, 1] + t * dv - sight.box[1])
+            u = round(joints[s, 0] + t * du - image_evidence.box[0])
+            v = round(joints[s, 1] + t * dv - image_evidence.box[1])
             at = done + t * piece
             if 0 <= u < width and 0 <= v < height:
                 dark = layout.dark[leg, s] + t * (layout.dark[leg, s + 1] - layout.dark[leg, s])
@@ -165,9 +182,9 @@ def leg_support(
                 )
                 # what is thin and what is near the tip is blurred
                 expected = max(dark * min(1.0, radius) * step((whole - at) / blur), 0.05)
-                if body[v, u] > 0.7 * expected or sight.weight[v, u] == 0.0:
+                if body[v, u] > 0.7 * expected or image_evidence.weight[v, u] == 0.0:
                     continue
-                here = min(max(sight.seen[v, u] / expected, 0.0), 1.0)
+                here = min(max(image_evidence.seen[v, u] / expected, 0.0), 1.0)
                 found += here * piece / steps
                 length += piece / steps
                 if at > (1.0 - share) * whole:
@@ -182,15 +199,15 @@ def leg_support(
 
 @compiled_loosely
 def unexplained(
-    owner: np.ndarray, sight: Sight, dark: float, reach: float, pose: np.ndarray
+    owner: np.ndarray, image_evidence: ImageEvidence, dark: float, reach: float, pose: np.ndarray
 ) -> np.ndarray:
     """Return how many dark pixels near the animal nothing painted covers: left, right."""
     total = np.zeros(2)
     cos, sin = math.cos(pose[2]), math.sin(pose[2])
     for v in range(owner.shape[0]):
         for u in range(owner.shape[1]):
-            if owner[v, u] == NOTHING and sight.seen[v, u] > dark:
-                du, dv = u + sight.box[0] - pose[0], v + sight.box[1] - pose[1]
+            if owner[v, u] == NOTHING and image_evidence.seen[v, u] > dark:
+                du, dv = u + image_evidence.box[0] - pose[0], v + image_evidence.box[1] - pose[1]
                 if du * du + dv * dv < reach * reach:
                     total[1 if -du * sin + dv * cos > 0 else 0] += 1.0
     return total

@@ -12,14 +12,16 @@ import numpy as np
 from pawnb.core.pose.fit.candidates.leg_candidates import legs_cross, part_near
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.layout import leg_numbers
-from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Prior, Sight
+from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence, Prior
 
 _ROUNDS = 12
 _BETTER = 0.5
 """What the cost falls by, at least, where ends are given back: that of one standard deviation."""
 
 
-def uncrossed(fitter: FrameFitter, pose: np.ndarray, sight: Sight, *, prior: Prior) -> np.ndarray:
+def uncrossed(
+    fitter: FrameFitter, pose: np.ndarray, image_evidence: ImageEvidence, *, prior: Prior
+) -> np.ndarray:
     """Return the pose in which neighbouring legs have given each other their ends back.
 
     Parameters
@@ -28,7 +30,7 @@ def uncrossed(fitter: FrameFitter, pose: np.ndarray, sight: Sight, *, prior: Pri
         A fitter.
     pose : ndarray, shape (n_parameters,)
         The pose.
-    sight : Sight
+    image_evidence : ImageEvidence
         The frame.
     prior : Prior
         What a pose costs besides its picture.
@@ -41,12 +43,16 @@ def uncrossed(fitter: FrameFitter, pose: np.ndarray, sight: Sight, *, prior: Pri
     for leg, neighbours in enumerate(fitter.neighbours):
         for other in neighbours:
             if other > leg:
-                pose = _pair(fitter, pose, (leg, other), sight, prior)
+                pose = _pair(fitter, pose, (leg, other), image_evidence, prior)
     return pose
 
 
 def _pair(
-    fitter: FrameFitter, pose: np.ndarray, legs: tuple[int, int], sight: Sight, prior: Prior
+    fitter: FrameFitter,
+    pose: np.ndarray,
+    legs: tuple[int, int],
+    image_evidence: ImageEvidence,
+    prior: Prior,
 ) -> np.ndarray:
     """Return the pose with two legs as they fit better: crossed, if they are, or not."""
     layout, places = fitter.layout, fitter.joints(pose)
@@ -58,7 +64,7 @@ def _pair(
     for leg, joints in zip(legs, swapped, strict=True):
         heading = float(pose[2])
         trial[fitter.numbers[leg]] = leg_numbers(layout, leg, joints, heading=heading)
-    part = part_near(sight, (one, other))
+    part = part_near(image_evidence, (one, other))
     active = np.concatenate([fitter.numbers[leg] for leg in legs])
     (_, before), (found, after) = (
         fitter.fit(which, part, prior, active=active, rounds=_ROUNDS) for which in (pose, trial)

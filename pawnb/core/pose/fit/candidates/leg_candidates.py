@@ -16,7 +16,12 @@ from pawnb.core.pose.fit.candidates.candidate_kernels import (
 from pawnb.core.pose.fit.candidates.limb_kernels import chains_apart, chains_cross, find_limbs
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.rendering.blur import part_of
-from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Prior, Sight, paint_some, prior_cost
+from pawnb.core.pose.fit.rendering.gauss_newton_kernels import (
+    ImageEvidence,
+    Prior,
+    paint_some,
+    prior_cost,
+)
 from pawnb.core.pose.fit.rendering.paint_kernels import leg_chain
 
 SAME_PX = 2.5
@@ -37,7 +42,7 @@ the best one does is dropped. Of a leg whose most is hidden, the rest may be all
 
 
 @dataclass
-class Choices:
+class LegCandidates:
     """What a frame leaves open.
 
     Attributes
@@ -60,7 +65,7 @@ class Choices:
         Of pairs of legs, the cost of both together less that of each, (candidates, candidates).
     crossed : dict
         Of neighbouring legs, whether they cross, (candidates, candidates).
-    rivals : list of ndarray
+    alternatives : list of ndarray
         Of each leg, the candidates that may still be right by what was known when the frame was
         first seen, other than the one chosen then.
     """
@@ -75,7 +80,7 @@ class Choices:
     unlikely: list[np.ndarray]
     shared: dict[tuple[int, int], np.ndarray] = field(default_factory=dict)
     crossed: dict[tuple[int, int], np.ndarray] = field(default_factory=dict)
-    rivals: list[np.ndarray] = field(default_factory=list)
+    alternatives: list[np.ndarray] = field(default_factory=list)
 
     @property
     def is_open(self) -> bool:
@@ -85,7 +90,7 @@ class Choices:
     @property
     def is_doubtful(self) -> bool:
         """Whether any leg had a rival."""
-        return any(len(c) for c in self.rivals)
+        return any(len(c) for c in self.alternatives)
 
     def record(self) -> dict[str, Any]:
         """Return all but the picture, as plain values and arrays."""
@@ -93,14 +98,14 @@ class Choices:
         return out | {name: [[*k, v] for k, v in getattr(self, name).items()] for name in _OF_PAIRS}
 
 
-_OF_LEGS = ("legs", "joints", "worth", "unlikely", "rivals")
+_OF_LEGS = ("legs", "joints", "worth", "unlikely", "alternatives")
 _OF_PAIRS = ("shared", "crossed")
 
 
 def recalled(
     fitter: FrameFitter, frame: int, record: Mapping[str, Any], *, image: np.ndarray
-) -> Choices:
-    """Return what :meth:`Choices.record` was made of; ``image`` are the grey pixels of its box.
+) -> LegCandidates:
+    """Return what :meth:`LegCandidates.record` was made of, given the grey pixels of its box.
 
     Parameters
     ----------
@@ -115,7 +120,7 @@ def recalled(
 
     Returns
     -------
-    Choices
+    LegCandidates
         The frame as it was.
     """
     box = tuple(record["box"])
@@ -129,7 +134,7 @@ def recalled(
 
 def only_choice(
     fitter: FrameFitter, frame: int, pose: np.ndarray, *, image: np.ndarray, box: tuple
-) -> Choices:
+) -> LegCandidates:
     """Return the frame with one pose of each leg.
 
     Parameters
@@ -147,11 +152,11 @@ def only_choice(
 
     Returns
     -------
-    Choices
+    LegCandidates
         The frame.
     """
     joints = fitter.joints(pose)
-    return Choices(
+    return LegCandidates(
         frame=frame,
         pose=pose,
         image=np.clip(np.round(image), 0, 255).astype(np.uint8),
@@ -164,7 +169,7 @@ def only_choice(
 
 
 def limb_candidates(
-    fitter: FrameFitter, pose: np.ndarray, leg: int, *, sight: Sight, prior: Prior
+    fitter: FrameFitter, pose: np.ndarray, leg: int, *, image_evidence: ImageEvidence, prior: Prior
 ) -> list[np.ndarray]:
     """Return poses of a leg that the silhouette offers, each fitted.
 
@@ -180,7 +185,7 @@ def limb_candidates(
         The pose vector.
     leg : int
         Number of the leg.
-    sight : Sight
+    image_evidence : ImageEvidence
         What the frame shows.
     prior : Prior
         What is expected of the pose.
@@ -192,21 +197,24 @@ def limb_candidates(
     """
     neutral = _NEUTRAL * float(np.median(fitter.layout.dark[leg]))
     found: list[np.ndarray] = []
-    canvas = fitter.canvas(sight)
-    near_body = fitter.body_zone(pose, sight) > 0.0
-    open_to = np.empty_like(sight.seen)
+    canvas = fitter.canvas(image_evidence)
+    near_body = fitter.body_zone(pose, image_evidence) > 0.0
+    open_to = np.empty_like(image_evidence.seen)
     for absent in (leg, *fitter.neighbours[leg]):
         shown = fitter.all_shown.copy()
         shown[absent] = False
-        paint_some(fitter.layout, pose, fitter.blur, sight.box, shown, *canvas)
-        free_of_others(sight, near_body, canvas[1], neutral, open_to)
+        paint_some(fitter.layout, pose, fitter.blur, image_evidence.box, shown, *canvas)
+        free_of_others(image_evidence, near_body, canvas[1], neutral, open_to)
         most = 2 if absent == leg else 1
         numbers, _ = find_limbs(
-            fitter.layout, pose, leg, open_to, sight.box, prior, _BEAM, most, 2 * SAME_PX
+            fitter.layout, pose, leg, open_to, image_evidence.box, prior, _BEAM, most, 2 * SAME_PX
         )
         found.extend(numbers)
     found.extend(fitter.usual_poses[leg])
-    return [fit_leg(fitter, pose, leg, guess=guess, sight=sight, prior=prior) for guess in found]
+    return [
+        fit_leg(fitter, pose, leg, guess=guess, image_evidence=image_evidence, prior=prior)
+        for guess in found
+    ]
 
 
 def fit_leg(
@@ -215,7 +223,7 @@ def fit_leg(
     leg: int,
     *,
     guess: np.ndarray,
-    sight: Sight,
+    image_evidence: ImageEvidence,
     prior: Prior,
     rounds: int = 4,
 ) -> np.ndarray:
@@ -231,7 +239,7 @@ def fit_leg(
         Number of the leg.
     guess : ndarray
         The leg's part of the pose vector to begin with.
-    sight : Sight
+    image_evidence : ImageEvidence
         What the frame shows.
     prior : Prior
         What is expected of the pose.
@@ -245,7 +253,7 @@ def fit_leg(
     """
     trial = pose.copy()
     trial[fitter.numbers[leg]] = guess
-    part = part_about(fitter, sight, pose, leg=leg, guesses=[guess])
+    part = part_about(fitter, image_evidence, pose, leg=leg, guesses=[guess])
     fitted, _ = fitter.fit(
         trial, part, prior, active=fitter.numbers[leg], shown=fitter.only[leg], rounds=rounds
     )
@@ -253,15 +261,20 @@ def fit_leg(
 
 
 def part_about(
-    fitter: FrameFitter, sight: Sight, pose: np.ndarray, *, leg: int, guesses: Sequence[np.ndarray]
-) -> Sight:
+    fitter: FrameFitter,
+    image_evidence: ImageEvidence,
+    pose: np.ndarray,
+    *,
+    leg: int,
+    guesses: Sequence[np.ndarray],
+) -> ImageEvidence:
     """Return the part of a sight about some places of a leg, each its part of the pose vector.
 
     Parameters
     ----------
     fitter : FrameFitter
         What poses are fitted with.
-    sight : Sight
+    image_evidence : ImageEvidence
         What the frame shows.
     pose : ndarray
         The pose vector.
@@ -272,25 +285,25 @@ def part_about(
 
     Returns
     -------
-    Sight
+    ImageEvidence
         The part that holds all of them.
     """
-    return part_near(sight, [_joints(fitter, pose, leg, guess) for guess in guesses])
+    return part_near(image_evidence, [_joints(fitter, pose, leg, guess) for guess in guesses])
 
 
-def part_near(sight: Sight, legs: Sequence[np.ndarray]) -> Sight:
+def part_near(image_evidence: ImageEvidence, legs: Sequence[np.ndarray]) -> ImageEvidence:
     """Return the part of a sight about legs that are fitted alone; joints (n, 2), NaN beyond."""
     joints = np.concatenate(legs)
     low, high = np.nanmin(joints, axis=0), np.nanmax(joints, axis=0)
-    return part_of(sight, low - _ROOM_PX, high + _ROOM_PX)
+    return part_of(image_evidence, low - _ROOM_PX, high + _ROOM_PX)
 
 
 def add_candidates(
     fitter: FrameFitter,
-    choices: Choices,
+    choices: LegCandidates,
     extra: dict[int, list[np.ndarray]],
     *,
-    sight: Sight,
+    image_evidence: ImageEvidence,
     prior: Prior,
 ) -> None:
     """Add poses of legs, and weigh all of them.
@@ -303,13 +316,13 @@ def add_candidates(
     ----------
     fitter : FrameFitter
         Fitter of this frame.
-    choices : Choices
+    choices : LegCandidates
         Changed in place; candidates that explain little are dropped, and so is, of one added
         before and one added now on the same limb, the one that costs more.
     extra : dict
         Of some legs, further parts of the pose vector; of those on the same limb only the first
         counts.
-    sight : Sight
+    image_evidence : ImageEvidence
         The frame.
     prior : Prior
         Anatomy, a part of what a candidate costs.
@@ -323,13 +336,15 @@ def add_candidates(
                 choices.legs[leg] = np.concatenate([choices.legs[leg], numbers[None]])
                 choices.joints[leg] = np.concatenate([choices.joints[leg], joints[None]])
     if choices.is_open:
-        _weigh(fitter, choices, sight, prior)
+        _weigh(fitter, choices, image_evidence, prior)
 
 
-def _weigh(fitter: FrameFitter, choices: Choices, sight: Sight, prior: Prior) -> None:
+def _weigh(
+    fitter: FrameFitter, choices: LegCandidates, image_evidence: ImageEvidence, prior: Prior
+) -> None:
     """Fill in what candidates are worth alone and in pairs, and drop the worthless."""
-    value, owner, along, joints = fitter.canvas(sight)
-    base = fitter.body_zone(choices.pose, sight).copy()
+    value, owner, along, joints = fitter.canvas(image_evidence)
+    base = fitter.body_zone(choices.pose, image_evidence).copy()
     soft = fitter.settings.soft_error
     prints: list[list[tuple[np.ndarray, np.ndarray]]] = []
     for leg, numbers in enumerate(fitter.numbers):
@@ -337,9 +352,18 @@ def _weigh(fitter: FrameFitter, choices: Choices, sight: Sight, prior: Prior) ->
         for candidate in choices.legs[leg]:
             trial[numbers] = candidate
             pixels, darks, cost = leg_footprint(
-                fitter.layout, trial, leg, sight, fitter.blur, soft, base, value, owner, along,
+                fitter.layout,
+                trial,
+                leg,
+                image_evidence,
+                fitter.blur,
+                soft,
+                base,
+                value,
+                owner,
+                along,
                 joints[leg],
-            )  # fmt: skip
+            )
             worth.append(cost)
             unlikely.append(prior_cost(trial, prior, numbers))
             marks.append((pixels, darks))
@@ -369,7 +393,10 @@ def _weigh(fitter: FrameFitter, choices: Choices, sight: Sight, prior: Prior) ->
                     ]
                 )
             choices.shared[a, b] = np.array(
-                [[shared_cost(*p, *q, sight, base, soft) for q in prints[b]] for p in prints[a]]
+                [
+                    [shared_cost(*p, *q, image_evidence, base, soft) for q in prints[b]]
+                    for p in prints[a]
+                ]
             )
 
 
@@ -432,7 +459,7 @@ def sides_of(side: np.ndarray) -> list[list[int]]:
 
 
 def side_energy(
-    choices: Choices, legs: Sequence[int], share: float, *, others: Mapping[int, int]
+    choices: LegCandidates, legs: Sequence[int], share: float, *, others: Mapping[int, int]
 ) -> np.ndarray:
     """Return the cost of every combination of one side's candidates, one axis a leg.
 
@@ -443,7 +470,7 @@ def side_energy(
 
     Parameters
     ----------
-    choices : Choices
+    choices : LegCandidates
         The frame.
     legs : sequence of int
         Legs of the side.

@@ -29,7 +29,7 @@ class _Moment:
     velocity: list[np.ndarray]
 
 
-class Trellis:
+class ViterbiTrellis:
     """Paths of one side's legs, frame by frame.
 
     Parameters

@@ -8,12 +8,12 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 
 from pawnb.core.pose.fit.candidates.leg_candidates import (
-    Choices,
+    LegCandidates,
     add_candidates,
     fit_leg,
     side_energy,
 )
-from pawnb.core.pose.fit.candidates.viterbi import Trellis
+from pawnb.core.pose.fit.candidates.viterbi import ViterbiTrellis
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.sequence.one_direction import Follower
 
@@ -22,7 +22,7 @@ _MOST_BACK = 60
 """Frames that a leg is followed back from where it is found again."""
 
 
-def look_back(follower: Follower) -> None:
+def improve_viterbi_path(follower: Follower) -> None:
     """Choose the path through all frames followed, after a second pass backwards.
 
     Where a frame left more than one candidate open, the animal is followed again from the sure
@@ -79,11 +79,13 @@ def _second_pass(follower: Follower, fitter: FrameFitter, frames: list[int]) -> 
             velocity[fitter.lengths] = 0.0
         before = t
         expected = pose + _KEEP_VELOCITY * velocity
-        sight = fitter.sight(choices.image.astype(float), choices.box, choices.pose)
+        image_evidence = fitter.image_evidence(
+            choices.image.astype(float), choices.box, choices.pose
+        )
         anatomy, _ = follower.priors(expected)
-        found = follower.fit_from(expected, sight, fitter)
+        found = follower.fit_from(expected, image_evidence, fitter)
         extra = {leg: [found[numbers]] for leg, numbers in enumerate(fitter.numbers)}
-        add_candidates(fitter, choices, extra, sight=sight, prior=anatomy)
+        add_candidates(fitter, choices, extra, image_evidence=image_evidence, prior=anatomy)
         velocity = found - pose
         velocity[fitter.lengths] = 0.0
         pose = found
@@ -97,12 +99,12 @@ def _paths(follower: Follower) -> list[dict[int, int]]:
     settings = follower.fitter.settings
     out: list[dict[int, int]] = [{} for _ in follower.kept]
     for legs in 2 * follower.sides:
-        trellis = Trellis(follower.jump_px)
+        viterbi_trellis = ViterbiTrellis(follower.jump_px)
         for choices, chosen in zip(follower.kept, out, strict=True):
             others = {leg: k for leg, k in chosen.items() if leg not in legs}
             energy = side_energy(choices, legs, settings.evidence_share, others=others)
-            trellis.push(energy, [choices.joints[leg] for leg in legs])
-        for chosen, state in zip(out, trellis.path(), strict=True):
+            viterbi_trellis.push(energy, [choices.joints[leg] for leg in legs])
+        for chosen, state in zip(out, viterbi_trellis.path(), strict=True):
             chosen.update(zip(legs, state, strict=True))
     return out
 
@@ -130,24 +132,28 @@ def _trace(follower: Follower, leg: int, t: int, numbers: np.ndarray) -> None:
     velocity = np.zeros_like(numbers)
     for back in range(t - 1, max(t - 1 - _MOST_BACK, -1), -1):
         choices = kept[back]
-        sight = fitter.sight(choices.image.astype(float), choices.box, choices.pose)
+        image_evidence = fitter.image_evidence(
+            choices.image.astype(float), choices.box, choices.pose
+        )
         found = fit_leg(
             fitter,
             choices.pose,
             leg,
             guess=numbers + velocity,
-            sight=sight,
+            image_evidence=image_evidence,
             prior=fitter.anatomy,
             rounds=6,
         )
         count = len(choices.legs[leg])
-        add_candidates(fitter, choices, {leg: [found]}, sight=sight, prior=fitter.anatomy)
+        add_candidates(
+            fitter, choices, {leg: [found]}, image_evidence=image_evidence, prior=fitter.anatomy
+        )
         if len(choices.legs[leg]) == count:
             break
         velocity = np.clip(found - numbers, -0.2, 0.2)
         numbers = found
 
 
-def chosen_poses(fitter: FrameFitter, found: list[Choices]) -> np.ndarray:
+def chosen_poses(fitter: FrameFitter, found: list[LegCandidates]) -> np.ndarray:
     """Return the poses of a path, shape (n, n_parameters)."""
     return np.array([c.pose for c in found]).reshape(len(found), fitter.n)

@@ -13,8 +13,8 @@ from pawnb.core.pose.fit.learning.appearance_kernels import body_equations, look
 from pawnb.core.pose.fit.learning.body_equations import LEAST_DARK, MOST_DARK, BodyEquations
 from pawnb.core.pose.fit.parallel import threaded
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import (
+    ImageEvidence,
     Prior,
-    Sight,
     normal_matrix,
     prior_cost,
 )
@@ -31,9 +31,9 @@ _MOST_RADIUS = 1.2
 """A leg's thickness as a share of the species file's: one that lay on a wing would grow to it."""
 
 
-def learn_look(
+def learn_appearance(
     layout: Layout,
-    frames: Sequence[tuple[np.ndarray, Sight]],
+    frames: Sequence[tuple[np.ndarray, ImageEvidence]],
     *,
     first: Layout,
     partner: np.ndarray,
@@ -80,7 +80,7 @@ def learn_look(
 
 @dataclass(frozen=True)
 class _Known:
-    """What stays the same while a look is learnt; see :func:`learn_look`."""
+    """What stays the same while a look is learnt; see :func:`learn_appearance`."""
 
     first: Layout
     partner: np.ndarray
@@ -121,7 +121,7 @@ class _OfFrame:
     pose: tuple[np.ndarray, np.ndarray]
 
 
-def _step(layout: Layout, frames: list[tuple[np.ndarray, Sight]], known: _Known) -> _Step:
+def _step(layout: Layout, frames: list[tuple[np.ndarray, ImageEvidence]], known: _Known) -> _Step:
     """Return the step that the equations of all frames lead to."""
     body = BodyEquations(layout.ellipse, known.first.ellipse, len(frames))
     said = threaded(lambda frame: _of_frame(layout, frame, known, body.meets), frames)
@@ -137,40 +137,74 @@ def _step(layout: Layout, frames: list[tuple[np.ndarray, Sight]], known: _Known)
 
 
 def _of_frame(
-    layout: Layout, frame: tuple[np.ndarray, Sight], known: _Known, meets: np.ndarray
+    layout: Layout, frame: tuple[np.ndarray, ImageEvidence], known: _Known, meets: np.ndarray
 ) -> _OfFrame:
     """Return what one frame says near its pose; ``meets`` as in :class:`.BodyEquations`."""
-    pose, sight = frame
+    pose, image_evidence = frame
     blur, soft, n = known.blur, known.soft, len(pose)
-    canvas, cost = _painted(layout, pose, sight, known)
+    canvas, cost = _painted(layout, pose, image_evidence, known)
     value, owner, along, joints = canvas
     legs, nodes = layout.radius.shape
     matrix, vector = np.zeros((legs, 2 * nodes, 2 * nodes)), np.zeros((legs, 2 * nodes))
     look_equations(
-        layout, blur, sight.box, value, owner, along, joints, sight.seen, sight.weight, soft,
-        matrix, vector,
-    )  # fmt: skip
+        layout,
+        blur,
+        image_evidence.box,
+        value,
+        owner,
+        along,
+        joints,
+        image_evidence.seen,
+        image_evidence.weight,
+        soft,
+        matrix,
+        vector,
+    )
     parts, sums = np.zeros((len(meets), 9, 9)), np.zeros((len(meets), 9))
     body_equations(
-        layout, meets, pose, blur, sight.box, value, owner, sight.seen, sight.weight, soft,
-        parts, sums,
-    )  # fmt: skip
+        layout,
+        meets,
+        pose,
+        blur,
+        image_evidence.box,
+        value,
+        owner,
+        image_evidence.seen,
+        image_evidence.weight,
+        soft,
+        parts,
+        sums,
+    )
     of_pose, slope = np.zeros((n, n)), np.zeros(n)
     normal_matrix(
-        layout, pose, sight, known.prior, np.arange(n), np.ones(legs + 1, bool), blur, soft,
-        value, owner, along, joints, of_pose, slope,
-    )  # fmt: skip
+        layout,
+        pose,
+        image_evidence,
+        known.prior,
+        np.arange(n),
+        np.ones(legs + 1, bool),
+        blur,
+        soft,
+        value,
+        owner,
+        along,
+        joints,
+        of_pose,
+        slope,
+    )
     whole = of_pose + np.tril(of_pose, -1).T  # the loops fill the lower triangle
     return _OfFrame(cost, (matrix, vector), (parts, sums), (whole, slope))
 
 
 def _painted(
-    layout: Layout, pose: np.ndarray, sight: Sight, known: _Known
+    layout: Layout, pose: np.ndarray, image_evidence: ImageEvidence, known: _Known
 ) -> tuple[tuple[np.ndarray, ...], float]:
     """Return the painted canvas of a frame, and what picture and pose cost."""
-    canvas = make_canvas(len(sight.seen), sight.seen.shape[1], layout)
-    paint(layout, pose, known.blur, sight.box, *canvas)
-    cost = picture_cost(canvas[0], canvas[1], sight.seen, sight.weight, known.soft)
+    canvas = make_canvas(len(image_evidence.seen), image_evidence.seen.shape[1], layout)
+    paint(layout, pose, known.blur, image_evidence.box, *canvas)
+    cost = picture_cost(
+        canvas[0], canvas[1], image_evidence.seen, image_evidence.weight, known.soft
+    )
     return canvas, cost + prior_cost(pose, known.prior, np.arange(len(pose)))
 
 
@@ -180,8 +214,8 @@ def _look_cost(layout: Layout, known: _Known, body: BodyEquations, n_frames: int
 
 
 def _taken(
-    layout: Layout, frames: list[tuple[np.ndarray, Sight]], step: _Step, share: float
-) -> tuple[Layout, list[tuple[np.ndarray, Sight]]]:
+    layout: Layout, frames: list[tuple[np.ndarray, ImageEvidence]], step: _Step, share: float
+) -> tuple[Layout, list[tuple[np.ndarray, ImageEvidence]]]:
     """Return look and frames after a share of a step."""
 
     def between(now: np.ndarray, then: np.ndarray) -> np.ndarray:
@@ -196,11 +230,11 @@ def _taken(
         ellipse=between(layout.ellipse, step.look.ellipse),
     )
     moves = zip(frames, step.moves, strict=True)
-    return look, [(pose + share * move, sight) for (pose, sight), move in moves]
+    return look, [(pose + share * move, image_evidence) for (pose, image_evidence), move in moves]
 
 
 def _helpful_share(
-    layout: Layout, frames: list[tuple[np.ndarray, Sight]], known: _Known, step: _Step
+    layout: Layout, frames: list[tuple[np.ndarray, ImageEvidence]], known: _Known, step: _Step
 ) -> float:
     """Return the largest share of a step, halved again and again, that makes the cost fall; or 0.
 
@@ -229,7 +263,7 @@ def learn_legs(
     Parameters
     ----------
     layout, first, partner
-        As in :func:`learn_look`.
+        As in :func:`learn_appearance`.
     equations : tuple of ndarray
         Matrix and vector that ``look_equations`` filled; changed.
     n_frames : int

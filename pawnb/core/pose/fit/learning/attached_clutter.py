@@ -11,11 +11,11 @@ from collections.abc import Sequence
 import cv2
 import numpy as np
 
-from pawnb.core.pose.fit.candidates.leg_candidates import Choices
+from pawnb.core.pose.fit.candidates.leg_candidates import LegCandidates
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.learning.attached_clutter_kernels import in_body_frame
 from pawnb.core.pose.fit.parallel import on_threads
-from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Sight
+from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence
 
 _FRAMES = 80
 """So many frames of a recording are looked at, evenly spread."""
@@ -29,8 +29,8 @@ _LEAST_LEGS = 1.0
 """Fixtures smaller than so many legs are left alone: a body is no perfect egg."""
 
 
-def find_fixtures(
-    fitter: FrameFitter, found: Sequence[Choices], poses: np.ndarray
+def find_attached_clutter(
+    fitter: FrameFitter, found: Sequence[LegCandidates], poses: np.ndarray
 ) -> np.ndarray | None:
     """Return where something that is no leg is fixed to the body.
 
@@ -38,7 +38,7 @@ def find_fixtures(
     ----------
     fitter : FrameFitter
         A fitter.
-    found : sequence of Choices
+    found : sequence of LegCandidates
         The frames.
     poses : ndarray, shape (n, n_parameters)
         Their poses; only the body's place and heading matter.
@@ -61,9 +61,9 @@ def find_fixtures(
 
     def turned(own: FrameFitter, t: int) -> np.ndarray:
         image = found[t].image.astype(float)
-        sight = own.sight(image, found[t].box, poses[t], margin=np.inf)
+        image_evidence = own.image_evidence(image, found[t].box, poses[t], margin=np.inf)
         out = np.empty((side, side), np.float32)
-        in_body_frame(sight.seen, sight.box, poses[t], out)
+        in_body_frame(image_evidence.seen, image_evidence.box, poses[t], out)
         return out
 
     usual = np.median(on_threads(fitter, chosen, turned), axis=0)
@@ -80,8 +80,10 @@ def find_fixtures(
 def _body(fitter: FrameFitter, side: int) -> np.ndarray:
     """Return where the body itself may be, in its own frame."""
     pose, empty = np.zeros(fitter.n), np.zeros((side, side))
-    sight = Sight(empty, empty, np.array([-(side // 2), -(side // 2)], dtype=float))
-    return fitter.near_body(pose, sight)
+    image_evidence = ImageEvidence(
+        empty, empty, np.array([-(side // 2), -(side // 2)], dtype=float)
+    )
+    return fitter.near_body(pose, image_evidence)
 
 
 def _hanging_on(wide: np.ndarray, body: np.ndarray) -> np.ndarray:

@@ -72,14 +72,18 @@ def disregard(kept: np.ndarray, pose: np.ndarray, box: np.ndarray, weight: np.nd
 
 @compiled
 def hide(
-    fixtures: np.ndarray, pose: np.ndarray, body: np.ndarray, box: np.ndarray, seen: np.ndarray,
+    attached_clutter: np.ndarray,
+    pose: np.ndarray,
+    body: np.ndarray,
+    box: np.ndarray,
+    seen: np.ndarray,
     weight: np.ndarray,
-) -> None:  # fmt: skip
+) -> None:
     """Make nothing seen, and with no weight, where a fixture lies; in place.
 
     Parameters
     ----------
-    fixtures : ndarray of bool, shape (side, side)
+    attached_clutter : ndarray of bool, shape (side, side)
         Where they lie, in the body's frame.
     pose : ndarray
         The body's place and heading.
@@ -91,12 +95,12 @@ def hide(
         Darkness and its weight, changed.
     """
     cos, sin = math.cos(pose[2]), math.sin(pose[2])
-    side = fixtures.shape[0]
+    side = attached_clutter.shape[0]
     half = side // 2
     for v in range(seen.shape[0]):
         for u in range(seen.shape[1]):
             du, dv = u + box[0] - pose[0], v + box[1] - pose[1]
             a, b = round(du * cos + dv * sin) + half, round(-du * sin + dv * cos) + half
-            if 0 <= a < side and 0 <= b < side and fixtures[b, a] and not body[v, u]:
+            if 0 <= a < side and 0 <= b < side and attached_clutter[b, a] and not body[v, u]:
                 seen[v, u] = 0.0
                 weight[v, u] = 0.0

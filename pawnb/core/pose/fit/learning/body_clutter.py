@@ -13,7 +13,7 @@ import numpy as np
 
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.learning.attached_clutter_kernels import disregard, in_body_frame
-from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Sight
+from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence
 from pawnb.core.pose.fit.rendering.paint_kernels import make_canvas, paint
 
 _FEW = 6
@@ -31,8 +31,8 @@ _LEG = 0.01
 """Share of a leg in a place from which on it says nothing about the body."""
 
 
-def find_odd_places(
-    fitter: FrameFitter, frames: Sequence[tuple[np.ndarray, Sight]]
+def find_body_clutter(
+    fitter: FrameFitter, frames: Sequence[tuple[np.ndarray, ImageEvidence]]
 ) -> np.ndarray | None:
     """Return how much each place of the body's frame counts.
 
@@ -53,12 +53,14 @@ def find_odd_places(
     if len(frames) < _FEW:
         return None
     side = 2 * int(np.ceil(fitter.body_radius + _BEYOND_PX)) + 1
-    stack = np.array([_difference(fitter, pose, sight, side) for pose, sight in frames])
+    stack = np.array(
+        [_difference(fitter, pose, image_evidence, side) for pose, image_evidence in frames]
+    )
     stack[:, np.isnan(stack).all(axis=0)] = 0.0
     away = np.abs(np.nanmedian(stack, axis=0))
     pose, empty = np.zeros(fitter.n), np.zeros((side, side))
     middle = np.array([-(side // 2), -(side // 2)], dtype=float)
-    body = fitter.near_body(pose, Sight(empty, empty, middle), margin=fitter.blur)
+    body = fitter.near_body(pose, ImageEvidence(empty, empty, middle), margin=fitter.blur)
     odd = away > _ODD * float(fitter.layout.ellipse[:, 4].max())
     if odd[body].mean() > _MOST:
         return None
@@ -66,18 +68,22 @@ def find_odd_places(
     return 1.0 - cv2.dilate(odd.astype(np.uint8), disc).astype(float)
 
 
-def _difference(fitter: FrameFitter, pose: np.ndarray, sight: Sight, side: int) -> np.ndarray:
+def _difference(
+    fitter: FrameFitter, pose: np.ndarray, image_evidence: ImageEvidence, side: int
+) -> np.ndarray:
     """Return what is seen less what is painted, in the body's frame; NaN where a leg is."""
-    canvas = make_canvas(len(sight.seen), sight.seen.shape[1], fitter.layout)
-    paint(fitter.layout, pose, fitter.blur, sight.box, *canvas)
+    canvas = make_canvas(len(image_evidence.seen), image_evidence.seen.shape[1], fitter.layout)
+    paint(fitter.layout, pose, fitter.blur, image_evidence.box, *canvas)
     away, leg = np.empty((side, side)), np.empty((side, side))
-    in_body_frame(sight.seen - canvas[0], sight.box, pose, away)
-    in_body_frame((canvas[1] >= 0).astype(float), sight.box, pose, leg)
+    in_body_frame(image_evidence.seen - canvas[0], image_evidence.box, pose, away)
+    in_body_frame((canvas[1] >= 0).astype(float), image_evidence.box, pose, leg)
     away[leg > _LEG] = np.nan
     return away
 
 
-def without_odd_places(fitter: FrameFitter, pose: np.ndarray, sight: Sight) -> Sight:
+def without_body_clutter(
+    fitter: FrameFitter, pose: np.ndarray, image_evidence: ImageEvidence
+) -> ImageEvidence:
     """Return a sight in which the fitter's odd places have no weight; the body is at ``pose``.
 
     Parameters
@@ -86,16 +92,16 @@ def without_odd_places(fitter: FrameFitter, pose: np.ndarray, sight: Sight) -> S
         What poses are fitted with, and its odd places.
     pose : ndarray
         The pose vector.
-    sight : Sight
+    image_evidence : ImageEvidence
         What the frame shows.
 
     Returns
     -------
-    Sight
+    ImageEvidence
         The same without them.
     """
-    if fitter.odd_places is None:
-        return sight
-    weight = sight.weight.copy()
-    disregard(fitter.odd_places, pose, sight.box, weight)
-    return sight._replace(weight=weight)
+    if fitter.body_clutter is None:
+        return image_evidence
+    weight = image_evidence.weight.copy()
+    disregard(fitter.body_clutter, pose, image_evidence.box, weight)
+    return image_evidence._replace(weight=weight)

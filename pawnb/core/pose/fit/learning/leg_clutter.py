@@ -12,7 +12,7 @@ import numpy as np
 
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.learning.leg_clutter_kernels import add_differences, disregard_cells
-from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Sight, paint_some
+from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence, paint_some
 from pawnb.core.pose.fit.rendering.paint_kernels import make_canvas, paint
 
 _FEW = 6
@@ -24,8 +24,8 @@ _HAIRY = 0.12
 place that mirrors it: the rings of a leg are on both sides, and tell where it is."""
 
 
-def find_hairs(
-    fitter: FrameFitter, frames: Sequence[tuple[np.ndarray, Sight]]
+def find_leg_clutter(
+    fitter: FrameFitter, frames: Sequence[tuple[np.ndarray, ImageEvidence]]
 ) -> np.ndarray | None:
     """Return where hairs stand out from legs.
 
@@ -44,28 +44,32 @@ def find_hairs(
     """
     if len(frames) < _FEW:
         return None
-    seen = np.array([_differences(fitter, pose, sight) for pose, sight in frames])
+    seen = np.array([_differences(fitter, pose, image_evidence) for pose, image_evidence in frames])
     seen[:, np.isnan(seen).all(axis=0)] = 0.0  # where no pixel ever lies, it is as painted
     darker = np.nanmedian(seen, axis=0)
-    hairs = (darker > _HAIRY) & (darker - darker[..., ::-1] > _HAIRY)
-    grown = hairs.copy()  # the blur spreads a hair by a cell
-    grown[..., 1:] |= hairs[..., :-1]
-    grown[..., :-1] |= hairs[..., 1:]
+    leg_clutter = (darker > _HAIRY) & (darker - darker[..., ::-1] > _HAIRY)
+    grown = leg_clutter.copy()  # the blur spreads a hair by a cell
+    grown[..., 1:] |= leg_clutter[..., :-1]
+    grown[..., :-1] |= leg_clutter[..., 1:]
     return grown
 
 
-def _differences(fitter: FrameFitter, pose: np.ndarray, sight: Sight) -> np.ndarray:
+def _differences(
+    fitter: FrameFitter, pose: np.ndarray, image_evidence: ImageEvidence
+) -> np.ndarray:
     """Return what is seen less what is painted in the cells of the legs; NaN where nothing is."""
     layout = fitter.layout
-    canvas = make_canvas(len(sight.seen), sight.seen.shape[1], layout)
-    paint(layout, pose, fitter.blur, sight.box, *canvas)
+    canvas = make_canvas(len(image_evidence.seen), image_evidence.seen.shape[1], layout)
+    paint(layout, pose, fitter.blur, image_evidence.box, *canvas)
     across = 4 * int(np.ceil(layout.radius.max() + fitter.blur)) + 1
     total, count = np.zeros((2, *layout.length.shape, _ALONG, across))
-    add_differences(canvas, sight.seen, sight.box, total, count)
+    add_differences(canvas, image_evidence.seen, image_evidence.box, total, count)
     return np.where(count > 0.0, total, np.nan) / np.maximum(count, 1.0)
 
 
-def without_hairs(fitter: FrameFitter, pose: np.ndarray, sight: Sight) -> Sight:
+def without_leg_clutter(
+    fitter: FrameFitter, pose: np.ndarray, image_evidence: ImageEvidence
+) -> ImageEvidence:
     """Return a sight in which the hairs of legs have no weight; the animal is at ``pose``.
 
     Parameters
@@ -74,18 +78,18 @@ def without_hairs(fitter: FrameFitter, pose: np.ndarray, sight: Sight) -> Sight:
         What poses are fitted with.
     pose : ndarray
         The pose vector.
-    sight : Sight
+    image_evidence : ImageEvidence
         What the frame shows.
 
     Returns
     -------
-    Sight
+    ImageEvidence
         The same without the hairs.
     """
-    if fitter.hairs is None:
-        return sight
-    canvas = fitter.canvas(sight)
-    paint_some(fitter.layout, pose, fitter.blur, sight.box, fitter.all_shown, *canvas)
-    weight = sight.weight.copy()
-    disregard_cells(canvas, sight.box, fitter.hairs, weight)
-    return sight._replace(weight=weight)
+    if fitter.leg_clutter is None:
+        return image_evidence
+    canvas = fitter.canvas(image_evidence)
+    paint_some(fitter.layout, pose, fitter.blur, image_evidence.box, fitter.all_shown, *canvas)
+    weight = image_evidence.weight.copy()
+    disregard_cells(canvas, image_evidence.box, fitter.leg_clutter, weight)
+    return image_evidence._replace(weight=weight)

@@ -58,15 +58,15 @@ def add_differences(
 def disregard_cells(
     painted: tuple[np.ndarray, ...],
     box: np.ndarray,
-    hairs: np.ndarray,
+    leg_clutter: np.ndarray,
     weight: np.ndarray,
 ) -> None:
-    """Take the weight of pixels of legs in cells that are ``hairs``."""
+    """Take the weight of pixels of legs in cells that are ``leg_clutter``."""
     _, owner, along, joints = painted
-    cells = (hairs.shape[2], hairs.shape[3])
+    cells = (leg_clutter.shape[2], leg_clutter.shape[3])
     for v in range(owner.shape[0]):
         for u in range(owner.shape[1]):
             if owner[v, u] >= 0:
                 at = (u + box[0], v + box[1])
-                if hairs[cell_of(joints, owner[v, u], along[v, u], at, cells)]:
+                if leg_clutter[cell_of(joints, owner[v, u], along[v, u], at, cells)]:
                     weight[v, u] = 0.0

@@ -10,9 +10,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pawnb.core.pose.fit.candidates.leg_candidates import Choices
+from pawnb.core.pose.fit.candidates.leg_candidates import LegCandidates
 from pawnb.core.pose.fit.fitter import FrameFitter
-from pawnb.core.pose.fit.learning.attached_clutter import find_fixtures
+from pawnb.core.pose.fit.learning.attached_clutter import find_attached_clutter
 from pawnb.core.pose.fit.parallel import on_threads
 from pawnb.core.pose.fit.sequence.first_frame import partners
 from pawnb.signals.robust import MAD_TO_SD
@@ -29,14 +29,14 @@ _ODD = 3.0
 _POSES = 10
 
 
-def learn_from_all(fitter: FrameFitter, found: Sequence[Choices], poses: np.ndarray) -> bool:
+def learn_from_all(fitter: FrameFitter, found: Sequence[LegCandidates], poses: np.ndarray) -> bool:
     """Learn what hides legs, and how they are held; return whether it is worth a second look.
 
     Parameters
     ----------
     fitter : FrameFitter
         Learns, where something that is no leg is fixed to the body.
-    found : sequence of Choices
+    found : sequence of LegCandidates
         All frames.
     poses : ndarray, shape (n, n_parameters)
         Their poses.
@@ -46,14 +46,16 @@ def learn_from_all(fitter: FrameFitter, found: Sequence[Choices], poses: np.ndar
     bool
         True where something fixed to the body was found.
     """
-    fitter.fixtures = find_fixtures(fitter, found, poses)
-    if fitter.fixtures is None:
+    fitter.attached_clutter = find_attached_clutter(fitter, found, poses)
+    if fitter.attached_clutter is None:
         return False
-    learn_habits(fitter, found, poses)
+    learn_pose_prior(fitter, found, poses)
     return True
 
 
-def learn_habits(fitter: FrameFitter, found: Sequence[Choices], poses: np.ndarray) -> None:
+def learn_pose_prior(
+    fitter: FrameFitter, found: Sequence[LegCandidates], poses: np.ndarray
+) -> None:
     """Make anatomy that of this animal's own legs, and keep poses that they usually have.
 
     Parameters
@@ -61,15 +63,15 @@ def learn_habits(fitter: FrameFitter, found: Sequence[Choices], poses: np.ndarra
     fitter : FrameFitter
         Its ``anatomy`` and ``usual_poses`` are replaced, those of legs that are seldom well seen
         left as they are.
-    found : sequence of Choices
+    found : sequence of LegCandidates
         The frames.
     poses : ndarray, shape (n, n_parameters)
         Their poses.
     """
 
     def support(own: FrameFitter, t: int) -> np.ndarray:
-        sight = own.sight(found[t].image.astype(float), found[t].box, poses[t])
-        return own.support(poses[t], sight)
+        image_evidence = own.image_evidence(found[t].image.astype(float), found[t].box, poses[t])
+        return own.support(poses[t], image_evidence)
 
     supports = np.array(on_threads(fitter, range(len(found)), support))
     seen: np.ndarray = np.all(supports >= _SEEN, axis=2)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from pawnb.core.pose.fit.candidates.leg_candidates import Choices
+from pawnb.core.pose.fit.candidates.leg_candidates import LegCandidates
 from pawnb.core.pose.fit.fitter import FrameFitter
-from pawnb.core.pose.fit.learning.appearance import learn_look
-from pawnb.core.pose.fit.learning.body_clutter import find_odd_places
-from pawnb.core.pose.fit.learning.leg_clutter import find_hairs
+from pawnb.core.pose.fit.learning.appearance import learn_appearance
+from pawnb.core.pose.fit.learning.body_clutter import find_body_clutter
+from pawnb.core.pose.fit.learning.leg_clutter import find_leg_clutter
 from pawnb.core.pose.fit.parallel import on_threads
 from pawnb.core.pose.fit.rendering.excluded_parts import counted
-from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Prior, Sight
+from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence, Prior
 from pawnb.core.pose.fit.sequence.first_frame import partners
 
 _FRAMES = 12
@@ -20,14 +20,14 @@ _ROUNDS = 2
 """Turns of learning and fitting."""
 
 
-def learn_again(fitter: FrameFitter, found: list[Choices], poses: np.ndarray) -> np.ndarray:
+def learn_again(fitter: FrameFitter, found: list[LegCandidates], poses: np.ndarray) -> np.ndarray:
     """Learn the animal's look from sure frames; return all poses, those of these frames refitted.
 
     Parameters
     ----------
     fitter : FrameFitter
         Its layout is replaced.
-    found : list of Choices
+    found : list of LegCandidates
         Every frame.
     poses : ndarray, shape (n, n_parameters)
         Their poses.
@@ -47,16 +47,22 @@ def learn_again(fitter: FrameFitter, found: list[Choices], poses: np.ndarray) ->
     for _ in range(_ROUNDS):
         known = usual_lengths(fitter, poses)
 
-        def fitted(own: FrameFitter, i: int, known: Prior = known) -> tuple[np.ndarray, Sight]:
-            sight = own.sight(found[i].image.astype(float), found[i].box, poses[i])
-            return own.fit(poses[i], counted(own, poses[i], sight), known, rounds=6)[0], sight
+        def fitted(
+            own: FrameFitter, i: int, known: Prior = known
+        ) -> tuple[np.ndarray, ImageEvidence]:
+            image_evidence = own.image_evidence(
+                found[i].image.astype(float), found[i].box, poses[i]
+            )
+            return own.fit(poses[i], counted(own, poses[i], image_evidence), known, rounds=6)[
+                0
+            ], image_evidence
 
         frames = on_threads(fitter, chosen, fitted)
         poses[chosen] = [pose for pose, _ in frames]
-        fitter.odd_places = find_odd_places(fitter, frames)
-        fitter.hairs = find_hairs(fitter, frames)
-        frames = [(pose, counted(fitter, pose, sight)) for pose, sight in frames]
-        fitter.layout = learn_look(
+        fitter.body_clutter = find_body_clutter(fitter, frames)
+        fitter.leg_clutter = find_leg_clutter(fitter, frames)
+        frames = [(pose, counted(fitter, pose, image_evidence)) for pose, image_evidence in frames]
+        fitter.layout = learn_appearance(
             fitter.layout, frames, first=fitter.first, partner=partners(fitter.animal),
             prior=known, blur=fitter.blur, soft=fitter.settings.soft_error,
         )  # fmt: skip

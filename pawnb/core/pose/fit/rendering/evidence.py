@@ -20,7 +20,7 @@ from pawnb.core.pose.fit.rendering.evidence_kernels import (
     in_levels,
     smooth_gains,
 )
-from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Sight
+from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence
 from pawnb.core.video.views import Frame
 
 _BLOCKS_ACROSS = 9
@@ -44,7 +44,7 @@ class BackgroundPicture(Protocol):
 
 
 class Evidence:
-    """Turns frames into :class:`Sight`.
+    """Turns frames into :class:`ImageEvidence`.
 
     Parameters
     ----------
@@ -84,9 +84,9 @@ class Evidence:
         u0, v0, u1, v1 = (f * edge for edge in box)
         return grey(frame.reduced(u0, v0, u1, v1, factor=f), np.float64)
 
-    def sight(
+    def image_evidence(
         self, image: np.ndarray, box: tuple[int, int, int, int], covered: np.ndarray
-    ) -> Sight:
+    ) -> ImageEvidence:
         """Return what a crop shows.
 
         Parameters
@@ -100,7 +100,7 @@ class Evidence:
 
         Returns
         -------
-        Sight
+        ImageEvidence
             Darkness and its weight.
         """
         u0, v0, u1, v1 = box
@@ -110,10 +110,10 @@ class Evidence:
         gains = smooth_gains(gains, counts, 0.8)
         seen, weight = np.empty(image.shape), np.empty(image.shape)
         darkness(image, mean, sd, gains, block, self.light, self.spread, seen, weight)
-        return Sight(seen, weight, np.array([float(u0), float(v0)]))
+        return ImageEvidence(seen, weight, np.array([float(u0), float(v0)]))
 
 
-def without_wide(sight: Sight, body: np.ndarray, *, size: int) -> Sight:
+def without_wide(image_evidence: ImageEvidence, body: np.ndarray, *, size: int) -> ImageEvidence:
     """Return a sight in which only the body and what is as thin as a leg is dark.
 
     Wings, the shadow of someone who passes, a lump of debris that a leg touches: whatever holds a
@@ -122,7 +122,7 @@ def without_wide(sight: Sight, body: np.ndarray, *, size: int) -> Sight:
 
     Parameters
     ----------
-    sight : Sight
+    image_evidence : ImageEvidence
         What the crop shows.
     body : ndarray of bool, shape (H, W)
         Where the body may be, which is wide itself: it stays as it is.
@@ -131,7 +131,7 @@ def without_wide(sight: Sight, body: np.ndarray, *, size: int) -> Sight:
 
     Returns
     -------
-    Sight
+    ImageEvidence
         Darkness relative to the light that is left, and its weight.
 
     Notes
@@ -139,13 +139,13 @@ def without_wide(sight: Sight, body: np.ndarray, *, size: int) -> Sight:
     The filter is the grey opening by the disc (Serra 1982), and what is left the top hat of the
     picture, divided by the light that the filter lets through.
     """
-    whole = np.empty(sight.seen.shape, np.uint8)
-    in_levels(sight.seen, _LEVELS, whole)
+    whole = np.empty(image_evidence.seen.shape, np.uint8)
+    in_levels(image_evidence.seen, _LEVELS, whole)
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
     wide = cv2.morphologyEx(whole, cv2.MORPH_OPEN, disc)
-    seen, weight = sight.seen.copy(), sight.weight.copy()
+    seen, weight = image_evidence.seen.copy(), image_evidence.weight.copy()
     behind_filter(wide, 1.0 / _LEVELS, _UNEVEN, _BLACK, body, seen, weight)
-    return Sight(seen, weight, sight.box)
+    return ImageEvidence(seen, weight, image_evidence.box)
 
 
 def reduced(picture: np.ndarray, factor: int) -> np.ndarray:

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from pawnb.core.pose.fit.fitter import FrameFitter
-from pawnb.core.pose.fit.learning.body_clutter import without_odd_places
-from pawnb.core.pose.fit.learning.leg_clutter import without_hairs
-from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Sight
-from pawnb.core.pose.fit.rendering.leg_attachments import without_corners
+from pawnb.core.pose.fit.learning.body_clutter import without_body_clutter
+from pawnb.core.pose.fit.learning.leg_clutter import without_leg_clutter
+from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence
+from pawnb.core.pose.fit.rendering.leg_attachments import without_leg_attachments
 
 
-def counted(fitter: FrameFitter, pose: np.ndarray, sight: Sight) -> Sight:
+def counted(fitter: FrameFitter, pose: np.ndarray, image_evidence: ImageEvidence) -> ImageEvidence:
     """Return a sight without the weight of odd places, hairs and corners; see their modules.
 
     Parameters
@@ -20,14 +20,14 @@ def counted(fitter: FrameFitter, pose: np.ndarray, sight: Sight) -> Sight:
         A fitter.
     pose : ndarray, shape (n_parameters,)
         Where the animal is.
-    sight : Sight
+    image_evidence : ImageEvidence
         A frame.
 
     Returns
     -------
-    Sight
+    ImageEvidence
         Its weight is a new array.
     """
-    for without in (without_odd_places, without_hairs, without_corners):
-        sight = without(fitter, pose, sight)
-    return sight
+    for without in (without_body_clutter, without_leg_clutter, without_leg_attachments):
+        image_evidence = without(fitter, pose, image_evidence)
+    return image_evidence

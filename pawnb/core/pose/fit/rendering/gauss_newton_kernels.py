@@ -52,7 +52,7 @@ class Prior(NamedTuple):
     pull: np.ndarray
 
 
-class Sight(NamedTuple):
+class ImageEvidence(NamedTuple):
     """A crop of a frame as the fit sees it.
 
     Attributes
@@ -178,11 +178,21 @@ def what_moves(layout: Layout, active: np.ndarray) -> np.ndarray:
 
 @compiled_loosely
 def normal_matrix(
-    layout: Layout, pose: np.ndarray, sight: Sight, prior: Prior, active: np.ndarray,
-    moves: np.ndarray, blur: float, soft: float,
-    value: np.ndarray, owner: np.ndarray, along: np.ndarray, joints: np.ndarray,
-    matrix: np.ndarray, vector: np.ndarray,
-) -> float:  # fmt: skip
+    layout: Layout,
+    pose: np.ndarray,
+    image_evidence: ImageEvidence,
+    prior: Prior,
+    active: np.ndarray,
+    moves: np.ndarray,
+    blur: float,
+    soft: float,
+    value: np.ndarray,
+    owner: np.ndarray,
+    along: np.ndarray,
+    joints: np.ndarray,
+    matrix: np.ndarray,
+    vector: np.ndarray,
+) -> float:
     """Return cost; fill the Gauss-Newton matrix and gradient of picture and prior.
 
     The pose has been painted (:func:`paint_some`); ``moves`` is :func:`what_moves` with the
@@ -191,9 +201,21 @@ def normal_matrix(
     matrix[:] = 0.0
     vector[:] = 0.0
     cost = normal_equations(
-        layout, pose, blur, sight.box, value, owner, along, joints, sight.seen, sight.weight,
-        soft, moves, matrix, vector,
-    )  # fmt: skip
+        layout,
+        pose,
+        blur,
+        image_evidence.box,
+        value,
+        owner,
+        along,
+        joints,
+        image_evidence.seen,
+        image_evidence.weight,
+        soft,
+        moves,
+        matrix,
+        vector,
+    )
     add_prior(pose, prior, active, matrix, vector)
     return cost + prior_cost(pose, prior, active)
 
@@ -265,10 +287,21 @@ def bring_back(
 
 @compiled_loosely
 def fit_pose(
-    layout: Layout, pose: np.ndarray, sight: Sight, prior: Prior, active: np.ndarray,
-    shown: np.ndarray, blur: float, soft: float, rounds: int, enough: float,
-    value: np.ndarray, owner: np.ndarray, along: np.ndarray, joints: np.ndarray,
-) -> tuple[np.ndarray, float]:  # fmt: skip
+    layout: Layout,
+    pose: np.ndarray,
+    image_evidence: ImageEvidence,
+    prior: Prior,
+    active: np.ndarray,
+    shown: np.ndarray,
+    blur: float,
+    soft: float,
+    rounds: int,
+    enough: float,
+    value: np.ndarray,
+    owner: np.ndarray,
+    along: np.ndarray,
+    joints: np.ndarray,
+) -> tuple[np.ndarray, float]:
     """Return the pose nearby that fits best, and its cost.
 
     Parameters
@@ -304,14 +337,26 @@ def fit_pose(
     for i in range(shown.shape[0]):
         rest[i], moves[i] = shown[i] and not moves[i], shown[i] and moves[i]
         some_rest = some_rest or rest[i]
-    paint_some(layout, pose, blur, sight.box, rest, value, owner, along, joints)
+    paint_some(layout, pose, blur, image_evidence.box, rest, value, owner, along, joints)
     still = (value.copy(), owner.copy(), along.copy()) if some_rest else (value, owner, along)
-    paint_more(layout, pose, blur, sight.box, moves, value, owner, along, joints)
+    paint_more(layout, pose, blur, image_evidence.box, moves, value, owner, along, joints)
     for _ in range(rounds):  # the pose is on the canvas: that of the last step, which was kept
         cost = normal_matrix(
-            layout, pose, sight, prior, active, moves, blur, soft, value, owner, along, joints,
-            matrix, vector,
-        )  # fmt: skip
+            layout,
+            pose,
+            image_evidence,
+            prior,
+            active,
+            moves,
+            blur,
+            soft,
+            value,
+            owner,
+            along,
+            joints,
+            matrix,
+            vector,
+        )
         gained = 0.0
         for _ in range(6):
             if not damped_step(matrix, vector, active, damping, part, step):
@@ -324,8 +369,8 @@ def fit_pose(
                 bring_back(still, value, owner, along)
             else:
                 clear(value, owner)
-            paint_more(layout, trial, blur, sight.box, moves, value, owner, along, joints)
-            now = picture_cost(value, owner, sight.seen, sight.weight, soft)
+            paint_more(layout, trial, blur, image_evidence.box, moves, value, owner, along, joints)
+            now = picture_cost(value, owner, image_evidence.seen, image_evidence.weight, soft)
             now += prior_cost(trial, prior, active)
             if now < cost:
                 gained = cost - now

@@ -11,7 +11,7 @@ import numpy as np
 
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.rendering.blur import part_of
-from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Sight, paint_some
+from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence, paint_some
 from pawnb.core.pose.fit.rendering.paint_kernels import NOTHING
 
 _SOME, _WHOLE = 0.15, 0.97
@@ -19,7 +19,9 @@ _SOME, _WHOLE = 0.15, 0.97
 of the body's from which on it is wholly."""
 
 
-def without_corners(fitter: FrameFitter, pose: np.ndarray, sight: Sight) -> Sight:
+def without_leg_attachments(
+    fitter: FrameFitter, pose: np.ndarray, image_evidence: ImageEvidence
+) -> ImageEvidence:
     """Return a sight in which corners have no weight; the animal is at ``pose``.
 
     Parameters
@@ -28,28 +30,30 @@ def without_corners(fitter: FrameFitter, pose: np.ndarray, sight: Sight) -> Sigh
         What poses are fitted with.
     pose : ndarray
         The pose vector.
-    sight : Sight
+    image_evidence : ImageEvidence
         What the frame shows.
 
     Returns
     -------
-    Sight
+    ImageEvidence
         The same without the corners.
     """
     reach = fitter.body_radius + fitter.blur
-    near = part_of(sight, pose[:2] - reach, pose[:2] + reach)
+    near = part_of(image_evidence, pose[:2] - reach, pose[:2] + reach)
     of_body = _painted(fitter, pose, near, fitter.body_shown) / fitter.layout.ellipse[:, 4].max()
     of_legs = _painted(fitter, pose, near, ~fitter.body_shown)
-    left, top = (near.box - sight.box).astype(int)
+    left, top = (near.box - image_evidence.box).astype(int)
     height, width = near.seen.shape
-    weight = sight.weight.copy()
+    weight = image_evidence.weight.copy()
     part = weight[top : top + height, left : left + width]
     part[(of_legs > _SOME) & (of_body > _SOME) & (of_body < _WHOLE)] = 0.0
-    return sight._replace(weight=weight)
+    return image_evidence._replace(weight=weight)
 
 
-def _painted(fitter: FrameFitter, pose: np.ndarray, sight: Sight, shown: np.ndarray) -> np.ndarray:
+def _painted(
+    fitter: FrameFitter, pose: np.ndarray, image_evidence: ImageEvidence, shown: np.ndarray
+) -> np.ndarray:
     """Return how dark some parts of the animal are painted."""
-    canvas = fitter.canvas(sight)
-    paint_some(fitter.layout, pose, fitter.blur, sight.box, shown, *canvas)
+    canvas = fitter.canvas(image_evidence)
+    paint_some(fitter.layout, pose, fitter.blur, image_evidence.box, shown, *canvas)
     return np.where(canvas[1] != NOTHING, canvas[0], 0.0)

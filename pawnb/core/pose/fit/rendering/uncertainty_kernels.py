@@ -8,7 +8,7 @@ import numpy as np
 
 from pawnb.core.compiled import compiled_loosely
 from pawnb.core.pose.fit.layout import Layout
-from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Sight
+from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence
 from pawnb.core.pose.fit.rendering.paint_kernels import NOTHING, leg_chain, leg_slope
 
 
@@ -43,13 +43,15 @@ def place_sds(
 
 
 @compiled_loosely
-def error_ratio(value: np.ndarray, owner: np.ndarray, sight: Sight, soft: float) -> float:
+def error_ratio(
+    value: np.ndarray, owner: np.ndarray, image_evidence: ImageEvidence, soft: float
+) -> float:
     """Return the robust mean square of weighted errors where the animal is painted."""
     total, n = 0.0, 0
     for v in range(value.shape[0]):
         for u in range(value.shape[1]):
             if owner[v, u] != NOTHING:
-                error = value[v, u] - sight.seen[v, u]
-                total += sight.weight[v, u] * error * error / (1.0 + (error / soft) ** 2)
+                error = value[v, u] - image_evidence.seen[v, u]
+                total += image_evidence.weight[v, u] * error * error / (1.0 + (error / soft) ** 2)
                 n += 1
     return total / max(n, 1)

@@ -12,8 +12,8 @@ from collections.abc import Callable, Iterable
 import numpy as np
 
 from pawnb.core.frame_checkpoint import KeptFrames
-from pawnb.core.pose.fit.candidates.leg_candidates import Choices, add_candidates, only_choice
-from pawnb.core.pose.fit.candidates.viterbi_path import look_back
+from pawnb.core.pose.fit.candidates.leg_candidates import LegCandidates, add_candidates, only_choice
+from pawnb.core.pose.fit.candidates.viterbi_path import improve_viterbi_path
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.parallel import side_by_side
 from pawnb.core.pose.fit.rendering.blur import blurred
@@ -51,13 +51,13 @@ def fit_known(fitter: FrameFitter, frame: Frame, pose: np.ndarray) -> tuple[np.n
         How dark the body's place is relative to what is expected, 0 to 1.
     """
     prior = start_prior(fitter, pose)
-    sight, _, _ = fitter.look(frame, pose)
+    image_evidence, _, _ = fitter.look(frame, pose)
     for blur in _COARSE_BLURS:
-        soft = blurred(sight, blur)
+        soft = blurred(image_evidence, blur)
         pose, _ = fitter.fit(pose, soft, prior, blur=fitter.blur + blur, rounds=8)
-    sight, _, _ = fitter.look(frame, pose)
-    pose, _ = fitter.fit(pose, sight, prior, rounds=20)
-    return pose, fitter.body_support(pose, sight)
+    image_evidence, _, _ = fitter.look(frame, pose)
+    pose, _ = fitter.fit(pose, image_evidence, prior, rounds=20)
+    return pose, fitter.body_support(pose, image_evidence)
 
 
 def follow_all(
@@ -69,7 +69,7 @@ def follow_all(
     steps: Steps,
     kept: KeptFrames,
     turn: str = "",
-) -> list[Choices]:
+) -> list[LegCandidates]:
     """Follow the animal both ways from every known frame.
 
     Parameters
@@ -99,15 +99,15 @@ def follow_all(
     first, last = numbers[0], numbers[-1]
     before, after = range(first - 1, frames[0] - 1, -1), range(last, frames[1])
 
-    def back() -> list[Choices]:
+    def back() -> list[LegCandidates]:
         follower = Follower(fitter.twin(), known[first])
         found = follower.run(
             read(before), done=steps.one, kept=kept, way=f"{turn}from {first} back"
         )
-        look_back(follower)
+        improve_viterbi_path(follower)
         return found[::-1]
 
-    def onwards() -> list[Choices]:
+    def onwards() -> list[LegCandidates]:
         found = []
         for ends in itertools.pairwise(numbers):
             found += _between(fitter, ends, known, read, steps, kept, turn)
@@ -115,7 +115,7 @@ def follow_all(
         part = follower.run(read(after), done=steps.one, kept=kept, way=f"{turn}from {last}")
         if len(known) > 1:
             _pin(fitter, part, known)
-        look_back(follower)
+        improve_viterbi_path(follower)
         return found + part
 
     earlier, later = side_by_side(back, onwards, steps)
@@ -130,7 +130,7 @@ def _between(
     steps: Steps,
     kept: KeptFrames,
     turn: str,
-) -> list[Choices]:
+) -> list[LegCandidates]:
     """Return what frames leave open from one known frame to before the next."""
     first, last = ends
     backward = Follower(fitter, known[last])
@@ -147,28 +147,28 @@ def _between(
     found += [back[number] for number in sorted(back)]
     _pin(fitter, found, known)
     _unwrapped(found)
-    look_back(forward)
+    improve_viterbi_path(forward)
     return [choices for choices in found if choices.frame != last]
 
 
-def _add(fitter: FrameFitter, choices: Choices, pose: np.ndarray) -> None:
+def _add(fitter: FrameFitter, choices: LegCandidates, pose: np.ndarray) -> None:
     """Make each leg of another pose a candidate."""
-    sight = fitter.sight(choices.image.astype(float), choices.box, choices.pose)
+    image_evidence = fitter.image_evidence(choices.image.astype(float), choices.box, choices.pose)
     extra = {leg: [pose[numbers]] for leg, numbers in enumerate(fitter.numbers)}
-    add_candidates(fitter, choices, extra, sight=sight, prior=fitter.anatomy)
+    add_candidates(fitter, choices, extra, image_evidence=image_evidence, prior=fitter.anatomy)
 
 
-def _pin(fitter: FrameFitter, kept: list[Choices], known: dict[int, np.ndarray]) -> None:
+def _pin(fitter: FrameFitter, kept: list[LegCandidates], known: dict[int, np.ndarray]) -> None:
     """Leave nothing open in known frames."""
     for i, choices in enumerate(kept):
         pose = known.get(choices.frame)
         if pose is not None:
             image = choices.image.astype(float)
             kept[i] = only_choice(fitter, choices.frame, pose, image=image, box=choices.box)
-            kept[i].rivals = [c[:0] for c in kept[i].legs]
+            kept[i].alternatives = [c[:0] for c in kept[i].legs]
 
 
-def _unwrapped(kept: list[Choices]) -> list[Choices]:
+def _unwrapped(kept: list[LegCandidates]) -> list[LegCandidates]:
     """Give headings no leaps of a whole turn: each known pose has its own."""
     turns = np.unwrap([choices.pose[HEADING] for choices in kept])
     for choices, turn in zip(kept, turns, strict=True):

@@ -14,15 +14,15 @@ from functools import partial
 import numpy as np
 
 from pawnb.core.pose.fit.candidates.crossed_legs import uncrossed
-from pawnb.core.pose.fit.candidates.leg_candidates import Choices
+from pawnb.core.pose.fit.candidates.leg_candidates import LegCandidates
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.learning.relearn import usual_lengths
 from pawnb.core.pose.fit.parallel import on_threads, threaded
 from pawnb.core.pose.fit.rendering.excluded_parts import counted
-from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Prior, Sight
+from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence, Prior
 from pawnb.core.pose.fit.rendering.uncertainty_kernels import error_ratio, place_sds
 from pawnb.core.pose.fit.sequence.first_frame import partners
-from pawnb.core.pose.fit.sequence.leg_motion import first_motion, learn_motion, others_say
+from pawnb.core.pose.fit.sequence.leg_motion import first_motion, learn_motion, motion_messages
 
 _SWEEPS = 5
 """How often frames are fitted at most, each time with what the last fits of the others say."""
@@ -73,7 +73,7 @@ class _Own:
     many : float
         So many times are precision and slope less than those of the fit's cost, in which pixels
         err independently.
-    sight : Sight
+    image_evidence : ImageEvidence
         What the frame shows, in half precision: that of all frames is kept until the end.
     """
 
@@ -81,7 +81,7 @@ class _Own:
     precision: np.ndarray
     slope: np.ndarray
     many: float
-    sight: Sight
+    image_evidence: ImageEvidence
 
 
 @dataclass(frozen=True)
@@ -110,14 +110,16 @@ class _Others:
         return out
 
 
-def settle_all(fitter: FrameFitter, found: Sequence[Choices], poses: np.ndarray) -> list[Settled]:
+def settle_all(
+    fitter: FrameFitter, found: Sequence[LegCandidates], poses: np.ndarray
+) -> list[Settled]:
     """Fit every frame of a path for good.
 
     Parameters
     ----------
     fitter : FrameFitter
         A fitter.
-    found : sequence of Choices
+    found : sequence of LegCandidates
         The frames, ascending.
     poses : ndarray, shape (n, n_parameters)
         The path.
@@ -134,11 +136,13 @@ def settle_all(fitter: FrameFitter, found: Sequence[Choices], poses: np.ndarray)
     stretches = np.split(np.arange(len(frames)), np.flatnonzero(np.diff(frames) > 1) + 1)
 
     def first(own: FrameFitter, t: int) -> _Own:
-        sight = own.sight(found[t].image.astype(float), found[t].box, poses[t])
-        sight = counted(own, poses[t], sight)
-        pose, _ = own.fit(poses[t], sight, anatomy, rounds=8, enough=0.01)  # the look is new
-        pose = uncrossed(own, pose, sight, prior=anatomy)
-        return _own_near(own, pose, sight, anatomy)
+        image_evidence = own.image_evidence(found[t].image.astype(float), found[t].box, poses[t])
+        image_evidence = counted(own, poses[t], image_evidence)
+        pose, _ = own.fit(
+            poses[t], image_evidence, anatomy, rounds=8, enough=0.01
+        )  # the look is new
+        pose = uncrossed(own, pose, image_evidence, prior=anatomy)
+        return _own_near(own, pose, image_evidence, anatomy)
 
     own = on_threads(fitter, range(len(found)), first)
     motions = [first_motion(len(numbers) // 2) for numbers in fitter.numbers]
@@ -168,7 +172,7 @@ def _from_others(
         vector = np.einsum("tij,tj->ti", precision, poses) - slope
         around, pull = np.empty_like(poses), np.empty_like(precision)
         for rows in stretches:
-            around[rows], pull[rows] = others_say(precision[rows], vector[rows], motions[leg])
+            around[rows], pull[rows] = motion_messages(precision[rows], vector[rows], motions[leg])
         down = slope + np.einsum("tij,tj->ti", pull, poses - around)
         step = np.linalg.solve(precision + pull, down[..., None])[..., 0]
         return around, pull, 0.5 * (down * step).sum(axis=1)
@@ -193,18 +197,26 @@ def _learnt(
     return out
 
 
-def _own_near(fitter: FrameFitter, pose: np.ndarray, sight: Sight, anatomy: Prior) -> _Own:
+def _own_near(
+    fitter: FrameFitter, pose: np.ndarray, image_evidence: ImageEvidence, anatomy: Prior
+) -> _Own:
     """Return what a frame's picture says near a pose."""
-    precision, slope = fitter.equations(pose, sight, anatomy)
-    value, owner, _, _ = fitter.canvas(sight)  # the pose is still on it
-    many = error_ratio(value, owner, sight, fitter.settings.soft_error) * _ALIKE_PX**2
-    half = Sight(sight.seen.astype(np.float16), sight.weight.astype(np.float16), sight.box)
+    precision, slope = fitter.equations(pose, image_evidence, anatomy)
+    value, owner, _, _ = fitter.canvas(image_evidence)  # the pose is still on it
+    many = error_ratio(value, owner, image_evidence, fitter.settings.soft_error) * _ALIKE_PX**2
+    half = ImageEvidence(
+        image_evidence.seen.astype(np.float16),
+        image_evidence.weight.astype(np.float16),
+        image_evidence.box,
+    )
     return _Own(pose, precision / many, slope / many, many, half)
 
 
-def _whole(sight: Sight) -> Sight:
+def _whole(image_evidence: ImageEvidence) -> ImageEvidence:
     """Return a sight in full precision."""
-    return Sight(sight.seen.astype(float), sight.weight.astype(float), sight.box)
+    return ImageEvidence(
+        image_evidence.seen.astype(float), image_evidence.weight.astype(float), image_evidence.box
+    )
 
 
 def _fit_again(
@@ -218,9 +230,9 @@ def _fit_again(
     """Fit frame t with the others in mind; replace what its picture says."""
     pose, pull = own[t].pose, own[t].many * others.pull(fitter, t)
     prior = anatomy._replace(around=others.around[t], pull=pull)
-    sight = _whole(own[t].sight)
-    pose, _ = fitter.fit(pose, sight, prior, rounds=_ROUNDS)
-    own[t] = _own_near(fitter, pose, sight, anatomy)
+    image_evidence = _whole(own[t].image_evidence)
+    pose, _ = fitter.fit(pose, image_evidence, prior, rounds=_ROUNDS)
+    own[t] = _own_near(fitter, pose, image_evidence, anatomy)
 
 
 def _settled(fitter: FrameFitter, own: _Own, pull: np.ndarray) -> Settled:
@@ -232,5 +244,5 @@ def _settled(fitter: FrameFitter, own: _Own, pull: np.ndarray) -> Settled:
         pose=own.pose,
         sd=np.sqrt(np.maximum(np.diag(covariance), 0.0)),
         places_sd=np.hypot(places, _MODEL_SD * fitter.blur),
-        support=fitter.support(own.pose, _whole(own.sight)),
+        support=fitter.support(own.pose, _whole(own.image_evidence)),
     )

@@ -7,7 +7,7 @@ import numpy as np
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.fit.candidates.candidate_kernels import paint_base
 from pawnb.core.pose.fit.candidates.leg_candidates import (
-    Choices,
+    LegCandidates,
     add_candidates,
     fit_leg,
     limb_candidates,
@@ -19,10 +19,10 @@ from pawnb.core.pose.fit.candidates.leg_candidates import (
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.layout import Layout, leg_numbers
 from pawnb.core.pose.fit.learning.anatomy import about
-from pawnb.core.pose.fit.learning.appearance import learn_look
+from pawnb.core.pose.fit.learning.appearance import learn_appearance
 from pawnb.core.pose.fit.parallel import on_threads
 from pawnb.core.pose.fit.rendering.blur import blurred
-from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Prior, Sight
+from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence, Prior
 from pawnb.core.pose.fit.rendering.paint_kernels import NOTHING, leg_chain
 from pawnb.core.video.views import Frame
 
@@ -103,30 +103,40 @@ def fit_start(
     prior = start_prior(fitter, pose)
     pose = _fit_body(fitter, frame, pose, prior)
     for turn in range(rounds):
-        sight, image, box = fitter.look(frame, pose)
+        image_evidence, image, box = fitter.look(frame, pose)
         for blur in _COARSE_BLURS if turn == 0 else _COARSE_BLURS[1:]:
-            soft = blurred(sight, blur)
+            soft = blurred(image_evidence, blur)
             pose, _ = fitter.fit(pose, soft, prior, blur=fitter.blur + blur, rounds=8)
         if settings.choose_path:
-            pose = _choose(fitter, frame.index, pose, sight, (image, box), prior)
-        pose, _ = fitter.fit(pose, sight, prior, rounds=20)
-        pose = _slid_along(fitter, pose, sight, prior)
-        fitter.layout = learn_look(
-            fitter.layout, [(pose, sight)], first=fitter.first, partner=partner, prior=prior,
-            blur=fitter.blur, soft=settings.soft_error,
-        )  # fmt: skip
-    sight, _, _ = fitter.look(frame, pose)
-    pose = _learn_blur(fitter, pose, sight, prior, partner=partner)
-    pose = _slid_along(fitter, pose, sight, prior)
+            pose = _choose(fitter, frame.index, pose, image_evidence, (image, box), prior)
+        pose, _ = fitter.fit(pose, image_evidence, prior, rounds=20)
+        pose = _slid_along(fitter, pose, image_evidence, prior)
+        fitter.layout = learn_appearance(
+            fitter.layout,
+            [(pose, image_evidence)],
+            first=fitter.first,
+            partner=partner,
+            prior=prior,
+            blur=fitter.blur,
+            soft=settings.soft_error,
+        )
+    image_evidence, _, _ = fitter.look(frame, pose)
+    pose = _learn_blur(fitter, pose, image_evidence, prior, partner=partner)
+    pose = _slid_along(fitter, pose, image_evidence, prior)
     high = fitter.anatomy.high.copy()
     longest = pose[fitter.lengths] + np.log(_LATER_LONGER)
     high[fitter.lengths] = np.maximum(high[fitter.lengths], longest)
     fitter.anatomy = fitter.anatomy._replace(high=high)
-    return pose, fitter.body_support(pose, sight)
+    return pose, fitter.body_support(pose, image_evidence)
 
 
 def _learn_blur(
-    fitter: FrameFitter, pose: np.ndarray, sight: Sight, prior: Prior, *, partner: np.ndarray
+    fitter: FrameFitter,
+    pose: np.ndarray,
+    image_evidence: ImageEvidence,
+    prior: Prior,
+    *,
+    partner: np.ndarray,
 ) -> np.ndarray:
     """Make the fitter's blur, and with it its layout, those that explain the start frame best.
 
@@ -137,12 +147,12 @@ def _learn_blur(
 
     def tried(blur: float, pose: np.ndarray, layout: Layout) -> tuple[float, np.ndarray, Layout]:
         for _ in range(_BLUR_TURNS):
-            layout = learn_look(
-                layout, [(pose, sight)], first=fitter.first, partner=partner, prior=prior,
+            layout = learn_appearance(
+                layout, [(pose, image_evidence)], first=fitter.first, partner=partner, prior=prior,
                 blur=blur, soft=fitter.settings.soft_error,
             )  # fmt: skip
             fitter.layout = layout
-            pose, cost = fitter.fit(pose, sight, prior, blur=blur, rounds=8)
+            pose, cost = fitter.fit(pose, image_evidence, prior, blur=blur, rounds=8)
         return cost, pose, layout
 
     best, blur = tried(fitter.blur, pose, fitter.layout), fitter.blur
@@ -178,10 +188,10 @@ def first_darkness(fitter: FrameFitter, frame: Frame, pose: np.ndarray) -> Layou
     Layout
         The fitter's, darker or lighter.
     """
-    sight, _, _ = fitter.look(frame, pose, margin=np.inf)
-    canvas = fitter.canvas(sight)
-    paint_base(fitter.layout, pose, fitter.blur, sight, canvas[0], canvas[1])
-    inside = sight.seen[canvas[1] != NOTHING]
+    image_evidence, _, _ = fitter.look(frame, pose, margin=np.inf)
+    canvas = fitter.canvas(image_evidence)
+    paint_base(fitter.layout, pose, fitter.blur, image_evidence, canvas[0], canvas[1])
+    inside = image_evidence.seen[canvas[1] != NOTHING]
     if not inside.size:
         return fitter.layout
     dark = float(np.clip(np.percentile(inside, 70), *_DARK_LIMITS))
@@ -200,14 +210,14 @@ def _fit_body(fitter: FrameFitter, frame: Frame, pose: np.ndarray, prior: Prior)
     """
     shown = np.zeros(len(fitter.animal.legs) + 1, bool)
     shown[-1] = True
-    sight, _, _ = fitter.look(frame, pose, margin=np.inf)
+    image_evidence, _, _ = fitter.look(frame, pose, margin=np.inf)
     ellipse = fitter.layout.ellipse
     front, rear = ellipse[:, 0] + ellipse[:, 2], ellipse[:, 0] - ellipse[:, 2]
     half = float(front.max() - rear.min()) / 2.0
     for blur in _BODY_BLURS:
         if blur > max(half, _BODY_BLURS[-1]):
             continue
-        soft = blurred(sight, blur)
+        soft = blurred(image_evidence, blur)
         pose, _ = fitter.fit(
             pose, soft, prior, active=np.arange(_XY), shown=shown, blur=fitter.blur + blur,
             rounds=8,
@@ -215,18 +225,20 @@ def _fit_body(fitter: FrameFitter, frame: Frame, pose: np.ndarray, prior: Prior)
     return pose
 
 
-def _slid_along(fitter: FrameFitter, pose: np.ndarray, sight: Sight, prior: Prior) -> np.ndarray:
+def _slid_along(
+    fitter: FrameFitter, pose: np.ndarray, image_evidence: ImageEvidence, prior: Prior
+) -> np.ndarray:
     """Return the pose fitted, after each leg was slid out- and inwards along its own limb.
 
     The end of a leg that stops short, on a limb that goes on in a bend, feels nothing of what lies
     ahead of it.
     """
-    pose, _ = fitter.fit(pose, sight, prior, rounds=20)
+    pose, _ = fitter.fit(pose, image_evidence, prior, rounds=20)
 
     def best_of_side(own: FrameFitter, side: int) -> np.ndarray:
         best = pose.copy()
         for leg in sides[side]:
-            best[own.numbers[leg]] = _best_slide(own, best, leg, sight, prior)
+            best[own.numbers[leg]] = _best_slide(own, best, leg, image_evidence, prior)
         return best
 
     sides = sides_of(fitter.layout.side)
@@ -235,17 +247,17 @@ def _slid_along(fitter: FrameFitter, pose: np.ndarray, sight: Sight, prior: Prio
     for legs, best in zip(sides, found, strict=True):
         for leg in legs:
             slid[fitter.numbers[leg]] = best[fitter.numbers[leg]]
-    return fitter.fit(slid, sight, prior, rounds=8)[0]
+    return fitter.fit(slid, image_evidence, prior, rounds=8)[0]
 
 
 def _best_slide(
-    fitter: FrameFitter, pose: np.ndarray, leg: int, sight: Sight, prior: Prior
+    fitter: FrameFitter, pose: np.ndarray, leg: int, image_evidence: ImageEvidence, prior: Prior
 ) -> np.ndarray:
     """Return a leg's part of the pose vector, slid to where it explains most, if that is more."""
     numbers = fitter.numbers[leg]
     tried = [pose[numbers]]
     tried += [slid_leg(fitter.layout, pose, leg, factor=factor) for factor in _SLIDES]
-    part = part_about(fitter, sight, pose, leg=leg, guesses=tried)
+    part = part_about(fitter, image_evidence, pose, leg=leg, guesses=tried)
     best, least = tried[0], np.inf
     for guess in tried:
         trial = pose.copy()
@@ -286,23 +298,38 @@ def slid_leg(layout: Layout, pose: np.ndarray, leg: int, *, factor: float) -> np
 
 
 def _choose(
-    fitter: FrameFitter, frame: int, pose: np.ndarray, sight: Sight, crop: tuple, prior: Prior
+    fitter: FrameFitter,
+    frame: int,
+    pose: np.ndarray,
+    image_evidence: ImageEvidence,
+    crop: tuple,
+    prior: Prior,
 ) -> np.ndarray:
     """Return the pose with each leg at the best of the places that the silhouette offers."""
-    choices: Choices = only_choice(fitter, frame, pose, image=crop[0], box=crop[1])
+    choices: LegCandidates = only_choice(fitter, frame, pose, image=crop[0], box=crop[1])
 
     def places(own: FrameFitter, leg: int) -> list[np.ndarray]:
         numbers = own.numbers[leg]
-        found = limb_candidates(own, pose, leg, sight=sight, prior=prior)
+        found = limb_candidates(own, pose, leg, image_evidence=image_evidence, prior=prior)
         n = len(numbers) // 2
         for shorter in _SHORTER:
             guess = prior.middle[numbers].copy()
             guess[n:] += shorter
-            found.append(fit_leg(own, pose, leg, guess=guess, sight=sight, prior=prior, rounds=8))
+            found.append(
+                fit_leg(
+                    own,
+                    pose,
+                    leg,
+                    guess=guess,
+                    image_evidence=image_evidence,
+                    prior=prior,
+                    rounds=8,
+                )
+            )
         return found
 
     extra = dict(enumerate(on_threads(fitter, range(len(fitter.numbers)), places)))
-    add_candidates(fitter, choices, extra, sight=sight, prior=prior)
+    add_candidates(fitter, choices, extra, image_evidence=image_evidence, prior=prior)
     if not choices.is_open:
         return pose
     best, which = pose.copy(), dict.fromkeys(range(len(fitter.numbers)), 0)

@@ -71,7 +71,7 @@ def learn_motion(legs: Sequence[np.ndarray], known: np.ndarray) -> np.ndarray:
     return known
 
 
-def others_say(
+def motion_messages(
     precision: np.ndarray, vector: np.ndarray, motion: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return where all other frames have a leg in each frame, and how surely.

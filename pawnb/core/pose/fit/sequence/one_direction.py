@@ -12,7 +12,7 @@ import numpy as np
 from pawnb.core.frame_checkpoint import KeptFrames, Record
 from pawnb.core.pose.fit.candidates.leg_candidates import (
     SAME_PX,
-    Choices,
+    LegCandidates,
     add_candidates,
     fit_leg,
     legs_cross,
@@ -22,11 +22,11 @@ from pawnb.core.pose.fit.candidates.leg_candidates import (
     side_energy,
     sides_of,
 )
-from pawnb.core.pose.fit.candidates.viterbi import Trellis
+from pawnb.core.pose.fit.candidates.viterbi import ViterbiTrellis
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.learning.anatomy import about
 from pawnb.core.pose.fit.rendering.blur import blurred
-from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Prior, Sight, prior_cost
+from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence, Prior, prior_cost
 from pawnb.core.video.views import Frame
 
 _COARSE_BLUR = 4.0
@@ -76,9 +76,9 @@ class Follower:
         self.pose = pose
         self.velocity = np.zeros_like(pose)
         self.middle = pose[fitter.lengths].copy()
-        self.kept: list[Choices] = []
+        self.kept: list[LegCandidates] = []
         self.sides = sides_of(fitter.layout.side)
-        self.trellises = [Trellis(fitter.settings.jump_px) for _ in self.sides]
+        self.trellises = [ViterbiTrellis(fitter.settings.jump_px) for _ in self.sides]
         self._usual = np.full(2, np.inf)
         # numpy's own part is small: the compiled loops of two legs run side by side
         self._twins = [fitter.twin() for _ in self.sides]
@@ -94,7 +94,7 @@ class Follower:
         done: Callable[[], None] | None = None,
         kept: KeptFrames | None = None,
         way: str = "",
-    ) -> list[Choices]:
+    ) -> list[LegCandidates]:
         """Follow through frames until they end or the animal leaves; return what was found.
 
         What is found in a frame is kept under the name of this ``way``, and is not looked for
@@ -139,16 +139,16 @@ class Follower:
         evidence = fitter.evidence
         if not (0 <= expected[0] < evidence.width and 0 <= expected[1] < evidence.height):
             return False
-        sight, image, box = fitter.look(frame, expected, margin=np.inf)
-        found = fitter.body_found(expected, sight)
+        image_evidence, image, box = fitter.look(frame, expected, margin=np.inf)
+        found = fitter.body_found(expected, image_evidence)
         if found is expected:  # what is left out of the light is the same
-            sight = fitter.narrowed(sight, expected)
+            image_evidence = fitter.narrowed(image_evidence, expected)
         else:
             expected = found
-            sight = fitter.sight(image, box, expected)
+            image_evidence = fitter.image_evidence(image, box, expected)
         anatomy, prior = self.priors(expected)
-        pose = self.fit_from(expected, sight)
-        if fitter.body_support(pose, sight) < _BODY_LOST:
+        pose = self.fit_from(expected, image_evidence)
+        if fitter.body_support(pose, image_evidence) < _BODY_LOST:
             self._lost += 1
             if self._lost > _LOST_FRAMES:
                 return False
@@ -156,8 +156,8 @@ class Follower:
             self._lost = 0
         choices = only_choice(fitter, frame.index, pose, image=image, box=box)
         if fitter.settings.choose_path:
-            self._add(choices, sight, anatomy)
-            pose = self._decide(choices, sight, prior)
+            self._add(choices, image_evidence, anatomy)
+            pose = self._decide(choices, image_evidence, prior)
             self._learn_jump(expected, pose)
         self._move_on(pose)
         self.kept.append(choices)
@@ -177,12 +177,12 @@ class Follower:
             self._push(choices)
         for name in _STATE:
             setattr(self, name, record["state"][name])
-        for trellis in self.trellises:
-            trellis.jump_px = self.jump_px
+        for viterbi_trellis in self.trellises:
+            viterbi_trellis.jump_px = self.jump_px
         self.kept.append(choices)
 
     def fit_from(
-        self, expected: np.ndarray, sight: Sight, fitter: FrameFitter | None = None
+        self, expected: np.ndarray, image_evidence: ImageEvidence, fitter: FrameFitter | None = None
     ) -> np.ndarray:
         """Return the pose near the expected one that fits best: first blurred, then sharp.
 
@@ -192,7 +192,7 @@ class Follower:
         ----------
         expected : ndarray
             The pose vector that is expected.
-        sight : Sight
+        image_evidence : ImageEvidence
             What the frame shows.
         fitter : FrameFitter, optional
             What is fitted with; default the follower's.
@@ -204,9 +204,9 @@ class Follower:
         """
         fitter = fitter or self.fitter
         _, prior = self.priors(expected)
-        soft = blurred(sight, _COARSE_BLUR)
+        soft = blurred(image_evidence, _COARSE_BLUR)
         pose, _ = fitter.fit(expected, soft, prior, blur=fitter.blur + _COARSE_BLUR, rounds=2)
-        pose, _ = fitter.fit(pose, sight, prior, rounds=5)
+        pose, _ = fitter.fit(pose, image_evidence, prior, rounds=5)
         return pose
 
     def priors(self, expected: np.ndarray) -> tuple[Prior, Prior]:
@@ -220,45 +220,62 @@ class Follower:
         sd[fitter.lengths] = fitter.settings.foreshortening_sd
         return anatomy, about(anatomy, expected, sd)
 
-    def _add(self, choices: Choices, sight: Sight, anatomy: Prior) -> None:
+    def _add(self, choices: LegCandidates, image_evidence: ImageEvidence, anatomy: Prior) -> None:
         """Add candidates to a frame that gives reason to doubt, and those of the frame before."""
-        doubted = self._doubted(choices, sight, anatomy)
+        doubted = self._doubted(choices, image_evidence, anatomy)
         # each thread takes the next leg; those that take long come first
         waiting = iter(np.argsort(~doubted, kind="stable").tolist())
 
         def search(fitter: FrameFitter) -> dict[int, list[np.ndarray]]:
             found = {}
             for leg in waiting:
-                found[leg] = self._continued(fitter, leg, choices.pose, sight, anatomy)
+                found[leg] = self._continued(fitter, leg, choices.pose, image_evidence, anatomy)
                 if doubted[leg]:
                     found[leg] += limb_candidates(
-                        fitter, choices.pose, leg, sight=sight, prior=anatomy
+                        fitter, choices.pose, leg, image_evidence=image_evidence, prior=anatomy
                     )
             return found
 
         found = dict(ChainMap(*self._pool.map(search, self._twins)))
         extra = {leg: found[leg] for leg in sorted(found) if found[leg]}
         if extra:
-            add_candidates(self.fitter, choices, extra, sight=sight, prior=anatomy)
+            add_candidates(
+                self.fitter, choices, extra, image_evidence=image_evidence, prior=anatomy
+            )
 
     def _continued(
-        self, fitter: FrameFitter, leg: int, pose: np.ndarray, sight: Sight, anatomy: Prior
+        self,
+        fitter: FrameFitter,
+        leg: int,
+        pose: np.ndarray,
+        image_evidence: ImageEvidence,
+        anatomy: Prior,
     ) -> list[np.ndarray]:
         """Return the last frame's rivals of a leg's pose, moved with the body and fitted."""
         if not self.kept:
             return []
         return [
-            fit_leg(fitter, pose, leg, guess=numbers, sight=sight, prior=anatomy, rounds=3)
-            for numbers in self.kept[-1].rivals[leg]
+            fit_leg(
+                fitter,
+                pose,
+                leg,
+                guess=numbers,
+                image_evidence=image_evidence,
+                prior=anatomy,
+                rounds=3,
+            )
+            for numbers in self.kept[-1].alternatives[leg]
         ]
 
-    def _doubted(self, choices: Choices, sight: Sight, anatomy: Prior) -> np.ndarray:
+    def _doubted(
+        self, choices: LegCandidates, image_evidence: ImageEvidence, anatomy: Prior
+    ) -> np.ndarray:
         """Return which legs may be elsewhere."""
         fitter = self.fitter
-        support = fitter.support(choices.pose, sight)
+        support = fitter.support(choices.pose, image_evidence)
         doubted = ~((support[:, 0] >= _LEG_LOST) & (support[:, 1] >= _TIP_LOST))
         doubted |= len(self.kept) < _FIRST_FRAMES
-        left_over = fitter.unexplained(choices.pose, sight)
+        left_over = fitter.unexplained(choices.pose, image_evidence)
         usual = np.minimum(self._usual * _USUAL_GROWS + 1.0, left_over)
         on_right = (fitter.layout.side > 0).astype(int)
         doubted |= (left_over > usual + _UNEXPLAINED_SHARE * fitter.leg_area)[on_right]
@@ -275,34 +292,36 @@ class Follower:
                 doubted[leg] = True
         return doubted
 
-    def _decide(self, choices: Choices, sight: Sight, prior: Prior) -> np.ndarray:
+    def _decide(
+        self, choices: LegCandidates, image_evidence: ImageEvidence, prior: Prior
+    ) -> np.ndarray:
         """Return the pose that is best by what is known so far."""
         fitter, pose = self.fitter, choices.pose.copy()
         changed = False
-        choices.rivals = [c[:0] for c in choices.legs]
+        choices.alternatives = [c[:0] for c in choices.legs]
         states = self._push(choices)
-        for legs, trellis, state in zip(self.sides, self.trellises, states, strict=True):
-            for leg, which, cost in zip(legs, state, trellis.marginals(), strict=True):
+        for legs, viterbi_trellis, state in zip(self.sides, self.trellises, states, strict=True):
+            for leg, which, cost in zip(legs, state, viterbi_trellis.marginals(), strict=True):
                 near = cost < cost[which] + _RIVAL
                 near[which] = False
-                choices.rivals[leg] = choices.legs[leg][near]
+                choices.alternatives[leg] = choices.legs[leg][near]
                 if which:
                     pose[fitter.numbers[leg]] = choices.legs[leg][which]
                     changed = True
         if changed:
             sd = np.full(fitter.n, np.inf)
             sd[fitter.angles] = np.radians(fitter.settings.angle_step_deg)
-            pose, _ = fitter.fit(pose, sight, about(prior, pose, sd), rounds=4)
+            pose, _ = fitter.fit(pose, image_evidence, about(prior, pose, sd), rounds=4)
         return pose
 
-    def _push(self, choices: Choices) -> list[tuple[int, ...]]:
+    def _push(self, choices: LegCandidates) -> list[tuple[int, ...]]:
         """Add a frame to the paths; return the best state of each side by what is known so far."""
         share = self.fitter.settings.evidence_share
         states, which = [], dict.fromkeys(range(len(choices.legs)), 0)
-        for legs, trellis in zip(self.sides, self.trellises, strict=True):
+        for legs, viterbi_trellis in zip(self.sides, self.trellises, strict=True):
             others = {leg: k for leg, k in which.items() if leg not in legs}
             energy = side_energy(choices, legs, share, others=others)
-            states.append(trellis.push(energy, [choices.joints[leg] for leg in legs]))
+            states.append(viterbi_trellis.push(energy, [choices.joints[leg] for leg in legs]))
             which.update(zip(legs, states[-1], strict=True))
         return states
 
@@ -314,8 +333,8 @@ class Follower:
         self._astray = self._astray[-_JUMP_FRAMES:]
         usual = _JUMP_OF_MEDIAN * float(np.median(self._astray))
         self.jump_px = max(fitter.settings.jump_px, usual)
-        for trellis in self.trellises:
-            trellis.jump_px = self.jump_px
+        for viterbi_trellis in self.trellises:
+            viterbi_trellis.jump_px = self.jump_px
 
     def _move_on(self, pose: np.ndarray) -> None:
         """Remember the pose, and how it moves."""

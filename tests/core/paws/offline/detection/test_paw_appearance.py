@@ -30,8 +30,8 @@ def test_the_score_is_highest_where_the_classifier_sees_a_paw(scale, mirrored):
     picture = np.full((60, 90), 10, np.uint8)
     picture[30:35, 61:66] = 250  # about (63, 32)
     reading = _Reading(scale, mirrored, 0.0, 255.0, is_colour=False)
-    look = PawLook(np.empty(0, np.float32), 5.0, 11, known=_Known(bright, "a"), reading=reading)
-    score = look.score(picture)
+    detector = PawLook(np.empty(0, np.float32), 5.0, 11, known=_Known(bright, "a"), reading=reading)
+    score = detector.score(picture)
     assert score.shape == picture.shape
     weight = np.exp(score - score.max()) > 0.5
     v, u = np.nonzero(weight)
@@ -51,7 +51,7 @@ def scene(anchors=None):
         return np.stack([x[..., :2], x[..., :2] + 100.0], axis=-2)
 
     return SimpleNamespace(
-        geometry=SimpleNamespace(project=project), anchors=anchors or {}, thickness=2.0
+        geometry=SimpleNamespace(project=project), anchors=anchors or {}, paw_width=2.0
     )
 
 

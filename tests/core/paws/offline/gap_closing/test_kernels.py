@@ -8,7 +8,7 @@ from pawnb.core import dlt
 from pawnb.core.paws.offline.association.network_flow import triangulation_kernels
 from pawnb.core.paws.offline.association.network_flow.tracklets import Tracklet
 from pawnb.core.paws.offline.gap_closing import hypothesis_kernels, update_kernels
-from pawnb.core.paws.offline.projection import Geometry
+from pawnb.core.paws.offline.projection import Projection
 from pawnb.core.paws.offline.smoothing import refinement_kernels
 
 
@@ -39,21 +39,21 @@ def test_cameras_are_of_one_type_for_loops(views, order):
     """Else what takes longest to compile is compiled once more for one view without a rig."""
     coefs = np.array(COEFS[:, :views], order=order)
     coefs.flags.writeable = False  # as those of a rig
-    assert numba.typeof(Geometry(coefs).rows) == numba.typeof(Geometry(None).rows)
-    np.testing.assert_array_equal(Geometry(coefs).rows, coefs.T)
+    assert numba.typeof(Projection(coefs).rows) == numba.typeof(Projection(None).rows)
+    np.testing.assert_array_equal(Projection(coefs).rows, coefs.T)
 
 
 @pytest.mark.usefixtures("steps_of_loops")
 @pytest.mark.parametrize("coefs", [None, COEFS])
 def test_pictures_and_their_derivatives(coefs):
-    geometry = Geometry(coefs)
+    geometry = Projection(coefs)
     d = geometry.n_coordinates
     mean = np.random.default_rng(1).uniform(-12, 12, (7, 3 * d))
     expected, derivative = geometry.project(mean[:, :d]), slope(geometry.project, mean[:, :d])
-    stories = hypothesis_kernels.room_for(9, d, 1)
-    stories.mean[:, :7], stories.covariance[:] = mean.T, 0.0
+    hypotheses = hypothesis_kernels.allocate(9, d, 1)
+    hypotheses.mean[:, :7], hypotheses.covariance[:] = mean.T, 0.0
     for v, L in enumerate(geometry.rows):
-        seen = update_kernels.pictures(stories, 7, L)
+        seen = update_kernels.project_hypotheses(hypotheses, 7, L)
         np.testing.assert_allclose(seen.at.T, expected[:, v], rtol=1e-12)
         np.testing.assert_allclose(
             seen.slope.transpose(2, 0, 1), derivative[:, v], rtol=1e-6, atol=1e-6
@@ -63,7 +63,7 @@ def test_pictures_and_their_derivatives(coefs):
 @pytest.mark.parametrize("coefs", [None, COEFS])
 def test_normal_equations(coefs):
     rng = np.random.default_rng(2)
-    geometry = Geometry(coefs)
+    geometry = Projection(coefs)
     x = rng.uniform(-12, 12, (5, 2, geometry.n_coordinates))
     uv, J = geometry.project(x), slope(geometry.project, x)
     measured = uv + rng.normal(size=uv.shape)
@@ -107,12 +107,12 @@ def test_kept_hypotheses_lie_apart_and_every_other_is_near_a_better_one():
 @pytest.mark.parametrize("head", [True, False])
 def test_ends_of_pieces_are_those_of_a_fitted_polynomial(n, head):
     at = np.random.default_rng(n).normal(size=(n, 3)).cumsum(axis=0)
-    piece = Tracklet(4, list(range(n)), at, np.zeros(n))
-    place, speed, told = piece.end(np.zeros(3), head=head)
-    assert told == min(n, 6)
-    part = at[:told] if head else at[-told:]
-    fit = np.polyfit(np.arange(told), part, 2 if told >= 5 else 1)
-    end = 0 if head else told - 1
+    tracklet = Tracklet(4, list(range(n)), at, np.zeros(n))
+    place, speed, parameters = tracklet.end(np.zeros(3), head=head)
+    assert parameters == min(n, 6)
+    part = at[:parameters] if head else at[-parameters:]
+    fit = np.polyfit(np.arange(parameters), part, 2 if parameters >= 5 else 1)
+    end = 0 if head else parameters - 1
     np.testing.assert_allclose(place, [np.polyval(c, end) for c in fit.T])
     np.testing.assert_allclose(speed, [np.polyval(np.polyder(c), end) for c in fit.T])
 
@@ -122,7 +122,7 @@ def test_the_likeliest_stories_and_pairs_are_kept(most):
     rng = np.random.default_rng(most)
     # many cost the same: of those the first are kept
     missed, cost = (rng.integers(0, 9, n).astype(float) for n in (20, 31))
-    kept, many = update_kernels.likeliest(missed, cost, most)
+    kept, many = update_kernels.most_likely(missed, cost, most)
     expected = np.sort(np.argsort(np.concatenate([missed, cost]), kind="stable")[:most])
     np.testing.assert_array_equal(kept, expected)
     assert many == (expected < 20).sum()

@@ -1,4 +1,4 @@
-"""Stories without clutter against a textbook Kalman filter; with it, against what was put in."""
+"""Hypotheses without clutter against a textbook Kalman filter; with it, against what was put in."""
 
 import itertools
 
@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from pawnb.core.paws.offline.gap_closing import hypothesis_kernels, mht_kernels, update_kernels
-from pawnb.core.paws.offline.gap_closing.mht import moves_of, state_after
-from pawnb.core.paws.offline.gap_closing.mht_parameters import Telling
-from pawnb.core.paws.offline.projection import Geometry
-from pawnb.core.paws.offline.stride.plausibility_kernels import Doubts
+from pawnb.core.paws.offline.gap_closing.mht import process_noise_of, state_after
+from pawnb.core.paws.offline.gap_closing.mht_parameters import MHTParameters
+from pawnb.core.paws.offline.projection import Projection
+from pawnb.core.paws.offline.stride.plausibility_kernels import KinematicPrior
 
 # constant acceleration whose changes are white: Bar-Shalom, Li & Kirubarajan 2001, section 6.3
 STEP = np.array([[1.0, 1.0, 0.5], [0.0, 1.0, 1.0], [0.0, 0.0, 1.0]])
@@ -20,69 +20,110 @@ LINEAR[:8] = np.array(
     [[4, 0, 0, 9, 0, 0, -4, 7], [0, 3, 1, -5, 1, 0, -4, 2], [2, -2, 0.5, 0, 0, 1, -3, 1]]
 ).T
 
-# no story but the plain one with a good candidate
-ONLY = {"kick_cost": 1e6, "bad_cost": 1e6, "clutter": 1e-30, "reach": 1e6}
+# no hypothesis but the plain one with a good detection
+ONLY = {"impulse_cost": 1e6, "bad_cost": 1e6, "clutter": 1e-30, "reach": 1e6}
 
 
-def telling(**options):
-    return Telling(**{"jerk": 0.3, "kick": 2.0, "noise": 0.4, "reach": 50.0, **options})
+def mht_parameters(**options):
+    return MHTParameters(**{"jerk": 0.3, "impulse": 2.0, "noise": 0.4, "reach": 50.0, **options})
 
 
-def how(geometry, told, *, drift=None, lift=None, **doubts):
-    """Return how stories are told of a point about which there is no doubt but the given one."""
+def target(
+    geometry, parameters, *, substrate_velocity=None, liftoff_velocity=None, **kinematic_prior
+):
+    """Return how hypotheses are told of a point about which there is no doubt but the given one."""
     d = geometry.n_coordinates
-    drift, lift = (np.zeros(d) if one is None else np.array(one) for one in (drift, lift))
+    substrate_velocity, liftoff_velocity = (
+        np.zeros(d) if one is None else np.array(one)
+        for one in (substrate_velocity, liftoff_velocity)
+    )
     n_views = geometry.table.shape[1]
     axes = np.eye(d)
     nothing = {
-        "forward": axes[0], "up": axes[-1], "fastest_back": -np.inf, "back_sd": 1.0,
-        "lowest": -np.inf, "thickness": 1.0, "height": np.nan, "drift": drift, "tolerance": 1.0,
+        "forward": axes[0],
+        "up": axes[-1],
+        "fastest_back": -np.inf,
+        "back_sd": 1.0,
+        "lowest": -np.inf,
+        "paw_width": 1.0,
+        "height": np.nan,
+        "substrate_velocity": substrate_velocity,
+        "tolerance": 1.0,
         "way": 1,
-    }  # fmt: skip
-    return mht_kernels.How(
+    }
+    return mht_kernels.TargetModel(
         update_kernels.Cameras(
-            geometry.rows, np.linspace(8.0, 10.0, n_views), np.ones(n_views, bool),
+            geometry.rows,
+            np.linspace(8.0, 10.0, n_views),
+            np.ones(n_views, bool),
         ),
-        moves_of(told, drift, lift=lift), Doubts(**{**nothing, **doubts}), told,
-    )  # fmt: skip
+        process_noise_of(parameters, substrate_velocity, liftoff_velocity=liftoff_velocity),
+        KinematicPrior(**{**nothing, **kinematic_prior}),
+        parameters,
+    )
 
 
 class Steps:
-    """Stories told step by step."""
+    """Hypotheses told step by step."""
 
     def __init__(
-        self, geometry, state, covariance, *, place=None, drift=None, lift=None, **options
+        self,
+        geometry,
+        state,
+        covariance,
+        *,
+        place=None,
+        substrate_velocity=None,
+        liftoff_velocity=None,
+        **options,
     ):
-        self.told = telling(**options)
-        self.how = how(geometry, self.told, drift=drift, lift=lift)
-        d, n_views = state.shape[1], len(self.how.cameras.own)
-        room = max(2 * self.told.most, self.told.most_within)
-        self.now, self.then = (hypothesis_kernels.room_for(room, d, n_views) for _ in range(2))
+        self.parameters = mht_parameters(**options)
+        self.target = target(
+            geometry,
+            self.parameters,
+            substrate_velocity=substrate_velocity,
+            liftoff_velocity=liftoff_velocity,
+        )
+        d, n_views = state.shape[1], len(self.target.cameras.tracked_in_view)
+        room = max(2 * self.parameters.most, self.parameters.most_within)
+        self.now, self.then = (hypothesis_kernels.allocate(room, d, n_views) for _ in range(2))
         place = np.full(d, np.nan) if place is None else np.array(place)
         self.home = state[0]
-        self.n = hypothesis_kernels.begin(self.now, state, covariance, place, self.how.moves)
+        self.n = hypothesis_kernels.initialise(
+            self.now, state, covariance, place, self.target.process_noise
+        )
 
     def advance(self):
-        told, moves = self.told, self.how.moves
-        self.n = hypothesis_kernels.advance(self.now, self.n, self.then, moves, told.kick_cost, 0.0)
+        parameters, process_noise = self.parameters, self.target.process_noise
+        self.n = hypothesis_kernels.predict(
+            self.now, self.n, self.then, process_noise, parameters.impulse_cost, 0.0
+        )
         self.now, self.then = self.then, self.now
 
     def see(self, view, at, cost, *, rising=None):
-        pairs = update_kernels.room_for_pairs(len(self.now.cost) * len(at))
-        against = np.stack([cost, cost if rising is None else rising])
-        self.now, self.then, self.n = update_kernels.see(
-            self.now, self.n, self.then, view, self.how.cameras, at, against, self.told, pairs
+        pairs = update_kernels.allocate_pairs(len(self.now.cost) * len(at))
+        negative_log_odds = np.stack([cost, cost if rising is None else rising])
+        self.now, self.then, self.n = update_kernels.associate(
+            self.now,
+            self.n,
+            self.then,
+            view,
+            self.target.cameras,
+            at,
+            negative_log_odds,
+            self.parameters,
+            pairs,
         )
 
     def stand(self, place):
-        hypothesis_kernels.stand(self.now, self.n, place, self.told.noise**2)
+        hypothesis_kernels.update_with_position(self.now, self.n, place, self.parameters.noise**2)
 
     def expect(self, at, axes, variance, *, most):
-        hypothesis_kernels.expect(self.now, self.n, at, axes, variance, most)
+        hypothesis_kernels.update_with_expectation(self.now, self.n, at, axes, variance, most)
 
     def settle(self, *, certain=False):
-        mht_kernels.charge(self.now, self.n, self.home, self.how, certain, False)
-        self.n = mht_kernels.settle(self.now, self.n, self.then, self.told)
+        mht_kernels.add_motion_cost(self.now, self.n, self.home, self.target, certain, False)
+        self.n = mht_kernels.prune_and_merge(self.now, self.n, self.then, self.parameters)
         self.now, self.then = self.then, self.now
 
     @property
@@ -102,25 +143,31 @@ class Steps:
         return full
 
 
-def tell(at, cost, *, state, covariance, place=None, expected=(), lifting=None, **setting):
-    """Tell what candidates (frames, c, 2) of one picture, NaN where there is none, say of a point.
+def close(at, cost, *, state, covariance, place=None, expected=(), lifting=None, **setting):
+    """Tell what detections (frames, c, 2) of one picture, NaN where there is none, say of a point.
 
     Returns which were taken, and where it stands.
     """
-    told = telling(**setting.pop("options", {}))
+    parameters = mht_parameters(**setting.pop("options", {}))
     covered = np.full(len(at), setting.pop("covered", False))
     there = np.isfinite(at[..., 0])
-    against = np.repeat(np.broadcast_to(cost, there.shape)[None, :, None], 2, axis=0)
+    negative_log_odds = np.repeat(np.broadcast_to(cost, there.shape)[None, :, None], 2, axis=0)
     nowhere = np.full((0, len(at), 2), np.nan)
-    taken, stood = mht_kernels.tell_stretch(
-        np.asarray(state, float), covariance, np.full(2, np.nan) if place is None else place,
-        mht_kernels.Shown(
-            there.sum(axis=1)[:, None], np.nan_to_num(at)[:, None],
-            against, covered, np.empty((0, 2)), np.zeros(len(at)) if lifting is None else lifting,
+    taken, stood = mht_kernels.run_mht(
+        np.asarray(state, float),
+        covariance,
+        np.full(2, np.nan) if place is None else place,
+        mht_kernels.GapEvidence(
+            there.sum(axis=1)[:, None],
+            np.nan_to_num(at)[:, None],
+            negative_log_odds,
+            covered,
+            np.empty((0, 2)),
+            np.zeros(len(at)) if lifting is None else lifting,
         ),
-        mht_kernels.Expected(nowhere, nowhere, np.empty((0, 2, 2)), np.empty(0)),
-        how(Geometry(None), told, **setting),
-    )  # fmt: skip
+        mht_kernels.ExpectedPositions(nowhere, nowhere, np.empty((0, 2, 2)), np.empty(0)),
+        target(Projection(None), parameters, **setting),
+    )
     return taken[:, 0], stood
 
 
@@ -160,40 +207,40 @@ def conditioned(state, covariance, jerk, observed):
 @pytest.mark.parametrize("coefs", [None, LINEAR])
 def test_one_candidate_a_frame_is_a_kalman_filter(coefs):
     rng = np.random.default_rng(3)
-    geometry = Geometry(coefs)
+    geometry = Projection(coefs)
     d = geometry.n_coordinates
     state, covariance = rng.normal(size=(3, d)), np.diag([0.2, 0.5, 0.1])
-    stories = Steps(geometry, state, covariance, **ONLY)
+    hypotheses = Steps(geometry, state, covariance, **ONLY)
     x, observed = state.copy(), []
     for t in range(7):
         x = STEP @ x + 0.3 * np.outer(GAIN, rng.normal(size=d))
-        stories.advance()
+        hypotheses.advance()
         observed.append([])
         if t == 5:
             place = x[0] + 0.4 * rng.normal(size=d)
-            stories.stand(place)
+            hypotheses.stand(place)
             observed[t].append((np.eye(d), place, 0.4**2))
         elif t != 3:  # unseen there
             for v, J in enumerate(geometry.jacobian(x[0])):
-                sd = 0.15 * stories.how.cameras.thickness[v]
+                sd = 0.15 * hypotheses.target.cameras.paw_width[v]
                 away = geometry.project(x[0])[v] - J @ x[0]
                 uv = geometry.project(x[0])[v] + sd * rng.normal(size=2)
-                stories.see(v, uv[None], np.zeros(1))
+                hypotheses.see(v, uv[None], np.zeros(1))
                 observed[t].append((J, uv - away, sd**2))
-        stories.settle(certain=t == 5)
-        np.testing.assert_array_equal(stories.now.taken[:, 0], -1 if t in (3, 5) else 0)
+        hypotheses.settle(certain=t == 5)
+        np.testing.assert_array_equal(hypotheses.now.taken[:, 0], -1 if t in (3, 5) else 0)
     mean, P = conditioned(state, covariance, 0.3, observed)
-    assert len(stories.cost) == 1
-    np.testing.assert_allclose(stories.mean[0], mean, atol=1e-8)
-    np.testing.assert_allclose(stories.covariance[0], P, atol=1e-8)
+    assert len(hypotheses.cost) == 1
+    np.testing.assert_allclose(hypotheses.mean[0], mean, atol=1e-8)
+    np.testing.assert_allclose(hypotheses.covariance[0], P, atol=1e-8)
 
 
 def test_the_state_after_certain_places_is_that_of_a_kalman_filter():
     rng = np.random.default_rng(4)
     places = np.cumsum(rng.normal(size=(6, 2)), axis=0)
-    drift = np.array([-0.5, 0.2])
-    mean, P = state_after(places, drift, telling=telling(), speed=1.5)
-    first = np.stack([places[0], drift, np.zeros(2)])
+    substrate_velocity = np.array([-0.5, 0.2])
+    mean, P = state_after(places, substrate_velocity, parameters=mht_parameters(), speed=1.5)
+    first = np.stack([places[0], substrate_velocity, np.zeros(2)])
     before = np.diag([0.4**2, 1.5**2, 0.9**2])
     seen = [[(np.eye(2), place, 0.4**2)] for place in places[1:]]
     expected, spread = conditioned(first, before, 0.3, seen)
@@ -205,7 +252,7 @@ def lift_off(**options):
     """Tell of a paw that stands and then swings at once, beside a thing that goes on standing."""
     paw = np.maximum(0.0, 4.0 * (np.arange(8.0) - 2))
     at = np.stack([np.tile([-1.0, 6.0], (8, 1)), np.column_stack([paw, 0 * paw])], axis=1)
-    taken, _ = tell(
+    taken, _ = close(
         at, [2.0, 0.0], state=np.zeros((3, 2)), covariance=np.diag([0.04, 0.01, 1e-4]),
         options={"jerk": 0.05, **options},
     )  # fmt: skip
@@ -215,40 +262,40 @@ def lift_off(**options):
 def test_a_paw_that_lifts_off_is_followed_by_a_kick():
     np.testing.assert_array_equal(lift_off(), np.ones(8))
     # without kicks nothing can go so fast
-    assert lift_off(kick_cost=1e6)[-1] != 1
+    assert lift_off(impulse_cost=1e6)[-1] != 1
 
 
 def test_what_a_point_is_doubted_for_is_not_believed():
     # no point goes above the picture's line v = 0: a quarter beyond is a standard deviation
-    doubts = {"up": np.array([0.0, -1.0]), "lowest": 0.35, "thickness": 0.5}
+    kinematic_prior = {"up": np.array([0.0, -1.0]), "lowest": 0.35, "paw_width": 0.5}
     up = np.column_stack([np.zeros(5), 1.0 + np.arange(5.0)])
     for sign in (1.0, -1.0):
         fork = np.stack([up, -up], axis=1) * sign
-        taken, _ = tell(
+        taken, _ = close(
             fork, np.zeros(2), state=np.zeros((3, 2)), covariance=np.diag([0.04, 1.0, 0.1]),
-            **doubts,
+            **kinematic_prior,
         )  # fmt: skip
         np.testing.assert_array_equal(taken[1:], 1 if sign > 0 else 0)
 
 
 @pytest.mark.usefixtures("steps_of_loops")
 def test_stories_that_tell_the_same_are_told_once():
-    stories = Steps(Geometry(None), np.zeros((3, 2)), np.diag([4.0, 4.0, 1.0]), most=5)
+    hypotheses = Steps(Projection(None), np.zeros((3, 2)), np.diag([4.0, 4.0, 1.0]), most=5)
     rng = np.random.default_rng(2)
     for _ in range(6):
-        stories.advance()
-        stories.see(0, 4.0 * rng.normal(size=(6, 2)), np.zeros(6))
-        stories.settle()
-        assert 1 < len(stories.cost) <= 5
-        assert (np.diff(stories.cost) >= 0).all()
+        hypotheses.advance()
+        hypotheses.see(0, 4.0 * rng.normal(size=(6, 2)), np.zeros(6))
+        hypotheses.settle()
+        assert 1 < len(hypotheses.cost) <= 5
+        assert (np.diff(hypotheses.cost) >= 0).all()
         # positions and speeds of any two differ by more than half a standard deviation of
         # the surer one and half of the noise
-        spread = np.sqrt(stories.covariance.diagonal(axis1=1, axis2=2)[:, :4])
-        for a, b in itertools.combinations(range(len(stories.cost)), 2):
-            apart = np.abs(stories.mean[a, :4] - stories.mean[b, :4])
+        spread = np.sqrt(hypotheses.covariance.diagonal(axis1=1, axis2=2)[:, :4])
+        for a, b in itertools.combinations(range(len(hypotheses.cost)), 2):
+            apart = np.abs(hypotheses.mean[a, :4] - hypotheses.mean[b, :4])
             assert (apart > 0.2 + 0.5 * np.minimum(spread[a], spread[b])).any()
     # covariances stay what they are: positive
-    assert np.linalg.eigvalsh(stories.covariance).min() > 0
+    assert np.linalg.eigvalsh(hypotheses.covariance).min() > 0
 
 
 @pytest.mark.usefixtures("steps_of_loops")
@@ -257,46 +304,46 @@ def test_an_expected_place_is_taken_in_as_a_kalman_filter_does():
     turn = np.array([[0.6, 0.8], [-0.8, 0.6]])  # forward and up, oblique in the picture
     state, covariance = rng.normal(size=(3, 2)), np.diag([0.5, 0.3, 0.1])
     at, variance = state[0] + [0.7, -0.4], np.array([0.9, 0.2])
-    stories = Steps(Geometry(None), state, covariance, **ONLY)
-    stories.advance()
-    before = (stories.mean[0].copy(), stories.covariance[0].copy(), stories.cost[0])
-    stories.expect(at, turn, variance, most=100.0)
+    hypotheses = Steps(Projection(None), state, covariance, **ONLY)
+    hypotheses.advance()
+    before = (hypotheses.mean[0].copy(), hypotheses.covariance[0].copy(), hypotheses.cost[0])
+    hypotheses.expect(at, turn, variance, most=100.0)
     H = np.concatenate([turn, np.zeros((2, 4))], axis=1)
     # information adds up: Bar-Shalom, Li & Kirubarajan 2001, section 7.2
     left = np.linalg.inv(np.linalg.inv(before[1]) + H.T @ np.diag(1 / variance) @ H)
     step = turn @ at - H @ before[0]
     mean = before[0] + left @ H.T @ np.diag(1 / variance) @ step
-    np.testing.assert_allclose(stories.mean[0], mean, atol=1e-10)
-    np.testing.assert_allclose(stories.covariance[0], left, atol=1e-10)
+    np.testing.assert_allclose(hypotheses.mean[0], mean, atol=1e-10)
+    np.testing.assert_allclose(hypotheses.covariance[0], left, atol=1e-10)
     # squared distances add up axis by axis: that of the second after the first was taken in
     square = step @ np.linalg.solve(H @ before[1] @ H.T + np.diag(variance), step)
-    assert stories.cost[0] - before[2] == pytest.approx(0.5 * square)
+    assert hypotheses.cost[0] - before[2] == pytest.approx(0.5 * square)
 
 
 @pytest.mark.usefixtures("steps_of_loops")
 def test_a_story_far_from_where_it_is_expected_goes_its_own_way():
-    stories = Steps(Geometry(None), np.zeros((3, 2)), np.diag([0.04, 0.01, 1e-4]), **ONLY)
-    stories.advance()
-    mean, cost = stories.mean.copy(), stories.cost.copy()
-    stories.expect(np.array([50.0, 0.0]), np.eye(2), np.ones(2), most=1.6)
-    np.testing.assert_array_equal(stories.mean, mean)
-    np.testing.assert_allclose(stories.cost - cost, 1.6)
+    hypotheses = Steps(Projection(None), np.zeros((3, 2)), np.diag([0.04, 0.01, 1e-4]), **ONLY)
+    hypotheses.advance()
+    mean, cost = hypotheses.mean.copy(), hypotheses.cost.copy()
+    hypotheses.expect(np.array([50.0, 0.0]), np.eye(2), np.ones(2), most=1.6)
+    np.testing.assert_array_equal(hypotheses.mean, mean)
+    np.testing.assert_allclose(hypotheses.cost - cost, 1.6)
 
 
 def standing(place, *, dear=()):
     """Tell of a paw that stands on moving ground, lifts off after the fifth frame and is seen."""
-    ground = np.array([-1.0, 0.0])
+    substrate = np.array([-1.0, 0.0])
     at = np.full((8, 2, 2), np.nan)
     for t in range(1, 9):
         # a poor looking wrist keeps above it; once it has lifted off, by 3 a frame, it shows
-        at[t - 1, 0] = t * ground + [0.0, -9.0]
+        at[t - 1, 0] = t * substrate + [0.0, -9.0]
         if t > 5:
-            at[t - 1, 1] = t * ground + [0.0, -3.0 * (t - 5.5)]
-    return tell(
-        at, [4.0, 0.0], state=np.stack([np.zeros(2), ground, np.zeros(2)]),
+            at[t - 1, 1] = t * substrate + [0.0, -3.0 * (t - 5.5)]
+    return close(
+        at, [4.0, 0.0], state=np.stack([np.zeros(2), substrate, np.zeros(2)]),
         covariance=np.diag([0.04, 0.01, 1e-4]), place=place, covered=True,
         lifting=np.where(np.isin(np.arange(1, 9), dear), 30.0, 0.0),
-        drift=ground, lift=[0.0, -3.0], options={"jerk": 0.05},
+        substrate_velocity=substrate, liftoff_velocity=[0.0, -3.0], options={"jerk": 0.05},
     )  # fmt: skip
 
 
@@ -314,32 +361,36 @@ def test_a_paw_lifts_off_earlier_where_that_is_dear_when_it_does(dear, last):
 
 @pytest.mark.usefixtures("steps_of_loops")
 def test_what_stands_goes_exactly_with_the_ground():
-    stories = Steps(
-        Geometry(None), np.ones((3, 2)), np.eye(3), place=[3.0, 2.0], drift=[-1.0, 0.25],
-        lift=[0.0, -4.0],
-    )  # fmt: skip
+    hypotheses = Steps(
+        Projection(None),
+        np.ones((3, 2)),
+        np.eye(3),
+        place=[3.0, 2.0],
+        substrate_velocity=[-1.0, 0.25],
+        liftoff_velocity=[0.0, -4.0],
+    )
     for t in range(1, 4):
-        stories.advance()
-        ground = np.array([3.0 - t, 2.0 + 0.25 * t])
-        np.testing.assert_allclose(stories.mean[0], [*ground, -1.0, 0.25, 0.0, 0.0])
+        hypotheses.advance()
+        substrate = np.array([3.0 - t, 2.0 + 0.25 * t])
+        np.testing.assert_allclose(hypotheses.mean[0], [*substrate, -1.0, 0.25, 0.0, 0.0])
         # its place is less sure from frame to frame, by 0.1 of 0.4, from 0.4 of it
-        np.testing.assert_allclose(stories.covariance[0].diagonal()[:2], 0.16**2 + t * 0.04**2)
+        np.testing.assert_allclose(hypotheses.covariance[0].diagonal()[:2], 0.16**2 + t * 0.04**2)
         if t == 1:
             # half a frame after it lifted off, on average
-            np.testing.assert_allclose(stories.mean[1, :2], [*ground[:1], ground[1] - 2.0])
-            np.testing.assert_allclose(stories.mean[1, 2:4], [-1.0, -3.75])
-        stories.settle()
-        assert stories.now.standing[0]
+            np.testing.assert_allclose(hypotheses.mean[1, :2], [*substrate[:1], substrate[1] - 2.0])
+            np.testing.assert_allclose(hypotheses.mean[1, 2:4], [-1.0, -3.75])
+        hypotheses.settle()
+        assert hypotheses.now.standing[0]
 
 
 @pytest.mark.usefixtures("steps_of_loops")
 def test_a_paw_that_has_just_lifted_off_may_look_poor():
     price = []
     for since in range(4):
-        stories = Steps(Geometry(None), np.zeros((3, 2)), np.eye(3), rising=2, **ONLY)
-        stories.now.since[0] = since
-        stories.see(0, np.zeros((1, 2)), np.array([3.0]), rising=np.array([1.0]))
-        price.append(stories.cost.min())
+        hypotheses = Steps(Projection(None), np.zeros((3, 2)), np.eye(3), rising=2, **ONLY)
+        hypotheses.now.since[0] = since
+        hypotheses.see(0, np.zeros((1, 2)), np.array([3.0]), rising=np.array([1.0]))
+        price.append(hypotheses.cost.min())
     np.testing.assert_allclose(np.subtract(price, price[0]), [0.0, -2.0, -2.0, 0.0], atol=1e-9)
 
 
@@ -347,7 +398,7 @@ def test_a_paw_that_has_just_lifted_off_may_look_poor():
 @pytest.mark.parametrize(
     ("taken", "was", "certain", "price"),
     [
-        # what becoming hidden, staying so and coming out cost, and a fifth for half of the views
+        # what becoming occluded, staying so and coming out cost, and a fifth for half of the views
         ([-1, -1, 3], False, False, 2.0),
         ([-1, -1, 3], True, False, 0.6),
         ([0, 4, -1], True, False, 1.0),
@@ -357,25 +408,29 @@ def test_a_paw_that_has_just_lifted_off_may_look_poor():
     ],
 )
 def test_what_being_hidden_costs(taken, was, certain, price):
-    stories = Steps(Geometry(LINEAR), np.zeros((3, 3)), np.eye(3))
+    hypotheses = Steps(Projection(LINEAR), np.zeros((3, 3)), np.eye(3))
     # the third view is of the other side
-    stories.how.cameras.own[2] = False
-    stories.now.taken[:, 0], stories.now.hidden[0] = taken, was
-    mht_kernels.charge(stories.now, 1, stories.home, stories.how, certain, False)
-    assert stories.cost[0] == pytest.approx(price)
-    assert stories.now.hidden[0] == (price in (2.0, 0.6))
+    hypotheses.target.cameras.tracked_in_view[2] = False
+    hypotheses.now.taken[:, 0], hypotheses.now.occluded[0] = taken, was
+    mht_kernels.add_motion_cost(
+        hypotheses.now, 1, hypotheses.home, hypotheses.target, certain, False
+    )
+    assert hypotheses.cost[0] == pytest.approx(price)
+    assert hypotheses.now.occluded[0] == (price in (2.0, 0.6))
 
 
 @pytest.mark.usefixtures("steps_of_loops")
 def test_a_point_is_seldom_seen_from_the_other_side():
     price = []
-    for own in (True, False):
-        stories = Steps(Geometry(None), np.zeros((3, 2)), np.eye(3), seen=0.7, seen_across=0.15)
-        stories.how.cameras.own[0] = own
-        stories.see(0, np.zeros((1, 2)), np.zeros(1))
-        price.append(stories.cost)
+    for tracked_in_view in (True, False):
+        hypotheses = Steps(
+            Projection(None), np.zeros((3, 2)), np.eye(3), seen=0.7, seen_across=0.15
+        )
+        hypotheses.target.cameras.tracked_in_view[0] = tracked_in_view
+        hypotheses.see(0, np.zeros((1, 2)), np.zeros(1))
+        price.append(hypotheses.cost)
     (missed, taken), (missed_across, taken_across) = price
-    # to be hidden from a view that tracks it is paid for at the end of the frame
+    # to be occluded from a view that tracks it is paid for at the end of the frame
     assert missed == 0.0
     assert missed_across == pytest.approx(-np.log(0.85))
     assert taken_across - taken == pytest.approx(np.log(0.7 / 0.15))
@@ -383,13 +438,15 @@ def test_a_point_is_seldom_seen_from_the_other_side():
 
 @pytest.mark.usefixtures("steps_of_loops")
 def test_one_that_stands_is_another_story_than_one_that_is_where_it_would_be():
-    stories = Steps(Geometry(None), np.zeros((3, 2)), np.eye(3))
-    alone = Steps(Geometry(None), np.zeros((3, 2)), np.eye(3))
-    for told, standing in ((stories, True), (alone, False)):
+    hypotheses = Steps(Projection(None), np.zeros((3, 2)), np.eye(3))
+    alone = Steps(Projection(None), np.zeros((3, 2)), np.eye(3))
+    for parameters, standing in ((hypotheses, True), (alone, False)):
         for name in ("mean", "covariance"):
-            rows = getattr(told.now, name)
+            rows = getattr(parameters.now, name)
             rows[:, 1] = rows[:, 0]
-        told.now.standing[1] = standing
-        told.now.cost[1] = 1.0
-        told.n = mht_kernels.settle(told.now, 2, told.then, told.told)
-    assert (stories.n, alone.n) == (2, 1)
+        parameters.now.standing[1] = standing
+        parameters.now.cost[1] = 1.0
+        parameters.n = mht_kernels.prune_and_merge(
+            parameters.now, 2, parameters.then, parameters.parameters
+        )
+    assert (hypotheses.n, alone.n) == (2, 1)

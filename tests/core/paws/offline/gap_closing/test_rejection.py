@@ -1,4 +1,6 @@
-"""What is told anew: paths too short, drawn off, off their arcs, and stances no swing leads to."""
+"""What is associated again: paths too short, drawn off, off their arcs, and stances no swing leads
+to.
+"""
 
 import itertools
 from dataclasses import replace
@@ -10,24 +12,30 @@ from hypothesis import strategies as st
 
 from pawnb.core.paws.offline.gap_closing.rejection import (
     drawn_off,
+    frames_to_reassociate,
     hops,
-    off_arc,
+    off_trajectory,
     open_frames,
     runs,
-    told_anew,
     without_hops,
 )
-from pawnb.core.paws.offline.scene.motion_model import Manner
-from pawnb.core.paws.offline.stride.duty_factor import Rhythm
+from pawnb.core.paws.offline.scene.motion_model import MotionModel
+from pawnb.core.paws.offline.stride.duty_factor import DutyFactor
 from pawnb.core.paws.offline.stride.stance import Stance
 from pawnb.core.paws.offline.stride.swing import Swings
 
 DRIFT = np.array([-1.0, 0.0, 0.0])
 # 12 spans of 40 a second at 2 a frame are 240 frames a second
-MANNER = Manner(
-    acceleration=0.3, jerk=0.2, speed=2.0, drift=DRIFT, axes=np.eye(3), ground=0.0, span=40.0,
-    thickness=3.0,
-)  # fmt: skip
+MANNER = MotionModel(
+    acceleration=0.3,
+    jerk=0.2,
+    speed=2.0,
+    substrate_velocity=DRIFT,
+    axes=np.eye(3),
+    substrate=0.0,
+    body_scale=40.0,
+    paw_width=3.0,
+)
 N = 100
 
 
@@ -50,8 +58,8 @@ def test_runs_are_the_stretches_of_true(mask):
 @given(st.lists(st.tuples(st.booleans(), st.booleans()), max_size=40))
 def test_open_frames_by_their_definition(pairs):
     certain = np.array([a for a, _ in pairs], bool)
-    fixed = np.array([b for _, b in pairs], bool)
-    is_open = open_frames(certain, fixed)
+    annotated = np.array([b for _, b in pairs], bool)
+    is_open = open_frames(certain, annotated)
     for t in range(len(pairs)):
         around, length = t, 0
         while around >= 0 and certain[around]:
@@ -59,7 +67,7 @@ def test_open_frames_by_their_definition(pairs):
         while around + 1 < len(pairs) and certain[around + 1]:
             around, length = around + 1, length + 1
         # uncertain, or in a certain stretch of less than four frames; never one placed by hand
-        assert is_open[t] == (not certain[t] or (length < 4 and not fixed[t]))
+        assert is_open[t] == (not certain[t] or (length < 4 and not annotated[t]))
 
 
 def walk(*stances, n=N):
@@ -80,27 +88,27 @@ def walk(*stances, n=N):
     return x
 
 
-def told(x, *, fixed=None, **known):
-    """Return the frames of one paw that are told anew."""
-    fixed = np.zeros(x.shape[:2], bool) if fixed is None else fixed
-    return told_anew(x, fixed, manner=MANNER, **known)[:, 0]
+def told(x, *, annotated=None, **state):
+    """Return the frames of one paw that are associated again."""
+    annotated = np.zeros(x.shape[:2], bool) if annotated is None else annotated
+    return frames_to_reassociate(x, annotated, motion_model=MANNER, **state)[:, 0]
 
 
-RHYTHM = Rhythm(share=np.array([0.6]), sd=np.array([0.02]), stride=50.0, spread=2.0)
+RHYTHM = DutyFactor(share=np.array([0.6]), sd=np.array([0.02]), stride=50.0, spread=2.0)
 """A swing lasts for 20 frames."""
 
 
 def test_a_walk_is_certain_and_a_paw_never_seen_is_not():
     x = walk((0, 30, 0.0), (50, 80, 50.0), (100, 101, 100.0))
-    assert not told(x, rhythm=RHYTHM).any()
-    assert told(np.full((N, 1, 3), np.nan), rhythm=RHYTHM).all()
+    assert not told(x, duty_factor=RHYTHM).any()
+    assert told(np.full((N, 1, 3), np.nan), duty_factor=RHYTHM).all()
 
 
 @pytest.mark.parametrize("n", [1, 5])
 def test_a_recording_of_a_few_frames_is_no_reason_to_fail(n):
     x = walk((0, n, 0.0), n=n)
     swings = Swings(x + np.nan, x + np.nan, x + np.nan, ())
-    assert told(x, rhythm=RHYTHM, swings=swings).all() == (n < 4)
+    assert told(x, duty_factor=RHYTHM, swings=swings).all() == (n < 4)
 
 
 def test_a_path_that_is_lost_soon_after_its_paw_stood_is_told_anew():
@@ -167,14 +175,14 @@ def test_a_stance_that_no_swing_leads_to_is_told_anew_but_not_what_was_placed_by
     # after its stance the path goes over to the paw beside, which stands until frame 60
     x = walk((0, 30, 0.0), (36, 60, 6.0), (80, 100, 56.0))
     x[70:75] = np.nan
-    np.testing.assert_array_equal(np.flatnonzero(told(x, rhythm=RHYTHM)), np.arange(30, 75))
+    np.testing.assert_array_equal(np.flatnonzero(told(x, duty_factor=RHYTHM)), np.arange(30, 75))
     np.testing.assert_array_equal(np.flatnonzero(told(x)), np.arange(70, 75))
     # swings of hind paws, which stand for 0.8 of a stride, are shorter: half of ten frames
     hind = replace(RHYTHM, share=np.array([0.8]))
-    np.testing.assert_array_equal(np.flatnonzero(told(x, rhythm=hind)), np.arange(70, 75))
-    fixed = np.zeros((N, 1), bool)
-    fixed[[45, 60, 71]] = True
-    is_open = told(x, rhythm=RHYTHM, fixed=fixed)
+    np.testing.assert_array_equal(np.flatnonzero(told(x, duty_factor=hind)), np.arange(70, 75))
+    annotated = np.zeros((N, 1), bool)
+    annotated[[45, 60, 71]] = True
+    is_open = told(x, duty_factor=RHYTHM, annotated=annotated)
     # placed by hand without a place is still to be told
     expected = np.setdiff1d(np.arange(30, 75), [45, 60])
     np.testing.assert_array_equal(np.flatnonzero(is_open), expected)
@@ -189,8 +197,8 @@ def test_stances_that_no_swing_leads_to_are_left_out():
     is_open = np.zeros((N, 3), bool)
     is_open[75:80] = True
     # swings last for 20 frames, and ten are one
-    rhythm = Rhythm(np.full(3, 0.6), np.full(3, 0.02), 50.0, 3.0)
-    kept, lost = without_hops(stances, is_open, rhythm)
+    duty_factor = DutyFactor(np.full(3, 0.6), np.full(3, 0.02), 50.0, 3.0)
+    kept, lost = without_hops(stances, is_open, duty_factor)
     assert kept == [[stances[0][0], stances[0][2]], stances[1], []]
     np.testing.assert_array_equal(np.flatnonzero(lost[:, 0]), np.arange(40, 75))
     assert not lost[:, 1:].any()
@@ -209,7 +217,7 @@ def arcs(x, *, sd=0.5):
 @pytest.mark.parametrize(
     ("off", "is_told_anew"),
     [
-        # three of hypot(0.5, half a thickness) are 4.74: forward, up, and both together
+        # three of hypot(0.5, half a paw width) are 4.74: forward, up, and both together
         ([4.7, 0.0, 0.0], False),
         ([4.8, 0.0, 0.0], True),
         ([0.0, 0.0, 4.7], False),
@@ -222,7 +230,7 @@ def test_a_place_off_the_arc_of_its_swing_is_told_anew(off, is_told_anew):
     x = walk((0, 30, 0.0), (50, 80, 50.0), (100, 101, 100.0))
     swings = arcs(x)
     x[40:45, 0] += off
-    found = off_arc(x, swings, MANNER)
+    found = off_trajectory(x, swings, MANNER)
     np.testing.assert_array_equal(
         np.flatnonzero(found[:, 0]), np.arange(40, 45) if is_told_anew else []
     )
@@ -230,28 +238,28 @@ def test_a_place_off_the_arc_of_its_swing_is_told_anew(off, is_told_anew):
     # the same along other axes
     turn = np.array([[0.6, 0.8, 0.0], [-0.8, 0.6, 0.0], [0.0, 0.0, 1.0]])
     turned = replace(swings, place=swings.place @ turn)
-    manner = replace(MANNER, axes=turn)
-    np.testing.assert_array_equal(off_arc(x @ turn, turned, manner), found)
+    motion_model = replace(MANNER, axes=turn)
+    np.testing.assert_array_equal(off_trajectory(x @ turn, turned, motion_model), found)
 
 
 def test_off_its_arc_stays_what_was_placed_by_hand_and_what_no_arc_tells():
     x = walk((0, 30, 0.0), (50, 80, 50.0), (100, 101, 100.0))
     swings = arcs(x)
     x[:, 0, 0] += 20.0
-    fixed = np.zeros((N, 1), bool)
-    fixed[40] = True
-    is_open = told(x, swings=swings, fixed=fixed)
+    annotated = np.zeros((N, 1), bool)
+    annotated[40] = True
+    is_open = told(x, swings=swings, annotated=annotated)
     np.testing.assert_array_equal(np.flatnonzero(is_open), np.setdiff1d(np.arange(30, 50), 40))
 
 
 def test_a_single_view_shows_forward_and_up():
     x = walk((0, 30, 0.0), (50, 80, 50.0), (100, 101, 100.0))[..., [0, 2]]
     swings = arcs(x)
-    flat = replace(MANNER, axes=np.array([[1.0, 0.0], [0.0, -1.0]]), drift=DRIFT[:2])
+    flat = replace(MANNER, axes=np.array([[1.0, 0.0], [0.0, -1.0]]), substrate_velocity=DRIFT[:2])
     for axis in (0, 1):
         moved = x.copy()
         moved[40:45, 0, axis] -= 5.0
-        found = off_arc(moved, swings, flat)[:, 0]
+        found = off_trajectory(moved, swings, flat)[:, 0]
         np.testing.assert_array_equal(np.flatnonzero(found), np.arange(40, 45))
 
 

@@ -5,20 +5,26 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pawnb.core.paws.offline.detection.colour.observations import Sights
-from pawnb.core.paws.offline.gap_closing.gap_closing import Known, bridge_gaps
-from pawnb.core.paws.offline.gap_closing.wrist_decoys import follow_wrists
-from pawnb.core.paws.offline.projection import Geometry
-from pawnb.core.paws.offline.scene.motion_model import Manner
-from pawnb.core.paws.offline.stride.stance import Ground, Stance
+from pawnb.core.paws.offline.detection.colour.observations import Observations
+from pawnb.core.paws.offline.gap_closing.gap_closing import TrackingState, close_gaps
+from pawnb.core.paws.offline.gap_closing.wrist_decoys import follow_wrist_decoys
+from pawnb.core.paws.offline.projection import Projection
+from pawnb.core.paws.offline.scene.motion_model import MotionModel
+from pawnb.core.paws.offline.stride.stance import Stance, Substrate
 
 THICKNESS = 8.0
 DRIFT = np.array([-5.0, 0.0])
-MANNER = Manner(
-    acceleration=1.0, jerk=0.6, speed=12.0, drift=DRIFT, axes=np.array([[1.0, 0.0], [0.0, -1.0]]),
-    ground=-1000.0, span=150.0, thickness=THICKNESS,
-)  # fmt: skip
-ON = Ground(np.zeros(2), DRIFT, np.zeros((2, 2)), MANNER)
+MANNER = MotionModel(
+    acceleration=1.0,
+    jerk=0.6,
+    speed=12.0,
+    substrate_velocity=DRIFT,
+    axes=np.array([[1.0, 0.0], [0.0, -1.0]]),
+    substrate=-1000.0,
+    body_scale=150.0,
+    paw_width=THICKNESS,
+)
+ON = Substrate(np.zeros(2), DRIFT, np.zeros((2, 2)), MANNER)
 N, STOP, LIFT = 40, 20, 23
 """The stance is certain until the paw is covered; it lifts off later."""
 STEPS = round(0.03 * MANNER.fps)
@@ -35,21 +41,21 @@ def scene():
     return stance, np.stack([paw, wrist, clutter], axis=1)
 
 
-def sights_of(at, there=None, *, quality=1.0, n_points=2):
-    """Candidates (n, C, 2) of one view; those that are there have to come first."""
+def sights_of(at, there=None, *, detection_probability=1.0, n_points=2):
+    """Detections (n, C, 2) of one view; those that are there have to come first."""
     there = np.ones(at.shape[:2], bool) if there is None else there
-    quality = np.broadcast_to(quality, at.shape[:2])
-    return Sights(
-        at[:, None], np.repeat(at[:, None, None], n_points, axis=1), quality[:, None],
+    detection_probability = np.broadcast_to(detection_probability, at.shape[:2])
+    return Observations(
+        at[:, None], np.repeat(at[:, None, None], n_points, axis=1), detection_probability[:, None],
         there[:, None],
     )  # fmt: skip
 
 
-def wrists_of(stance, sights):
+def wrists_of(stance, observations):
     """Follow the wrists of the first of two points."""
-    return follow_wrists(
-        [[stance], []], sights, ground=ON, geometry=Geometry(None),
-        thickness_px=np.array([THICKNESS]),
+    return follow_wrist_decoys(
+        [[stance], []], observations, substrate=ON, geometry=Projection(None),
+        paw_width_px=np.array([THICKNESS]),
     )  # fmt: skip
 
 
@@ -64,31 +70,33 @@ def test_a_wrist_is_followed_from_where_its_paw_stood():
 
 def test_a_wrist_says_where_its_paw_is():
     stance, at = scene()
-    sights = sights_of(at)
-    moved, against = wrists_of(stance, sights).told(sights, np.zeros((N, 2, 1, 3)))
+    observations = sights_of(at)
+    moved, negative_log_odds = wrists_of(stance, observations).observed(
+        observations, np.zeros((N, 2, 1, 3))
+    )
     followed = slice(STOP, STOP + STEPS)
     # by the turning of the wrist, 0.3 px a frame, what it says is ahead of the paw
     late = 0.3 * np.arange(1, STEPS + 1)
     expected = at[followed, 0] + np.column_stack([late, np.zeros(STEPS)])
     np.testing.assert_allclose(moved.at[followed, 0, 0, 1], expected, atol=1e-9)
-    assert (against[followed, 0, 0, 1] > 0).all()
+    assert (negative_log_odds[followed, 0, 0, 1] > 0).all()
     # all else says what it said, and costs nothing more
-    np.testing.assert_array_equal(moved.at[:, :, 0, ::2], sights.at[:, :, 0, ::2])
-    np.testing.assert_array_equal(moved.at[:, 1], sights.at[:, 1])
-    assert against[:, 1].max() == against[:, 0, 0, ::2].max() == 0
+    np.testing.assert_array_equal(moved.at[:, :, 0, ::2], observations.at[:, :, 0, ::2])
+    np.testing.assert_array_equal(moved.at[:, 1], observations.at[:, 1])
+    assert negative_log_odds[:, 1].max() == negative_log_odds[:, 0, 0, ::2].max() == 0
 
 
 def test_a_wrist_is_no_measurement():
     stance, at = scene()
-    wrists = wrists_of(stance, sights_of(at))
+    wrist_decoys = wrists_of(stance, sights_of(at))
     choice = np.full((N, 2, 1), -1)
     choice[15:24, 0], choice[24:30, 0], choice[:, 1] = 1, 0, 1
-    left, against = wrists.left_out(choice, np.zeros((N, 2, 1, 3)))
+    left, negative_log_odds = wrist_decoys.left_out(choice, np.zeros((N, 2, 1, 3)))
     # before the stance ends it was not told by following
     expected = choice.copy()
     expected[STOP:24, 0] = -1
     np.testing.assert_array_equal(left, expected)
-    np.testing.assert_array_equal(against > 10, wrists.found)
+    np.testing.assert_array_equal(negative_log_odds > 10, wrist_decoys.found)
 
 
 @pytest.mark.parametrize(("where", "followed"), [(0.7, 0), (0.9, STEPS), (2.4, STEPS), (2.6, 0)])
@@ -119,11 +127,11 @@ def test_a_wrist_that_is_lost_is_not_found_again():
     np.testing.assert_array_equal(np.flatnonzero(found[:, 0, 0, 1]), [STOP, STOP + 1])
 
 
-@pytest.mark.parametrize(("lift", "followed"), [(STOP - 1, 1), (STOP, 2), (N, STEPS)])
-def test_what_has_left_the_ground_may_be_the_paw(lift, followed):
+@pytest.mark.parametrize(("liftoff_velocity", "followed"), [(STOP - 1, 1), (STOP, 2), (N, STEPS)])
+def test_what_has_left_the_ground_may_be_the_paw(liftoff_velocity, followed):
     stance, at = scene()
-    # 3.5 px in the first frame; 5.6, seven tenths of a thickness, are gone in the second
-    at[lift + 1 :, 1, 1] -= 3.5 * np.arange(1, N - lift)
+    # 3.5 px in the first frame; 5.6, seven tenths of a paw width, are gone in the second
+    at[liftoff_velocity + 1 :, 1, 1] -= 3.5 * np.arange(1, N - liftoff_velocity)
     assert wrists_of(stance, sights_of(at)).found.sum() == followed
 
 
@@ -156,22 +164,25 @@ def lifting_off():
     hidden = (t >= 22) & (t < 36)
     at[hidden] = at[hidden][:, [0, 2, 1]]
     there[hidden] = np.column_stack([np.ones(14), t[hidden] < 29, np.zeros(14)]).astype(bool)
-    quality = np.where((at == wrist[:, None]).all(axis=-1), 0.95, 1.0)
+    detection_probability = np.where((at == wrist[:, None]).all(axis=-1), 0.95, 1.0)
     chosen = np.stack([paw, other], axis=1)
     chosen[hidden, 0] = np.nan
-    return paw, chosen, at, there, quality
+    return paw, chosen, at, there, detection_probability
 
 
 def test_a_paw_that_lifts_off_is_not_taken_for_its_wrist():
-    paw, chosen, at, there, quality = lifting_off()
-    bridged = bridge_gaps(
-        Known(chosen, np.zeros((60, 2), bool)), sights_of(at, there, quality=quality),
-        geometry=Geometry(None), thickness_px=np.array([THICKNESS]), own=np.ones((2, 1), bool),
-        manner=replace(MANNER, drift=np.array([-3.0, 0.0])),
-    )  # fmt: skip
+    paw, chosen, at, there, detection_probability = lifting_off()
+    bridged = close_gaps(
+        TrackingState(chosen, np.zeros((60, 2), bool)),
+        sights_of(at, there, detection_probability=detection_probability),
+        geometry=Projection(None),
+        paw_width_px=np.array([THICKNESS]),
+        tracked_in_view=np.ones((2, 1), bool),
+        motion_model=replace(MANNER, substrate_velocity=np.array([-3.0, 0.0])),
+    )
     # in frame 26 it stands for the last time; taken for its wrist it would lift off in 23
-    (lift,) = (t for p, t in bridged.lifts if p == 0 and 20 < t < 36)
-    assert abs(lift - 26) <= 2
+    (liftoff_velocity,) = (t for p, t in bridged.lift_offs if p == 0 and 20 < t < 36)
+    assert abs(liftoff_velocity - 26) <= 2
     assert (bridged.choice[22:36, 0] < 0).all()
     standing = np.arange(22, 26)
     np.testing.assert_allclose(bridged.held[standing, 0], paw[standing], atol=0.5)

@@ -6,10 +6,10 @@ import pandas as pd
 import pytest
 
 from pawnb.core.paws.layout import Placement, make_layout
-from pawnb.core.paws.maghsoudi2019.settings import PaperSettings
-from pawnb.core.paws.offline.landmarks.backward_tracking import frames_back, look_back
-from pawnb.core.paws.offline.landmarks.template_tracking import Follower
-from pawnb.core.paws.request import Task
+from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
+from pawnb.core.paws.offline.landmarks.backward_tracking import frames_back, track_backwards
+from pawnb.core.paws.offline.landmarks.template_tracking import TemplateTracker
+from pawnb.core.paws.request import TrackingRequest
 
 SIZE, N, BEGIN = 120, 24, 5
 
@@ -65,9 +65,9 @@ def followed(views, placed, stop=BEGIN + N):
     """Landmarks that were followed forwards."""
     start = pd.DataFrame({"frame": 0, "view": "side", "point": ["nose", "ear"], "u": 0.0, "v": 0.0})
     layout = make_layout(
-        views, start, Task(frames=(0, 99), fps=200.0), settings=PaperSettings()
+        views, start, TrackingRequest(frames=(0, 99), fps=200.0), settings=Maghsoudi2019Settings()
     )  # fmt: skip
-    follower = Follower(layout, placed)
+    follower = TemplateTracker(layout, placed)
     for t, pictures in views.frames(BEGIN, stop):
         follower.step(t, pictures)
     return follower
@@ -86,7 +86,7 @@ def test_each_landmark_is_followed_back_from_where_it_was_first_placed():
     after = np.array(follower.uv)[8:, 0, 0].copy()
     views.asked.clear()
     done = []
-    assert look_back(views, follower, BEGIN, progress=lambda *step: done.append(step))
+    assert track_backwards(views, follower, BEGIN, progress=lambda *step: done.append(step))
     assert views.asked == list(range(BEGIN + 16, BEGIN - 1, -1))
     assert frames_back(placed, BEGIN) == 16
     assert done == [(N + k, N + 16) for k in range(1, 17)]
@@ -101,7 +101,7 @@ def test_nothing_is_looked_at_where_all_were_placed_at_once():
     views = Views()
     follower = followed(views, {BEGIN: [at(views, 0, 0), at(views, 1, 0)]})
     views.asked.clear()
-    assert look_back(views, follower, BEGIN)
+    assert track_backwards(views, follower, BEGIN)
     assert views.asked == []
 
 
@@ -109,7 +109,7 @@ def test_a_click_that_an_interrupted_run_has_not_reached_says_nothing():
     views = Views()
     placed = {BEGIN + 4: [at(views, 0, 4)], BEGIN + 16: [at(views, 1, 16)]}
     follower = followed(views, placed, BEGIN + 10)
-    assert look_back(views, follower, BEGIN)
+    assert track_backwards(views, follower, BEGIN)
     seen = np.isfinite(np.array(follower.uv)[:, 0, :, 0])
     assert seen[:, 0].all()
     assert not seen[:, 1].any()
@@ -121,5 +121,5 @@ def test_a_stop_on_the_way_back_leaves_nothing_half_done(frames):
     follower = followed(views, {BEGIN + 16: [at(views, 0, 16), at(views, 1, 16)]})
     asked = []
     stop = lambda: asked.append(None) or len(asked) > frames  # noqa: E731
-    assert not look_back(views, follower, BEGIN, stop=stop)
+    assert not track_backwards(views, follower, BEGIN, stop=stop)
     assert np.isnan(np.array(follower.uv)[:16]).all()

@@ -9,11 +9,11 @@ import pandas as pd
 import pytest
 
 from pawnb.core.paws.layout import Placement, make_layout
-from pawnb.core.paws.maghsoudi2019.settings import PaperSettings
+from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
 from pawnb.core.paws.offline.landmarks import template_tracking
-from pawnb.core.paws.offline.landmarks.template_tracking import Follower, window_px
+from pawnb.core.paws.offline.landmarks.template_tracking import TemplateTracker, window_px
 from pawnb.core.paws.offline.landmarks.tracks import check_landmarks, choose_landmarks, join_views
-from pawnb.core.paws.request import Task
+from pawnb.core.paws.request import TrackingRequest
 from pawnb.core.rig import Rig
 from pawnb.errors import InputError
 
@@ -78,7 +78,10 @@ def draw(background, texture, at):
 def layout_of(names, *, rig=None, points=("nose",)):
     start = pd.DataFrame({"frame": 0, "view": names[0], "point": points, "u": 0.0, "v": 0.0})
     return make_layout(
-        OpenViews(names), start, Task(frames=(0, N), fps=200.0, rig=rig), settings=PaperSettings()
+        OpenViews(names),
+        start,
+        TrackingRequest(frames=(0, N), fps=200.0, rig=rig),
+        settings=Maghsoudi2019Settings(),
     )
 
 
@@ -90,7 +93,7 @@ def circle(n=N):
 
 def test_a_patch_is_followed_between_pixels_and_found_again_after_hiding():
     background, texture, path = smooth_noise(0), smooth_noise(1), circle()
-    follower = Follower(layout_of(["side"]), {0: [Placement(0, 0, path[0])]})
+    follower = TemplateTracker(layout_of(["side"]), {0: [Placement(0, 0, path[0])]})
     for t, at in enumerate(path):
         picture = background.astype(np.uint8) if t in HIDDEN else draw(background, texture, at)
         follower.step(t, {"side": Still(picture)})
@@ -99,7 +102,7 @@ def test_a_patch_is_followed_between_pixels_and_found_again_after_hiding():
     seen = np.isfinite(away)
     assert not seen[list(HIDDEN)].any()
     assert seen[: HIDDEN.start].all()
-    # while it was hidden it went on; where it is in reach of the search it is found again
+    # while it was occluded it went on; where it is in reach of the search it is found again
     assert seen[HIDDEN.stop :].any()
     assert np.nanmax(away) < 0.3
     assert (np.array(follower.likeness)[:, 0, 0] > 0).tolist() == seen.tolist()
@@ -110,7 +113,7 @@ def test_the_clicked_patch_keeps_errors_from_adding_up():
     background, texture = smooth_noise(2), smooth_noise(3)
     path = circle(200)
     rng = np.random.default_rng(4)
-    follower = Follower(layout_of(["side"]), {0: [Placement(0, 0, path[0])]})
+    follower = TemplateTracker(layout_of(["side"]), {0: [Placement(0, 0, path[0])]})
     for t, at in enumerate(path):
         picture = draw(background, texture, at) * (1.0 - 0.3 * t / 200) + rng.normal(
             0, 4, (SIZE, SIZE)
@@ -130,7 +133,7 @@ def test_a_view_that_the_others_contradict_is_left_out(n_views):
     texture = smooth_noise(8)
     xyz = np.array([[0.5 * t, 3.0, 2.0] for t in range(8)])
     uv = rig.project(xyz)
-    follower = Follower(layout, {0: [Placement(v, 0, uv[0, v]) for v in range(n_views)]})
+    follower = TemplateTracker(layout, {0: [Placement(v, 0, uv[0, v]) for v in range(n_views)]})
     rng = np.random.default_rng(10)
     for t in range(8):
         pictures = {}
@@ -166,16 +169,16 @@ def test_views_are_joined_and_long_gaps_stay_empty():
     inside = np.abs(x - xyz)[rest] < 1.96 * result.sd[rest, 0]
     assert inside.mean() > 0.9
     # a single wrong view counts little in both passes
-    assert np.nanmedian(result.apart) < 2.0
-    assert np.isfinite(result.apart[3:-3]).all()
-    assert np.isnan(result.separation).all()
+    assert np.nanmedian(result.forward_backward_distance) < 2.0
+    assert np.isfinite(result.forward_backward_distance[3:-3]).all()
+    assert np.isnan(result.association_log_odds).all()
     # what was not seen is known less well
     assert result.sd[6, 0].max() > result.sd[11, 0].max()
 
 
 def test_which_points_are_landmarks():
     def chosen(names, named=()):
-        kinds = [PaperSettings().kind(name) for name in names]
+        kinds = [Maghsoudi2019Settings().kind(name) for name in names]
         return [n for n, is_one in zip(names, choose_landmarks(names, kinds, named), strict=True)
                 if is_one]  # fmt: skip
 

@@ -7,13 +7,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pawnb.core.paws.offline.scene.motion_model import Manner
+from pawnb.core.paws.offline.scene.motion_model import MotionModel
 
 # the belt carries standing paws back by 1 a frame; the lowest click was at height 2
-MANNER = Manner(
-    acceleration=0.2, jerk=0.1, speed=5.0, drift=np.array([-1.0, 0.0, 0.0]), axes=np.eye(3),
-    ground=2.0, span=30.0, thickness=1.0,
-)  # fmt: skip
+MANNER = MotionModel(
+    acceleration=0.2,
+    jerk=0.1,
+    speed=5.0,
+    substrate_velocity=np.array([-1.0, 0.0, 0.0]),
+    axes=np.eye(3),
+    substrate=2.0,
+    body_scale=30.0,
+    paw_width=1.0,
+)
 
 
 @pytest.mark.parametrize("fps", [100.0, 250.0, 1000.0])

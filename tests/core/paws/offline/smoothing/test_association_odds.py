@@ -1,48 +1,59 @@
-"""How far candidates are ahead of others: known odds of made-up candidates."""
+"""How far detections are ahead of others: known odds of made-up detections."""
 
 import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from pawnb.core.paws.offline.detection.colour.observations import Sights
-from pawnb.core.paws.offline.projection import Geometry
-from pawnb.core.paws.offline.smoothing.association_odds import separations
+from pawnb.core.paws.offline.detection.colour.observations import Observations
+from pawnb.core.paws.offline.projection import Projection
+from pawnb.core.paws.offline.smoothing.association_odds import association_log_odds
 
-FLAT = Geometry(None)
+FLAT = Projection(None)
 LINEAR = np.zeros((11, 2))
 LINEAR[:8] = np.array([[4, 0, 0, 9, 0, 0, -4, 7], [0, 3, 1, -5, 1, 0, -4, 2]]).T
-RIG = Geometry(LINEAR)
+RIG = Projection(LINEAR)
 
 
-def separate(at, taken, x, covariance, *, geometry=FLAT, sigma=1.0, against=None, there=None):
+def separate(
+    at, taken, x, covariance, *, geometry=FLAT, sigma=1.0, negative_log_odds=None, there=None
+):
     """Separations of one point in one frame; ``at`` (V, C, 2), ``taken`` (V, 2)."""
     at = np.asarray(at, float)[None]
     shape = at.shape[:3]
     is_there = np.ones(shape, bool) if there is None else np.asarray(there)[None]
-    against = np.zeros(shape) if against is None else np.asarray(against, float)[None]
-    return separations(
-        np.asarray(taken, float)[None, None], (x[None, None], covariance[None, None]),
-        Sights(at, at[:, None], np.ones(shape), is_there), against=against[:, None],
-        sigma=np.broadcast_to(sigma, against[:, None].shape).astype(float), geometry=geometry,
-        thickness_px=np.full(at.shape[1], 8.0),
-    )[0, 0]  # fmt: skip
+    negative_log_odds = (
+        np.zeros(shape) if negative_log_odds is None else np.asarray(negative_log_odds, float)[None]
+    )
+    return association_log_odds(
+        np.asarray(taken, float)[None, None],
+        (x[None, None], covariance[None, None]),
+        Observations(at, at[:, None], np.ones(shape), is_there),
+        negative_log_odds=negative_log_odds[:, None],
+        sigma=np.broadcast_to(sigma, negative_log_odds[:, None].shape).astype(float),
+        geometry=geometry,
+        paw_width_px=np.full(at.shape[1], 8.0),
+    )[0, 0]
 
 
 def test_the_odds_of_two_candidates_by_where_the_point_is_expected():
     x, covariance = np.array([50.0, 40.0]), np.array([[3.0, 1.0], [1.0, 2.0]])
     at = [[[51.0, 40.0], [44.0, 43.0], [90.0, 90.0]]]
-    # a candidate twice as vague as the other
+    # a detection twice as vague as the other
     sigma = np.array([[[[1.0, 2.0, 1.0]]]])
-    against = [[0.3, 0.9, 0.0]]
+    negative_log_odds = [[0.3, 0.9, 0.0]]
     density = [
         multivariate_normal.logpdf(one, x, covariance + s**2 * np.eye(2))
         for one, s in zip(at[0][:2], (1.0, 2.0), strict=True)
     ]
     expected = density[0] - density[1] + 0.9 - 0.3
-    found = separate(at, [at[0][0]], x, covariance, sigma=sigma, against=against)
+    found = separate(
+        at, [at[0][0]], x, covariance, sigma=sigma, negative_log_odds=negative_log_odds
+    )
     np.testing.assert_allclose(found, [expected])
     # had the other been taken, it would be behind by as much
-    found = separate(at, [at[0][1]], x, covariance, sigma=sigma, against=against)
+    found = separate(
+        at, [at[0][1]], x, covariance, sigma=sigma, negative_log_odds=negative_log_odds
+    )
     np.testing.assert_allclose(found, [-expected])
 
 
@@ -80,7 +91,7 @@ def test_what_is_alone_or_not_a_candidate():
     x, covariance = np.array([50.0, 40.0]), np.eye(2)
     at = [[[50.0, 40.0], [57.0, 40.0]]]
     assert separate(at, [x], x, covariance, there=[[True, False]]) == 30.0
-    assert separate(at, [x], x, covariance, against=[[0.0, 99.0]]) == 30.0
+    assert separate(at, [x], x, covariance, negative_log_odds=[[0.0, 99.0]]) == 30.0
     assert np.isnan(separate(at, [[np.nan, np.nan]], x, covariance)).all()
-    # a person placed it where no candidate is
+    # a person placed it where no detection is
     assert np.isnan(separate(at, [[50.5, 40.0]], x, covariance)).all()

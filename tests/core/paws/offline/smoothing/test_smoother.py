@@ -40,11 +40,11 @@ def test_an_expected_bend_is_made_in_a_gap():
     t = np.arange(30.0)
     # 2 a frame backwards until 12.5, then 3 a frame forwards: no jerk but that
     x = np.column_stack([-2.0 * t + 5.0 * np.maximum(t - 12.5, 0.0), np.zeros(30)])
-    bend = np.zeros_like(x)
-    bend[1:-2] = x[3:] - 3 * x[2:-1] + 3 * x[1:-2] - x[:-3]
+    jerk_mean = np.zeros_like(x)
+    jerk_mean[1:-2] = x[3:] - 3 * x[2:-1] + 3 * x[1:-2] - x[:-3]
     seen = (t < 10) | (t > 20)
     W = seen[:, None, None] * np.eye(2)
-    found, _ = smooth(W, seen[:, None] * x, np.full(30, 0.01), bend=bend)
+    found, _ = smooth(W, seen[:, None] * x, np.full(30, 0.01), jerk_mean=jerk_mean)
     np.testing.assert_allclose(found, x, atol=1e-2)
     without, _ = smooth(W, seen[:, None] * x, np.full(30, 0.01))
     assert np.abs(without - x).max() > 1.0
@@ -58,17 +58,17 @@ def test_along_turned_axes_it_is_the_turned_problem():
     information = np.einsum("nki,nkj->nij", J, J)
     information[8:14] = 0.0
     target = np.einsum("nij,nj->ni", information, rng.normal(size=(n, d)))
-    bend, alike = 0.1 * rng.normal(size=(n, d)), rng.uniform(0.01, 1.0, n)
-    plain, factor = smooth(information, target, alike, bend=bend)
-    turned, turned_factor = smooth(information, target, alike, bend=bend, axes=axes)
+    jerk_mean, alike = 0.1 * rng.normal(size=(n, d)), rng.uniform(0.01, 1.0, n)
+    plain, factor = smooth(information, target, alike, jerk_mean=jerk_mean)
+    turned, turned_factor = smooth(information, target, alike, jerk_mean=jerk_mean, axes=axes)
     np.testing.assert_allclose(turned, plain, atol=1e-6)
     expected = variances(factor, d)
     np.testing.assert_allclose(variances(turned_factor, d, axes=axes), expected, rtol=1e-5)
     # another variance along each axis: along the axes that are the coordinates' own, turned
     jerk2 = rng.uniform(0.01, 1.0, (n, d))
     inside = axes @ information @ axes.T
-    straight, factor = smooth(inside, target @ axes.T, jerk2, bend=bend @ axes.T)
-    found, _ = smooth(information, target, jerk2, bend=bend, axes=axes)
+    straight, factor = smooth(inside, target @ axes.T, jerk2, jerk_mean=jerk_mean @ axes.T)
+    found, _ = smooth(information, target, jerk2, jerk_mean=jerk_mean, axes=axes)
     np.testing.assert_allclose(found @ axes.T, straight, atol=1e-6)
 
 
@@ -80,10 +80,10 @@ def test_each_axis_has_its_own_jerk():
     jerk2 = np.tile([1e-1, 1e-2], (40, 1))
     found, factor = smooth(W, seen[:, None] * x, jerk2)
     for axis in (0, 1):
-        alone, own = smooth(W, seen[:, None] * x, jerk2[:, axis])
+        alone, tracked_in_view = smooth(W, seen[:, None] * x, jerk2[:, axis])
         # but for the trace of prior, which is that of the stiffest axis
         np.testing.assert_allclose(found[:, axis], alone[:, axis], atol=1e-3)
-        expected = variances(own, 2)[:, axis]
+        expected = variances(tracked_in_view, 2)[:, axis]
         np.testing.assert_allclose(variances(factor, 2)[:, axis], expected, rtol=1e-3)
     assert np.abs(found[:, 0] - found[:, 1]).max() > 0.05
 

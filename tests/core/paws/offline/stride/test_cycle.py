@@ -59,7 +59,7 @@ def test_stride_phase_and_curves_come_out_despite_swapped_pieces(seed):
     # phases count from an origin of their own
     lag = np.abs(cycle.phase - phase - np.median(cycle.phase - phase))
     assert np.median(lag) < 0.01
-    # more beside swapped pieces, and at the ends, where half of every window is missing
+    # more beside swapped tracklets, and at the ends, where half of every window is missing
     assert lag.max() < 0.08
     away = np.abs(cycle.mean - truth)
     assert np.median(away) < NOISE

@@ -7,22 +7,30 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pawnb.core.paws.offline.scene.motion_model import Manner
-from pawnb.core.paws.offline.stride.plausibility_kernels import doubt
-from pawnb.core.paws.offline.stride.stance import Ground
+from pawnb.core.paws.offline.scene.motion_model import MotionModel
+from pawnb.core.paws.offline.stride.plausibility_kernels import add_kinematic_cost
+from pawnb.core.paws.offline.stride.stance import Substrate
 
 # the belt carries standing paws back by 1 a frame; the lowest click was at height 2
-MANNER = Manner(
-    acceleration=0.2, jerk=0.1, speed=5.0, drift=np.array([-1.0, 0.0, 0.0]), axes=np.eye(3),
-    ground=2.0, span=30.0, thickness=1.0,
-)  # fmt: skip
+MANNER = MotionModel(
+    acceleration=0.2,
+    jerk=0.1,
+    speed=5.0,
+    substrate_velocity=np.array([-1.0, 0.0, 0.0]),
+    axes=np.eye(3),
+    substrate=2.0,
+    body_scale=30.0,
+    paw_width=1.0,
+)
 
 
-def doubted(height, speed, *, stands=np.nan, recent=False, way=1, manner=MANNER):
+def doubted(height, speed, *, stands=np.nan, recent=False, way=1, motion_model=MANNER):
     """What speaks against a height and a speed of a point that stands at another height."""
-    ground = Ground(np.array([stands]), manner.drift, np.zeros((1, 3)), manner)
+    substrate = Substrate(
+        np.array([stands]), motion_model.substrate_velocity, np.zeros((1, 3)), motion_model
+    )
     x, v, cost = np.array([[0.0], [0.0], [height]]), np.array(speed)[:, None], np.array([3.0])
-    doubt(x, v, np.array([recent]), ground.doubts(0, way=way), cost)
+    add_kinematic_cost(x, v, np.array([recent]), substrate.kinematic_prior(0, way=way), cost)
     return cost[0] - 3.0
 
 
@@ -31,8 +39,8 @@ def doubted(height, speed, *, stands=np.nan, recent=False, way=1, manner=MANNER)
     [
         (2.0, -1.0, 0.0),  # stands on the belt
         (9.0, 5.0, 0.0),  # swings
-        (1.4, -1.0, 0.0),  # the middle of a paw may be 0.7 thicknesses below its clicked end
-        (0.8, -1.0, 0.5),  # half a thickness further down is one standard deviation
+        (1.4, -1.0, 0.0),  # the middle of a paw may be 0.7 paw widths below its clicked end
+        (0.8, -1.0, 0.5),  # half a paw width further down is one standard deviation
         (-0.2, -1.0, 4.5),  # three of them
         (2.0, -1.35, 0.5),  # one deviation, a quarter of the belt and half the acceleration
         (2.0, -50.0, 4.5),  # no more than three count
@@ -64,11 +72,11 @@ def test_what_rides_above_the_ground_is_no_paw(above, speed, recent, is_dear):
 
 
 def test_half_lifted_counts_half():
-    # lifted from 0.6 thicknesses on, for certain from 1.1
-    half, whole = (doubted(2.2 + up, MANNER.drift, stands=2.2) for up in (0.85, 1.1))
+    # lifted from 0.6 paw widths on, for certain from 1.1
+    half, whole = (doubted(2.2 + up, MANNER.substrate_velocity, stands=2.2) for up in (0.85, 1.1))
     assert half == pytest.approx(0.5 * whole)
-    assert doubted(2.2 + 1.7, MANNER.drift, stands=2.2) == pytest.approx(whole)
+    assert doubted(2.2 + 1.7, MANNER.substrate_velocity, stands=2.2) == pytest.approx(whole)
 
 
 def test_where_no_ground_is_known_nothing_is_below_it():
-    assert doubted(-99.0, [5.0, 0.0, 0.0], manner=replace(MANNER, ground=-np.inf)) == 0.0
+    assert doubted(-99.0, [5.0, 0.0, 0.0], motion_model=replace(MANNER, substrate=-np.inf)) == 0.0

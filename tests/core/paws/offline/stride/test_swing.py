@@ -1,4 +1,4 @@
-"""Where paws swing: a made walk whose truth is known, its swings hidden as they begin.
+"""Where paws swing: a made walk whose truth is known, its swings occluded as they begin.
 
 Forward a swing is the polynomial of least jerk from rest to rest (Flash and Hogan 1985), upwards
 a half wave of the sine: of another family than what is fitted.
@@ -12,10 +12,10 @@ from hypothesis import given
 from hypothesis import settings as rules
 from hypothesis import strategies as st
 
-from pawnb.core.paws.offline.scene.motion_model import Manner
+from pawnb.core.paws.offline.scene.motion_model import MotionModel
 from pawnb.core.paws.offline.smoothing.smoother import smooth
-from pawnb.core.paws.offline.stride.duty_factor import Rhythm
-from pawnb.core.paws.offline.stride.stance import Ground, Stance
+from pawnb.core.paws.offline.stride.duty_factor import DutyFactor
+from pawnb.core.paws.offline.stride.stance import Stance, Substrate
 from pawnb.core.paws.offline.stride.swing import Swings, learn_swings
 
 FPS, STRIDE, SHARE = 250.0, 50.0, 0.6
@@ -23,15 +23,21 @@ THICKNESS, HEIGHT, ASIDE = 3.0, 5.0, 0.2
 DRIFT = np.array([-1.2, 0.1, 0.05])
 KINDS = ["front", "front"]
 HIDDEN = 0.45
-RHYTHM = Rhythm(share=np.full(2, SHARE), sd=np.full(2, 0.02), stride=STRIDE, spread=2.0)
+RHYTHM = DutyFactor(share=np.full(2, SHARE), sd=np.full(2, 0.02), stride=STRIDE, spread=2.0)
 
 
-def manner(axes=None):
+def motion_model(axes=None):
     axes = np.eye(3) if axes is None else axes
-    return Manner(
-        acceleration=0.3, jerk=0.2, speed=12.0 * 40.0 / FPS, drift=DRIFT[: len(axes)], axes=axes,
-        ground=0.0, span=40.0, thickness=THICKNESS,
-    )  # fmt: skip
+    return MotionModel(
+        acceleration=0.3,
+        jerk=0.2,
+        speed=12.0 * 40.0 / FPS,
+        substrate_velocity=DRIFT[: len(axes)],
+        axes=axes,
+        substrate=0.0,
+        body_scale=40.0,
+        paw_width=THICKNESS,
+    )
 
 
 @dataclass(frozen=True)
@@ -104,17 +110,21 @@ def walk(*, strides=4, seed=0, hidden=HIDDEN, noise=0.1, lifted=HEIGHT):
 def learn(made, **options):
     """Learn the swings of a walk."""
     known = {
-        "ground": Ground(np.zeros(2), DRIFT, np.zeros((2, 3)), manner()), "rhythm": RHYTHM,
-        "kinds": KINDS, "fps": FPS, "certain": np.ones(made.weight.shape, bool), **options,
-    }  # fmt: skip
+        "substrate": Substrate(np.zeros(2), DRIFT, np.zeros((2, 3)), motion_model()),
+        "duty_factor": RHYTHM,
+        "kinds": KINDS,
+        "fps": FPS,
+        "certain": np.ones(made.weight.shape, bool),
+        **options,
+    }
     return learn_swings(made.x, made.weight, made.stances, **known)
 
 
 def same(found, expected, *, atol=1e-6):
     """Assert that swings are the same."""
-    for name in ("place", "sd", "bend"):
+    for name in ("place", "sd", "jerk_mean"):
         np.testing.assert_allclose(getattr(found, name), getattr(expected, name), atol=atol)
-    np.testing.assert_allclose(found.lifts, expected.lifts, atol=atol)
+    np.testing.assert_allclose(found.lift_offs, expected.lift_offs, atol=atol)
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -122,7 +132,7 @@ def test_hidden_swings_are_near_the_truth_and_nearer_than_smoothed(seed):
     made = walk(seed=seed)
     swings = learn(made)
     told = made.hidden & np.isfinite(swings.place[..., 0])
-    # as good as all that is hidden is told: what is not is at either end of a swing
+    # as good as all that is occluded is told: what is not is at either end of a swing
     assert told.sum() > 0.9 * made.hidden.sum() > 60
     off, smoothed = (
         np.sqrt(np.mean(np.sum((at - made.truth)[told] ** 2, axis=-1)))
@@ -144,7 +154,7 @@ def test_the_stated_sd_of_places_and_lift_offs_is_honest():
             mine.append(whole[-1])
         swings = learn(replace(made, stances=stances))
         error.append(((swings.place - made.truth) / swings.sd)[made.hidden])
-        for p, lift, sd in swings.lifts:
+        for p, lift, sd in swings.lift_offs:
             nearest = min((begin - lift for begin, _ in made.times[p]), key=abs)
             late.append(nearest / sd)
     error = np.concatenate(error)
@@ -158,9 +168,9 @@ def test_the_stated_sd_of_places_and_lift_offs_is_honest():
 def test_lift_offs_are_found_by_what_is_seen_later():
     made = walk(seed=11)
     late = [[replace(one, stop=one.stop + 4) for one in mine] for mine in made.stances]
-    lifts = learn(replace(made, stances=late), rhythm=None).lifts
-    assert len(lifts) == sum(len(mine) - 1 for mine in late) > 6
-    for p, lift, sd in lifts:
+    lift_offs = learn(replace(made, stances=late), duty_factor=None).lift_offs
+    assert len(lift_offs) == sum(len(mine) - 1 for mine in late) > 6
+    for p, lift, sd in lift_offs:
         assert min(abs(begin - lift) for begin, _ in made.times[p]) < 1.5
         assert sd < 1.0
 
@@ -170,18 +180,18 @@ def test_swings_before_the_first_and_after_the_last_stance_are_told_by_the_rhyth
     first, last = (
         slice(0, made.stances[0][0].first - 1), slice(made.stances[0][-1].stop + 1, None),
     )  # fmt: skip
-    told, untold = learn(made), learn(made, rhythm=None)
+    told, untold = learn(made), learn(made, duty_factor=None)
     for frames in (first, last):
         assert np.isfinite(told.place[frames, 0]).all()
         assert np.isnan(untold.place[frames, 0]).all()
         away = np.linalg.norm(told.place[frames, 0] - made.truth[frames, 0], axis=-1)
         assert away.max() < 0.5 * THICKNESS
-    # the last swing of the recording is hidden for most of it
+    # the last swing of the recording is occluded for most of it
     assert made.hidden[last, 0].any()
     # when a paw stood as the recording began, it is not known what was before
     assert made.stances[1][0].first == 0
     assert np.isnan(told.place[: made.stances[1][0].stop - 1, 1]).all()
-    assert sorted({p for p, lift, _ in told.lifts if lift < 0}) == [0]
+    assert sorted({p for p, lift, _ in told.lift_offs if lift < 0}) == [0]
 
 
 def test_what_is_not_certain_hardly_bends_a_swing_whose_end_is_not_known():
@@ -213,15 +223,15 @@ def test_paws_go_aside_as_others_of_their_kind_and_left_as_right_is_mirrored():
     mirror = np.array([1.0, -1.0, 1.0])
     stances = [[replace(one, origin=one.origin * mirror) for one in mine] for mine in made.stances]
     # the drift has a part to the side
-    ground = Ground(np.zeros(2), DRIFT * mirror, np.zeros((2, 3)), manner())
-    turned = learn(replace(made, x=made.x * mirror, stances=stances), ground=ground)
-    expected = replace(swings, place=swings.place * mirror, bend=swings.bend * mirror)
+    substrate = Substrate(np.zeros(2), DRIFT * mirror, np.zeros((2, 3)), motion_model())
+    turned = learn(replace(made, x=made.x * mirror, stances=stances), substrate=substrate)
+    expected = replace(swings, place=swings.place * mirror, jerk_mean=swings.jerk_mean * mirror)
     same(turned, expected)
     # which of them comes first does not matter
     swapped = learn(
         replace(made, x=made.x[:, ::-1], weight=made.weight[:, ::-1], stances=made.stances[::-1])
     )
-    for name in ("place", "sd", "bend"):
+    for name in ("place", "sd", "jerk_mean"):
         np.testing.assert_allclose(
             getattr(swapped, name)[:, ::-1], getattr(swings, name), atol=1e-6
         )
@@ -242,20 +252,22 @@ def test_axes_and_origin_do_not_matter(yaw, pitch, moved):
         [replace(one, origin=one.origin @ turn + moved) for one in mine] for mine in MADE.stances
     ]
     made = replace(MADE, x=MADE.x @ turn + moved, stances=stances)
-    ground = Ground(np.zeros(2), DRIFT @ turn, np.zeros((2, 3)), manner(turn))
+    substrate = Substrate(np.zeros(2), DRIFT @ turn, np.zeros((2, 3)), motion_model(turn))
     swings = learn(MADE)
-    expected = replace(swings, place=swings.place @ turn + moved, bend=swings.bend @ turn)
-    same(learn(made, ground=ground), expected, atol=1e-5)
+    expected = replace(swings, place=swings.place @ turn + moved, jerk_mean=swings.jerk_mean @ turn)
+    same(learn(made, substrate=substrate), expected, atol=1e-5)
 
 
 def test_the_unit_of_space_does_not_matter():
     unit = 25.4
     stances = [[replace(one, origin=unit * one.origin) for one in mine] for mine in MADE.stances]
-    coarse = replace(manner(), span=unit * 40.0, thickness=unit * THICKNESS)
-    ground = Ground(np.zeros(2), unit * DRIFT, np.zeros((2, 3)), coarse)
-    found = learn(replace(MADE, x=unit * MADE.x, stances=stances), ground=ground)
+    coarse = replace(motion_model(), body_scale=unit * 40.0, paw_width=unit * THICKNESS)
+    substrate = Substrate(np.zeros(2), unit * DRIFT, np.zeros((2, 3)), coarse)
+    found = learn(replace(MADE, x=unit * MADE.x, stances=stances), substrate=substrate)
     swings = learn(MADE)
-    expected = Swings(unit * swings.place, unit * swings.sd, unit * swings.bend, swings.lifts)
+    expected = Swings(
+        unit * swings.place, unit * swings.sd, unit * swings.jerk_mean, swings.lift_offs
+    )
     same(found, expected, atol=1e-5)
 
 
@@ -272,28 +284,28 @@ def test_a_recording_that_begins_sooner_tells_the_same(later):
     stances[1], first = stances[1][1:], made.stances[1][1:]
     moved = learn(replace(made, x=x, weight=np.pad(made.weight, room[:2]), stances=stances))
     swings = learn(replace(made, stances=[made.stances[0], first]))
-    shifted = tuple((p, lift + later, sd) for p, lift, sd in swings.lifts)
+    shifted = tuple((p, lift + later, sd) for p, lift, sd in swings.lift_offs)
     same(
-        Swings(moved.place[later:], moved.sd[later:], moved.bend[later:], moved.lifts),
-        replace(swings, lifts=shifted),
+        Swings(moved.place[later:], moved.sd[later:], moved.jerk_mean[later:], moved.lift_offs),
+        replace(swings, lift_offs=shifted),
     )
 
 
 def test_places_bend_as_the_truth_does_until_they_land():
     made = walk(seed=16, noise=0.0)
     swings = learn(made)
-    bend = np.full(made.truth.shape, np.nan)
-    bend[1:-2] = np.diff(made.truth, 3, axis=0)
-    for p, lift, _ in swings.lifts:
+    jerk_mean = np.full(made.truth.shape, np.nan)
+    jerk_mean[1:-2] = np.diff(made.truth, 3, axis=0)
+    for p, lift, _ in swings.lift_offs:
         if lift < 0 or lift > 180:
             continue
         land = min(end for begin, end in made.times[p] if end > lift + 5)
         inside = np.arange(int(lift) + 2, int(lift + 0.75 * (land - lift)))
-        np.testing.assert_allclose(swings.bend[inside, p], bend[inside, p], atol=0.08)
-        assert np.isfinite(swings.bend[int(lift), p]).all()
-        assert np.isnan(swings.bend[int(land) - 1, p]).all()
+        np.testing.assert_allclose(swings.jerk_mean[inside, p], jerk_mean[inside, p], atol=0.08)
+        assert np.isfinite(swings.jerk_mean[int(lift), p]).all()
+        assert np.isnan(swings.jerk_mean[int(land) - 1, p]).all()
         # it goes up at once: of the speed of the sine, half is gained from frame to frame
-        kick = swings.bend[int(lift) - 1 : int(lift) + 2, p, 2].max()
+        kick = swings.jerk_mean[int(lift) - 1 : int(lift) + 2, p, 2].max()
         assert kick > 0.25 * np.pi * HEIGHT / (land - lift)
 
 
@@ -304,7 +316,7 @@ def test_too_few_swings_or_too_short_ones_tell_nothing():
     assert len(few[0]) == 3
     swings = learn(replace(made, stances=few), kinds=kinds)
     assert np.isnan(swings.place[:, 0]).all()
-    assert {p for p, _, _ in swings.lifts} == {1}
+    assert {p for p, _, _ in swings.lift_offs} == {1}
     # with those of the other paw there are enough
     both = learn(replace(made, stances=few))
     assert np.isfinite(both.place[:, 0]).any()
@@ -314,7 +326,7 @@ def test_too_few_swings_or_too_short_ones_tell_nothing():
             [replace(one, origin=one.origin * [share, 1.0, 1.0]) for one in mine]
             for mine in made.stances
         ]
-        assert learn(replace(made, stances=stances)).lifts == ()
+        assert learn(replace(made, stances=stances)).lift_offs == ()
 
 
 def test_where_a_stance_was_missed_there_is_no_swing():
@@ -334,7 +346,7 @@ def test_where_a_stance_was_missed_there_is_no_swing():
 @pytest.mark.parametrize("n", [1, 5])
 def test_a_few_frames_tell_nothing_and_are_no_reason_to_fail(n):
     short = Walk(MADE.truth[:n], MADE.x[:n], MADE.weight[:n], [[], []], [])
-    assert learn(short).lifts == ()
+    assert learn(short).lift_offs == ()
     stood = replace(short, stances=[[Stance(0, n, np.zeros(3))], [Stance(n - 1, n, np.zeros(3))]])
     assert np.isnan(learn(stood).place).all()
 
@@ -346,13 +358,13 @@ def test_a_paw_that_was_never_seen_harms_no_other():
         MADE, x=np.concatenate([MADE.x, nobody], axis=1), stances=[*MADE.stances, []],
         weight=np.pad(MADE.weight, ((0, 0), (0, 1))),
     )  # fmt: skip
-    rhythm = Rhythm(np.full(3, SHARE), np.full(3, 0.02), STRIDE, 2.0)
+    duty_factor = DutyFactor(np.full(3, SHARE), np.full(3, 0.02), STRIDE, 2.0)
     for kinds in (["front", "front", "hind"], ["hind", "front", "front"]):
-        swings = learn(three, kinds=kinds, rhythm=rhythm)
+        swings = learn(three, kinds=kinds, duty_factor=duty_factor)
         assert np.isnan(swings.place[:, 2]).all()
         expected = learn(MADE, kinds=kinds[:2])
         same(replace(swings, place=swings.place[:, :2], sd=swings.sd[:, :2],
-                     bend=swings.bend[:, :2]), expected)  # fmt: skip
+                     jerk_mean=swings.jerk_mean[:, :2]), expected)  # fmt: skip
 
 
 def test_frames_that_were_never_placed_count_as_unseen():
@@ -372,11 +384,11 @@ def test_a_single_view_tells_swings_forward_and_up():
     stances = [[replace(one, origin=one.origin[[0, 2]] * [1.0, -1.0]) for one in mine]
                for mine in made.stances]  # fmt: skip
     axes = np.array([[1.0, 0.0], [0.0, -1.0]])
-    drift = DRIFT[[0, 2]] * [1.0, -1.0]
-    ground = Ground(np.zeros(2), drift, np.zeros((2, 2)), manner(axes))
+    substrate_velocity = DRIFT[[0, 2]] * [1.0, -1.0]
+    substrate = Substrate(np.zeros(2), substrate_velocity, np.zeros((2, 2)), motion_model(axes))
     flat = replace(made, x=made.x[..., [0, 2]] * [1.0, -1.0], stances=stances)
-    swings, whole = learn(flat, ground=ground), learn(made)
+    swings, whole = learn(flat, substrate=substrate), learn(made)
     # nothing to the side is fitted, so all else is the same
     np.testing.assert_allclose(swings.place * [1.0, -1.0], whole.place[..., [0, 2]], atol=1e-6)
     np.testing.assert_allclose(swings.sd, whole.sd[..., [0, 2]], atol=1e-6)
-    np.testing.assert_allclose(swings.lifts, whole.lifts, atol=1e-6)
+    np.testing.assert_allclose(swings.lift_offs, whole.lift_offs, atol=1e-6)

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from pawnb.core.paws.offline.scene.motion_model import Manner
-from pawnb.core.paws.offline.stride.duty_factor import Rhythm
-from pawnb.core.paws.offline.stride.stance import Ground, Stance
+from pawnb.core.paws.offline.scene.motion_model import MotionModel
+from pawnb.core.paws.offline.stride.duty_factor import DutyFactor
+from pawnb.core.paws.offline.stride.stance import Stance, Substrate
 from pawnb.core.paws.offline.stride.swing import Swings
 from pawnb.core.paws.offline.stride.swing_detection import find_swings, since_landing
 
@@ -20,17 +20,17 @@ def test_when_swings_begin_and_end_is_told_by_stances_and_rhythm():
     ahead = np.array([60.0, 0.0, 0.0])
     stances = [[Stance(10, 40, origin), Stance(60, 90, ahead)]]
     seen = np.ones((100, 1), bool)
-    (swing,) = find_swings(stances, seen, None, certain=seen, fps=250.0, drift=DRIFT)
+    (swing,) = find_swings(stances, seen, None, certain=seen, fps=250.0, substrate_velocity=DRIFT)
     assert (swing.point, swing.is_whole) == (0, True)
     assert (swing.times, swing.sd) == ((39.0, 60.0), (1.25, 1.25))
     np.testing.assert_array_equal([swing.begin, swing.end], [origin, ahead])
     # three times as much where that is not seen
     seen[38] = seen[61] = False
-    (swing,) = find_swings(stances, seen, None, certain=seen, fps=250.0, drift=DRIFT)
+    (swing,) = find_swings(stances, seen, None, certain=seen, fps=250.0, substrate_velocity=DRIFT)
     assert swing.sd == (3.75, 3.75)
-    rhythm = Rhythm(np.array([0.5]), np.array([0.02]), 50.0, 2.0)
+    duty_factor = DutyFactor(np.array([0.5]), np.array([0.02]), 50.0, 2.0)
     before, swing, after = sorted(
-        find_swings(stances, seen, rhythm, certain=seen, fps=250.0, drift=DRIFT),
+        find_swings(stances, seen, duty_factor, certain=seen, fps=250.0, substrate_velocity=DRIFT),
         key=lambda one: one.times,
     )
     # of its own stride of 50 frames it stands for 25, give or take one; that is half way between
@@ -54,8 +54,10 @@ def test_swings_of_which_one_end_is_not_known_last_as_long_as_those_between_stan
     """A paw stands on its place, to half a frame, from 10 to 30 of every 40 frames."""
     stances = [Stance(at, at + 21, np.array([at * 1.5, 0.0, 0.0])) for at in (50, 90, 130)]
     seen = np.ones((170, 1), bool)
-    rhythm = Rhythm(np.array([21 / 40]), np.array([0.02]), 40.0, 1.0)
-    swings = find_swings([stances], seen, rhythm, certain=seen, fps=250.0, drift=DRIFT)
+    duty_factor = DutyFactor(np.array([21 / 40]), np.array([0.02]), 40.0, 1.0)
+    swings = find_swings(
+        [stances], seen, duty_factor, certain=seen, fps=250.0, substrate_velocity=DRIFT
+    )
     times = sorted(one.times for one in swings)
     np.testing.assert_allclose(times, [(30, 50), (70, 90), (110, 130), (150, 170)])
     assert sum(one.is_whole for one in swings) == 2
@@ -67,7 +69,7 @@ def test_a_stance_whose_end_nothing_shows_may_end_anywhere_in_between(first, sto
     stances = [[Stance(2, 40, np.zeros(3)), Stance(97, 120, np.ones(3))]]
     seen = np.ones((130, 1), bool)
     seen[first:stop] = False
-    (swing,) = find_swings(stances, seen, None, certain=seen, fps=250.0, drift=DRIFT)
+    (swing,) = find_swings(stances, seen, None, certain=seen, fps=250.0, substrate_velocity=DRIFT)
     assert swing.times[0] == 39.0
     assert swing.sd[0] == pytest.approx((stop - first) / np.sqrt(12.0), rel=0.05)
     assert swing.sd[1] < 4.0
@@ -78,63 +80,87 @@ def test_an_edge_that_is_seen_but_not_certain_is_told_half_as_well():
     certain = seen.copy()
     certain[60] = False
     stances = [[Stance(10, 40, np.zeros(3)), Stance(60, 90, np.ones(3))]]
-    (swing,) = find_swings(stances, seen, None, certain=certain, fps=250.0, drift=DRIFT)
+    (swing,) = find_swings(
+        stances, seen, None, certain=certain, fps=250.0, substrate_velocity=DRIFT
+    )
     assert swing.sd == (1.25, 2.5)
     # nor is it when it lifted off, before its last frame on the ground or after it
     for edge in (39, 40):
         unsure = seen.copy()
         unsure[edge] = False
-        (swing,) = find_swings(stances, seen, None, certain=unsure, fps=250.0, drift=DRIFT)
+        (swing,) = find_swings(
+            stances, seen, None, certain=unsure, fps=250.0, substrate_velocity=DRIFT
+        )
         assert swing.sd == (2.5, 1.25)
     # nor is it known better when the paw that landed there is due to lift off
-    rhythm = Rhythm(np.array([0.5]), np.array([0.02]), 50.0, 2.0)
+    duty_factor = DutyFactor(np.array([0.5]), np.array([0.02]), 50.0, 2.0)
     stances[0].append(Stance(110, 140, np.ones(3)))
     seen = np.ones((200, 1), bool)
     certain = seen.copy()
     certain[60] = False
-    swing = find_swings(stances, seen, rhythm, certain=certain, fps=250.0, drift=DRIFT)[1]
+    swing = find_swings(
+        stances, seen, duty_factor, certain=certain, fps=250.0, substrate_velocity=DRIFT
+    )[1]
     known = 1.25**-2 + 1.0 / (1.0**2 + (0.5 * 2.5) ** 2 + (0.5 * 1.25) ** 2)
     assert swing.sd[0] == pytest.approx(known**-0.5)
 
 
 def test_a_stance_begins_where_its_paw_is_first_seen_on_its_place():
-    """A paw comes down with 2 thicknesses a frame and stands from frame 30 on."""
-    thickness = 3.0
-    manner = Manner(
-        acceleration=0.3, jerk=0.2, speed=2.0, drift=DRIFT, axes=np.eye(3), ground=0.0, span=40.0,
-        thickness=thickness,
-    )  # fmt: skip
-    ground = Ground(np.zeros(1), DRIFT, np.zeros((1, 3)), manner)
+    """A paw comes down with 2 paw widths a frame and stands from frame 30 on."""
+    paw_width = 3.0
+    motion_model = MotionModel(
+        acceleration=0.3,
+        jerk=0.2,
+        speed=2.0,
+        substrate_velocity=DRIFT,
+        axes=np.eye(3),
+        substrate=0.0,
+        body_scale=40.0,
+        paw_width=paw_width,
+    )
+    substrate = Substrate(np.zeros(1), DRIFT, np.zeros((1, 3)), motion_model)
     frames = np.arange(80)
-    above = np.where(frames < 30, 30 - frames, np.maximum(frames - 59, 0)) * 2.0 * thickness
+    above = np.where(frames < 30, 30 - frames, np.maximum(frames - 59, 0)) * 2.0 * paw_width
     x = (frames[:, None] * DRIFT + above[:, None] * [0.0, 0.0, 1.0])[:, None]
     seen = np.ones((80, 1), bool)
     late = [[Stance(40, 60, np.zeros(3))]]
-    assert since_landing(late, x, seen=seen, ground=ground) == [[replace(late[0][0], first=30)]]
+    assert since_landing(late, x, seen=seen, substrate=substrate) == [
+        [replace(late[0][0], first=30)]
+    ]
     # where it was not seen nothing is known of it
     seen[35] = False
-    assert since_landing(late, x, seen=seen, ground=ground) == [[replace(late[0][0], first=36)]]
+    assert since_landing(late, x, seen=seen, substrate=substrate) == [
+        [replace(late[0][0], first=36)]
+    ]
     # to the side a place is told less well, and is not asked
-    x[..., 1] += 2.0 * thickness
-    assert since_landing(late, x, seen=seen, ground=ground)[0][0].first == 36
+    x[..., 1] += 2.0 * paw_width
+    assert since_landing(late, x, seen=seen, substrate=substrate)[0][0].first == 36
     # a stance begins after the one before has ended
     x[:30] = frames[:30, None, None] * DRIFT
     both = [[Stance(2, 20, np.zeros(3)), Stance(40, 60, np.zeros(3))]]
     seen[:] = True
-    assert [one.first for one in since_landing(both, x, seen=seen, ground=ground)[0]] == [0, 21]
+    assert [one.first for one in since_landing(both, x, seen=seen, substrate=substrate)[0]] == [
+        0,
+        21,
+    ]
 
 
 def test_stances_that_follow_at_once_have_no_swing_between_them():
     stances = [[Stance(10, 40, np.zeros(3)), Stance(42, 70, np.ones(3))], []]
     seen = np.ones((100, 2), bool)
-    assert find_swings(stances, seen, None, certain=seen, fps=250.0, drift=DRIFT) == []
+    assert find_swings(stances, seen, None, certain=seen, fps=250.0, substrate_velocity=DRIFT) == []
 
 
 def test_a_single_stance_steps_as_far_as_the_ground_goes_in_a_stride():
     seen = np.ones((100, 1), bool)
-    rhythm = Rhythm(np.array([0.6]), np.array([0.02]), 50.0, 2.0)
+    duty_factor = DutyFactor(np.array([0.6]), np.array([0.02]), 50.0, 2.0)
     swings = find_swings(
-        [[Stance(30, 60, np.zeros(3))]], seen, rhythm, certain=seen, fps=250.0, drift=DRIFT
+        [[Stance(30, 60, np.zeros(3))]],
+        seen,
+        duty_factor,
+        certain=seen,
+        fps=250.0,
+        substrate_velocity=DRIFT,
     )
     for swing in swings:
         np.testing.assert_allclose(swing.end - swing.begin, -50.0 * DRIFT)

@@ -1,4 +1,4 @@
-"""The arc of a swing, and swings made by other formulas that are fitted though hidden in part."""
+"""The arc of a swing, and swings made by other formulas that are fitted though occluded in part."""
 
 from dataclasses import replace
 
@@ -15,13 +15,13 @@ from pawnb.core.paws.offline.stride.swing_trajectory import (
     SHAPE_SD,
     SLOPE,
     SLOPE_SD,
-    Arc,
     Guess,
     Part,
-    arc_at,
+    SwingTrajectory,
     changes,
     fit_swings,
-    learn_arc,
+    learn_trajectory,
+    trajectory_at,
 )
 from pawnb.core.paws.offline.stride.trajectory_kernels import forward as forward_at
 from pawnb.core.paws.offline.stride.trajectory_kernels import peak
@@ -75,13 +75,17 @@ def test_upward_is_a_beta_density_in_its_largest_value(a, b):
 
 @pytest.mark.usefixtures("steps_of_loops")
 def test_before_it_lifts_off_and_after_it_has_landed_a_paw_is_on_the_ground():
-    way, up = arc_at(np.array([10.0, 30.0, 2.0, 0.3]), SHAPE, np.array([-5.0, 10, 20, 30, 99]))
+    way, up = trajectory_at(
+        np.array([10.0, 30.0, 2.0, 0.3]), SHAPE, np.array([-5.0, 10, 20, 30, 99])
+    )
     np.testing.assert_allclose(way[[0, 1, 3, 4]], [0.0, 0.0, 1.0, 1.0])
     np.testing.assert_allclose(up[[0, 1, 3, 4]], 0.0, atol=1e-3)
     assert 0.3 < way[2] < 0.6
     assert 1.9 < up[2] < 2.0
     # a swing that takes no time is no reason to fail
-    assert np.isfinite(arc_at(np.array([10.0, 10.0, 2.0, 0.3]), SHAPE, np.arange(20.0))).all()
+    assert np.isfinite(
+        trajectory_at(np.array([10.0, 10.0, 2.0, 0.3]), SHAPE, np.arange(20.0))
+    ).all()
 
 
 @pytest.mark.usefixtures("steps_of_loops")
@@ -89,13 +93,13 @@ def test_changes_of_the_arc_are_its_derivatives():
     values, frames = np.array([[10.0, 30.0, 2.0, 0.3], [40.0, 55.0, 1.0, 0.0]]), np.arange(12.0, 29)
     frames = np.stack([frames, frames[:14:-1].repeat(9)[:17] + 20.0])
     by_value, by_shape = changes(values, SHAPE, frames)
-    _, up = arc_at(values, SHAPE, frames)
+    _, up = trajectory_at(values, SHAPE, frames)
     # what is linear is told exactly
     np.testing.assert_allclose(by_value[2, 0], 0.0, atol=1e-9)
     np.testing.assert_allclose(by_value[2, 1], up / values[:, 2:3], atol=1e-9)
     np.testing.assert_allclose(by_shape[:, 0], 0.0, atol=1e-9)
     # of a swing that is later by a frame, each frame shows what the one before did
-    sooner, later = (np.stack(arc_at(values, SHAPE, frames + h)) for h in (0.01, -0.01))
+    sooner, later = (np.stack(trajectory_at(values, SHAPE, frames + h)) for h in (0.01, -0.01))
     np.testing.assert_allclose(by_value[0] + by_value[1], (later - sooner) / 0.02, atol=0.02)
     s = (frames - values[:, :1]) / (values[:, 1:2] - values[:, :1])
     expected = up * (np.log(s) - np.log(SHAPE[0] / SHAPE.sum()))
@@ -110,7 +114,7 @@ def made(count, *, shape=SHAPE, seed=0, hidden=0.0, noise=0.15, height=2.0, sd=(
 
     Forward by :func:`quintic`, upwards by a beta density; lift-off, landing, height and last
     speed scatter as the model says, and noise is alike in three neighbouring frames. Of each
-    the share ``hidden`` is not seen.
+    the share ``occluded`` is not seen.
     """
     rng = np.random.default_rng(seed)
     times = np.column_stack([rng.uniform(8.0, 12.0, count), rng.uniform(38.0, 44.0, count)])
@@ -141,25 +145,25 @@ def made(count, *, shape=SHAPE, seed=0, hidden=0.0, noise=0.15, height=2.0, sd=(
 
 def known(shape=SHAPE, height=2.0):
     """Return an arc that is known."""
-    return Arc(np.asarray(shape), np.zeros((2, 2)), height, 0.2, 0.05)
+    return SwingTrajectory(np.asarray(shape), np.zeros((2, 2)), height, 0.2, 0.05)
 
 
 @pytest.mark.parametrize("shape", [(1.0, 1.0), (1.2, 2.4), (2.2, 1.3)])
 @pytest.mark.parametrize("hidden", [0.0, 0.45])
 def test_the_arc_is_learnt_from_swings_whose_beginning_is_hidden(shape, hidden):
     part, guess, truth = made(16, shape=shape, hidden=hidden, seed=4)
-    arc = learn_arc(part, guess)
-    sd = np.sqrt(np.diag(arc.covariance))
-    assert (np.abs(arc.shape - shape) < 3.0 * sd).all()
+    trajectory = learn_trajectory(part, guess)
+    sd = np.sqrt(np.diag(trajectory.covariance))
+    assert (np.abs(trajectory.shape - shape) < 3.0 * sd).all()
     assert (sd < 0.7 * SHAPE_SD).all()
     # a top that was never seen was perhaps higher
     within = (0.1 if hidden else 0.05) if shape[0] / sum(shape) > hidden else 0.2
-    assert arc.height == pytest.approx(np.median(truth[:, 2]), rel=within)
-    assert arc.aside == pytest.approx(0.2, abs=3.0 * arc.aside_sd)
-    assert arc.aside_sd < 0.1
+    assert trajectory.height == pytest.approx(np.median(truth[:, 2]), rel=within)
+    assert trajectory.aside == pytest.approx(0.2, abs=3.0 * trajectory.aside_sd)
+    assert trajectory.aside_sd < 0.1
     # less is known of the beginning of what was seen less
     if hidden:
-        seen = learn_arc(replace(part, weight=np.ones_like(part.weight)), guess)
+        seen = learn_trajectory(replace(part, weight=np.ones_like(part.weight)), guess)
         assert sd[0] > np.sqrt(seen.covariance[0, 0])
 
 
@@ -180,17 +184,17 @@ def test_the_stated_sd_of_lift_off_and_landing_is_honest(hidden):
 def test_where_it_was_hidden_the_arc_is_near_the_truth():
     part, guess, _ = made(12, hidden=0.45, seed=2)
     truth = made(12, noise=0.0, seed=2)[0]
-    arc = learn_arc(part, guess)
+    trajectory = learn_trajectory(part, guess)
     is_hidden = part.weight == 0.0
     assert is_hidden.sum(axis=1).min() > 10
 
     def off(values, shape):
-        way, up = arc_at(values, shape, part.frames)
+        way, up = trajectory_at(values, shape, part.frames)
         away = np.hypot(STEP * (way - truth.way), up - truth.up)[is_hidden]
         return np.sqrt(np.mean(away**2))
 
     # within about twice what is put on each place that is seen, in the two directions
-    found = off(fit_swings(arc, part, guess)[0], arc.shape)
+    found = off(fit_swings(trajectory, part, guess)[0], trajectory.shape)
     assert found < 0.3
     expected = np.column_stack([guess.times, np.tile([2.0, SLOPE], (12, 1))])
     assert found < 0.5 * off(expected, SHAPE)
@@ -204,11 +208,13 @@ def test_another_family_of_bumps_is_followed_closely():
         up = truth[:, 2:3] * np.sin(np.pi * s) ** power
         weight = np.where((s > 0.0) & (s < 0.45), 0.0, 1.0)
         part = replace(part, up=up, weight=weight)
-        arc = learn_arc(part, guess)
-        _, found = arc_at(fit_swings(arc, part, guess)[0], arc.shape, part.frames)
+        trajectory = learn_trajectory(part, guess)
+        _, found = trajectory_at(
+            fit_swings(trajectory, part, guess)[0], trajectory.shape, part.frames
+        )
         assert np.sqrt(np.mean((found - up)[weight == 0.0] ** 2)) < near * 2.0
         # it is as high late as early
-        assert arc.shape[0] == pytest.approx(arc.shape[1], abs=0.5)
+        assert trajectory.shape[0] == pytest.approx(trajectory.shape[1], abs=0.5)
 
 
 def test_a_place_far_off_hardly_counts():
@@ -225,13 +231,13 @@ def test_a_place_far_off_hardly_counts():
 def test_swings_of_which_nothing_is_seen_stay_as_guessed():
     part, guess, _ = made(5)
     part = replace(part, weight=np.zeros_like(part.weight))
-    arc = learn_arc(part, guess)
-    np.testing.assert_allclose(arc.shape, SHAPE)
-    np.testing.assert_allclose(np.diag(arc.covariance), SHAPE_SD**2)
-    values, covariance = fit_swings(arc, part, guess)
+    trajectory = learn_trajectory(part, guess)
+    np.testing.assert_allclose(trajectory.shape, SHAPE)
+    np.testing.assert_allclose(np.diag(trajectory.covariance), SHAPE_SD**2)
+    values, covariance = fit_swings(trajectory, part, guess)
     np.testing.assert_allclose(values[:, :2], guess.times)
     np.testing.assert_allclose(np.diagonal(covariance, axis1=1, axis2=2)[:, :2], guess.sd**2)
-    assert (arc.aside, arc.height) == (0.0, 1.0)
+    assert (trajectory.aside, trajectory.height) == (0.0, 1.0)
 
 
 def test_no_swings_are_fitted_to_none():
@@ -258,9 +264,9 @@ def test_when_it_is_and_in_which_order_does_not_matter(later, order):
     moved = Part(*(getattr(part, name)[order] for name in vars(part)))
     moved = replace(moved, frames=moved.frames + later)
     again = Guess(guess.times[order] + later, guess.sd[order])
-    arc, same = learn_arc(part, guess), learn_arc(moved, again)
-    np.testing.assert_allclose(same.shape, arc.shape, rtol=1e-6)
-    np.testing.assert_allclose(same.covariance, arc.covariance, rtol=1e-6)
-    values, _ = fit_swings(arc, part, guess)
-    found, _ = fit_swings(arc, moved, again)
+    trajectory, same = learn_trajectory(part, guess), learn_trajectory(moved, again)
+    np.testing.assert_allclose(same.shape, trajectory.shape, rtol=1e-6)
+    np.testing.assert_allclose(same.covariance, trajectory.covariance, rtol=1e-6)
+    values, _ = fit_swings(trajectory, part, guess)
+    found, _ = fit_swings(trajectory, moved, again)
     np.testing.assert_allclose(found, values[order] + [later, later, 0.0, 0.0], atol=1e-6)

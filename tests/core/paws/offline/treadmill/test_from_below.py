@@ -6,9 +6,9 @@ import pandas as pd
 import pytest
 
 from pawnb.core.paws.offline.scene.treadmill import shows_two_rows
-from pawnb.core.paws.offline.settings import WholeSettings
-from pawnb.core.paws.offline.treadmill.tracker import track_whole
-from pawnb.core.paws.request import Task
+from pawnb.core.paws.offline.settings import OfflineSettings
+from pawnb.core.paws.offline.treadmill.tracker import track_treadmill
+from pawnb.core.paws.request import TrackingRequest
 from pawnb.core.video import open_views
 from pawnb.trial import load_trial
 
@@ -81,11 +81,11 @@ def test_paws_seen_from_below_keep_to_their_sides(trial):
         [(0, "below", point, *np.round(place(point, 0))) for point in HOME],
         columns=["frame", "view", "point", "u", "v"],
     )
-    task = Task(
+    task = TrackingRequest(
         rig=None, points_by_view={"below": list(HOME)}, fps=trial.fps, unit="px", frames=(0, N)
     )
     with open_views(trial) as views:
-        tracks = track_whole(views, start, task, settings=WholeSettings())
+        tracks = track_treadmill(views, start, task, settings=OfflineSettings())
     for point in HOME:
         uv = tracks["image_position"].sel(keypoint=point).isel(view=0, individual=0).to_numpy()
         true = np.array([place(point, frame) for frame in range(N)])

@@ -9,11 +9,11 @@ import pytest
 
 from pawnb.core.paws.offline import tracker
 from pawnb.core.paws.offline.detection.predictions import Predictions
-from pawnb.core.paws.offline.settings import WholeSettings
-from pawnb.core.paws.offline.tracker import track_points
+from pawnb.core.paws.offline.settings import OfflineSettings
+from pawnb.core.paws.offline.tracker import track_offline
 from pawnb.core.paws.offline.treadmill import learnt_appearance
 from pawnb.core.paws.offline.treadmill.learnt_appearance import strides_may_tell, track_by_strides
-from pawnb.core.paws.request import Task
+from pawnb.core.paws.request import TrackingRequest
 from pawnb.core.rig import load_rig
 from pawnb.core.video import open_views
 from pawnb.schema import check_tracks
@@ -34,7 +34,7 @@ def scene(tmp_path_factory):
 
 
 def task_of(trial, **options):
-    return Task(
+    return TrackingRequest(
         rig=load_rig(trial), points_by_view={view.name: view.points for view in trial.views},
         fps=trial.fps, unit="mm", **{"frames": (0, N), **options},
     )  # fmt: skip
@@ -68,9 +68,9 @@ def test_paws_in_a_grey_film_are_tracked(scene):
     trial, start, truth = scene
     done = []
     with open_views(trial) as views:
-        tracks = track_points(
+        tracks = track_offline(
             views, start, task_of(trial, progress=lambda *step: done.append(step)),
-            settings=WholeSettings(),
+            settings=OfflineSettings(),
         )  # fmt: skip
     check_tracks(tracks)
     assert tracks.attrs["evidence"] == "strides"
@@ -87,7 +87,7 @@ def test_where_it_is_stopped_nothing_is_decided(scene):
     trial, start, _ = scene
     with open_views(trial) as views:
         tracks = track_by_strides(
-            views, start, task_of(trial, stop=lambda: True), settings=WholeSettings()
+            views, start, task_of(trial, stop=lambda: True), settings=OfflineSettings()
         )
     assert tracks.sizes["time"] == 0
 
@@ -96,8 +96,8 @@ def test_views_without_calibration_are_not_for_it(scene):
     trial, start, _ = scene
     with open_views(trial) as views:
         alone = dataclasses.replace(task_of(trial), rig=None)
-        assert not strides_may_tell(views, start, alone, settings=WholeSettings())
-        assert strides_may_tell(views, start, task_of(trial), settings=WholeSettings())
+        assert not strides_may_tell(views, start, alone, settings=OfflineSettings())
+        assert strides_may_tell(views, start, task_of(trial), settings=OfflineSettings())
 
 
 def test_what_is_predicted_is_a_candidate_where_none_was_seen(scene):
@@ -111,8 +111,8 @@ def test_what_is_predicted_is_a_candidate_where_none_was_seen(scene):
     predicted = Predictions("a.csv", view.points, uv, np.ones(uv.shape[:2]))
     with open_views(trial) as views:
         task = task_of(trial, predictions={view.name: predicted})
-        asked = learnt_appearance.read_asked(views, start, task)
-        scene_ = learnt_appearance.paws_scene(views, asked, WholeSettings())
+        asked = learnt_appearance.read_request_and_annotations(views, start, task)
+        scene_ = learnt_appearance.scene_of_paws(views, asked, OfflineSettings())
     one = np.array([[*uv[3, 0], 1, 1, 0, 1.5, *uv[3, 0]]], np.float32)
     nothing = np.empty((0, 8), np.float32)
     seen = [[one if t == 3 and v == 0 else nothing for v in range(4)] for t in range(N)]
@@ -138,12 +138,14 @@ def test_the_better_tracks_are_kept(monkeypatch, colour, strides_, taken):
     """Verdicts are given here; how they are told has its own tests."""
     said = {"colour": colour, "strides": strides_}
     monkeypatch.setattr(tracker, "_ways", lambda *a, **k: ["colour", "strides"])
-    monkeypatch.setattr(tracker, "track_whole", lambda *a, **k: SimpleTracks())
+    monkeypatch.setattr(tracker, "track_treadmill", lambda *a, **k: SimpleTracks())
     monkeypatch.setattr(tracker, "track_by_strides", lambda *a, **k: SimpleTracks())
-    monkeypatch.setattr(tracker, "track_offline", lambda *a, **k: SimpleTracks())
+    monkeypatch.setattr(tracker, "track_learnt", lambda *a, **k: SimpleTracks())
     monkeypatch.setattr(tracker, "add_likeness", lambda views, tracks, start: tracks)
     monkeypatch.setattr(tracker, "assess", lambda t, **k: Verdict(*said[t.attrs["evidence"]]))
-    tracks = track_points(None, None, Task(frames=(0, N), fps=1.0), settings=WholeSettings())
+    tracks = track_offline(
+        None, None, TrackingRequest(frames=(0, N), fps=1.0), settings=OfflineSettings()
+    )
     assert tracks.attrs["evidence"] == taken
 
 

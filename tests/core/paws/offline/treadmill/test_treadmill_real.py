@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pawnb.core.paws.offline.settings import WholeSettings
-from pawnb.core.paws.offline.treadmill.tracker import track_whole
-from pawnb.core.paws.request import Task
+from pawnb.core.paws.offline.settings import OfflineSettings
+from pawnb.core.paws.offline.treadmill.tracker import track_treadmill
+from pawnb.core.paws.request import TrackingRequest
 from pawnb.core.rig import load_rig
 from pawnb.core.video import open_views
 
@@ -28,8 +28,10 @@ def test_grey_paws_in_a_side_view_and_a_mirror(real_data, monkeypatch):
     folder = real_data("mouse-side-bottom")
     trial, marks = real_clip(folder), read_marks(folder / "manual_paws.csv")
     with open_views(trial) as views:
-        task = Task(rig=load_rig(trial), frames=(0, views.n_frames), fps=250.0)
-        tracks = track_whole(views, marks[marks["frame"] == 0], task, settings=WholeSettings())
+        task = TrackingRequest(rig=load_rig(trial), frames=(0, views.n_frames), fps=250.0)
+        tracks = track_treadmill(
+            views, marks[marks["frame"] == 0], task, settings=OfflineSettings()
+        )
     image = tracks["image_position"].isel(individual=0).swap_dims(time="frame")
     for mark in marks[marks["frame"] > 0].itertuples():
         uv = image.sel(frame=mark.frame, view=mark.view, keypoint=mark.point).to_numpy()

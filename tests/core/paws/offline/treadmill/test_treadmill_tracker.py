@@ -7,9 +7,9 @@ import pandas as pd
 import pytest
 import xarray as xr
 
-from pawnb.core.paws.offline.settings import WholeSettings
-from pawnb.core.paws.offline.treadmill.tracker import track_whole
-from pawnb.core.paws.request import Task
+from pawnb.core.paws.offline.settings import OfflineSettings
+from pawnb.core.paws.offline.treadmill.tracker import track_treadmill
+from pawnb.core.paws.request import TrackingRequest
 from pawnb.core.rig import load_rig
 from pawnb.core.video import open_views
 from pawnb.errors import InputError, InputWarning
@@ -30,12 +30,12 @@ def scene(tmp_path_factory):
 
 
 def run(trial, start, **options):
-    task = Task(
+    task = TrackingRequest(
         rig=load_rig(trial), points_by_view={view.name: view.points for view in trial.views},
         fps=trial.fps, unit="mm", **{"frames": (0, 24), **options},
     )  # fmt: skip
     with open_views(trial) as views:
-        return track_whole(views, start, task, settings=WholeSettings())
+        return track_treadmill(views, start, task, settings=OfflineSettings())
 
 
 def distances(tracks, truth, trial):
@@ -67,12 +67,12 @@ def test_visible_paws_are_found_and_clicks_are_kept(scene, tmp_path):
         np.testing.assert_allclose(here["image_position"].to_numpy(), [click.u, click.v])
         assert int(here["image_origin"]) == ORIGIN_CODE["edited"]
     assert np.isfinite(tracks["sd"].to_numpy()).all()
-    # a candidate that was taken is ahead of others or not; nothing is said where none was
+    # a detection that was taken is ahead of others or not; nothing is said where none was
     taken = tracks["image_origin"].to_numpy() == ORIGIN_CODE["measured"]
-    separation = tracks["image_separation"].to_numpy()
-    np.testing.assert_array_equal(np.isfinite(separation), taken)
+    association_log_odds = tracks["image_separation"].to_numpy()
+    np.testing.assert_array_equal(np.isfinite(association_log_odds), taken)
     # paws lie clear of each other in most frames: odds of more than 7 to 1
-    assert np.mean(separation[taken] > 2.0) > 0.7
+    assert np.mean(association_log_odds[taken] > 2.0) > 0.7
     apart = tracks["passes_apart"].to_numpy()
     assert np.isfinite(apart[3:-3]).mean() > 0.9
     assert np.nanmedian(apart) < 2.0
@@ -84,14 +84,14 @@ def test_visible_paws_are_found_and_clicks_are_kept(scene, tmp_path):
 def test_tracking_again_keeps_earlier_rows_and_obeys_what_was_placed_by_hand(scene):
     trial, start, truth = scene
     tracks = run(trial, start)
-    fixed = tracks.copy(deep=True)
+    anchors = tracks.copy(deep=True)
     row = truth[(truth["frame"] == 10) & (truth["view"] == "cam1") & (truth["point"] == "HR")]
     uv = row[["u", "v"]].to_numpy()[0]
-    fixed["image_position"].loc[{"view": "cam1", "keypoint": "HR"}][10, :, 0] = uv
-    fixed["image_origin"].loc[{"view": "cam1", "keypoint": "HR"}][10, 0] = ORIGIN_CODE["edited"]
+    anchors["image_position"].loc[{"view": "cam1", "keypoint": "HR"}][10, :, 0] = uv
+    anchors["image_origin"].loc[{"view": "cam1", "keypoint": "HR"}][10, 0] = ORIGIN_CODE["edited"]
     nothing = start.iloc[:0]
-    again = run(trial, nothing, frames=(10, 24), tracks=fixed)
-    before = [again["position"][:10].to_numpy(), fixed["position"][:10].to_numpy()]
+    again = run(trial, nothing, frames=(10, 24), tracks=anchors)
+    before = [again["position"][:10].to_numpy(), anchors["position"][:10].to_numpy()]
     np.testing.assert_array_equal(*before)
     np.testing.assert_array_equal(again["frame"].to_numpy(), np.arange(24))
     here = again.sel(view="cam1", keypoint="HR").isel(time=10, individual=0)

@@ -9,7 +9,7 @@ from pawnb.core.pose.fit.candidates.crossed_legs import uncrossed, with_ends_swa
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.layout import leg_numbers, make_layout, pose_vectors
 from pawnb.core.pose.fit.learning.anatomy import anatomy
-from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Sight
+from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence
 from pawnb.core.pose.fit.rendering.paint_kernels import make_canvas, paint
 from pawnb.core.pose.fit.settings import PoseSettings
 from pawnb.core.pose.poses import natural_pose
@@ -42,7 +42,7 @@ def animal_seen():
     def shown(pose):
         canvas = make_canvas(SIZE, SIZE, fitter.layout)
         paint(fitter.layout, pose, fitter.blur, np.zeros(2), *canvas)
-        return Sight(canvas[0].copy(), np.full((SIZE, SIZE), 70.0), np.zeros(2))
+        return ImageEvidence(canvas[0].copy(), np.full((SIZE, SIZE), 70.0), np.zeros(2))
 
     return fitter, pose, shown
 
@@ -59,12 +59,12 @@ def crossed_over(fitter, pose):
 
 def test_legs_get_their_ends_back(animal_seen):
     fitter, pose, shown = animal_seen
-    sight = shown(pose)
-    lost, _ = fitter.fit(crossed_over(fitter, pose), sight, fitter.anatomy, rounds=30)
+    image_evidence = shown(pose)
+    lost, _ = fitter.fit(crossed_over(fitter, pose), image_evidence, fitter.anatomy, rounds=30)
     tips = [fitter.joints(p)[list(PAIR), -1] for p in (pose, lost)]
     assert np.hypot(*(tips[1] - tips[0]).T).min() > 4.0, "the fit alone found the way back"
-    found = uncrossed(fitter, lost, sight, prior=fitter.anatomy)
-    found, _ = fitter.fit(found, sight, fitter.anatomy, rounds=30)
+    found = uncrossed(fitter, lost, image_evidence, prior=fitter.anatomy)
+    found, _ = fitter.fit(found, image_evidence, fitter.anatomy, rounds=30)
     away = fitter.joints(found)[list(PAIR), -1] - tips[0]
     assert np.hypot(*away.T).max() < 0.5
 

@@ -26,13 +26,13 @@ def seen():
         frame, poses.at_frame(0), animal=animal, background=background, settings=PoseSettings()
     )
     fitter.layout = first_darkness(fitter, frame, pose)
-    sight, image, box = fitter.look(frame, pose)
-    return fitter, pose, sight, image, box
+    image_evidence, image, box = fitter.look(frame, pose)
+    return fitter, pose, image_evidence, image, box
 
 
 @pytest.mark.parametrize("true_one_first", [True, False])
 def test_joints_at_odd_places_along_a_limb_do_not_keep_the_better_pose_out(seen, true_one_first):
-    fitter, pose, sight, image, box = seen
+    fitter, pose, image_evidence, image, box = seen
     numbers = fitter.numbers[LEG]
     true = pose[numbers]
     odd = true.copy()
@@ -43,19 +43,23 @@ def test_joints_at_odd_places_along_a_limb_do_not_keep_the_better_pose_out(seen,
     elsewhere[numbers[0]] += 0.6
     choices = only_choice(fitter, 0, elsewhere, image=image, box=box)
     for offered in [true, odd] if true_one_first else [odd, true]:
-        add_candidates(fitter, choices, {LEG: [offered]}, sight=sight, prior=fitter.anatomy)
+        add_candidates(
+            fitter, choices, {LEG: [offered]}, image_evidence=image_evidence, prior=fitter.anatomy
+        )
     np.testing.assert_array_equal(choices.legs[LEG], [elsewhere[numbers], true])
 
 
 def test_a_leg_gains_nothing_on_the_limb_of_one_of_the_other_side(seen):
-    fitter, pose, sight, image, box = seen
+    fitter, pose, image_evidence, image, box = seen
     left, right = (fitter.animal.leg_names.index(name) for name in ("L1", "R1"))
     joints = fitter.joints(pose)
     across = joints[right].copy()
     across[0] = joints[left, 0]
     on_other = leg_numbers(fitter.layout, left, across, heading=float(pose[2]))
     choices = only_choice(fitter, 0, pose, image=image, box=box)
-    add_candidates(fitter, choices, {left: [on_other]}, sight=sight, prior=fitter.anatomy)
+    add_candidates(
+        fitter, choices, {left: [on_other]}, image_evidence=image_evidence, prior=fitter.anatomy
+    )
     unaware = side_energy(choices, [left], 1.0, others={})
     aware = side_energy(choices, [left], 1.0, others={right: 0})
     np.testing.assert_allclose(aware[0], unaware[0], atol=1.0)  # its own limb is its own

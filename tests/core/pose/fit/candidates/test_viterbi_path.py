@@ -17,7 +17,7 @@ class Fitter:
     lengths = np.array([3])
     anatomy = None
 
-    def sight(self, *_):
+    def image_evidence(self, *_):
         return None
 
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from pawnb.core.pose.fit.layout import make_layout, meeting, pose_vectors
-from pawnb.core.pose.fit.learning.appearance import learn_look
-from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Prior, Sight, fit_pose
+from pawnb.core.pose.fit.learning.appearance import learn_appearance
+from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence, Prior, fit_pose
 from pawnb.core.pose.fit.rendering.paint_kernels import make_canvas, paint
 from pawnb.core.pose.fit.sequence.first_frame import partners
 from pawnb.core.pose.poses import natural_pose
@@ -38,9 +38,9 @@ def test_thickness_and_darkness_come_back():
     true.ellipse[:2, 5] = 0.1
     canvas = make_canvas(200, 200, true)
     paint(true, pose, 2.0, np.zeros(2), *canvas)
-    sight = Sight(canvas[0].copy(), np.full((200, 200), 70.0), np.zeros(2))
-    found = learn_look(
-        first, [(pose, sight)], first=first, partner=partners(animal),
+    image_evidence = ImageEvidence(canvas[0].copy(), np.full((200, 200), 70.0), np.zeros(2))
+    found = learn_appearance(
+        first, [(pose, image_evidence)], first=first, partner=partners(animal),
         prior=known(pose, 0.01), blur=2.0, soft=0.45, rounds=8,
     )  # fmt: skip
     # the femora lie clear of the body and of each other
@@ -61,7 +61,7 @@ def test_where_a_body_of_unknown_shape_lies_is_told_by_its_waist():
     true.ellipse[-1, 3] *= 1.5
     canvas = make_canvas(200, 200, true)
     paint(true, pose, 2.0, np.zeros(2), *canvas)
-    sight = Sight(canvas[0].copy(), np.full((200, 200), 70.0), np.zeros(2))
+    image_evidence = ImageEvidence(canvas[0].copy(), np.full((200, 200), 70.0), np.zeros(2))
     away = pose.copy()
     away[0] += 0.8
     found = first
@@ -69,14 +69,23 @@ def test_where_a_body_of_unknown_shape_lies_is_told_by_its_waist():
     sd[:2] = np.inf
     around = known(pose, sd)
     for _ in range(3):
-        found = learn_look(
-            found, [(away, sight)], first=first, partner=partners(animal),
+        found = learn_appearance(
+            found, [(away, image_evidence)], first=first, partner=partners(animal),
             prior=around, blur=2.0, soft=0.45,
         )  # fmt: skip
         away, _ = fit_pose(
-            found, away, sight, unknown(len(pose)), np.arange(3), np.ones(9, bool), 2.0, 0.45,
-            8, 1e-3, *canvas,
-        )  # fmt: skip
+            found,
+            away,
+            image_evidence,
+            unknown(len(pose)),
+            np.arange(3),
+            np.ones(9, bool),
+            2.0,
+            0.45,
+            8,
+            1e-3,
+            *canvas,
+        )
     assert away[:2] == pytest.approx(pose[:2], abs=0.05)
     np.testing.assert_allclose(found.ellipse[:2, :4], true.ellipse[:2, :4], atol=0.25)
     assert found.ellipse[-1, 3] == pytest.approx(true.ellipse[-1, 3], rel=0.1)
@@ -89,18 +98,32 @@ def test_a_look_is_learnt_where_legs_and_body_disagree_about_its_place():
     ahead = first._replace(attach=first.attach + np.array([2.0, 0.0]))
     canvas = make_canvas(200, 200, first)
     paint(ahead, pose, 1.8, np.zeros(2), *canvas)
-    sight = Sight(canvas[0].copy(), np.full((200, 200), 70.0), np.zeros(2))
+    image_evidence = ImageEvidence(canvas[0].copy(), np.full((200, 200), 70.0), np.zeros(2))
     prior, look, costs = known(pose, 0.14), first, []
     for _ in range(4):
         pose, cost = fit_pose(
-            look, pose, sight, prior, np.arange(len(pose)), np.ones(9, bool), 1.8, 0.45, 20, 0.1,
+            look,
+            pose,
+            image_evidence,
+            prior,
+            np.arange(len(pose)),
+            np.ones(9, bool),
+            1.8,
+            0.45,
+            20,
+            0.1,
             *canvas,
-        )  # fmt: skip
+        )
         costs.append(cost)
-        look = learn_look(
-            look, [(pose, sight)], first=first, partner=partners(animal), prior=prior, blur=1.8,
+        look = learn_appearance(
+            look,
+            [(pose, image_evidence)],
+            first=first,
+            partner=partners(animal),
+            prior=prior,
+            blur=1.8,
             soft=0.45,
-        )  # fmt: skip
+        )
     # a step that heeds only what the body says runs away: the cost rose from -4277 to -3609
     assert np.diff(costs).max() < 1.0, costs
 
@@ -132,10 +155,16 @@ def test_a_pattern_in_the_middle_of_a_part_does_not_move_its_edge():
     true.ellipse[1, 6] -= 0.2
     canvas = make_canvas(200, 200, true)
     paint(true, pose, 2.0, np.zeros(2), *canvas)
-    sight = Sight(canvas[0].copy(), np.full((200, 200), 70.0), np.zeros(2))
-    found = learn_look(
-        first, [(pose, sight)], first=first, partner=partners(animal), prior=unknown(len(pose)),
-        blur=2.0, soft=0.45, rounds=8,
-    )  # fmt: skip
+    image_evidence = ImageEvidence(canvas[0].copy(), np.full((200, 200), 70.0), np.zeros(2))
+    found = learn_appearance(
+        first,
+        [(pose, image_evidence)],
+        first=first,
+        partner=partners(animal),
+        prior=unknown(len(pose)),
+        blur=2.0,
+        soft=0.45,
+        rounds=8,
+    )
     assert found.ellipse[1, 4] - found.ellipse[1, 6] == pytest.approx(0.2, abs=0.02)
     np.testing.assert_allclose(found.ellipse[1, :4], true.ellipse[1, :4], atol=0.05)

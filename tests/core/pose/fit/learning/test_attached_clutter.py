@@ -12,8 +12,8 @@ from painted_walk import PaintedReader, painted_walk, walking_poses
 from pawnb.core.frame_checkpoint import KeptFrames
 from pawnb.core.pose.fit.candidates.leg_candidates import only_choice
 from pawnb.core.pose.fit.layout import pose_vectors
-from pawnb.core.pose.fit.learning.attached_clutter import find_fixtures
-from pawnb.core.pose.fit.learning.pose_prior import learn_from_all, learn_habits
+from pawnb.core.pose.fit.learning.attached_clutter import find_attached_clutter
+from pawnb.core.pose.fit.learning.pose_prior import learn_from_all, learn_pose_prior
 from pawnb.core.pose.fit.prepare import prepare_fitter
 from pawnb.core.pose.fit.settings import PoseSettings
 from pawnb.core.pose.fit.tracker import track_pose
@@ -79,12 +79,12 @@ def still_poses():
 @pytest.mark.parametrize("moving", [True, False])
 def test_wings_are_found_and_legs_are_not(winged, moving):
     fitter, found, vectors = winged if moving else walk(still_poses(), winged=True)
-    fixtures = find_fixtures(fitter, found, vectors)
-    half = len(fixtures) // 2
+    attached_clutter = find_attached_clutter(fitter, found, vectors)
+    half = len(attached_clutter) // 2
     pose = np.array([half, half, 0.0])
-    wings = on_wings(pose, fixtures.shape)
-    assert np.mean(fixtures[wings]) > 0.95
-    assert np.mean(wings[fixtures]) > 0.3  # the rest is the body
+    wings = on_wings(pose, attached_clutter.shape)
+    assert np.mean(attached_clutter[wings]) > 0.95
+    assert np.mean(wings[attached_clutter]) > 0.3  # the rest is the body
     tips = [joints[0, :8] for joints in found[0].joints]
     for chain in tips:
         ahead = chain - vectors[0, :2]
@@ -92,29 +92,31 @@ def test_wings_are_found_and_legs_are_not(winged, moving):
         x, y = ahead[:, 0] * cos + ahead[:, 1] * sin, -ahead[:, 0] * sin + ahead[:, 1] * cos
         outer = np.round(np.column_stack([x, y])[-3:]).astype(int) + half
         far = [not wings[b - 6 : b + 7, a - 6 : a + 7].any() for a, b in outer]
-        assert not fixtures[outer[:, 1], outer[:, 0]][far].any()
+        assert not attached_clutter[outer[:, 1], outer[:, 0]][far].any()
 
 
 def test_without_wings_nothing_is_found(winged):
     fitter, found, vectors = walk(winged=False)
-    assert find_fixtures(fitter, found, vectors) is None
+    assert find_attached_clutter(fitter, found, vectors) is None
     assert not learn_from_all(fitter, found, vectors)
-    assert find_fixtures(winged[0], winged[1][:10], winged[2][:10]) is None  # too few frames
+    assert (
+        find_attached_clutter(winged[0], winged[1][:10], winged[2][:10]) is None
+    )  # too few frames
 
 
 def test_what_is_fixed_hides_legs(winged):
     fitter, found, vectors = winged
     twin = fitter.twin()
-    twin.fixtures = find_fixtures(fitter, found, vectors)
-    sight = twin.sight(found[5].image.astype(float), found[5].box, vectors[5])
+    twin.attached_clutter = find_attached_clutter(fitter, found, vectors)
+    image_evidence = twin.image_evidence(found[5].image.astype(float), found[5].box, vectors[5])
     # the wings in the crop, without their edge
     place = vectors[5] - np.concatenate([found[5].box[:2], np.zeros(len(vectors[5]) - 2)])
-    wings = on_wings(place, sight.seen.shape)
-    body = twin.near_body(vectors[5], sight)
-    hidden = sight.weight == 0
+    wings = on_wings(place, image_evidence.seen.shape)
+    body = twin.near_body(vectors[5], image_evidence)
+    hidden = image_evidence.weight == 0
     assert np.mean(hidden[wings & ~body]) > 0.9  # edges are rounded to pixels
     assert not hidden[body].any()
-    assert (sight.seen[hidden] == 0).all()
+    assert (image_evidence.seen[hidden] == 0).all()
 
 
 def test_habits_are_those_of_legs_that_are_well_seen():
@@ -125,7 +127,7 @@ def test_habits_are_those_of_legs_that_are_well_seen():
     wrong = vectors.copy()
     for numbers in (front, fitter.numbers[partner]):
         wrong[:, numbers[0]] += 0.7  # beside the leg: nothing is seen of it there
-    learn_habits(fitter, found, wrong)
+    learn_pose_prior(fitter, found, wrong)
     assert (fitter.anatomy.middle[front] == before.middle[front]).all()
     assert not len(fitter.usual_poses[0])
     sides = [fitter.animal.leg_names.index(name) for name in ("L2", "R2")]

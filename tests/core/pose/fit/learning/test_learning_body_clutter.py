@@ -9,8 +9,8 @@ from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.layout import make_layout, pose_vectors
 from pawnb.core.pose.fit.learning.anatomy import anatomy
 from pawnb.core.pose.fit.learning.attached_clutter_kernels import disregard
-from pawnb.core.pose.fit.learning.body_clutter import find_odd_places, without_odd_places
-from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Sight
+from pawnb.core.pose.fit.learning.body_clutter import find_body_clutter, without_body_clutter
+from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence
 from pawnb.core.pose.fit.rendering.paint_kernels import make_canvas, paint
 from pawnb.core.pose.fit.settings import PoseSettings
 from pawnb.core.pose.poses import natural_pose
@@ -43,13 +43,13 @@ def scene():
         right = -(u - pose[0]) * sin + (v - pose[1]) * cos
         jaws = (np.abs(forward - 14 * SCALE) < 2.0) & (np.abs(right) < 3.0)
         seen[jaws & (canvas[1] < 0)] = 0.8
-        frames.append((pose, Sight(seen, np.full((SIZE, SIZE), 70.0), np.zeros(2))))
+        frames.append((pose, ImageEvidence(seen, np.full((SIZE, SIZE), 70.0), np.zeros(2))))
     return fitter, frames
 
 
 def test_what_sticks_out_does_not_count_and_the_rest_does(scene):
     fitter, frames = scene
-    kept = find_odd_places(fitter, frames)
+    kept = find_body_clutter(fitter, frames)
     half = kept.shape[0] // 2
     assert kept[half, half + round(14 * SCALE) + 1] == 0.0  # the jaws, in front
     assert kept[half, half - round(14 * SCALE) :][: round(26 * SCALE)].min() == 1.0
@@ -58,21 +58,21 @@ def test_what_sticks_out_does_not_count_and_the_rest_does(scene):
 
 def test_a_sight_without_odd_places_has_no_weight_at_the_jaws_and_leaves_the_first_as_it_was(scene):
     fitter, frames = scene
-    fitter.odd_places = find_odd_places(fitter, frames)
-    pose, sight = frames[3]
-    counts = without_odd_places(fitter, pose, sight).weight
+    fitter.body_clutter = find_body_clutter(fitter, frames)
+    pose, image_evidence = frames[3]
+    counts = without_body_clutter(fitter, pose, image_evidence).weight
     ahead = 14 * SCALE * np.array([np.cos(pose[2]), np.sin(pose[2])])
     u, v = np.round(pose[:2] + ahead).astype(int)
     assert counts[v, u] == 0.0
     assert counts[round(pose[1]), round(pose[0])] == 70.0
-    assert (sight.weight == 70.0).all()
+    assert (image_evidence.weight == 70.0).all()
 
 
 def test_too_few_frames_tell_nothing(scene):
     fitter, frames = scene
-    assert find_odd_places(fitter, frames[:5]) is None
-    pose, sight = frames[0]
-    assert without_odd_places(fitter, pose, sight) is sight
+    assert find_body_clutter(fitter, frames[:5]) is None
+    pose, image_evidence = frames[0]
+    assert without_body_clutter(fitter, pose, image_evidence) is image_evidence
 
 
 def test_the_weight_is_taken_where_the_place_lies_in_the_picture():

@@ -8,8 +8,8 @@ import pytest
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.layout import make_layout, pose_vectors
 from pawnb.core.pose.fit.learning.anatomy import anatomy
-from pawnb.core.pose.fit.learning.leg_clutter import find_hairs, without_hairs
-from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Sight
+from pawnb.core.pose.fit.learning.leg_clutter import find_leg_clutter, without_leg_clutter
+from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence
 from pawnb.core.pose.fit.rendering.paint_kernels import make_canvas, paint
 from pawnb.core.pose.fit.settings import PoseSettings
 from pawnb.core.pose.poses import natural_pose
@@ -48,25 +48,25 @@ def scene():
         seen = canvas[0].copy()
         v, u = spine_places(*fitter.joints(pose)[LEG][[-1, -2]]).T
         seen[v, u] = np.maximum(seen[v, u], 0.45)
-        frames.append((pose, Sight(seen, np.full((SIZE, SIZE), 70.0), np.zeros(2))))
+        frames.append((pose, ImageEvidence(seen, np.full((SIZE, SIZE), 70.0), np.zeros(2))))
     return fitter, frames
 
 
 def test_a_spine_is_found_where_it_is_and_nowhere_else(scene):
     fitter, frames = scene
-    hairs = find_hairs(fitter, frames)
-    assert hairs[LEG, -1].any()
-    middle = hairs.shape[3] // 2
-    assert not hairs[LEG, -1][:, : middle + 1].any()  # it is on one side
-    hairs[LEG, -1] = False
-    assert not hairs.any()
+    leg_clutter = find_leg_clutter(fitter, frames)
+    assert leg_clutter[LEG, -1].any()
+    middle = leg_clutter.shape[3] // 2
+    assert not leg_clutter[LEG, -1][:, : middle + 1].any()  # it is on one side
+    leg_clutter[LEG, -1] = False
+    assert not leg_clutter.any()
 
 
 def test_only_the_spine_loses_its_weight(scene):
     fitter, frames = scene
-    fitter.hairs = find_hairs(fitter, frames)
-    pose, sight = frames[3]
-    weight = without_hairs(fitter, pose, sight).weight
+    fitter.leg_clutter = find_leg_clutter(fitter, frames)
+    pose, image_evidence = frames[3]
+    weight = without_leg_clutter(fitter, pose, image_evidence).weight
     tip, before = fitter.joints(pose)[LEG][[-1, -2]]
     gone = np.argwhere(weight == 0.0)
     spine = spine_places(tip, before)
@@ -74,16 +74,16 @@ def test_only_the_spine_loses_its_weight(scene):
     assert len(gone) > 4
     assert apart.min(axis=1).max() < 2.5
     assert (weight[weight > 0.0] == 70.0).all()
-    assert (sight.weight == 70.0).all()
+    assert (image_evidence.weight == 70.0).all()
 
 
 def test_without_its_spine_a_leg_is_fitted_where_it_is(scene):
     fitter, frames = scene
-    pose, sight = frames[5]
+    pose, image_evidence = frames[5]
     true = fitter.joints(pose)[LEG, -1]
-    drawn = fitter.joints(fitter.fit(pose, sight, fitter.anatomy)[0])[LEG, -1]
-    fitter.hairs = find_hairs(fitter, frames)
-    without = without_hairs(fitter, pose, sight)
+    drawn = fitter.joints(fitter.fit(pose, image_evidence, fitter.anatomy)[0])[LEG, -1]
+    fitter.leg_clutter = find_leg_clutter(fitter, frames)
+    without = without_leg_clutter(fitter, pose, image_evidence)
     found = fitter.joints(fitter.fit(pose, without, fitter.anatomy)[0])[LEG, -1]
     assert np.linalg.norm(drawn - true) > 0.2
     assert np.linalg.norm(found - true) < 0.5 * np.linalg.norm(drawn - true)
@@ -92,18 +92,18 @@ def test_without_its_spine_a_leg_is_fitted_where_it_is(scene):
 def test_rings_are_no_hairs(scene):
     """A ring darkens both sides of a segment alike."""
     fitter, frames = scene
-    for pose, sight in frames:
+    for pose, image_evidence in frames:
         canvas = make_canvas(SIZE, SIZE, fitter.layout)
         paint(fitter.layout, pose, fitter.blur, np.zeros(2), *canvas)
         ring = (canvas[1] == 64 * LEG + 3) & (np.abs(canvas[2] - 0.5) < 0.25)
-        sight.seen[ring] += 0.3
-    hairs = find_hairs(fitter, frames)
-    assert hairs[LEG, -1].any()
-    assert not hairs[LEG, :-1].any()
+        image_evidence.seen[ring] += 0.3
+    leg_clutter = find_leg_clutter(fitter, frames)
+    assert leg_clutter[LEG, -1].any()
+    assert not leg_clutter[LEG, :-1].any()
 
 
 def test_too_few_frames_tell_nothing(scene):
     fitter, frames = scene
-    assert find_hairs(fitter, frames[:5]) is None
-    pose, sight = frames[0]
-    assert without_hairs(fitter, pose, sight) is sight
+    assert find_leg_clutter(fitter, frames[:5]) is None
+    pose, image_evidence = frames[0]
+    assert without_leg_clutter(fitter, pose, image_evidence) is image_evidence

@@ -33,12 +33,12 @@ def test_sure_frames_are_learnt_from_unless_there_are_too_few(
         return layout._replace(learnt=layout.learnt + 1)
 
     monkeypatch.setattr(relearn, "on_threads", fit_all)
-    monkeypatch.setattr(relearn, "learn_look", learn)
+    monkeypatch.setattr(relearn, "learn_appearance", learn)
     monkeypatch.setattr(relearn, "partners", lambda _animal: None)
     monkeypatch.setattr(relearn, "usual_lengths", lambda *_: None)
-    monkeypatch.setattr(relearn, "find_odd_places", lambda *_: None)
-    monkeypatch.setattr(relearn, "find_hairs", lambda *_: None)
-    monkeypatch.setattr(relearn, "counted", lambda _fitter, _pose, sight: sight)
+    monkeypatch.setattr(relearn, "find_body_clutter", lambda *_: None)
+    monkeypatch.setattr(relearn, "find_leg_clutter", lambda *_: None)
+    monkeypatch.setattr(relearn, "counted", lambda _fitter, _pose, image_evidence: image_evidence)
     fitter = SimpleNamespace(
         layout=Look(), animal=None, first=None, blur=1.0, settings=SimpleNamespace(soft_error=1.0)
     )

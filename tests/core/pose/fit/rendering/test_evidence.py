@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from pawnb.core.pose.fit.rendering.evidence import Evidence, reduced, without_wide
-from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Sight
+from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence
 
 
 def scene(light: np.ndarray):
@@ -29,9 +29,9 @@ def test_a_shadow_leaves_darkness_as_it_is():
     for light in (np.ones((200, 200)), np.tile(0.8 - 0.25 * u / 200, (200, 1))):
         background, image, covered, disc = scene(light)
         evidence = Evidence(background, factor=1, light=0.0, spread=0.1)
-        sight = evidence.sight(image, BOX, covered)
-        assert abs(np.median(sight.seen[disc]) - 0.7) < 0.03
-        assert np.abs(sight.seen[~disc]).max() < 0.1
+        image_evidence = evidence.image_evidence(image, BOX, covered)
+        assert abs(np.median(image_evidence.seen[disc]) - 0.7) < 0.03
+        assert np.abs(image_evidence.seen[~disc]).max() < 0.1
 
 
 def test_light_animals_count_as_dark():
@@ -39,9 +39,9 @@ def test_light_animals_count_as_dark():
     image = np.where(disc, 250.0, background.mean[2:202, 2:202] * 0.5)
     background.mean = background.mean * 0.5
     evidence = Evidence(background, factor=1, light=250.0, spread=0.1)
-    sight = evidence.sight(image, BOX, covered)
-    assert abs(np.median(sight.seen[disc]) - 1.0) < 0.03
-    assert np.abs(sight.seen[~disc]).max() < 0.05
+    image_evidence = evidence.image_evidence(image, BOX, covered)
+    assert abs(np.median(image_evidence.seen[disc]) - 1.0) < 0.03
+    assert np.abs(image_evidence.seen[~disc]).max() < 0.05
 
 
 def test_crop_stays_inside_the_picture_and_reduction_is_the_mean_of_squares():
@@ -60,12 +60,14 @@ def test_what_is_wider_than_a_leg_is_taken_as_a_filter_before_it():
     leg[39:42, 5:70] = 0.6
     seen = 1.0 - (1.0 - wing) * (1.0 - leg)
     nowhere = np.zeros(seen.shape, bool)
-    thin = without_wide(Sight(seen, np.full(seen.shape, 50.0), np.zeros(2)), nowhere, size=11)
+    thin = without_wide(
+        ImageEvidence(seen, np.full(seen.shape, 50.0), np.zeros(2)), nowhere, size=11
+    )
     assert abs(thin.seen[40, 10:35].mean() - 0.6) < 0.01
     assert abs(thin.seen[40, 45:68].mean() - 0.6) < 0.03
     assert np.abs(thin.seen[25:35, 45:70]).max() < 0.05
     assert thin.weight[30, 55] < thin.weight[40, 20]
     # a body is wide itself
     body = wing > 0
-    kept = without_wide(Sight(seen, np.full(seen.shape, 50.0), np.zeros(2)), body, size=11)
+    kept = without_wide(ImageEvidence(seen, np.full(seen.shape, 50.0), np.zeros(2)), body, size=11)
     np.testing.assert_allclose(kept.seen[body], seen[body])

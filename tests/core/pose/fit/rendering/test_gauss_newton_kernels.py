@@ -91,20 +91,20 @@ def test_the_fit_finds_a_painted_pose_to_a_hundredth_of_a_pixel():
     pose[angles] += rng.normal(0, 0.08, len(angles))
     canvas = make_canvas(180, 180, layout)
     paint(layout, pose, 2.0, np.zeros(2), *canvas)
-    sight = loops.Sight(canvas[0].copy(), np.full((180, 180), 70.0), np.zeros(2))
+    image_evidence = loops.ImageEvidence(canvas[0].copy(), np.full((180, 180), 70.0), np.zeros(2))
     first = pose.copy()
     first[:2] += (1.2, -0.8)
     first[angles] += rng.normal(0, 0.03, len(angles))
     free = prior._replace(precision=0.01 * prior.precision)
     active, shown = np.arange(len(pose)), np.ones(len(animal.legs) + 1, bool)
     fitted, _ = loops.fit_pose(
-        layout, first, sight, free, active, shown, 2.0, 0.45, 40, 1e-6, *canvas
+        layout, first, image_evidence, free, active, shown, 2.0, 0.45, 40, 1e-6, *canvas
     )
     np.testing.assert_allclose(fitted[:2], pose[:2], atol=0.01)
     np.testing.assert_allclose(fitted[2], pose[2], atol=1e-3)
     # only what is listed moves
     fixed, _ = loops.fit_pose(
-        layout, first, sight, free, angles, shown, 2.0, 0.45, 5, 1e-6, *canvas
+        layout, first, image_evidence, free, angles, shown, 2.0, 0.45, 5, 1e-6, *canvas
     )
     np.testing.assert_array_equal(fixed[lengths], first[lengths])
     np.testing.assert_array_equal(fixed[:3], first[:3])
@@ -116,7 +116,7 @@ def test_the_cost_of_a_leg_fitted_alone_is_that_of_the_whole_picture():
     layout = make_layout(animal, px_per_unit=2.0)
     canvas = make_canvas(180, 180, layout)
     paint(layout, pose, 2.0, np.zeros(2), *canvas)
-    sight = loops.Sight(canvas[0].copy(), np.full((180, 180), 70.0), np.zeros(2))
+    image_evidence = loops.ImageEvidence(canvas[0].copy(), np.full((180, 180), 70.0), np.zeros(2))
     first, second = (
         np.arange(layout.first[i], layout.first[i] + 2 * layout.n_links[i]) for i in (0, 1)
     )
@@ -126,13 +126,13 @@ def test_the_cost_of_a_leg_fitted_alone_is_that_of_the_whole_picture():
     away[second] += 0.02
     shown = np.ones(len(animal.legs) + 1, bool)
     fitted, cost = loops.fit_pose(
-        layout, away, sight, prior, first, shown, 2.0, 0.45, 12, 1e-6, *canvas
+        layout, away, image_evidence, prior, first, shown, 2.0, 0.45, 12, 1e-6, *canvas
     )
     assert np.abs(fitted[first] - away[first]).max() > 0.05, "the leg did not move"
     np.testing.assert_array_equal(np.delete(fitted, first), np.delete(away, first))
     fresh = make_canvas(180, 180, layout)
     paint(layout, fitted, 2.0, np.zeros(2), *fresh)
-    whole = picture_cost(fresh[0], fresh[1], sight.seen, sight.weight, 0.45)
+    whole = picture_cost(fresh[0], fresh[1], image_evidence.seen, image_evidence.weight, 0.45)
     np.testing.assert_allclose(cost, whole + loops.prior_cost(fitted, prior, first), rtol=1e-9)
 
 

@@ -8,8 +8,8 @@ import pytest
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.layout import make_layout, pose_vectors
 from pawnb.core.pose.fit.learning.anatomy import anatomy
-from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Sight, paint_some
-from pawnb.core.pose.fit.rendering.leg_attachments import without_corners
+from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence, paint_some
+from pawnb.core.pose.fit.rendering.leg_attachments import without_leg_attachments
 from pawnb.core.pose.fit.rendering.paint_kernels import make_canvas
 from pawnb.core.pose.fit.settings import PoseSettings
 from pawnb.core.pose.poses import natural_pose
@@ -38,7 +38,7 @@ def scene():
     dark = layout.ellipse[:, 4].max()
     # what light one lets through, the other stops: independent covers, as of two films
     seen = dark * (1.0 - (1.0 - np.minimum(legs / dark, 1.0)) * (1.0 - body / dark))
-    return fitter, pose, Sight(seen, np.full((SIZE, SIZE), 70.0), np.zeros(2))
+    return fitter, pose, ImageEvidence(seen, np.full((SIZE, SIZE), 70.0), np.zeros(2))
 
 
 def painted(fitter: FrameFitter, pose: np.ndarray, shown: np.ndarray) -> np.ndarray:
@@ -49,30 +49,34 @@ def painted(fitter: FrameFitter, pose: np.ndarray, shown: np.ndarray) -> np.ndar
 
 
 def test_only_what_both_cover_in_part_loses_its_weight(scene):
-    fitter, pose, sight = scene
-    weight = without_corners(fitter, pose, sight).weight
+    fitter, pose, image_evidence = scene
+    weight = without_leg_attachments(fitter, pose, image_evidence).weight
     gone = weight == 0.0
     assert 20 < gone.sum() < 400
     assert (weight[~gone] == 70.0).all()
     for shown in (~fitter.body_shown, fitter.body_shown):
         alone = painted(fitter, pose, shown)
         assert (alone[gone] > 0.0).all()
-    assert (sight.weight == 70.0).all()
+    assert (image_evidence.weight == 70.0).all()
 
 
 def test_corners_turn_the_body_less_without_their_weight(scene):
-    fitter, pose, sight = scene
-    without = without_corners(fitter, pose, sight)
+    fitter, pose, image_evidence = scene
+    without = without_leg_attachments(fitter, pose, image_evidence)
     turned, left = (
         fitter.fit(pose, seen, fitter.anatomy, rounds=30, enough=1e-4)[0][2] - pose[2]
-        for seen in (sight, without)
+        for seen in (image_evidence, without)
     )
     assert abs(turned) > np.radians(0.05)
     assert abs(left) < 0.3 * abs(turned)
 
 
 def test_a_crop_that_cuts_the_body_is_no_hindrance(scene):
-    fitter, pose, sight = scene
-    whole = without_corners(fitter, pose, sight).weight
-    cut = Sight(sight.seen[100:, 90:], sight.weight[100:, 90:], np.array([90.0, 100.0]))
-    np.testing.assert_array_equal(without_corners(fitter, pose, cut).weight, whole[100:, 90:])
+    fitter, pose, image_evidence = scene
+    whole = without_leg_attachments(fitter, pose, image_evidence).weight
+    cut = ImageEvidence(
+        image_evidence.seen[100:, 90:], image_evidence.weight[100:, 90:], np.array([90.0, 100.0])
+    )
+    np.testing.assert_array_equal(
+        without_leg_attachments(fitter, pose, cut).weight, whole[100:, 90:]
+    )

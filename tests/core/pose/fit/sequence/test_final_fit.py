@@ -97,7 +97,7 @@ def test_what_a_frame_would_gain_is_that_of_two_parabolas(monkeypatch):
     """Its own cost x**2 and the others' (x - 1)**2: 1 at 0, and 0.5 at the best place, 0.5."""
     one = SimpleNamespace(pose=np.zeros(1), precision=np.full((1, 1), 2.0), slope=np.zeros(1))
     said = np.ones((1, 1)), np.full((1, 1, 1), 2.0)
-    monkeypatch.setattr(final_fit, "others_say", lambda *_: said)
+    monkeypatch.setattr(final_fit, "motion_messages", lambda *_: said)
     fitter = SimpleNamespace(numbers=[np.array([0])], n=1)
     others = final_fit._from_others(fitter, [one], [np.zeros(1)], [np.array([0])])
     assert others.gain == pytest.approx([0.5])

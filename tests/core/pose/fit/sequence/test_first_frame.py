@@ -14,7 +14,7 @@ from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.layout import make_layout, pose_vectors
 from pawnb.core.pose.fit.learning.anatomy import anatomy
 from pawnb.core.pose.fit.rendering.evidence import Evidence
-from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Sight
+from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence
 from pawnb.core.pose.fit.rendering.paint_kernels import leg_chain, make_canvas, paint
 from pawnb.core.pose.fit.sequence import first_frame
 from pawnb.core.pose.fit.settings import PoseSettings
@@ -101,13 +101,18 @@ def test_a_leg_that_stops_short_of_a_bent_end_is_slid_out_to_it():
     true[numbers[links - 2 : links]] += np.radians(40.0)  # tarsus and metatarsus are bent
     canvas = make_canvas(240, 240, layout)
     paint(layout, true, 0.9, np.zeros(2), *canvas)
-    sight = Sight(canvas[0].copy(), np.full((240, 240), 1.0 / 0.12**2), np.zeros(2))
+    image_evidence = ImageEvidence(
+        canvas[0].copy(), np.full((240, 240), 1.0 / 0.12**2), np.zeros(2)
+    )
     settings = PoseSettings()
     background = SimpleNamespace(mean=np.full((240, 240), 200.0), sd=np.ones((240, 240)))
     fitter = FrameFitter(
-        animal, layout, evidence=Evidence(background, factor=1, light=0.0, spread=0.12),
-        anatomy=anatomy(animal, pose, foreshortening_sd=0.12), settings=settings,
-    )  # fmt: skip
+        animal,
+        layout,
+        evidence=Evidence(background, factor=1, light=0.0, spread=0.12),
+        anatomy=anatomy(animal, pose, foreshortening_sd=0.12),
+        settings=settings,
+    )
     fitter.blur = 0.9
     short = true.copy()
     short[numbers] = first_frame.slid_leg(layout, true, leg, factor=0.88)
@@ -117,5 +122,5 @@ def test_a_leg_that_stops_short_of_a_bent_end_is_slid_out_to_it():
     def off(found):
         return np.hypot(*(fitter.joints(found)[leg, layout.n_segments[leg]] - tip))
 
-    assert off(fitter.fit(short, sight, prior, rounds=30)[0]) > 2.0
-    assert off(first_frame._slid_along(fitter, short, sight, prior)) < 0.6
+    assert off(fitter.fit(short, image_evidence, prior, rounds=30)[0]) > 2.0
+    assert off(first_frame._slid_along(fitter, short, image_evidence, prior)) < 0.6

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pawnb.core.pose.fit.sequence.leg_motion import first_motion, learn_motion, others_say
+from pawnb.core.pose.fit.sequence.leg_motion import first_motion, learn_motion, motion_messages
 
 
 def walk(rng, covariance, n):
@@ -38,7 +38,7 @@ def test_hidden_frames_are_filled_in_by_a_cubic():
     leg = np.column_stack([1e-3 * (t - 9) ** 3, 0.02 * t**2])
     precision = np.tile(1e8 * np.eye(2), (20, 1, 1))
     precision[8:11] = 0.0
-    around, pull = others_say(precision, (precision @ leg[..., None])[..., 0], first_motion(1))
+    around, pull = motion_messages(precision, (precision @ leg[..., None])[..., 0], first_motion(1))
     np.testing.assert_allclose(around[8:11], leg[8:11], atol=1e-3)
     # the middle of what is hidden is least sure
     assert pull[9, 0, 0] < pull[8, 0, 0] < pull[3, 0, 0]
@@ -51,9 +51,9 @@ def test_what_is_seen_of_a_leg_says_where_its_hidden_part_is():
     precision = np.tile(1e8 * np.eye(2), (40, 1, 1))
     precision[18:23, 1, 1] = 0.0
     vector = (precision @ leg[..., None])[..., 0]
-    together, pull = others_say(precision, vector, motion)
+    together, pull = motion_messages(precision, vector, motion)
     own = precision + pull
     both = np.linalg.solve(own, (vector + (pull @ together[..., None])[..., 0])[..., None])
-    alone, _ = others_say(precision, vector, np.diag(np.diag(motion)))
+    alone, _ = motion_messages(precision, vector, np.diag(np.diag(motion)))
     wrong = np.abs(both[18:23, 1, 0] - leg[18:23, 1]).max()
     assert wrong < 0.5 * np.abs(alone[18:23, 1] - leg[18:23, 1]).max()

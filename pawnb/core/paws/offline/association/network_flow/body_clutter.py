@@ -1,4 +1,4 @@
-"""Pieces of path that belong to the body: a nose, an ear, the root of the tail look like paws too.
+"""Tracklets that belong to the body: a nose, an ear, the root of the tail look like paws too.
 
 A paw stands on the ground and moves with it, or swings. On a belt that moves, what keeps its
 place for long is no paw; where no paw moves with the belt, belt and animal stand, and nothing
@@ -20,44 +20,46 @@ _WITH = 0.4
 _PASSED = 3.0
 """Thicknesses by which the ground must have moved away under what stays."""
 _SHARE = 0.8
-"""Share of its frames in which a piece must stay."""
+"""Share of its frames in which a tracklet must stay."""
 
 
-def without_fixtures(
-    pieces: Sequence[Tracklet], drift: np.ndarray, *, thickness: float
+def without_body_clutter(
+    tracklets: Sequence[Tracklet], substrate_velocity: np.ndarray, *, paw_width: float
 ) -> list[Tracklet]:
-    """Leave out the pieces that belong to the body.
+    """Leave out the tracklets that belong to the body.
 
     Parameters
     ----------
-    pieces : sequence of Tracklet
-        Pieces of path.
-    drift : ndarray, shape (d,)
+    tracklets : sequence of Tracklet
+        Tracklets.
+    substrate_velocity : ndarray, shape (d,)
         How paws that stand move, length per frame.
-    thickness : float
-        Thickness of a paw.
+    paw_width : float
+        Width of a paw.
 
     Returns
     -------
     list of Tracklet
         The others.
     """
-    speed = float(np.linalg.norm(drift))
-    if not pieces or speed == 0.0:
-        return list(pieces)
-    walks = np.zeros(max(piece.last for piece in pieces) + 1, bool)
-    steps = [np.gradient(piece.at, axis=0) if len(piece.at) > 1 else None for piece in pieces]
-    for piece, step in zip(pieces, steps, strict=True):
+    speed = float(np.linalg.norm(substrate_velocity))
+    if not tracklets or speed == 0.0:
+        return list(tracklets)
+    walks = np.zeros(max(tracklet.last for tracklet in tracklets) + 1, bool)
+    steps = [
+        np.gradient(tracklet.at, axis=0) if len(tracklet.at) > 1 else None for tracklet in tracklets
+    ]
+    for tracklet, step in zip(tracklets, steps, strict=True):
         if step is not None:
-            stands = np.linalg.norm(step - drift, axis=1) < _WITH * speed
-            walks[piece.first : piece.last + 1] |= stands
+            stands = np.linalg.norm(step - substrate_velocity, axis=1) < _WITH * speed
+            walks[tracklet.first : tracklet.last + 1] |= stands
     kept = []
-    for piece, step in zip(pieces, steps, strict=True):
+    for tracklet, step in zip(tracklets, steps, strict=True):
         if step is not None:
-            during = walks[piece.first : piece.last + 1]
+            during = walks[tracklet.first : tracklet.last + 1]
             slow = np.linalg.norm(step, axis=1) < _SLOW * speed
-            enough = during.sum() * speed > _PASSED * thickness
+            enough = during.sum() * speed > _PASSED * paw_width
             if enough and (slow & during).sum() >= _SHARE * during.sum():
                 continue
-        kept.append(piece)
+        kept.append(tracklet)
     return kept

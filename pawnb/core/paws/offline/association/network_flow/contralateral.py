@@ -1,8 +1,8 @@
 """Paws that a view shows but nobody clicked: those of the other side of the animal.
 
 They look like the clicked ones and cross them in the picture. Followed as points of their
-own, strangers, they are not taken for the clicked ones. Where two views give space its depth,
-a paw stays at its side of the animal: that tells the two of a kind from each other.
+own, unlabelled targets, they are not taken for the clicked ones. Where two views give space its
+depth, a paw stays at its side of the animal: that tells the two of a kind from each other.
 """
 
 from __future__ import annotations
@@ -13,42 +13,46 @@ import numpy as np
 
 from pawnb.core import dlt
 from pawnb.core.paws.offline.association.network_flow.tracklets import Tracklet, joined
-from pawnb.core.paws.offline.scene.treadmill import Scene, unclicked_kinds
+from pawnb.core.paws.offline.scene.treadmill import Scene, unlabelled_kinds
 
 _ASIDE_SD = 0.1
 """Standard deviation, in spans, of how far to the side of its click a paw is later: it wanders
-by 0.02 to 0.08 itself, and candidates of two views of one side that lie half a thickness off
+by 0.02 to 0.08 itself, and detections of two views of one side that lie half a paw width off
 are as much off in depth."""
 _FARTHEST = 6.0
 """Squared standard deviations beyond which it costs no more: that is the other paw. Half of it is
-less than being hidden costs in a frame, as all that tells where a point usually is must be."""
+less than being occluded costs in a frame, as all that tells where a point usually is must be."""
 _SAME_SIDE = 0.1
-"""A stranger that is within so many spans, to the side, of where the paw of its kind was clicked
-is that paw: clicks of two views of one side are 0.01 off in depth, and left and right paws of
-rendered mice are 0.2 (front) to 0.9 (hind) apart."""
+"""An unlabelled target that is within so many spans, to the side, of where the paw of its kind was
+clicked is that paw: clicks of two views of one side are 0.01 off in depth, and left and right paws
+of rendered mice are 0.2 (front) to 0.9 (hind) apart.
+"""
 _FAR_SIDE = 0.2
-"""A stranger is so many spans farther from the cameras than the clicked paw of its kind."""
+"""An unlabelled target is so many spans farther from the cameras than the clicked one of its kind.
+"""
 
-Fixed = Mapping[int, Mapping[int, np.ndarray]]
+Anchors = Mapping[int, Mapping[int, np.ndarray]]
 """Frame to point number to position, certain."""
 
 
-def with_strangers(tracked: np.ndarray, kinds: Sequence[str], extra: Sequence[str]) -> np.ndarray:
-    """Return which view tracks which point (P + S, V): strangers are seen like their kind.
+def with_contralateral(
+    tracked: np.ndarray, kinds: Sequence[str], extra: Sequence[str]
+) -> np.ndarray:
+    """Return which view tracks which point (P + S, V): unlabelled targets are seen like their kind.
 
     Parameters
     ----------
     tracked : ndarray of bool, shape (V, P)
         Which view tracks which clicked point.
     kinds, extra : sequence of str
-        Kinds of the clicked points, and of the strangers.
+        Kinds of the clicked points, and of the unlabelled targets.
     """
     alike = [tracked[:, [kind == own for kind in kinds]].any(axis=1) for own in extra]
     return np.stack([*tracked.T, *alike])
 
 
-def aside(
-    x: np.ndarray, fixed: Fixed, *, body: np.ndarray, point: int, across: np.ndarray
+def lateral_offset(
+    x: np.ndarray, anchors: Anchors, *, body: np.ndarray, point: int, across: np.ndarray
 ) -> np.ndarray:
     """Return how far to the side of where a point was clicked places are.
 
@@ -57,8 +61,8 @@ def aside(
     Parameters
     ----------
     x, body : ndarray, shape (n, d)
-        Places, NaN where hidden, and the body in their frames.
-    fixed : mapping
+        Places, NaN where occluded, and the body in their frames.
+    anchors : mapping
         Of the frames with clicks, each point's distance from the body there, (d,).
     point : int
         Which point.
@@ -70,115 +74,115 @@ def aside(
     ndarray, shape (n,)
         The distance, positive along ``across``, in the unit of space.
     """
-    clicked = np.mean([here[point] @ across for here in fixed.values() if point in here])
+    clicked = np.mean([here[point] @ across for here in anchors.values() if point in here])
     return np.asarray((x - body) @ across - clicked)
 
 
-def aside_cost(away: np.ndarray, span: float) -> np.ndarray:
+def lateral_cost(away: np.ndarray, body_scale: float) -> np.ndarray:
     """Return the cost of places so far to the side of a click, half a squared deviation each.
 
     Parameters
     ----------
     away : ndarray, shape (n,)
         Distances to the side.
-    span : float
+    body_scale : float
         Distance of front from hind paws, in the same unit.
     """
-    return np.asarray(0.5 * np.minimum((away / (_ASIDE_SD * span)) ** 2, _FARTHEST))
+    return np.asarray(0.5 * np.minimum((away / (_ASIDE_SD * body_scale)) ** 2, _FARTHEST))
 
 
 def side_cost(
-    pieces: Sequence[Tracklet],
-    fixed: Fixed,
+    tracklets: Sequence[Tracklet],
+    anchors: Anchors,
     scene: Scene,
     *,
     body: np.ndarray,
     kinds: Sequence[str],
 ) -> np.ndarray:
-    """Return what it costs clicked points to go to the other side, and strangers to this one.
+    """Return the cost of changing sides: clicked points to the other, unlabelled ones to this one.
 
     Only points of which the other side's was not clicked need it: where all four paws were,
-    each holds its own pieces.
+    each holds its own tracklets.
 
     Parameters
     ----------
-    pieces : sequence of Tracklet
-        Pieces of path.
-    fixed : mapping
+    tracklets : sequence of Tracklet
+        Tracklets.
+    anchors : mapping
         Frame to point number to position, certain.
     scene : Scene
         What the clicks say.
     body : ndarray, shape (n, d)
         The slowly moving middle of the body.
     kinds : sequence of str
-        Kind of each point; strangers come last.
+        Kind of each point; unlabelled targets come last.
 
     Returns
     -------
-    ndarray, shape (P, pieces)
-        The cost of each piece for each point; 0 where no depth tells the sides apart.
+    ndarray, shape (P, tracklets)
+        The cost of each tracklet for each point; 0 where no depth tells the sides apart.
     """
-    cost = near_side_cost(pieces, fixed, scene, body=body, kinds=kinds)
-    across = side_told(scene)
-    if not pieces or across is None:
+    cost = near_side_cost(tracklets, anchors, scene, body=body, kinds=kinds)
+    across = lateral_axis(scene)
+    if not tracklets or across is None:
         return cost
-    clicked = sorted({p for here in fixed.values() for p in here})
-    once = unclicked_kinds([kinds[p] for p in clicked])
-    frame, at, first = joined(pieces)
-    since = _from_body(fixed, body)
+    clicked = sorted({p for here in anchors.values() for p in here})
+    once = unlabelled_kinds([kinds[p] for p in clicked])
+    frame, at, first = joined(tracklets)
+    since = _from_body(anchors, body)
     for p in clicked:
         if kinds[p] in once:
-            away = aside(at, since, body=body[frame], point=p, across=across)
-            cost[p] = np.add.reduceat(aside_cost(away, scene.span), first)
+            away = lateral_offset(at, since, body=body[frame], point=p, across=across)
+            cost[p] = np.add.reduceat(lateral_cost(away, scene.body_scale), first)
     return cost
 
 
 def near_side_cost(
-    pieces: Sequence[Tracklet],
-    fixed: Fixed,
+    tracklets: Sequence[Tracklet],
+    anchors: Anchors,
     scene: Scene,
     *,
     body: np.ndarray,
     kinds: Sequence[str],
 ) -> np.ndarray:
-    """Return what it costs strangers to be no farther from the cameras than the clicked points.
+    """Return the cost of unlabelled targets that are no farther from the cameras than clicked ones.
 
-    A stranger that takes the place of a hidden paw keeps it: nothing else says whose it is.
-    Parameters as for :func:`side_cost`.
+    An unlabelled target that takes the place of an occluded paw keeps it: nothing else says whose
+    it is. Parameters as for :func:`side_cost`.
 
     Returns
     -------
-    ndarray, shape (P, pieces)
-        The cost of each piece for each point; 0 where cameras stand on both sides of the animal.
+    ndarray, shape (P, tracklets)
+        The cost of each tracklet for each point; 0 where cameras stand on both sides of the animal.
     """
-    cost = np.zeros((len(kinds), len(pieces)))
-    across, way = side_told(scene), _away_from_cameras(scene)
-    if not pieces or across is None or way == 0.0:
+    cost = np.zeros((len(kinds), len(tracklets)))
+    across, way = lateral_axis(scene), _away_from_cameras(scene)
+    if not tracklets or across is None or way == 0.0:
         return cost
-    clicked = 1 + max(p for here in fixed.values() for p in here)
-    frame, at, first = joined(pieces)
-    since = _from_body(fixed, body)
+    clicked = 1 + max(p for here in anchors.values() for p in here)
+    frame, at, first = joined(tracklets)
+    since = _from_body(anchors, body)
     for p in range(clicked, len(kinds)):
         point = kinds.index(kinds[p])
-        away = way * aside(at, since, body=body[frame], point=point, across=across)
-        short = np.maximum(_FAR_SIDE * scene.span - away, 0.0)
-        cost[p] = np.add.reduceat(aside_cost(short, scene.span), first)
+        away = way * lateral_offset(at, since, body=body[frame], point=point, across=across)
+        short = np.maximum(_FAR_SIDE * scene.body_scale - away, 0.0)
+        cost[p] = np.add.reduceat(lateral_cost(short, scene.body_scale), first)
     return cost
 
 
-def share_seen(
-    x: np.ndarray, fixed: Fixed, scene: Scene, *, body: np.ndarray, kinds: Sequence[str]
+def share_observed(
+    x: np.ndarray, anchors: Anchors, scene: Scene, *, body: np.ndarray, kinds: Sequence[str]
 ) -> np.ndarray:
-    """Return in what share of all frames each stranger was seen as a paw of its own.
+    """Return in what share of all frames each unlabelled target was seen as a paw of its own.
 
-    Where the paw of the other side is hidden its stranger finds pieces of the clicked one, and
-    the two share one paw. In space such a stranger is at the side of the click.
+    Where the paw of the other side is occluded its unlabelled target finds tracklets of the clicked
+    one, and the two share one paw. In space such an unlabelled target is at the side of the click.
 
     Parameters
     ----------
     x : ndarray, shape (n, P, d)
-        Chosen places, NaN where hidden; strangers come last.
-    fixed : mapping
+        Chosen places, NaN where occluded; unlabelled targets come last.
+    anchors : mapping
         Frame to point number to position, certain.
     scene : Scene
         What the clicks say.
@@ -190,33 +194,33 @@ def share_seen(
     Returns
     -------
     ndarray, shape (S,)
-        From 0 to 1, in the order of the strangers.
+        From 0 to 1, in the order of the unlabelled targets.
     """
-    since, across = _from_body(fixed, body), side_told(scene)
-    clicked = 1 + max(p for here in fixed.values() for p in here)
+    since, across = _from_body(anchors, body), lateral_axis(scene)
+    clicked = 1 + max(p for here in anchors.values() for p in here)
     shares = []
     for p in range(clicked, len(kinds)):
         own = np.isfinite(x[:, p, 0])
         if across is not None:
-            away = aside(
+            away = lateral_offset(
                 np.nan_to_num(x[:, p]), since, body=body, point=kinds.index(kinds[p]),
                 across=across,
             )  # fmt: skip
-            own &= np.abs(away) > _SAME_SIDE * scene.span
+            own &= np.abs(away) > _SAME_SIDE * scene.body_scale
         shares.append(own.mean())
     return np.array(shares)
 
 
-def nearer(
+def assign_near_side(
     x: np.ndarray,
-    fixed: Fixed,
+    anchors: Anchors,
     scene: Scene,
     *,
     body: np.ndarray,
     kinds: Sequence[str],
     clicked: int,
 ) -> np.ndarray:
-    """Exchange the paths of clicked points and strangers where those fit the clicks better.
+    """Exchange paths of clicked points and unlabelled targets where those fit the clicks better.
 
     In space, a clicked point stays at the side where it was clicked. In a picture, what was
     clicked is on the near side of the animal, and what is near is lower in the picture.
@@ -224,15 +228,15 @@ def nearer(
     Parameters
     ----------
     x : ndarray, shape (n, P, d)
-        Chosen places, NaN where hidden; strangers come last.
-    fixed : mapping
+        Chosen places, NaN where occluded; unlabelled targets come last.
+    anchors : mapping
         Frame to point number to position, certain.
     scene : Scene
         What the clicks say.
     body : ndarray, shape (n, d)
         The slowly moving middle of the body.
     kinds : sequence of str
-        Kind of each point, "front" or "hind" for strangers.
+        Kind of each point, "front" or "hind" for unlabelled targets.
     clicked : int
         Number of clicked points.
 
@@ -242,36 +246,40 @@ def nearer(
         The places of the points that they belong to.
     """
     x = x.copy()
-    since = _from_body(fixed, body)
-    for stranger in range(clicked, len(kinds)):
-        point = kinds.index(kinds[stranger])
-        if not np.isfinite(x[:, [point, stranger], 0]).any(axis=0).all():
+    since = _from_body(anchors, body)
+    for contralateral_point in range(clicked, len(kinds)):
+        point = kinds.index(kinds[contralateral_point])
+        if not np.isfinite(x[:, [point, contralateral_point], 0]).any(axis=0).all():
             continue
         if scene.volume is None:
-            away = [np.nanmedian(x[:, p] @ scene.up) for p in (point, stranger)]
+            away = [np.nanmedian(x[:, p] @ scene.up) for p in (point, contralateral_point)]
         else:
             side = scene.volume.across
             away = [
-                np.abs(np.nanmedian(aside(x[:, p], since, body=body, point=point, across=side)))
-                for p in (point, stranger)
+                np.abs(
+                    np.nanmedian(
+                        lateral_offset(x[:, p], since, body=body, point=point, across=side)
+                    )
+                )
+                for p in (point, contralateral_point)
             ]
         if away[1] < away[0]:
-            x[:, [point, stranger]] = x[:, [stranger, point]]
-    for t, here in fixed.items():
+            x[:, [point, contralateral_point]] = x[:, [contralateral_point, point]]
+    for t, here in anchors.items():
         x[t] = np.nan
         for p, at in here.items():
             x[t, p] = at
     return x
 
 
-def side_told(scene: Scene) -> np.ndarray | None:
+def lateral_axis(scene: Scene) -> np.ndarray | None:
     """Return the direction to the side where places have a depth: from the side, in space."""
-    return None if scene.volume is None or scene.lead is not None else scene.volume.across
+    return None if scene.volume is None or scene.bottom_view is not None else scene.volume.across
 
 
 def _away_from_cameras(scene: Scene) -> float:
     """Return the sign of the direction to the side that leads away from all cameras, 0 if none."""
-    across = side_told(scene)
+    across = lateral_axis(scene)
     if across is None:
         return 0.0
     middle = np.mean([x for here in scene.anchors.values() for x in here.values()], axis=0)
@@ -283,6 +291,6 @@ def _away_from_cameras(scene: Scene) -> float:
     return signs.pop() if len(signs) == 1 else 0.0
 
 
-def _from_body(fixed: Fixed, body: np.ndarray) -> dict[int, dict[int, np.ndarray]]:
+def _from_body(anchors: Anchors, body: np.ndarray) -> dict[int, dict[int, np.ndarray]]:
     """Return how far from the body certain positions are."""
-    return {t: {p: at - body[t] for p, at in here.items()} for t, here in fixed.items()}
+    return {t: {p: at - body[t] for p, at in here.items()} for t, here in anchors.items()}

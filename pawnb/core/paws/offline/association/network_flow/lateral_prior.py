@@ -18,7 +18,7 @@ _TO_SD = 1.4826
 
 
 @dataclass(frozen=True)
-class Beside:
+class LateralPrior:
     """Where paws usually are to the side, and how surely.
 
     Parameters
@@ -45,9 +45,9 @@ class Beside:
         z += (known * self.usual)[..., None] * self.across
 
 
-def learn_beside(
-    places: np.ndarray, body: np.ndarray, across: np.ndarray, *, span: float
-) -> Beside:
+def learn_lateral_prior(
+    places: np.ndarray, body: np.ndarray, across: np.ndarray, *, body_scale: float
+) -> LateralPrior:
     """Return where points usually are to the side of the body.
 
     Parameters
@@ -58,12 +58,12 @@ def learn_beside(
         The slowly moving middle of the body.
     across : ndarray, shape (d,)
         Unit vector to the side.
-    span : float
+    body_scale : float
         Distance of front from hind paws, in the same unit.
 
     Returns
     -------
-    Beside
+    LateralPrior
         By the median of each point and the spread about it.
     """
     middle = (body @ across)[:, None]
@@ -72,4 +72,4 @@ def learn_beside(
     usual, spread = np.zeros(away.shape[1]), np.full(away.shape[1], np.inf)
     usual[known] = np.nanmedian(away[:, known], axis=0)
     spread[known] = _TO_SD * np.nanmedian(np.abs(away[:, known] - usual[known]), axis=0)
-    return Beside(across, middle + usual, 1.0 / (spread**2 + (_WANDERS * span) ** 2))
+    return LateralPrior(across, middle + usual, 1.0 / (spread**2 + (_WANDERS * body_scale) ** 2))

@@ -1,8 +1,8 @@
-"""Which pieces belong to which point: the cheapest set of paths over the whole recording.
+"""Which tracklets belong to which point: the cheapest set of paths over the whole recording.
 
-Every point goes from piece to piece, through all its anchors; between two pieces it is
-hidden. One that is not placed in the first frame begins wherever that is cheapest, as every
-point ends. No piece belongs to two points. The sum of all costs is lowest over the whole
+Every point goes from tracklet to tracklet, through all its anchors; between two tracklets it is
+occluded. One that is not placed in the first frame begins wherever that is cheapest, as every
+point ends. No tracklet belongs to two points. The sum of all costs is lowest over the whole
 recording: a flow of several commodities, solved as a linear programme (whose solution is
 whole-numbered in practice; where it is not, it is solved again in whole numbers).
 """
@@ -36,28 +36,28 @@ class FlowCosts:
         Standard deviation of a place.
     speed : float
         Standard deviation of an unknown speed, length per frame.
-    drift : ndarray, shape (d,)
+    substrate_velocity : ndarray, shape (d,)
         What an unknown speed is on average.
-    hide, stay : float
+    occlusion_onset_cost, occlusion_frame_cost : float
         Cost of each gap, and of each frame in it.
-    longest_gap : int
+    max_occlusion : int
         Frames after which a point must have come out again.
-    links : int
-        Pieces considered after each piece.
+    max_successors : int
+        Tracklets considered after each tracklet.
     """
 
     acceleration: float
     noise: float
     speed: float
-    drift: np.ndarray
-    hide: float
-    stay: float
-    longest_gap: int
-    links: int
+    substrate_velocity: np.ndarray
+    occlusion_onset_cost: float
+    occlusion_frame_cost: float
+    max_occlusion: int
+    max_successors: int
 
 
 class _Ends(NamedTuple):
-    """Position, speed and its variance at one end of every piece."""
+    """Position, speed and its variance at one end of every tracklet."""
 
     frame: np.ndarray  # (n,)
     x: np.ndarray  # (n, d)
@@ -66,8 +66,8 @@ class _Ends(NamedTuple):
 
     @classmethod
     def of(cls, nodes: Sequence[Tracklet], costs: FlowCosts, *, head: bool) -> _Ends:
-        """Take the first or the last end of every piece."""
-        ends = [node.end(costs.drift, head=head) for node in nodes]
+        """Take the first or the last end of every tracklet."""
+        ends = [node.end(costs.substrate_velocity, head=head) for node in nodes]
         return cls(
             np.array([node.first if head else node.last for node in nodes]),
             np.stack([end[0] for end in ends]),
@@ -78,9 +78,16 @@ class _Ends(NamedTuple):
 
 @compiled
 def _link_cost(
-    tails: _Ends, heads: _Ends, i: int, j: int, q: float, r: float, hide: float, stay: float
+    tails: _Ends,
+    heads: _Ends,
+    i: int,
+    j: int,
+    q: float,
+    r: float,
+    occlusion_onset_cost: float,
+    occlusion_frame_cost: float,
 ) -> float:
-    """Return the cost of going from the end of piece i to the beginning of piece j.
+    """Return the cost of going from the end of tracklet i to the beginning of tracklet j.
 
     The least squared acceleration that joins the two ends, in units of its variance: for
     a gap of g frames, ``12 |dx|^2 / g^3 + |dv|^2 / g`` with ``dx`` what the mean of both
@@ -95,8 +102,8 @@ def _link_cost(
         v0, v1 = tails.v[i, k], heads.v[j, k]
         away += (heads.x[j, k] - tails.x[i, k] - 0.5 * (v0 + v1) * gap) ** 2
         turned += (v1 - v0) ** 2
-    hidden = hide + stay * (gap - 1) if gap > 1 else 0.0
-    return 0.5 * (away / var_x + turned / var_v) + 0.15 * d * np.log(var_x / (2 * r)) + hidden
+    occluded = occlusion_onset_cost + occlusion_frame_cost * (gap - 1) if gap > 1 else 0.0
+    return 0.5 * (away / var_x + turned / var_v) + 0.15 * d * np.log(var_x / (2 * r)) + occluded
 
 
 def _speed_variance(n: int, costs: FlowCosts) -> float:
@@ -106,76 +113,76 @@ def _speed_variance(n: int, costs: FlowCosts) -> float:
     return min(12 * costs.noise**2 / (n * (n**2 - 1)) * (2.0 if n >= 5 else 1.0), costs.speed**2)
 
 
-class Flow:
-    """The choice of pieces; it can be made again with other costs of pieces.
+class MinCostFlow:
+    """The choice of tracklets; it can be made again with other costs of tracklets.
 
     Parameters
     ----------
-    pieces : sequence of Tracklet
-        The pieces.
+    tracklets : sequence of Tracklet
+        The tracklets.
     anchors : mapping
         Frame to point number to position, certain; a point placed in frame 0 begins there.
     n_frames : int
         Number of frames.
     costs : FlowCosts
         What paths cost.
-    strangers : int
+    contralateral : int
         Further points, numbered after the others, that begin nobody knows where.
     """
 
     def __init__(
         self,
-        pieces: Sequence[Tracklet],
+        tracklets: Sequence[Tracklet],
         anchors: Mapping[int, Mapping[int, np.ndarray]],
         n_frames: int,
         costs: FlowCosts,
         *,
-        strangers: int = 0,
+        contralateral: int = 0,
     ) -> None:
         known = 1 + max(p for here in anchors.values() for p in here)
-        self.n_points = known + strangers
+        self.n_points = known + contralateral
         fixed = [
             (p, Tracklet(t, [-2], np.asarray(at, float)[None], np.zeros(1)))
             for t, here in sorted(anchors.items()) for p, at in here.items()
         ]  # fmt: skip
-        self.nodes = [*pieces, *(piece for _, piece in fixed)]
+        self.nodes = [*tracklets, *(tracklet for _, tracklet in fixed)]
         self.owner = np.full(len(self.nodes), -1)
-        self.owner[len(pieces) :] = [p for p, _ in fixed]
+        self.owner[len(tracklets) :] = [p for p, _ in fixed]
         self.costs, self._is_begun = costs, 0 in anchors
         self.edges = _edges(self.nodes, self.owner, costs)
-        self.begin = np.array([self._begin(p, len(pieces)) for p in range(self.n_points)])
-        self.size = (n_frames, len(pieces))
+        self.begin = np.array([self._begin(p, len(tracklets)) for p in range(self.n_points)])
+        self.size = (n_frames, len(tracklets))
 
-    def _begin(self, point: int, n_pieces: int) -> int:
+    def _begin(self, point: int, n_tracklets: int) -> int:
         """Return the node at which a point begins: placed in the first frame, or nowhere."""
         own = np.flatnonzero(self.owner == point).tolist()
         if own and not self.nodes[own[0]].first:
             return int(own[0])
-        begin, ahead = len(self.nodes), [*range(n_pieces), *own[:1]]
+        begin, ahead = len(self.nodes), [*range(n_tracklets), *own[:1]]
         first = np.array([self.nodes[i].first for i in ahead])
         if self._is_begun and not own:
-            # a stranger is there with those that are placed
+            # an unlabelled target is there with those that are placed
             start, links = 0, _first_links(first, begin, self.costs)
         else:
             start, links = -1, _links_back(first, begin, ahead, self.costs)
-        nowhere = np.zeros((1, len(self.costs.drift)))
+        nowhere = np.zeros((1, len(self.costs.substrate_velocity)))
         self.nodes.append(Tracklet(start, [-2], nowhere, np.zeros(1)))
         self.owner = np.append(self.owner, point)
         self.edges += links
         return begin
 
     def assign(self, prior: np.ndarray | None = None) -> list[list[int]]:
-        """Choose the pieces of every point.
+        """Choose the tracklets of every point.
 
         Parameters
         ----------
         prior : ndarray, shape (n_points, n_pieces), optional
-            Further cost of each piece for each point.
+            Further cost of each tracklet for each point.
 
         Returns
         -------
         list of list of int
-            For each point the numbers of its pieces, in the order of time.
+            For each point the numbers of its tracklets, in the order of time.
         """
         return _solve(self.nodes, self.owner, self.edges, self.begin, self.size, self.costs, prior)
 
@@ -188,13 +195,24 @@ def _edges(
     order = np.argsort(heads.frame, kind="stable")
     starts = heads.frame[order]
     low = np.searchsorted(starts, tails.frame + 1)
-    high = np.searchsorted(starts, tails.frame + costs.longest_gap, side="right")
-    lasts = np.array([len(node.picks) for node in nodes])
-    worth = np.minimum(costs.stay * lasts - total_costs(nodes), 30.0)
+    high = np.searchsorted(starts, tails.frame + costs.max_occlusion, side="right")
+    lasts = np.array([len(node.detection_indices) for node in nodes])
+    worth = np.minimum(costs.occlusion_frame_cost * lasts - total_costs(nodes), 30.0)
     found = _cheapest(
-        tails, heads, order, np.column_stack([low, high]), owner, worth, costs.links,
-        (costs.acceleration**2, costs.noise**2, costs.hide, costs.stay),
-    )  # fmt: skip
+        tails,
+        heads,
+        order,
+        np.column_stack([low, high]),
+        owner,
+        worth,
+        costs.max_successors,
+        (
+            costs.acceleration**2,
+            costs.noise**2,
+            costs.occlusion_onset_cost,
+            costs.occlusion_frame_cost,
+        ),
+    )
     edges = list(zip(*(part.tolist() for part in found), strict=True))
     return edges + _long_links(nodes, owner, costs)
 
@@ -210,22 +228,22 @@ def _cheapest(
     links: int,
     costs: tuple[float, float, float, float],
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return the cheapest links from each piece: from, to and cost.
+    """Return the cheapest links from each tracklet: from, to and cost.
 
     Parameters
     ----------
     tails, heads : _Ends
-        Where pieces end and begin.
+        Where tracklets end and begin.
     order, within : ndarray of int, shape (n,) and (n, 2)
-        Pieces in the order of their first frames, and which of these may follow each.
+        Tracklets in the order of their first frames, and which of these may follow each.
     owner, worth : ndarray, shape (n,)
-        Point whose anchor each is, -1 for a piece, and what it is worth to go through it.
-    links : int
+        Point whose anchor each is, -1 for a tracklet, and what it is worth to go through it.
+    max_successors : int
         Links kept from each; those to anchors come besides.
     costs : tuple of float
         See :func:`_link_cost`.
     """
-    n, (q, r, hide, stay) = len(order), costs
+    n, (q, r, occlusion_onset_cost, occlusion_frame_cost) = len(order), costs
     most = n * (links + int((owner >= 0).sum()))
     tail, head, price = np.empty(most, np.int64), np.empty(most, np.int64), np.empty(most)
     count = 0
@@ -234,9 +252,12 @@ def _cheapest(
         cost, dear = np.empty(max(high - low, 0)), np.empty(max(high - low, 0))
         for k in range(len(cost)):
             j = order[low + k]
-            cost[k], dear[k] = _link_cost(tails, heads, i, j, q, r, hide, stay), np.inf
+            cost[k], dear[k] = (
+                _link_cost(tails, heads, i, j, q, r, occlusion_onset_cost, occlusion_frame_cost),
+                np.inf,
+            )
             if owner[i] < 0 or owner[j] < 0 or owner[j] == owner[i]:
-                # long good pieces first: a place nearby is worth little if it leads nowhere
+                # long good tracklets first: a place nearby is worth little if it leads nowhere
                 dear[k] = cost[k] - worth[j]
         for rank, k in enumerate(ascending(dear)):
             j = order[low + k]
@@ -251,26 +272,28 @@ def _long_links(
 ) -> list[tuple[int, int, float]]:
     """Return links between anchors of a point that are farther apart than a gap may be.
 
-    Without them nothing could be chosen where no piece leads from one to the next.
+    Without them nothing could be chosen where no tracklet leads from one to the next.
     """
     links = []
     for p in np.unique(owner[owner >= 0]):
         own = sorted(np.flatnonzero(owner == p).tolist(), key=lambda i: nodes[i].last)
         for i, j in itertools.pairwise(own):
             gap = nodes[j].first - nodes[i].last
-            if gap > costs.longest_gap:
-                links.append((i, j, costs.hide + costs.stay * (gap - 1)))
+            if gap > costs.max_occlusion:
+                links.append(
+                    (i, j, costs.occlusion_onset_cost + costs.occlusion_frame_cost * (gap - 1))
+                )
     return links
 
 
 def _first_links(first: np.ndarray, begin: int, costs: FlowCosts) -> list[tuple[int, int, float]]:
-    """Return the links (from, to, cost) of a point that may begin with any early piece.
+    """Return the links (from, to, cost) of a point that may begin with any early tracklet.
 
-    ``first`` (pieces,) are their first frames.
+    ``first`` (tracklets,) are their first frames.
     """
     return [
-        (begin, i, costs.hide + costs.stay * (frames - 1))
-        for i, frames in enumerate(first.tolist()) if 0 < frames <= costs.longest_gap
+        (begin, i, costs.occlusion_onset_cost + costs.occlusion_frame_cost * (frames - 1))
+        for i, frames in enumerate(first.tolist()) if 0 < frames <= costs.max_occlusion
     ]  # fmt: skip
 
 
@@ -279,10 +302,10 @@ def _links_back(
 ) -> list[tuple[int, int, float]]:
     """Return the links (from, to, cost) of a point of which nothing is known in frame 0.
 
-    It may begin with any of the nodes ``ahead``, whose first frames are ``first``. To be hidden
-    before costs as much as to be hidden after the last.
+    It may begin with any of the nodes ``ahead``, whose first frames are ``first``. To be occluded
+    before costs as much as to be occluded after the last.
     """
-    cost = np.where(first > 0, costs.hide + costs.stay * first, 0.0)
+    cost = np.where(first > 0, costs.occlusion_onset_cost + costs.occlusion_frame_cost * first, 0.0)
     return [(begin, i, own) for i, own in zip(ahead, cost.tolist(), strict=True)]
 
 
@@ -295,8 +318,8 @@ def _solve(
     costs: FlowCosts,
     prior: np.ndarray | None,
 ) -> list[list[int]]:
-    """Solve the flow; return the pieces of each point."""
-    n_frames, n_pieces = size
+    """Solve the flow; return the tracklets of each point."""
+    n_frames, n_tracklets = size
     n_nodes = len(nodes)
     weight = total_costs(nodes)
     tail = np.array([e[0] for e in edges], int)
@@ -306,7 +329,7 @@ def _solve(
     for p in range(len(begin)):
         own = weight.copy()
         if prior is not None:
-            own[:n_pieces] = own[:n_pieces] + prior[p]
+            own[:n_tracklets] = own[:n_tracklets] + prior[p]
         usable = (owner < 0) | (owner == p)
         ok = usable[tail] & usable[head]
         e = np.flatnonzero(ok)
@@ -314,20 +337,26 @@ def _solve(
         meaning.append(np.column_stack([np.full(len(e), p), tail[e], head[e]]))
         ends = np.flatnonzero(usable)
         left = np.array([n_frames - 1 - nodes[i].last for i in ends.tolist()])
-        objective.append(np.where(left > 0, costs.hide + costs.stay * left, 0.0))
+        objective.append(
+            np.where(left > 0, costs.occlusion_onset_cost + costs.occlusion_frame_cost * left, 0.0)
+        )
         meaning.append(np.column_stack([np.full(len(ends), p), ends, np.full(len(ends), -1)]))
     what, cost = np.concatenate(meaning), np.concatenate(objective)
     # every anchor must be passed
     need = np.zeros(n_nodes, bool)
-    need[n_pieces:] = True
+    need[n_tracklets:] = True
     need[begin] = False
     keep = useful_links(
-        what, cost, rank=np.array([node.first for node in nodes]), begin=begin, need=need,
+        what,
+        cost,
+        rank=np.array([node.first for node in nodes]),
+        begin=begin,
+        need=need,
         price=np.zeros(n_nodes),
-    )  # fmt: skip
+    )
     what, cost = what[keep], cost[keep]
     x = _optimum(what, cost, begin, need)
-    return _follow(what[x > 0.5], begin, n_pieces)
+    return _follow(what[x > 0.5], begin, n_tracklets)
 
 
 def _optimum(what: np.ndarray, cost: np.ndarray, begin: np.ndarray, need: np.ndarray) -> np.ndarray:
@@ -362,14 +391,14 @@ def _optimum(what: np.ndarray, cost: np.ndarray, begin: np.ndarray, need: np.nda
     return np.asarray(x)
 
 
-def _follow(used: np.ndarray, begin: np.ndarray, n_pieces: int) -> list[list[int]]:
-    """Read the pieces of each point off the links used (point, from, to)."""
+def _follow(used: np.ndarray, begin: np.ndarray, n_tracklets: int) -> list[list[int]]:
+    """Read the tracklets of each point off the links used (point, from, to)."""
     chosen = []
     for p, first in enumerate(begin.tolist()):
         nexts = {int(i): int(j) for q, i, j in used if q == p}
         at, own = first, []
         while at >= 0:
-            if at < n_pieces:
+            if at < n_tracklets:
                 own.append(at)
             at = nexts.get(at, -1)
         chosen.append(own)

@@ -20,7 +20,7 @@ _MOST = 4.0
 
 
 def follow_body(x: np.ndarray, frames: int) -> np.ndarray:
-    """Return the slowly moving middle (n, d) of tracks (n, P, d) with NaN where hidden.
+    """Return the slowly moving middle (n, d) of tracks (n, P, d) with NaN where occluded.
 
     Parameters
     ----------
@@ -42,31 +42,31 @@ def follow_body(x: np.ndarray, frames: int) -> np.ndarray:
     return np.asarray(uniform_filter1d(middle, min(frames, n), axis=0, mode="nearest"))
 
 
-def learn_habits(
+def learn_positional_prior(
     x: np.ndarray,
     body: np.ndarray,
     *,
     axes: Sequence[np.ndarray],
     groups: Sequence[Sequence[str]],
-    span: float,
+    body_scale: float,
 ) -> list[list[np.ndarray]]:
     """Learn how often each point is where, along some axes.
 
     Parameters
     ----------
     x, body : ndarray, shape (n, P, d) and (n, d)
-        Tracks, NaN where hidden, and the middle of the body.
+        Tracks, NaN where occluded, and the middle of the body.
     axes : sequence of ndarray, shape (d,)
         Unit vectors.
     groups : sequence
         For each axis the group of each point; points of one group share their habit.
-    span : float
+    body_scale : float
         Distance of front from hind paws.
 
     Returns
     -------
     list of list of ndarray
-        For each axis and point, the cost of every bin of :func:`habit_cost`.
+        For each axis and point, the cost of every bin of :func:`positional_cost`.
     """
     costs = []
     for axis, names in zip(axes, groups, strict=True):
@@ -75,7 +75,7 @@ def learn_habits(
         for name in names:
             part = along[:, [other == name for other in names]]
             part = part[np.isfinite(part)]
-            count = np.bincount(_bin(part, span), minlength=_BINS).astype(float)
+            count = np.bincount(_bin(part, body_scale), minlength=_BINS).astype(float)
             density = gaussian_filter1d(count, 0.05 * _BINS / 3.0)
             density = density / max(density.max(), 1e-9)
             own.append(np.minimum(-np.log(density + 1e-3), _MOST))
@@ -83,27 +83,27 @@ def learn_habits(
     return costs
 
 
-def habit_cost(
-    pieces: Sequence[Tracklet],
+def positional_cost(
+    tracklets: Sequence[Tracklet],
     body: np.ndarray,
     *,
     axes: Sequence[np.ndarray],
-    habits: Sequence[Sequence[np.ndarray]],
-    span: float,
+    positional_prior: Sequence[Sequence[np.ndarray]],
+    body_scale: float,
 ) -> np.ndarray:
-    """Return the cost (P, pieces) of each piece for each point."""
-    if not pieces:
-        return np.zeros((len(habits[0]), 0))
-    frame, at, first = joined(pieces)
+    """Return the cost (P, tracklets) of each tracklet for each point."""
+    if not tracklets:
+        return np.zeros((len(positional_prior[0]), 0))
+    frame, at, first = joined(tracklets)
     at = at - body[frame]
-    total = np.zeros((len(habits[0]), len(pieces)))
-    for axis, own in zip(axes, habits, strict=True):
-        number = _bin(at @ axis, span)
+    total = np.zeros((len(positional_prior[0]), len(tracklets)))
+    for axis, own in zip(axes, positional_prior, strict=True):
+        number = _bin(at @ axis, body_scale)
         for p, cost in enumerate(own):
             total[p] += np.add.reduceat(cost[number], first)
     return total
 
 
-def _bin(along: np.ndarray, span: float) -> np.ndarray:
+def _bin(along: np.ndarray, body_scale: float) -> np.ndarray:
     """Return the bin of positions, from -1.5 to 1.5 spans."""
-    return np.clip(((along / span + 1.5) / 3.0 * _BINS).astype(int), 0, _BINS - 1)
+    return np.clip(((along / body_scale + 1.5) / 3.0 * _BINS).astype(int), 0, _BINS - 1)

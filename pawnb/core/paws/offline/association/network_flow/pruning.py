@@ -1,10 +1,10 @@
 """Links that no cheapest set of paths can contain: found by bounds, left out before solving.
 
-Without the rule that no piece belongs to two points, each point's cheapest path is quickly
-found. A price on every piece that several points want takes the place of the rule
+Without the rule that no tracklet belongs to two points, each point's cheapest path is quickly
+found. A price on every tracklet that several points want takes the place of the rule
 (Lagrangian relaxation: Held & Karp 1971, Math. Program. 1: 6-25): the sum of the cheapest
 paths less the prices is never dearer than the solution sought, and paths chosen one after
-the other, none through another's pieces, are never cheaper. A link whose use alone
+the other, none through another's tracklets, are never cheaper. A link whose use alone
 costs more than what lies between these bounds is in no solution.
 """
 
@@ -165,7 +165,7 @@ def _bounds(
             upper = min(upper, _one_by_one(first, tail, head, cost, begin, need, now, k))
         step, square = _wanted(passed, now, need)
         if square == 0.0:
-            # no piece is wanted twice, none with a price is left: this is the solution
+            # no tracklet is wanted twice, none with a price is left: this is the solution
             upper = min(upper, value)
         if square == 0.0 or upper - lower <= 1e-9 * (1.0 + abs(lower)) or eager < 1e-3:
             break

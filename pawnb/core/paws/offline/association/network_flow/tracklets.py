@@ -1,4 +1,4 @@
-"""Short certain pieces of paths: places that follow each other without any doubt."""
+"""Tracklets, short certain parts of paths: places that follow each other without any doubt."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from pawnb.core.compiled import compiled
-from pawnb.core.paws.offline.association.network_flow.triangulation import Places
+from pawnb.core.paws.offline.association.network_flow.triangulation import PointHypotheses
 
 _GATE, _CLEAR = 16.0, 5.0
 """Squared standard deviations within which a place may follow, and by which all others must be
@@ -26,7 +26,7 @@ _CLOSER = (1.0, 0.5)
 
 
 @dataclass(frozen=True)
-class Linking:
+class LinkingModel:
     """When places of consecutive frames belong together.
 
     Parameters
@@ -37,7 +37,7 @@ class Linking:
         Standard deviation of a place.
     speed : float
         Standard deviation of an unknown speed, length per frame.
-    drift : ndarray, shape (d,)
+    substrate_velocity : ndarray, shape (d,)
         The commonest speed, length per frame: that of paws on the ground.
     best_cost : float
         Places dearer than this are left out.
@@ -46,19 +46,19 @@ class Linking:
     acceleration: float
     noise: float
     speed: float
-    drift: np.ndarray
+    substrate_velocity: np.ndarray
     best_cost: float
 
 
 @dataclass
 class Tracklet:
-    """One piece: the places ``picks[i]`` of frames ``first + i``.
+    """One tracklet: the places ``detection_indices[i]`` of frames ``first + i``.
 
     Parameters
     ----------
     first : int
         Its first frame.
-    picks : list of int
+    detection_indices : list of int
         Numbers of the places.
     at : ndarray, shape (n, d)
         Their positions.
@@ -67,21 +67,23 @@ class Tracklet:
     """
 
     first: int
-    picks: list[int]
+    detection_indices: list[int]
     at: np.ndarray
     cost: np.ndarray
 
     @property
     def last(self) -> int:
         """Its last frame."""
-        return self.first + len(self.picks) - 1
+        return self.first + len(self.detection_indices) - 1
 
-    def end(self, drift: np.ndarray, *, head: bool) -> tuple[np.ndarray, np.ndarray, int]:
+    def end(
+        self, substrate_velocity: np.ndarray, *, head: bool
+    ) -> tuple[np.ndarray, np.ndarray, int]:
         """Return position and speed at the first or last frame, and how many frames told."""
         part = self.at[:_ENDS] if head else self.at[-_ENDS:]
         n = len(part)
         if n == 1:
-            return part[0], drift, 1
+            return part[0], substrate_velocity, 1
         place, speed = _end_weights(n, head) @ part
         return place, speed, n
 
@@ -97,8 +99,8 @@ def _end_weights(n: int, head: bool) -> np.ndarray:
     return np.asarray(np.linalg.pinv(powers)[:2])
 
 
-def find_drift(
-    places: Sequence[Places], *, within: float, longest: float, lag: int = 1
+def estimate_substrate_velocity(
+    places: Sequence[PointHypotheses], *, within: float, longest: float, lag: int = 1
 ) -> np.ndarray:
     """Return the commonest step of good places from one frame to the next, (d,).
 
@@ -106,7 +108,7 @@ def find_drift(
 
     Parameters
     ----------
-    places : sequence of Places
+    places : sequence of PointHypotheses
         Hypotheses of each frame.
     within : float
         Steps closer than this count as the same.
@@ -141,36 +143,38 @@ def find_drift(
     return np.asarray(middle / lag)
 
 
-def build_tracklets(places: Sequence[Places], linking: Linking) -> list[Tracklet]:
+def build_tracklets(places: Sequence[PointHypotheses], linking: LinkingModel) -> list[Tracklet]:
     """Join places of consecutive frames wherever each is the other's only choice.
 
     Parameters
     ----------
-    places : sequence of Places
+    places : sequence of PointHypotheses
         Hypotheses of each frame.
-    linking : Linking
+    linking : LinkingModel
         What belongs together.
 
     Returns
     -------
     list of Tracklet
-        Pieces in the order of their first frames; no place is in two of them.
+        Tracklets in the order of their first frames; no place is in two of them.
     """
-    d = len(linking.drift)
+    d = len(linking.substrate_velocity)
     ids, n_chains = np.empty(0, int), 0
     at, speed, var = np.empty((0, d)), np.empty((0, d)), np.empty((0, 3))
-    drift = np.ascontiguousarray(linking.drift, float)
+    substrate_velocity = np.ascontiguousarray(linking.substrate_velocity, float)
     spread = (linking.noise**2, linking.acceleration**2, linking.speed**2)
     rows = []
     for here in places:
         good = np.flatnonzero(here.cost <= linking.best_cost)
-        picks, chain, at, speed, var = _followed(
-            at, speed, var, here.at[good], here.cost[good], drift, spread
+        detection_indices, chain, at, speed, var = _followed(
+            at, speed, var, here.at[good], here.cost[good], substrate_velocity, spread
         )
-        old, picks = ids[chain], good[picks]
-        ids = np.concatenate([old, n_chains + np.arange(len(picks) - len(old))])
-        n_chains += len(picks) - len(old)
-        rows.append((ids, picks, here.at[picks], here.cost[picks]))
+        old, detection_indices = ids[chain], good[detection_indices]
+        ids = np.concatenate([old, n_chains + np.arange(len(detection_indices) - len(old))])
+        n_chains += len(detection_indices) - len(old)
+        rows.append(
+            (ids, detection_indices, here.at[detection_indices], here.cost[detection_indices])
+        )
     return _pieces(rows, n_chains)
 
 
@@ -181,7 +185,7 @@ def _followed(
     var: np.ndarray,
     places: np.ndarray,
     cost: np.ndarray,
-    drift: np.ndarray,
+    substrate_velocity: np.ndarray,
     spread: tuple[float, float, float],
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Follow chains to the places of the next frame, as a Kalman filter does.
@@ -194,19 +198,19 @@ def _followed(
         Variance of place, covariance, variance of speed.
     places, cost : ndarray, shape (m, d) and (m,)
         The places, and what speaks against them.
-    drift : ndarray, shape (d,)
+    substrate_velocity : ndarray, shape (d,)
         The commonest speed.
     spread : tuple of float
         Variances of a place, of the acceleration and of an unknown speed.
 
     Returns
     -------
-    picks : ndarray of int, shape (m,)
+    detection_indices : ndarray of int, shape (m,)
         The places: first those that go on a chain, then those that begin one.
     chain : ndarray of int
         The chain that each of the first goes on.
     at, speed, var : ndarray
-        Of the chains that there are now, in the order of ``picks``.
+        Of the chains that there are now, in the order of ``detection_indices``.
     """
     (noise, q, unknown), (rows, d), columns = spread, at.shape, len(places)
     ahead, wide, square = at + speed, np.empty((rows, 3)), np.zeros((rows, columns))
@@ -218,21 +222,21 @@ def _followed(
                 square[r, c] += (places[c, i] - ahead[r, i]) ** 2
             square[r, c] = square[r, c] / (wide[r, 0] + noise) + 2.0 * cost[c]
     taken = _mutual(square)
-    picks, chain, old = np.empty(columns, np.int64), np.empty(columns, np.int64), 0
+    detection_indices, chain, old = np.empty(columns, np.int64), np.empty(columns, np.int64), 0
     for c in range(columns):
         if taken[c] >= 0:
-            picks[old], chain[old] = c, taken[c]
+            detection_indices[old], chain[old] = c, taken[c]
             old += 1
     count = old
     for c in range(columns):
         if taken[c] < 0:
-            picks[count] = c
+            detection_indices[count] = c
             count += 1
     now, going, spreads = np.empty((columns, d)), np.empty((columns, d)), np.empty((columns, 3))
-    for k, mine in enumerate(picks):
+    for k, mine in enumerate(detection_indices):
         if k >= old:
             for i in range(d):
-                now[k, i], going[k, i] = places[mine, i], drift[i]
+                now[k, i], going[k, i] = places[mine, i], substrate_velocity[i]
             spreads[k, 0], spreads[k, 1], spreads[k, 2] = noise, 0.0, unknown
             continue
         r = chain[k]
@@ -242,23 +246,25 @@ def _followed(
             now[k, i], going[k, i] = ahead[r, i] + gain * step, speed[r, i] + gain_v * step
         spreads[k, 0], spreads[k, 1] = wide[r, 0] * (1.0 - gain), wide[r, 1] * (1.0 - gain)
         spreads[k, 2] = wide[r, 2] - gain_v * wide[r, 1]
-    return picks, chain[:old], now, going, spreads
+    return detection_indices, chain[:old], now, going, spreads
 
 
 def _pieces(
     rows: Sequence[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]], n_chains: int
 ) -> list[Tracklet]:
-    """Gather the pieces from the numbers, picks, positions and costs of every frame."""
+    """Gather the tracklets from the numbers, picks, positions and costs of every frame."""
     if not rows:
         return []
     ids = np.concatenate([row[0] for row in rows])
     frame = np.repeat(np.arange(len(rows)), [len(row[0]) for row in rows])
     order = np.argsort(ids, kind="stable")
-    picks, at, cost = (np.concatenate([row[k] for row in rows])[order] for k in (1, 2, 3))
+    detection_indices, at, cost = (
+        np.concatenate([row[k] for row in rows])[order] for k in (1, 2, 3)
+    )
     edge = np.searchsorted(ids[order], np.arange(n_chains + 1)).tolist()
     first = frame[order]
     return [
-        Tracklet(int(first[a]), picks[a:b].tolist(), at[a:b], cost[a:b])
+        Tracklet(int(first[a]), detection_indices[a:b].tolist(), at[a:b], cost[a:b])
         for a, b in itertools.pairwise(edge)
     ]
 
@@ -295,21 +301,23 @@ def _mutual(square: np.ndarray) -> np.ndarray:
     return taken
 
 
-def total_costs(pieces: Sequence[Tracklet]) -> np.ndarray:
-    """Return the summed costs (pieces,) of the places of each piece."""
-    if not pieces:
+def total_costs(tracklets: Sequence[Tracklet]) -> np.ndarray:
+    """Return the summed costs (tracklets,) of the places of each tracklet."""
+    if not tracklets:
         return np.zeros(0)
-    first = np.cumsum([0, *(len(piece.cost) for piece in pieces[:-1])])
-    return np.asarray(np.add.reduceat(np.concatenate([piece.cost for piece in pieces]), first))
+    first = np.cumsum([0, *(len(tracklet.cost) for tracklet in tracklets[:-1])])
+    return np.asarray(
+        np.add.reduceat(np.concatenate([tracklet.cost for tracklet in tracklets]), first)
+    )
 
 
-def joined(pieces: Sequence[Tracklet]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return all pieces one after another.
+def joined(tracklets: Sequence[Tracklet]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return all tracklets one after another.
 
     Parameters
     ----------
-    pieces : sequence of Tracklet
-        The pieces, at least one.
+    tracklets : sequence of Tracklet
+        The tracklets, at least one.
 
     Returns
     -------
@@ -317,9 +325,13 @@ def joined(pieces: Sequence[Tracklet]) -> tuple[np.ndarray, np.ndarray, np.ndarr
         Frame of each place.
     at : ndarray, shape (k, d)
         The places.
-    first : ndarray of int, shape (pieces,)
-        Where each piece begins.
+    first : ndarray of int, shape (tracklets,)
+        Where each tracklet begins.
     """
-    first = np.concatenate([[0], np.cumsum([len(piece.picks) for piece in pieces])[:-1]])
-    frame = np.concatenate([piece.first + np.arange(len(piece.picks)) for piece in pieces])
-    return frame, np.concatenate([piece.at for piece in pieces]), first
+    first = np.concatenate(
+        [[0], np.cumsum([len(tracklet.detection_indices) for tracklet in tracklets])[:-1]]
+    )
+    frame = np.concatenate(
+        [tracklet.first + np.arange(len(tracklet.detection_indices)) for tracklet in tracklets]
+    )
+    return frame, np.concatenate([tracklet.at for tracklet in tracklets]), first

@@ -1,4 +1,4 @@
-"""Places in space where a paw may be: candidates of two views that meet."""
+"""Places in space where a paw may be: detections of two views that meet."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ import numpy as np
 
 from pawnb.core import dlt
 from pawnb.core.paws.offline.association.network_flow import triangulation_kernels as loops
-from pawnb.core.paws.offline.detection.colour.likelihood import Judge
-from pawnb.core.paws.offline.detection.colour.padding import side_by_side
+from pawnb.core.paws.offline.detection.colour.likelihood import AppearanceLikelihood
+from pawnb.core.paws.offline.detection.colour.padding import pad_and_stack
 from pawnb.core.sightlines import find_fundamental_matrix
 
 _AT_ONCE = 200
@@ -47,7 +47,7 @@ class Volume:
 
 
 @dataclass(frozen=True)
-class Places:
+class PointHypotheses:
     """Hypotheses of one frame.
 
     Parameters
@@ -61,9 +61,9 @@ class Places:
     at: np.ndarray
     cost: np.ndarray
 
-    def take(self, which: np.ndarray) -> Places:
+    def take(self, which: np.ndarray) -> PointHypotheses:
         """Return some of the hypotheses."""
-        return Places(self.at[which], self.cost[which])
+        return PointHypotheses(self.at[which], self.cost[which])
 
     def distance(self, points: np.ndarray) -> np.ndarray:
         """Return the distance (k,) of each from the nearest of some points (m, d)."""
@@ -71,8 +71,8 @@ class Places:
         return np.asarray(away.min(axis=1, initial=np.inf))
 
 
-class Pairing:
-    """Makes hypotheses of candidates; holds what depends on the rig alone.
+class StereoMatcher:
+    """Makes hypotheses of detections; holds what depends on the rig alone.
 
     Parameters
     ----------
@@ -81,9 +81,9 @@ class Pairing:
     volume : Volume
         Where paws can be.
     tolerance_px : ndarray, shape (V,)
-        Distance at which candidates of two views still count as one point.
-    judge : Judge
-        Tells how much candidates look like paws.
+        Distance at which detections of two views still count as one point.
+    likelihood : AppearanceLikelihood
+        Tells how much detections look like paws.
     apart : float
         Hypotheses closer than this are one.
     most : int
@@ -96,11 +96,11 @@ class Pairing:
         volume: Volume,
         *,
         tolerance_px: np.ndarray,
-        judge: Judge,
+        likelihood: AppearanceLikelihood,
         apart: float,
         most: int,
     ) -> None:
-        self.judge = judge
+        self.likelihood = likelihood
         self.coefs, self.volume, self.tolerance_px = coefs, volume, tolerance_px
         self.apart, self.most = apart, most
         matrices = [dlt.to_matrix(coefs[:, v]) for v in range(coefs.shape[1])]
@@ -109,16 +109,16 @@ class Pairing:
             for a, b in itertools.combinations(range(len(matrices)), 2)
         ]
 
-    def places(self, found: Sequence[Sequence[np.ndarray]]) -> list[Places]:
-        """Return the hypotheses of every frame from the candidates of its views."""
-        every: list[Places] = []
+    def places(self, found: Sequence[Sequence[np.ndarray]]) -> list[PointHypotheses]:
+        """Return the hypotheses of every frame from the detections of its views."""
+        every: list[PointHypotheses] = []
         for first in range(0, len(found), _AT_ONCE):
             every += self._places_of(found[first : first + _AT_ONCE])
         return every
 
-    def _places_of(self, found: Sequence[Sequence[np.ndarray]]) -> list[Places]:
+    def _places_of(self, found: Sequence[Sequence[np.ndarray]]) -> list[PointHypotheses]:
         """Return the hypotheses of some frames, all at once."""
-        rows, is_there = side_by_side(found)
+        rows, is_there = pad_and_stack(found)
         frame, xyz = self._meeting(rows, is_there)
         inside = self.volume.holds(xyz)
         frame, xyz = frame[inside], xyz[inside]
@@ -130,7 +130,7 @@ class Pairing:
         cost = 1.5 * np.maximum(0.0, 2.0 - support)
         keep = loops.distinct(xyz, first, self.apart, self.most)
         return [
-            Places(xyz[a:b][keep[a:b]], cost[a:b][keep[a:b]])
+            PointHypotheses(xyz[a:b][keep[a:b]], cost[a:b][keep[a:b]])
             for a, b in itertools.pairwise(first.tolist())
         ]
 
@@ -163,22 +163,22 @@ class Pairing:
         xyz : ndarray, shape (k, 3)
             The points.
         found : sequence
-            Candidates of every frame and view.
+            Detections of every frame and view.
 
         Returns
         -------
         ndarray, shape (k, V)
             From 0, nothing there, to 1.
         """
-        return self._seen(frame, xyz, *side_by_side(found))
+        return self._seen(frame, xyz, *pad_and_stack(found))
 
     def _seen(
         self, frame: np.ndarray, xyz: np.ndarray, rows: np.ndarray, is_there: np.ndarray
     ) -> np.ndarray:
-        """Return the same for candidates side by side."""
+        """Return the same for detections side by side."""
         good = np.stack(
             [
-                self.judge.likeness(rows[:, v].reshape(-1, rows.shape[-1]), v).reshape(
+                self.likelihood.likeness(rows[:, v].reshape(-1, rows.shape[-1]), v).reshape(
                     is_there[:, v].shape
                 )
                 for v in range(rows.shape[1])

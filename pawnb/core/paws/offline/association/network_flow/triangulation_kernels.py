@@ -68,7 +68,7 @@ def support(
     is_there: np.ndarray,
     scale: np.ndarray,
 ) -> np.ndarray:
-    """Return how much a candidate of each view lies at each point (k, V), 0 to 1.
+    """Return how much a detection of each view lies at each point (k, V), 0 to 1.
 
     Parameters
     ----------
@@ -77,11 +77,11 @@ def support(
     uv : ndarray, shape (k, V, 2)
         Its image positions, px.
     at : ndarray, shape (n, V, C, 2)
-        Candidates of every frame, px.
+        Detections of every frame, px.
     good, is_there : ndarray, shape (n, V, C)
         How good each is, 0 to 1, and whether it is there.
     scale : ndarray, shape (V,)
-        Distance, px, at which a candidate hardly counts any more.
+        Distance, px, at which a detection hardly counts any more.
     """
     seen = np.zeros(uv.shape[:2])
     for k in range(len(frame)):

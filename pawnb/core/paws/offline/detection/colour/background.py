@@ -7,7 +7,10 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from pawnb.core.paws.layout import Views
-from pawnb.core.paws.offline.detection.colour.illumination import in_light, mean_light
+from pawnb.core.paws.offline.detection.colour.illumination import (
+    mean_illumination,
+    normalise_illumination,
+)
 from pawnb.core.pixels.grey import has_colour
 
 _SAMPLES = 32
@@ -18,7 +21,7 @@ def to_grey(pixels: np.ndarray) -> np.ndarray:
     return pixels if pixels.ndim == 2 else pixels[..., 1]
 
 
-def find_still(
+def estimate_background(
     views: Views, sizes: Sequence[tuple[int, int]], shown: Mapping[int, np.ndarray]
 ) -> list[np.ndarray | None]:
     """Return what stands still in each view: the median of frames from all over the recording.
@@ -41,7 +44,7 @@ def find_still(
         One grey picture a view, uint8; None for a view in colour, where colours tell more.
     """
     grey = [v for v, picture in shown.items() if not has_colour(picture)]
-    light = {v: mean_light(to_grey(shown[v])) for v in grey}
+    illumination = {v: mean_illumination(to_grey(shown[v])) for v in grey}
     kept: dict[int, list[np.ndarray]] = {v: [] for v in grey}
     if grey:
         count = min(_SAMPLES, views.n_frames)
@@ -49,7 +52,7 @@ def find_still(
             opened = views.frame(frame)
             for v in grey:
                 picture = to_grey(opened[views.names[v]].crop(0, 0, *sizes[v]))
-                kept[v].append(in_light(picture, light[v]))
+                kept[v].append(normalise_illumination(picture, illumination[v]))
     return [
         np.median(kept[v], axis=0).astype(np.uint8) if v in kept else None
         for v in range(len(views.names))

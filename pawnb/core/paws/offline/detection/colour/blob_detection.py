@@ -16,7 +16,7 @@ _LEAST = 0.13
 """Least smoothed score of a spot, in that which clicked paws have."""
 
 
-def find_spots(score: np.ndarray, reach: int, usual: float) -> tuple[np.ndarray, np.ndarray]:
+def detect_blobs(score: np.ndarray, reach: int, usual: float) -> tuple[np.ndarray, np.ndarray]:
     """Find the middles of paw-coloured spots.
 
     Parameters
@@ -24,7 +24,7 @@ def find_spots(score: np.ndarray, reach: int, usual: float) -> tuple[np.ndarray,
     score : ndarray, shape (h, w)
         Log-likelihood ratio of every pixel.
     reach : int
-        See :class:`~pawnb.core.paws.offline.detection.colour.detector.Look`.
+        See :class:`~pawnb.core.paws.offline.detection.colour.detector.DetectorConfig`.
     usual : float
         Score that clicked paws have: more does not make a spot more like a paw.
 

@@ -1,12 +1,12 @@
-"""Candidates kept while they are found, so that no frame is decoded twice.
+"""Detections kept while they are found, so that no frame is decoded twice.
 
-A store holds the candidates of consecutive frames, in memory and, where it has a path, in
+A store holds the detections of consecutive frames, in memory and, where it has a path, in
 a file that grows frame by frame. Its key is a checksum of all that they depend on: what
 was filmed, the first frame, how and where is searched, and the code that does it. A run
 that asks with the same key goes on where the last one ended; any other key starts it anew.
 
 The file is a :class:`pawnb.core.checkpoint.RecordFile` with one record a frame: the number of
-candidates of each view (uint16) and the candidates (float32, 8 each).
+detections of each view (uint16) and the detections (float32, 8 each).
 """
 
 from __future__ import annotations
@@ -36,13 +36,13 @@ _CODE = (
 )
 
 
-class CandidateStore(Closing):
-    """Candidates of consecutive frames; a context manager.
+class DetectionCache(Closing):
+    """Detections of consecutive frames; a context manager.
 
     Parameters
     ----------
     path : Path, optional
-        The file. Without it candidates are kept in memory only.
+        The file. Without it detections are kept in memory only.
     source : str
         What was filmed: changes whenever a picture of any view may.
     """
@@ -54,20 +54,20 @@ class CandidateStore(Closing):
         self._file: RecordFile | None = None
 
     def begin(self, n_views: int, *depends_on: Any) -> list[list[np.ndarray]]:
-        """Return the candidates that are there already, and get ready for more.
+        """Return the detections that are there already, and get ready for more.
 
         Parameters
         ----------
         n_views : int
             Number of views.
         *depends_on
-            All that the candidates depend on besides the source: numbers, text, arrays,
+            All that the detections depend on besides the source: numbers, text, arrays,
             and lists and dataclasses of these.
 
         Returns
         -------
         list of list of ndarray
-            For each frame in turn, the candidates of each view.
+            For each frame in turn, the detections of each view.
 
         Raises
         ------
@@ -88,7 +88,7 @@ class CandidateStore(Closing):
         return list(self._found)
 
     def add(self, candidates: Sequence[np.ndarray]) -> None:
-        """Keep the candidates of the next frame."""
+        """Keep the detections of the next frame."""
         self._found.append(list(candidates))
         if self._file is not None:
             numbers = np.array([len(rows) for rows in candidates], "<u2")
@@ -104,7 +104,7 @@ class CandidateStore(Closing):
 
 
 def _candidates(record: bytes, n_views: int) -> list[np.ndarray]:
-    """Return the candidates of each view that a record holds."""
+    """Return the detections of each view that a record holds."""
     numbers = np.frombuffer(record, "<u2", n_views)
     rows = np.frombuffer(record, "<f4", offset=numbers.nbytes).reshape(-1, _COLUMNS)
     return np.split(rows.astype(np.float32), np.cumsum(numbers)[:-1])

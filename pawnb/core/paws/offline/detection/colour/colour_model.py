@@ -24,14 +24,14 @@ from scipy.ndimage import gaussian_filter
 
 from pawnb.core.paws.offline.detection.colour.background import to_grey
 from pawnb.core.paws.offline.detection.colour.colour_quantisation import (
-    Shades,
-    shades_about,
-    shades_floor,
-    smooth_shades,
+    FineColours,
+    fine_colours_floor,
+    fine_colours_near,
+    smooth_fine_colours,
 )
 from pawnb.core.paws.offline.detection.colour.detector_kernels import look_up, score_colours
-from pawnb.core.paws.offline.detection.colour.masks import grow, patch, spread
-from pawnb.core.paws.offline.detection.colour.paw_width import thickness_at
+from pawnb.core.paws.offline.detection.colour.masks import dilate, disk_mask, region_grow
+from pawnb.core.paws.offline.detection.colour.paw_width import paw_width_at
 
 _BINS = 32
 _SHIFT = 3
@@ -83,8 +83,8 @@ class Appearance:
     ----------
     table : ndarray, shape (32768,), float32
         Log-likelihood ratio of each bin.
-    thickness_px : float
-        Thickness of a paw's picture at the clicks, px of the view.
+    paw_width_px : float
+        Width of a paw's picture at the clicks, px of the view.
     around_px : int
         Side of the square over which a grey picture's surroundings are averaged.
     background : ndarray, optional
@@ -93,22 +93,22 @@ class Appearance:
         Score that clicked paws have.
     mistaken : float
         Share of what is about the animal that would pass for paws by the usual bins.
-    shades : Shades, optional
+    fine_colours : FineColours, optional
         What turns a colour into finer steps.
     """
 
     table: np.ndarray
-    thickness_px: float
+    paw_width_px: float
     around_px: int
     background: np.ndarray | None = None
     usual: float = _LIMIT
     mistaken: float = 0.0
-    shades: Shades | None = None
+    fine_colours: FineColours | None = None
 
     @property
     def is_faint(self) -> bool:
         """Whether paws are hardly told from their surroundings, even by finer steps."""
-        return self.shades is not None and self.shades.is_faint
+        return self.fine_colours is not None and self.fine_colours.is_faint
 
     def score(
         self, pixels: np.ndarray, origin: tuple[int, int] = (0, 0), *, shrink: int = 1
@@ -129,7 +129,7 @@ class Appearance:
         ndarray, shape (h, w)
             The ratio.
         """
-        if pixels.ndim == 3 and self.background is None and self.shades is None:
+        if pixels.ndim == 3 and self.background is None and self.fine_colours is None:
             return score_colours(pixels, self.table)
         still = None
         if self.background is not None:
@@ -138,8 +138,10 @@ class Appearance:
             part = self.background[v0 : v0 + h * shrink, u0 : u0 + w * shrink]
             still = reduce(part, shrink)
         around = 2 * round(self.around_px / shrink / 2) + 1
-        score = look_up(self.table, bin_numbers(pixels, around, still, shades=self.shades))
-        return score if self.shades is None else self.shades.stand_out(score)
+        score = look_up(
+            self.table, bin_numbers(pixels, around, still, fine_colours=self.fine_colours)
+        )
+        return score if self.fine_colours is None else self.fine_colours.stand_out(score)
 
 
 def reduce(pixels: np.ndarray, shrink: int) -> np.ndarray:
@@ -156,10 +158,12 @@ def bin_numbers(
     around_px: int,
     background: np.ndarray | None = None,
     *,
-    shades: Shades | None = None,
+    fine_colours: FineColours | None = None,
 ) -> np.ndarray:
     """Return the bin (h, w) of each pixel of an RGB or a grey picture."""
-    pixels = cv2.GaussianBlur(pixels, (3, 3), 0.8) if shades is None else shades.of(pixels)
+    pixels = (
+        cv2.GaussianBlur(pixels, (3, 3), 0.8) if fine_colours is None else fine_colours.of(pixels)
+    )
     if pixels.ndim == 2:
         p = pixels.astype(np.int32)
         over_around = _over(p, cv2.blur(pixels, (around_px, around_px)))
@@ -175,11 +179,11 @@ def _over(pixels: np.ndarray, base: np.ndarray) -> np.ndarray:
     return np.asarray(np.clip((pixels - base + (8 << _SHIFT)) >> _SHIFT, 0, _BINS - 1))
 
 
-def _features(is_colour: bool, shades: Shades | None) -> np.ndarray:
+def _features(is_colour: bool, fine_colours: FineColours | None) -> np.ndarray:
     """Return the features of the middle of every bin: CIE Lab, three grey levels, or shades."""
     n = np.arange(_BINS**3)
     levels = np.stack([n >> 10, (n >> 5) & 31, n & 31], axis=1) * 8.0 + 3.5
-    if not is_colour or shades is not None:
+    if not is_colour or fine_colours is not None:
         return levels
     lab = cv2.cvtColor((levels[None] / 255.0).astype(np.float32), cv2.COLOR_RGB2LAB)
     return lab[0].astype(float)
@@ -214,7 +218,7 @@ def learn(
     look = lesson.learn()
     if lesson.is_colour and look.mistaken > _ALIKE:
         is_faint = look.mistaken > _FAINT
-        fine = lesson.learn(shades_about(lesson.colours(is_faint), is_faint=is_faint))
+        fine = lesson.learn(fine_colours_near(lesson.colours(is_faint), is_faint=is_faint))
         look = replace(fine, mistaken=look.mistaken)
     return look
 
@@ -239,7 +243,7 @@ class _Lesson:
         """Return the colours (n, 3) at the clicks, smoothed as where paws are faint or not."""
         return np.concatenate(
             [
-                smooth_shades(picture, is_faint)[seed]
+                smooth_fine_colours(picture, is_faint)[seed]
                 for picture, seed in zip(self.pictures, self.patches(1), strict=True)
             ]
         )
@@ -247,16 +251,16 @@ class _Lesson:
     def patches(self, reach: int) -> list[np.ndarray]:
         """Mark what is so near to the clicks of each picture."""
         return [
-            patch(picture.shape, uv, reach)
+            disk_mask(picture.shape, uv, reach)
             for picture, uv in zip(self.pictures, self.clicks, strict=True)
         ]
 
-    def learn(self, shades: Shades | None = None) -> Appearance:
+    def learn(self, fine_colours: FineColours | None = None) -> Appearance:
         """Learn the look by the usual bins, or by finer steps of colour."""
         # a grey animal has other parts as bright as its paws: the whole picture tells against them
         near, wides = (_REACH, _WIDE) if self.is_colour else (_REACH_GREY, (1.0,))
         numbers = [
-            bin_numbers(p, self.around_px, b, shades=shades)
+            bin_numbers(p, self.around_px, b, fine_colours=fine_colours)
             for p, b in zip(self.pictures, self.still, strict=True)
         ]
         seeds, rest = self.patches(1), [self.patches(round(w * self.width)) for w in wides]
@@ -264,29 +268,36 @@ class _Lesson:
         def told(near: float) -> tuple[np.ndarray, float]:
             """Return the ratio learnt so near to the clicks, and what is usual at them."""
             close = self.patches(round(near * self.width))
-            ratio = _ratio(numbers, seeds, close, rest, is_colour=self.is_colour, shades=shades)
+            ratio = _ratio(
+                numbers, seeds, close, rest, is_colour=self.is_colour, fine_colours=fine_colours
+            )
             return ratio, float(np.median(_scores(ratio, numbers, seeds)))
 
         ratio, usual = told(near)
         if self.is_colour and sum(map(len, self.clicks)) < _FEW and usual > _TOLD:
             ratio, usual = told(_REACH_FEW)
         limit = _SURE * min(1.0, max(usual, 0.0) / 2.0)
-        if shades is not None:
+        if fine_colours is not None:
             paws = self.patches(round(2.0 * _REACH * self.width))
             others = [part & ~paw for part, paw in zip(rest[0], paws, strict=True)]
             passing = float(np.quantile(_scores(ratio, numbers, others), 1.0 - _PASSING))
             limit = max(limit, min(passing, _MOST_LIMIT * usual))
         gain = float(np.clip(_USUAL / max(usual - limit, 0.1), 1.0, _MOST_GAIN))
         table = np.clip((ratio - limit) * gain, -_LIMIT, _LIMIT).astype(np.float32)
-        standing = [table[n] if shades is None else shades.stand_out(table[n]) for n in numbers]
+        standing = [
+            table[n] if fine_colours is None else fine_colours.stand_out(table[n]) for n in numbers
+        ]
         at_clicks = np.median(
             np.concatenate([_even(s)[k] for s, k in zip(standing, seeds, strict=True)])
         )
         return Appearance(
-            table, self.shrink * thickness_at(numbers, table, self.clicks), self.around_px,
+            table,
+            self.shrink * paw_width_at(numbers, table, self.clicks),
+            self.around_px,
             usual=float(np.clip(at_clicks, _LEAST_USUAL, _LIMIT)),
-            mistaken=float(np.mean(_scores(table, numbers, rest[-1]) > 0.0)), shades=shades,
-        )  # fmt: skip
+            mistaken=float(np.mean(_scores(table, numbers, rest[-1]) > 0.0)),
+            fine_colours=fine_colours,
+        )
 
 
 def _prepare(
@@ -322,7 +333,7 @@ def _ratio(
     rest: Sequence[Sequence[np.ndarray]],
     *,
     is_colour: bool,
-    shades: Shades | None,
+    fine_colours: FineColours | None,
 ) -> np.ndarray:
     """Return the log-likelihood ratio of each bin.
 
@@ -336,18 +347,18 @@ def _ratio(
         What tells against paws: parts of all pictures that count alike.
     is_colour : bool
         Whether the pictures are in colour.
-    shades : Shades, optional
+    fine_colours : FineColours, optional
         What the bins are of; see :class:`Appearance`.
     """
-    features = _features(is_colour, shades)
+    features = _features(is_colour, fine_colours)
     floor = np.diag([5.0, 2.0, 2.0] if is_colour else [12.0, 12.0, 12.0]) ** 2
-    if shades is not None:
-        floor = shades_floor()
+    if fine_colours is not None:
+        floor = fine_colours_floor()
     members = [n[seed] for n, seed in zip(numbers, seeds, strict=True)]
     grown = list(seeds)
     for _ in range(_ROUNDS):
         positive = np.mean([_gaussian(features, features[m], floor) for m in members], axis=0)
-        free = [~spread(g) for g in grown]
+        free = [~dilate(g) for g in grown]
         negative = np.mean(
             [
                 _histogram(
@@ -359,7 +370,7 @@ def _ratio(
         )
         ratio = np.log(positive + 1e-12) - np.log(negative + 1e-12)
         grown = [
-            grow((_even(ratio[n]) > _LIKE) & r, seed)
+            region_grow((_even(ratio[n]) > _LIKE) & r, seed)
             for n, r, seed in zip(numbers, close, seeds, strict=True)
         ]
         members = [

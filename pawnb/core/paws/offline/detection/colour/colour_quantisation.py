@@ -24,7 +24,7 @@ _STEPS = (2.0, 4.0, 4.0)
 """How much finer than 8 levels the steps of each are."""
 _MIDDLE = 127.5
 _NOISE = (16.0, 8.0, 8.0)
-"""What a colour varies by at least, in the steps of :class:`Shades`: noise of 8 levels of
+"""What a colour varies by at least, in the steps of :class:`FineColours`: noise of 8 levels of
 brightness and 2 of colour."""
 _SMOOTH, _SMOOTH_MUCH = (5, 0.9), (13, 1.9)
 """Side and standard deviation of what smooths a picture, px. Noise is as large as these steps:
@@ -35,7 +35,7 @@ for paws there; so many times of it are taken off."""
 
 
 @dataclass(frozen=True)
-class Shades:
+class FineColours:
     """What turns a colour into fine steps.
 
     Parameters
@@ -52,7 +52,7 @@ class Shades:
 
     def of(self, pixels: np.ndarray) -> np.ndarray:
         """Return a picture (h, w, 3), uint8, smoothed and in fine steps: 8 levels are one step."""
-        return np.asarray(cv2.transform(smooth_shades(pixels, self.is_faint), self.weights))
+        return np.asarray(cv2.transform(smooth_fine_colours(pixels, self.is_faint), self.weights))
 
     def stand_out(self, score: np.ndarray) -> np.ndarray:
         """Return the score (h, w) of places by which they are told from what is about them."""
@@ -62,7 +62,7 @@ class Shades:
         return np.asarray(score - np.float32(_LESS) * about)
 
 
-def shades_about(colours: np.ndarray, *, is_faint: bool = False) -> Shades:
+def fine_colours_near(colours: np.ndarray, *, is_faint: bool = False) -> FineColours:
     """Return what turns a colour into fine steps about the middle of some colours.
 
     Parameters
@@ -70,25 +70,25 @@ def shades_about(colours: np.ndarray, *, is_faint: bool = False) -> Shades:
     colours : ndarray, shape (n, 3)
         Red, green and blue of the paws.
     is_faint : bool
-        See :class:`Shades`.
+        See :class:`FineColours`.
 
     Returns
     -------
-    Shades
+    FineColours
         Steps with the middle of these colours in their middle.
     """
     weights = np.array([_BRIGHTER, _REDDER, _BLUER]) * np.array(_STEPS)[:, None]
     middle = np.median(colours, axis=0)
     added = _MIDDLE - weights @ middle
-    return Shades(np.column_stack([weights, added]).astype(np.float32), is_faint)
+    return FineColours(np.column_stack([weights, added]).astype(np.float32), is_faint)
 
 
-def smooth_shades(pixels: np.ndarray, is_faint: bool) -> np.ndarray:
+def smooth_fine_colours(pixels: np.ndarray, is_faint: bool) -> np.ndarray:
     """Return a picture (h, w, 3), uint8, without the noise of single pixels."""
     side, px = _SMOOTH_MUCH if is_faint else _SMOOTH
     return np.asarray(cv2.GaussianBlur(pixels, (side, side), px))
 
 
-def shades_floor() -> np.ndarray:
+def fine_colours_floor() -> np.ndarray:
     """Return the least covariance (3, 3) of a colour in fine steps."""
     return np.diag(_NOISE) ** 2

@@ -15,9 +15,9 @@ import cv2
 import numpy as np
 
 from pawnb.core.paws.offline.detection.colour import detector_kernels as loops
-from pawnb.core.paws.offline.detection.colour.blob_detection import find_spots
+from pawnb.core.paws.offline.detection.colour.blob_detection import detect_blobs
 from pawnb.core.paws.offline.detection.colour.colour_model import Appearance
-from pawnb.core.paws.offline.detection.colour.illumination import in_light
+from pawnb.core.paws.offline.detection.colour.illumination import normalise_illumination
 
 _SHARE = 0.34
 """Share of mask about a pixel that is neither an end nor further along a limb."""
@@ -28,11 +28,11 @@ _LOOKED_AT = 60
 _NO_LIMITS = np.empty((0, 3))
 
 MOST = 16
-"""Candidates usually kept in one picture."""
+"""Detections usually kept in one picture."""
 
 
 @dataclass(frozen=True)
-class Look:
+class DetectorConfig:
     """How the pictures of one view are searched.
 
     Parameters
@@ -43,42 +43,42 @@ class Look:
         Pictures are reduced by this factor first.
     reach : int
         Half the side of the square, in reduced pixels, in which an end is looked for.
-    distal : tuple of float
+    limb_direction : tuple of float
         Unit vector in the picture in which limbs tend to end: forward and down.
     limits : ndarray, shape (m, 3), optional
         Lines with ``a u + b v + c >= 0`` on the side where paws can be.
     is_below : bool
         Whether the view is from below: paws are spots there, not ends of limbs.
-    is_spots : bool
+    finds_blobs : bool
         Whether the score is learnt, and high at the paws' points themselves: spots, too.
-    light : tuple of float, optional
+    illumination : tuple of float, optional
         Mean of each channel of the searched part at the clicks; see
-        :func:`~pawnb.core.paws.offline.detection.colour.illumination.in_light`.
+        :func:`~pawnb.core.paws.offline.detection.colour.illumination.normalise_illumination`.
     most : int
-        Candidates kept in one picture.
+        Detections kept in one picture.
     """
 
     appearance: Appearance
     shrink: int
     reach: int
-    distal: tuple[float, float] = (0.0, 1.0)
+    limb_direction: tuple[float, float] = (0.0, 1.0)
     limits: np.ndarray | None = None
     is_below: bool = False
-    is_spots: bool = False
-    light: tuple[float, ...] | None = None
+    finds_blobs: bool = False
+    illumination: tuple[float, ...] | None = None
     most: int = MOST
 
 
-def find_candidates(pixels: np.ndarray, origin: tuple[int, int], look: Look) -> np.ndarray:
+def detect(pixels: np.ndarray, origin: tuple[int, int], detector: DetectorConfig) -> np.ndarray:
     """Find the ends of paw-coloured parts.
 
     Parameters
     ----------
     pixels : ndarray
-        Part of a view, RGB or grey, uint8, reduced by ``look.shrink``.
+        Part of a view, RGB or grey, uint8, reduced by ``detector.shrink``.
     origin : tuple of int
         Its left and top in the view, px.
-    look : Look
+    detector : DetectorConfig
         How to search.
 
     Returns
@@ -88,13 +88,13 @@ def find_candidates(pixels: np.ndarray, origin: tuple[int, int], look: Look) -> 
         wider centre to the near one), share of mask, mean score, and u, v of the end
         pixel itself.
     """
-    pixels = in_light(pixels, look.light)
-    score = look.appearance.score(pixels, origin, shrink=look.shrink)
-    if look.is_below or look.is_spots:
-        return _spots(score, origin, look)
+    pixels = normalise_illumination(pixels, detector.illumination)
+    score = detector.appearance.score(pixels, origin, shrink=detector.shrink)
+    if detector.is_below or detector.finds_blobs:
+        return _blobs(score, origin, detector)
     score = cv2.GaussianBlur(score, (3, 3), 0.6)
     weight = loops.weigh(score)
-    r = look.reach
+    r = detector.reach
     v, u, share = loops.find_ends(score, weight, r, r // 2)
     # specks are not ends: there must be mask behind
     order = np.argsort(share)
@@ -106,30 +106,36 @@ def find_candidates(pixels: np.ndarray, origin: tuple[int, int], look: Look) -> 
         promise = _likeness(loops.mean_score(score, near), share)
         best = np.sort(np.argsort(-promise, kind="stable")[:_LOOKED_AT])
         pixels, share, near = np.ascontiguousarray(pixels[:, best]), share[best], near[best]
-    limits = _NO_LIMITS if look.limits is None else np.asarray(look.limits, float)
-    table = loops.describe(score, weight, pixels, share, near, r, limits, (*origin, look.shrink))
-    table = table[np.argsort(-worth(table, look.distal), kind="stable")[: look.most]]
+    limits = _NO_LIMITS if detector.limits is None else np.asarray(detector.limits, float)
+    table = loops.describe(
+        score, weight, pixels, share, near, r, limits, (*origin, detector.shrink)
+    )
+    table = table[
+        np.argsort(-endpoint_score(table, detector.limb_direction), kind="stable")[: detector.most]
+    ]
     return table.astype(np.float32)
 
 
-def _spots(score: np.ndarray, origin: tuple[int, int], look: Look) -> np.ndarray:
-    """Return the candidates of a view from below: each points where limbs tend to end."""
-    at, likeness = find_spots(score, look.reach, look.appearance.usual)
-    at = (at + 0.5) * look.shrink - 0.5 + origin
-    if look.limits is not None:
-        inside = (at @ look.limits[:, :2].T + look.limits[:, 2] >= 0).all(axis=1)
+def _blobs(score: np.ndarray, origin: tuple[int, int], detector: DetectorConfig) -> np.ndarray:
+    """Return the detections of a view from below: each points where limbs tend to end."""
+    at, likeness = detect_blobs(score, detector.reach, detector.appearance.usual)
+    at = (at + 0.5) * detector.shrink - 0.5 + origin
+    if detector.limits is not None:
+        inside = (at @ detector.limits[:, :2].T + detector.limits[:, 2] >= 0).all(axis=1)
         at, likeness = at[inside], likeness[inside]
-    direction = np.broadcast_to(np.asarray(look.distal) * look.reach * look.shrink, at.shape)
+    direction = np.broadcast_to(
+        np.asarray(detector.limb_direction) * detector.reach * detector.shrink, at.shape
+    )
     # worth() is their likeness
     mean_score = 0.5 + 2.0 * likeness
     table = np.column_stack([at, direction, np.zeros(len(at)), mean_score, at])
-    return table[np.argsort(-likeness, kind="stable")[: look.most]].astype(np.float32)
+    return table[np.argsort(-likeness, kind="stable")[: detector.most]].astype(np.float32)
 
 
-def worth(rows: np.ndarray, distal: tuple[float, float]) -> np.ndarray:
-    """Return how much each candidate of one view looks like the end of a paw, 0 to 1."""
+def endpoint_score(rows: np.ndarray, limb_direction: tuple[float, float]) -> np.ndarray:
+    """Return how much each detection of one view looks like the end of a paw, 0 to 1."""
     length = np.hypot(rows[:, 2], rows[:, 3])
-    cosine = (rows[:, 2:4] @ np.asarray(distal)) / np.maximum(length, 1e-6)
+    cosine = (rows[:, 2:4] @ np.asarray(limb_direction)) / np.maximum(length, 1e-6)
     # an end that points back or up is a heel, an elbow or the tail's
     ahead = np.clip(0.8 + 0.6 * cosine, 0.05, 1.0)
     return np.asarray(_likeness(rows[:, 5], rows[:, 4]) * ahead)

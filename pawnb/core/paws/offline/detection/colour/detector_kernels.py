@@ -261,7 +261,7 @@ def describe(
     near : ndarray, shape (n, 2)
         Centre of the mask near each.
     reach : int
-        As of :class:`~pawnb.core.paws.offline.detection.colour.detector.Look`.
+        As of :class:`~pawnb.core.paws.offline.detection.colour.detector.DetectorConfig`.
     limits : ndarray, shape (k, 3)
         Lines on one side of which ends must be; see there.
     grid : tuple of int

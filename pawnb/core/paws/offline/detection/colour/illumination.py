@@ -19,31 +19,33 @@ _MOST_CHANGE = 4.0
 """Light is not thought to change by a larger factor: then other things are to be seen."""
 
 
-def mean_light(pixels: np.ndarray) -> tuple[float, ...]:
+def mean_illumination(pixels: np.ndarray) -> tuple[float, ...]:
     """Return the mean of each channel of a picture (h, w, 3) or (h, w), uint8."""
     return cv2.mean(pixels)[: 1 if pixels.ndim == 2 else 3]
 
 
-def in_light(pixels: np.ndarray, light: tuple[float, ...] | None) -> np.ndarray:
+def normalise_illumination(
+    pixels: np.ndarray, illumination: tuple[float, ...] | None
+) -> np.ndarray:
     """Return a picture as it would be in another light.
 
     Parameters
     ----------
     pixels : ndarray, shape (h, w, 3) or (h, w)
         RGB or grey, uint8.
-    light : tuple of float, optional
-        :func:`mean_light` of the same part of the view in that light; None: as it is.
+    illumination : tuple of float, optional
+        :func:`mean_illumination` of the same part of the view in that light; None: as it is.
 
     Returns
     -------
     ndarray, shape as ``pixels``
         Each channel times one factor; ``pixels`` itself where the light is the same.
     """
-    if light is None:
+    if illumination is None:
         return pixels
     gains = [
         min(max(max(then, 1.0) / max(now, 1.0), 1.0 / _MOST_CHANGE), _MOST_CHANGE)
-        for then, now in zip(light, mean_light(pixels), strict=True)
+        for then, now in zip(illumination, mean_illumination(pixels), strict=True)
     ]
     if max(abs(math.log(gain)) for gain in gains) < LEAST_CHANGE:
         return pixels

@@ -1,4 +1,4 @@
-"""Where the tracked points lie relative to candidates: what the clicks say about it."""
+"""Where the tracked points lie relative to detections: what the clicks say about it."""
 
 from __future__ import annotations
 
@@ -8,17 +8,17 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from pawnb.core.paws.offline.detection.colour.detector import worth
+from pawnb.core.paws.offline.detection.colour.detector import endpoint_score
 
 _WORSE = 0.3
-"""A candidate this much worse than the best of its kind says nothing about offsets."""
+"""A detection this much worse than the best of its kind says nothing about offsets."""
 _CLICK = 0.05
-"""Least standard deviation of a click, in thicknesses of a paw."""
+"""Least standard deviation of a click, in paw widths."""
 _REACH = 2.5
-"""An end farther than so many thicknesses from a click is not that of the clicked paw: half a
+"""An end farther than so many paw widths from a click is not that of the clicked paw: half a
 long hind foot, clicked in its middle, measures nearly two."""
 _FAR = 0.25
-"""What an end a thickness farther from the click is worth less: it may be another paw's."""
+"""What an end a paw width farther from the click is worth less: it may be another paw's."""
 _BESIDE = 2.0
 """To the side counts so much more than along: a paw lies behind its own end."""
 _NEVER = -1e6
@@ -26,7 +26,7 @@ _NEVER = -1e6
 
 @dataclass(frozen=True)
 class Offsets:
-    """Where the tracked points lie relative to candidates, in thicknesses of a paw.
+    """Where the tracked points lie relative to detections, in paw widths.
 
     Parameters
     ----------
@@ -42,29 +42,29 @@ class Offsets:
     unsure: np.ndarray
 
     def apply(
-        self, rows: np.ndarray, point: int, *, thickness_px: float, facing: int
+        self, rows: np.ndarray, point: int, *, paw_width_px: float, facing: int
     ) -> np.ndarray:
-        """Return the tracked point's position (n, 2) for candidates of one view."""
+        """Return the tracked point's position (n, 2) for detections of one view."""
         e = rows[:, 2:4].astype(float)
         e /= np.maximum(np.hypot(e[:, 0], e[:, 1]), 1e-6)[:, None]
         side = np.column_stack([-e[:, 1], e[:, 0]]) * facing
         shift = self.along[point] * e + self.across[point] * side
-        return rows[:, :2] + thickness_px * shift
+        return rows[:, :2] + paw_width_px * shift
 
 
 def learn_offsets(
     clicks: np.ndarray,
     found: Mapping[int, Sequence[np.ndarray]],
     *,
-    thickness_px: np.ndarray,
+    paw_width_px: np.ndarray,
     facing: Sequence[int],
-    distal: Sequence[tuple[float, float]],
+    limb_direction: Sequence[tuple[float, float]],
     kinds: Sequence[str],
 ) -> Offsets:
     """Learn the offsets from the clicked frames.
 
     People click paws at their ends or, more often, in their middle; paths go through ends. So
-    the candidate of a click is the one that looks most like an end, not the nearest, which
+    the detection of a click is the one that looks most like an end, not the nearest, which
     may be the heel. Clicks where only something else is near say nothing if others say more.
 
     Parameters
@@ -72,20 +72,20 @@ def learn_offsets(
     clicks : ndarray, shape (frames, P, V, 2)
         Clicks, NaN where there is none, in the order of ``found``.
     found : mapping
-        Clicked frame to the candidates of every view.
-    thickness_px : ndarray, shape (V,)
-        Thickness of a paw in each view.
+        Clicked frame to the detections of every view.
+    paw_width_px : ndarray, shape (V,)
+        Width of a paw in each view.
     facing : sequence of int
         +1 or -1 for each view.
-    distal : sequence of (float, float)
-        See :class:`~pawnb.core.paws.offline.detection.colour.detector.Look`.
+    limb_direction : sequence of (float, float)
+        See :class:`~pawnb.core.paws.offline.detection.colour.detector.DetectorConfig`.
     kinds : sequence of str
         Kind of each point; points of one kind share their offsets.
 
     Returns
     -------
     Offsets
-        Offsets; of a point without a candidate near its clicks, the mean of the others.
+        Offsets; of a point without a detection near its clicks, the mean of the others.
     """
     n_points = clicks.shape[1]
     seen: list[list[tuple[float, float, float]]] = [[] for _ in range(n_points)]
@@ -94,17 +94,17 @@ def learn_offsets(
             clicked = np.flatnonzero(np.isfinite(click[:, v, 0]))
             if not len(rows) or not len(clicked):
                 continue
-            step = (click[clicked, v, None] - rows[:, :2]) / thickness_px[v]
+            step = (click[clicked, v, None] - rows[:, :2]) / paw_width_px[v]
             e = rows[:, 2:4] / np.maximum(np.hypot(rows[:, 2], rows[:, 3]), 1e-6)[:, None]
             along = (step * e).sum(axis=-1)
             across = (step[..., 1] * e[:, 0] - step[..., 0] * e[:, 1]) * (facing[v] or 1)
-            good = worth(rows, distal[v])
+            good = endpoint_score(rows, limb_direction[v])
             away = np.hypot(step[..., 0], step[..., 1])
-            told = good - _FAR * (away + _BESIDE * np.abs(across))
-            told[away > _REACH] = _NEVER
+            score = good - _FAR * (away + _BESIDE * np.abs(across))
+            score[away > _REACH] = _NEVER
             # each its own: where paws meet, the better end is near both
-            for k, i in zip(*linear_sum_assignment(told, maximize=True), strict=True):
-                if told[k, i] > _NEVER:
+            for k, i in zip(*linear_sum_assignment(score, maximize=True), strict=True):
+                if score[k, i] > _NEVER:
                     at = (float(along[k, i]), float(across[k, i]), float(good[i]))
                     seen[clicked[k]].append(at)
     every = [s for own in seen for s in own] or [(0.0, 0.0, 1.0)]

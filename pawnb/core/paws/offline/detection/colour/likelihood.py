@@ -1,10 +1,10 @@
-"""How much a candidate looks like a paw, by what was learnt from candidates of known truth.
+"""How much a detection looks like a paw, by what was learnt from detections of known truth.
 
-:func:`.detector.worth` is a plain rule for what the end of a limb
-looks like; candidates are ranked by it as they are found. Once the clicks have candidates,
+:func:`.detector.endpoint_score` is a plain rule for what the end of a limb
+looks like; detections are ranked by it as they are found. Once the clicks have detections,
 more is known: the score that the paws of this recording have. Where paws look much like what
 is around them that score is low, and a limit that suits all recordings suits none of them.
-The logarithm of the odds that a candidate is a paw is taken as a sum of five curves, one for
+The logarithm of the odds that a detection is a paw is taken as a sum of five curves, one for
 each thing that is measured of it (a logistic regression on linear splines), fitted by
 ``benchmarks/learn_likeness.py`` to rendered scenes with truth. The rule knows limbs and the
 curves know clutter: the geometric mean of both finds more paws than either alone.
@@ -17,10 +17,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pawnb.core.paws.offline.detection.colour.detector import worth
+from pawnb.core.paws.offline.detection.colour.detector import endpoint_score
 
 _NEAR = 1.2
-"""A candidate farther than so many thicknesses from a click is not the clicked paw."""
+"""A detection farther than so many paw widths from a click is not the clicked paw."""
 _LEAST_SCORE = 0.5
 """Scores at clicks below this mean that paws are hardly told from the rest at all."""
 
@@ -50,62 +50,62 @@ CURVES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
 
 
 @dataclass(frozen=True)
-class Judge:
-    """What tells how much candidates look like paws.
+class AppearanceLikelihood:
+    """What tells how much detections look like paws.
 
     Parameters
     ----------
-    distal : sequence of (float, float)
-        For each view, see :class:`~pawnb.core.paws.offline.detection.colour.detector.Look`.
-    thickness_px : ndarray, shape (V,)
-        Thickness of a paw in each view.
+    limb_direction : sequence of (float, float)
+        For each view, see :class:`.detector.DetectorConfig`.
+    paw_width_px : ndarray, shape (V,)
+        Width of a paw in each view.
     score : float, optional
-        Usual score of candidates at clicks; without it only the plain rule is used.
+        Usual score of detections at clicks; without it only the plain rule is used.
     """
 
-    distal: Sequence[tuple[float, float]]
-    thickness_px: np.ndarray
+    limb_direction: Sequence[tuple[float, float]]
+    paw_width_px: np.ndarray
     score: float | None = None
 
     def likeness(self, rows: np.ndarray, view: int) -> np.ndarray:
-        """Return how much each candidate (n, 8) of a view looks like a paw, 0 to 1."""
-        plain = worth(rows, self.distal[view])
+        """Return how much each detection (n, 8) of a view looks like a paw, 0 to 1."""
+        plain = endpoint_score(rows, self.limb_direction[view])
         if self.score is None:
             return plain
         measured = measures(
-            rows, self.distal[view], score=self.score, thickness_px=self.thickness_px[view]
+            rows, self.limb_direction[view], score=self.score, paw_width_px=self.paw_width_px[view]
         )
         odds = sum(np.interp(measured[name], *curve) for name, curve in CURVES.items())
         return np.asarray(np.sqrt(plain / (1.0 + np.exp(-odds))))
 
 
 def measures(
-    rows: np.ndarray, distal: tuple[float, float], *, score: float, thickness_px: float
+    rows: np.ndarray, limb_direction: tuple[float, float], *, score: float, paw_width_px: float
 ) -> dict[str, np.ndarray]:
-    """Return what is measured of candidates.
+    """Return what is measured of detections.
 
     Parameters
     ----------
     rows : ndarray, shape (n, 8)
-        Candidates of one view, see
-        :func:`~pawnb.core.paws.offline.detection.colour.detector.find_candidates`.
-    distal : tuple of float
+        Detections of one view, see
+        :func:`~pawnb.core.paws.offline.detection.colour.detector.detect`.
+    limb_direction : tuple of float
         Direction in which limbs tend to end.
     score : float
         Usual score at clicks.
-    thickness_px : float
-        Thickness of a paw.
+    paw_width_px : float
+        Width of a paw.
 
     Returns
     -------
     dict
         ``score``, in that at clicks; ``share`` of mask; ``ahead``, the cosine of the
-        candidate's direction with ``distal``, and ``beside``, its sine, positive downwards
-        from it; ``length`` from the wider centre to the near one, in thicknesses.
+        detection's direction with ``limb_direction``, and ``beside``, its sine, positive downwards
+        from it; ``length`` from the wider centre to the near one, in paw widths.
     """
     step = rows[:, 2:4].astype(float)
     length = np.hypot(step[:, 0], step[:, 1])
-    du, dv = distal
+    du, dv = limb_direction
     unit = step / np.maximum(length, 1e-6)[:, None]
     down = 1.0 if du >= 0 else -1.0
     return {
@@ -113,37 +113,37 @@ def measures(
         "share": rows[:, 4].astype(float),
         "ahead": unit @ np.array([du, dv]),
         "beside": down * (unit[:, 1] * du - unit[:, 0] * dv),
-        "length": length / thickness_px,
+        "length": length / paw_width_px,
     }
 
 
 def score_at_clicks(
-    clicks: np.ndarray, found: Mapping[int, Sequence[np.ndarray]], judge: Judge
+    clicks: np.ndarray, found: Mapping[int, Sequence[np.ndarray]], likelihood: AppearanceLikelihood
 ) -> float | None:
-    """Return the usual score of the candidates of clicks.
+    """Return the usual score of the detections of clicks.
 
     Parameters
     ----------
     clicks : ndarray, shape (frames, P, V, 2)
         Clicks, NaN where there is none, in the order of ``found``.
     found : mapping
-        Clicked frame to the candidates of every view.
-    judge : Judge
+        Clicked frame to the detections of every view.
+    likelihood : AppearanceLikelihood
         Without a score.
 
     Returns
     -------
     float or None
-        The median; None where no click has a candidate.
+        The median; None where no click has a detection.
     """
     scores = []
     for click, rows_by_view in zip(clicks, found.values(), strict=True):
         for p, v in np.argwhere(np.isfinite(click[..., 0])):
             rows = rows_by_view[v]
-            away = np.linalg.norm(rows[:, :2] - click[p, v], axis=1) / judge.thickness_px[v]
+            away = np.linalg.norm(rows[:, :2] - click[p, v], axis=1) / likelihood.paw_width_px[v]
             near = away < _NEAR
             if near.any():
-                poor = 1.0 - judge.likeness(rows[near], v)
+                poor = 1.0 - likelihood.likeness(rows[near], v)
                 best = np.argmin(away[near] + 0.5 * poor)
                 scores.append(float(rows[near][best, 5]))
     return max(float(np.median(scores)), _LEAST_SCORE) if scores else None

@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 
 
-def patch(shape: tuple[int, ...], uv: np.ndarray, reach: int) -> np.ndarray:
+def disk_mask(shape: tuple[int, ...], uv: np.ndarray, reach: int) -> np.ndarray:
     """Mark the pixels within ``reach`` of some positions."""
     mark = np.zeros(shape[:2], bool)
     for u, v in np.round(np.atleast_2d(uv)).astype(int):
@@ -14,12 +14,12 @@ def patch(shape: tuple[int, ...], uv: np.ndarray, reach: int) -> np.ndarray:
     return mark
 
 
-def spread(mask: np.ndarray) -> np.ndarray:
+def dilate(mask: np.ndarray) -> np.ndarray:
     """Widen a mask by two pixels: edges of a paw are neither paw nor surroundings."""
     return cv2.dilate(mask.astype(np.uint8), np.ones((5, 5), np.uint8)) > 0
 
 
-def grow(mask: np.ndarray, seed: np.ndarray) -> np.ndarray:
+def region_grow(mask: np.ndarray, seed: np.ndarray) -> np.ndarray:
     """Return the connected parts of a mask that touch a seed."""
     _, labels = cv2.connectedComponents(mask.astype(np.uint8), connectivity=8)
     touched = np.unique(labels[seed & mask])

@@ -1,4 +1,4 @@
-"""The candidates of many frames in one array, so that work on them needs no loop over frames."""
+"""The detections of many frames in one array, so that work on them needs no loop over frames."""
 
 from __future__ import annotations
 
@@ -9,18 +9,18 @@ import numpy as np
 _COLUMNS = 8
 
 
-def side_by_side(found: Sequence[Sequence[np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
-    """Put candidates side by side.
+def pad_and_stack(found: Sequence[Sequence[np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
+    """Put detections side by side.
 
     Parameters
     ----------
     found : sequence
-        For each frame, the candidates (m, 8) of each view.
+        For each frame, the detections (m, 8) of each view.
 
     Returns
     -------
     table : ndarray, shape (n, V, most, 8)
-        The candidates, and 0 where there is none.
+        The detections, and 0 where there is none.
     is_there : ndarray of bool, shape (n, V, most)
         Where there is one.
     """

@@ -13,7 +13,7 @@ _LOOK_PX, _TOUCH_PX = 16, 2
 this near to it."""
 
 
-def thickness_at(
+def paw_width_at(
     numbers: Sequence[np.ndarray], table: np.ndarray, clicks: Sequence[np.ndarray]
 ) -> float:
     """Measure how thick the paws are at the clicks: twice the distance to their edge.

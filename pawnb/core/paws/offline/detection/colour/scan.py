@@ -1,4 +1,4 @@
-"""The one pass over the video: candidates of every frame and view, and nothing else, are kept."""
+"""The one pass over the video: detections of every frame and view, and nothing else, are kept."""
 
 from __future__ import annotations
 
@@ -13,30 +13,35 @@ import numpy as np
 
 from pawnb.core.parallel import THREADS
 from pawnb.core.paws.layout import Views
-from pawnb.core.paws.offline.detection.colour.cache import CandidateStore
+from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
 from pawnb.core.paws.offline.detection.colour.colour_model import Appearance, reduce
-from pawnb.core.paws.offline.detection.colour.detector import MOST, Look, find_candidates, worth
+from pawnb.core.paws.offline.detection.colour.detector import (
+    MOST,
+    DetectorConfig,
+    detect,
+    endpoint_score,
+)
 from pawnb.core.paws.superpixels import Picture
 from pawnb.core.video.views import Frame
 
 Watch: TypeAlias = Callable[[int, Mapping[str, Picture]], None]
 
 FOLLOW = 0.06
-"""Share by which the searched region follows the candidates from frame to frame."""
+"""Share by which the searched region follows the detections from frame to frame."""
 
 _STRIDE = 8
 """Frames between those in which the animal is sought back from the clicks: the region follows over
 twice as many."""
 
 _MOST_FAINT = 24
-"""Candidates kept in one picture where paws are hardly told from their surroundings."""
+"""Detections kept in one picture where paws are hardly told from their surroundings."""
 
 _IN_HAND = 2
 """Frames that may wait to be searched: no thread stands idle for the slowest view."""
 
 
 @dataclass
-class Region:
+class ROI:
     """The part of one view that is searched; it follows the animal.
 
     Parameters
@@ -67,7 +72,7 @@ class Region:
         return u0, v0, u1, v1
 
     def follow(self, found: np.ndarray, likeness: np.ndarray) -> None:
-        """Move with the mean of the candidates, by how much each looks like a paw.
+        """Move with the mean of the detections, by how much each looks like a paw.
 
         What looks little like one may be a part of the belt or the box: it does not move
         with the animal, and each view has its own.
@@ -75,7 +80,7 @@ class Region:
         Parameters
         ----------
         found : ndarray, shape (n, ...)
-            The candidates; their first column is u, px.
+            The detections; their first column is u, px.
         likeness : ndarray, shape (n,)
             How much each looks like a paw, 0 to 1.
         """
@@ -89,34 +94,34 @@ class Region:
         self.centre = self.centre + np.array([FOLLOW * np.clip(step, -limit, limit), 0.0])
 
 
-def make_look(
+def configure_detector(
     appearance: Appearance,
-    thickness_px: float,
-    distal: tuple[float, float],
+    paw_width_px: float,
+    limb_direction: tuple[float, float],
     *,
     limits: np.ndarray | None = None,
     is_below: bool = False,
-) -> Look:
+) -> DetectorConfig:
     """Choose the scale of the search: a paw is about six reduced pixels thick."""
-    shrink = max(1, round(thickness_px / 6.0))
-    reach = max(3, round(0.85 * thickness_px / shrink))
+    shrink = max(1, round(paw_width_px / 6.0))
+    reach = max(3, round(0.85 * paw_width_px / shrink))
     most = _MOST_FAINT if appearance.is_faint else MOST
-    return Look(appearance, shrink, reach, distal, limits, is_below, most=most)
+    return DetectorConfig(appearance, shrink, reach, limb_direction, limits, is_below, most=most)
 
 
-def extract(
+def scan_video(
     views: Views,
     frames: tuple[int, int],
     *,
-    looks: Sequence[Look],
-    regions: Sequence[Region],
+    detectors: Sequence[DetectorConfig],
+    rois: Sequence[ROI],
     home: int | None = None,
-    store: CandidateStore | None = None,
+    store: DetectionCache | None = None,
     watch: Watch | None = None,
     progress: Callable[[int], None] | None = None,
     stop: Callable[[], bool] | None = None,
 ) -> list[list[np.ndarray]]:
-    """Find the candidates of every view in consecutive frames.
+    """Find the detections of every view in consecutive frames.
 
     Parameters
     ----------
@@ -124,12 +129,12 @@ def extract(
         The opened views.
     frames : tuple of int
         First frame and one past the last.
-    looks, regions : sequence
+    detectors, rois : sequence
         How to search each view, and where in frame ``home``.
     home : int, optional
         Frame in which the regions are about the animal; default the first. From a later one the
         animal is sought backwards, in a few frames, to know where it was in the first.
-    store : CandidateStore, optional
+    store : DetectionCache, optional
         What an earlier run found is taken from it, and the rest is kept in it.
     watch : callable, optional
         ``watch(frame, pictures)`` is shown every frame in order, also those of the store.
@@ -141,12 +146,12 @@ def extract(
     Returns
     -------
     list of list of ndarray
-        For each frame done, the candidates of each view (see
-        :func:`~pawnb.core.paws.offline.detection.colour.detector.find_candidates`).
+        For each frame done, the detections of each view (see
+        :func:`~pawnb.core.paws.offline.detection.colour.detector.detect`).
     """
-    store = store or CandidateStore()
+    store = store or DetectionCache()
     home = frames[0] if home is None else home
-    found = store.begin(len(looks), frames[0], home, looks, regions)[: frames[1] - frames[0]]
+    found = store.begin(len(detectors), frames[0], home, detectors, rois)[: frames[1] - frames[0]]
     begin = frames[0] + len(found)
     if watch is not None:
         deque(_shown(views, (frames[0], begin), watch), maxlen=0)
@@ -154,7 +159,7 @@ def extract(
         progress(len(found))
     if begin == frames[1]:
         return found
-    search = _Search(looks, regions, home)
+    search = _Search(detectors, rois, home)
     if frames[0] < home and begin < home and not search.go_back(views, frames[0], stop):
         return found
     for t, here in enumerate(found, frames[0]):
@@ -191,27 +196,27 @@ class _Search:
 
     Parameters
     ----------
-    looks, regions : sequence
+    detectors, rois : sequence
         How to search each view, and where in frame ``home``.
     home : int
         That frame: what is searched from there on does not depend on the frames before it.
     """
 
-    def __init__(self, looks: Sequence[Look], regions: Sequence[Region], home: int) -> None:
-        self.looks, self.home = looks, home
-        self.at_home = regions
-        self.regions = [replace(region) for region in regions]
+    def __init__(self, detectors: Sequence[DetectorConfig], rois: Sequence[ROI], home: int) -> None:
+        self.detectors, self.home = detectors, home
+        self.at_home = rois
+        self.rois = [replace(roi) for roi in rois]
 
     def find(self, view: int, frame: int, picture: Picture) -> np.ndarray:
-        """Return the candidates of the next frame of a view, and follow them."""
+        """Return the detections of the next frame of a view, and follow them."""
         self._come_home(view, frame)
-        look = self.looks[view]
-        rows = find_candidates(*searched(picture, self.regions[view], look.shrink), look)
+        detector = self.detectors[view]
+        rows = detect(*searched(picture, self.rois[view], detector.shrink), detector)
         self._follow(view, rows)
         return rows
 
     def again(self, frame: int, here: Sequence[np.ndarray]) -> None:
-        """Follow candidates that were found before in the next frame."""
+        """Follow detections that were found before in the next frame."""
         for view, rows in enumerate(here):
             self._come_home(view, frame)
             self._follow(view, rows)
@@ -228,13 +233,13 @@ class _Search:
         return True
 
     def _follow(self, view: int, rows: np.ndarray) -> None:
-        """Move the region of a view with its candidates."""
-        self.regions[view].follow(rows, worth(rows, self.looks[view].distal))
+        """Move the region of a view with its detections."""
+        self.rois[view].follow(rows, endpoint_score(rows, self.detectors[view].limb_direction))
 
     def _come_home(self, view: int, frame: int) -> None:
         """Return to where the animal is known to be in its frame."""
         if frame == self.home:
-            self.regions[view] = replace(self.at_home[view])
+            self.rois[view] = replace(self.at_home[view])
 
 
 def _shown(
@@ -249,10 +254,10 @@ def _shown(
         yield pictures
 
 
-def searched(picture: Picture, region: Region, shrink: int) -> tuple[np.ndarray, tuple[int, int]]:
+def searched(picture: Picture, roi: ROI, shrink: int) -> tuple[np.ndarray, tuple[int, int]]:
     """Return the part of a picture that is searched, reduced, and its left and top in px."""
     # chroma has half the resolution: reduced, its planes need an even grid
-    box = region.box(1 if shrink == 1 else 2 * shrink)
+    box = roi.box(1 if shrink == 1 else 2 * shrink)
     if isinstance(picture, Frame):  # frames of a video reduce as they are decoded
         return picture.reduced(*box, factor=shrink), box[:2]
     return reduce(picture.crop(*box), shrink), box[:2]

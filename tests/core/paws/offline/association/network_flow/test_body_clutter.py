@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 from test_tracklet_association import FPS, THICKNESS, N, walk
 
-from pawnb.core.paws.offline.association.network_flow.body_clutter import without_fixtures
+from pawnb.core.paws.offline.association.network_flow.body_clutter import without_body_clutter
 from pawnb.core.paws.offline.association.network_flow.tracklets import Tracklet
 
 BELT = np.array([-24.0 / (0.65 * 32.0), 0.0, 0.0])
 """Of :func:`walk`: 24 long in 0.65 of a stride of 32 frames."""
 
 
-def piece(at, first=0):
+def tracklet(at, first=0):
     return Tracklet(first, list(range(len(at))), at, np.zeros(len(at)))
 
 
@@ -26,21 +26,21 @@ def nose():
 
 def test_a_nose_is_left_out_and_paws_are_kept_whole_or_in_parts(nose):
     truth = walk()
-    whole = [piece(truth[:, p]) for p in range(4)]
-    swing = piece(truth[20:34, 0], 20)
-    turn = piece(truth[17:25, 0], 17)  # lifts off: slow for a moment
-    kept = without_fixtures([*whole, piece(nose), swing, turn], BELT, thickness=THICKNESS)
+    whole = [tracklet(truth[:, p]) for p in range(4)]
+    swing = tracklet(truth[20:34, 0], 20)
+    turn = tracklet(truth[17:25, 0], 17)  # lifts off: slow for a moment
+    kept = without_body_clutter([*whole, tracklet(nose), swing, turn], BELT, paw_width=THICKNESS)
     assert kept == [*whole, swing, turn]
 
 
 def test_parts_of_a_nose_too_short_to_tell_are_kept(nose):
-    paws = [piece(walk()[:, p]) for p in range(4)]
-    short = piece(nose[40:45], 40)
-    assert short in without_fixtures([*paws, short], BELT, thickness=THICKNESS)
+    paws = [tracklet(walk()[:, p]) for p in range(4)]
+    short = tracklet(nose[40:45], 40)
+    assert short in without_body_clutter([*paws, short], BELT, paw_width=THICKNESS)
 
 
 def test_where_no_paw_moves_with_the_belt_nothing_is_left_out(nose):
-    still = [piece(np.broadcast_to(walk()[0, p], (N, 3))) for p in range(4)]
-    pieces = [*still, piece(nose)]
-    assert without_fixtures(pieces, BELT, thickness=THICKNESS) == pieces
-    assert without_fixtures(pieces, 0.0 * BELT, thickness=THICKNESS) == pieces
+    still = [tracklet(np.broadcast_to(walk()[0, p], (N, 3))) for p in range(4)]
+    tracklets = [*still, tracklet(nose)]
+    assert without_body_clutter(tracklets, BELT, paw_width=THICKNESS) == tracklets
+    assert without_body_clutter(tracklets, 0.0 * BELT, paw_width=THICKNESS) == tracklets

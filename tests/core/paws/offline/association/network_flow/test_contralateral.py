@@ -8,23 +8,23 @@ import pandas as pd
 import pytest
 
 from pawnb.core.paws.offline.association.network_flow.contralateral import (
-    aside,
+    assign_near_side,
+    lateral_offset,
     near_side_cost,
-    nearer,
-    share_seen,
+    share_observed,
     side_cost,
-    with_strangers,
+    with_contralateral,
 )
-from pawnb.core.paws.offline.association.network_flow.min_cost_flow import Flow, FlowCosts
-from pawnb.core.paws.offline.association.network_flow.tracklet_association import PathChoice
+from pawnb.core.paws.offline.association.network_flow.min_cost_flow import FlowCosts, MinCostFlow
+from pawnb.core.paws.offline.association.network_flow.tracklet_association import TrackletAssociator
 from pawnb.core.paws.offline.association.network_flow.tracklets import Tracklet
 from pawnb.core.paws.offline.association.network_flow.triangulation import Volume
-from pawnb.core.paws.offline.detection.colour.likelihood import Judge
-from pawnb.core.paws.offline.projection import Geometry
-from pawnb.core.paws.offline.scene.treadmill import Scene, unclicked_kinds
-from pawnb.core.paws.offline.settings import WholeSettings
-from pawnb.core.paws.offline.treadmill.tracker import track_whole
-from pawnb.core.paws.request import Task
+from pawnb.core.paws.offline.detection.colour.likelihood import AppearanceLikelihood
+from pawnb.core.paws.offline.projection import Projection
+from pawnb.core.paws.offline.scene.treadmill import Scene, unlabelled_kinds
+from pawnb.core.paws.offline.settings import OfflineSettings
+from pawnb.core.paws.offline.treadmill.tracker import track_treadmill
+from pawnb.core.paws.request import TrackingRequest
 from pawnb.core.rig import load_rig
 from pawnb.core.video import open_views
 from pawnb.synthetic import render_mouse_trial
@@ -36,7 +36,7 @@ COSTS = FlowCosts(0.5, 0.3, 2.0, np.zeros(2), 3.0, 2.0, 30, 16)
 N, STRIDE, SPAN = 240, 32.0, 90.0
 
 
-def piece(path, first, last):
+def tracklet(path, first, last):
     frames = np.arange(first, last + 1)
     return Tracklet(first, list(frames), path[first : last + 1], np.zeros(len(frames)))
 
@@ -53,31 +53,31 @@ def walk():
 
 def scene(truth):
     return Scene(
-        Geometry(None), 0, {0: {0: truth[0, 0], 1: truth[0, 1]}}, SPAN, 6.0, np.full(1, 6.0),
+        Projection(None), 0, {0: {0: truth[0, 0], 1: truth[0, 1]}}, SPAN, 6.0, np.full(1, 6.0),
         [], [], [(0.7, 0.7)], UP, FORWARD, None,
     )  # fmt: skip
 
 
 def test_only_kinds_clicked_once_have_strangers():
-    assert unclicked_kinds(["front", "hind"]) == ["front", "hind"]
-    assert unclicked_kinds(["front", "hind", "front", "hind"]) == []
-    assert unclicked_kinds(["hind", "other", "other"]) == ["hind"]
+    assert unlabelled_kinds(["front", "hind"]) == ["front", "hind"]
+    assert unlabelled_kinds(["front", "hind", "front", "hind"]) == []
+    assert unlabelled_kinds(["hind", "other", "other"]) == ["hind"]
 
 
 def test_strangers_are_seen_by_the_views_of_their_kind():
     tracked = np.array([[True, False], [True, True]])
-    own = with_strangers(tracked, ("front", "hind"), ["hind"])
+    own = with_contralateral(tracked, ("front", "hind"), ["hind"])
     np.testing.assert_array_equal(own, [[True, True], [False, True], [False, True]])
 
 
 def test_a_stranger_takes_the_pieces_that_are_left_from_anywhere():
     t = np.arange(40.0)
     own, other = np.column_stack([t, 0 * t]), np.column_stack([30.0 - t, 0 * t + 5.0])
-    pieces = [piece(own, 1, 39), piece(other, 4, 20), piece(other, 23, 39)]
-    flow = Flow(pieces, {0: {0: own[0]}}, 40, COSTS, strangers=1)
+    tracklets = [tracklet(own, 1, 39), tracklet(other, 4, 20), tracklet(other, 23, 39)]
+    flow = MinCostFlow(tracklets, {0: {0: own[0]}}, 40, COSTS, contralateral=1)
     assert flow.assign() == [[0], [1, 2]]
     # without one they stay over
-    assert Flow(pieces, {0: {0: own[0]}}, 40, COSTS).assign() == [[0]]
+    assert MinCostFlow(tracklets, {0: {0: own[0]}}, 40, COSTS).assign() == [[0]]
 
 
 def test_paths_through_the_crossings_of_near_and_far_paws():
@@ -91,11 +91,16 @@ def test_paths_through_the_crossings_of_near_and_far_paws():
     kinds = ["front", "hind", "front", "hind"]
     shares = []
     for count in (4, 2):
-        paths = PathChoice(
-            found, setting.anchors, setting, fps=250.0, settings=WholeSettings(),
-            kinds=kinds[:count], judge=Judge(setting.distal, setting.thickness_px),
-            own=np.ones((count, 1), bool),
-        )  # fmt: skip
+        paths = TrackletAssociator(
+            found,
+            setting.anchors,
+            setting,
+            fps=250.0,
+            settings=OfflineSettings(),
+            kinds=kinds[:count],
+            likelihood=AppearanceLikelihood(setting.limb_direction, setting.paw_width_px),
+            tracked_in_view=np.ones((count, 1), bool),
+        )
         x = paths.first()[:, :2]
         seen = np.isfinite(x[..., 0])
         right = np.linalg.norm(x - truth[:, :2], axis=-1)[seen] < 3.0
@@ -109,7 +114,7 @@ def test_the_lower_path_of_a_kind_is_that_of_the_clicked_point():
     truth = walk()
     changed = truth[:, [2, 1, 0, 3]].copy()
     kinds = ["front", "hind", "front", "hind"]
-    back = nearer(
+    back = assign_near_side(
         changed, scene(truth).anchors, scene(truth), body=truth.mean(axis=1), kinds=kinds, clicked=2
     )
     np.testing.assert_array_equal(back[1:], truth[1:])
@@ -131,11 +136,11 @@ KINDS = ["front", "hind", "front", "hind"]
 BEFORE, BEHIND = ([0.0, 300.0, 20.0], [40.0, 320.0, 30.0]), [0.0, -300.0, 20.0]
 
 
-def scene_in_space(lead=None, cameras=(BEFORE[0], BEHIND)):
+def scene_in_space(bottom_view=None, cameras=(BEFORE[0], BEHIND)):
     volume = Volume(np.array([0.0, 0.0, 1.0]), ACROSS, (-9.0, 9.0), (-60.0, 60.0))
     return SimpleNamespace(
-        volume=volume, lead=lead, span=LONG, up=volume.up, anchors=CLICKED,
-        geometry=Geometry(np.stack([camera(at) for at in cameras], axis=1)),
+        volume=volume, bottom_view=bottom_view, body_scale=LONG, up=volume.up, anchors=CLICKED,
+        geometry=Projection(np.stack([camera(at) for at in cameras], axis=1)),
     )  # fmt: skip
 
 
@@ -150,15 +155,15 @@ def camera(at):
 def test_how_far_aside_a_place_is_is_told_from_the_body():
     since = {0: {0: LEFT[0] - BODY[0]}, 9: {0: LEFT[9] - BODY[9]}}
     away = [
-        aside(side, since, body=BODY, point=0, across=ACROSS)
+        lateral_offset(side, since, body=BODY, point=0, across=ACROSS)
         for side in (LEFT, RIGHT, LEFT + 3.0 * ACROSS)
     ]
     np.testing.assert_allclose(away, np.repeat([[0.0], [-WIDE], [3.0]], 40, axis=1), atol=1e-9)
 
 
 def test_it_costs_a_clicked_paw_to_go_to_the_other_side():
-    pieces = [piece(LEFT, 30, 39), piece(RIGHT, 30, 39), piece(RIGHT, 20, 24)]
-    cost = side_cost(pieces, CLICKED, scene_in_space(), body=BODY, kinds=KINDS)
+    tracklets = [tracklet(LEFT, 30, 39), tracklet(RIGHT, 30, 39), tracklet(RIGHT, 20, 24)]
+    cost = side_cost(tracklets, CLICKED, scene_in_space(), body=BODY, kinds=KINDS)
     # the other side is 20 = 4 standard deviations of 0.1 spans away, which 6 squared ones limit
     np.testing.assert_allclose(cost, [[0, 30, 15], [0, 30, 15], [0, 0, 0], [0, 0, 0]], atol=1e-9)
 
@@ -168,33 +173,33 @@ def test_it_costs_a_stranger_to_be_on_the_side_of_the_clicks_and_of_all_cameras(
     """Left paws are clicked and the cameras stand to the left; or all of it the other way round."""
     mirror = np.array([1.0, -1.0, 1.0]) if mirrored else np.ones(3)
     at = [LEFT, RIGHT, LEFT - 0.3 * WIDE * ACROSS, LEFT + WIDE * ACROSS]
-    pieces = [piece(one * mirror, 30, 39) for one in at]
+    tracklets = [tracklet(one * mirror, 30, 39) for one in at]
     clicked = {0: {p: one * mirror for p, one in CLICKED[0].items()}}
     beside = scene_in_space(cameras=[np.array(one) * mirror for one in BEFORE])
-    cost = near_side_cost(pieces, clicked, beside, body=BODY * mirror, kinds=KINDS)
+    cost = near_side_cost(tracklets, clicked, beside, body=BODY * mirror, kinds=KINDS)
     # it is 0.2 spans = 10 short of the far side on the near one, two standard deviations; 4 short
     # where it is 6 away; three squared ones at most; for ten frames
     expected = [20.0, 0.0, 10 * 0.5 * 0.8**2, 30.0]
     np.testing.assert_allclose(cost, [[0] * 4] * 2 + [expected] * 2, atol=1e-9)
-    both = side_cost(pieces, clicked, beside, body=BODY * mirror, kinds=KINDS)
+    both = side_cost(tracklets, clicked, beside, body=BODY * mirror, kinds=KINDS)
     np.testing.assert_allclose(both[2:], cost[2:])
     assert (both[:2, 1] == 30.0).all()
 
 
 def test_strangers_have_no_side_with_cameras_on_both_or_without_depth():
-    pieces = [piece(LEFT, 30, 39)]
-    assert not near_side_cost(pieces, CLICKED, scene_in_space(), body=BODY, kinds=KINDS).any()
-    from_below = scene_in_space(lead=object(), cameras=BEFORE)
-    assert not near_side_cost(pieces, CLICKED, from_below, body=BODY, kinds=KINDS).any()
+    tracklets = [tracklet(LEFT, 30, 39)]
+    assert not near_side_cost(tracklets, CLICKED, scene_in_space(), body=BODY, kinds=KINDS).any()
+    from_below = scene_in_space(bottom_view=object(), cameras=BEFORE)
+    assert not near_side_cost(tracklets, CLICKED, from_below, body=BODY, kinds=KINDS).any()
     assert near_side_cost([], CLICKED, scene_in_space(), body=BODY, kinds=KINDS).shape == (4, 0)
 
 
 def test_the_side_costs_nothing_where_both_paws_are_clicked_or_no_depth_tells():
-    pieces = [piece(RIGHT, 30, 39)]
+    tracklets = [tracklet(RIGHT, 30, 39)]
     both = {0: {**CLICKED[0], 2: RIGHT[0], 3: RIGHT[0] - [LONG, 0, 0]}}
-    assert not side_cost(pieces, both, scene_in_space(), body=BODY, kinds=KINDS).any()
-    from_below = scene_in_space(lead=object())
-    assert not side_cost(pieces, CLICKED, from_below, body=BODY, kinds=KINDS).any()
+    assert not side_cost(tracklets, both, scene_in_space(), body=BODY, kinds=KINDS).any()
+    from_below = scene_in_space(bottom_view=object())
+    assert not side_cost(tracklets, CLICKED, from_below, body=BODY, kinds=KINDS).any()
     assert side_cost([], CLICKED, scene_in_space(), body=BODY, kinds=KINDS).shape == (4, 0)
 
 
@@ -203,26 +208,30 @@ def test_a_stranger_on_the_side_of_the_clicks_is_not_a_paw_of_its_own():
     x[:, 2] = RIGHT
     x[10:, 3] = LEFT[10:] - [LONG, 0, 0]
     x[30:, 3] = RIGHT[30:] - [LONG, 0, 0]
-    share = share_seen(x, CLICKED, scene_in_space(), body=BODY, kinds=KINDS)
+    share = share_observed(x, CLICKED, scene_in_space(), body=BODY, kinds=KINDS)
     np.testing.assert_allclose(share, [1.0, 0.25])
     # without depth all that is seen counts
-    flat = share_seen(x, CLICKED, scene_in_space(lead=object()), body=BODY, kinds=KINDS)
+    flat = share_observed(x, CLICKED, scene_in_space(bottom_view=object()), body=BODY, kinds=KINDS)
     np.testing.assert_allclose(flat, [1.0, 0.75])
 
 
 def test_paths_are_exchanged_by_their_side_of_an_animal_that_drifts():
     # the clicked paw is seen late only: then it is farther from its click than the other one was
     # in most frames
-    drift = BODY + np.linspace(0.0, 1.25 * WIDE, 40)[:, None] * ACROSS
-    left, right = drift + 0.5 * WIDE * ACROSS, drift - 0.5 * WIDE * ACROSS
+    substrate_velocity = BODY + np.linspace(0.0, 1.25 * WIDE, 40)[:, None] * ACROSS
+    left, right = substrate_velocity + 0.5 * WIDE * ACROSS, substrate_velocity - 0.5 * WIDE * ACROSS
     x = np.full((40, 4, 3), np.nan)
     x[30:, 0], x[:, 2] = left[30:], right
     x[:, 1] = x[:, 3] = left - [LONG, 0, 0]
-    fixed = {0: {0: left[0], 1: left[0] - [LONG, 0, 0]}}
-    kept = nearer(x, fixed, scene_in_space(), body=drift, kinds=KINDS, clicked=2)
+    anchors = {0: {0: left[0], 1: left[0] - [LONG, 0, 0]}}
+    kept = assign_near_side(
+        x, anchors, scene_in_space(), body=substrate_velocity, kinds=KINDS, clicked=2
+    )
     np.testing.assert_array_equal(kept[1:], x[1:])
     x[:, [0, 2]] = x[:, [2, 0]]
-    back = nearer(x, fixed, scene_in_space(), body=drift, kinds=KINDS, clicked=2)
+    back = assign_near_side(
+        x, anchors, scene_in_space(), body=substrate_velocity, kinds=KINDS, clicked=2
+    )
     np.testing.assert_array_equal(back[1:], kept[1:])
 
 
@@ -234,9 +243,9 @@ def track_one_view(trial, view):
     rig = load_rig(trial)
     with open_views(replace(trial, views=(view,), calibration=None)) as views:
         facing = {view.name: rig.facing(view.name)}
-        task = Task(points_by_view=points, fps=trial.fps, frames=(0, 200), facing=facing)
+        task = TrackingRequest(points_by_view=points, fps=trial.fps, frames=(0, 200), facing=facing)
         clicks = start[start["view"] == view.name]
-        tracks = track_whole(views, clicks, task, settings=WholeSettings())
+        tracks = track_treadmill(views, clicks, task, settings=OfflineSettings())
     # 20 px in a picture 2048 px wide is the evaluation's limit of a wrong label
     return count_errors(tracks, truth[truth["view"] == view.name], points_by_view=points,
                         threshold_px=20 * 0.35, hidden_px=10 * 0.35)  # fmt: skip

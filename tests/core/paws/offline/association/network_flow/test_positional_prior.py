@@ -10,7 +10,7 @@ def test_a_point_that_was_never_seen_tells_nothing_about_the_body():
     x = np.full((60, 3, 2), np.nan)
     x[:, 0] = np.column_stack([100.0 + 2.0 * t, 0.0 * t])
     x[:, 1] = x[:, 0] - [40.0, 10.0]
-    x[20:30, 1] = np.nan  # hidden for a while
+    x[20:30, 1] = np.nan  # occluded for a while
     # half way between the two that were seen; an average over 11 frames of a straight
     # line is its middle, away from the ends
     body = follow_body(x, 11)

@@ -78,7 +78,7 @@ def test_most_links_of_a_large_network_are_left_out():
     best = cost @ _optimum(rows, cost, begin, need)
     again = cost[keep] @ _optimum(rows[keep], cost[keep], begin, need)
     np.testing.assert_allclose(again, best, atol=1e-6)
-    # pieces that nobody must pass have no negative price
+    # tracklets that nobody must pass have no negative price
     assert (price[~need] >= 0).all()
 
 

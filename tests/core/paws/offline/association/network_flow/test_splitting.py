@@ -1,4 +1,4 @@
-"""Where pieces of path are cut: where points meet, take each other over, or seem to slide."""
+"""Where tracklets are cut: where points meet, take each other over, or seem to slide."""
 
 from dataclasses import replace
 
@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from pawnb.core.paws.offline.association.network_flow.splitting import (
-    beside_ends,
-    cut_meetings,
-    cut_slides,
-    cut_takeovers,
+    near_ends,
+    split_at_crossings,
+    split_at_swaps,
+    split_sliding,
 )
 from pawnb.core.paws.offline.association.network_flow.tracklets import Tracklet
 
@@ -19,15 +19,15 @@ def test_pieces_are_cut_where_they_meet_and_nowhere_else():
     ahead = np.column_stack([frames, 0.0 * frames]).astype(float)
     back = np.column_stack([40.0 - frames, 1.0 + 0.0 * frames])
     away = np.column_stack([frames, 100.0 + 0.0 * frames])
-    pieces = [Tracklet(0, list(frames), at, np.zeros(40)) for at in (ahead, back, away)]
-    parts = cut_meetings(pieces, 6.0)
+    tracklets = [Tracklet(0, list(frames), at, np.zeros(40)) for at in (ahead, back, away)]
+    parts = split_at_crossings(tracklets, 6.0)
     # |40 - 2 t| and 1 apart: less than 6 from frame 18 to 22, least at 20
     assert sorted((p.first, p.last) for p in parts) == sorted(
         [(0, 17), (18, 19), (20, 22), (23, 39)] * 2 + [(0, 39)]
     )
     for part in parts:
-        assert part.picks == list(range(part.first, part.last + 1))
-        assert len(part.at) == len(part.cost) == len(part.picks)
+        assert part.detection_indices == list(range(part.first, part.last + 1))
+        assert len(part.at) == len(part.cost) == len(part.detection_indices)
 
 
 def test_a_piece_is_cut_where_another_begins_beside_it():
@@ -36,48 +36,48 @@ def test_a_piece_is_cut_where_another_begins_beside_it():
     whole = Tracklet(0, list(frames), at, np.zeros(20))
     late = Tracklet(9, [0], np.array([[9.0, 5.0]]), np.zeros(1))
     far = Tracklet(15, [0], np.array([[15.0, 50.0]]), np.zeros(1))
-    parts = cut_meetings([whole, late, far], 6.0)
+    parts = split_at_crossings([whole, late, far], 6.0)
     assert (0, 8) in [(p.first, p.last) for p in parts]
     assert (10, 19) in [(p.first, p.last) for p in parts]
 
 
-def piece(at):
+def tracklet(at):
     return Tracklet(0, list(range(len(at))), at, np.zeros(len(at)))
 
 
 def test_a_piece_is_cut_where_another_paw_took_it_over():
-    # one paw stands and moves back with the belt; another comes from behind, its own piece
-    # ends in frame 14, and from frame 18 on the first piece follows it a little to the side
+    # one paw stands and moves back with the belt; another comes from behind, its own tracklet
+    # ends in frame 14, and from frame 18 on the first tracklet follows it a little to the side
     t = np.arange(40.0)
     stand = np.column_stack([-t, np.zeros(40)])
     stand[18:, 1] = 2.0
     comes = np.column_stack([-40.0 + 2.0 * t, np.full(40, 2.0)])
-    parts = cut_takeovers([piece(stand), piece(comes[:15])], 4.0, 6)
+    parts = split_at_swaps([tracklet(stand), tracklet(comes[:15])], 4.0, 6)
     assert sorted((part.first, part.last) for part in parts) == [(0, 14), (0, 17), (18, 39)]
 
 
 def test_every_piece_beside_the_end_of_another_is_found():
     rng = np.random.default_rng(5)
-    pieces = []
+    tracklets = []
     for first, n in zip(rng.integers(0, 30, 40).tolist(), rng.integers(1, 15, 40), strict=True):
-        pieces.append(replace(piece(rng.uniform(0, 3, (n, 2))), first=first))
+        tracklets.append(replace(tracklet(rng.uniform(0, 3, (n, 2))), first=first))
     expected = []
-    for other in pieces:
+    for other in tracklets:
         for t, at in ((other.first, other.at[0]), (other.last, other.at[-1])):
-            for i, one in enumerate(pieces):
+            for i, one in enumerate(tracklets):
                 inside = one.first < t < one.last and one is not other
                 if inside and np.linalg.norm(one.at[t - one.first] - at) <= 1.0:
                     expected.append((i, t))
     assert len(expected) > 20
-    assert sorted(beside_ends(pieces, 1.0)) == sorted(expected)
-    assert cut_takeovers([], 1.0, 3) == []
+    assert sorted(near_ends(tracklets, 1.0)) == sorted(expected)
+    assert split_at_swaps([], 1.0, 3) == []
 
 
 def test_a_piece_alone_is_not_cut():
     t = np.arange(40.0)
     stand = np.column_stack([-t, np.zeros(40)])
     far = np.column_stack([-t, np.full(40, 30.0)])
-    parts = cut_takeovers([piece(stand), piece(far[:15])], 4.0, 6)
+    parts = split_at_swaps([tracklet(stand), tracklet(far[:15])], 4.0, 6)
     assert len(parts) == 2
 
 
@@ -86,29 +86,31 @@ AXES = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 
 
 def standing_twice(step, *, between=4, stands=(20, 20), vague=0.1):
-    """A piece that stands, moves by a step on the ground, and stands again, with some noise."""
+    """A tracklet that stands, moves by a step on the ground, and stands again, with some noise."""
     rng = np.random.default_rng(5)
     share = np.concatenate(
         [np.zeros(stands[0]), np.linspace(0.0, 1.0, between + 2)[1:-1], np.ones(stands[1])]
     )
     still = share[:, None] * np.asarray(step) + rng.normal(0.0, [0.1, vague, 0.1], (len(share), 3))
-    return piece(still + np.arange(len(share))[:, None] * DRIFT)
+    return tracklet(still + np.arange(len(share))[:, None] * DRIFT)
 
 
 def cut(one, frames=4):
     return [
         (part.first, part.last)
-        for part in cut_slides([one], drift=DRIFT, axes=AXES, thickness=3.0, frames=frames)
+        for part in split_sliding(
+            [one], substrate_velocity=DRIFT, axes=AXES, paw_width=3.0, frames=frames
+        )
     ]
 
 
 def test_a_piece_that_stands_beside_where_it_stood_is_cut_in_between():
-    """Nothing that stands slides by a thickness: one paw landed where the other lifted off."""
+    """Nothing that stands slides by a paw width: one paw landed where the other lifted off."""
     (first, second) = cut(standing_twice([3.0, 0.0, 0.0]))
     assert (first[0], second[1]) == (0, 43)
     # it moves from frame 20 to frame 23
     assert 20 <= second[0] <= 24
-    # also where it is after half a piece at a high frame rate, and to the side
+    # also where it is after half a tracklet at a high frame rate, and to the side
     (first, second) = cut(standing_twice([0.0, 3.0, 0.0], between=1), frames=6)
     assert 19 <= second[0] <= 22
 

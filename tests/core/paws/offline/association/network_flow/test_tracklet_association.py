@@ -6,24 +6,24 @@ import numpy as np
 import pytest
 
 from pawnb.core.paws.offline.association.network_flow.tracklet_association import (
-    PathChoice,
+    TrackletAssociator,
     _start_prior,
-    seen_elsewhere,
+    observed_elsewhere,
     where_kinds_are,
 )
 from pawnb.core.paws.offline.association.network_flow.tracklets import Tracklet
-from pawnb.core.paws.offline.association.network_flow.triangulation import Places, Volume
-from pawnb.core.paws.offline.detection.colour.likelihood import Judge
-from pawnb.core.paws.offline.projection import Geometry
+from pawnb.core.paws.offline.association.network_flow.triangulation import PointHypotheses, Volume
+from pawnb.core.paws.offline.detection.colour.likelihood import AppearanceLikelihood
+from pawnb.core.paws.offline.projection import Projection
 from pawnb.core.paws.offline.scene.treadmill import Scene
-from pawnb.core.paws.offline.settings import WholeSettings
+from pawnb.core.paws.offline.settings import OfflineSettings
 from pawnb.core.paws.offline.stride.cycle import learn_cycle
 
 LINEAR = np.zeros((11, 3))
 LINEAR[:8] = np.array(
     [[4, 0, 0, 300, 0, 0, -4, 100], [2.8, 2.8, 0, 300, 0, 0, -4, 200], [3, -2, 1, 300, 1, 0, -4, 9]]
 ).T
-RIG = Geometry(LINEAR)
+RIG = Projection(LINEAR)
 SPAN, THICKNESS, N, STRIDE = 60.0, 4.0, 160, 32.0
 HOME = np.array([[20, 10, 0], [-20, 10, 0], [20, -10, 0], [-20, -10, 0.0]])
 LAG = np.array([0.0, 0.5, 0.5, 0.0])
@@ -51,7 +51,7 @@ def scene(truth, clicked=0):
 
 
 def candidates(truth, hidden, seed=0, share=0.22, thing=None):
-    """Candidates of every frame and view: the paws, and things that come and go.
+    """Detections of every frame and view: the paws, and things that come and go.
 
     ``thing``: first frame and position of one that stays to the end.
     """
@@ -76,11 +76,16 @@ def candidates(truth, hidden, seed=0, share=0.22, thing=None):
 
 def choice(truth, hidden, clicked=0, **looks):
     what = scene(truth, clicked)
-    return PathChoice(
-        candidates(truth, hidden, **looks), what.anchors, what, fps=FPS,
-        settings=WholeSettings(), kinds=KINDS, judge=Judge([(0.6, 0.8)] * 3, np.full(3, 16.0)),
-        own=np.ones((4, 3), bool),
-    )  # fmt: skip
+    return TrackletAssociator(
+        candidates(truth, hidden, **looks),
+        what.anchors,
+        what,
+        fps=FPS,
+        settings=OfflineSettings(),
+        kinds=KINDS,
+        likelihood=AppearanceLikelihood([(0.6, 0.8)] * 3, np.full(3, 16.0)),
+        tracked_in_view=np.ones((4, 3), bool),
+    )
 
 
 @pytest.fixture(scope="module")
@@ -121,14 +126,23 @@ def test_a_hidden_paw_does_not_follow_what_only_the_views_of_the_other_side_show
             row = np.zeros((1, 8), np.float32)
             row[0, :2], row[0, 2:6] = beside[t, v], (3.0, 4.0, 0.22, 4.0)
             found[t][v] = np.concatenate([found[t][v], row])
-    judge = Judge([(0.6, 0.8)] * 3, np.full(3, 16.0))
+    likelihood = AppearanceLikelihood([(0.6, 0.8)] * 3, np.full(3, 16.0))
     anchors = {0: dict(enumerate(truth[0]))}
     followed = []
-    for own in (np.ones((4, 3)), np.array([[1, 0, 0], [1, 0, 0], [0, 1, 1], [0, 1, 1]])):
-        x = PathChoice(
-            found, anchors, scene(truth), fps=FPS, settings=WholeSettings(), kinds=KINDS,
-            judge=judge, own=own.astype(bool),
-        ).first()  # fmt: skip
+    for tracked_in_view in (
+        np.ones((4, 3)),
+        np.array([[1, 0, 0], [1, 0, 0], [0, 1, 1], [0, 1, 1]]),
+    ):
+        x = TrackletAssociator(
+            found,
+            anchors,
+            scene(truth),
+            fps=FPS,
+            settings=OfflineSettings(),
+            kinds=KINDS,
+            likelihood=likelihood,
+            tracked_in_view=tracked_in_view.astype(bool),
+        ).first()
         away = np.linalg.norm(x[60:100, 1] - end[60:100], axis=1)
         followed.append((away < THICKNESS).mean())
     assert followed[0] > 0.25
@@ -138,8 +152,10 @@ def test_a_hidden_paw_does_not_follow_what_only_the_views_of_the_other_side_show
 def test_a_place_is_seen_elsewhere_where_its_own_views_show_less_than_all():
     # by hand: both views of its own; none of them but two others; one of each; only one view
     seen = np.array([[1, 1, 0, 0], [0, 0, 1, 1], [1, 0, 1, 0], [0, 0, 0.5, 0]])
-    own = np.array([[1, 1, 0, 0], [0, 0, 1, 0]], bool)
-    np.testing.assert_allclose(seen_elsewhere(seen, own), [[0, 1, 0.5, 0.25], [1, 0, 0, 0]])
+    tracked_in_view = np.array([[1, 1, 0, 0], [0, 0, 1, 0]], bool)
+    np.testing.assert_allclose(
+        observed_elsewhere(seen, tracked_in_view), [[0, 1, 0.5, 0.25], [1, 0, 0, 0]]
+    )
 
 
 def test_being_hidden_costs_as_much_whatever_the_frame_rate():
@@ -147,12 +163,17 @@ def test_being_hidden_costs_as_much_whatever_the_frame_rate():
     chosen = []
     for every in (1, 2):
         some = np.zeros((N, 4), bool)
-        paths = PathChoice(
-            candidates(truth, some)[::every], {0: dict(enumerate(truth[0]))}, scene(truth),
-            fps=FPS / every, settings=WholeSettings(), kinds=KINDS,
-            judge=Judge([(0.6, 0.8)] * 3, np.full(3, 16.0)), own=np.ones((4, 3), bool),
-        )  # fmt: skip
-        chosen.append(paths._flow.costs.stay * len(range(0, N, every)))
+        paths = TrackletAssociator(
+            candidates(truth, some)[::every],
+            {0: dict(enumerate(truth[0]))},
+            scene(truth),
+            fps=FPS / every,
+            settings=OfflineSettings(),
+            kinds=KINDS,
+            likelihood=AppearanceLikelihood([(0.6, 0.8)] * 3, np.full(3, 16.0)),
+            tracked_in_view=np.ones((4, 3), bool),
+        )
+        chosen.append(paths._flow.costs.occlusion_frame_cost * len(range(0, N, every)))
     assert chosen[0] == pytest.approx(chosen[1])
 
 
@@ -160,9 +181,12 @@ def test_paws_of_an_animal_that_runs_through_the_picture_are_not_taken_for_each_
     # 1.2 spans farther at the end: hind paws then are where front paws were clicked
     truth = walk() + np.linspace(0.0, 1.2 * SPAN, N)[:, None, None] * np.array([1.0, 0.0, 0.0])
     usual = where_kinds_are(
-        [Places(x, np.zeros(4)) for x in truth], {0: dict(enumerate(truth[0]))}, scene(truth),
-        kinds=KINDS, frames=64,
-    )  # fmt: skip
+        [PointHypotheses(x, np.zeros(4)) for x in truth],
+        {0: dict(enumerate(truth[0]))},
+        scene(truth),
+        kinds=KINDS,
+        frames=64,
+    )
     for p in range(4):
         away = (usual[p] - truth[:, p, 0])[40:-40]
         assert np.abs(away).max() < 0.33 * SPAN  # nearer than this costs nothing
@@ -180,7 +204,7 @@ def test_every_paw_keeps_its_own_path(walked):
 def test_paths_are_chosen_again_by_the_stride(walked):
     truth, hidden, paths, _ = walked
     cycle = learn_cycle(
-        np.where(hidden[..., None], np.nan, truth), paths.body(truth), axes=paths.manner.axes,
+        np.where(hidden[..., None], np.nan, truth), paths.body(truth), axes=paths.motion_model.axes,
         frames=(16.0, 100.0), noise=1.0, trust=np.ones((N, 4)),
     )  # fmt: skip
     assert cycle.stride == pytest.approx(STRIDE, rel=0.03)
@@ -196,7 +220,7 @@ def test_a_paw_hidden_at_the_end_does_not_take_what_is_there():
     beside = truth[150, 1] + [0.0, 3.0 * THICKNESS, 0.0]
     paths = choice(truth, hidden, thing=(150, beside))
     cycle = learn_cycle(
-        np.where(hidden[..., None], np.nan, truth), paths.body(truth), axes=paths.manner.axes,
+        np.where(hidden[..., None], np.nan, truth), paths.body(truth), axes=paths.motion_model.axes,
         frames=(16.0, 100.0), noise=1.0, trust=np.ones((N, 4)),
     )  # fmt: skip
     assert np.isnan(paths.again(cycle)[152:, 1]).all()
@@ -205,20 +229,22 @@ def test_a_paw_hidden_at_the_end_does_not_take_what_is_there():
 def test_a_paw_may_have_wandered_farther_aside_where_only_its_side_was_clicked():
     """A place 6 = 0.1 spans aside of where a paw was clicked is one standard deviation off."""
     across, at = np.array([0.0, 1.0, 0.0]), np.tile([20.0, 16.0, 0.0], (10, 1))
-    pieces = [Tracklet(0, list(range(10)), at, np.zeros(10))]
-    stage = SimpleNamespace(forward=np.array([1.0, 0.0, 0.0]), across=across, span=SPAN)
-    fixed = {0: {0: HOME[0], 1: HOME[1]}}
+    tracklets = [Tracklet(0, list(range(10)), at, np.zeros(10))]
+    stage = SimpleNamespace(forward=np.array([1.0, 0.0, 0.0]), across=across, body_scale=SPAN)
+    anchors = {0: {0: HOME[0], 1: HOME[1]}}
     usual = [np.empty(0)] * 4
-    assert _start_prior(pieces, usual[:2], fixed, stage)[0, 0] == pytest.approx(10 * 0.5)
-    # with strangers it may be twice as far off
-    assert _start_prior(pieces, usual, fixed, stage)[0, 0] == pytest.approx(10 * 0.5 / 4)
+    assert _start_prior(tracklets, usual[:2], anchors, stage)[0, 0] == pytest.approx(10 * 0.5)
+    # with unlabelled targets it may be twice as far off
+    assert _start_prior(tracklets, usual, anchors, stage)[0, 0] == pytest.approx(10 * 0.5 / 4)
 
 
 def test_the_manner_is_that_of_the_walk(walked):
     _, _, paths, _ = walked
     # the belt carries paws back by 24 in 0.65 strides
-    np.testing.assert_allclose(paths.manner.drift, [-24 / (0.65 * STRIDE), 0, 0], atol=0.15)
-    np.testing.assert_allclose(paths.manner.axes, [[1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    np.testing.assert_allclose(
+        paths.motion_model.substrate_velocity, [-24 / (0.65 * STRIDE), 0, 0], atol=0.15
+    )
+    np.testing.assert_allclose(paths.motion_model.axes, [[1, 0, 0], [0, 1, 0], [0, 0, 1]])
 
 
 def test_the_body_is_the_middle_of_the_paws(walked):
@@ -240,7 +266,7 @@ def test_places_seen_by_nobody_stay_open():
 
 
 def test_paths_go_both_ways_from_where_the_paws_were_clicked():
-    """Also where front and hind paws are hidden, and one paw is, before the click and after."""
+    """Also where front and hind paws are occluded, and one paw is, before the click and after."""
     truth = walk()
     hidden = np.zeros((N, 4), bool)
     hidden[40:48, 0] = hidden[90:101, 1] = hidden[92:97, 2] = hidden[:6, 3] = True

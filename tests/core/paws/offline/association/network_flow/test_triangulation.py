@@ -1,10 +1,10 @@
-"""Places where candidates of two views meet: points put in by projection come out again."""
+"""Places where detections of two views meet: points put in by projection come out again."""
 
 import numpy as np
 
 from pawnb.core import dlt
-from pawnb.core.paws.offline.association.network_flow.triangulation import Pairing, Volume
-from pawnb.core.paws.offline.detection.colour.likelihood import Judge
+from pawnb.core.paws.offline.association.network_flow.triangulation import StereoMatcher, Volume
+from pawnb.core.paws.offline.detection.colour.likelihood import AppearanceLikelihood
 
 RNG = np.random.default_rng(3)
 
@@ -24,16 +24,16 @@ VOLUME = Volume(np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0]), (-30.0, 30
 
 
 def candidates(uv):
-    """Candidates that look like ends pointing down, at some positions."""
+    """Detections that look like ends pointing down, at some positions."""
     rows = np.zeros((len(uv), 8), np.float32)
     rows[:, :2], rows[:, 3], rows[:, 4], rows[:, 5] = uv, 3.0, 0.3, 5.0
     return rows
 
 
 def pairing(**options):
-    return Pairing(
+    return StereoMatcher(
         COEFS, VOLUME, tolerance_px=np.full(3, 2.0),
-        judge=Judge([(0.0, 1.0)] * 3, np.full(3, 8.0)),
+        likelihood=AppearanceLikelihood([(0.0, 1.0)] * 3, np.full(3, 8.0)),
         **{"apart": 3.0, "most": 8, **options},
     )  # fmt: skip
 
@@ -47,7 +47,7 @@ def test_points_of_every_frame_come_out_in_that_frame():
     assert len(places[1].at) == 0
     for x, here in zip(points, places, strict=True):
         for point in x:
-            # candidates are kept as float32
+            # detections are kept as float32
             assert np.linalg.norm(here.at - point, axis=1).min() < 0.01
     # seen by all three views costs nothing, by two of them more
     nearest = np.linalg.norm(places[0].at - points[0][0], axis=1).argmin()

@@ -1,11 +1,11 @@
-"""Candidates that are kept: what comes back, for whom, and from a file that was cut short."""
+"""Detections that are kept: what comes back, for whom, and from a file that was cut short."""
 
 from dataclasses import dataclass
 
 import numpy as np
 import pytest
 
-from pawnb.core.paws.offline.detection.colour.cache import CandidateStore
+from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
 
 
 @dataclass
@@ -34,7 +34,7 @@ def assert_same(found, expected):
 
 
 def fill(path, frames, *depends_on, source="film"):
-    with CandidateStore(path, source=source) as store:
+    with DetectionCache(path, source=source) as store:
         found = store.begin(3, *depends_on)
         for rows in frames:
             store.add(rows)
@@ -45,7 +45,7 @@ def test_what_was_found_comes_back_and_goes_on(tmp_path):
     path, frames = tmp_path / "candidates.bin", frames_of(7)
     assert fill(path, frames[:4], 0, [LOOK]) == []
     assert_same(fill(path, frames[4:], 0, [LOOK]), frames[:4])
-    assert_same(CandidateStore(path, source="film").begin(3, 0, [LOOK]), frames)
+    assert_same(DetectionCache(path, source="film").begin(3, 0, [LOOK]), frames)
 
 
 @pytest.mark.parametrize(
@@ -64,7 +64,7 @@ def test_another_search_starts_anew(tmp_path, other):
     key = (given["first"], [given["look"]])
     new = frames_of(2, seed=1)
     assert fill(path, new, *key, source=given["source"]) == []
-    assert_same(CandidateStore(path, source=given["source"]).begin(3, *key), new)
+    assert_same(DetectionCache(path, source=given["source"]).begin(3, *key), new)
 
 
 @pytest.mark.parametrize("damage", ["cut", "flip", "no first line", "empty"])
@@ -83,11 +83,11 @@ def test_a_damaged_end_is_dropped_and_written_again(tmp_path, damage):
         data, kept = data[3:] if damage == "no first line" else bytearray(), 0
     path.write_bytes(bytes(data))
     assert_same(fill(path, frames[kept:], 0, [LOOK]), frames[:kept])
-    assert_same(CandidateStore(path, source="film").begin(3, 0, [LOOK]), frames)
+    assert_same(DetectionCache(path, source="film").begin(3, 0, [LOOK]), frames)
 
 
 def test_without_a_file_candidates_stay_in_memory():
-    store, frames = CandidateStore(source="film"), frames_of(3)
+    store, frames = DetectionCache(source="film"), frames_of(3)
     assert store.begin(3, 0, [LOOK]) == []
     for rows in frames:
         store.add(rows)

@@ -3,7 +3,7 @@
 import cv2
 import numpy as np
 
-from pawnb.core.paws.offline.detection.colour.background import find_still, to_grey
+from pawnb.core.paws.offline.detection.colour.background import estimate_background, to_grey
 from pawnb.core.paws.offline.detection.colour.colour_model import learn
 from pawnb.core.pixels.grey import has_colour
 
@@ -47,7 +47,7 @@ class Clip:
 def test_what_walks_is_not_still_and_what_stands_is():
     for saved_as_colour in (False, True):
         clip = Clip(saved_as_colour=saved_as_colour)
-        (still,) = find_still(clip, [SIZE], {0: clip.picture(0)})
+        (still,) = estimate_background(clip, [SIZE], {0: clip.picture(0)})
         assert still.shape == SIZE[::-1]
         assert abs(float(np.median(still[20:32])) - 30) < 3
         assert abs(float(np.median(still[40:44])) - 180) < 3
@@ -55,7 +55,7 @@ def test_what_walks_is_not_still_and_what_stands_is():
 
 
 def test_pictures_in_colour_have_no_background():
-    assert find_still(Clip(colour=90), [SIZE], {0: Clip(colour=90).picture(0)}) == [None]
+    assert estimate_background(Clip(colour=90), [SIZE], {0: Clip(colour=90).picture(0)}) == [None]
     assert has_colour(Clip(colour=90).picture(0))
     assert not has_colour(Clip(saved_as_colour=True).picture(0))
     assert to_grey(Clip(saved_as_colour=True).picture(0)).shape == SIZE[::-1]
@@ -63,15 +63,15 @@ def test_pictures_in_colour_have_no_background():
 
 def test_a_line_as_bright_as_a_paw_is_told_apart_by_standing_still():
     clip = Clip()
-    background = find_still(clip, [SIZE], {0: clip.picture(0)})
+    background = estimate_background(clip, [SIZE], {0: clip.picture(0)})
     click = [np.array([[36.0, 26.0]])]
     knows = learn([clip.picture(30)], click, around_px=9, backgrounds=background)
     later = clip.picture(55)
-    score = type(knows)(knows.table, knows.thickness_px, 9, background[0]).score(later)
+    score = type(knows)(knows.table, knows.paw_width_px, 9, background[0]).score(later)
     assert np.median(score[23:30, 58:65]) > 0
     assert np.median(score[40:44, 10:110]) < 0
     # a part of the view is compared with the same part of the background
-    part = type(knows)(knows.table, knows.thickness_px, 9, background[0]).score(
+    part = type(knows)(knows.table, knows.paw_width_px, 9, background[0]).score(
         later[10:50, 40:100], (40, 10)
     )
     np.testing.assert_allclose(part[10:30, 10:50], score[20:40, 50:90])

@@ -1,11 +1,11 @@
-"""Candidates: the ends of drawn limbs, and the look of paws learnt from clicks."""
+"""Detections: the ends of drawn limbs, and the look of paws learnt from clicks."""
 
 import cv2
 import numpy as np
 import pytest
 
 from pawnb.core.paws.offline.detection.colour.colour_model import learn
-from pawnb.core.paws.offline.detection.colour.detector import Look, find_candidates, worth
+from pawnb.core.paws.offline.detection.colour.detector import DetectorConfig, detect, endpoint_score
 
 PINK, GREEN, FUR = (200, 130, 120), (70, 130, 70), (50, 48, 46)
 
@@ -34,46 +34,46 @@ def picture(*, grey=False, seed=0):
 @pytest.mark.parametrize("grey", [False, True])
 def test_ends_of_limbs_are_the_best_candidates(grey):
     image = picture(grey=grey)
-    look = learn([image], [ENDS], around_px=15)
-    assert 6.0 <= look.thickness_px <= 11.0
-    rows = find_candidates(image, (0, 0), Look(look, 1, 7, (0.0, 1.0)))
-    best = rows[np.argsort(-worth(rows, (0.0, 1.0)))[:2], :2]
+    detector = learn([image], [ENDS], around_px=15)
+    assert 6.0 <= detector.paw_width_px <= 11.0
+    rows = detect(image, (0, 0), DetectorConfig(detector, 1, 7, (0.0, 1.0)))
+    best = rows[np.argsort(-endpoint_score(rows, (0.0, 1.0)))[:2], :2]
     for end in ENDS:
         assert np.linalg.norm(best - end, axis=1).min() < 6.0
 
 
 def test_the_direction_points_to_the_end_and_origin_and_scale_are_undone():
     image = picture()
-    look = learn([image], [ENDS], around_px=15)
-    plain = find_candidates(image, (0, 0), Look(look, 1, 7, (0.0, 1.0)))
-    moved = find_candidates(image, (1000, 500), Look(look, 1, 7, (0.0, 1.0)))
+    detector = learn([image], [ENDS], around_px=15)
+    plain = detect(image, (0, 0), DetectorConfig(detector, 1, 7, (0.0, 1.0)))
+    moved = detect(image, (1000, 500), DetectorConfig(detector, 1, 7, (0.0, 1.0)))
     np.testing.assert_allclose(moved[:, :2] - plain[:, :2], [[1000, 500]] * len(plain), atol=1e-3)
     nearest = plain[np.argmin(np.linalg.norm(plain[:, :2] - ENDS[1], axis=1))]
     assert nearest[3] > 2.0 * abs(nearest[2])
-    halved = find_candidates(image, (0, 0), Look(look, 2, 7, (0.0, 1.0)))
+    halved = detect(image, (0, 0), DetectorConfig(detector, 2, 7, (0.0, 1.0)))
     away = np.linalg.norm((halved[:, None, :2] + 0.5) / 2 - 0.5 - plain[None, :, :2], axis=-1)
     assert np.median(away.min(axis=1)) < 1.0
 
 
 def test_nothing_is_found_where_there_is_no_paw_or_beyond_the_limits():
     image = picture()
-    look = learn([image], [ENDS], around_px=15)
+    detector = learn([image], [ENDS], around_px=15)
     empty = np.full((60, 60, 3), GREEN, np.uint8)
-    assert len(find_candidates(empty, (0, 0), Look(look, 1, 7))) == 0
+    assert len(detect(empty, (0, 0), DetectorConfig(detector, 1, 7))) == 0
     left_only = np.array([[-1.0, 0.0, 110.0]])
-    rows = find_candidates(image, (0, 0), Look(look, 1, 7, (0.0, 1.0), left_only))
+    rows = detect(image, (0, 0), DetectorConfig(detector, 1, 7, (0.0, 1.0), left_only))
     assert len(rows) > 0
     assert rows[:, 0].max() <= 110.0
 
 
 def test_many_thin_ends_do_not_crowd_out_the_paws():
     """100 strips of the paws' colour, too thin for paws: their ends are hundreds."""
-    look = learn([picture()], [ENDS], around_px=15)
+    detector = learn([picture()], [ENDS], around_px=15)
     image = picture(seed=1)
     for k in range(100):
         u, v = 215 + k % 20 * 24, 20 + k // 20 * 44
         cv2.line(image, (u, v), (u, v + 20), PINK, 3)
-    rows = find_candidates(image, (0, 0), Look(look, 1, 7, (0.0, 1.0)))
+    rows = detect(image, (0, 0), DetectorConfig(detector, 1, 7, (0.0, 1.0)))
     for end in ENDS:
         assert np.linalg.norm(rows[:, :2] - end, axis=1).min() < 6.0
 
@@ -86,8 +86,8 @@ def test_fine_marks_of_a_large_picture_do_not_change_how_thick_paws_are():
     image[wrong & is_paw], image[wrong & ~is_paw] = GREEN, PINK
     noisy = image + rng.normal(scale=10.0, size=image.shape)
     large = np.clip(noisy, 0, 255).astype(np.uint8)
-    look = learn([large], [(ENDS + 0.5) * 4 - 0.5], around_px=60)
-    assert look.thickness_px == pytest.approx(32.0, rel=0.2)
+    detector = learn([large], [(ENDS + 0.5) * 4 - 0.5], around_px=60)
+    assert detector.paw_width_px == pytest.approx(32.0, rel=0.2)
 
 
 def test_paws_are_told_from_a_belt_of_nearly_their_colour_and_shadows_on_it():
@@ -105,10 +105,10 @@ def test_paws_are_told_from_a_belt_of_nearly_their_colour_and_shadows_on_it():
     image[limbs > 0] = 140.0, 112.0, 101.0
     image = cv2.GaussianBlur(image, (0, 0), 0.8) + rng.normal(scale=10.0, size=image.shape)
     seen = np.clip(image, 0, 255).astype(np.uint8)
-    look = learn([seen], [ENDS], around_px=15)
-    score = cv2.GaussianBlur(look.score(seen), (3, 3), 0.6)
-    ground = cv2.dilate(limbs, np.ones((9, 9), np.uint8)) == 0
-    ground[:66] = False  # the body
+    detector = learn([seen], [ENDS], around_px=15)
+    score = cv2.GaussianBlur(detector.score(seen), (3, 3), 0.6)
+    substrate = cv2.dilate(limbs, np.ones((9, 9), np.uint8)) == 0
+    substrate[:66] = False  # the body
     assert (score[limbs > 0] > 0).mean() > 0.45
-    assert (score[ground] > 0).mean() < 0.01
-    assert look.thickness_px == pytest.approx(8.0, rel=0.25)
+    assert (score[substrate] > 0).mean() < 0.01
+    assert detector.paw_width_px == pytest.approx(8.0, rel=0.25)

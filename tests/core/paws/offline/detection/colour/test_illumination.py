@@ -6,11 +6,14 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pawnb.core.paws.offline.detection.colour.background import find_still
-from pawnb.core.paws.offline.detection.colour.illumination import in_light, mean_light
-from pawnb.core.paws.offline.settings import WholeSettings
-from pawnb.core.paws.offline.treadmill.tracker import track_whole
-from pawnb.core.paws.request import Task
+from pawnb.core.paws.offline.detection.colour.background import estimate_background
+from pawnb.core.paws.offline.detection.colour.illumination import (
+    mean_illumination,
+    normalise_illumination,
+)
+from pawnb.core.paws.offline.settings import OfflineSettings
+from pawnb.core.paws.offline.treadmill.tracker import track_treadmill
+from pawnb.core.paws.request import TrackingRequest
 from pawnb.core.rig import load_rig
 from pawnb.core.video import open_views
 from pawnb.synthetic import render_mouse_trial
@@ -22,16 +25,16 @@ def test_a_picture_is_made_as_bright_and_of_the_colour_that_it_was(shape):
     before = np.random.default_rng(0).integers(20, 160, shape).astype(np.uint8)
     gain = np.array([0.5, 0.7, 1.4]) if len(shape) == 3 else 0.6
     after = np.round(before * gain).astype(np.uint8)
-    again = in_light(after, mean_light(before))
+    again = normalise_illumination(after, mean_illumination(before))
     # half a level was lost, and as much is lost again
     assert np.abs(again.astype(float) - before).max() <= 0.5 / np.min(gain) + 1.0
 
 
 def test_steady_light_changes_nothing():
     picture = np.random.default_rng(0).integers(20, 160, (40, 60, 3)).astype(np.uint8)
-    slightly = tuple(1.05 * level for level in mean_light(picture))
-    assert in_light(picture, slightly) is picture
-    assert in_light(picture, None) is picture
+    slightly = tuple(1.05 * level for level in mean_illumination(picture))
+    assert normalise_illumination(picture, slightly) is picture
+    assert normalise_illumination(picture, None) is picture
 
 
 @dataclasses.dataclass
@@ -85,7 +88,7 @@ def test_what_stands_still_is_shown_in_the_light_of_the_clicks():
     wall.readers = {}
     lit = LitViews(wall)
     shown = lit.frame(23)["side"].crop(0, 0, 60, 20)
-    (still,) = find_still(lit, [(60, 20)], {0: shown})
+    (still,) = estimate_background(lit, [(60, 20)], {0: shown})
     np.testing.assert_allclose(still, shown, atol=3)
 
 
@@ -94,12 +97,12 @@ def test_paws_are_followed_while_the_light_goes_down_to_a_half(tmp_path):
     trial = load_trial(render_mouse_trial(tmp_path, frames=24, scale=0.35, seed=2))
     truth = pd.read_csv(trial.folder / "truth" / "tracks.csv")
     start = pd.read_csv(trial.folder / "start.csv")
-    task = Task(
+    task = TrackingRequest(
         rig=load_rig(trial), points_by_view={view.name: view.points for view in trial.views},
         fps=trial.fps, unit="mm", frames=(0, 24),
     )  # fmt: skip
     with open_views(trial) as views:
-        tracks = track_whole(LitViews(views), start, task, settings=WholeSettings())
+        tracks = track_treadmill(LitViews(views), start, task, settings=OfflineSettings())
     rows = truth[truth["visible"] == 1]
     rows = rows[[row.point in task.points_by_view[row.view] for row in rows.itertuples()]]
     uv = tracks["image_position"].isel(individual=0)

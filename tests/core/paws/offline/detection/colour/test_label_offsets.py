@@ -1,4 +1,4 @@
-"""Where a tracked point lies relative to candidates, learnt from clicks put at a known offset."""
+"""Where a tracked point lies relative to detections, learnt from clicks put at a known offset."""
 
 import numpy as np
 import pytest
@@ -9,7 +9,7 @@ THICKNESS = 10.0
 
 
 def end(u, v, *, share=0.22, direction=(5.0, 2.0)):
-    """A candidate; 0.22 is the share of mask at an end, 0.45 that along a limb."""
+    """A detection; 0.22 is the share of mask at an end, 0.45 that along a limb."""
     row = np.zeros(8, np.float32)
     row[:6] = u, v, *direction, share, 4.0
     return row
@@ -17,8 +17,8 @@ def end(u, v, *, share=0.22, direction=(5.0, 2.0)):
 
 def learn(clicks, rows):
     return learn_offsets(
-        np.asarray(clicks, float)[None], {0: rows}, thickness_px=np.full(len(rows), THICKNESS),
-        facing=[1] * len(rows), distal=[(0.8, 0.6)] * len(rows), kinds=["front"],
+        np.asarray(clicks, float)[None], {0: rows}, paw_width_px=np.full(len(rows), THICKNESS),
+        facing=[1] * len(rows), limb_direction=[(0.8, 0.6)] * len(rows), kinds=["front"],
     )  # fmt: skip
 
 
@@ -32,7 +32,7 @@ def test_the_offset_put_in_comes_out_though_a_heel_is_nearer():
 
 
 def test_a_click_in_the_middle_is_told_by_the_toes_however_near_the_heel():
-    # half a long foot is 1.8 thicknesses; the heel is nearer, and points back
+    # half a long foot is 1.8 paw widths; the heel is nearer, and points back
     toes, heel = end(118, 50, direction=(5.0, 0.5)), end(88, 50, direction=(-5.0, 0.0))
     found = learn([[[100, 50]]], [np.stack([heel, toes])])
     e = np.array([5.0, 0.5]) / np.hypot(5.0, 0.5)
@@ -78,7 +78,7 @@ def test_where_paws_meet_each_click_has_an_end_of_its_own():
     rows = np.stack([end(100, 50, direction=(3.0, -6.0)), end(96, 57, share=0.37)])
     found = learn_offsets(
         np.array([[[[101.0, 50.0]], [[96.0, 58.0]]]]), {0: [rows]},
-        thickness_px=np.array([THICKNESS]), facing=[1], distal=[(0.8, 0.6)],
+        paw_width_px=np.array([THICKNESS]), facing=[1], limb_direction=[(0.8, 0.6)],
         kinds=["front", "hind"],
     )  # fmt: skip
     np.testing.assert_allclose(np.hypot(found.along, found.across), 0.1, atol=1e-6)

@@ -4,19 +4,19 @@ import numpy as np
 import pytest
 
 from pawnb.core.paws.offline.detection.colour import scan
-from pawnb.core.paws.offline.detection.colour.cache import CandidateStore
-from pawnb.core.paws.offline.detection.colour.detector import Look
-from pawnb.core.paws.offline.detection.colour.scan import Region
+from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
+from pawnb.core.paws.offline.detection.colour.detector import DetectorConfig
+from pawnb.core.paws.offline.detection.colour.scan import ROI
 
 
-def _follow(frames: int, paws: np.ndarray, clutter: np.ndarray) -> Region:
+def _follow(frames: int, paws: np.ndarray, clutter: np.ndarray) -> ROI:
     """Return a region after paws (frames, 4) moved and poor clutter (frames, 12) was there too."""
-    region = Region(np.array([600.0, 200.0]), np.array([200.0, 50.0]), (1200, 400))
+    roi = ROI(np.array([600.0, 200.0]), np.array([200.0, 50.0]), (1200, 400))
     for t in range(frames):
         u = np.concatenate([paws[t], clutter[t]])
         found = np.column_stack([u, np.full(len(u), 200.0)])
-        region.follow(found, np.repeat([0.95, 0.03], [4, 12]))
-    return region
+        roi.follow(found, np.repeat([0.95, 0.03], [4, 12]))
+    return roi
 
 
 def test_the_searched_region_follows_paws_not_what_little_looks_like_them():
@@ -26,10 +26,10 @@ def test_the_searched_region_follows_paws_not_what_little_looks_like_them():
     # an edge of the belt comes into the picture behind the animal, as the animal leaves it
     clutter = np.full((frames, 12), 620.0)
     clutter[60:] = 350.0
-    region = _follow(frames, paws, clutter)
+    roi = _follow(frames, paws, clutter)
     # the region lags behind by 1 / FOLLOW frames, 17 px, and clutter has a tenth of the weight
-    assert region.centre[0] == pytest.approx(800.0 - 17.0, abs=0.1 * (800.0 - 350.0))
-    left, _, right, _ = region.box()
+    assert roi.centre[0] == pytest.approx(800.0 - 17.0, abs=0.1 * (800.0 - 350.0))
+    left, _, right, _ = roi.box()
     assert left < paws[-1].min()
     assert paws[-1].max() < right
 
@@ -37,8 +37,8 @@ def test_the_searched_region_follows_paws_not_what_little_looks_like_them():
 def test_the_searched_region_stays_where_the_animal_stays():
     frames = 100
     paws = np.tile([520.0, 560.0, 660.0, 680.0], (frames, 1))
-    region = _follow(frames, paws, np.linspace(700.0, 900.0, frames)[:, None] + np.zeros(12))
-    assert region.centre[0] == pytest.approx(600.0, abs=20.0)
+    roi = _follow(frames, paws, np.linspace(700.0, 900.0, frames)[:, None] + np.zeros(12))
+    assert roi.centre[0] == pytest.approx(600.0, abs=20.0)
 
 
 PLACES = np.array([-80.0, -40.0, 60.0, 90.0])
@@ -71,15 +71,15 @@ def search(monkeypatch):
         rows[:, 6] = box[0]  # what was searched shows, too
         return rows
 
-    monkeypatch.setattr(scan, "searched", lambda paws, region, _shrink: (paws, region.box()))
-    monkeypatch.setattr(scan, "find_candidates", found)
+    monkeypatch.setattr(scan, "searched", lambda paws, roi, _shrink: (paws, roi.box()))
+    monkeypatch.setattr(scan, "detect", found)
 
     def search(frames, home, **options):
         middle = np.array([300.0 + 0.6 * home, 200.0])
-        region = Region(middle, np.array([150.0, 50.0]), (1200, 400))
-        looks = [Look(None, 1, 3, (0.9, 0.4))]
+        roi = ROI(middle, np.array([150.0, 50.0]), (1200, 400))
+        detectors = [DetectorConfig(None, 1, 3, (0.9, 0.4))]
         views = options.pop("views", Passing())
-        return scan.extract(views, frames, home=home, looks=looks, regions=[region], **options)
+        return scan.scan_video(views, frames, home=home, detectors=detectors, rois=[roi], **options)
 
     return search
 
@@ -96,7 +96,7 @@ def test_an_animal_that_was_elsewhere_before_the_clicks_is_found_there(search):
 def test_an_interrupted_search_goes_on_before_the_clicks_and_after(search):
     whole = search((0, 120), 80)
     for done in (30, 100):
-        store = CandidateStore()
+        store = DetectionCache()
         reported = []
         part = search(
             (0, 120), 80, store=store, progress=reported.append,
