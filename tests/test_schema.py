@@ -147,9 +147,9 @@ def test_attributes_of_tracks_are_those_of_the_contract():
 @pytest.mark.parametrize(
     ("cls", "value"),
     [
-        (OfflineSettings, {"places": -4}),
+        (OfflineSettings, {"max_hypotheses": -4}),
         (OfflineSettings, {"noise": 0.0}),
-        (OfflineSettings, {"hide_cost": float("nan")}),
+        (OfflineSettings, {"occlusion_onset_cost": float("nan")}),
         (Maghsoudi2019Settings, {"scale": 0.0}),
         (PoseSettings, {"candidates": -1}),
         (PoseSettings, {"working_span_px": float("inf")}),

@@ -30,7 +30,7 @@ from pawnb.core.video import ViewReader, ViewSet
 from pawnb.errors import InputError, did_you_mean
 from pawnb.schema import SettingsT, Tracks, build_settings
 from pawnb.trial import Trial
-from pawnb.workflow.published_names import refuse_published_names
+from pawnb.workflow.published_names import refuse_published_names, with_present_names
 from pawnb.workflow.results import provenance_steps
 
 METHODS = ("pawnb", "paper", "slic-3d", "slic-2d")
@@ -238,7 +238,8 @@ def method_of_tracks(trial: Trial, tracks: Tracks) -> tuple[str, TrackerSettings
     if made is None:
         return METHODS[0], tracker_settings(trial)
     kind = _SETTINGS[made["method"]]
-    return made["method"], build_settings(kind, made["settings"], where=_OF_TRACKS)
+    settings = with_present_names(made["settings"])
+    return made["method"], build_settings(kind, settings, where=_OF_TRACKS)
 
 
 def pose_method_of_tracks(trial: Trial, tracks: Tracks) -> tuple[str, PoseTrackerSettings]:

@@ -1,16 +1,18 @@
-"""Who types a paper's name of a setting is told ours."""
+"""Who types a paper's name of a setting, or a former one, is told the present one."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from typing import Any
 
 from pawnb.core.paws.maghsoudi2019.settings import PUBLISHED_NAMES as PAW_NAMES
+from pawnb.core.paws.offline.settings import FORMER_NAMES
 from pawnb.core.pose.pullar2009.settings import PUBLISHED_NAMES as POSE_NAMES
 from pawnb.errors import InputError
 
 
 def refuse_published_names(names: Iterable[str], *, pose: bool = False) -> None:
-    """Refuse settings that bear a paper's name, saying what they are called here.
+    """Refuse settings that bear a paper's name or a former one, saying what they are called.
 
     Parameters
     ----------
@@ -27,6 +29,8 @@ def refuse_published_names(names: Iterable[str], *, pose: bool = False) -> None:
     papers = POSE_NAMES if pose else PAW_NAMES
     plain = {_plain(theirs): theirs for theirs in papers}
     for name in names:
+        if not pose and name in FORMER_NAMES:
+            raise InputError(f"setting {name!r} is called {FORMER_NAMES[name]!r} now.")
         theirs = plain.get(_plain(name))
         # some are nearly ours: those are suggested anyway
         if theirs is not None and name not in papers.values():
@@ -34,6 +38,11 @@ def refuse_published_names(names: Iterable[str], *, pose: bool = False) -> None:
                 f"setting {name!r} is the paper's {theirs}, which is {papers[theirs]!r} here "
                 "(method 'paper'); docs/published_methods.md has the others."
             )
+
+
+def with_present_names(settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Return settings that tracks record, those with a former name under the present one."""
+    return {FORMER_NAMES.get(name, name): value for name, value in settings.items()}
 
 
 def _plain(name: str) -> str:

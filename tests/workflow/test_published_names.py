@@ -6,12 +6,14 @@ import pytest
 
 from pawnb.core.paws.maghsoudi2019.settings import PUBLISHED_NAMES as PAW_NAMES
 from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
+from pawnb.core.paws.offline.settings import FORMER_NAMES, OfflineSettings
 from pawnb.core.pose.pullar2009.settings import PUBLISHED_NAMES as POSE_NAMES
 from pawnb.core.pose.pullar2009.settings import Pullar2009Settings
 from pawnb.errors import InputError
+from pawnb.schema import add_provenance, make_tracks
 from pawnb.trial import Animal, Trial, View
 from pawnb.workflow.compare import settings_by_method
-from pawnb.workflow.methods import tracker_settings
+from pawnb.workflow.methods import method_of_tracks, tracker_settings
 from pawnb.workflow.published_names import refuse_published_names
 
 TRIAL = Trial(
@@ -52,3 +54,23 @@ def test_our_names_are_settings_and_are_not_refused(names, settings, pose):
     known = [field.name for field in dataclasses.fields(settings)]
     assert set(names.values()) <= set(known)
     refuse_published_names([*known, "windw_u_px"], pose=pose)
+
+
+@pytest.mark.parametrize("name", FORMER_NAMES)
+def test_a_former_name_is_answered_with_the_present_one(name):
+    said = f"^setting '{name}' is called '{FORMER_NAMES[name]}' now"
+    with pytest.raises(InputError, match=said):
+        tracker_settings(TRIAL, settings={name: 3})
+    with pytest.raises(InputError, match=said):
+        tracker_settings(dataclasses.replace(TRIAL, tracking={name: 3}))
+    assert FORMER_NAMES[name] in {field.name for field in dataclasses.fields(OfflineSettings)}
+
+
+def test_tracks_that_record_former_names_are_gone_on_with():
+    recorded = {"hide_cost": 2.5, "looks": 1, "acceleration": 400.0}
+    tracks = add_provenance(
+        make_tracks([0], ["FR"], fps=250.0), step="track", method="pawnb", settings=recorded
+    )
+    method, settings = method_of_tracks(TRIAL, tracks)
+    assert method == "pawnb"
+    assert settings == OfflineSettings(occlusion_onset_cost=2.5, n_iterations=1, acceleration=400.0)

@@ -9,6 +9,16 @@ from pawnb.schema import check_ranges
 
 EVIDENCE = ("auto", "colour", "strides", "learnt")
 
+FORMER_NAMES = {
+    "hide_cost": "occlusion_onset_cost",
+    "stay_cost": "occlusion_rate_cost",
+    "longest_gap_s": "max_occlusion_s",
+    "looks": "n_iterations",
+    "places": "max_hypotheses",
+    "links": "max_successors",
+}
+"""What settings were called before, and their names: tracks that were made then say the former."""
+
 
 @dataclass(frozen=True)
 class OfflineSettings:
@@ -29,22 +39,22 @@ class OfflineSettings:
         Standard deviation of a place in space, in paw widths.
     height : float
         Paws are not lifted higher than this above the lowest click, in spans.
-    hide_cost, stay_cost : float
+    occlusion_onset_cost, occlusion_rate_cost : float
         Cost of becoming occluded and of each second of it, in units of half a squared
         standard deviation: a paw is occluded for a share of its stride, however many pictures
         are taken of it.
-    longest_gap_s : float
+    max_occlusion_s : float
         Longest time, s, for which a point may be occluded.
     body_s : float
         Time, s, over which the middle of the body is followed: about two strides.
     shortest_stride_s, longest_stride_s : float
         Strides are looked for between these, s.
-    looks : int
+    n_iterations : int
         Times that everything is decided again with the stride learnt from the last time; once
         more where tracks still change.
-    places : int
+    max_hypotheses : int
         Places in space considered in each frame.
-    links : int
+    max_successors : int
         Tracklets considered after each.
     landmarks : tuple of str
         Points that are no paws and are followed by their own picture (nose, ears, a mark on
@@ -60,15 +70,15 @@ class OfflineSettings:
     jerk: float = 100000.0
     noise: float = 0.25
     height: float = 0.3
-    hide_cost: float = 3.0
-    stay_cost: float = 1750.0
-    longest_gap_s: float = 0.24
+    occlusion_onset_cost: float = 3.0
+    occlusion_rate_cost: float = 1750.0
+    max_occlusion_s: float = 0.24
     body_s: float = 0.4
     shortest_stride_s: float = 1.0 / 15.0
     longest_stride_s: float = 1.0
-    looks: int = 2
-    places: int = 16
-    links: int = 16
+    n_iterations: int = 2
+    max_hypotheses: int = 16
+    max_successors: int = 16
     landmarks: tuple[str, ...] = ()
     evidence: str = "auto"
 
@@ -76,11 +86,23 @@ class OfflineSettings:
         check_ranges(
             self,
             above_0=(
-                "acceleration", "jerk", "noise", "height", "body_s", "shortest_stride_s",
-                "longest_stride_s", "places", "links",
+                "acceleration",
+                "jerk",
+                "noise",
+                "height",
+                "body_s",
+                "shortest_stride_s",
+                "longest_stride_s",
+                "max_hypotheses",
+                "max_successors",
             ),
-            least_0=("hide_cost", "stay_cost", "longest_gap_s", "looks"),
-        )  # fmt: skip
+            least_0=(
+                "occlusion_onset_cost",
+                "occlusion_rate_cost",
+                "max_occlusion_s",
+                "n_iterations",
+            ),
+        )
         if self.evidence not in EVIDENCE:
             raise InputError(
                 f"setting 'evidence' is {self.evidence!r}; expected {', '.join(EVIDENCE)}."

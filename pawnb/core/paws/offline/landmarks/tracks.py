@@ -114,7 +114,7 @@ def join_views(
     by_hand: np.ndarray,
     layout: Layout,
     fps: float,
-    longest_gap_s: float,
+    max_occlusion_s: float,
 ) -> SmoothedTracks:
     """Join what the views have seen into smooth tracks.
 
@@ -130,7 +130,7 @@ def join_views(
         The landmarks as its points.
     fps : float
         Frames per second.
-    longest_gap_s : float
+    max_occlusion_s : float
         A landmark that is not seen for longer is missing.
 
     Returns
@@ -159,7 +159,7 @@ def join_views(
         path, equations = _smoothest(
             begun, uv[:, p], sigma[:, p], by_hand=by_hand[:, p], jerk=jerk, geometry=geometry
         )
-        known = _near(placed, n, longest_gap_s * fps)
+        known = _near(placed, n, max_occlusion_s * fps)
         x[known, p] = path[known]
         variance = diagonals(equations.covariance[:, 0]) + (_ALIKE * patch) ** 2
         sd[known, p] = np.sqrt(variance)[known]

@@ -293,8 +293,8 @@ def _iterate_until_converged(
 
     result, gap_closing = close_and_smooth(TrackingState(tracked(first), by_hand))
     unaided = before = result.x
-    for iteration in range(settings.looks + _ONE_MORE):
-        if iteration >= settings.looks and not _changed(result.x, before, scene.paw_width):
+    for iteration in range(settings.n_iterations + _ONE_MORE):
+        if iteration >= settings.n_iterations and not _changed(result.x, before, scene.paw_width):
             break
         before = result.x
         sd = result.sd.mean(axis=-1) / scene.paw_width

@@ -362,5 +362,5 @@ def join_landmarks(
         layout=asked.layout,
         fps=task.fps,
         by_hand=annotated_points(asked.inside(n), likeness.shape),
-        longest_gap_s=settings.longest_gap_s,
+        max_occlusion_s=settings.max_occlusion_s,
     )

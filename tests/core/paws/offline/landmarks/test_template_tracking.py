@@ -160,7 +160,7 @@ def test_views_are_joined_and_long_gaps_stay_empty():
     likeness = np.where(np.isfinite(uv[..., 0]), 0.9, 0.0)
     result = join_views(
         uv, likeness, by_hand=np.zeros(likeness.shape, bool), layout=layout, fps=200.0,
-        longest_gap_s=0.03,
+        max_occlusion_s=0.03,
     )  # fmt: skip
     x = result.x[:, 0]
     assert np.isnan(x[15:25]).all()

@@ -104,7 +104,7 @@ def close_and_smooth(monkeypatch, *, cycle, swings, forward=lambda _: 0.0):
         kinds=["front"],
         is_one_sided=False,
     )
-    settings = SimpleNamespace(shortest_stride_s=0.1, longest_stride_s=1.0, looks=2)
+    settings = SimpleNamespace(shortest_stride_s=0.1, longest_stride_s=1.0, n_iterations=2)
 
     def bridge(state, *_, **__):
         reference.append(state)

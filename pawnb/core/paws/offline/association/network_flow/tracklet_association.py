@@ -166,16 +166,16 @@ class TrackletAssociator:
         self._clicked = 1 + max(p for here in anchors.values() for p in here)
         contralateral = len(kinds) - self._clicked
         self.tracklets = self._cut(self.tracklets, fps)
-        occlusion_frame_cost = settings.stay_cost / fps
+        occlusion_frame_cost = settings.occlusion_rate_cost / fps
         costs = FlowCosts(
             self.motion_model.acceleration,
             noise,
             speed,
             substrate_velocity,
-            settings.hide_cost,
+            settings.occlusion_onset_cost,
             occlusion_frame_cost,
-            max(4, round(settings.longest_gap_s * fps)),
-            settings.links,
+            max(4, round(settings.max_occlusion_s * fps)),
+            settings.max_successors,
         )
         self._elsewhere = np.zeros((len(kinds), len(self.tracklets)))
         if self.tracklets and bottom_view is None and scene.volume is not None:
@@ -339,7 +339,7 @@ def find_hypotheses(
 ) -> list[PointHypotheses]:
     """Return the places of every frame."""
     if scene.bottom_view is not None:
-        return scene.bottom_view.places(found, settings.places)
+        return scene.bottom_view.places(found, settings.max_hypotheses)
     if scene.volume is None:
         return [_flat_places(rows[0], scene.limb_direction[0]) for rows in found]
     return pairing(scene, settings, likelihood=likelihood).places(found)
@@ -357,7 +357,7 @@ def pairing(
         tolerance_px=0.8 * scene.paw_width_px,
         likelihood=likelihood,
         apart=scene.paw_width,
-        most=settings.places,
+        most=settings.max_hypotheses,
     )
 
 
