@@ -109,4 +109,5 @@ def _normalised(mass: np.ndarray) -> np.ndarray:
 
 
 def _total(mass: np.ndarray) -> float:
-    return float(cv2.sumElems(mass)[0])
+    """Return the sum; the last digits of cv2.sumElems differ with where an array lies in memory."""
+    return float(mass.sum(dtype=float))

@@ -73,13 +73,13 @@ class PictureFeatures:
         brightness = on_grid(fine)
         gx_grid, gy_grid = on_grid(gx), on_grid(gy)
         maps = _structure(gx, gy, on_grid)
-        maps += [brightness, gx_grid * 1.5, gy_grid * 1.5, cv2.magnitude(gx_grid, gy_grid) * 1.5]
+        maps += [brightness, gx_grid * 1.5, gy_grid * 1.5, _length(gx_grid, gy_grid) * 1.5]
         near = on_grid(cv2.GaussianBlur(fine, (0, 0), 2.6))
         middle = cv2.GaussianBlur(near, (0, 0), 5.2 / spacing)
         far = cv2.GaussianBlur(middle, (0, 0), 10.4 / spacing)
         for x, gain in ((near, 1.0), (middle, 2.0), (far, 4.0)):
             dx, dy = (cv2.Sobel(x, cv2.CV_32F, *d, scale=gain) for d in ((1, 0), (0, 1)))
-            maps += [x, dx, dy, cv2.magnitude(dx, dy)]
+            maps += [x, dx, dy, _length(dx, dy)]
         maps += [(brightness - near) * 4, (near - middle) * 4, (middle - far) * 4]
         ground = 0.7 * near
         self._parts: list[np.ndarray | _Ring] = [np.stack(maps).reshape(len(maps), -1)]
@@ -128,6 +128,11 @@ def feature_maps(grey: np.ndarray, colour: np.ndarray | None, spacing: int) -> n
     features = PictureFeatures(grey, colour, spacing)
     h, w = features.shape
     return features.at(np.arange(h * w)).reshape(h, w, -1)
+
+
+def _length(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Return lengths of vectors; those of cv2.magnitude differ with where arrays lie in memory."""
+    return np.asarray(np.sqrt(x * x + y * y))
 
 
 def _structure(
