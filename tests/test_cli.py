@@ -52,7 +52,7 @@ def test_demo_check_track_gait_in_a_row(tmp_path, capsys):
     status, said, _ = run(capsys, "check", out)
     assert status == 0
     assert "view cam1: 60 frames" in said
-    status, said, err = run(capsys, "track", out, "--set", "places=12")
+    status, said, err = run(capsys, "track", out, "--set", "max_hypotheses=12")
     assert (status, err) == (0, "")
     assert "tracked 60 frames" in said
     assert (out / "results" / "tracks.nc").exists()
