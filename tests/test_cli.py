@@ -64,6 +64,7 @@ def test_demo_check_track_gait_in_a_row(tmp_path, capsys):
     ).exists()
 
 
+@pytest.mark.slow
 def test_demo_lists_its_variants_and_renders_them(tmp_path, capsys):
     with pytest.raises(SystemExit):
         cli.main(["demo", "--help"])
@@ -211,6 +212,7 @@ def test_an_installed_pawnb_copies_its_notebooks_once(tmp_path, monkeypatch):
     assert (lab.notebooks_folder() / "00_quickstart.ipynb").read_text() == "mine"
 
 
+@pytest.mark.slow
 def test_a_video_that_is_cut_short_is_used_and_said(small_trial, capsys):
     video = small_trial / "cam1.avi"
     video.write_bytes(video.read_bytes()[: video.stat().st_size // 2])

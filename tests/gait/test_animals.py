@@ -70,6 +70,7 @@ def test_interval_may_wrap_and_may_be_everything():
     assert scattered.rayleigh_p > 0.5
 
 
+@pytest.mark.slow
 @settings(max_examples=25)
 @given(st.floats(0, 1), st.integers(0, 1000))
 def test_interval_turns_with_the_phases(turn, seed):

@@ -70,6 +70,7 @@ def test_ends_are_where_the_tails_are(r, n):
         assert rayleigh_p(n, r) >= 0.025
 
 
+@pytest.mark.slow
 def test_it_holds_the_truth_in_95_percent():
     # exact for von Mises phases: held where neither tail is below 2.5 %
     rng = np.random.default_rng(2)

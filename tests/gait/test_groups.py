@@ -172,6 +172,7 @@ def test_table_of_groups():
     assert (again["p_strides"] < found["p_strides"]).all()
 
 
+@pytest.mark.slow
 def test_each_measure_is_a_family():
     table = strides()
     table["period_s"] = table["phase"] * 0.1

@@ -65,6 +65,7 @@ def test_a_shift_within_animals_is_found_where_their_means_show_none():
     assert by_means < 12
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ranges", ["equal", "own"])
 def test_no_shift_is_found_in_few(ranges):
     # 150 studies: 5 % and two and a half standard errors

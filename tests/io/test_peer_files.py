@@ -141,6 +141,7 @@ def test_labels_are_not_taken_for_predictions(tmp_path):
         load_tracks(path, fps=FPS)
 
 
+@pytest.mark.slow
 def test_sleap_io_reads_what_we_write(peers, tmp_path):
     sio = pytest.importorskip("sleap_io")
     tracks = load_tracks(peers / "sleap.slp", fps=FPS)
@@ -168,6 +169,7 @@ def test_movement_reads_and_exports_what_we_write(peers, tmp_path):
     assert own.attrs["ds_type"] == "poses"
 
 
+@pytest.mark.slow
 def test_nwb_comes_back_with_subject_rate_and_provenance(peers, tmp_path):
     pynwb = pytest.importorskip("pynwb")
     pytest.importorskip("ndx_pose")

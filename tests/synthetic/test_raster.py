@@ -1,6 +1,7 @@
 """The z-buffer, against the plainest possible loop over pixels and triangles."""
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
@@ -27,6 +28,7 @@ def covers(corners, inverse_depth, p):
     return bool((w >= 0).all()), float(w @ inverse_depth), float(np.abs(w).min())
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(triangles, depths)
 def test_every_pixel_shows_the_nearest_triangle_that_covers_its_centre(corners, depth):

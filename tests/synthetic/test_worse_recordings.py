@@ -36,6 +36,7 @@ def picture(settings, camera, moments):
     return image.astype(float)
 
 
+@pytest.mark.slow
 def test_a_mirror_image_lies_where_a_mirror_puts_it_and_nowhere_else():
     settings, cameras, mouse, _ = make_scene(reflections=0.5)
     plain = dataclasses.replace(settings, reflections=0.0)
@@ -83,6 +84,7 @@ def test_the_belt_shines_no_farther_than_it_reaches():
         assert belt.share[v, u] == pytest.approx(share)
 
 
+@pytest.mark.slow
 def test_an_open_shutter_gives_the_mean_of_what_it_sees():
     settings, cameras, mouse, _ = make_scene(shutter=0.5)
     moments = [(mouse.mesh(t), t) for t in (1.0, 1.01, 1.02)]

@@ -25,6 +25,7 @@ def opened(small_trial):
         widget.close()
 
 
+@pytest.mark.slow
 def test_proposed_paws_are_taken_at_a_press(small_trial, opened):
     widget = opened(small_trial, propose=True)
     assert widget.status.startswith("Proposed points are dashed: drag those that are wrong, then ")

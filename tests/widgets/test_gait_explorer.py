@@ -199,6 +199,7 @@ def test_another_trial_offers_its_legs(tables):
     assert explorer._legs["R1"].value  # the last one stays
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings(FROM_IPYMPL)
 def test_a_stride_is_picked_among_the_points_and_its_window_stays(tables):
     from pawnb.widgets.gait_explorer import GaitExplorer

@@ -83,6 +83,7 @@ def slow_to_compile():
     return numba.njit(lambda x: np.sort(x)[::2].sum())
 
 
+@pytest.mark.slow
 def test_a_bar_says_that_it_is_compiled_not_how_much_is_done(monkeypatch):
     """It stood at 100 % for 40 s, in silence, while a first run compiled."""
     terminal = make_terminal(monkeypatch)

@@ -111,6 +111,7 @@ def test_a_correction_before_the_clicks_changes_its_stretch_only(clicked_late, t
     assert_others_stay(log.tracks, before, ["FR", "HR", "FL"])
 
 
+@pytest.mark.slow
 def test_colours_learnt_anew_before_the_clicks_leave_the_rest_as_clicked(clicked_late, tmp_path):
     """One paw is put right in frame 5: the animal's size is still told by frame 30, where all are.
 

@@ -43,6 +43,7 @@ def drawn(files):
     return sorted({path.stem for path in files if path.suffix == ".png"})
 
 
+@pytest.mark.slow
 def test_two_legs_scored_by_hand_give_what_they_can(tmp_path, only_png):
     files = save_gait_figures(
         gait_drawings(analyse_events(events())), tmp_path, record={"step": "gait"}
@@ -58,6 +59,7 @@ def test_two_legs_scored_by_hand_give_what_they_can(tmp_path, only_png):
     assert sorted(tmp_path.iterdir()) == sorted(set(files))
 
 
+@pytest.mark.slow
 def test_one_leg_is_no_error(tmp_path, only_png):
     files = save_gait_figures(gait_drawings(analyse_events(events(("L1",)))), tmp_path, record={})
     assert "gait_diagram_a_t1" in drawn(files)

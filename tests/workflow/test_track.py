@@ -116,6 +116,7 @@ def test_a_range_begins_where_every_view_has_begun(rendered_trial, frames, metho
     assert frame_range(trial, views, clicks, method=method, frames=frames) == span
 
 
+@pytest.mark.slow
 def test_points_clicked_in_different_frames_are_all_tracked_from_the_first(rendered_trial):
     start = pd.concat(
         [
@@ -360,6 +361,7 @@ def test_landmarks_are_tracked_before_their_click_too(small_trial):
     assert done == [(k + 1, 17) for k in range(17)]
 
 
+@pytest.mark.slow
 def test_landmarks_leave_the_paws_alone_and_are_tracked_again(small_trial):
     paws = track(small_trial, frames=(0, 8))
     start, truth = _with_landmarks(small_trial)
@@ -411,6 +413,7 @@ def _with_positions(tracks, truth):
     return tracks
 
 
+@pytest.mark.slow
 def test_each_of_several_views_is_tracked_by_itself_without_calibration(small_trial):
     """What slic-2d finds in the pictures does not depend on the calibration."""
     known = track(small_trial, method="slic-2d", frames=(0, 8))
@@ -436,6 +439,7 @@ def test_each_of_several_views_is_tracked_by_itself_without_calibration(small_tr
         track(small_trial, method="paper")
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::pawnb.errors.QualityWarning")  # 3 frames: HR is lost
 def test_one_view_needs_no_calibration(small_trial):
     text = (small_trial / "trial.toml").read_text()
@@ -496,6 +500,7 @@ def test_time_follows_the_stamps_of_a_variable_rate(tmp_path):
     np.testing.assert_allclose(tracks["time"], np.array(stamps) / 100, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_start_csv_beside_the_trial_is_found(small_trial):
     """The ClickInitialiser writes it there where the trial names no other file."""
     change(small_trial, '[start]\npoints = "start.csv"', "")

@@ -49,6 +49,7 @@ def scene(make_scene):
     return make_scene(n_frames=60)
 
 
+@pytest.mark.slow
 def test_only_the_corrected_point_is_tracked_again_until_it_meets_the_old_track(scene):
     tracks = run(scene)
     wrong = spoil(spoil(tracks, "HR", slice(10, 25)), "FR", slice(30, 60))
@@ -84,6 +85,7 @@ def test_the_stretch_ends_at_the_next_correction_of_the_same_point_only(scene):
     assert (again["image_origin"][15:30].sel(keypoint="HR") == MEASURED).all()
 
 
+@pytest.mark.slow
 def test_corrections_in_frames_that_follow_each_other_are_one(scene):
     wrong = spoil(run(scene), "HR", slice(10, 60))
     for frame in (14, 15):

@@ -138,6 +138,7 @@ def test_exact_places_lengths_and_picture_give_the_joints_back(near):
     )
 
 
+@pytest.mark.slow
 def test_the_body_is_found_where_the_second_view_shows_it():
     fitter, one, image_evidence, truth = _scene()
     heights = truth[0] + np.arange(-8.0, 9.0)
@@ -166,6 +167,7 @@ def test_the_gradient_is_that_of_the_cost():
         assert gradient[k] == pytest.approx(slope, rel=1e-4, abs=1e-3)
 
 
+@pytest.mark.slow
 def test_equations_are_solved_leg_by_leg_as_in_one():
     fitter, one, image_evidence, truth = _scene()
     known = fitter.known(one, None, 1.0)

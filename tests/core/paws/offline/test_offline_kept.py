@@ -99,6 +99,7 @@ def test_with_kept_evidence_nothing_is_read_and_tracks_are_as_from_scratch(views
     assert np.abs(positions(kept) - positions(first)).max() > 1e-6  # the click was learnt from
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "other",
     [
@@ -163,6 +164,7 @@ def corrected(tracks, frame, point, uv):
     return tracks
 
 
+@pytest.mark.slow
 def test_frames_up_to_the_next_click_of_the_point_are_tracked_again(views):
     tracks = run(views, clicks([2, 20]))
     placed = corrected(tracks, 8, "FR", (100.0, 60.0))
@@ -171,6 +173,7 @@ def test_frames_up_to_the_next_click_of_the_point_are_tracked_again(views):
     assert frames_again(placed, 20, ["FR"]) == (20, N)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kept", [True, False])
 def test_what_is_tracked_again_passes_through_the_correction(views, kept):
     stacks, start = KeptStacks(), clicks([2, 20])

@@ -123,6 +123,7 @@ def test_views_without_a_rig_are_tracked_each_by_itself(array_views, make_textur
     np.testing.assert_allclose(np.linalg.norm(x - truth, axis=-1), off(tracks, truth))
 
 
+@pytest.mark.slow
 def test_long_recordings_go_on_from_window_to_window(views, truth, monkeypatch):
     monkeypatch.setattr(windows, "MOST_ROWS", 16)
     monkeypatch.setattr(windows, "_OVERLAP", 8)

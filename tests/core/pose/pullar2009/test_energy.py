@@ -128,6 +128,7 @@ def test_impossible_settings_are_refused(setting, words):
         Pullar2009Settings(**setting)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("subject", ["background mean", "gaussian"])
 def test_crop_finds_the_same_labels_as_the_whole_picture(scene, subject):
     energy = energy_of(scene, subject=subject)

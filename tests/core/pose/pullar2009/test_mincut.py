@@ -41,6 +41,7 @@ def test_no_labelling_of_a_small_grid_costs_less(seed, pull, shape):
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pull", [4, 9, 25])
 def test_energy_is_that_of_the_maximum_flow_of_the_whole_grid(pull):
     own, right, down = problem(np.random.default_rng(pull), (31, 27), pull=pull)

@@ -19,6 +19,8 @@ from pawnb.core.pose.sticks import pose_vector
 from pawnb.errors import InputError, InputWarning
 from pawnb.schema import ORIGIN_CODE
 
+pytestmark = pytest.mark.slow
+
 ANIMAL = load_species("open_insect.toml", folder=Path(__file__).parent)
 SIZE = (330, 250)
 SCALE = 34.0

@@ -154,6 +154,7 @@ def test_of_two_stances_without_a_swing_the_shorter_one_is_doubted(stances, gaps
 spans = st.lists(st.integers(0, N), min_size=4, max_size=4, unique=True).map(sorted)
 
 
+@pytest.mark.slow
 @given(spans, st.lists(st.booleans(), min_size=N, max_size=N))
 def test_what_is_doubted_is_one_path_and_turns_round_with_time(at, is_open):
     is_open = np.array(is_open) & (np.arange(N) % 7 == 0)

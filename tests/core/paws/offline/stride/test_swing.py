@@ -127,6 +127,7 @@ def same(found, expected, *, atol=1e-6):
     np.testing.assert_allclose(found.lift_offs, expected.lift_offs, atol=atol)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 def test_hidden_swings_are_near_the_truth_and_nearer_than_smoothed(seed):
     made = walk(seed=seed)

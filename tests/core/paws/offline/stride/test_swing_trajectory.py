@@ -148,6 +148,7 @@ def known(shape=SHAPE, height=2.0):
     return SwingTrajectory(np.asarray(shape), np.zeros((2, 2)), height, 0.2, 0.05)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shape", [(1.0, 1.0), (1.2, 2.4), (2.2, 1.3)])
 @pytest.mark.parametrize("hidden", [0.0, 0.45])
 def test_the_arc_is_learnt_from_swings_whose_beginning_is_hidden(shape, hidden):

@@ -20,6 +20,8 @@ from pawnb.schema import check_tracks
 from pawnb.synthetic import render_mouse_trial
 from pawnb.trial import load_trial
 
+pytestmark = pytest.mark.slow
+
 N, SCALE = 24, 0.35
 
 

@@ -25,6 +25,7 @@ def test_crossing():
     assert not chains_cross(one, 1, np.array([[0.0, 10.0], [4.0, 6.0]]), 1)
 
 
+@pytest.mark.slow
 def test_one_of_the_best_limbs_of_each_leg_is_the_painted_one():
     animal, poses, reader, _ = painted_walk(1)
     pose = pose_vectors(animal, poses)[0]

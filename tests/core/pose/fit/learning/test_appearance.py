@@ -29,6 +29,7 @@ def known(pose, sd):
     return unknown(len(pose))._replace(middle=pose, precision=precision)
 
 
+@pytest.mark.slow
 def test_thickness_and_darkness_come_back():
     animal = load_species("dolomedes")
     pose = pose_vectors(animal, natural_pose(animal, xy=(100.0, 100.0), scale=2.4))[0]

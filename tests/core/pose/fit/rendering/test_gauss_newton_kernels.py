@@ -1,6 +1,7 @@
 """The damped Gauss-Newton fit: its linear algebra, its prior, and that it finds a painted pose."""
 
 import numpy as np
+import pytest
 
 from pawnb.core.pose.fit.layout import make_layout, pose_vectors
 from pawnb.core.pose.fit.learning.anatomy import about, anatomy, parameter_kinds
@@ -10,6 +11,7 @@ from pawnb.core.pose.poses import natural_pose
 from pawnb.core.pose.species_file import load_species
 
 
+@pytest.mark.slow
 def test_cholesky_solves_as_numpy_does():
     rng = np.random.default_rng(0)
     root = rng.normal(size=(12, 12))
@@ -41,6 +43,7 @@ def prior_of_spider():
     return animal, pose, anatomy(animal, pose, foreshortening_sd=0.1)
 
 
+@pytest.mark.slow
 def test_prior_gradient_and_matrix_are_those_of_its_cost():
     _, pose, prior = prior_of_spider()
     rng = np.random.default_rng(1)

@@ -84,6 +84,7 @@ def slopes(layout, pose):
     return out
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("species", ["dolomedes", "insect"])
 def test_slopes_agree_with_finite_differences(species):
     _, layout, pose, _ = bent(species)
@@ -106,6 +107,7 @@ def test_slopes_agree_with_finite_differences(species):
         assert np.abs(analytic[..., k] - numeric).max() < 0.25 * np.abs(numeric).max()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("still", [[], [1, 3, -1]], ids=["all move", "some do not"])
 @pytest.mark.parametrize("species", ["dolomedes", "insect"])
 def test_equations_are_the_sums_over_pixels_of_their_slopes(species, still):
