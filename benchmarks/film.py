@@ -28,8 +28,8 @@ from pawnb.core.video import open_views
 from pawnb.io.native import read_tracks
 from pawnb.schema import ORIGIN_CODE, Tracks
 from pawnb.trial import Trial, load_trial
-from pawnb.workflow.methods import METHODS
-from pawnb.workflow.track import track
+from pawnb.workflow.tracking.methods import METHODS
+from pawnb.workflow.tracking.track import track
 
 COLOURS = {"FR": (60, 220, 60), "FL": (250, 230, 40), "HR": (250, 70, 60), "HL": (80, 140, 255)}
 OTHER = (240, 120, 240)

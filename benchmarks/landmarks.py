@@ -26,8 +26,8 @@ from pawnb.core.rig import Rig, load_rig
 from pawnb.core.video import open_views
 from pawnb.schema import START_COLUMNS, Tracks
 from pawnb.trial import Trial, load_trial
-from pawnb.workflow.methods import METHODS
-from pawnb.workflow.track import track
+from pawnb.workflow.tracking.methods import METHODS
+from pawnb.workflow.tracking.track import track
 
 
 def main() -> None:

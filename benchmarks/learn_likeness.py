@@ -43,8 +43,8 @@ from pawnb.core.paws.request import TrackingRequest
 from pawnb.core.video import open_views
 from pawnb.io.start import read_start as read_clicks
 from pawnb.trial import Trial, load_trial
-from pawnb.workflow.evaluation import THRESHOLD_PX
-from pawnb.workflow.trial_views import points_by_view, trial_rig, view_facing
+from pawnb.workflow.evaluation.errors import THRESHOLD_PX
+from pawnb.workflow.tracking.trial_views import points_by_view, trial_rig, view_facing
 
 REFERENCE_WIDTH_PX = 2048
 VISIBLE_FROM = 0.3

@@ -6,15 +6,15 @@ Run it from the project's root, on scenes whose truth is known:
     python benchmarks/learn_suspects.py --render scenes --seeds 51 52 53 54 --clicked 0.5 0.99
 
 Every scene is tracked, and its errors are counted by the rule of
-:mod:`pawnb.workflow.evaluation`. A row is a point in a frame; it is positive within an error, and
-all rows of one error together weigh as much as one row without any, so that the rates that are
-learnt count errors, not wrong frames. A logistic regression on linear splines (knots as in
-`suspect_rates.py`) gives the curves, and goes on from those that stand there: errors are rare,
-and what a few scenes do not tell stays as it was. Each scene is then judged by curves learnt from
+:mod:`pawnb.workflow.evaluation.errors`. A row is a point in a frame; it is positive within an
+error, and all rows of one error together weigh as much as one row without any, so that the rates
+that are learnt count errors, not wrong frames. A logistic regression on linear splines (knots as in
+`suspect_rates.py`) gives the curves, and goes on from those that stand there: errors are rare, and
+what a few scenes do not tell stays as it was. Each scene is then judged by curves learnt from
 scenes of other seeds: how many errors are found by looking at the first 2 % of the list
-(:mod:`suspects` says how that is counted), and whether as many are found as the scores say.
-With ``--clicked`` each scene is tracked again from the truth of frames so far into it, which
-goes wrong elsewhere: scenes are slow to render.
+(:mod:`suspects` says how that is counted), and whether as many are found as the scores say. With
+``--clicked`` each scene is tracked again from the truth of frames so far into it, which goes wrong
+elsewhere: scenes are slow to render.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from pawnb.core.rig import load_rig
 from pawnb.core.suspects.rates import AROUND_FRAMES, CURVES, INTERCEPT, choose_looks
 from pawnb.core.suspects.uncertainty import collect_doubts
 from pawnb.trial import Trial, load_trial
-from pawnb.workflow.track import track
+from pawnb.workflow.tracking.track import track
 
 STEPS = 5.0
 """What it costs that steps between neighbouring knots change: smoothly, where little is known."""

@@ -33,8 +33,8 @@ from pawnb.io.start import read_start
 from pawnb.schema import Tracks
 from pawnb.synthetic import render_mouse_trial
 from pawnb.trial import Trial, load_trial
-from pawnb.workflow.placed import clicks_of_frame
-from pawnb.workflow.track import retrack, track
+from pawnb.workflow.tracking.placed import clicks_of_frame
+from pawnb.workflow.tracking.track import retrack, track
 
 LEARNT = {"evidence": "learnt"}
 

@@ -6,8 +6,8 @@ Renders the demo with four views and makes of its truth predictions as DeepLabCu
 noise of 2 px along each axis, 5 % gaps, stretches of 5 to 30 frames (10 % of the time) in which
 left and right are swapped, 3 % outliers anywhere about the animal. Half of the errors have a low
 likelihood, the others one as high as what is right. Then prints the visible labels, in frames that
-were not clicked, that are wrong (beyond 20 px of 2048, as in pawnb/workflow/evaluation.py) or
-missing: in the predictions, in pawnb's tracks without them, and with them.
+were not clicked, that are wrong (beyond 20 px of 2048, as in pawnb/workflow/evaluation/errors.py)
+or missing: in the predictions, in pawnb's tracks without them, and with them.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ from pawnb.core.video import open_views
 from pawnb.schema import Tracks
 from pawnb.synthetic import render_mouse_trial
 from pawnb.trial import Trial, load_trial
-from pawnb.workflow.evaluation import REFERENCE_WIDTH_PX, THRESHOLD_PX
-from pawnb.workflow.track import track
+from pawnb.workflow.evaluation.errors import REFERENCE_WIDTH_PX, THRESHOLD_PX
+from pawnb.workflow.tracking.track import track
 
 NOISE_PX = 2.0
 GAPS, SWAPPED, OUTLIERS, SAID = 0.05, 0.10, 0.03, 0.5

@@ -22,7 +22,7 @@ import pandas as pd
 from pawnb.core.video import open_views
 from pawnb.synthetic import render_mouse_trial
 from pawnb.trial import Trial, load_trial
-from pawnb.workflow.propose import StartProposal, propose_paws
+from pawnb.workflow.start.propose import StartProposal, propose_paws
 
 HALF_PAW_PX = 20.0
 REFERENCE_WIDTH_PX = 2048

@@ -2,15 +2,14 @@
 
 Every trial (a folder with ``truth/tracks.csv`` beside its videos; without any, scenes are
 rendered) is tracked with the given method. Errors are runs of wrong frames of one point by the
-rule of :mod:`pawnb.workflow.evaluation`. A look is one frame, whatever is wrong in it: of the
-list, the first frames that are different, as many as 2 % or 5 % of the frames of the
-recording. An error counts as found if one of these frames lies within its run or at most 5
-frames before or after it, whichever point was doubted there. The list may be shorter than 5 %.
-Beside the suspects stand frames drawn at random, and the most that any choice of as many frames
-could find (each time the frame with the most errors not found yet), which is the limit
-where a trial has more errors than frames may be looked at. *Together* is what is found when
-the frames of all trials make one list, by their scores: a recording with many errors is then
-looked at more often than one with few.
+rule of :mod:`pawnb.workflow.evaluation.errors`. A look is one frame, whatever is wrong in it: of
+the list, the first frames that are different, as many as 2 % or 5 % of the frames of the recording.
+An error counts as found if one of these frames lies within its run or at most 5 frames before or
+after it, whichever point was doubted there. The list may be shorter than 5 %. Beside the suspects
+stand frames drawn at random, and the most that any choice of as many frames could find (each time
+the frame with the most errors not found yet), which is the limit where a trial has more errors than
+frames may be looked at. *Together* is what is found when the frames of all trials make one list, by
+their scores: a recording with many errors is then looked at more often than one with few.
 
     python benchmarks/suspects.py [TRIAL ...] [--method NAME] [--frames N] [--scale S] [--seeds K]
 """
@@ -33,8 +32,8 @@ from pawnb.core.video import open_views
 from pawnb.schema import Tracks
 from pawnb.synthetic import render_mouse_trial
 from pawnb.trial import Trial, load_trial
-from pawnb.workflow.evaluation import THRESHOLD_PX, count_errors
-from pawnb.workflow.track import track
+from pawnb.workflow.evaluation.errors import THRESHOLD_PX, count_errors
+from pawnb.workflow.tracking.track import track
 
 SHARES = (0.02, 0.05)
 DRAWS = 50

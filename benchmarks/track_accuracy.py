@@ -5,7 +5,7 @@ Run it from the project's root:
     python benchmarks/track_accuracy.py --frames 300 --scale 0.5
     python benchmarks/track_accuracy.py --trial my/trial.toml      # with truth/tracks.csv
 
-The rule for major and minor errors is written out in pawnb/workflow/evaluation.py. The
+The rule for major and minor errors is written out in pawnb/workflow/evaluation/errors.py. The
 real clip is ``mouse-side-bottom`` in the folder named by PAWNB_TEST_DATA (default:
 ../shared/data); it is skipped where it is absent.
 """
@@ -25,13 +25,9 @@ from pawnb.core.video import open_views
 from pawnb.schema import Tracks
 from pawnb.synthetic import render_mouse_trial
 from pawnb.trial import Trial, load_trial
-from pawnb.workflow.corrected_run import track_with_corrections
-from pawnb.workflow.evaluation import (
-    THRESHOLD_PX,
-    ErrorReport,
-    count_errors,
-)
-from pawnb.workflow.track import METHODS, retrack, track
+from pawnb.workflow.evaluation.corrected_run import track_with_corrections
+from pawnb.workflow.evaluation.errors import THRESHOLD_PX, ErrorReport, count_errors
+from pawnb.workflow.tracking.track import METHODS, retrack, track
 
 REFERENCE_WIDTH_PX = 2048
 

@@ -41,8 +41,8 @@ from pawnb.core.video import open_views
 from pawnb.io.start import read_start
 from pawnb.synthetic import render_mouse_trial
 from pawnb.trial import Trial, load_trial
-from pawnb.workflow.methods import METHODS, run_tracker, tracker_settings
-from pawnb.workflow.trial_views import points_by_view, trial_rig, view_facing
+from pawnb.workflow.tracking.methods import METHODS, run_tracker, tracker_settings
+from pawnb.workflow.tracking.trial_views import points_by_view, trial_rig, view_facing
 
 STAGES = {"read_scene": "learn from clicks", "scan_video": "detections, decoding included",
           "run_pipeline": "deciding"}  # fmt: skip
@@ -197,7 +197,7 @@ def timed_stages(stages: dict[str, list[float]], n_frames: int) -> Iterator[None
 def import_s() -> float:
     """Return the time that a fresh process takes to import the tracker."""
     times = []
-    for words in ("import pawnb.workflow.track", "pass"):
+    for words in ("import pawnb.workflow.tracking.track", "pass"):
         begun = time.perf_counter()
         subprocess.run([sys.executable, "-c", words], check=True)
         times.append(time.perf_counter() - begun)

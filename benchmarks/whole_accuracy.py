@@ -11,7 +11,7 @@ Run it from the project's root:
 Errors are counted twice. *Alone*: each scene is tracked once from its start clicks; what
 is wrong makes runs of wrong frames, major and minor. *Corrected*: where a major error
 begins, the truth is put in place, tracking goes on from there, and that is one
-intervention. The rule is in pawnb/workflow/evaluation.py. A label is wrong beyond 20 px in a
+intervention. The rule is in pawnb/workflow/evaluation/errors.py. A label is wrong beyond 20 px in a
 picture 2048 px wide, and a hidden one is bridged within half of that.
 
 Rates are per 1000 frames of all views together; "<" is the upper end of the exact 95 %
@@ -49,9 +49,9 @@ from pawnb.errors import PawnbError
 from pawnb.schema import Tracks
 from pawnb.synthetic import render_mouse_trial
 from pawnb.trial import Trial, load_trial
-from pawnb.workflow.corrected_run import track_with_corrections
-from pawnb.workflow.evaluation import THRESHOLD_PX, count_errors, poisson_limit
-from pawnb.workflow.track import retrack, track
+from pawnb.workflow.evaluation.corrected_run import track_with_corrections
+from pawnb.workflow.evaluation.errors import THRESHOLD_PX, count_errors, poisson_limit
+from pawnb.workflow.tracking.track import retrack, track
 
 REFERENCE_WIDTH_PX = 2048
 COUNTS = {"major": "alone major", "minor": "alone minor", "interventions": "interventions",

@@ -63,7 +63,7 @@ def pages() -> dict[str, str]:
             lines += [f".. auto{kind}:: {n}", *(["   :members:"] if kind == "class" else [])]
         for n, item in public:
             if isinstance(item, ModuleType) and name != "pawnb":
-                lines += ["", *heading(f"{name}.{n}", "-"), f".. automodule:: {name}.{n}"]
+                lines += ["", *heading(f"{name}.{n}", "-"), f".. automodule:: {item.__name__}"]
                 lines += ["   :members:"]
         found[name] = "\n".join(lines) + "\n"
     return found

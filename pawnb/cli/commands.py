@@ -36,7 +36,7 @@ def run_demo(options: argparse.Namespace, _argv: list[str]) -> None:
 
 def run_check(options: argparse.Namespace, _argv: list[str]) -> None:
     """Say what a trial has and lacks."""
-    from pawnb.workflow.check import check_trial
+    from pawnb.workflow.checking.check import check_trial
 
     report = check_trial(options.trial)
     print(report.text())
@@ -48,10 +48,10 @@ def run_track(options: argparse.Namespace, argv: list[str]) -> int:
     """Track a trial, write its results and say how good they are."""
     from pawnb.trial import load_trial
     from pawnb.workflow.interrupt import interruptible
-    from pawnb.workflow.methods import METHODS
-    from pawnb.workflow.quality import EXIT_FAILED, assess_quality, next_step
-    from pawnb.workflow.results import results_folder
-    from pawnb.workflow.track import track
+    from pawnb.workflow.provenance.results import results_folder
+    from pawnb.workflow.reviewing.quality import EXIT_FAILED, assess_quality, next_step
+    from pawnb.workflow.tracking.methods import METHODS
+    from pawnb.workflow.tracking.track import track
 
     trial = load_trial(options.trial)
     out = results_folder(trial, options.out)
@@ -76,8 +76,8 @@ def run_track(options: argparse.Namespace, argv: list[str]) -> int:
 def run_suggest(options: argparse.Namespace, _argv: list[str]) -> None:
     """Print the frames in which further clicks would help most."""
     from pawnb.trial import load_trial
-    from pawnb.workflow.results import read_result_tracks, results_folder
-    from pawnb.workflow.suggest import suggest_frames
+    from pawnb.workflow.provenance.results import read_result_tracks, results_folder
+    from pawnb.workflow.reviewing.suggest import suggest_frames
 
     trial = load_trial(options.trial)
     path = results_folder(trial, options.results) / "tracks.nc"
@@ -95,8 +95,8 @@ def run_suggest(options: argparse.Namespace, _argv: list[str]) -> None:
 
 def run_batch(options: argparse.Namespace, argv: list[str]) -> int:
     """Track many trials."""
-    from pawnb.workflow.batch import batch
-    from pawnb.workflow.quality import EXIT_FAILED
+    from pawnb.workflow.batch.run import batch
+    from pawnb.workflow.reviewing.quality import EXIT_FAILED
 
     done = batch(
         options.trials,
@@ -119,7 +119,7 @@ def run_batch(options: argparse.Namespace, argv: list[str]) -> int:
 
 def run_gait(options: argparse.Namespace, argv: list[str]) -> None:
     """Analyse gait and write tables and figures."""
-    from pawnb.workflow.gait import run_gait
+    from pawnb.workflow.gait.run import run_gait
 
     done = run_gait(
         options.inputs,
@@ -137,8 +137,8 @@ def run_gait(options: argparse.Namespace, argv: list[str]) -> None:
 
 def run_evaluate(options: argparse.Namespace, _argv: list[str]) -> None:
     """Print errors of results, or how steady poses are."""
-    from pawnb.workflow.evaluate import evaluate
-    from pawnb.workflow.evaluate_pose import evaluate_directions, evaluate_still
+    from pawnb.workflow.evaluation.evaluate import evaluate
+    from pawnb.workflow.evaluation.evaluate_pose import evaluate_directions, evaluate_still
 
     asked = [options.truth is not None, options.still is not None, options.directions]
     if sum(asked) != 1:
@@ -167,8 +167,8 @@ def run_evaluate(options: argparse.Namespace, _argv: list[str]) -> None:
 def run_compare(options: argparse.Namespace, _argv: list[str]) -> None:
     """Compare methods on trials with truth."""
     from pawnb.trial import load_trial
-    from pawnb.workflow.compare import Comparison, compare_methods
-    from pawnb.workflow.compare_pose import PoseComparison, compare_pose_methods
+    from pawnb.workflow.evaluation.compare import Comparison, compare_methods
+    from pawnb.workflow.evaluation.compare_pose import PoseComparison, compare_pose_methods
 
     trials = [load_trial(path) for path in options.trials]
     asked: dict[str, Any] = {
@@ -190,8 +190,8 @@ def run_compare(options: argparse.Namespace, _argv: list[str]) -> None:
 
 def run_calibrate(options: argparse.Namespace, _argv: list[str]) -> None:
     """Fit DLT coefficients and say how well, or take over another program's calibration."""
-    from pawnb.workflow.calibrate import calibrate, is_points
-    from pawnb.workflow.calibrate_file import calibrate_from_file
+    from pawnb.workflow.calibration.calibrate import calibrate, is_points
+    from pawnb.workflow.calibration.calibrate_file import calibrate_from_file
 
     first, *others = options.files
     if not is_points(first):
@@ -214,7 +214,7 @@ def run_calibrate(options: argparse.Namespace, _argv: list[str]) -> None:
 
 def run_convert(options: argparse.Namespace, _argv: list[str]) -> None:
     """Convert tracks."""
-    from pawnb.workflow.convert import convert_tracks
+    from pawnb.workflow.conversion.convert import convert_tracks
 
     for path in convert_tracks(
         options.source,

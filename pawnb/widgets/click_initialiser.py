@@ -15,7 +15,7 @@ from pawnb.trial import Trial, load_trial
 from pawnb.widgets.frame_canvas import MOUSE_AND_KEYS, FrameCanvas, Overlay, Views
 from pawnb.widgets.start_session import StartSession
 from pawnb.widgets.start_words import what_contradicts
-from pawnb.workflow.propose import StartProposal, propose_paws
+from pawnb.workflow.start.propose import StartProposal, propose_paws
 
 _KEYS = (
     ("Click", "place the point that is asked for; the next is asked for by itself"),

@@ -18,8 +18,8 @@ from pawnb.widgets.retracking import Retracking, RetrackTrial
 from pawnb.widgets.stick_actions import HANDLES, stick_actions
 from pawnb.widgets.stick_pose import StickPose
 from pawnb.widgets.stick_poser import StickPoser
-from pawnb.workflow.propose_pose import pose_view
-from pawnb.workflow.results import results_folder
+from pawnb.workflow.provenance.results import results_folder
+from pawnb.workflow.start.propose_pose import pose_view
 
 _KEYS = (
     *HANDLES,
@@ -50,7 +50,7 @@ class PoseReviewer(StickPoser, Retracking):
         The file of corrections; default ``results/edits.jsonl`` beside the trial.
     retrack : callable, optional
         ``retrack(trial, tracks, frame) -> Tracks``; default
-        :func:`pawnb.workflow.track.retrack`.
+        :func:`pawnb.workflow.tracking.track.retrack`.
     **options
         ``out`` (folder for *Save*; default the folder of ``edits``), ``frame`` (to begin with),
         ``views`` (when they are open already), and the options of :class:`FrameCanvas`.

@@ -16,9 +16,9 @@ from pawnb.schema import Tracks
 from pawnb.trial import Trial
 from pawnb.widgets.frame_canvas import FrameCanvas
 from pawnb.widgets.review_session import suspect_options
-from pawnb.workflow.manifest import MANIFEST, PUT_ASIDE, find_fault
-from pawnb.workflow.results import write_track_results
-from pawnb.workflow.track import retrack as workflow_retrack
+from pawnb.workflow.provenance.manifest import MANIFEST, PUT_ASIDE, find_fault
+from pawnb.workflow.provenance.results import write_track_results
+from pawnb.workflow.tracking.track import retrack as workflow_retrack
 
 _NOT_SAVED = (
     "the tracks were not saved, and every correction is in its file: open the review again on the "

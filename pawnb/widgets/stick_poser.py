@@ -24,14 +24,14 @@ from pawnb.widgets.stick_actions import KEYS, stick_actions
 from pawnb.widgets.stick_layers import EnergyLayers
 from pawnb.widgets.stick_pose import LEAST_FACTOR, MOST_FACTOR, StickPose
 from pawnb.widgets.stick_session import StickSession, describe
-from pawnb.workflow.propose_pose import (
+from pawnb.workflow.calibration.scale import write_scale
+from pawnb.workflow.start.propose_pose import (
     PoseStart,
     pose_view,
     propose_pose_in_views,
     trial_animal,
     trial_background,
 )
-from pawnb.workflow.scale import write_scale
 
 _LENGTH_STEP = 1.02
 

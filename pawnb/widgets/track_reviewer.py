@@ -21,7 +21,7 @@ from pawnb.widgets.click_initialiser import view_rig
 from pawnb.widgets.frame_canvas import MOUSE_AND_KEYS, Overlay, Views
 from pawnb.widgets.retracking import Retracking, RetrackTrial
 from pawnb.widgets.review_session import ReviewSession
-from pawnb.workflow.results import results_folder
+from pawnb.workflow.provenance.results import results_folder
 
 _KEYS = (
     ("D", "the next doubtful frame, the most doubtful first"),
@@ -63,7 +63,7 @@ class TrackReviewer(Retracking):
         The file of corrections; default ``results/edits.jsonl`` beside the trial.
     retrack : callable, optional
         ``retrack(trial, tracks, frame) -> Tracks``, given ``learn=True`` as well where colours
-        are to be learnt anew; default :func:`pawnb.workflow.track.retrack`.
+        are to be learnt anew; default :func:`pawnb.workflow.tracking.track.retrack`.
     suspects : pandas.DataFrame, optional
         Frames to look at (frame, view, point, reason, score), offered as a menu; default
         those of :func:`pawnb.core.suspects.frames.find_suspects`, found again after tracking again,

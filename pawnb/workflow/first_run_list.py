@@ -20,7 +20,7 @@ from numba.core import event
 from pawnb.core.compiled import Compiled
 from pawnb.core.first_run import HELPERS, LATER, LIST, spell
 from pawnb.trial import load_trial
-from pawnb.workflow.track import track
+from pawnb.workflow.tracking.track import track
 
 _PARTS = {"pawnb.core.pose.space.": "space", "pawnb.core.jpeg.": LATER}
 """What only trials of two views of an animal call, and what can wait: FFmpeg decodes, too."""

@@ -26,8 +26,8 @@ from pawnb.io.track_tables import read_tracks_table
 from pawnb.kinematics import swing_direction
 from pawnb.schema import Tracks, build_settings, each_of, make_tracks
 from pawnb.trial import Trial, load_trial
-from pawnb.workflow.foreign_tracks import read_foreign_tracks
-from pawnb.workflow.trial_views import points_by_view, view_facing
+from pawnb.workflow.conversion.foreign_tracks import read_foreign_tracks
+from pawnb.workflow.tracking.trial_views import points_by_view, view_facing
 
 TRACKS = "results/tracks.nc"
 _SETTINGS = ("front", "hind", "template_cutoff_hz")

@@ -163,7 +163,7 @@ def test_a_proposal_is_accepted_with_enter_or_dragged(notebook, trial_file):
     notebook.show(f"""import numpy as np, pandas as pd
 import small_trial as scene
 from pawnb.widgets import ClickInitialiser
-from pawnb.workflow.propose import StartProposal
+from pawnb.workflow.start.propose import StartProposal
 rows = [(3, view, point, *scene.seen(3)[k, "FR HR".split().index(point)])
         for k, (view, points) in enumerate(scene.POINTS.items()) for point in points]
 points = pd.DataFrame([("FR", 0.9, "sure"), ("HR", 0.1, "unsure, check it")],

@@ -13,7 +13,7 @@ from pawnb import figures
 from pawnb.errors import InputError
 from pawnb.gait import analyse, pool
 from pawnb.trial import Animal, Trial
-from pawnb.workflow.gait_drawings import gait_drawings
+from pawnb.workflow.gait.drawings import gait_drawings
 
 mpl.use("Agg")
 

@@ -16,10 +16,10 @@ from pawnb.gait.durations import compare_legs
 from pawnb.io.tables import write_table
 from pawnb.schema import make_tracks
 from pawnb.trial import Animal, Trial
-from pawnb.workflow import save_figures
-from pawnb.workflow.gait_drawings import gait_drawings
-from pawnb.workflow.gait_statistics import statistics_tables
-from pawnb.workflow.save_figures import save_figure
+from pawnb.workflow.gait import save_figures
+from pawnb.workflow.gait.drawings import gait_drawings
+from pawnb.workflow.gait.save_figures import save_figure
+from pawnb.workflow.gait.statistics import statistics_tables
 
 mpl.use("Agg")
 FS = 250.0

@@ -18,7 +18,7 @@ from pawnb.io.formats import read_any_tracks, write_any_tracks
 from pawnb.io.native import read_tracks, write_tracks
 from pawnb.io.tables import read_cells
 from pawnb.schema import make_tracks
-from pawnb.workflow.gait_sources import read_source
+from pawnb.workflow.gait.sources import read_source
 
 
 def through(kind, program):

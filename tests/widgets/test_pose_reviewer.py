@@ -12,7 +12,7 @@ from pawnb.errors import InputError
 from pawnb.io.native import read_tracks
 from pawnb.widgets.pose_reviewer import PoseReviewer
 from pawnb.widgets.track_reviewer import TrackReviewer
-from pawnb.workflow.track import track
+from pawnb.workflow.tracking.track import track
 
 
 @pytest.fixture(scope="module")

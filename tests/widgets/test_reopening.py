@@ -10,7 +10,7 @@ import pytest
 from pawnb.errors import InputError
 from pawnb.io.native import read_tracks
 from pawnb.widgets import PoseReviewer, TrackReviewer
-from pawnb.workflow.track import track
+from pawnb.workflow.tracking.track import track
 
 PAW_FRAMES = (0, 8)
 

@@ -8,7 +8,7 @@ from pawnb import load_trial
 from pawnb.core.edits.log import Swap, apply_edit
 from pawnb.core.rig import load_rig
 from pawnb.widgets import TrackReviewer
-from pawnb.workflow.results import write_track_results
+from pawnb.workflow.provenance.results import write_track_results
 
 
 @pytest.fixture(scope="module")

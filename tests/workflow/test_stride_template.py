@@ -20,7 +20,7 @@ from pawnb.synthetic.scene import LEGS
 from pawnb.synthetic.truth import paw_positions
 from pawnb.trial import load_trial
 from pawnb.workflow.stride_template import build_template, main
-from pawnb.workflow.track import track
+from pawnb.workflow.tracking.track import track
 
 pytestmark = pytest.mark.slow  # scenes are rendered and tracked
 

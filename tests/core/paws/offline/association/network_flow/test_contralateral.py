@@ -29,7 +29,7 @@ from pawnb.core.rig import load_rig
 from pawnb.core.video import open_views
 from pawnb.synthetic import render_mouse_trial
 from pawnb.trial import load_trial
-from pawnb.workflow.evaluation import count_errors
+from pawnb.workflow.evaluation.errors import count_errors
 
 UP, FORWARD = np.array([0.0, -1.0]), np.array([1.0, 0.0])
 COSTS = FlowCosts(0.5, 0.3, 2.0, np.zeros(2), 3.0, 2.0, 30, 16)

@@ -1,0 +1,133 @@
+"""Trials of a batch on the workers of a Dask scheduler (https://distributed.dask.org).
+
+``distributed`` is not needed for anything else; ``pip install "pawnb[scheduler]"`` brings it. Each
+trial is one task, and the worker that takes it tracks it in a process of its own
+(:class:`pawnb.workflow.batch.places.WorkerProcess`), as on one machine. Trials and results are
+read and written where they lie: every worker must reach them under the same paths.
+"""
+
+from __future__ import annotations
+
+import time
+import uuid
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from pawnb.errors import InputError
+from pawnb.workflow.batch.places import Answer, WorkerProcess
+
+_CONNECT_S = 10.0
+_LOOK_S = 0.5
+"""How often a worker looks whether its process has ended or is to stop."""
+
+
+class Scheduler:
+    """The workers of a Dask scheduler: as many trials at once as they have threads.
+
+    Parameters
+    ----------
+    address : str
+        Such as ``tcp://cluster:8786``.
+
+    Raises
+    ------
+    InputError
+        If ``distributed`` is not installed, or no scheduler answers at that address.
+    """
+
+    def __init__(self, address: str) -> None:
+        try:
+            import distributed
+        except ImportError:
+            raise InputError(
+                "a scheduler needs the package distributed, which is not installed; "
+                'python -m pip install "pawnb[scheduler]" brings it, or use --workers instead.'
+            ) from None
+        try:
+            self._client = distributed.Client(address, timeout=_CONNECT_S)
+        except (OSError, ValueError) as error:
+            raise InputError(
+                f"no Dask scheduler answers at {address!r} ({error}); expected the address that "
+                "`dask scheduler` prints, such as tcp://cluster:8786."
+            ) from None
+        self._stop_name = f"pawnb-stop-{uuid.uuid4().hex}"
+        self._stop = distributed.Event(self._stop_name, client=self._client)
+        self._running: dict[int, Any] = {}
+        self._stopping = False
+
+    def has_room(self) -> bool:
+        """Say whether another trial may begin: one waits even where no worker is there yet."""
+        return len(self._running) < max(1, sum(self._client.nthreads().values()))
+
+    def begin(self, number: int, order: Mapping[str, Any]) -> None:
+        """Hand a trial to a worker; its paths become absolute."""
+        places = {name: str(Path(order[name]).resolve()) for name in ("trial", "out")}
+        self._running[number] = self._client.submit(
+            track_on_worker, {**order, **places}, self._stop_name, pure=False, retries=0
+        )
+
+    def ended(self) -> dict[int, Answer]:
+        """Return the answers of trials that have ended since this was last asked."""
+        ended = {}
+        for number, future in list(self._running.items()):
+            if future.status in ("pending", "processing"):
+                continue
+            if future.status == "finished":
+                ended[number] = Answer(*future.result())
+            elif future.status == "cancelled" and self._stopping:
+                ended[number] = Answer("stopped", "not begun")
+            else:
+                error = future.exception() if future.status == "error" else "its worker is gone"
+                ended[number] = Answer("failed", f"the scheduler's worker failed: {error}")
+            del self._running[number]
+        return ended
+
+    def stop(self) -> None:
+        """Ask every trial under way to keep what is done and end; take back those that wait."""
+        if self._stopping:
+            return
+        self._stopping = True
+        self._stop.set()
+        taken = {key for keys in self._client.processing().values() for key in keys}
+        for future in self._running.values():
+            if future.key not in taken and future.status == "pending":
+                future.cancel()
+
+    def close(self) -> None:
+        """Leave the scheduler; what still runs keeps what is done and ends."""
+        if self._running:
+            self.stop()
+        self._client.close()
+
+
+def track_on_worker(order: Mapping[str, Any], stop_name: str) -> tuple[str, str, str]:
+    """Track a trial in a process of its own on the worker that runs this.
+
+    Parameters
+    ----------
+    order : mapping
+        What :mod:`pawnb.workflow.batch.worker` takes.
+    stop_name : str
+        Name of the scheduler's event that says to stop.
+
+    Returns
+    -------
+    status, said, verdict : str
+        See :class:`pawnb.workflow.batch.places.Answer`.
+    """
+    import distributed
+
+    stop = distributed.Event(stop_name)
+    if stop.is_set():
+        return "stopped", "not begun", ""
+    process = WorkerProcess(order)
+    try:
+        while (answer := process.answer()) is None:
+            time.sleep(_LOOK_S)
+            if stop.is_set():
+                process.ask_to_stop()
+    except BaseException:
+        process.kill()
+        raise
+    return answer.status, answer.said, answer.verdict

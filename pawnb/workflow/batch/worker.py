@@ -1,0 +1,78 @@
+"""One trial of a batch, in a process of its own: ``python -m pawnb.workflow.batch.worker``.
+
+The order is a line of JSON on standard input, the answer one on standard output. When standard
+input is closed, or whoever gave the order dies, tracking stops and keeps what is done.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import threading
+import warnings
+from typing import Any
+
+from pawnb.errors import InputWarning, PawnbError, QualityWarning
+from pawnb.trial import load_trial
+from pawnb.workflow.reviewing.quality import assess_quality
+from pawnb.workflow.tracking.track import track
+
+
+def main() -> None:
+    """Take one order, track, and answer."""
+    order = json.loads(_read_line())
+    stop = threading.Event()
+    threading.Thread(target=_wait_for_end, args=(stop,), daemon=True).start()
+    answer = _track(order, stop)
+    sys.stdout.write(json.dumps(answer) + "\n")
+
+
+def _track(order: dict[str, Any], stop: threading.Event) -> dict[str, str]:
+    """Track the trial of an order; bad input becomes an answer, not an error."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", InputWarning)
+        try:
+            tracks = track(
+                load_trial(order["trial"]),
+                method=order["method"],
+                settings=order["settings"],
+                out=order["out"],
+                progress=lambda _done, _total: None,
+                stop=stop.is_set,
+                command=order["command"] or None,
+            )
+        except PawnbError as error:
+            return {"status": "failed", "said": str(error)}
+    told = [w for w in caught if not issubclass(w.category, QualityWarning)]
+    notes = [str(w.message) for w in told if issubclass(w.category, InputWarning)]
+    quality = assess_quality(tracks)
+    done = f"{tracks.sizes['time']} frames, {order['out']}"
+    status = "stopped" if stop.is_set() else "tracked"
+    return {
+        "status": status,
+        "said": "; ".join([done, quality.line(), *notes]),
+        "verdict": quality.verdict,
+    }
+
+
+def _read_line() -> bytes:
+    """Read standard input to the end of a line, and no further."""
+    line = b""
+    while not line.endswith(b"\n"):
+        byte = os.read(sys.stdin.fileno(), 1)
+        if not byte:
+            break
+        line += byte
+    return line
+
+
+def _wait_for_end(stop: threading.Event) -> None:
+    """Wait until standard input is closed. Unbuffered, so that it never holds up the end."""
+    while os.read(sys.stdin.fileno(), 1):
+        pass
+    stop.set()
+
+
+if __name__ == "__main__":
+    main()

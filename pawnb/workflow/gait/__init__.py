@@ -1,0 +1,33 @@
+"""Tracks or events to gait tables and figures.
+
+``run`` is the call; ``sources`` and ``event_sources`` read what it is given, ``statistics`` makes
+the tables beside those of the trials, ``drawings``, ``source_drawings`` and ``save_figures`` the
+figures.
+"""
+
+from pawnb import _lazy
+
+_HOME = {
+    "GaitRun": "pawnb.workflow.gait.run",
+    "Legs": "pawnb.workflow.gait.run",
+    "TABLES": "pawnb.workflow.gait.run",
+    "analyse_source": "pawnb.workflow.gait.run",
+    "run_gait": "pawnb.workflow.gait.run",
+}
+
+__all__ = [
+    "TABLES",
+    "GaitRun",
+    "Legs",
+    "analyse_source",
+    "drawings",
+    "event_sources",
+    "run",
+    "run_gait",
+    "save_figures",
+    "source_drawings",
+    "sources",
+    "statistics",
+]
+
+__getattr__, __dir__ = _lazy(__name__, __all__, _HOME)

@@ -1,0 +1,375 @@
+"""Tracks or events to gait tables and figures; several inputs are pooled by animal."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from pawnb import gait
+from pawnb.errors import InputError
+from pawnb.gait import GaitTables
+from pawnb.gait.coordination import coordination_tables
+from pawnb.gait.event_edits import FILE_NAME
+from pawnb.gait.leg_names import choose_legs
+from pawnb.gait.tables import say_no_strides
+from pawnb.io.tables import write_table
+from pawnb.schema import each_of
+from pawnb.workflow.gait.drawings import gait_drawings
+from pawnb.workflow.gait.event_sources import choose_event_legs
+from pawnb.workflow.gait.save_figures import Which, save_gait_figures
+from pawnb.workflow.gait.source_drawings import SourceTracks, source_drawings
+from pawnb.workflow.gait.sources import GaitSource, read_source
+from pawnb.workflow.gait.statistics import (
+    Groups,
+    body_angles_of,
+    joint_angles_of,
+    statistics_tables,
+)
+from pawnb.workflow.provenance.manifest import MANIFEST, writing_results
+from pawnb.workflow.provenance.notes import noted_warnings, notes_table
+from pawnb.workflow.provenance.record import build_step, file_checksum
+from pawnb.workflow.provenance.results import (
+    RESULTS_FOLDER,
+    make_folder,
+    provenance_steps,
+    tracking_notes,
+)
+
+Legs = Sequence[str] | Mapping[str, str]
+"""Legs to use, or names of legs to names of points."""
+
+TABLES = ("events", "strides", "phases", "phase_summary", "dropped")
+
+
+@dataclass(frozen=True)
+class GaitRun:
+    """What :func:`run_gait` made.
+
+    Parameters
+    ----------
+    tables : GaitTables
+        The tables.
+    out : Path
+        The folder they were written to.
+    files : tuple of Path
+        Every file written.
+    """
+
+    tables: GaitTables
+    out: Path
+    files: tuple[Path, ...] = field(default=())
+
+    def text(self) -> str:
+        """Return what was found and written, in a few lines."""
+        strides, dropped = self.tables.strides, self.tables.dropped
+        animals = strides["animal"].nunique()
+        legs = strides["leg"].nunique()
+        lines = [
+            f"{len(strides)} strides of {legs} legs of {animals} "
+            f"{'animal' if animals == 1 else 'animals'}; {len(dropped)} dropped (dropped.csv "
+            "says why)"
+        ]
+        if len(strides):
+            middle = strides[["frequency_hz", "duty_factor"]].median()
+            lines.append(
+                f"median stride frequency {middle['frequency_hz']:.2f} Hz, duty factor "
+                f"{middle['duty_factor']:.2f}"
+            )
+        lines += [f"note: {note}" for note in (*say_no_strides(self.tables), *self.tables.notes)]
+        lines.append(f"wrote {len(self.files)} files to {self.out}")
+        return "\n".join(lines)
+
+
+def run_gait(
+    inputs: str | Path | Sequence[str | Path],
+    *,
+    out: str | Path | None = None,
+    fps: float | None = None,
+    legs: Legs | None = None,
+    event_names: Mapping[str, str] | None = None,
+    animals: Sequence[str] | None = None,
+    groups: Sequence[str] | None = None,
+    settings: Mapping[str, Any] | None = None,
+    figures: Which = "all",
+    command: Sequence[str] | None = None,
+) -> GaitRun:
+    """Analyse the gait of one or more inputs; write tables, statistics and figures.
+
+    Corrections of events made by hand (``event_edits.jsonl`` in the results of an input, or in
+    ``out``) are made again.
+
+    Parameters
+    ----------
+    inputs : str, Path, or sequence of them
+        Trials (``trial.toml`` or its folder), results folders, files of tracks (also those of
+        DeepLabCut, SLEAP, Anipose, DLTdv; without a trial the file's name is the animal's id),
+        ``events.csv`` scored by hand, or ground contact by hand (a csv with frame and 0 or 1 for
+        each leg). They are pooled by the animal's id.
+    out : str or Path, optional
+        Folder to write; default ``results`` beside a single trial, the folder of a
+        single results or tracks file, and ``results`` in the current folder for several.
+    fps : float, optional
+        Frames per second, for inputs that do not say.
+    legs : sequence of str or mapping, optional
+        Legs to use, or names of legs to names of points; default every point that is named
+        like a leg.
+    event_names : mapping, optional
+        What tables of events call touch-down and lift-off: ``{"down": "TD", "up": "LO"}``.
+    animals : sequence of str, optional
+        Id of the animal of each input, in their order; default as the input says. A file of
+        another program does not say, and counts as an animal of its own.
+    groups : sequence of str, optional
+        Group of each input's animals, in their order, to compare; default as a column ``group``
+        of a table of events says, else as the trial does (``[animal] group``).
+    settings : mapping, optional
+        Settings of the event detection.
+    figures : {"all", "main", "none"}
+        Figures to draw: every one that the tables allow (which takes longer than the
+        analysis), gait diagrams and phase roses, or none.
+    command : sequence of str, optional
+        The command line, for the provenance.
+
+    Returns
+    -------
+    GaitRun
+        The tables, and what was written.
+
+    Raises
+    ------
+    InputError
+        If an input is missing, is none of the above, or cannot be analysed.
+
+    Examples
+    --------
+    >>> files = pawnb.synthetic.write_deeplabcut_sample("others", animals=2)
+    >>> run = pawnb.run_gait(files, fps=200.0, out="gait", figures="none")
+    >>> sorted(run.tables.strides["leg"].unique())
+    ['FL', 'FR', 'HL', 'HR']
+    """
+    with noted_warnings() as warned:
+        sources = _read_sources(inputs, fps=fps, animals=animals, groups=groups)
+        parts = [
+            analyse_source(source, legs=legs, event_names=event_names, settings=settings)
+            for source in sources
+        ]
+        tables = gait.pool(parts) if len(parts) > 1 else parts[0]
+        if out is None:
+            out = sources[0].folder if len(sources) == 1 else Path(RESULTS_FOLDER)
+        folder = make_folder(out)
+        edits = _event_edit_files(sources, folder)
+        tables = gait.replay_event_edits(tables, edits)
+        asked = {
+            "legs": dict(legs) if isinstance(legs, Mapping) else list(legs) if legs else None,
+            "event_names": dict(event_names) if event_names else None,
+            "animals": list(animals) if animals else None,
+            "groups": list(groups) if groups else None,
+        }
+        step = _record(sources, edits, tables, command=command, asked=asked)
+        named = {
+            k: v for s, part in zip(sources, parts, strict=True) for k, v in s.groups(part).items()
+        }
+        seen = _tracks_of(sources, legs)
+        angles = joint_angles_of([(one.tracks, one.animal, one.trial) for one in seen])
+        further, remarks = _further_tables(tables, sources, groups=named, angles=angles)
+        remarks = [*_who_is_who(sources, animals), *tables.notes, *remarks]
+        tables = dataclasses.replace(tables, notes=tuple(remarks))
+        every = {name: _grouped(getattr(tables, name), named) for name in TABLES} | further
+        with writing_results(folder, run="gait", steps=[step]) as staging:
+            files = [write_table(table, staging / f"{name}.csv") for name, table in every.items()]
+            notes = [*_notes_of(sources, tables), *warned]
+            drawings = itertools.chain(
+                gait_drawings(tables, groups=named, notes=notes),
+                source_drawings(seen, angles=angles),
+            )
+            files += save_gait_figures(drawings, staging / "figures", record=step, which=figures)
+            notes = [*_notes_of(sources, tables), *warned]  # drawing may have warned, too
+            in_rows = {f"{name}.csv": table for name, table in every.items()}
+            files.append(write_table(notes_table(notes, in_rows), staging / "notes.csv"))
+        written = [folder / file.relative_to(staging) for file in files]
+    return GaitRun(tables, folder, (*written, folder / MANIFEST))
+
+
+def _record(
+    sources: Sequence[GaitSource],
+    edits: Sequence[Path],
+    tables: GaitTables,
+    *,
+    command: Sequence[str] | None,
+    asked: Mapping[str, Any],
+) -> dict[str, Any]:
+    """Return the record of this run."""
+    inputs = (*(f for s in sources for f in (s.path, *s.further)), *edits)
+    return build_step(
+        "gait",
+        command=command,
+        inputs={_label(path): file_checksum(path) for path in inputs},
+        settings=dataclasses.asdict(tables.settings),
+        **asked,
+        sources={
+            _label(source.path): provenance_steps(source.tracks)
+            for source in sources
+            if source.tracks is not None
+        },
+    )
+
+
+def _further_tables(
+    tables: GaitTables,
+    sources: Sequence[GaitSource],
+    *,
+    groups: Groups,
+    angles: pd.DataFrame | None,
+) -> tuple[dict[str, pd.DataFrame], list[str]]:
+    """Return the tables of coordination, statistics and bodies, and why some are not there."""
+    statistics, remarks = statistics_tables(tables, groups=groups, angles=angles)
+    further = coordination_tables(tables) | statistics
+    bodies = body_angles_of([(s.tracks, s.trial) for s in sources if s.tracks is not None])
+    if len(bodies):
+        further["body_angles"] = bodies
+    return further, remarks
+
+
+def _notes_of(sources: Sequence[GaitSource], tables: GaitTables) -> list[str]:
+    """Return the notes of the tracking, then those of the analysis."""
+    tracked = [n for s in sources if s.tracks is not None for n in tracking_notes(s.tracks)]
+    return [*tracked, *say_no_strides(tables), *tables.notes]
+
+
+def _read_sources(
+    inputs: str | Path | Sequence[str | Path],
+    *,
+    fps: float | None,
+    animals: Sequence[str] | None,
+    groups: Sequence[str] | None,
+) -> list[GaitSource]:
+    """Read every input, under the animals' ids and groups that were given."""
+    inputs = each_of(inputs, what="inputs")
+    for name, given in (("animals", animals), ("groups", groups)):
+        if given is not None and len(each_of(given, what=name, one=False)) != len(inputs):
+            raise InputError(
+                f"{name}: {len(given)} for {len(inputs)} inputs; give the "
+                f"{'id' if name == 'animals' else 'group'} of each input's animal."
+            )
+    sources = [read_source(path, fps=fps) for path in inputs]
+    if animals is not None:
+        sources = [s.of_animal(animal) for s, animal in zip(sources, animals, strict=True)]
+    if groups is not None:
+        sources = [
+            dataclasses.replace(source, group=group)
+            for source, group in zip(sources, groups, strict=True)
+        ]
+    return sources
+
+
+def _who_is_who(sources: Sequence[GaitSource], animals: Sequence[str] | None) -> list[str]:
+    """Say where files that name no animal were counted as animals of their own."""
+    guessed = [
+        source.trial.animal.id if source.trial is not None else source.path.stem
+        for source in sources
+        if source.guessed
+    ]
+    if animals is not None or len(sources) < 2 or not guessed:
+        return []
+    return [
+        f"these files do not name their animal, so each counts as one of its own: "
+        f"{', '.join(guessed)}. Several of one animal must not: say whose they are with --animals, "
+        "one id for each input."
+    ]
+
+
+def _groups_of(sources: Sequence[GaitSource], parts: Sequence[GaitTables]) -> Groups:
+    """Return the group of every animal and trial that has one."""
+    groups: dict[tuple[str, str], str] = {}
+    for source, part in zip(sources, parts, strict=True):
+        groups |= source.groups(part)
+    return groups
+
+
+def _grouped(table: pd.DataFrame, groups: Groups) -> pd.DataFrame:
+    """Return a table with a column ``group`` on the right, where its rows have any."""
+    if not groups or not {"animal", "trial"} <= set(table):
+        return table
+    who = zip(table["animal"].astype(str), table["trial"].astype(str), strict=True)
+    return table.assign(group=[groups.get(one, "") for one in who])
+
+
+def _tracks_of(sources: Sequence[GaitSource], legs: Legs | None) -> list[SourceTracks]:
+    """Return the tracks among the inputs, with what the tables call animal, trial and legs."""
+    found = []
+    for source in sources:
+        tracks, trial = source.tracks, source.trial
+        if tracks is None:
+            continue
+        alone = trial is not None and tracks.sizes["individual"] == 1
+        found.append(
+            SourceTracks(
+                tracks=tracks,
+                animal=trial.animal.id if trial is not None and alone else None,
+                trial=trial.name if trial is not None else "trial",
+                legs=choose_legs(tracks, trial=trial, legs=legs),
+            )
+        )
+    return found
+
+
+def analyse_source(
+    source: GaitSource,
+    *,
+    legs: Legs | None = None,
+    event_names: Mapping[str, str] | None = None,
+    settings: Mapping[str, Any] | None = None,
+) -> GaitTables:
+    """Analyse one input.
+
+    Parameters
+    ----------
+    source : GaitSource
+        What :func:`read_source` returned.
+    legs : sequence of str or mapping, optional
+        Legs to use, or names of legs to names of points (or of legs in a table of events);
+        default all.
+    event_names : mapping, optional
+        What a table of events calls its events.
+    settings : mapping, optional
+        Settings of the event detection.
+
+    Returns
+    -------
+    GaitTables
+        The tables.
+
+    Raises
+    ------
+    InputError
+        If it cannot be analysed.
+    """
+    if source.events is not None:
+        events = source.events
+        if legs is not None:
+            events = choose_event_legs(events, legs, where=str(source.path))
+        return gait.analyse_events(events, event_names=event_names, settings=settings)
+    tracks, trial, belt = source.tracks, source.trial, None
+    if tracks is None:
+        raise InputError(f"{source.path}: neither tracks nor events.")
+    if "belt_speed" in tracks:
+        belt = tracks["belt_speed"].to_dataframe()[["frame", "belt_speed"]]
+        belt = belt.rename(columns={"belt_speed": "speed"})
+        trial = None if trial is None else dataclasses.replace(trial, belt_speed=None)
+    return gait.analyse(tracks, trial=trial, legs=legs, belt_speed=belt, settings=settings)
+
+
+def _event_edit_files(sources: Sequence[GaitSource], out: Path) -> list[Path]:
+    """Return the corrections of events beside the results of the inputs, and of this run."""
+    folders = {folder.resolve(): folder for folder in (*(s.folder for s in sources), out)}
+    return [path for f in folders.values() if (path := f / FILE_NAME).exists()]
+
+
+def _label(path: Path) -> str:
+    """Name an input in the provenance without its absolute path."""
+    return f"{path.parent.name}/{path.name}"

@@ -1,0 +1,147 @@
+"""Figures into files that carry the recipe to make themselves again."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any, Literal
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure, SubFigure
+
+from pawnb import figures
+from pawnb.errors import InputError
+from pawnb.files import distinct_name, whole_file
+from pawnb.io.tables import write_table
+from pawnb.workflow.gait.drawings import Drawing
+
+Which = Literal["all", "main", "none"]
+MAIN = ("gait_diagram", "phase_rose")
+FORMATS = ("png", "pdf", "svg")
+_PLACES = 8
+
+
+def save_gait_figures(
+    drawings: Iterable[Drawing],
+    folder: str | Path,
+    *,
+    record: Mapping[str, Any],
+    which: Which = "all",
+) -> list[Path]:
+    """Draw figures; save each with the table it draws.
+
+    Figures of trials and of animals carry their names. What cannot be drawn (no speed, one leg,
+    no signals) is left out, and ``not_drawn.csv`` says which and why.
+
+    Parameters
+    ----------
+    drawings : iterable of Drawing
+        What to draw: of :func:`~pawnb.workflow.gait.drawings.gait_drawings`, of
+        :func:`~pawnb.workflow.gait.source_drawings.source_drawings`.
+    folder : str or Path
+        Folder to write; made where it is absent.
+    record : mapping
+        Provenance that goes into the metadata of each file.
+    which : {"all", "main", "none"}
+        All of them, gait diagrams and phase roses only, or none.
+
+    Returns
+    -------
+    list of Path
+        The files: png, pdf and svg of each figure, and the csv of what it draws.
+
+    Raises
+    ------
+    InputError
+        If ``which`` is none of these.
+    """
+    if which not in ("all", "main", "none"):
+        raise InputError(f"figures is {which!r}; expected 'all', 'main' or 'none'.")
+    if which == "none":
+        return []
+    folder = Path(folder)
+    folder.mkdir(parents=True, exist_ok=True)
+    files: list[Path] = []
+    absent: list[tuple[str, str]] = []
+    taken: set[str] = set()
+    for drawing in drawings:
+        if which == "main" and drawing.kind not in MAIN:
+            continue
+        # two trials may differ in signs only that no file name has
+        name = distinct_name(drawing.name, taken)
+        taken.add(name.casefold())
+        with figures.style():
+            try:
+                table, ax = drawing.draw()
+            except InputError as error:
+                absent.append((name, str(error)))
+                plt.close("all")
+                continue
+            own = {**record, "figure": drawing.kind}
+            files += save_figure(ax, folder / name, record=own)
+        files.append(write_table(table, folder / f"{name}.csv"))
+    if absent:
+        table = pd.DataFrame(absent, columns=["figure", "why"])
+        files.append(write_table(table, folder / "not_drawn.csv"))
+    return files
+
+
+def save_figure(ax: Any, path: Path, *, record: Mapping[str, Any]) -> list[Path]:
+    """Save a figure as png, pdf and svg with its recipe in the metadata, and close it.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes or sequence of Axes
+        What was drawn.
+    path : Path
+        Name without ending.
+    record : mapping
+        The recipe; written as JSON. No time is written, so that equal inputs give
+        equal bytes.
+
+    Returns
+    -------
+    list of Path
+        The files.
+    """
+    figure: Figure = ax.get_figure(root=True)
+    chosen = figures.get_style()
+    if chosen != figures.StyleOptions():  # then the recipe needs it
+        record = {**record, "style": dataclasses.asdict(chosen)}
+    recipe = json.dumps(record, sort_keys=True)
+    metadata: dict[str, dict[str, Any]] = {
+        "png": {"Description": recipe, "Software": None},
+        "pdf": {"Subject": recipe, "CreationDate": None, "ModDate": None, "Producer": None,
+                "Creator": "pawnb"},
+        "svg": {"Description": recipe, "Date": None, "Creator": "pawnb"},
+    }  # fmt: skip
+    # panels are laid out once, not anew for each format
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
+    _round_layout(figure)
+    files = []
+    for ending in FORMATS:
+        file = path.with_name(f"{path.name}.{ending}")
+        with whole_file(file) as part:
+            figure.savefig(part, dpi=chosen.dpi, metadata=metadata[ending])
+        files.append(file)
+    plt.close(figure)
+    return files
+
+
+def _round_layout(figure: Figure | SubFigure) -> None:
+    """Round where panels lie: the solver of the layout varies in the last bits from run to run.
+
+    A hundred-millionth of the page moves nothing that is seen, but a line that lies on the edge
+    of a pixel would else be drawn in one or the other.
+    """
+    for ax in figure.get_axes():
+        ax.set_position(np.round(ax.get_position(original=True).bounds, _PLACES).tolist())
+    for part in figure.subfigs:
+        box = part.bbox_relative
+        box.p0, box.p1 = np.round(box.p0, _PLACES), np.round(box.p1, _PLACES)
+        _round_layout(part)

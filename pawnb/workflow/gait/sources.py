@@ -1,0 +1,184 @@
+"""The inputs of the gait analysis: trials, results, tracks of any program, events by hand."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import pandas as pd
+
+from pawnb.errors import InputError
+from pawnb.files import check_file
+from pawnb.gait import GaitTables
+from pawnb.io.authors2019 import trial_stamp
+from pawnb.io.formats import check_rate, read_any_tracks, recognise_format
+from pawnb.schema import Tracks
+from pawnb.trial import Animal, Trial, load_trial
+from pawnb.workflow.conversion.foreign_tracks import files_of_tracks, read_foreign_tracks
+from pawnb.workflow.gait.event_sources import groups_of_events, read_scored_file, read_trial_events
+from pawnb.workflow.provenance.results import (
+    RESULTS_FOLDER,
+    describe_trial,
+    described_trial,
+    read_result_tracks,
+    results_folder,
+    tell_fault,
+    tell_fault_of_events,
+)
+
+
+@dataclass(frozen=True)
+class GaitSource:
+    """One input of the gait analysis, ready to analyse.
+
+    Parameters
+    ----------
+    path : Path
+        The file that was read.
+    folder : Path
+        Where results go by default.
+    tracks : xarray.Dataset, optional
+        Tracks, or
+    events : pandas.DataFrame, optional
+        events scored elsewhere.
+    trial : Trial, optional
+        What is known of the recording.
+    guessed : bool
+        Whether the animal's id is only the name of the file.
+    further : tuple of Path
+        Further files that tracks made elsewhere were read from, such as their calibration.
+    group : str, optional
+        Group of its animals, as told beside it.
+    """
+
+    path: Path
+    folder: Path
+    tracks: Tracks | None = None
+    events: pd.DataFrame | None = None
+    trial: Trial | None = None
+    guessed: bool = False
+    further: tuple[Path, ...] = ()
+    group: str | None = None
+
+    def groups(self, tables: GaitTables) -> dict[tuple[str, str], str]:
+        """Return the group of each animal and trial in the tables made of this input.
+
+        That which was told goes before a column ``group`` of the events, and that before the
+        trial's.
+        """
+        who = tables.events[["animal", "trial"]].drop_duplicates().astype(str)
+        own = None if self.trial is None else self.trial.animal.group
+        named = {} if self.events is None else groups_of_events(self.events, where=str(self.path))
+        found = {}
+        for animal, trial in who.itertuples(index=False, name=None):
+            group = self.group or named.get((animal, trial)) or own
+            if group is not None:
+                found[animal, trial] = group
+        return found
+
+    def of_animal(self, animal: str) -> GaitSource:
+        """Return the same input as that of one animal."""
+        if self.events is not None:
+            return replace(self, events=self.events.assign(animal=animal), guessed=False)
+        if self.trial is None or (self.tracks is not None and self.tracks.sizes["individual"] > 1):
+            raise InputError(
+                f"{self.path}: these tracks name their animals themselves; leave animals "
+                "(--animals) away."
+            )
+        own = replace(self.trial.animal, id=animal)
+        return replace(self, trial=replace(self.trial, animal=own), guessed=False)
+
+
+def read_source(path: str | Path, *, fps: float | None = None) -> GaitSource:
+    """Read one input of the gait analysis, whatever kind it is.
+
+    Parameters
+    ----------
+    path : str or Path
+        A trial, a results folder, a file of tracks, or an ``events.csv``.
+    fps : float, optional
+        Frames per second, for files that do not say.
+
+    Returns
+    -------
+    GaitSource
+        What was read.
+
+    Raises
+    ------
+    InputError
+        If there is nothing at ``path``, or it is none of these.
+    """
+    path = Path(path)
+    check_rate(fps)
+    if path.is_dir():
+        for name in ("trial.toml", "tracks.nc", "events.csv"):
+            if (path / name).exists():
+                return read_source(path / name, fps=fps)
+        raise InputError(
+            f"{path}: neither a trial nor results; expected a trial.toml, a tracks.nc or an "
+            "events.csv in it."
+        )
+    check_file(path, expected="a trial, a results folder, tracks or an events.csv")
+    if path.suffix == ".toml":
+        return _read_trial(load_trial(path))
+    if trial_stamp(path.name) is not None:
+        raise InputError(
+            f"{path}: one of the four files of a trial of the 2019 authors, which need their DLT; "
+            "name it under [tracks] file of a trial.toml of kind 'tracks'."
+        )
+    events = read_scored_file(path, fps=fps)
+    if events is not None:
+        tell_fault_of_events(path)
+        guessed = bool((events["animal"] == path.stem).all())
+        return GaitSource(path, path.parent / RESULTS_FOLDER, events=events, guessed=guessed)
+    program = recognise_format(path)
+    tracks = read_any_tracks(path, fps=fps, program=program)
+    tell_fault(tracks, path)
+    trial = described_trial(tracks, where=str(path), folder=path.parent)
+    if trial is not None:
+        return GaitSource(path, path.parent, tracks=tracks, trial=trial)
+    trial, guessed = _file_as_trial(tracks, path, program)
+    return GaitSource(path, path.parent, tracks=tracks, trial=trial, guessed=guessed)
+
+
+def _read_trial(trial: Trial) -> GaitSource:
+    """Read the tracks of a trial: those made elsewhere, or those that pawnb made."""
+    out = results_folder(trial)
+    if trial.kind == "tracks" and trial.track_files:
+        events = read_trial_events(trial)
+        if events is not None:
+            return GaitSource(trial.path(trial.track_files[0]), out, events=events, trial=trial)
+        tracks = describe_trial(read_foreign_tracks(trial), trial)
+        path, *further = files_of_tracks(trial)
+        return GaitSource(path, out, tracks=tracks, trial=trial, further=tuple(further))
+    path = out / "tracks.nc"
+    if not path.exists():
+        raise InputError(f"{path}: trial {trial.name!r} is not tracked yet; run pawnb track first.")
+    return GaitSource(path, out, tracks=read_result_tracks(path), trial=trial)
+
+
+def _file_as_trial(tracks: Tracks, path: Path, program: str) -> tuple[Trial | None, bool]:
+    """Return what is known of tracks without a trial, and whether the animal's id is a guess.
+
+    The file's name is the trial's (that of its folder, where it is only ``tracks`` or
+    ``points3d``), and the animal's too where the file gives it none.
+    """
+    if tracks.sizes["individual"] != 1:
+        return None, False  # the file names its animals
+    # DeepLabCut puts the name of its network behind that of the video
+    name = re.sub(r"(?<=.)DLC(_.*)?$", "", path.stem) if program == "deeplabcut" else path.stem
+    if name in ("tracks", "points3d"):
+        name = path.resolve().parent.name
+    own = str(tracks["individual"].to_numpy()[0])
+    guessed = re.fullmatch(r"animal|(individual|id|track)_?\d+", own) is not None
+    trial = Trial(
+        kind="tracks",
+        name=name,
+        fps=float(tracks.attrs["fps"]),
+        animal=Animal(id=name if guessed else own),
+        folder=path.parent,
+        tracks_file=path.name,
+    )
+    return trial, guessed

@@ -1,0 +1,35 @@
+"""What was done, with what, to what, and what a folder of results holds.
+
+``record`` makes the record that every result carries, ``manifest`` writes a folder whole and finds
+faults in one, ``results`` writes and reads what tracking made, ``notes`` lists warnings beside it.
+"""
+
+from pawnb import _lazy
+
+_HOME = {
+    "build_step": "pawnb.workflow.provenance.record",
+    "file_checksum": "pawnb.workflow.provenance.record",
+    "package_versions": "pawnb.workflow.provenance.record",
+    "plain_command": "pawnb.workflow.provenance.record",
+    "provenance_text": "pawnb.workflow.provenance.record",
+    "trial_checksums": "pawnb.workflow.provenance.record",
+    "trial_fingerprint": "pawnb.workflow.provenance.record",
+    "trial_inputs": "pawnb.workflow.provenance.record",
+}
+
+__all__ = [
+    "build_step",
+    "file_checksum",
+    "manifest",
+    "notes",
+    "package_versions",
+    "plain_command",
+    "provenance_text",
+    "record",
+    "results",
+    "trial_checksums",
+    "trial_fingerprint",
+    "trial_inputs",
+]
+
+__getattr__, __dir__ = _lazy(__name__, __all__, _HOME)

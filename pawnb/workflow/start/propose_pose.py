@@ -1,0 +1,206 @@
+"""A start pose without a click, and in words how sure of it one may be."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from pawnb.core.pose.animal import StickAnimal
+from pawnb.core.pose.background import Background, find_background
+from pawnb.core.pose.pose_table import write_start
+from pawnb.core.pose.poses import Poses
+from pawnb.core.pose.species_file import built_in_species, load_species
+from pawnb.core.pose.start_proposal.proposal import propose_pose
+from pawnb.core.video import ViewSet, open_views
+from pawnb.errors import InputError
+from pawnb.trial import Trial, load_trial
+from pawnb.workflow.progress import Progress, progress_bar
+from pawnb.workflow.start.sureness import sureness_in_words
+
+
+@dataclass(frozen=True)
+class PoseStart:
+    """A start pose that a person accepts or corrects.
+
+    Parameters
+    ----------
+    animal : StickAnimal
+        The animal of the trial.
+    pose : Poses
+        Its pose in one frame; projected lengths are those in the picture.
+    legs : DataFrame
+        leg, sure (0 to 1), words: how sure each leg is.
+    notes : tuple of str
+        What a person should know, in sentences.
+    """
+
+    animal: StickAnimal
+    pose: Poses
+    legs: pd.DataFrame
+    notes: tuple[str, ...]
+
+    @property
+    def frame(self) -> int:
+        """The frame in which the animal is best seen."""
+        return int(self.pose.frames[0])
+
+    @property
+    def sure(self) -> float:
+        """How sure all of it is, 0 to 1: as sure as its least sure leg."""
+        return float(self.legs["sure"].min())
+
+    @property
+    def words(self) -> str:
+        """How sure all of it is, in words."""
+        return sureness_in_words(self.sure)
+
+    def text(self) -> str:
+        """Return frame, legs and how sure they are, one a line, then the notes."""
+        lines = [f"proposed start pose in frame {self.frame}: {self.words} ({self.sure:.2f})"]
+        lines += [f"  {row.leg}  {row.sure:.2f}  {row.words}" for row in self.legs.itertuples()]
+        return "\n".join([*lines, *self.notes])
+
+    def save(self, path: str | Path) -> Path:
+        """Write it as ``start_pose.csv``; returns the path."""
+        return write_start(path, self.animal, self.pose)
+
+
+class OneView:
+    """One view of several, its frames by their numbers in the trial.
+
+    Parameters
+    ----------
+    views : ViewSet
+        The open views of a trial.
+    name : str
+        Which of them.
+    """
+
+    def __init__(self, views: ViewSet, name: str) -> None:
+        self._views, self._name = views, name
+        self.n_frames = views.n_frames
+
+    def frame(self, index: int, /) -> Any:
+        """Return a frame of this view."""
+        return self._views.frame(index)[self._name]
+
+
+def pose_view(trial: Trial) -> str:
+    """Return the view whose pixels poses are in: the first."""
+    return trial.views[0].name
+
+
+def trial_animal(trial: Trial) -> StickAnimal:
+    """Return the animal of a trial of kind ``pose``; raises InputError if no species is named."""
+    if trial.animal.species is None:
+        raise InputError(
+            f"trial {trial.name!r} names no species; add species to [animal]: "
+            f"{', '.join(built_in_species())}, or the path of a species file."
+        )
+    return load_species(trial.animal.species, folder=trial.folder)
+
+
+def trial_background(trial: Trial, views: ViewSet) -> Background:
+    """Return the empty scene of the view that poses are in."""
+    view = trial.views[0]
+    return find_background(views.readers[view.name], view, folder=trial.folder)
+
+
+def propose_pose_start(
+    trial: Trial | str | Path,
+    *,
+    frames: Sequence[int] | None = None,
+    progress: Progress | None = None,
+) -> PoseStart:
+    """Find the pose of a jointed animal without clicks, in a frame where it is well seen.
+
+    Parameters
+    ----------
+    trial : Trial, str or Path
+        A trial of kind ``pose``, its ``trial.toml``, or the folder that holds it.
+    frames : sequence of int, optional
+        Frames that may be looked through; default all: 40 spread over them are, and 40 more
+        where a leg is in doubt.
+    progress : callable, optional
+        ``progress(done, total)``; default a bar on a terminal or in a notebook.
+
+    Returns
+    -------
+    PoseStart
+        The pose, and how sure each leg is.
+
+    Raises
+    ------
+    InputError
+        If no frame shows the whole animal, or a frame is not in the recording.
+    """
+    if not isinstance(trial, Trial):
+        trial = load_trial(trial)
+    with open_views(trial) as views:
+        background = trial_background(trial, views)
+        return propose_pose_in_views(
+            trial, views, background=background, frames=frames, progress=progress
+        )
+
+
+def propose_pose_in_views(
+    trial: Trial,
+    views: ViewSet,
+    *,
+    background: Background,
+    frames: Sequence[int] | None = None,
+    progress: Progress | None = None,
+) -> PoseStart:
+    """Find the pose in views that are open already; see :func:`propose_pose_start`.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    views : ViewSet
+        Its open views.
+    background : Background
+        Their empty scene.
+    frames, progress
+        As for :func:`propose_pose_start`.
+
+    Returns
+    -------
+    PoseStart
+        The pose, and how sure each leg is.
+
+    Raises
+    ------
+    InputError
+        As for :func:`propose_pose_start`.
+    """
+    animal = trial_animal(trial)
+    first, stop = trial.frames or (views.first_frame, views.n_frames)
+    if frames is None:
+        frames = range(first, stop)
+    wrong = [frame for frame in frames if not views.first_frame <= frame < views.n_frames]
+    if wrong or not len(frames):
+        raise InputError(
+            f"frames to look through: found {wrong[0] if wrong else 'none'}; expected some of "
+            f"{views.first_frame} to {views.n_frames - 1}."
+        )
+    known = trial.calibration
+    about: dict[str, Any] = {
+        "frames": frames,
+        "px_per_unit": known.px_per_unit if known and known.unit == animal.unit else None,
+    }
+    one = OneView(views, pose_view(trial))
+    if progress is not None:
+        found = propose_pose(one, animal, background, progress=progress, **about)
+    else:
+        with progress_bar("looking for the animal") as bar:
+            found = propose_pose(one, animal, background, progress=bar, **about)
+    legs = pd.DataFrame(
+        [(name, sure, sureness_in_words(sure)) for name, sure in found.sure.items()],
+        columns=["leg", "sure", "words"],
+    )
+    return PoseStart(animal, found.pose, legs, found.notes)

@@ -1,0 +1,105 @@
+"""A batch on the workers of a Dask scheduler: a cluster of this machine, listening on TCP."""
+
+from __future__ import annotations
+
+import sys
+import threading
+
+import pytest
+
+from pawnb.cli import main
+from pawnb.errors import InputError
+from pawnb.io.native import read_tracks
+from pawnb.trial import load_trial
+from pawnb.workflow.batch import run as batch_module
+from pawnb.workflow.batch.run import batch, is_tracked
+from pawnb.workflow.tracking.track import track
+
+QUICK = {"choose_path": False}
+
+
+@pytest.fixture
+def cluster():
+    distributed = pytest.importorskip("distributed")
+    with distributed.LocalCluster(
+        n_workers=1, threads_per_worker=1, processes=False, protocol="tcp", dashboard_address=None
+    ) as cluster:
+        yield cluster
+
+
+@pytest.mark.slow
+def test_trials_are_tracked_by_the_workers_as_on_one_machine(trials, cluster, monkeypatch):
+    """From a folder of its own, so that relative paths must become absolute on the way."""
+    monkeypatch.chdir(trials)
+    lines = []
+    done = batch(
+        ["a", "b", "broken"],
+        settings=QUICK,
+        scheduler=cluster.scheduler_address,
+        report=lines.append,
+    )
+    assert done.table["status"].tolist() == ["tracked", "tracked", "failed"]
+    assert len(lines) == 3
+    assert "spider.avi" in done.failed["said"].item()
+    alone = track(trials / "a", settings=QUICK)
+    found = read_tracks(trials / "a" / "results" / "tracks.nc")
+    assert found.drop_attrs().identical(alone.drop_attrs())
+    again = batch(["a", "b"], settings=QUICK, scheduler=cluster.scheduler_address)
+    assert again.table["status"].tolist() == ["skipped", "skipped"]
+
+
+@pytest.mark.slow
+def test_an_interrupt_stops_the_workers_and_takes_back_what_waits(trials, cluster, monkeypatch):
+    stop = threading.Event()
+
+    class Interrupted:
+        def __enter__(self):
+            return stop.is_set
+
+        def __exit__(self, *_error):
+            return None
+
+    monkeypatch.setattr(batch_module, "interruptible", Interrupted)
+    threading.Timer(1.0, stop.set).start()
+    done = batch([trials / "a", trials / "b"], scheduler=cluster.scheduler_address)
+    assert done.table["status"].tolist() == ["stopped", "stopped"]
+    assert done.table["said"][1] == "not begun"
+    assert not is_tracked(load_trial(trials / "a"), trials / "a" / "results", method="pawnb")
+
+
+@pytest.mark.slow
+def test_trials_wait_for_a_worker_and_are_taken_back(trials, monkeypatch):
+    distributed = pytest.importorskip("distributed")
+    asked = []
+
+    class Interrupted:
+        def __enter__(self):
+            return lambda: asked.append(1) or len(asked) > 20
+
+        def __exit__(self, *_error):
+            return None
+
+    monkeypatch.setattr(batch_module, "interruptible", Interrupted)
+    with distributed.LocalCluster(
+        n_workers=0, processes=False, protocol="tcp", dashboard_address=None
+    ) as empty:
+        done = batch([trials / "a"], scheduler=empty.scheduler_address)
+    assert done.table["status"].tolist() == ["stopped"]
+    assert done.table["said"][0] == "not begun"
+
+
+def test_one_sentence_where_there_is_no_scheduler(trials, monkeypatch):
+    with pytest.raises(InputError, match="leave one out"):
+        batch([trials / "a"], workers=2, scheduler="tcp://127.0.0.1:8786")
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(InputError, match=r"pip install \"pawnb\[scheduler\]\""):
+        batch([trials / "a"], scheduler="tcp://127.0.0.1:8786")
+
+
+@pytest.mark.parametrize("address", ["tcp://127.0.0.1:1", "localhost"])
+def test_an_address_without_a_scheduler_is_named(trials, address, monkeypatch, capsys):
+    pytest.importorskip("distributed")
+    monkeypatch.setattr("pawnb.workflow.batch.scheduler._CONNECT_S", 0.2)
+    assert main(["batch", str(trials / "a"), "--scheduler", address]) == 2
+    err = capsys.readouterr().err
+    assert f"no Dask scheduler answers at '{address}'" in err

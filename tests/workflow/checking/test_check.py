@@ -1,0 +1,210 @@
+"""``pawnb check`` finds what is missing or wrong before any work is done."""
+
+from __future__ import annotations
+
+import os
+
+import pandas as pd
+import pytest
+
+from pawnb.errors import InputError
+from pawnb.schema import add_provenance, make_tracks
+from pawnb.workflow.checking.check import check_trial
+from pawnb.workflow.provenance.results import write_track_results
+
+
+def test_a_whole_trial_has_no_faults(rendered_trial):
+    report = check_trial(rendered_trial)
+    assert report.faults == []
+    assert report.doubts == []
+    text = report.text()
+    for words in (
+        "kind paws, animal synthetic-01, 250 frames per second",
+        "belt speed 300 mm/s",
+        "view cam4: 40 frames of 410 x 140 px, colour",
+        "DLT of 4 views, unit mm",
+        "start: 8 clicks on FR, HR, FL, HL in frame 0",
+    ):
+        assert f"ok    {words}" in text
+
+
+def change(folder, file, old, new):
+    path = folder / file
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new, 1))
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "fault"),
+    [
+        ("trial.toml", 'video = "cam2.avi"', 'video = "cam9.avi"', "cam9.avi"),
+        ("trial.toml", 'dlt = "DLTcoefs.csv"', 'dlt = "DLT.csv"', "DLT.csv"),
+        ("trial.toml", "[start]", "[tracking]\nwindw = 1\n[start]", "unknown name 'windw'"),
+        ("trial.toml", "fps = 250.0", "fps = 250.0\nframes = [0, 50]", "has no frame 49"),
+        ("start.csv", "frame,view,point,u,v", "frame,view,paw,u,v", "column 'point' is missing"),
+        ("start.csv", "0,cam1,FR,", "0,cam1,FR,9", "outside the picture"),
+    ],
+)
+def test_each_fault_is_found(small_trial, file, old, new, fault):
+    change(small_trial, file, old, new)
+    report = check_trial(small_trial)
+    assert len(report.faults) == 1
+    assert fault in report.faults[0]
+    assert "MEND" in report.text()
+    assert report.verdict().startswith("trial 'synthetic-normal-01' cannot be worked on yet: ")
+
+
+def test_what_a_crop_keeps_is_said(small_trial):
+    """x, y, width and height are four numbers, too: the size shows what was understood."""
+    change(
+        small_trial,
+        "trial.toml",
+        'video = "cam1.avi"',
+        'video = "cam1.avi"\ncrop = [10, 5, 300, 100]',
+    )
+    assert (
+        "view cam1: 40 frames of 290 x 95 px (crop: u 10 to 299 and v 5 to 99 of 410 x 140 px), "
+        "colour"
+    ) in check_trial(small_trial).found
+    change(small_trial, "trial.toml", "[10, 5, 300, 100]", "[310, 5, 100, 120]")
+    with pytest.raises(
+        InputError, match=r"if 100 and 120 are its width and height, write \[310, 5, 410, 125\]"
+    ):
+        check_trial(small_trial)
+
+
+def test_a_video_that_is_cut_short_is_doubted(small_trial):
+    video = small_trial / "cam3.avi"
+    video.write_bytes(video.read_bytes()[: video.stat().st_size // 2])
+    report = check_trial(small_trial)
+    assert any(f"{video} is cut short: it promises 40 frames" in doubt for doubt in report.doubts)
+
+
+@pytest.mark.parametrize(
+    ("file", "word"),
+    [
+        ("cam2.avi", "video file"),
+        ("start.csv", "frame, view, point, u, v"),
+        ("DLTcoefs.csv", "DLT"),
+    ],
+)
+@pytest.mark.parametrize("kind", ["pipe", "device", "folder"])
+def test_what_is_no_file_is_a_fault_at_once(small_trial, file, word, kind):
+    """A named pipe would be waited for, a device be read, for ever."""
+    path = small_trial / file
+    path.unlink()
+    if kind == "pipe":
+        os.mkfifo(path)
+    elif kind == "device":
+        path.symlink_to("/dev/zero")
+    else:
+        path.mkdir()
+    (fault, *_) = check_trial(small_trial).faults
+    assert file in fault
+    assert kind in fault or (kind, file) == ("folder", "cam2.avi")
+    if kind != "folder":
+        assert word in fault
+
+
+def test_a_click_on_another_point_is_doubted(small_trial):
+    lines = (small_trial / "start.csv").read_text().splitlines()
+    row = next(k for k, line in enumerate(lines) if line.startswith("0,cam1,FR"))
+    frame, view, point, u, v = lines[row].split(",")
+    lines[row] = ",".join([frame, view, point, u, str(float(v) - 60)])
+    (small_trial / "start.csv").write_text("\n".join(lines) + "\n")
+    (doubt,) = check_trial(small_trial).doubts
+    assert doubt.startswith("start clicks of FR in frame 0 disagree between the views by ")
+
+
+def test_views_without_calibration_and_many_clicked_frames_are_said(small_trial):
+    change(small_trial, "trial.toml", '[calibration]\ndlt = "DLTcoefs.csv"\nunit = "mm"\n', "")
+    start = small_trial / "start.csv"
+    start.write_text(start.read_text().rstrip() + "\n7,cam1,FR,100,60\n30,cam2,HR,100,60\n")
+    report = check_trial(small_trial)
+    assert report.faults == []
+    assert report.doubts == [
+        "no calibration: each view is tracked by itself, and positions will be in px"
+    ]
+    assert "start: 10 clicks on FR, HR, FL, HL in frames 0, 7, 30" in report.found
+
+
+def test_a_belt_that_runs_forwards_is_doubted(small_trial):
+    change(small_trial, "trial.toml", "belt_speed = 300.0", "belt_speed = -300.0")
+    assert any("belt speed is -300" in doubt for doubt in check_trial(small_trial).doubts)
+
+
+def test_missing_tracks_and_belt_of_a_trial_made_elsewhere(tmp_path):
+    (tmp_path / "trial.toml").write_text(
+        '[trial]\nkind = "tracks"\nfps = 100\n[treadmill]\nbelt_speed = "belt.csv"\n'
+        '[tracks]\nfile = "x.nc"\n'
+    )
+    report = check_trial(tmp_path)
+    assert len(report.faults) == 2
+    assert "belt.csv: no such file" in report.faults[0]
+    assert "x.nc: no such tracks" in report.faults[1]
+
+
+def test_clicks_after_the_end_are_found(small_trial):
+    start = small_trial / "start.csv"
+    start.write_text(start.read_text().replace("\n0,", "\n9999,"))
+    report = check_trial(small_trial)
+    assert any("clicked in frame 9999, outside frames" in fault for fault in report.faults)
+
+
+def test_tracks_made_elsewhere_are_read_as_gait_will(tmp_path):
+    trial = tmp_path / "trial.toml"
+    trial.write_text('[trial]\nkind = "tracks"\nfps = 100\n[tracks]\nfile = "x.csv"\n')
+    table = tmp_path / "x.csv"
+    table.write_text("frame,hindpaw_R_x,hindpaw_R_y\n0,1,2\n1,2,3\n")
+    found = check_trial(trial).found
+    assert any("x.csv: 2 frames, positions in px" in line for line in found)
+    assert "legs: HR is 'hindpaw_R'" in found
+    table.write_text("frame,hindpaw_R_x,hindpaw_R_y\n0,,\n1,,\n")
+    assert check_trial(trial).faults == ["x.csv: no point has a position in any frame."]
+    table.write_text("frame,pow_x,pow_y\n0,1,2\n1,2,3\n")
+    assert "named like a leg" in check_trial(trial).faults[0]
+    table.write_text("something else\n")
+    assert "not tracks that are read here" in check_trial(trial).faults[0]
+
+
+@pytest.mark.slow
+def test_tracks_that_are_there_are_read(small_trial):
+    results = small_trial / "results"
+    results.mkdir()
+    (results / "tracks.nc").write_text("not tracks")
+    report = check_trial(small_trial)
+    (doubt,) = report.doubts
+    assert doubt.startswith("results/tracks.nc cannot be read, so the trial counts as not tracked:")
+    assert "not a netCDF file" in doubt
+    assert "delete it and track again" in doubt
+    assert "tracked already" not in report.text()
+    tracks = make_tracks(range(7), ["FR"], fps=250.0, individual="m", unit="mm")
+    step = {"step": "track", "complete": True, "inputs": {}, "settings": {}}
+    write_track_results(add_provenance(tracks, **step), results)
+    report = check_trial(small_trial)
+    assert report.doubts == []
+    assert "ok    tracked already: results/tracks.nc, 7 frames" in report.text()
+    write_track_results(add_provenance(tracks, **step | {"complete": False}), results)
+    (doubt,) = check_trial(small_trial).doubts
+    assert doubt == "results/tracks.nc is of a run that was interrupted; track again to go on"
+    write_track_results(add_provenance(tracks, **step), results)
+    (results / "tracks.csv").write_text("changed in another program")
+    (doubt,) = check_trial(small_trial).doubts
+    assert doubt.startswith(f"{results}: not as pawnb track left it (changed: tracks.csv)")
+    (results / "tracks.nc").unlink()
+    (doubt,) = check_trial(small_trial).doubts
+    assert doubt.startswith(f"{results}: not as pawnb track left it (missing: tracks.nc)")
+
+
+def test_paws_of_the_colour_of_their_surroundings_are_doubted(small_trial):
+    """Clicks on the belt instead of on paws: what is about the animal has the same colour."""
+    report = check_trial(small_trial)
+    assert not any("hardly differ" in doubt for doubt in report.doubts)
+    clicks = pd.read_csv(small_trial / "start.csv")
+    clicks["v"] += 25.0  # below the animal
+    clicks.to_csv(small_trial / "start.csv", index=False)
+    said = [doubt for doubt in check_trial(small_trial).doubts if "hardly differ" in doubt]
+    assert len(said) == 1
+    assert "cam1" in said[0]
+    assert said[0].endswith("painted paws help"), "the report adds no second full stop"

@@ -1,0 +1,116 @@
+"""``pawnb check`` on a jointed animal."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+import pandas as pd
+import pytest
+
+from pawnb.core.video import open_views
+from pawnb.trial import load_trial
+from pawnb.workflow.checking.check import check_trial
+
+
+def test_a_whole_trial_has_no_faults(rendered_spider):
+    report = check_trial(rendered_spider)
+    assert report.faults == []
+    assert report.doubts == []
+    text = report.text()
+    for words in (
+        "kind pose, animal spider-01, 125 frames per second",
+        "view top: 24 frames of 384 x 307 px, grey",
+        "species dolomedes: 8 legs, 43 degrees of freedom",
+        "background: frames 0 to 9",
+        "start pose: L1, L2, L3, L4, R1, R2, R3, R4 in frame 10",
+    ):
+        assert f"ok    {words}" in text
+
+
+def change(folder, old, new):
+    path = folder / "trial.toml"
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new, 1))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "fault"),
+    [
+        ('species = "dolomedes"', 'species = "mine.toml"', "neither a built-in species"),
+        ("    0,\n    10,", "    0,\n    30,", "background_frames is [0, 30]"),
+        ("background_frames = [\n    0,\n    10,\n]", 'background = "empty.png"', "empty.png"),
+        ('pose = "start_pose.csv"', 'pose = "other.csv"', "other.csv: no such file"),
+        ("[start]", "[tracking]\nblurr = 1\n[start]", "unknown name 'blurr'"),
+    ],
+)
+def test_faults_of_the_trial_are_found(small_spider, old, new, fault):
+    change(small_spider, old, new)
+    report = check_trial(small_spider)
+    assert len(report.faults) == 1
+    assert fault in report.faults[0]
+
+
+@pytest.mark.parametrize(
+    ("changes", "fault"),
+    [
+        ({"x": 900.0}, "outside the picture of 384 x 307 px"),
+        ({"frame": 200}, "start pose of frame 200; the recording has frames 0 to 23"),
+        ({"L1_BC": "x"}, "column 'L1_BC' is 'x'; expected a number"),
+        ({"L9_BC": 1.0}, "unknown column 'L9_BC'"),
+        ({"y": 20.0}, "is off the animal: 0 % of its body lies on what differs"),
+    ],
+)
+def test_faults_of_the_start_pose_are_found(small_spider, changes, fault):
+    path = small_spider / "start_pose.csv"
+    pd.read_csv(path).assign(**changes).to_csv(path, index=False)
+    report = check_trial(small_spider)
+    assert len(report.faults) == 1
+    assert fault in report.faults[0]
+
+
+def test_a_pose_on_the_smaller_of_two_animals_is_no_fault(small_spider):
+    """The spider's fellow beside it is 2 px thicker all around: the outline is the fellow's."""
+    trial = load_trial(small_spider)
+    with open_views(trial) as views:
+        pictures = [views.frame(i)["top"].image().astype(np.int16) for i in range(24)]
+    folder = small_spider / "twice"
+    folder.mkdir()
+    for i, picture in enumerate(pictures):
+        fellow = cv2.erode(np.roll(picture - pictures[0], 130, axis=1), np.ones((5, 5)))
+        beside = np.minimum(fellow, 0) if i >= 10 else 0
+        cv2.imwrite(
+            str(folder / f"{i:03d}.png"), np.clip(picture + beside, 0, 255).astype(np.uint8)
+        )
+    change(small_spider, 'video = "spider.avi"', 'video = "twice"')
+    report = check_trial(small_spider)
+    assert report.faults == []
+    assert any("perhaps a second animal" in doubt for doubt in report.doubts)
+
+
+def test_joints_out_of_range_an_odd_size_and_the_edge_are_doubted(small_spider):
+    path = small_spider / "start_pose.csv"
+    start = pd.read_csv(path)
+    # Tables 3.1 and 3.2 of Pullar 2009: the joint is at 35 degrees, its whole range 51
+    start.assign(L1_BC=35 + 25.5 + 20).to_csv(path, index=False)
+    (doubt,) = check_trial(small_spider).doubts
+    assert doubt == "start pose of frame 10: joints beyond their range: L1_BC by 20 degrees"
+    start.assign(scale=start["scale"] * 2.5).to_csv(path, index=False)
+    doubts = check_trial(small_spider).doubts
+    assert any("times as large as its species file says" in doubt for doubt in doubts)
+    left = int(pd.read_csv(small_spider / "truth" / "tracks.csv")["u"].min()) + 8
+    crop = f'video = "spider.avi"\ncrop = [{left}, 0, 384, 307]'
+    change(small_spider, 'video = "spider.avi"', crop)
+    start.assign(x=start["x"] - left).to_csv(path, index=False)
+    doubts = check_trial(small_spider).doubts
+    assert any("touches the edge of the picture" in doubt for doubt in doubts)
+
+
+def test_background_frames_with_the_animal_and_pixels_without_scale_are_doubted(small_spider):
+    change(small_spider, "    0,\n    10,", "    8,\n    12,")
+    change(small_spider, "[calibration]\npx_per_unit = 1.452", "[calibration]")
+    doubts = check_trial(small_spider).doubts
+    assert any(
+        doubt.startswith("something moves in the background, frames 8 to 11") for doubt in doubts
+    )
+    assert "no px_per_unit in [calibration]: positions will be in px" in doubts

@@ -1,0 +1,71 @@
+"""A proposed start pose and the grid's scale of a rendered spider."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import pawnb
+from pawnb.core.pose.pose_table import read_start_pose
+from pawnb.core.pose.poses import tip_positions
+from pawnb.errors import InputError
+from pawnb.synthetic import render_spider_trial
+from pawnb.workflow.calibration.scale import find_grid_scale
+from pawnb.workflow.start.propose_pose import PoseStart
+
+
+def silent(done, total):
+    """Show no progress."""
+
+
+@pytest.fixture(scope="module")
+def spider(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("spider") / "trial"
+    return render_spider_trial(folder, frames=16, scale=0.5, seed=1, motion="still").parent
+
+
+@pytest.fixture(scope="module")
+def proposal(spider):
+    return pawnb.propose_start(spider, progress=silent)
+
+
+def test_the_proposal_is_right(proposal, spider):
+    assert isinstance(proposal, PoseStart)
+    truth = pd.read_csv(spider / "truth" / "pose.csv").set_index("frame").loc[proposal.frame]
+    span = proposal.animal.span * truth["scale"]
+    assert np.hypot(*(proposal.pose.xy[0] - truth[["x", "y"]])) < 0.03 * span
+    assert abs((proposal.pose.heading_deg[0] - truth["heading"] + 180) % 360 - 180) < 5
+    tracks = pd.read_csv(spider / "truth" / "tracks.csv")
+    tips = tracks[tracks["frame"] == proposal.frame].set_index("point")[["u", "v"]]
+    off = (
+        tip_positions(proposal.animal, proposal.pose)[0] - tips.loc[list(proposal.animal.leg_names)]
+    )
+    assert np.hypot(off["u"], off["v"]).max() < 0.05 * span
+
+
+def test_how_sure_it_is_in_numbers_and_words(proposal):
+    assert proposal.legs["leg"].tolist() == list(proposal.animal.leg_names)
+    assert proposal.legs["sure"].between(0, 1).all()
+    assert proposal.sure == proposal.legs["sure"].min()
+    lines = proposal.text().splitlines()
+    assert lines[0].startswith(f"proposed start pose in frame {proposal.frame}: {proposal.words}")
+    assert len(lines) == 9 + len(proposal.notes)
+
+
+def test_it_is_saved_as_the_start_pose(proposal, tmp_path):
+    path = proposal.save(tmp_path / "start_pose.csv")
+    animal, poses = read_start_pose(path, proposal.animal)
+    assert poses.frames.tolist() == [proposal.frame]
+    np.testing.assert_allclose(
+        tip_positions(animal, poses), tip_positions(proposal.animal, proposal.pose), atol=0.01
+    )
+
+
+def test_frames_outside_the_trial_are_refused(spider):
+    with pytest.raises(InputError, match="expected some of 0 to 15"):
+        pawnb.propose_start(spider, frames=[99], progress=silent)
+
+
+def test_the_grid_of_the_rendered_panel(spider):
+    # 4.84 px per mm at full size (section 4.1 of the thesis: 0.557 px = 0.023 cm at half of it)
+    found = find_grid_scale(spider, spacing=10.0)
+    assert found.px_per_unit == pytest.approx(2.42, rel=5e-3)
