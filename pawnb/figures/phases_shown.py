@@ -11,8 +11,8 @@ import pandas as pd
 
 from pawnb.errors import InputError
 from pawnb.figures.panels import say_phase
+from pawnb.gait.analysis.phase_patterns import NEAR
 from pawnb.gait.circular import mean_vector
-from pawnb.gait.phase_patterns import NEAR
 from pawnb.gait.phases import summarise_phases
 from pawnb.schema import PHASES_COLUMNS, check_columns
 

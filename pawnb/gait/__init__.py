@@ -16,12 +16,12 @@ Examples of functions go on from here: two synthetic spiders whose truth is know
 """
 
 from pawnb import _lazy
-from pawnb.gait.analysis import analyse, analyse_events
+from pawnb.gait.analysis.run import analyse, analyse_events
+from pawnb.gait.analysis.tables import GaitTables, pool
 from pawnb.gait.body_angles import body_angles
-from pawnb.gait.event_edits import replay_event_edits
-from pawnb.gait.event_settings import EventSettings
-from pawnb.gait.pose_body import leg_angles
-from pawnb.gait.tables import GaitTables, pool
+from pawnb.gait.event_detection.event_edits import replay_event_edits
+from pawnb.gait.event_detection.event_settings import EventSettings
+from pawnb.gait.locomotion.pose_body import leg_angles
 
 __all__ = [
     "EventSettings",

@@ -8,9 +8,9 @@ from collections.abc import Sequence
 import pandas as pd
 
 from pawnb.gait.animals import mean_of_animals
-from pawnb.gait.checks import check_values
-from pawnb.gait.lines import t_quantile
-from pawnb.gait.variance_shares import icc_interval, variance_shares
+from pawnb.gait.inference.checks import check_values
+from pawnb.gait.inference.linear_fit import t_quantile
+from pawnb.gait.inference.variance_shares import icc_interval, variance_shares
 from pawnb.schema import check_columns
 
 ANIMAL_COLUMNS = (
@@ -47,7 +47,7 @@ def summarise_animals(
         (:func:`pawnb.gait.animals.mean_of_animals`); ``sd_animals`` is that of the animals'
         means, ``sd_within`` that of strides about them; ``icc`` is the share of the variance
         that lies between animals, with its exact interval
-        (:func:`pawnb.gait.variance_shares.icc_interval`); ``ci_low_strides`` and
+        (:func:`pawnb.gait.inference.variance_shares.icc_interval`); ``ci_low_strides`` and
         ``ci_high_strides`` are the interval if strides were independent, for comparison only.
 
     Raises

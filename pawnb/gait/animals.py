@@ -19,11 +19,11 @@ import numpy as np
 from scipy.stats import t as student
 
 from pawnb.errors import InputError
-from pawnb.gait.checks import check_level, check_values
 from pawnb.gait.circular import mean_vector
 from pawnb.gait.circular_describe import difference
-from pawnb.gait.circular_sample import ONE_ANIMAL, TINY, animal_codes
-from pawnb.gait.lines import t_quantile
+from pawnb.gait.inference.checks import check_level, check_values
+from pawnb.gait.inference.circular_sample import ONE_ANIMAL, TINY, animal_codes
+from pawnb.gait.inference.linear_fit import t_quantile
 
 
 class AnimalEstimate(NamedTuple):

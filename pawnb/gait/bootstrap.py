@@ -25,12 +25,12 @@ import pandas as pd
 from scipy.stats import norm
 
 from pawnb.errors import InputError
-from pawnb.gait.animal_phases import WHOLE_CYCLE
-from pawnb.gait.checks import check_level, check_values
 from pawnb.gait.circular import mean_vector, widest_interval, wrap
 from pawnb.gait.circular_describe import difference
-from pawnb.gait.circular_sample import ONE_ANIMAL
-from pawnb.gait.lines import t_quantile
+from pawnb.gait.inference.animal_phases import WHOLE_CYCLE
+from pawnb.gait.inference.checks import check_level, check_values
+from pawnb.gait.inference.circular_sample import ONE_ANIMAL
+from pawnb.gait.inference.linear_fit import t_quantile
 from pawnb.schema import check_columns
 
 _MOST_ENUMERATED = 6

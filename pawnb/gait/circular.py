@@ -17,7 +17,7 @@ from scipy.special import hankel1e, ive
 from scipy.stats import chi2
 
 from pawnb.errors import InputError
-from pawnb.gait.checks import as_numbers, check_level
+from pawnb.gait.inference.checks import as_numbers, check_level
 
 _LARGE_KAPPA = 1e6
 _NEARLY_ONE = 1.0 - 1e-5

@@ -12,10 +12,10 @@ from scipy.stats import chi2, norm
 from scipy.stats import f as fisher
 
 from pawnb.errors import InputError
-from pawnb.gait.checks import as_numbers
 from pawnb.gait.circular import check_phases
-from pawnb.gait.circular_sample import AS_INDEPENDENT, TINY, animal_codes
-from pawnb.gait.permutations import shuffle_in_blocks
+from pawnb.gait.inference.checks import as_numbers
+from pawnb.gait.inference.circular_sample import AS_INDEPENDENT, TINY, animal_codes
+from pawnb.gait.inference.permutations import shuffle_in_blocks
 
 _MOST_ORDERS = 5_040
 

@@ -20,7 +20,7 @@ from pawnb.gait.circular import (
     mean_interval,
     mean_vector,
 )
-from pawnb.gait.circular_length import kappa_of_length
+from pawnb.gait.inference.circular_length import kappa_of_length
 
 
 class CircularDescription(NamedTuple):
@@ -70,7 +70,7 @@ def describe_circular(phases: np.ndarray, *, level: float = 0.95) -> CircularDes
     -------
     CircularDescription
         Numbers of the sample. The interval takes the phases to be independent: strides of
-        one animal are not; see :func:`pawnb.gait.animal_phases.phase_of_animals`.
+        one animal are not; see :func:`pawnb.gait.inference.animal_phases.phase_of_animals`.
 
     Raises
     ------

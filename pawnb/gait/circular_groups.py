@@ -18,8 +18,14 @@ from scipy.stats import f as fisher
 from pawnb.errors import InputError
 from pawnb.gait.circular import check_phases, mean_vector
 from pawnb.gait.circular_describe import concentration
-from pawnb.gait.circular_sample import TINY, CircularTest, animal_codes, animal_sample, make_result
-from pawnb.gait.permutations import shuffle_in_blocks
+from pawnb.gait.inference.circular_sample import (
+    TINY,
+    CircularTest,
+    animal_codes,
+    animal_sample,
+    make_result,
+)
+from pawnb.gait.inference.permutations import shuffle_in_blocks
 
 _MOST_ARRANGEMENTS = 20_000
 

@@ -16,10 +16,10 @@ from scipy.stats import binomtest, chi2, chisquare, norm, wilcoxon
 from scipy.stats import t as student
 
 from pawnb.errors import InputError
-from pawnb.gait.checks import as_numbers
 from pawnb.gait.circular import mean_vector, rayleigh_p, wrap
 from pawnb.gait.circular_describe import circular_median, difference
-from pawnb.gait.circular_sample import (
+from pawnb.gait.inference.checks import as_numbers
+from pawnb.gait.inference.circular_sample import (
     NO_MEAN,
     ONE_ANIMAL,
     TINY,
@@ -127,7 +127,7 @@ def mean_test(
     is chi² with 1 degree of freedom. With animals: Student's t of the sines of the animals'
     mean phases about the common mean, with as many degrees of freedom as animals less
     one. Where the t of the sines about the expected phase has a larger p, that is taken: so it
-    agrees with :func:`pawnb.gait.animal_phases.interval_of_phases`.
+    agrees with :func:`pawnb.gait.inference.animal_phases.interval_of_phases`.
 
     Parameters
     ----------

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from pawnb.errors import InputError
-from pawnb.gait.debounce import CONTACT_BY_HAND
+from pawnb.gait.event_detection.debounce import CONTACT_BY_HAND
 from pawnb.gait.legs import sort_legs
 from pawnb.schema import EVENTS_COLUMNS
 

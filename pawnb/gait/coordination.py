@@ -5,6 +5,7 @@ from __future__ import annotations
 import pandas as pd
 
 from pawnb.errors import InputError
+from pawnb.gait.analysis.tables import GaitTables
 from pawnb.gait.coupling import alternation_rule, coupling_strength, support_rule
 from pawnb.gait.legs import find_leg_place
 from pawnb.gait.patterns import pattern_distances
@@ -15,7 +16,6 @@ from pawnb.gait.support import (
     whole_stretches,
 )
 from pawnb.gait.symmetry import MEASURES, symmetry_table
-from pawnb.gait.tables import GaitTables
 
 REGULARITY_COLUMNS = ("animal", "trial", "regularity_percent", "n_footfalls", "n_sequences")
 

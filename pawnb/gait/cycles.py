@@ -11,7 +11,7 @@ import pandas as pd
 from scipy.stats import t as student
 
 from pawnb.errors import InputError
-from pawnb.gait.checks import check_level
+from pawnb.gait.inference.checks import check_level
 from pawnb.schema import check_columns
 from pawnb.signals import differentiate
 

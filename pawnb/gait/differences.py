@@ -15,11 +15,11 @@ from scipy.special import gammaln, ndtr
 from scipy.stats import chi2
 from scipy.stats import t as student
 
-from pawnb.gait.animal_phases import WHOLE_CYCLE
 from pawnb.gait.circular import mean_vector
 from pawnb.gait.circular_describe import difference
-from pawnb.gait.circular_sample import TINY, phase_standard_error
-from pawnb.gait.lines import t_quantile
+from pawnb.gait.inference.animal_phases import WHOLE_CYCLE
+from pawnb.gait.inference.circular_sample import TINY, phase_standard_error
+from pawnb.gait.inference.linear_fit import t_quantile
 
 _BLANK = (math.nan,) * 3
 

@@ -16,9 +16,9 @@ from scipy.stats import f as fisher
 from scipy.stats import f_oneway
 
 from pawnb.errors import InputError
-from pawnb.gait.leg_permutation import Block, mean_squares, permute_legs
+from pawnb.gait.inference.leg_permutation import Block, mean_squares, permute_legs
+from pawnb.gait.inference.permutations import bound_note
 from pawnb.gait.legs import sort_legs
-from pawnb.gait.permutations import bound_note
 from pawnb.schema import check_columns
 
 DURATION_COLUMNS = (

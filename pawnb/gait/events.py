@@ -2,7 +2,7 @@
 
 Kernels on arrays of one foot. Samples are equally spaced; times are fractional
 samples, which the caller turns into frames and seconds. Touch-down and lift-off are in
-:mod:`pawnb.gait.landings`.
+:mod:`pawnb.gait.event_detection.ground_contact`.
 """
 
 from __future__ import annotations

@@ -16,9 +16,9 @@ import pandas as pd
 from scipy.stats import false_discovery_control
 
 from pawnb.errors import InputError
-from pawnb.gait.checks import check_level
-from pawnb.gait.circular_sample import animal_sample
 from pawnb.gait.differences import compare_paired, compare_two, compare_two_phases
+from pawnb.gait.inference.checks import check_level
+from pawnb.gait.inference.circular_sample import animal_sample
 from pawnb.schema import check_columns
 
 GROUP_COLUMNS = (
@@ -47,8 +47,8 @@ def compare_groups(
     **Unpaired** (different animals): difference of the means of the animals' means, Welch's t.
     **Paired** (every animal in both conditions): mean of the animals' own differences, t.
     **Circular** (phases, in cycles): the same with directions; the standard error of a mean
-    phase is that of :func:`pawnb.gait.animal_phases.phase_of_animals`, and two of them are put
-    together as Welch does. Measured for 5 animals a group its interval covers 94-97 %.
+    phase is that of :func:`pawnb.gait.inference.animal_phases.phase_of_animals`, and two of them
+    are put together as Welch does. Measured for 5 animals a group its interval covers 94-97 %.
 
     The effect size is Hedges' g: the difference over the pooled standard deviation of the
     animals (paired: over that of the differences), corrected for small samples, with the

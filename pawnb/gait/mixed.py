@@ -3,7 +3,7 @@
 For what means by animal cannot do: several terms at once, terms that vary within animals,
 unequal numbers of strides. Variances are those of restricted maximum likelihood (REML); errors
 and degrees of freedom are those of Kenward and Roger, or come from the animals' own scores: see
-:mod:`pawnb.gait.fixed_effects`.
+:mod:`pawnb.gait.inference.fixed_effects`.
 
 The likelihood is maximised here and not by statsmodels' MixedLM, which agrees where animals
 differ clearly, but may stop at quite wrong variances where one is near 0 (an intraclass
@@ -21,11 +21,11 @@ import pandas as pd
 from scipy.stats import t as student
 
 from pawnb.errors import InputError
-from pawnb.gait.checks import as_numbers, check_level
-from pawnb.gait.circular_sample import animal_codes
-from pawnb.gait.fixed_effects import estimate_fixed_effects
-from pawnb.gait.mixed_likelihood import Blocks
-from pawnb.gait.variance_shares import icc_interval
+from pawnb.gait.inference.checks import as_numbers, check_level
+from pawnb.gait.inference.circular_sample import animal_codes
+from pawnb.gait.inference.fixed_effects import estimate_fixed_effects
+from pawnb.gait.inference.mixed_likelihood import Blocks
+from pawnb.gait.inference.variance_shares import icc_interval
 from pawnb.schema import check_columns
 
 MIXED_COLUMNS = (
@@ -49,8 +49,8 @@ class MixedFit:
         Intraclass correlation: share of the variance that the terms leave which lies
         between animals (at the mean of terms with random slopes).
     icc_low, icc_high : float
-        Its interval (:func:`pawnb.gait.variance_shares.icc_interval`). NaN where trials or slopes
-        are random too, for which there is no exact one; fit without them for it.
+        Its interval (:func:`pawnb.gait.inference.variance_shares.icc_interval`). NaN where trials
+        or slopes are random too, for which there is no exact one; fit without them for it.
     sd_animals, sd_trials, sd_residual : float
         Standard deviations between animals, between trials of an animal (NaN where
         trials are not told apart), and of strides within.

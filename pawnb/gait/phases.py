@@ -10,11 +10,11 @@ import numpy as np
 import pandas as pd
 
 from pawnb.errors import InputError
-from pawnb.gait.animal_phases import phase_of_animals
-from pawnb.gait.checks import as_numbers
+from pawnb.gait.analysis.phase_patterns import name_pattern, say_pattern
 from pawnb.gait.circular import circular_sd, mean_interval, mean_vector, rayleigh_p
-from pawnb.gait.circular_length import length_interval
-from pawnb.gait.phase_patterns import name_pattern, say_pattern
+from pawnb.gait.inference.animal_phases import phase_of_animals
+from pawnb.gait.inference.checks import as_numbers
+from pawnb.gait.inference.circular_length import length_interval
 from pawnb.schema import DROPPED_COLUMNS, PHASE_SUMMARY_COLUMNS, PHASES_COLUMNS
 
 
@@ -114,16 +114,16 @@ def summarise_phases(phases: pd.DataFrame) -> pd.DataFrame:
     """Summarise phases by pair of legs, over animals and over strides.
 
     The first set of statistics counts animals
-    (:func:`pawnb.gait.animal_phases.phase_of_animals`): each animal's mean phase is one unit
-    vector, whatever its number of strides, and the interval is made for few animals. With
-    one animal only its mean is given; spread, interval, test and pattern say nothing
-    about animals then and are blank (one animal's r is 1 and its SD 0, whatever it does), and
-    the note says so. The set named ``..._strides``
-    counts every stride as if it were independent of the others, which strides of one animal
-    are not: it describes, and its p is too small.
+    (:func:`pawnb.gait.inference.animal_phases.phase_of_animals`): each animal's mean phase is one
+    unit vector, whatever its number of strides, and the interval is made for few animals. With one
+    animal only its mean is given; spread, interval, test and pattern say nothing about animals then
+    and are blank (one animal's r is 1 and its SD 0, whatever it does), and the note says so. The
+    set named ``..._strides`` counts every stride as if it were independent of the others, which
+    strides of one animal are not: it describes, and its p is too small.
 
-    ``pattern`` names the phase relation, see :func:`pawnb.gait.phase_patterns.name_pattern`; where
-    the animals do not determine one, the note says how alike they would have to be.
+    ``pattern`` names the phase relation, see
+    :func:`pawnb.gait.analysis.phase_patterns.name_pattern`; where the animals do not determine one,
+    the note says how alike they would have to be.
 
     Parameters
     ----------
@@ -136,9 +136,9 @@ def summarise_phases(phases: pd.DataFrame) -> pd.DataFrame:
         ``PHASE_SUMMARY_COLUMNS``, pairs in their order of appearance. Standard
         deviation: :func:`~pawnb.gait.circular.circular_sd`; p: exact,
         :func:`~pawnb.gait.circular.rayleigh_p`; interval of 95 %:
-        :func:`~pawnb.gait.animal_phases.interval_of_phases` for animals,
+        :func:`~pawnb.gait.inference.animal_phases.interval_of_phases` for animals,
         :func:`~pawnb.gait.circular.mean_interval` for strides; of r, ``r_low`` and ``r_high``:
-        :func:`~pawnb.gait.circular_length.length_interval`. ``moore_r`` and ``moore_p``:
+        :func:`~pawnb.gait.inference.circular_length.length_interval`. ``moore_r`` and ``moore_p``:
         Moore's second-order test of the animals' mean vectors.
     """
     rows = []

@@ -17,8 +17,8 @@ from scipy.stats import t as student
 from statsmodels.regression.linear_model import OLS
 
 from pawnb.errors import InputError
-from pawnb.gait.checks import check_level
-from pawnb.gait.lines import (
+from pawnb.gait.inference.checks import check_level
+from pawnb.gait.inference.linear_fit import (
     AnimalSlopes,
     Line,
     SlopeTest,

@@ -8,8 +8,8 @@ import numpy as np
 from scipy.signal import hilbert
 
 from pawnb.errors import InputError
-from pawnb.gait.checks import as_numbers
 from pawnb.gait.circular import mean_vector
+from pawnb.gait.inference.checks import as_numbers
 from pawnb.signals import find_runs
 
 _SHORTEST = 8

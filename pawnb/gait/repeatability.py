@@ -12,7 +12,7 @@ from scipy.stats import f as fisher
 from scipy.stats import t as student
 
 from pawnb.errors import InputError
-from pawnb.gait.lines import t_quantile
+from pawnb.gait.inference.linear_fit import t_quantile
 from pawnb.schema import check_columns
 
 MEASURES = (

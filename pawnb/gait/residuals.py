@@ -17,7 +17,7 @@ from scipy.optimize import brentq
 from scipy.signal import detrend
 
 from pawnb.errors import InputError
-from pawnb.gait.cutoff_scores import (
+from pawnb.gait.inference.cutoff_scores import (
     LEAST_SAMPLES,
     NO_CUTOFF,
     Choice,

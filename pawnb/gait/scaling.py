@@ -9,7 +9,7 @@ from typing import Literal, NamedTuple
 import pandas as pd
 
 from pawnb.errors import InputError
-from pawnb.gait.lines import AnimalSlopes, Line
+from pawnb.gait.inference.linear_fit import AnimalSlopes, Line
 from pawnb.gait.regression import compare_slope, fit_line, fit_power, fit_rma, slope_over_animals
 from pawnb.schema import check_columns
 

@@ -17,9 +17,9 @@ from scipy.stats import f as fisher
 from scipy.stats import rankdata
 
 from pawnb.errors import InputError
-from pawnb.gait.checks import as_numbers
 from pawnb.gait.circular import MeanVector, check_phases, resultant_p, wrap
-from pawnb.gait.circular_sample import ONE_ANIMAL, TINY, CircularTest, animal_codes
+from pawnb.gait.inference.checks import as_numbers
+from pawnb.gait.inference.circular_sample import ONE_ANIMAL, TINY, CircularTest, animal_codes
 
 
 class AnimalVectors(NamedTuple):

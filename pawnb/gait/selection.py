@@ -13,8 +13,8 @@ import numpy as np
 import pandas as pd
 
 from pawnb.errors import InputError
+from pawnb.gait.analysis.tables import GaitTables
 from pawnb.gait.phases import summarise_phases
-from pawnb.gait.tables import GaitTables
 from pawnb.schema import DROPPED_COLUMNS
 
 STEADINESS_COLUMNS = (

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from pawnb.figures.style import colour_legs
-from pawnb.gait.leg_names import guess_legs
+from pawnb.gait.analysis.leg_names import guess_legs
 
 OTHERS = ("#F0E442", "#FFFFFF", "#7FD6C2")
 """Yellow, white, a pale green: points that are no legs, such as nose and ears."""

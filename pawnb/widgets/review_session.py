@@ -16,7 +16,7 @@ from pawnb.core.edits.log import Accept, Hide, Move, Swap
 from pawnb.core.pose.as_tracks import is_pose
 from pawnb.core.rig import Rig
 from pawnb.errors import InputError
-from pawnb.gait.leg_names import guess_legs
+from pawnb.gait.analysis.leg_names import guess_legs
 from pawnb.gait.legs import find_leg_place
 from pawnb.schema import ORIGIN_CODE, ORIGINS, Tracks
 from pawnb.trial import Trial

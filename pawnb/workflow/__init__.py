@@ -1,9 +1,9 @@
 """Trial to tracks to gait, each step one call.
 
 The everyday functions of these modules are names of :mod:`pawnb` itself. The rooms, in the order
-of the work: ``calibration``, ``checking``, ``start`` (clicks proposed), ``tracking``, ``reviewing``,
-``evaluation``, ``conversion``, ``gait``, ``batch`` and ``provenance``. Their modules are names here
-too: ``pawnb.workflow.track`` is :mod:`pawnb.workflow.tracking.track`.
+of the work: ``calibration``, ``checking``, ``start`` (clicks proposed), ``tracking``,
+``reviewing``, ``evaluation``, ``conversion``, ``gait``, ``batch`` and ``provenance``. Their modules
+are names here too: ``pawnb.workflow.track`` is :mod:`pawnb.workflow.tracking.track`.
 """
 
 import importlib

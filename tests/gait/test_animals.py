@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 from scipy.stats import ttest_1samp
 
 from pawnb.errors import InputError
-from pawnb.gait.animal_phases import interval_of_phases, phase_of_animals
 from pawnb.gait.animal_summary import summarise_animals
 from pawnb.gait.animals import mean_of_animals, slope_of_animals
 from pawnb.gait.circular_tests import mean_test, rayleigh_test
-from pawnb.gait.variance_shares import variance_shares
+from pawnb.gait.inference.animal_phases import interval_of_phases, phase_of_animals
+from pawnb.gait.inference.variance_shares import variance_shares
 
 T4 = 2.7764451051977987  # Student's t, 0.975, 4 degrees of freedom (tables)
 

@@ -9,8 +9,8 @@ import pandas as pd
 import pytest
 
 from pawnb.errors import InputError
-from pawnb.gait.animal_phases import interval_of_phases
 from pawnb.gait.bootstrap import bootstrap_animals, bootstrap_units, mean_by_animal
+from pawnb.gait.inference.animal_phases import interval_of_phases
 
 
 def table(by_animal):

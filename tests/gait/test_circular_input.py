@@ -7,7 +7,6 @@ import pandas as pd
 import pytest
 
 from pawnb.errors import InputError
-from pawnb.gait.animal_phases import interval_of_phases, phase_of_animals
 from pawnb.gait.animals import slope_of_animals
 from pawnb.gait.bootstrap import bootstrap_units
 from pawnb.gait.circular import mean_vector, rayleigh_p
@@ -29,6 +28,7 @@ from pawnb.gait.circular_tests import (
     symmetry_test,
     v_test,
 )
+from pawnb.gait.inference.animal_phases import interval_of_phases, phase_of_animals
 from pawnb.gait.patterns import pattern_distances
 from pawnb.gait.phases import describe_phases, summarise_phases
 from pawnb.gait.second_order import animal_vectors, hotelling_test, mean_of_means, moore_test

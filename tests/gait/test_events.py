@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 from walking import Walk
 
 from pawnb.errors import InputError
-from pawnb.gait.event_settings import EventSettings
+from pawnb.gait.event_detection.event_settings import EventSettings
+from pawnb.gait.event_detection.ground_contact import find_contacts, measure_height
 from pawnb.gait.events import Extreme, find_extremes, stance_velocity, stance_velocity_over_time
-from pawnb.gait.landings import find_contacts, measure_height
 from pawnb.schema import build_settings
 from pawnb.signals import differentiate
 

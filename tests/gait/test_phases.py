@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pawnb.errors import InputError
-from pawnb.gait.phase_patterns import length_needed, name_pattern
+from pawnb.gait.analysis.phase_patterns import length_needed, name_pattern
 from pawnb.gait.phases import (
     build_phases,
     describe_phases,

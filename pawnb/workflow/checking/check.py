@@ -12,7 +12,7 @@ from pawnb.core.paws.offline.treadmill.tracker import warn_of_ambiguous_colour
 from pawnb.core.rig import Rig
 from pawnb.core.video import ViewReader, ViewSet, open_views
 from pawnb.errors import InputError, PawnbError
-from pawnb.gait.leg_names import choose_legs
+from pawnb.gait.analysis.leg_names import choose_legs
 from pawnb.gait.legs import sort_legs
 from pawnb.io.native import read_tracks
 from pawnb.io.start import check_start, read_start

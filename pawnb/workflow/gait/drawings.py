@@ -14,6 +14,7 @@ from pawnb.errors import InputError
 from pawnb.figures.panels import speed_unit, with_unit
 from pawnb.files import safe_name
 from pawnb.gait import GaitTables
+from pawnb.gait.analysis.notes import Note
 from pawnb.gait.coordination import coordination_tables
 from pawnb.gait.cycles import (
     HEIGHT,
@@ -25,7 +26,6 @@ from pawnb.gait.cycles import (
     centre_signals,
     cut_cycles,
 )
-from pawnb.gait.notes import Note
 from pawnb.workflow.gait.statistics import Groups, is_paired, length_unit, with_group
 
 Drawn = tuple[pd.DataFrame, Any]

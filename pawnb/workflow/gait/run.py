@@ -14,10 +14,10 @@ import pandas as pd
 from pawnb import gait
 from pawnb.errors import InputError
 from pawnb.gait import GaitTables
+from pawnb.gait.analysis.leg_names import choose_legs
+from pawnb.gait.analysis.tables import say_no_strides
 from pawnb.gait.coordination import coordination_tables
-from pawnb.gait.event_edits import FILE_NAME
-from pawnb.gait.leg_names import choose_legs
-from pawnb.gait.tables import say_no_strides
+from pawnb.gait.event_detection.event_edits import FILE_NAME
 from pawnb.io.tables import write_table
 from pawnb.schema import each_of
 from pawnb.workflow.gait.drawings import gait_drawings

@@ -10,6 +10,8 @@ import pandas as pd
 from pawnb.errors import InputError
 from pawnb.figures.panels import speed_unit
 from pawnb.gait import GaitTables, body_angles
+from pawnb.gait.analysis.stride_measures import MEASURE_COLUMNS
+from pawnb.gait.analysis.stride_support import SUPPORT_MEASURES
 from pawnb.gait.animal_summary import summarise_animals
 from pawnb.gait.cycles import POSITION
 from pawnb.gait.durations import compare_legs, stride_duration_by_leg
@@ -18,8 +20,6 @@ from pawnb.gait.joints import get_joint_angles, joint_range_table
 from pawnb.gait.phase_slopes import phase_speed_table
 from pawnb.gait.scaling import speed_table
 from pawnb.gait.selection import steadiness
-from pawnb.gait.stride_measures import MEASURE_COLUMNS
-from pawnb.gait.stride_support import SUPPORT_MEASURES
 from pawnb.schema import Tracks
 from pawnb.trial import Trial
 

@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from pawnb.errors import InputWarning, ResumptionWarning
-from pawnb.gait.notes import Note
+from pawnb.gait.analysis.notes import Note
 
 NOTES_COLUMNS = ("where", "what", "rows")
 """``where``: the trial, file or table that a note is about (empty: all of them); ``what``: the
@@ -70,7 +70,7 @@ def notes_table(
     Parameters
     ----------
     notes : iterable of str
-        Sentences; a :class:`~pawnb.gait.notes.Note` says where it belongs.
+        Sentences; a :class:`~pawnb.gait.analysis.notes.Note` says where it belongs.
     tables : mapping, optional
         Tables by the names of their files; those with a column ``note`` are read.
 

@@ -17,7 +17,7 @@ from pawnb.core.rig import Rig
 from pawnb.core.suspects.frames import find_suspects
 from pawnb.errors import InputError, InputWarning
 from pawnb.files import write_whole
-from pawnb.gait.notes import Note
+from pawnb.gait.analysis.notes import Note
 from pawnb.io import native
 from pawnb.io.pose import write_pose
 from pawnb.io.tables import write_table

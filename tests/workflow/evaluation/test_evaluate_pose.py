@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "core" / "pose"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "core" / "pose"))
 from walking_poses import walking_poses
 
 from pawnb.cli import main

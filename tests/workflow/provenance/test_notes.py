@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from pawnb.errors import InputWarning, ResumptionWarning
-from pawnb.gait.notes import Note
+from pawnb.gait.analysis.notes import Note
 from pawnb.workflow.gait.run import run_gait
 from pawnb.workflow.provenance.notes import (
     NOTES_COLUMNS,

@@ -1,0 +1,362 @@
+"""The tables of a gait analysis: made from events, and pooled over trials and animals."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import pandas as pd
+
+from pawnb.errors import InputError, did_you_mean
+from pawnb.gait.analysis.notes import Note
+from pawnb.gait.analysis.plausibility import say_implausible
+from pawnb.gait.analysis.stride_measures import measure_strides
+from pawnb.gait.analysis.stride_support import measure_support
+from pawnb.gait.cycles import LegSignals
+from pawnb.gait.event_detection.event_settings import EventSettings
+from pawnb.gait.legs import default_pairs, sort_legs
+from pawnb.gait.phases import build_phases, summarise_phases
+from pawnb.gait.strides import PARTNER, Motion, build_strides, choose_stride_event
+
+Pairs = Sequence[tuple[str, str]]
+_KEYS = ["animal", "trial"]
+_TABLES = ("events", "strides", "phases", "phase_summary", "dropped")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TrialBasis:
+    """What the tables of one animal and trial are made from beside its events.
+
+    The arguments of :func:`build_tables`, kept so that :func:`rebuild_tables` can make the
+    tables again from other events.
+    """
+
+    who: Mapping[str, str]
+    pairs: Pairs | None
+    motion: Mapping[str, Motion] | None
+    gaps: pd.DataFrame | None
+    legs: Sequence[str] | None
+    dropped: pd.DataFrame | None
+    signals: Sequence[LegSignals]
+    body_length: float | None
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class GaitTables:
+    """The tables of a gait analysis.
+
+    Parameters
+    ----------
+    events, strides, phases, phase_summary, dropped : pandas.DataFrame
+        Tables with the columns of :mod:`pawnb.schema`, some with further columns on the
+        right. Rows are ordered by trial, leg and time.
+    notes : tuple of str
+        What was assumed or estimated, one sentence each;
+        :class:`~pawnb.gait.analysis.notes.Note` where it is about one trial.
+    settings : EventSettings
+        The settings that were asked for.
+    signals : tuple of LegSignals
+        The smoothed signals the events were found in, of analyses of Tracks; see
+        :mod:`pawnb.gait.cycles`.
+    bases : tuple of TrialBasis
+        What the tables of each trial were made from, for :func:`rebuild_tables`.
+    found : GaitTables, optional
+        The same analysis before events were corrected by hand; None where none were.
+
+    Examples
+    --------
+    >>> gait = pawnb.gait.analyse(tracks, trial=run.trial)
+    >>> gait.phase_summary[["leg", "reference", "mean", "pattern"]].shape[1]
+    4
+    """
+
+    events: pd.DataFrame
+    strides: pd.DataFrame
+    phases: pd.DataFrame
+    phase_summary: pd.DataFrame
+    dropped: pd.DataFrame
+    notes: tuple[str, ...] = ()
+    settings: EventSettings = field(default_factory=EventSettings)
+    signals: tuple[LegSignals, ...] = ()
+    bases: tuple[TrialBasis, ...] = ()
+    found: GaitTables | None = None
+
+    def __repr__(self) -> str:
+        """Return how large each table is; the tables themselves are for their own cells."""
+        known = self.events[_KEYS].drop_duplicates()
+        n_animals, n_trials = known["animal"].nunique(), len(known)
+        sizes = [f"{name}: {len(getattr(self, name))} rows" for name in _TABLES]
+        more = [f"{len(self.notes)} notes", *(["corrected by hand"] if self.found else [])]
+        of = (
+            f"{n_trials} trial{'s' * (n_trials != 1)} of {n_animals} animal{'s' * (n_animals != 1)}"
+        )
+        return f"GaitTables({of}; {', '.join(sizes)}; {', '.join(more)})"
+
+
+def pool(parts: Sequence[GaitTables]) -> GaitTables:
+    """Put several analyses together; the phase summary is made anew over all of them.
+
+    Parameters
+    ----------
+    parts : sequence of GaitTables
+        Analyses of trials. Trials of one animal must carry the same animal's name.
+
+    Returns
+    -------
+    GaitTables
+        Tables one below the other, in the order given.
+
+    Raises
+    ------
+    InputError
+        If there is nothing to pool, two parts hold the same animal and trial, or their
+        settings differ.
+
+    Examples
+    --------
+    >>> parts = [pawnb.gait.analyse(one.tracks(), trial=one.trial) for one in study.runs]
+    >>> gait = pawnb.gait.pool(parts)
+    >>> gait.strides["animal"].unique().tolist()
+    ['spider-01', 'spider-02']
+    """
+    if not parts:
+        raise InputError("nothing to pool: expected at least one analysis.")
+    seen: set[tuple[str, str]] = set()
+    for part in parts:
+        both = (part.events[_KEYS], part.dropped[_KEYS])
+        own = {tuple(row) for t in both for row in t.drop_duplicates().to_numpy()}
+        double = sorted(seen & own)
+        if double:
+            raise InputError(
+                f"animal {double[0][0]!r}, trial {double[0][1]!r} is there twice; give every "
+                "trial its own name."
+            )
+        seen |= own
+        if part.settings != parts[0].settings:
+            raise InputError(
+                "the analyses were made with different settings; make them again with the same."
+            )
+    tables = {
+        name: _stack([getattr(part, name) for part in parts])
+        for name in ("events", "strides", "phases", "dropped")
+    }
+    return GaitTables(
+        **tables,
+        phase_summary=summarise_phases(tables["phases"]),
+        notes=tuple(dict.fromkeys(note for part in parts for note in part.notes)),
+        settings=parts[0].settings,
+        signals=tuple(one for part in parts for one in part.signals),
+        bases=tuple(one for part in parts for one in part.bases),
+        found=_pool_found(parts),
+    )
+
+
+def _pool_found(parts: Sequence[GaitTables]) -> GaitTables | None:
+    """Return what the parts were before corrections; None where no part has any."""
+    if all(part.found is None for part in parts):
+        return None
+    return pool([part if part.found is None else part.found for part in parts])
+
+
+def rebuild_tables(
+    tables: GaitTables,
+    events: pd.DataFrame,
+    *,
+    excluded: pd.DataFrame | None = None,
+    trials: Collection[tuple[str, str]] | None = None,
+) -> GaitTables:
+    """Make strides, phases and their summary again from other events.
+
+    Parameters
+    ----------
+    tables : GaitTables
+        The result of an analysis; a selection made from it later is not kept in what is made
+        again.
+    events : pandas.DataFrame
+        Events of the same trials, in the order of ``tables.events``.
+    excluded : pandas.DataFrame, optional
+        Strides that shall not count: ``animal, trial, leg, time_s`` (within the stride), ``why``.
+    trials : collection of (animal, trial), optional
+        Where events or excluded strides are others; the rest stays as it is, which is far
+        quicker than making it again. Default all.
+
+    Returns
+    -------
+    GaitTables
+        The tables, with the notes, settings and signals they had.
+
+    Raises
+    ------
+    InputError
+        If the tables do not come from an analysis.
+    """
+    if not tables.bases:
+        raise InputError(
+            "these tables do not say what they were made from; analyse tracks or events again."
+        )
+    parts = []
+    for basis in tables.bases:
+        if trials is not None and (basis.who["animal"], basis.who["trial"]) not in trials:
+            parts.append(_part_of(tables, basis))
+            continue
+        own = _of_trial(events, basis.who).reset_index(drop=True)
+        without = None if excluded is None else _of_trial(excluded, basis.who)
+        parts.append(build_tables(own, settings=tables.settings, excluded=without, **vars(basis)))
+    return replace(pool(parts), notes=tables.notes, bases=tables.bases)
+
+
+def _part_of(tables: GaitTables, basis: TrialBasis) -> GaitTables:
+    """Return the tables of one animal and trial as they are; :func:`pool` sums up phases."""
+    return GaitTables(
+        events=_of_trial(tables.events, basis.who),
+        strides=_of_trial(tables.strides, basis.who),
+        phases=_of_trial(tables.phases, basis.who),
+        phase_summary=tables.phase_summary.head(0),
+        dropped=_of_trial(tables.dropped, basis.who),
+        settings=tables.settings,
+        signals=tuple(basis.signals),
+    )
+
+
+def _of_trial(table: pd.DataFrame, who: Mapping[str, str]) -> pd.DataFrame:
+    """Return the rows of one animal and trial."""
+    return table[(table["animal"] == who["animal"]) & (table["trial"] == who["trial"])]
+
+
+def build_tables(
+    events: pd.DataFrame,
+    who: Mapping[str, str],
+    *,
+    pairs: Pairs | None,
+    settings: EventSettings,
+    motion: Mapping[str, Motion] | None = None,
+    gaps: pd.DataFrame | None = None,
+    legs: Sequence[str] | None = None,
+    dropped: pd.DataFrame | None = None,
+    notes: Sequence[str] = (),
+    signals: Sequence[LegSignals] = (),
+    body_length: float | None = None,
+    excluded: pd.DataFrame | None = None,
+) -> GaitTables:
+    """Make the tables of one animal and trial from its events; :func:`pool` sums up phases.
+
+    Parameters
+    ----------
+    events : pandas.DataFrame
+        Events of one animal and trial, in order.
+    who : mapping
+        ``animal`` and ``trial``.
+    pairs : sequence of (leg, reference), optional
+        Pairs whose phase is measured; None for the usual ones.
+    settings : EventSettings
+        Settings.
+    motion : mapping, optional
+        Motion by the name of the leg.
+    gaps : pandas.DataFrame, optional
+        Stretches that no stride may hold; see :func:`pawnb.gait.strides.build_strides`.
+    legs : sequence of str, optional
+        Legs in anatomical order; default those of the events.
+    dropped : pandas.DataFrame, optional
+        What was dropped before.
+    notes : sequence of str
+        What a reader should know.
+    signals : sequence of LegSignals
+        Smoothed signals of the legs.
+    body_length : float, optional
+        Length of the body in the unit of the positions.
+    excluded : pandas.DataFrame, optional
+        Strides that shall not count; see :func:`pawnb.gait.strides.build_strides`.
+
+    Returns
+    -------
+    GaitTables
+        The tables, the summary of phases still empty.
+
+    Raises
+    ------
+    InputError
+        If a pair names a leg that is not there.
+    """
+    legs = sort_legs(events["leg"]) if legs is None else legs
+    chosen = default_pairs(legs) if pairs is None else _checked_pairs(pairs, legs)
+    start = choose_stride_event(events, settings.stride_events)
+    strides, no_strides = build_strides(
+        events, start_event=start, motion=motion, gaps=gaps, max_stride_s=settings.max_stride_s,
+        excluded=excluded,
+    )  # fmt: skip
+    strides = measure_strides(strides, motion=motion, signals=signals, body_length=body_length)
+    strides = measure_support(strides, events, signals=signals)
+    phases, no_phases = build_phases(events, strides, chosen, start_event=start)
+    all_dropped = [t for t in (dropped, no_strides, no_phases) if t is not None]
+    remarks = [*notes, *say_implausible(strides)]
+    if not chosen:
+        remarks.append("no pair of legs by name; name them with pairs for phases.")
+    return GaitTables(
+        events=events,
+        strides=strides,
+        phases=phases,
+        phase_summary=summarise_phases(phases.head(0)),
+        dropped=_stack(all_dropped),
+        notes=tuple(Note(note, where=who["trial"]) for note in remarks),
+        settings=settings,
+        signals=tuple(signals),
+        bases=(
+            TrialBasis(
+                who=who, pairs=pairs, motion=motion, gaps=gaps, legs=legs, dropped=dropped,
+                signals=signals, body_length=body_length,
+            ),
+        ),
+    )  # fmt: skip
+
+
+def say_no_strides(tables: GaitTables) -> list[Note]:
+    """Say of each trial without a stride what was found and what is needed.
+
+    Parameters
+    ----------
+    tables : GaitTables
+        The result of an analysis.
+
+    Returns
+    -------
+    list of Note
+        One sentence for each trial that has no stride.
+    """
+    said = []
+    for basis in tables.bases:
+        if len(_of_trial(tables.strides, basis.who)):
+            continue
+        events = _of_trial(tables.events, basis.who)
+        start = choose_stride_event(events, tables.settings.stride_events)
+        counts = events.loc[events["event"] == start, "leg"].value_counts()
+        legs = sort_legs(events["leg"]) if basis.legs is None else basis.legs
+        found = ", ".join(f"{counts.get(leg, 0)} of {leg}" for leg in legs)
+        dropped = (_of_trial(tables.dropped, basis.who)["what"] == "stride").sum()
+        if dropped:
+            found += f" ({dropped} from {start} to {start} dropped: see dropped.csv)"
+        what = (
+            f"no stride, for one runs from {start} to {start} of the same leg, with one "
+            f"{PARTNER[start]} between; found {start}: {found}; a longer recording is needed, or "
+            "other settings of the event detection."
+        )
+        said.append(Note(what, where=basis.who["trial"]))
+    return said
+
+
+def _stack(tables: list[pd.DataFrame]) -> pd.DataFrame:
+    """Put tables below each other; empty ones only lend their columns."""
+    full = [t for t in tables if len(t)]
+    return pd.concat(full, ignore_index=True) if full else tables[0].reset_index(drop=True)
+
+
+def _checked_pairs(pairs: Pairs, legs: Sequence[str]) -> list[tuple[str, str]]:
+    """Return the pairs; refuse a leg that is not there or is its own reference."""
+    for pair in pairs:
+        if len(pair) != 2 or pair[0] == pair[1]:
+            raise InputError(f"pairs: {tuple(pair)} is not a leg and another one as reference.")
+        for leg in pair:
+            if leg not in legs:
+                raise InputError(
+                    f"pairs: no leg {leg!r}{did_you_mean(leg, legs)}; there are {', '.join(legs)}."
+                )
+    return [(a, b) for a, b in pairs]

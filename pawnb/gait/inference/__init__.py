@@ -1,0 +1,24 @@
+"""What the statistics share; the tests and models themselves are public modules of gait.
+
+``checks`` of input; ``linear_fit``; ``permutations``, ``leg_permutation``; ``fixed_effects`` and
+``mixed_likelihood`` of mixed models; ``variance_shares``; ``animal_phases``, ``circular_length``,
+``circular_sample`` of phases; ``cutoff_scores`` of filters.
+"""
+
+from pawnb import _lazy
+
+__all__ = [
+    "animal_phases",
+    "checks",
+    "circular_length",
+    "circular_sample",
+    "cutoff_scores",
+    "fixed_effects",
+    "leg_permutation",
+    "linear_fit",
+    "mixed_likelihood",
+    "permutations",
+    "variance_shares",
+]
+
+__getattr__, __dir__ = _lazy(__name__, __all__)

@@ -1,0 +1,136 @@
+"""Which way is forward, and which way up."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pawnb.errors import InputError
+from pawnb.gait.locomotion.foot_trajectories import FootPaths
+from pawnb.kinematics import swing_direction, travel_direction
+from pawnb.trial import Trial
+
+
+def find_up(trial: Trial | None, feet: FootPaths) -> np.ndarray | None:
+    """Find the direction upwards.
+
+    Parameters
+    ----------
+    trial : Trial or None
+        Description of the trial.
+    feet : FootPaths
+        The feet.
+
+    Returns
+    -------
+    ndarray, shape (3,), or None
+        Unit vector in calibrated space; None in a picture, where up cannot be told.
+    """
+    if feet.positions.shape[1] != 3:
+        return None
+    if trial is not None and trial.calibration is not None:
+        return np.array(trial.calibration.up)
+    return np.array([0.0, 0.0, 1.0])
+
+
+def choose_direction(
+    feet: FootPaths,
+    path: np.ndarray,
+    *,
+    trial: Trial | None,
+    forward: np.ndarray | None,
+    treadmill: bool,
+    fs_hz: float,
+) -> tuple[np.ndarray, list[str]]:
+    """Choose the direction towards the front.
+
+    Parameters
+    ----------
+    feet : FootPaths
+        The feet.
+    path : ndarray, shape (n, d)
+        Low-passed path of the body.
+    trial : Trial or None
+        Description of the trial.
+    forward : ndarray, shape (d,), or None
+        Direction stated by the caller; it comes before all others.
+    treadmill : bool
+        On the ground the animal faces where it goes. On a treadmill the direction is the
+        trial's in calibrated space, the view's ``facing`` in a picture, or told from the
+        swing of the feet.
+    fs_hz : float
+        Sampling rate.
+
+    Returns
+    -------
+    direction : ndarray, shape (d,)
+        Towards the front.
+    notes : list of str
+        Where it was derived, and what looks wrong.
+
+    Raises
+    ------
+    InputError
+        If ``forward`` is not a direction in this space.
+    """
+    n_dims = feet.positions.shape[1]
+    who = feet.label
+    if forward is not None:
+        if forward.shape != (n_dims,) or not np.linalg.norm(forward) > 0:
+            raise InputError(
+                f"forward is {forward.tolist()}; expected {n_dims} numbers that are not all zero."
+            )
+        return forward, []
+    if not treadmill:
+        direction, straight = travel_direction(path, up=find_up(trial, feet))
+        notes = []
+        if straight < 0.9:
+            notes.append(
+                f"{who}: the path is not straight ({straight:.0%} of its length is progress); "
+                "name points of the body in [animal] body for a heading that turns."
+            )
+        return direction, notes
+    from_feet = swing_direction(feet.positions, fs_hz=fs_hz)
+    facing = image_facing(trial, feet.source) if n_dims == 2 else None
+    if n_dims == 3:
+        calibration = trial.calibration if trial is not None else None
+        stated = np.array(calibration.forward if calibration else (1.0, 0.0, 0.0))
+    elif facing is not None:
+        stated = np.array([float(facing), 0.0])
+    else:
+        side = _say_direction(from_feet)
+        return from_feet, [f"{who}: the animal faces {side}, told from the swing of its feet."]
+    if stated @ from_feet < -0.5:
+        return stated, [
+            f"{who}: the feet swing fastest backwards; is forward = {stated.tolist()} "
+            "(or facing) the wrong way round?"
+        ]
+    return stated, []
+
+
+def _say_direction(direction: np.ndarray) -> str:
+    """Name a direction in a picture."""
+    if abs(direction[0]) >= abs(direction[1]):
+        return "right" if direction[0] > 0 else "left"
+    return "down" if direction[1] > 0 else "up"
+
+
+def image_facing(trial: Trial | None, source: str) -> int | None:
+    """Look up which way the animal faces in a picture.
+
+    Parameters
+    ----------
+    trial : Trial or None
+        Description of the trial.
+    source : str
+        Name of a view, or ``"position"`` for the only view of an uncalibrated trial.
+
+    Returns
+    -------
+    int or None
+        +1 right, -1 left, None where the trial does not say.
+    """
+    if trial is None:
+        return None
+    if source == "position":
+        return trial.views[0].facing if len(trial.views) == 1 else None
+    return next((v.facing for v in trial.views if v.name == source), None)

@@ -1,0 +1,153 @@
+"""Cut-offs and shortest times that follow the animal: set from its stride frequency."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from pawnb.gait.event_detection.event_settings import EventSettings
+from pawnb.gait.locomotion.foot_trajectories import FootPaths
+from pawnb.signals import fill_gaps, find_turns
+
+_UNFILTERED_ABOVE = 0.35
+"""No filter where its cut-off would be above this share of the sampling rate."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scales:
+    """Cut-offs and times in use: as asked for, or set from the stride frequency.
+
+    Parameters
+    ----------
+    cutoff_hz : float or None
+        Low-pass for the feet; None for no filter.
+    body_cutoff_hz : float
+        Low-pass for the mean of the feet.
+    max_gap_s, min_stance_s, min_swing_s : float
+        Longest bridged gap, shortest stance and swing.
+    """
+
+    cutoff_hz: float | None
+    body_cutoff_hz: float
+    max_gap_s: float
+    min_stance_s: float
+    min_swing_s: float
+
+
+def choose_scales(settings: EventSettings, frequency_hz: float, fs_hz: float) -> Scales:
+    """Set every scale of time that the settings leave to the animal.
+
+    Parameters
+    ----------
+    settings : EventSettings
+        What was asked for.
+    frequency_hz : float
+        Stride frequency; NaN where unknown, and then 1 Hz is assumed.
+    fs_hz : float
+        Sampling rate.
+
+    Returns
+    -------
+    Scales
+        The scales.
+    """
+    stride = frequency_hz if math.isfinite(frequency_hz) else 1.0
+
+    def asked(value: float | None, default: float) -> float:
+        return default if value is None else value
+
+    cutoff = settings.cutoff_hz
+    if cutoff is None and 10.0 * stride <= _UNFILTERED_ABOVE * fs_hz:
+        cutoff = 10.0 * stride
+    return Scales(
+        cutoff_hz=cutoff,
+        body_cutoff_hz=asked(settings.body_cutoff_hz, stride / 3.0),
+        max_gap_s=asked(settings.max_gap_s, 0.1 / stride),
+        min_stance_s=asked(settings.min_stance_s, 0.06 / stride),
+        min_swing_s=asked(settings.min_swing_s, 0.06 / stride),
+    )
+
+
+def say_scales(feet: FootPaths, scales: Scales, frequency: float) -> str:
+    """Put the scales of time in one sentence.
+
+    Parameters
+    ----------
+    feet : FootPaths
+        The feet they are for.
+    scales : Scales
+        The scales in use.
+    frequency : float
+        Stride frequency they were set from, in Hz; NaN where unknown.
+
+    Returns
+    -------
+    str
+        A note.
+    """
+    who = feet.label
+    if not math.isfinite(frequency):
+        return f"{who}: no stride frequency found; times are set as for 1 Hz."
+    low_pass = (
+        "unfiltered, as too few frames make a stride for a low-pass of 10 times that"
+        if scales.cutoff_hz is None
+        else f"low-pass {scales.cutoff_hz:.3g} Hz"
+    )
+    return (
+        f"{who}: about {frequency:.3g} strides a second; {low_pass}, gaps bridged up to "
+        f"{scales.max_gap_s:.3g} s, stance at least {scales.min_stance_s:.3g} s, swing at "
+        f"least {scales.min_swing_s:.3g} s."
+    )
+
+
+def least_excursion(position: np.ndarray, settings: EventSettings) -> float:
+    """Choose the least excursion between AEP and PEP of one foot.
+
+    Parameters
+    ----------
+    position : ndarray, shape (n,)
+        Position along forward; NaN where missing.
+    settings : EventSettings
+        Settings.
+
+    Returns
+    -------
+    float
+        In the unit of ``position``; 0 for a foot that was never seen or never moved.
+    """
+    if settings.min_excursion is not None or not np.isfinite(position).any():
+        return settings.min_excursion or 0.0
+    low, high = np.nanpercentile(position, [5, 95])
+    return settings.min_excursion_fraction * float(high - low)
+
+
+def stepping_frequency(
+    position: np.ndarray, settings: EventSettings, *, fs_hz: float, guess: float
+) -> float:
+    """Count steps: the inverse of the median time between the AEP of a foot.
+
+    Parameters
+    ----------
+    position : ndarray, shape (n, k)
+        Positions of the feet along forward, unfiltered.
+    settings : EventSettings
+        Settings.
+    fs_hz : float
+        Sampling rate.
+    guess : float
+        What to return where no foot turns twice.
+
+    Returns
+    -------
+    float
+        Stride frequency in Hz.
+    """
+    periods: list[float] = []
+    for column in position.T:
+        least = least_excursion(column, settings)
+        if least > 0.0:
+            turns = find_turns(fill_gaps(column, max_gap=len(column)), min_excursion=least)
+            periods += np.diff(turns[turns[:, 1] > 0, 0]).tolist()
+    return fs_hz / float(np.median(periods)) if periods else guess

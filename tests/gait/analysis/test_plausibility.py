@@ -1,0 +1,71 @@
+"""Signs that something else than the feet was followed, or that the belt speed is wrong."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+from walking import Walk
+
+from pawnb.gait import analyse, analyse_events
+from pawnb.gait.analysis.plausibility import say_implausible
+
+
+def scored(frequencies):
+    """Events of legs that step at different frequencies, in Hz."""
+    rows = []
+    for leg, hz in frequencies.items():
+        for k in range(12):
+            rows += [(leg, "TD", k / hz), (leg, "LO", (k + 0.6) / hz)]
+    return pd.DataFrame(rows, columns=["leg", "event", "time_s"])
+
+
+def test_legs_that_do_not_step_equally_often_are_named():
+    # knees followed instead of feet gave 5.6 and 4.1 Hz on one belt
+    notes = analyse_events(scored({"FR": 5.6, "HR": 4.1, "FL": 5.5})).notes
+    (said,) = [note for note in notes if "strides a second" in note]
+    assert "FR makes 5.6 strides a second and HR 4.1" in said
+    for even in ({"FR": 5.0, "HR": 4.5}, {"FR": 5.0}):
+        assert not any("strides a second" in n for n in analyse_events(scored(even)).notes)
+
+
+def test_a_real_foot_beside_one_that_is_none_is_said_of_tracks():
+    feet = Walk().tracks(noise=0.2)
+    odd = Walk(period=0.4, speed=225.0).tracks(noise=0.2)
+    feet["position"].data[:, :, 1] = odd["position"].data[:, :, 1]
+    notes = analyse(feet, belt_speed=300.0).notes
+    assert any("HR 2.5; legs of one animal step equally often" in note for note in notes)
+    assert not any(
+        "equally" in n for n in analyse(Walk().tracks(noise=0.2), belt_speed=300.0).notes
+    )
+
+
+def test_duty_factors_that_are_far_apart_are_said():
+    # the sides of the difference are those of the stride table: AEP to PEP, and TD to LO
+    strides = pd.DataFrame(
+        {
+            "leg": np.repeat(["FR", "HR"], 5),
+            "frequency_hz": 5.0,
+            "duty_factor": np.repeat([0.70, 0.70], 5),
+            "contact_duty_factor": np.repeat([0.50, 0.58], 5),
+        }
+    )
+    (said,) = say_implausible(strides)
+    assert "(FR 0.70 and 0.50)" in said
+    assert say_implausible(strides[strides["leg"] == "HR"]) == []
+
+
+def test_a_body_that_goes_backwards_is_said():
+    strides = pd.DataFrame({"leg": "FR", "frequency_hz": 5.0, "duty_factor": 0.6,
+                            "speed": [-3.0, 2.0, -0.5, 4.0]})  # fmt: skip
+    (said,) = say_implausible(strides)
+    assert said.startswith("2 of 4 strides have a negative speed")
+    tables = analyse(Walk().tracks(noise=0.2), belt_speed=-300.0)
+    assert any("have a negative speed" in note for note in tables.notes)
+
+
+@pytest.mark.parametrize("duty", [0.5, 0.75])
+def test_nothing_is_said_of_a_sound_walk(duty):
+    strides = analyse(Walk(duty=duty).tracks(noise=0.3), belt_speed=300.0).strides
+    assert say_implausible(strides) == []
+    assert say_implausible(strides.iloc[:0]) == []

@@ -1,0 +1,1 @@
+"""With this file, tests in folders below find what this folder holds for them."""

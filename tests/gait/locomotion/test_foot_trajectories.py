@@ -1,0 +1,42 @@
+"""Feet out of Tracks: which space, which animal, how sure."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from pawnb.errors import InputError
+from pawnb.gait.locomotion.foot_trajectories import get_foot_paths
+from pawnb.schema import make_tracks
+
+
+def test_feet_come_from_the_space_that_saw_them_best():
+    tracks = make_tracks(np.arange(10), ["FR", "FL", "HR"], fps=100.0, views=["a", "b"], unit="mm")
+    tracks["position"].data[:, :, 0, 0] = 1.0
+    tracks["position"].data[:2, :, 1, 0] = 1.0  # in two frames of ten only
+    tracks["confidence"].data[:] = 1.0
+    tracks["image_position"].data[:, 1, :, 1, 0] = 7.0
+    tracks["image_position"].data[:4, 0, :, 1, 0] = 5.0
+    tracks["image_confidence"].data[:] = 1.0
+    spaces = get_foot_paths(tracks, {"FR": "FR", "FL": "FL", "HR": "HR"})
+    assert [(s.source, s.unit, s.legs) for s in spaces] == [
+        ("position", "mm", ("FR",)), ("b", "px", ("FL",)),
+    ]  # fmt: skip
+    assert spaces[0].positions.shape == (10, 3, 1)
+    assert (spaces[1].positions == 7.0).all()
+
+
+def test_unsure_positions_are_missing():
+    tracks = make_tracks(np.arange(4), ["FR"], fps=100.0, space=("x", "y"))
+    tracks["position"].data[:] = 1.0
+    tracks["confidence"].data[:, 0, 0] = [0.2, 0.9, 0.6, np.nan]
+    (paths,) = get_foot_paths(tracks, {"FR": "FR"}, min_confidence=0.6)
+    assert np.isfinite(paths.positions[:, 0, 0]).tolist() == [False, True, True, True]
+
+
+def test_bad_input_is_refused():
+    tracks = make_tracks(np.arange(4), ["FR"], fps=100.0)
+    with pytest.raises(InputError, match=r"^leg 'FR': the tracks have no point 'RF'"):
+        get_foot_paths(tracks, {"FR": "RF"})
+    with pytest.raises(InputError, match=r"^no individual 'x'; the tracks have animal\.$"):
+        get_foot_paths(tracks, {"FR": "FR"}, individual="x")
