@@ -37,11 +37,12 @@ import numpy as np
 
 from pawnb.core.paws.offline.treadmill import tracker as treadmill_tracker
 from pawnb.core.paws.request import TrackingRequest
+from pawnb.core.paws.tracker import KeptEvidence
 from pawnb.core.video import open_views
 from pawnb.io.start import read_start
 from pawnb.synthetic import render_mouse_trial
 from pawnb.trial import Trial, load_trial
-from pawnb.workflow.tracking.methods import METHODS, run_tracker, tracker_settings
+from pawnb.workflow.tracking.methods import METHODS, tracker_settings, trial_tracker
 from pawnb.workflow.tracking.trial_views import points_by_view, trial_rig, view_facing
 
 STAGES = {"read_scene": "learn from clicks", "scan_video": "detections, decoding included",
@@ -167,7 +168,9 @@ def run(trial: Trial, method: str, n_frames: int) -> None:
             facing=view_facing(trial, rig),
         )
         settings = tracker_settings(trial, method=method)
-        run_tracker(method, views, start, task=task, settings=settings)
+        trial_tracker(trial, method).track(
+            views, start, task, settings=settings, kept=KeptEvidence()
+        )
 
 
 @contextlib.contextmanager

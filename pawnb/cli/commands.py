@@ -46,11 +46,11 @@ def run_check(options: argparse.Namespace, _argv: list[str]) -> None:
 
 def run_track(options: argparse.Namespace, argv: list[str]) -> int:
     """Track a trial, write its results and say how good they are."""
+    from pawnb.core.paws.tracker import DEFAULT
     from pawnb.trial import load_trial
     from pawnb.workflow.interrupt import interruptible
     from pawnb.workflow.provenance.results import results_folder
     from pawnb.workflow.reviewing.quality import EXIT_FAILED, assess_quality, next_step
-    from pawnb.workflow.tracking.methods import METHODS
     from pawnb.workflow.tracking.track import track
 
     trial = load_trial(options.trial)
@@ -58,7 +58,7 @@ def run_track(options: argparse.Namespace, argv: list[str]) -> int:
     with interruptible() as interrupted:
         tracks = track(
             trial,
-            method=options.method or METHODS[0],
+            method=options.method or DEFAULT,
             settings=split_settings(options.set),
             out=out,
             stop=interrupted,

@@ -20,6 +20,7 @@ from typing import Any
 
 import pandas as pd
 
+from pawnb.core.paws.tracker import DEFAULT
 from pawnb.errors import InputError, PawnbError
 from pawnb.files import child_folder
 from pawnb.schema import each_of
@@ -31,7 +32,7 @@ from pawnb.workflow.provenance.manifest import MANIFEST, find_fault, known_files
 from pawnb.workflow.provenance.record import trial_checksums, trial_fingerprint
 from pawnb.workflow.provenance.results import RESULT_FILES, results_folder
 from pawnb.workflow.reviewing.quality import QUALITY_FILE, read_verdict
-from pawnb.workflow.tracking.methods import METHODS, settings_in_force
+from pawnb.workflow.tracking.methods import settings_in_force
 
 _WAIT_S = 0.05
 
@@ -280,7 +281,7 @@ def _order(
     """Return what a worker is to do for a job; None, and the reason, where there is nothing."""
     try:
         trial = load_trial(job.path)
-        method = asked["method"] or METHODS[0]
+        method = asked["method"] or DEFAULT
         folder = results_folder(
             trial, None if out is None else child_folder(out, trial.name, what="the trial")
         )

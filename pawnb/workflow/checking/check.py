@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +24,7 @@ from pawnb.workflow.conversion.foreign_tracks import read_belt, read_foreign_tra
 from pawnb.workflow.gait.event_sources import read_trial_events
 from pawnb.workflow.provenance.manifest import RUN_KINDS, find_fault, known_files
 from pawnb.workflow.provenance.results import provenance_steps, results_folder
-from pawnb.workflow.tracking.methods import pose_tracker_settings, tracker_settings
+from pawnb.workflow.tracking.methods import tracker_settings, trial_tracker
 from pawnb.workflow.tracking.predicted import doubt_predictions, read_predictions
 from pawnb.workflow.tracking.trial_views import frame_range, paw_task, points_by_view, trial_rig
 
@@ -144,7 +145,7 @@ def _check_tracks_file(trial: Trial, report: CheckReport) -> None:
 def _check_views(trial: Trial, report: CheckReport) -> None:
     """Open the views, read their first and last frame, and check what depends on them."""
     try:
-        (pose_tracker_settings if trial.kind == "pose" else tracker_settings)(trial)
+        tracker_settings(trial)
     except PawnbError as error:
         report.faults.append(str(error))
     try:
@@ -166,10 +167,7 @@ def _check_views(trial: Trial, report: CheckReport) -> None:
                 views.frame(frame)
             except PawnbError as error:
                 report.faults.append(str(error))
-        if trial.kind == "pose":
-            check_pose_trial(trial, views, report)
-        else:
-            _check_calibration(trial, views, report)
+        _CHECK_START[trial_tracker(trial).kind](trial, views, report)
 
 
 def _say_crop(view: View, reader: ViewReader) -> str:
@@ -273,3 +271,10 @@ def _doubt_colours(
         return
     if words is not None:
         report.doubts.append(words.rstrip("."))
+
+
+_CHECK_START: dict[str, Callable[[Trial, ViewSet, CheckReport], None]] = {
+    "paws": _check_calibration,
+    "pose": check_pose_trial,
+}
+"""What is checked of the start of a trial of each kind, and of what it needs."""

@@ -190,7 +190,7 @@ def compare_methods(
 
 
 def settings_by_method(
-    settings: Mapping[str, Any], methods: Sequence[str], *, pose: bool = False
+    settings: Mapping[str, Any], methods: Sequence[str], *, kind: str = "paws"
 ) -> dict[str, dict[str, Any]]:
     """Sort settings by the methods that they are for.
 
@@ -200,8 +200,8 @@ def settings_by_method(
         Names, or ``method.name``, to values.
     methods : sequence of str
         The methods that are compared.
-    pose : bool
-        Whether they are those of jointed animals.
+    kind : str
+        The kind of trial that they are for.
 
     Returns
     -------
@@ -221,11 +221,11 @@ def settings_by_method(
                 f"setting {word!r} is for method {method!r}{did_you_mean(method, methods)}, which "
                 f"is not compared; the methods are {', '.join(methods)}."
             )
-        refuse_published_names([name], pose=pose)
+        refuse_published_names([name], kind=kind)
         asked = [method] if dot else methods
-        owners = [m for m in asked if name in setting_names(m, pose=pose)]
+        owners = [m for m in asked if name in setting_names(m, kind=kind)]
         if not owners:
-            every = {n for m in asked for n in setting_names(m, pose=pose)}
+            every = {n for m in asked for n in setting_names(m, kind=kind)}
             who = f"method {method}" if dot else "none of the methods compared"
             has = "has no setting" if dot else "has a setting"
             raise InputError(f"{who} {has} {name!r}{did_you_mean(name, sorted(every))}.")

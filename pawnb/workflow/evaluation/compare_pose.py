@@ -105,7 +105,7 @@ def compare_pose_methods(
                 "compare trials of one kind."
             )
     check_methods(opened, methods, known=POSE_METHODS, truth=TRUTH)
-    own_settings = settings_by_method(settings or {}, methods, pose=True)
+    own_settings = settings_by_method(settings or {}, methods, kind="pose")
     rows: list[tuple[str, str, str, float, str]] = []
     for trial in opened:
         for method in methods:

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from pawnb.core.paws.tracker import DEFAULT
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.as_tracks import animal_of, is_pose, poses_of
 from pawnb.core.pose.pose_table import pose_table
@@ -35,7 +36,6 @@ from pawnb.workflow.provenance.results import (
     results_folder,
 )
 from pawnb.workflow.start.propose_pose import pose_view
-from pawnb.workflow.tracking.methods import POSE_METHODS
 from pawnb.workflow.tracking.track import track
 
 
@@ -86,7 +86,7 @@ def evaluate_still(
 def evaluate_directions(
     trial: Trial | str | Path,
     *,
-    method: str = POSE_METHODS[0],
+    method: str = DEFAULT,
     settings: Mapping[str, Any] | None = None,
     disturb_px: float = 0.0,
     disturb_deg: float = 0.0,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -104,7 +104,7 @@ def propose_start(
     """
     if not isinstance(trial, Trial):
         trial = load_trial(trial)
-    propose = propose_pose_start if trial.kind == "pose" else propose_paws
+    propose = _PROPOSE.get(trial.kind, propose_paws)
     return propose(trial, frames=frames, progress=progress)
 
 
@@ -217,3 +217,9 @@ def propose_in_views(
     )
     notes = () if found.sides_known else (SIDES_UNKNOWN,)
     return StartProposal(found.frame, start, points, notes)
+
+
+_PROPOSE: dict[str, Callable[..., StartProposal | PoseStart]] = {
+    "paws": propose_paws,
+    "pose": propose_pose_start,
+}

@@ -1,66 +1,66 @@
-"""The methods of the trackers: their names, settings, and how each paw tracker is run."""
+"""Which tracker a trial asks for, and its settings in force."""
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
-import pandas as pd
-
-from pawnb.core.frame_checkpoint import KeptFrames
 from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
-from pawnb.core.paws.maghsoudi2019.tracker import track_maghsoudi2019
-from pawnb.core.paws.offline.again import Again
-from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
-from pawnb.core.paws.offline.kept import KeptStacks
 from pawnb.core.paws.offline.settings import OfflineSettings
-from pawnb.core.paws.offline.tracker import track_offline
-from pawnb.core.paws.request import TrackingRequest
-from pawnb.core.pose.animal import StickAnimal
-from pawnb.core.pose.background import Background
+from pawnb.core.paws.tracker import DEFAULT, AnyTracker, find_tracker, trackers
 from pawnb.core.pose.fit.settings import PoseSettings
-from pawnb.core.pose.fit.tracker import track_pose
-from pawnb.core.pose.poses import Poses
 from pawnb.core.pose.pullar2009.settings import Pullar2009Settings
-from pawnb.core.pose.pullar2009.tracker import track_pullar2009
 from pawnb.core.pose.space.settings import SpaceSettings
-from pawnb.core.pose.track_result import PoseTrack
-from pawnb.core.video import ViewReader, ViewSet
-from pawnb.errors import InputError, did_you_mean
-from pawnb.schema import SettingsT, Tracks, build_settings
+from pawnb.errors import InputError
+from pawnb.schema import Tracks, build_settings
 from pawnb.trial import Trial
 from pawnb.workflow.provenance.results import provenance_steps
 from pawnb.workflow.tracking.published_names import refuse_published_names, with_present_names
 
-METHODS = ("pawnb", "paper", "slic-3d", "slic-2d")
+METHODS = tuple(trackers("paws"))
 """Methods of the paw tracker; the first is the default."""
 
-POSE_METHODS = ("pawnb", "paper")
+POSE_METHODS = tuple(trackers("pose"))
 """Methods of the pose tracker; the first is the default."""
 
-TrackerSettings = OfflineSettings | Maghsoudi2019Settings
-PoseTrackerSettings = PoseSettings | Pullar2009Settings
+TrackerSettings = OfflineSettings | Maghsoudi2019Settings | PoseSettings | Pullar2009Settings
 
 _SPACE = "space"
 """Where settings of joints in space stand among those of a pose tracker."""
 
 _OF_TRACKS = "settings of these tracks"
-_SETTINGS: dict[str, type[TrackerSettings]] = {
-    method: OfflineSettings if method == "pawnb" else Maghsoudi2019Settings for method in METHODS
-}
-_POSE_TRACKERS: dict[str, Callable[..., PoseTrack]] = {
-    "pawnb": track_pose,
-    "paper": track_pullar2009,
-}
-_POSE_SETTINGS: dict[str, type[PoseTrackerSettings]] = {
-    "pawnb": PoseSettings,
-    "paper": Pullar2009Settings,
-}
+
+
+def trial_tracker(trial: Trial, method: str = DEFAULT) -> AnyTracker:
+    """Return the tracker for a trial, by the name of its method.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    method : str
+        A method for its kind.
+
+    Returns
+    -------
+    Tracker
+        The tracker.
+
+    Raises
+    ------
+    InputError
+        If nothing tracks trials of this kind, or no method has this name.
+    """
+    if not trackers(trial.kind):
+        raise InputError(
+            f"trial {trial.name!r} is of kind {trial.kind!r}; tracking needs kind 'paws' or 'pose'."
+        )
+    return find_tracker(trial.kind, method)
 
 
 def tracker_settings(
-    trial: Trial, *, method: str = METHODS[0], settings: Mapping[str, Any] | None = None
+    trial: Trial, *, method: str = DEFAULT, settings: Mapping[str, Any] | None = None
 ) -> TrackerSettings:
     """Return the settings in force: the trial's ``[tracking]``, overridden by ``settings``.
 
@@ -69,13 +69,14 @@ def tracker_settings(
     trial : Trial
         The trial. Its ``[tracking]`` may hold settings of several methods.
     method : str
-        A method of the tracker.
+        A method for its kind.
     settings : mapping, optional
-        Settings of this method that go first; text is read as JSON where it can be.
+        Settings of this method that go first; text is read as JSON where it can be. Those of
+        joints in space (:func:`space_settings`) are left out.
 
     Returns
     -------
-    OfflineSettings or Maghsoudi2019Settings
+    OfflineSettings, Maghsoudi2019Settings, PoseSettings or Pullar2009Settings
         The settings.
 
     Raises
@@ -83,37 +84,22 @@ def tracker_settings(
     InputError
         For an unknown method, an unknown setting, or a value of the wrong type.
     """
-    return _settings_in_force(_SETTINGS, trial, method, settings)
-
-
-def pose_tracker_settings(
-    trial: Trial, *, method: str = POSE_METHODS[0], settings: Mapping[str, Any] | None = None
-) -> PoseTrackerSettings:
-    """Return the settings in force for a jointed animal; else as :func:`tracker_settings`.
-
-    Parameters
-    ----------
-    trial : Trial
-        The trial. Its ``[tracking]`` may hold settings of several methods.
-    method : str
-        One of :data:`POSE_METHODS`.
-    settings : mapping, optional
-        Settings of this method that go first.
-
-    Returns
-    -------
-    PoseSettings or Pullar2009Settings
-        The settings.
-
-    Raises
-    ------
-    InputError
-        As :func:`tracker_settings`.
-    """
-    own, _ = _apart(settings or {})
-    tracking, _ = _apart(trial.tracking)
-    bare = dataclasses.replace(trial, tracking=tracking)
-    return _settings_in_force(_POSE_SETTINGS, bare, method, own)
+    tracker = trial_tracker(trial, method)
+    own, written = _of_tracker(tracker, settings or {}), _of_tracker(tracker, trial.tracking)
+    refuse_published_names([*written, *own], kind=tracker.kind)
+    names = {one: setting_names(one, kind=tracker.kind) for one in trackers(tracker.kind)}
+    others = set().union(*names.values()) - names[method]
+    given = {name: value for name, value in written.items() if name not in others}
+    build_settings(tracker.settings, given, where="trial.toml: [tracking]")
+    for name in sorted(set(own) & others):
+        owner = next(one for one in names if name in names[one])
+        raise InputError(
+            f"setting {name!r} belongs to method {owner!r}, not to {method!r}; leave it out, "
+            f"or choose that method."
+        )
+    where = f"settings of method {method!r}"
+    chosen: TrackerSettings = build_settings(tracker.settings, {**given, **own}, where=where)
+    return chosen
 
 
 def space_settings(trial: Trial, *, settings: Mapping[str, Any] | None = None) -> SpaceSettings:
@@ -147,6 +133,14 @@ def space_settings(trial: Trial, *, settings: Mapping[str, Any] | None = None) -
     return build_settings(
         SpaceSettings, {**dataclasses.asdict(written), **given}, where="settings of space"
     )
+
+
+def _of_tracker(tracker: AnyTracker, settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the settings that are of a tracker itself: of poses those in the view."""
+    return _apart(settings)[0] if issubclass(tracker.settings, _IN_VIEW) else dict(settings)
+
+
+_IN_VIEW = (PoseSettings, Pullar2009Settings)
 
 
 def _apart(settings: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -183,42 +177,15 @@ def settings_in_force(
     InputError
         As :func:`tracker_settings`.
     """
-    if trial.kind != "pose":
-        return dataclasses.asdict(tracker_settings(trial, method=method, settings=settings))
-    chosen = dataclasses.asdict(pose_tracker_settings(trial, method=method, settings=settings))
+    chosen = dataclasses.asdict(tracker_settings(trial, method=method, settings=settings))
+    if not issubclass(trial_tracker(trial, method).settings, _IN_VIEW):
+        return chosen
     space = space_settings(trial, settings=settings)
     return chosen | ({_SPACE: dataclasses.asdict(space)} if len(trial.views) > 1 else {})
 
 
-def _settings_in_force(
-    kinds: Mapping[str, type[SettingsT]],
-    trial: Trial,
-    method: str,
-    settings: Mapping[str, Any] | None,
-) -> SettingsT:
-    """Return the settings of a method, refusing what is unknown or of another method."""
-    if method not in kinds:
-        raise InputError(
-            f"unknown method {method!r}{did_you_mean(method, kinds)}; expected {', '.join(kinds)}."
-        )
-    refuse_published_names([*trial.tracking, *(settings or {})], pose=trial.kind == "pose")
-    names = {one: {field.name for field in _fields(kind)} for one, kind in kinds.items()}
-    others = set().union(*names.values()) - names[method]
-    given = {name: value for name, value in trial.tracking.items() if name not in others}
-    build_settings(kinds[method], given, where="trial.toml: [tracking]")
-    for name in sorted(set(settings or {}) & others):
-        owner = next(one for one in kinds if name in names[one])
-        raise InputError(
-            f"setting {name!r} belongs to method {owner!r}, not to {method!r}; leave it out, "
-            f"or choose that method."
-        )
-    return build_settings(
-        kinds[method], {**given, **(settings or {})}, where=f"settings of method {method!r}"
-    )
-
-
-def method_of_tracks(trial: Trial, tracks: Tracks) -> tuple[str, TrackerSettings]:
-    """Return the method that made tracks and its settings, or those in force by default.
+def method_of_tracks(trial: Trial, tracks: Tracks) -> tuple[AnyTracker, TrackerSettings]:
+    """Return the tracker that made tracks and its settings, or those in force by default.
 
     Parameters
     ----------
@@ -229,42 +196,17 @@ def method_of_tracks(trial: Trial, tracks: Tracks) -> tuple[str, TrackerSettings
 
     Returns
     -------
-    method : str
-        One of :data:`METHODS`.
-    settings : OfflineSettings or Maghsoudi2019Settings
+    tracker : Tracker
+        The tracker.
+    settings : OfflineSettings, Maghsoudi2019Settings, PoseSettings or Pullar2009Settings
         Its settings.
     """
     made = _made_by(tracks)
     if made is None:
-        return METHODS[0], tracker_settings(trial)
-    kind = _SETTINGS[made["method"]]
-    settings = with_present_names(made["settings"])
-    return made["method"], build_settings(kind, settings, where=_OF_TRACKS)
-
-
-def pose_method_of_tracks(trial: Trial, tracks: Tracks) -> tuple[str, PoseTrackerSettings]:
-    """Return the method that made a jointed animal's tracks; else as :func:`method_of_tracks`.
-
-    Parameters
-    ----------
-    trial : Trial
-        The trial of the tracks.
-    tracks : xarray.Dataset
-        Tracks.
-
-    Returns
-    -------
-    method : str
-        One of :data:`POSE_METHODS`.
-    settings : PoseSettings or Pullar2009Settings
-        Its settings.
-    """
-    made = _made_by(tracks)
-    if made is None:
-        return POSE_METHODS[0], pose_tracker_settings(trial)
-    own, _ = _apart(made["settings"])
-    kind = _POSE_SETTINGS[made["method"]]
-    return made["method"], build_settings(kind, own, where=_OF_TRACKS)
+        return trial_tracker(trial), tracker_settings(trial)
+    tracker = trial_tracker(trial, made["method"])
+    settings = _of_tracker(tracker, with_present_names(made["settings"], kind=tracker.kind))
+    return tracker, build_settings(tracker.settings, settings, where=_OF_TRACKS)
 
 
 def space_settings_of_tracks(trial: Trial, tracks: Tracks) -> SpaceSettings:
@@ -282,110 +224,6 @@ def _made_by(tracks: Tracks) -> dict[str, Any] | None:
     return made[-1] if made else None
 
 
-def run_pose_tracker(
-    method: str,
-    reader: ViewReader,
-    start: Poses,
-    *,
-    animal: StickAnimal,
-    background: Background,
-    settings: PoseTrackerSettings,
-    frames: tuple[int, int],
-    look: Poses | None = None,
-    progress: Callable[[int, int], None] | None = None,
-    stop: Callable[[], bool] | None = None,
-    kept: KeptFrames | None = None,
-) -> PoseTrack:
-    """Track a jointed animal with one of the methods.
-
-    Parameters
-    ----------
-    method : str
-        One of :data:`POSE_METHODS`.
-    reader : ViewReader
-        The open view.
-    start : Poses
-        Poses to start from.
-    animal : StickAnimal
-        The animal.
-    background : Background
-        The empty scene.
-    settings : PoseSettings or Pullar2009Settings
-        Settings of that method.
-    frames : tuple of int
-        Half-open range of frames.
-    look : Poses, optional
-        One frame from which the animal's look is learnt; default the first to start from.
-    progress, stop : callable, optional
-        As for :func:`pawnb.track`.
-    kept : KeptFrames, optional
-        What an interrupted run has found, and what this one finds.
-
-    Returns
-    -------
-    PoseTrack
-        The poses.
-    """
-    return _POSE_TRACKERS[method](
-        reader, start, animal=animal, background=background, settings=settings, frames=frames,
-        look=look, progress=progress, stop=stop, kept=kept,
-    )  # fmt: skip
-
-
-def setting_names(method: str, *, pose: bool = False) -> set[str]:
+def setting_names(method: str, *, kind: str = "paws") -> set[str]:
     """Return the names of the settings of a method, of paws or of jointed animals."""
-    kind = _POSE_SETTINGS[method] if pose else _SETTINGS[method]
-    return {field.name for field in _fields(kind)}
-
-
-def _fields(kind: type[Any]) -> tuple[dataclasses.Field[Any], ...]:
-    """Return the fields of a settings class."""
-    return dataclasses.fields(kind)
-
-
-def run_tracker(
-    method: str,
-    views: ViewSet,
-    clicks: pd.DataFrame,
-    *,
-    task: TrackingRequest,
-    settings: TrackerSettings,
-    learn_at: Mapping[str, int] | None = None,
-    looked: pd.DataFrame | None = None,
-    store: DetectionCache | None = None,
-    stacks: KeptStacks | None = None,
-    again: Again | None = None,
-) -> Tracks:
-    """Track with one of the methods.
-
-    Parameters
-    ----------
-    method : str
-        One of :data:`METHODS`.
-    views : ViewSet
-        The open views.
-    clicks : pandas.DataFrame
-        Start clicks.
-    task : TrackingRequest
-        What is to be tracked.
-    settings : OfflineSettings or Maghsoudi2019Settings
-        Settings of that method.
-    learn_at : mapping, optional
-        See :func:`.tracker.track_maghsoudi2019`; method ``pawnb`` has no use for it, as it
-        learns from every position placed by hand.
-    looked, store, stacks, again
-        See :func:`pawnb.core.paws.offline.tracker.track_learnt`; other methods do not use them.
-
-    Returns
-    -------
-    xarray.Dataset
-        Tracks.
-    """
-    if isinstance(settings, OfflineSettings):
-        return track_offline(
-            views, clicks, task, settings=settings, looked=looked, store=store, stacks=stacks,
-            again=again,
-        )  # fmt: skip
-    return track_maghsoudi2019(
-        views, clicks, task, settings=settings, method=method, learn_at=learn_at
-    )
+    return {field.name for field in dataclasses.fields(find_tracker(kind, method).settings)}

@@ -10,27 +10,30 @@ from pawnb.core.paws.offline.settings import FORMER_NAMES
 from pawnb.core.pose.pullar2009.settings import PUBLISHED_NAMES as POSE_NAMES
 from pawnb.errors import InputError
 
+_PUBLISHED: dict[str, Mapping[str, str]] = {"paws": PAW_NAMES, "pose": POSE_NAMES}
+_FORMER: dict[str, Mapping[str, str]] = {"paws": FORMER_NAMES, "pose": {}}
 
-def refuse_published_names(names: Iterable[str], *, pose: bool = False) -> None:
+
+def refuse_published_names(names: Iterable[str], *, kind: str = "paws") -> None:
     """Refuse settings that bear a paper's name or a former one, saying what they are called.
 
     Parameters
     ----------
     names : iterable of str
         Names of settings as somebody wrote them.
-    pose : bool
-        Whether they are for a jointed animal.
+    kind : str
+        The kind of trial they are for.
 
     Raises
     ------
     InputError
         For the first of them, however its letters are cased and joined.
     """
-    papers = POSE_NAMES if pose else PAW_NAMES
+    papers, former = _PUBLISHED[kind], _FORMER[kind]
     plain = {_plain(theirs): theirs for theirs in papers}
     for name in names:
-        if not pose and name in FORMER_NAMES:
-            raise InputError(f"setting {name!r} is called {FORMER_NAMES[name]!r} now.")
+        if name in former:
+            raise InputError(f"setting {name!r} is called {former[name]!r} now.")
         theirs = plain.get(_plain(name))
         # some are nearly ours: those are suggested anyway
         if theirs is not None and name not in papers.values():
@@ -40,9 +43,9 @@ def refuse_published_names(names: Iterable[str], *, pose: bool = False) -> None:
             )
 
 
-def with_present_names(settings: Mapping[str, Any]) -> dict[str, Any]:
+def with_present_names(settings: Mapping[str, Any], *, kind: str = "paws") -> dict[str, Any]:
     """Return settings that tracks record, those with a former name under the present one."""
-    return {FORMER_NAMES.get(name, name): value for name, value in settings.items()}
+    return {_FORMER[kind].get(name, name): value for name, value in settings.items()}
 
 
 def _plain(name: str) -> str:

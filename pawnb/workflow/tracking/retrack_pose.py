@@ -6,6 +6,7 @@ import contextlib
 import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from pawnb.core.pose.as_tracks import animal_of, poses_of
 from pawnb.core.pose.corrected import posed_frames
 from pawnb.core.pose.poses import joint_positions
 from pawnb.core.pose.track_result import PoseTrack, join_tracks
+from pawnb.core.pose.tracker import PoseRequest
 from pawnb.core.video import ViewSet, open_views
 from pawnb.errors import InputError
 from pawnb.schema import Tracks, add_provenance
@@ -23,9 +25,7 @@ from pawnb.workflow.provenance.record import build_step, trial_checksums
 from pawnb.workflow.provenance.results import describe_trial, provenance_steps
 from pawnb.workflow.start.propose_pose import trial_background
 from pawnb.workflow.tracking.methods import (
-    POSE_METHODS,
-    pose_method_of_tracks,
-    run_pose_tracker,
+    method_of_tracks,
     space_settings_of_tracks,
 )
 from pawnb.workflow.tracking.pose_in_space import find_in_space, load_second
@@ -47,6 +47,8 @@ def retrack_pose(
     tracks: Tracks,
     frame: int,
     *,
+    learn: bool = False,  # noqa: ARG001
+    out: str | Path | None = None,  # noqa: ARG001
     progress: Progress | None = None,
     stop: Callable[[], bool] | None = None,
 ) -> Tracks:
@@ -66,6 +68,8 @@ def retrack_pose(
         Tracks with the corrections already applied.
     frame : int
         The corrected frame.
+    learn, out
+        As for :func:`pawnb.retrack`; the look is learnt anew, and nothing is kept, in any case.
     progress, stop : callable, optional
         As for :func:`pawnb.track`. Stopped, the tracks are returned as they were.
 
@@ -88,10 +92,10 @@ def retrack_pose(
         )
     if not np.isfinite(old.poses.xy[here]).all():
         raise InputError(f"the animal has no pose in frame {frame}; pose it there first.")
-    method, settings = pose_method_of_tracks(trial, tracks)
+    tracker, settings = method_of_tracks(trial, tracks)
     limits, certain = _certain(tracks, old, here)
     with contextlib.ExitStack() as stack:
-        kind = "pose" if method == POSE_METHODS[0] else None
+        kind = tracker.kind if tracker.is_offline else None
         report = stack.enter_context(tracking_progress(progress, "tracking again", kind=kind))
         views = stack.enter_context(open_views(trial))
         view, _ = pose_views(trial)
@@ -99,18 +103,13 @@ def retrack_pose(
 
         def track_part(part: range) -> PoseTrack:
             rows = [row for row in certain if row in part]
-            return run_pose_tracker(
-                method,
-                views.readers[view.name],
-                old.poses.take(sorted(rows)),
-                animal=animal,
-                background=background,
-                settings=settings,
-                frames=(int(frames[part[0]]), int(frames[part[-1]]) + 1),
-                look=old.poses.take([certain[0]]),
-                progress=report,
-                stop=stop,
-            )
+            span = int(frames[part[0]]), int(frames[part[-1]]) + 1
+            request = PoseRequest(str(view.name), span, animal, background, report, stop)
+            found: PoseTrack = tracker.retrack(
+                views, old.poses.take(sorted(rows)), request, settings=settings,
+                corrected=old.poses.take([certain[0]]),
+            )  # fmt: skip
+            return found
 
         again = _Again(animal, old, here, limits, certain)
         touched, new = again.run(track_part)
@@ -130,7 +129,7 @@ def retrack_pose(
         command=None,
         inputs=trial_checksums(trial, start=False),
         settings=dataclasses.asdict(settings),
-        method=method,
+        method=tracker.name,
         frame=int(frame),
         frames=[int(frames[touched[0]]), int(frames[touched[-1]]) + 1],
         background=background.source,

@@ -20,6 +20,7 @@ from pawnb.core.paws.offline.quality.likeness import add_likeness, keep_likeness
 from pawnb.core.paws.offline.settings import OfflineSettings
 from pawnb.core.paws.offline.tracker import LEARNT
 from pawnb.core.paws.retracked_span import TOLERANCE_PX, keep_untouched
+from pawnb.core.paws.tracker import DEFAULT, AnyTracker, Correction, KeptEvidence
 from pawnb.core.reproject import fill_reprojected
 from pawnb.core.rig import Rig
 from pawnb.core.video import ViewSet, open_views
@@ -47,7 +48,7 @@ from pawnb.workflow.tracking.kept_candidates import (
     reopen_store,
     session_stacks,
 )
-from pawnb.workflow.tracking.methods import METHODS, method_of_tracks, run_tracker, tracker_settings
+from pawnb.workflow.tracking.methods import method_of_tracks, tracker_settings, trial_tracker
 from pawnb.workflow.tracking.placed import (
     clicks_by_hand,
     clicks_learnt_from,
@@ -67,7 +68,7 @@ _PUBLISHED_FRAMES = 2
 def track(
     trial: Trial | str | Path,
     *,
-    method: str = METHODS[0],
+    method: str = DEFAULT,
     settings: Mapping[str, Any] | None = None,
     start: pd.DataFrame | None = None,
     frames: tuple[int, int] | None = None,
@@ -139,33 +140,45 @@ def track(
     """
     if not isinstance(trial, Trial):
         trial = load_trial(trial)
-    if trial.kind == "pose":
-        return track_pose_trial(
-            trial, method=method, settings=settings, start=start, frames=frames, out=out,
-            progress=progress, stop=stop, command=command,
-        )  # fmt: skip
-    if trial.kind != "paws":
-        raise InputError(
-            f"trial {trial.name!r} is of kind {trial.kind!r}; tracking needs kind 'paws' or 'pose'."
-        )
+    track_trial = _TRACK[trial_tracker(trial, method).kind]
+    return track_trial(
+        trial, method=method, settings=settings, start=start, frames=frames, out=out,
+        progress=progress, stop=stop, command=command,
+    )  # fmt: skip
+
+
+def _track_points(
+    trial: Trial,
+    *,
+    method: str,
+    settings: Mapping[str, Any] | None,
+    start: pd.DataFrame | None,
+    frames: tuple[int, int] | None,
+    out: str | Path | None,
+    progress: Progress | None,
+    stop: Callable[[], bool] | None,
+    command: Sequence[str] | None,
+) -> Tracks:
+    """Track the points of a trial of kind ``paws``; arguments as of :func:`track`."""
+    tracker = trial_tracker(trial, method)
     chosen = tracker_settings(trial, method=method, settings=settings)
     with contextlib.ExitStack() as stack:
         notes = stack.enter_context(noted_warnings())
         asked = stack.enter_context(interruptible()) if stop is None else stop
         shown = stack.enter_context(contextlib.ExitStack())
-        report = shown.enter_context(_progress(progress, "tracking", method))
+        report = shown.enter_context(_progress(progress, "tracking", tracker))
         views = stack.enter_context(open_views(trial))
         for note in views.notes:
-            warnings.warn(note, InputWarning, stacklevel=2)
+            warnings.warn(note, InputWarning, stacklevel=3)
         clicks = start_clicks(trial, views, start)
         rig = trial_rig(trial, views, method=method)
         first, last = frame_range(trial, views, clicks, method=method, frames=frames)
-        if method != METHODS[0]:
+        if not tracker.is_offline:
             _refuse_more_frames(clicks, method)
             _tell_left_out((frames or trial.frames or (0, last))[0], first)
         if out is not None:
             stack.enter_context(run_alone(make_folder(out)))
-        store = _store(trial, method, out, stack)
+        store = _store(trial, tracker, out, stack)
         step = build_step(
             "track",
             command=command,
@@ -177,22 +190,21 @@ def track(
             trial=trial_fingerprint(trial),
             start=clicks.to_dict(orient="records"),
         )
-        # method pawnb keeps its candidates instead
-        earlier = unfinished_tracks(Path(out), step) if out and method != METHODS[0] else None
+        # an offline tracker keeps its evidence instead
+        earlier = unfinished_tracks(Path(out), step) if out and not tracker.is_offline else None
         begin = first if earlier is None else int(earlier["frame"][-1])
         span: dict[str, Any] = {"frames": (begin, last), "tracks": earlier}
-        if method == METHODS[0]:
+        if tracker.is_offline:
             span["predictions"] = _predictions(trial, views, clicks, (begin, last))
         task = paw_task(trial, rig, clicks, progress=report, stop=asked, **span)
-        stacks = None if store is None else session_stacks(store.source)
-        tracks = run_tracker(
-            method, views, clicks, task=task, settings=chosen, store=store, stacks=stacks
-        )
+        kept = KeptEvidence(store, None if store is None else session_stacks(store.source))
+        go = tracker.track if earlier is None else tracker.resume
+        tracks = go(views, clicks, task, settings=chosen, kept=kept)
         shown.close()
         if stop is None and tracks.sizes["time"] < last - first:
             _tell_interrupted(tracks, first, last, kept=store is not None or out is not None)
         sizes = _sizes(views)
-        if method != METHODS[0]:
+        if not tracker.is_offline:
             tracks = _shown_in_every_view(tracks, rig, sizes)
         # where the rate varies these are the file's own time stamps
         times = views.time_s[tracks["frame"].to_numpy()]
@@ -276,14 +288,27 @@ def retrack(
     >>> again.sizes["time"] == tracks.sizes["time"]
     True
     """
-    if trial.kind == "pose":
-        return retrack_pose(trial, tracks, frame, progress=progress, stop=stop)
+    retrack_trial = _RETRACK[trial_tracker(trial).kind]
+    return retrack_trial(trial, tracks, frame, learn=learn, out=out, progress=progress, stop=stop)
+
+
+def _retrack_points(
+    trial: Trial,
+    tracks: Tracks,
+    frame: int,
+    *,
+    learn: bool,
+    out: str | Path | None,
+    progress: Progress | None,
+    stop: Callable[[], bool] | None,
+) -> Tracks:
+    """Track the points of a trial of kind ``paws`` again; arguments as of :func:`retrack`."""
     known = tracks["frame"].to_numpy()
     if frame not in known:
         raise InputError(
             f"frame {frame} is not among the tracked frames {known[0]} to {known[-1]}."
         )
-    method, settings = method_of_tracks(trial, tracks)
+    tracker, settings = method_of_tracks(trial, tracks)
     if isinstance(settings, OfflineSettings) and "evidence" in tracks.attrs:
         # what found these tracks finds them again
         settings = dataclasses.replace(settings, evidence=tracks.attrs["evidence"])
@@ -292,35 +317,34 @@ def retrack(
     clicks = clicks_of_frame(trial, tracks, frame)
     begin = int(frame)
     old: Tracks | None = tracks
-    kept: dict[str, Any] = {}
+    given: dict[str, Any] = {}
     with contextlib.ExitStack() as stack:
-        report = stack.enter_context(_progress(progress, "tracking again", method))
+        report = stack.enter_context(_progress(progress, "tracking again", tracker))
         views = stack.enter_context(open_views(trial))
-        rig = trial_rig(trial, views, method=method)
+        rig = trial_rig(trial, views, method=tracker.name)
         looked = clicks_learnt_from(tracks)
-        if method == METHODS[0] and looked is not None:
+        if tracker.is_offline and looked is not None:
             clicks = clicks_by_hand(trial, tracks)
             begin, old = int(known[0]), None
             if tracks.attrs.get("evidence") == LEARNT:
-                kept = _learnt_again(trial, tracks, frame, placed) | {"looked": looked}
+                given = _learnt_again(trial, tracks, frame, placed) | {"annotations": looked}
             elif not learn:
                 folder = results_folder(trial, out)
                 if folder.is_dir():  # a run there would write the same candidates
                     stack.enter_context(run_alone(folder))
                 store = reopen_store(trial, folder)
                 stack.callback(keep_store, store)
-                kept = {"looked": looked, "store": store}
+                given = {"annotations": looked, "kept": KeptEvidence(store)}
         span = (begin, int(known[-1]) + 1)
         predictions = {}
-        if method == METHODS[0]:
+        if tracker.is_offline:
             predictions = _predictions(trial, views, clicks, span)
         task = paw_task(
             trial, rig, clicks, frames=span, tracks=old, predictions=predictions, progress=report,
             stop=stop,
         )  # fmt: skip
-        new = run_tracker(
-            method, views, clicks, task=task, settings=settings, learn_at=learnt, **kept
-        )
+        corrected = Correction(learnt, **given)
+        new = tracker.retrack(views, clicks, task, settings=settings, corrected=corrected)
         sizes = _sizes(views)
         tolerance = {
             name: TOLERANCE_PX * reader.width / REFERENCE_WIDTH_PX
@@ -332,7 +356,7 @@ def retrack(
         return tracks  # stopped: a part of the recording does not decide over the whole
     new = new.isel(time=np.isin(new["frame"], known))
     new = keep_untouched(tracks, new, frame, tolerance_px=tolerance, joint=joint)
-    if method != METHODS[0]:
+    if not tracker.is_offline:
         new = _shown_in_every_view(new, rig, sizes)
     new = keep_likeness(tracks, new.assign_attrs(tracks.attrs))
     new = describe_trial(new.assign_coords(time=tracks["time"]), trial)
@@ -353,11 +377,12 @@ def _learnt_again(
     trial: Trial, tracks: Tracks, frame: int, placed: Sequence[str]
 ) -> dict[str, Any]:
     """Return what is kept for tracks by learnt evidence, and in which frames they are made anew."""
-    kept: dict[str, Any] = {"stacks": session_stacks(describe_source(trial))}
+    stacks = session_stacks(describe_source(trial))
+    given: dict[str, Any] = {"kept": KeptEvidence(stacks=stacks)}
     if placed:
         frames = frames_again(tracks, int(frame), placed)
-        kept["again"] = Again(tracks, frames, weighing_of(tracks))
-    return kept
+        given["again"] = Again(tracks, frames, weighing_of(tracks))
+    return given
 
 
 def _predictions(
@@ -370,10 +395,10 @@ def _predictions(
 
 
 def _store(
-    trial: Trial, method: str, out: str | Path | None, stack: contextlib.ExitStack
+    trial: Trial, tracker: AnyTracker, out: str | Path | None, stack: contextlib.ExitStack
 ) -> DetectionCache | None:
-    """Return where candidates are kept, for the method that keeps them."""
-    if method != METHODS[0]:
+    """Return where candidates are kept, for the tracker that keeps them."""
+    if not tracker.is_offline:
         return None
     store = open_store(trial, None if out is None else Path(out))
     stack.callback(keep_store, store)
@@ -387,7 +412,7 @@ def _refuse_more_frames(clicks: pd.DataFrame, method: str) -> None:
         raise InputError(
             f"the start has clicks in {len(frames)} frames ({frames[0]} to {frames[-1]}); method "
             f"{method!r} takes one frame, or two that give the first velocities: leave others out, "
-            f"or use method {METHODS[0]!r}, which takes any number."
+            f"or use method {DEFAULT!r}, which takes any number."
         )
 
 
@@ -398,7 +423,7 @@ def _tell_left_out(asked: int, first: int) -> None:
             f"frames {asked} to {first - 1} lie before the first click, in frame {first}, and are "
             f"not tracked; click the points in frame {asked} too to have them.",
             InputWarning,
-            stacklevel=3,
+            stacklevel=4,
         )
 
 
@@ -412,7 +437,7 @@ def _tell_interrupted(tracks: Tracks, first: int, last: int, *, kept: bool) -> N
         f"interrupted: frames {frames[0]} to {frames[-1]} of {first} to {last - 1} are "
         f"tracked{again}.",
         InputWarning,
-        stacklevel=3,
+        stacklevel=4,
     )
 
 
@@ -441,8 +466,12 @@ def _shown_in_every_view(
     return tracks if rig is None else fill_reprojected(tracks, rig, sizes=sizes)[0]
 
 
-def _progress(progress: Progress | None, label: str, method: str) -> Any:
+def _progress(progress: Progress | None, label: str, tracker: AnyTracker) -> Any:
     """Return a context that gives the caller's progress, or a bar of our own."""
-    then = "deciding" if method == METHODS[0] else ""
-    kind = "paws" if method == METHODS[0] else None
+    then = "deciding" if tracker.is_offline else ""
+    kind = tracker.kind if tracker.is_offline else None
     return tracking_progress(progress, label, kind=kind, then=then)
+
+
+_TRACK: dict[str, Callable[..., Tracks]] = {"paws": _track_points, "pose": track_pose_trial}
+_RETRACK: dict[str, Callable[..., Tracks]] = {"paws": _retrack_points, "pose": retrack_pose}

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from pawnb.core.paws.tracker import DEFAULT
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.as_tracks import tracks_from_poses
 from pawnb.core.pose.background import Background
@@ -21,6 +22,7 @@ from pawnb.core.pose.space.as_tracks import tracks_in_space
 from pawnb.core.pose.space.track import SpaceTrack
 from pawnb.core.pose.start_proposal.silhouette import find_silhouette
 from pawnb.core.pose.track_result import PoseTrack
+from pawnb.core.pose.tracker import PoseRequest
 from pawnb.core.rig import Rig
 from pawnb.core.video import ViewReader, ViewSet, open_views
 from pawnb.errors import InputError, InputWarning
@@ -37,11 +39,10 @@ from pawnb.workflow.reviewing.quality import tell_failed
 from pawnb.workflow.start.propose_pose import trial_animal, trial_background
 from pawnb.workflow.start.start_doubts import legs_outside, say_outside, start_doubts
 from pawnb.workflow.tracking.methods import (
-    POSE_METHODS,
-    pose_tracker_settings,
-    run_pose_tracker,
     settings_in_force,
     space_settings,
+    tracker_settings,
+    trial_tracker,
 )
 from pawnb.workflow.tracking.pose_in_space import find_in_space, load_second
 from pawnb.workflow.tracking.unfinished import open_kept_frames
@@ -50,7 +51,7 @@ from pawnb.workflow.tracking.unfinished import open_kept_frames
 def track_pose_trial(
     trial: Trial,
     *,
-    method: str = POSE_METHODS[0],
+    method: str = DEFAULT,
     settings: Mapping[str, Any] | None = None,
     start: pd.DataFrame | None = None,
     frames: tuple[int, int] | None = None,
@@ -90,7 +91,8 @@ def track_pose_trial(
     KeyboardInterrupt
         If a person stopped it before any pose was found.
     """
-    chosen = pose_tracker_settings(trial, method=method, settings=settings)
+    tracker = trial_tracker(trial, method)
+    chosen = tracker_settings(trial, method=method, settings=settings)
     in_space = space_settings(trial, settings=settings)
     view, _ = pose_views(trial)
     animal, poses, table = start_pose(trial, start)
@@ -99,7 +101,7 @@ def track_pose_trial(
         asked = stack.enter_context(interruptible()) if stop is None else stop
         shown = stack.enter_context(contextlib.ExitStack())
         report = shown.enter_context(
-            tracking_progress(progress, "tracking", kind="pose" if method == "pawnb" else None)
+            tracking_progress(progress, "tracking", kind="pose" if tracker.is_offline else None)
         )
         views = stack.enter_context(open_views(trial))
         for note in views.notes:
@@ -109,7 +111,7 @@ def track_pose_trial(
         check_in_picture(poses, reader)
         background = trial_background(trial, views)
         _tell_doubts(animal, poses, reader, background)
-        if method == "paper" and not (frames or trial.frames) and background.n_frames > 1:
+        if not tracker.is_offline and not (frames or trial.frames) and background.n_frames > 1:
             span = _with_animal(reader, view, span, poses)
         step = build_step(
             "track", command=command, method=method, frames=list(span),
@@ -122,10 +124,9 @@ def track_pose_trial(
         if out is not None:
             stack.enter_context(run_alone(make_folder(out)))
         kept = stack.enter_context(open_kept_frames(None if out is None else Path(out), step))
-        track = run_pose_tracker(
-            method, reader, poses, animal=animal, background=background, settings=chosen,
-            frames=span, progress=report, stop=asked, kept=kept,
-        )  # fmt: skip
+        request = PoseRequest(str(view.name), span, animal, background, report, asked)
+        go = tracker.resume if kept.frames else tracker.track
+        track = go(views, poses, request, settings=chosen, kept=kept)
         shown.close()
         complete = not asked()
         if not complete and not np.isfinite(track.poses.xy).any():

@@ -8,14 +8,14 @@ from typing import Any
 import pandas as pd
 
 from pawnb.core.paws.request import TrackingRequest
+from pawnb.core.paws.tracker import DEFAULT, find_tracker
 from pawnb.core.rig import Rig, load_rig
 from pawnb.core.video import ViewSet
 from pawnb.errors import CalibrationError, InputError
 from pawnb.trial import Trial
-from pawnb.workflow.tracking.methods import METHODS
 
 
-def trial_rig(trial: Trial, views: ViewSet, *, method: str = METHODS[0]) -> Rig | None:
+def trial_rig(trial: Trial, views: ViewSet, *, method: str = DEFAULT) -> Rig | None:
     """Return the calibrated views of a trial, or None where nothing is calibrated.
 
     Parameters
@@ -40,7 +40,7 @@ def trial_rig(trial: Trial, views: ViewSet, *, method: str = METHODS[0]) -> Rig 
     """
     sizes = {name: (r.source.width, r.source.height) for name, r in views.readers.items()}
     rig = load_rig(trial, sizes=sizes)
-    if rig is None and len(trial.views) > 1 and method not in (METHODS[0], "slic-2d"):
+    if rig is None and len(trial.views) > 1 and find_tracker("paws", method).needs_calibration:
         raise CalibrationError(
             f"trial {trial.name!r} has {len(trial.views)} views and no calibration; "
             'add [calibration] dlt = "DLTcoefs.csv" (11 rows, one column a view), '
@@ -71,7 +71,7 @@ def frame_range(
     views: ViewSet,
     clicks: pd.DataFrame,
     *,
-    method: str = METHODS[0],
+    method: str = DEFAULT,
     frames: tuple[int, int] | None = None,
 ) -> tuple[int, int]:
     """Return the half-open range of frames to track.
@@ -114,7 +114,8 @@ def frame_range(
                 f"{last - 1}; click a frame within, or change the range."
             )
     # a view may begin later than the trial
-    return max(first, views.first_frame) if method == METHODS[0] else clicked, last
+    whole = find_tracker("paws", method).is_offline
+    return max(first, views.first_frame) if whole else clicked, last
 
 
 def paw_task(trial: Trial, rig: Rig | None, clicks: pd.DataFrame, **asked: Any) -> TrackingRequest:

@@ -23,7 +23,7 @@ from pawnb.trial import load_trial
 from pawnb.workflow.checking.check import check_trial
 from pawnb.workflow.provenance.results import provenance_steps
 from pawnb.workflow.tracking import retrack_pose
-from pawnb.workflow.tracking.methods import pose_tracker_settings, settings_in_force, space_settings
+from pawnb.workflow.tracking.methods import settings_in_force, space_settings, tracker_settings
 from pawnb.workflow.tracking.pose_in_space import load_second
 from pawnb.workflow.tracking.track import retrack, track
 from pawnb.workflow.tracking.track_pose import pose_views
@@ -198,7 +198,7 @@ def test_settings_of_space_are_checked(two_views, small_spider):
     written = dataclasses.replace(trial, tracking={"space": {"length_sd": 0.05}, "candidates": 3})
     assert space_settings(written).length_sd == 0.05
     assert space_settings(written, settings={"space.length_sd": "0.1"}).length_sd == 0.1
-    assert pose_tracker_settings(written, settings={"space.bend_sd": 2}).candidates == 3
+    assert tracker_settings(written, settings={"space.bend_sd": 2}).candidates == 3
     assert settings_in_force(written, method="pawnb")["space"]["length_sd"] == 0.05
     assert "space" not in settings_in_force(load_trial(small_spider), method="pawnb")
     with pytest.raises(InputError, match=r"unknown name 'lenght_sd' .did you mean 'length_sd'"):

@@ -47,13 +47,13 @@ def test_letters_may_be_cased_and_joined_otherwise(name):
 
 
 @pytest.mark.parametrize(
-    ("names", "settings", "pose"),
-    [(PAW_NAMES, Maghsoudi2019Settings, False), (POSE_NAMES, Pullar2009Settings, True)],
+    ("names", "settings", "kind"),
+    [(PAW_NAMES, Maghsoudi2019Settings, "paws"), (POSE_NAMES, Pullar2009Settings, "pose")],
 )
-def test_our_names_are_settings_and_are_not_refused(names, settings, pose):
+def test_our_names_are_settings_and_are_not_refused(names, settings, kind):
     known = [field.name for field in dataclasses.fields(settings)]
     assert set(names.values()) <= set(known)
-    refuse_published_names([*known, "windw_u_px"], pose=pose)
+    refuse_published_names([*known, "windw_u_px"], kind=kind)
 
 
 @pytest.mark.parametrize("name", FORMER_NAMES)
@@ -71,6 +71,6 @@ def test_tracks_that_record_former_names_are_gone_on_with():
     tracks = add_provenance(
         make_tracks([0], ["FR"], fps=250.0), step="track", method="pawnb", settings=recorded
     )
-    method, settings = method_of_tracks(TRIAL, tracks)
-    assert method == "pawnb"
+    tracker, settings = method_of_tracks(TRIAL, tracks)
+    assert tracker.name == "pawnb"
     assert settings == OfflineSettings(occlusion_onset_cost=2.5, n_iterations=1, acceleration=400.0)

@@ -1,0 +1,177 @@
+"""The trackers of jointed animals, each as a :class:`pawnb.core.paws.tracker.Tracker`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from pawnb.core.frame_checkpoint import KeptFrames
+from pawnb.core.pose.animal import StickAnimal
+from pawnb.core.pose.background import Background
+from pawnb.core.pose.fit.settings import PoseSettings
+from pawnb.core.pose.fit.tracker import track_pose
+from pawnb.core.pose.poses import Poses
+from pawnb.core.pose.pullar2009.settings import Pullar2009Settings
+from pawnb.core.pose.pullar2009.tracker import track_pullar2009
+from pawnb.core.pose.track_result import PoseTrack
+from pawnb.core.video import ViewSet
+
+
+@dataclass(frozen=True)
+class PoseRequest:
+    """What a tracker of a jointed animal is to do.
+
+    Parameters
+    ----------
+    view : str
+        The view in which it is tracked.
+    frames : tuple of int
+        Half-open range of frames.
+    animal : StickAnimal
+        The animal, with its own proportions.
+    background : Background
+        The empty scene.
+    progress : callable, optional
+        ``progress(done, total)``.
+    stop : callable, optional
+        Asked before each frame; when it answers True, what is done is returned.
+    """
+
+    view: str
+    frames: tuple[int, int]
+    animal: StickAnimal
+    background: Background
+    progress: Callable[[int, int], None] | None = None
+    stop: Callable[[], bool] | None = None
+
+
+@dataclass(frozen=True)
+class PoseTracker:
+    """A tracker of a jointed animal in one view, see :class:`pawnb.core.paws.tracker.Tracker`.
+
+    Parameters
+    ----------
+    name : str
+        Its method.
+    settings : type
+        The class of its settings.
+    run : callable
+        What tracks: see :func:`pawnb.core.pose.fit.tracker.track_pose`.
+    is_offline : bool
+        Whether it decides over the whole recording, and knows when the animal is gone.
+    """
+
+    name: str
+    settings: type[PoseSettings] | type[Pullar2009Settings]
+    run: Callable[..., PoseTrack]
+    is_offline: bool
+    kind: str = "pose"
+    needs_calibration: bool = False
+
+    def track(
+        self,
+        views: ViewSet,
+        start: Poses,
+        request: PoseRequest,
+        *,
+        settings: Any,
+        kept: KeptFrames | None = None,
+    ) -> PoseTrack:
+        """Track from one pose or more, both ways.
+
+        Parameters
+        ----------
+        views : ViewSet
+            The opened views.
+        start : Poses
+            Poses to start from.
+        request : PoseRequest
+            What is to be tracked.
+        settings : PoseSettings or Pullar2009Settings
+            Settings of the tracker.
+        kept : KeptFrames, optional
+            What an interrupted run has found, and what this one finds.
+
+        Returns
+        -------
+        PoseTrack
+            The poses, a row for every frame asked for.
+        """
+        return self._run(views, start, request, settings=settings, kept=kept)
+
+    def resume(
+        self,
+        views: ViewSet,
+        start: Poses,
+        request: PoseRequest,
+        *,
+        settings: Any,
+        kept: KeptFrames,
+    ) -> PoseTrack:
+        """Go on with a run that was interrupted: frames that it kept are not tracked again.
+
+        Parameters
+        ----------
+        views : ViewSet
+            The opened views.
+        start : Poses
+            Poses to start from.
+        request : PoseRequest
+            What is to be tracked.
+        settings : PoseSettings or Pullar2009Settings
+            Settings of the tracker.
+        kept : KeptFrames
+            What an interrupted run has found, and what this one finds.
+
+        Returns
+        -------
+        PoseTrack
+            The poses, a row for every frame asked for.
+        """
+        return self._run(views, start, request, settings=settings, kept=kept)
+
+    def retrack(
+        self,
+        views: ViewSet,
+        start: Poses,
+        request: PoseRequest,
+        *,
+        settings: Any,
+        corrected: Poses,
+    ) -> PoseTrack:
+        """Track a part again.
+
+        Parameters
+        ----------
+        views : ViewSet
+            The opened views.
+        start : Poses
+            Poses to start from.
+        request : PoseRequest
+            What is to be tracked.
+        settings : PoseSettings or Pullar2009Settings
+            Settings of the tracker.
+        corrected : Poses
+            One frame from which the look of the animal is learnt.
+
+        Returns
+        -------
+        PoseTrack
+            The poses, a row for every frame asked for.
+        """
+        return self._run(views, start, request, settings=settings, look=corrected)
+
+    def _run(self, views: ViewSet, start: Poses, request: PoseRequest, **given: Any) -> PoseTrack:
+        return self.run(
+            views.readers[request.view], start, animal=request.animal,
+            background=request.background, frames=request.frames, progress=request.progress,
+            stop=request.stop, **given,
+        )  # fmt: skip
+
+
+POSE_TRACKERS = (
+    PoseTracker("pawnb", PoseSettings, track_pose, is_offline=True),
+    PoseTracker("paper", Pullar2009Settings, track_pullar2009, is_offline=False),
+)
+"""The trackers of jointed animals; the first is the default."""
