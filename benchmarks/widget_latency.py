@@ -233,7 +233,7 @@ def described(result: dict[str, Any]) -> str:
     """Return the figures as lines, with the aim of each."""
     lines = [f"{result['app']}, {result['codec']}, {result['frames']} frames"]
     for name, value in result.items():
-        if isinstance(value, float):
+        if isinstance(value, int | float) and name != "frames":
             aim = f"   aim {AIMS[name]}" if name in AIMS else ""
             lines.append(f"{name:18s} {value:8.1f}{aim}")
     return "\n".join(lines)
