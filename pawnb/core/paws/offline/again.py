@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pawnb.core.paws.offline.annotations import Annotations
-from pawnb.core.paws.offline.parameters import OfflineParameters
+from pawnb.core.paws.offline.parameters import APPEARANCE
 from pawnb.core.paws.offline.weighing import Weighing
 from pawnb.schema import ORIGIN_CODE, Tracks
 
@@ -84,7 +84,7 @@ def weighing_as_attributes(weighing: Weighing) -> dict[str, float | str]:
 
 def weighing_of(tracks: Tracks) -> Weighing:
     """Return how far appearance was trusted in the run that made these tracks."""
-    usual = OfflineParameters().appearance.trust
+    usual = APPEARANCE.trust
     found = np.array(json.loads(tracks.attrs.get(LEFT_OUT, "[]")), float)
     return Weighing(float(tracks.attrs.get(TRUST, usual)), found)
 

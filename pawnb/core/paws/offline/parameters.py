@@ -11,6 +11,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from pawnb.core.parameters import in_force, values_in_force
+
 
 @dataclass(frozen=True)
 class SceneParameters:
@@ -232,6 +234,14 @@ class IdentityParameters:
     closed: float = 0.95
 
 
+SCENE = in_force("scene", SceneParameters())
+MOTION = in_force("motion", MotionParameters())
+CORRELATION = in_force("correlation", CorrelationParameters())
+APPEARANCE = in_force("appearance", AppearanceParameters())
+ASSOCIATION = in_force("association", AssociationParameters())
+IDENTITY = in_force("identity", IdentityParameters())
+
+
 @dataclass(frozen=True)
 class OfflineParameters:
     """Parameters of all stages."""
@@ -242,3 +252,15 @@ class OfflineParameters:
     appearance: AppearanceParameters = field(default_factory=AppearanceParameters)
     association: AssociationParameters = field(default_factory=AssociationParameters)
     identity: IdentityParameters = field(default_factory=IdentityParameters)
+
+
+def parameters_in_force() -> OfflineParameters:
+    """Return the parameters of all stages that a run which was given none takes."""
+    return OfflineParameters(
+        scene=values_in_force(SCENE),
+        motion=values_in_force(MOTION),
+        correlation=values_in_force(CORRELATION),
+        appearance=values_in_force(APPEARANCE),
+        association=values_in_force(ASSOCIATION),
+        identity=values_in_force(IDENTITY),
+    )

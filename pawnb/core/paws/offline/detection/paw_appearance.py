@@ -257,7 +257,8 @@ def with_paw_looks(
     lots = [lot for p in pictures for lot in _lots(p, readings[p.view], random, parameters)]
     features, labels = (np.concatenate(part) for part in zip(*lots, strict=True))
     learnt_from = code_checksum("pawnb.core.paws.offline.detection", _CODE).encode()
-    key = hashlib.sha256(learnt_from + features.tobytes() + labels.tobytes()).hexdigest()
+    how = repr(parameters).encode()
+    key = hashlib.sha256(learnt_from + how + features.tobytes() + labels.tobytes()).hexdigest()
     known = _Known(train_classifier(features, labels, n_points=1, parameters=parameters), key)
     learnt = [
         PawLook(

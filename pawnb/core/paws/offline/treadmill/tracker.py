@@ -34,15 +34,11 @@ from pawnb.core.paws.offline.treadmill.annotations import (
     read_placements,
 )
 from pawnb.core.paws.offline.treadmill.output import as_tracks, empty_result
+from pawnb.core.paws.offline.treadmill.parameters import TREADMILL
 from pawnb.core.paws.offline.treadmill.pipeline import ReferenceAnnotations, run_pipeline
 from pawnb.core.paws.request import TrackingRequest
 from pawnb.errors import InputError, InputWarning
 from pawnb.schema import START_COLUMNS, Tracks, check_columns
-
-_MISTAKEN = 0.08
-"""Share of what is about the animal that passes for paws from which on a person is told: 0.2 to 6 %
-in rendered scenes that are tracked well, 9 to 23 % where belts are as brown as the paws: a third
-of these is lost and most others are poor."""
 
 
 def track_treadmill(
@@ -243,7 +239,7 @@ def _ambiguous(scene: Scene, names: Sequence[str]) -> str | None:
     alike = {
         name: detector.appearance.mistaken
         for name, detector in zip(names, scene.detectors, strict=True)
-        if detector.appearance.mistaken > _MISTAKEN
+        if detector.appearance.mistaken > TREADMILL.tracker_mistaken
     }
     if not alike:
         return None

@@ -12,11 +12,8 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.ndimage import gaussian_filter1d, uniform_filter1d
 
+from pawnb.core.paws.offline.association.network_flow.parameters import NETWORK_FLOW
 from pawnb.core.paws.offline.association.network_flow.tracklets import Tracklet, joined
-
-_BINS = 160
-_MOST = 4.0
-"""Largest cost of one frame: a rare place is not an impossible one."""
 
 
 def follow_body(x: np.ndarray, frames: int) -> np.ndarray:
@@ -75,10 +72,12 @@ def learn_positional_prior(
         for name in names:
             part = along[:, [other == name for other in names]]
             part = part[np.isfinite(part)]
-            count = np.bincount(_bin(part, body_scale), minlength=_BINS).astype(float)
-            density = gaussian_filter1d(count, 0.05 * _BINS / 3.0)
+            count = np.bincount(
+                _bin(part, body_scale), minlength=NETWORK_FLOW.positional_prior_bins
+            ).astype(float)
+            density = gaussian_filter1d(count, 0.05 * NETWORK_FLOW.positional_prior_bins / 3.0)
             density = density / max(density.max(), 1e-9)
-            own.append(np.minimum(-np.log(density + 1e-3), _MOST))
+            own.append(np.minimum(-np.log(density + 1e-3), NETWORK_FLOW.positional_prior_most))
         costs.append(own)
     return costs
 
@@ -106,4 +105,8 @@ def positional_cost(
 
 def _bin(along: np.ndarray, body_scale: float) -> np.ndarray:
     """Return the bin of positions, from -1.5 to 1.5 spans."""
-    return np.clip(((along / body_scale + 1.5) / 3.0 * _BINS).astype(int), 0, _BINS - 1)
+    return np.clip(
+        ((along / body_scale + 1.5) / 3.0 * NETWORK_FLOW.positional_prior_bins).astype(int),
+        0,
+        NETWORK_FLOW.positional_prior_bins - 1,
+    )
