@@ -17,7 +17,20 @@ class Threads(ThreadPoolExecutor):
     """Threads that work with the parameters that are in force where work is handed to them."""
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-        """Hand over a call; see :class:`concurrent.futures.Executor`."""
+        """Hand over a call.
+
+        Parameters
+        ----------
+        fn : callable
+            What to call.
+        *args, **kwargs
+            What to call it with.
+
+        Returns
+        -------
+        concurrent.futures.Future
+            Its result, when it is there.
+        """
         return super().submit(contextvars.copy_context().run, fn, *args, **kwargs)
 
 

@@ -58,7 +58,22 @@ class Again:
         return (begin, end) if begin < end else None
 
     def known(self, view: str, points: Sequence[str], first: int) -> Annotations:
-        """Return where sure points of a view are at both ends, by row and number of the point."""
+        """Return where sure points of a view are at both ends, by row and number of the point.
+
+        Parameters
+        ----------
+        view : str
+            The view.
+        points : sequence of str
+            Points, in the order of their numbers.
+        first : int
+            Frame of the first row.
+
+        Returns
+        -------
+        Annotations
+            Positions by row and number of the point.
+        """
         places: dict[int, dict[int, np.ndarray]] = {}
         flat = self.tracks.isel(individual=0)
         at = np.isin(flat["frame"].to_numpy(), (self.frames[0], self.frames[1] - 1))

@@ -24,7 +24,7 @@ class SceneParameters:
         Largest distance between points clicked in one frame, working px. Mean over horse and
         wheel with 1 and 2 clicked frames: 71 % at 160, 76 at 240, 75 at 300.
     spacing : int
-        Distance of the places that are told apart, working px.
+        Distance of the places that are distinguished, working px.
     margin : float
         What is looked at beside the clicks, in extents.
     overview_px : int

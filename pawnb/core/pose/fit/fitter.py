@@ -46,7 +46,7 @@ class FrameFitter:
     layout : Layout
         As arrays, in working pixels.
     evidence : Evidence
-        Makes sights of frames.
+        Makes the evidence of frames.
     anatomy : Prior
         What is known of any pose.
     settings : PoseSettings

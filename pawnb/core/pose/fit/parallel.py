@@ -15,7 +15,7 @@ from pawnb.core.pose.steps import Steps
 THREADS = 2
 """The compiled loops let other threads run, numpy's own part is small: both cores are busy."""
 _TELL_S = 0.3
-"""Time, s, after which it is told how far the other thread is."""
+"""Time, s, after which it is reported how far the other thread is."""
 
 _T = TypeVar("_T")
 _S = TypeVar("_S")

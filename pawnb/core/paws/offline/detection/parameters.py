@@ -24,12 +24,12 @@ class ColourParameters:
     colour_model_reach, reach_grey : float
         A paw's look is learnt this far from its click, as a share of the picture's width. Fur,
         shadow and belt that mix with the colour at a paw's edge would pass for paws. Set by hand.
-    colour_model_few, colour_model_told, reach_few : int or float
+    colour_model_few, colour_model_distinct, reach_few : int or float
         With fewer clicks than the first, as in one view by itself, half as far again, where the
-        ratio at the clicks says that paws are told well from the rest: the little that two paws
-        show close to their clicks is not all of their colours. Over 27 single views of rendered
-        mice 15 % of labels were wrong without it, 11 % with it, and 10 and 9 % with 0.008 and
-        0.012.
+        ratio at the clicks says that paws are distinguished well from the rest: the little that two
+        paws show close to their clicks is not all of their colours. Over 27 single views of
+        rendered mice 15 % of labels were wrong without it, 11 % with it, and 10 and 9 % with 0.008
+        and 0.012.
     learnt_width : int
         Larger colour pictures are reduced to about this width before their look is learnt. Set by
         hand.
@@ -47,8 +47,8 @@ class ColourParameters:
         lower; it is raised to this, at most so many times, as scores tell how much more like a
         clicked paw one place is than another. Set by hand.
     least_usual : float
-        Scores at clicks below this mean that paws are hardly told from the rest at all. Set by
-        hand.
+        Scores at clicks below this mean that paws are hardly distinguished from the rest at all.
+        Set by hand.
     colour_model_alike : float
         Share of what is about the animal that passes for paws from which on finer steps of colour
         are used: 0.2 to 1.7 % in 80 rendered scenes, 2.4 to 23 % in 14, most of which have a belt
@@ -99,8 +99,8 @@ class ColourParameters:
         A detection farther than so many paw widths from a click is not the clicked paw. Set by
         hand.
     least_score : float
-        Scores at clicks below this mean that paws are hardly told from the rest at all. Set by
-        hand.
+        Scores at clicks below this mean that paws are hardly distinguished from the rest at all.
+        Set by hand.
     smooth_px, paw_width_fine : float or int
         Standard deviation of the smoothing, px, and steps in a pixel, with which the thickness is
         measured.
@@ -113,8 +113,8 @@ class ColourParameters:
         Frames between those in which the animal is sought back from the clicks: the region follows
         over twice as many. Set by hand.
     most_faint : int
-        Detections kept in one picture where paws are hardly told from their surroundings. Set by
-        hand.
+        Detections kept in one picture where paws are hardly distinguished from their surroundings.
+        Set by hand.
     in_hand : int
         Frames that may wait to be searched: no thread stands idle for the slowest view. Set by
         hand.
@@ -127,7 +127,7 @@ class ColourParameters:
     colour_model_reach: float = 0.004
     reach_grey: float = 0.03
     colour_model_few: int = 4
-    colour_model_told: float = 2.0
+    colour_model_distinct: float = 2.0
     reach_few: float = 0.006
     learnt_width: int = 1024
     colour_model_wide: tuple[float, ...] = (0.06, 0.2)

@@ -37,7 +37,7 @@ class Gap:
         n = len(is_open)
         frames = np.arange(n)
         if first == 0:
-            # before the first frame nothing is known: it is told from what follows
+            # before the first frame nothing is known: it is found from what follows
             begin = stop + _certain_frames(is_open[stop:], GAP_CLOSING.gap_before)
             return cls(frames[stop:begin][::-1], frames[:stop][::-1], frames[:0], True, -1)
         # going back from the stretch is going forward in reversed time

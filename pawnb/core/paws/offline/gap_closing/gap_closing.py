@@ -203,7 +203,7 @@ class _GapCloser:
     stances: list[list[Stance]]
     uv: np.ndarray  # (n, P, V, 2), where all points are as far as is known
     parameters: MHTParameters
-    process_noise: ProcessNoise  # but for the way in which each stretch is told
+    process_noise: ProcessNoise  # but for the direction of time of each stretch
     geometry: Projection
     paw_width_px: np.ndarray
     excused: np.ndarray  # (n, V, C), how much of a poor look a paw that lifts off is forgiven
@@ -259,7 +259,7 @@ class _GapCloser:
     def _standing(self, point: int, gap: Gap, *, is_told: bool) -> tuple[np.ndarray, np.ndarray]:
         """Return where a point stands where a stretch begins, and in its frames (frames, d).
 
-        NaN where it does not stand there, and where nothing follows and it is not told when it
+        NaN where it does not stand there, and where nothing follows and it is not known when it
         is due to lift off.
         """
         substrate, stance = self.substrate, gap.stance(self.stances[point])
@@ -272,7 +272,7 @@ class _GapCloser:
     def _how(self, point: int, gap: Gap, tracked_in_view: np.ndarray) -> TargetModel:
         """Return the model of a point."""
         substrate, way = self.substrate, gap.way
-        # told backwards a paw that stands has not landed yet: how it will is not known
+        # backwards in time a paw that stands has not landed yet: how it will is not known
         liftoff_velocity = (
             substrate.liftoff_velocity[point]
             if way > 0

@@ -25,7 +25,7 @@ class GapClosingParameters:
     gap_closing_expected : float
         Weight of a frame's distance from where the cycle has the point, as frames err alike. Only
         where nothing certain follows: the cycle of a paw that is occluded in every stride is no
-        more than was made of it before, and what was told too late once would be told so again. Set
+        more than was made of it before, and what was decided too late once would be so again. Set
         by hand.
     on_arc, gap_closing_last : float
         Weight of a frame's distance from the arc of its swing, and so much more where nothing
@@ -59,7 +59,7 @@ class GapClosingParameters:
         A path that is lost so soon, s, after its point left the place where it stood was drawn off.
         Set by hand.
     rejection_settled : int
-        Frames for which a point must have stood for its path to be told drawn off. Set by hand.
+        Frames for which a point must have stood for its path to be taken as drawn off. Set by hand.
     off_arc : float
         A place so many standard deviations off the arc of a swing is associated again, and
     off_at_least : float

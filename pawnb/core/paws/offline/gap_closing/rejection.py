@@ -67,7 +67,22 @@ def frames_to_reassociate(
 
 
 def off_trajectory(sure: np.ndarray, swings: Swings, motion_model: MotionModel) -> np.ndarray:
-    """Tell which places (n, P, d) are off the arcs of swings, forward or up; shape (n, P)."""
+    """Tell which places (n, P, d) are off the arcs of swings, forward or up; shape (n, P).
+
+    Parameters
+    ----------
+    sure : ndarray, shape (n, P, d)
+        Places.
+    swings : Swings
+        The arcs.
+    motion_model : MotionModel
+        Axes and size of the animal.
+
+    Returns
+    -------
+    ndarray of bool, shape (n, P)
+        Which are off.
+    """
     step = (sure - swings.place) @ motion_model.axes.T
     size = np.hypot(swings.sd, GAP_CLOSING.off_at_least * motion_model.paw_width)
     square = (step / size)[..., [0, -1]] ** 2

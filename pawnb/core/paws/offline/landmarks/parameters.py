@@ -35,8 +35,8 @@ class LandmarkParameters:
         Looks of a landmark that are remembered: the clicked one, and the latest others. Set by
         hand.
     young_frames, template_tracking_largest : int
-        A patch grows in its first frames, to so many times its side, until it can be told. Set by
-        hand.
+        A patch grows in its first frames, to so many times its side, until it can be distinguished.
+        Set by hand.
     least_likeness : float
         Likeness that a landmark which was found has at least. Set by hand.
     blur_px : float

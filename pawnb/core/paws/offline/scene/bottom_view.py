@@ -253,6 +253,11 @@ def find_bottom_view(
         What was placed in one frame.
     n_points : int
         Number of points; the view must have shown every one of them.
+
+    Returns
+    -------
+    int or None
+        Number of the view.
     """
     observation = np.cross(jacobian[:, 0], jacobian[:, 1])
     upright = np.abs(observation @ up) / np.maximum(np.linalg.norm(observation, axis=1), 1e-12)

@@ -260,7 +260,22 @@ def unlabelled_kinds(kinds: Sequence[str]) -> list[str]:
 
 
 def move_anchors(scene: Scene, layout: Layout, anchors: Mapping[int, Sequence[Placement]]) -> Scene:
-    """Return the same scene with other positions that tracks pass through."""
+    """Return the same scene with other positions that tracks pass through.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    layout : Layout
+        Points and views.
+    anchors : mapping
+        Row to what is certain there.
+
+    Returns
+    -------
+    Scene
+        The scene with these.
+    """
     placed = {t: _positions(here, layout, scene.up) for t, here in sorted(anchors.items())}
     return replace(scene, anchors=placed)
 

@@ -1,4 +1,4 @@
-"""How far the detections that points took are ahead of others: whether they could be told apart.
+"""How far the detections that points took are ahead of others: whether they could be distinguished.
 
 In every frame and view each detection has a price for each point: what speaks against it there
 by its look and by the other points, and how far it is from where all other frames have the

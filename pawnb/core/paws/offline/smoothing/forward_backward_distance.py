@@ -70,7 +70,9 @@ def forward_backward_distance(equations: NormalEquations) -> np.ndarray:
     turn = np.clip(n - 2 - np.arange(n), 0, None)
     back = loops.predict(W[::-1].copy(), z[::-1].copy(), equations.jerk2[turn], -jerk_mean[turn])
     count = np.cumsum(informative, axis=0)
-    both = (count - informative >= SMOOTHING.told_by) & (count[-1:] - count >= SMOOTHING.told_by)
+    both = (count - informative >= SMOOTHING.informative_frames) & (
+        count[-1:] - count >= SMOOTHING.informative_frames
+    )
     one, two = (np.linalg.inv(known[both]) for known in (forth[0], back[0][::-1]))
     away = _times(one, forth[1][both]) - _times(two, back[1][::-1][both])
     apart = np.full((n, n_points), np.nan)

@@ -21,11 +21,11 @@ class SmoothingParameters:
     forward_backward_distance_trace : float
         Information that every frame has, in the largest, as in smoothing: what nothing tells stays
         finite. Set by hand.
-    told_by : int
-        Position, speed and acceleration are told by so many frames at least. Set by hand.
+    informative_frames : int
+        Position, speed and acceleration are estimated from so many frames at least. Set by hand.
     refinement_near, near_open : float
         A detection may lie so many paw widths from where its point must be, farther in open frames,
-        where that is told by what lies far before and after, but
+        where that is known from what lies far before and after, but
     refinement_against : float
         there by this much less for each unit of what speaks against it: what lies where a point is
         occluded is mostly a part of a limb. A paw that lifts off, dim and bent, looks poor as well,
@@ -61,7 +61,7 @@ class SmoothingParameters:
     association_odds_apart: float = 0.5
     association_odds_most: float = 30.0
     forward_backward_distance_trace: float = 1e-9
-    told_by: int = 3
+    informative_frames: int = 3
     refinement_near: float = 0.9
     near_open: float = 2.2
     refinement_against: float = 0.3

@@ -43,7 +43,22 @@ class Cycle:
     stride: float
 
     def square(self, frames: np.ndarray | int, point: int, x: np.ndarray) -> np.ndarray:
-        """Return the squared distance of positions (..., d), in standard deviations."""
+        """Return the squared distance of positions (..., d), in standard deviations.
+
+        Parameters
+        ----------
+        frames : ndarray of int or int
+            Rows.
+        point : int
+            Number of the point.
+        x : ndarray, shape (..., d)
+            Positions.
+
+        Returns
+        -------
+        ndarray, shape (...)
+            Squared distances.
+        """
         step = (x - self.mean[frames, point]) @ self.axes.T
         return np.asarray(((step / self.sd[frames, point]) ** 2).sum(axis=-1))
 

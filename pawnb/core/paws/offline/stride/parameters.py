@@ -16,7 +16,7 @@ class StrideParameters:
     cycle_bins : int
         Bins of a stride in which its mean course is learnt. Set by hand.
     cycle_window : float
-        Standard deviation, in strides, of the window in which a phase is told. Set by hand.
+        Standard deviation, in strides, of the window in which a phase is estimated. Set by hand.
     cycle_rounds : int
         Times that phase and course are fitted in turn. Set by hand.
     least_share : float
@@ -78,7 +78,7 @@ class StrideParameters:
         Frames before and after a swing that are fitted too. Set by hand.
     swing_seen : float
         Weight from which a place counts as seen. Set by hand.
-    swing_told : float
+    swing_uncertain : float
         How much a place counts that is not certain, in a swing of which one end is not known. Set
         by hand.
     swing_unsure, unsure_aside : float
@@ -156,7 +156,7 @@ class StrideParameters:
     swing_odd: float = 1.5
     swing_margin: int = 4
     swing_seen: float = 0.3
-    swing_told: float = 0.2
+    swing_uncertain: float = 0.2
     swing_unsure: float = 0.1
     unsure_aside: float = 0.2
     bend_to: float = 0.9

@@ -63,7 +63,7 @@ class Substrate:
         return np.asarray(stance.origin + frames[:, None] * self.substrate_velocity)
 
     def kinematic_prior(self, point: int, *, way: int = 1) -> KinematicPrior:
-        """Return what speaks against how a point may move, told backwards where ``way`` is -1."""
+        """Return what speaks against how a point may move, backwards where ``way`` is -1."""
         motion_model = self.motion_model
         forward = motion_model.axes[0]
         fastest = min(0.0, float(motion_model.substrate_velocity @ forward))
@@ -245,7 +245,24 @@ def covered(
 def expected_jerks(
     lift_offs: Sequence[tuple[int, int]], liftoff_velocity: np.ndarray, n: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the third differences (n, P, d) that lift-offs make, and where (n, P) they do."""
+    """Return the third differences (n, P, d) that lift-offs make, and where (n, P) they do.
+
+    Parameters
+    ----------
+    lift_offs : sequence of tuple of int
+        Point, and its last row on the ground.
+    liftoff_velocity : ndarray, shape (P, d)
+        How the speed changes there, a frame.
+    n : int
+        Rows.
+
+    Returns
+    -------
+    jerk_mean : ndarray, shape (n, P, d)
+        Third differences.
+    near : ndarray of bool, shape (n, P)
+        Where there are any.
+    """
     jerk_mean = np.zeros((n, *liftoff_velocity.shape))
     near = np.zeros((n, len(liftoff_velocity)), bool)
     for p, last in lift_offs:
@@ -258,7 +275,7 @@ def expected_jerks(
 
 
 def _length(step: np.ndarray, motion_model: MotionModel) -> np.ndarray:
-    """Return the length of steps (..., d) forward and up: to the side is told less well."""
+    """Return the length of steps (..., d) forward and up: to the side is known less well."""
     return np.asarray(np.hypot(step @ motion_model.axes[0], step @ motion_model.axes[-1]))
 
 

@@ -224,7 +224,7 @@ def _part(
     off = (places - line) / motion_model.paw_width
     is_whole = np.array([one.is_whole for one in swings])
     sure = certain[at, point[:, None]] | is_whole[:, None]
-    counted = weight[at, point[:, None]] * np.where(sure, 1.0, STRIDE.swing_told)
+    counted = weight[at, point[:, None]] * np.where(sure, 1.0, STRIDE.swing_uncertain)
     aside = off[..., 1] if off.shape[-1] == 3 else np.zeros(way.shape)
     return Part(
         frames, way, off[..., -1], outside[point][:, None] * aside,

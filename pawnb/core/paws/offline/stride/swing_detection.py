@@ -216,5 +216,5 @@ class _Ends:
         return bool(self.seen[max(0, first) : stop].all())
 
     def _sd(self, vague: float) -> float:
-        """Return the standard deviation of an edge told so vaguely."""
+        """Return the standard deviation of an edge that is known so vaguely."""
         return vague * (STRIDE.touch_s * self.fps + STRIDE.swing_detection_touch)

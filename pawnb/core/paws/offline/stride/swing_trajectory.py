@@ -117,7 +117,24 @@ def trajectory_at(
 def changes(
     values: np.ndarray, shape: np.ndarray, frames: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return how the arc changes with the values, (4, 2, ..., T), and the shape, (2, 2, ..., T)."""
+    """Return how the arc changes with the values, (4, 2, ..., T), and the shape, (2, 2, ..., T).
+
+    Parameters
+    ----------
+    values : ndarray, shape (4, ...)
+        What each swing has of its own.
+    shape : ndarray, shape (2,)
+        Exponents, shared by all.
+    frames : ndarray, shape (..., T)
+        Frames of each swing.
+
+    Returns
+    -------
+    by_values : ndarray, shape (4, 2, ..., T)
+        Derivatives by the values.
+    by_shape : ndarray, shape (2, 2, ..., T)
+        Derivatives by the exponents.
+    """
     found = loops.changes(*_flat(values, shape, frames)).reshape(6, 2, *frames.shape)
     return found[:4], found[4:]
 

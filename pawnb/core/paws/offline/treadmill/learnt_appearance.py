@@ -55,6 +55,11 @@ def strides_may_tell(
     views, start, task, settings
         As for :func:`track_by_strides`.
 
+    Returns
+    -------
+    bool
+        Whether they can.
+
     Raises
     ------
     InputError

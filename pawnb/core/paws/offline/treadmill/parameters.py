@@ -31,8 +31,8 @@ class TreadmillParameters:
         limits, occluded places among them, in rendered scenes. Cameras on one side tell depth less
         well than they reckon.
     one_more : int
-        Looks taken besides where tracks still change: a paw was told while another, for which it
-        was mistaken, was not yet where it is now. Set by hand.
+        Looks taken besides where tracks still change: a paw was decided on while another, for which
+        it was mistaken, was not yet where it is now. Set by hand.
     pipeline_changes, changed_frames : float or int
         Tracks change where they go so many paw widths elsewhere in so many frames. Set by hand.
     pipeline_same : float
@@ -43,7 +43,7 @@ class TreadmillParameters:
     least_seen_aside : float
         The same where depth tells that they are on the other side. Set by hand.
     tracker_mistaken : float
-        Share of what is about the animal that passes for paws from which on a person is told: 0.2
+        Share of what is about the animal that passes for paws from which on a person is warned: 0.2
         to 6 % in rendered scenes that are tracked well, 9 to 23 % where belts are as brown as the
         paws: a third of these is lost and most others are poor.
     """

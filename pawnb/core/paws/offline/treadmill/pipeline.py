@@ -354,7 +354,7 @@ def _swings(
 
 
 def _stated(sd: np.ndarray, is_open: np.ndarray, *, is_one_sided: bool) -> np.ndarray:
-    """Return the standard deviations (n, P, d) that are stated, given where places are told."""
+    """Return the standard deviations (n, P, d) that are stated, given where places are certain."""
     certain = np.zeros_like(is_open) if is_one_sided else ~is_open
     return np.where(certain[..., None], TREADMILL.pipeline_stated * sd, sd)
 

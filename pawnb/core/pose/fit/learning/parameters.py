@@ -59,8 +59,8 @@ class LearningParameters:
     least_legs : float
         Fixtures smaller than so many legs are left alone: a body is no perfect egg. Set by hand.
     body_clutter_few : int
-        Of fewer frames nothing is learnt: noise and what passes by are not told from the body. Set
-        by hand.
+        Of fewer frames nothing is learnt: noise and what passes by are not distinguished from the
+        body. Set by hand.
     body_clutter_odd : float
         Difference, of the body's darkness, from which on a place is odd: an outline that is wrong
         by a third of a pixel errs by as much. Set by hand.
@@ -89,8 +89,8 @@ class LearningParameters:
     most_step : float
         Most by which one step changes any of these. Set by hand.
     leg_clutter_few : int
-        Of fewer frames nothing is learnt: noise and what passes by are not told from hairs. Set by
-        hand.
+        Of fewer frames nothing is learnt: noise and what passes by are not distinguished from
+        hairs. Set by hand.
     leg_clutter_along : int
         Cells along a segment: a hair is about as long. Set by hand.
     leg_clutter_hairy : float

@@ -31,6 +31,11 @@ def with_contralateral(
         Which view tracks which clicked point.
     kinds, extra : sequence of str
         Kinds of the clicked points, and of the unlabelled targets.
+
+    Returns
+    -------
+    ndarray of bool, shape (P + S, V)
+        Which view tracks which point or unlabelled target.
     """
     alike = [tracked[:, [kind == own for kind in kinds]].any(axis=1) for own in extra]
     return np.stack([*tracked.T, *alike])
@@ -139,6 +144,19 @@ def near_side_cost(
 
     An unlabelled target that takes the place of an occluded paw keeps it: nothing else says whose
     it is. Parameters as for :func:`side_cost`.
+
+    Parameters
+    ----------
+    tracklets : sequence of Tracklet
+        The tracklets.
+    anchors : Anchors
+        What is certain.
+    scene : Scene
+        Views and animal.
+    body : ndarray, shape (n, d)
+        The middle of the body in each frame.
+    kinds : sequence of str
+        Kind of each point.
 
     Returns
     -------

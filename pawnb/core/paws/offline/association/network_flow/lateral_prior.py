@@ -36,6 +36,15 @@ class LateralPrior:
         """Add to information (n, P, d, d) and target (n, P, d) where fewer than two views see.
 
         ``views`` is how many do, shape (n, P).
+
+        Parameters
+        ----------
+        W : ndarray, shape (n, P, d, d)
+            Information, changed in place.
+        z : ndarray, shape (n, P, d)
+            Target, changed in place.
+        views : ndarray of int, shape (n, P)
+            How many views see each point.
         """
         known = np.where(views < 2, self.information, 0.0)
         W += known[..., None, None] * np.outer(self.across, self.across)

@@ -69,7 +69,7 @@ class NetworkFlowParameters:
         be above what it costs to stay occluded: towards the end of a recording, where no later
         tracklet has to be reached, a point that is lost would else take whatever is there, however
         far from its own place. Set by hand.
-    told_apart : float
+    kinds_apart : float
         Clicks of front and hind paws this many spans apart tell where each usually are. Set by
         hand.
     look_below : float
@@ -93,14 +93,14 @@ class NetworkFlowParameters:
     stood_s : float
         Time, s, for which a paw goes with the ground to be known to stand. Set by hand.
     tracklet_association_wanders : float
-        Before the body is followed places to the side are told so much more vaguely: an animal on a
+        Before the body is followed places to the side are known so much less well: an animal on a
         belt wanders. Only where unlabelled targets are kept to their side, too: clicked paws hold
         their own. Set by hand.
     tracklets_ends : int
         Frames at each end from which position and speed there are taken. Set by hand.
     tracklets_dear, tracklets_enough : tuple[float, ...] or float
-        The speed of the ground is told by good places; by worse ones where those make fewer steps
-        than so many a frame, as where paws are dim. Set by hand.
+        The speed of the ground is estimated from good places; from worse ones where those make
+        fewer steps than so many a frame, as where paws are dim. Set by hand.
     tracklets_closer : tuple[float, ...]
         It is the mean of the steps within smaller and smaller distances of where most are. Set by
         hand.
@@ -129,7 +129,7 @@ class NetworkFlowParameters:
     tracklet_association_habit: float = 0.5
     tracklet_association_expected: float = 0.3
     tracklet_association_farthest: float = 36.0
-    told_apart: float = 0.5
+    kinds_apart: float = 0.5
     look_below: float = 3.0
     tracklet_association_elsewhere: float = 1.5
     tracklet_association_good: float = 0.5

@@ -90,7 +90,26 @@ def positional_cost(
     positional_prior: Sequence[Sequence[np.ndarray]],
     body_scale: float,
 ) -> np.ndarray:
-    """Return the cost (P, tracklets) of each tracklet for each point."""
+    """Return the cost (P, tracklets) of each tracklet for each point.
+
+    Parameters
+    ----------
+    tracklets : sequence of Tracklet
+        The tracklets.
+    body : ndarray, shape (n, d)
+        The middle of the body in each frame.
+    axes : sequence of ndarray, shape (d,)
+        Unit vectors along which places are counted.
+    positional_prior : sequence of sequence of ndarray
+        For each axis and point, the cost of each bin of places about the body.
+    body_scale : float
+        Length of the body, in units of the places.
+
+    Returns
+    -------
+    ndarray, shape (P, tracklets)
+        Costs.
+    """
     if not tracklets:
         return np.zeros((len(positional_prior[0]), 0))
     frame, at, first = joined(tracklets)

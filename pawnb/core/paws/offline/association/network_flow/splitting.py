@@ -119,7 +119,7 @@ def split_sliding(
     substrate_velocity : ndarray, shape (d,)
         Speed of the ground, length per frame.
     axes : ndarray, shape (2, d)
-        Unit vectors forward and up: that a paw stands is told along them, as depth may be vague.
+        Unit vectors forward and up: that a paw stands is decided along them, as depth may be vague.
     paw_width : float
         Width of a paw.
     frames : int

@@ -319,7 +319,24 @@ def find_hypotheses(
     *,
     likelihood: AppearanceLikelihood,
 ) -> list[PointHypotheses]:
-    """Return the places of every frame."""
+    """Return the places of every frame.
+
+    Parameters
+    ----------
+    found : sequence of sequence of ndarray
+        For each frame, the detections of each view.
+    scene : Scene
+        Views and animal.
+    settings : OfflineSettings
+        The settings.
+    likelihood : AppearanceLikelihood
+        How much a detection looks like a paw.
+
+    Returns
+    -------
+    list of PointHypotheses
+        Those of each frame.
+    """
     if scene.bottom_view is not None:
         return scene.bottom_view.places(found, settings.max_hypotheses)
     if scene.volume is None:
@@ -330,7 +347,22 @@ def find_hypotheses(
 def pairing(
     scene: Scene, settings: OfflineSettings, *, likelihood: AppearanceLikelihood
 ) -> StereoMatcher:
-    """Return what makes places of the detections of several views."""
+    """Return what makes places of the detections of several views.
+
+    Parameters
+    ----------
+    scene : Scene
+        Views and animal; several views.
+    settings : OfflineSettings
+        The settings.
+    likelihood : AppearanceLikelihood
+        How much a detection looks like a paw.
+
+    Returns
+    -------
+    StereoMatcher
+        Pairs detections of several views.
+    """
     if scene.volume is None:
         raise ValueError("places need several views")
     return StereoMatcher(
@@ -419,6 +451,19 @@ def where_kinds_are(
     were clicked beside each other, it is where the foremost and the hindmost quarter of all
     places begin.
 
+    Parameters
+    ----------
+    places : sequence of PointHypotheses
+        Those of each frame.
+    anchors : Anchors
+        What is certain.
+    scene : Scene
+        Views and animal.
+    kinds : sequence of str
+        Kind of each point.
+    frames : int
+        Frames over which the middle is followed.
+
     Returns
     -------
     list of ndarray, shape (n,)
@@ -446,7 +491,7 @@ def where_kinds_are(
     }
     told = {kind: middle + at for kind, at in mean.items() if kind != "other"}
     beside = {"front", "hind"} <= set(mean) and mean["front"] - mean["hind"] < (
-        NETWORK_FLOW.told_apart * scene.body_scale
+        NETWORK_FLOW.kinds_apart * scene.body_scale
     )
     if beside and len(known):
         away = np.concatenate([one - at for one, at in zip(good, middle, strict=True)])

@@ -73,7 +73,7 @@ class Tracklet:
     def end(
         self, substrate_velocity: np.ndarray, *, head: bool
     ) -> tuple[np.ndarray, np.ndarray, int]:
-        """Return position and speed at the first or last frame, and how many frames told."""
+        """Return position and speed at the first or last frame, and how many frames it is from."""
         part = (
             self.at[: NETWORK_FLOW.tracklets_ends]
             if head

@@ -48,7 +48,22 @@ def detect_blobs(score: np.ndarray, reach: int, usual: float) -> tuple[np.ndarra
 
 
 def peaks_at(score: np.ndarray, at: np.ndarray, reach: int) -> np.ndarray:
-    """Return the smoothed score (n,) at some positions (n, 2), px of the score."""
+    """Return the smoothed score (n,) at some positions (n, 2), px of the score.
+
+    Parameters
+    ----------
+    score : ndarray, shape (h, w)
+        Score of each place.
+    at : ndarray, shape (n, 2)
+        Positions, px of the score.
+    reach : int
+        Radius over which the score is smoothed, px of the score.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        The smoothed score.
+    """
     h, w = score.shape
     u, v = np.rint(at).astype(int).T
     return np.asarray(_smooth(score, reach)[np.clip(v, 0, h - 1), np.clip(u, 0, w - 1)])

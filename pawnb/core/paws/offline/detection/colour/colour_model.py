@@ -70,7 +70,7 @@ class Appearance:
 
     @property
     def is_faint(self) -> bool:
-        """Whether paws are hardly told from their surroundings, even by finer steps."""
+        """Whether paws are hardly distinguished from their surroundings, even by finer steps."""
         return self.fine_colours is not None and self.fine_colours.is_faint
 
     def score(
@@ -123,7 +123,24 @@ def bin_numbers(
     *,
     fine_colours: FineColours | None = None,
 ) -> np.ndarray:
-    """Return the bin (h, w) of each pixel of an RGB or a grey picture."""
+    """Return the bin (h, w) of each pixel of an RGB or a grey picture.
+
+    Parameters
+    ----------
+    pixels : ndarray, shape (h, w, 3) or (h, w)
+        A picture.
+    around_px : int
+        Side of what a grey pixel is compared with, px.
+    background : ndarray, optional
+        The empty scene, of the same shape.
+    fine_colours : FineColours, optional
+        Finer steps of colour.
+
+    Returns
+    -------
+    ndarray of int, shape (h, w)
+        Numbers of bins.
+    """
     pixels = (
         cv2.GaussianBlur(pixels, (3, 3), 0.8) if fine_colours is None else fine_colours.of(pixels)
     )
@@ -244,7 +261,7 @@ class _Lesson:
         if (
             self.is_colour
             and sum(map(len, self.clicks)) < COLOUR.colour_model_few
-            and usual > COLOUR.colour_model_told
+            and usual > COLOUR.colour_model_distinct
         ):
             ratio, usual = told(COLOUR.reach_few)
         limit = COLOUR.colour_model_sure * min(1.0, max(usual, 0.0) / 2.0)

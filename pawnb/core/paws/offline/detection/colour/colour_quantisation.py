@@ -6,9 +6,9 @@ picture is turned into three numbers a pixel: brightness in steps of four levels
 red exceeds green and blue their mean in steps of two. Thirty-two steps of each then reach only
 as far as colours like the paws': all that is farther counts as the last step.
 
-Where paws are hardly told from their surroundings even so, the noise of a camera is larger than
-what is between them. Pictures are then smoothed over about a third of a paw, and a place counts
-by how much its score exceeds what is usual about it: a shadow that passes for a paw here and
+Where paws are hardly distinguished from their surroundings even so, the noise of a camera is larger
+than what is between them. Pictures are then smoothed over about a third of a paw, and a place
+counts by how much its score exceeds what is usual about it: a shadow that passes for a paw here and
 there does so all over.
 """
 
@@ -34,8 +34,8 @@ class FineColours:
     weights : ndarray, shape (3, 4), float32
         Weights of red, green and blue, and what is added.
     is_faint : bool
-        Whether paws are hardly told from their surroundings: pictures are smoothed more, and
-        scores are told from those about them.
+        Whether paws are hardly distinguished from their surroundings: pictures are smoothed more,
+        and scores are compared with those about them.
     """
 
     weights: np.ndarray
@@ -46,7 +46,7 @@ class FineColours:
         return np.asarray(cv2.transform(smooth_fine_colours(pixels, self.is_faint), self.weights))
 
     def stand_out(self, score: np.ndarray) -> np.ndarray:
-        """Return the score (h, w) of places by which they are told from what is about them."""
+        """Return the score (h, w) of places by which they differ from what is about them."""
         if not self.is_faint:
             return score
         about = cv2.blur(np.maximum(score, 0.0), (COLOUR.about_px, COLOUR.about_px))

@@ -34,7 +34,24 @@ class Offsets:
     def apply(
         self, rows: np.ndarray, point: int, *, paw_width_px: float, facing: int
     ) -> np.ndarray:
-        """Return the tracked point's position (n, 2) for detections of one view."""
+        """Return the tracked point's position (n, 2) for detections of one view.
+
+        Parameters
+        ----------
+        rows : ndarray, shape (n, 8)
+            Detections of one view.
+        point : int
+            Number of the point.
+        paw_width_px : float
+            Thickness of a paw in that view, px.
+        facing : int
+            +1 or -1: the way the animal faces.
+
+        Returns
+        -------
+        ndarray, shape (n, 2)
+            Positions, px.
+        """
         e = rows[:, 2:4].astype(float)
         e /= np.maximum(np.hypot(e[:, 0], e[:, 1]), 1e-6)[:, None]
         side = np.column_stack([-e[:, 1], e[:, 0]]) * facing

@@ -17,6 +17,20 @@ def paw_width_at(
 
     The edge is where the score is half way from that of the paw to that of what is around,
     smoothed, as single pixels that noise takes out of a paw would make it thin.
+
+    Parameters
+    ----------
+    numbers : sequence of ndarray of int, shape (h, w)
+        Bins of the pixels of some pictures.
+    table : ndarray, shape (bins,)
+        Score of each bin.
+    clicks : sequence of ndarray, shape (k, 2)
+        Positions in each picture, px.
+
+    Returns
+    -------
+    float
+        Median thickness, px.
     """
     found = []
     for number, uv in zip(numbers, clicks, strict=True):

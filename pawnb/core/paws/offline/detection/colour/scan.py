@@ -92,7 +92,26 @@ def configure_detector(
     limits: np.ndarray | None = None,
     is_below: bool = False,
 ) -> DetectorConfig:
-    """Choose the scale of the search: a paw is about six reduced pixels thick."""
+    """Choose the scale of the search: a paw is about six reduced pixels thick.
+
+    Parameters
+    ----------
+    appearance : Appearance
+        What paws look like.
+    paw_width_px : float
+        Thickness of a paw, px.
+    limb_direction : tuple of float
+        Unit vector from paw to limb, in the picture.
+    limits : ndarray, shape (k, 3), optional
+        Lines a, b, c; detections lie where a u + b v + c is not negative.
+    is_below : bool
+        Whether the view is from below.
+
+    Returns
+    -------
+    DetectorConfig
+        How the view is searched.
+    """
     shrink = max(1, round(paw_width_px / 6.0))
     reach = max(3, round(0.85 * paw_width_px / shrink))
     most = COLOUR.most_faint if appearance.is_faint else MOST
@@ -247,7 +266,24 @@ def _shown(
 
 
 def searched(picture: Picture, roi: ROI, shrink: int) -> tuple[np.ndarray, tuple[int, int]]:
-    """Return the part of a picture that is searched, reduced, and its left and top in px."""
+    """Return the part of a picture that is searched, reduced, and its left and top in px.
+
+    Parameters
+    ----------
+    picture : Picture
+        The whole picture.
+    roi : ROI
+        What is searched.
+    shrink : int
+        Factor by which it is reduced.
+
+    Returns
+    -------
+    pixels : ndarray
+        The reduced part.
+    origin : tuple of int
+        Its left and top, px.
+    """
     # chroma has half the resolution: reduced, its planes need an even grid
     box = roi.box(1 if shrink == 1 else 2 * shrink)
     if isinstance(picture, Frame):  # frames of a video reduce as they are decoded
