@@ -10,7 +10,7 @@ import numpy as np
 
 from pawnb.core.parallel import Threads
 from pawnb.core.pose.fit.fitter import FrameFitter
-from pawnb.core.pose.steps import Steps
+from pawnb.core.pose.fit.steps import Steps
 
 THREADS = 2
 """The compiled loops let other threads run, numpy's own part is small: both cores are busy."""

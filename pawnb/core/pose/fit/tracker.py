@@ -35,8 +35,8 @@ from pawnb.core.pose.fit.sequence.between_annotations import fit_known, follow_a
 from pawnb.core.pose.fit.sequence.final_fit import Settled, settle_all
 from pawnb.core.pose.fit.sequence.first_frame import fit_start
 from pawnb.core.pose.fit.settings import PoseSettings
+from pawnb.core.pose.fit.steps import Steps
 from pawnb.core.pose.poses import Poses, joint_positions, start_within
-from pawnb.core.pose.steps import Steps
 from pawnb.core.pose.track_result import PoseTrack
 from pawnb.core.video.views import Frame, ViewReader
 from pawnb.schema import ORIGIN_CODE

@@ -20,7 +20,7 @@ from pawnb.core.pose.fit.rendering.blur import blurred
 from pawnb.core.pose.fit.sequence.first_frame import start_prior
 from pawnb.core.pose.fit.sequence.one_direction import Follower
 from pawnb.core.pose.fit.sequence.parameters import SEQUENCE
-from pawnb.core.pose.steps import Steps
+from pawnb.core.pose.fit.steps import Steps
 from pawnb.core.video.views import Frame
 
 HEADING = 2
