@@ -64,6 +64,11 @@ def values_in_force(stage: T) -> T:
     return now
 
 
+def defaults_of(stage: str) -> Any:
+    """Return the dataclass of a stage with its defaults."""
+    return _STAGES[stage].default
+
+
 def parameters_of(stages: Sequence[str]) -> dict[str, dict[str, Any]]:
     """Return the values in force.
 
@@ -136,7 +141,7 @@ def read_parameters(
         by_stage.setdefault(stage, {})[name] = value
     found = {}
     for stage, own in by_stage.items():
-        built = build_settings(type(_STAGES[stage].default), own, where=f"{where}: {stage}")
+        built = build_settings(type(defaults_of(stage)), own, where=f"{where}: {stage}")
         found[stage] = {name: getattr(built, name) for name in own}
     return found
 

@@ -8,14 +8,13 @@ import re
 
 import pytest
 
-from pawnb.core import parameters
 from pawnb.core.parallel import Threads
 from pawnb.core.parameters import (
     constants_of,
+    defaults_of,
     parameters_of,
     parameters_set,
     read_parameters,
-    values_in_force,
 )
 from pawnb.core.paws.offline.stride import plausibility_kernels
 from pawnb.core.paws.offline.stride.parameters import STRIDE, StrideParameters
@@ -59,7 +58,7 @@ def test_what_is_no_parameter_is_refused(word, value, said):
 @pytest.mark.parametrize(("tracker", "stage"), EVERY)
 def test_every_parameter_is_recorded_and_has_its_words(tracker, stage):
     recorded = parameters_of(tracker.stages)[stage]
-    own = type(values_in_force(parameters._STAGES[stage]))
+    own = type(defaults_of(stage))
     assert set(recorded) == {field.name for field in dataclasses.fields(own)}
     named = re.findall(r"^(\w[\w, ]*) : ", inspect.getdoc(own), re.M)
     assert {name for line in named for name in line.split(", ")} == set(recorded)
