@@ -217,8 +217,8 @@ def settings_by_method(
     found: dict[str, dict[str, Any]] = {method: {} for method in methods}
     for word, value in settings.items():
         method, dot, name = word.partition(".")
-        if dot and any(method in find_tracker(kind, m).stages for m in methods):
-            method, dot, name = "", "", word  # a parameter of a stage
+        if not dot or any(method in find_tracker(kind, m).stages for m in methods):
+            method, dot, name = "", "", word  # of any method; a stage is not a method
         if dot and method not in methods:
             raise InputError(
                 f"setting {word!r} is for method {method!r}{did_you_mean(method, methods)}, which "
