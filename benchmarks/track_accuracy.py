@@ -27,7 +27,8 @@ from pawnb.synthetic import render_mouse_trial
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.evaluation.corrected_run import track_with_corrections
 from pawnb.workflow.evaluation.errors import THRESHOLD_PX, ErrorReport, count_errors
-from pawnb.workflow.tracking.track import METHODS, retrack, track
+from pawnb.workflow.tracking.methods import METHODS
+from pawnb.workflow.tracking.track import retrack, track
 
 REFERENCE_WIDTH_PX = 2048
 

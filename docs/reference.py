@@ -12,6 +12,9 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from pawnb.core.parameters import defaults_of
+from pawnb.core.paws.tracker import trackers
+
 FOLDER = "_generated/reference"
 PACKAGES = (
     "pawnb", "pawnb.gait", "pawnb.figures", "pawnb.io", "pawnb.widgets", "pawnb.signals",
@@ -31,7 +34,7 @@ def write_reference(folder: Path) -> None:
     for name, page in pages().items():
         (folder / f"{name}.rst").write_text(page, encoding="utf-8")
     index = [*heading("Reference", "="), ".. toctree::", "   :maxdepth: 1", ""]
-    index += [f"   {name}" for name in PACKAGES]
+    index += [f"   {name}" for name in (*PACKAGES, "parameters")]
     (folder / "index.rst").write_text("\n".join(index) + "\n", encoding="utf-8")
 
 
@@ -66,7 +69,26 @@ def pages() -> dict[str, str]:
                 lines += ["", *heading(f"{name}.{n}", "-"), f".. automodule:: {item.__name__}"]
                 lines += ["   :members:"]
         found[name] = "\n".join(lines) + "\n"
-    return found
+    return found | {"parameters": parameters_page()}
+
+
+def parameters_page() -> str:
+    """Return the page of what can be set in the stages of the trackers.
+
+    Returns
+    -------
+    str
+        reStructuredText: a section a stage, its dataclass with unit and evidence of each value.
+    """
+    lines = [*heading("Parameters of the stages of trackers", "=")]
+    lines += ["Set as ``--set STAGE.NAME=VALUE``, or under ``[tracking.STAGE]`` in ``trial.toml``."]
+    for kind in ("paws", "pose"):
+        for tracker in trackers(kind).values():
+            for stage in tracker.stages:
+                own = type(defaults_of(stage))
+                lines += ["", *heading(f"{stage} (kind {kind})", "-")]
+                lines += [f".. autoclass:: {own.__module__}.{own.__qualname__}"]
+    return "\n".join(lines) + "\n"
 
 
 def heading(text: str, sign: str) -> list[str]:

@@ -62,10 +62,9 @@ def test_documented_parameters_are_those_of_the_signature():
 
 
 def test_functions_of_three_or_more_arguments_say_what_they_take_and_return():
-    """The rooms of the paw tracker are being rebuilt, and are checked when they stand."""
     without = []
     for name, function in FUNCTIONS.items():
-        if name.startswith("pawnb.core.paws.") or len(parameters(function)) < 3:
+        if len(parameters(function)) < 3:
             continue
         doc = FunctionDoc(function)
         returned = inspect.signature(function).return_annotation

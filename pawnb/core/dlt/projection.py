@@ -18,7 +18,7 @@ _LEAST_CONVERGENCE = 0.01
 """Lines of sight that converge by less than this, as a share of the distance, are parallel: how a
 view shows depth is then not known."""
 _LONGEST_FOCAL_PX = 1e6
-"""Views of a longer focal length have no perspective that could be told from none."""
+"""Views of a longer focal length have no perspective that could be distinguished from none."""
 
 
 class Triangulation(NamedTuple):

@@ -1,6 +1,6 @@
 """Compiled loops over the entropy-coded bits of a baseline JPEG picture.
 
-A bit cannot be told from what it means without reading all bits before it. So a picture is
+What a bit means is not known without reading all bits before it. So a picture is
 read through once, as quickly as that can be done when coefficients are not wanted: several
 symbols at one look into a table. What is kept is where each unit of blocks begins and the
 mean levels there; from then on any unit can be decoded by itself.

@@ -57,7 +57,20 @@ class Views(Protocol):
     def frames(
         self, start: int, stop: int, *, step: int = 1, partly: bool = False
     ) -> Iterator[tuple[int, Mapping[str, Picture]]]:
-        """Go through frames of every view, as :class:`range` does; ``partly``: small parts."""
+        """Go through frames of every view, as :class:`range` does; ``partly``: small parts.
+
+        Parameters
+        ----------
+        start, stop, step : int
+            As those of :class:`range`.
+        partly : bool
+            Whether only small parts of the pictures will be asked for.
+
+        Yields
+        ------
+        iterator
+            Frame, and the picture of each view by its name.
+        """
         ...
 
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class TrackingRequest:
-    """What is to be tracked, and who is told about it.
+    """What is to be tracked, and who is informed.
 
     Parameters
     ----------

@@ -25,7 +25,7 @@ MET_FRAMES = 10
 
 
 class Stretch:
-    """Which points are still being tracked again, told row by row.
+    """Which points are still being tracked again, row by row.
 
     Parameters
     ----------

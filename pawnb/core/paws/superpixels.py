@@ -29,7 +29,18 @@ class Picture(Protocol):
     """What is needed of a frame: its pixels in a half-open region."""
 
     def crop(self, u0: int, v0: int, u1: int, v1: int) -> np.ndarray:
-        """Return the pixels of a region inside the picture."""
+        """Return the pixels of a region inside the picture.
+
+        Parameters
+        ----------
+        u0, v0, u1, v1 : int
+            Left, top, and one past right and bottom, px.
+
+        Returns
+        -------
+        ndarray, shape (v1 - v0, u1 - u0, 3) or (v1 - v0, u1 - u0)
+            The pixels.
+        """
         ...
 
 

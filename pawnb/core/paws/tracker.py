@@ -67,6 +67,14 @@ class Tracker(Protocol[ViewsT, StartT, RequestT, KeptT, CorrectedT, FoundT]):
     def needs_calibration(self) -> bool:
         """Whether several views are tracked together only."""
 
+    @property
+    def stages(self) -> tuple[str, ...]:
+        """The stages whose parameters can be set, see :mod:`pawnb.core.parameters`."""
+
+    @property
+    def packages(self) -> tuple[str, ...]:
+        """The packages whose other named numbers a record of a run holds."""
+
     def track(
         self, views: ViewsT, start: StartT, request: RequestT, *, settings: Any, kept: KeptT
     ) -> FoundT:
@@ -188,6 +196,11 @@ class OfflineTracker:
     settings: type[OfflineSettings] = OfflineSettings
     is_offline: bool = True
     needs_calibration: bool = False
+    stages: tuple[str, ...] = (
+        "colour", "movement", "network_flow", "stride", "gap_closing", "smoothing", "landmarks",
+        "treadmill", "scene", "motion", "correlation", "appearance", "association", "identity",
+    )  # fmt: skip
+    packages: tuple[str, ...] = ("pawnb.core.paws.offline",)
 
     def track(
         self,
@@ -301,6 +314,8 @@ class Maghsoudi2019Tracker:
     kind: str = "paws"
     settings: type[Maghsoudi2019Settings] = Maghsoudi2019Settings
     is_offline: bool = False
+    stages: tuple[str, ...] = ()
+    packages: tuple[str, ...] = ("pawnb.core.paws.maghsoudi2019",)
 
     def track(
         self,

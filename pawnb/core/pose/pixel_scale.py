@@ -17,7 +17,7 @@ from pawnb.errors import InputError
 from pawnb.signals.robust import MAD_TO_SD
 
 _SHORTEST_PX = 6.0
-"""Lines nearer to each other than this are not told from texture."""
+"""Lines nearer to each other than this are not distinguished from texture."""
 _FEWEST_LINES = 4
 """Fewer lines in a direction tell no spacing."""
 _PEAKS = 40

@@ -38,7 +38,7 @@ _BEYOND_DEG = 10.0
 _VAGUE = 3.0
 """A tip is doubted where its SD is so many times the usual one."""
 _TELLING = 0.5
-"""A second leg or reason is told where it weighs at least this much of the first."""
+"""A second leg or reason is named where it weighs at least this much of the first."""
 _APART_FRAMES = 12.0
 """About half a stride of a running spider at 125 frames per second."""
 _LEAST_SCORE = 0.5

@@ -60,12 +60,16 @@ class PoseTracker:
         What tracks: see :func:`pawnb.core.pose.fit.tracker.track_pose`.
     is_offline : bool
         Whether it decides over the whole recording, and knows when the animal is gone.
+    stages, packages : tuple of str
+        Stages whose parameters can be set, and packages whose other named numbers are recorded.
     """
 
     name: str
     settings: type[PoseSettings] | type[Pullar2009Settings]
     run: Callable[..., PoseTrack]
     is_offline: bool
+    stages: tuple[str, ...]
+    packages: tuple[str, ...]
     kind: str = "pose"
     needs_calibration: bool = False
 
@@ -171,7 +175,14 @@ class PoseTracker:
 
 
 POSE_TRACKERS = (
-    PoseTracker("pawnb", PoseSettings, track_pose, is_offline=True),
-    PoseTracker("paper", Pullar2009Settings, track_pullar2009, is_offline=False),
-)
+    PoseTracker(
+        "pawnb", PoseSettings, track_pose, is_offline=True,
+        stages=("fitting", "rendering", "candidates", "learning", "sequence"),
+        packages=("pawnb.core.pose.fit", "pawnb.core.pose.space"),
+    ),
+    PoseTracker(
+        "paper", Pullar2009Settings, track_pullar2009, is_offline=False, stages=(),
+        packages=("pawnb.core.pose.pullar2009", "pawnb.core.pose.space"),
+    ),
+)  # fmt: skip
 """The trackers of jointed animals; the first is the default."""

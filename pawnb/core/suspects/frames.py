@@ -38,7 +38,7 @@ from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE, SUSPECTS_COLUMNS, Tracks, check_tracks
 
 _TELLING = 0.5
-"""A second point or reason is told where it weighs at least this much of the first."""
+"""A second point or reason is named where it weighs at least this much of the first."""
 
 _APART_FRAMES = 25.0
 """One stride of a fast mouse at 250 frames per second: how long a lost paw is lost."""
@@ -110,7 +110,7 @@ def find_suspects(
     tracks : xarray.Dataset
         Tracks with image positions.
     rig : Rig, optional
-        The calibrated views; with it the error of reprojection is told view by view, else
+        The calibrated views; with it the error of reprojection is given view by view, else
         the residual of the tracks counts in each view.
     settings : SuspectSettings, optional
         What counts as doubtful.

@@ -81,7 +81,7 @@ or with one thing changed.
 
 ``apart`` is as printed when tracks first said it, for the same scenes with the present tracker,
 in whose tracks there are 17 errors to learn from; the other curves were left as they stood.
-There ``separation`` told hardly more than they do (-0.19 to 0.04), so that it is set by hand:
+There ``separation`` added hardly anything to them (-0.19 to 0.04), so that it is set by hand:
 the less candidates are separated, the more is doubted, by a factor of two at most."""
 
 LIMITS: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {

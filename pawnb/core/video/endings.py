@@ -2,7 +2,7 @@
 
 A demultiplexer stops at the end of a file that was cut short as if it were the end of the
 recording. The lengths that the file itself declares tell more. Where a container declares
-none, a file that ends between two pictures cannot be told from a shorter recording.
+none, a file that ends between two pictures cannot be distinguished from a shorter recording.
 """
 
 from __future__ import annotations

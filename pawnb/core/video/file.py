@@ -64,7 +64,7 @@ class VideoFile:
     Notes
     -----
     One codec thread a file: views are decoded side by side in threads of their own, and
-    an error can be told from the packet that caused it.
+    an error can be distinguished from the packet that caused it.
     """
 
     def __init__(self, path: str | Path) -> None:

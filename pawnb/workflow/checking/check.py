@@ -24,7 +24,7 @@ from pawnb.workflow.conversion.foreign_tracks import read_belt, read_foreign_tra
 from pawnb.workflow.gait.event_sources import read_trial_events
 from pawnb.workflow.provenance.manifest import RUN_KINDS, find_fault, known_files
 from pawnb.workflow.provenance.results import provenance_steps, results_folder
-from pawnb.workflow.tracking.methods import tracker_settings, trial_tracker
+from pawnb.workflow.tracking.methods import stage_parameters, tracker_settings, trial_tracker
 from pawnb.workflow.tracking.predicted import doubt_predictions, read_predictions
 from pawnb.workflow.tracking.trial_views import frame_range, paw_task, points_by_view, trial_rig
 
@@ -146,6 +146,7 @@ def _check_views(trial: Trial, report: CheckReport) -> None:
     """Open the views, read their first and last frame, and check what depends on them."""
     try:
         tracker_settings(trial)
+        stage_parameters(trial)
     except PawnbError as error:
         report.faults.append(str(error))
     try:

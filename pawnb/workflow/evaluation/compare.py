@@ -21,6 +21,7 @@ import pandas as pd
 
 from pawnb import figures
 from pawnb.core.compiled import time_compiling
+from pawnb.core.paws.tracker import AnyTracker, find_tracker
 from pawnb.core.video import open_views
 from pawnb.errors import InputError, did_you_mean
 from pawnb.io.tables import write_table
@@ -215,7 +216,9 @@ def settings_by_method(
     """
     found: dict[str, dict[str, Any]] = {method: {} for method in methods}
     for word, value in settings.items():
-        method, dot, name = word.rpartition(".")
+        method, dot, name = word.partition(".")
+        if not dot or any(method in find_tracker(kind, m).stages for m in methods):
+            method, dot, name = "", "", word  # of any method; a stage is not a method
         if dot and method not in methods:
             raise InputError(
                 f"setting {word!r} is for method {method!r}{did_you_mean(method, methods)}, which "
@@ -223,7 +226,7 @@ def settings_by_method(
             )
         refuse_published_names([name], kind=kind)
         asked = [method] if dot else methods
-        owners = [m for m in asked if name in setting_names(m, kind=kind)]
+        owners = [m for m in asked if _has_setting(find_tracker(kind, m), name)]
         if not owners:
             every = {n for m in asked for n in setting_names(m, kind=kind)}
             who = f"method {method}" if dot else "none of the methods compared"
@@ -233,6 +236,13 @@ def settings_by_method(
             if dot or f"{owner}.{name}" not in settings:
                 found[owner][name] = value
     return found
+
+
+def _has_setting(tracker: AnyTracker, name: str) -> bool:
+    """Tell whether a tracker has a setting, or a stage whose parameter this is."""
+    return name in setting_names(tracker.name, kind=tracker.kind) or (
+        "." in name and name.partition(".")[0] in tracker.stages
+    )
 
 
 def check_methods(

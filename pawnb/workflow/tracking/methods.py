@@ -6,6 +6,7 @@ import dataclasses
 from collections.abc import Mapping
 from typing import Any
 
+from pawnb.core.parameters import constants_of, parameters_of, read_parameters
 from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
 from pawnb.core.paws.offline.settings import OfflineSettings
 from pawnb.core.paws.tracker import DEFAULT, AnyTracker, find_tracker, trackers
@@ -135,12 +136,60 @@ def space_settings(trial: Trial, *, settings: Mapping[str, Any] | None = None) -
     )
 
 
+def stage_parameters(
+    trial: Trial, *, method: str = DEFAULT, settings: Mapping[str, Any] | None = None
+) -> dict[str, dict[str, Any]]:
+    """Return the parameters of stages that are set: the trial's, overridden by ``settings``.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial; ``[tracking.STAGE]`` holds such parameters.
+    method : str
+        A method for its kind.
+    settings : mapping, optional
+        Those that go first: ``STAGE.NAME``, or a mapping named as the stage.
+
+    Returns
+    -------
+    dict
+        Stage to names and values; see :func:`pawnb.core.parameters.parameters_set`.
+
+    Raises
+    ------
+    InputError
+        For an unknown stage or name, or a value of the wrong type.
+    """
+    tracker = trial_tracker(trial, method)
+    known = {stage for one in trackers(tracker.kind).values() for stage in one.stages}
+    written = {
+        name: value
+        for name, value in _grouped(tracker, trial.tracking).items()
+        # those of another method wait for it
+        if name.partition(".")[0] in tracker.stages or name.partition(".")[0] not in known
+    }
+    own = _grouped(tracker, settings or {})
+    found = read_parameters(written, tracker.stages, where="trial.toml: [tracking]")
+    where = f"settings of method {method!r}"
+    for stage, values in read_parameters(own, tracker.stages, where=where).items():
+        found[stage] = found.get(stage, {}) | values
+    return found
+
+
+def _grouped(tracker: AnyTracker, settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the settings that are of a stage, as ``stage.name``, without those of space."""
+    rest = _apart(settings)[0] if tracker.kind == "pose" else settings
+    found = {name: value for name, value in rest.items() if "." in name}
+    for stage, own in rest.items():
+        if isinstance(own, Mapping):
+            found |= {f"{stage}.{name}": value for name, value in own.items()}
+    return found
+
+
 def _of_tracker(tracker: AnyTracker, settings: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the settings that are of a tracker itself: of poses those in the view."""
-    return _apart(settings)[0] if issubclass(tracker.settings, _IN_VIEW) else dict(settings)
-
-
-_IN_VIEW = (PoseSettings, Pullar2009Settings)
+    """Return the settings that are of a tracker itself, of no stage and not of space."""
+    rest = _apart(settings)[0] if tracker.kind == "pose" else settings
+    return {n: v for n, v in rest.items() if "." not in n and not isinstance(v, Mapping)}
 
 
 def _apart(settings: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -157,6 +206,8 @@ def settings_in_force(
     trial: Trial, *, method: str, settings: Mapping[str, Any] | None = None
 ) -> dict[str, Any]:
     """Return every setting in force for a trial of any kind, as plain values.
+
+    Parameters of stages are among them where they are set; :func:`recorded_parameters` has all.
 
     Parameters
     ----------
@@ -178,10 +229,35 @@ def settings_in_force(
         As :func:`tracker_settings`.
     """
     chosen = dataclasses.asdict(tracker_settings(trial, method=method, settings=settings))
-    if not issubclass(trial_tracker(trial, method).settings, _IN_VIEW):
+    chosen |= by_dotted_name(stage_parameters(trial, method=method, settings=settings))
+    if trial.kind != "pose" or len(trial.views) < 2:
         return chosen
-    space = space_settings(trial, settings=settings)
-    return chosen | ({_SPACE: dataclasses.asdict(space)} if len(trial.views) > 1 else {})
+    return chosen | {_SPACE: dataclasses.asdict(space_settings(trial, settings=settings))}
+
+
+def by_dotted_name(stages: Mapping[str, Mapping[str, Any]]) -> dict[str, Any]:
+    """Return parameters of stages as settings have them: ``STAGE.NAME`` to values."""
+    return {
+        f"{stage}.{name}": value for stage, own in stages.items() for name, value in own.items()
+    }
+
+
+def recorded_parameters(tracker: AnyTracker) -> dict[str, Any]:
+    """Return what a record of a run says of a tracker besides its settings.
+
+    Parameters
+    ----------
+    tracker : Tracker
+        The tracker.
+
+    Returns
+    -------
+    dict
+        ``parameters``: stage to the values in force; ``constants``: package to the other named
+        numbers of its modules, which cannot be set.
+    """
+    constants = {package: constants_of(package) for package in tracker.packages}
+    return {"parameters": parameters_of(tracker.stages), "constants": constants}
 
 
 def method_of_tracks(trial: Trial, tracks: Tracks) -> tuple[AnyTracker, TrackerSettings]:
@@ -207,6 +283,28 @@ def method_of_tracks(trial: Trial, tracks: Tracks) -> tuple[AnyTracker, TrackerS
     tracker = trial_tracker(trial, made["method"])
     settings = _of_tracker(tracker, with_present_names(made["settings"], kind=tracker.kind))
     return tracker, build_settings(tracker.settings, settings, where=_OF_TRACKS)
+
+
+def stage_parameters_of_tracks(trial: Trial, tracks: Tracks) -> dict[str, dict[str, Any]]:
+    """Return the parameters of stages that were set for tracks, or those of the trial.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial of the tracks.
+    tracks : xarray.Dataset
+        Tracks.
+
+    Returns
+    -------
+    dict
+        Stage to names and values.
+    """
+    made = _made_by(tracks)
+    if made is None:
+        return stage_parameters(trial)
+    tracker = trial_tracker(trial, made["method"])
+    return read_parameters(_grouped(tracker, made["settings"]), tracker.stages, where=_OF_TRACKS)
 
 
 def space_settings_of_tracks(trial: Trial, tracks: Tracks) -> SpaceSettings:

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from pawnb.core.parameters import parameters_set
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.as_tracks import animal_of, poses_of
 from pawnb.core.pose.corrected import posed_frames
@@ -25,8 +26,10 @@ from pawnb.workflow.provenance.record import build_step, trial_checksums
 from pawnb.workflow.provenance.results import describe_trial, provenance_steps
 from pawnb.workflow.start.propose_pose import trial_background
 from pawnb.workflow.tracking.methods import (
+    by_dotted_name,
     method_of_tracks,
     space_settings_of_tracks,
+    stage_parameters_of_tracks,
 )
 from pawnb.workflow.tracking.pose_in_space import find_in_space, load_second
 from pawnb.workflow.tracking.track_pose import pose_tracks, pose_views
@@ -93,8 +96,10 @@ def retrack_pose(
     if not np.isfinite(old.poses.xy[here]).all():
         raise InputError(f"the animal has no pose in frame {frame}; pose it there first.")
     tracker, settings = method_of_tracks(trial, tracks)
+    own = stage_parameters_of_tracks(trial, tracks)
     limits, certain = _certain(tracks, old, here)
     with contextlib.ExitStack() as stack:
+        stack.enter_context(parameters_set(own))
         kind = tracker.kind if tracker.is_offline else None
         report = stack.enter_context(tracking_progress(progress, "tracking again", kind=kind))
         views = stack.enter_context(open_views(trial))
@@ -128,7 +133,7 @@ def retrack_pose(
         "retrack",
         command=None,
         inputs=trial_checksums(trial, start=False),
-        settings=dataclasses.asdict(settings),
+        settings=dataclasses.asdict(settings) | by_dotted_name(own),
         method=tracker.name,
         frame=int(frame),
         frames=[int(frames[touched[0]]), int(frames[touched[-1]]) + 1],

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from pawnb.core.parameters import parameters_set
 from pawnb.core.paws.maghsoudi2019.settings import REFERENCE_WIDTH_PX
 from pawnb.core.paws.offline.again import Again, frames_again, weighing_of
 from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
@@ -48,7 +49,16 @@ from pawnb.workflow.tracking.kept_candidates import (
     reopen_store,
     session_stacks,
 )
-from pawnb.workflow.tracking.methods import method_of_tracks, tracker_settings, trial_tracker
+from pawnb.workflow.tracking.methods import (
+    by_dotted_name,
+    method_of_tracks,
+    recorded_parameters,
+    settings_in_force,
+    stage_parameters,
+    stage_parameters_of_tracks,
+    tracker_settings,
+    trial_tracker,
+)
 from pawnb.workflow.tracking.placed import (
     clicks_by_hand,
     clicks_learnt_from,
@@ -164,6 +174,8 @@ def _track_points(
     chosen = tracker_settings(trial, method=method, settings=settings)
     with contextlib.ExitStack() as stack:
         notes = stack.enter_context(noted_warnings())
+        own = stage_parameters(trial, method=method, settings=settings)
+        stack.enter_context(parameters_set(own))
         asked = stack.enter_context(interruptible()) if stop is None else stop
         shown = stack.enter_context(contextlib.ExitStack())
         report = shown.enter_context(_progress(progress, "tracking", tracker))
@@ -184,8 +196,9 @@ def _track_points(
             command=command,
             # clicks that were handed over stand in the record themselves
             inputs=trial_checksums(trial, start=start is None),
-            settings=dataclasses.asdict(chosen),
+            settings=settings_in_force(trial, method=method, settings=settings),
             method=method,
+            **recorded_parameters(tracker),
             frames=[first, last],
             trial=trial_fingerprint(trial),
             start=clicks.to_dict(orient="records"),
@@ -314,11 +327,13 @@ def _retrack_points(
         settings = dataclasses.replace(settings, evidence=tracks.attrs["evidence"])
     placed = corrected_points(tracks, frame)
     learnt = _frames_learnt_in(tracks) | (dict.fromkeys(placed, frame) if learn else {})
+    own = stage_parameters_of_tracks(trial, tracks)
     clicks = clicks_of_frame(trial, tracks, frame)
     begin = int(frame)
     old: Tracks | None = tracks
     given: dict[str, Any] = {}
     with contextlib.ExitStack() as stack:
+        stack.enter_context(parameters_set(own))
         report = stack.enter_context(_progress(progress, "tracking again", tracker))
         views = stack.enter_context(open_views(trial))
         rig = trial_rig(trial, views, method=tracker.name)
@@ -364,7 +379,7 @@ def _retrack_points(
         "retrack",
         command=None,
         inputs=trial_checksums(trial, start=False),
-        settings=dataclasses.asdict(settings),
+        settings=dataclasses.asdict(settings) | by_dotted_name(own),
         frame=int(frame),
         points=placed,
         learn=learn,

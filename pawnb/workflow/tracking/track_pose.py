@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from pawnb.core.parameters import parameters_set
 from pawnb.core.paws.tracker import DEFAULT
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.as_tracks import tracks_from_poses
@@ -39,8 +40,10 @@ from pawnb.workflow.reviewing.quality import tell_failed
 from pawnb.workflow.start.propose_pose import trial_animal, trial_background
 from pawnb.workflow.start.start_doubts import legs_outside, say_outside, start_doubts
 from pawnb.workflow.tracking.methods import (
+    recorded_parameters,
     settings_in_force,
     space_settings,
+    stage_parameters,
     tracker_settings,
     trial_tracker,
 )
@@ -98,6 +101,8 @@ def track_pose_trial(
     animal, poses, table = start_pose(trial, start)
     with contextlib.ExitStack() as stack:
         notes = stack.enter_context(noted_warnings())
+        own = stage_parameters(trial, method=method, settings=settings)
+        stack.enter_context(parameters_set(own))
         asked = stack.enter_context(interruptible()) if stop is None else stop
         shown = stack.enter_context(contextlib.ExitStack())
         report = shown.enter_context(
@@ -119,7 +124,7 @@ def track_pose_trial(
             inputs=trial_checksums(trial, start=start is None),
             settings=settings_in_force(trial, method=method, settings=settings),
             trial=trial_fingerprint(trial), start=_without_blanks(table),
-            background=background.source,
+            background=background.source, **recorded_parameters(tracker),
         )  # fmt: skip
         if out is not None:
             stack.enter_context(run_alone(make_folder(out)))

@@ -22,6 +22,8 @@ KEPT_FILE = "unfinished.bin"
 _PARTS = {
     "start": "another start pose",
     "method": "another method",
+    "parameters": "other parameters",
+    "constants": "other parameters",
     "frames": "other frames",
     "inputs": "other files",
     "trial": "another trial.toml",

@@ -173,11 +173,11 @@ def test_cameras_are_compared_by_welchs_test(compared):
 def test_settings_go_to_the_methods_that_have_them_or_to_the_one_named():
     given = {
         "n_superpixels": "150", "slic-2d.n_superpixels": "90", "pawnb.noise": "0.1",
-        "paper.adjust_weights": "false",
+        "paper.adjust_weights": "false", "stride.due_sd": "1", "pawnb.colour.smooth_px": "1",
     }  # fmt: skip
     methods = ("pawnb", "paper", "slic-2d")
     assert settings_by_method(given, methods) == {
-        "pawnb": {"noise": "0.1"},
+        "pawnb": {"noise": "0.1", "stride.due_sd": "1", "colour.smooth_px": "1"},
         "paper": {"n_superpixels": "150", "adjust_weights": "false"},
         "slic-2d": {"n_superpixels": "90"},
     }

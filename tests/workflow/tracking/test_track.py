@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 from fractions import Fraction
 from types import SimpleNamespace
@@ -194,6 +195,40 @@ def test_settings_of_the_call_go_before_those_of_the_trial(small_trial):
     tracks = track(small_trial, method="paper", frames=(0, 2), settings={"median_px": "7"})
     settings = json.loads(tracks.attrs["provenance"])["steps"][0]["settings"]
     assert (settings["median_px"], settings["window_u_px"]) == (7.0, 60.0)
+
+
+@pytest.mark.slow
+def test_a_parameter_of_a_stage_is_set_recorded_and_kept_when_tracked_again(small_trial):
+    """What is recorded as in force is what the stage reads: 0.9 of a paw width is its default."""
+    tracks = track(small_trial, frames=(0, 12), settings={"smoothing.refinement_near": "0.3"})
+    step = json.loads(tracks.attrs["provenance"])["steps"][0]
+    assert step["settings"]["smoothing.refinement_near"] == 0.3
+    assert step["parameters"]["smoothing"]["refinement_near"] == 0.3
+    assert step["parameters"]["smoothing"]["refinement_sigma"] == 0.12
+    plain = track(small_trial, frames=(0, 12))
+    record = json.loads(plain.attrs["provenance"])["steps"][0]
+    assert record["parameters"]["smoothing"]["refinement_near"] == 0.9
+    assert not plain["sd"].equals(tracks["sd"])
+    again = retrack(load_trial(small_trial), tracks, 6)
+    settings = json.loads(again.attrs["provenance"])["steps"][-1]["settings"]
+    assert settings["smoothing.refinement_near"] == 0.3
+
+
+@pytest.mark.parametrize(
+    ("settings", "method", "said"),
+    [
+        ({"smoothing.near": 1}, "pawnb", "smoothing: unknown name 'near'"),
+        ({"smooth.refinement_near": 1}, "pawnb", "'smooth.refinement_near' is of no stage"),
+        ({"smoothing.refinement_near": 1}, "paper", "is of no stage; stages are none"),
+    ],
+)
+def test_what_is_no_parameter_of_a_stage_is_refused(small_trial, settings, method, said):
+    with pytest.raises(InputError, match=said):
+        track(small_trial, method=method, settings=settings)
+    written = dataclasses.replace(load_trial(small_trial), tracking=settings)
+    if method == "pawnb":
+        with pytest.raises(InputError, match=said):
+            track(written)
 
 
 def test_retracking_keeps_what_was_before_and_starts_from_the_correction(tracked, small_trial):

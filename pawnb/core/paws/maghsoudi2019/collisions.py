@@ -7,7 +7,7 @@ Haji Maghsoudi et al. 2019, Algorithms 3 and 4. The paper names three types:
 - II, front and hind paw of one side nearer to each other than Collision_Threshold: the
   template that was fitted to the frames before predicts where each is, until they part;
 - III, a front paw that has jumped to the paw of the other side after a collision of
-  type II: it is told by its reprojection error, and another of the three best
+  type II: it is recognised by its reprojection error, and another of the three best
   superpixels is taken, by direction of motion and reprojection error.
 
 Algorithm 3 as printed clears the flag in each frame and sets it only where it is set

@@ -199,7 +199,22 @@ def _is_sure(own: Tracks) -> np.ndarray:
 
 
 def lowpass_path(uv: np.ndarray, *, cutoff_hz: float, fps: float) -> np.ndarray:
-    """Low-pass a path, bridging gaps of 5 frames; a slow recording limits the cut-off."""
+    """Low-pass a path, bridging gaps of 5 frames; a slow recording limits the cut-off.
+
+    Parameters
+    ----------
+    uv : ndarray, shape (n, 2)
+        Positions, px; NaN where there is none.
+    cutoff_hz : float
+        Cut-off, Hz; at most 0.36 of the frame rate.
+    fps : float
+        Frames per second.
+
+    Returns
+    -------
+    ndarray, shape (n, 2)
+        The path, px.
+    """
     return butterworth_lowpass(
         uv, cutoff_hz=min(cutoff_hz, 0.36 * fps), fs_hz=fps, max_gap=_GAP_FRAMES
     )

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pawnb.core.paws.offline.annotations import Annotations
-from pawnb.core.paws.offline.parameters import OfflineParameters
+from pawnb.core.paws.offline.parameters import APPEARANCE
 from pawnb.core.paws.offline.weighing import Weighing
 from pawnb.schema import ORIGIN_CODE, Tracks
 
@@ -58,7 +58,22 @@ class Again:
         return (begin, end) if begin < end else None
 
     def known(self, view: str, points: Sequence[str], first: int) -> Annotations:
-        """Return where sure points of a view are at both ends, by row and number of the point."""
+        """Return where sure points of a view are at both ends, by row and number of the point.
+
+        Parameters
+        ----------
+        view : str
+            The view.
+        points : sequence of str
+            Points, in the order of their numbers.
+        first : int
+            Frame of the first row.
+
+        Returns
+        -------
+        Annotations
+            Positions by row and number of the point.
+        """
         places: dict[int, dict[int, np.ndarray]] = {}
         flat = self.tracks.isel(individual=0)
         at = np.isin(flat["frame"].to_numpy(), (self.frames[0], self.frames[1] - 1))
@@ -84,7 +99,7 @@ def weighing_as_attributes(weighing: Weighing) -> dict[str, float | str]:
 
 def weighing_of(tracks: Tracks) -> Weighing:
     """Return how far appearance was trusted in the run that made these tracks."""
-    usual = OfflineParameters().appearance.trust
+    usual = APPEARANCE.trust
     found = np.array(json.loads(tracks.attrs.get(LEFT_OUT, "[]")), float)
     return Weighing(float(tracks.attrs.get(TRUST, usual)), found)
 

@@ -58,6 +58,11 @@ class KeptStacks:
             First frame and one past the last.
         parameters : SceneParameters
             What the stacks were to be made with.
+
+        Returns
+        -------
+        list of BodyStack or None
+            The stacks.
         """
         with self._lock:
             stacks = self._stacks.get((*names, frames, parameters))
@@ -73,7 +78,19 @@ class KeptStacks:
         frames: tuple[int, int],
         parameters: SceneParameters,
     ) -> None:
-        """Keep the stacks of some views; arguments as for :meth:`find`."""
+        """Keep the stacks of some views; arguments as for :meth:`find`.
+
+        Parameters
+        ----------
+        names : sequence of str
+            The views.
+        stacks : list of BodyStack
+            Their stacks.
+        frames : tuple of int
+            First frame and one past the last.
+        parameters : SceneParameters
+            What they were made with.
+        """
         with self._lock:
             self._stacks.pop((*names, frames, parameters), None)
             self._stacks[*names, frames, parameters] = stacks

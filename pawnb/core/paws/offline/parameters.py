@@ -11,6 +11,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from pawnb.core.parameters import in_force, values_in_force
+
 
 @dataclass(frozen=True)
 class SceneParameters:
@@ -22,7 +24,7 @@ class SceneParameters:
         Largest distance between points clicked in one frame, working px. Mean over horse and
         wheel with 1 and 2 clicked frames: 71 % at 160, 76 at 240, 75 at 300.
     spacing : int
-        Distance of the places that are told apart, working px.
+        Distance of the places that are distinguished, working px.
     margin : float
         What is looked at beside the clicks, in extents.
     overview_px : int
@@ -232,6 +234,14 @@ class IdentityParameters:
     closed: float = 0.95
 
 
+SCENE = in_force("scene", SceneParameters())
+MOTION = in_force("motion", MotionParameters())
+CORRELATION = in_force("correlation", CorrelationParameters())
+APPEARANCE = in_force("appearance", AppearanceParameters())
+ASSOCIATION = in_force("association", AssociationParameters())
+IDENTITY = in_force("identity", IdentityParameters())
+
+
 @dataclass(frozen=True)
 class OfflineParameters:
     """Parameters of all stages."""
@@ -242,3 +252,15 @@ class OfflineParameters:
     appearance: AppearanceParameters = field(default_factory=AppearanceParameters)
     association: AssociationParameters = field(default_factory=AssociationParameters)
     identity: IdentityParameters = field(default_factory=IdentityParameters)
+
+
+def parameters_in_force() -> OfflineParameters:
+    """Return the parameters of all stages that a run which was given none takes."""
+    return OfflineParameters(
+        scene=values_in_force(SCENE),
+        motion=values_in_force(MOTION),
+        correlation=values_in_force(CORRELATION),
+        appearance=values_in_force(APPEARANCE),
+        association=values_in_force(ASSOCIATION),
+        identity=values_in_force(IDENTITY),
+    )

@@ -45,7 +45,7 @@ class PointTrack:
         What tells whether that is right.
     named : ndarray of bool, shape (n,), optional
         Whether one tracklet was given to it, jointly with those of all other points; where not,
-        it was hidden or could not be told. None where a point is alone.
+        it was hidden or could not be distinguished. None where a point is alone.
     """
 
     found: Estimates
@@ -97,6 +97,11 @@ def view_track(
         Number of points in all.
     chance : ndarray, shape (n_points,), optional
         How likely what each point was tracked from is right; without it, it surely is.
+
+    Returns
+    -------
+    ViewTrack
+        Positions in the view, px.
     """
     n = stack.shape[0]
     track = no_track(n, n_points)

@@ -19,7 +19,7 @@ from pawnb.core.paws.offline.detection.predictions import predictions_as_detecti
 from pawnb.core.paws.offline.kept import KeptStacks, fits
 from pawnb.core.paws.offline.landmarks.tracks import choose_landmarks
 from pawnb.core.paws.offline.output import write_tracks
-from pawnb.core.paws.offline.parameters import OfflineParameters
+from pawnb.core.paws.offline.parameters import OfflineParameters, parameters_in_force
 from pawnb.core.paws.offline.pipeline import (
     ViewTrack,
     no_track,
@@ -208,7 +208,7 @@ def track_learnt(
     """
     check_columns(start, START_COLUMNS, where="the start points")
     task.check_frames(views.n_frames)
-    parameters = parameters or OfflineParameters()
+    parameters = parameters or parameters_in_force()
     layout = make_layout(views, start, task, settings=Maghsoudi2019Settings())
     _, anchors = read_placements(start, layout, task.frames, tracks=task.tracks)
     first, n = task.frames[0], task.frames[1] - task.frames[0]

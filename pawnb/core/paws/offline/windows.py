@@ -96,7 +96,17 @@ def chance_to_go_on(
 
 
 def take_over(whole: ViewTrack, part: ViewTrack, begin: int) -> None:
-    """Write a window into the whole; where both are known each keeps its half of the overlap."""
+    """Write a window into the whole; where both are known each keeps its half of the overlap.
+
+    Parameters
+    ----------
+    whole : ViewTrack
+        The recording, changed in place.
+    part : ViewTrack
+        The window.
+    begin : int
+        Its first row.
+    """
     rows = begin + np.arange(len(part.uv))
     known = np.isfinite(whole.probability[rows]).any(axis=1)
     keep = np.zeros(len(rows), bool)

@@ -52,7 +52,7 @@ class Paw:
 
 
 @dataclass(frozen=True)
-class Sights:
+class ViewGeometry:
     """Where views that track the same points see places.
 
     Parameters
@@ -70,7 +70,20 @@ class Sights:
     paw_px: Mapping[str, float]
 
     def apart(self, group: int, here: np.ndarray, there: np.ndarray) -> float:
-        """Return how near two places come to each other in any view, in paw lengths."""
+        """Return how near two places come to each other in any view, in paw lengths.
+
+        Parameters
+        ----------
+        group : int
+            Number of the group of views.
+        here, there : ndarray, shape (3,)
+            Places in space.
+
+        Returns
+        -------
+        float
+            Paw lengths.
+        """
         names = self.groups[group]
         uv = self.rig.subset(names).project(np.stack([here, there]))
         away = np.linalg.norm(uv[0] - uv[1], axis=-1)
@@ -78,7 +91,7 @@ class Sights:
 
 
 def choose_places(
-    parts: Sequence[Places], *, paws: Sequence[Paw], stage: Stage, sights: Sights
+    parts: Sequence[Places], *, paws: Sequence[Paw], stage: Stage, geometry: ViewGeometry
 ) -> dict[Paw, tuple[np.ndarray, float]]:
     """Choose a place for each paw in one frame.
 
@@ -90,7 +103,7 @@ def choose_places(
         The paws that are looked for.
     stage : Stage
         Where paws stand in the recording.
-    sights : Sights
+    geometry : ViewGeometry
         Where the groups see places.
 
     Returns
@@ -110,7 +123,7 @@ def choose_places(
             best = {k: int(score.argmax()) for k, score in scores.items() if len(score)}
         for is_front, k in best.items():
             chosen[pair[is_front]] = (places.xyz[k], seen * float(scores[is_front][k]))
-    return _not_mistaken(_each_its_own(chosen, stage), sights)
+    return _not_mistaken(_each_its_own(chosen, stage), geometry)
 
 
 def _best_pair(
@@ -132,14 +145,14 @@ def _best_pair(
 
 
 def _not_mistaken(
-    chosen: dict[Paw, tuple[np.ndarray, float]], sights: Sights
+    chosen: dict[Paw, tuple[np.ndarray, float]], geometry: ViewGeometry
 ) -> dict[Paw, tuple[np.ndarray, float]]:
     """Make paws less sure that a view may have mistaken for a surer paw in its line of sight."""
     kept = {}
     for paw, (xyz, score) in chosen.items():
         surer = [at for other, (at, sure) in chosen.items()
                  if other.point != paw.point and sure > score]  # fmt: skip
-        apart = [sights.apart(paw.group, xyz, at) for at in surer]
+        apart = [geometry.apart(paw.group, xyz, at) for at in surer]
         nearest = min(apart, default=np.inf)
         kept[paw] = (xyz, score * float(1.0 - np.exp(-0.5 * (nearest / _IN_LINE) ** 2)))
     return kept

@@ -27,7 +27,7 @@ from pawnb.core.paws.start_proposal.blobs import (
     paw_likeness,
     share_as_paw_like,
 )
-from pawnb.core.paws.start_proposal.choose import RESIDUAL_SD, Paw, Sights, choose_places
+from pawnb.core.paws.start_proposal.choose import RESIDUAL_SD, Paw, ViewGeometry, choose_places
 from pawnb.core.paws.start_proposal.places import (
     Places,
     Stage,
@@ -46,7 +46,7 @@ _STILL_FRAMES = 9
 """Frames, spread over those that are looked through, that tell what stays where it is. Fewer
 may all fall into one stance."""
 _WAYS: tuple[Look, ...] = ("skin", "red", "light")
-"""What paws are told by, one after the other until each paw is sure."""
+"""What paws are found by, one after the other until each paw is sure."""
 _SURE = 0.25
 """Where each paw is so sure, they are not looked for in another way."""
 _RARE = 0.03
@@ -119,7 +119,7 @@ def find_paws(
     Raises
     ------
     InputError
-        If a point is not one of the four paws, or no paws can be told from the rest.
+        If a point is not one of the four paws, or no paws can be distinguished from the rest.
     """
     groups = _groups(points_by_view)
     paws = _wanted(groups)
@@ -146,7 +146,7 @@ def find_paws(
 
 
 def _as_sure_as_all(found: FoundPaws, rig: Rig) -> FoundPaws:
-    """Withhold paws of which most are not sure; doubt all where left and right cannot be told."""
+    """Withhold paws of which most are not sure; doubt all where left and right are not known."""
     usual = float(np.median(list(found.sure.values())))
     if usual < _FOUND:
         raise InputError(
@@ -229,9 +229,9 @@ def _find(
         for number, names in enumerate(groups.values()):
             if len(names) == 1:
                 parts[number] = on_ground(rig, names[0], seen[frame][names[0]], stage=stage)
-    sights = Sights(rig, list(groups.values()), paw_px)
+    geometry = ViewGeometry(rig, list(groups.values()), paw_px)
     chosen = {
-        frame: choose_places(parts, paws=paws, stage=stage, sights=sights)
+        frame: choose_places(parts, paws=paws, stage=stage, geometry=geometry)
         for frame, parts in places.items()
     }
     order = sorted(chosen, key=lambda frame: (-_frame_score(chosen[frame], paws), frame))

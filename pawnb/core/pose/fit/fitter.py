@@ -17,6 +17,7 @@ from pawnb.core.pose.fit.candidates.candidate_kernels import (
 from pawnb.core.pose.fit.layout import N_BODY, Layout
 from pawnb.core.pose.fit.learning.anatomy import parameter_kinds
 from pawnb.core.pose.fit.learning.attached_clutter_kernels import hide
+from pawnb.core.pose.fit.parameters import FITTING
 from pawnb.core.pose.fit.rendering.blur import blurred, part_of
 from pawnb.core.pose.fit.rendering.evidence import Evidence, without_wide
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import (
@@ -31,24 +32,8 @@ from pawnb.core.pose.fit.settings import PoseSettings
 from pawnb.core.video.views import Frame
 
 SQRT5 = float(np.sqrt(5.0))
-_COVER_PX = 7.0
-"""What is nearer to the prediction is kept out of the estimate of the light."""
 _SUBPIXEL = 4
 """Bits of places between pixels."""
-_BODY_MARGIN_PX = 3.0
-"""How far from its place the body's edge may be, working px."""
-_NO_LEG = 2.0
-"""Painted where a leg would not be seen: darker than any."""
-_BODY_BLURS = (6.0, 2.0)
-_BODY_SURELY_PX = (1.5, 3.0)
-"""A body that lies, with each of these blurs, no further than this from its expected place is in
-it: the legs then say where it is more precisely than its outline does. A wide blur, with which the
-legs pull at the body's outline, is trusted only where it is nearer."""
-_WIDER = 2.2
-"""A disc of so many thicknesses is no part of legs, even where two lie side by side."""
-_ENOUGH, _ENOUGH_OF_BODY = 0.5, 5.0
-"""A fit ends when a step lowers its cost by less; that of the body alone earlier, as whole pixels
-will do."""
 
 
 class FrameFitter:
@@ -61,7 +46,7 @@ class FrameFitter:
     layout : Layout
         As arrays, in working pixels.
     evidence : Evidence
-        Makes sights of frames.
+        Makes the evidence of frames.
     anatomy : Prior
         What is known of any pose.
     settings : PoseSettings
@@ -144,7 +129,7 @@ class FrameFitter:
         return self.evidence.crop_box(expected[:2], self.reach)
 
     def look(
-        self, frame: Frame, expected: np.ndarray, *, margin: float = _BODY_MARGIN_PX
+        self, frame: Frame, expected: np.ndarray, *, margin: float = FITTING.body_margin_px
     ) -> tuple[ImageEvidence, np.ndarray, tuple]:
         """Return what a frame shows about the expected pose, its grey pixels and their box.
 
@@ -172,7 +157,7 @@ class FrameFitter:
         box: tuple[int, int, int, int],
         expected: np.ndarray,
         *,
-        margin: float = _BODY_MARGIN_PX,
+        margin: float = FITTING.body_margin_px,
     ) -> ImageEvidence:
         """Return what grey pixels show, the expected animal left out of the light.
 
@@ -205,7 +190,7 @@ class FrameFitter:
         paint_some(
             self.layout,
             pose,
-            _COVER_PX,
+            FITTING.cover_px,
             image_evidence.box,
             self.body_shown,
             value,
@@ -216,7 +201,7 @@ class FrameFitter:
         for places, radius in zip(self.joints(pose), self.layout.radius, strict=True):
             known = places[np.isfinite(places[:, 0])] - image_evidence.box
             ends = np.round(known * (1 << _SUBPIXEL)).astype(np.int32)
-            wide = round(2.0 * (float(radius.max()) + _COVER_PX))
+            wide = round(2.0 * (float(radius.max()) + FITTING.cover_px))
             cv2.polylines(owner, [ends], False, 0, wide, cv2.LINE_8, _SUBPIXEL)
         return owner
 
@@ -225,7 +210,7 @@ class FrameFitter:
         image_evidence: ImageEvidence,
         expected: np.ndarray,
         *,
-        margin: float = _BODY_MARGIN_PX,
+        margin: float = FITTING.body_margin_px,
     ) -> ImageEvidence:
         """Return a sight in which what is wider than a leg, but for the body, is not dark.
 
@@ -259,7 +244,11 @@ class FrameFitter:
         return without_wide(image_evidence, body, size=self.disc_px)
 
     def near_body(
-        self, pose: np.ndarray, image_evidence: ImageEvidence, *, margin: float = _BODY_MARGIN_PX
+        self,
+        pose: np.ndarray,
+        image_evidence: ImageEvidence,
+        *,
+        margin: float = FITTING.body_margin_px,
     ) -> np.ndarray:
         """Return where the body is, and what is nearer to it than ``margin``: bool, (H, W).
 
@@ -295,7 +284,7 @@ class FrameFitter:
     def disc_px(self) -> int:
         """Diameter of a disc that fits into no leg, an odd number."""
         thickest = 2.0 * float(min(self.layout.radius.max(), self.first.radius.max())) + self.blur
-        return 2 * round(_WIDER * thickest / 2) + 1
+        return 2 * round(FITTING.fitter_wider * thickest / 2) + 1
 
     @property
     def leg_area(self) -> float:
@@ -313,7 +302,7 @@ class FrameFitter:
         shown: np.ndarray | None = None,
         blur: float | None = None,
         rounds: int = 6,
-        enough: float = _ENOUGH,
+        enough: float = FITTING.fitter_enough,
     ) -> tuple[np.ndarray, float]:
         """Return the pose nearby that fits best, and its cost; see :func:`fit_pose`.
 
@@ -355,9 +344,9 @@ class FrameFitter:
         Where it is in its place, as it is in most frames, that is the array given.
         """
         pose = expected
-        reach = 2.0 * self.body_radius + max(_BODY_BLURS)  # further away it is not felt
+        reach = 2.0 * self.body_radius + max(FITTING.body_blurs)  # further away it is not felt
         image_evidence = part_of(image_evidence, expected[:2] - reach, expected[:2] + reach)
-        for blur, surely in zip(_BODY_BLURS, _BODY_SURELY_PX, strict=True):
+        for blur, surely in zip(FITTING.body_blurs, FITTING.body_surely_px, strict=True):
             pose, _ = self.fit(
                 pose,
                 blurred(image_evidence, blur),
@@ -366,7 +355,7 @@ class FrameFitter:
                 shown=self.body_shown,
                 blur=self.blur + blur,
                 rounds=6,
-                enough=_ENOUGH_OF_BODY,
+                enough=FITTING.enough_of_body,
             )
             turned = self.body_radius * abs(pose[2] - expected[2])
             if np.hypot(*(pose[:2] - expected[:2])) + turned <= surely:
@@ -473,9 +462,9 @@ class FrameFitter:
         """
         value, owner, _, _ = self.canvas(image_evidence)
         layout, ellipse = self.layout, self.layout.ellipse.copy()
-        ellipse[:, 2:4] += _BODY_MARGIN_PX
+        ellipse[:, 2:4] += FITTING.body_margin_px
         paint_base(layout._replace(ellipse=ellipse), pose, self.blur, image_evidence, value, owner)
-        cover_painted(value, owner, _NO_LEG)
+        cover_painted(value, owner, FITTING.no_leg)
         return value
 
     def unexplained(self, pose: np.ndarray, image_evidence: ImageEvidence) -> np.ndarray:

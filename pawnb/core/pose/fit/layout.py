@@ -16,15 +16,11 @@ from typing import NamedTuple
 import numpy as np
 
 from pawnb.core.pose.animal import Leg, StickAnimal
+from pawnb.core.pose.fit.parameters import FITTING
 from pawnb.core.pose.poses import Poses
 
 N_BODY = 3
 """Numbers of the pose vector before the legs: x, y, heading."""
-
-_MEETS = 0.1
-"""A part whose near end is no further from the origin, half lengths, ends there."""
-_WAIST_LENGTH, _WAIST_WIDTH = 0.35, 0.2
-"""Size of the waist relative to the smaller part beside it; its width is learnt."""
 
 
 class Layout(NamedTuple):
@@ -107,7 +103,10 @@ def make_layout(
     )
     beside = ellipse[meeting(ellipse) != 0.0]
     if len(beside):
-        half, across = _WAIST_LENGTH * beside[:, 2].min(), _WAIST_WIDTH * beside[:, 3].min()
+        half, across = (
+            FITTING.waist_length * beside[:, 2].min(),
+            FITTING.waist_width * beside[:, 3].min(),
+        )
         ellipse = np.vstack([ellipse, [0.0, 0.0, half, across, dark, 0.0, dark]])
     return Layout(
         side=np.array([leg.side for leg in legs], dtype=float),
@@ -138,8 +137,10 @@ def meeting(ellipse: np.ndarray) -> np.ndarray:
         All 0 where the parts that end at the origin are all on one side of it.
     """
     forward, right, half, across = ellipse.T[:4]
-    ends_there = np.abs(np.abs(forward) - half) <= _MEETS * half
-    side = np.where(ends_there & (np.abs(right) <= _MEETS * across), np.sign(forward), 0.0)
+    ends_there = np.abs(np.abs(forward) - half) <= FITTING.layout_meets * half
+    side = np.where(
+        ends_there & (np.abs(right) <= FITTING.layout_meets * across), np.sign(forward), 0.0
+    )
     return side if {-1.0, 1.0} <= set(side) else np.zeros(len(side))
 
 

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor, wait
+from concurrent.futures import wait
 from typing import TypeVar
 
 import numpy as np
 
+from pawnb.core.parallel import Threads
 from pawnb.core.pose.fit.fitter import FrameFitter
-from pawnb.core.pose.steps import Steps
+from pawnb.core.pose.fit.steps import Steps
 
 THREADS = 2
 """The compiled loops let other threads run, numpy's own part is small: both cores are busy."""
 _TELL_S = 0.3
-"""Time, s, after which it is told how far the other thread is."""
+"""Time, s, after which it is reported how far the other thread is."""
 
 _T = TypeVar("_T")
 _S = TypeVar("_S")
@@ -24,7 +25,7 @@ def threaded(work: Callable[[_S], _T], items: Sequence[_S]) -> list[_T]:
     """Return what ``work``, which changes nothing, makes of each item, in their order."""
     if len(items) < 2:
         return [work(item) for item in items]
-    with ThreadPoolExecutor(THREADS, thread_name_prefix="pawnb-fit") as pool:
+    with Threads(THREADS, thread_name_prefix="pawnb-fit") as pool:
         return list(pool.map(work, items))
 
 
@@ -59,7 +60,7 @@ def side_by_side(one: Callable[[], _T], other: Callable[[], _T], steps: Steps) -
             steps.tell()
         return result
 
-    with ThreadPoolExecutor(1, thread_name_prefix="pawnb-way") as pool:
+    with Threads(1, thread_name_prefix="pawnb-way") as pool:
         job = pool.submit(watched, one)
         result = watched(here)
         return job.result(), result

@@ -9,14 +9,12 @@ from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.layout import make_layout, pose_vectors
 from pawnb.core.pose.fit.learning.anatomy import anatomy
+from pawnb.core.pose.fit.parameters import FITTING
 from pawnb.core.pose.fit.rendering.evidence import BackgroundPicture, Evidence
 from pawnb.core.pose.fit.settings import PoseSettings
 from pawnb.core.pose.poses import Poses
 from pawnb.core.video.views import Frame
 from pawnb.errors import InputError
-
-_ON_ANIMAL = 0.5
-"""Least share of the body's darkness at its place in a start frame."""
 
 
 def prepare_fitter(
@@ -80,7 +78,7 @@ def check_on_animal(support: float, *, frame: int) -> None:
     InputError
         If it is less than half.
     """
-    if support < _ON_ANIMAL:
+    if support < FITTING.on_animal:
         share = 100 * max(support, 0.0)  # what is lighter than the background counts against it
         raise InputError(
             f"the start pose of frame {frame} is not on the animal: only {share:.0f} % of the "

@@ -15,12 +15,12 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 
 import numpy as np
 
 from pawnb.core.frame_checkpoint import KeptFrames
+from pawnb.core.parallel import Threads
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.fit.candidates.leg_candidates import LegCandidates
 from pawnb.core.pose.fit.candidates.viterbi_path import chosen_poses
@@ -28,20 +28,18 @@ from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.layout import pose_vectors, poses_of_vectors
 from pawnb.core.pose.fit.learning.pose_prior import learn_from_all
 from pawnb.core.pose.fit.learning.relearn import learn_again
+from pawnb.core.pose.fit.parameters import FITTING
 from pawnb.core.pose.fit.prepare import check_on_animal, prepare_fitter
 from pawnb.core.pose.fit.rendering.evidence import BackgroundPicture
 from pawnb.core.pose.fit.sequence.between_annotations import fit_known, follow_all
 from pawnb.core.pose.fit.sequence.final_fit import Settled, settle_all
 from pawnb.core.pose.fit.sequence.first_frame import fit_start
 from pawnb.core.pose.fit.settings import PoseSettings
+from pawnb.core.pose.fit.steps import Steps
 from pawnb.core.pose.poses import Poses, joint_positions, start_within
-from pawnb.core.pose.steps import Steps
 from pawnb.core.pose.track_result import PoseTrack
 from pawnb.core.video.views import Frame, ViewReader
 from pawnb.schema import ORIGIN_CODE
-
-_SURE, _DOUBTFUL = 0.85, 0.35
-"""Support of a leg's outer third from which it is sure, and below which it is not there."""
 
 
 def track_pose(
@@ -185,7 +183,7 @@ class _Ways:
 
 def _read_ahead(reader: ViewReader, numbers: range, steps: Steps) -> Iterator[Frame]:
     """Yield frames, decoded in a thread of their own a few ahead."""
-    with ThreadPoolExecutor(1, thread_name_prefix="pawnb-pose") as pool:
+    with Threads(1, thread_name_prefix="pawnb-pose") as pool:
         waiting = []
         for i in numbers:
             waiting.append(pool.submit(reader.frame, i))
@@ -232,7 +230,12 @@ def _result(
     scale = float(look.scale[0])
     poses = poses_of_vectors(animal, vectors, frames=numbers, scale=scale, factor=factor)
     poses.scale[np.isnan(vectors[:, 0])] = np.nan
-    confidence = np.clip((np.nan_to_num(support) - _DOUBTFUL) / (_SURE - _DOUBTFUL), 0.0, 1.0)
+    confidence = np.clip(
+        (np.nan_to_num(support) - FITTING.tracker_doubtful)
+        / (FITTING.tracker_sure - FITTING.tracker_doubtful),
+        0.0,
+        1.0,
+    )
     origin = np.where(confidence > 0, ORIGIN_CODE["measured"], ORIGIN_CODE["predicted"])
     origin[np.isnan(vectors[:, 0])] = ORIGIN_CODE["missing"]
     assert places.shape[1:3] == joint_positions(animal, poses).shape[1:3]  # noqa: S101

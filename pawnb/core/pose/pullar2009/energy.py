@@ -29,7 +29,7 @@ from pawnb.core.pose.pullar2009.settings import (
     Pullar2009Settings,
     fill_parameters,
 )
-from pawnb.core.pose.sticks import (
+from pawnb.core.pose.pullar2009.sticks import (
     Sticks,
     distance_map,
     from_body,

@@ -18,7 +18,7 @@ from pawnb.core.pose.pullar2009.energy import Box, Pullar2009Energy
 from pawnb.core.pose.pullar2009.likelihood import EmptyScene, background_cost
 from pawnb.core.pose.pullar2009.mincut import grid_energy
 from pawnb.core.pose.pullar2009.settings import EnergyParameters, Pullar2009Settings
-from pawnb.core.pose.sticks import distance_map, pose_vector
+from pawnb.core.pose.pullar2009.sticks import distance_map, pose_vector
 
 
 @dataclass(frozen=True, eq=False)

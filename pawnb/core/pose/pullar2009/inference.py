@@ -14,7 +14,7 @@ import numpy as np
 
 from pawnb.core.pose.pullar2009.energy import Cut, FrameCosts, Pullar2009Energy
 from pawnb.core.pose.pullar2009.limb_steps import FLAT, part_distances, shape_cost, turn_leg
-from pawnb.core.pose.sticks import distance_map
+from pawnb.core.pose.pullar2009.sticks import distance_map
 
 _LOWERED = 1e-7
 """An energy is lower only by more than this share: costs are rounded before the cut."""

@@ -16,7 +16,7 @@ from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.pullar2009.energy import FrameCosts, Pullar2009Energy
 from pawnb.core.pose.pullar2009.inference import infer_pose
 from pawnb.core.pose.pullar2009.limb_steps import shape_cost
-from pawnb.core.pose.sticks import Sticks, distance_map
+from pawnb.core.pose.pullar2009.sticks import Sticks, distance_map
 
 FACTORS = np.arange(0.6, 1.101, 0.02)
 """Lengths that are tried, as shares of the start pose: a raised leg looks down to 0.6 long."""

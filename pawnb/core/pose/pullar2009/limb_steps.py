@@ -13,7 +13,13 @@ import math
 import numpy as np
 
 from pawnb.core.compiled import compiled
-from pawnb.core.pose.sticks import HALF_LINE_PX, distance_map, from_body, from_line, leg_points
+from pawnb.core.pose.pullar2009.sticks import (
+    HALF_LINE_PX,
+    distance_map,
+    from_body,
+    from_line,
+    leg_points,
+)
 
 FLAT = 30.0
 """log(1 + exp(-x)) beyond this is nothing."""
@@ -243,7 +249,7 @@ def turn_leg(
     trials : ndarray, shape (n, n_free)
         Turns to try, one after the other, degrees.
     length, joint, fixed_deg, n_links, attach, side
-        The leg, see :class:`pawnb.core.pose.sticks.Sticks`.
+        The leg, see :class:`pawnb.core.pose.pullar2009.sticks.Sticks`.
     middle, half, stiffness
         Ranges of the joints and the cost of leaving them.
     pixels, others, near, labels, origin, thickness, steepness

@@ -18,7 +18,7 @@ from pawnb.core.pose.pullar2009.inference import FramePose, infer_pose
 from pawnb.core.pose.pullar2009.leg_lengths import fit_leg_lengths, per_segment, scaled
 from pawnb.core.pose.pullar2009.likelihood import EmptyScene, background_cost
 from pawnb.core.pose.pullar2009.settings import Pullar2009Settings
-from pawnb.core.pose.sticks import Sticks, distance_map, pose_vector
+from pawnb.core.pose.pullar2009.sticks import Sticks, distance_map, pose_vector
 from pawnb.core.pose.track_result import PoseTrack, plain_track
 from pawnb.core.video.views import ViewReader
 from pawnb.errors import InputError, InputWarning

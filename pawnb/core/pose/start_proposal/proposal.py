@@ -99,7 +99,7 @@ def propose_pose(
     In each frame the outline is what differs from the background; its body is what remains
     without thin parts, and each limb is the way from a farthest point to the body. The body's
     ellipses are laid on the body both ways round; limbs are given to legs by direction, length
-    and root. Front and rear are told by how well all that fits and by the direction of travel.
+    and root. Front and rear are decided by how well all that fits and by the direction of travel.
     In the best frames each leg is then bent along its limb.
 
     Parameters

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from pawnb.core.paws.start_proposal.choose import Paw, Sights, choose_places
+from pawnb.core.paws.start_proposal.choose import Paw, ViewGeometry, choose_places
 from pawnb.core.paws.start_proposal.places import Places, Stage, join
 from pawnb.core.rig import Rig
 
@@ -19,7 +19,7 @@ COEFS = np.array(
 ).T
 RIG = Rig(("cam1", "cam2", "cam3", "cam4"), COEFS)
 GROUPS = (("cam1", "cam2"), ("cam3", "cam4"))
-SIGHTS = Sights(RIG, GROUPS, dict.fromkeys(RIG.names, 20.0))
+SIGHTS = ViewGeometry(RIG, GROUPS, dict.fromkeys(RIG.names, 20.0))
 # forward is +X, to the right -Y; hind paws stand about -20, front paws about 20
 STAGE = Stage(np.array([[1.0, 0, 0], [0, -1.0, 0], [0, 0, 1.0]]), 2.0, 0.0, -20.0, 20.0)
 PAWS = [Paw("FR", 0, 1, True), Paw("HR", 0, 1, False),
@@ -35,7 +35,7 @@ def places(*xyz, strength=1.0):
 
 def choose(right, left):
     """Return place and sureness of each paw by its name."""
-    chosen = choose_places((right, left), paws=PAWS, stage=STAGE, sights=SIGHTS)
+    chosen = choose_places((right, left), paws=PAWS, stage=STAGE, geometry=SIGHTS)
     return {paw.point: found for paw, found in chosen.items()}
 
 

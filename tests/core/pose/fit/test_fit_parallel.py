@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 from pawnb.core.pose.fit.parallel import on_threads, side_by_side, threaded
-from pawnb.core.pose.steps import Steps
+from pawnb.core.pose.fit.steps import Steps
 
 
 def slow_square(number: int) -> int:

@@ -12,9 +12,9 @@ from painted_walk import PaintedReader, painted_walk
 
 from pawnb.core.frame_checkpoint import KeptFrames
 from pawnb.core.pose.fit.sequence.one_direction import Follower
+from pawnb.core.pose.fit.steps import Steps
 from pawnb.core.pose.fit.tracker import _Ways, track_pose
 from pawnb.core.pose.poses import join_poses, leg_angles, tip_positions
-from pawnb.core.pose.steps import Steps
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE
 

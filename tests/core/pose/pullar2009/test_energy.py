@@ -20,8 +20,8 @@ from pawnb.core.pose.pullar2009.likelihood import (
 )
 from pawnb.core.pose.pullar2009.mincut import cut_grid, grid_energy
 from pawnb.core.pose.pullar2009.settings import Pullar2009Settings
+from pawnb.core.pose.pullar2009.sticks import pose_vector
 from pawnb.core.pose.species_file import load_species
-from pawnb.core.pose.sticks import pose_vector
 from pawnb.errors import InputError
 
 SIZE = (260, 220)
@@ -142,7 +142,7 @@ def test_crop_finds_the_same_labels_as_the_whole_picture(scene, subject):
     own = cost.mean(dtype=float) - cost
     if subject == "gaussian":
         own = subject_cost(scene.picture, mean=p.subject_mean, sd=p.subject_sd) - cost
-    from pawnb.core.pose.sticks import distance_map
+    from pawnb.core.pose.pullar2009.sticks import distance_map
 
     away = distance_map((0, 0), cost.shape, vector[2], sticks.points(vector), sticks.n_links,
                         sticks.parts(vector), 1e3)  # fmt: skip

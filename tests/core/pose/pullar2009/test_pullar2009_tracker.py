@@ -13,9 +13,9 @@ from pawnb.core.pose.pullar2009.energy import Pullar2009Energy
 from pawnb.core.pose.pullar2009.inference import draw_turns, infer_pose
 from pawnb.core.pose.pullar2009.limb_steps import part_distances, shape_cost, softplus
 from pawnb.core.pose.pullar2009.settings import Pullar2009Settings
+from pawnb.core.pose.pullar2009.sticks import pose_vector
 from pawnb.core.pose.pullar2009.tracker import track_pullar2009
 from pawnb.core.pose.species_file import load_species
-from pawnb.core.pose.sticks import pose_vector
 from pawnb.errors import InputError, InputWarning
 from pawnb.schema import ORIGIN_CODE
 

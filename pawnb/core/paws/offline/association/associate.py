@@ -105,7 +105,7 @@ def associate(
         factors = []
         for view, own, more in zip(views, masses, support, strict=True):
             if identity is not None and last and len(own) > 1:
-                factor, named = _told_apart(view, own, more, radius=radius, parameters=identity)
+                factor, named = _kinds_apart(view, own, more, radius=radius, parameters=identity)
                 decided[view.name] = named
             else:
                 factor = open_to_each(own, radius, parameters.exclusive)
@@ -163,7 +163,7 @@ def _support(
     )
 
 
-def _told_apart(
+def _kinds_apart(
     view: ViewEvidence,
     masses: Mapping[int, np.ndarray],
     support: Mapping[int, np.ndarray],

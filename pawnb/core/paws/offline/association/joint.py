@@ -1,4 +1,4 @@
-"""Points of one view told apart over the whole recording, as factors of each one's likelihood."""
+"""Points of one view distinguished over the recording, as factors of each one's likelihood."""
 
 from __future__ import annotations
 
@@ -164,7 +164,28 @@ def paint_names(
     radius: float,
     parameters: IdentityParameters,
 ) -> dict[int, np.ndarray]:
-    """Return how far every place is left to each point: what is decided is its own alone."""
+    """Return how far every place is left to each point: what is decided is its own alone.
+
+    Parameters
+    ----------
+    shape : tuple of int
+        Frames, rows and columns of the grid.
+    tracklets : sequence of Tracklet
+        The tracklets.
+    names : ndarray of int, shape (tracklets,)
+        The point of each; below 0 for none.
+    points : sequence of int
+        The points.
+    radius : float
+        Half a paw, working px.
+    parameters : IdentityParameters
+        Of this stage.
+
+    Returns
+    -------
+    dict
+        Point to factors, shape ``shape``.
+    """
     factors = {p: np.ones(shape, np.float32) for p in points}
     _, h, w = shape
     reach = int(np.ceil(4 * _BUMP_SD + radius))

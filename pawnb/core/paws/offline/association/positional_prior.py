@@ -56,7 +56,22 @@ def prior_from_clicks(
 def prior_from_tracks(
     posteriors: Mapping[int, np.ndarray], priors: Mapping[int, np.ndarray], radius: float
 ) -> dict[int, np.ndarray]:
-    """Return priors that have learnt where points were found, half old and half new."""
+    """Return priors that have learnt where points were found, half old and half new.
+
+    Parameters
+    ----------
+    posteriors : mapping
+        Point to where it was found, shape (n, h, w).
+    priors : mapping
+        Point to its prior, shape (h, w).
+    radius : float
+        Half a paw, places of the grid.
+
+    Returns
+    -------
+    dict
+        Point to its new prior.
+    """
     learnt = {}
     for point, posterior in posteriors.items():
         mass = cv2.GaussianBlur(posterior.mean(axis=0), (0, 0), 1.2 * radius)

@@ -152,7 +152,24 @@ def _distances(stack: BodyStack, shape: tuple[int, int], xy: np.ndarray) -> np.n
 def vary_picture(
     grey: np.ndarray, colour: np.ndarray | None, random: np.random.Generator
 ) -> tuple[np.ndarray, np.ndarray | None, np.ndarray]:
-    """Return a picture turned, scaled, shifted and lit differently, and the map to it."""
+    """Return a picture turned, scaled, shifted and lit differently, and the map to it.
+
+    Parameters
+    ----------
+    grey : ndarray, shape (h, w)
+        The picture.
+    colour : ndarray, shape (h, w, k), optional
+        Its colours.
+    random : Generator
+        Where chance comes from.
+
+    Returns
+    -------
+    grey, colour : ndarray
+        The picture as it might be; ``colour`` is None where there is none.
+    turned : ndarray, shape (2, 3)
+        The affine map from the picture to it.
+    """
     height, width = grey.shape
     turned = cv2.getRotationMatrix2D(
         (width / 2, height / 2),

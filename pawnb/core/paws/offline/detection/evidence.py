@@ -143,7 +143,22 @@ def paint(found: Detections, stack: BodyStack, point: int) -> np.ndarray:
 
 
 def bump_at(shape: tuple[int, int], place: Sequence[float] | np.ndarray, sd: float) -> np.ndarray:
-    """Return a Gaussian of height 1 about a place (x, y), float32."""
+    """Return a Gaussian of height 1 about a place (x, y), float32.
+
+    Parameters
+    ----------
+    shape : tuple of int
+        Rows and columns.
+    place : sequence of float
+        x and y of its top.
+    sd : float
+        Standard deviation, in places.
+
+    Returns
+    -------
+    ndarray of float32, shape ``shape``
+        The Gaussian.
+    """
     x = np.exp(-((np.arange(shape[1]) - place[0]) ** 2) / (2 * sd**2))
     y = np.exp(-((np.arange(shape[0]) - place[1]) ** 2) / (2 * sd**2))
     return np.outer(y, x).astype(np.float32)

@@ -48,7 +48,7 @@ class PictureFeatures:
 
     Gaussian derivatives at four scales, their differences, the structure tensor (Bigün &
     Granlund 1987), brightness (and colour) on three rings about the place, direction by
-    direction, so that what lies ahead and what lies behind are told apart.
+    direction, so that what lies ahead and what lies behind are distinguished.
 
     Parameters
     ----------
@@ -124,7 +124,22 @@ class PictureFeatures:
 
 
 def feature_maps(grey: np.ndarray, colour: np.ndarray | None, spacing: int) -> np.ndarray:
-    """Return the features of every place, float32 (h, w, F); see :class:`PictureFeatures`."""
+    """Return the features of every place, float32 (h, w, F); see :class:`PictureFeatures`.
+
+    Parameters
+    ----------
+    grey : ndarray, shape (h, w)
+        The picture.
+    colour : ndarray, shape (h, w, k), optional
+        Its colours.
+    spacing : int
+        Distance of places, px.
+
+    Returns
+    -------
+    ndarray of float32, shape (rows, columns, F)
+        Features of the places.
+    """
     features = PictureFeatures(grey, colour, spacing)
     h, w = features.shape
     return features.at(np.arange(h * w)).reshape(h, w, -1)

@@ -144,7 +144,20 @@ class PawLook(Appearance):
     def score(
         self, pixels: np.ndarray, origin: tuple[int, int] = (0, 0), *, shrink: int = 1
     ) -> np.ndarray:
-        """Return how far the logarithm of odds exceeds what tells neither way, (h, w) float32."""
+        """Return how far the logarithm of odds exceeds what tells neither way, (h, w) float32.
+
+        Parameters
+        ----------
+        pixels : ndarray
+            Part of a picture.
+        origin, shrink
+            Not used.
+
+        Returns
+        -------
+        ndarray of float32, shape (h, w)
+            The score.
+        """
         del origin, shrink  # what is about a place tells, and how it is read is known
         if self.known is None or self.reading is None:
             raise ValueError("this look was not learnt")
@@ -172,6 +185,11 @@ def clicked_lessons(
         Points and views.
     clicks : mapping
         Frame to what was placed by hand.
+
+    Returns
+    -------
+    dict
+        Frame to lesson.
     """
     lessons = {}
     views = range(len(layout.views))
@@ -204,6 +222,11 @@ def tracked_lessons(
         Which point each view tracks. A paw on the other side may or may not be in sight.
     first : int
         The frame of their first row.
+
+    Returns
+    -------
+    dict
+        Frame to lesson.
     """
     shown = scene.geometry.project(refined.x)  # (n, P, V, 2)
     seen = np.isfinite(np.swapaxes(refined.measured[..., 0], 1, 2))  # (n, V, P)
@@ -241,6 +264,11 @@ def with_paw_looks(
         Frame to where paws are.
     parameters : AppearanceParameters
         Of the classifier.
+
+    Returns
+    -------
+    Scene
+        The same scene with other looks.
     """
     pictures = _pictures(views, layout, scene, lessons)
     levels = np.concatenate([grey(p.pixels).ravel()[::7] for p in pictures])
@@ -257,7 +285,8 @@ def with_paw_looks(
     lots = [lot for p in pictures for lot in _lots(p, readings[p.view], random, parameters)]
     features, labels = (np.concatenate(part) for part in zip(*lots, strict=True))
     learnt_from = code_checksum("pawnb.core.paws.offline.detection", _CODE).encode()
-    key = hashlib.sha256(learnt_from + features.tobytes() + labels.tobytes()).hexdigest()
+    how = repr(parameters).encode()
+    key = hashlib.sha256(learnt_from + how + features.tobytes() + labels.tobytes()).hexdigest()
     known = _Known(train_classifier(features, labels, n_points=1, parameters=parameters), key)
     learnt = [
         PawLook(

@@ -87,6 +87,11 @@ def estimate_rates(kinds: np.ndarray, state: np.ndarray, pairs: np.ndarray) -> R
         Probability of each state.
     pairs : ndarray, shape (kinds of step + 1, 4, 4)
         Expected number of each step with each change of state.
+
+    Returns
+    -------
+    Rates
+        The rates.
     """
     change = _CHANGE + pairs.sum(axis=0)
     likelihoods, steps = _LIKELIHOODS.copy(), _STEPS.copy()

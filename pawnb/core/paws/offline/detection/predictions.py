@@ -47,7 +47,8 @@ _ON_ANOTHER = 0.5
 """A wrong prediction is on another point in this share of clicks."""
 _SURE = 0.98
 _LONGEST_WRONG = 30.0
-"""Longer stretches of errors, in frames, are told by clicks alone and make no evidence weaker."""
+"""Longer stretches of errors, in frames, are known from clicks alone and make no evidence weaker.
+"""
 _ROUNDS = 12
 _UNKNOWN_EXTENT = 0.4
 """Extent where there are no two points, in shorter sides of the picture."""
@@ -154,7 +155,24 @@ def predictions_as_detections(
 def judge_predictions(
     uv: np.ndarray, likelihood: np.ndarray, annotations: Annotations, *, size: tuple[int, int]
 ) -> PredictionQuality:
-    """Return how good predictions are; parameters as :func:`predictions_as_detections`."""
+    """Return how good predictions are; parameters as :func:`predictions_as_detections`.
+
+    Parameters
+    ----------
+    uv : ndarray, shape (n, P, 2)
+        Predicted positions, px.
+    likelihood : ndarray, shape (n, P)
+        What the program says of each.
+    annotations : Annotations
+        What is certain.
+    size : tuple of int
+        Width and height of the picture, px.
+
+    Returns
+    -------
+    PredictionQuality
+        How good they are.
+    """
     there = np.isfinite(uv).all(axis=2) & (likelihood >= _LEAST_LIKELIHOOD)
     uv = np.where(there[..., None], uv, np.nan)
     extent = find_extent(uv, annotations, size)
@@ -175,6 +193,20 @@ def find_extent(uv: np.ndarray, annotations: Annotations, size: tuple[int, int])
 
     Where few points are clicked in one frame they may just meet there. Parameters as for
     :func:`predictions_as_detections`.
+
+    Parameters
+    ----------
+    uv : ndarray, shape (n, P, 2)
+        Predicted positions, px.
+    annotations : Annotations
+        What is certain.
+    size : tuple of int
+        Width and height of the picture, px.
+
+    Returns
+    -------
+    float
+        The extent, px.
     """
     apart = np.linalg.norm(uv[:, :, None] - uv[:, None], axis=-1).reshape(len(uv), -1)
     largest = np.where(np.isnan(apart), 0.0, apart).max(axis=1, initial=0.0)

@@ -7,10 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.core.paws.offline.gap_closing.parameters import GAP_CLOSING
 from pawnb.core.paws.offline.stride.stance import Stance
-
-_BEFORE, _AFTER = 10, 6
-"""Certain frames that tell how a stretch begins, and how it ends."""
 
 
 @dataclass(frozen=True)
@@ -39,13 +37,19 @@ class Gap:
         n = len(is_open)
         frames = np.arange(n)
         if first == 0:
-            # before the first frame nothing is known: it is told from what follows
-            begin = stop + _certain_frames(is_open[stop:], _BEFORE)
+            # before the first frame nothing is known: it is found from what follows
+            begin = stop + _certain_frames(is_open[stop:], GAP_CLOSING.gap_before)
             return cls(frames[stop:begin][::-1], frames[:stop][::-1], frames[:0], True, -1)
         # going back from the stretch is going forward in reversed time
-        begin = first - _certain_frames(is_open[:first][::-1], _BEFORE)
-        end = stop + _certain_frames(is_open[stop:], _AFTER)
-        return cls(frames[begin:first], frames[first:stop], frames[stop:end], stop + _AFTER > n, 1)
+        begin = first - _certain_frames(is_open[:first][::-1], GAP_CLOSING.gap_before)
+        end = stop + _certain_frames(is_open[stop:], GAP_CLOSING.gap_after)
+        return cls(
+            frames[begin:first],
+            frames[first:stop],
+            frames[stop:end],
+            stop + GAP_CLOSING.gap_after > n,
+            1,
+        )
 
     def stance(self, stances: Sequence[Stance]) -> Stance | None:
         """Return the stance of the point where the stretch begins; None where it does not stand."""

@@ -19,6 +19,7 @@ from pawnb.core.paws.offline.gap_closing.mht_kernels import (
     run_mht,
 )
 from pawnb.core.paws.offline.gap_closing.mht_parameters import MHTParameters
+from pawnb.core.paws.offline.gap_closing.parameters import GAP_CLOSING
 from pawnb.core.paws.offline.gap_closing.rejection import frames_to_reassociate, runs
 from pawnb.core.paws.offline.gap_closing.update_kernels import Cameras
 from pawnb.core.paws.offline.gap_closing.wrist_decoys import follow_wrist_decoys
@@ -28,35 +29,6 @@ from pawnb.core.paws.offline.stride.cycle import Cycle
 from pawnb.core.paws.offline.stride.duty_factor import DutyFactor
 from pawnb.core.paws.offline.stride.stance import Stance, Substrate, covered, learn_substrate
 from pawnb.core.paws.offline.stride.swing import Swings
-
-_LOOK = 1.1
-"""Cost of a detection: so many times minus the logarithm of how much it looks like a paw."""
-_OTHER = 8.0
-"""Cost of a detection that lies where another point is."""
-_BESIDE = 0.35
-"""Distance, in paw widths, at which it does."""
-_EXPECTED = 0.2
-"""Weight of a frame's distance from where the cycle has the point, as frames err alike. Only where
-nothing certain follows: the cycle of a paw that is occluded in every stride is no more than was
-made of it before, and what was told too late once would be told so again.
-"""
-_ON_ARC, _LAST = 0.2, 2.0
-"""Weight of a frame's distance from the arc of its swing, and so much more where nothing certain
-follows."""
-_ASIDE = 0.7
-"""Standard deviation, in paw widths, of how far aside of its arc a paw swings."""
-_FARTHEST_OFF_ARC = 9.0
-"""Squared standard deviations beyond which a point off its arc costs no more: an arc may be of a
-stance that was estimated wrongly."""
-_KICK = 0.8
-"""Standard deviation of what lift-off changes of a speed, in that of the fastest swings: front
-paws go up at once, by up to 1.3 of it in rendered scenes."""
-_RISING_S, _SWINGING_S = 0.008, 0.04
-"""Time, s, after lift-off in which a paw is bent and dim, and in which it swings for certain."""
-_DIM = 0.7
-"""Largest cost of a poor look then."""
-_FARTHEST = 16.0
-"""Squared standard deviations beyond which a point off its cycle costs no more."""
 
 
 @dataclass(frozen=True)
@@ -186,7 +158,9 @@ def close_gaps(
         ),
         geometry,
         paw_width_px,
-        np.maximum(_appearance_cost(observations.detection_probability) - _DIM, 0.0),
+        np.maximum(
+            _appearance_cost(observations.detection_probability) - GAP_CLOSING.gap_closing_dim, 0.0
+        ),
     )
     choice = np.full((n, n_points, len(paw_width_px)), -1)
     held = np.full(state.chosen.shape, np.nan)
@@ -211,9 +185,10 @@ def _mht_parameters(motion_model: MotionModel) -> MHTParameters:
     """Return the parameters for points that move so."""
     fps = motion_model.fps
     return MHTParameters(
-        jerk=motion_model.jerk, impulse=_KICK * motion_model.speed,
+        jerk=motion_model.jerk, impulse=GAP_CLOSING.gap_closing_kick * motion_model.speed,
         noise=0.25 * motion_model.paw_width, reach=1.5 * motion_model.body_scale,
-        rising=max(1, round(_RISING_S * fps)), swinging=round(_SWINGING_S * fps),
+        rising=max(1, round(GAP_CLOSING.rising_s * fps)),
+        swinging=round(GAP_CLOSING.swinging_s * fps),
     )  # fmt: skip
 
 
@@ -228,7 +203,7 @@ class _GapCloser:
     stances: list[list[Stance]]
     uv: np.ndarray  # (n, P, V, 2), where all points are as far as is known
     parameters: MHTParameters
-    process_noise: ProcessNoise  # but for the way in which each stretch is told
+    process_noise: ProcessNoise  # but for the direction of time of each stretch
     geometry: Projection
     paw_width_px: np.ndarray
     excused: np.ndarray  # (n, V, C), how much of a poor look a paw that lifts off is forgiven
@@ -284,7 +259,7 @@ class _GapCloser:
     def _standing(self, point: int, gap: Gap, *, is_told: bool) -> tuple[np.ndarray, np.ndarray]:
         """Return where a point stands where a stretch begins, and in its frames (frames, d).
 
-        NaN where it does not stand there, and where nothing follows and it is not told when it
+        NaN where it does not stand there, and where nothing follows and it is not known when it
         is due to lift off.
         """
         substrate, stance = self.substrate, gap.stance(self.stances[point])
@@ -297,7 +272,7 @@ class _GapCloser:
     def _how(self, point: int, gap: Gap, tracked_in_view: np.ndarray) -> TargetModel:
         """Return the model of a point."""
         substrate, way = self.substrate, gap.way
-        # told backwards a paw that stands has not landed yet: how it will is not known
+        # backwards in time a paw that stands has not landed yet: how it will is not known
         liftoff_velocity = (
             substrate.liftoff_velocity[point]
             if way > 0
@@ -352,19 +327,29 @@ class _GapCloser:
         at = np.full((2, len(t), len(motion_model.axes)), np.nan)
         variance, axes = np.ones(at.shape), np.stack([motion_model.axes] * 2)
         if cycle is not None and gap.is_last:
-            at[0], variance[0] = cycle.mean[t, point], cycle.sd[t, point] ** 2 / _EXPECTED
-            axes[0], most[0] = cycle.axes, 0.5 * _EXPECTED * _FARTHEST
+            at[0], variance[0] = (
+                cycle.mean[t, point],
+                cycle.sd[t, point] ** 2 / GAP_CLOSING.gap_closing_expected,
+            )
+            axes[0], most[0] = (
+                cycle.axes,
+                0.5 * GAP_CLOSING.gap_closing_expected * GAP_CLOSING.gap_closing_farthest,
+            )
         if swings is not None and gap.way > 0:
             at[1, :n], sd = swings.place[gap.frames, point], swings.sd[gap.frames, point]
-            sd[:, 1:-1] = np.hypot(sd[:, 1:-1], _ASIDE * motion_model.paw_width)
-            weight = _ON_ARC * (_LAST if gap.is_last else 1.0)
-            variance[1, :n], most[1] = sd**2 / weight, 0.5 * weight * _FARTHEST_OFF_ARC
+            sd[:, 1:-1] = np.hypot(
+                sd[:, 1:-1], GAP_CLOSING.gap_closing_aside * motion_model.paw_width
+            )
+            weight = GAP_CLOSING.on_arc * (GAP_CLOSING.gap_closing_last if gap.is_last else 1.0)
+            variance[1, :n], most[1] = sd**2 / weight, 0.5 * weight * GAP_CLOSING.farthest_off_arc
         return ExpectedPositions(at, variance, axes, most)
 
 
 def _appearance_cost(detection_probability: np.ndarray) -> np.ndarray:
     """Return what speaks against detections for how much they look like paws."""
-    return np.asarray(-_LOOK * np.log(np.clip(detection_probability, 0.02, 1.0)))
+    return np.asarray(
+        -GAP_CLOSING.gap_closing_look * np.log(np.clip(detection_probability, 0.02, 1.0))
+    )
 
 
 def _candidate_costs(
@@ -389,7 +374,7 @@ def _candidate_costs(
     for p in range(n_points):
         away = np.linalg.norm(observations.at[:, p] - uv[:, p, :, None], axis=-1)
         away = np.where(observations.is_there, away, np.inf)
-        near = np.exp(-((away / (_BESIDE * paw_width_px[:, None])) ** 2))
+        near = np.exp(-((away / (GAP_CLOSING.gap_closing_beside * paw_width_px[:, None])) ** 2))
         # one detection is enough to explain a point
         near[away > away.min(axis=-1, keepdims=True)] = 0.0
         explained[:, p] = np.where(there[:, p], trust[:, p], 0.0)[:, None, None] * near
@@ -398,7 +383,7 @@ def _candidate_costs(
     for p in range(n_points):
         limb = limb_clutter.negative_log_odds(uv[:, p], observations, p, paw_width_px=paw_width_px)
         limb = believed[:, p, None, None] * limb
-        explained[:, p] = np.maximum(_OTHER * explained[:, p], limb)
+        explained[:, p] = np.maximum(GAP_CLOSING.gap_closing_other * explained[:, p], limb)
     for p in range(n_points):
         others = np.delete(explained, p, axis=1)
         if others.shape[1]:

@@ -14,20 +14,13 @@ import numpy as np
 from scipy.ndimage import gaussian_filter
 
 from pawnb.core.paws.offline.detection.colour.observations import Observations
+from pawnb.core.paws.offline.gap_closing.parameters import GAP_CLOSING
 
 _REACH = 3.5
 """Detections up to so many paw widths to either side of a paw may belong to its limb."""
 _BIN = 0.5
 """Side of a bin, in paw widths: about how well a detection's place is known."""
 _BINS = round(2 * _REACH / _BIN)
-_AT = 0.5
-"""A detection within so many paw widths of a point is that point's."""
-_GRADES = (0.1, 0.3)
-"""Detections of a limb look worse than paws: those that look alike are counted together."""
-_SMOOTH = 0.7
-"""Standard deviation, in bins, by which counts are smoothed."""
-_BEFORE = 10.0
-"""Sightings of a paw without any limb that are assumed beforehand."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +59,7 @@ class LimbClutter:
         """
         row, column, inside = _bins(uv, observations.at[:, point], paw_width_px)
         view = np.arange(len(paw_width_px))[:, None]
-        grade = np.digitize(observations.detection_probability, _GRADES)
+        grade = np.digitize(observations.detection_probability, GAP_CLOSING.limb_clutter_grades)
         return np.where(inside, self.cost[point][view, grade, row, column], 0.0)
 
 
@@ -92,15 +85,17 @@ def learn_limb_clutter(
         What was learnt.
     """
     n_points, n_views = uv.shape[1:3]
-    n_grades = len(_GRADES) + 1
+    n_grades = len(GAP_CLOSING.limb_clutter_grades) + 1
     count = np.zeros((n_points, n_views, n_grades * _BINS**2))
     # sightings of each point, those with all others elsewhere, and other points near them
     observed, apart, met = (np.zeros((n_points, n_views, 1, 1, 1)) for _ in range(3))
-    grade = np.digitize(observations.detection_probability, _GRADES)
+    grade = np.digitize(observations.detection_probability, GAP_CLOSING.limb_clutter_grades)
     for p in range(n_points):
         row, column, inside = _bins(uv[:, p], observations.at[:, p], paw_width_px)
         step = (observations.at[:, p] - uv[:, p, :, None]) / paw_width_px[:, None, None]
-        near = (np.hypot(step[..., 0], step[..., 1]) < _AT) & observations.is_there
+        near = (
+            np.hypot(step[..., 0], step[..., 1]) < GAP_CLOSING.limb_clutter_at
+        ) & observations.is_there
         # a point tells where it is seen and where every other is known to be elsewhere
         seen = trust[:, p, None] * near.any(axis=-1)
         others = np.delete(uv, p, axis=1) - uv[:, p, None]
@@ -115,12 +110,16 @@ def learn_limb_clutter(
             weight = np.broadcast_to(alone[:, v, None], limb.shape)[limb]
             count[p, v] = np.bincount(number, weight, n_grades * _BINS**2)
     count = count.reshape(n_points, n_views, n_grades, _BINS, _BINS)
-    smooth = gaussian_filter(count, (0, 0, 0, _SMOOTH, _SMOOTH), mode="constant")
-    rate = smooth / (apart + _BEFORE)
+    smooth = gaussian_filter(
+        count,
+        (0, 0, 0, GAP_CLOSING.limb_clutter_smooth, GAP_CLOSING.limb_clutter_smooth),
+        mode="constant",
+    )
+    rate = smooth / (apart + GAP_CLOSING.limb_clutter_before)
     # what is as common everywhere is no limb
     usual = np.median(rate, axis=(3, 4), keepdims=True)
     # other paws come from everywhere: one is assumed to have come beforehand
-    other = (met + 1.0) / (observed + _BEFORE) / _BINS**2
+    other = (met + 1.0) / (observed + GAP_CLOSING.limb_clutter_before) / _BINS**2
     return LimbClutter(np.log1p(np.maximum(rate - usual, 0.0) / (usual + other)))
 
 

@@ -40,6 +40,11 @@ def process_noise_of(
         How much the speed of a point changes at lift-off; default not at all.
     across : ndarray, shape (d,), optional
         Unit vector to the side.
+
+    Returns
+    -------
+    ProcessNoise
+        What is added in each frame.
     """
     along = np.eye(len(substrate_velocity))
     if across is not None:
@@ -77,6 +82,13 @@ def state_after(
         How points move.
     speed : float
         Standard deviation of an unknown speed.
+
+    Returns
+    -------
+    mean : ndarray, shape (3, d)
+        Place, speed and acceleration, a frame.
+    covariance : ndarray, shape (3, 3)
+        Alike in every direction.
     """
     mean = np.stack([places[0], substrate_velocity, np.zeros(places.shape[1])])
     P = np.diag([parameters.noise**2, speed**2, (3.0 * parameters.jerk) ** 2])

@@ -47,7 +47,7 @@ class MHTParameters(NamedTuple):
         Hypotheses nearer to each other than so many of their standard deviations tell the same.
     most, most_within : int
         Hypotheses kept from frame to frame, and from view to view within a frame: a paw that
-        comes out again is told dearly by the first view and made good by the next.
+        comes out again costs much in the first view and made good by the next.
     """
 
     jerk: float

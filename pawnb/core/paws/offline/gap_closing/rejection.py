@@ -11,21 +11,11 @@ from itertools import pairwise
 
 import numpy as np
 
+from pawnb.core.paws.offline.gap_closing.parameters import GAP_CLOSING
 from pawnb.core.paws.offline.scene.motion_model import MotionModel
 from pawnb.core.paws.offline.stride.duty_factor import DutyFactor
 from pawnb.core.paws.offline.stride.stance import Stance, learn_substrate
 from pawnb.core.paws.offline.stride.swing import Swings
-
-_LEAST = 4
-"""Certain stretches shorter than this are associated again too."""
-_DRAWN_S = 0.03
-"""A path that is lost so soon, s, after its point left the place where it stood was drawn off."""
-_SETTLED = 6
-"""Frames for which a point must have stood for its path to be told drawn off."""
-_OFF_ARC = 3.0
-"""A place so many standard deviations off the arc of a swing is associated again, and"""
-_OFF_AT_LEAST = 0.5
-"""at least so many paw widths count as one of them."""
 
 
 def frames_to_reassociate(
@@ -67,7 +57,9 @@ def frames_to_reassociate(
         else off_trajectory(sure, swings, motion_model)
     )
     for p, mine in enumerate(learn_substrate(sure, motion_model).stances(sure)):
-        lost = off[:, p] | drawn_off(mine, is_open[:, p], most=round(_DRAWN_S * motion_model.fps))
+        lost = off[:, p] | drawn_off(
+            mine, is_open[:, p], most=round(GAP_CLOSING.drawn_s * motion_model.fps)
+        )
         if duty_factor is not None:
             lost |= hops(mine, is_open[:, p], least=duty_factor.shortest_swing(p))
         is_open[lost & ~annotated[:, p], p] = True
@@ -75,12 +67,27 @@ def frames_to_reassociate(
 
 
 def off_trajectory(sure: np.ndarray, swings: Swings, motion_model: MotionModel) -> np.ndarray:
-    """Tell which places (n, P, d) are off the arcs of swings, forward or up; shape (n, P)."""
+    """Tell which places (n, P, d) are off the arcs of swings, forward or up; shape (n, P).
+
+    Parameters
+    ----------
+    sure : ndarray, shape (n, P, d)
+        Places.
+    swings : Swings
+        The arcs.
+    motion_model : MotionModel
+        Axes and size of the animal.
+
+    Returns
+    -------
+    ndarray of bool, shape (n, P)
+        Which are off.
+    """
     step = (sure - swings.place) @ motion_model.axes.T
-    size = np.hypot(swings.sd, _OFF_AT_LEAST * motion_model.paw_width)
+    size = np.hypot(swings.sd, GAP_CLOSING.off_at_least * motion_model.paw_width)
     square = (step / size)[..., [0, -1]] ** 2
     # NaN where nothing is known compares as False
-    return np.asarray(square.sum(axis=-1) > _OFF_ARC**2)
+    return np.asarray(square.sum(axis=-1) > GAP_CLOSING.off_arc**2)
 
 
 def drawn_off(stances: Sequence[Stance], is_open: np.ndarray, *, most: int) -> np.ndarray:
@@ -106,7 +113,7 @@ def drawn_off(stances: Sequence[Stance], is_open: np.ndarray, *, most: int) -> n
     lost = np.zeros(len(is_open), bool)
     for one in stances:
         near = is_open[one.stop : one.stop + most + 1]
-        if one.stop - one.first >= _SETTLED and near.any():
+        if one.stop - one.first >= GAP_CLOSING.rejection_settled and near.any():
             lost[one.stop : one.stop + int(np.argmax(near))] = True
     return lost
 
@@ -191,7 +198,7 @@ def open_frames(certain: np.ndarray, annotated: np.ndarray) -> np.ndarray:
     """
     is_open = ~certain
     for first, stop in runs(certain):
-        if stop - first < _LEAST:
+        if stop - first < GAP_CLOSING.rejection_least:
             is_open[first:stop] = True
     return np.asarray(is_open & ~(annotated & certain))
 

@@ -16,16 +16,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pawnb.core.paws.offline.detection.colour.observations import Observations
+from pawnb.core.paws.offline.gap_closing.parameters import GAP_CLOSING
 from pawnb.core.paws.offline.gap_closing.wrist_kernels import follow
 from pawnb.core.paws.offline.projection import Projection
 from pawnb.core.paws.offline.stride.stance import Stance, Substrate
-
-_FOLLOWED_S = 0.03
-"""Time, s, for which wrists are followed: so long a paw may be covered before it lifts off."""
-_VAGUE = 1.0
-"""Cost of what a wrist says of its paw, besides how the wrist looks: it turns over the paw."""
-_NO_PAW = 30.0
-"""What speaks against a wrist being the paw."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +51,7 @@ class WristDecoys:
         """
         return replace(
             observations, at=observations.at - self.away
-        ), negative_log_odds + _VAGUE * self.found
+        ), negative_log_odds + GAP_CLOSING.wrist_decoys_vague * self.found
 
     def left_out(
         self, choice: np.ndarray, negative_log_odds: np.ndarray
@@ -67,7 +61,9 @@ class WristDecoys:
         They tell what a paw did, but they are not what is measured of it.
         """
         chosen = np.take_along_axis(self.found, np.maximum(choice, 0)[..., None], axis=-1)
-        return np.where(chosen[..., 0], -1, choice), negative_log_odds + _NO_PAW * self.found
+        return np.where(
+            chosen[..., 0], -1, choice
+        ), negative_log_odds + GAP_CLOSING.no_paw * self.found
 
 
 def follow_wrist_decoys(
@@ -102,7 +98,7 @@ def follow_wrist_decoys(
     found, away = np.zeros(observations.at.shape[:-1], bool), np.zeros(observations.at.shape)
     # the detections that are there come first
     count = observations.is_there.sum(axis=-1)
-    steps = max(2, round(_FOLLOWED_S * substrate.motion_model.fps))
+    steps = max(2, round(GAP_CLOSING.followed_s * substrate.motion_model.fps))
     for p in range(n_points):
         ends = [one for one in stances[p] if 1 < one.stop < n]
         if not ends:

@@ -1,6 +1,6 @@
 """Following landmarks (nose, ears, tail, marks on the back) by their own picture.
 
-Paws are told by their colour and their shape, and they swing; what else is clicked on an
+Paws are found by their colour and their shape, and they swing; what else is clicked on an
 animal is a patch of its surface, which keeps its look and moves little from frame to frame.
 In each view the patch is taken on by optical flow (Lucas & Kanade 1981, pyramidal: Bouguet
 2001), then aligned with the patch as it was clicked, so that errors do not add up. Where
@@ -17,36 +17,10 @@ import cv2
 import numpy as np
 
 from pawnb.core.paws.layout import Layout, Placement
+from pawnb.core.paws.offline.landmarks.parameters import LANDMARKS
 from pawnb.core.paws.superpixels import Picture
 from pawnb.core.rig import Rig
 
-WINDOW_SHARE = 0.02
-"""Side of a patch as a share of the picture's width: 41 px in the 2019 paper's pictures."""
-LEAST_WINDOW_PX = 15
-"""Least side of a patch."""
-
-_AROUND = 3
-"""Half the side of the region that is searched, in patches."""
-_ALIKE, _LOST = 0.75, 0.6
-"""Correlation from which a patch is the clicked one; below the other, flow alone is no help."""
-_SAME, _ABOUT, _FORGET = 0.9, 0.97, 0.1
-"""Correlation from which a patch that was sought everywhere around is the clicked one, or the
-share of its usual one in the frames before where that is less: pictures may be noisy."""
-_BACK_PX = 0.5
-"""Flow there and back again ends as near as this to where it began, or it is not believed."""
-_CHANGED_FRAMES = 5
-"""A patch that flow alone has followed this long is how the landmark looks now."""
-_MOST_PATCHES = 8
-"""Looks of a landmark that are remembered: the clicked one, and the latest others."""
-_YOUNG_FRAMES, _LARGEST = 3, 3
-"""A patch grows in its first frames, to so many times its side, until it can be told."""
-_LEAST_LIKENESS = 0.05
-"""Likeness that a landmark which was found has at least."""
-_BLUR_PX = 1.0
-"""Standard deviation of the smoothing before patches are compared."""
-_APART, _TOGETHER = 1 / 3, 1 / 6
-"""Views that disagree by more than the first, in patches, hold one that is wrong: the one
-without which the others agree to within the second, or of two the one that looks less alike."""
 _STOP = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 20, 0.01)
 
 
@@ -91,7 +65,10 @@ class _State:
     @property
     def same(self) -> float:
         """Correlation from which a patch that was lost is found again."""
-        return max(_ALIKE, min(_SAME, _ABOUT * self.usual))
+        return max(
+            LANDMARKS.template_tracking_alike,
+            min(LANDMARKS.template_tracking_same, LANDMARKS.template_tracking_about * self.usual),
+        )
 
 
 class TemplateTracker:
@@ -157,7 +134,7 @@ class TemplateTracker:
 
     def _box(self, view: int, centre: np.ndarray) -> tuple[int, int, int, int]:
         """Return the region around a position: left, top, right, bottom within the picture."""
-        half = _AROUND * self._windows[view]
+        half = LANDMARKS.template_tracking_around * self._windows[view]
         ends = []
         for middle, size in zip(centre, self.layout.sizes[view], strict=True):
             low = int(np.clip(round(float(middle)) - half, 0, max(size - 2 * half, 0)))
@@ -172,7 +149,7 @@ class TemplateTracker:
         part = np.ascontiguousarray(pictures[self.layout.views[view]].crop(*box))
         grey = part if part.ndim == 2 else cv2.cvtColor(part, cv2.COLOR_RGB2GRAY)
         # single pixels are noise
-        return cv2.GaussianBlur(grey, (0, 0), _BLUR_PX)
+        return cv2.GaussianBlur(grey, (0, 0), LANDMARKS.blur_px)
 
     def _follow(
         self, key: tuple[int, int], state: _State, pictures: Mapping[str, Picture]
@@ -185,8 +162,8 @@ class TemplateTracker:
         begin = state.uv - np.array(box[:2], dtype=float)
         state.age += 1
         found = _find(state, was, now, begin)
-        largest = _LARGEST * self._windows[key[0]]
-        while found is None and state.age <= _YOUNG_FRAMES and state.window < largest:
+        largest = LANDMARKS.template_tracking_largest * self._windows[key[0]]
+        while found is None and state.age <= LANDMARKS.young_frames and state.window < largest:
             # what was clicked has too little texture: its surroundings help
             state.window = round(1.5 * state.window) // 2 * 2 + 1
             found = _find(state, was, now, begin)
@@ -195,7 +172,7 @@ class TemplateTracker:
             return np.full(2, np.nan), 0.0
         at, alike = found
         state.uv = at + box[:2]
-        return state.uv.copy(), max(alike, _LEAST_LIKENESS)
+        return state.uv.copy(), max(alike, LANDMARKS.least_likeness)
 
     def _agree(self, uv: np.ndarray, likeness: np.ndarray) -> None:
         """Let the views correct each other: one of three may be wrong, a lost one is helped."""
@@ -208,7 +185,7 @@ class TemplateTracker:
                 continue
             xyz = rig.triangulate(uv[:, point]).xyz
             away = np.linalg.norm(rig.project(xyz) - uv[:, point], axis=-1) / self._windows
-            if np.nanmax(away) > _APART:
+            if np.nanmax(away) > LANDMARKS.template_tracking_apart:
                 if len(seen) == 2:
                     self._lose(seen[likeness[seen, point].argmin()], point, uv, likeness)
                     continue
@@ -229,7 +206,7 @@ class TemplateTracker:
 
 def window_px(width: int) -> int:
     """Return the side of a patch in a picture of some width, px: an odd number."""
-    return max(LEAST_WINDOW_PX, round(WINDOW_SHARE * width)) // 2 * 2 + 1
+    return max(LANDMARKS.least_window_px, round(LANDMARKS.window_share * width)) // 2 * 2 + 1
 
 
 def _find(
@@ -240,15 +217,20 @@ def _find(
     flown = _flow(was, now, begin, window) if state.is_seen else None
     at, alike = _align(state.patches, now, begin if flown is None else flown, window)
     near = flown is None or np.linalg.norm(at - flown) <= window / 2
-    if alike >= (_ALIKE if state.is_seen else state.same) and near:
+    if alike >= (LANDMARKS.template_tracking_alike if state.is_seen else state.same) and near:
         state.on_flow = 0
-        state.usual += _FORGET * (alike - state.usual)
+        state.usual += LANDMARKS.template_tracking_forget * (alike - state.usual)
         return at, alike
-    if flown is not None and _correlate(was, begin, now, flown, window) >= _SAME:
+    if (
+        flown is not None
+        and _correlate(was, begin, now, flown, window) >= LANDMARKS.template_tracking_same
+    ):
         state.on_flow += 1
-        if state.on_flow >= _CHANGED_FRAMES:
+        if state.on_flow >= LANDMARKS.changed_frames:
             # the first patch is what was clicked: it is never let go
-            state.patches[1:] = [*state.patches[1:], _Patch(now, flown)][1 - _MOST_PATCHES :]
+            state.patches[1:] = [*state.patches[1:], _Patch(now, flown)][
+                1 - LANDMARKS.most_patches :
+            ]
             state.on_flow = 0
         return flown, max(alike, 0.0) if near else 0.0
     at, alike = _seek(state.patches, now, window)
@@ -261,7 +243,7 @@ def _flow(was: np.ndarray, now: np.ndarray, at: np.ndarray, window: int) -> np.n
     if there is None:
         return None
     back = _lucas_kanade(now, was, there, at, window, levels=3)
-    return None if back is None or np.linalg.norm(back - at) > _BACK_PX else there
+    return None if back is None or np.linalg.norm(back - at) > LANDMARKS.back_px else there
 
 
 def _lucas_kanade(
@@ -291,7 +273,7 @@ def _align(
         alike = _correlate(patch.picture, patch.at, now, at, window)
         if alike > likeness:
             best, likeness = at, alike
-        if likeness >= _ALIKE:
+        if likeness >= LANDMARKS.template_tracking_alike:
             break
     return best, likeness
 
@@ -316,7 +298,7 @@ def _seek(patches: Sequence[_Patch], now: np.ndarray, window: int) -> tuple[np.n
         _, high, _, corner = cv2.minMaxLoc(cv2.matchTemplate(now, cut, cv2.TM_CCOEFF_NORMED))
         if high > likeness:
             best, likeness = np.array(corner, dtype=float) + (window - 1) / 2, float(high)
-    if likeness < _LOST:
+    if likeness < LANDMARKS.template_tracking_lost:
         return best, likeness
     return _align(patches, now, best, window)
 
@@ -348,4 +330,4 @@ def _contradicted(
         left = np.nanmax(np.linalg.norm(rig.project(place) - rest, axis=-1) / windows)
         tried.append((float(left), int(view), place))
     left, worst, place = min(tried, key=lambda one: one[0])
-    return (worst if left <= _TOGETHER else None), place
+    return (worst if left <= LANDMARKS.template_tracking_together else None), place

@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from pawnb.core.paws.layout import Layout, Placement
+from pawnb.core.paws.offline.landmarks.parameters import LANDMARKS
 from pawnb.core.paws.offline.landmarks.template_tracking import window_px
 from pawnb.core.paws.offline.projection import Projection
 from pawnb.core.paws.offline.smoothing import refinement_kernels as loops
@@ -24,20 +25,6 @@ _BODY_PART = re.compile(
     r"(?i)(?<![a-z])(?:left|right)?(?:nose|snout|muzzle|head|ear(?![a-z])|eye|neck|back|spine|trunk"
     r"|chest|belly|abdomen|thorax|rump|tail|shoulder|scapula|elbow|wrist|hip|pelvis|knee|ankle)"
 )
-_SIGMA = 0.03
-"""Standard deviation of a landmark that looks as it was clicked, in patches."""
-_ALIKE = 0.06
-"""What is wrong in the same way from frame to frame: the look changes with the light."""
-_JERK = 0.01
-"""Change of acceleration from frame to frame at 200 frames/s, in patches."""
-_RATE_HZ = 200.0
-"""Frame rate that the change of acceleration is given for."""
-_TAIL = 3.0
-"""Residuals beyond this many standard deviations count less and less."""
-_BY_HAND = 10.0
-"""What a person has put in place counts this many times as much as what was seen."""
-_STEPS = 4
-"""Times that residuals are weighed anew."""
 
 
 def choose_landmarks(
@@ -142,7 +129,7 @@ def join_views(
     geometry = Projection(None if layout.rig is None else layout.rig.coefs)
     d = geometry.n_coordinates
     patch_px = np.array([float(window_px(width)) for width, _ in layout.sizes])
-    sigma = _SIGMA * patch_px / np.clip(likeness, 0.3, 1.0)
+    sigma = LANDMARKS.tracks_sigma * patch_px / np.clip(likeness, 0.3, 1.0)
     x, sd = np.full((n, n_points, d), np.nan), np.full((n, n_points, d), np.nan)
     apart = np.full((n, n_points), np.nan)
     start = uv[:, :, 0] if layout.rig is None else layout.rig.triangulate(uv).xyz
@@ -155,13 +142,13 @@ def join_views(
         )
         per_unit = np.linalg.norm(geometry.jacobian(begun[placed[0]]), axis=(-2, -1)) / np.sqrt(2.0)
         patch = float(np.median(patch_px / per_unit))
-        jerk = _JERK * patch * (_RATE_HZ / fps) ** 3
+        jerk = LANDMARKS.tracks_jerk * patch * (LANDMARKS.rate_hz / fps) ** 3
         path, equations = _smoothest(
             begun, uv[:, p], sigma[:, p], by_hand=by_hand[:, p], jerk=jerk, geometry=geometry
         )
         known = _near(placed, n, max_occlusion_s * fps)
         x[known, p] = path[known]
-        variance = diagonals(equations.covariance[:, 0]) + (_ALIKE * patch) ** 2
+        variance = diagonals(equations.covariance[:, 0]) + (LANDMARKS.tracks_alike * patch) ** 2
         sd[known, p] = np.sqrt(variance)[known]
         apart[:, p] = forward_backward_distance(equations)[:, 0]
     # no two detections are kept of a landmark, and no earlier decision
@@ -187,12 +174,14 @@ def _smoothest(
     table = geometry.rows
     seen = np.isfinite(uv[..., 0])
     jerk2 = np.full(x.shape, jerk**2)
-    for step in range(_STEPS):
+    for step in range(LANDMARKS.tracks_steps):
         weight = 1.0 / sigma**2
         if step:
             away = np.linalg.norm(uv - geometry.project(x), axis=-1)
-            weight *= np.minimum((_TAIL + 1.0) / (_TAIL + (away / sigma) ** 2), 1.0)
-        weight = np.where(by_hand, _BY_HAND / sigma**2, weight)
+            weight *= np.minimum(
+                (LANDMARKS.tracks_tail + 1.0) / (LANDMARKS.tracks_tail + (away / sigma) ** 2), 1.0
+            )
+        weight = np.where(by_hand, LANDMARKS.by_hand / sigma**2, weight)
         weight = np.where(seen, weight, 0.0)
         W, z = loops.normal_equations(
             x[:, None], np.nan_to_num(uv)[:, None], weight[:, None], table

@@ -35,7 +35,7 @@ from pawnb.schema import ORIGIN_CODE, Tracks, check_tracks
 Verdict = Literal["good", "look", "failed"]
 
 _TELLING = 0.04
-"""A measure that takes less than this share of a point's labels is not told."""
+"""A measure that takes less than this share of a point's labels is not named."""
 _MOST_REASONS = 3
 
 

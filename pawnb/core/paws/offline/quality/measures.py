@@ -42,7 +42,7 @@ follow each other and tell less than so many by themselves."""
 
 _ROUNDS = 30
 _MOST_FRAMES = 1000
-"""The usual size is told from so many frames, spread evenly."""
+"""The usual size is estimated from so many frames, spread evenly."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -201,6 +201,11 @@ def measure_places(labels: Labels, limits: QualityLimits, trust: np.ndarray) -> 
     trust : ndarray, shape (n, V, P)
         What the method's own evidence leaves of each: a point is not blamed for being far from
         others that are lost.
+
+    Returns
+    -------
+    list of Measure
+        One for each reason.
     """
     return [
         _off_the_picture(labels, limits),
@@ -211,7 +216,22 @@ def measure_places(labels: Labels, limits: QualityLimits, trust: np.ndarray) -> 
 
 
 def measure_evidence(tracks: Tracks, labels: Labels, limits: QualityLimits) -> list[Measure]:
-    """Measure what a method says of its labels, where it gives no probability."""
+    """Measure what a method says of its labels, where it gives no probability.
+
+    Parameters
+    ----------
+    tracks : Tracks
+        The tracks.
+    labels : Labels
+        Their labels.
+    limits : QualityLimits
+        The limits.
+
+    Returns
+    -------
+    list of Measure
+        One for each reason.
+    """
     return [
         _bridged(labels, limits),
         _not_separated(tracks, labels),
@@ -380,7 +400,7 @@ def _share_alike(odds: np.ndarray) -> float:
 
 
 def _separation(tracks: Tracks, labels: Labels) -> np.ndarray:
-    """Return the log-odds of labels that were found against other places; NaN where not told."""
+    """Return the log-odds of labels that were found against other places; NaN where unknown."""
     odds = np.full(labels.origin.shape, np.nan)
     if "image_separation" in tracks:
         odds = tracks["image_separation"].isel(individual=0).to_numpy()

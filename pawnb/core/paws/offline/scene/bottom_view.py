@@ -22,19 +22,7 @@ from pawnb.core.paws.offline.association.network_flow.triangulation import (
 )
 from pawnb.core.paws.offline.detection.colour.detector import endpoint_score
 from pawnb.core.paws.offline.detection.colour.observations import Observations
-
-_UPRIGHT = 0.8
-"""Cosine between the line of sight and up from which a view counts as one from below."""
-_ALONE = 0.4
-"""Cost of a detection that no other view confirms."""
-_SUNK = 0.7
-"""Paws may be lower than the lowest click by so many paw widths: not all ground is level."""
-_GAP = 8
-"""Frames over which heights are joined."""
-_NEW = 3.0
-"""Cost of beginning again with another height."""
-_REWARD = 1.5
-"""What a detection of another view may cost to be taken at all."""
+from pawnb.core.paws.offline.scene.parameters import MOVEMENT
 
 
 @dataclass(frozen=True)
@@ -102,8 +90,8 @@ class BottomView:
         uv = own[:, :2].astype(float)
         good = [endpoint_score(rows, self.limb_direction[v]) for v, rows in enumerate(found)]
         _, price = self.heights(uv, [rows[:, :2] for rows in found], good)
-        confirmed = (price < _REWARD).any(axis=1)
-        cost = 1.5 * (1.0 - good[self.view]) + np.where(confirmed, 0.0, _ALONE)
+        confirmed = (price < MOVEMENT.bottom_view_reward).any(axis=1)
+        cost = 1.5 * (1.0 - good[self.view]) + np.where(confirmed, 0.0, MOVEMENT.bottom_view_alone)
         at = self.on_plane(uv, np.full(len(uv), self.substrate))
         kept: list[int] = []
         for i in np.argsort(cost, kind="stable").tolist():
@@ -147,7 +135,9 @@ class BottomView:
             cost = (away / 0.4) ** 2 + np.tile(1.0 - good[v], len(uv))
             height = xyz @ self.volume.up
             # what a paw stands on may look like one
-            low = np.maximum(self.substrate - _SUNK * self.paw_width - height, 0.0)
+            low = np.maximum(
+                self.substrate - MOVEMENT.bottom_view_sunk * self.paw_width - height, 0.0
+            )
             cost += 0.5 * (low / (0.5 * self.paw_width)) ** 2
             cost[(away > 0.4) | ~self.volume.holds(xyz)] = np.inf
             heights.append(height.reshape(pair.shape[:2]))
@@ -217,21 +207,24 @@ def _likeliest(
     lowest: tuple[float, tuple[int, int] | None] = (0.0, None)
     for t in sorted(choices):
         height, price = choices[t]
-        good = np.flatnonzero(price < _REWARD)
+        good = np.flatnonzero(price < MOVEMENT.bottom_view_reward)
         if not len(good):
             continue
-        total, before = np.full(len(good), lowest[0] + _NEW), [lowest[1]] * len(good)
-        for earlier in range(max(t - _GAP, min(ends, default=t)), t):
+        total, before = (
+            np.full(len(good), lowest[0] + MOVEMENT.bottom_view_new),
+            [lowest[1]] * len(good),
+        )
+        for earlier in range(max(t - MOVEMENT.bottom_view_gap, min(ends, default=t)), t):
             if earlier not in ends:
                 continue
             past, cost, _ = ends[earlier]
             step = (height[good][:, None] - past) / (speed * np.sqrt(t - earlier))
-            chained = cost + 0.5 * np.minimum(step**2, 4.0 * _NEW)
+            chained = cost + 0.5 * np.minimum(step**2, 4.0 * MOVEMENT.bottom_view_new)
             best = chained.argmin(axis=1)
             for i, j in enumerate(best.tolist()):
                 if chained[i, j] < total[i]:
                     total[i], before[i] = chained[i, j], (earlier, j)
-        total = total + price[good] - _REWARD
+        total = total + price[good] - MOVEMENT.bottom_view_reward
         ends[t] = (height[good], total, before)
         i = int(total.argmin())
         if total[i] < lowest[0]:
@@ -260,11 +253,20 @@ def find_bottom_view(
         What was placed in one frame.
     n_points : int
         Number of points; the view must have shown every one of them.
+
+    Returns
+    -------
+    int or None
+        Number of the view.
     """
     observation = np.cross(jacobian[:, 0], jacobian[:, 1])
     upright = np.abs(observation @ up) / np.maximum(np.linalg.norm(observation, axis=1), 1e-12)
     for v in np.argsort(-upright).tolist():
         placed = {place.point for place in here if place.view == v}
-        if len(jacobian) > 1 and upright[v] > _UPRIGHT and len(placed) == n_points:
+        if (
+            len(jacobian) > 1
+            and upright[v] > MOVEMENT.bottom_view_upright
+            and len(placed) == n_points
+        ):
             return int(v)
     return None

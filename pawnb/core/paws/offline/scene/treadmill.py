@@ -18,21 +18,8 @@ from pawnb.core.paws.offline.detection.colour.illumination import mean_illuminat
 from pawnb.core.paws.offline.detection.colour.scan import ROI, configure_detector, searched
 from pawnb.core.paws.offline.projection import Projection
 from pawnb.core.paws.offline.scene.bottom_view import BottomView, find_bottom_view
+from pawnb.core.paws.offline.scene.parameters import MOVEMENT
 from pawnb.core.paws.offline.settings import OfflineSettings
-
-_LEAST_SPAN = 14.0
-"""Least distance of front from hind paws, in paw widths."""
-_BELOW = 0.15
-"""Paws may be this much lower than the lowest click, in spans."""
-_BROAD, _BROAD_BELOW = 0.4, 0.7
-"""Paws are searched this far to either side, in spans; and in a view from below."""
-_BESIDE, _BESIDE_STRANGE = 0.35, 0.8
-"""Paws are this far to the side of the clicks, in spans; and where one side was not clicked."""
-_ROWS = 0.25
-"""A view from below shows left and right paws in two rows this far apart, in distances of front
-from hind paws; from the side, however steep, the far ones are less high."""
-_AROUND_SHARE = 0.06
-"""Side of the square that tells a grey paw's surroundings, as a share of the picture's width."""
 
 
 @dataclass(frozen=True)
@@ -148,9 +135,12 @@ def read_scene(
         leading = 0
         # all of the animal's breadth is searched
         breadth = float(np.ptp(everyone @ up))
-        substrate, height = substrate - _BESIDE * body_scale, breadth / body_scale + 2.0 * _BESIDE
+        substrate, height = (
+            substrate - MOVEMENT.treadmill_beside * body_scale,
+            breadth / body_scale + 2.0 * MOVEMENT.treadmill_beside,
+        )
     else:
-        body_scale = max(body_scale, _LEAST_SPAN * paw_width)
+        body_scale = max(body_scale, MOVEMENT.least_span * paw_width)
     stage = _Stage(middle, forward, up, substrate, body_scale, height)
     if layout.rig is not None:
         leading = leading_view(layout, anchors)
@@ -174,9 +164,13 @@ def read_scene(
         across = np.cross(up, forward)
         beside = everyone @ across
         # the paws of the other side are to be found too, or they are taken for the clicked
-        margin = (_BESIDE_STRANGE if unlabelled_kinds(layout.kinds) else _BESIDE) * body_scale
+        margin = (
+            MOVEMENT.beside_strange if unlabelled_kinds(layout.kinds) else MOVEMENT.treadmill_beside
+        ) * body_scale
         volume = Volume(
-            up, across, (substrate - _BELOW * body_scale, substrate + settings.height * body_scale),
+            up, across,
+            (substrate - MOVEMENT.treadmill_below * body_scale,
+             substrate + settings.height * body_scale),
             (float(beside.min()) - margin, float(beside.max()) + margin),
         )  # fmt: skip
         if leading is not None:
@@ -257,7 +251,7 @@ def shows_two_rows(
         return False
     long = abs(float((pairs[0].mean(axis=0) - pairs[1].mean(axis=0)) @ forward))
     rows = np.sort([pair @ np.array([-forward[1], forward[0]]) for pair in pairs], axis=1)
-    return bool(rows[:, 1].min() - rows[:, 0].max() > _ROWS * long)
+    return bool(rows[:, 1].min() - rows[:, 0].max() > MOVEMENT.treadmill_rows * long)
 
 
 def unlabelled_kinds(kinds: Sequence[str]) -> list[str]:
@@ -266,7 +260,22 @@ def unlabelled_kinds(kinds: Sequence[str]) -> list[str]:
 
 
 def move_anchors(scene: Scene, layout: Layout, anchors: Mapping[int, Sequence[Placement]]) -> Scene:
-    """Return the same scene with other positions that tracks pass through."""
+    """Return the same scene with other positions that tracks pass through.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    layout : Layout
+        Points and views.
+    anchors : mapping
+        Row to what is certain there.
+
+    Returns
+    -------
+    Scene
+        The scene with these.
+    """
     placed = {t: _positions(here, layout, scene.up) for t, here in sorted(anchors.items())}
     return replace(scene, anchors=placed)
 
@@ -322,7 +331,7 @@ def _learn_appearance(
             pictures.append(whole[v] if still[v] is None else to_grey(whole[v]))
             places.append(np.stack([place.uv for place in here if place.view == v]))
             owners.append(v)
-    around = 2 * round(_AROUND_SHARE * max(size[0] for size in layout.sizes) / 2) + 1
+    around = 2 * round(MOVEMENT.around_share * max(size[0] for size in layout.sizes) / 2) + 1
 
     def learn_from(which: Sequence[int]) -> Appearance:
         return learn(
@@ -392,7 +401,7 @@ class _Stage:
         rois, hulls = [], []
         for v, size in enumerate(sizes):
             # what is far to the side is not occluded from below
-            broad = _BROAD_BELOW if v == leading else _BROAD
+            broad = MOVEMENT.broad_below if v == leading else MOVEMENT.treadmill_broad
             corners = geometry.project(self._box(1.15, broad))[:, v]
             low, high = corners.min(axis=0), corners.max(axis=0)
             rois.append(ROI((low + high) / 2, (high - low) / 2, size))
@@ -409,7 +418,8 @@ class _Stage:
         return np.stack(
             [
                 base + a * long * self.body_scale * self.forward + s + c * self.body_scale * self.up
-                for a in (-1.0, 1.0) for s in sides for c in (-_BELOW, self.height)
+                for a in (-1.0, 1.0) for s in sides
+                for c in (-MOVEMENT.treadmill_below, self.height)
             ]
         )  # fmt: skip
 

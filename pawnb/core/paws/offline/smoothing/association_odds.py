@@ -1,4 +1,4 @@
-"""How far the detections that points took are ahead of others: whether they could be told apart.
+"""How far the detections that points took are ahead of others: whether they could be distinguished.
 
 In every frame and view each detection has a price for each point: what speaks against it there
 by its look and by the other points, and how far it is from where all other frames have the
@@ -15,11 +15,7 @@ import numpy as np
 from pawnb.core.paws.offline.detection.colour.observations import Observations
 from pawnb.core.paws.offline.projection import Projection
 from pawnb.core.paws.offline.smoothing import association_odds_kernels as loops
-
-_APART = 0.5
-"""Detections nearer to each other than so many paw widths say the same of a point."""
-_MOST = 30.0
-"""Largest separation, and that of detections that are alone in their picture."""
+from pawnb.core.paws.offline.smoothing.parameters import SMOOTHING
 
 
 def association_log_odds(
@@ -67,6 +63,6 @@ def association_log_odds(
         observations.is_there,
         sigma,
         negative_log_odds,
-        _APART * paw_width_px,
-        _MOST,
+        SMOOTHING.association_odds_apart * paw_width_px,
+        SMOOTHING.association_odds_most,
     )

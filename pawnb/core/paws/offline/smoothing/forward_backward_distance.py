@@ -14,12 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pawnb.core.paws.offline.smoothing import forward_backward_kernels as loops
-
-_TRACE = 1e-9
-"""Information that every frame has, in the largest, as in smoothing: what nothing tells stays
-finite."""
-_TOLD_BY = 3
-"""Position, speed and acceleration are told by so many frames at least."""
+from pawnb.core.paws.offline.smoothing.parameters import SMOOTHING
 
 
 @dataclass(frozen=True)
@@ -69,13 +64,15 @@ def forward_backward_distance(equations: NormalEquations) -> np.ndarray:
     z, jerk_mean = equations.target @ axes.T, equations.jerk_mean @ axes.T
     informative = np.trace(W, axis1=-2, axis2=-1) > 0.0
     largest = W.max(initial=0.0) + 20.0 / equations.jerk2.min(initial=np.inf)
-    W = W + _TRACE * largest * np.eye(d)
+    W = W + SMOOTHING.forward_backward_distance_trace * largest * np.eye(d)
     forth = loops.predict(W, z, equations.jerk2, jerk_mean)
     # backwards, the change of acceleration at frame t is that at frame n - 2 - t, the other way
     turn = np.clip(n - 2 - np.arange(n), 0, None)
     back = loops.predict(W[::-1].copy(), z[::-1].copy(), equations.jerk2[turn], -jerk_mean[turn])
     count = np.cumsum(informative, axis=0)
-    both = (count - informative >= _TOLD_BY) & (count[-1:] - count >= _TOLD_BY)
+    both = (count - informative >= SMOOTHING.informative_frames) & (
+        count[-1:] - count >= SMOOTHING.informative_frames
+    )
     one, two = (np.linalg.inv(known[both]) for known in (forth[0], back[0][::-1]))
     away = _times(one, forth[1][both]) - _times(two, back[1][::-1][both])
     apart = np.full((n, n_points), np.nan)

@@ -17,40 +17,11 @@ from pawnb.core.paws.offline.gap_closing.gap_closing import GapClosing
 from pawnb.core.paws.offline.projection import Projection
 from pawnb.core.paws.offline.smoothing import refinement_kernels as loops
 from pawnb.core.paws.offline.smoothing.forward_backward_distance import NormalEquations
+from pawnb.core.paws.offline.smoothing.parameters import SMOOTHING
 from pawnb.core.paws.offline.smoothing.smoother import covariances, diagonals, smooth
 from pawnb.core.paws.offline.stride.cycle import Cycle
 from pawnb.core.paws.offline.stride.stance import expected_jerks
 from pawnb.core.paws.offline.stride.swing import Swings
-
-_NEAR, _NEAR_OPEN = 0.9, 2.2
-"""A detection may lie so many paw widths from where its point must be, farther in open frames,
-where that is told by what lies far before and after, but"""
-_AGAINST = 0.3
-"""there by this much less for each unit of what speaks against it: what lies where a point is
-occluded is mostly a part of a limb. A paw that lifts off, dim and bent, looks poor as well, so
-what looks poor is not left out altogether."""
-_ROUNDS = 8
-_BRIDGED = 3
-"""Rounds in which open frames keep what was chosen there; then everything is open to all."""
-_STEPS = 2
-_SIGMA = 0.12
-"""Standard deviation of a good detection, in paw widths."""
-_TAIL = 3.0
-"""Residuals beyond this many standard deviations count less and less."""
-_HOLD = 0.05
-"""Standard deviation of where a point stands that is not seen, in paw widths: it goes exactly as
-the ground does, and what is taken too freely there lets the swing begin too early."""
-_UNSURE_LIFT = 0.3
-"""Standard deviation of how lift-off changes the speed upwards, in that change. Forward it does
-not: there a paw goes on with the ground and gains speed little by little."""
-_ON_ARC = 0.1
-"""Variance of how much an occluded paw bends off its arc, in that of how much paws bend."""
-_PULL, _PULL_BETWEEN = 0.05, 0.01
-"""Information, in that of one expectation, that the cycle gives a frame without detections, and
-less where detections follow: the cycle of a paw that is occluded in every stride is no more than
-was made of it before. Without any, a paw that is seen no more once it lifts off goes on as it
-began. There the arc of its swing gives as much as the cycle.
-"""
 
 
 @dataclass
@@ -168,25 +139,29 @@ def refine(
     n, n_points, d = start.shape
     held = np.full_like(start, np.nan) if gap_closing.held is None else gap_closing.held
     standing = np.isfinite(held[..., 0])
-    hold = np.where(standing, 1.0 / (_HOLD * measurement.paw_width) ** 2, 0.0)[..., None]
+    hold = np.where(standing, 1.0 / (SMOOTHING.refinement_hold * measurement.paw_width) ** 2, 0.0)[
+        ..., None
+    ]
     changes = _jerk_model(gap_closing, start.shape, measurement.jerk, swings)
     x, factors = _through_places(start, held, gap_closing, measurement, changes)
-    near = np.where(gap_closing.is_open & ~standing, _NEAR_OPEN, _NEAR)
+    near = np.where(gap_closing.is_open & ~standing, SMOOTHING.near_open, SMOOTHING.refinement_near)
     negative_log_odds = np.where(
-        gap_closing.is_open[..., None, None], _AGAINST * gap_closing.negative_log_odds, 0.0
+        gap_closing.is_open[..., None, None],
+        SMOOTHING.refinement_against * gap_closing.negative_log_odds,
+        0.0,
     )
     by_hand = np.isfinite(certain[..., 0])
     taken = _taken(gap_closing, observations)
-    for k in range(_ROUNDS):
+    for k in range(SMOOTHING.refinement_rounds):
         measured, detection_probability = _associate(
             x, near, negative_log_odds, observations, measurement
         )
-        if k < _BRIDGED:
+        if k < SMOOTHING.refinement_bridged:
             measured[gap_closing.is_open], detection_probability[gap_closing.is_open] = (
                 part[gap_closing.is_open] for part in taken
             )
         measured[by_hand], detection_probability[by_hand] = certain[by_hand], 1.0
-        for step in range(_STEPS):
+        for step in range(SMOOTHING.refinement_steps):
             weight = _weights(x, measured, detection_probability, measurement, robust=k + step > 0)
             weight[by_hand] = np.broadcast_to(
                 1.0 / (0.05 * measurement.paw_width_px + 0.3) ** 2, weight.shape
@@ -200,7 +175,7 @@ def refine(
             if cycle is not None:
                 _pull(W, z, _expected(seen), to=cycle.mean, sd=cycle.sd, axes=cycle.axes)
             if swings is not None and changes.axes is not None:
-                on_arc = np.where(_is_followed(seen), 0.0, _PULL)
+                on_arc = np.where(_is_followed(seen), 0.0, SMOOTHING.refinement_pull)
                 _pull(W, z, on_arc, to=swings.place, sd=swings.sd, axes=changes.axes)
             for p in range(n_points):
                 x[:, p], factors[p] = changes.smooth(p, W[:, p], z[:, p])
@@ -225,9 +200,9 @@ def refine(
 
 def deviations(detection_probability: np.ndarray, measurement: MeasurementModel) -> np.ndarray:
     """Return standard deviations (n, P, V, C), px, of detections of a quality (n, V, C)."""
-    base = (_SIGMA / np.clip(detection_probability, 0.3, 1.0))[:, None] * _larger_deviation(
-        measurement
-    )[..., None]
+    base = (SMOOTHING.refinement_sigma / np.clip(detection_probability, 0.3, 1.0))[
+        :, None
+    ] * _larger_deviation(measurement)[..., None]
     return np.asarray(base * measurement.paw_width_px[:, None])
 
 
@@ -268,13 +243,13 @@ def _jerk_model(
     if substrate is None:
         return _JerkModel(jerk2, np.zeros(shape), None)
     jerk_mean, near = expected_jerks(gap_closing.lift_offs, substrate.liftoff_velocity, shape[0])
-    unsure = (_UNSURE_LIFT * np.linalg.norm(substrate.liftoff_velocity, axis=-1)) ** 2
+    unsure = (SMOOTHING.unsure_lift * np.linalg.norm(substrate.liftoff_velocity, axis=-1)) ** 2
     jerk2[..., -1] += np.where(near, unsure, 0.0)
     if swings is not None:
         on_arc = np.isfinite(swings.jerk_mean[..., 0])
         jerk_mean = np.where(on_arc[..., None], swings.jerk_mean, jerk_mean)
         occluded = on_arc & gap_closing.is_open & np.isfinite(swings.place[..., 0]) & ~near
-        jerk2[occluded] *= _ON_ARC
+        jerk2[occluded] *= SMOOTHING.on_arc
     return _JerkModel(jerk2, jerk_mean, substrate.motion_model.axes)
 
 
@@ -340,14 +315,21 @@ def _weights(
     robust: bool,
 ) -> np.ndarray:
     """Return the weight (n, P, V), px^-2, of each measurement: less for doubtful ones."""
-    base = _SIGMA / np.clip(detection_probability, 0.3, 1.0) * _larger_deviation(measurement)
+    base = (
+        SMOOTHING.refinement_sigma
+        / np.clip(detection_probability, 0.3, 1.0)
+        * _larger_deviation(measurement)
+    )
     weight = 1.0 / (base * measurement.paw_width_px) ** 2
     away = (
         np.linalg.norm(measured - measurement.geometry.project(x), axis=-1)
         / measurement.paw_width_px
     )
     if robust:
-        weight = weight * np.minimum((_TAIL + 1.0) / (_TAIL + (away / base) ** 2), 1.0)
+        weight = weight * np.minimum(
+            (SMOOTHING.refinement_tail + 1.0) / (SMOOTHING.refinement_tail + (away / base) ** 2),
+            1.0,
+        )
     return np.where(np.isfinite(away), weight, 0.0)
 
 
@@ -362,7 +344,7 @@ def _expected(seen: np.ndarray) -> np.ndarray:
     """Return what the cycle tells in each frame (n, P), given where points have detections."""
     before = np.logical_or.accumulate(seen, axis=0)
     between = before & _is_followed(seen)
-    return np.where(seen, 0.0, np.where(between, _PULL_BETWEEN, _PULL))
+    return np.where(seen, 0.0, np.where(between, SMOOTHING.pull_between, SMOOTHING.refinement_pull))
 
 
 def _is_followed(seen: np.ndarray) -> np.ndarray:

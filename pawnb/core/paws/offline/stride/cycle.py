@@ -15,18 +15,7 @@ import numpy as np
 from scipy.fft import next_fast_len
 from scipy.ndimage import correlate1d, gaussian_filter1d
 
-_BINS = 48
-_WINDOW = 0.6
-"""Standard deviation, in strides, of the window in which a phase is told."""
-_ROUNDS = 3
-_LEAST_SHARE = 0.6
-"""Less of the motion than this explained by the cycle means that there is none."""
-_LEAST_STRIDES = 3.0
-_RIDGE = 0.1
-"""Where little is seen nothing changes: in the information that a window usually holds.
-Two points of one side hardly tell the body's place from the phase of their stride."""
-_ALIKE = 5.0
-"""Neighbouring frames of a stride that err alike."""
+from pawnb.core.paws.offline.stride.parameters import STRIDE
 
 
 @dataclass(frozen=True)
@@ -54,7 +43,22 @@ class Cycle:
     stride: float
 
     def square(self, frames: np.ndarray | int, point: int, x: np.ndarray) -> np.ndarray:
-        """Return the squared distance of positions (..., d), in standard deviations."""
+        """Return the squared distance of positions (..., d), in standard deviations.
+
+        Parameters
+        ----------
+        frames : ndarray of int or int
+            Rows.
+        point : int
+            Number of the point.
+        x : ndarray, shape (..., d)
+            Positions.
+
+        Returns
+        -------
+        ndarray, shape (...)
+            Squared distances.
+        """
         step = (x - self.mean[frames, point]) @ self.axes.T
         return np.asarray(((step / self.sd[frames, point]) ** 2).sum(axis=-1))
 
@@ -93,18 +97,18 @@ def learn_cycle(
     relative = (x - body[:, None]) @ axes.T
     along = relative[..., 0]
     seen = np.isfinite(along)
-    if (seen.sum(axis=0) < 2 * _BINS).any():
+    if (seen.sum(axis=0) < 2 * STRIDE.cycle_bins).any():
         return None
     along = np.where(seen, along - np.nanmean(along, axis=0), 0.0)
     stride = _stride(along, seen, frames)
-    if stride is None or len(x) < _LEAST_STRIDES * stride:
+    if stride is None or len(x) < STRIDE.least_strides * stride:
         return None
     phase = _common_phase(along, seen, stride)
-    for k in range(_ROUNDS):
+    for k in range(STRIDE.cycle_rounds):
         curves = [
             _closed_curve(phase, relative[:, p], seen[:, p], trust[:, p]) for p in range(x.shape[1])
         ]
-        if k < _ROUNDS - 1:
+        if k < STRIDE.cycle_rounds - 1:
             later, moved = _correction(phase, curves, relative, seen, stride)
             phase, body = phase + later, body + moved @ axes
             relative = relative - moved[:, None]
@@ -113,7 +117,7 @@ def learn_cycle(
     left = away[..., 0]
     # medians: a few wrong tracklets do not unmake a cycle
     explained = 1.0 - np.median(left[seen]) / max(np.median(along[seen] ** 2), 1e-12)
-    if not along.any() or explained < _LEAST_SHARE:
+    if not along.any() or explained < STRIDE.least_share:
         return None
     unsure = [_how_unsure(phase, relative[:, p], seen[:, p], *curves[p]) for p in range(x.shape[1])]
     sd = np.stack(
@@ -142,7 +146,7 @@ def _common_phase(along: np.ndarray, seen: np.ndarray, stride: float) -> np.ndar
     """Return the phase (n,) of the stride, cycles, by demodulation at its mean frequency."""
     time = np.arange(len(along))
     carrier = np.exp(-2j * np.pi * time / stride)[:, None]
-    width = _WINDOW * stride
+    width = STRIDE.cycle_window * stride
     part = np.where(seen, along, 0.0) * carrier
     weight = gaussian_filter1d(seen.astype(float), width, axis=0, mode="constant") + 1e-9
     real = gaussian_filter1d(part.real, width, axis=0, mode="constant") / weight
@@ -157,9 +161,9 @@ def _common_phase(along: np.ndarray, seen: np.ndarray, stride: float) -> np.ndar
 
 def _weights(phase: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the two bins beside each phase and the weight of the second."""
-    at = (phase % 1.0) * _BINS
-    first = np.floor(at).astype(int) % _BINS
-    return first, (first + 1) % _BINS, at - np.floor(at)
+    at = (phase % 1.0) * STRIDE.cycle_bins
+    first = np.floor(at).astype(int) % STRIDE.cycle_bins
+    return first, (first + 1) % STRIDE.cycle_bins, at - np.floor(at)
 
 
 def _at(curve: np.ndarray, phase: np.ndarray) -> np.ndarray:
@@ -171,11 +175,11 @@ def _at(curve: np.ndarray, phase: np.ndarray) -> np.ndarray:
 def _basis(phase: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return what each bin weighs at some phases (n, bins), and third differences (bins, bins)."""
     a, b, w = _weights(phase)
-    basis = np.zeros((len(a), _BINS))
+    basis = np.zeros((len(a), STRIDE.cycle_bins))
     rows = np.arange(len(a))
     basis[rows, a] += 1 - w
     basis[rows, b] += w
-    eye = np.eye(_BINS)
+    eye = np.eye(STRIDE.cycle_bins)
     return basis, np.roll(eye, -2, 1) - 3 * np.roll(eye, -1, 1) + 3 * eye - np.roll(eye, 1, 1)
 
 
@@ -192,7 +196,11 @@ def _closed_curve(
     weight = trust
     stiff = 0.005 * len(places)
     for _ in range(4):
-        N = basis.T @ (basis * weight[:, None]) + stiff * (third.T @ third) + 1e-6 * np.eye(_BINS)
+        N = (
+            basis.T @ (basis * weight[:, None])
+            + stiff * (third.T @ third)
+            + 1e-6 * np.eye(STRIDE.cycle_bins)
+        )
         curve = np.linalg.solve(N, basis.T @ (places * weight[:, None]))
         square = ((places - basis @ curve) ** 2).mean(axis=1)
         scale = max(float(np.median(square)), 1e-12)
@@ -211,8 +219,10 @@ def _how_unsure(
     bend = ((third @ curve) ** 2)[observed].mean(axis=0) + 1e-12
     unsure = []
     for s2, j2 in zip(scale, bend, strict=True):
-        N = basis.T @ (basis * weight[:, None]) / (_ALIKE * s2) + third.T @ third / j2
-        unsure.append(np.sqrt(np.diag(np.linalg.inv(N + 1e-9 * np.eye(_BINS) * N.max()))))
+        N = basis.T @ (basis * weight[:, None]) / (STRIDE.cycle_alike * s2) + third.T @ third / j2
+        unsure.append(
+            np.sqrt(np.diag(np.linalg.inv(N + 1e-9 * np.eye(STRIDE.cycle_bins) * N.max())))
+        )
     return np.stack(unsure, axis=1)
 
 
@@ -233,7 +243,7 @@ def _correction(
     normal = np.zeros((n, 1 + d, 1 + d))
     target = np.zeros((n, 1 + d))
     for p, (curve, _) in enumerate(curves):
-        slope = (np.roll(curve, -1, 0) - np.roll(curve, 1, 0)) * (_BINS / 2.0)
+        slope = (np.roll(curve, -1, 0) - np.roll(curve, 1, 0)) * (STRIDE.cycle_bins / 2.0)
         # what the place changes with: the phase, and the body along each axis
         by = np.concatenate([_at(slope, phase)[:, None], np.tile(np.eye(d), (n, 1, 1))], axis=1)
         step = np.where(seen[:, p, None], relative[:, p] - _at(curve, phase), 0.0)
@@ -242,7 +252,7 @@ def _correction(
         weight = seen[:, p] / (1.0 + square / (6.0 * scale))
         normal += weight[:, None, None] * (by @ by.transpose(0, 2, 1))
         target += weight[:, None] * (by @ step[..., None])[..., 0]
-    change = _local_line(normal, target, _WINDOW * stride)
+    change = _local_line(normal, target, STRIDE.cycle_window * stride)
     return np.clip(change[:, 0], -0.1, 0.1), change[:, 1:]
 
 
@@ -264,7 +274,7 @@ def _local_line(normal: np.ndarray, target: np.ndarray, width: float) -> np.ndar
                 normal, window * time ** (i + j), axis=0, mode="constant"
             )
     usual = np.tile(big[:, :k, :k].mean(axis=0).diagonal(), 2)
-    return np.linalg.solve(big + _RIDGE * np.diag(usual), right[..., None])[:, :k, 0]
+    return np.linalg.solve(big + STRIDE.cycle_ridge * np.diag(usual), right[..., None])[:, :k, 0]
 
 
 def _spread(
@@ -274,8 +284,8 @@ def _spread(
     a, _, _ = _weights(phase[seen])
     # a few wrong tracklets must not make every expectation vague
     part = np.minimum(away[seen], 16.0 * np.median(away[seen], axis=0))
-    total = np.stack([np.bincount(a, column, _BINS) for column in part.T], axis=1)
-    count = np.bincount(a, minlength=_BINS).astype(float)[:, None]
+    total = np.stack([np.bincount(a, column, STRIDE.cycle_bins) for column in part.T], axis=1)
+    count = np.bincount(a, minlength=STRIDE.cycle_bins).astype(float)[:, None]
     total = gaussian_filter1d(total, 1.5, axis=0, mode="wrap")
     count = gaussian_filter1d(count, 1.5, axis=0, mode="wrap")
     typical = total.sum(axis=0) / max(count.sum(), 1e-9)

@@ -13,29 +13,9 @@ from itertools import pairwise
 
 import numpy as np
 
+from pawnb.core.paws.offline.stride.parameters import STRIDE
 from pawnb.core.paws.offline.stride.stance import Stance
 
-_LEAST = 2
-"""Strides of a kind of paw from which its share is learnt."""
-_ODD = 1.5
-"""A stride this many times as long as the usual one, or as short, teaches nothing: a stance was
-missed."""
-_COVERED = 0.35
-"""Share of the time, of all points, that their usual strides make up at least: in rendered scenes
-0.42 to 0.92. In a clip of a mouse whose paws are seen to stand for a few frames here and there it
-is 0.15, and what such strides say of lift-offs is wrong."""
-_FINEST = 0.02
-"""Standard deviation of the share from stride to stride. What lift-offs that are estimated wrongly
-make of it would be far more.
-"""
-_LIKE_OTHERS = 0.02
-"""Standard deviation of how much front and hind paws differ in it."""
-_MAD = 1.48
-"""Standard deviation in median absolute deviations."""
-_OF_MEDIAN = 1.25
-"""Standard error of a median in that of a mean."""
-_HOP = 0.5
-"""A swing shorter than so much of the usual one was none."""
 MAX_COST = 8.0
 """Largest cost of lifting off at another time."""
 
@@ -94,11 +74,11 @@ class DutyFactor:
 
     def shortest_swing(self, point: int) -> float:
         """Return the frames that a swing of a point lasts at least."""
-        return _HOP * (1.0 - float(self.share[point])) * self.stride
+        return STRIDE.duty_factor_hop * (1.0 - float(self.share[point])) * self.stride
 
     def is_usual(self, stride: float) -> bool:
         """Tell whether a stride is about as long as most."""
-        return self.stride / _ODD < stride < self.stride * _ODD
+        return self.stride / STRIDE.duty_factor_odd < stride < self.stride * STRIDE.duty_factor_odd
 
 
 def learn_duty_factor(
@@ -124,22 +104,22 @@ def learn_duty_factor(
         for now, after in pairwise(mine)
         if now.first > 0
     ]
-    if len(strides) < _LEAST:
+    if len(strides) < STRIDE.duty_factor_least:
         return None
     length = np.array([stride for _, _, stride in strides], dtype=float)
     usual = float(np.median(length))
-    kept = (length > usual / _ODD) & (length < usual * _ODD)
+    kept = (length > usual / STRIDE.duty_factor_odd) & (length < usual * STRIDE.duty_factor_odd)
     shares = {}
     for kind in set(kinds):
         own = [k and of == kind for k, (of, _, _) in zip(kept, strides, strict=True)]
         found = np.array([stood / stride for _, stood, stride in strides])[own]
-        if len(found) >= _LEAST:
+        if len(found) >= STRIDE.duty_factor_least:
             shares[kind] = _usual(found)
     if not shares:
         return None
-    if float(length[kept].sum()) < _COVERED * _lasts(stances):
+    if float(length[kept].sum()) < STRIDE.duty_factor_covered * _lasts(stances):
         return None
-    spread = _MAD * float(np.median(np.abs(length[kept] - usual)))
+    spread = STRIDE.duty_factor_mad * float(np.median(np.abs(length[kept] - usual)))
     share, sd = np.array([_of_kind(kind, shares) for kind in kinds]).T
     return DutyFactor(share, sd, usual, spread)
 
@@ -154,13 +134,17 @@ def _lasts(stances: Sequence[Sequence[Stance]]) -> int:
 def _usual(shares: np.ndarray) -> tuple[float, float]:
     """Return the middle of shares and its standard error."""
     middle = float(np.median(shares))
-    sd = _MAD * float(np.median(np.abs(shares - middle)))
-    return middle, _OF_MEDIAN * float(np.hypot(sd, _FINEST)) / np.sqrt(len(shares))
+    sd = STRIDE.duty_factor_mad * float(np.median(np.abs(shares - middle)))
+    return middle, STRIDE.of_median * float(np.hypot(sd, STRIDE.duty_factor_finest)) / np.sqrt(
+        len(shares)
+    )
 
 
 def _of_kind(kind: str, shares: Mapping[str, tuple[float, float]]) -> tuple[float, float]:
     """Return share and standard deviation of a kind, from its own strides and those of others."""
     middle = np.array([middle for middle, _ in shares.values()])
-    more = np.array([0.0 if of == kind else _LIKE_OTHERS for of in shares])
+    more = np.array([0.0 if of == kind else STRIDE.like_others for of in shares])
     weight = 1.0 / (np.array([error for _, error in shares.values()]) ** 2 + more**2)
-    return float(weight @ middle / weight.sum()), float(np.sqrt(_FINEST**2 + 1.0 / weight.sum()))
+    return float(weight @ middle / weight.sum()), float(
+        np.sqrt(STRIDE.duty_factor_finest**2 + 1.0 / weight.sum())
+    )

@@ -37,7 +37,7 @@ class KinematicPrior(NamedTuple):
     tolerance : float
         By how much the speed of what stands may differ from it.
     way : int
-        +1, or -1 where speeds are told backwards in time.
+        +1, or -1 where speeds are taken backwards in time.
     """
 
     forward: np.ndarray

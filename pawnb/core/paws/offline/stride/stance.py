@@ -15,27 +15,9 @@ import numpy as np
 
 from pawnb.core.paws.offline.projection import Projection
 from pawnb.core.paws.offline.scene.motion_model import MotionModel
+from pawnb.core.paws.offline.stride.parameters import STRIDE
 from pawnb.core.paws.offline.stride.plausibility_kernels import KinematicPrior
 from pawnb.core.paws.offline.treadmill.median import median
-
-_HALF = 2
-"""Frames before and after over which a speed is taken."""
-_WITH_GROUND = 0.25
-"""A point goes with the ground if its speed differs by less than this share of the ground's, or"""
-_SLOW = 0.04
-"""by less than so many paw widths a frame."""
-_OFF = 0.35
-"""A point has left the ground if it is so many paw widths from where it stood."""
-_LEAST = 4
-"""Frames needed to tell that a point stands."""
-_BESIDE = 1.2
-"""Another paw covers a point up to so many paw widths from it in the picture."""
-_UP = 1.0
-"""Change of speed at lift-off before anything is learnt, in that of the fastest swings: upwards."""
-_ASSUMED = 2.0
-"""That counts as so many lift-offs seen."""
-_HALF_FRAME = 0.5
-"""A paw lifts off so long after the last frame in which it stands, on average."""
 
 
 @dataclass(frozen=True)
@@ -81,7 +63,7 @@ class Substrate:
         return np.asarray(stance.origin + frames[:, None] * self.substrate_velocity)
 
     def kinematic_prior(self, point: int, *, way: int = 1) -> KinematicPrior:
-        """Return what speaks against how a point may move, told backwards where ``way`` is -1."""
+        """Return what speaks against how a point may move, backwards where ``way`` is -1."""
         motion_model = self.motion_model
         forward = motion_model.axes[0]
         fastest = min(0.0, float(motion_model.substrate_velocity @ forward))
@@ -104,11 +86,13 @@ class Substrate:
         # in the frame of the ground nothing that stands moves
         still = places - np.arange(n)[:, None, None] * self.substrate_velocity
         slow = np.zeros((n, n_points), bool)
-        if n > 2 * _HALF:
-            step = (still[2 * _HALF :] - still[: -2 * _HALF]) / (2.0 * _HALF)
-            slow[_HALF:-_HALF] = _length(step, self.motion_model) < _tolerance(
-                self.substrate_velocity, self.motion_model
+        if n > 2 * STRIDE.stance_half:
+            step = (still[2 * STRIDE.stance_half :] - still[: -2 * STRIDE.stance_half]) / (
+                2.0 * STRIDE.stance_half
             )
+            slow[STRIDE.stance_half : -STRIDE.stance_half] = _length(
+                step, self.motion_model
+            ) < _tolerance(self.substrate_velocity, self.motion_model)
         return [self._stances(still[:, p], slow[:, p]) for p in range(n_points)]
 
     def _stances(self, still: np.ndarray, slow: np.ndarray) -> list[Stance]:
@@ -117,12 +101,15 @@ class Substrate:
         edge = np.flatnonzero(np.diff(np.concatenate([[False], slow, [False]]).astype(int)))
         for first, stop in edge.reshape(-1, 2).tolist():
             known = np.isfinite(still[first:stop, 0])
-            if stop - first + _HALF < _LEAST or not known.any():
+            if stop - first + STRIDE.stance_half < STRIDE.stance_least or not known.any():
                 continue
             if found and first <= found[-1].stop:
                 continue
             origin = median(still[first:stop][known])
-            on = _length(still - origin, self.motion_model) < _OFF * self.motion_model.paw_width
+            on = (
+                _length(still - origin, self.motion_model)
+                < STRIDE.stance_off * self.motion_model.paw_width
+            )
             # at a place between the two it cannot stand twice
             free = found[-1].stop if found else 0
             first -= int(np.argmin(np.append(on[free:first][::-1], False)))
@@ -152,15 +139,19 @@ def learn_substrate(
     """
     n, n_points, _ = chosen.shape
     if liftoff_velocity is None:
-        liftoff_velocity = np.tile(_UP * motion_model.speed * motion_model.axes[-1], (n_points, 1))
+        liftoff_velocity = np.tile(
+            STRIDE.stance_up * motion_model.speed * motion_model.axes[-1], (n_points, 1)
+        )
     height = np.full(n_points, np.nan)
-    if not np.isfinite(motion_model.substrate) or n <= 2 * _HALF:
+    if not np.isfinite(motion_model.substrate) or n <= 2 * STRIDE.stance_half:
         return Substrate(height, motion_model.substrate_velocity, liftoff_velocity, motion_model)
-    speed = (chosen[2 * _HALF :] - chosen[: -2 * _HALF]) / (2.0 * _HALF)
+    speed = (chosen[2 * STRIDE.stance_half :] - chosen[: -2 * STRIDE.stance_half]) / (
+        2.0 * STRIDE.stance_half
+    )
     standing = _length(speed - motion_model.substrate_velocity, motion_model) < _tolerance(
         motion_model.substrate_velocity, motion_model
     )
-    up = chosen[_HALF:-_HALF] @ motion_model.axes[-1]
+    up = chosen[STRIDE.stance_half : -STRIDE.stance_half] @ motion_model.axes[-1]
     for p in range(n_points):
         here = standing[:, p] & np.isfinite(up[:, p])
         if here.any():
@@ -207,13 +198,13 @@ def learn_liftoff_velocity(
         if len(later):
             since = int(later[-1]) + 1
             gone = x[last + since, p] - x[last, p] - since * substrate.substrate_velocity
-            observed[p].append(gone / (since - _HALF_FRAME))
+            observed[p].append(gone / (since - STRIDE.half_frame))
     up = substrate.motion_model.axes[-1]
-    assumed = _UP * substrate.motion_model.speed * up
+    assumed = STRIDE.stance_up * substrate.motion_model.speed * up
     liftoff_velocity = np.tile(assumed, (n_points, 1))
     for p, changes in enumerate(observed):
         if changes:
-            share = len(changes) / (len(changes) + _ASSUMED)
+            share = len(changes) / (len(changes) + STRIDE.stance_assumed)
             liftoff_velocity[p] += share * (np.median(changes, axis=0) @ up * up - assumed)
     return liftoff_velocity
 
@@ -248,29 +239,49 @@ def covered(
     """
     others = np.delete(uv, point, axis=1) - geometry.project(standing)[:, None]
     away = np.linalg.norm(others, axis=-1) / paw_width_px
-    return np.asarray((away < _BESIDE).any(axis=1))
+    return np.asarray((away < STRIDE.stance_beside).any(axis=1))
 
 
 def expected_jerks(
     lift_offs: Sequence[tuple[int, int]], liftoff_velocity: np.ndarray, n: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the third differences (n, P, d) that lift-offs make, and where (n, P) they do."""
+    """Return the third differences (n, P, d) that lift-offs make, and where (n, P) they do.
+
+    Parameters
+    ----------
+    lift_offs : sequence of tuple of int
+        Point, and its last row on the ground.
+    liftoff_velocity : ndarray, shape (P, d)
+        How the speed changes there, a frame.
+    n : int
+        Rows.
+
+    Returns
+    -------
+    jerk_mean : ndarray, shape (n, P, d)
+        Third differences.
+    near : ndarray of bool, shape (n, P)
+        Where there are any.
+    """
     jerk_mean = np.zeros((n, *liftoff_velocity.shape))
     near = np.zeros((n, len(liftoff_velocity)), bool)
     for p, last in lift_offs:
         if 1 <= last < n - 2:
             # of a line that bends upwards at the middle of the step after the last frame
-            jerk_mean[last - 1, p] += _HALF_FRAME * liftoff_velocity[p]
-            jerk_mean[last + 1, p] += (_HALF_FRAME - 1.0) * liftoff_velocity[p]
+            jerk_mean[last - 1, p] += STRIDE.half_frame * liftoff_velocity[p]
+            jerk_mean[last + 1, p] += (STRIDE.half_frame - 1.0) * liftoff_velocity[p]
             near[last - 1 : last + 2, p] = True
     return jerk_mean, near
 
 
 def _length(step: np.ndarray, motion_model: MotionModel) -> np.ndarray:
-    """Return the length of steps (..., d) forward and up: to the side is told less well."""
+    """Return the length of steps (..., d) forward and up: to the side is known less well."""
     return np.asarray(np.hypot(step @ motion_model.axes[0], step @ motion_model.axes[-1]))
 
 
 def _tolerance(substrate_velocity: np.ndarray, motion_model: MotionModel) -> float:
     """Return by how much the speed of what stands may differ from that of the ground."""
-    return _WITH_GROUND * float(np.linalg.norm(substrate_velocity)) + _SLOW * motion_model.paw_width
+    return (
+        STRIDE.with_ground * float(np.linalg.norm(substrate_velocity))
+        + STRIDE.stance_slow * motion_model.paw_width
+    )

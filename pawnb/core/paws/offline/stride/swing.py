@@ -14,6 +14,7 @@ import numpy as np
 
 from pawnb.core.paws.offline.scene.motion_model import MotionModel
 from pawnb.core.paws.offline.stride.duty_factor import MAX_COST, DutyFactor
+from pawnb.core.paws.offline.stride.parameters import STRIDE
 from pawnb.core.paws.offline.stride.stance import Stance, Substrate
 from pawnb.core.paws.offline.stride.swing_detection import (
     TO_FRAME,
@@ -30,27 +31,6 @@ from pawnb.core.paws.offline.stride.swing_trajectory import (
     learn_trajectory,
     trajectory_at,
 )
-
-_LEAST = 3
-"""Swings of a kind from which its arc is learnt, and"""
-_LEAST_STEP = 2.0
-"""paw widths that a swing goes forward."""
-_ODD = 1.5
-"""Swings so many times as long as the usual one, or as short, are none."""
-_MARGIN = 4
-"""Frames before and after a swing that are fitted too."""
-_SEEN = 0.3
-"""Weight from which a place counts as seen."""
-_TOLD = 0.2
-"""How much a place counts that is not certain, in a swing of which one end is not known."""
-_UNSURE, _UNSURE_ASIDE = 0.1, 0.2
-"""Standard deviations of places about their arc, in paw widths."""
-_BEND_TO = 0.9
-"""Share of a swing after which its bends are not expected: landings differ."""
-_NEAR_S, _NEAREST = 0.02, 5
-"""A lift-off belongs to a stretch that begins or ends so near, s, and frames."""
-_DUE_SD = 0.7
-"""Least standard deviation, frames, of a lift-off that an arc tells."""
 
 
 @dataclass(frozen=True)
@@ -91,9 +71,9 @@ class Swings:
         ndarray, shape (n,), or None
             Costs; None if no swing is known to begin there.
         """
-        reach = max(_NEAR_S * fps, _NEAREST)
+        reach = max(STRIDE.near_s * fps, STRIDE.swing_nearest)
         near = [
-            0.5 * ((frames - TO_FRAME - lift) / max(sd, _DUE_SD)) ** 2
+            0.5 * ((frames - TO_FRAME - lift) / max(sd, STRIDE.due_sd)) ** 2
             for p, lift, sd in self.lift_offs
             if p == point and frames[0] - reach < lift < frames[-1] + reach
         ]
@@ -139,7 +119,7 @@ def learn_swings(
         Nothing of kinds with fewer than three swings.
     """
     motion_model = substrate.motion_model
-    seen = (weight > _SEEN) & np.isfinite(x[..., 0])
+    seen = (weight > STRIDE.swing_seen) & np.isfinite(x[..., 0])
     stances = since_landing(stances, x, seen=seen, substrate=substrate)
     found = [
         swing
@@ -151,7 +131,8 @@ def learn_swings(
             fps=fps,
             substrate_velocity=substrate.substrate_velocity,
         )
-        if (swing.end - swing.begin) @ motion_model.axes[0] > _LEAST_STEP * motion_model.paw_width
+        if (swing.end - swing.begin) @ motion_model.axes[0]
+        > STRIDE.least_step * motion_model.paw_width
     ]
     place, sd, jerk_mean = (np.full(x.shape, np.nan) for _ in range(3))
     lift_offs: list[tuple[int, float, float]] = []
@@ -162,7 +143,7 @@ def learn_swings(
     for kind in sorted(set(kinds)):
         mine = _usual([swing for swing in found if kinds[swing.point] == kind])
         whole = [swing for swing in mine if swing.is_whole]
-        if len(whole) < _LEAST:
+        if len(whole) < STRIDE.swing_least:
             continue
         trajectory = learn_trajectory(
             _part(whole, still, weight, outside, motion_model, certain=certain), _guess(whole)
@@ -177,7 +158,7 @@ def learn_swings(
             here = (frames >= 0) & (frames < len(x))
             inside = here & (frames > values[0]) & (frames < values[1])
             bent = here & np.isfinite(third[:, 0])
-            bent &= frames < values[0] + _BEND_TO * (values[1] - values[0])
+            bent &= frames < values[0] + STRIDE.bend_to * (values[1] - values[0])
             place[frames[inside], swing.point] = path[inside]
             sd[frames[inside], swing.point] = spread[inside]
             jerk_mean[frames[bent], swing.point] = third[bent]
@@ -191,7 +172,7 @@ def _usual(swings: Sequence[Swing]) -> list[Swing]:
         return []
     lasts = np.array([land - lift for lift, land in (one.times for one in swings)])
     usual = float(np.median(lasts))
-    usually = (lasts > usual / _ODD) & (lasts < usual * _ODD)
+    usually = (lasts > usual / STRIDE.swing_odd) & (lasts < usual * STRIDE.swing_odd)
     return [one for one, kept in zip(swings, usually, strict=True) if kept]
 
 
@@ -223,10 +204,10 @@ def _part(
     certain: np.ndarray,
 ) -> Part:
     """Return what is seen of swings, given places (n, P, d) along the axes on the ground."""
-    first = np.array([int(one.times[0]) - _MARGIN for one in swings])
-    length = max(int(one.times[1]) - int(one.times[0]) for one in swings) + 2 * _MARGIN
+    first = np.array([int(one.times[0]) - STRIDE.swing_margin for one in swings])
+    length = max(int(one.times[1]) - int(one.times[0]) for one in swings) + 2 * STRIDE.swing_margin
     frames = first[:, None] + np.arange(length)
-    last = np.array([int(one.times[1]) + _MARGIN for one in swings])
+    last = np.array([int(one.times[1]) + STRIDE.swing_margin for one in swings])
     point = np.array([one.point for one in swings])
     begin, end = (
         np.array([getattr(one, name) for one in swings]) @ motion_model.axes.T
@@ -243,7 +224,7 @@ def _part(
     off = (places - line) / motion_model.paw_width
     is_whole = np.array([one.is_whole for one in swings])
     sure = certain[at, point[:, None]] | is_whole[:, None]
-    counted = weight[at, point[:, None]] * np.where(sure, 1.0, _TOLD)
+    counted = weight[at, point[:, None]] * np.where(sure, 1.0, STRIDE.swing_uncertain)
     aside = off[..., 1] if off.shape[-1] == 3 else np.zeros(way.shape)
     return Part(
         frames, way, off[..., -1], outside[point][:, None] * aside,
@@ -262,7 +243,9 @@ def _path(
     """Return frames (T,) about a swing, where the paw is (T, d), and how sure that is (T, d)."""
     motion_model = substrate.motion_model
     axes, paw_width = motion_model.axes, motion_model.paw_width
-    frames = np.arange(int(np.ceil(values[0])) - _MARGIN + 1, int(values[1]) + _MARGIN)
+    frames = np.arange(
+        int(np.ceil(values[0])) - STRIDE.swing_margin + 1, int(values[1]) + STRIDE.swing_margin
+    )
     way, up = trajectory_at(values, trajectory.shape, frames)
     begin, end = axes @ swing.begin, axes @ swing.end
     along = begin + way[:, None] * (end - begin)
@@ -271,9 +254,11 @@ def _path(
     variance = np.einsum("iat,jat,ij->ta", by_value, by_value, covariance)
     variance += np.einsum("iat,jat,ij->ta", by_shape, by_shape, trajectory.covariance)
     variance = variance * np.array([end[0] - begin[0], paw_width]) ** 2
-    variance += (_UNSURE * paw_width) ** 2
+    variance += (STRIDE.swing_unsure * paw_width) ** 2
     if len(axes) == 3:
         along[:, 1] += outside[swing.point] * trajectory.aside * up * paw_width
-        aside = (trajectory.aside_sd**2 * up**2 + _UNSURE**2 + _UNSURE_ASIDE**2) * paw_width**2
+        aside = (
+            trajectory.aside_sd**2 * up**2 + STRIDE.swing_unsure**2 + STRIDE.unsure_aside**2
+        ) * paw_width**2
         variance = np.insert(variance, 1, aside, axis=1)
     return frames, along @ axes + frames[:, None] * substrate.substrate_velocity, np.sqrt(variance)

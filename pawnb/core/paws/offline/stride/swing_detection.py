@@ -9,27 +9,12 @@ from itertools import pairwise
 import numpy as np
 
 from pawnb.core.paws.offline.stride.duty_factor import DutyFactor
+from pawnb.core.paws.offline.stride.parameters import STRIDE
 from pawnb.core.paws.offline.stride.stance import Stance, Substrate
 
-_LEAST_FRAMES = 3
-"""Frames between two stances from which on a swing is looked for."""
-_TOUCH_S, _TOUCH = 0.003, 0.5
-"""Standard deviation of when a stance that is seen begins or ends: time, s, and frames."""
-_OPEN, _VAGUE = 2.0, 3.0
-"""So much larger where the stance begins or ends with a place that is seen but not certain, and
-where it is not seen."""
-_ANYWHERE = 0.3
-"""Where nothing shows when a stance ends, it may be anywhere in the frames between: its standard
-deviation is so much of their number, that of what is equally likely throughout."""
 TO_FRAME, _STILL_NEAR = 0.5, 0.5
 """A stance begins and ends between two frames, and it seems to last so many frames longer at either
 end: what leaves the ground is still near it."""
-_AROUND = 2
-"""Frames about a stance's end that must be seen to tell it."""
-_SPREAD = 0.05
-"""Least standard deviation of strides, in their length."""
-_ON_PLACE = 0.7
-"""A paw that is seen within so many paw widths of where it will stand has landed."""
 
 
 @dataclass(frozen=True)
@@ -80,7 +65,7 @@ def since_landing(
     list of list of Stance
         The same stances, some of them longer.
     """
-    axes, near = substrate.motion_model.axes, _ON_PLACE * substrate.motion_model.paw_width
+    axes, near = substrate.motion_model.axes, STRIDE.on_place * substrate.motion_model.paw_width
     frames = np.arange(len(x))
     longer = []
     for p, mine in enumerate(stances):
@@ -129,7 +114,7 @@ def find_swings(
     for p, mine in enumerate(stances):
         ends = _Ends(seen[:, p], certain[:, p], duty_factor, p, fps)
         for now, after in pairwise(mine):
-            if after.first - now.stop >= _LEAST_FRAMES:
+            if after.first - now.stop >= STRIDE.least_frames:
                 land = ends.touch_down(after)
                 lift = ends.lift_off(now, after.first - now.first, land[1])
                 found.append(_swing(p, lift, land, now.origin, after.origin))
@@ -138,7 +123,7 @@ def find_swings(
         steps = [after.origin - now.origin for now, after in pairwise(mine)]
         step = np.median(steps, axis=0) if steps else -duty_factor.stride * substrate_velocity
         stride = duty_factor.stride
-        spread = float(np.hypot(duty_factor.spread, _SPREAD * stride))
+        spread = float(np.hypot(duty_factor.spread, STRIDE.swing_detection_spread * stride))
         # the share is that of stances as they seem
         swung = (1.0 - duty_factor.share[p]) * stride + 2.0 * _STILL_NEAR
         swung_sd = np.hypot(duty_factor.sd[p] * stride, (1.0 - duty_factor.share[p]) * spread)
@@ -182,13 +167,19 @@ class _Ends:
 
         The stride that begins with it lasts ``stride`` frames; when it ends is known to ``end_sd``.
         """
-        observed = self._is_seen(stance.stop - _AROUND, stance.stop + _AROUND + 1)
+        observed = self._is_seen(
+            stance.stop - STRIDE.swing_detection_around,
+            stance.stop + STRIDE.swing_detection_around + 1,
+        )
         at = stance.stop - TO_FRAME - _STILL_NEAR
         if observed:
             known = self.certain[stance.stop - 1 : stance.stop + 1].all()
-            sd = self._sd(1.0 if known else _OPEN)
+            sd = self._sd(1.0 if known else STRIDE.swing_detection_open)
         else:
-            sd = max(self._sd(_VAGUE), _ANYWHERE * self._unseen(stance.stop))
+            sd = max(
+                self._sd(STRIDE.swing_detection_vague),
+                STRIDE.swing_detection_anywhere * self._unseen(stance.stop),
+            )
         duty_factor = self.duty_factor
         if duty_factor is None or stance.first == 0 or not duty_factor.is_usual(stride):
             return at, sd
@@ -202,8 +193,17 @@ class _Ends:
 
     def touch_down(self, stance: Stance) -> tuple[float, float]:
         """Return when a stance begins, and the standard deviation."""
-        observed = self._is_seen(stance.first - _AROUND - 1, stance.first + _AROUND)
-        vague = _VAGUE if not observed else 1.0 if self.certain[stance.first] else _OPEN
+        observed = self._is_seen(
+            stance.first - STRIDE.swing_detection_around - 1,
+            stance.first + STRIDE.swing_detection_around,
+        )
+        vague = (
+            STRIDE.swing_detection_vague
+            if not observed
+            else 1.0
+            if self.certain[stance.first]
+            else STRIDE.swing_detection_open
+        )
         return stance.first - TO_FRAME + _STILL_NEAR, self._sd(vague)
 
     def _unseen(self, frame: int) -> int:
@@ -216,5 +216,5 @@ class _Ends:
         return bool(self.seen[max(0, first) : stop].all())
 
     def _sd(self, vague: float) -> float:
-        """Return the standard deviation of an edge told so vaguely."""
-        return vague * (_TOUCH_S * self.fps + _TOUCH)
+        """Return the standard deviation of an edge that is known so vaguely."""
+        return vague * (STRIDE.touch_s * self.fps + STRIDE.swing_detection_touch)

@@ -15,30 +15,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from pawnb.core.paws.offline.stride import trajectory_kernels as loops
+from pawnb.core.paws.offline.stride.parameters import STRIDE
 from pawnb.core.paws.offline.stride.trajectory_kernels import ALIKE, SHORTEST
 
 SHAPE = np.array([1.5, 2.0])
 """Exponents a and b before any swing is seen, and their standard deviations: front paws of mice
 are highest early on a belt, but late where they reach out (a of 2 to 3 in the LocoMouse data)."""
 SHAPE_SD = np.array([0.5, 0.8])
-_LEAST_SHAPE, _LARGEST_SHAPE = 0.7, 4.0
 SLOPE, SLOPE_SD = 0.3, 0.3
 """Speed at landing in the mean speed of the swing, and its standard deviation: LocoMouse's mice
 land with 0.3 to 0.55."""
 HEIGHT_SD = 0.15
 """Standard deviation of heights, in their median."""
-_LOWEST, _HIGHEST = 0.6, 1.6
-"""A swing's height lies between these, in the median: what goes lower was mistaken."""
-_NOISE_ASIDE = 0.3
-"""Standard deviation of a place about its arc, in paw widths, aside."""
-_STEPS, _ROUNDS, _FITS = 4, 6, 4
-_MOST_FRAMES, _MOST_SLOPE, _MOST_SHAPE = 1.5, 0.2, 0.3
-"""Largest changes in one step of a fit."""
-_ASIDE_SD = 0.3
-_LEAST_HIGH = 0.2
-"""A swing that is seen no higher than so many paw widths says nothing of heights."""
-_SEEN = 0.3
-"""Weight from which a place counts as seen."""
 
 
 @dataclass(frozen=True)
@@ -129,7 +117,24 @@ def trajectory_at(
 def changes(
     values: np.ndarray, shape: np.ndarray, frames: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return how the arc changes with the values, (4, 2, ..., T), and the shape, (2, 2, ..., T)."""
+    """Return how the arc changes with the values, (4, 2, ..., T), and the shape, (2, 2, ..., T).
+
+    Parameters
+    ----------
+    values : ndarray, shape (4, ...)
+        What each swing has of its own.
+    shape : ndarray, shape (2,)
+        Exponents, shared by all.
+    frames : ndarray, shape (..., T)
+        Frames of each swing.
+
+    Returns
+    -------
+    by_values : ndarray, shape (4, 2, ..., T)
+        Derivatives by the values.
+    by_shape : ndarray, shape (2, 2, ..., T)
+        Derivatives by the exponents.
+    """
     found = loops.changes(*_flat(values, shape, frames)).reshape(6, 2, *frames.shape)
     return found[:4], found[4:]
 
@@ -156,20 +161,22 @@ def learn_trajectory(part: Part, guess: Guess) -> SwingTrajectory:
     SwingTrajectory
         The arc.
     """
-    highest = np.where(part.weight > _SEEN, part.up, 0.0).max(axis=1, initial=0.0)
-    told = highest[highest > _LEAST_HIGH]
+    highest = np.where(part.weight > STRIDE.swing_trajectory_seen, part.up, 0.0).max(
+        axis=1, initial=0.0
+    )
+    told = highest[highest > STRIDE.least_high]
     height, shape = float(np.median(told)) if len(told) else 1.0, SHAPE.copy()
     values = _first(guess, height)
-    for _ in range(_ROUNDS):
+    for _ in range(STRIDE.swing_trajectory_rounds):
         values, _, (normal, target) = _fit(values, part, guess, shape, height)
         normal = normal + np.diag(1.0 / SHAPE_SD**2)
         step = np.linalg.solve(normal, target + (shape - SHAPE) / SHAPE_SD**2)
-        step = np.clip(step, -_MOST_SHAPE, _MOST_SHAPE)
-        shape = np.clip(shape - step, _LEAST_SHAPE, _LARGEST_SHAPE)
+        step = np.clip(step, -STRIDE.most_shape, STRIDE.most_shape)
+        shape = np.clip(shape - step, STRIDE.least_shape, STRIDE.largest_shape)
         height = float(np.median(values[:, 2]))
     _, up = trajectory_at(values, shape, part.frames)
-    weight = part.weight / (_NOISE_ASIDE**2 * ALIKE)
-    sure = 1.0 / _ASIDE_SD**2 + float((weight * up**2).sum())
+    weight = part.weight / (STRIDE.noise_aside**2 * ALIKE)
+    sure = 1.0 / STRIDE.aside_sd**2 + float((weight * up**2).sum())
     aside = float((weight * up * part.aside).sum()) / sure
     return SwingTrajectory(shape, np.linalg.inv(normal), height, aside, sure**-0.5)
 
@@ -196,7 +203,7 @@ def fit_swings(
         Theirs.
     """
     values = _first(guess, trajectory.height)
-    for _ in range(_FITS):
+    for _ in range(STRIDE.swing_trajectory_fits):
         values, covariance, _ = _fit(values, part, guess, trajectory.shape, trajectory.height)
     return values, covariance
 
@@ -215,20 +222,32 @@ def _fit(
     """
     expected = _first(guess, height)
     sd = np.column_stack([guess.sd, np.tile([HEIGHT_SD * height, SLOPE_SD], (len(values), 1))])
-    most = np.array([_MOST_FRAMES, _MOST_FRAMES, 2.0 * HEIGHT_SD * height, _MOST_SLOPE])
+    most = np.array(
+        [STRIDE.most_frames, STRIDE.most_frames, 2.0 * HEIGHT_SD * height, STRIDE.most_slope]
+    )
     frames, seen = part.frames.astype(float), np.stack([part.way, part.up])
-    for step in range(_STEPS + 1):
+    for step in range(STRIDE.swing_trajectory_steps + 1):
         normal, target = loops.equations(
-            values, shape, frames, seen, part.step, part.weight, 6 if step == _STEPS else 4
+            values,
+            shape,
+            frames,
+            seen,
+            part.step,
+            part.weight,
+            6 if step == STRIDE.swing_trajectory_steps else 4,
         )
         normal[:, :4, :4] += (1.0 / sd**2)[:, :, None] * np.eye(4)
-        if step == _STEPS:
+        if step == STRIDE.swing_trajectory_steps:
             break
         target += (values - expected) / sd**2
         change = np.linalg.solve(normal, target[..., None])[..., 0]
         values = values - np.clip(change, -most, most)
         values[:, 1] = np.maximum(values[:, 1], values[:, 0] + SHORTEST)
-        values[:, 2] = np.clip(values[:, 2], _LOWEST * height, _HIGHEST * height)
+        values[:, 2] = np.clip(
+            values[:, 2],
+            STRIDE.swing_trajectory_lowest * height,
+            STRIDE.swing_trajectory_highest * height,
+        )
     covariance = np.linalg.inv(normal[:, :4, :4])
     cross = normal[:, 4:, :4]
     # what the values of the swings could do as well says nothing of the shape

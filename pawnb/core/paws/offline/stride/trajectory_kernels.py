@@ -15,7 +15,7 @@ ALIKE = 3.0
 _TAIL = 3.0
 """Places farther off than so many standard deviations count less and less."""
 _H, _H_SHAPE = 0.05, 0.02
-"""Steps over which it is told how an arc changes: frames, and exponents."""
+"""Steps over which it is measured how an arc changes: frames, and exponents."""
 
 
 @compiled

@@ -96,7 +96,22 @@ def annotated_points(
 def annotated_positions(
     placed: Mapping[int, Sequence[Placement]], n: int, layout: Layout
 ) -> np.ndarray:
-    """Return image positions (n, P, V, 2) that are certain, by row, NaN elsewhere."""
+    """Return image positions (n, P, V, 2) that are certain, by row, NaN elsewhere.
+
+    Parameters
+    ----------
+    placed : mapping
+        Row to what is certain there.
+    n : int
+        Rows.
+    layout : Layout
+        Points and views.
+
+    Returns
+    -------
+    ndarray, shape (n, P, V, 2)
+        Positions, px; NaN where nothing is certain.
+    """
     uv = np.full((n, len(layout.points), len(layout.views), 2), np.nan)
     for t, here in placed.items():
         for place in here:

@@ -14,6 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
+from pawnb.core.parameters import values_in_force
 from pawnb.core.paws.layout import Views
 from pawnb.core.paws.offline.annotations import annotations_of_view
 from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
@@ -27,10 +28,11 @@ from pawnb.core.paws.offline.detection.paw_appearance import (
 from pawnb.core.paws.offline.detection.predictions import judge_predictions
 from pawnb.core.paws.offline.landmarks.template_tracking import TemplateTracker
 from pawnb.core.paws.offline.landmarks.tracks import check_landmarks, choose_landmarks
-from pawnb.core.paws.offline.parameters import AppearanceParameters
+from pawnb.core.paws.offline.parameters import APPEARANCE, AppearanceParameters
 from pawnb.core.paws.offline.scene.treadmill import Scene, leading_view
 from pawnb.core.paws.offline.settings import OfflineSettings
 from pawnb.core.paws.offline.treadmill.output import as_tracks, empty_result
+from pawnb.core.paws.offline.treadmill.parameters import TREADMILL
 from pawnb.core.paws.offline.treadmill.tracker import (
     Annotated,
     join_landmarks,
@@ -42,12 +44,6 @@ from pawnb.core.paws.offline.treadmill.tracker import (
 from pawnb.core.paws.request import TrackingRequest
 from pawnb.schema import Tracks
 
-_ROUNDS = 2
-"""Of 725 visible labels of a grey film in H.264 of crf 28 (half scale, seed 31) 16 and 9 were wrong
-after one and two."""
-_PREDICTED = 0.5
-"""How much like a paw a place is that another program surely predicts: clicks have 1."""
-
 
 def strides_may_tell(
     views: Views, start: pd.DataFrame, task: TrackingRequest, *, settings: OfflineSettings
@@ -58,6 +54,11 @@ def strides_may_tell(
     ----------
     views, start, task, settings
         As for :func:`track_by_strides`.
+
+    Returns
+    -------
+    bool
+        Whether they can.
 
     Raises
     ------
@@ -105,7 +106,7 @@ def track_by_strides(
     CalibrationError
         If the rig lacks a view.
     """
-    parameters = parameters or AppearanceParameters()
+    parameters = parameters or values_in_force(APPEARANCE)
     asked = read_request_and_annotations(views, start, task, looked=looked)
     layout = asked.layout
     marks = choose_landmarks(layout.points, layout.kinds, settings.landmarks)
@@ -119,8 +120,8 @@ def track_by_strides(
     inside = {t: here for t, here in placed.items() if t < task.frames[1]}
     lessons = told = clicked_lessons(base, paws.layout, inside)
     body_scale = (asked.begin, task.frames[1])
-    for round_ in range(_ROUNDS):
-        last = round_ == _ROUNDS - 1
+    for round_ in range(TREADMILL.learnt_appearance_rounds):
+        last = round_ == TREADMILL.learnt_appearance_rounds - 1
         scene = with_paw_looks(views, paws.layout, base, lessons=lessons, parameters=parameters)
         seen = scan_and_follow(
             views, body_scale, scene, follower=follower if last else None, anchors=asked.anchors,
@@ -156,7 +157,7 @@ def _part(task: TrackingRequest, round_: int) -> TrackingRequest:
         return task
 
     def part(done: int, total: int) -> None:
-        report((round_ * total + done) // _ROUNDS, total)
+        report((round_ * total + done) // TREADMILL.learnt_appearance_rounds, total)
 
     return dataclasses.replace(task, progress=part)
 
@@ -175,7 +176,7 @@ def _with_predictions(
         right = judge_predictions(uv, likelihood, own, size=layout.sizes[v]).right
         for row in range(len(uv)):
             here = found[first - paws.begin + row]
-            likely = _PREDICTED * right[row]
+            likely = TREADMILL.learnt_appearance_predicted * right[row]
             new = _as_candidates(uv[row][likely > 0], likely[likely > 0], scene, v)
             here[v] = _joined(here[v], new, scene, v)
     return found

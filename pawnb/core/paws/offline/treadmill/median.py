@@ -1,4 +1,4 @@
-"""The median of a few numbers, told many times."""
+"""The median of a few numbers, many times."""
 
 from __future__ import annotations
 

@@ -129,7 +129,20 @@ def _write(
 
 
 def keep_rows(old: Tracks, new: Tracks, kept: np.ndarray) -> Tracks:
-    """Copy the rows of ``old`` that were not tracked again, and its times and attributes."""
+    """Copy the rows of ``old`` that were not tracked again, and its times and attributes.
+
+    Parameters
+    ----------
+    old, new : Tracks
+        Tracks before and after.
+    kept : ndarray of int
+        Frames that were not tracked again.
+
+    Returns
+    -------
+    xarray.Dataset
+        The new tracks with these rows.
+    """
     frames = new["frame"].to_numpy()
     source = old.swap_dims(time="frame").sel(frame=kept)
     rows = np.isin(frames, kept)

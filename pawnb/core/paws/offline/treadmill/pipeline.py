@@ -51,28 +51,7 @@ from pawnb.core.paws.offline.stride.cycle import learn_cycle
 from pawnb.core.paws.offline.stride.duty_factor import DutyFactor, learn_duty_factor
 from pawnb.core.paws.offline.stride.stance import learn_liftoff_velocity
 from pawnb.core.paws.offline.stride.swing import Swings, learn_swings
-
-_BELIEVED = 0.25
-"""Standard deviation, in paw widths, at which a track is half believed."""
-_LEARNT_FROM = 0.3
-"""The same for learning the stride and its swings from it."""
-_RISING_S = 0.012
-"""Time, s, after lift-off in which a paw goes on as it began."""
-_STATED = 0.7
-"""Standard deviations of certain places are stated so much smaller than what is reckoned with while
-neighbouring frames may still err alike: so 93 to 97 % of the truth lie within 95 % limits, occluded
-places among them, in rendered scenes. Cameras on one side tell depth less well than they reckon."""
-_ONE_MORE = 1
-"""Looks taken besides where tracks still change: a paw was told while another, for which it was
-mistaken, was not yet where it is now."""
-_CHANGES, _CHANGED_FRAMES = 2.0, 5
-"""Tracks change where they go so many paw widths elsewhere in so many frames."""
-_SAME = 1.2
-"""A place that says that a point is so many paw widths from where it was placed is another's."""
-_LEAST_SEEN = 0.3
-"""Unlabelled targets that are seen as paws of their own in fewer frames are none."""
-_LEAST_SEEN_ASIDE = 0.1
-"""The same where depth tells that they are on the other side."""
+from pawnb.core.paws.offline.treadmill.parameters import TREADMILL
 
 
 @dataclass(frozen=True)
@@ -144,7 +123,7 @@ def run_pipeline(
         first = paths.first()
         # an unlabelled target without a paw of its own would share that of its kind
         share = share_observed(first, anchors, scene, body=paths.body(first), kinds=prepared.kinds)
-        least = _LEAST_SEEN if lateral_axis(scene) is None else _LEAST_SEEN_ASIDE
+        least = TREADMILL.least_seen if lateral_axis(scene) is None else TREADMILL.least_seen_aside
         left_out = bool((share < least).any())
         extra = [kind for kind, seen in zip(extra, share, strict=True) if seen >= least]
     result = _iterate_until_converged(
@@ -288,12 +267,12 @@ def _iterate_until_converged(
             return None
         return learn_liftoff_velocity(
             gap_closing.substrate, result.x, np.isfinite(result.measured[..., 0]).any(axis=-1),
-            lift_offs=gap_closing.lift_offs, frames=max(1, round(_RISING_S * fps)),
+            lift_offs=gap_closing.lift_offs, frames=max(1, round(TREADMILL.rising_s * fps)),
         )  # fmt: skip
 
     result, gap_closing = close_and_smooth(TrackingState(tracked(first), by_hand))
     unaided = before = result.x
-    for iteration in range(settings.n_iterations + _ONE_MORE):
+    for iteration in range(settings.n_iterations + TREADMILL.one_more):
         if iteration >= settings.n_iterations and not _changed(result.x, before, scene.paw_width):
             break
         before = result.x
@@ -304,13 +283,13 @@ def _iterate_until_converged(
         cycle = learn_cycle(
             result.x, paths.body(result.x), axes=paths.motion_model.axes, frames=strides,
             noise=0.25 * scene.paw_width,
-            trust=np.where(lost, 0.0, 1.0 / (1.0 + (sd / _LEARNT_FROM) ** 2)),
+            trust=np.where(lost, 0.0, 1.0 / (1.0 + (sd / TREADMILL.learnt_from) ** 2)),
         )  # fmt: skip
         swings = _swings(result, gap_closing, duty_factor, prepared, lost, scene.paw_width, fps=fps)
         # a recording of two strides tells a rhythm, but no cycle
         if cycle is None and swings is None:
             break
-        trust = 1.0 / (1.0 + (sd / _BELIEVED) ** 2)
+        trust = 1.0 / (1.0 + (sd / TREADMILL.pipeline_believed) ** 2)
         places = tracked(first if cycle is None else paths.again(cycle))
         state = TrackingState(
             places, by_hand, result.x, trust, cycle, liftoff_velocity(), duty_factor, swings
@@ -334,8 +313,8 @@ def _iterate_until_converged(
 
 def _changed(x: np.ndarray, before: np.ndarray, paw_width: float) -> bool:
     """Tell whether tracks (n, P, d) go elsewhere than in the look before."""
-    far = np.linalg.norm(x - before, axis=-1) > _CHANGES * paw_width
-    return bool((far.sum(axis=0) >= _CHANGED_FRAMES).any())
+    far = np.linalg.norm(x - before, axis=-1) > TREADMILL.pipeline_changes * paw_width
+    return bool((far.sum(axis=0) >= TREADMILL.changed_frames).any())
 
 
 def _swings(
@@ -364,7 +343,7 @@ def _swings(
     sd = np.sqrt(result.sd**2 @ (ahead**2).T).mean(axis=-1) / paw_width
     return learn_swings(
         result.x,
-        seen / (1.0 + (sd / _LEARNT_FROM) ** 2),
+        seen / (1.0 + (sd / TREADMILL.learnt_from) ** 2),
         gap_closing.stances,
         certain=~gap_closing.is_open,
         substrate=gap_closing.substrate,
@@ -375,9 +354,9 @@ def _swings(
 
 
 def _stated(sd: np.ndarray, is_open: np.ndarray, *, is_one_sided: bool) -> np.ndarray:
-    """Return the standard deviations (n, P, d) that are stated, given where places are told."""
+    """Return the standard deviations (n, P, d) that are stated, given where places are certain."""
     certain = np.zeros_like(is_open) if is_one_sided else ~is_open
-    return np.where(certain[..., None], _STATED * sd, sd)
+    return np.where(certain[..., None], TREADMILL.pipeline_stated * sd, sd)
 
 
 def _lateral_prior(
@@ -439,6 +418,6 @@ def _meeting_detections(
         )[0]  # fmt: skip
         for p, at in here.items():
             away = float(np.linalg.norm(said[p] - at)) / scene.paw_width
-            if away < _SAME and cost + away < price[p]:
+            if away < TREADMILL.pipeline_same and cost + away < price[p]:
                 meet[p], price[p] = place, cost + away
     return meet

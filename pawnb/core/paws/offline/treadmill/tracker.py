@@ -34,15 +34,11 @@ from pawnb.core.paws.offline.treadmill.annotations import (
     read_placements,
 )
 from pawnb.core.paws.offline.treadmill.output import as_tracks, empty_result
+from pawnb.core.paws.offline.treadmill.parameters import TREADMILL
 from pawnb.core.paws.offline.treadmill.pipeline import ReferenceAnnotations, run_pipeline
 from pawnb.core.paws.request import TrackingRequest
 from pawnb.errors import InputError, InputWarning
 from pawnb.schema import START_COLUMNS, Tracks, check_columns
-
-_MISTAKEN = 0.08
-"""Share of what is about the animal that passes for paws from which on a person is told: 0.2 to 6 %
-in rendered scenes that are tracked well, 9 to 23 % where belts are as brown as the paws: a third
-of these is lost and most others are poor."""
 
 
 def track_treadmill(
@@ -179,7 +175,24 @@ class Annotated:
 def read_request_and_annotations(
     views: Views, start: pd.DataFrame, task: TrackingRequest, *, looked: pd.DataFrame | None = None
 ) -> Annotated:
-    """Return what a person gave, checked."""
+    """Return what a person gave, checked.
+
+    Parameters
+    ----------
+    views : Views
+        The opened views.
+    start : DataFrame
+        Clicks with columns frame, view, point, u, v (px).
+    task : TrackingRequest
+        What is to be tracked.
+    looked : DataFrame, optional
+        Earlier clicks by which the recording was searched.
+
+    Returns
+    -------
+    Annotated
+        Layout, clicks and what is certain.
+    """
     check_columns(start, START_COLUMNS, where="the start points")
     task.check_frames(views.n_frames)
     frames = task.frames
@@ -201,7 +214,24 @@ def read_request_and_annotations(
 def scene_of_paws(
     views: Views, asked: Annotated, settings: OfflineSettings, *, least_paw_width: float = 0.0
 ) -> Scene:
-    """Return what the clicks on paws say; ``least_paw_width`` as for :func:`.read_scene`."""
+    """Return what the clicks on paws say; ``least_paw_width`` as for :func:`.read_scene`.
+
+    Parameters
+    ----------
+    views : Views
+        The opened views.
+    asked : Annotated
+        What a person gave.
+    settings : OfflineSettings
+        The settings.
+    least_paw_width : float
+        Least thickness of a paw; see :func:`.read_scene`.
+
+    Returns
+    -------
+    Scene
+        Views and animal.
+    """
     layout, clicks, anchors = asked.layout, asked.clicks, asked.anchors
     scene = read_scene(
         views, layout, clicks, anchors=clicks if asked.is_looked else anchors, settings=settings,
@@ -243,7 +273,7 @@ def _ambiguous(scene: Scene, names: Sequence[str]) -> str | None:
     alike = {
         name: detector.appearance.mistaken
         for name, detector in zip(names, scene.detectors, strict=True)
-        if detector.appearance.mistaken > _MISTAKEN
+        if detector.appearance.mistaken > TREADMILL.tracker_mistaken
     }
     if not alike:
         return None
@@ -268,6 +298,28 @@ def scan_and_follow(
     """Go through the video for paws and landmarks; return the paws' detections.
 
     There are none if it was stopped before every point was reached: nothing can be decided.
+
+    Parameters
+    ----------
+    views : Views
+        The opened views.
+    frames : tuple of int
+        First frame and one past the last.
+    scene : Scene or None
+        Paws; None for landmarks only.
+    follower : TemplateTracker or None
+        Landmarks; None for paws only.
+    anchors : mapping
+        Frame to what is certain there.
+    store : DetectionCache or None
+        Where detections are kept.
+    task : TrackingRequest
+        Who is told how far it is.
+
+    Returns
+    -------
+    list of list of ndarray
+        For each frame, the detections of each view.
     """
     found = _scan_forwards(views, frames, scene, follower, store, task)
     inside = {t: here for t, here in anchors.items() if t < frames[0] + len(found)}
@@ -319,7 +371,26 @@ def solve(
     task: TrackingRequest,
     settings: OfflineSettings,
 ) -> SmoothedTracks:
-    """Track the paws through the detections, ``seen`` from the frame ``asked.begin`` on."""
+    """Track the paws through the detections, ``seen`` from the frame ``asked.begin`` on.
+
+    Parameters
+    ----------
+    seen : list of list of ndarray
+        For each frame, the detections of each view.
+    scene : Scene
+        Views and animal.
+    asked : Annotated
+        What a person gave.
+    task : TrackingRequest
+        What is to be tracked.
+    settings : OfflineSettings
+        The settings.
+
+    Returns
+    -------
+    SmoothedTracks
+        The paws.
+    """
     found = seen[asked.first - asked.begin :]
     n = len(found)
     anchors = {t - asked.first: here for t, here in scene.anchors.items() if t - asked.first < n}
@@ -350,7 +421,26 @@ def join_landmarks(
     task: TrackingRequest,
     settings: OfflineSettings,
 ) -> SmoothedTracks:
-    """Return the landmarks' tracks in the n frames asked for, from what each view shows."""
+    """Return the landmarks' tracks in the n frames asked for, from what each view shows.
+
+    Parameters
+    ----------
+    follower : TemplateTracker
+        What has followed them.
+    asked : Annotated
+        What a person gave.
+    n : int
+        Frames.
+    task : TrackingRequest
+        What is to be tracked.
+    settings : OfflineSettings
+        The settings.
+
+    Returns
+    -------
+    SmoothedTracks
+        The landmarks.
+    """
     skip = asked.first - asked.begin
     uv, likeness = (
         np.swapaxes(np.array(values[skip : skip + n]), 1, 2)

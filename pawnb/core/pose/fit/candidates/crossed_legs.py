@@ -10,13 +10,10 @@ from __future__ import annotations
 import numpy as np
 
 from pawnb.core.pose.fit.candidates.leg_candidates import legs_cross, part_near
+from pawnb.core.pose.fit.candidates.parameters import CANDIDATES
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.layout import leg_numbers
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence, Prior
-
-_ROUNDS = 12
-_BETTER = 0.5
-"""What the cost falls by, at least, where ends are given back: that of one standard deviation."""
 
 
 def uncrossed(
@@ -67,9 +64,10 @@ def _pair(
     part = part_near(image_evidence, (one, other))
     active = np.concatenate([fitter.numbers[leg] for leg in legs])
     (_, before), (found, after) = (
-        fitter.fit(which, part, prior, active=active, rounds=_ROUNDS) for which in (pose, trial)
+        fitter.fit(which, part, prior, active=active, rounds=CANDIDATES.crossed_legs_rounds)
+        for which in (pose, trial)
     )
-    return found if after < before - _BETTER else pose
+    return found if after < before - CANDIDATES.crossed_legs_better else pose
 
 
 def with_ends_swapped(one: np.ndarray, other: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -14,6 +14,7 @@ from pawnb.core.pose.fit.candidates.candidate_kernels import (
     shared_cost,
 )
 from pawnb.core.pose.fit.candidates.limb_kernels import chains_apart, chains_cross, find_limbs
+from pawnb.core.pose.fit.candidates.parameters import CANDIDATES
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.rendering.blur import part_of
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import (
@@ -26,19 +27,6 @@ from pawnb.core.pose.fit.rendering.paint_kernels import leg_chain
 
 SAME_PX = 2.5
 """Poses of a leg nowhere further apart are the same minimum, working px."""
-_BEAM = 24
-_NEUTRAL = 0.4
-"""What a leg sees under others, as a share of its darkness: a little less than half, so that no
-leg is laid across the body where it could as well lie beside it."""
-_BESIDE_PX = 4.0
-"""Legs whose joints are no further apart may share pixels, working px."""
-_CROSSED = 4.0
-"""Cost of neighbouring legs that cross, in a frame: they seldom do."""
-_ROOM_PX = 14.0
-"""Room about legs that are fitted alone, working px."""
-_WORTHLESS, _FEW_PIXELS = 0.35, 30.0
-"""A candidate that explains less, for each pixel it shows and so many more, than this share of what
-the best one does is dropped. Of a leg whose most is hidden, the rest may be all there is to see."""
 
 
 @dataclass
@@ -195,7 +183,7 @@ def limb_candidates(
     list of ndarray
         Each the leg's part of a pose vector.
     """
-    neutral = _NEUTRAL * float(np.median(fitter.layout.dark[leg]))
+    neutral = CANDIDATES.leg_candidates_neutral * float(np.median(fitter.layout.dark[leg]))
     found: list[np.ndarray] = []
     canvas = fitter.canvas(image_evidence)
     near_body = fitter.body_zone(pose, image_evidence) > 0.0
@@ -207,7 +195,15 @@ def limb_candidates(
         free_of_others(image_evidence, near_body, canvas[1], neutral, open_to)
         most = 2 if absent == leg else 1
         numbers, _ = find_limbs(
-            fitter.layout, pose, leg, open_to, image_evidence.box, prior, _BEAM, most, 2 * SAME_PX
+            fitter.layout,
+            pose,
+            leg,
+            open_to,
+            image_evidence.box,
+            prior,
+            CANDIDATES.leg_candidates_beam,
+            most,
+            2 * SAME_PX,
         )
         found.extend(numbers)
     found.extend(fitter.usual_poses[leg])
@@ -295,7 +291,7 @@ def part_near(image_evidence: ImageEvidence, legs: Sequence[np.ndarray]) -> Imag
     """Return the part of a sight about legs that are fitted alone; joints (n, 2), NaN beyond."""
     joints = np.concatenate(legs)
     low, high = np.nanmin(joints, axis=0), np.nanmax(joints, axis=0)
-    return part_of(image_evidence, low - _ROOM_PX, high + _ROOM_PX)
+    return part_of(image_evidence, low - CANDIDATES.room_px, high + CANDIDATES.room_px)
 
 
 def add_candidates(
@@ -371,7 +367,9 @@ def _weigh(
         seen = np.array([len(pixels) for pixels, _ in marks])
         cost = fitter.settings.evidence_share * alone + np.array(unlikely)
         distinct = _distinct(choices.joints[leg], cost, int(fitter.layout.n_segments[leg]))
-        keep = _worth_keeping(alone / (seen + _FEW_PIXELS), distinct, fitter.settings.candidates)
+        keep = _worth_keeping(
+            alone / (seen + CANDIDATES.few_pixels), distinct, fitter.settings.candidates
+        )
         choices.worth[leg] = alone[keep]
         choices.unlikely[leg] = np.array(unlikely)[keep]
         choices.legs[leg] = choices.legs[leg][keep]
@@ -404,7 +402,7 @@ def _may_meet(one: np.ndarray, other: np.ndarray) -> bool:
     """Return whether the boxes about all candidates of two legs, joints as in Choices, overlap."""
     low = np.fmax(np.nanmin(one, axis=(0, 1)), np.nanmin(other, axis=(0, 1)))
     high = np.fmin(np.nanmax(one, axis=(0, 1)), np.nanmax(other, axis=(0, 1)))
-    return bool(np.all(high - low > -_BESIDE_PX))
+    return bool(np.all(high - low > -CANDIDATES.beside_px))
 
 
 def legs_cross(
@@ -440,7 +438,7 @@ def _distinct(joints: np.ndarray, cost: np.ndarray, n: int) -> list[int]:
 def _worth_keeping(alone: np.ndarray, distinct: list[int], most: int) -> np.ndarray:
     """Return the candidates to keep: always the first, the other distinct ones by worth."""
     others = sorted(distinct[1:], key=lambda i: float(alone[i]))
-    good = [i for i in others if alone[i] < _WORTHLESS * alone.min()]
+    good = [i for i in others if alone[i] < CANDIDATES.leg_candidates_worthless * alone.min()]
     return np.array([0, *good[: most - 1]])
 
 
@@ -497,6 +495,8 @@ def side_energy(
         for j in range(i + 1, len(legs)):
             pair = choices.shared.get((leg, legs[j]))
             if pair is not None:
-                pair = share * pair + _CROSSED * choices.crossed.get((leg, legs[j]), 0.0)
+                pair = share * pair + CANDIDATES.leg_candidates_crossed * choices.crossed.get(
+                    (leg, legs[j]), 0.0
+                )
                 out += pair.reshape([shape[k] if k in (i, j) else 1 for k in range(len(legs))])
     return out

@@ -11,12 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.core.pose.fit.candidates.parameters import CANDIDATES
 from pawnb.core.pose.fit.candidates.viterbi_kernels import step_costs
-
-_MOST_STEP = 60.0
-"""Cost of a leap from anywhere to anywhere."""
-_KEEP_VELOCITY = 0.85
-"""Share of a step that is expected again along the path."""
 
 
 @dataclass
@@ -113,8 +109,8 @@ class ViterbiTrellis:
         """Return how joints go on moving, that moved so; those of a leg that leapt do not."""
         # comparisons with the NaN beyond the tip of a short leg are False
         leap = (np.abs(moved) > 6 * self.jump_px).any(axis=(1, 2))
-        return np.where(leap[:, None, None], 0.0, _KEEP_VELOCITY * moved)
+        return np.where(leap[:, None, None], 0.0, CANDIDATES.viterbi_keep_velocity * moved)
 
     def _steps(self, before: np.ndarray, velocity: np.ndarray, now: np.ndarray) -> np.ndarray:
         """Return the cost of each step, shape (candidates before, candidates now)."""
-        return step_costs(before + velocity, now, self.jump_px, _MOST_STEP)
+        return step_costs(before + velocity, now, self.jump_px, CANDIDATES.most_step)

@@ -3,23 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
+from pawnb.core.parallel import Threads
 from pawnb.core.pose.fit.candidates.leg_candidates import (
     LegCandidates,
     add_candidates,
     fit_leg,
     side_energy,
 )
+from pawnb.core.pose.fit.candidates.parameters import CANDIDATES
 from pawnb.core.pose.fit.candidates.viterbi import ViterbiTrellis
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.sequence.one_direction import Follower
-
-_KEEP_VELOCITY = 0.9
-_MOST_BACK = 60
-"""Frames that a leg is followed back from where it is found again."""
 
 
 def improve_viterbi_path(follower: Follower) -> None:
@@ -62,7 +59,7 @@ def _on_two_threads(
     """Work through frames in two halves, each with a fitter of its own."""
     half = len(frames) // 2
     twins = [follower.fitter.twin() for _ in range(2)]
-    with ThreadPoolExecutor(2, thread_name_prefix="pawnb-back") as pool:
+    with Threads(2, thread_name_prefix="pawnb-back") as pool:
         list(pool.map(work, twins, [frames[:half], frames[half:]]))
 
 
@@ -78,7 +75,7 @@ def _second_pass(follower: Follower, fitter: FrameFitter, frames: list[int]) -> 
             velocity = pose - kept[min(t + 2, last)].pose
             velocity[fitter.lengths] = 0.0
         before = t
-        expected = pose + _KEEP_VELOCITY * velocity
+        expected = pose + CANDIDATES.viterbi_path_keep_velocity * velocity
         image_evidence = fitter.image_evidence(
             choices.image.astype(float), choices.box, choices.pose
         )
@@ -130,7 +127,7 @@ def _trace(follower: Follower, leg: int, t: int, numbers: np.ndarray) -> None:
     """Follow one leg backwards from frame t until it meets a known candidate or is lost."""
     fitter, kept = follower.fitter, follower.kept
     velocity = np.zeros_like(numbers)
-    for back in range(t - 1, max(t - 1 - _MOST_BACK, -1), -1):
+    for back in range(t - 1, max(t - 1 - CANDIDATES.most_back, -1), -1):
         choices = kept[back]
         image_evidence = fitter.image_evidence(
             choices.image.astype(float), choices.box, choices.pose

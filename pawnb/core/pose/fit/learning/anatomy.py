@@ -6,23 +6,8 @@ import numpy as np
 
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.fit.layout import N_BODY, links_of
+from pawnb.core.pose.fit.learning.parameters import LEARNING
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Prior
-
-_RANGE_MORE = 1.3
-_RANGE_MORE_DEG = 8.0
-"""Limits are soft: Pullar's own Table 4.6 goes beyond the ranges of Table 3.2."""
-_RANGE_SD, _RANGE_SD_DEG = 0.6, 6.0
-"""Standard deviation of an angle about its natural orientation: share of half its range, more."""
-_START_MORE_DEG = 25.0
-"""A joint that a person posed beyond its range may stay so, and this much more."""
-_WALL_DEG = 4.0
-"""Standard deviation of an angle beyond its end."""
-_FORESHORTENED = (0.3, 1.06)
-"""Least and greatest length of a segment in the picture, as a share of its own."""
-_WALL_LENGTH = 0.03
-"""Standard deviation of the logarithm of a length beyond these."""
-_TOGETHER = 0.95
-"""A leg that is raised is shorter as a whole: this takes most of the cost of that."""
 
 
 def parameter_kinds(animal: StickAnimal) -> tuple[np.ndarray, np.ndarray]:
@@ -60,23 +45,23 @@ def anatomy(animal: StickAnimal, start: np.ndarray, *, foreshortening_sd: float)
     middle, precision = np.zeros(n), np.zeros(n)
     low, high, wall = np.full(n, -1e9), np.full(n, 1e9), np.zeros(n)
     natural, half = np.radians(animal.natural_deg), np.radians(animal.range_deg / 2)
-    reach = _RANGE_MORE * half + np.radians(_RANGE_MORE_DEG)
-    more = np.radians(_START_MORE_DEG)
+    reach = LEARNING.range_more * half + np.radians(LEARNING.range_more_deg)
+    more = np.radians(LEARNING.start_more_deg)
     middle[angles] = natural
-    precision[angles] = 1.0 / (_RANGE_SD * half + np.radians(_RANGE_SD_DEG)) ** 2
+    precision[angles] = 1.0 / (LEARNING.range_sd * half + np.radians(LEARNING.range_sd_deg)) ** 2
     low[angles] = np.minimum(natural - reach, start[angles] - more)
     high[angles] = np.maximum(natural + reach, start[angles] + more)
-    wall[angles] = 1.0 / np.radians(_WALL_DEG) ** 2
+    wall[angles] = 1.0 / np.radians(LEARNING.wall_deg) ** 2
     precision[lengths] = 1.0 / foreshortening_sd**2
-    low[lengths], high[lengths] = np.log(_FORESHORTENED)
-    wall[lengths] = 1.0 / _WALL_LENGTH**2
+    low[lengths], high[lengths] = np.log(LEARNING.anatomy_foreshortened)
+    wall[lengths] = 1.0 / LEARNING.wall_length**2
     group, at = np.full(n, -1), 0
     for i, leg in enumerate(animal.legs):
         links = int(links_of(leg)[0][-1]) + 1
         group[lengths[at : at + links]] = i
         at += links
     return Prior(
-        middle, precision, low, high, wall, group, np.array([_TOGETHER]),
+        middle, precision, low, high, wall, group, np.array([LEARNING.anatomy_together]),
         np.zeros(n), np.zeros((0, 0)),
     )  # fmt: skip
 

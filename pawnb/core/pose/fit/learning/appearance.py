@@ -11,6 +11,7 @@ import numpy as np
 from pawnb.core.pose.fit.layout import Layout
 from pawnb.core.pose.fit.learning.appearance_kernels import body_equations, look_equations
 from pawnb.core.pose.fit.learning.body_equations import LEAST_DARK, MOST_DARK, BodyEquations
+from pawnb.core.pose.fit.learning.parameters import LEARNING
 from pawnb.core.pose.fit.parallel import threaded
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import (
     ImageEvidence,
@@ -19,16 +20,6 @@ from pawnb.core.pose.fit.rendering.gauss_newton_kernels import (
     prior_cost,
 )
 from pawnb.core.pose.fit.rendering.paint_kernels import make_canvas, paint, picture_cost
-
-_RADIUS_SD, _RADIUS_STEP_SD = 0.4, 0.1
-_DARK_SD, _DARK_STEP_SD = 0.3, 0.1
-_LEAST_OF_DARKEST = 0.5
-"""A leg's palest place, as a share of its darkest: an end laid on the background would be learnt
-as transparent, and stay there."""
-_LEAST_RADIUS_PX = 0.25
-_SHARES = (1.0, 0.5, 0.25, 0.125, 0.06)
-_MOST_RADIUS = 1.2
-"""A leg's thickness as a share of the species file's: one that lay on a wing would grow to it."""
 
 
 def learn_appearance(
@@ -247,7 +238,7 @@ def _helpful_share(
         parts = threaded(lambda frame: _painted(look, *frame, known)[1], here)
         return sum(parts) + _look_cost(look, known, step.body, len(frames))
 
-    return next((share for share in _SHARES if cost(share) < step.cost), 0.0)
+    return next((share for share in LEARNING.appearance_shares if cost(share) < step.cost), 0.0)
 
 
 def learn_legs(
@@ -290,9 +281,9 @@ def learn_legs(
         left = matrix[leg][np.ix_(keep, keep)] + stiff
         move = np.linalg.solve(left, -(vector[leg, keep] + stiff @ (now - goal)))
         now += np.clip(move, -0.4, 0.4)
-        most = np.maximum(_MOST_RADIUS * first.radius[leg, :n], _LEAST_RADIUS_PX)
-        radius[leg, :n] = np.clip(np.exp(now[:n]), _LEAST_RADIUS_PX, most)
-        least = max(LEAST_DARK, _LEAST_OF_DARKEST * float(now[n:].max()))
+        most = np.maximum(LEARNING.most_radius * first.radius[leg, :n], LEARNING.least_radius_px)
+        radius[leg, :n] = np.clip(np.exp(now[:n]), LEARNING.least_radius_px, most)
+        least = max(LEAST_DARK, LEARNING.least_of_darkest * float(now[n:].max()))
         dark[leg, :n] = np.clip(now[n:], least, MOST_DARK)
     return layout._replace(radius=radius, dark=dark)
 
@@ -314,7 +305,7 @@ def _look_prior(n: int) -> np.ndarray:
     out = np.zeros((2 * n, 2 * n))
     change = np.diff(np.eye(n), axis=0)
     smooth = change.T @ change
-    out[:n, :n] = np.eye(n) / _RADIUS_SD**2 + smooth / _RADIUS_STEP_SD**2
-    out[n:, n:] = np.eye(n) / _DARK_SD**2 + smooth / _DARK_STEP_SD**2
+    out[:n, :n] = np.eye(n) / LEARNING.radius_sd**2 + smooth / LEARNING.radius_step_sd**2
+    out[n:, n:] = np.eye(n) / LEARNING.dark_sd**2 + smooth / LEARNING.dark_step_sd**2
     out.setflags(write=False)
     return out

@@ -14,19 +14,9 @@ import numpy as np
 from pawnb.core.pose.fit.candidates.leg_candidates import LegCandidates
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.learning.attached_clutter_kernels import in_body_frame
+from pawnb.core.pose.fit.learning.parameters import LEARNING
 from pawnb.core.pose.fit.parallel import on_threads
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence
-
-_FRAMES = 80
-"""So many frames of a recording are looked at, evenly spread."""
-_FEW = 20
-"""Of fewer frames nothing is learnt: no leg takes several steps in them."""
-_DARK = 0.08
-"""Darkness from which on something is there; unevenness of the background is a few hundredths."""
-_EDGE_PX = 3
-"""The edge of a wide thing is so far from where a disc fits into it: corners are round then."""
-_LEAST_LEGS = 1.0
-"""Fixtures smaller than so many legs are left alone: a body is no perfect egg."""
 
 
 def find_attached_clutter(
@@ -54,9 +44,9 @@ def find_attached_clutter(
     The median of the pictures in the body's frame shows what is there in most of them. Of that
     counts what is wider than legs, which may hold still as well, and hangs together with the body.
     """
-    if len(found) < _FEW:
+    if len(found) < LEARNING.attached_clutter_few:
         return None
-    chosen = np.unique(np.linspace(0, len(found) - 1, _FRAMES).astype(int))
+    chosen = np.unique(np.linspace(0, len(found) - 1, LEARNING.attached_clutter_frames).astype(int))
     side = 2 * int(np.ceil(fitter.reach)) + 1
 
     def turned(own: FrameFitter, t: int) -> np.ndarray:
@@ -70,10 +60,16 @@ def find_attached_clutter(
     body = _body(fitter, side)
     size = fitter.disc_px
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
-    wide = (cv2.morphologyEx(usual, cv2.MORPH_OPEN, disc) > _DARK).astype(np.uint8)
-    edge = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * _EDGE_PX + 1, 2 * _EDGE_PX + 1))
-    fixed = (usual > _DARK) & (cv2.dilate(_hanging_on(wide, body), edge) > 0)
-    is_more = np.count_nonzero(fixed & ~body) > _LEAST_LEGS * fitter.leg_area
+    wide = (cv2.morphologyEx(usual, cv2.MORPH_OPEN, disc) > LEARNING.attached_clutter_dark).astype(
+        np.uint8
+    )
+    edge = cv2.getStructuringElement(
+        cv2.MORPH_ELLIPSE, (2 * LEARNING.edge_px + 1, 2 * LEARNING.edge_px + 1)
+    )
+    fixed = (usual > LEARNING.attached_clutter_dark) & (
+        cv2.dilate(_hanging_on(wide, body), edge) > 0
+    )
+    is_more = np.count_nonzero(fixed & ~body) > LEARNING.least_legs * fitter.leg_area
     return fixed if is_more else None
 
 

@@ -13,22 +13,9 @@ import numpy as np
 
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.learning.attached_clutter_kernels import disregard, in_body_frame
+from pawnb.core.pose.fit.learning.parameters import LEARNING
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence
 from pawnb.core.pose.fit.rendering.paint_kernels import make_canvas, paint
-
-_FEW = 6
-"""Of fewer frames nothing is learnt: noise and what passes by are not told from the body."""
-_ODD = 0.25
-"""Difference, of the body's darkness, from which on a place is odd: an outline that is wrong by a
-third of a pixel errs by as much."""
-_MOST = 0.1
-"""Nothing is left out where a larger share of the body is odd: it is no animal of eggs then, and
-too little of its outline would be left to tell its heading."""
-_BEYOND_PX = 8.0
-_GROWS_PX = 2
-"""The blur spreads what is odd so far."""
-_LEG = 0.01
-"""Share of a leg in a place from which on it says nothing about the body."""
 
 
 def find_body_clutter(
@@ -50,9 +37,9 @@ def find_body_clutter(
         pixels, the body looks along the rows, its origin is the middle. None of too few frames,
         and where so much is odd that too little would be left.
     """
-    if len(frames) < _FEW:
+    if len(frames) < LEARNING.body_clutter_few:
         return None
-    side = 2 * int(np.ceil(fitter.body_radius + _BEYOND_PX)) + 1
+    side = 2 * int(np.ceil(fitter.body_radius + LEARNING.beyond_px)) + 1
     stack = np.array(
         [_difference(fitter, pose, image_evidence, side) for pose, image_evidence in frames]
     )
@@ -61,10 +48,10 @@ def find_body_clutter(
     pose, empty = np.zeros(fitter.n), np.zeros((side, side))
     middle = np.array([-(side // 2), -(side // 2)], dtype=float)
     body = fitter.near_body(pose, ImageEvidence(empty, empty, middle), margin=fitter.blur)
-    odd = away > _ODD * float(fitter.layout.ellipse[:, 4].max())
-    if odd[body].mean() > _MOST:
+    odd = away > LEARNING.body_clutter_odd * float(fitter.layout.ellipse[:, 4].max())
+    if odd[body].mean() > LEARNING.body_clutter_most:
         return None
-    disc = np.ones((2 * _GROWS_PX + 1, 2 * _GROWS_PX + 1), np.uint8)
+    disc = np.ones((2 * LEARNING.grows_px + 1, 2 * LEARNING.grows_px + 1), np.uint8)
     return 1.0 - cv2.dilate(odd.astype(np.uint8), disc).astype(float)
 
 
@@ -77,7 +64,7 @@ def _difference(
     away, leg = np.empty((side, side)), np.empty((side, side))
     in_body_frame(image_evidence.seen - canvas[0], image_evidence.box, pose, away)
     in_body_frame((canvas[1] >= 0).astype(float), image_evidence.box, pose, leg)
-    away[leg > _LEG] = np.nan
+    away[leg > LEARNING.body_clutter_leg] = np.nan
     return away
 
 

@@ -5,17 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from pawnb.core.pose.fit.layout import N_BODY, meeting
+from pawnb.core.pose.fit.learning.parameters import LEARNING
 
 LEAST_DARK, MOST_DARK = 0.08, 1.1
-_BODY_SD = (0.15, 0.15, 0.5, 0.15, 0.5)
-_WAIST_SD = (1e-3, 0.5, 0.5, 1e-3, 1e-3)
-_OVERLAP_SD = 0.04
-"""Of a part of the body: logarithms of length and width, darkness, egg, by how much its middle is
-darker than its rim; of its half length, by how much parts that meet reach into each other."""
-_LEAST_PRECISION = 1e-6
-"""Of what neither picture nor prior says anything."""
-_MOST_EGG = 0.4
-_MOST_STEP = 0.2
 
 
 class BodyEquations:
@@ -39,11 +31,11 @@ class BodyEquations:
         self.known, self.ellipse = known, ellipse
         self.meets = meeting(known)
         parts = len(ellipse)
-        sds = np.tile(_BODY_SD, (parts, 1))
+        sds = np.tile(LEARNING.body_sd, (parts, 1))
         overlap_sd = 1.0
         if self.meets.any():
-            sds[-1] = _WAIST_SD
-            overlap_sd = _OVERLAP_SD * float(known[self.meets != 0.0, 2].min())
+            sds[-1] = LEARNING.waist_sd
+            overlap_sd = LEARNING.overlap_sd * float(known[self.meets != 0.0, 2].min())
         self.now = self._numbers(ellipse)
         stiff = n_frames / np.append(sds.ravel(), overlap_sd) ** 2
         self.stiff = stiff
@@ -51,7 +43,7 @@ class BodyEquations:
         self.follow: list[tuple[np.ndarray, np.ndarray]] = []
 
     def _numbers(self, ellipse: np.ndarray) -> np.ndarray:
-        """Return what is learnt of every part, see ``_BODY_SD``, then the overlap."""
+        """Return what is learnt of every part, see ``LEARNING.body_sd``, then the overlap."""
         longer, wider = np.log(ellipse[:, 2:4] / self.known[:, 2:4]).T
         darker = ellipse[:, 4] - self.known[:, 4]
         inwards = self.meets * (self.known[:, 0] * np.exp(longer) - ellipse[:, 0])
@@ -86,7 +78,7 @@ class BodyEquations:
             self.vector[at] += vector[part, :6]
             across[at, :N_BODY] += matrix[part, :6, 6:]
         both = np.column_stack([across.T, slope])
-        solved = np.linalg.solve(of_pose + _LEAST_PRECISION * np.eye(len(of_pose)), both)
+        solved = np.linalg.solve(of_pose + LEARNING.least_precision * np.eye(len(of_pose)), both)
         follow, own = solved[:, :-1], solved[:, -1]
         self.matrix -= across @ follow
         self.vector -= across @ own
@@ -95,7 +87,7 @@ class BodyEquations:
     def solve(self) -> tuple[np.ndarray, list[np.ndarray]]:
         """Return the body after the step, and how each frame's pose moves with it."""
         step = -np.linalg.solve(self.matrix, self.vector)
-        step = np.clip(step, -_MOST_STEP, _MOST_STEP)
+        step = np.clip(step, -LEARNING.most_step, LEARNING.most_step)
         longer, wider, darker, egg, middle = (self.now + step)[:-1].reshape(-1, 5).T
         overlap = self.now[-1] + step[-1]
         known, ellipse = self.known, self.ellipse.copy()
@@ -103,7 +95,7 @@ class BodyEquations:
         ellipse[:, 2] = known[:, 2] * np.exp(longer)
         ellipse[:, 3] = known[:, 3] * np.exp(wider)
         ellipse[:, 4] = np.clip(known[:, 4] + darker, LEAST_DARK, MOST_DARK)
-        ellipse[:, 5] = np.clip(egg, -_MOST_EGG, _MOST_EGG)
+        ellipse[:, 5] = np.clip(egg, -LEARNING.most_egg, LEARNING.most_egg)
         ellipse[:, 6] = np.clip(ellipse[:, 4] + middle, LEAST_DARK, MOST_DARK)
         if self.meets.any():  # what joins two parts is no wider than either
             ellipse[-1, 3] = min(ellipse[-1, 3], ellipse[self.meets != 0.0, 3].min())

@@ -12,16 +12,9 @@ import numpy as np
 
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.learning.leg_clutter_kernels import add_differences, disregard_cells
+from pawnb.core.pose.fit.learning.parameters import LEARNING
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence, paint_some
 from pawnb.core.pose.fit.rendering.paint_kernels import make_canvas, paint
-
-_FEW = 6
-"""Of fewer frames nothing is learnt: noise and what passes by are not told from hairs."""
-_ALONG = 8
-"""Cells along a segment: a hair is about as long."""
-_HAIRY = 0.12
-"""Darkness by which the median of the frames is darker than painted where a hair is, and than the
-place that mirrors it: the rings of a leg are on both sides, and tell where it is."""
 
 
 def find_leg_clutter(
@@ -42,12 +35,14 @@ def find_leg_clutter(
         Cells of every segment; those across are half a working pixel wide, the middle one lies on
         the axis. None of too few frames.
     """
-    if len(frames) < _FEW:
+    if len(frames) < LEARNING.leg_clutter_few:
         return None
     seen = np.array([_differences(fitter, pose, image_evidence) for pose, image_evidence in frames])
     seen[:, np.isnan(seen).all(axis=0)] = 0.0  # where no pixel ever lies, it is as painted
     darker = np.nanmedian(seen, axis=0)
-    leg_clutter = (darker > _HAIRY) & (darker - darker[..., ::-1] > _HAIRY)
+    leg_clutter = (darker > LEARNING.leg_clutter_hairy) & (
+        darker - darker[..., ::-1] > LEARNING.leg_clutter_hairy
+    )
     grown = leg_clutter.copy()  # the blur spreads a hair by a cell
     grown[..., 1:] |= leg_clutter[..., :-1]
     grown[..., :-1] |= leg_clutter[..., 1:]
@@ -62,7 +57,7 @@ def _differences(
     canvas = make_canvas(len(image_evidence.seen), image_evidence.seen.shape[1], layout)
     paint(layout, pose, fitter.blur, image_evidence.box, *canvas)
     across = 4 * int(np.ceil(layout.radius.max() + fitter.blur)) + 1
-    total, count = np.zeros((2, *layout.length.shape, _ALONG, across))
+    total, count = np.zeros((2, *layout.length.shape, LEARNING.leg_clutter_along, across))
     add_differences(canvas, image_evidence.seen, image_evidence.box, total, count)
     return np.where(count > 0.0, total, np.nan) / np.maximum(count, 1.0)
 

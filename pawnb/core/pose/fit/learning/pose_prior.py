@@ -13,20 +13,10 @@ import numpy as np
 from pawnb.core.pose.fit.candidates.leg_candidates import LegCandidates
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.learning.attached_clutter import find_attached_clutter
+from pawnb.core.pose.fit.learning.parameters import LEARNING
 from pawnb.core.pose.fit.parallel import on_threads
 from pawnb.core.pose.fit.sequence.first_frame import partners
 from pawnb.signals.robust import MAD_TO_SD
-
-_SEEN = 0.7
-"""Support of a leg and of its outer third from which on it is well seen."""
-_FEW = 20
-"""Of fewer poses of a leg and its partner nothing is learnt."""
-_WIDER = 1.5
-"""A leg that is hidden is held a little differently from those that are seen."""
-_LEAST_SD_DEG, _LEAST_SD = 8.0, 0.1
-_ODD = 3.0
-"""Poses with a number so many standard deviations from the middle are not usual ones."""
-_POSES = 10
 
 
 def learn_from_all(fitter: FrameFitter, found: Sequence[LegCandidates], poses: np.ndarray) -> bool:
@@ -74,13 +64,13 @@ def learn_pose_prior(
         return own.support(poses[t], image_evidence)
 
     supports = np.array(on_threads(fitter, range(len(found)), support))
-    seen: np.ndarray = np.all(supports >= _SEEN, axis=2)
+    seen: np.ndarray = np.all(supports >= LEARNING.pose_prior_seen, axis=2)
     partner = partners(fitter.animal)
     middle, precision = fitter.anatomy.middle.copy(), fitter.anatomy.precision.copy()
     for leg, numbers in enumerate(fitter.numbers):
         alike = {leg, int(partner[leg])}
         own = np.concatenate([poses[np.ix_(seen[:, i], fitter.numbers[i])] for i in alike])
-        if len(own) < _FEW:
+        if len(own) < LEARNING.pose_prior_few:
             continue
         centre, sd = _spread(own)
         middle[numbers], precision[numbers] = centre, 1.0 / sd**2
@@ -91,8 +81,8 @@ def learn_pose_prior(
 def _spread(own: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return middles and standard deviations of a leg's numbers, robustly."""
     centre = np.median(own, axis=0)
-    sd = _WIDER * MAD_TO_SD * np.median(np.abs(own - centre), axis=0)
-    least = np.repeat([np.radians(_LEAST_SD_DEG), _LEAST_SD], own.shape[1] // 2)
+    sd = LEARNING.pose_prior_wider * MAD_TO_SD * np.median(np.abs(own - centre), axis=0)
+    least = np.repeat([np.radians(LEARNING.least_sd_deg), LEARNING.least_sd], own.shape[1] // 2)
     return centre, np.maximum(sd, least)
 
 
@@ -101,12 +91,12 @@ def _far_apart(away: np.ndarray) -> np.ndarray:
 
     Poses with an odd number are left out.
     """
-    away = away[np.abs(away).max(axis=1) < _ODD]
+    away = away[np.abs(away).max(axis=1) < LEARNING.pose_prior_odd]
     if not len(away):
         return away
     chosen = [int(np.argmin((away**2).sum(axis=1)))]
     nearest = np.full(len(away), np.inf)
-    while len(chosen) < min(_POSES, len(away)):
+    while len(chosen) < min(LEARNING.pose_prior_poses, len(away)):
         nearest = np.minimum(nearest, ((away - away[chosen[-1]]) ** 2).sum(axis=1))
         chosen.append(int(np.argmax(nearest)))
     return away[chosen]

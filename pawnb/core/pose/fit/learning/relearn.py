@@ -9,15 +9,11 @@ from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.learning.appearance import learn_appearance
 from pawnb.core.pose.fit.learning.body_clutter import find_body_clutter
 from pawnb.core.pose.fit.learning.leg_clutter import find_leg_clutter
+from pawnb.core.pose.fit.learning.parameters import LEARNING
 from pawnb.core.pose.fit.parallel import on_threads
 from pawnb.core.pose.fit.rendering.excluded_parts import counted
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence, Prior
 from pawnb.core.pose.fit.sequence.first_frame import partners
-
-_FRAMES = 12
-"""Frames that the look is learnt from, spread over the recording."""
-_ROUNDS = 2
-"""Turns of learning and fitting."""
 
 
 def learn_again(fitter: FrameFitter, found: list[LegCandidates], poses: np.ndarray) -> np.ndarray:
@@ -41,10 +37,12 @@ def learn_again(fitter: FrameFitter, found: list[LegCandidates], poses: np.ndarr
         return poses
     poses = poses.copy()
     sure = [i for i, choices in enumerate(found) if not choices.is_open]
-    if len(sure) < _FRAMES:
+    if len(sure) < LEARNING.relearn_frames:
         sure = list(range(len(found)))
-    chosen = sorted({sure[k] for k in np.linspace(0, len(sure) - 1, _FRAMES).astype(int)})
-    for _ in range(_ROUNDS):
+    chosen = sorted(
+        {sure[k] for k in np.linspace(0, len(sure) - 1, LEARNING.relearn_frames).astype(int)}
+    )
+    for _ in range(LEARNING.relearn_rounds):
         known = usual_lengths(fitter, poses)
 
         def fitted(

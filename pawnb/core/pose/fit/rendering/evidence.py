@@ -21,14 +21,11 @@ from pawnb.core.pose.fit.rendering.evidence_kernels import (
     smooth_gains,
 )
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence
+from pawnb.core.pose.fit.rendering.parameters import RENDERING
 from pawnb.core.video.views import Frame
 
-_BLOCKS_ACROSS = 9
-"""Blocks along the crop in which the light is estimated."""
 _LEVELS = 200.0
 """Steps of darkness, so that the opening works on bytes."""
-_UNEVEN, _BLACK = 0.02, 0.9
-"""Darkness below which a wide thing is unevenness of the background; and at most of one."""
 
 
 class BackgroundPicture(Protocol):
@@ -105,7 +102,7 @@ class Evidence:
         """
         u0, v0, u1, v1 = box
         mean, sd = self.mean[v0:v1, u0:u1], self.sd[v0:v1, u0:u1]
-        block = max(12, int(max(image.shape) / _BLOCKS_ACROSS))
+        block = max(12, int(max(image.shape) / RENDERING.blocks_across))
         gains, counts = block_gains(image, mean, covered, block)
         gains = smooth_gains(gains, counts, 0.8)
         seen, weight = np.empty(image.shape), np.empty(image.shape)
@@ -144,7 +141,9 @@ def without_wide(image_evidence: ImageEvidence, body: np.ndarray, *, size: int) 
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
     wide = cv2.morphologyEx(whole, cv2.MORPH_OPEN, disc)
     seen, weight = image_evidence.seen.copy(), image_evidence.weight.copy()
-    behind_filter(wide, 1.0 / _LEVELS, _UNEVEN, _BLACK, body, seen, weight)
+    behind_filter(
+        wide, 1.0 / _LEVELS, RENDERING.evidence_uneven, RENDERING.evidence_black, body, seen, weight
+    )
     return ImageEvidence(seen, weight, image_evidence.box)
 
 

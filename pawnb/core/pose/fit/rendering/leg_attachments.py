@@ -13,10 +13,7 @@ from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.rendering.blur import part_of
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence, paint_some
 from pawnb.core.pose.fit.rendering.paint_kernels import NOTHING
-
-_SOME, _WHOLE = 0.15, 0.97
-"""Darkness of a leg, and share of the body's, from which on a pixel is partly covered, and share
-of the body's from which on it is wholly."""
+from pawnb.core.pose.fit.rendering.parameters import RENDERING
 
 
 def without_leg_attachments(
@@ -46,7 +43,11 @@ def without_leg_attachments(
     height, width = near.seen.shape
     weight = image_evidence.weight.copy()
     part = weight[top : top + height, left : left + width]
-    part[(of_legs > _SOME) & (of_body > _SOME) & (of_body < _WHOLE)] = 0.0
+    part[
+        (of_legs > RENDERING.leg_attachments_some)
+        & (of_body > RENDERING.leg_attachments_some)
+        & (of_body < RENDERING.leg_attachments_whole)
+    ] = 0.0
     return image_evidence._replace(weight=weight)
 
 

@@ -19,13 +19,13 @@ from pawnb.core.pose.fit.parallel import side_by_side
 from pawnb.core.pose.fit.rendering.blur import blurred
 from pawnb.core.pose.fit.sequence.first_frame import start_prior
 from pawnb.core.pose.fit.sequence.one_direction import Follower
-from pawnb.core.pose.steps import Steps
+from pawnb.core.pose.fit.sequence.parameters import SEQUENCE
+from pawnb.core.pose.fit.steps import Steps
 from pawnb.core.video.views import Frame
 
 HEADING = 2
 """Where a pose vector has the heading."""
 
-_COARSE_BLURS = (8.0, 4.0)
 
 Read = Callable[[range], Iterable[Frame]]
 """Yields the frames of a range, in its order."""
@@ -52,7 +52,7 @@ def fit_known(fitter: FrameFitter, frame: Frame, pose: np.ndarray) -> tuple[np.n
     """
     prior = start_prior(fitter, pose)
     image_evidence, _, _ = fitter.look(frame, pose)
-    for blur in _COARSE_BLURS:
+    for blur in SEQUENCE.between_annotations_coarse_blurs:
         soft = blurred(image_evidence, blur)
         pose, _ = fitter.fit(pose, soft, prior, blur=fitter.blur + blur, rounds=8)
     image_evidence, _, _ = fitter.look(frame, pose)

@@ -23,19 +23,7 @@ from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence, Pr
 from pawnb.core.pose.fit.rendering.uncertainty_kernels import error_ratio, place_sds
 from pawnb.core.pose.fit.sequence.first_frame import partners
 from pawnb.core.pose.fit.sequence.leg_motion import first_motion, learn_motion, motion_messages
-
-_SWEEPS = 5
-"""How often frames are fitted at most, each time with what the last fits of the others say."""
-_GAIN = 0.5
-"""A frame is fitted again where the cost of one of its legs is expected to fall by this, which is
-that of one standard deviation."""
-_ROUNDS = 3
-"""Steps of each of these fits: they begin close to their end."""
-_ALIKE_PX = 4.5
-"""Errors of pixels nearer than this go together: so many pixels count as one in each direction."""
-_MODEL_SD = 0.3
-"""What the painted shape errs by itself, alike in all frames (hairs, shadow, bends), half widths of
-the picture's blur; set, as the line above, on rendered spiders."""
+from pawnb.core.pose.fit.sequence.parameters import SEQUENCE
 
 
 @dataclass(frozen=True)
@@ -147,9 +135,9 @@ def settle_all(
     own = on_threads(fitter, range(len(found)), first)
     motions = [first_motion(len(numbers) // 2) for numbers in fitter.numbers]
     motions = _learnt(fitter, own, motions, stretches)
-    for _ in range(_SWEEPS):
+    for _ in range(SEQUENCE.final_fit_sweeps):
         others = _from_others(fitter, own, motions, stretches)
-        again = np.flatnonzero(others.gain > _GAIN)
+        again = np.flatnonzero(others.gain > SEQUENCE.final_fit_gain)
         if not len(again):
             break
         work = partial(_fit_again, own=own, others=others, anatomy=anatomy)
@@ -203,7 +191,9 @@ def _own_near(
     """Return what a frame's picture says near a pose."""
     precision, slope = fitter.equations(pose, image_evidence, anatomy)
     value, owner, _, _ = fitter.canvas(image_evidence)  # the pose is still on it
-    many = error_ratio(value, owner, image_evidence, fitter.settings.soft_error) * _ALIKE_PX**2
+    many = (
+        error_ratio(value, owner, image_evidence, fitter.settings.soft_error) * SEQUENCE.alike_px**2
+    )
     half = ImageEvidence(
         image_evidence.seen.astype(np.float16),
         image_evidence.weight.astype(np.float16),
@@ -231,7 +221,7 @@ def _fit_again(
     pose, pull = own[t].pose, own[t].many * others.pull(fitter, t)
     prior = anatomy._replace(around=others.around[t], pull=pull)
     image_evidence = _whole(own[t].image_evidence)
-    pose, _ = fitter.fit(pose, image_evidence, prior, rounds=_ROUNDS)
+    pose, _ = fitter.fit(pose, image_evidence, prior, rounds=SEQUENCE.final_fit_rounds)
     own[t] = _own_near(fitter, pose, image_evidence, anatomy)
 
 
@@ -243,6 +233,6 @@ def _settled(fitter: FrameFitter, own: _Own, pull: np.ndarray) -> Settled:
     return Settled(
         pose=own.pose,
         sd=np.sqrt(np.maximum(np.diag(covariance), 0.0)),
-        places_sd=np.hypot(places, _MODEL_SD * fitter.blur),
+        places_sd=np.hypot(places, SEQUENCE.model_sd * fitter.blur),
         support=fitter.support(own.pose, _whole(own.image_evidence)),
     )

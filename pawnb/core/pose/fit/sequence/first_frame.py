@@ -24,28 +24,11 @@ from pawnb.core.pose.fit.parallel import on_threads
 from pawnb.core.pose.fit.rendering.blur import blurred
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence, Prior
 from pawnb.core.pose.fit.rendering.paint_kernels import NOTHING, leg_chain
+from pawnb.core.pose.fit.sequence.parameters import SEQUENCE
 from pawnb.core.video.views import Frame
 
 _XY = 2
 """Parameters of a pose that say where it is; the heading comes next."""
-_START_SD_PX, _START_SD_DEG = 6.0, 8.0
-_LONGER, _LONGER_SD = 1.12, 0.08
-"""In the start frame links may be this much longer than given, with this spread within a leg:
-the person's scale and the species file's proportions need not be this animal's."""
-_LATER_LONGER = 1.02
-_SHORTER = (0.05, -0.05, -0.15, -0.25, -0.4)
-"""Logarithms of foreshortening of whole legs that are tried in the start frame."""
-_COARSE_BLURS = (8.0, 4.0)
-_BODY_BLURS = (16.0, 8.0, 3.0)
-_DARK_LIMITS = (0.2, 1.0)
-_SLIDES = (0.92, 1.08, 1.16)
-"""Lengths of legs that are tried, of their own."""
-_BETTER = 0.5
-"""What a cost falls by, at least, where another pose is taken: that of one standard deviation."""
-_BLUR_STEP, _BLUR_TURNS = 0.85, 2
-_BLURS = (0.75, 4.0)
-"""Half widths of the blur that are tried, working px: with a narrower one the painted edge lies
-between the middles of pixels, and the fit does not feel which way to move it."""
 
 
 def partners(animal: StickAnimal) -> np.ndarray:
@@ -63,13 +46,13 @@ def partners(animal: StickAnimal) -> np.ndarray:
 def start_prior(fitter: FrameFitter, pose: np.ndarray) -> Prior:
     """Return anatomy and what the person's pose says."""
     sd = np.full(fitter.n, np.inf)
-    sd[:2] = _START_SD_PX
-    sd[2] = np.radians(_START_SD_DEG)
-    sd[fitter.angles] = np.radians(_START_SD_DEG)
+    sd[:2] = SEQUENCE.start_sd_px
+    sd[2] = np.radians(SEQUENCE.start_sd_deg)
+    sd[fitter.angles] = np.radians(SEQUENCE.start_sd_deg)
     known = about(fitter.anatomy, pose, sd)
     high, precision = known.high.copy(), known.precision.copy()
-    high[fitter.lengths] = np.log(_LONGER)
-    precision[fitter.lengths] = 1.0 / _LONGER_SD**2
+    high[fitter.lengths] = np.log(SEQUENCE.first_frame_longer)
+    precision[fitter.lengths] = 1.0 / SEQUENCE.longer_sd**2
     return known._replace(high=high, precision=precision)
 
 
@@ -104,7 +87,11 @@ def fit_start(
     pose = _fit_body(fitter, frame, pose, prior)
     for turn in range(rounds):
         image_evidence, image, box = fitter.look(frame, pose)
-        for blur in _COARSE_BLURS if turn == 0 else _COARSE_BLURS[1:]:
+        for blur in (
+            SEQUENCE.first_frame_coarse_blurs
+            if turn == 0
+            else SEQUENCE.first_frame_coarse_blurs[1:]
+        ):
             soft = blurred(image_evidence, blur)
             pose, _ = fitter.fit(pose, soft, prior, blur=fitter.blur + blur, rounds=8)
         if settings.choose_path:
@@ -124,7 +111,7 @@ def fit_start(
     pose = _learn_blur(fitter, pose, image_evidence, prior, partner=partner)
     pose = _slid_along(fitter, pose, image_evidence, prior)
     high = fitter.anatomy.high.copy()
-    longest = pose[fitter.lengths] + np.log(_LATER_LONGER)
+    longest = pose[fitter.lengths] + np.log(SEQUENCE.later_longer)
     high[fitter.lengths] = np.maximum(high[fitter.lengths], longest)
     fitter.anatomy = fitter.anatomy._replace(high=high)
     return pose, fitter.body_support(pose, image_evidence)
@@ -146,7 +133,7 @@ def _learn_blur(
     """
 
     def tried(blur: float, pose: np.ndarray, layout: Layout) -> tuple[float, np.ndarray, Layout]:
-        for _ in range(_BLUR_TURNS):
+        for _ in range(SEQUENCE.blur_turns):
             layout = learn_appearance(
                 layout, [(pose, image_evidence)], first=fitter.first, partner=partner, prior=prior,
                 blur=blur, soft=fitter.settings.soft_error,
@@ -156,9 +143,9 @@ def _learn_blur(
         return cost, pose, layout
 
     best, blur = tried(fitter.blur, pose, fitter.layout), fitter.blur
-    for factor in (_BLUR_STEP, 1.0 / _BLUR_STEP):
+    for factor in (SEQUENCE.blur_step, 1.0 / SEQUENCE.blur_step):
         first, trial = blur, blur * factor
-        while _BLURS[0] <= trial <= _BLURS[1]:
+        while SEQUENCE.first_frame_blurs[0] <= trial <= SEQUENCE.first_frame_blurs[1]:
             other = tried(trial, *best[1:])
             if other[0] < best[0]:
                 best, blur = other, trial
@@ -194,7 +181,7 @@ def first_darkness(fitter: FrameFitter, frame: Frame, pose: np.ndarray) -> Layou
     inside = image_evidence.seen[canvas[1] != NOTHING]
     if not inside.size:
         return fitter.layout
-    dark = float(np.clip(np.percentile(inside, 70), *_DARK_LIMITS))
+    dark = float(np.clip(np.percentile(inside, 70), *SEQUENCE.dark_limits))
     layout = fitter.layout
     factor = dark / float(layout.dark.max())
     ellipse = layout.ellipse.copy()
@@ -214,8 +201,8 @@ def _fit_body(fitter: FrameFitter, frame: Frame, pose: np.ndarray, prior: Prior)
     ellipse = fitter.layout.ellipse
     front, rear = ellipse[:, 0] + ellipse[:, 2], ellipse[:, 0] - ellipse[:, 2]
     half = float(front.max() - rear.min()) / 2.0
-    for blur in _BODY_BLURS:
-        if blur > max(half, _BODY_BLURS[-1]):
+    for blur in SEQUENCE.body_blurs:
+        if blur > max(half, SEQUENCE.body_blurs[-1]):
             continue
         soft = blurred(image_evidence, blur)
         pose, _ = fitter.fit(
@@ -256,14 +243,16 @@ def _best_slide(
     """Return a leg's part of the pose vector, slid to where it explains most, if that is more."""
     numbers = fitter.numbers[leg]
     tried = [pose[numbers]]
-    tried += [slid_leg(fitter.layout, pose, leg, factor=factor) for factor in _SLIDES]
+    tried += [
+        slid_leg(fitter.layout, pose, leg, factor=factor) for factor in SEQUENCE.first_frame_slides
+    ]
     part = part_about(fitter, image_evidence, pose, leg=leg, guesses=tried)
     best, least = tried[0], np.inf
     for guess in tried:
         trial = pose.copy()
         trial[numbers] = guess
         trial, cost = fitter.fit(trial, part, prior, active=numbers, rounds=8)
-        if cost < least - _BETTER:
+        if cost < least - SEQUENCE.first_frame_better:
             best, least = trial[numbers], cost
     return best
 
@@ -312,7 +301,7 @@ def _choose(
         numbers = own.numbers[leg]
         found = limb_candidates(own, pose, leg, image_evidence=image_evidence, prior=prior)
         n = len(numbers) // 2
-        for shorter in _SHORTER:
+        for shorter in SEQUENCE.first_frame_shorter:
             guess = prior.middle[numbers].copy()
             guess[n:] += shorter
             found.append(

@@ -7,17 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from pawnb.core.pose.fit.sequence.messages import from_neighbours
-
-_ANGLE_SD_DEG, _LENGTH_SD = 8.0, 0.12
-"""Standard deviation of second differences before anything is known of this animal: wide."""
-_LEAST_DEG, _LEAST_LENGTH = 0.5, 0.005
-"""What is added to the spread of second differences: no joint of a living leg moves more evenly."""
-_COUNTS = 20.0
-"""So many frames is that least spread worth."""
-_TAIL = 4.0
-"""Degrees of freedom of Student's t: a leg that leaps in a few frames, because it is wrong there,
-does not say how legs move."""
-_ROUNDS = 3
+from pawnb.core.pose.fit.sequence.parameters import SEQUENCE
 
 
 def first_motion(n_links: int) -> np.ndarray:
@@ -34,7 +24,7 @@ def first_motion(n_links: int) -> np.ndarray:
     ndarray, shape (2 n_links, 2 n_links)
         Covariance.
     """
-    return np.diag(np.repeat([np.radians(_ANGLE_SD_DEG), _LENGTH_SD], n_links) ** 2)
+    return np.diag(np.repeat([np.radians(SEQUENCE.angle_sd_deg), SEQUENCE.length_sd], n_links) ** 2)
 
 
 def learn_motion(legs: Sequence[np.ndarray], known: np.ndarray) -> np.ndarray:
@@ -62,12 +52,12 @@ def learn_motion(legs: Sequence[np.ndarray], known: np.ndarray) -> np.ndarray:
     if not legs:
         return known
     change = np.concatenate([np.diff(leg, 2, axis=0) for leg in legs])
-    least = np.diag(np.repeat([np.radians(_LEAST_DEG), _LEAST_LENGTH], d // 2) ** 2)
-    for _ in range(_ROUNDS):
+    least = np.diag(np.repeat([np.radians(SEQUENCE.least_deg), SEQUENCE.least_length], d // 2) ** 2)
+    for _ in range(SEQUENCE.leg_motion_rounds):
         far = np.einsum("ti,ij,tj->t", change, np.linalg.inv(known), change)
-        weight = (_TAIL + d) / (_TAIL + far)
-        moments = (change * weight[:, None]).T @ change + _COUNTS * least
-        known = moments / (len(change) + _COUNTS) + least
+        weight = (SEQUENCE.leg_motion_tail + d) / (SEQUENCE.leg_motion_tail + far)
+        moments = (change * weight[:, None]).T @ change + SEQUENCE.leg_motion_counts * least
+        known = moments / (len(change) + SEQUENCE.leg_motion_counts) + least
     return known
 
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import itertools
 from collections import ChainMap
 from collections.abc import Callable, Iterable
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
 from pawnb.core.frame_checkpoint import KeptFrames, Record
+from pawnb.core.parallel import Threads
 from pawnb.core.pose.fit.candidates.leg_candidates import (
     SAME_PX,
     LegCandidates,
@@ -27,35 +27,9 @@ from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.learning.anatomy import about
 from pawnb.core.pose.fit.rendering.blur import blurred
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence, Prior, prior_cost
+from pawnb.core.pose.fit.sequence.parameters import SEQUENCE
 from pawnb.core.video.views import Frame
 
-_COARSE_BLUR = 4.0
-"""Blur, px, of the first fit of a lost animal, which draws from further away."""
-_BODY_LOST = 0.5
-"""Share of the body's darkness below which it is not there."""
-_LOST_FRAMES = 2
-"""Following ends after more frames in a row without a body."""
-_LEG_LOST, _TIP_LOST = 0.75, 0.5
-_UNEXPLAINED_SHARE = 0.12
-"""Dark pixels left over beyond the usual, as a share of a leg's area, from which on legs are
-looked for."""
-_UNLIKELY = 5.0
-"""Cost of a leg's pose by anatomy from which on it is doubted."""
-_USUAL_GROWS = 1.02
-"""What is left over may grow by 2 % a frame and still be usual."""
-_FIRST_FRAMES = 2
-"""Frames after the start in which it is not known yet how the legs move."""
-_KEEP_VELOCITY = 0.9
-"""Share of a step that is expected again: legs stop and turn."""
-_LEAP_PX = 12.0
-"""Three times as far is no motion of a leg from one frame to the next: it was lost."""
-_RIVAL = 30.0
-"""A candidate whose best path costs this much more than the best is followed no further."""
-_LEARN_LENGTH = 0.03
-"""Share by which the usual length of each segment follows each frame: about 30 frames."""
-_JUMP_OF_MEDIAN, _JUMP_FRAMES = 1.5, 30
-"""Spread of the places of legs, as a multiple of how far the middle one strays over so many frames:
-a walking fly takes half a step between two frames at 25 a second."""
 _STATE = ("pose", "velocity", "middle", "jump_px", "_usual", "_lost", "_astray")
 """All that the next frame needs to know of those before, besides what each leaves open."""
 
@@ -82,7 +56,7 @@ class Follower:
         self._usual = np.full(2, np.inf)
         # numpy's own part is small: the compiled loops of two legs run side by side
         self._twins = [fitter.twin() for _ in self.sides]
-        self._pool = ThreadPoolExecutor(len(self.sides), thread_name_prefix="pawnb-legs")
+        self._pool = Threads(len(self.sides), thread_name_prefix="pawnb-legs")
         self._lost = 0
         self._astray: list[float] = []
         self.jump_px = fitter.settings.jump_px
@@ -129,7 +103,7 @@ class Follower:
                 if done is not None:
                     done()
         if self._lost:  # the last frames were kept in case the body came back
-            del self.kept[len(self.kept) - min(self._lost, _LOST_FRAMES) :]
+            del self.kept[len(self.kept) - min(self._lost, SEQUENCE.lost_frames) :]
         return self.kept
 
     def advance(self, frame: Frame) -> bool:
@@ -148,9 +122,9 @@ class Follower:
             image_evidence = fitter.image_evidence(image, box, expected)
         anatomy, prior = self.priors(expected)
         pose = self.fit_from(expected, image_evidence)
-        if fitter.body_support(pose, image_evidence) < _BODY_LOST:
+        if fitter.body_support(pose, image_evidence) < SEQUENCE.body_lost:
             self._lost += 1
-            if self._lost > _LOST_FRAMES:
+            if self._lost > SEQUENCE.lost_frames:
                 return False
         else:
             self._lost = 0
@@ -204,8 +178,10 @@ class Follower:
         """
         fitter = fitter or self.fitter
         _, prior = self.priors(expected)
-        soft = blurred(image_evidence, _COARSE_BLUR)
-        pose, _ = fitter.fit(expected, soft, prior, blur=fitter.blur + _COARSE_BLUR, rounds=2)
+        soft = blurred(image_evidence, SEQUENCE.coarse_blur)
+        pose, _ = fitter.fit(
+            expected, soft, prior, blur=fitter.blur + SEQUENCE.coarse_blur, rounds=2
+        )
         pose, _ = fitter.fit(pose, image_evidence, prior, rounds=5)
         return pose
 
@@ -273,12 +249,12 @@ class Follower:
         """Return which legs may be elsewhere."""
         fitter = self.fitter
         support = fitter.support(choices.pose, image_evidence)
-        doubted = ~((support[:, 0] >= _LEG_LOST) & (support[:, 1] >= _TIP_LOST))
-        doubted |= len(self.kept) < _FIRST_FRAMES
+        doubted = ~((support[:, 0] >= SEQUENCE.leg_lost) & (support[:, 1] >= SEQUENCE.tip_lost))
+        doubted |= len(self.kept) < SEQUENCE.first_frames
         left_over = fitter.unexplained(choices.pose, image_evidence)
-        usual = np.minimum(self._usual * _USUAL_GROWS + 1.0, left_over)
+        usual = np.minimum(self._usual * SEQUENCE.usual_grows + 1.0, left_over)
         on_right = (fitter.layout.side > 0).astype(int)
-        doubted |= (left_over > usual + _UNEXPLAINED_SHARE * fitter.leg_area)[on_right]
+        doubted |= (left_over > usual + SEQUENCE.unexplained_share * fitter.leg_area)[on_right]
         self._usual = usual
         joints = [j[0] for j in choices.joints]
         for legs in self.sides:
@@ -288,7 +264,7 @@ class Follower:
                 if close or legs_cross(fitter, (a, joints[a]), (b, joints[b])):
                     doubted[[a, b]] = True
         for leg, numbers in enumerate(fitter.numbers):
-            if prior_cost(choices.pose, anatomy, numbers) > _UNLIKELY:
+            if prior_cost(choices.pose, anatomy, numbers) > SEQUENCE.one_direction_unlikely:
                 doubted[leg] = True
         return doubted
 
@@ -302,7 +278,7 @@ class Follower:
         states = self._push(choices)
         for legs, viterbi_trellis, state in zip(self.sides, self.trellises, states, strict=True):
             for leg, which, cost in zip(legs, state, viterbi_trellis.marginals(), strict=True):
-                near = cost < cost[which] + _RIVAL
+                near = cost < cost[which] + SEQUENCE.one_direction_rival
                 near[which] = False
                 choices.alternatives[leg] = choices.legs[leg][near]
                 if which:
@@ -330,8 +306,8 @@ class Follower:
         fitter = self.fitter
         square = ((fitter.joints(pose) - fitter.joints(expected)) ** 2).sum(axis=-1)
         self._astray.append(float(np.median(np.sqrt(np.nanmean(square, axis=1)))))
-        self._astray = self._astray[-_JUMP_FRAMES:]
-        usual = _JUMP_OF_MEDIAN * float(np.median(self._astray))
+        self._astray = self._astray[-SEQUENCE.jump_frames :]
+        usual = SEQUENCE.jump_of_median * float(np.median(self._astray))
         self.jump_px = max(fitter.settings.jump_px, usual)
         for viterbi_trellis in self.trellises:
             viterbi_trellis.jump_px = self.jump_px
@@ -344,9 +320,9 @@ class Follower:
             len(fitter.numbers), -1
         )
         for leg, numbers in enumerate(fitter.numbers):
-            if np.nanmax(far[leg]) > 3 * _LEAP_PX:
+            if np.nanmax(far[leg]) > 3 * SEQUENCE.leap_px:
                 moved[numbers] = 0.0
         moved[fitter.lengths] = 0.0
-        self.velocity = _KEEP_VELOCITY * moved
-        self.middle += _LEARN_LENGTH * (pose[fitter.lengths] - self.middle)
+        self.velocity = SEQUENCE.keep_velocity * moved
+        self.middle += SEQUENCE.learn_length * (pose[fitter.lengths] - self.middle)
         self.pose = pose

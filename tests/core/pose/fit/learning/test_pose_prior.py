@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from pawnb.core.pose.fit.learning import pose_prior
+from pawnb.core.pose.fit.learning.parameters import LEARNING
 
 
 def test_middle_and_spread_are_not_moved_by_one_odd_pose():
@@ -13,8 +14,8 @@ def test_middle_and_spread_are_not_moved_by_one_odd_pose():
     own = np.array([[1.0, 3.0], [2.0, 3.0], [3.0, 3.0], [4.0, 3.0], [50.0, 3.0]])
     centre, sd = pose_prior._spread(own)
     np.testing.assert_array_equal(centre, [3.0, 3.0])
-    assert sd[0] == pytest.approx(pose_prior._WIDER * 1.4826)
-    assert sd[1] == pose_prior._LEAST_SD  # a length that never changes may change a little
+    assert sd[0] == pytest.approx(LEARNING.pose_prior_wider * 1.4826)
+    assert sd[1] == LEARNING.least_sd  # a length that never changes may change a little
 
 
 def test_the_most_usual_pose_comes_first_and_the_others_lie_apart():

@@ -11,16 +11,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from pawnb.core.paws.offline.association.network_flow.parameters import NETWORK_FLOW
 from pawnb.core.paws.offline.association.network_flow.tracklets import Tracklet
-
-_SLOW = 0.35
-"""What is slower, in the speed of the ground, stays: paws that land or lift off do for a moment."""
-_WITH = 0.4
-"""Speeds that differ from the ground's by less of it are those of paws that stand."""
-_PASSED = 3.0
-"""Thicknesses by which the ground must have moved away under what stays."""
-_SHARE = 0.8
-"""Share of its frames in which a tracklet must stay."""
 
 
 def without_body_clutter(
@@ -51,15 +43,18 @@ def without_body_clutter(
     ]
     for tracklet, step in zip(tracklets, steps, strict=True):
         if step is not None:
-            stands = np.linalg.norm(step - substrate_velocity, axis=1) < _WITH * speed
+            stands = (
+                np.linalg.norm(step - substrate_velocity, axis=1)
+                < NETWORK_FLOW.body_clutter_with * speed
+            )
             walks[tracklet.first : tracklet.last + 1] |= stands
     kept = []
     for tracklet, step in zip(tracklets, steps, strict=True):
         if step is not None:
             during = walks[tracklet.first : tracklet.last + 1]
-            slow = np.linalg.norm(step, axis=1) < _SLOW * speed
-            enough = during.sum() * speed > _PASSED * paw_width
-            if enough and (slow & during).sum() >= _SHARE * during.sum():
+            slow = np.linalg.norm(step, axis=1) < NETWORK_FLOW.body_clutter_slow * speed
+            enough = during.sum() * speed > NETWORK_FLOW.body_clutter_passed * paw_width
+            if enough and (slow & during).sum() >= NETWORK_FLOW.body_clutter_share * during.sum():
                 continue
         kept.append(tracklet)
     return kept

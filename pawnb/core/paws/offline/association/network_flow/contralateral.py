@@ -12,24 +12,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from pawnb.core import dlt
+from pawnb.core.paws.offline.association.network_flow.parameters import NETWORK_FLOW
 from pawnb.core.paws.offline.association.network_flow.tracklets import Tracklet, joined
 from pawnb.core.paws.offline.scene.treadmill import Scene, unlabelled_kinds
-
-_ASIDE_SD = 0.1
-"""Standard deviation, in spans, of how far to the side of its click a paw is later: it wanders
-by 0.02 to 0.08 itself, and detections of two views of one side that lie half a paw width off
-are as much off in depth."""
-_FARTHEST = 6.0
-"""Squared standard deviations beyond which it costs no more: that is the other paw. Half of it is
-less than being occluded costs in a frame, as all that tells where a point usually is must be."""
-_SAME_SIDE = 0.1
-"""An unlabelled target that is within so many spans, to the side, of where the paw of its kind was
-clicked is that paw: clicks of two views of one side are 0.01 off in depth, and left and right paws
-of rendered mice are 0.2 (front) to 0.9 (hind) apart.
-"""
-_FAR_SIDE = 0.2
-"""An unlabelled target is so many spans farther from the cameras than the clicked one of its kind.
-"""
 
 Anchors = Mapping[int, Mapping[int, np.ndarray]]
 """Frame to point number to position, certain."""
@@ -46,6 +31,11 @@ def with_contralateral(
         Which view tracks which clicked point.
     kinds, extra : sequence of str
         Kinds of the clicked points, and of the unlabelled targets.
+
+    Returns
+    -------
+    ndarray of bool, shape (P + S, V)
+        Which view tracks which point or unlabelled target.
     """
     alike = [tracked[:, [kind == own for kind in kinds]].any(axis=1) for own in extra]
     return np.stack([*tracked.T, *alike])
@@ -88,7 +78,12 @@ def lateral_cost(away: np.ndarray, body_scale: float) -> np.ndarray:
     body_scale : float
         Distance of front from hind paws, in the same unit.
     """
-    return np.asarray(0.5 * np.minimum((away / (_ASIDE_SD * body_scale)) ** 2, _FARTHEST))
+    return np.asarray(
+        0.5
+        * np.minimum(
+            (away / (NETWORK_FLOW.aside_sd * body_scale)) ** 2, NETWORK_FLOW.contralateral_farthest
+        )
+    )
 
 
 def side_cost(
@@ -150,6 +145,19 @@ def near_side_cost(
     An unlabelled target that takes the place of an occluded paw keeps it: nothing else says whose
     it is. Parameters as for :func:`side_cost`.
 
+    Parameters
+    ----------
+    tracklets : sequence of Tracklet
+        The tracklets.
+    anchors : Anchors
+        What is certain.
+    scene : Scene
+        Views and animal.
+    body : ndarray, shape (n, d)
+        The middle of the body in each frame.
+    kinds : sequence of str
+        Kind of each point.
+
     Returns
     -------
     ndarray, shape (P, tracklets)
@@ -165,7 +173,7 @@ def near_side_cost(
     for p in range(clicked, len(kinds)):
         point = kinds.index(kinds[p])
         away = way * lateral_offset(at, since, body=body[frame], point=point, across=across)
-        short = np.maximum(_FAR_SIDE * scene.body_scale - away, 0.0)
+        short = np.maximum(NETWORK_FLOW.far_side * scene.body_scale - away, 0.0)
         cost[p] = np.add.reduceat(lateral_cost(short, scene.body_scale), first)
     return cost
 
@@ -206,7 +214,7 @@ def share_observed(
                 np.nan_to_num(x[:, p]), since, body=body, point=kinds.index(kinds[p]),
                 across=across,
             )  # fmt: skip
-            own &= np.abs(away) > _SAME_SIDE * scene.body_scale
+            own &= np.abs(away) > NETWORK_FLOW.same_side * scene.body_scale
         shares.append(own.mean())
     return np.array(shares)
 

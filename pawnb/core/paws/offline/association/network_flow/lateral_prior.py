@@ -11,10 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-_WANDERS = 0.1
-"""Standard deviation, in spans, of how far to the side of its usual way a paw goes."""
-_TO_SD = 1.4826
-"""Standard deviation of a normal distribution over its median absolute deviation."""
+from pawnb.core.paws.offline.association.network_flow.parameters import NETWORK_FLOW
 
 
 @dataclass(frozen=True)
@@ -39,6 +36,15 @@ class LateralPrior:
         """Add to information (n, P, d, d) and target (n, P, d) where fewer than two views see.
 
         ``views`` is how many do, shape (n, P).
+
+        Parameters
+        ----------
+        W : ndarray, shape (n, P, d, d)
+            Information, changed in place.
+        z : ndarray, shape (n, P, d)
+            Target, changed in place.
+        views : ndarray of int, shape (n, P)
+            How many views see each point.
         """
         known = np.where(views < 2, self.information, 0.0)
         W += known[..., None, None] * np.outer(self.across, self.across)
@@ -71,5 +77,9 @@ def learn_lateral_prior(
     known = np.isfinite(away).any(axis=0)
     usual, spread = np.zeros(away.shape[1]), np.full(away.shape[1], np.inf)
     usual[known] = np.nanmedian(away[:, known], axis=0)
-    spread[known] = _TO_SD * np.nanmedian(np.abs(away[:, known] - usual[known]), axis=0)
-    return LateralPrior(across, middle + usual, 1.0 / (spread**2 + (_WANDERS * body_scale) ** 2))
+    spread[known] = NETWORK_FLOW.to_sd * np.nanmedian(np.abs(away[:, known] - usual[known]), axis=0)
+    return LateralPrior(
+        across,
+        middle + usual,
+        1.0 / (spread**2 + (NETWORK_FLOW.lateral_prior_wanders * body_scale) ** 2),
+    )

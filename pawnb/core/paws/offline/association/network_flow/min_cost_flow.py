@@ -107,7 +107,7 @@ def _link_cost(
 
 
 def _speed_variance(n: int, costs: FlowCosts) -> float:
-    """Return the variance of a speed told from n frames."""
+    """Return the variance of a speed estimated from n frames."""
     if n == 1:
         return costs.speed**2
     return min(12 * costs.noise**2 / (n * (n**2 - 1)) * (2.0 if n >= 5 else 1.0), costs.speed**2)

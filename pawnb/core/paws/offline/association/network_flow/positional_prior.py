@@ -12,11 +12,8 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.ndimage import gaussian_filter1d, uniform_filter1d
 
+from pawnb.core.paws.offline.association.network_flow.parameters import NETWORK_FLOW
 from pawnb.core.paws.offline.association.network_flow.tracklets import Tracklet, joined
-
-_BINS = 160
-_MOST = 4.0
-"""Largest cost of one frame: a rare place is not an impossible one."""
 
 
 def follow_body(x: np.ndarray, frames: int) -> np.ndarray:
@@ -75,10 +72,12 @@ def learn_positional_prior(
         for name in names:
             part = along[:, [other == name for other in names]]
             part = part[np.isfinite(part)]
-            count = np.bincount(_bin(part, body_scale), minlength=_BINS).astype(float)
-            density = gaussian_filter1d(count, 0.05 * _BINS / 3.0)
+            count = np.bincount(
+                _bin(part, body_scale), minlength=NETWORK_FLOW.positional_prior_bins
+            ).astype(float)
+            density = gaussian_filter1d(count, 0.05 * NETWORK_FLOW.positional_prior_bins / 3.0)
             density = density / max(density.max(), 1e-9)
-            own.append(np.minimum(-np.log(density + 1e-3), _MOST))
+            own.append(np.minimum(-np.log(density + 1e-3), NETWORK_FLOW.positional_prior_most))
         costs.append(own)
     return costs
 
@@ -91,7 +90,26 @@ def positional_cost(
     positional_prior: Sequence[Sequence[np.ndarray]],
     body_scale: float,
 ) -> np.ndarray:
-    """Return the cost (P, tracklets) of each tracklet for each point."""
+    """Return the cost (P, tracklets) of each tracklet for each point.
+
+    Parameters
+    ----------
+    tracklets : sequence of Tracklet
+        The tracklets.
+    body : ndarray, shape (n, d)
+        The middle of the body in each frame.
+    axes : sequence of ndarray, shape (d,)
+        Unit vectors along which places are counted.
+    positional_prior : sequence of sequence of ndarray
+        For each axis and point, the cost of each bin of places about the body.
+    body_scale : float
+        Length of the body, in units of the places.
+
+    Returns
+    -------
+    ndarray, shape (P, tracklets)
+        Costs.
+    """
     if not tracklets:
         return np.zeros((len(positional_prior[0]), 0))
     frame, at, first = joined(tracklets)
@@ -106,4 +124,8 @@ def positional_cost(
 
 def _bin(along: np.ndarray, body_scale: float) -> np.ndarray:
     """Return the bin of positions, from -1.5 to 1.5 spans."""
-    return np.clip(((along / body_scale + 1.5) / 3.0 * _BINS).astype(int), 0, _BINS - 1)
+    return np.clip(
+        ((along / body_scale + 1.5) / 3.0 * NETWORK_FLOW.positional_prior_bins).astype(int),
+        0,
+        NETWORK_FLOW.positional_prior_bins - 1,
+    )

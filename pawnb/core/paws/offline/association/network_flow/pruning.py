@@ -13,10 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from pawnb.core.compiled import compiled
-
-_ROUNDS = 400
-_EXACT = 1e-7
-"""Bounds that differ by less, relative to the costs, are the same."""
+from pawnb.core.paws.offline.association.network_flow.parameters import NETWORK_FLOW
 
 
 def useful_links(
@@ -55,8 +52,10 @@ def useful_links(
     first = np.searchsorted(links[order, 0], np.arange(len(begin) + 1))
     tail, head = np.ascontiguousarray(links[order, 1]), np.ascontiguousarray(links[order, 2])
     ordered = cost[order]
-    lower, upper = _bounds(first, tail, head, ordered, begin, need, price, _ROUNDS)
-    slack = upper - lower + _EXACT * (1.0 + abs(lower))
+    lower, upper = _bounds(
+        first, tail, head, ordered, begin, need, price, NETWORK_FLOW.pruning_rounds
+    )
+    slack = upper - lower + NETWORK_FLOW.pruning_exact * (1.0 + abs(lower))
     keep = np.empty(len(links), bool)
     keep[order] = _detours(first, tail, head, ordered, begin, price) <= slack
     return keep

@@ -12,13 +12,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from pawnb.core.paws.offline.association.network_flow.parameters import NETWORK_FLOW
 from pawnb.core.paws.offline.association.network_flow.tracklets import Tracklet, joined
-
-_STANDS, _SLIDES = 0.5, 0.6
-"""A paw that stands stays within so many paw widths of its place on the ground, and does not
-stand again as many farther on."""
-_BETWEEN = 2
-"""Frames before and after such a slide that belong to neither place."""
 
 
 def split_at_crossings(tracklets: Sequence[Tracklet], apart: float) -> list[Tracklet]:
@@ -124,7 +119,7 @@ def split_sliding(
     substrate_velocity : ndarray, shape (d,)
         Speed of the ground, length per frame.
     axes : ndarray, shape (2, d)
-        Unit vectors forward and up: that a paw stands is told along them, as depth may be vague.
+        Unit vectors forward and up: that a paw stands is decided along them, as depth may be vague.
     paw_width : float
         Width of a paw.
     frames : int
@@ -148,17 +143,17 @@ def split_sliding(
 
 def _slides(still: np.ndarray, axes: np.ndarray, paw_width: float, frames: int) -> list[int]:
     """Return where places on the ground (n, d) slide: the first frame after each slide's middle."""
-    apart = frames + 2 * _BETWEEN
+    apart = frames + 2 * NETWORK_FLOW.splitting_between
     if len(still) < apart + frames:
         return []
     window = np.lib.stride_tricks.sliding_window_view(still, frames, axis=0)
     place = np.median(window, axis=-1)
-    stands = np.ptp(axes @ window, axis=-1).max(axis=1) < _STANDS * paw_width
+    stands = np.ptp(axes @ window, axis=-1).max(axis=1) < NETWORK_FLOW.splitting_stands * paw_width
     step = np.linalg.norm(place[apart:] - place[:-apart], axis=1)
     step = np.where(stands[apart:] & stands[:-apart], step, 0.0)
-    slid = np.concatenate([[False], step > _SLIDES * paw_width, [False]])
+    slid = np.concatenate([[False], step > NETWORK_FLOW.splitting_slides * paw_width, [False]])
     edges = np.flatnonzero(np.diff(slid.astype(int))).reshape(-1, 2).tolist()
-    return [(a + b - 1) // 2 + frames + _BETWEEN for a, b in edges]
+    return [(a + b - 1) // 2 + frames + NETWORK_FLOW.splitting_between for a, b in edges]
 
 
 def near_ends(tracklets: Sequence[Tracklet], apart: float) -> list[tuple[int, int]]:

@@ -15,6 +15,7 @@ from pawnb.core.paws.offline.association.network_flow.contralateral import (
     side_cost,
 )
 from pawnb.core.paws.offline.association.network_flow.min_cost_flow import FlowCosts, MinCostFlow
+from pawnb.core.paws.offline.association.network_flow.parameters import NETWORK_FLOW
 from pawnb.core.paws.offline.association.network_flow.positional_prior import (
     follow_body,
     learn_positional_prior,
@@ -44,43 +45,6 @@ from pawnb.core.paws.offline.scene.treadmill import Scene
 from pawnb.core.paws.offline.settings import OfflineSettings
 from pawnb.core.paws.offline.stride.cycle import Cycle
 from pawnb.core.paws.offline.treadmill.median import median
-
-_LOOKS = 2
-"""Times that paths are chosen again with the habits learnt from the last choice."""
-_HABIT = 0.5
-"""Weight of where points rarely are relative to the body: neighbouring frames err alike."""
-_EXPECTED = 0.3
-"""Half a squared standard deviation from where the cycle has a point, for frames that err alike."""
-_FARTHEST = 36.0
-"""Squared standard deviations beyond which a point off its cycle costs no more. That cost must be
-above what it costs to stay occluded: towards the end of a recording, where no later tracklet has to
-be reached, a point that is lost would else take whatever is there, however far from its own place.
-"""
-_TOLD_APART = 0.5
-"""Clicks of front and hind paws this many spans apart tell where each usually are."""
-_LOOK_BELOW = 3.0
-"""What a place looks like counts so much more from below, where nothing hides a paw."""
-_ELSEWHERE = 1.5
-"""Cost of a place that no view of the point's own shows, in that of being occluded: an occluded paw
-is bridged, and one that follows another's is wrong.
-"""
-_GOOD = 0.5
-"""Largest cost of a place that tells about it."""
-_DEAREST, _WORSE = (0.9, 1.2), 0.2
-"""Tracklets are no paw if they cost more a frame; the limit is raised, at most to the second,
-to so much above what the clicked paws cost: with their toes spread they look less like ends."""
-_MEETING = 3.0
-"""Distance, in paw widths, at which points meet in a picture."""
-
-_BESIDE = 4.0
-"""Distance, in paw widths, at which a tracklet that ends is beside another."""
-_TAKEOVER_S = 0.03
-"""Time, s, before and after its end in which the other may take over its point."""
-_STOOD_S = 0.015
-"""Time, s, for which a paw goes with the ground to be known to stand."""
-_WANDERS = 2.0
-"""Before the body is followed places to the side are told so much more vaguely: an animal on a belt
-wanders. Only where unlabelled targets are kept to their side, too: clicked paws hold their own."""
 
 Anchors = Mapping[int, Mapping[int, np.ndarray]]
 """Frame to point number to position, certain."""
@@ -141,9 +105,13 @@ class TrackletAssociator:
         self.shape = (len(found), len(kinds), scene.geometry.n_coordinates)
         self.body_frames = max(3, round(settings.body_s * fps))
         places = find_hypotheses(found, scene, settings, likelihood=likelihood)
-        dearest = _DEAREST[0]
+        dearest = NETWORK_FLOW.tracklet_association_dearest[0]
         for t, here in anchors.items():
-            dearest = max(dearest, _dearest_click(places[t], here, scene.paw_width) + _WORSE)
+            dearest = max(
+                dearest,
+                _dearest_click(places[t], here, scene.paw_width)
+                + NETWORK_FLOW.tracklet_association_worse,
+            )
             away = places[t].distance(np.stack(list(here.values())))
             free = away > 1.2 * scene.paw_width
             if t == 0:
@@ -161,7 +129,11 @@ class TrackletAssociator:
             tracklet
             for tracklet, cost in zip(tracklets, total_costs(tracklets), strict=True)
             if cost / len(tracklet.detection_indices)
-            < (min(dearest, _DEAREST[1]) if len(tracklet.detection_indices) > 1 else 0.5)
+            < (
+                min(dearest, NETWORK_FLOW.tracklet_association_dearest[1])
+                if len(tracklet.detection_indices) > 1
+                else 0.5
+            )
         ]
         self._clicked = 1 + max(p for here in anchors.values() for p in here)
         contralateral = len(kinds) - self._clicked
@@ -181,7 +153,11 @@ class TrackletAssociator:
         if self.tracklets and bottom_view is None and scene.volume is not None:
             frame, at, begins = joined(self.tracklets)
             seen = pairing(scene, settings, likelihood=likelihood).seen(frame, at, found)
-            cost = _ELSEWHERE * occlusion_frame_cost * observed_elsewhere(seen, tracked_in_view)
+            cost = (
+                NETWORK_FLOW.tracklet_association_elsewhere
+                * occlusion_frame_cost
+                * observed_elsewhere(seen, tracked_in_view)
+            )
             self._elsewhere = np.add.reduceat(cost, begins, axis=1)
         self._flow = MinCostFlow(
             self.tracklets, anchors, len(found), costs, contralateral=contralateral
@@ -196,17 +172,21 @@ class TrackletAssociator:
             or self._clicked < len(self.kinds)
         ):
             # in one picture points meet that do not meet in space
-            tracklets = split_at_crossings(tracklets, _MEETING * paw_width)
+            tracklets = split_at_crossings(
+                tracklets, NETWORK_FLOW.tracklet_association_meeting * paw_width
+            )
         else:
             tracklets = split_at_swaps(
-                tracklets, _BESIDE * paw_width, max(3, round(_TAKEOVER_S * fps))
+                tracklets,
+                NETWORK_FLOW.tracklet_association_beside * paw_width,
+                max(3, round(NETWORK_FLOW.takeover_s * fps)),
             )
         tracklets = split_sliding(
             tracklets,
             substrate_velocity=substrate_velocity,
             axes=self.motion_model.axes[[0, -1]],
             paw_width=paw_width,
-            frames=max(3, round(_STOOD_S * fps)),
+            frames=max(3, round(NETWORK_FLOW.stood_s * fps)),
         )
         return without_body_clutter(tracklets, substrate_velocity, paw_width=paw_width)
 
@@ -226,7 +206,7 @@ class TrackletAssociator:
         x = self._choose(start)
         axes = list(self.motion_model.axes[:2])
         groups = [self.kinds, [str(p) for p in range(self.shape[1])]][: len(axes)]
-        for _ in range(_LOOKS):
+        for _ in range(NETWORK_FLOW.tracklet_association_looks):
             body, body_scale = self.body(x), self.scene.body_scale
             positional_prior = learn_positional_prior(
                 x, body, axes=axes, groups=groups, body_scale=body_scale
@@ -240,7 +220,7 @@ class TrackletAssociator:
             )
             # habits learnt while near and far paws changed places would keep them so
             side = side_cost(self.tracklets, self.anchors, self.scene, body=body, kinds=self.kinds)
-            x = self._choose(_HABIT * prior + side)
+            x = self._choose(NETWORK_FLOW.tracklet_association_habit * prior + side)
         if self._clicked == len(self.kinds):
             return x
         return assign_near_side(
@@ -262,7 +242,9 @@ class TrackletAssociator:
             [cycle.square(frame, p, self._as_high(at, cycle.mean[frame, p]))
              for p in range(self.shape[1])]
         )  # fmt: skip
-        cost = _EXPECTED * np.minimum(square, _FARTHEST)
+        cost = NETWORK_FLOW.tracklet_association_expected * np.minimum(
+            square, NETWORK_FLOW.tracklet_association_farthest
+        )
         return self._choose(np.add.reduceat(cost, first, axis=1))
 
     def body(self, x: np.ndarray) -> np.ndarray:
@@ -273,7 +255,7 @@ class TrackletAssociator:
         """Return where the cheapest chains of tracklets go."""
         x = np.full(self.shape, np.nan)
         if self.scene.bottom_view is not None:
-            look = _LOOK_BELOW * total_costs(self.tracklets)
+            look = NETWORK_FLOW.look_below * total_costs(self.tracklets)
             prior = look + (0.0 if prior is None else prior) + np.zeros((self.shape[1], 1))
         total = (0.0 if prior is None else prior) + self._elsewhere
         for p, chain in enumerate(self._flow.assign(total)):
@@ -311,7 +293,7 @@ def _motion_model(
         places,
         within=0.3 * scene.paw_width,
         longest=2.0 * speed,
-        lag=max(1, round(_STOOD_S * fps)),
+        lag=max(1, round(NETWORK_FLOW.stood_s * fps)),
     )
     axes = [scene.forward, scene.up]
     if scene.geometry.n_coordinates == 3:
@@ -337,7 +319,24 @@ def find_hypotheses(
     *,
     likelihood: AppearanceLikelihood,
 ) -> list[PointHypotheses]:
-    """Return the places of every frame."""
+    """Return the places of every frame.
+
+    Parameters
+    ----------
+    found : sequence of sequence of ndarray
+        For each frame, the detections of each view.
+    scene : Scene
+        Views and animal.
+    settings : OfflineSettings
+        The settings.
+    likelihood : AppearanceLikelihood
+        How much a detection looks like a paw.
+
+    Returns
+    -------
+    list of PointHypotheses
+        Those of each frame.
+    """
     if scene.bottom_view is not None:
         return scene.bottom_view.places(found, settings.max_hypotheses)
     if scene.volume is None:
@@ -348,7 +347,22 @@ def find_hypotheses(
 def pairing(
     scene: Scene, settings: OfflineSettings, *, likelihood: AppearanceLikelihood
 ) -> StereoMatcher:
-    """Return what makes places of the detections of several views."""
+    """Return what makes places of the detections of several views.
+
+    Parameters
+    ----------
+    scene : Scene
+        Views and animal; several views.
+    settings : OfflineSettings
+        The settings.
+    likelihood : AppearanceLikelihood
+        How much a detection looks like a paw.
+
+    Returns
+    -------
+    StereoMatcher
+        Pairs detections of several views.
+    """
     if scene.volume is None:
         raise ValueError("places need several views")
     return StereoMatcher(
@@ -409,7 +423,7 @@ def _start_prior(
         for p in sorted({p for here in anchors.values() for p in here})
     }
     across = scene.across
-    wanders = _WANDERS if len(clicked) < len(usual) else 1.0
+    wanders = NETWORK_FLOW.tracklet_association_wanders if len(clicked) < len(usual) else 1.0
     frame, at, first = joined(tracklets)
     along = at @ scene.forward
     for p, expected in enumerate(usual):
@@ -437,13 +451,29 @@ def where_kinds_are(
     were clicked beside each other, it is where the foremost and the hindmost quarter of all
     places begin.
 
+    Parameters
+    ----------
+    places : sequence of PointHypotheses
+        Those of each frame.
+    anchors : Anchors
+        What is certain.
+    scene : Scene
+        Views and animal.
+    kinds : sequence of str
+        Kind of each point.
+    frames : int
+        Frames over which the middle is followed.
+
     Returns
     -------
     list of ndarray, shape (n,)
         One for each point, empty for a kind of which nothing is known.
     """
     n = len(places)
-    good = [place.at[place.cost < _GOOD] @ scene.forward for place in places]
+    good = [
+        place.at[place.cost < NETWORK_FLOW.tracklet_association_good] @ scene.forward
+        for place in places
+    ]
     middle = np.array([median(one) if len(one) else np.nan for one in good])
     known = np.flatnonzero(np.isfinite(middle))
     if len(known):
@@ -461,7 +491,7 @@ def where_kinds_are(
     }
     told = {kind: middle + at for kind, at in mean.items() if kind != "other"}
     beside = {"front", "hind"} <= set(mean) and mean["front"] - mean["hind"] < (
-        _TOLD_APART * scene.body_scale
+        NETWORK_FLOW.kinds_apart * scene.body_scale
     )
     if beside and len(known):
         away = np.concatenate([one - at for one, at in zip(good, middle, strict=True)])

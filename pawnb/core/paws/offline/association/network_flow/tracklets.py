@@ -11,18 +11,12 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from pawnb.core.compiled import compiled
+from pawnb.core.paws.offline.association.network_flow.parameters import NETWORK_FLOW
 from pawnb.core.paws.offline.association.network_flow.triangulation import PointHypotheses
 
 _GATE, _CLEAR = 16.0, 5.0
 """Squared standard deviations within which a place may follow, and by which all others must be
 farther."""
-_ENDS = 6
-"""Frames at each end from which position and speed there are taken."""
-_DEAR, _ENOUGH = (0.3, 0.6, 0.9, 1.2, 1.5), 0.3
-"""The speed of the ground is told by good places; by worse ones where those make fewer steps than
-so many a frame, as where paws are dim."""
-_CLOSER = (1.0, 0.5)
-"""It is the mean of the steps within smaller and smaller distances of where most are."""
 
 
 @dataclass(frozen=True)
@@ -79,8 +73,12 @@ class Tracklet:
     def end(
         self, substrate_velocity: np.ndarray, *, head: bool
     ) -> tuple[np.ndarray, np.ndarray, int]:
-        """Return position and speed at the first or last frame, and how many frames told."""
-        part = self.at[:_ENDS] if head else self.at[-_ENDS:]
+        """Return position and speed at the first or last frame, and how many frames it is from."""
+        part = (
+            self.at[: NETWORK_FLOW.tracklets_ends]
+            if head
+            else self.at[-NETWORK_FLOW.tracklets_ends :]
+        )
         n = len(part)
         if n == 1:
             return part[0], substrate_velocity, 1
@@ -126,19 +124,19 @@ def estimate_substrate_velocity(
     lag = max(1, min(lag, len(places) - 1))
     sampled = range(0, len(places) - lag, max(1, len(places) // 400))
     every = np.empty((0, places[0].at.shape[1]))
-    for dearest in _DEAR:
+    for dearest in NETWORK_FLOW.tracklets_dear:
         pairs = [[p.at[p.cost < dearest] for p in (places[t], places[t + lag])] for t in sampled]
         steps = [(later[None] - now[:, None]).reshape(-1, every.shape[1]) for now, later in pairs]
         every = np.concatenate([every[:0], *steps])
         every = every[np.linalg.norm(every, axis=1) < longest * lag]
-        if len(every) >= _ENOUGH * len(sampled):
+        if len(every) >= NETWORK_FLOW.tracklets_enough * len(sampled):
             break
     if not len(every):
         return np.zeros(every.shape[1])
     tree = cKDTree(every)
     count = tree.query_ball_point(every, within, return_length=True)
     middle = every[int(np.argmax(count))]
-    for share in _CLOSER:
+    for share in NETWORK_FLOW.tracklets_closer:
         middle = every[tree.query_ball_point(middle, share * within)].mean(axis=0)
     return np.asarray(middle / lag)
 

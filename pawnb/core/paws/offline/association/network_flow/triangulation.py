@@ -10,12 +10,10 @@ import numpy as np
 
 from pawnb.core import dlt
 from pawnb.core.paws.offline.association.network_flow import triangulation_kernels as loops
+from pawnb.core.paws.offline.association.network_flow.parameters import NETWORK_FLOW
 from pawnb.core.paws.offline.detection.colour.likelihood import AppearanceLikelihood
 from pawnb.core.paws.offline.detection.colour.padding import pad_and_stack
 from pawnb.core.sightlines import find_fundamental_matrix
-
-_AT_ONCE = 200
-"""Frames worked on together: enough to save loops, and little memory."""
 
 
 @dataclass(frozen=True)
@@ -112,8 +110,8 @@ class StereoMatcher:
     def places(self, found: Sequence[Sequence[np.ndarray]]) -> list[PointHypotheses]:
         """Return the hypotheses of every frame from the detections of its views."""
         every: list[PointHypotheses] = []
-        for first in range(0, len(found), _AT_ONCE):
-            every += self._places_of(found[first : first + _AT_ONCE])
+        for first in range(0, len(found), NETWORK_FLOW.at_once):
+            every += self._places_of(found[first : first + NETWORK_FLOW.at_once])
         return every
 
     def _places_of(self, found: Sequence[Sequence[np.ndarray]]) -> list[PointHypotheses]:

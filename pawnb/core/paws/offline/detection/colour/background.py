@@ -11,9 +11,8 @@ from pawnb.core.paws.offline.detection.colour.illumination import (
     mean_illumination,
     normalise_illumination,
 )
+from pawnb.core.paws.offline.detection.parameters import COLOUR
 from pawnb.core.pixels.grey import has_colour
-
-_SAMPLES = 32
 
 
 def to_grey(pixels: np.ndarray) -> np.ndarray:
@@ -47,7 +46,7 @@ def estimate_background(
     illumination = {v: mean_illumination(to_grey(shown[v])) for v in grey}
     kept: dict[int, list[np.ndarray]] = {v: [] for v in grey}
     if grey:
-        count = min(_SAMPLES, views.n_frames)
+        count = min(COLOUR.background_samples, views.n_frames)
         for frame in np.linspace(0, views.n_frames - 1, count).round().astype(int).tolist():
             opened = views.frame(frame)
             for v in grey:

@@ -10,10 +10,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-_WIDTH = 0.4
-"""Standard deviation of the smoothing, in reaches of the search."""
-_LEAST = 0.13
-"""Least smoothed score of a spot, in that which clicked paws have."""
+from pawnb.core.paws.offline.detection.parameters import COLOUR
 
 
 def detect_blobs(score: np.ndarray, reach: int, usual: float) -> tuple[np.ndarray, np.ndarray]:
@@ -36,9 +33,9 @@ def detect_blobs(score: np.ndarray, reach: int, usual: float) -> tuple[np.ndarra
         How much each is like a paw, 0 to 1.
     """
     smooth = _smooth(score, reach)
-    around = 2 * round(1.6 * _WIDTH * reach) + 1
+    around = 2 * round(1.6 * COLOUR.blob_detection_width * reach) + 1
     highest = cv2.dilate(smooth, np.ones((around, around), np.uint8))
-    v, u = np.nonzero((smooth >= highest) & (smooth > _LEAST * usual))
+    v, u = np.nonzero((smooth >= highest) & (smooth > COLOUR.blob_detection_least * usual))
     likeness = np.minimum(smooth[v, u] / usual, 1.0)
     padded = np.pad(smooth, 1, mode="edge")
     # the top of a parabola through the maximum and its neighbours, along u and along v
@@ -51,7 +48,22 @@ def detect_blobs(score: np.ndarray, reach: int, usual: float) -> tuple[np.ndarra
 
 
 def peaks_at(score: np.ndarray, at: np.ndarray, reach: int) -> np.ndarray:
-    """Return the smoothed score (n,) at some positions (n, 2), px of the score."""
+    """Return the smoothed score (n,) at some positions (n, 2), px of the score.
+
+    Parameters
+    ----------
+    score : ndarray, shape (h, w)
+        Score of each place.
+    at : ndarray, shape (n, 2)
+        Positions, px of the score.
+    reach : int
+        Radius over which the score is smoothed, px of the score.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        The smoothed score.
+    """
     h, w = score.shape
     u, v = np.rint(at).astype(int).T
     return np.asarray(_smooth(score, reach)[np.clip(v, 0, h - 1), np.clip(u, 0, w - 1)])
@@ -59,4 +71,4 @@ def peaks_at(score: np.ndarray, at: np.ndarray, reach: int) -> np.ndarray:
 
 def _smooth(score: np.ndarray, reach: int) -> np.ndarray:
     """Return what speaks for paws, smoothed over about the width of one."""
-    return cv2.GaussianBlur(np.maximum(score, 0.0), (0, 0), _WIDTH * reach)
+    return cv2.GaussianBlur(np.maximum(score, 0.0), (0, 0), COLOUR.blob_detection_width * reach)

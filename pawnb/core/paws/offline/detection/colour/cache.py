@@ -21,6 +21,8 @@ import numpy as np
 
 from pawnb.core.checkpoint import RecordFile, code_checksum
 from pawnb.core.closing import Closing
+from pawnb.core.parameters import values_in_force
+from pawnb.core.paws.offline.detection.parameters import COLOUR
 
 _FIRST_LINE = "pawnb candidates 1 {key}"
 _COLUMNS = 8
@@ -76,7 +78,8 @@ class DetectionCache(Closing):
         """
         digest = hashlib.sha256()
         code = code_checksum("pawnb.core.paws.offline.detection.colour", _CODE)
-        for item in (code, self.source, n_views, *depends_on):
+        how = repr(values_in_force(COLOUR))
+        for item in (code, how, self.source, n_views, *depends_on):
             _feed(digest, item)
         key = digest.hexdigest()
         if key != self._key:

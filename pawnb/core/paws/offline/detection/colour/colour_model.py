@@ -32,47 +32,10 @@ from pawnb.core.paws.offline.detection.colour.colour_quantisation import (
 from pawnb.core.paws.offline.detection.colour.detector_kernels import look_up, score_colours
 from pawnb.core.paws.offline.detection.colour.masks import dilate, disk_mask, region_grow
 from pawnb.core.paws.offline.detection.colour.paw_width import paw_width_at
+from pawnb.core.paws.offline.detection.parameters import COLOUR
 
 _BINS = 32
 _SHIFT = 3
-_ROUNDS = 3
-_REACH, _REACH_GREY = 0.004, 0.03
-"""A paw's look is learnt this far from its click, as a share of the picture's width. Fur,
-shadow and belt that mix with the colour at a paw's edge would pass for paws."""
-_FEW, _TOLD, _REACH_FEW = 4, 2.0, 0.006
-"""With fewer clicks than the first, as in one view by itself, half as far again, where the ratio at
-the clicks says that paws are told well from the rest: the little that two paws show close to their
-clicks is not all of their colours. Over 27 single views of rendered mice 15 % of labels were wrong
-without it, 11 % with it, and 10 and 9 % with 0.008 and 0.012."""
-_LEARNT_WIDTH = 1024
-"""Larger colour pictures are reduced to about this width before their look is learnt."""
-_WIDE = (0.06, 0.2)
-"""What lies this far from clicks tells against paws, as shares of the picture's width: each
-share counts alike, as shadows about the paws are a small part of the picture and fur, ears
-and tail are not near them."""
-_LIMIT = 6.0
-"""Largest log-likelihood ratio either way: one pixel never decides alone."""
-_LIKE, _SURE = 1.5, 1.0
-"""Log-likelihood ratio from which pixels about a click are taken for paw, and the one that
-counts as 0 in the end."""
-_USUAL, _MOST_GAIN = 2.5, 3.0
-"""Least ratio that is usual at clicks. Where ears and tail have the colour of the paws it is
-lower; it is raised to this, at most so many times, as scores tell how much more like a clicked
-paw one place is than another."""
-
-_LEAST_USUAL = 1.0
-"""Scores at clicks below this mean that paws are hardly told from the rest at all."""
-_ALIKE = 0.02
-"""Share of what is about the animal that passes for paws from which on finer steps of colour are
-used: 0.2 to 1.7 % in 80 rendered scenes, 2.4 to 23 % in 14, most of which have a belt as brown as
-the paws. In those 14 of 10,071 wrong labels 2,355 are left."""
-_FAINT = 0.06
-"""Share of the same from which on pictures are smoothed more as well, and a place is told from what
-is about it: beyond it 13 of 15 rendered scenes were lost without, as noise is larger there than
-what tells paws from the belt; below it most are tracked."""
-_PASSING, _MOST_LIMIT = 0.005, 0.85
-"""With finer steps the limit from which a place counts as paw is that which this share of what is
-near paws would pass, shadow among it, but no higher than this share of what is usual at clicks."""
 
 
 @dataclass(frozen=True)
@@ -101,13 +64,13 @@ class Appearance:
     paw_width_px: float
     around_px: int
     background: np.ndarray | None = None
-    usual: float = _LIMIT
+    usual: float = COLOUR.colour_model_limit
     mistaken: float = 0.0
     fine_colours: FineColours | None = None
 
     @property
     def is_faint(self) -> bool:
-        """Whether paws are hardly told from their surroundings, even by finer steps."""
+        """Whether paws are hardly distinguished from their surroundings, even by finer steps."""
         return self.fine_colours is not None and self.fine_colours.is_faint
 
     def score(
@@ -160,7 +123,24 @@ def bin_numbers(
     *,
     fine_colours: FineColours | None = None,
 ) -> np.ndarray:
-    """Return the bin (h, w) of each pixel of an RGB or a grey picture."""
+    """Return the bin (h, w) of each pixel of an RGB or a grey picture.
+
+    Parameters
+    ----------
+    pixels : ndarray, shape (h, w, 3) or (h, w)
+        A picture.
+    around_px : int
+        Side of what a grey pixel is compared with, px.
+    background : ndarray, optional
+        The empty scene, of the same shape.
+    fine_colours : FineColours, optional
+        Finer steps of colour.
+
+    Returns
+    -------
+    ndarray of int, shape (h, w)
+        Numbers of bins.
+    """
     pixels = (
         cv2.GaussianBlur(pixels, (3, 3), 0.8) if fine_colours is None else fine_colours.of(pixels)
     )
@@ -216,8 +196,8 @@ def learn(
     """
     lesson = _prepare(pictures, clicks, around_px, backgrounds or [None] * len(pictures))
     look = lesson.learn()
-    if lesson.is_colour and look.mistaken > _ALIKE:
-        is_faint = look.mistaken > _FAINT
+    if lesson.is_colour and look.mistaken > COLOUR.colour_model_alike:
+        is_faint = look.mistaken > COLOUR.colour_model_faint
         fine = lesson.learn(fine_colours_near(lesson.colours(is_faint), is_faint=is_faint))
         look = replace(fine, mistaken=look.mistaken)
     return look
@@ -258,7 +238,11 @@ class _Lesson:
     def learn(self, fine_colours: FineColours | None = None) -> Appearance:
         """Learn the look by the usual bins, or by finer steps of colour."""
         # a grey animal has other parts as bright as its paws: the whole picture tells against them
-        near, wides = (_REACH, _WIDE) if self.is_colour else (_REACH_GREY, (1.0,))
+        near, wides = (
+            (COLOUR.colour_model_reach, COLOUR.colour_model_wide)
+            if self.is_colour
+            else (COLOUR.reach_grey, (1.0,))
+        )
         numbers = [
             bin_numbers(p, self.around_px, b, fine_colours=fine_colours)
             for p, b in zip(self.pictures, self.still, strict=True)
@@ -274,16 +258,26 @@ class _Lesson:
             return ratio, float(np.median(_scores(ratio, numbers, seeds)))
 
         ratio, usual = told(near)
-        if self.is_colour and sum(map(len, self.clicks)) < _FEW and usual > _TOLD:
-            ratio, usual = told(_REACH_FEW)
-        limit = _SURE * min(1.0, max(usual, 0.0) / 2.0)
+        if (
+            self.is_colour
+            and sum(map(len, self.clicks)) < COLOUR.colour_model_few
+            and usual > COLOUR.colour_model_distinct
+        ):
+            ratio, usual = told(COLOUR.reach_few)
+        limit = COLOUR.colour_model_sure * min(1.0, max(usual, 0.0) / 2.0)
         if fine_colours is not None:
-            paws = self.patches(round(2.0 * _REACH * self.width))
+            paws = self.patches(round(2.0 * COLOUR.colour_model_reach * self.width))
             others = [part & ~paw for part, paw in zip(rest[0], paws, strict=True)]
-            passing = float(np.quantile(_scores(ratio, numbers, others), 1.0 - _PASSING))
-            limit = max(limit, min(passing, _MOST_LIMIT * usual))
-        gain = float(np.clip(_USUAL / max(usual - limit, 0.1), 1.0, _MOST_GAIN))
-        table = np.clip((ratio - limit) * gain, -_LIMIT, _LIMIT).astype(np.float32)
+            passing = float(
+                np.quantile(_scores(ratio, numbers, others), 1.0 - COLOUR.colour_model_passing)
+            )
+            limit = max(limit, min(passing, COLOUR.most_limit * usual))
+        gain = float(
+            np.clip(COLOUR.colour_model_usual / max(usual - limit, 0.1), 1.0, COLOUR.most_gain)
+        )
+        table = np.clip(
+            (ratio - limit) * gain, -COLOUR.colour_model_limit, COLOUR.colour_model_limit
+        ).astype(np.float32)
         standing = [
             table[n] if fine_colours is None else fine_colours.stand_out(table[n]) for n in numbers
         ]
@@ -294,7 +288,7 @@ class _Lesson:
             table,
             self.shrink * paw_width_at(numbers, table, self.clicks),
             self.around_px,
-            usual=float(np.clip(at_clicks, _LEAST_USUAL, _LIMIT)),
+            usual=float(np.clip(at_clicks, COLOUR.least_usual, COLOUR.colour_model_limit)),
             mistaken=float(np.mean(_scores(table, numbers, rest[-1]) > 0.0)),
             fine_colours=fine_colours,
         )
@@ -309,10 +303,10 @@ def _prepare(
     """Return what is learnt from: of colour pictures what is about the clicks, not too fine."""
     width, shrink = float(max(picture.shape[1] for picture in pictures)), 1
     if pictures[0].ndim == 3:
-        reach = round(max(_WIDE) * width)
+        reach = round(max(COLOUR.colour_model_wide) * width)
         parts = [_about(*one, reach) for one in zip(pictures, clicks, strict=True)]
         # noise and fine marks of a large picture would pass for paws and for what is none
-        shrink = max(1, round(width / _LEARNT_WIDTH))
+        shrink = max(1, round(width / COLOUR.learnt_width))
         width /= shrink
         parts = [_reduced(*part, shrink) for part in parts]
         pictures, clicks = [part[0] for part in parts], [part[1] for part in parts]
@@ -356,7 +350,7 @@ def _ratio(
         floor = fine_colours_floor()
     members = [n[seed] for n, seed in zip(numbers, seeds, strict=True)]
     grown = list(seeds)
-    for _ in range(_ROUNDS):
+    for _ in range(COLOUR.colour_model_rounds):
         positive = np.mean([_gaussian(features, features[m], floor) for m in members], axis=0)
         free = [~dilate(g) for g in grown]
         negative = np.mean(
@@ -370,7 +364,7 @@ def _ratio(
         )
         ratio = np.log(positive + 1e-12) - np.log(negative + 1e-12)
         grown = [
-            region_grow((_even(ratio[n]) > _LIKE) & r, seed)
+            region_grow((_even(ratio[n]) > COLOUR.colour_model_like) & r, seed)
             for n, r, seed in zip(numbers, close, seeds, strict=True)
         ]
         members = [

@@ -6,9 +6,9 @@ picture is turned into three numbers a pixel: brightness in steps of four levels
 red exceeds green and blue their mean in steps of two. Thirty-two steps of each then reach only
 as far as colours like the paws': all that is farther counts as the last step.
 
-Where paws are hardly told from their surroundings even so, the noise of a camera is larger than
-what is between them. Pictures are then smoothed over about a third of a paw, and a place counts
-by how much its score exceeds what is usual about it: a shadow that passes for a paw here and
+Where paws are hardly distinguished from their surroundings even so, the noise of a camera is larger
+than what is between them. Pictures are then smoothed over about a third of a paw, and a place
+counts by how much its score exceeds what is usual about it: a shadow that passes for a paw here and
 there does so all over.
 """
 
@@ -19,19 +19,10 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from pawnb.core.paws.offline.detection.parameters import COLOUR
+
 _BRIGHTER, _REDDER, _BLUER = (0.30, 0.59, 0.11), (1.0, -1.0, 0.0), (-0.5, -0.5, 1.0)
-_STEPS = (2.0, 4.0, 4.0)
-"""How much finer than 8 levels the steps of each are."""
 _MIDDLE = 127.5
-_NOISE = (16.0, 8.0, 8.0)
-"""What a colour varies by at least, in the steps of :class:`FineColours`: noise of 8 levels of
-brightness and 2 of colour."""
-_SMOOTH, _SMOOTH_MUCH = (5, 0.9), (13, 1.9)
-"""Side and standard deviation of what smooths a picture, px. Noise is as large as these steps:
-pictures are smoothed a little more than for the usual ones."""
-_ABOUT_PX, _LESS = 45, 1.5
-"""The score about a place is the mean over a square of this side, some seven paws, of what speaks
-for paws there; so many times of it are taken off."""
 
 
 @dataclass(frozen=True)
@@ -43,8 +34,8 @@ class FineColours:
     weights : ndarray, shape (3, 4), float32
         Weights of red, green and blue, and what is added.
     is_faint : bool
-        Whether paws are hardly told from their surroundings: pictures are smoothed more, and
-        scores are told from those about them.
+        Whether paws are hardly distinguished from their surroundings: pictures are smoothed more,
+        and scores are compared with those about them.
     """
 
     weights: np.ndarray
@@ -55,11 +46,11 @@ class FineColours:
         return np.asarray(cv2.transform(smooth_fine_colours(pixels, self.is_faint), self.weights))
 
     def stand_out(self, score: np.ndarray) -> np.ndarray:
-        """Return the score (h, w) of places by which they are told from what is about them."""
+        """Return the score (h, w) of places by which they differ from what is about them."""
         if not self.is_faint:
             return score
-        about = cv2.blur(np.maximum(score, 0.0), (_ABOUT_PX, _ABOUT_PX))
-        return np.asarray(score - np.float32(_LESS) * about)
+        about = cv2.blur(np.maximum(score, 0.0), (COLOUR.about_px, COLOUR.about_px))
+        return np.asarray(score - np.float32(COLOUR.colour_quantisation_less) * about)
 
 
 def fine_colours_near(colours: np.ndarray, *, is_faint: bool = False) -> FineColours:
@@ -77,7 +68,9 @@ def fine_colours_near(colours: np.ndarray, *, is_faint: bool = False) -> FineCol
     FineColours
         Steps with the middle of these colours in their middle.
     """
-    weights = np.array([_BRIGHTER, _REDDER, _BLUER]) * np.array(_STEPS)[:, None]
+    weights = (
+        np.array([_BRIGHTER, _REDDER, _BLUER]) * np.array(COLOUR.colour_quantisation_steps)[:, None]
+    )
     middle = np.median(colours, axis=0)
     added = _MIDDLE - weights @ middle
     return FineColours(np.column_stack([weights, added]).astype(np.float32), is_faint)
@@ -85,10 +78,10 @@ def fine_colours_near(colours: np.ndarray, *, is_faint: bool = False) -> FineCol
 
 def smooth_fine_colours(pixels: np.ndarray, is_faint: bool) -> np.ndarray:
     """Return a picture (h, w, 3), uint8, without the noise of single pixels."""
-    side, px = _SMOOTH_MUCH if is_faint else _SMOOTH
+    side, px = COLOUR.smooth_much if is_faint else COLOUR.colour_quantisation_smooth
     return np.asarray(cv2.GaussianBlur(pixels, (side, side), px))
 
 
 def fine_colours_floor() -> np.ndarray:
     """Return the least covariance (3, 3) of a colour in fine steps."""
-    return np.diag(_NOISE) ** 2
+    return np.diag(COLOUR.colour_quantisation_noise) ** 2

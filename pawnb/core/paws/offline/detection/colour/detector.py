@@ -18,12 +18,7 @@ from pawnb.core.paws.offline.detection.colour import detector_kernels as loops
 from pawnb.core.paws.offline.detection.colour.blob_detection import detect_blobs
 from pawnb.core.paws.offline.detection.colour.colour_model import Appearance
 from pawnb.core.paws.offline.detection.colour.illumination import normalise_illumination
-
-_SHARE = 0.34
-"""Share of mask about a pixel that is neither an end nor further along a limb."""
-
-_LOOKED_AT = 60
-"""Ends in one picture that are looked at closely."""
+from pawnb.core.paws.offline.detection.parameters import COLOUR
 
 _NO_LIMITS = np.empty((0, 3))
 
@@ -101,10 +96,10 @@ def detect(pixels: np.ndarray, origin: tuple[int, int], detector: DetectorConfig
     order = order[share[order] * (2 * r + 1) ** 2 > 0.25 * r * r]
     pixels, share = np.array([u[order], v[order]]), share[order]
     near = loops.centres(weight, pixels[0], pixels[1], r)
-    if len(share) > _LOOKED_AT:
+    if len(share) > COLOUR.looked_at:
         # edges of all sorts have thin ends: those that look most like paws are kept, in order
         promise = _likeness(loops.mean_score(score, near), share)
-        best = np.sort(np.argsort(-promise, kind="stable")[:_LOOKED_AT])
+        best = np.sort(np.argsort(-promise, kind="stable")[: COLOUR.looked_at])
         pixels, share, near = np.ascontiguousarray(pixels[:, best]), share[best], near[best]
     limits = _NO_LIMITS if detector.limits is None else np.asarray(detector.limits, float)
     table = loops.describe(
@@ -144,5 +139,5 @@ def endpoint_score(rows: np.ndarray, limb_direction: tuple[float, float]) -> np.
 def _likeness(score: np.ndarray, share: np.ndarray) -> np.ndarray:
     """Return how much a place looks like the end of a paw, wherever it points, 0 to 1."""
     # further along a limb the share is twice that at its end
-    end = 1.0 / (1.0 + np.exp((share - _SHARE) / 0.03))
+    end = 1.0 / (1.0 + np.exp((share - COLOUR.detector_share) / 0.03))
     return np.asarray(np.clip(0.5 * (score - 0.5), 0.05, 1.0) * end)

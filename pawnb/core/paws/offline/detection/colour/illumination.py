@@ -12,11 +12,7 @@ import math
 import cv2
 import numpy as np
 
-LEAST_CHANGE = 0.07
-"""Means that change by less are left alone: those of parts that follow the animal change by
-up to 0.06 as it moves, in steady light."""
-_MOST_CHANGE = 4.0
-"""Light is not thought to change by a larger factor: then other things are to be seen."""
+from pawnb.core.paws.offline.detection.parameters import COLOUR
 
 
 def mean_illumination(pixels: np.ndarray) -> tuple[float, ...]:
@@ -44,10 +40,10 @@ def normalise_illumination(
     if illumination is None:
         return pixels
     gains = [
-        min(max(max(then, 1.0) / max(now, 1.0), 1.0 / _MOST_CHANGE), _MOST_CHANGE)
+        min(max(max(then, 1.0) / max(now, 1.0), 1.0 / COLOUR.most_change), COLOUR.most_change)
         for then, now in zip(illumination, mean_illumination(pixels), strict=True)
     ]
-    if max(abs(math.log(gain)) for gain in gains) < LEAST_CHANGE:
+    if max(abs(math.log(gain)) for gain in gains) < COLOUR.least_change:
         return pixels
     levels = np.clip(np.arange(256.0)[:, None] * np.array(gains) + 0.5, 0, 255).astype(np.uint8)
     return np.asarray(cv2.LUT(pixels, levels[None] if pixels.ndim == 3 else levels[:, 0]))

@@ -9,18 +9,8 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from pawnb.core.paws.offline.detection.colour.detector import endpoint_score
+from pawnb.core.paws.offline.detection.parameters import COLOUR
 
-_WORSE = 0.3
-"""A detection this much worse than the best of its kind says nothing about offsets."""
-_CLICK = 0.05
-"""Least standard deviation of a click, in paw widths."""
-_REACH = 2.5
-"""An end farther than so many paw widths from a click is not that of the clicked paw: half a
-long hind foot, clicked in its middle, measures nearly two."""
-_FAR = 0.25
-"""What an end a paw width farther from the click is worth less: it may be another paw's."""
-_BESIDE = 2.0
-"""To the side counts so much more than along: a paw lies behind its own end."""
 _NEVER = -1e6
 
 
@@ -44,7 +34,24 @@ class Offsets:
     def apply(
         self, rows: np.ndarray, point: int, *, paw_width_px: float, facing: int
     ) -> np.ndarray:
-        """Return the tracked point's position (n, 2) for detections of one view."""
+        """Return the tracked point's position (n, 2) for detections of one view.
+
+        Parameters
+        ----------
+        rows : ndarray, shape (n, 8)
+            Detections of one view.
+        point : int
+            Number of the point.
+        paw_width_px : float
+            Thickness of a paw in that view, px.
+        facing : int
+            +1 or -1: the way the animal faces.
+
+        Returns
+        -------
+        ndarray, shape (n, 2)
+            Positions, px.
+        """
         e = rows[:, 2:4].astype(float)
         e /= np.maximum(np.hypot(e[:, 0], e[:, 1]), 1e-6)[:, None]
         side = np.column_stack([-e[:, 1], e[:, 0]]) * facing
@@ -100,8 +107,10 @@ def learn_offsets(
             across = (step[..., 1] * e[:, 0] - step[..., 0] * e[:, 1]) * (facing[v] or 1)
             good = endpoint_score(rows, limb_direction[v])
             away = np.hypot(step[..., 0], step[..., 1])
-            score = good - _FAR * (away + _BESIDE * np.abs(across))
-            score[away > _REACH] = _NEVER
+            score = good - COLOUR.label_offsets_far * (
+                away + COLOUR.label_offsets_beside * np.abs(across)
+            )
+            score[away > COLOUR.label_offsets_reach] = _NEVER
             # each its own: where paws meet, the better end is near both
             for k, i in zip(*linear_sum_assignment(score, maximize=True), strict=True):
                 if score[k, i] > _NEVER:
@@ -124,12 +133,12 @@ def _usual(rows: np.ndarray) -> np.ndarray:
 
 def _good(rows: np.ndarray) -> np.ndarray:
     """Return the rows that look well enough, without the column that says so."""
-    return rows[rows[:, -1] >= _WORSE * rows[:, -1].max(), :-1]
+    return rows[rows[:, -1] >= COLOUR.label_offsets_worse * rows[:, -1].max(), :-1]
 
 
 def _standard_error(rows: np.ndarray) -> float:
     """Return the standard error of :func:`_usual`, that of both columns together."""
     good = _good(rows)
-    square = max(float(good.var(axis=0).mean()), _CLICK**2)
+    square = max(float(good.var(axis=0).mean()), COLOUR.label_offsets_click**2)
     # few clicks tell their spread too small
     return float(np.sqrt(square / len(good) * (1.0 + 1.0 / len(good))))

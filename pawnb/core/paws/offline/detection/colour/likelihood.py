@@ -18,11 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pawnb.core.paws.offline.detection.colour.detector import endpoint_score
-
-_NEAR = 1.2
-"""A detection farther than so many paw widths from a click is not the clicked paw."""
-_LEAST_SCORE = 0.5
-"""Scores at clicks below this mean that paws are hardly told from the rest at all."""
+from pawnb.core.paws.offline.detection.parameters import COLOUR
 
 CURVES: dict[str, tuple[tuple[float, ...], tuple[float, ...]]] = {
     "score": (
@@ -141,9 +137,9 @@ def score_at_clicks(
         for p, v in np.argwhere(np.isfinite(click[..., 0])):
             rows = rows_by_view[v]
             away = np.linalg.norm(rows[:, :2] - click[p, v], axis=1) / likelihood.paw_width_px[v]
-            near = away < _NEAR
+            near = away < COLOUR.likelihood_near
             if near.any():
                 poor = 1.0 - likelihood.likeness(rows[near], v)
                 best = np.argmin(away[near] + 0.5 * poor)
                 scores.append(float(rows[near][best, 5]))
-    return max(float(np.median(scores)), _LEAST_SCORE) if scores else None
+    return max(float(np.median(scores)), COLOUR.least_score) if scores else None

@@ -7,7 +7,22 @@ import numpy as np
 
 
 def disk_mask(shape: tuple[int, ...], uv: np.ndarray, reach: int) -> np.ndarray:
-    """Mark the pixels within ``reach`` of some positions."""
+    """Mark the pixels within ``reach`` of some positions.
+
+    Parameters
+    ----------
+    shape : tuple of int
+        Of the picture.
+    uv : ndarray, shape (n, 2)
+        Positions, px.
+    reach : int
+        Radius, px.
+
+    Returns
+    -------
+    ndarray of bool, shape (h, w)
+        True within that radius.
+    """
     mark = np.zeros(shape[:2], bool)
     for u, v in np.round(np.atleast_2d(uv)).astype(int):
         mark[max(v - reach, 0) : v + reach + 1, max(u - reach, 0) : u + reach + 1] = True

@@ -7,10 +7,7 @@ from collections.abc import Sequence
 import cv2
 import numpy as np
 
-_SMOOTH_PX, _FINE = 0.8, 4
-_LOOK_PX, _TOUCH_PX = 16, 2
-"""A paw's thickness is measured in a part of the picture this far about a click, at the pixels
-this near to it."""
+from pawnb.core.paws.offline.detection.parameters import COLOUR
 
 
 def paw_width_at(
@@ -20,19 +17,39 @@ def paw_width_at(
 
     The edge is where the score is half way from that of the paw to that of what is around,
     smoothed, as single pixels that noise takes out of a paw would make it thin.
+
+    Parameters
+    ----------
+    numbers : sequence of ndarray of int, shape (h, w)
+        Bins of the pixels of some pictures.
+    table : ndarray, shape (bins,)
+        Score of each bin.
+    clicks : sequence of ndarray, shape (k, 2)
+        Positions in each picture, px.
+
+    Returns
+    -------
+    float
+        Median thickness, px.
     """
     found = []
     for number, uv in zip(numbers, clicks, strict=True):
-        score = cv2.GaussianBlur(table[number], (0, 0), _SMOOTH_PX)
+        score = cv2.GaussianBlur(table[number], (0, 0), COLOUR.smooth_px)
         for place in np.round(uv).astype(int):
-            low = np.maximum(place - _LOOK_PX, 0)
-            u1, v1 = place + _LOOK_PX + 1
+            low = np.maximum(place - COLOUR.look_px, 0)
+            u1, v1 = place + COLOUR.look_px + 1
             part = score[low[1] : v1, low[0] : u1]
-            fine = cv2.resize(part, None, fx=_FINE, fy=_FINE, interpolation=cv2.INTER_CUBIC)
-            u, v = ((place - low + 0.5) * _FINE).astype(int)
-            r = _TOUCH_PX * _FINE
+            fine = cv2.resize(
+                part,
+                None,
+                fx=COLOUR.paw_width_fine,
+                fy=COLOUR.paw_width_fine,
+                interpolation=cv2.INTER_CUBIC,
+            )
+            u, v = ((place - low + 0.5) * COLOUR.paw_width_fine).astype(int)
+            r = COLOUR.touch_px * COLOUR.paw_width_fine
             touched = (slice(max(v - r, 0), v + r + 1), slice(max(u - r, 0), u + r + 1))
             edge = 0.5 * (fine[touched].max() + np.percentile(part, 20.0))
             depth = cv2.distanceTransform((fine > edge).astype(np.uint8), cv2.DIST_L2, 5)
-            found.append(2.0 * float(depth[touched].max()) / _FINE)
+            found.append(2.0 * float(depth[touched].max()) / COLOUR.paw_width_fine)
     return max(float(np.median(found)), 1.0)

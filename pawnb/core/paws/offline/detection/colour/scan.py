@@ -21,23 +21,11 @@ from pawnb.core.paws.offline.detection.colour.detector import (
     detect,
     endpoint_score,
 )
+from pawnb.core.paws.offline.detection.parameters import COLOUR
 from pawnb.core.paws.superpixels import Picture
 from pawnb.core.video.views import Frame
 
 Watch: TypeAlias = Callable[[int, Mapping[str, Picture]], None]
-
-FOLLOW = 0.06
-"""Share by which the searched region follows the detections from frame to frame."""
-
-_STRIDE = 8
-"""Frames between those in which the animal is sought back from the clicks: the region follows over
-twice as many."""
-
-_MOST_FAINT = 24
-"""Detections kept in one picture where paws are hardly told from their surroundings."""
-
-_IN_HAND = 2
-"""Frames that may wait to be searched: no thread stands idle for the slowest view."""
 
 
 @dataclass
@@ -91,7 +79,9 @@ class ROI:
             self.offset = mean - float(self.centre[0])
         step = mean - self.offset - self.centre[0]
         limit = 0.1 * self.half[0]
-        self.centre = self.centre + np.array([FOLLOW * np.clip(step, -limit, limit), 0.0])
+        self.centre = self.centre + np.array(
+            [COLOUR.scan_follow * np.clip(step, -limit, limit), 0.0]
+        )
 
 
 def configure_detector(
@@ -102,10 +92,29 @@ def configure_detector(
     limits: np.ndarray | None = None,
     is_below: bool = False,
 ) -> DetectorConfig:
-    """Choose the scale of the search: a paw is about six reduced pixels thick."""
+    """Choose the scale of the search: a paw is about six reduced pixels thick.
+
+    Parameters
+    ----------
+    appearance : Appearance
+        What paws look like.
+    paw_width_px : float
+        Thickness of a paw, px.
+    limb_direction : tuple of float
+        Unit vector from paw to limb, in the picture.
+    limits : ndarray, shape (k, 3), optional
+        Lines a, b, c; detections lie where a u + b v + c is not negative.
+    is_below : bool
+        Whether the view is from below.
+
+    Returns
+    -------
+    DetectorConfig
+        How the view is searched.
+    """
     shrink = max(1, round(paw_width_px / 6.0))
     reach = max(3, round(0.85 * paw_width_px / shrink))
-    most = _MOST_FAINT if appearance.is_faint else MOST
+    most = COLOUR.most_faint if appearance.is_faint else MOST
     return DetectorConfig(appearance, shrink, reach, limb_direction, limits, is_below, most=most)
 
 
@@ -184,7 +193,7 @@ def scan_video(
                 [pools[v % THREADS].submit(search.find, v, t, pictures[name])
                  for v, name in enumerate(views.names)]
             )  # fmt: skip
-            if len(waiting) > _IN_HAND:
+            if len(waiting) > COLOUR.in_hand:
                 finish()
         while waiting:
             finish()
@@ -223,12 +232,14 @@ class _Search:
 
     def go_back(self, views: Views, begin: int, stop: Callable[[], bool] | None) -> bool:
         """Move the regions to where the animal was in an earlier frame; False if stopped."""
-        for t, pictures in views.frames(self.home, begin - 1, step=-_STRIDE, partly=True):
+        for t, pictures in views.frames(
+            self.home, begin - 1, step=-COLOUR.scan_stride, partly=True
+        ):
             if stop is not None and stop():
                 return False
             for v, name in enumerate(views.names):
                 rows = self.find(v, t, pictures[name])
-                for _ in range(min(_STRIDE, t - begin) - 1):
+                for _ in range(min(COLOUR.scan_stride, t - begin) - 1):
                     self._follow(v, rows)
         return True
 
@@ -255,7 +266,24 @@ def _shown(
 
 
 def searched(picture: Picture, roi: ROI, shrink: int) -> tuple[np.ndarray, tuple[int, int]]:
-    """Return the part of a picture that is searched, reduced, and its left and top in px."""
+    """Return the part of a picture that is searched, reduced, and its left and top in px.
+
+    Parameters
+    ----------
+    picture : Picture
+        The whole picture.
+    roi : ROI
+        What is searched.
+    shrink : int
+        Factor by which it is reduced.
+
+    Returns
+    -------
+    pixels : ndarray
+        The reduced part.
+    origin : tuple of int
+        Its left and top, px.
+    """
     # chroma has half the resolution: reduced, its planes need an even grid
     box = roi.box(1 if shrink == 1 else 2 * shrink)
     if isinstance(picture, Frame):  # frames of a video reduce as they are decoded

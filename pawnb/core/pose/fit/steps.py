@@ -9,7 +9,8 @@ from collections.abc import Callable
 class Steps:
     """Counts what is done, tells it, and says whether to stop.
 
-    Any thread may count; what is done is told by the one that made this, as progress bars expect.
+    Any thread may count; what is done is reported by the one that made this, as progress bars
+    expect.
 
     Parameters
     ----------

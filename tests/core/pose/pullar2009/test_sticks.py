@@ -8,8 +8,7 @@ from hypothesis import strategies as st
 from painted_spider import random_pose
 
 from pawnb.core.pose.poses import joint_positions, tip_positions
-from pawnb.core.pose.species_file import load_species
-from pawnb.core.pose.sticks import (
+from pawnb.core.pose.pullar2009.sticks import (
     distance_map,
     from_body,
     from_ellipse,
@@ -17,6 +16,7 @@ from pawnb.core.pose.sticks import (
     make_sticks,
     pose_vector,
 )
+from pawnb.core.pose.species_file import load_species
 
 
 def posed(species="dolomedes", seed=0, scale=1.5):

@@ -2,7 +2,7 @@
 
 import threading
 
-from pawnb.core.pose.steps import Steps
+from pawnb.core.pose.fit.steps import Steps
 
 
 def in_thread(work):

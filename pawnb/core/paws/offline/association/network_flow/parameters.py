@@ -1,0 +1,151 @@
+"""Parameters of the stage ``network_flow``, each with unit and evidence."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from pawnb.core.parameters import in_force
+
+
+@dataclass(frozen=True)
+class NetworkFlowParameters:
+    """Tracklets of places in space, and their association by min-cost flow.
+
+    Parameters
+    ----------
+    body_clutter_slow : float
+        What is slower, in the speed of the ground, stays: paws that land or lift off do for a
+        moment. Set by hand.
+    body_clutter_with : float
+        Speeds that differ from the ground's by less of it are those of paws that stand. Set by
+        hand.
+    body_clutter_passed : float
+        Thicknesses by which the ground must have moved away under what stays. Set by hand.
+    body_clutter_share : float
+        Share of its frames in which a tracklet must stay. Set by hand.
+    aside_sd : float
+        Standard deviation, in spans, of how far to the side of its click a paw is later: it wanders
+        by 0.02 to 0.08 itself, and detections of two views of one side that lie half a paw width
+        off are as much off in depth. Set by hand.
+    contralateral_farthest : float
+        Squared standard deviations beyond which it costs no more: that is the other paw. Half of it
+        is less than being occluded costs in a frame, as all that tells where a point usually is
+        must be. Set by hand.
+    same_side : float
+        An unlabelled target that is within so many spans, to the side, of where the paw of its kind
+        was clicked is that paw: clicks of two views of one side are 0.01 off in depth, and left and
+        right paws of rendered mice are 0.2 (front) to 0.9 (hind) apart.
+    far_side : float
+        An unlabelled target is so many spans farther from the cameras than the clicked one of its
+        kind. Set by hand.
+    lateral_prior_wanders : float
+        Standard deviation, in spans, of how far to the side of its usual way a paw goes. Set by
+        hand.
+    to_sd : float
+        Standard deviation of a normal distribution over its median absolute deviation. Set by hand.
+    positional_prior_bins : int
+        Bins of the distribution of where a paw is about the body. Set by hand.
+    positional_prior_most : float
+        Largest cost of one frame: a rare place is not an impossible one. Set by hand.
+    pruning_rounds : int
+        Most steps of the bounds on the cost of an association. Set by hand.
+    pruning_exact : float
+        Bounds that differ by less, relative to the costs, are the same. Set by hand.
+    splitting_stands, splitting_slides : float
+        A paw that stands stays within so many paw widths of its place on the ground, and does not
+        stand again as many farther on. Set by hand.
+    splitting_between : int
+        Frames before and after such a slide that belong to neither place. Set by hand.
+    tracklet_association_looks : int
+        Times that paths are chosen again with the habits learnt from the last choice. Set by hand.
+    tracklet_association_habit : float
+        Weight of where points rarely are relative to the body: neighbouring frames err alike. Set
+        by hand.
+    tracklet_association_expected : float
+        Half a squared standard deviation from where the cycle has a point, for frames that err
+        alike. Set by hand.
+    tracklet_association_farthest : float
+        Squared standard deviations beyond which a point off its cycle costs no more. That cost must
+        be above what it costs to stay occluded: towards the end of a recording, where no later
+        tracklet has to be reached, a point that is lost would else take whatever is there, however
+        far from its own place. Set by hand.
+    kinds_apart : float
+        Clicks of front and hind paws this many spans apart tell where each usually are. Set by
+        hand.
+    look_below : float
+        What a place looks like counts so much more from below, where nothing hides a paw. Set by
+        hand.
+    tracklet_association_elsewhere : float
+        Cost of a place that no view of the point's own shows, in that of being occluded: an
+        occluded paw is bridged, and one that follows another's is wrong. Set by hand.
+    tracklet_association_good : float
+        Largest cost of a place that tells about it. Set by hand.
+    tracklet_association_dearest, tracklet_association_worse : tuple[float, ...] or float
+        Tracklets are no paw if they cost more a frame; the limit is raised, at most to the second,
+        to so much above what the clicked paws cost: with their toes spread they look less like
+        ends. Set by hand.
+    tracklet_association_meeting : float
+        Distance, in paw widths, at which points meet in a picture. Set by hand.
+    tracklet_association_beside : float
+        Distance, in paw widths, at which a tracklet that ends is beside another. Set by hand.
+    takeover_s : float
+        Time, s, before and after its end in which the other may take over its point. Set by hand.
+    stood_s : float
+        Time, s, for which a paw goes with the ground to be known to stand. Set by hand.
+    tracklet_association_wanders : float
+        Before the body is followed places to the side are known so much less well: an animal on a
+        belt wanders. Only where unlabelled targets are kept to their side, too: clicked paws hold
+        their own. Set by hand.
+    tracklets_ends : int
+        Frames at each end from which position and speed there are taken. Set by hand.
+    tracklets_dear, tracklets_enough : tuple[float, ...] or float
+        The speed of the ground is estimated from good places; from worse ones where those make
+        fewer steps than so many a frame, as where paws are dim. Set by hand.
+    tracklets_closer : tuple[float, ...]
+        It is the mean of the steps within smaller and smaller distances of where most are. Set by
+        hand.
+    at_once : int
+        Frames worked on together: enough to save loops, and little memory. Set by hand.
+    """
+
+    body_clutter_slow: float = 0.35
+    body_clutter_with: float = 0.4
+    body_clutter_passed: float = 3.0
+    body_clutter_share: float = 0.8
+    aside_sd: float = 0.1
+    contralateral_farthest: float = 6.0
+    same_side: float = 0.1
+    far_side: float = 0.2
+    lateral_prior_wanders: float = 0.1
+    to_sd: float = 1.4826
+    positional_prior_bins: int = 160
+    positional_prior_most: float = 4.0
+    pruning_rounds: int = 400
+    pruning_exact: float = 1e-7
+    splitting_stands: float = 0.5
+    splitting_slides: float = 0.6
+    splitting_between: int = 2
+    tracklet_association_looks: int = 2
+    tracklet_association_habit: float = 0.5
+    tracklet_association_expected: float = 0.3
+    tracklet_association_farthest: float = 36.0
+    kinds_apart: float = 0.5
+    look_below: float = 3.0
+    tracklet_association_elsewhere: float = 1.5
+    tracklet_association_good: float = 0.5
+    tracklet_association_dearest: tuple[float, ...] = (0.9, 1.2)
+    tracklet_association_worse: float = 0.2
+    tracklet_association_meeting: float = 3.0
+    tracklet_association_beside: float = 4.0
+    takeover_s: float = 0.03
+    stood_s: float = 0.015
+    tracklet_association_wanders: float = 2.0
+    tracklets_ends: int = 6
+    tracklets_dear: tuple[float, ...] = (0.3, 0.6, 0.9, 1.2, 1.5)
+    tracklets_enough: float = 0.3
+    tracklets_closer: tuple[float, ...] = (1.0, 0.5)
+    at_once: int = 200
+
+
+NETWORK_FLOW = in_force("network_flow", NetworkFlowParameters())
+"""The values in force; see :func:`pawnb.core.parameters.in_force`."""

@@ -1,0 +1,71 @@
+"""Parameters of stages: set for a run and its threads, recorded whole, refused where wrong."""
+
+from __future__ import annotations
+
+import dataclasses
+import inspect
+import re
+
+import pytest
+
+from pawnb.core.parallel import Threads
+from pawnb.core.parameters import (
+    constants_of,
+    defaults_of,
+    parameters_of,
+    parameters_set,
+    read_parameters,
+)
+from pawnb.core.paws.offline.stride import plausibility_kernels
+from pawnb.core.paws.offline.stride.parameters import STRIDE, StrideParameters
+from pawnb.core.paws.tracker import trackers
+from pawnb.errors import InputError
+
+EVERY = [(t, stage) for k in ("paws", "pose") for t in trackers(k).values() for stage in t.stages]
+
+
+def test_values_are_in_force_within_the_block_and_in_its_threads_only():
+    usual = StrideParameters().due_sd
+    with Threads(1) as pool:
+        with parameters_set({"stride": {"due_sd": 9.0}}):
+            assert STRIDE.due_sd == 9.0
+            assert pool.submit(lambda: STRIDE.due_sd).result() == 9.0
+            assert list(pool.map(lambda _: STRIDE.due_sd, range(2))) == [9.0, 9.0]
+        assert STRIDE.due_sd == usual
+        assert pool.submit(lambda: STRIDE.due_sd).result() == usual
+
+
+def test_words_of_a_command_become_values_of_their_types():
+    found = read_parameters({"stride.due_sd": "2"}, ("stride",), where="settings")
+    assert found == {"stride": {"due_sd": 2.0}}
+    assert isinstance(found["stride"]["due_sd"], float)
+
+
+@pytest.mark.parametrize(
+    ("word", "value", "said"),
+    [
+        ("strides.due_sd", 1, r"'strides.due_sd' is of no stage \(did you mean 'stride'\?\)"),
+        ("stride.due", 1, "stride: unknown name 'due'"),
+        ("stride.due_sd", "much", "due_sd is 'much'; expected a number"),
+        ("stride.due_sd", float("nan"), "due_sd is nan; expected a number"),
+    ],
+)
+def test_what_is_no_parameter_is_refused(word, value, said):
+    with pytest.raises(InputError, match=said):
+        read_parameters({word: value}, ("stride",), where="settings")
+
+
+@pytest.mark.parametrize(("tracker", "stage"), EVERY)
+def test_every_parameter_is_recorded_and_has_its_words(tracker, stage):
+    recorded = parameters_of(tracker.stages)[stage]
+    own = type(defaults_of(stage))
+    assert set(recorded) == {field.name for field in dataclasses.fields(own)}
+    named = re.findall(r"^(\w[\w, ]*) : ", inspect.getdoc(own), re.M)
+    assert {name for line in named for name in line.split(", ")} == set(recorded)
+
+
+def test_constants_are_those_that_the_modules_assign():
+    found = constants_of("pawnb.core.paws.offline")["stride.plausibility_kernels"]
+    # read off the file: five numbers that are compiled into its loops
+    assert set(found) == {"_ABOVE", "_WITHIN", "_RIDE", "_BELOW", "_STRANGEST"}
+    assert found["_ABOVE"] == plausibility_kernels._ABOVE == 0.6
