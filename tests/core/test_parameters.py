@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import ast
 import dataclasses
 import inspect
 import re
+from pathlib import Path
 
 import pytest
 
+import pawnb
 from pawnb.core.parallel import Threads
 from pawnb.core.parameters import (
     constants_of,
@@ -69,3 +72,38 @@ def test_constants_are_those_that_the_modules_assign():
     # read off the file: five numbers that are compiled into its loops
     assert set(found) == {"_ABOVE", "_WITHIN", "_RIDE", "_BELOW", "_STRANGEST"}
     assert found["_ABOVE"] == plausibility_kernels._ABOVE == 0.6
+
+
+ROOMS = (
+    "detection/colour", "stride", "association/network_flow", "gap_closing", "smoothing",
+    "landmarks", "treadmill",
+)  # fmt: skip
+
+
+def named_numbers(path):
+    """Yield names in capitals of a module whose values hold numbers, and what follows each."""
+    body = ast.parse(path.read_text(encoding="utf-8")).body
+    for node, after in zip(body, [*body[1:], None], strict=True):
+        if not isinstance(node, ast.Assign):
+            continue
+        names = [n.id for n in ast.walk(node.targets[0]) if isinstance(n, ast.Name)]
+        values = [n.value for n in ast.walk(node.value) if isinstance(n, ast.Constant)]
+        if all(n.lstrip("_").isupper() for n in names) and any(
+            isinstance(v, int | float) and not isinstance(v, bool) for v in values
+        ):
+            yield names, after
+
+
+def test_a_named_number_beside_the_parameters_says_what_it_is():
+    """What a loop is compiled with, or how something is laid out, stays in its module."""
+    core = Path(pawnb.core.__path__[0])
+    rooms = [core / "paws" / "offline" / room for room in ROOMS] + [core / "pose" / "fit"]
+    found = {path: list(named_numbers(path)) for room in rooms for path in room.rglob("*.py")}
+    bare = [
+        (path.name, names)
+        for path, own in found.items()
+        for names, after in own
+        if not (isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant))
+    ]
+    assert bare == []
+    assert sum(map(len, found.values())) > 30

@@ -32,6 +32,7 @@ from pawnb.core.pose.fit.settings import PoseSettings
 from pawnb.core.video.views import Frame
 
 SQRT5 = float(np.sqrt(5.0))
+"""Half width of the blur that is painted, in its standard deviation."""
 _SUBPIXEL = 4
 """Bits of places between pixels."""
 

@@ -17,10 +17,12 @@ from pawnb.core.paws.offline.detection.colour.observations import Observations
 from pawnb.core.paws.offline.gap_closing.parameters import GAP_CLOSING
 
 _REACH = 3.5
-"""Detections up to so many paw widths to either side of a paw may belong to its limb."""
+"""Detections up to so many paw widths to either side of a paw may belong to its limb. Set by
+hand."""
 _BIN = 0.5
-"""Side of a bin, in paw widths: about how well a detection's place is known."""
+"""Side of a bin, in paw widths: about how well a detection's place is known. Set by hand."""
 _BINS = round(2 * _REACH / _BIN)
+"""Bins along each axis."""
 
 
 @dataclass(frozen=True)

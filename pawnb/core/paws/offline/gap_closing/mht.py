@@ -17,6 +17,7 @@ from pawnb.core.paws.offline.gap_closing.hypothesis_kernels import ProcessNoise
 from pawnb.core.paws.offline.gap_closing.mht_parameters import MHTParameters
 
 _GAIN = np.array([[1 / 6], [0.5], [1.0]])
+"""How a change of acceleration in one frame changes place, speed and acceleration."""
 _JUMP = np.array([[1 / 3, 0.5, 0.0], [0.5, 1.0, 0.0], [0.0, 0.0, 0.0]])
 """Covariance of a change of speed at any moment of the frame."""
 

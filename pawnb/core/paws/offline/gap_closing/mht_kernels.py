@@ -23,9 +23,9 @@ from pawnb.core.paws.offline.gap_closing.update_kernels import Cameras, allocate
 from pawnb.core.paws.offline.stride.plausibility_kernels import KinematicPrior, add_kinematic_cost
 
 _PRUNING_COST = 25.0
-"""Hypotheses dearer than the best by this are forgotten."""
+"""Hypotheses dearer than the best by this are forgotten. Set by hand."""
 _OUT_OF_REACH_COST = 50.0
-"""Cost of a frame farther from where the stretch begins than a point goes."""
+"""Cost of a frame farther from where the stretch begins than a point goes. Set by hand."""
 
 
 class GapEvidence(NamedTuple):

@@ -12,7 +12,7 @@ from pawnb.core.paws.offline.gap_closing.mht_parameters import MHTParameters
 from pawnb.core.sorting_kernels import nth
 
 _GATE = 16.0
-"""Largest squared distance of a detection, in standard deviations."""
+"""Largest squared distance of a detection, in standard deviations. Set by hand."""
 
 
 class Cameras(NamedTuple):

@@ -7,13 +7,14 @@ import numpy as np
 from pawnb.core.compiled import compiled
 
 NEAREST, FARTHEST = 0.8, 2.5
-"""Detections at such distances from a paw that stands, in paw widths, may be its wrist."""
+"""Detections at such distances from a paw that stands, in paw widths, may be its wrist. Set by
+hand."""
 ALIKE = 0.5
-"""A detection is that of the frame before if it is within so many paw widths of where that was
-to be."""
+"""A detection is that of the frame before if it is within so many paw widths of where that was to
+be. Set by hand."""
 RISEN = 0.7
 """What has moved so many paw widths against the ground has left it, and may be the paw itself: it
-goes up to where its wrist was."""
+goes up to where its wrist was. Set by hand."""
 
 
 @compiled

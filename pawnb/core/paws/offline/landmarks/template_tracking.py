@@ -22,6 +22,8 @@ from pawnb.core.paws.superpixels import Picture
 from pawnb.core.rig import Rig
 
 _STOP = (cv2.TERM_CRITERIA_EPS | cv2.TERM_CRITERIA_COUNT, 20, 0.01)
+"""Most steps of the optical flow, and the step, px, at which it ends: OpenCV's usual ones are 30
+and 0.01."""
 
 
 @dataclass

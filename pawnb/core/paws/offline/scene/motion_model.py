@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 FASTEST = 12.0
-"""Speed of the fastest swings, in spans per second."""
+"""Speed of the fastest swings, in spans per second. Set by hand."""
 
 
 @dataclass(frozen=True)

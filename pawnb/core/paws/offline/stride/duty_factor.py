@@ -17,7 +17,7 @@ from pawnb.core.paws.offline.stride.parameters import STRIDE
 from pawnb.core.paws.offline.stride.stance import Stance
 
 MAX_COST = 8.0
-"""Largest cost of lifting off at another time."""
+"""Largest cost of lifting off at another time. Set by hand."""
 
 
 @dataclass(frozen=True)

@@ -9,13 +9,14 @@ import numpy as np
 from pawnb.core.compiled import compiled
 
 _ABOVE, _WITHIN = 0.6, 0.5
-"""A point more than so many paw widths above the ground is lifted, surely after as much more."""
+"""A point more than so many paw widths above the ground is lifted, surely after as much more. Set
+by hand."""
 _RIDE = 7.0
-"""Cost of a frame in which a lifted point goes as the ground does."""
+"""Cost of a frame in which a lifted point goes as the ground does. Set by hand."""
 _BELOW = 0.7
-"""The middle of a paw may be so many paw widths below its clicked end."""
+"""The middle of a paw may be so many paw widths below its clicked end. Set by hand."""
 _STRANGEST = 9.0
-"""Squared standard deviations beyond which a speed is no unlabelled target."""
+"""Squared standard deviations beyond which a speed is no unlabelled target. Set by hand."""
 
 
 class KinematicPrior(NamedTuple):

@@ -22,11 +22,12 @@ SHAPE = np.array([1.5, 2.0])
 """Exponents a and b before any swing is seen, and their standard deviations: front paws of mice
 are highest early on a belt, but late where they reach out (a of 2 to 3 in the LocoMouse data)."""
 SHAPE_SD = np.array([0.5, 0.8])
+"""Standard deviations of these exponents. Set by hand."""
 SLOPE, SLOPE_SD = 0.3, 0.3
 """Speed at landing in the mean speed of the swing, and its standard deviation: LocoMouse's mice
 land with 0.3 to 0.55."""
 HEIGHT_SD = 0.15
-"""Standard deviation of heights, in their median."""
+"""Standard deviation of heights, in their median. Set by hand."""
 
 
 @dataclass(frozen=True)

@@ -7,13 +7,13 @@ import numpy as np
 from pawnb.core.compiled import compiled
 
 SHORTEST = 2.0
-"""Frames for which a swing lasts at least."""
+"""Frames for which a swing lasts at least. Set by hand."""
 NOISE = 0.15
-"""Standard deviation of a place about its arc, in paw widths, forward and up."""
+"""Standard deviation of a place about its arc, in paw widths, forward and up. Set by hand."""
 ALIKE = 3.0
-"""Neighbouring frames that err alike."""
+"""Neighbouring frames that err alike. Set by hand."""
 _TAIL = 3.0
-"""Places farther off than so many standard deviations count less and less."""
+"""Places farther off than so many standard deviations count less and less. Set by hand."""
 _H, _H_SHAPE = 0.05, 0.02
 """Steps over which it is measured how an arc changes: frames, and exponents."""
 

@@ -26,7 +26,7 @@ from pawnb.core.pose.fit.rendering.gauss_newton_kernels import (
 from pawnb.core.pose.fit.rendering.paint_kernels import leg_chain
 
 SAME_PX = 2.5
-"""Poses of a leg nowhere further apart are the same minimum, working px."""
+"""Poses of a leg nowhere further apart are the same minimum, working px. Set by hand."""
 
 
 @dataclass

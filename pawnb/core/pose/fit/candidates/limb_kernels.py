@@ -16,12 +16,15 @@ from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Prior
 from pawnb.core.sorting_kernels import ascending
 
 N_TURNS = 17
+"""Turns of a link that are tried. Set by hand."""
 SHORTER = (-0.4, -0.2, 0.0, 0.2, 0.4)
+"""Logarithms of its foreshortening that are tried. Set by hand."""
 _HIDDEN = 0.4
 """What counts as seen of a leg where nothing can be seen, as a share of its darkness: a little less
-than half, so that no leg is hidden that could as well be seen."""
+than half, so that no leg is hidden that could as well be seen. Set by hand."""
 SHORTER_COST = 6.0
-"""Cost of a link's squared logarithmic foreshortening, px: little, as whole legs are raised."""
+"""Cost of a link's squared logarithmic foreshortening, px: little, as whole legs are raised. Set by
+hand."""
 
 
 @compiled_inside

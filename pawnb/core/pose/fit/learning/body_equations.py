@@ -8,6 +8,7 @@ from pawnb.core.pose.fit.layout import N_BODY, meeting
 from pawnb.core.pose.fit.learning.parameters import LEARNING
 
 LEAST_DARK, MOST_DARK = 0.08, 1.1
+"""Least and most darkness of a part of the body, in that of what is wholly dark. Set by hand."""
 
 
 class BodyEquations:

@@ -9,7 +9,7 @@ import numpy as np
 from pawnb.core.compiled import compiled_inside, compiled_loosely
 
 _CELLS_A_PX = 2.0
-"""Cells across a leg in a pixel."""
+"""Cells across a leg in a pixel. Set by hand."""
 
 
 @compiled_inside

@@ -21,9 +21,10 @@ from pawnb.core.compiled import compiled_inside, compiled_loosely
 from pawnb.core.pose.fit.layout import Layout
 
 NOTHING = -1
+"""Number of the part where nothing is painted."""
 _RIM = 2.0
 """So far inside its edge, half widths of the blur, the rim of a part of the body changes into its
-middle: where the blur of the edge ends the change begins."""
+middle: where the blur of the edge ends the change begins. Set by hand."""
 
 
 @compiled_loosely

@@ -16,7 +16,7 @@ from pawnb.core.paws.offline.association.network_flow.triangulation import Point
 
 _GATE, _CLEAR = 16.0, 5.0
 """Squared standard deviations within which a place may follow, and by which all others must be
-farther."""
+farther. Set by hand."""
 
 
 @dataclass(frozen=True)

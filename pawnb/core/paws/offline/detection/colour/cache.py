@@ -26,6 +26,7 @@ from pawnb.core.paws.offline.detection.parameters import COLOUR
 
 _FIRST_LINE = "pawnb candidates 1 {key}"
 _COLUMNS = 8
+"""Numbers of a detection."""
 _CODE = (
     "background.py",
     "blob_detection.py",

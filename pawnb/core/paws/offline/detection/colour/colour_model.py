@@ -35,7 +35,9 @@ from pawnb.core.paws.offline.detection.colour.paw_width import paw_width_at
 from pawnb.core.paws.offline.detection.parameters import COLOUR
 
 _BINS = 32
+"""Steps of each channel in a table of colours."""
 _SHIFT = 3
+"""Bits by which 256 levels are reduced to these steps."""
 
 
 @dataclass(frozen=True)

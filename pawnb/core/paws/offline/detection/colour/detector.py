@@ -21,9 +21,10 @@ from pawnb.core.paws.offline.detection.colour.illumination import normalise_illu
 from pawnb.core.paws.offline.detection.parameters import COLOUR
 
 _NO_LIMITS = np.empty((0, 3))
+"""No line bounds where detections lie."""
 
 MOST = 16
-"""Detections usually kept in one picture."""
+"""Detections usually kept in one picture. Set by hand."""
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 _COLUMNS = 8
+"""Numbers of a detection."""
 
 
 def pad_and_stack(found: Sequence[Sequence[np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
