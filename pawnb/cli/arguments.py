@@ -48,6 +48,7 @@ def build_parser() -> argparse.ArgumentParser:
     _add_compare(parsers)
     _add_calibrate(parsers)
     _add_convert(parsers)
+    _add_reproduce(parsers)
     _add_lab(parsers)
     return parser
 
@@ -320,6 +321,21 @@ def _add_convert(parsers: Any) -> None:
         help="heights of the pictures, for Argus and DLTdv 7, which count upwards",
     )
     command.set_defaults(run=commands.run_convert)
+
+
+def _add_reproduce(parsers: Any) -> None:
+    text = "make a figure or a table again from what it carries, and say whether it is the same"
+    more = "Exit status: 0 identical; 2 an input has changed or is missing; 3 it differs."
+    command = parsers.add_parser("reproduce", help=text, description=text, epilog=more)
+    command.add_argument(
+        "files", nargs="+", metavar="FILE", help="a figure, or a file of a folder of results"
+    )
+    command.add_argument(
+        "--inputs",
+        metavar="FOLDER",
+        help="where its inputs are (default: the folder of FILE, and those it lies in)",
+    )
+    command.set_defaults(run=commands.run_reproduce)
 
 
 def _add_lab(parsers: Any) -> None:

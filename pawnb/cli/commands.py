@@ -231,6 +231,16 @@ def run_convert(options: argparse.Namespace, _argv: list[str]) -> None:
         print(f"wrote {path}")
 
 
+def run_reproduce(options: argparse.Namespace, _argv: list[str]) -> int:
+    """Make files again and say whether they are the same."""
+    from pawnb.workflow.provenance.reproduce import EXIT_DIFFERS, reproduce_all
+
+    found = reproduce_all(options.files, inputs=options.inputs)
+    for one in found:
+        print(one.text())
+    return 0 if all(one.identical for one in found) else EXIT_DIFFERS
+
+
 def run_lab(options: argparse.Namespace, _argv: list[str]) -> None:
     """Open JupyterLab."""
     from pawnb.workflow.lab import open_lab

@@ -1,15 +1,15 @@
 """Tracks or events to gait tables and figures.
 
-``run`` is the call; ``sources`` and ``event_sources`` read what it is given, ``statistics`` makes
-the tables beside those of the trials, ``drawings``, ``source_drawings`` and ``save_figures`` the
-figures.
+``run`` is the call, ``request`` what it is asked for; ``sources`` and ``event_sources`` read what
+it is given, ``statistics`` makes the tables beside those of the trials, ``drawings``,
+``source_drawings`` and ``save_figures`` the figures.
 """
 
 from pawnb import _lazy
 
 _HOME = {
     "GaitRun": "pawnb.workflow.gait.run",
-    "Legs": "pawnb.workflow.gait.run",
+    "Legs": "pawnb.workflow.gait.request",
     "TABLES": "pawnb.workflow.gait.run",
     "analyse_source": "pawnb.workflow.gait.run",
     "run_gait": "pawnb.workflow.gait.run",
@@ -22,6 +22,7 @@ __all__ = [
     "analyse_source",
     "drawings",
     "event_sources",
+    "request",
     "run",
     "run_gait",
     "save_figures",

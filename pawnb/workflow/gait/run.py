@@ -22,6 +22,7 @@ from pawnb.io.tables import write_table
 from pawnb.schema import each_of
 from pawnb.workflow.gait.drawings import gait_drawings
 from pawnb.workflow.gait.event_sources import choose_event_legs
+from pawnb.workflow.gait.request import Again, GaitRequest, Legs
 from pawnb.workflow.gait.save_figures import Which, save_gait_figures
 from pawnb.workflow.gait.source_drawings import SourceTracks, source_drawings
 from pawnb.workflow.gait.sources import GaitSource, read_source
@@ -31,6 +32,7 @@ from pawnb.workflow.gait.statistics import (
     joint_angles_of,
     statistics_tables,
 )
+from pawnb.workflow.provenance.labels import label_inputs
 from pawnb.workflow.provenance.manifest import MANIFEST, writing_results
 from pawnb.workflow.provenance.notes import noted_warnings, notes_table
 from pawnb.workflow.provenance.record import build_step, file_checksum
@@ -40,9 +42,6 @@ from pawnb.workflow.provenance.results import (
     provenance_steps,
     tracking_notes,
 )
-
-Legs = Sequence[str] | Mapping[str, str]
-"""Legs to use, or names of legs to names of points."""
 
 TABLES = ("events", "strides", "phases", "phase_summary", "dropped")
 
@@ -152,32 +151,61 @@ def run_gait(
     >>> sorted(run.tables.strides["leg"].unique())
     ['FL', 'FR', 'HL', 'HR']
     """
+    request = GaitRequest(
+        inputs=inputs, fps=fps, legs=legs, event_names=event_names, animals=animals,
+        groups=groups, settings=settings, figures=figures,
+    )  # fmt: skip
+    return carry_out(request, out=out, command=command)
+
+
+def carry_out(
+    request: GaitRequest,
+    *,
+    out: str | Path | None = None,
+    command: Sequence[str] | None = None,
+    again: Again | None = None,
+) -> GaitRun:
+    """Analyse the gait of what a request names.
+
+    Parameters
+    ----------
+    request : GaitRequest
+        What is asked for.
+    out, command
+        As for :func:`run_gait`.
+    again : Again, optional
+        What is taken over from a run that is made again.
+
+    Returns
+    -------
+    GaitRun
+        As of :func:`run_gait`.
+    """
     with noted_warnings() as warned:
-        sources = _read_sources(inputs, fps=fps, animals=animals, groups=groups)
+        sources = _read_sources(request)
         parts = [
-            analyse_source(source, legs=legs, event_names=event_names, settings=settings)
+            analyse_source(
+                source,
+                legs=request.legs,
+                event_names=request.event_names,
+                settings=request.settings,
+            )
             for source in sources
         ]
         tables = gait.pool(parts) if len(parts) > 1 else parts[0]
         if out is None:
             out = sources[0].folder if len(sources) == 1 else Path(RESULTS_FOLDER)
         folder = make_folder(out)
-        edits = _event_edit_files(sources, folder)
+        edits = _event_edit_files(sources, folder) if again is None else list(again.edits)
         tables = gait.replay_event_edits(tables, edits)
-        asked = {
-            "legs": dict(legs) if isinstance(legs, Mapping) else list(legs) if legs else None,
-            "event_names": dict(event_names) if event_names else None,
-            "animals": list(animals) if animals else None,
-            "groups": list(groups) if groups else None,
-        }
-        step = _record(sources, edits, tables, command=command, asked=asked)
+        step = _record(request, sources, edits, tables=tables, command=command, again=again)
         named = {
             k: v for s, part in zip(sources, parts, strict=True) for k, v in s.groups(part).items()
         }
-        seen = _tracks_of(sources, legs)
+        seen = _tracks_of(sources, request.legs)
         angles = joint_angles_of([(one.tracks, one.animal, one.trial) for one in seen])
         further, remarks = _further_tables(tables, sources, groups=named, angles=angles)
-        remarks = [*_who_is_who(sources, animals), *tables.notes, *remarks]
+        remarks = [*_who_is_who(sources, request.animals), *tables.notes, *remarks]
         tables = dataclasses.replace(tables, notes=tuple(remarks))
         every = {name: _grouped(getattr(tables, name), named) for name in TABLES} | further
         with writing_results(folder, run="gait", steps=[step]) as staging:
@@ -187,7 +215,13 @@ def run_gait(
                 gait_drawings(tables, groups=named, notes=notes),
                 source_drawings(seen, angles=angles),
             )
-            files += save_gait_figures(drawings, staging / "figures", record=step, which=figures)
+            files += save_gait_figures(
+                drawings,
+                staging / "figures",
+                record=step,
+                which=request.figures,
+                only=None if again is None else again.only,
+            )
             notes = [*_notes_of(sources, tables), *warned]  # drawing may have warned, too
             in_rows = {f"{name}.csv": table for name, table in every.items()}
             files.append(write_table(notes_table(notes, in_rows), staging / "notes.csv"))
@@ -196,27 +230,35 @@ def run_gait(
 
 
 def _record(
+    request: GaitRequest,
     sources: Sequence[GaitSource],
     edits: Sequence[Path],
-    tables: GaitTables,
     *,
+    tables: GaitTables,
     command: Sequence[str] | None,
-    asked: Mapping[str, Any],
+    again: Again | None,
 ) -> dict[str, Any]:
-    """Return the record of this run."""
-    inputs = (*(f for s in sources for f in (s.path, *s.further)), *edits)
-    return build_step(
+    """Return the record of this run: all that is needed to make its files again."""
+    inputs = [*(f for s in sources for f in (s.given, s.path, *s.further)), *edits]
+    labels = label_inputs(inputs)
+    if again is not None:
+        known = {path.absolute(): label for path, label in again.labels.items()}
+        labels |= {path: known[path.absolute()] for path in inputs if path.absolute() in known}
+    step = build_step(
         "gait",
         command=command,
-        inputs={_label(path): file_checksum(path) for path in inputs},
+        inputs={labels[path]: file_checksum(path) for path in inputs},
         settings=dataclasses.asdict(tables.settings),
-        **asked,
+        given=[labels[source.given] for source in sources],
+        edits=[labels[path] for path in edits],
+        **request.plain(),
         sources={
-            _label(source.path): provenance_steps(source.tracks)
+            labels[source.path]: provenance_steps(source.tracks)
             for source in sources
             if source.tracks is not None
         },
     )
+    return step if again is None else step | {"command": again.command}
 
 
 def _further_tables(
@@ -241,15 +283,10 @@ def _notes_of(sources: Sequence[GaitSource], tables: GaitTables) -> list[str]:
     return [*tracked, *say_no_strides(tables), *tables.notes]
 
 
-def _read_sources(
-    inputs: str | Path | Sequence[str | Path],
-    *,
-    fps: float | None,
-    animals: Sequence[str] | None,
-    groups: Sequence[str] | None,
-) -> list[GaitSource]:
+def _read_sources(request: GaitRequest) -> list[GaitSource]:
     """Read every input, under the animals' ids and groups that were given."""
-    inputs = each_of(inputs, what="inputs")
+    animals, groups, fps = request.animals, request.groups, request.fps
+    inputs = each_of(request.inputs, what="inputs")
     for name, given in (("animals", animals), ("groups", groups)):
         if given is not None and len(each_of(given, what=name, one=False)) != len(inputs):
             raise InputError(
@@ -281,14 +318,6 @@ def _who_is_who(sources: Sequence[GaitSource], animals: Sequence[str] | None) ->
         f"{', '.join(guessed)}. Several of one animal must not: say whose they are with --animals, "
         "one id for each input."
     ]
-
-
-def _groups_of(sources: Sequence[GaitSource], parts: Sequence[GaitTables]) -> Groups:
-    """Return the group of every animal and trial that has one."""
-    groups: dict[tuple[str, str], str] = {}
-    for source, part in zip(sources, parts, strict=True):
-        groups |= source.groups(part)
-    return groups
 
 
 def _grouped(table: pd.DataFrame, groups: Groups) -> pd.DataFrame:
@@ -368,8 +397,3 @@ def _event_edit_files(sources: Sequence[GaitSource], out: Path) -> list[Path]:
     """Return the corrections of events beside the results of the inputs, and of this run."""
     folders = {folder.resolve(): folder for folder in (*(s.folder for s in sources), out)}
     return [path for f in folders.values() if (path := f / FILE_NAME).exists()]
-
-
-def _label(path: Path) -> str:
-    """Name an input in the provenance without its absolute path."""
-    return f"{path.parent.name}/{path.name}"

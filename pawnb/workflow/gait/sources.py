@@ -50,6 +50,8 @@ class GaitSource:
         Further files that tracks made elsewhere were read from, such as their calibration.
     group : str, optional
         Group of its animals, as told beside it.
+    of_trial : Path, optional
+        The ``trial.toml`` that named it.
     """
 
     path: Path
@@ -60,6 +62,12 @@ class GaitSource:
     guessed: bool = False
     further: tuple[Path, ...] = ()
     group: str | None = None
+    of_trial: Path | None = None
+
+    @property
+    def given(self) -> Path:
+        """The file that was named: the trial's, or what was read."""
+        return self.of_trial or self.path
 
     def groups(self, tables: GaitTables) -> dict[tuple[str, str], str]:
         """Return the group of each animal and trial in the tables made of this input.
@@ -122,7 +130,7 @@ def read_source(path: str | Path, *, fps: float | None = None) -> GaitSource:
         )
     check_file(path, expected="a trial, a results folder, tracks or an events.csv")
     if path.suffix == ".toml":
-        return _read_trial(load_trial(path))
+        return replace(_read_trial(load_trial(path)), of_trial=path)
     if trial_stamp(path.name) is not None:
         raise InputError(
             f"{path}: one of the four files of a trial of the 2019 authors, which need their DLT; "
