@@ -420,9 +420,7 @@ def draw_comparison(
         What the recipe calls each table, to the table; default folder and name.
     """
     named = labels or {label: path for path, label in label_inputs(tables).items()}
-    trials, errors = (
-        pd.read_csv(path, dtype=_WORDS, float_precision="round_trip") for path in tables
-    )
+    trials, errors = (pd.read_csv(path, dtype=_WORDS) for path in tables)
     drawn = figures.build_compare_methods_table(trials, errors)
     step = build_step(
         "compare",

@@ -12,8 +12,9 @@ from pawnb.workflow.gait.save_figures import Which
 Legs = Sequence[str] | Mapping[str, str]
 """Legs to use, or names of legs to names of points."""
 
-ASKED = ("fps", "legs", "event_names", "animals", "groups", "figures")
-"""What the record of a run keeps of a request, beside its settings and its inputs."""
+ASKED = ("fps", "legs", "event_names", "animals", "groups", "figures", "set")
+"""What the record of a run keeps of a request, beside its inputs; ``set`` are the settings that
+were given by hand, which are not all that were in force."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,6 +40,7 @@ class GaitRequest:
             "animals": list(self.animals) if self.animals else None,
             "groups": list(self.groups) if self.groups else None,
             "figures": self.figures,
+            "set": dict(self.settings) if self.settings else {},
         }
 
 

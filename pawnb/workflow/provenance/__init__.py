@@ -4,7 +4,7 @@
 faults in one, ``labels`` name inputs, ``results`` writes and reads what
 tracking made, ``notes`` lists warnings beside it.
 ``recipes`` reads what a file carries, ``find_inputs`` what it was made of; ``reproduce`` makes it
-again, and ``same_content`` says in what it differs.
+again, and ``same_content`` says in what it differs. ``report`` writes pages on a run.
 """
 
 from pawnb import _lazy
@@ -32,6 +32,7 @@ __all__ = [
     "provenance_text",
     "recipes",
     "record",
+    "report",
     "reproduce",
     "results",
     "same_content",

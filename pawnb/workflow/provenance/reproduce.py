@@ -24,6 +24,7 @@ from pawnb.workflow.gait.run import carry_out
 from pawnb.workflow.provenance.find_inputs import find_inputs, places_of
 from pawnb.workflow.provenance.recipes import Recipe, read_recipe
 from pawnb.workflow.provenance.record import package_versions, trial_fingerprint, trial_inputs
+from pawnb.workflow.provenance.report.index_page import INDEX_FILE
 from pawnb.workflow.provenance.results import write_track_results
 from pawnb.workflow.provenance.same_content import tell_difference, tell_versions
 from pawnb.workflow.tracking.track import retrack, track
@@ -173,14 +174,14 @@ def _make_gait(task: _Task) -> None:
         )
     found = find_inputs(step["inputs"], task.places, of=task.path)
     asked = {name: step[name] for name in ASKED}
+    settings = asked.pop("set")
     figures_of = [name for name in task.names if name.startswith("figures/")]
-    # notes hold the warnings of all that was drawn
-    if not figures_of and "notes.csv" not in task.names:
+    # notes hold the warnings of all that was drawn, and the index shows it
+    if not figures_of and not {"notes.csv", INDEX_FILE} & set(task.names):
         asked["figures"] = "none"
     alone = len(task.names) == 1 and figures_of and Path(task.names[0]).name != "not_drawn.csv"
-    request = GaitRequest(
-        inputs=[found[label] for label in step["given"]], settings=step["settings"], **asked
-    )
+    given = [found[label] for label in step["given"]]
+    request = GaitRequest(inputs=given, settings=settings, **asked)
     again = Again(
         labels={file: label for label, file in found.items()},
         edits=tuple(found[label] for label in step["edits"]),
@@ -215,7 +216,7 @@ def _make_tracks(task: _Task) -> None:
         edits = task.path.absolute().parent / _EDITS
         scale = trial.calibration.px_per_unit if trial.calibration is not None else None
 
-        def tracker(present: Any, frame: int, **options: bool) -> Any:
+        def tracker(present: Any, frame: int, **options: Any) -> Any:
             return retrack(trial, present, frame, **options)
 
         tracks = replay(tracks, edits, rig=rig, px_per_unit=scale, retrack=tracker)
