@@ -153,7 +153,7 @@ def with_sizes(strides: pd.DataFrame, fields: Fields) -> tuple[pd.DataFrame, lis
     keys = list(zip(strides["animal"].astype(str), strides["trial"].astype(str), strict=True))
     sizes: list[str] = []
     for name in (*MASS, *LENGTH):
-        values = [fields.get(key, {}).get(name) for key in keys]
+        values: list[Any] = [fields.get(key, {}).get(name) for key in keys]
         if not values or any(value is None for value in values):
             continue
         odd = [v for v in values if isinstance(v, bool | str) or not isinstance(v, int | float)]

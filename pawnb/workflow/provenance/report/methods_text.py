@@ -71,8 +71,8 @@ def _data(tables: GaitTables, step: Mapping[str, Any]) -> str:
 
 def _events(tables: GaitTables, step: Mapping[str, Any]) -> str:
     """Say how events were found and strides made of them."""
-    counts = tables.events.groupby(["event", "method"], sort=False).size()
-    found = ", ".join(f"{event} ({method}, {n})" for (event, method), n in counts.items())
+    counts = tables.events.groupby(["event", "method"], sort=False).size().reset_index(name="n")
+    found = ", ".join(f"{row.event} ({row.method}, {row.n})" for row in counts.itertuples())
     settings = step["settings"]
     cutoff = settings.get("cutoff_hz")
     filtered = (
@@ -126,8 +126,9 @@ def _dropped(tables: GaitTables) -> str:
     dropped = tables.dropped
     if dropped.empty:
         return "Nothing was left out."
-    counts = dropped.groupby(["what", "why"], sort=False).size().sort_values(ascending=False)
-    told = "; ".join(f"{n} x {what}: {why}" for (what, why), n in counts.head(12).items())
+    counts = dropped.groupby(["what", "why"], sort=False).size().reset_index(name="n")
+    counts = counts.sort_values("n", ascending=False, kind="stable")
+    told = "; ".join(f"{row.n} x {row.what}: {row.why}" for row in counts.head(12).itertuples())
     more = f"; and {len(counts) - 12} further reasons (dropped.csv)" if len(counts) > 12 else ""
     return f"Left out: {told}{more}."
 
