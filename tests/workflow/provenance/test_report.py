@@ -16,7 +16,7 @@ from pawnb.gait import analyse_events
 from pawnb.workflow.gait.run import run_gait
 from pawnb.workflow.provenance.report.html import page, table
 from pawnb.workflow.provenance.report.index_page import index_page, note_lines
-from pawnb.workflow.provenance.report.methods_text import methods_paragraphs
+from pawnb.workflow.provenance.report.methods_text import count_dropped, methods_paragraphs
 
 HOSTILE = "<img src=x onerror=alert(1)>&'\""
 
@@ -89,9 +89,15 @@ def test_the_methods_count_what_the_tables_hold():
     assert "2 trials of 2 animals: 20 strides (FR 10, FL 10)" in text
     assert "m1, t1: min_stance_s 0.02" in text
     assert "Butterworth" not in text  # nothing was smoothed
-    dropped = tables.dropped
-    for (what, why), n in dropped.groupby(["what", "why"]).size().items():
-        assert f"{n} x {what}: {why}" in text
+
+
+def test_what_was_left_out_is_counted_whichever_stride_it_was():
+    why = ["no AEP of R2 within stride 3 of R4", "no AEP of R2 within stride 11 of R4", "too long"]
+    dropped = pd.DataFrame({"what": ["phase", "phase", "stride"], "why": why})
+    found = count_dropped(dropped, ["what", "why"])
+    assert found.to_numpy().tolist() == [
+        ["phase", "no AEP of R2 within a stride of R4", 2], ["stride", "too long", 1],
+    ]  # fmt: skip
 
 
 @pytest.mark.slow

@@ -204,7 +204,7 @@ def test_tracks_and_their_tables_are_made_again(rendered_spider, tmp_path):
     for name in ("tracks.nc", "pose.csv", "quality.json"):
         assert pawnb.reproduce(trial / "results" / name).identical, name
     toml = trial / "trial.toml"
-    toml.write_text(toml.read_text().replace("fps =", "fps = 1"))
+    toml.write_text(toml.read_text().replace("name = ", 'name = "other" # ', 1))
     with pytest.raises(InputError, match=r"trial\.toml has changed since tracks\.csv was made"):
         pawnb.reproduce(trial / "results" / "tracks.csv")
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import pandas as pd
@@ -79,7 +79,7 @@ def _events(tables: GaitTables, step: Mapping[str, Any]) -> str:
         f" at {cutoff:g} Hz"
         if cutoff is not None
         else " at ten times the stride frequency of the trial, and not at all where that is too "
-        "near the frame rate"
+        "near the frame rate (the notes say it trial by trial)"
     )
     own = step.get("settings_of_trials") or {}
     told = "; ".join(
@@ -126,11 +126,30 @@ def _dropped(tables: GaitTables) -> str:
     dropped = tables.dropped
     if dropped.empty:
         return "Nothing was left out."
-    counts = dropped.groupby(["what", "why"], sort=False).size().reset_index(name="n")
-    counts = counts.sort_values("n", ascending=False, kind="stable")
+    counts = count_dropped(dropped, ["what", "why"])
     told = "; ".join(f"{row.n} x {row.what}: {row.why}" for row in counts.head(12).itertuples())
     more = f"; and {len(counts) - 12} further reasons (dropped.csv)" if len(counts) > 12 else ""
     return f"Left out: {told}{more}."
+
+
+def count_dropped(dropped: pd.DataFrame, by: Sequence[str]) -> pd.DataFrame:
+    """Count what was left out by reason, whichever stride of a trial it was.
+
+    Parameters
+    ----------
+    dropped : pandas.DataFrame
+        ``dropped.csv``.
+    by : sequence of str
+        Columns to count by.
+
+    Returns
+    -------
+    pandas.DataFrame
+        These columns and ``n``, the most frequent first.
+    """
+    any_stride = dropped["why"].astype(str).str.replace(r"\bstride \d+\b", "a stride", regex=True)
+    counts = dropped.assign(why=any_stride).groupby(list(by), sort=True).size()
+    return counts.reset_index(name="n").sort_values("n", ascending=False, kind="stable")
 
 
 def _programs(step: Mapping[str, Any]) -> str:

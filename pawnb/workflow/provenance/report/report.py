@@ -9,12 +9,15 @@ from typing import Any
 
 import pandas as pd
 
+from pawnb.figures.panels import speed_unit, with_unit
 from pawnb.files import write_whole
 from pawnb.workflow.gait.request import GaitRequest, Legs
 from pawnb.workflow.gait.run import GaitRun, carry_out
+from pawnb.workflow.gait.statistics import length_unit
 from pawnb.workflow.provenance.manifest import read_manifest
 from pawnb.workflow.provenance.report.html import embedded, listed, page, picture, table, text
 from pawnb.workflow.provenance.report.index_page import note_lines
+from pawnb.workflow.provenance.report.methods_text import count_dropped
 from pawnb.workflow.provenance.report.words import FILES, figure_words
 
 REPORT_FILE = "report.html"
@@ -85,13 +88,12 @@ def report_page(run: GaitRun) -> str:
     str
         HTML.
     """
-    strides = run.tables.strides
     animals = sorted(run.tables.events["animal"].astype(str).unique())
     title = f"Gait of {animals[0]}" if len(animals) == 1 else f"Gait of {len(animals)} animals"
     notes = note_lines(pd.read_csv(run.out / "notes.csv"))
     methods = (run.out / "methods.txt").read_text(encoding="utf-8").strip().split("\n\n")
     body = [*(f"<p>{text(_BLANK_OF_ONE)}</p>" for _ in range(len(animals) == 1))]
-    body += ["<h2>Animals and strides</h2>", table(_counts(strides))]
+    body += ["<h2>Animals and strides</h2>", table(_counts(run))]
     body += ["<h2>Methods</h2>", *(f"<p>{text(paragraph)}</p>" for paragraph in methods)]
     body += ["<h2>What was left out</h2>", _left_out(run.tables.dropped)]
     body.append("<h2>Notes</h2>")
@@ -101,20 +103,31 @@ def report_page(run: GaitRun) -> str:
     return page(title, body)
 
 
-def _counts(strides: pd.DataFrame) -> pd.DataFrame:
-    """Count trials and strides of each animal, and give its usual measures."""
-    known = [n for n in ("frequency_hz", "duty_factor", "stride_length", "speed") if n in strides]
-    groups = strides.groupby("animal", sort=True)
-    counts = groups.agg(trials=("trial", "nunique"), strides=("trial", "size"))
-    return counts.join(groups[known].median().add_prefix("median ")).reset_index()
+def _counts(run: GaitRun) -> pd.DataFrame:
+    """Count trials and strides of each animal, and give its usual measures with their units."""
+    strides, unit = run.tables.strides, length_unit(run.tables)
+    names = {
+        "frequency_hz": "stride frequency (Hz)",
+        "duty_factor": "duty factor",
+        "stride_length": with_unit("stride length", unit),
+        "speed": with_unit("speed", speed_unit(unit)),
+    }
+    known = [name for name in names if name in strides and strides[name].notna().any()]
+    by_animal = strides.groupby("animal", sort=True)
+    counts = by_animal.agg(trials=("trial", "nunique"), strides=("trial", "size"))
+    medians = by_animal[known].median().rename(columns=names)
+    trials = pd.read_csv(run.out / "trials.csv", dtype={"animal": str, "group": str})
+    groups = trials.dropna(subset=["group"]).groupby("animal")["group"]
+    if len(groups):
+        counts.insert(0, "group", groups.agg(lambda own: ", ".join(dict.fromkeys(own))))
+    return counts.join(medians.add_prefix("median ")).reset_index()
 
 
 def _left_out(dropped: pd.DataFrame) -> str:
     """Count what was dropped, by animal and reason."""
     if dropped.empty:
         return "<p>Nothing.</p>"
-    counted = dropped.groupby(["animal", "what", "why"], sort=True).size().reset_index(name="n")
-    return table(counted, most=_MOST_ROWS)
+    return table(count_dropped(dropped, ["animal", "what", "why"]), most=_MOST_ROWS)
 
 
 def _tables(folder: Path) -> list[str]:
