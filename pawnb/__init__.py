@@ -15,6 +15,8 @@ The work in its order, one name a step:
 :mod:`pawnb.figures`                              figures that are fit to print
 ================================================  =================================================
 
+:func:`reproduce` makes a figure or a table again from the recipe that it carries.
+
 Tracks of other programs enter at :func:`run_gait`, or through the readers of :mod:`pawnb.io`.
 
 Names are imported when they are first used, so that ``import pawnb`` is quick and has no side
@@ -53,6 +55,7 @@ _HOME = {
     "load_trial": "pawnb.trial",
     "propose_start": "pawnb.workflow.start.propose",
     "read_tracks": "pawnb.io.native",
+    "reproduce": "pawnb.workflow.provenance.reproduce",
     "retrack": "pawnb.workflow.tracking.track",
     "run_gait": "pawnb.workflow.gait.run",
     "sample_trial": "pawnb.workflow.sample",

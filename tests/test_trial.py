@@ -124,7 +124,7 @@ def test_name_defaults_to_the_folder(tmp_path):
             "[animal]",
             "[animl]",
             "unknown section [animl] (did you mean 'animal'?); expected trial, treadmill, start, "
-            "tracks, animal, views, calibration, tracking.",
+            "tracks, animal, views, calibration, tracking, gait.",
         ),
         (
             "belt_speed",

@@ -48,6 +48,8 @@ def build_parser() -> argparse.ArgumentParser:
     _add_compare(parsers)
     _add_calibrate(parsers)
     _add_convert(parsers)
+    _add_reproduce(parsers)
+    _add_report(parsers)
     _add_lab(parsers)
     return parser
 
@@ -145,8 +147,9 @@ def _add_gait(parsers: Any) -> None:
     command.add_argument(
         "inputs",
         nargs="+",
-        metavar="TRIAL|RESULTS|TRACKS|EVENTS",
-        help="a trial, its results folder, a tracks file, or an events.csv scored by hand",
+        metavar="TRIAL|RESULTS|TRACKS|EVENTS|STUDY",
+        help="a trial, its results folder, a tracks file, an events.csv scored by hand, or a "
+        "study.toml or csv that names trials, animals, groups and covariates",
     )
     command.add_argument("--out", help="folder to write (default: results beside the first input)")
     command.add_argument("--fps", type=float, help="frame rate, where the input does not say")
@@ -170,6 +173,13 @@ def _add_gait(parsers: Any) -> None:
         nargs="+",
         metavar="NAME=EVENT",
         help="what a table of events calls them, as down=TD up=LO",
+    )
+    command.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="NAME=VALUE",
+        help='a setting of the analysis, as min_stance_s=0.02 or pairs=[["FL","FR"]]',
     )
     command.add_argument(
         "--figures",
@@ -320,6 +330,36 @@ def _add_convert(parsers: Any) -> None:
         help="heights of the pictures, for Argus and DLTdv 7, which count upwards",
     )
     command.set_defaults(run=commands.run_convert)
+
+
+def _add_reproduce(parsers: Any) -> None:
+    text = "make a figure or a table again from what it carries, and say whether it is the same"
+    more = "Exit status: 0 identical; 2 an input has changed or is missing; 3 it differs."
+    command = parsers.add_parser("reproduce", help=text, description=text, epilog=more)
+    command.add_argument(
+        "files", nargs="+", metavar="FILE", help="a figure, or a file of a folder of results"
+    )
+    command.add_argument(
+        "--inputs",
+        metavar="FOLDER",
+        help="where its inputs are (default: the folder of FILE, and those it lies in)",
+    )
+    command.set_defaults(run=commands.run_reproduce)
+
+
+def _add_report(parsers: Any) -> None:
+    text = "one page on an animal or a study: methods, tables, figures, notes, in one file"
+    command = parsers.add_parser("report", help=text, description=text)
+    command.add_argument(
+        "inputs", nargs="+", metavar="ANIMAL|STUDY", help="a study, or inputs as of pawnb gait"
+    )
+    command.add_argument("-o", "--out", metavar="FILE", help="default: report.html")
+    command.add_argument("--fps", type=float, help="frame rate, where the input does not say")
+    command.add_argument("--legs", nargs="+", metavar="LEG[=POINT]", help="as for pawnb gait")
+    command.add_argument(
+        "--set", action="append", default=[], metavar="NAME=VALUE", help="as for pawnb gait"
+    )
+    command.set_defaults(run=commands.run_report)
 
 
 def _add_lab(parsers: Any) -> None:

@@ -129,6 +129,7 @@ def run_gait(options: argparse.Namespace, argv: list[str]) -> None:
         event_names=split_event_names(options.event_names),
         animals=options.animals,
         groups=options.groups,
+        settings=split_settings(options.set),
         figures=options.figures,
         command=argv,
     )
@@ -229,6 +230,31 @@ def run_convert(options: argparse.Namespace, _argv: list[str]) -> None:
         legs=split_legs(options.legs),
     ):
         print(f"wrote {path}")
+
+
+def run_reproduce(options: argparse.Namespace, _argv: list[str]) -> int:
+    """Make files again and say whether they are the same."""
+    from pawnb.workflow.provenance.reproduce import EXIT_DIFFERS, reproduce_all
+
+    found = reproduce_all(options.files, inputs=options.inputs)
+    for one in found:
+        print(one.text())
+    return 0 if all(one.identical for one in found) else EXIT_DIFFERS
+
+
+def run_report(options: argparse.Namespace, argv: list[str]) -> None:
+    """Write one page on an animal or a study."""
+    from pawnb.workflow.provenance.report.report import write_report
+
+    path = write_report(
+        options.inputs if len(options.inputs) > 1 else options.inputs[0],
+        out=options.out,
+        fps=options.fps,
+        legs=split_legs(options.legs),
+        settings=split_settings(options.set),
+        command=argv,
+    )
+    print(f"wrote {path}")
 
 
 def run_lab(options: argparse.Namespace, _argv: list[str]) -> None:

@@ -224,6 +224,8 @@ class Trial:
         View to a file of another program's predictions, taken as evidence (kind ``paws``).
     detections_points : mapping
         Names of points in those files to the trial's own, where they differ.
+    gait : mapping
+        Settings of the gait analysis.
 
     Examples
     --------
@@ -253,6 +255,7 @@ class Trial:
     tracking: Mapping[str, Any] = field(default_factory=dict)
     detections: Mapping[str, str] = field(default_factory=dict)
     detections_points: Mapping[str, str] = field(default_factory=dict)
+    gait: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         check_fields(self, where="trial")

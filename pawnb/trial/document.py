@@ -42,7 +42,7 @@ _SECTION_FIELDS = {
     "start": ("points", "pose"),
     "tracks": ("file", "legs"),
 }
-_SECTIONS = (*_SECTION_FIELDS, "animal", "views", "calibration", "tracking")
+_SECTIONS = (*_SECTION_FIELDS, "animal", "views", "calibration", "tracking", "gait")
 
 
 def trial_from_document(document: dict[str, Any], *, where: str, folder: Path) -> Trial:
@@ -93,7 +93,11 @@ def trial_from_document(document: dict[str, Any], *, where: str, folder: Path) -
         raise InputError(
             f"{where}: [tracking] is {shown(tracking)}; expected a section with settings."
         )
+    gait = document.get("gait", {})
+    if not isinstance(gait, dict):
+        raise InputError(f"{where}: [gait] is {shown(gait)}; expected a section with settings.")
     parts: dict[str, Any] = {
+        "gait": gait,
         "animal": _animal(document.get("animal", {}), where),
         "views": _views(document.get("views", []), where),
         "calibration": _calibration(document, where),
@@ -236,6 +240,8 @@ def trial_document(trial: Trial) -> dict[str, Any]:
     tracking = {**trial.tracking, **{name: own for name, own in detections.items() if own}}
     if tracking:
         document["tracking"] = tracking
+    if trial.gait:
+        document["gait"] = dict(trial.gait)
     return document
 
 

@@ -39,6 +39,7 @@ class TrialBasis:
     dropped: pd.DataFrame | None
     signals: Sequence[LegSignals]
     body_length: float | None
+    settings: EventSettings
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -93,13 +94,16 @@ class GaitTables:
         return f"GaitTables({of}; {', '.join(sizes)}; {', '.join(more)})"
 
 
-def pool(parts: Sequence[GaitTables]) -> GaitTables:
+def pool(parts: Sequence[GaitTables], *, settings: EventSettings | None = None) -> GaitTables:
     """Put several analyses together; the phase summary is made anew over all of them.
 
     Parameters
     ----------
     parts : sequence of GaitTables
         Analyses of trials. Trials of one animal must carry the same animal's name.
+    settings : EventSettings, optional
+        What the settings of all have in common, where trials may have some of their own; default
+        all must be made with the same.
 
     Returns
     -------
@@ -132,7 +136,7 @@ def pool(parts: Sequence[GaitTables]) -> GaitTables:
                 "trial its own name."
             )
         seen |= own
-        if part.settings != parts[0].settings:
+        if settings is None and part.settings != parts[0].settings:
             raise InputError(
                 "the analyses were made with different settings; make them again with the same."
             )
@@ -144,18 +148,18 @@ def pool(parts: Sequence[GaitTables]) -> GaitTables:
         **tables,
         phase_summary=summarise_phases(tables["phases"]),
         notes=tuple(dict.fromkeys(note for part in parts for note in part.notes)),
-        settings=parts[0].settings,
+        settings=settings or parts[0].settings,
         signals=tuple(one for part in parts for one in part.signals),
         bases=tuple(one for part in parts for one in part.bases),
-        found=_pool_found(parts),
+        found=_pool_found(parts, settings),
     )
 
 
-def _pool_found(parts: Sequence[GaitTables]) -> GaitTables | None:
+def _pool_found(parts: Sequence[GaitTables], settings: EventSettings | None) -> GaitTables | None:
     """Return what the parts were before corrections; None where no part has any."""
     if all(part.found is None for part in parts):
         return None
-    return pool([part if part.found is None else part.found for part in parts])
+    return pool([part if part.found is None else part.found for part in parts], settings=settings)
 
 
 def rebuild_tables(
@@ -201,8 +205,9 @@ def rebuild_tables(
             continue
         own = _of_trial(events, basis.who).reset_index(drop=True)
         without = None if excluded is None else _of_trial(excluded, basis.who)
-        parts.append(build_tables(own, settings=tables.settings, excluded=without, **vars(basis)))
-    return replace(pool(parts), notes=tables.notes, bases=tables.bases)
+        parts.append(build_tables(own, excluded=without, **vars(basis)))
+    pooled = pool(parts, settings=tables.settings)
+    return replace(pooled, notes=tables.notes, bases=tables.bases)
 
 
 def _part_of(tables: GaitTables, basis: TrialBasis) -> GaitTables:
@@ -303,7 +308,7 @@ def build_tables(
         bases=(
             TrialBasis(
                 who=who, pairs=pairs, motion=motion, gaps=gaps, legs=legs, dropped=dropped,
-                signals=signals, body_length=body_length,
+                signals=signals, body_length=body_length, settings=settings,
             ),
         ),
     )  # fmt: skip

@@ -36,6 +36,8 @@ from pawnb.workflow.evaluation.compare_cameras import (
 from pawnb.workflow.evaluation.corrected_run import track_with_corrections
 from pawnb.workflow.evaluation.errors import count_errors, limits_for_width, poisson_limit
 from pawnb.workflow.gait.save_figures import save_figure
+from pawnb.workflow.provenance.labels import label_inputs
+from pawnb.workflow.provenance.record import build_step, file_checksum
 from pawnb.workflow.provenance.results import make_folder
 from pawnb.workflow.tracking.methods import METHODS, setting_names
 from pawnb.workflow.tracking.published_names import refuse_published_names
@@ -50,6 +52,7 @@ COMPARISON_COLUMNS = (
 )  # fmt: skip
 SUMMARY_COLUMNS = ("method", "n_trials", "n_frames", "measure", "mean", "sd", "count", "limit")
 REPROJECTION_COLUMNS = ("trial", "method", "view", "point", "kind", "n", "mean_px", "sd_px")
+_WORDS = {"trial": str, "method": str, "view": str, "point": str, "kind": str}
 _MEASURES = ("time_s_per_1000", "major_per_1000", "minor_per_1000",
              "major_alone_per_1000", "minor_alone_per_1000")  # fmt: skip
 
@@ -390,9 +393,44 @@ def _write(comparison: Comparison, out: Path, settings: Mapping[str, Any]) -> No
         ("reprojection_tests", comparison.tests),
     ):
         write_table(table, out / f"{name}.csv")
-    drawn = figures.build_compare_methods_table(comparison.trials, comparison.reprojection)
-    record = {"figure": "compare_methods", "settings": json.loads(json.dumps(dict(settings)))}
+    drawn_from = [out / f"{name}.csv" for name in ("comparison", "reprojection")]
+    draw_comparison(drawn_from, out, settings=settings)
+
+
+def draw_comparison(
+    tables: Sequence[Path],
+    out: Path,
+    *,
+    settings: Mapping[str, Any],
+    labels: Mapping[str, Path] | None = None,
+) -> None:
+    """Draw the comparison from its tables on disk, so that the figure can be drawn again of them.
+
+    Times differ from run to run: the tables, not the trials, are what the figure is made from.
+
+    Parameters
+    ----------
+    tables : sequence of Path
+        ``comparison.csv`` and ``reprojection.csv``.
+    out : Path
+        Folder for ``compare_methods`` as csv, png, pdf and svg.
+    settings : mapping
+        Settings of the methods, for the recipe.
+    labels : mapping, optional
+        What the recipe calls each table, to the table; default folder and name.
+    """
+    named = labels or {label: path for path, label in label_inputs(tables).items()}
+    trials, errors = (pd.read_csv(path, dtype=_WORDS) for path in tables)
+    drawn = figures.build_compare_methods_table(trials, errors)
+    step = build_step(
+        "compare",
+        command=None,
+        inputs={label: file_checksum(path) for label, path in named.items()},
+        settings=json.loads(json.dumps(dict(settings))),
+    )
+    out.mkdir(parents=True, exist_ok=True)
     with figures.style():
         axes = figures.plot_compare_methods(drawn)
+        record = {**step, "figure": "compare_methods", "name": "compare_methods"}
         save_figure(axes, out / "compare_methods", record=record)
     write_table(drawn, out / "compare_methods.csv")

@@ -18,7 +18,7 @@ from pawnb.io.tables import read_cells, read_numbers, write_table
 from pawnb.schema import TRACKS_COLUMNS, Tracks
 from pawnb.workflow.evaluation.errors import REFERENCE_WIDTH_PX, count_errors, limits_for_width
 from pawnb.workflow.evaluation.pose_errors import measure_pose_errors
-from pawnb.workflow.gait.run import analyse_source
+from pawnb.workflow.gait.inputs import analyse_source
 from pawnb.workflow.gait.sources import read_source
 from pawnb.workflow.provenance.results import make_folder, read_result_tracks
 

@@ -1,17 +1,17 @@
 """Tracks or events to gait tables and figures.
 
-``run`` is the call; ``sources`` and ``event_sources`` read what it is given, ``statistics`` makes
-the tables beside those of the trials, ``drawings``, ``source_drawings`` and ``save_figures`` the
-figures.
+``run`` is the call, ``request`` what it is asked for, ``study`` who was filmed; ``inputs``,
+``sources`` and ``event_sources`` read what it is given, ``statistics`` makes the tables beside
+those of the trials, ``drawings``, ``source_drawings`` and ``save_figures`` the figures.
 """
 
 from pawnb import _lazy
 
 _HOME = {
     "GaitRun": "pawnb.workflow.gait.run",
-    "Legs": "pawnb.workflow.gait.run",
+    "Legs": "pawnb.workflow.gait.request",
     "TABLES": "pawnb.workflow.gait.run",
-    "analyse_source": "pawnb.workflow.gait.run",
+    "analyse_source": "pawnb.workflow.gait.inputs",
     "run_gait": "pawnb.workflow.gait.run",
 }
 
@@ -22,12 +22,16 @@ __all__ = [
     "analyse_source",
     "drawings",
     "event_sources",
+    "inputs",
+    "request",
     "run",
     "run_gait",
     "save_figures",
     "source_drawings",
     "sources",
     "statistics",
+    "study",
+    "study_tables",
 ]
 
 __getattr__, __dir__ = _lazy(__name__, __all__, _HOME)

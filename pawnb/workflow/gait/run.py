@@ -12,37 +12,50 @@ from typing import Any
 import pandas as pd
 
 from pawnb import gait
-from pawnb.errors import InputError
-from pawnb.gait import GaitTables
-from pawnb.gait.analysis.leg_names import choose_legs
+from pawnb.gait import EventSettings, GaitTables
 from pawnb.gait.analysis.tables import say_no_strides
 from pawnb.gait.coordination import coordination_tables
 from pawnb.gait.event_detection.event_edits import FILE_NAME
-from pawnb.io.tables import write_table
-from pawnb.schema import each_of
+from pawnb.io.tables import write_table, write_text
+from pawnb.schema import build_settings
 from pawnb.workflow.gait.drawings import gait_drawings
-from pawnb.workflow.gait.event_sources import choose_event_legs
+from pawnb.workflow.gait.inputs import (
+    analyse_source,
+    check_alike,
+    read_sources,
+    tracks_of,
+    who_is_who,
+)
+from pawnb.workflow.gait.request import Again, GaitRequest, Legs
 from pawnb.workflow.gait.save_figures import Which, save_gait_figures
-from pawnb.workflow.gait.source_drawings import SourceTracks, source_drawings
-from pawnb.workflow.gait.sources import GaitSource, read_source
+from pawnb.workflow.gait.source_drawings import source_drawings
+from pawnb.workflow.gait.sources import GaitSource
 from pawnb.workflow.gait.statistics import (
     Groups,
     body_angles_of,
     joint_angles_of,
+    length_unit,
     statistics_tables,
 )
+from pawnb.workflow.gait.study import Study
+from pawnb.workflow.gait.study_tables import (
+    covariates_of,
+    size_drawings,
+    size_tables,
+    trials_table,
+)
+from pawnb.workflow.provenance.labels import label_inputs
 from pawnb.workflow.provenance.manifest import MANIFEST, writing_results
 from pawnb.workflow.provenance.notes import noted_warnings, notes_table
 from pawnb.workflow.provenance.record import build_step, file_checksum
+from pawnb.workflow.provenance.report.index_page import INDEX_FILE, index_page
+from pawnb.workflow.provenance.report.methods_text import methods_paragraphs
 from pawnb.workflow.provenance.results import (
     RESULTS_FOLDER,
     make_folder,
     provenance_steps,
     tracking_notes,
 )
-
-Legs = Sequence[str] | Mapping[str, str]
-"""Legs to use, or names of legs to names of points."""
 
 TABLES = ("events", "strides", "phases", "phase_summary", "dropped")
 
@@ -110,7 +123,9 @@ def run_gait(
         Trials (``trial.toml`` or its folder), results folders, files of tracks (also those of
         DeepLabCut, SLEAP, Anipose, DLTdv; without a trial the file's name is the animal's id),
         ``events.csv`` scored by hand, or ground contact by hand (a csv with frame and 0 or 1 for
-        each leg). They are pooled by the animal's id.
+        each leg). They are pooled by the animal's id. Or one study (``study.toml`` or csv, see
+        :func:`pawnb.workflow.gait.study.read_study`), which names trials, animals, groups,
+        conditions, covariates and settings.
     out : str or Path, optional
         Folder to write; default ``results`` beside a single trial, the folder of a
         single results or tracks file, and ``results`` in the current folder for several.
@@ -128,7 +143,9 @@ def run_gait(
         Group of each input's animals, in their order, to compare; default as a column ``group``
         of a table of events says, else as the trial does (``[animal] group``).
     settings : mapping, optional
-        Settings of the event detection.
+        Settings of the analysis (:class:`pawnb.gait.EventSettings`, and ``pairs`` of legs). They
+        go before those of a trial (``[gait]`` in its ``trial.toml``, or in its study), and these
+        before those of a study.
     figures : {"all", "main", "none"}
         Figures to draw: every one that the tables allow (which takes longer than the
         analysis), gait diagrams and phase roses, or none.
@@ -152,32 +169,68 @@ def run_gait(
     >>> sorted(run.tables.strides["leg"].unique())
     ['FL', 'FR', 'HL', 'HR']
     """
+    request = GaitRequest(
+        inputs=inputs, fps=fps, legs=legs, event_names=event_names, animals=animals,
+        groups=groups, settings=settings, figures=figures,
+    )  # fmt: skip
+    return carry_out(request, out=out, command=command)
+
+
+def carry_out(
+    request: GaitRequest,
+    *,
+    out: str | Path | None = None,
+    command: Sequence[str] | None = None,
+    again: Again | None = None,
+) -> GaitRun:
+    """Analyse the gait of what a request names.
+
+    Parameters
+    ----------
+    request : GaitRequest
+        What is asked for.
+    out, command
+        As for :func:`run_gait`.
+    again : Again, optional
+        What is taken over from a run that is made again.
+
+    Returns
+    -------
+    GaitRun
+        As of :func:`run_gait`.
+    """
     with noted_warnings() as warned:
-        sources = _read_sources(inputs, fps=fps, animals=animals, groups=groups)
+        sources, study = read_sources(request)
         parts = [
-            analyse_source(source, legs=legs, event_names=event_names, settings=settings)
+            analyse_source(
+                source,
+                legs=request.legs,
+                event_names=request.event_names,
+                settings=request.settings,
+            )
             for source in sources
         ]
-        tables = gait.pool(parts) if len(parts) > 1 else parts[0]
-        if out is None:
-            out = sources[0].folder if len(sources) == 1 else Path(RESULTS_FOLDER)
-        folder = make_folder(out)
-        edits = _event_edit_files(sources, folder)
+        check_alike(parts)
+        tables = parts[0] if len(parts) == 1 else gait.pool(parts, settings=_common(request, study))
+        folder = make_folder(_default_out(sources, study) if out is None else out)
+        edits = _event_edit_files(sources, folder) if again is None else list(again.edits)
         tables = gait.replay_event_edits(tables, edits)
-        asked = {
-            "legs": dict(legs) if isinstance(legs, Mapping) else list(legs) if legs else None,
-            "event_names": dict(event_names) if event_names else None,
-            "animals": list(animals) if animals else None,
-            "groups": list(groups) if groups else None,
-        }
-        step = _record(sources, edits, tables, command=command, asked=asked)
+        step = _record(
+            request, sources, edits, tables=tables, study=study, command=command, again=again
+        )
         named = {
             k: v for s, part in zip(sources, parts, strict=True) for k, v in s.groups(part).items()
         }
-        seen = _tracks_of(sources, legs)
+        seen = tracks_of(sources, request.legs)
         angles = joint_angles_of([(one.tracks, one.animal, one.trial) for one in seen])
+        fields = {
+            k: v for s, p in zip(sources, parts, strict=True)
+            for k, v in covariates_of([basis.who for basis in p.bases], s.fields).items()
+        }  # fmt: skip
         further, remarks = _further_tables(tables, sources, groups=named, angles=angles)
-        remarks = [*_who_is_who(sources, animals), *tables.notes, *remarks]
+        further["trials"] = trials_table(tables, groups=named, fields=fields)
+        further |= size_tables(tables.strides, fields)
+        remarks = [*who_is_who(sources, request.animals), *tables.notes, *remarks]
         tables = dataclasses.replace(tables, notes=tuple(remarks))
         every = {name: _grouped(getattr(tables, name), named) for name in TABLES} | further
         with writing_results(folder, run="gait", steps=[step]) as staging:
@@ -186,37 +239,86 @@ def run_gait(
             drawings = itertools.chain(
                 gait_drawings(tables, groups=named, notes=notes),
                 source_drawings(seen, angles=angles),
+                size_drawings(tables.strides, fields, unit=length_unit(tables)),
             )
-            files += save_gait_figures(drawings, staging / "figures", record=step, which=figures)
+            files += save_gait_figures(
+                drawings,
+                staging / "figures",
+                record=step,
+                which=request.figures,
+                only=None if again is None else again.only,
+            )
             notes = [*_notes_of(sources, tables), *warned]  # drawing may have warned, too
             in_rows = {f"{name}.csv": table for name, table in every.items()}
-            files.append(write_table(notes_table(notes, in_rows), staging / "notes.csv"))
+            told = notes_table(notes, in_rows)
+            files.append(write_table(told, staging / "notes.csv"))
+            said = methods_paragraphs(tables, every, step=step)
+            files.append(write_text("\n\n".join(said) + "\n", staging / "methods.txt"))
+            index = index_page(files, staging, notes=told, paragraphs=said)
+            files.append(write_text(index, staging / INDEX_FILE))
         written = [folder / file.relative_to(staging) for file in files]
     return GaitRun(tables, folder, (*written, folder / MANIFEST))
 
 
+def _default_out(sources: Sequence[GaitSource], study: Study | None) -> Path:
+    """Return where results go: beside a study, or what a single input says."""
+    if study is not None:
+        return study.path.parent / RESULTS_FOLDER
+    return sources[0].folder if len(sources) == 1 else Path(RESULTS_FOLDER)
+
+
+def _common(request: GaitRequest, study: Study | None) -> EventSettings:
+    """Return the settings that all trials have in common, but for those of their own."""
+    asked = {**(study.settings if study is not None else {}), **(request.settings or {})}
+    asked.pop("pairs", None)
+    return build_settings(EventSettings, asked, where="gait")
+
+
 def _record(
+    request: GaitRequest,
     sources: Sequence[GaitSource],
     edits: Sequence[Path],
-    tables: GaitTables,
     *,
+    tables: GaitTables,
+    study: Study | None,
     command: Sequence[str] | None,
-    asked: Mapping[str, Any],
+    again: Again | None,
 ) -> dict[str, Any]:
-    """Return the record of this run."""
-    inputs = (*(f for s in sources for f in (s.path, *s.further)), *edits)
-    return build_step(
+    """Return the record of this run: all that is needed to make its files again."""
+    given = [source.given for source in sources] if study is None else [study.path]
+    inputs = [*given, *(f for s in sources for f in (s.given, s.path, *s.further)), *edits]
+    labels = label_inputs(inputs)
+    if again is not None:
+        known = {path.absolute(): label for path, label in again.labels.items()}
+        labels |= {path: known[path.absolute()] for path in inputs if path.absolute() in known}
+    step = build_step(
         "gait",
         command=command,
-        inputs={_label(path): file_checksum(path) for path in inputs},
+        inputs={labels[path]: file_checksum(path) for path in inputs},
         settings=dataclasses.asdict(tables.settings),
-        **asked,
+        settings_of_trials=_own_settings(tables),
+        given=[labels[path] for path in given],
+        edits=[labels[path] for path in edits],
+        **request.plain(),
         sources={
-            _label(source.path): provenance_steps(source.tracks)
+            labels[source.path]: provenance_steps(source.tracks)
             for source in sources
             if source.tracks is not None
         },
     )
+    return step if again is None else step | {"command": again.command}
+
+
+def _own_settings(tables: GaitTables) -> dict[str, dict[str, Any]]:
+    """Return the settings that single trials have of their own, by animal and trial."""
+    common = dataclasses.asdict(tables.settings)
+    found = {}
+    for basis in tables.bases:
+        own = dataclasses.asdict(basis.settings)
+        changed = {name: value for name, value in own.items() if value != common[name]}
+        if changed:
+            found[f"{basis.who['animal']}, {basis.who['trial']}"] = changed
+    return found
 
 
 def _further_tables(
@@ -241,56 +343,6 @@ def _notes_of(sources: Sequence[GaitSource], tables: GaitTables) -> list[str]:
     return [*tracked, *say_no_strides(tables), *tables.notes]
 
 
-def _read_sources(
-    inputs: str | Path | Sequence[str | Path],
-    *,
-    fps: float | None,
-    animals: Sequence[str] | None,
-    groups: Sequence[str] | None,
-) -> list[GaitSource]:
-    """Read every input, under the animals' ids and groups that were given."""
-    inputs = each_of(inputs, what="inputs")
-    for name, given in (("animals", animals), ("groups", groups)):
-        if given is not None and len(each_of(given, what=name, one=False)) != len(inputs):
-            raise InputError(
-                f"{name}: {len(given)} for {len(inputs)} inputs; give the "
-                f"{'id' if name == 'animals' else 'group'} of each input's animal."
-            )
-    sources = [read_source(path, fps=fps) for path in inputs]
-    if animals is not None:
-        sources = [s.of_animal(animal) for s, animal in zip(sources, animals, strict=True)]
-    if groups is not None:
-        sources = [
-            dataclasses.replace(source, group=group)
-            for source, group in zip(sources, groups, strict=True)
-        ]
-    return sources
-
-
-def _who_is_who(sources: Sequence[GaitSource], animals: Sequence[str] | None) -> list[str]:
-    """Say where files that name no animal were counted as animals of their own."""
-    guessed = [
-        source.trial.animal.id if source.trial is not None else source.path.stem
-        for source in sources
-        if source.guessed
-    ]
-    if animals is not None or len(sources) < 2 or not guessed:
-        return []
-    return [
-        f"these files do not name their animal, so each counts as one of its own: "
-        f"{', '.join(guessed)}. Several of one animal must not: say whose they are with --animals, "
-        "one id for each input."
-    ]
-
-
-def _groups_of(sources: Sequence[GaitSource], parts: Sequence[GaitTables]) -> Groups:
-    """Return the group of every animal and trial that has one."""
-    groups: dict[tuple[str, str], str] = {}
-    for source, part in zip(sources, parts, strict=True):
-        groups |= source.groups(part)
-    return groups
-
-
 def _grouped(table: pd.DataFrame, groups: Groups) -> pd.DataFrame:
     """Return a table with a column ``group`` on the right, where its rows have any."""
     if not groups or not {"animal", "trial"} <= set(table):
@@ -299,77 +351,7 @@ def _grouped(table: pd.DataFrame, groups: Groups) -> pd.DataFrame:
     return table.assign(group=[groups.get(one, "") for one in who])
 
 
-def _tracks_of(sources: Sequence[GaitSource], legs: Legs | None) -> list[SourceTracks]:
-    """Return the tracks among the inputs, with what the tables call animal, trial and legs."""
-    found = []
-    for source in sources:
-        tracks, trial = source.tracks, source.trial
-        if tracks is None:
-            continue
-        alone = trial is not None and tracks.sizes["individual"] == 1
-        found.append(
-            SourceTracks(
-                tracks=tracks,
-                animal=trial.animal.id if trial is not None and alone else None,
-                trial=trial.name if trial is not None else "trial",
-                legs=choose_legs(tracks, trial=trial, legs=legs),
-            )
-        )
-    return found
-
-
-def analyse_source(
-    source: GaitSource,
-    *,
-    legs: Legs | None = None,
-    event_names: Mapping[str, str] | None = None,
-    settings: Mapping[str, Any] | None = None,
-) -> GaitTables:
-    """Analyse one input.
-
-    Parameters
-    ----------
-    source : GaitSource
-        What :func:`read_source` returned.
-    legs : sequence of str or mapping, optional
-        Legs to use, or names of legs to names of points (or of legs in a table of events);
-        default all.
-    event_names : mapping, optional
-        What a table of events calls its events.
-    settings : mapping, optional
-        Settings of the event detection.
-
-    Returns
-    -------
-    GaitTables
-        The tables.
-
-    Raises
-    ------
-    InputError
-        If it cannot be analysed.
-    """
-    if source.events is not None:
-        events = source.events
-        if legs is not None:
-            events = choose_event_legs(events, legs, where=str(source.path))
-        return gait.analyse_events(events, event_names=event_names, settings=settings)
-    tracks, trial, belt = source.tracks, source.trial, None
-    if tracks is None:
-        raise InputError(f"{source.path}: neither tracks nor events.")
-    if "belt_speed" in tracks:
-        belt = tracks["belt_speed"].to_dataframe()[["frame", "belt_speed"]]
-        belt = belt.rename(columns={"belt_speed": "speed"})
-        trial = None if trial is None else dataclasses.replace(trial, belt_speed=None)
-    return gait.analyse(tracks, trial=trial, legs=legs, belt_speed=belt, settings=settings)
-
-
 def _event_edit_files(sources: Sequence[GaitSource], out: Path) -> list[Path]:
     """Return the corrections of events beside the results of the inputs, and of this run."""
     folders = {folder.resolve(): folder for folder in (*(s.folder for s in sources), out)}
     return [path for f in folders.values() if (path := f / FILE_NAME).exists()]
-
-
-def _label(path: Path) -> str:
-    """Name an input in the provenance without its absolute path."""
-    return f"{path.parent.name}/{path.name}"

@@ -31,6 +31,7 @@ def save_gait_figures(
     *,
     record: Mapping[str, Any],
     which: Which = "all",
+    only: str | None = None,
 ) -> list[Path]:
     """Draw figures; save each with the table it draws.
 
@@ -48,6 +49,8 @@ def save_gait_figures(
         Provenance that goes into the metadata of each file.
     which : {"all", "main", "none"}
         All of them, gait diagrams and phase roses only, or none.
+    only : str, optional
+        Name of the one figure to draw, of those.
 
     Returns
     -------
@@ -74,6 +77,8 @@ def save_gait_figures(
         # two trials may differ in signs only that no file name has
         name = distinct_name(drawing.name, taken)
         taken.add(name.casefold())
+        if only not in (None, name):
+            continue
         with figures.style():
             try:
                 table, ax = drawing.draw()
@@ -81,7 +86,7 @@ def save_gait_figures(
                 absent.append((name, str(error)))
                 plt.close("all")
                 continue
-            own = {**record, "figure": drawing.kind}
+            own = {**record, "figure": drawing.kind, "name": name}
             files += save_figure(ax, folder / name, record=own)
         files.append(write_table(table, folder / f"{name}.csv"))
     if absent:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
@@ -50,6 +52,14 @@ class GaitSource:
         Further files that tracks made elsewhere were read from, such as their calibration.
     group : str, optional
         Group of its animals, as told beside it.
+    of_trial : Path, optional
+        The ``trial.toml`` that named it.
+    settings : mapping
+        Settings of the analysis of its own.
+    fields : mapping
+        Covariates: what is known of its animal beside its group.
+    legs : mapping, optional
+        Names of legs to names of points, as its study says.
     """
 
     path: Path
@@ -60,6 +70,15 @@ class GaitSource:
     guessed: bool = False
     further: tuple[Path, ...] = ()
     group: str | None = None
+    of_trial: Path | None = None
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    fields: Mapping[str, Any] = field(default_factory=dict)
+    legs: Mapping[str, str] | None = None
+
+    @property
+    def given(self) -> Path:
+        """The file that was named: the trial's, or what was read."""
+        return self.of_trial or self.path
 
     def groups(self, tables: GaitTables) -> dict[tuple[str, str], str]:
         """Return the group of each animal and trial in the tables made of this input.
@@ -88,6 +107,14 @@ class GaitSource:
             )
         own = replace(self.trial.animal, id=animal)
         return replace(self, trial=replace(self.trial, animal=own), guessed=False)
+
+    def of_name(self, name: str) -> GaitSource:
+        """Return the same input under another name of its trial."""
+        if self.events is not None:
+            return replace(self, events=self.events.assign(trial=name))
+        if self.trial is None:
+            raise InputError(f"{self.path}: tracks of several animals; leave the name away.")
+        return replace(self, trial=replace(self.trial, name=name))
 
 
 def read_source(path: str | Path, *, fps: float | None = None) -> GaitSource:
@@ -122,7 +149,7 @@ def read_source(path: str | Path, *, fps: float | None = None) -> GaitSource:
         )
     check_file(path, expected="a trial, a results folder, tracks or an events.csv")
     if path.suffix == ".toml":
-        return _read_trial(load_trial(path))
+        return _read_trial(load_trial(path), path)
     if trial_stamp(path.name) is not None:
         raise InputError(
             f"{path}: one of the four files of a trial of the 2019 authors, which need their DLT; "
@@ -138,25 +165,31 @@ def read_source(path: str | Path, *, fps: float | None = None) -> GaitSource:
     tell_fault(tracks, path)
     trial = described_trial(tracks, where=str(path), folder=path.parent)
     if trial is not None:
-        return GaitSource(path, path.parent, tracks=tracks, trial=trial)
+        return GaitSource(
+            path, path.parent, tracks=tracks, trial=trial, settings=trial.gait,
+            fields=trial.animal.extra,
+        )  # fmt: skip
     trial, guessed = _file_as_trial(tracks, path, program)
     return GaitSource(path, path.parent, tracks=tracks, trial=trial, guessed=guessed)
 
 
-def _read_trial(trial: Trial) -> GaitSource:
+def _read_trial(trial: Trial, file: Path) -> GaitSource:
     """Read the tracks of a trial: those made elsewhere, or those that pawnb made."""
     out = results_folder(trial)
+    own: dict[str, Any] = {
+        "trial": trial, "of_trial": file, "settings": trial.gait, "fields": trial.animal.extra,
+    }  # fmt: skip
     if trial.kind == "tracks" and trial.track_files:
         events = read_trial_events(trial)
         if events is not None:
-            return GaitSource(trial.path(trial.track_files[0]), out, events=events, trial=trial)
+            return GaitSource(trial.path(trial.track_files[0]), out, events=events, **own)
         tracks = describe_trial(read_foreign_tracks(trial), trial)
         path, *further = files_of_tracks(trial)
-        return GaitSource(path, out, tracks=tracks, trial=trial, further=tuple(further))
+        return GaitSource(path, out, tracks=tracks, **own, further=tuple(further))
     path = out / "tracks.nc"
     if not path.exists():
         raise InputError(f"{path}: trial {trial.name!r} is not tracked yet; run pawnb track first.")
-    return GaitSource(path, out, tracks=read_result_tracks(path), trial=trial)
+    return GaitSource(path, out, tracks=read_result_tracks(path), **own)
 
 
 def _file_as_trial(tracks: Tracks, path: Path, program: str) -> tuple[Trial | None, bool]:

@@ -1,7 +1,10 @@
 """What was done, with what, to what, and what a folder of results holds.
 
 ``record`` makes the record that every result carries, ``manifest`` writes a folder whole and finds
-faults in one, ``results`` writes and reads what tracking made, ``notes`` lists warnings beside it.
+faults in one, ``labels`` name inputs, ``results`` writes and reads what
+tracking made, ``notes`` lists warnings beside it.
+``recipes`` reads what a file carries, ``find_inputs`` what it was made of; ``reproduce`` makes it
+again, and ``same_content`` says in what it differs. ``report`` writes pages on a run.
 """
 
 from pawnb import _lazy
@@ -20,13 +23,19 @@ _HOME = {
 __all__ = [
     "build_step",
     "file_checksum",
+    "find_inputs",
+    "labels",
     "manifest",
     "notes",
     "package_versions",
     "plain_command",
     "provenance_text",
+    "recipes",
     "record",
+    "report",
+    "reproduce",
     "results",
+    "same_content",
     "trial_checksums",
     "trial_fingerprint",
     "trial_inputs",

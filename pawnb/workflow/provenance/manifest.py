@@ -33,6 +33,7 @@ from pawnb.files import (
     sync_folder,
     write_whole,
 )
+from pawnb.workflow.provenance.labels import is_labelled
 from pawnb.workflow.provenance.record import provenance_text
 
 RunKind = Literal["track", "gait"]
@@ -200,8 +201,8 @@ def _made_before(folder: Path, known: Manifest, run: RunKind) -> str | None:
         return None  # of other files than its results
     for step in known.steps_of(run):
         for label, checksum in step.get("inputs", {}).items():
-            parent, _, name = label.rpartition("/")
-            here = parent == folder.resolve().name and (folder / name).exists()
+            name = label.rpartition("/")[2]
+            here = is_labelled(folder.resolve() / name, label) and (folder / name).exists()
             if here and _sha256(folder / name) != checksum.removeprefix("sha256:"):
                 return (
                     f"{folder}: {name} has changed since the gait was analysed; run pawnb gait "

@@ -135,7 +135,7 @@ def trial_checksums(trial: Trial, *, start: bool = True) -> dict[str, str]:
 
 
 def trial_fingerprint(trial: Trial) -> str:
-    """Return a checksum of what a trial says: all but its settings of the tracker.
+    """Return a checksum of what a trial says: all but its settings of tracker and gait.
 
     Parameters
     ----------
@@ -147,7 +147,7 @@ def trial_fingerprint(trial: Trial) -> str:
     str
         ``"sha256:..."``; the same wherever the trial's folder lies.
     """
-    document = trial_document(dataclasses.replace(trial, tracking={}))
+    document = trial_document(dataclasses.replace(trial, tracking={}, gait={}))
     text = json.dumps(_without_folders(document), sort_keys=True)
     return "sha256:" + hashlib.sha256(text.encode()).hexdigest()
 

@@ -75,6 +75,8 @@ def describe_trial(
     """
     document = trial_document(trial)
     kept: dict[str, Any] = {name: document[name] for name in ("trial", "animal")}
+    if trial.gait:
+        kept["gait"] = document["gait"]
     kept["views"] = [
         {name: view[name] for name in ("name", "facing", "mirror") if name in view}
         for view in document.get("views", [])

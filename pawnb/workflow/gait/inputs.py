@@ -1,0 +1,273 @@
+"""The inputs of a gait analysis: read as the request or its study says, and analysed one by one."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import re
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from pawnb import gait
+from pawnb.errors import InputError
+from pawnb.gait import GaitTables
+from pawnb.gait.analysis.leg_names import choose_legs
+from pawnb.gait.cycles import POSITION
+from pawnb.schema import each_of, shown
+from pawnb.workflow.gait.event_sources import choose_event_legs
+from pawnb.workflow.gait.request import GaitRequest, Legs
+from pawnb.workflow.gait.source_drawings import SourceTracks
+from pawnb.workflow.gait.sources import GaitSource, read_source
+from pawnb.workflow.gait.study import Study, StudyTrial, is_study, read_study
+
+_MOUSE = {"FR", "HR", "FL", "HL"}
+
+
+def read_sources(request: GaitRequest) -> tuple[list[GaitSource], Study | None]:
+    """Read every input, under the animals' ids and groups that were given.
+
+    Parameters
+    ----------
+    request : GaitRequest
+        What is asked for; its one input may be a study.
+
+    Returns
+    -------
+    sources : list of GaitSource
+        The inputs.
+    study : Study or None
+        The study that named them.
+
+    Raises
+    ------
+    InputError
+        If an input cannot be read, or what is said of them does not fit.
+    """
+    animals, groups, fps = request.animals, request.groups, request.fps
+    inputs = each_of(request.inputs, what="inputs")
+    studies = [path for path in inputs if is_study(path)]
+    if studies:
+        if len(inputs) > 1 or animals or groups:
+            raise InputError(
+                f"{studies[0]}: a study says itself which trials, animals and groups there are; "
+                "name nothing beside it."
+            )
+        study = read_study(studies[0])
+        return [_of_study(trial, study, fps) for trial in study.trials], study
+    for name, given in (("animals", animals), ("groups", groups)):
+        if given is not None and len(each_of(given, what=name, one=False)) != len(inputs):
+            raise InputError(
+                f"{name}: {len(given)} for {len(inputs)} inputs; give the "
+                f"{'id' if name == 'animals' else 'group'} of each input's animal."
+            )
+    sources = [read_source(path, fps=fps) for path in inputs]
+    if animals is not None:
+        sources = [s.of_animal(animal) for s, animal in zip(sources, animals, strict=True)]
+    if groups is not None:
+        sources = [
+            dataclasses.replace(source, group=group)
+            for source, group in zip(sources, groups, strict=True)
+        ]
+    return sources, None
+
+
+def _of_study(trial: StudyTrial, study: Study, fps: float | None) -> GaitSource:
+    """Read a trial of a study, under what the study calls it."""
+    own = read_source(trial.path, fps=trial.fps or fps).of_animal(trial.animal)
+    if trial.name is not None:
+        own = own.of_name(trial.name)
+    compared = trial.condition if study.compare == "condition" else trial.group or own.group
+    return dataclasses.replace(
+        own,
+        group=compared,
+        settings={**study.settings, **own.settings, **trial.settings},
+        fields={**own.fields, **trial.fields},
+        legs=dict(study.legs) or None,
+    )
+
+
+def read_pairs(value: Any) -> list[tuple[str, str]] | None:
+    """Return pairs of legs from a setting; None for the usual ones.
+
+    Parameters
+    ----------
+    value : object
+        Pairs of names, or their JSON.
+
+    Returns
+    -------
+    list of (leg, reference) or None
+        The pairs.
+
+    Raises
+    ------
+    InputError
+        If it is no list of pairs of names.
+    """
+    if value is None:
+        return None
+    try:
+        pairs = json.loads(value) if isinstance(value, str) else value
+        found = [(leg, reference) for leg, reference in pairs]
+        found = found if all(isinstance(pair, list | tuple) for pair in pairs) else []
+    except (ValueError, TypeError):
+        found = []
+    if not found or not all(isinstance(name, str) for pair in found for name in pair):
+        raise InputError(
+            f'setting pairs is {shown(value)}; expected pairs of legs, as [["FL", "FR"]].'
+        )
+    return found
+
+
+def check_alike(parts: Sequence[GaitTables]) -> None:
+    """Refuse to pool trials in several units, or with legs under several kinds of names.
+
+    Parameters
+    ----------
+    parts : sequence of GaitTables
+        An analysis of each input.
+
+    Raises
+    ------
+    InputError
+        If lengths, or legs, of one trial cannot be compared with those of another.
+    """
+    units: dict[str, str] = {}
+    kinds: dict[str, tuple[str, str]] = {}
+    for part in parts:
+        names = part.events["trial"].astype(str)
+        for one in part.signals:
+            if one.signal == POSITION:
+                units.setdefault(one.unit, one.trial)
+        for trial, legs in part.events["leg"].astype(str).groupby(names):
+            shown_legs = ", ".join(dict.fromkeys(legs))
+            for kind in {_kind_of(leg) for leg in legs}:
+                kinds.setdefault(kind, (str(trial), shown_legs))
+    if len(units) > 1:
+        said = " and ".join(f"{unit} ({trial})" for unit, trial in units.items())
+        raise InputError(f"trials are in {said}; give all one unit, or analyse them apart.")
+    if len(kinds) > 1:
+        said = " and ".join(f"{legs} in {trial}" for trial, legs in kinds.values())
+        raise InputError(
+            f"legs are called {said}; call them alike with --legs, or [legs] of the study."
+        )
+
+
+def _kind_of(leg: str) -> str:
+    """Return by which system a leg is named."""
+    if leg in _MOUSE:
+        return "mouse"
+    return "spider" if re.fullmatch(r"[LR]\d+", leg) else "own"
+
+
+def who_is_who(sources: Sequence[GaitSource], animals: Sequence[str] | None) -> list[str]:
+    """Say where files that name no animal were counted as animals of their own.
+
+    Parameters
+    ----------
+    sources : sequence of GaitSource
+        The inputs.
+    animals : sequence of str or None
+        Ids that were given.
+
+    Returns
+    -------
+    list of str
+        One note, or none.
+    """
+    guessed = [
+        source.trial.animal.id if source.trial is not None else source.path.stem
+        for source in sources
+        if source.guessed
+    ]
+    if animals is not None or len(sources) < 2 or not guessed:
+        return []
+    return [
+        f"these files do not name their animal, so each counts as one of its own: "
+        f"{', '.join(guessed)}. Several of one animal must not: say whose they are with --animals, "
+        "one id for each input."
+    ]
+
+
+def tracks_of(sources: Sequence[GaitSource], legs: Legs | None) -> list[SourceTracks]:
+    """Return the tracks among the inputs, with what the tables call animal, trial and legs.
+
+    Parameters
+    ----------
+    sources : sequence of GaitSource
+        The inputs.
+    legs : sequence of str or mapping, optional
+        As for :func:`analyse_source`.
+
+    Returns
+    -------
+    list of SourceTracks
+        Those that have tracks.
+    """
+    found = []
+    for source in sources:
+        tracks, trial = source.tracks, source.trial
+        if tracks is None:
+            continue
+        alone = trial is not None and tracks.sizes["individual"] == 1
+        found.append(
+            SourceTracks(
+                tracks=tracks,
+                animal=trial.animal.id if trial is not None and alone else None,
+                trial=trial.name if trial is not None else "trial",
+                legs=choose_legs(tracks, trial=trial, legs=source.legs if legs is None else legs),
+            )
+        )
+    return found
+
+
+def analyse_source(
+    source: GaitSource,
+    *,
+    legs: Legs | None = None,
+    event_names: Mapping[str, str] | None = None,
+    settings: Mapping[str, Any] | None = None,
+) -> GaitTables:
+    """Analyse one input.
+
+    Parameters
+    ----------
+    source : GaitSource
+        What :func:`read_source` returned.
+    legs : sequence of str or mapping, optional
+        Legs to use, or names of legs to names of points (or of legs in a table of events);
+        default all.
+    event_names : mapping, optional
+        What a table of events calls its events.
+    settings : mapping, optional
+        Settings of the event detection, and ``pairs``: what phases are measured between, as
+        (leg, reference). They go before the input's own.
+
+    Returns
+    -------
+    GaitTables
+        The tables.
+
+    Raises
+    ------
+    InputError
+        If it cannot be analysed.
+    """
+    chosen = {**source.settings, **(settings or {})}
+    pairs = read_pairs(chosen.pop("pairs", None))
+    legs = source.legs if legs is None else legs
+    if source.events is not None:
+        events = source.events
+        if legs is not None:
+            events = choose_event_legs(events, legs, where=str(source.path))
+        return gait.analyse_events(events, event_names=event_names, pairs=pairs, settings=chosen)
+    tracks, trial, belt = source.tracks, source.trial, None
+    if tracks is None:
+        raise InputError(f"{source.path}: neither tracks nor events.")
+    if "belt_speed" in tracks:
+        belt = tracks["belt_speed"].to_dataframe()[["frame", "belt_speed"]]
+        belt = belt.rename(columns={"belt_speed": "speed"})
+        trial = None if trial is None else dataclasses.replace(trial, belt_speed=None)
+    return gait.analyse(
+        tracks, trial=trial, legs=legs, pairs=pairs, belt_speed=belt, settings=chosen
+    )

@@ -1,0 +1,245 @@
+"""A study: which trials of which animals, in which groups and conditions, with what covariates."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from pawnb.errors import InputError, did_you_mean
+from pawnb.files import read_toml
+from pawnb.io.tables import read_cells, read_column_names
+from pawnb.schema import shown
+
+SECTIONS = ("study", "gait", "legs", "animals", "trials")
+COMPARED = ("group", "condition")
+_OF_TRIAL = ("file", "animal", "name", "group", "condition", "fps", "gait")
+_WORDS = ("file", "animal", "name", "group", "condition")
+_SETTING = "gait."
+_NEEDED = "every trial needs file = ... and animal = ..."
+
+
+@dataclass(frozen=True, kw_only=True)
+class StudyTrial:
+    """One trial of a study.
+
+    Parameters
+    ----------
+    path : Path
+        What is analysed: a trial, results, tracks, or events scored by hand.
+    animal : str
+        Id of its animal.
+    name : str, optional
+        Name of the trial; default that which the file has.
+    group, condition : str, optional
+        To which it belongs.
+    fps : float, optional
+        Frames per second, for a file that does not say.
+    settings : mapping
+        Settings of the gait analysis of this trial.
+    fields : mapping
+        Covariates of the animal and of the trial: ``mass_g``, ``body_length``, age, sex.
+    """
+
+    path: Path
+    animal: str
+    name: str | None = None
+    group: str | None = None
+    condition: str | None = None
+    fps: float | None = None
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    fields: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Study:
+    """What a study says.
+
+    Parameters
+    ----------
+    path : Path
+        Its file.
+    trials : tuple of StudyTrial
+        The trials, in their order.
+    compare : {"group", "condition"}
+        What is compared.
+    settings : mapping
+        Settings of the gait analysis of all trials.
+    legs : mapping
+        Names of legs to names of points, of all trials.
+    """
+
+    path: Path
+    trials: tuple[StudyTrial, ...]
+    compare: str = "group"
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    legs: Mapping[str, str] = field(default_factory=dict)
+
+
+def is_study(path: str | Path) -> bool:
+    """Say whether a file is a study: a TOML with ``[[trials]]``, or a csv with file and animal.
+
+    Parameters
+    ----------
+    path : str or Path
+        A file or a folder.
+
+    Returns
+    -------
+    bool
+        False for whatever else, also where nothing is there.
+    """
+    path = Path(path)
+    if not path.is_file():
+        return False
+    try:
+        if path.suffix.lower() == ".toml":
+            return "trials" in read_toml(path)
+        if path.suffix.lower() == ".csv":
+            return {"file", "animal"} <= set(read_column_names(path, expected="a csv table"))
+    except InputError:
+        return False  # whoever reads it next says what is wrong with it
+    return False
+
+
+def read_study(path: str | Path) -> Study:
+    """Read a study.
+
+    Parameters
+    ----------
+    path : str or Path
+        ``study.toml``: ``[study] compare``, ``[gait]`` settings, ``[legs]``, ``[[animals]]`` with
+        ``id`` and any fields, ``[[trials]]`` with ``file``, ``animal`` and, where they apply,
+        ``name``, ``group``, ``condition``, ``fps``, ``gait = {...}`` and any fields. Or a csv with
+        a row a trial and these as columns, settings as ``gait.cutoff_hz``. Paths are relative to
+        the study's folder.
+
+    Returns
+    -------
+    Study
+        The study.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, names an animal or a trial twice, or has a part that is not known.
+    """
+    path = Path(path)
+    study = _from_csv(path) if path.suffix.lower() == ".csv" else _from_toml(path)
+    if not study.trials:
+        raise InputError(f"{path}: no trial; {_NEEDED}.")
+    files = [trial.path.resolve() for trial in study.trials]
+    for k, trial in enumerate(study.trials):
+        if files[k] in files[:k]:
+            raise InputError(f"{path}: {trial.path.name} is there twice; name each trial once.")
+    return study
+
+
+def _from_toml(path: Path) -> Study:
+    """Read a study.toml."""
+    document = read_toml(path, expected="a study")
+    for name in document:
+        if name not in SECTIONS:
+            raise InputError(
+                f"{path}: unknown section [{name}]{did_you_mean(name, SECTIONS)}; expected "
+                f"{', '.join(SECTIONS)}."
+            )
+    head = _section(document, "study", path)
+    compare = head.pop("compare", None)
+    if head:
+        name = next(iter(head))
+        raise InputError(
+            f"{path}: [study] has an unknown field {name!r}{did_you_mean(name, ['compare'])}; "
+            "known is compare."
+        )
+    animals = {}
+    for animal in _rows(document, "animals", path):
+        own = str(animal.pop("id", ""))
+        if not own or own in animals:
+            raise InputError(f"{path}: [[animals]] id {own!r}: expected an id of its own for each.")
+        animals[own] = animal
+    trials = [_trial(row, path, animals) for row in _rows(document, "trials", path)]
+    legs = _section(document, "legs", path)
+    if not all(isinstance(point, str) for point in legs.values()):
+        raise InputError(f'{path}: [legs] is {shown(legs)}; expected leg = "name in the file".')
+    return Study(
+        path=path, trials=tuple(trials), settings=_section(document, "gait", path), legs=legs,
+        compare=_compared(compare, trials, path),
+    )  # fmt: skip
+
+
+def _from_csv(path: Path) -> Study:
+    """Read a study from a csv, a row a trial."""
+    cells = read_cells(path, ("file", "animal"))
+    trials = []
+    for row in cells.to_dict(orient="records"):
+        own = {str(n): c if n in _WORDS else _plain(c) for n, c in row.items() if c != ""}
+        named = [name for name in own if name.startswith(_SETTING)]
+        settings = {name.removeprefix(_SETTING): own.pop(name) for name in named}
+        trials.append(_trial({**own, "gait": settings}, path, {}))
+    return Study(path=path, trials=tuple(trials), compare=_compared(None, trials, path))
+
+
+def _trial(
+    row: Mapping[str, Any], path: Path, animals: Mapping[str, Mapping[str, Any]]
+) -> StudyTrial:
+    """Return one trial of a study."""
+    file, animal = str(row.get("file", "")), str(row.get("animal", ""))
+    if not file or not animal:
+        raise InputError(f"{path}: a trial is {shown(dict(row))}; {_NEEDED}.")
+    if animals and animal not in animals:
+        raise InputError(
+            f"{path}: {file} is of animal {animal!r}{did_you_mean(animal, animals)}, which "
+            f"[[animals]] does not have; there are {', '.join(animals)}."
+        )
+    known = {**animals.get(animal, {}), **row}
+    fps = known.get("fps")
+    if fps is not None and (isinstance(fps, bool) or not isinstance(fps, int | float)):
+        raise InputError(f"{path}: {file}: fps is {shown(fps)}; expected a number.")
+    settings = known.get("gait", {})
+    if not isinstance(settings, dict):
+        raise InputError(f"{path}: {file}: gait is {shown(settings)}; expected {{ name = value }}.")
+    words = {n: str(known[n]) for n in ("name", "group", "condition") if n in known}
+    fields = {name: value for name, value in known.items() if name not in _OF_TRIAL}
+    return StudyTrial(
+        path=path.parent / file, animal=animal, fps=fps, settings=settings, fields=fields, **words
+    )
+
+
+def _compared(asked: Any, trials: list[StudyTrial], path: Path) -> str:
+    """Return what is compared: groups where there are any, else conditions."""
+    if asked is None:
+        grouped = any(trial.group is not None for trial in trials)
+        conditioned = any(trial.condition is not None for trial in trials)
+        return "condition" if conditioned and not grouped else "group"
+    if asked not in COMPARED:
+        raise InputError(
+            f"{path}: [study] compare is {shown(asked)}{did_you_mean(str(asked), COMPARED)}; "
+            "expected 'group' or 'condition'."
+        )
+    return str(asked)
+
+
+def _section(document: Mapping[str, Any], name: str, path: Path) -> dict[str, Any]:
+    """Return a copy of a section."""
+    section = document.get(name, {})
+    if not isinstance(section, dict):
+        raise InputError(f"{path}: [{name}] is {shown(section)}; expected a section with fields.")
+    return dict(section)
+
+
+def _rows(document: Mapping[str, Any], name: str, path: Path) -> list[dict[str, Any]]:
+    """Return copies of sections that may be there often."""
+    rows = document.get(name, [])
+    if not (isinstance(rows, list) and all(isinstance(row, dict) for row in rows)):
+        raise InputError(f"{path}: {name} is {shown(rows)}; write each under [[{name}]].")
+    return [dict(row) for row in rows]
+
+
+def _plain(cell: str) -> Any:
+    """Return a cell as a number where it is one."""
+    try:
+        return float(cell) if not cell.isdigit() else int(cell)
+    except ValueError:
+        return cell

@@ -1,0 +1,181 @@
+"""What a study tells beyond its trials: who was filmed, and gait against size."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
+from typing import Any
+
+import pandas as pd
+
+from pawnb import figures
+from pawnb.errors import InputError
+from pawnb.figures.panels import speed_unit, with_unit
+from pawnb.gait import GaitTables
+from pawnb.gait.scaling import EXPECTED_EXPONENTS, expected_slopes_table, scaling_table
+from pawnb.workflow.gait.drawings import Drawing, make_drawing
+
+Fields = Mapping[tuple[str, str], Mapping[str, Any]]
+"""(animal, trial) to its covariates."""
+
+MASS = ("mass_g", "mass_kg", "mass_mg", "mass")
+LENGTH = ("body_length", "body_length_mm", "body_length_cm", "carapace_mm", "carapace_cm")
+PARAMETERS = ("speed", "frequency_hz", "stride_length")
+_FEWEST_ANIMALS = 3
+
+
+def trials_table(tables: GaitTables, *, groups: Mapping[Any, str], fields: Fields) -> pd.DataFrame:
+    """List who was analysed: a row a trial.
+
+    Parameters
+    ----------
+    tables : GaitTables
+        The analysis.
+    groups : mapping
+        (animal, trial) to its group.
+    fields : mapping
+        (animal, trial) to its covariates.
+
+    Returns
+    -------
+    pandas.DataFrame
+        ``animal, trial, group``, covariates, ``n_strides`` and ``n_dropped`` strides.
+    """
+    rows: list[dict[str, Any]] = []
+    for basis in tables.bases:
+        who = (str(basis.who["animal"]), str(basis.who["trial"]))
+        counts = []
+        for table in (tables.strides, tables.dropped[tables.dropped["what"] == "stride"]):
+            own = (table["animal"].astype(str) == who[0]) & (table["trial"].astype(str) == who[1])
+            counts.append(int(own.sum()))
+        plain = {
+            name: value
+            for name, value in fields.get(who, {}).items()
+            if isinstance(value, str | int | float)
+        }
+        row = {"animal": who[0], "trial": who[1], "group": groups.get(who, "")}
+        rows.append({**row, **plain, "n_strides": counts[0], "n_dropped": counts[1]})
+    table = pd.DataFrame(rows)
+    last = ["n_strides", "n_dropped"]
+    return table[[*(name for name in table if name not in last), *last]]
+
+
+def size_tables(strides: pd.DataFrame, fields: Fields) -> dict[str, pd.DataFrame]:
+    """Fit gait on size over animals (Pullar 2009, Tables 4.3 and 4.4).
+
+    Parameters
+    ----------
+    strides : pandas.DataFrame
+        Strides.
+    fields : mapping
+        (animal, trial) to its covariates.
+
+    Returns
+    -------
+    dict
+        ``scaling`` and ``expected_exponents``, where three animals or more have a size
+        (:data:`MASS`, :data:`LENGTH`) and it is not the same in all.
+    """
+    sized, sizes = with_sizes(strides, fields)
+    outcomes = [
+        name for name in PARAMETERS if sized[name].notna().all() and (sized[name] > 0).all()
+    ]
+    if not sizes or not outcomes:
+        return {}
+    found = {"scaling": scaling_table(sized, outcomes, sizes)}
+    mass = next((name for name in MASS if name in sizes), None)
+    if mass is not None:
+        named = sized.rename(columns={mass: "mass", "speed_bl": "relative_speed"})
+        known = [
+            row
+            for row in EXPECTED_EXPONENTS
+            if row.parameter in named and (named[row.parameter] > 0).all()
+        ]
+        if known:
+            found["expected_exponents"] = expected_slopes_table(named, known)
+    return found
+
+
+def size_drawings(strides: pd.DataFrame, fields: Fields, *, unit: str | None) -> Iterator[Drawing]:
+    """List the figures of gait against size (Pullar 2009, Figs. 4.1 and 4.2).
+
+    Parameters
+    ----------
+    strides : pandas.DataFrame
+        Strides.
+    fields : mapping
+        (animal, trial) to its covariates.
+    unit : str or None
+        Unit of lengths.
+
+    Yields
+    ------
+    Drawing
+        One for each measure of size.
+    """
+    sized, sizes = with_sizes(strides, fields)
+    names = {
+        "speed": with_unit("Speed", speed_unit(unit)),
+        "frequency_hz": "Stride frequency (Hz)",
+        "stride_length": with_unit("Stride length", unit),
+    }
+    for size in sizes:
+        known = [name for name in PARAMETERS if (sized[name] > 0).all()]
+        if known:
+            pairs = [(name, size) for name in known]
+            build = partial(figures.build_regression_table, sized, pairs, kind="power")
+            said = {**names, size: _said(size, unit)}
+            yield make_drawing(f"against_{size}", "regression", build, names=said)
+
+
+def with_sizes(strides: pd.DataFrame, fields: Fields) -> tuple[pd.DataFrame, list[str]]:
+    """Return the strides of animals whose sizes are known, and the names of these.
+
+    Parameters
+    ----------
+    strides : pandas.DataFrame
+        Strides.
+    fields : mapping
+        (animal, trial) to its covariates.
+
+    Returns
+    -------
+    strides : pandas.DataFrame
+        With a column a size.
+    sizes : list of str
+        Those that every animal has, of three animals or more, not all of one size.
+
+    Raises
+    ------
+    InputError
+        If a size is no number above 0.
+    """
+    keys = list(zip(strides["animal"].astype(str), strides["trial"].astype(str), strict=True))
+    sizes: list[str] = []
+    for name in (*MASS, *LENGTH):
+        values: list[Any] = [fields.get(key, {}).get(name) for key in keys]
+        if not values or any(value is None for value in values):
+            continue
+        odd = [v for v in values if isinstance(v, bool | str) or not isinstance(v, int | float)]
+        odd += [v for v in values if not odd and not v > 0]
+        if odd:
+            raise InputError(f"{name} is {odd[0]!r}; expected a number above 0.")
+        strides = strides.assign(**{name: pd.Series(values, index=strides.index, dtype=float)})
+        of_animals = strides.groupby("animal")[name].mean()
+        if len(of_animals) >= _FEWEST_ANIMALS and of_animals.max() > of_animals.min():
+            sizes.append(name)
+    return strides, sizes
+
+
+def covariates_of(who: Sequence[Mapping[str, str]], fields: Mapping[str, Any]) -> Fields:
+    """Return the covariates of each animal and trial that came of one input."""
+    return {(str(one["animal"]), str(one["trial"])): fields for one in who}
+
+
+def _said(size: str, unit: str | None) -> str:
+    """Return what a size is called on an axis."""
+    words, _, last = size.rpartition("_")
+    if last in ("g", "kg", "mg", "mm", "cm"):
+        return with_unit(words.replace("_", " ").capitalize(), last)
+    name = size.replace("_", " ").capitalize()
+    return with_unit(name, unit) if "length" in size else name

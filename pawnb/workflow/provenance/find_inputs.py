@@ -1,0 +1,84 @@
+"""The inputs of a run, found again by their names and told by their checksums."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+from pawnb.errors import InputError
+from pawnb.workflow.provenance.record import file_checksum
+
+
+def places_of(path: Path, inputs: str | Path | None) -> list[Path]:
+    """Return the folders in which inputs of a run are looked for.
+
+    Parameters
+    ----------
+    path : Path
+        What the run made.
+    inputs : str, Path or None
+        A folder that was named for it.
+
+    Returns
+    -------
+    list of Path
+        That folder and those in which it lies, or else the folder of the file and those in which
+        it lies; the nearest first.
+
+    Raises
+    ------
+    InputError
+        If ``inputs`` is no folder.
+    """
+    if inputs is None:
+        return list(path.absolute().parents)
+    folder = Path(inputs)
+    if not folder.is_dir():
+        raise InputError(f"{folder}: no such folder; name the one that holds the inputs.")
+    return [folder.absolute(), *folder.absolute().parents]
+
+
+def find_inputs(
+    checksums: Mapping[str, str], places: Iterable[Path], *, of: str | Path
+) -> dict[str, Path]:
+    """Find every input of a run as it was then.
+
+    Parameters
+    ----------
+    checksums : mapping
+        What the record calls each input (``m1/results/tracks.nc``), to its checksum.
+    places : iterable of Path
+        Folders to look in. In each the whole name is tried first, then without its first folders,
+        for a folder may have been renamed.
+    of : str or Path
+        What was made from them, for messages.
+
+    Returns
+    -------
+    dict
+        Each name to its file.
+
+    Raises
+    ------
+    InputError
+        If one is nowhere, or only with another content.
+    """
+    places = list(places)
+    found = {}
+    for label, checksum in checksums.items():
+        parts = Path(label).parts
+        tails = [Path(*parts[k:]) for k in range(len(parts))]
+        there = [f for place in places for tail in tails if (f := place / tail).is_file()]
+        same = next((file for file in there if file_checksum(file) == checksum), None)
+        if same is None and there:
+            raise InputError(
+                f"{there[0]} has changed since {Path(of).name} was made of it, so that cannot be "
+                "made again; put the file from then back, or make it anew."
+            )
+        if same is None:
+            raise InputError(
+                f"{label}, of which {Path(of).name} was made, is not there; name the folder that "
+                "holds it with --inputs."
+            )
+        found[label] = same
+    return found

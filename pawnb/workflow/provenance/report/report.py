@@ -1,0 +1,165 @@
+"""One page on an animal or a study that needs no other file: methods, tables, figures, notes."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from pawnb.figures.panels import speed_unit, with_unit
+from pawnb.files import write_whole
+from pawnb.workflow.gait.request import GaitRequest, Legs
+from pawnb.workflow.gait.run import GaitRun, carry_out
+from pawnb.workflow.gait.statistics import length_unit
+from pawnb.workflow.provenance.manifest import read_manifest
+from pawnb.workflow.provenance.report.html import embedded, listed, page, picture, table, text
+from pawnb.workflow.provenance.report.index_page import note_lines
+from pawnb.workflow.provenance.report.methods_text import count_dropped
+from pawnb.workflow.provenance.report.words import FILES, figure_words
+
+REPORT_FILE = "report.html"
+
+_TABLES = (
+    "trials", "groups", "phase_summary", "animals", "legs", "against_speed", "phase_speed",
+    "scaling", "expected_exponents", "joint_ranges", "steadiness", "stride_durations",
+)  # fmt: skip
+_MOST_ROWS = 60
+_BLANK_OF_ONE = (
+    "One animal only: numbers of strides are no numbers of animals, and no interval or test over "
+    "animals is given."
+)
+
+
+def write_report(
+    inputs: str | Path | Sequence[str | Path],
+    *,
+    out: str | Path | None = None,
+    fps: float | None = None,
+    legs: Legs | None = None,
+    settings: Mapping[str, Any] | None = None,
+    command: Sequence[str] | None = None,
+) -> Path:
+    """Analyse the gait of an animal or a study and write one self-contained page on it.
+
+    Parameters
+    ----------
+    inputs : str, Path, or sequence of them
+        As for :func:`pawnb.run_gait`: a study, a trial, results, tracks, events.
+    out : str or Path, optional
+        The file; default ``report.html`` beside a study, else in the current folder.
+    fps, legs, settings
+        As for :func:`pawnb.run_gait`.
+    command : sequence of str, optional
+        The command line, for the provenance.
+
+    Returns
+    -------
+    Path
+        The page. It holds its figures, and links to nothing.
+
+    Raises
+    ------
+    InputError
+        As :func:`pawnb.run_gait`.
+    """
+    request = GaitRequest(inputs=inputs, fps=fps, legs=legs, settings=settings)
+    alone = isinstance(inputs, str | Path) and Path(inputs).is_file()
+    beside = Path(inputs).parent if alone and isinstance(inputs, str | Path) else Path()
+    target = Path(out) if out is not None else beside / REPORT_FILE
+    with tempfile.TemporaryDirectory(prefix="pawnb-") as folder:
+        run = carry_out(request, out=folder, command=command)
+        write_whole(target, report_page(run).encode())
+    return target
+
+
+def report_page(run: GaitRun) -> str:
+    """Lay out the page on an analysis that lies in a folder.
+
+    Parameters
+    ----------
+    run : GaitRun
+        The analysis.
+
+    Returns
+    -------
+    str
+        HTML.
+    """
+    animals = sorted(run.tables.events["animal"].astype(str).unique())
+    title = f"Gait of {animals[0]}" if len(animals) == 1 else f"Gait of {len(animals)} animals"
+    notes = note_lines(pd.read_csv(run.out / "notes.csv"))
+    methods = (run.out / "methods.txt").read_text(encoding="utf-8").strip().split("\n\n")
+    body = [*(f"<p>{text(_BLANK_OF_ONE)}</p>" for _ in range(len(animals) == 1))]
+    body += ["<h2>Animals and strides</h2>", table(_counts(run))]
+    body += ["<h2>Methods</h2>", *(f"<p>{text(paragraph)}</p>" for paragraph in methods)]
+    body += ["<h2>What was left out</h2>", _left_out(run.tables.dropped)]
+    body.append("<h2>Notes</h2>")
+    body.append(listed(notes, kind="notes") if notes else "<p>None.</p>")
+    body += ["<h2>Tables</h2>", *_tables(run.out), "<h2>Figures</h2>", *_figures(run.out)]
+    body += ["<h2>Provenance</h2>", _provenance(run.out)]
+    return page(title, body)
+
+
+def _counts(run: GaitRun) -> pd.DataFrame:
+    """Count trials and strides of each animal, and give its usual measures with their units."""
+    strides, unit = run.tables.strides, length_unit(run.tables)
+    names = {
+        "frequency_hz": "stride frequency (Hz)",
+        "duty_factor": "duty factor",
+        "stride_length": with_unit("stride length", unit),
+        "speed": with_unit("speed", speed_unit(unit)),
+    }
+    known = [name for name in names if name in strides and strides[name].notna().any()]
+    by_animal = strides.groupby("animal", sort=True)
+    counts = by_animal.agg(trials=("trial", "nunique"), strides=("trial", "size"))
+    medians = by_animal[known].median().rename(columns=names)
+    trials = pd.read_csv(run.out / "trials.csv", dtype={"animal": str, "group": str})
+    groups = trials.dropna(subset=["group"]).groupby("animal")["group"]
+    if len(groups):
+        counts.insert(0, "group", groups.agg(lambda own: ", ".join(dict.fromkeys(own))))
+    return counts.join(medians.add_prefix("median ")).reset_index()
+
+
+def _left_out(dropped: pd.DataFrame) -> str:
+    """Count what was dropped, by animal and reason."""
+    if dropped.empty:
+        return "<p>Nothing.</p>"
+    return table(count_dropped(dropped, ["animal", "what", "why"]), most=_MOST_ROWS)
+
+
+def _tables(folder: Path) -> list[str]:
+    """Lay out the tables that there are."""
+    parts = []
+    for name in _TABLES:
+        path = folder / f"{name}.csv"
+        if path.exists():
+            values = pd.read_csv(path).dropna(axis=1, how="all")
+            parts += [f"<h3>{text(FILES[path.name])} ({path.name})</h3>"]
+            parts.append(table(values, most=_MOST_ROWS))
+    return parts
+
+
+def _figures(folder: Path) -> list[str]:
+    """Embed the figures, those of all animals first."""
+    found = sorted((folder / "figures").glob("*.png"))
+    of_trials = [path for path in found if path.name.startswith(("gait_diagram", "paths_3d"))]
+    ordered = [path for path in found if path not in of_trials] + of_trials
+    return [picture(embedded(path), figure_words(path.stem)) for path in ordered]
+
+
+def _provenance(folder: Path) -> str:
+    """Name command, versions and inputs with their checksums."""
+    manifest = read_manifest(folder)
+    steps = [] if manifest is None else manifest.steps_of("gait")
+    parts = []
+    for step in steps:
+        if step["command"]:
+            parts.append(f"<p><code>{text(step['command'])}</code></p>")
+        inputs = pd.DataFrame(list(step["inputs"].items()), columns=["input", "checksum"])
+        parts.append(table(inputs))
+        versions = ", ".join(f"{name} {number}" for name, number in step["versions"].items())
+        parts.append(f'<p class="small">{text(versions)}</p>')
+    return "\n".join(parts)

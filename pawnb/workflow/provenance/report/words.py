@@ -1,0 +1,56 @@
+"""What the files of a gait analysis are, in a line each."""
+
+from __future__ import annotations
+
+FILES = {
+    "events.csv": "AEP, PEP, touch-down and lift-off of each leg",
+    "strides.csv": "one row a stride, with all its measures",
+    "phases.csv": "one row a stride and pair of legs",
+    "phase_summary.csv": "mean phases with intervals and tests; the pattern of each pair",
+    "dropped.csv": "what was left out, and why",
+    "trials.csv": "who was analysed: groups, covariates, strides",
+    "animals.csv": "every measure, leg by leg, counting animals",
+    "groups.csv": "differences between groups or conditions, with intervals",
+    "legs.csv": "whether measures differ between legs",
+    "steadiness.csv": "how steady each trial was",
+    "stride_durations.csv": "whether legs keep one rhythm, trial by trial",
+    "against_speed.csv": "measures against speed (Pullar 2009, Table 4.5)",
+    "phase_speed.csv": "what speed does to phases, within animals",
+    "scaling.csv": "measures against size over animals (Pullar 2009, Table 4.3)",
+    "expected_exponents.csv": "exponents of size beside expected ones (Pullar 2009, Table 4.4)",
+    "joint_ranges.csv": "ranges of the joints (Pullar 2009, Table 4.6)",
+    "body_angles.csv": "roll, pitch and yaw of the body",
+    "support.csv": "which feet are on the ground, moment by moment",
+    "support_shares.csv": "share of time with so many feet on the ground",
+    "patterns.csv": "distances to ideal gaits",
+    "coupling.csv": "coupling between legs",
+    "notes.csv": "every note and warning of the run",
+    "methods.txt": "a paragraph for the methods section",
+    "provenance.json": "versions, settings, checksums: the recipe of every file here",
+}
+
+FIGURES = {
+    "gait_diagram": "Gait diagram: stance of each leg in time",
+    "stepping_pattern": "Stepping pattern",
+    "phase_rose": "Phases of pairs of legs, with mean and interval",
+    "phase_histogram": "Histograms of phases",
+    "phase_speed": "Phases against speed",
+    "hildebrand_diagram": "Hildebrand's diagram: duty factor and lag of fore behind hind",
+    "support_shares": "Share of time with so many feet on the ground",
+    "pattern_distances": "Distances to ideal gaits",
+    "stride_average": "Averages over the stride",
+    "phase_plane": "Phase plane",
+    "aligned_acceleration": "Acceleration, aligned at the events",
+    "against_": "Measures against speed or size",
+    "summary_": "One page an animal",
+    "estimation_": "Groups: each animal, means, differences with intervals",
+    "paths_3d": "Paths of the feet in space",
+    "joint_ranges": "Ranges of the joints",
+    "template_fit": "The stride template fitted to a paw",
+}
+
+
+def figure_words(name: str) -> str:
+    """Return what a figure shows, by the beginning of its name."""
+    said = next((words for start, words in FIGURES.items() if name.startswith(start)), "Figure")
+    return f"{said} ({name})"

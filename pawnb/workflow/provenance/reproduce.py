@@ -1,0 +1,255 @@
+"""A figure or a table made again from what it carries, and compared with what it was."""
+
+from __future__ import annotations
+
+import json
+import shlex
+import tempfile
+import warnings
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pandas as pd
+
+from pawnb import figures
+from pawnb.core.edits.log import replay
+from pawnb.core.video import open_views
+from pawnb.errors import InputError, InputWarning
+from pawnb.trial import Trial, load_trial
+from pawnb.workflow.evaluation.compare import draw_comparison
+from pawnb.workflow.gait.request import ASKED, Again, GaitRequest
+from pawnb.workflow.gait.run import carry_out
+from pawnb.workflow.provenance.find_inputs import find_inputs, places_of
+from pawnb.workflow.provenance.recipes import Recipe, read_recipe
+from pawnb.workflow.provenance.record import package_versions, trial_fingerprint, trial_inputs
+from pawnb.workflow.provenance.report.index_page import INDEX_FILE
+from pawnb.workflow.provenance.results import write_track_results
+from pawnb.workflow.provenance.same_content import tell_difference, tell_versions
+from pawnb.workflow.tracking.track import retrack, track
+from pawnb.workflow.tracking.trial_views import trial_rig
+
+EXIT_DIFFERS = 3
+_EDITS = "edits.jsonl"
+
+
+@dataclass(frozen=True)
+class Reproduction:
+    """What came of making a file again.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    difference : str or None
+        In what the new one differs; None where it is the same, byte for byte.
+    versions : str or None
+        Which packages have other versions than those it was made with.
+    """
+
+    path: Path
+    difference: str | None
+    versions: str | None
+
+    @property
+    def identical(self) -> bool:
+        """Whether every byte is the same."""
+        return self.difference is None
+
+    def text(self) -> str:
+        """Return what was found, in one line."""
+        if self.difference is None:
+            return f"{self.path}: identical"
+        why = f" (made with {self.versions})" if self.versions else ""
+        return f"{self.path}: differs: {self.difference}{why}"
+
+
+def reproduce(path: str | Path, *, inputs: str | Path | None = None) -> Reproduction:
+    """Make a figure or a table again from what it carries, and say whether it is the same.
+
+    The inputs are found by their names in the folders about the file and told by their checksums;
+    corrections made by hand are made again. Nothing is written but in a temporary folder.
+
+    Parameters
+    ----------
+    path : str or Path
+        A figure (png, svg, pdf), wherever it lies, or any file that a ``provenance.json`` lists:
+        tables of ``pawnb gait``, tracks and their tables of ``pawnb track``, which is then done
+        again.
+    inputs : str or Path, optional
+        Folder to look for the inputs in; default the folder of the file, and those it lies in.
+
+    Returns
+    -------
+    Reproduction
+        Whether it is identical, and if not, in what it differs.
+
+    Raises
+    ------
+    InputError
+        If the file carries no recipe, or one of its inputs has changed or is not there.
+
+    Examples
+    --------
+    >>> run = pawnb.run_gait("sample/results", figures="none")
+    >>> pawnb.reproduce("sample/results/strides.csv").identical
+    True
+    """
+    return reproduce_all([path], inputs=inputs)[0]
+
+
+def reproduce_all(
+    paths: Sequence[str | Path], *, inputs: str | Path | None = None
+) -> list[Reproduction]:
+    """Make files again; those of one run together, which takes no longer than one.
+
+    Parameters
+    ----------
+    paths : sequence of str or Path
+        The files.
+    inputs : str or Path, optional
+        As for :func:`reproduce`.
+
+    Returns
+    -------
+    list of Reproduction
+        What came of each, in their order.
+
+    Raises
+    ------
+    InputError
+        As for :func:`reproduce`, before anything is made again.
+    """
+    together: dict[str, list[tuple[Path, Recipe]]] = {}
+    for path in map(Path, paths):
+        recipe = read_recipe(path)
+        if recipe.kind not in _MAKERS:
+            raise InputError(
+                f"{path}: made by {recipe.kind!r}, which this version cannot do again."
+            )
+        key = json.dumps([recipe.step, recipe.style], sort_keys=True)
+        together.setdefault(key, []).append((path, recipe))
+    found = {path: one for same in together.values() for path, one in _make(same, inputs).items()}
+    return [found[Path(path)] for path in paths]
+
+
+class _Task(NamedTuple):
+    """What is to be made again: by which record, which files, with inputs where, to where."""
+
+    step: dict[str, Any]
+    names: tuple[str, ...]
+    places: list[Path]
+    path: Path
+    out: Path
+
+
+def _make(files: list[tuple[Path, Recipe]], inputs: str | Path | None) -> dict[Path, Reproduction]:
+    """Make files of one run again and compare each."""
+    path, recipe = files[0]
+    other = tell_versions(recipe.step.get("versions", {}), package_versions())
+    found = {}
+    with tempfile.TemporaryDirectory(prefix="pawnb-") as folder:
+        with warnings.catch_warnings(), figures.style(**recipe.style):
+            warnings.simplefilter("ignore", InputWarning)  # the run itself has told them
+            names = tuple(own.name for _, own in files)
+            task = _Task(recipe.step, names, places_of(path, inputs), path, Path(folder))
+            _MAKERS[recipe.kind](task)
+        for file, own in files:
+            made = Path(folder) / own.name
+            gone = f"{own.name} is not made any more from these inputs"
+            found[file] = Reproduction(
+                file, tell_difference(file, made) if made.exists() else gone, other
+            )
+    return found
+
+
+def _make_gait(task: _Task) -> None:
+    """Analyse the gait again."""
+    step = task.step
+    if not {"given", "edits", *ASKED} <= set(step):
+        raise InputError(
+            f"{task.path}: made by a version of pawnb that did not keep all that is needed to make "
+            "it again; run pawnb gait anew."
+        )
+    found = find_inputs(step["inputs"], task.places, of=task.path)
+    asked = {name: step[name] for name in ASKED}
+    settings = asked.pop("set")
+    figures_of = [name for name in task.names if name.startswith("figures/")]
+    # notes hold the warnings of all that was drawn, and the index shows it
+    if not figures_of and not {"notes.csv", INDEX_FILE} & set(task.names):
+        asked["figures"] = "none"
+    alone = len(task.names) == 1 and figures_of and Path(task.names[0]).name != "not_drawn.csv"
+    given = [found[label] for label in step["given"]]
+    request = GaitRequest(inputs=given, settings=settings, **asked)
+    again = Again(
+        labels={file: label for label, file in found.items()},
+        edits=tuple(found[label] for label in step["edits"]),
+        command=step["command"],
+        only=Path(task.names[0]).stem if alone else None,
+    )
+    carry_out(request, out=task.out, again=again)
+
+
+def _make_tracks(task: _Task) -> None:
+    """Track again, and make the corrections of before again."""
+    step = task.step
+    trial = _find_trial(step, task.places, task.path)
+    paths = map(Path, trial_inputs(trial))
+    known = {one.name if one.is_absolute() else one.as_posix() for one in paths}
+    if not set(step["inputs"]) <= known:
+        raise InputError(f"{task.path}: its trial names other files now than it was made of.")
+    find_inputs(step["inputs"], [trial.folder.absolute()], of=task.path)
+    started = {trial.start_file(), trial.start_pose_file()} & set(step["inputs"])
+    command = step.get("command")
+    tracks = track(
+        trial,
+        method=step["method"],
+        settings=step["settings"],
+        start=None if started else pd.DataFrame(step["start"]),
+        frames=(step["frames"][0], step["frames"][1]),
+        command=None if command is None else shlex.split(command),
+    )
+    with open_views(trial) as views:
+        rig = trial_rig(trial, views, method=step["method"])
+    if step.get("later"):
+        edits = task.path.absolute().parent / _EDITS
+        scale = trial.calibration.px_per_unit if trial.calibration is not None else None
+
+        def tracker(present: Any, frame: int, **options: Any) -> Any:
+            return retrack(trial, present, frame, **options)
+
+        tracks = replay(tracks, edits, rig=rig, px_per_unit=scale, retrack=tracker)
+    write_track_results(tracks, task.out, rig=rig)
+
+
+def _find_trial(step: dict[str, Any], places: list[Path], path: Path) -> Trial:
+    """Return the trial that a record is about."""
+    other = None
+    for place in places:
+        file = place / "trial.toml"
+        if file.is_file():
+            trial = load_trial(file)
+            if trial_fingerprint(trial) == step["trial"]:
+                return trial
+            other = other or file
+    if other is not None:
+        raise InputError(
+            f"{other} has changed since {path.name} was made, so that cannot be made again; put "
+            "the trial from then back, or track it anew."
+        )
+    raise InputError(
+        f"the trial.toml of which {path.name} was made is not there; name its folder with --inputs."
+    )
+
+
+def _make_comparison(task: _Task) -> None:
+    """Draw the comparison of methods again from its tables."""
+    found = find_inputs(task.step["inputs"], task.places, of=task.path)
+    draw_comparison(list(found.values()), task.out / "figures", settings=task.step["settings"],
+                    labels=found)  # fmt: skip
+
+
+_MAKERS: dict[str, Callable[[_Task], None]] = {
+    "gait": _make_gait, "track": _make_tracks, "compare": _make_comparison,
+}  # fmt: skip

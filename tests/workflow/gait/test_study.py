@@ -1,0 +1,210 @@
+"""A study names trials, animals, groups, conditions and covariates; what is wrong is told."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from pawnb.errors import InputError
+from pawnb.workflow.gait import study_tables
+from pawnb.workflow.gait.inputs import analyse_source, check_alike, read_pairs, read_sources
+from pawnb.workflow.gait.request import GaitRequest
+from pawnb.workflow.gait.run import run_gait
+from pawnb.workflow.gait.sources import read_source
+from pawnb.workflow.gait.study import is_study, read_study
+
+STUDY = """
+[gait]
+min_stance_s = 0.01
+[[animals]]
+id = "m1"
+group = "control"
+mass_g = 20.5
+[[animals]]
+id = "m2"
+group = "lesion"
+mass_g = 24.0
+[[trials]]
+file = "one.csv"
+animal = "m1"
+fps = 200.0
+[[trials]]
+file = "sub/two.csv"
+animal = "m2"
+name = "late"
+condition = "after"
+incline_deg = 5
+gait = { min_stance_s = 0.02 }
+"""
+
+
+def scored(path, *, legs=("FR", "FL"), period_s=0.2, duty=0.6, strides=6):
+    """Events that a person might have scored: left legs half a stride after right ones."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    rows = [
+        (leg, event, period_s * k + late + 0.5 * period_s * leg.endswith("L"))
+        for leg in legs
+        for k in range(strides)
+        for event, late in (("TD", 0.0), ("LO", duty * period_s))
+    ]
+    pd.DataFrame(rows, columns=["leg", "event", "time_s"]).to_csv(path, index=False)
+    return path
+
+
+@pytest.fixture
+def study(tmp_path):
+    scored(tmp_path / "one.csv")
+    scored(tmp_path / "sub" / "two.csv", period_s=0.25)
+    (tmp_path / "study.toml").write_text(STUDY)
+    return tmp_path / "study.toml"
+
+
+def test_a_study_is_read_as_it_says(study):
+    found = read_study(study)
+    one, two = found.trials
+    assert (one.animal, one.group, one.fps, one.name) == ("m1", "control", 200.0, None)
+    assert (two.name, two.condition, two.group) == ("late", "after", "lesion")
+    assert dict(two.fields) == {"mass_g": 24.0, "incline_deg": 5}
+    assert dict(two.settings) == {"min_stance_s": 0.02}
+    assert found.compare == "group"
+    assert two.path == study.parent / "sub" / "two.csv"
+
+
+def test_a_csv_says_the_same_and_keeps_ids_as_they_are_written(tmp_path):
+    path = tmp_path / "study.csv"
+    path.write_text(
+        "file,animal,condition,mass_g,sex,gait.min_stance_s\n"
+        "a.csv,007,before,20.5,f,0.02\nb.csv,007,after,20.5,f,\n"
+    )
+    found = read_study(path)
+    assert [trial.animal for trial in found.trials] == ["007", "007"]
+    assert dict(found.trials[0].fields) == {"mass_g": 20.5, "sex": "f"}
+    assert [dict(t.settings) for t in found.trials] == [{"min_stance_s": 0.02}, {}]
+    assert found.compare == "condition"
+
+
+def test_what_is_a_study(study, tmp_path):
+    assert is_study(study)
+    assert not is_study(tmp_path)
+    assert not is_study(tmp_path / "one.csv")
+    (tmp_path / "trial.toml").write_text("[trial]\nfps = 250.0\n")
+    assert not is_study(tmp_path / "trial.toml")
+    (tmp_path / "broken.toml").write_text("[[trials")
+    assert not is_study(tmp_path / "broken.toml")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("[gait]", "[giat]", r"unknown section \[giat\] \(did you mean 'gait'\?\)"),
+        ('animal = "m2"', 'animal = "m3"', "is of animal 'm3', which"),
+        ('file = "sub/two.csv"', 'file = "one.csv"', "one.csv is there twice"),
+        ('id = "m2"', 'id = "m1"', "expected an id of its own for each"),
+        ("fps = 200.0", 'fps = "fast"', "fps is 'fast'; expected a number"),
+        ("[gait]", '[study]\ncompare = "groups"\n[gait]', "did you mean 'group'"),
+        ("[gait]", '[study]\nname = "x"\n[gait]', "unknown field 'name'"),
+        ('file = "one.csv"', "", r"every trial needs file = \.\.\. and animal"),
+    ],
+)
+def test_what_is_wrong_with_a_study_is_one_sentence(study, old, new, said):
+    study.write_text(STUDY.replace(old, new))
+    with pytest.raises(InputError, match=said):
+        read_study(study)
+
+
+def test_a_study_stands_alone(study):
+    with pytest.raises(InputError, match="name nothing beside it"):
+        read_sources(GaitRequest(inputs=[study, study.parent / "one.csv"]))
+
+
+def test_settings_by_hand_go_before_the_trials_and_these_before_the_studys(study):
+    (one, two), _ = read_sources(GaitRequest(inputs=study))
+    settings = {"bouts": False}
+    of = [analyse_source(source, settings=settings).settings for source in (one, two)]
+    assert [s.min_stance_s for s in of] == [0.01, 0.02]
+    assert not of[0].bouts
+    assert analyse_source(two, settings={"min_stance_s": "0.03"}).settings.min_stance_s == 0.03
+    pairs = analyse_source(one, settings={"pairs": '[["FR", "FL"]]'}).phases
+    assert set(zip(pairs["leg"], pairs["reference"], strict=True)) == {("FR", "FL")}
+
+
+@pytest.mark.parametrize("value", ["FL", '["FL", "FR"]', "[[1, 2]]", [], 3])
+def test_pairs_that_are_none_are_refused(value):
+    with pytest.raises(InputError, match="expected pairs of legs"):
+        read_pairs(value)
+
+
+def test_trial_toml_may_hold_settings_of_the_gait(tmp_path):
+    scored(tmp_path / "e.csv")
+    text = '[trial]\nkind = "tracks"\nfps = 200.0\n[animal]\nid = "m1"\nmass_g = 3.0\n'
+    toml = tmp_path / "trial.toml"
+    toml.write_text(text + '[tracks]\nfile = "e.csv"\n[gait]\nmin_stance_s = 0.02\n')
+    source = read_source(toml)
+    assert analyse_source(source).settings.min_stance_s == 0.02
+    assert dict(source.fields) == {"mass_g": 3.0}
+    toml.write_text(text + '[tracks]\nfile = "e.csv"\n[gait]\nmin_stanse_s = 0.02\n')
+    with pytest.raises(InputError, match=r"did you mean 'min_stance_s'"):
+        analyse_source(read_source(toml))
+
+
+def test_legs_by_several_kinds_of_names_are_not_pooled(tmp_path):
+    parts = [
+        analyse_source(read_source(scored(tmp_path / f"{name}.csv", legs=legs)))
+        for name, legs in (("a", ("FR", "FL")), ("b", ("R1", "L1")))
+    ]
+    with pytest.raises(InputError, match=r"legs are called FR, FL in a and L1, R1 in b; call"):
+        check_alike(parts)
+    check_alike(parts[:1])
+
+
+def test_sizes_must_be_numbers_and_differ():
+    strides = pd.DataFrame({"animal": list("abc"), "trial": "t"})
+    fields = {(name, "t"): {"mass_g": 2.0 + k} for k, name in enumerate("abc")}
+    assert study_tables.with_sizes(strides, fields)[1] == ["mass_g"]
+    same = {key: {"mass_g": 2.0} for key in fields}
+    assert study_tables.with_sizes(strides, same)[1] == []
+    assert study_tables.with_sizes(strides, {**fields, ("c", "t"): {}})[1] == []
+    with pytest.raises(InputError, match="mass_g is 'heavy'; expected a number above 0"):
+        study_tables.with_sizes(strides, {**fields, ("c", "t"): {"mass_g": "heavy"}})
+
+
+def test_powers_of_size_are_found():
+    """Frequency made as 12 m^-0.25 and stride length as 30 m^0.33, without any scatter."""
+    mass = np.array([1.0, 2.0, 4.0, 9.0])
+    strides = pd.DataFrame(
+        {"animal": list("abcd"), "trial": "t", "speed": 360 * mass**0.08, "speed_bl": 1.0,
+         "frequency_hz": 12 * mass**-0.25, "stride_length": 30 * mass**0.33}
+    )  # fmt: skip
+    fields = {(name, "t"): {"mass_g": m} for name, m in zip("abcd", mass, strict=True)}
+    found = study_tables.size_tables(strides.drop(columns="speed_bl"), fields)
+    slopes = found["scaling"].query("statistic == 'mean'").set_index("parameter")["b"]
+    np.testing.assert_allclose(
+        slopes[["frequency_hz", "stride_length", "speed"]], [-0.25, 0.33, 0.08], rtol=1e-9
+    )
+    assert set(found["expected_exponents"]["parameter"]) == {
+        "speed", "frequency_hz", "stride_length",
+    }  # fmt: skip
+
+
+@pytest.mark.slow
+def test_groups_of_hand_scored_events_are_compared(tmp_path):
+    """Lesioned animals take 0.25 s a stride, controls 0.2 s: a difference of exactly 0.05 s."""
+    rows = ["file,animal,group"]
+    for k, group in enumerate(["control"] * 3 + ["lesion"] * 3):
+        period = (0.2 if group == "control" else 0.25) + 0.001 * (k % 3 - 1)
+        scored(tmp_path / f"m{k}.csv", period_s=period)
+        rows.append(f"m{k}.csv,m{k},{group}")
+    (tmp_path / "study.csv").write_text("\n".join(rows) + "\n")
+    run = run_gait(tmp_path / "study.csv", figures="none")
+    assert run.out == tmp_path / "results"
+    groups = pd.read_csv(run.out / "groups.csv").query("measure == 'period_s' and leg == 'all'")
+    np.testing.assert_allclose(groups["difference"].abs(), 0.05, atol=1e-9)
+    assert groups["n_animals_a"].item() == 3
+    trials = pd.read_csv(run.out / "trials.csv")
+    assert trials["group"].tolist() == ["control"] * 3 + ["lesion"] * 3
+    assert (trials["n_strides"] == 10).all()
+    step = json.loads((run.out / "provenance.json").read_text())["steps"][0]
+    assert step["given"] == [f"{tmp_path.name}/study.csv"]

@@ -1,0 +1,130 @@
+"""The index of a run and the report of a study: what a reader sees, and nothing a name could do."""
+
+from __future__ import annotations
+
+import html.parser
+import json
+import re
+from pathlib import Path
+from urllib.parse import unquote
+
+import pandas as pd
+import pytest
+
+from pawnb.cli import main
+from pawnb.gait import analyse_events
+from pawnb.workflow.gait.run import run_gait
+from pawnb.workflow.provenance.report.html import page, table
+from pawnb.workflow.provenance.report.index_page import index_page, note_lines
+from pawnb.workflow.provenance.report.methods_text import count_dropped, methods_paragraphs
+
+HOSTILE = "<img src=x onerror=alert(1)>&'\""
+
+
+class Reader(html.parser.HTMLParser):
+    """What a browser would make of a page: tags, links, and the text."""
+
+    def __init__(self, source: str) -> None:
+        super().__init__()
+        self.tags: list[str] = []
+        self.named: list[str] = []
+        self.said: list[str] = []
+        self.feed(source)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+        own = dict(attrs)
+        self.named += [own[name] or "" for name in ("src", "href") if name in own]
+        assert not [name for name in own if name.startswith("on")]
+
+    def handle_data(self, data: str) -> None:
+        self.said.append(data)
+
+
+def events(animals=("m1", "m2"), groups=False):
+    """A foot lands every 0.2 s and lifts 0.12 s later; left legs half a stride later."""
+    return pd.DataFrame(
+        [
+            {"animal": animal, "trial": "t1", "leg": leg, "event": event,
+             "time_s": 0.2 * k + late + 0.1 * leg.endswith("L")}
+            | ({"group": animal} if groups else {})
+            for animal in animals
+            for leg in ("FR", "FL")
+            for k in range(6)
+            for event, late in (("TD", 0.0), ("LO", 0.12))
+        ]
+    )  # fmt: skip
+
+
+def test_no_name_becomes_html():
+    found = Reader(page(HOSTILE, [table(pd.DataFrame({HOSTILE: [HOSTILE, None]}))]))
+    assert "img" not in found.tags
+    assert found.said.count(HOSTILE) == 4  # title, heading, column, cell
+
+
+def test_the_index_names_every_file_and_links_within_its_folder(tmp_path):
+    files = [tmp_path / "strides.csv", tmp_path / "figures" / f"rose #1 {HOSTILE[-3:]}%.png"]
+    notes = pd.DataFrame([[HOSTILE, "was guessed", "1-3"]], columns=["where", "what", "rows"])
+    source = index_page(files, tmp_path, notes=notes, paragraphs=["Six strides."])
+    found = Reader(source)
+    assert {unquote(name) for name in found.named} == {
+        "./strides.csv", "./provenance.json", f"./figures/rose #1 {HOSTILE[-3:]}%.png",
+    }  # fmt: skip
+    assert f"{HOSTILE}, rows 1-3: was guessed" in found.said
+    assert source.index("was guessed") < source.index("Six strides") < source.index("strides.csv")
+
+
+def test_notes_without_a_place_are_sentences():
+    notes = pd.DataFrame([[None, "what", None]], columns=["where", "what", "rows"])
+    assert note_lines(notes) == ["what"]
+
+
+def test_the_methods_count_what_the_tables_hold():
+    tables = analyse_events(events())
+    step = {
+        "settings": {"cutoff_hz": None}, "versions": {"pawnb": "1", "python": "3"},
+        "settings_of_trials": {"m1, t1": {"min_stance_s": 0.02}}, "sources": {},
+    }  # fmt: skip
+    text = "\n".join(methods_paragraphs(tables, {}, step=step))
+    assert "2 trials of 2 animals: 20 strides (FR 10, FL 10)" in text
+    assert "m1, t1: min_stance_s 0.02" in text
+    assert "Butterworth" not in text  # nothing was smoothed
+
+
+def test_what_was_left_out_is_counted_whichever_stride_it_was():
+    why = ["no AEP of R2 within stride 3 of R4", "no AEP of R2 within stride 11 of R4", "too long"]
+    dropped = pd.DataFrame({"what": ["phase", "phase", "stride"], "why": why})
+    found = count_dropped(dropped, ["what", "why"])
+    assert found.to_numpy().tolist() == [
+        ["phase", "no AEP of R2 within a stride of R4", 2], ["stride", "too long", 1],
+    ]  # fmt: skip
+
+
+@pytest.mark.slow
+def test_a_run_has_an_index_and_its_methods(tmp_path):
+    events().to_csv(tmp_path / "scored.csv", index=False)
+    run = run_gait(tmp_path / "scored.csv", figures="main", out=tmp_path / "out")
+    found = Reader((run.out / "index.html").read_text())
+    named = {unquote(name).removeprefix("./") for name in found.named}
+    written = {path.relative_to(run.out).as_posix() for path in run.files}
+    assert named | {"index.html"} >= written
+    assert all((run.out / name).exists() for name in named)
+    assert "20 strides" in (run.out / "methods.txt").read_text()
+    manifest = json.loads((run.out / "provenance.json").read_text())
+    assert {"index.html", "methods.txt"} <= set(manifest["files"])
+
+
+@pytest.mark.slow
+def test_the_report_stands_alone(tmp_path, capsys):
+    events((*"ab", HOSTILE), groups=True).to_csv(tmp_path / "scored.csv", index=False)
+    target = tmp_path / "r.html"
+    assert main(["report", str(tmp_path / "scored.csv"), "-o", str(target)]) == 0
+    source = target.read_text()
+    found = Reader(source)
+    assert found.named
+    assert all(name.startswith("data:image/png;base64,") for name in found.named)
+    assert not re.search(r"https?://", source)
+    assert str(tmp_path) not in source
+    assert "Gait of 3 animals" in found.said
+    assert {"Methods", "What was left out", "Notes", "Tables", "Figures"} <= set(found.said)
+    assert sorted(path.name for path in Path(tmp_path).iterdir()) == ["r.html", "scored.csv"]
