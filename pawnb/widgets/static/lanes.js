@@ -83,6 +83,7 @@ class Lanes {
     const at = 3 * i * this.n;
     const right = this.lanesPicture.width;
     const perPx = this.view.frames / (this.plotWidth * k);
+    let before = null; // the frame of the column before
     for (let x = Math.round(NAMES * k); x < right; x++) {
       const from = Math.floor(this.view.from + (x - NAMES * k) * perPx) - this.first;
       const to = Math.max(from + 1, Math.floor(this.view.from + (x + 1 - NAMES * k) * perPx) - this.first);
@@ -118,10 +119,11 @@ class Lanes {
         g.fillStyle = "#d32f2f";
         g.fillRect(x, top + 1, Math.max(1, Math.round(1.5 * k)), 4 * k);
       }
-      if (bits & EDITED) {
-        g.fillStyle = ink;
-        g.fillRect(x, top + 1, 1, tall - 2);
+      if (bits & EDITED && from !== before) {
+        g.fillStyle = ink; // a line, however wide its frame is
+        g.fillRect(x, top + 1, Math.ceil(k), tall - 2);
       }
+      before = from;
     }
   }
 
