@@ -10,8 +10,8 @@ import pandas as pd
 
 from pawnb.errors import InputError, PawnbError
 from pawnb.figures.gait_diagram import build_gait_diagram_table
-from pawnb.gait.analysis import analyse
-from pawnb.gait.leg_names import choose_legs
+from pawnb.gait.analysis.leg_names import choose_legs
+from pawnb.gait.analysis.run import analyse
 from pawnb.schema import ORIGIN_CODE, Tracks
 from pawnb.trial import Trial
 

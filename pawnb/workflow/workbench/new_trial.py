@@ -21,7 +21,7 @@ from pawnb.trial import (
     trial_document,
     trial_from_document,
 )
-from pawnb.workflow.trial_views import trial_rig
+from pawnb.workflow.tracking.trial_views import trial_rig
 from pawnb.workflow.workbench.animals import ANIMALS, AnimalChoice
 
 _HEAD = (

@@ -6,6 +6,7 @@ import json
 import os
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from pawnb.errors import InputError
 from pawnb.files import read_text, write_whole
@@ -45,7 +46,7 @@ def write_page(paths: Sequence[str | Path] = ()) -> Path:
         )
     more = f", videos={_listed(videos, folder)}" if videos else ""
     call = f'pawnb.Workbench("."{more})'
-    cell = {
+    cell: dict[str, Any] = {
         "cell_type": "code", "id": "workbench", "source": f"import pawnb\n{call}", "outputs": [],
         "execution_count": None, "metadata": {"jupyter": {"source_hidden": True}},
     }  # fmt: skip
@@ -83,7 +84,7 @@ def page_command(
     words = lab_command(page, browser=browser, port=port)
     place = f"/lab/tree/{page.name}"
     words = [word.replace(place, f"/doc/tree/{page.name}") for word in words]
-    return [*words, f"--LabApp.extra_labextensions_path={[str(_EXTENSIONS)]!r}"]
+    return [*words, f"--LabApp.extra_labextensions_path={_EXTENSIONS}"]
 
 
 def open_page(

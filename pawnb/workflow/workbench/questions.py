@@ -68,7 +68,7 @@ def ask_new_trial(
         nothing is written then.
     """
     put = _Questions(ask, say)
-    named = videos or put("Video files, one a view, with commas between", _some_names)
+    named = tuple(videos) or put("Video files, one a view, with commas between", _some_names)
     made = new_trial(named, folder)
     say(f"A new trial in {made.path}; Enter takes what stands in [brackets].")
     made.name = put("Name of the trial", str, default=made.folder.resolve().name)

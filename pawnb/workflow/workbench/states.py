@@ -13,9 +13,9 @@ from pawnb.core.edits.log import EDIT_LINES
 from pawnb.errors import InputError, PawnbError
 from pawnb.io.journal import read_journal
 from pawnb.trial import Trial, load_trial
-from pawnb.workflow.check import check_trial
-from pawnb.workflow.manifest import find_fault, known_files
-from pawnb.workflow.results import results_folder
+from pawnb.workflow.checking.check import check_trial
+from pawnb.workflow.provenance.manifest import find_fault, known_files
+from pawnb.workflow.provenance.results import results_folder
 
 Step = Literal["mend", "start", "track", "review", "gait", "look"]
 STEPS: dict[Step, str] = {
