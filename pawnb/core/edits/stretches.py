@@ -26,7 +26,27 @@ def row_of(tracks: Tracks, frame: int) -> int:
 
 
 def place_of(tracks: Tracks, dim: str, name: str) -> int:
-    """Return the place of a view or point along its dimension; raises InputError if unknown."""
+    """Return the place of a view or point along its dimension.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        The tracks.
+    dim : str
+        "view" or "keypoint".
+    name : str
+        Which one.
+
+    Returns
+    -------
+    int
+        Its place.
+
+    Raises
+    ------
+    InputError
+        If there is none of that name.
+    """
     names = [str(n) for n in tracks[dim].to_numpy()]
     if name not in names:
         word = {"keypoint": "point"}.get(dim, dim)
@@ -71,7 +91,19 @@ def rows_of_edit(tracks: Tracks, edit: Edit) -> slice:
 
 
 def clear(tracks: Tracks, rows: slice, point: str, *, view: str | None) -> None:
-    """Take a point away over some rows, in one view or in all, in place."""
+    """Take a point away over some rows, in place.
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        The tracks, changed in place.
+    rows : slice
+        Which rows.
+    point : str
+        Which point.
+    view : str or None
+        In which view; None for every view.
+    """
     views, p = _views(tracks, view), place_of(tracks, "keypoint", point)
     for v in views:
         tracks["image_position"].values[rows, v, :, p, 0] = np.nan
