@@ -59,8 +59,8 @@ class Workbench(widgets.VBox):  # type: ignore[misc]
     Examples
     --------
     >>> bench = pawnb.Workbench("sample")
-    >>> [state.name for state in bench.session.states][:1]
-    ['synthetic']
+    >>> [state.folder.name for state in bench.session.states]
+    ['sample']
     """
 
     def __init__(self, folder: str | Path = ".", videos: Sequence[str | Path] = ()) -> None:
