@@ -3,6 +3,7 @@
 The work in its order, one name a step:
 
 ================================================  =================================================
+:class:`Workbench`                                the whole work on one page, for a folder of trials
 :func:`load_trial`, :class:`Trial`                what was filmed, and how
 :func:`check_trial`                               what is there, what is missing, what looks wrong
 :func:`propose_start`                             where the points seem to be, without a click
@@ -45,6 +46,7 @@ _HOME = {
     "PawnbError": "pawnb.errors",
     "Trial": "pawnb.trial",
     "View": "pawnb.trial",
+    "Workbench": "pawnb.widgets.workbench",
     "assess_quality": "pawnb.workflow.reviewing.quality",
     "batch": "pawnb.workflow.batch.run",
     "check_trial": "pawnb.workflow.checking.check",

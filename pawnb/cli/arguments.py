@@ -38,6 +38,8 @@ def build_parser() -> argparse.ArgumentParser:
     parser = _Parser(prog="pawnb", description="Video of a running animal to gait statistics.")
     parser.add_argument("--version", action="version", version=f"pawnb {pawnb.__version__}")
     parsers = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    _add_open(parsers)
+    _add_new(parsers)
     _add_demo(parsers)
     _add_check(parsers)
     _add_track(parsers)
@@ -52,6 +54,28 @@ def build_parser() -> argparse.ArgumentParser:
     _add_report(parsers)
     _add_lab(parsers)
     return parser
+
+
+def _add_open(parsers: Any) -> None:
+    text = "the workbench in JupyterLab, on a folder, a trial or bare videos, on 127.0.0.1"
+    command = parsers.add_parser("open", help=text, description=text)
+    command.add_argument(
+        "paths",
+        nargs="*",
+        metavar="PATH",
+        help="a folder, a trial, or the videos of one recording (default: the current folder)",
+    )
+    command.add_argument("--no-browser", action="store_true", help="print the address only")
+    command.add_argument("--port", type=int, help="default: a free one from 8888 on")
+    command.set_defaults(run=commands.run_open)
+
+
+def _add_new(parsers: Any) -> None:
+    text = "make a trial.toml by questions; one that is there is never written over"
+    command = parsers.add_parser("new", help=text, description=text)
+    command.add_argument("videos", nargs="*", metavar="VIDEO", help="the video of each view")
+    command.add_argument("--out", help="folder of trial.toml (default: that of the first video)")
+    command.set_defaults(run=commands.run_new)
 
 
 def _add_demo(parsers: Any) -> None:

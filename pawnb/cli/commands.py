@@ -11,6 +11,21 @@ from pawnb.errors import InputError
 from pawnb.workflow.words import split_event_names, split_legs, split_settings
 
 
+def run_open(options: argparse.Namespace, _argv: list[str]) -> None:
+    """Open the workbench."""
+    from pawnb.workflow.workbench.page import open_page
+
+    open_page(options.paths, browser=not options.no_browser, port=options.port)
+
+
+def run_new(options: argparse.Namespace, _argv: list[str]) -> None:
+    """Make a trial by questions."""
+    from pawnb.workflow.workbench.questions import ask_new_trial
+
+    path = ask_new_trial(options.videos, folder=options.out)
+    print(f"wrote {path}; next: pawnb open {path.parent}")
+
+
 def run_demo(options: argparse.Namespace, _argv: list[str]) -> None:
     """Render a synthetic trial."""
     from pawnb.synthetic import render_mouse_trial, render_spider_trial

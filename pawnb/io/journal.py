@@ -45,7 +45,7 @@ class LineFormat(Generic[RecordT]):
     ----------
     kinds : mapping of str to type
         The name of each kind in a line, and its frozen dataclass. Fields are whole numbers,
-        numbers, texts, switches or numbers by name; a text may be None.
+        numbers, texts, switches or numbers by name; a text or a whole number may be None.
     """
 
     def __init__(self, kinds: Mapping[str, type[RecordT]]) -> None:
@@ -65,13 +65,19 @@ class LineFormat(Generic[RecordT]):
         -------
         str
             The line; numbers are written in full, so that reading gives the same record. A
-            switch that is off is left out.
+            switch that is off is left out, and so is a whole number that is not there.
         """
         if isinstance(entry, str):
             return json.dumps({"edit": entry})
         fields: dict[str, Any] = dataclasses.asdict(entry)  # type: ignore[call-overload]
-        written = {name: value for name, value in fields.items() if value is not False}
-        return json.dumps({"edit": self._names[type(entry)], **written})
+        kind = self._names[type(entry)]
+        types = self._types[kind]
+        written = {
+            name: value
+            for name, value in fields.items()
+            if value is not False and not (value is None and int in get_args(types[name]))
+        }
+        return json.dumps({"edit": kind, **written})
 
     def from_line(self, line: str, *, where: str) -> RecordT | Step | None:
         """Read one line.
@@ -130,15 +136,22 @@ class LineFormat(Generic[RecordT]):
                 raise InputError(f"{where}: a {kind} needs {name!r}; mend or remove that line.")
             expected = self._types[kind][name]
             if name in record and not _fits(record[name], expected):
-                word = _WORDS.get(expected, "text")
+                word = _WORDS.get(_given(expected), "text")
                 found = reprlib.repr(record[name])
                 raise InputError(f"{where}: {name} is {found}; expected {word}.")
+
+
+def _given(expected: Any) -> Any:
+    """Return the type of a field where it is given; it may be one that can be left out."""
+    types = get_args(expected)
+    return next(t for t in types if t is not NoneType) if NoneType in types else expected
 
 
 def _fits(value: Any, expected: Any) -> bool:
     """Whether a value of a line has the type of its field."""
     if value is None:
         return NoneType in get_args(expected)
+    expected = _given(expected)
     if expected == _NUMBERS:
         return isinstance(value, dict) and all(_fits(number, float) for number in value.values())
     if isinstance(value, bool) or expected is bool:

@@ -7,7 +7,7 @@ from pawnb import _lazy
 
 __all__ = [
     "ClickInitialiser", "FrameCanvas", "GaitExplorer", "PoseReviewer", "ResidualExplorer",
-    "StickPoser", "TrackReviewer",
+    "StickPoser", "TrackReviewer", "TrialForm", "Workbench",
 ]  # fmt: skip
 
 _HOME = {
@@ -18,6 +18,8 @@ _HOME = {
     "ResidualExplorer": "pawnb.widgets.residual_explorer",
     "StickPoser": "pawnb.widgets.stick_poser",
     "TrackReviewer": "pawnb.widgets.track_reviewer",
+    "TrialForm": "pawnb.widgets.trial_form",
+    "Workbench": "pawnb.widgets.workbench",
 }
 
 __getattr__, __dir__ = _lazy(__name__, __all__, _HOME)

@@ -126,7 +126,9 @@ class CorrectedTracks:
         """Make the correction that was undone last again; returns it, or None."""
         return self._step(self._log.redo)
 
-    def retrack(self, frame: int, *, learn: bool = False) -> str:
+    def retrack(
+        self, frame: int, *, learn: bool = False, stretch: tuple[int, int] | None = None
+    ) -> str:
         """Track again from a frame on; returns what was done, in words.
 
         Pictures and points can be looked at meanwhile, but not corrected.
@@ -137,6 +139,8 @@ class CorrectedTracks:
             The corrected frame.
         learn : bool
             Learn the colours of the corrected points anew there.
+        stretch : tuple of int, optional
+            First frame to take over from it, and one past the last; default all.
 
         Returns
         -------
@@ -157,7 +161,8 @@ class CorrectedTracks:
         try:
             options = {"learn": True} if learn else {}
             ready = self._tracker(before.copy(deep=True), frame, **options)
-            edit = Retrack(frame=frame, learn=learn)
+            since, stop = stretch or (None, None)
+            edit = Retrack(frame=frame, learn=learn, since=since, stop=stop)
             with self.lock:
                 self._ready = ready
                 self._log.apply(edit)

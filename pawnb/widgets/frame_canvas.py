@@ -4,8 +4,9 @@ All views of a trial are shown at the same frame. Pictures travel as JPEG in bin
 messages, as small as the screen can show; points, trails and lines are drawn in the
 browser. Of ``static``, ``connection.js`` knows whether Python hears the browser, ``stage.js`` is
 one view, ``marks.js`` what is drawn over it, ``stick.js`` a stick animal, ``frames.js`` the traffic
-of frames, ``controls.js`` buttons and sliders, ``frame_canvas.js`` the page; they are joined
-here, without any build step.
+of frames, ``controls.js`` buttons and sliders, ``keys.js`` the keys, ``timeline.js``, ``lanes.js``
+and ``stretch_bar.js`` the timeline where there is one (see ``timeline.py``), ``frame_canvas.js``
+the page; they are joined here, without any build step.
 """
 
 from __future__ import annotations
@@ -97,7 +98,7 @@ class FrameCanvas(anywidget.AnyWidget):
 
     _esm = read_static(
         "connection.js", "stick.js", "marks.js", "stage.js", "frames.js", "controls.js",
-        "frame_canvas.js",
+        "keys.js", "stretch_bar.js", "lanes.js", "timeline.js", "frame_canvas.js",
     )  # fmt: skip
     _css = read_static("frame_canvas.css")
 
@@ -166,7 +167,7 @@ class FrameCanvas(anywidget.AnyWidget):
         Parameters
         ----------
         what : str
-            click, moved, hide, select or action.
+            click, moved, hide, select, action or stretch.
         message : mapping
             ``frame`` and, as it applies, ``view``, ``point``, ``u``, ``v``, ``whole`` (no Ctrl key
             was held while dragging), ``action``, ``value`` (of a menu or a slider), ``selected``

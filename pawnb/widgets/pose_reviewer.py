@@ -8,7 +8,9 @@ from typing import Any
 
 import pandas as pd
 
+from pawnb.core.edits.log import Pose
 from pawnb.core.video import ViewSet, open_views
+from pawnb.errors import InputError
 from pawnb.schema import Tracks
 from pawnb.trial import Trial, load_trial
 from pawnb.widgets.corrected_tracks import CorrectedTracks
@@ -18,6 +20,7 @@ from pawnb.widgets.retracking import Retracking, RetrackTrial
 from pawnb.widgets.stick_actions import HANDLES, stick_actions
 from pawnb.widgets.stick_pose import StickPose
 from pawnb.widgets.stick_poser import StickPoser
+from pawnb.widgets.timeline import TIMELINE_KEYS
 from pawnb.workflow.provenance.results import results_folder
 from pawnb.workflow.start.propose_pose import pose_view
 
@@ -100,7 +103,10 @@ class PoseReviewer(StickPoser, Retracking):
         super().__init__(trial, session=session, views=shown, **options)
         self._own_views = shown if views is None else None
         self.label = "Review poses"
-        self.keys_help = [list(line) for line in (*_KEYS, *MOUSE_AND_KEYS)]
+        self.keys_help = [list(line) for line in (*_KEYS, *TIMELINE_KEYS, *MOUSE_AND_KEYS)]
+        self._prepare_lanes(
+            trial, self.corrected.present, session.colours, partners={}, does=("retrack",)
+        )
         self._show_state(self._opening_notes(folder))
 
     @property
@@ -122,8 +128,22 @@ class PoseReviewer(StickPoser, Retracking):
             self._show_state("Tracks saved.")
         elif action in ("suspect", "next"):
             return self._look_at_doubtful(value)
+        elif what == "stretch":
+            return self._edit_stretch(message)
         else:
             return self._correct(what, message)
+        return None
+
+    def _do_to_stretch(
+        self, action: str, _point: str, stretch: tuple[int, int], _message: Mapping[str, Any]
+    ) -> int | None:
+        """Track a stretch again, from what was posed in it; nothing else is done to poses."""
+        if action != "retrack":
+            raise InputError(f"{action}: poses over a stretch can only be tracked again.")
+        first, stop = stretch
+        posed = [e.frame for e in self.corrected.corrections if isinstance(e, Pose)]
+        begin = next((frame for frame in sorted(posed) if first <= frame < stop), first)
+        self.retrack(begin, stretch=stretch)
         return None
 
     def _correct(self, what: str, message: Mapping[str, Any]) -> int | None:

@@ -14,8 +14,8 @@ from pawnb.errors import InputError, PawnbError
 from pawnb.files import GuardedFile
 from pawnb.schema import Tracks
 from pawnb.trial import Trial
-from pawnb.widgets.frame_canvas import FrameCanvas
 from pawnb.widgets.review_session import suspect_options
+from pawnb.widgets.timeline import TimelineCanvas
 from pawnb.workflow.provenance.manifest import MANIFEST, PUT_ASIDE, find_fault
 from pawnb.workflow.provenance.results import write_track_results
 from pawnb.workflow.tracking.track import retrack as workflow_retrack
@@ -31,7 +31,7 @@ Doubt = tuple[int, str, str, str]
 RetrackTrial = Callable[..., Tracks]
 
 
-class Retracking(FrameCanvas):
+class Retracking(TimelineCanvas):
     """A canvas whose tracks can be tracked again.
 
     What stands on it has the corrections (``corrected``), finds the doubtful frames
@@ -73,11 +73,14 @@ class Retracking(FrameCanvas):
         self._suspects = suspect_options(found)
         self._place = 0  # where in the list the next one is looked for
 
-    def _doubt_no_more(self, frame: int, point: str | None = None) -> None:
-        """Leave out what a person has settled: a point of a frame, or the whole frame."""
+    def _doubt_no_more(
+        self, frame: int, point: str | None = None, *, stop: int | None = None
+    ) -> None:
+        """Leave out what a person has settled: a point or all of a frame, or of a stretch."""
         if self._doubtful is None:
             return
-        settled = (self._doubtful["frame"] == frame).to_numpy()
+        last = frame if stop is None else stop - 1
+        settled = self._doubtful["frame"].between(frame, last).to_numpy()
         if point is not None:
             settled = settled & (self._doubtful["point"] == point).to_numpy()
         place = self._place - int(settled[: self._place].sum())
@@ -111,6 +114,15 @@ class Retracking(FrameCanvas):
         row = self._doubtful.iloc[place]
         return int(row["frame"]), str(row["view"]), str(row["point"]), str(row["reason"])
 
+    def _lane_tracks(self) -> Tracks:
+        """Return the tracks as they are now."""
+        tracks: Tracks = self.corrected.present
+        return tracks
+
+    def _lane_suspects(self) -> pd.DataFrame | None:
+        """Return the labels that are doubtful now."""
+        return self._doubtful
+
     def _find_doubtful(self) -> pd.DataFrame | None:
         """Return the frames that are doubtful in the tracks as they are now."""
         raise NotImplementedError
@@ -118,7 +130,9 @@ class Retracking(FrameCanvas):
     def _visit(self, frame: int) -> None:
         """Get ready for a frame that the browser is about to show."""
 
-    def retrack(self, frame: int, *, learn: bool = False) -> None:
+    def retrack(
+        self, frame: int, *, learn: bool = False, stretch: tuple[int, int] | None = None
+    ) -> None:
         """Begin to track again from a frame on, in a thread of its own.
 
         Parameters
@@ -127,6 +141,8 @@ class Retracking(FrameCanvas):
             The corrected frame: what was put in place there is tracked on.
         learn : bool
             Learn the colours of corrected points anew in that frame.
+        stretch : tuple of int, optional
+            First frame to take over from it, and one past the last; default all.
 
         Raises
         ------
@@ -136,7 +152,8 @@ class Retracking(FrameCanvas):
         if self.corrected.busy:
             raise InputError("the trial is being tracked again already; wait, or stop it.")
         self._stop.clear()
-        self._worker = threading.Thread(target=self._retrack_now, args=(frame, learn), daemon=True)
+        arguments = (frame, learn, stretch)
+        self._worker = threading.Thread(target=self._retrack_now, args=arguments, daemon=True)
         self._worker.start()
 
     def close(self) -> None:
@@ -171,12 +188,12 @@ class Retracking(FrameCanvas):
             actions.append({"id": "stop", "text": "Stop", "title": "Stop tracking again"})
         return actions
 
-    def _retrack_now(self, frame: int, learn: bool) -> None:
+    def _retrack_now(self, frame: int, learn: bool, stretch: tuple[int, int] | None) -> None:
         """Track again and show the result; runs in its own thread."""
         go = None
         try:
             self._show_state(f"tracking again from frame {frame} on", busy=True)
-            said, go = self.corrected.retrack(frame, learn=learn), frame
+            said, go = self.corrected.retrack(frame, learn=learn, stretch=stretch), frame
             self._tracked_again()
         except (PawnbError, OSError) as error:
             self.alarm, said = str(error), "the tracks are as they were"

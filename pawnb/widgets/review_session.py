@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from pawnb.core.edits.effects import Retracker, triangulate_views, usable_views
-from pawnb.core.edits.log import Accept, Hide, Move, Swap
+from pawnb.core.edits.log import Accept, Move
 from pawnb.core.pose.as_tracks import is_pose
 from pawnb.core.rig import Rig
 from pawnb.errors import InputError
@@ -21,15 +21,15 @@ from pawnb.gait.legs import find_leg_place
 from pawnb.schema import ORIGIN_CODE, ORIGINS, Tracks
 from pawnb.trial import Trial
 from pawnb.widgets.colours import point_colours
-from pawnb.widgets.corrected_tracks import CorrectedTracks
 from pawnb.widgets.start_marks import FAR_PX
+from pawnb.widgets.stretch_edits import StretchEdits, order_partners
 
 TRAIL = 20
 """Frames of the past that a trail shows."""
 
 
-class ReviewSession(CorrectedTracks):
-    """Points under review: what :class:`CorrectedTracks` can, and what is drawn of them.
+class ReviewSession(StretchEdits):
+    """Points under review: what :class:`StretchEdits` can, and what is drawn of them.
 
     Parameters
     ----------
@@ -40,12 +40,12 @@ class ReviewSession(CorrectedTracks):
     rig : Rig, optional
         The calibrated views.
     edits, retrack, save
-        As for :class:`CorrectedTracks`.
+        As for :class:`~pawnb.widgets.corrected_tracks.CorrectedTracks`.
 
     Raises
     ------
     InputError
-        As :class:`CorrectedTracks`, and for tracks of a jointed animal, whose points are not moved
+        As there, and for tracks of a jointed animal, whose points are not moved
         one by one.
     """
 
@@ -89,6 +89,10 @@ class ReviewSession(CorrectedTracks):
         seen = [pair for pair in every if any(set(pair) <= points for points in tracked)]
         return list(dict.fromkeys([*across, *seen]))
 
+    def partners(self, point: str) -> list[str]:
+        """Return the other points, those that are likely to be mistaken for it first."""
+        return order_partners(point, self.points, self.pairs())
+
     # --- what a person does -------------------------------------------------------------
 
     def move(self, frame: int, view: str, point: str, *, u: float, v: float) -> str:
@@ -111,25 +115,6 @@ class ReviewSession(CorrectedTracks):
             What was done.
         """
         return self.apply(Move(frame=frame, view=view, point=point, u=round(u, 3), v=round(v, 3)))
-
-    def hide(self, frame: int, view: str, point: str) -> str:
-        """Mark a point as not visible in a view; returns what was done, in words.
-
-        Parameters
-        ----------
-        frame : int
-            The frame.
-        view : str
-            The view.
-        point : str
-            The point.
-
-        Returns
-        -------
-        str
-            What was done.
-        """
-        return self.apply(Hide(frame=frame, view=view, point=point))
 
     def accept(self, frame: int, view: str, point: str) -> str:
         """Say that a point is right as it is; returns what was done, in words.
@@ -157,23 +142,6 @@ class ReviewSession(CorrectedTracks):
         if uv is None:
             raise InputError(f"{point} has no position in {view}, frame {frame}; click it first.")
         return self.apply(Accept(frame=frame, view=view, point=point, u=uv[0], v=uv[1]))
-
-    def swap(self, frame: int, first: str, second: str) -> str:
-        """Exchange two points from a frame on; returns what was done, in words.
-
-        Parameters
-        ----------
-        frame : int
-            From which frame on.
-        first, second : str
-            The points.
-
-        Returns
-        -------
-        str
-            What was done.
-        """
-        return self.apply(Swap(frame=frame, first=first, second=second))
 
     def position(self, frame: int, view: str, point: str) -> tuple[float, float] | None:
         """Return where a point is in px of a view, or None where it is missing.

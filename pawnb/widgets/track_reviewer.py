@@ -21,6 +21,7 @@ from pawnb.widgets.click_initialiser import view_rig
 from pawnb.widgets.frame_canvas import MOUSE_AND_KEYS, Overlay, Views
 from pawnb.widgets.retracking import Retracking, RetrackTrial
 from pawnb.widgets.review_session import ReviewSession
+from pawnb.widgets.timeline import STRETCH_KEYS, TIMELINE_KEYS
 from pawnb.workflow.provenance.results import results_folder
 
 _KEYS = (
@@ -120,7 +121,15 @@ class TrackReviewer(Retracking):
         span = (first, min(last, shown.n_frames - 1))
         super().__init__(shown, **{"frame": first, "span": span, **options})
         self.label = "Review tracks"
-        self.keys_help = [list(line) for line in (("Marks", _MARKS), *_KEYS, *MOUSE_AND_KEYS)]
+        own = (*_KEYS, *TIMELINE_KEYS, *STRETCH_KEYS, *MOUSE_AND_KEYS)
+        self.keys_help = [list(line) for line in (("Marks", _MARKS), *own)]
+        self._prepare_lanes(
+            trial,
+            self.session.present,
+            self.session.colours,
+            partners={point: self.session.partners(point) for point in self.session.points},
+            does=("swap", "interpolate", "hide", "delete", "retrack"),
+        )
         self._show_state(self._opening_notes(folder))
 
     @property
@@ -149,6 +158,8 @@ class TrackReviewer(Retracking):
             self._place_missing(frame, view, message)
         elif what == "action":
             return self._act(str(message["action"]), frame, message)
+        elif what == "stretch":
+            return self._edit_stretch(message)
         return None
 
     def close(self) -> None:
@@ -198,6 +209,35 @@ class TrackReviewer(Retracking):
             return self._look_at_doubtful(value)
         return None
 
+    def _do_to_stretch(
+        self, action: str, point: str, stretch: tuple[int, int], message: Mapping[str, Any]
+    ) -> int | None:
+        """Do what was asked for to a point over a stretch; see :class:`TimelineCanvas`."""
+        session, (first, stop), view = self.session, stretch, message.get("view")
+        if action == "retrack":
+            self.retrack(session.frame_to_track_from(first, stop), stretch=stretch)
+            return None
+        settled = {point}
+        if action == "swap":
+            other = str(message["other"])
+            settled.add(other)
+            if not message.get("stretch"):
+                stop = session.next_crossing(first, point, other)
+            said = session.swap(first, point, other, stop=stop, view=view)
+        elif action == "hide":
+            said = session.hide(first, view, point, stop=stop)
+        elif action == "delete":
+            said = session.delete(first, stop, point, view=view)
+        elif action == "interpolate":
+            said = session.interpolate(first, stop, point, view=view)
+        else:
+            raise InputError(f"{action} is nothing that can be done to a stretch.")
+        self._tracked_again()
+        for name in settled:
+            self._doubt_no_more(first, name, stop=stop)
+        self._show_state(said)
+        return None
+
     def _find_doubtful(self) -> pd.DataFrame:
         """Return the labels to look at: those that were given, else found anew."""
         found = self._given_doubtful
@@ -205,9 +245,11 @@ class TrackReviewer(Retracking):
             found = find_suspects(self.session.tracks, rig=self.session.rig)
         return worth_a_look(found)
 
-    def _doubt_no_more(self, frame: int, point: str | None = None) -> None:
+    def _doubt_no_more(
+        self, frame: int, point: str | None = None, *, stop: int | None = None
+    ) -> None:
         """Leave out what a person has settled, among those that were given as well."""
-        super()._doubt_no_more(frame, point)
+        super()._doubt_no_more(frame, point, stop=stop)
         if self._given_doubtful is not None:
             self._given_doubtful = self._doubtful
 

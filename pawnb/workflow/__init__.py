@@ -42,7 +42,7 @@ __all__ = [
     "batch", "calibrate", "calibration", "check", "checking", "compare", "conversion", "convert",
     "evaluate", "evaluate_pose", "evaluation", "gait", "propose", "provenance", "quality",
     "reproject", "reviewing", "sample", "save_figures", "scale", "start", "stride_template",
-    "suggest", "track", "tracking",
+    "suggest", "track", "tracking", "workbench",
 ]  # fmt: skip
 
 _load, __dir__ = _lazy(__name__, __all__)

@@ -6,6 +6,7 @@ import os
 import shutil
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 from pawnb.errors import InputError
@@ -117,7 +118,17 @@ def open_lab(
     InputError
         If there is no such notebook, or JupyterLab could not start.
     """
-    words = lab_command(notebook, browser=browser, port=port)
+    run_lab(lab_command(notebook, browser=browser, port=port))
+
+
+def run_lab(words: Sequence[str]) -> None:
+    """Run a command of :func:`lab_command` until it is stopped.
+
+    Raises
+    ------
+    InputError
+        If JupyterLab could not start.
+    """
     done = subprocess.run(words, env=lab_environment(), check=False)
     if done.returncode not in (0, -2):
         raise InputError(

@@ -32,6 +32,13 @@ def kill(notebook):
     )
 
 
+def dismiss(notebook):
+    """Close what Jupyter says of a kernel that died: it would take the clicks that follow."""
+    button = notebook.page.locator(".jp-Dialog button", has_text="Ok")
+    button.wait_for(timeout=60_000)
+    button.click()
+
+
 def begin(notebook, code):
     """Let the kernel begin something, and do not wait for it."""
     notebook.page.evaluate(
@@ -79,6 +86,8 @@ w"""
 
     end(notebook)
     assert "has ended or was restarted: run its cell again" in wait_lost(notebook)
+    if end is kill:
+        dismiss(notebook)
     shown = notebook.js("f.shown")
     # a point cannot be dragged, and nothing can be pressed
     notebook.drag("cam1", put[4], (put[4][0] + 30, put[4][1]))

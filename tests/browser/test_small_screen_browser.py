@@ -36,9 +36,10 @@ def truth(view, point, frame=0):
 
 
 def test_the_slider_stays_under_the_mouse_while_frames_are_loaded(small, trial_file):
-    small.show(f"""import small_trial as scene
-from pawnb.widgets import TrackReviewer
-w = TrackReviewer({str(trial_file)!r}, scene.true_tracks())
+    small.show(f"""import pawnb
+from pawnb.core.video import open_views
+from pawnb.widgets import FrameCanvas
+w = FrameCanvas(open_views(pawnb.load_trial({str(trial_file)!r})))
 w""")
     slider = small.page.locator(".pawnb-slider")
     slider.scroll_into_view_if_needed()

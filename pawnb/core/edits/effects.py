@@ -8,10 +8,28 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from pawnb.core.edits.records import Accept, Edit, Hide, Move, Pose, Retrack, Swap
+from pawnb.core.edits.records import (
+    Accept,
+    Delete,
+    Edit,
+    Hide,
+    Interpolate,
+    Move,
+    Pose,
+    Retrack,
+    Swap,
+)
+from pawnb.core.edits.stretches import (
+    clear,
+    interpolate,
+    only_within,
+    place_of,
+    row_of,
+    rows_of_edit,
+)
 from pawnb.core.pose.as_tracks import is_pose
 from pawnb.core.pose.corrected import put_pose
-from pawnb.errors import InputError, did_you_mean
+from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE, Tracks, check_tracks
 
 MISSING, PREDICTED = ORIGIN_CODE["missing"], ORIGIN_CODE["predicted"]
@@ -82,15 +100,17 @@ def apply_edit(
         of animal.
     """
     check_editable(tracks)
-    row = _row(tracks, edit.frame)
+    row = row_of(tracks, edit.frame)
     if isinstance(edit, Pose):
         return put_pose(tracks, edit.frame, edit.pose)
     if isinstance(edit, Retrack):
         if retrack is not None and edit.learn:
             retrack = partial(retrack, learn=True)
         if is_pose(tracks):
-            return _poses_again(tracks, edit.frame, retrack)
-        return _retracked(tracks, edit.frame, retrack, rig, px_per_unit, hidden)
+            new = _poses_again(tracks, edit.frame, retrack)
+        else:
+            new = _retracked(tracks, edit.frame, retrack, rig, px_per_unit, hidden)
+        return new if edit.stop is None else only_within(tracks, new, edit)
     if is_pose(tracks):
         raise InputError(
             "a point of a jointed animal cannot be moved by itself; correct its pose with "
@@ -98,11 +118,17 @@ def apply_edit(
         )
     new = tracks.copy(deep=True)
     solve = _Solver(new, rig, px_per_unit)
+    rows = rows_of_edit(new, edit)
     if isinstance(edit, Swap):
-        _swap(new, edit, row, solve)
+        _swap(new, edit, rows, solve)
         return new
-    _put(new, row, edit)
-    solve(np.array([row]), [_place(new, "keypoint", edit.point)])
+    if isinstance(edit, Interpolate):
+        interpolate(new, rows, edit.point, view=edit.view)
+    elif isinstance(edit, Hide | Delete):
+        clear(new, rows, edit.point, view=edit.view)
+    else:
+        _put(new, row, edit)
+    solve(np.arange(rows.start, rows.stop), [place_of(new, "keypoint", edit.point)])
     return new
 
 
@@ -121,53 +147,30 @@ def check_editable(tracks: Tracks) -> None:
         )
 
 
-def _row(tracks: Tracks, frame: int) -> int:
-    """Return the row of a frame number."""
-    frames = tracks["frame"].to_numpy()
-    rows = np.flatnonzero(frames == frame)
-    if not len(rows):
-        raise InputError(f"frame {frame} is not in the tracks ({frames[0]} to {frames[-1]}).")
-    return int(rows[0])
+def _put(tracks: Tracks, row: int, edit: Move | Accept) -> None:
+    """Write one image position."""
+    view, point = place_of(tracks, "view", edit.view), place_of(tracks, "keypoint", edit.point)
+    tracks["image_position"].values[row, view, :, point, 0] = edit.u, edit.v
+    tracks["image_origin"].values[row, view, point, 0] = EDITED
+    tracks["image_confidence"].values[row, view, point, 0] = 1.0
 
 
-def _place(tracks: Tracks, dim: str, name: str) -> int:
-    """Return the place of a view or point along its dimension."""
-    names = [str(n) for n in tracks[dim].to_numpy()]
-    if name not in names:
-        word = {"keypoint": "point"}.get(dim, dim)
-        raise InputError(
-            f"the tracks have no {word} {name!r}{did_you_mean(name, names)}; "
-            f"expected {', '.join(names)}."
-        )
-    return names.index(name)
-
-
-def _put(tracks: Tracks, row: int, edit: Move | Accept | Hide) -> None:
-    """Write one image position, or take it away."""
-    view, point = _place(tracks, "view", edit.view), _place(tracks, "keypoint", edit.point)
-    gone = isinstance(edit, Hide)
-    uv = (np.nan, np.nan) if isinstance(edit, Hide) else (edit.u, edit.v)
-    tracks["image_position"].values[row, view, :, point, 0] = uv
-    tracks["image_origin"].values[row, view, point, 0] = MISSING if gone else EDITED
-    tracks["image_confidence"].values[row, view, point, 0] = 0.0 if gone else 1.0
-
-
-def _swap(tracks: Tracks, edit: Swap, row: int, solve: _Solver) -> None:
-    """Exchange two points from a row on, in one view or in everything there is."""
+def _swap(tracks: Tracks, edit: Swap, rows: slice, solve: _Solver) -> None:
+    """Exchange two points over some rows, in one view or in everything there is."""
     if edit.first == edit.second:
         raise InputError(f"a point cannot be exchanged with itself ({edit.first!r}).")
-    pair = [_place(tracks, "keypoint", name) for name in (edit.first, edit.second)]
+    pair = [place_of(tracks, "keypoint", name) for name in (edit.first, edit.second)]
     if edit.view is not None:
-        view = _place(tracks, "view", edit.view)
+        view = place_of(tracks, "view", edit.view)
         for name in ("image_position", "image_origin", "image_confidence"):
-            values = tracks[name].values[row:, view]
+            values = tracks[name].values[rows, view]
             values[..., pair, :] = values[..., pair[::-1], :]
-        solve(np.arange(row, tracks.sizes["time"]), pair)
+        solve(np.arange(rows.start, rows.stop), pair)
         return
     for variable in tracks.data_vars.values():
         if "time" in variable.dims and "keypoint" in variable.dims:
             places = [variable.dims.index(dim) for dim in ("time", "keypoint")]
-            values = np.moveaxis(variable.values, places, [0, 1])[row:]
+            values = np.moveaxis(variable.values, places, [0, 1])[rows]
             values[:, pair] = values[:, pair[::-1]]
 
 
@@ -205,7 +208,7 @@ def _retracked(
                 f"tracking again from frame {frame} gave other {name}s "
                 f"({', '.join(map(str, new[name].to_numpy()))}); the tracks stay as they were."
             )
-    later = [hide for hide in hidden if hide.frame >= frame]
+    later = [hide for hide in hidden if hide.frame >= frame and hide.frame in new["frame"]]
     kept = np.intersect1d(tracks["frame"], new["frame"], return_indices=True)
     rows_old, rows_new = (rows[kept[0] >= frame] for rows in kept[1:])
     edited = tracks["image_origin"].values[rows_old] == EDITED
@@ -222,10 +225,10 @@ def _retracked(
     for point in np.flatnonzero(touched.any(axis=0)):
         solve(rows_new[touched[:, point]], [int(point)])
     for hide in later:
-        if hide.frame in kept[0]:
-            row = _row(new, hide.frame)
-            _put(new, row, hide)
-            solve(np.array([row]), [_place(new, "keypoint", hide.point)])
+        clear(new, rows_of_edit(new, hide), hide.point, view=hide.view)
+    for name in dict.fromkeys(hide.point for hide in later):
+        rows = sorted({row_of(new, hide.frame) for hide in later if hide.point == name})
+        solve(np.array(rows), [place_of(new, "keypoint", name)])
     return new
 
 

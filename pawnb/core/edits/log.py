@@ -15,38 +15,40 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 from pawnb.core.edits.effects import Retracker, RigLike, apply_edit, check_editable
 from pawnb.core.edits.records import (
     EDIT_LINES,
     Accept,
+    Delete,
     Edit,
     Entry,
     Hide,
+    Interpolate,
     Move,
     Pose,
     Retrack,
     Swap,
 )
+from pawnb.core.edits.stretches import rows_of_edit
+from pawnb.core.edits.words import describe_edit
 from pawnb.errors import InputError
 from pawnb.io.journal import Journal, enter_step, read_journal
 from pawnb.schema import Tracks, add_provenance
 
 __all__ = [
-    "EDIT_LINES", "Accept", "Edit", "EditLog", "Hide", "Move", "Pose", "Retrack", "Swap",
-    "apply_edit", "describe_edit", "replay",
+    "EDIT_LINES", "Accept", "Delete", "Edit", "EditLog", "Hide", "Interpolate", "Move", "Pose",
+    "Retrack", "Swap", "apply_edit", "describe_edit", "replay",
 ]  # fmt: skip
 
 
 @dataclass(frozen=True)
 class _Change:
-    """One applied correction with the Tracks before and after, or only their changed row."""
+    """One applied correction with the Tracks before and after, or only their changed rows."""
 
     edit: Edit
     before: Tracks
     after: Tracks
-    row: int | None
+    rows: slice | None
 
 
 class EditLog:
@@ -128,7 +130,7 @@ class EditLog:
 
         Parameters
         ----------
-        edit : Move, Accept, Hide, Swap, Pose or Retrack
+        edit : Edit
             The correction.
 
         Returns
@@ -236,23 +238,23 @@ class EditLog:
             rig=self._rig,
             px_per_unit=self._px_per_unit,
             retrack=self._retrack,
-            hidden=_hidden_by_hand(past),
+            hidden=_hidden_by_hand(past, before),
         )
-        if isinstance(edit, Swap | Retrack):
+        if isinstance(edit, Retrack):
             return _Change(edit, before, self.tracks, None)
-        # a single frame changed: keep one row, not the whole recording
-        row = int(np.flatnonzero(before["frame"].to_numpy() == edit.frame)[0])
-        was, now = (t.isel(time=slice(row, row + 1)).copy(deep=True) for t in (before, self.tracks))
-        return _Change(edit, was, now, row)
+        # keep the rows that changed, not the whole recording
+        rows = rows_of_edit(before, edit)
+        was, now = (t.isel(time=rows).copy(deep=True) for t in (before, self.tracks))
+        return _Change(edit, was, now, rows)
 
     def _restored(self, change: _Change, state: Tracks) -> Tracks:
         """Return the tracks as they were on one side of a change."""
-        if change.row is None:
+        if change.rows is None:
             return state
         tracks = self.tracks.copy(deep=True)
         for name, variable in state.data_vars.items():
             if "time" in variable.dims:
-                tracks[name].values[change.row] = variable.values[0]
+                tracks[name].values[change.rows] = variable.values
         return tracks
 
     def _write(self, entry: Entry, *, back_to: Tracks) -> None:
@@ -298,36 +300,6 @@ def replay(
     if not Path(path).exists():
         raise InputError(f"{path}: no such file; expected the edits.jsonl of these tracks.")
     return EditLog(tracks, path, rig=rig, px_per_unit=px_per_unit, retrack=retrack).stamped()
-
-
-def describe_edit(edit: Edit) -> str:
-    """Say in words what a correction was, for a status line.
-
-    Parameters
-    ----------
-    edit : Edit
-        The correction.
-
-    Returns
-    -------
-    str
-        For instance ``"FR in cam1 moved in frame 12"``.
-    """
-    match edit:
-        case Move():
-            return f"{edit.point} in {edit.view} moved in frame {edit.frame}"
-        case Accept():
-            return f"{edit.point} in {edit.view} accepted in frame {edit.frame}"
-        case Hide():
-            return f"{edit.point} in {edit.view} marked as not visible in frame {edit.frame}"
-        case Swap():
-            place = "" if edit.view is None else f" in {edit.view}"
-            return f"{edit.first} and {edit.second} exchanged{place} from frame {edit.frame} on"
-        case Pose():
-            return f"posed in frame {edit.frame}"
-        case Retrack():
-            learnt = ", colours learnt there" if edit.learn else ""
-            return f"tracked again from frame {edit.frame} on{learnt}"
 
 
 def _settle(
@@ -381,18 +353,31 @@ def _checksum(edits: Sequence[Edit]) -> str:
     return hashlib.sha256("\n".join(map(EDIT_LINES.to_line, edits)).encode()).hexdigest()
 
 
-def _hidden_by_hand(past: Sequence[Edit]) -> list[Hide]:
+def _hidden_by_hand(past: Sequence[Edit], tracks: Tracks) -> list[Hide]:
     """Return the points that a person marked as not visible and did not place again."""
+    frames = tracks["frame"].to_numpy()
+    views = [str(name) for name in tracks["view"].to_numpy()]
+
+    def places(edit: Hide | Interpolate) -> list[tuple[int, str, str]]:
+        own = views if edit.view is None else [edit.view]
+        return [(int(f), v, edit.point) for f in frames[rows_of_edit(tracks, edit)] for v in own]
+
     hidden: dict[tuple[int, str, str], None] = {}
     for edit in past:
         if isinstance(edit, Hide):
-            hidden[edit.frame, edit.view, edit.point] = None
+            hidden |= dict.fromkeys(places(edit))
         elif isinstance(edit, Move | Accept):
             hidden.pop((edit.frame, edit.view, edit.point), None)
+        elif isinstance(edit, Interpolate):
+            for place in places(edit):
+                hidden.pop(place, None)
         elif isinstance(edit, Swap):
             other = {edit.first: edit.second, edit.second: edit.first}
+            stop = frames[-1] + 1 if edit.stop is None else edit.stop
             hidden = {
-                (f, v, other.get(p, p) if f >= edit.frame and edit.view in (None, v) else p): None
+                (f, v, other.get(p, p))
+                if edit.frame <= f < stop and edit.view in (None, v)
+                else (f, v, p): None
                 for f, v, p in hidden
             }
     return [Hide(frame=f, view=v, point=p) for f, v, p in hidden]

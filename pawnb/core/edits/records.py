@@ -58,18 +58,65 @@ class Hide:
     ----------
     frame : int
         Frame number.
-    view, point : str
-        Which point in which view.
+    view : str or None
+        In which view; None for every view.
+    point : str
+        Which point.
+    stop : int, optional
+        One past the last frame, where it cannot be seen over a stretch.
     """
 
     frame: int
-    view: str
+    view: str | None
     point: str
+    stop: int | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Delete:
+    """What was tracked of a point over a stretch is wrong; tracking again may find it.
+
+    Parameters
+    ----------
+    frame, stop : int
+        First frame, and one past the last.
+    point : str
+        Which point.
+    view : str, optional
+        The one view in which it is deleted; None for every view.
+    """
+
+    frame: int
+    stop: int
+    point: str
+    view: str | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Interpolate:
+    """Over a stretch the point lies on a smooth path between what is known around it.
+
+    What was placed by hand within the stretch stays, and the path leads through it.
+
+    Parameters
+    ----------
+    frame, stop : int
+        First frame, and one past the last.
+    point : str
+        Which point.
+    view : str, optional
+        The one view in which that is done; None for every view.
+    """
+
+    frame: int
+    stop: int
+    point: str
+    view: str | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
 class Swap:
-    """Two points were mistaken for one another from a frame on.
+    """Two points were mistaken for one another from a frame on, or over a stretch.
 
     Parameters
     ----------
@@ -79,12 +126,15 @@ class Swap:
         The two points.
     view : str, optional
         The one view in which it happened; None for every view and the 3D points.
+    stop : int, optional
+        One past the last frame in which they are exchanged; None to the end.
     """
 
     frame: int
     first: str
     second: str
     view: str | None = None
+    stop: int | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -114,13 +164,17 @@ class Retrack:
         The frame it was started from.
     learn : bool
         Whether the colours of the corrected points were learnt anew there.
+    since, stop : int, optional
+        First frame that was taken over from it, and one past the last; None for all.
     """
 
     frame: int
     learn: bool = False
+    since: int | None = None
+    stop: int | None = None
 
 
-Edit: TypeAlias = Move | Accept | Hide | Swap | Pose | Retrack
+Edit: TypeAlias = Move | Accept | Hide | Delete | Interpolate | Swap | Pose | Retrack
 Entry: TypeAlias = Edit | Step
 
 EDIT_LINES: LineFormat[Edit] = LineFormat(
@@ -128,6 +182,8 @@ EDIT_LINES: LineFormat[Edit] = LineFormat(
         "move": Move,
         "accept": Accept,
         "hide": Hide,
+        "delete": Delete,
+        "interpolate": Interpolate,
         "swap": Swap,
         "pose": Pose,
         "retrack": Retrack,

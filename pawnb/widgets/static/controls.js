@@ -28,21 +28,34 @@ class Controls {
     this.playing(false);
     this.button(this.bar, "+1", "One frame on (Right)", by(1));
     this.button(this.bar, "+10", "Ten frames on (Shift+Right)", by(10));
-    const range = { type: "range", min: first, max: last, value: this.frames.want };
-    this.slider = element("input", "pawnb-slider", { ...range, title: "Choose a frame" });
-    this.slider.setAttribute("aria-label", "frame");
-    this.slider.oninput = () => this.go(+this.slider.value);
-    this.slider.onchange = () => this.focus();
+    if (!this.timeline) this.buildSlider(first, last);
+    const ends = { type: "number", min: first, max: last, step: 1, placeholder: "frame" };
+    this.number = element("input", "pawnb-number", { ...ends, title: "Go to a frame by its number (G, number, Enter)" });
+    this.number.setAttribute("aria-label", "go to frame");
+    this.number.onchange = () => {
+      if (this.number.value !== "") this.go(Math.round(+this.number.value));
+      this.number.value = "";
+      this.focus();
+    };
     this.caption = element("span", "pawnb-caption");
     // as wide as the longest words: the slider must not move under the mouse that drags it
     const longest = `frame ${last} of ${last}, 0000.000 s (Python is busy)`;
     this.caption.style.width = `${0.9 * longest.length}ch`;
-    this.bar.append(this.slider, this.caption);
+    this.bar.append(...(this.slider ? [this.slider] : []), this.number, this.caption);
     const zoom = "Then drag a rectangle in a view (Z); Shift and drag does it at once";
     const press = () => this.setRectangle(!this.rectangle);
     this.zoomButton = this.button(this.bar, "Zoom rectangle", zoom, press);
     this.zoomButton.setAttribute("aria-pressed", "false");
     this.button(this.bar, "Whole picture", "Show every view whole again (0)", () => this.fitAll());
+  }
+
+  // Where there is a timeline, that is the slider.
+  buildSlider(first, last) {
+    const range = { type: "range", min: first, max: last, value: this.frames.want };
+    this.slider = element("input", "pawnb-slider", { ...range, title: "Choose a frame" });
+    this.slider.setAttribute("aria-label", "frame");
+    this.slider.oninput = () => this.go(+this.slider.value);
+    this.slider.onchange = () => this.focus();
   }
 
   buildHelp() {

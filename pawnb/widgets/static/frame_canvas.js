@@ -9,7 +9,7 @@
 const GAP = 8; // CSS pixels between views
 const HEAD = 32; // height of the line above each view
 
-class Canvas extends Controls {
+class Canvas extends Keys {
   constructor(model, el) {
     super();
     this.model = model;
@@ -22,8 +22,10 @@ class Canvas extends Controls {
     this.stages = model.get("stages").map((spec) => new Stage(spec, this));
     this.frames = new Frames(model, this);
     this.connection = new Connection(model, this.frames.who, () => this.reconnected());
+    this.timeline = (model.get("lanes") || []).length ? new Timeline(this) : null;
     this.build(el);
     this.connect();
+    if (this.timeline) this.timeline.ask();
     this.frames.step();
   }
 
@@ -47,7 +49,9 @@ class Canvas extends Controls {
     this.bar = element("div", "pawnb-bar");
     this.actions = element("div", "pawnb-bar");
     this.sliders = element("div", "pawnb-sliders");
-    root.append(this.lost, this.status, this.alarm, this.grid, this.detail, this.bar, this.actions, this.sliders);
+    root.append(this.lost, this.status, this.alarm, this.grid, this.detail);
+    if (this.timeline) root.append(this.timeline.el);
+    root.append(this.bar, this.actions, this.sliders);
     this.buildBar();
     this.buildHelp();
     this.showActions();
@@ -90,7 +94,10 @@ class Canvas extends Controls {
     this.showActions();
     this.showSliders();
     if (down) this.frames.lost();
-    else if (wasDown) this.frames.found();
+    else if (wasDown) {
+      this.frames.found();
+      if (this.timeline) this.timeline.ask(); // it may have changed meanwhile
+    }
     this.moved();
     this.redraw();
   }
@@ -138,6 +145,7 @@ class Canvas extends Controls {
     this.grid.style.gridTemplateColumns = `repeat(${best.columns}, max-content)`;
     for (const stage of this.stages)
       stage.resize(stage.el.classList.contains("pawnb-wide") ? width : best.size);
+    if (this.timeline) this.timeline.resize(width);
     this.redraw();
   }
 
@@ -180,7 +188,8 @@ class Canvas extends Controls {
   // The lines in words: which frame, and the selected point.
   moved() {
     const { shown, want, span, overlay, loading } = this.frames;
-    this.slider.value = want;
+    if (this.slider) this.slider.value = want;
+    if (this.timeline) this.timeline.follow();
     const caption = overlay && overlay.caption ? `, ${overlay.caption}` : "";
     const text = shown === null ? "" : `frame ${shown} of ${span[1]}${caption}`;
     const late = this.connection.busy ? "Python is busy" : `loading ${want}`;
@@ -224,6 +233,7 @@ class Canvas extends Controls {
       for (const chip of stage.head.querySelectorAll(".pawnb-chip"))
         chip.setAttribute("aria-pressed", view === stage.name && chip.dataset.point === id);
     }
+    if (this.timeline) this.timeline.chosen();
   }
 
   // Drawn only when something changed, and at most once an animation frame.
@@ -268,6 +278,14 @@ class Canvas extends Controls {
     this.moved();
     this.redraw();
     if (this.model.get("tell_selected")) this.edit({ what: "select", view: stage.name, point });
+  }
+
+  // A point was chosen on the timeline: in the view it was chosen in before, or the first that has it.
+  choose(point) {
+    const has = (stage) => (stage.overlay.chips || []).some((chip) => chip.id === point);
+    const own = this.stages.filter(has);
+    const stage = own.find((s) => this.selected && s.name === this.selected[0]) || own[0];
+    if (stage) this.select(stage, point);
   }
 
   setRectangle(on) {
@@ -321,42 +339,14 @@ class Canvas extends Controls {
     this.frames.go(mine && go != null ? go : this.frames.want);
   }
 
-  // --- keys and messages -----------------------------------------------------------------
-
-  key(e) {
-    e.stopPropagation(); // nothing typed here is meant for the notebook
-    const control = { SELECT: /./, INPUT: /Arrow|Home|End|Page/, BUTTON: /^( |Enter)$/, SUMMARY: /^( |Enter)$/ };
-    const used = e.target.type === "number" ? /./ : control[e.target.tagName];
-    if (used && used.test(e.key)) return; // the control that has the focus needs it
-    const command = e.ctrlKey || e.metaKey ? "Ctrl+" : "";
-    const typed = command + (e.shiftKey ? "Shift+" : "") + e.key;
-    const { frames } = this;
-    const own = {
-      ArrowRight: () => this.go(frames.want + 1),
-      ArrowLeft: () => this.go(frames.want - 1),
-      "Shift+ArrowRight": () => this.go(frames.want + 10),
-      "Shift+ArrowLeft": () => this.go(frames.want - 10),
-      Home: () => this.go(frames.span[0]),
-      End: () => this.go(frames.span[1]),
-      " ": () => frames.play(!frames.playing),
-      0: () => this.fitAll(),
-      z: () => this.setRectangle(!this.rectangle),
-      Escape: () => this.stages.some((s) => s.cancel()) || this.setRectangle(false),
-      Delete: () => this.hideSelected(),
-      Backspace: () => this.hideSelected(),
-    };
-    const asked = this.model.get("actions").find((a) => (a.keys || []).includes(typed));
-    if (!asked && !own[typed]) return;
-    e.preventDefault();
-    if (!asked) own[typed]();
-    else if (asked.enabled !== false) this.edit({ what: "action", action: asked.id, value: null });
-  }
+  // --- messages ---------------------------------------------------------------------------
 
   connect() {
     const { model, frames } = this;
     this.handlers = {
       "change:frame": () => frames.follow(),
-      "change:actions": () => this.showActions(),
+      "change:actions": () => { this.showActions(); if (this.timeline) this.timeline.bar.show(); },
+      "change:stretch": () => this.timeline && this.timeline.chosen(),
       "change:sliders": () => this.showSliders(),
       "change:status": () => this.showStatus(),
       "change:alarm": () => this.showStatus(),
@@ -364,6 +354,7 @@ class Canvas extends Controls {
         if (message.type === "frame" && message.who === frames.who)
           frames.received(message, buffers || []);
         else if (message.type === "done") this.done(message);
+        else if (message.type === "lanes" && this.timeline) this.timeline.received(message);
         else if (message.type === "refresh") {
           frames.renew(message.version);
           frames.go(message.go ?? frames.want);
@@ -374,11 +365,14 @@ class Canvas extends Controls {
     this.root.addEventListener("keydown", (e) => this.key(e));
     this.observer = new ResizeObserver(() => this.layout());
     this.observer.observe(this.grid);
+    this.themes = new MutationObserver(() => this.timeline && this.timeline.redraw());
+    this.themes.observe(document.body, { attributes: true });
   }
 
   close() {
     this.closed = true;
     this.observer.disconnect();
+    this.themes.disconnect();
     clearTimeout(this.refining);
     this.connection.close();
     for (const [event, handler] of Object.entries(this.handlers)) this.model.off(event, handler);

@@ -15,7 +15,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pawnb.core.edits import log as edits
-from pawnb.core.edits.log import Accept, EditLog, Hide, Move, Retrack, Swap, apply_edit, replay
+from pawnb.core.edits.log import (
+    Accept,
+    Delete,
+    EditLog,
+    Hide,
+    Interpolate,
+    Move,
+    Retrack,
+    Swap,
+    apply_edit,
+    replay,
+)  # fmt: skip
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE, make_tracks
 
@@ -294,12 +305,18 @@ FRAMES = st.integers(3, 8)
 VIEWS = st.sampled_from(["a", "b", "c"])
 POINTS = st.sampled_from(["P", "Q"])
 PIXELS = st.floats(-1e3, 1e3)
+EARLY, STOPS = st.integers(3, 5), st.integers(6, 9)
 RECORDS = st.one_of(
     st.builds(Move, frame=FRAMES, view=VIEWS, point=POINTS, u=PIXELS, v=PIXELS),
     st.builds(Accept, frame=FRAMES, view=VIEWS, point=POINTS, u=PIXELS, v=PIXELS),
     st.builds(Hide, frame=FRAMES, view=VIEWS, point=POINTS),
     st.builds(Swap, frame=FRAMES, first=st.just("P"), second=st.just("Q"), view=st.none() | VIEWS),
     st.builds(Retrack, frame=FRAMES),
+    # stretches: frames 3 to 5 at the latest, up to frame 8 at the latest
+    st.builds(Hide, frame=EARLY, view=st.none() | VIEWS, point=POINTS, stop=STOPS),
+    st.builds(Delete, frame=EARLY, view=st.none() | VIEWS, point=POINTS, stop=STOPS),
+    st.builds(Swap, frame=EARLY, first=st.just("P"), second=st.just("Q"), stop=STOPS),
+    st.builds(Retrack, frame=EARLY, stop=STOPS),
 )
 
 
@@ -431,7 +448,7 @@ def test_every_cut_of_the_file_can_be_opened_and_gone_on_with(tmp_path):
         (
             '{"edit": "mvoe", "frame": 1}',
             "edits.jsonl, line 1: unknown kind of edit 'mvoe' (did you mean 'move'?); expected "
-            "move, accept, hide, swap, pose, retrack, undo, redo.",
+            "move, accept, hide, delete, interpolate, swap, pose, retrack, undo, redo.",
         ),
         (
             '{"edit": "hide", "frame": 1, "view": "a"}',
@@ -447,12 +464,12 @@ def test_every_cut_of_the_file_can_be_opened_and_gone_on_with(tmp_path):
         ),
         (
             '{"edit": "retrack", "frame": 1, "veiw": "a"}',
-            "edits.jsonl, line 1: unknown field 'veiw'; a retrack has frame, learn.",
+            "edits.jsonl, line 1: unknown field 'veiw'; a retrack has frame, learn, since, stop.",
         ),
         (
             "[1]",
             "edits.jsonl, line 1: unknown kind of edit None; expected "
-            "move, accept, hide, swap, pose, retrack, undo, redo.",
+            "move, accept, hide, delete, interpolate, swap, pose, retrack, undo, redo.",
         ),
     ],
 )
@@ -571,6 +588,11 @@ def test_replay_of_no_file_says_which():
         (Hide(frame=4, view="a", point="P"), "P in a marked as not visible in frame 4"),
         (Swap(frame=4, first="P", second="Q"), "P and Q exchanged from frame 4 on"),
         (Swap(frame=4, first="P", second="Q", view="a"), "P and Q exchanged in a from frame 4 on"),
+        (Hide(frame=4, view=None, point="P", stop=7), "P marked as not visible in frames 4 to 6"),
+        (Delete(frame=4, stop=5, point="P", view="a"), "P in a deleted in frame 4"),
+        (Interpolate(frame=4, stop=7, point="P"), "P interpolated in frames 4 to 6"),
+        (Swap(frame=4, first="P", second="Q", stop=7), "P and Q exchanged in frames 4 to 6"),
+        (Retrack(frame=4, since=3, stop=7), "tracked again in frames 3 to 6"),
         (Retrack(frame=4), "tracked again from frame 4 on"),
         (Retrack(frame=4, learn=True), "tracked again from frame 4 on, colours learnt there"),
     ],

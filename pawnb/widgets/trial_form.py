@@ -1,0 +1,223 @@
+"""A form that makes a trial of bare videos: what ``pawnb new`` asks for, on one page."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import ipywidgets as widgets
+
+from pawnb.errors import InputError, PawnbError
+from pawnb.widgets.crop_canvas import CropCanvas
+from pawnb.workflow.workbench.animals import ANIMALS, OTHER, choose_animal
+from pawnb.workflow.workbench.new_trial import NewTrial, NewView, new_trial, second_view
+
+_ROW = {"flex_flow": "row wrap"}
+_WIDE = {"width": "22em"}
+_NONE = "none"
+
+
+class TrialForm(widgets.VBox):  # type: ignore[misc]
+    """Make a trial of some videos: nothing is written before *Make the trial* is pressed.
+
+    Parameters
+    ----------
+    videos : sequence of str or Path
+        The video of each view.
+    folder : str or Path, optional
+        Where ``trial.toml`` is to be; default that of the first video.
+    done : callable, optional
+        ``done(path)`` is called with the file that was written.
+
+    Attributes
+    ----------
+    made : NewTrial
+        What is known so far; works without a browser.
+
+    Raises
+    ------
+    InputError
+        If a video cannot be opened, or the folder has a trial already.
+    """
+
+    def __init__(
+        self,
+        videos: Sequence[str | Path],
+        folder: str | Path | None = None,
+        *,
+        done: Callable[[Path], object] | None = None,
+    ) -> None:
+        super().__init__()
+        self.made: NewTrial = new_trial(videos, folder)
+        self._done = done
+        self._told = widgets.Label()
+        self._told.add_class("pawnb-wrap")
+        self._canvas: CropCanvas | None = None
+        self._make_fields()
+        self._of_views = widgets.VBox()
+        self._make = widgets.Button(
+            description="Make the trial", button_style="primary", icon="check"
+        )
+        self._make.on_click(lambda _: self.write())
+        self._show_views()
+
+    def write(self) -> Path | None:
+        """Write the trial as the form says; returns the file, or says what is wrong."""
+        try:
+            self._take()
+            path = self.made.write()
+        except (PawnbError, OSError) as error:
+            self._tell(str(error), wrong=True)
+            return None
+        self._tell(f"Wrote {path}.")
+        if self._done is not None:
+            self._done(path)
+        return path
+
+    def close(self) -> None:
+        """Take the form away and close the videos."""
+        if self._canvas is not None:
+            self._canvas.close()
+        super().close()
+
+    # --- inside ---------------------------------------------------------------------------
+
+    def _make_fields(self) -> None:
+        """Make what is asked for of the whole trial."""
+        made = self.made
+        self.name = widgets.Text(value=made.folder.resolve().name, description="trial")
+        self.animal_id = widgets.Text(placeholder="as the trial", description="animal's id")
+        options = [(f"{a.name}: {a.words}", a.name) for a in ANIMALS]
+        self.animal = widgets.Dropdown(options=options, description="animal", layout=_WIDE)
+        self.points = widgets.Text(
+            placeholder="names with commas between", description="points", layout=_WIDE
+        )
+        self.points.layout.display = "none"
+        self.fps = widgets.Text(placeholder="frames a second", description="filmed at")
+        self.unit = widgets.Text(value=made.unit, description="unit", layout={"width": "10em"})
+        csvs = sorted(made.folder.glob("*.csv"))
+        files = [(_NONE, ""), *((file.name, str(file)) for file in csvs)]
+        self.dlt = widgets.Dropdown(
+            options=files, value=str(made.dlt or ""), description="DLT", layout=_WIDE
+        )
+        self.px_per_unit = widgets.Text(placeholder="px in one unit", description="scale")
+        self.belt = widgets.Text(placeholder="unit a second, or none", description="treadmill")
+        self.animal.observe(self._on_animal, names="value")
+
+    def _on_animal(self, _change: Any) -> None:
+        """Ask for the points where the list does not know them."""
+        self.points.layout.display = None if self.animal.value == OTHER else "none"
+        self._show_views()
+
+    def _show_views(self) -> None:
+        """Show the fields, one row a view, and the pictures."""
+        made = self.made
+        several = len(made.views) > 1
+        canvas = CropCanvas(made, max_height=420)
+        if self._canvas is not None:
+            self._canvas.close()
+        self._canvas = canvas
+        self._rows = [_ViewRow(self, view, several=several) for view in made.views]
+        self._of_views.children = [row.box for row in self._rows]
+        calibration = self.dlt if several else self.px_per_unit
+        fields = [self.name, self.animal_id, self.animal, self.points, self.fps, self.unit]
+        self.children = (
+            widgets.HBox([*fields, calibration, self.belt], layout=_ROW),
+            self._canvas, self._of_views, widgets.HBox([self._make, self._told], layout=_ROW),
+        )  # fmt: skip
+
+    def _take(self) -> None:
+        """Take over what the fields say; raises InputError for what makes no sense."""
+        made = self.made
+        made.name, made.animal_id = self.name.value.strip(), self.animal_id.value.strip()
+        made.animal = choose_animal(self.animal.value)
+        made.points = _names(self.points.value)
+        made.fps = _number(self.fps.value, "filmed at")
+        made.unit = self.unit.value.strip() or "mm"
+        several = len(made.views) > 1
+        made.dlt = Path(self.dlt.value) if several and self.dlt.value else None
+        made.px_per_unit = None if several else _number(self.px_per_unit.value, "scale")
+        made.belt_speed = _number(self.belt.value, "treadmill")
+        for row in self._rows:
+            row.take()
+
+    def _keep(self) -> None:
+        """Take over what the rows say, as far as it makes sense, before they are made anew."""
+        for row in self._rows:
+            row.take()
+
+    def _add(self, view: NewView) -> None:
+        """Add another view of the same video."""
+        self._keep()
+        views = self.made.views
+        other = second_view(view, [v.name for v in views])
+        self._show([v for own in views for v in ((own, other) if own is view else (own,))])
+
+    def _remove(self, view: NewView) -> None:
+        """Leave a view out."""
+        self._keep()
+        self._show([own for own in self.made.views if own is not view])
+
+    def _show(self, views: list[NewView]) -> None:
+        """Show other views; where that cannot be, say why and keep those there are."""
+        before, self.made.views = self.made.views, views
+        try:
+            self._show_views()
+        except InputError as error:
+            self.made.views = before
+            self._tell(str(error), wrong=True)
+
+    def _tell(self, text: str, *, wrong: bool = False) -> None:
+        """Say something beside the button."""
+        self._told.value = text
+        self._told.style.text_color = "#D32F2F" if wrong else None
+
+
+class _ViewRow:
+    """What is asked for of one view."""
+
+    def __init__(self, form: TrialForm, view: NewView, *, several: bool) -> None:
+        self._view = view
+        self.name = widgets.Text(value=view.name, description="view", layout={"width": "16em"})
+        self.mirror = widgets.Checkbox(
+            value=view.mirror, description="seen in a mirror", indent=False,
+            layout={"width": "11em"},
+        )  # fmt: skip
+        self.points = widgets.Text(
+            value=", ".join(view.points), placeholder="all points", description="sees",
+            layout=_WIDE,
+        )  # fmt: skip
+        again = widgets.Button(
+            description="Another view in this video",
+            tooltip="As where a mirror shows the animal from below",
+            layout={"width": "16em"},
+        )
+        again.on_click(lambda _: form._add(view))
+        row = [self.name, self.mirror, *([self.points] if several else []), again]
+        if several:
+            gone = widgets.Button(description="Leave out", layout={"width": "8em"})
+            gone.on_click(lambda _: form._remove(view))
+            row.append(gone)
+        self.box = widgets.HBox(row, layout=_ROW)
+
+    def take(self) -> None:
+        """Take over what the fields say."""
+        self._view.name = self.name.value.strip()
+        self._view.mirror = bool(self.mirror.value)
+        self._view.points = _names(self.points.value)
+
+
+def _names(text: str) -> tuple[str, ...]:
+    return tuple(name for word in text.split(",") if (name := word.strip()))
+
+
+def _number(text: str, what: str) -> float | None:
+    """Return the number of a field, None where it is empty."""
+    word = text.strip().replace(",", ".")
+    if word in ("", _NONE):
+        return None
+    try:
+        return float(word)
+    except ValueError:
+        raise InputError(f"{what} is {text!r}; expected a number.") from None

@@ -1,0 +1,379 @@
+"""*Workbench*: the trials of a folder on one page, the next step of each one click away."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import ipywidgets as widgets
+
+from pawnb.errors import InputError, PawnbError
+from pawnb.widgets.click_initialiser import ClickInitialiser
+from pawnb.widgets.gait_explorer import GaitExplorer
+from pawnb.widgets.pose_reviewer import PoseReviewer
+from pawnb.widgets.stick_poser import StickPoser
+from pawnb.widgets.surroundings import Surroundings
+from pawnb.widgets.track_reviewer import TrackReviewer
+from pawnb.widgets.trial_form import TrialForm
+from pawnb.widgets.workbench_parts import ROW, Tool, show_results
+from pawnb.widgets.workbench_session import WorkbenchSession, described, text_of
+from pawnb.workflow.provenance.results import results_folder
+from pawnb.workflow.workbench.states import DONE, STEPS, Step, TrialState
+
+_PAGE = 20
+"""Trials that are listed at once."""
+_LEAST_PX, _AROUND_PX = 300, 380
+"""Least height of the pictures, and what the timeline and buttons around them take, CSS px."""
+_COLUMNS = f"minmax(8em, 2fr) repeat({len(DONE)}, 6em) minmax(20em, 3fr)"
+_WRONG = {False: "#B3261E", True: "#FFB4AB"}
+
+
+class Workbench(widgets.VBox):  # type: ignore[misc]
+    """All trials of a folder: how far each is, what is wrong, and the next step.
+
+    The steps are those of the work: click the start, track, review, analyse the gait, look at
+    the results. Videos that are no trial yet become one by a form on the same page.
+
+    Parameters
+    ----------
+    folder : str or Path
+        The folder; trials lie in it, in its folders, or in theirs.
+    videos : sequence of str or Path, optional
+        Videos to make a trial of at once.
+
+    Attributes
+    ----------
+    session : WorkbenchSession
+        The trials; works without a browser.
+    tool : widget or None
+        What is open below the list.
+
+    Raises
+    ------
+    InputError
+        If there is no such folder, or a video cannot be opened.
+
+    Examples
+    --------
+    >>> bench = pawnb.Workbench("sample")
+    >>> [state.folder.name for state in bench.session.states]
+    ['sample']
+    """
+
+    def __init__(self, folder: str | Path = ".", videos: Sequence[str | Path] = ()) -> None:
+        super().__init__()
+        self.session = WorkbenchSession(folder)
+        self.tool: Any = None
+        self._first = 0  # of the list, where there are more trials than it shows
+        self._worker: threading.Thread | None = None
+        self._around = Surroundings()
+        self._told = widgets.Label()
+        self._told.add_class("pawnb-wrap")
+        self._list, self._desk = widgets.VBox(), widgets.VBox()
+        self._bar = widgets.IntProgress(layout={"width": "20em"})
+        self._doing = widgets.Label()
+        self._stop = self._button("Stop", lambda: self.session.stop.set(), icon="stop")
+        self._busy = widgets.HBox([self._bar, self._doing, self._stop], layout=ROW)
+        self._busy.layout.display = "none"
+        self._head = widgets.HBox(layout=ROW)
+        self.children = (
+            self._around, self._head, self._list, self._busy, self._told, self._desk
+        )  # fmt: skip
+        self.look_again()
+        if videos:
+            base = self.session.folder
+            self.make_trial([v if Path(v).is_absolute() else base / v for v in videos])
+
+    # --- what a person does ---------------------------------------------------------------
+
+    def look_again(self) -> None:
+        """Look anew what lies in the folder, and list it."""
+        self.session.refresh()
+        self._show_list()
+
+    def make_trial(self, videos: Sequence[str | Path]) -> None:
+        """Open the form that makes a trial of some videos."""
+        self._open(lambda: TrialForm(videos, done=self._made))
+
+    def do(self, step: Step, folder: str | Path) -> None:
+        """Do a step of the work for the trial of a folder.
+
+        Parameters
+        ----------
+        step : str
+            mend, start, track, review, gait or look.
+        folder : str or Path
+            The folder of the trial.
+        """
+        state = self.session.state(Path(folder))
+        if step in ("track", "gait"):
+            self._put_away()
+            work = self._track if step == "track" else self._gait
+            self._begin(STEPS[step], lambda: work(state))
+            return
+        make: dict[str, Callable[[], Any]] = {
+            "mend": lambda: self._findings(state),
+            "start": lambda: self._start(state),
+            "review": lambda: self._review(state),
+            "look": lambda: self._results(state),
+        }
+        if step not in make:
+            raise InputError(f"step is {step!r}; expected one of {', '.join(STEPS)}.")
+        self._open(make[step])
+
+    def close(self) -> None:
+        """Take the workbench away, and end what is being done."""
+        self.session.stop.set()
+        if self._worker is not None and self._worker is not threading.current_thread():
+            self._worker.join()
+        self._put_away()
+        super().close()
+
+    # --- the list ---------------------------------------------------------------------------
+
+    def _show_list(self) -> None:
+        """Show the trials, a line each."""
+        states = self.session.states
+        self._show_head(len(states))
+        shown = states[self._first : self._first + _PAGE]
+        heads = ["trial", *DONE, "next"]
+        rows = [self._row(state) for state in shown]
+        cells = [self._cell(text, strong=True) for text in heads] if rows else []
+        grid = widgets.GridBox(
+            [*cells, *(cell for row in rows for cell in row)],
+            layout={"grid_template_columns": _COLUMNS, "align_items": "center"},
+        )
+        wrong = [self._cell(f"{s.name}: {s.wrong}", wrong=True) for s in shown if s.wrong]
+        self._list.children = (grid, *wrong)
+
+    def _show_head(self, n: int) -> None:
+        """Show what can be done to the folder as a whole."""
+        session = self.session
+        name = session.folder.resolve().name
+        said = f"{name}: {n} trial{'' if n == 1 else 's'}" if n else f"{name}: no trial yet"
+        head: list[Any] = [self._cell(said, strong=True)]
+        videos = session.videos()
+        if videos:
+            self._videos = widgets.SelectMultiple(
+                options=[(video.name, str(video)) for video in videos],
+                value=[str(video) for video in videos[:8]],
+                rows=min(4, len(videos)), layout={"width": "18em"},
+            )  # fmt: skip
+            make = self._button(
+                "New trial of these videos", lambda: self.make_trial(self._videos.value)
+            )
+            head += [self._videos, make]
+        if sum(state.next_step == "track" for state in session.states) > 1:
+            head.append(self._button("Track all that are started", self._track_all))
+        head.append(self._button("Look again", self.look_again, icon="refresh"))
+        if n > _PAGE:
+            head += [self._button(f"{by:+d}", partial(self._turn, by)) for by in (-_PAGE, _PAGE)]
+        self._head.children = tuple(head)
+
+    def _turn(self, by: int) -> None:
+        """Show another page of the list."""
+        last = (len(self.session.states) - 1) // _PAGE * _PAGE
+        self._first = min(max(0, self._first + by), last)
+        self._show_list()
+
+    def _row(self, state: TrialState) -> list[Any]:
+        """Return the cells of one trial."""
+        marks = [self._cell("✓" if word in state.done else "–") for word in DONE]
+        nxt = self.session.next_step(state)
+        steps = [nxt, *(step for step in state.steps if step != nxt)]
+        buttons = [self._button(STEPS[nxt], partial(self.do, nxt, state.folder), main=True)]
+        if len(steps) > 1:
+            menu = widgets.Dropdown(
+                options=[("other steps", ""), *((STEPS[step], step) for step in steps[1:])],
+                layout={"width": "11em"},
+            )
+            menu.observe(lambda change: self._chosen(menu, state, change["new"]), names="value")
+            buttons.append(menu)
+        return [self._cell(state.name), *marks, widgets.HBox(buttons, layout=ROW)]
+
+    def _chosen(self, menu: Any, state: TrialState, step: Step | str) -> None:
+        """Do the step that was chosen in a menu."""
+        if step:
+            menu.value = ""
+            self._guard(lambda: self.do(step, state.folder))  # type: ignore[arg-type]
+
+    # --- the tools ----------------------------------------------------------------------------
+
+    def _start(self, state: TrialState) -> Any:
+        """Return the widget that makes the start, and the button that goes on."""
+        trial = described(state)
+        tool = (StickPoser if trial.kind == "pose" else ClickInitialiser)(
+            trial, max_height=self._room
+        )
+        go_on = self._button("Track", lambda: self._track_started(state), main=True)
+        return Tool(tool, [go_on])
+
+    def _track_started(self, state: TrialState) -> None:
+        """Track the trial that was just started."""
+        self.session.refresh()
+        if "started" not in self.session.state(state.folder).done:
+            raise InputError("place the points first; nothing is started yet.")
+        self.do("track", state.folder)
+
+    def _review(self, state: TrialState) -> Any:
+        """Return the widget that reviews the tracks."""
+        trial, tracks = described(state), self.session.tracks(state)
+        tool = (PoseReviewer if trial.kind == "pose" else TrackReviewer)(
+            trial, tracks, max_height=self._room
+        )
+        self.session.has_looked(state)
+        go_on = self._button("Save, and analyse the gait", lambda: self._reviewed(state), main=True)
+        return Tool(tool, [go_on])
+
+    def _reviewed(self, state: TrialState) -> None:
+        """Save what was corrected, and go on to the gait."""
+        tool = self.tool.tool
+        if tool.corrected.corrections:
+            tool.corrected.save()
+        self.do("gait", state.folder)
+
+    def _results(self, state: TrialState) -> Any:
+        """Return the results: figures to look through, and the explorer of strides."""
+        strides = self._button("Look through the strides", lambda: self._strides(state))
+        session = self.session
+        return Tool(show_results(session.figures(state), session.quality(state)), [strides])
+
+    def _strides(self, state: TrialState) -> None:
+        """Open the explorer of strides."""
+        path = results_folder(described(state)) / "event_edits.jsonl"
+        self._open(lambda: Tool(GaitExplorer(self.session.gait_tables(state), path), []))
+
+    def _findings(self, state: TrialState) -> Any:
+        """Return what is to be mended or looks wrong, a line each."""
+        found = self.session.wrong(state) or ["nothing looks wrong"]
+        lines = [self._cell(text, wrap=True) for text in found]
+        return Tool(widgets.VBox(lines), [])
+
+    def _made(self, path: Path) -> None:
+        """Go on to the start of a trial that was just made."""
+        self.session.refresh()
+        self._show_list()
+        self._guard(lambda: self.do("start", path.parent))
+        self._tell(f"Wrote {path}. Next: click every point once, then Track.")
+
+    def _open(self, make: Callable[[], Any]) -> None:
+        """Open a tool instead of what was open."""
+        tool = make()  # may be refused: what is open stays then
+        self._put_away()
+        self.tool = tool
+        self._desk.children = (tool,)
+        self._tell("")
+
+    def _put_away(self) -> None:
+        """Close the tool that is open."""
+        tool, self.tool = self.tool, None
+        self._desk.children = ()
+        if tool is not None:
+            tool.close()
+
+    # --- work without a person ------------------------------------------------------------------
+
+    def _track(self, state: TrialState) -> Callable[[], None]:
+        """Track a trial; gives what to do then."""
+        said = self.session.track(state, self._progress)
+
+        def then() -> None:
+            self.do("review", state.folder)
+            self._tell(said)
+
+        return then
+
+    def _gait(self, state: TrialState) -> Callable[[], None]:
+        """Analyse the gait of a trial; gives what to do then."""
+        run = self.session.gait(state)
+
+        def then() -> None:
+            self.do("look", state.folder)
+            self._tell(" ".join(run.text().splitlines()[:2]))
+
+        return then
+
+    def _track_all(self) -> None:
+        """Track every trial that is started."""
+        self._put_away()
+
+        def work() -> Callable[[], None]:
+            said = self.session.track_all(self._progress)
+            return lambda: self._tell(text_of(said))
+
+        self._begin("tracking", work)
+
+    def _begin(self, doing: str, work: Callable[[], Callable[[], None]]) -> None:
+        """Do something off this thread, and then what it gives."""
+        if self._worker is not None and self._worker.is_alive():
+            raise InputError("something is being done already; wait, or press Stop.")
+        self.look_again()
+        self._tell("")
+        self._doing.value, self._bar.value = f"{doing} ...", 0
+        self._busy.layout.display = None
+
+        def run() -> None:
+            then: Callable[[], None] | None = None
+            try:
+                then = work()
+            except (PawnbError, OSError) as error:
+                self._tell(str(error), wrong=True)
+            except KeyboardInterrupt:
+                self._tell("stopped before anything was tracked.", wrong=True)
+            finally:
+                self._busy.layout.display = "none"
+                self.look_again()
+            if then is not None:
+                self._guard(then)
+
+        self._worker = threading.Thread(target=run, daemon=True)
+        self._worker.start()
+
+    def _progress(self, done: int, total: int, doing: str = "") -> None:
+        """Show how far the work is."""
+        self._bar.max, self._bar.value = max(1, total), done
+        self._doing.value = f"{doing or 'tracking'}: {done} of {total} frames"
+
+    @property
+    def _room(self) -> int:
+        """Height for pictures, CSS px, that leaves room for what is around them."""
+        return min(max(_LEAST_PX, (self._around.height or 900) - _AROUND_PX), 720)
+
+    # --- small things ---------------------------------------------------------------------------
+
+    def _guard(self, act: Callable[[], object]) -> None:
+        """Do something; say what is wrong where it cannot be done."""
+        try:
+            act()
+        except (PawnbError, OSError) as error:
+            self._tell(str(error), wrong=True)
+
+    def _tell(self, text: str, *, wrong: bool = False) -> None:
+        """Say something below the list."""
+        self._told.value = text
+        self._told.style.text_color = _WRONG[self._around.dark] if wrong else None
+
+    def _button(
+        self, text: str, act: Callable[[], object], *, icon: str = "", main: bool = False
+    ) -> Any:
+        """Return a button that does something, and says what is wrong where it cannot."""
+        style = "primary" if main else ""
+        button = widgets.Button(
+            description=text, icon=icon, button_style=style, layout={"width": "auto"}
+        )
+        button.on_click(lambda _: self._guard(act))
+        return button
+
+    def _cell(
+        self, text: str, *, strong: bool = False, wrong: bool = False, wrap: bool = False
+    ) -> Any:
+        """Return a text of the list; a label takes no HTML, whatever a trial is called."""
+        label = widgets.Label(text)
+        label.style.font_weight = "bold" if strong else ""
+        label.style.text_color = _WRONG[self._around.dark] if wrong else None
+        if wrap or wrong:
+            label.add_class("pawnb-wrap")
+        return label

@@ -1,0 +1,67 @@
+"""Parts of the workbench: a tool with the buttons that lead on, and results to look through."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import ipywidgets as widgets
+
+ROW = {"flex_flow": "row wrap", "align_items": "center"}
+"""A line of parts that goes on below where it is too long."""
+
+
+class Tool(widgets.VBox):  # type: ignore[misc]
+    """A tool, with the buttons that lead on above it.
+
+    Parameters
+    ----------
+    tool : widget
+        The tool.
+    buttons : sequence of widget
+        The buttons.
+    """
+
+    def __init__(self, tool: Any, buttons: Sequence[Any]) -> None:
+        self.tool = tool
+        rows = [widgets.HBox(list(buttons), layout=ROW)] if buttons else []
+        super().__init__([*rows, tool])
+
+    def close(self) -> None:
+        """Take the tool away."""
+        self.tool.close()
+        super().close()
+
+
+def show_results(figures: Sequence[Path], verdict: str) -> Any:
+    """Return figures to look through, one at a time, and the verdict on the tracks.
+
+    Parameters
+    ----------
+    figures : sequence of Path
+        Pictures.
+    verdict : str
+        The verdict in words.
+
+    Returns
+    -------
+    widget
+        All of it.
+    """
+    said = widgets.Label(f"Tracks: {verdict}." if verdict else "")
+    said.add_class("pawnb-wrap")
+    if not figures:
+        return widgets.VBox([said])
+    picture = widgets.Image(layout={"max_width": "min(100%, 900px)"})
+    choice = widgets.Dropdown(
+        options=[(path.stem, str(path)) for path in figures], description="figure",
+        layout={"width": "30em"},
+    )  # fmt: skip
+
+    def show(_change: object = None) -> None:
+        picture.value = Path(choice.value).read_bytes()
+
+    choice.observe(show, names="value")
+    show()
+    return widgets.VBox([said, choice, picture])

@@ -1,0 +1,183 @@
+"""What the workbench knows and does; works without a browser."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from pawnb.errors import InputError, PawnbError
+from pawnb.gait import GaitTables, analyse
+from pawnb.schema import Tracks
+from pawnb.trial import Trial
+from pawnb.workflow.conversion.foreign_tracks import read_foreign_tracks
+from pawnb.workflow.gait.run import GaitRun, run_gait
+from pawnb.workflow.provenance.results import read_result_tracks, results_folder
+from pawnb.workflow.reviewing.quality import assess_quality
+from pawnb.workflow.tracking.track import track
+from pawnb.workflow.workbench.states import (
+    Step,
+    TrialState,
+    find_states,
+    find_videos,
+    what_is_wrong,
+)
+
+Progress = Callable[..., None]
+
+
+class WorkbenchSession:
+    """The trials of a folder, how far each is, and the steps that need no person.
+
+    Parameters
+    ----------
+    folder : str or Path
+        The folder.
+
+    Attributes
+    ----------
+    folder : Path
+        The folder.
+    states : list of TrialState
+        How far each trial is, as of the last :meth:`refresh`.
+    stop : threading.Event
+        Set it to end what is being tracked.
+
+    Raises
+    ------
+    InputError
+        If there is no such folder.
+    """
+
+    def __init__(self, folder: str | Path) -> None:
+        self.folder = Path(folder)
+        self.stop = threading.Event()
+        self._reviewed: set[Path] = set()
+        self.states: list[TrialState] = []
+        self.refresh()
+
+    def refresh(self) -> list[TrialState]:
+        """Look again how far each trial is."""
+        self.states = find_states(self.folder)
+        return self.states
+
+    def state(self, folder: Path) -> TrialState:
+        """Return how far the trial of a folder is; raises InputError if there is none."""
+        for state in self.states:
+            if state.folder.resolve() == folder.resolve():
+                return state
+        raise InputError(f"{folder}: no trial there; look again.")
+
+    def next_step(self, state: TrialState) -> Step:
+        """Return what comes next: a review in which all was right counts as well."""
+        step = state.next_step
+        if step == "review" and state.folder in self._reviewed:
+            return "look" if "analysed" in state.done else "gait"
+        return step
+
+    def has_looked(self, state: TrialState) -> None:
+        """Remember that a person has opened the review of a trial."""
+        self._reviewed.add(state.folder)
+
+    def videos(self) -> list[Path]:
+        """Return the videos of the folder that no trial there names."""
+        taken = {
+            state.trial.path(view.video).resolve()
+            for state in self.states
+            if state.trial is not None
+            for view in state.trial.views
+        }
+        return [video for video in find_videos(self.folder) if video.resolve() not in taken]
+
+    def track(self, state: TrialState, progress: Progress | None = None) -> str:
+        """Track a trial; returns the verdict in words.
+
+        Parameters
+        ----------
+        state : TrialState
+            The trial.
+        progress : callable, optional
+            ``progress(done, total, doing)``.
+
+        Returns
+        -------
+        str
+            What was found.
+
+        Raises
+        ------
+        InputError
+            If it cannot be tracked, or was stopped.
+        """
+        trial = described(state)
+        self.stop.clear()
+        tracks = track(trial, out=results_folder(trial), progress=progress, stop=self.stop.is_set)
+        if self.stop.is_set():
+            raise InputError("tracking was stopped; press Track again to go on.")
+        return (
+            f"{state.name}: tracked {tracks.sizes['time']} frames, {assess_quality(tracks).line()}"
+        )
+
+    def track_all(self, progress: Progress | None = None) -> list[str]:
+        """Track every trial that is started and not tracked; returns a line for each.
+
+        Parameters
+        ----------
+        progress : callable, optional
+            ``progress(done, total, doing)``.
+
+        Returns
+        -------
+        list of str
+            The verdict of each, or why it could not be tracked.
+        """
+        self.stop.clear()
+        said = []
+        for state in [s for s in self.refresh() if s.next_step == "track"]:
+            if self.stop.is_set():
+                break
+            try:
+                said.append(self.track(state, progress))
+            except (PawnbError, OSError) as error:
+                said.append(f"{state.name}: {error}")
+        return said
+
+    def gait(self, state: TrialState) -> GaitRun:
+        """Analyse the gait of a trial, and write tables and the main figures."""
+        return run_gait([described(state).folder], figures="main")
+
+    def tracks(self, state: TrialState) -> Tracks:
+        """Return the tracks of a trial, those made elsewhere as well."""
+        trial = described(state)
+        if trial.kind == "tracks":
+            return read_foreign_tracks(trial)
+        return read_result_tracks(results_folder(trial) / "tracks.nc")
+
+    def gait_tables(self, state: TrialState) -> GaitTables:
+        """Return the analysis of a trial, to look through its strides."""
+        return analyse(self.tracks(state), trial=described(state))
+
+    def quality(self, state: TrialState) -> str:
+        """Return the verdict on the tracks of a trial, in words."""
+        path = results_folder(described(state)) / "tracks.nc"
+        return assess_quality(read_result_tracks(path)).line() if path.exists() else ""
+
+    def figures(self, state: TrialState) -> list[Path]:
+        """Return the pictures of a trial's results, in the order of their names."""
+        return sorted((results_folder(described(state)) / "figures").rglob("*.png"))
+
+    def wrong(self, state: TrialState) -> list[str]:
+        """Say what is to be mended or looks wrong."""
+        return what_is_wrong(state)
+
+
+def text_of(findings: Sequence[str]) -> str:
+    """Return findings as one text for a line of the page."""
+    return "; ".join(finding.rstrip(".") for finding in findings) + "." if findings else ""
+
+
+def described(state: TrialState) -> Trial:
+    """Return the description of a trial; raises InputError where that cannot be read."""
+    if state.trial is None:
+        raise InputError(state.wrong)
+    return state.trial

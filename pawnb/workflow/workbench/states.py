@@ -1,0 +1,211 @@
+"""How far each trial of a folder is, what is wrong in words, and what comes next."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import pandas as pd
+
+from pawnb.core.edits.log import EDIT_LINES
+from pawnb.errors import InputError, PawnbError
+from pawnb.io.journal import read_journal
+from pawnb.trial import Trial, load_trial
+from pawnb.workflow.checking.check import check_trial
+from pawnb.workflow.provenance.manifest import find_fault, known_files
+from pawnb.workflow.provenance.results import results_folder
+
+Step = Literal["mend", "start", "track", "review", "gait", "look"]
+STEPS: dict[Step, str] = {
+    "mend": "What to mend",
+    "start": "Click the start",
+    "track": "Track",
+    "review": "Review",
+    "gait": "Analyse the gait",
+    "look": "Look at the results",
+}
+"""What can come next, and what its button says."""
+DONE = ("described", "calibrated", "started", "tracked", "reviewed", "analysed")
+"""What a trial can be, in the order of the work."""
+VIDEO_ENDINGS = (".avi", ".mp4", ".mov", ".mkv", ".m4v", ".mpg", ".mpeg", ".wmv", ".webm", ".mts")
+_DEEPEST = 3
+
+
+@dataclass(frozen=True)
+class TrialState:
+    """How far one trial is.
+
+    Parameters
+    ----------
+    folder : Path
+        The folder of its ``trial.toml``.
+    name : str
+        What it is called.
+    done : frozenset of str
+        Which of :data:`DONE` it is.
+    wrong : str
+        Why it cannot be worked on, in words; empty where it can.
+    trial : Trial, optional
+        Its description, where that can be read.
+    """
+
+    folder: Path
+    name: str
+    done: frozenset[str]
+    wrong: str = ""
+    trial: Trial | None = None
+
+    @property
+    def next_step(self) -> Step:
+        """What comes next."""
+        if self.trial is None:
+            return "mend"
+        if self.trial.kind == "tracks":
+            return "look" if "analysed" in self.done else "gait"
+        steps: tuple[tuple[str, Step], ...] = (
+            ("started", "start"), ("tracked", "track"), ("reviewed", "review"),
+            ("analysed", "gait"),
+        )  # fmt: skip
+        return next((step for word, step in steps if word not in self.done), "look")
+
+    @property
+    def steps(self) -> tuple[Step, ...]:
+        """Everything that can be done now, what comes next first."""
+        if self.trial is None:
+            return ("mend",)
+        can: list[Step] = [self.next_step]
+        if self.trial.kind != "tracks":
+            can.append("start")
+            if "started" in self.done:
+                can.append("track")
+            if "tracked" in self.done:
+                can += ["review", "gait"]
+        if "analysed" in self.done:
+            can.append("look")
+        return tuple(dict.fromkeys([*can, "mend"]))
+
+
+def state_of(folder: str | Path) -> TrialState:
+    """Say how far a trial is, by what lies beside its ``trial.toml``; opens no video.
+
+    Parameters
+    ----------
+    folder : str or Path
+        The folder, or its ``trial.toml``.
+
+    Returns
+    -------
+    TrialState
+        What is done, and what comes next.
+    """
+    path = Path(folder)
+    path = path.parent if path.name == "trial.toml" else path
+    try:
+        trial = load_trial(path)
+    except PawnbError as error:
+        return TrialState(path, path.resolve().name, frozenset(), str(error))
+    done, wrong = {"described"}, ""
+    calibration = trial.calibration
+    if calibration is not None:
+        file = calibration.of_views
+        if file is None or trial.path(file).exists():
+            done.add("calibrated")
+        else:
+            wrong = f"{trial.path(file)}: no such file; check [calibration]."
+    for view in trial.views:
+        if not any(mark in view.video for mark in "*?[") and not trial.path(view.video).exists():
+            wrong = f"{trial.path(view.video)}: no such video."
+    start = trial.start_pose_file() if trial.kind == "pose" else trial.start_file()
+    if trial.kind == "tracks" or (start is not None and trial.path(start).exists()):
+        done.add("started")
+    results = results_folder(trial)
+    if trial.kind == "tracks" or (results / "tracks.nc").exists():
+        done.add("tracked")
+    if _has_edits(results / "edits.jsonl") or trial.kind == "tracks":
+        done.add("reviewed")
+    if known_files(results).files_of("gait") and find_fault(results, run="gait") is None:
+        done.add("analysed")
+    return TrialState(path, trial.name, frozenset(done), wrong, trial)
+
+
+def find_states(folder: str | Path) -> list[TrialState]:
+    """Return how far each trial in a folder is, itself among them, in the order of their names.
+
+    Parameters
+    ----------
+    folder : str or Path
+        The folder; trials lie in it, in its folders or in theirs.
+
+    Returns
+    -------
+    list of TrialState
+        Empty where there is none.
+
+    Raises
+    ------
+    InputError
+        If there is no such folder.
+    """
+    folder = Path(folder)
+    if not folder.is_dir():
+        raise InputError(f"{folder}: no such folder.")
+    files: list[Path] = []
+    for depth in range(_DEEPEST + 1):
+        files += folder.glob("/".join([*["*"] * depth, "trial.toml"]))
+    return [state_of(file) for file in sorted(files)]
+
+
+def find_videos(folder: str | Path) -> list[Path]:
+    """Return the video files that lie in a folder itself, in the order of their names."""
+    folder = Path(folder)
+    files = folder.iterdir() if folder.is_dir() else ()
+    return sorted(file for file in files if file.suffix.lower() in VIDEO_ENDINGS)
+
+
+def states_table(states: Sequence[TrialState]) -> pd.DataFrame:
+    """Return states as a table.
+
+    Parameters
+    ----------
+    states : sequence of TrialState
+        The trials.
+
+    Returns
+    -------
+    pandas.DataFrame
+        trial, folder, one column for each of :data:`DONE`, next, wrong.
+    """
+    rows = [
+        [s.name, str(s.folder), *(word in s.done for word in DONE), s.next_step, s.wrong]
+        for s in states
+    ]
+    return pd.DataFrame(rows, columns=["trial", "folder", *DONE, "next", "wrong"])
+
+
+def what_is_wrong(state: TrialState) -> list[str]:
+    """Look at everything a trial names, and say what is to be mended or looks wrong.
+
+    Parameters
+    ----------
+    state : TrialState
+        The trial.
+
+    Returns
+    -------
+    list of str
+        One finding each; what must be mended first comes first.
+    """
+    if state.trial is None:
+        return [state.wrong]
+    report = check_trial(state.trial)
+    return [*report.faults, *report.doubts]
+
+
+def _has_edits(path: Path) -> bool:
+    """Whether a person has corrected or accepted anything."""
+    try:
+        return bool(read_journal(path, EDIT_LINES)[0])
+    except PawnbError:
+        return True  # there is something, and opening the review says what

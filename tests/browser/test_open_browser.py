@@ -1,0 +1,114 @@
+"""`pawnb open VIDEO VIDEO`: from bare videos to tracks by clicks alone, counted, no file edited."""
+
+import os
+import re
+import shutil
+import socket
+import subprocess
+import sys
+import time
+
+import pytest
+import small_trial as scene
+
+pytestmark = pytest.mark.browser
+
+MOST_ACTIONS = 25
+VIEWS = ("cam1", "cam2")
+
+
+@pytest.fixture
+def page(browser, rendered, tmp_path):
+    """Open two bare videos with the command; gives the page and the folder."""
+    folder = tmp_path / "mine"
+    folder.mkdir()
+    for name in VIEWS:
+        shutil.copy(rendered / f"{name}.avi", folder)
+    columns = [line.split(",")[:2] for line in (rendered / "DLTcoefs.csv").read_text().split()]
+    (folder / "DLTcoefs.csv").write_text("\n".join(",".join(pair) for pair in columns) + "\n")
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    videos = [str(folder / f"{name}.avi") for name in VIEWS]
+    words = [sys.executable, "-m", "pawnb", "open", *videos, "--no-browser", "--port", str(port)]
+    env = {**os.environ, "IPYTHONDIR": str(tmp_path / "ipython")}
+    env |= {f"JUPYTER_{name}_DIR": str(tmp_path / name) for name in ("CONFIG", "DATA", "RUNTIME")}
+    # settings and workspaces of whoever runs the tests stay as they are
+    env |= {f"JUPYTERLAB_{n}_DIR": str(tmp_path / n) for n in ("SETTINGS", "WORKSPACES")}
+    with (tmp_path / "log").open("w") as log:
+        server = subprocess.Popen(words, env=env, stdout=log, stderr=log)
+        try:
+            shown = browser.new_page(viewport={"width": 1366, "height": 768})
+            shown.goto(address(tmp_path / "log", server))
+            yield shown, folder
+            shown.close()
+        finally:
+            server.terminate()
+            server.wait(30)
+
+
+def address(log, server):
+    end = time.monotonic() + 120
+    while not (found := re.search(r"http://127\.0\.0\.1:\d+/doc/\S+token=\w+", log.read_text())):
+        assert server.poll() is None, log.read_text()
+        assert time.monotonic() < end, log.read_text()
+        time.sleep(0.2)
+    return found.group(0)
+
+
+def asked(page):
+    """Which view and point a click is asked for in."""
+    return page.evaluate(
+        """() => { const c = document.querySelector('.pawnb-root')._pawnb;
+        if (c.pending) return 'wait';
+        const stage = c.stages.find((s) => s.overlay.asks);
+        return stage ? [stage.name, stage.overlay.asks] : null; }"""
+    )
+
+
+def click(page, view, u, v):
+    x, y = page.evaluate(
+        """([view, u, v]) => { const c = document.querySelector('.pawnb-root')._pawnb;
+        const s = c.stages.find((stage) => stage.name === view);
+        s.marks.scrollIntoView({block: 'nearest'});
+        const [x, y] = s.toCanvas(u, v), box = s.marks.getBoundingClientRect();
+        return [box.left + x * box.width / s.marks.width,
+                box.top + y * box.height / s.marks.height];
+        }""",
+        [view, u, v],
+    )
+    page.mouse.click(x, y)
+
+
+def test_two_bare_videos_are_tracked_in_25_actions_and_no_file_is_edited(page):
+    page, folder = page
+    errors = []
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    # no cell is written or run by hand: the form is there
+    page.get_by_role("button", name="Make the trial").wait_for(timeout=120_000)
+    actions = 0
+    page.get_by_label("animal", exact=True).select_option(label="other: points that you name")
+    page.get_by_placeholder("names with commas between").fill("FR, HR")
+    page.get_by_placeholder("frames a second").fill(str(scene.FPS))
+    page.get_by_role("button", name="Make the trial").click()
+    actions += 4
+    page.get_by_role("button", name="Track", exact=True).wait_for(timeout=60_000)
+    page.wait_for_function("document.querySelector('.pawnb-root')?._pawnb?.painted === 0")
+    while (place := asked(page)) is not None:
+        if place == "wait":
+            page.wait_for_timeout(50)
+            continue
+        view, point = place
+        u, v = scene.seen(0)[list(scene.POINTS).index(view), ["FR", "HR"].index(point)]
+        click(page, view, float(u), float(v))
+        actions += 1
+        assert actions <= MOST_ACTIONS
+        page.wait_for_timeout(200)
+    assert len((folder / "start.csv").read_text().split()) == 1 + 4
+    page.get_by_role("button", name="Track", exact=True).click()
+    actions += 1
+    page.locator(".pawnb-lanes").wait_for(timeout=240_000)  # the review is open
+    assert (folder / "results" / "tracks.nc").exists()
+    print(f"own two-view clip to tracks: {actions} actions")
+    assert actions <= MOST_ACTIONS
+    assert errors == []

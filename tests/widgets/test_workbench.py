@@ -1,0 +1,186 @@
+"""The workbench without a browser: from bare videos to tracks and gait, and what is refused."""
+
+import shutil
+
+import pytest
+import small_trial as scene
+
+import pawnb
+from pawnb.errors import InputError
+from pawnb.widgets import ClickInitialiser, TrackReviewer
+from pawnb.widgets.crop_canvas import CropCanvas, drag_corner
+from pawnb.widgets.workbench_session import WorkbenchSession
+from pawnb.workflow.workbench.new_trial import new_trial
+
+
+@pytest.fixture(scope="module")
+def rendered(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("small") / "trial"
+    scene.write_trial(folder)
+    (folder / "start.csv").write_text(clicks())
+    return folder
+
+
+@pytest.fixture
+def described(rendered, tmp_path):
+    """A trial that is started, in a folder of its own below the one that is opened."""
+    shutil.copytree(rendered, tmp_path / "m1")
+    return tmp_path / "m1"
+
+
+@pytest.fixture
+def bare(described):
+    """The same without any description."""
+    for name in ("trial.toml", "start.csv"):
+        (described / name).unlink()
+    return described
+
+
+@pytest.fixture
+def opened():
+    """Open workbenches, and close them after the test."""
+    benches = []
+
+    def open_it(*args, **options):
+        benches.append(pawnb.Workbench(*args, **options))
+        return benches[-1]
+
+    yield open_it
+    for bench in benches:
+        bench.close()
+
+
+def clicks():
+    rows = ["frame,view,point,u,v"]
+    for k, (view, points) in enumerate(scene.POINTS.items()):
+        uv = dict(zip(("FR", "HR"), scene.seen(0)[k], strict=True))
+        rows += [f"0,{view},{p},{uv[p][0]},{uv[p][1]}" for p in points]
+    return "\n".join(rows) + "\n"
+
+
+def said(bench):
+    return bench._told.value
+
+
+def test_bare_videos_become_a_trial_and_its_start_is_clicked_next(bare, opened):
+    bench = opened(bare, videos=["cam1.avi", "cam2.avi", "cam3.avi"])
+    form = bench.tool
+    assert form.dlt.value == str(bare / "DLTcoefs.csv")
+    assert form.write() is None
+    assert "how many frames were filmed in a second" in form._told.value
+    form.fps.value = "fast"
+    assert form.write() is None
+    assert "filmed at is 'fast'; expected a number" in form._told.value
+    form.fps.value = "250"
+    form._rows[2].points.value = "FR, FL"
+    assert form.write() == bare / "trial.toml"
+    trial = pawnb.load_trial(bare)
+    assert (trial.fps, trial.views[2].points) == (250.0, ("FR", "FL"))
+    assert isinstance(bench.tool.tool, ClickInitialiser)
+    assert [state.next_step for state in bench.session.states] == ["start"]
+
+
+def test_another_view_of_the_same_video_is_added_and_left_out(bare, opened):
+    bench = opened(bare, videos=["cam1.avi"])
+    form = bench.tool
+    form._add(form.made.views[0])
+    assert [view.name for view in form.made.views] == ["cam1", "cam1-2"]
+    form._rows[1].mirror.value = True
+    form._canvas.edit("moved", {"frame": 0, "view": "cam1-2", "point": "left top", "u": 9, "v": 99})
+    form._rows[0].name.value = form._rows[1].name.value = "same"
+    form._add(form.made.views[0])
+    assert "the name 'same' is there twice" in form._told.value
+    form._rows[0].name.value = "side"
+    form.fps.value = "100"
+    assert form.write() is not None
+    first, second = pawnb.load_trial(bare).views
+    assert (first.name, first.crop, first.mirror) == ("side", None, False)
+    assert (second.name, second.video, second.crop, second.mirror) == (
+        "same", "cam1.avi", (9, 99, scene.WIDTH, scene.HEIGHT), True,
+    )  # fmt: skip
+
+
+def test_corners_stay_within_the_picture_and_apart():
+    size = (640, 360)
+    assert drag_corner(None, size, "left top", u=-20, v=-3) is None
+    assert drag_corner(None, size, "left top", u=10.4, v=20.6) == (10, 21, 640, 360)
+    # the pixel that the corner lies on is kept
+    assert drag_corner(None, size, "right bottom", u=99, v=199) == (0, 0, 100, 200)
+    crop = drag_corner((100, 100, 200, 200), size, "left top", u=500, v=500)
+    assert crop == (184, 184, 200, 200)
+
+
+def test_the_canvas_shows_what_is_kept(bare):
+    made = new_trial([bare / "cam1.avi"])
+    canvas = CropCanvas(made)
+    canvas.edit("moved", {"frame": 0, "view": "cam1", "point": "right bottom", "u": 299, "v": 199})
+    assert made.views[0].crop == (0, 0, 300, 200)
+    corners = canvas.overlay(0)["views"]["cam1"]["points"]
+    assert [(c["u"], c["v"]) for c in corners] == [(0, 0), (299, 199)]
+    assert "cam1: 300 x 200 of 640 x 360 px" in canvas.status
+    canvas.close()
+
+
+@pytest.mark.slow
+def test_a_started_trial_is_tracked_reviewed_and_analysed(described, opened):
+    bench = opened(described.parent)
+    assert [s.next_step for s in bench.session.states] == ["track"]
+    bench.do("track", described)
+    bench._worker.join(120)
+    assert "small: tracked 40 frames" in said(bench)
+    review = bench.tool.tool
+    assert isinstance(review, TrackReviewer)
+    u, v = scene.seen(5)[0, 0]
+    review.edit("moved", {"frame": 5, "view": "cam1", "point": "FR", "u": u, "v": v})
+    bench._reviewed(bench.session.state(described))
+    bench._worker.join(120)
+    assert (described / "results" / "events.csv").exists()
+    (state,) = bench.session.states
+    assert state.next_step == "look"
+    # what was corrected is in the tracks that were analysed
+    saved = bench.session.tracks(state)
+    assert saved["image_position"].values[5, 0, :, 0, 0].tolist() == [round(u, 3), round(v, 3)]
+    assert "strides of" in said(bench)
+
+
+def test_what_cannot_be_done_is_said_and_changes_nothing(bare, opened):
+    (bare / "trial.toml").write_text("[trial]\nfsp = 250\n")
+    bench = opened(bare.parent)
+    (state,) = bench.session.states
+    assert state.next_step == "mend"
+    bench.do("mend", bare)
+    assert "did you mean 'fps'" in bench.tool.tool.children[0].value
+    with pytest.raises(InputError, match="step is 'paint'"):
+        bench.do("paint", bare)
+    with pytest.raises(InputError, match="no trial there"):
+        bench.do("track", bare.parent / "none")
+    bench.do("track", bare)
+    bench._worker.join(60)
+    assert "did you mean 'fps'" in said(bench)
+    with pytest.raises(InputError, match="no such folder"):
+        WorkbenchSession(bare / "none")
+
+
+def test_a_review_in_which_all_was_right_counts(described):
+    session = WorkbenchSession(described)
+    results = described / "results"
+    results.mkdir()
+    (results / "tracks.nc").write_bytes(b"")
+    (state,) = session.refresh()
+    assert session.next_step(state) == "review"
+    session.has_looked(state)
+    assert session.next_step(state) == "gait"
+    assert session.videos() == []
+
+
+def test_a_long_list_is_shown_page_by_page(described, opened):
+    for k in range(24):
+        (described.parent / f"x{k:02}").mkdir()
+        (described.parent / f"x{k:02}" / "trial.toml").write_text("")
+    bench = opened(described.parent)
+    rows = len(bench._list.children[0].children) / 8 - 1
+    assert rows == 20
+    bench._turn(20)
+    assert len(bench._list.children[0].children) / 8 - 1 == 5
+    bench._turn(20)
+    assert len(bench._list.children[0].children) / 8 - 1 == 5

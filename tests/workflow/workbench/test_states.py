@@ -1,0 +1,122 @@
+"""How far a trial is, by what lies beside its trial.toml, and the page that shows it."""
+
+import json
+import shutil
+import sys
+from pathlib import Path
+
+import pytest
+
+from pawnb import InputError
+from pawnb.io.native import write_tracks
+from pawnb.workflow.lab import lab_command
+from pawnb.workflow.provenance.manifest import writing_results
+from pawnb.workflow.workbench.page import PAGE, page_command, write_page
+from pawnb.workflow.workbench.states import (
+    find_states,
+    find_videos,
+    state_of,
+    states_table,
+    what_is_wrong,
+)
+
+sys.path.append(str(Path(__file__).resolve().parents[2] / "widgets"))
+import small_trial as scene
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """A trial of three views, described only; its videos are there by name."""
+    scene.describe_trial(tmp_path / "b")
+    for name in scene.POINTS:
+        (tmp_path / "b" / f"{name}.avi").write_bytes(b"")
+    return tmp_path / "b"
+
+
+def test_each_step_of_the_work_is_seen_and_the_next_is_named(folder):
+    def seen():
+        state = state_of(folder)
+        return state.done - {"described", "calibrated"}, state.next_step
+
+    assert state_of(folder).done == {"described", "calibrated"}
+    assert seen() == (set(), "start")
+    (folder / "start.csv").write_text("frame,view,point,u,v\n")
+    assert seen() == ({"started"}, "track")
+    results = folder / "results"
+    results.mkdir()
+    write_tracks(scene.true_tracks(), results / "tracks.nc")
+    assert seen() == ({"started", "tracked"}, "review")
+    (results / "edits.jsonl").write_text(
+        '{"edit": "hide", "frame": 1, "view": "cam1", "point": "FR"}\n'
+    )
+    assert seen() == ({"started", "tracked", "reviewed"}, "gait")
+    with writing_results(results, run="gait", steps=[{"step": "gait"}]) as staging:
+        (staging / "events.csv").write_text("x\n")
+    assert seen() == ({"started", "tracked", "reviewed", "analysed"}, "look")
+    assert state_of(folder / "trial.toml").steps[0] == "look"
+    (results / "events.csv").unlink()  # no longer whole
+    assert seen()[1] == "gait"
+
+
+def test_what_is_wrong_is_said_in_words(folder):
+    (folder / "cam2.avi").unlink()
+    assert "cam2.avi: no such video" in state_of(folder).wrong
+    (folder / "DLTcoefs.csv").unlink()
+    assert "calibrated" not in state_of(folder).done
+    (folder / "trial.toml").write_text("[trial]\nfsp = 250\n")
+    state = state_of(folder)
+    assert (state.next_step, state.steps) == ("mend", ("mend",))
+    assert "did you mean 'fps'" in state.wrong
+    assert what_is_wrong(state) == [state.wrong]
+
+
+def test_trials_are_found_in_a_folder_and_three_below(folder, tmp_path):
+    for place in ("a", "c/d", "c/e/f", "g/h/i/too deep"):
+        shutil.copytree(folder, tmp_path / place)
+    states = find_states(tmp_path)
+    assert [str(s.folder.relative_to(tmp_path)) for s in states] == ["a", "b", "c/d", "c/e/f"]
+    assert [s.folder for s in find_states(folder)] == [folder]
+    table = states_table(states)
+    assert table["next"].tolist() == ["start"] * 4
+    assert table["described"].all()
+    with pytest.raises(InputError, match="no such folder"):
+        find_states(tmp_path / "none")
+    assert [v.name for v in find_videos(folder)] == ["cam1.avi", "cam2.avi", "cam3.avi"]
+
+
+def source(page):
+    return json.loads(page.read_text())["cells"][0]["source"]
+
+
+def test_a_page_is_written_for_a_folder_a_trial_or_videos(folder, tmp_path):
+    assert write_page([tmp_path]) == tmp_path / PAGE
+    assert source(tmp_path / PAGE) == 'import pawnb\npawnb.Workbench(".")'
+    assert write_page([folder / "trial.toml"]) == folder / PAGE
+    page = write_page([folder / "cam1.avi", folder / "cam2.avi"])
+    assert source(page).endswith("pawnb.Workbench(\".\", videos=['cam1.avi', 'cam2.avi'])")
+    for paths, words in (
+        ([tmp_path / "none"], "no such folder, trial or video"),
+        ([folder, tmp_path], "no video; name one folder, one trial, or the videos"),
+        ([folder / "DLTcoefs.csv"], "no video"),
+    ):
+        with pytest.raises(InputError, match=words):
+            write_page(paths)
+
+
+def test_a_notebook_of_somebody_else_is_left_as_it_is(tmp_path):
+    (tmp_path / PAGE).write_text('{"cells": [], "metadata": {}}')
+    with pytest.raises(InputError, match="another notebook has the name of the page"):
+        write_page([tmp_path])
+    assert (tmp_path / PAGE).read_text() == '{"cells": [], "metadata": {}}'
+
+
+def test_the_page_opens_alone_and_its_cell_is_run_by_our_extension(tmp_path):
+    words = page_command([tmp_path], browser=False, port=8899)
+    assert f"--LabApp.default_url=/doc/tree/{PAGE}" in words
+    assert {"--port=8899", "--no-browser"} <= set(words)
+    (place,) = (word.split("=", 1)[1] for word in words if "extra_labextensions_path" in word)
+    package = json.loads((Path(place) / "pawnb-open" / "package.json").read_text())
+    assert (Path(place) / "pawnb-open" / package["jupyterlab"]["_build"]["load"]).is_file()
+    # without that, it is what pawnb lab does
+    plain = lab_command(tmp_path / PAGE, browser=False, port=8899)
+    assert [word.replace("/lab/tree/", "/doc/tree/") for word in plain] == words[:-1]
