@@ -81,5 +81,8 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     str
         The hint with a leading blank, or ``""`` where nothing is near.
     """
-    near = difflib.get_close_matches(name, list(known), n=1, cutoff=0.6)
+    names = list(known)
+    # RF for FR, fr for FR: too short for likeness to tell
+    near = [one for one in names if sorted(one.casefold()) == sorted(name.casefold())][:1]
+    near = near or difflib.get_close_matches(name, names, n=1, cutoff=0.6)
     return f" (did you mean {near[0]!r}?)" if near else ""

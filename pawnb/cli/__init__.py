@@ -7,12 +7,15 @@ written and most of them are expected to be wrong.
 from __future__ import annotations
 
 import argparse
+import contextlib
 import sys
+import traceback
 import warnings
 from collections.abc import Sequence
 
 from pawnb.cli.arguments import EXIT_BAD_INPUT, build_parser
 from pawnb.cli.output import readers_may_leave
+from pawnb.cli.shared import of_results
 from pawnb.errors import InputWarning, PawnbError, QualityWarning
 
 __all__ = ["EXIT_BAD_INPUT", "EXIT_INTERRUPTED", "main"]
@@ -50,10 +53,13 @@ def _main(words: list[str]) -> int:
     options = build_parser().parse_args(words)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always", InputWarning)
-        status = _run(options, ["pawnb", *words])
+        with contextlib.redirect_stdout(None) if options.quiet else contextlib.nullcontext():
+            status = _run(options, ["pawnb", *of_results(words)])
     for warning in caught:
         if issubclass(warning.category, QualityWarning):
             continue  # the command's own line says it
+        if options.quiet and issubclass(warning.category, InputWarning):
+            continue
         if issubclass(warning.category, InputWarning):
             print(f"pawnb: note: {warning.message}", file=sys.stderr)
         else:
@@ -68,6 +74,8 @@ def _run(options: argparse.Namespace, argv: list[str]) -> int:
     try:
         status = options.run(options, argv)
     except PawnbError as error:
+        if options.verbose:
+            traceback.print_exc()
         print(f"pawnb: {error}", file=sys.stderr)
         return EXIT_BAD_INPUT
     except OSError as error:

@@ -7,6 +7,8 @@ from typing import Any, NoReturn
 
 import pawnb
 from pawnb.cli import commands
+from pawnb.cli.completion import SHELLS, completion_script
+from pawnb.cli.shared import add_shared_options, name_meant
 from pawnb.synthetic.variants import VARIANTS
 
 EXIT_BAD_INPUT = 2
@@ -30,7 +32,8 @@ class _Parser(argparse.ArgumentParser):
     """Says what is wrong in one sentence instead of printing the usage too."""
 
     def error(self, message: str) -> NoReturn:
-        self.exit(EXIT_BAD_INPUT, f"{self.prog}: {message}; see {self.prog} --help.\n")
+        said = name_meant(message, self._option_string_actions)
+        self.exit(EXIT_BAD_INPUT, f"{self.prog}: {said}; see {self.prog} --help.\n")
 
 
 def build_parser() -> argparse.ArgumentParser:
@@ -53,6 +56,8 @@ def build_parser() -> argparse.ArgumentParser:
     _add_reproduce(parsers)
     _add_report(parsers)
     _add_lab(parsers)
+    _add_completion(parsers)
+    add_shared_options(parsers.choices)
     return parser
 
 
@@ -384,6 +389,16 @@ def _add_report(parsers: Any) -> None:
         "--set", action="append", default=[], metavar="NAME=VALUE", help="as for pawnb gait"
     )
     command.set_defaults(run=commands.run_report)
+
+
+def _add_completion(parsers: Any) -> None:
+    text = "print what makes a shell complete commands and options"
+    more = 'bash: eval "$(pawnb completion bash)" in ~/.bashrc; zsh alike; fish: | source'
+    command = parsers.add_parser("completion", help=text, description=text, epilog=more)
+    command.add_argument("shell", choices=SHELLS)
+    command.set_defaults(
+        run=lambda options, _argv: print(completion_script(options.shell, parsers.choices), end="")
+    )
 
 
 def _add_lab(parsers: Any) -> None:

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
+from functools import partial
 from pathlib import Path
 from typing import Any
 
+from pawnb.cli.shared import print_json
 from pawnb.errors import InputError
 from pawnb.workflow.words import split_event_names, split_legs, split_settings
 
@@ -54,7 +57,10 @@ def run_check(options: argparse.Namespace, _argv: list[str]) -> None:
     from pawnb.workflow.checking.check import check_trial
 
     report = check_trial(options.trial)
-    print(report.text())
+    if options.json:
+        print_json(**vars(report))
+    else:
+        print(report.text())
     if report.faults:
         raise InputError(report.verdict())
 
@@ -120,10 +126,13 @@ def run_batch(options: argparse.Namespace, argv: list[str]) -> int:
         out=options.out,
         workers=options.workers,
         scheduler=options.scheduler,
-        report=lambda line: print(line, flush=True),
+        report=partial(print, flush=True, file=sys.stderr if options.json else sys.stdout),
         command=argv,
     )
-    print(done.text())
+    if options.json:
+        print_json(trials=done.table)
+    else:
+        print(done.text())
     if (done.table["status"] == "stopped").any():
         print("run it again to go on")
         raise KeyboardInterrupt
@@ -148,7 +157,19 @@ def run_gait(options: argparse.Namespace, argv: list[str]) -> None:
         figures=options.figures,
         command=argv,
     )
-    print(done.text())
+    if not options.json:
+        print(done.text())
+        return
+    tables = done.tables
+    print_json(
+        out=str(done.out),
+        files=[path.relative_to(done.out).as_posix() for path in done.files],
+        n_animals=tables.events["animal"].nunique(),
+        n_strides=len(tables.strides),
+        n_dropped=len(tables.dropped),
+        phase_summary=tables.phase_summary,
+        notes=list(map(str, tables.notes)),
+    )
 
 
 def run_evaluate(options: argparse.Namespace, _argv: list[str]) -> None:
@@ -160,24 +181,28 @@ def run_evaluate(options: argparse.Namespace, _argv: list[str]) -> None:
     if sum(asked) != 1:
         raise InputError("expected one of TRUTH, --still FIRST LAST and --directions.")
     if options.still is not None:
-        print(evaluate_still(options.results, frames=tuple(options.still), out=options.out).text)
+        still = evaluate_still(options.results, frames=tuple(options.still), out=options.out)
+        _print_evaluation(still, options)
         return
     if options.directions:
         px, deg = options.disturb
-        print(
-            evaluate_directions(
-                options.results,
-                method=options.method,
-                disturb_px=px,
-                disturb_deg=deg,
-                out=options.out,
-            ).text
+        both = evaluate_directions(
+            options.results, method=options.method, disturb_px=px, disturb_deg=deg, out=options.out
         )
+        _print_evaluation(both, options)
         return
     found = evaluate(
         options.results, options.truth, threshold_px=options.threshold, out=options.out
     )
-    print(found.text)
+    _print_evaluation(found, options)
+
+
+def _print_evaluation(found: Any, options: argparse.Namespace) -> None:
+    """Print errors in words, or as JSON."""
+    if options.json:
+        print_json(**found.tables)
+    else:
+        print(found.text)
 
 
 def run_compare(options: argparse.Namespace, _argv: list[str]) -> None:
@@ -191,7 +216,8 @@ def run_compare(options: argparse.Namespace, _argv: list[str]) -> None:
         "settings": split_settings(options.set),
         "frames": None if options.frames is None else (0, options.frames),
         "out": options.out,
-        "report": print,
+        # with --json standard output is one object
+        "report": partial(print, file=sys.stderr) if options.json else print,
     }
     if options.methods:
         asked["methods"] = [name.strip() for name in options.methods.split(",")]
@@ -200,6 +226,9 @@ def run_compare(options: argparse.Namespace, _argv: list[str]) -> None:
         comparison = compare_pose_methods(trials, **asked)
     else:
         comparison = compare_methods(trials, corrections=not options.no_corrections, **asked)
+    if options.json:
+        print_json(**vars(comparison))
+        return
     print(comparison.text())
     print(f"wrote {options.out}")
 
