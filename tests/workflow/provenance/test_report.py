@@ -10,6 +10,7 @@ from urllib.parse import unquote
 
 import pandas as pd
 import pytest
+from PIL import Image
 
 from pawnb.cli import main
 from pawnb.gait import analyse_events
@@ -17,6 +18,7 @@ from pawnb.workflow.gait.run import run_gait
 from pawnb.workflow.provenance.report.html import page, table
 from pawnb.workflow.provenance.report.index_page import index_page, note_lines
 from pawnb.workflow.provenance.report.methods_text import count_dropped, methods_paragraphs
+from pawnb.workflow.provenance.report.words import figure_order
 
 HOSTILE = "<img src=x onerror=alert(1)>&'\""
 
@@ -64,6 +66,8 @@ def test_no_name_becomes_html():
 
 def test_the_index_names_every_file_and_links_within_its_folder(tmp_path):
     files = [tmp_path / "strides.csv", tmp_path / "figures" / f"rose #1 {HOSTILE[-3:]}%.png"]
+    files[1].parent.mkdir()
+    Image.new("RGB", (20, 10)).save(files[1])
     notes = pd.DataFrame([[HOSTILE, "was guessed", "1-3"]], columns=["where", "what", "rows"])
     source = index_page(files, tmp_path, notes=notes, paragraphs=["Six strides."])
     found = Reader(source)
@@ -72,6 +76,12 @@ def test_the_index_names_every_file_and_links_within_its_folder(tmp_path):
     }  # fmt: skip
     assert f"{HOSTILE}, rows 1-3: was guessed" in found.said
     assert source.index("was guessed") < source.index("Six strides") < source.index("strides.csv")
+
+
+def test_figures_of_all_animals_stand_before_those_of_trials():
+    names = ["figures/gait_diagram_a", "figures/phase_rose", "figures/estimation_speed", "odd"]
+    ordered = sorted(names, key=figure_order)
+    assert ordered == [names[2], names[1], names[0], names[3]]
 
 
 def test_notes_without_a_place_are_sentences():

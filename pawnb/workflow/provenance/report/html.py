@@ -10,7 +10,9 @@ from pathlib import Path
 from urllib.parse import quote
 
 import pandas as pd
+from PIL import Image
 
+_PX_PER_INCH = 140.0
 _STYLE = """
 body { font: 15px/1.5 system-ui, sans-serif; color: #222; background: #fff; margin: 2em auto;
   max-width: 62em; padding: 0 1em; }
@@ -93,10 +95,28 @@ def table(values: pd.DataFrame, *, most: int | None = None) -> str:
     )
 
 
-def picture(source: str, caption: str) -> str:
-    """Return a picture with its caption, as plain text."""
+def picture(source: str, caption: str, *, file: Path) -> str:
+    """Return a picture with its caption.
+
+    Parameters
+    ----------
+    source : str
+        Of :func:`embedded` or :func:`beside`.
+    caption : str
+        What it shows, as plain text.
+    file : Path
+        The png, for its size in print: all are shown enlarged alike.
+
+    Returns
+    -------
+    str
+        HTML.
+    """
     said = text(caption)
-    return f'<figure><img src="{source}" alt="{said}"><figcaption>{said}</figcaption></figure>'
+    with Image.open(file) as png:
+        width = round(png.width / png.info.get("dpi", (96.0, 96.0))[0] * _PX_PER_INCH)
+    shown = f'<img src="{source}" alt="{said}" width="{width}">'
+    return f"<figure>{shown}<figcaption>{said}</figcaption></figure>"
 
 
 def embedded(path: Path) -> str:

@@ -8,7 +8,7 @@ from pathlib import Path
 import pandas as pd
 
 from pawnb.workflow.provenance.report.html import beside, link, listed, page, picture, text
-from pawnb.workflow.provenance.report.words import FILES, figure_words
+from pawnb.workflow.provenance.report.words import FILES, figure_order, figure_words
 
 INDEX_FILE = "index.html"
 
@@ -36,7 +36,9 @@ def index_page(
     """
     names = [file.relative_to(folder).as_posix() for file in files] + ["provenance.json"]
     tables = [name for name in names if "/" not in name]
-    figures = sorted({name.rsplit(".", 1)[0] for name in names if name.endswith(".png")})
+    figures = sorted(
+        (n.removesuffix(".png") for n in names if n.endswith(".png")), key=figure_order
+    )
     rows = "".join(
         f"<tr><td>{link(name, name)}</td><td>{text(FILES.get(name, ''))}</td></tr>"
         for name in sorted(tables)
@@ -54,7 +56,8 @@ def index_page(
         body.append("<h2>Figures</h2>")
     for name in figures:
         endings = [end for end in ("pdf", "svg", "png", "csv") if f"{name}.{end}" in names]
-        body.append(picture(beside(f"{name}.png"), figure_words(Path(name).name)))
+        words = figure_words(Path(name).name)
+        body.append(picture(beside(f"{name}.png"), words, file=folder / f"{name}.png"))
         links = " ".join(link(f"{name}.{end}", end) for end in endings)
         body.append(f'<p class="small">{links}</p>')
     return page("Gait", body)

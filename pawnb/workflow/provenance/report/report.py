@@ -18,13 +18,17 @@ from pawnb.workflow.provenance.manifest import read_manifest
 from pawnb.workflow.provenance.report.html import embedded, listed, page, picture, table, text
 from pawnb.workflow.provenance.report.index_page import note_lines
 from pawnb.workflow.provenance.report.methods_text import count_dropped
-from pawnb.workflow.provenance.report.words import FILES, figure_words
+from pawnb.workflow.provenance.report.words import FILES, figure_order, figure_words
 
 REPORT_FILE = "report.html"
 
 _TABLES = (
     "trials", "groups", "phase_summary", "animals", "legs", "against_speed", "phase_speed",
     "scaling", "expected_exponents", "joint_ranges", "steadiness", "stride_durations",
+)  # fmt: skip
+_OF_GROUPS = (
+    "measure", "leg", "reference", "group_a", "group_b", "n_animals_a", "n_animals_b", "mean_a",
+    "mean_b", "difference", "ci_low", "ci_high", "p", "p_adjusted",
 )  # fmt: skip
 _MOST_ROWS = 60
 _BLANK_OF_ONE = (
@@ -136,18 +140,19 @@ def _tables(folder: Path) -> list[str]:
     for name in _TABLES:
         path = folder / f"{name}.csv"
         if path.exists():
-            values = pd.read_csv(path).dropna(axis=1, how="all")
+            values = pd.read_csv(path)
+            if name == "groups":  # those of single legs are follow-ups
+                values = values.loc[values["role"] != "follow-up", list(_OF_GROUPS)]
+            values = values.drop(columns="note", errors="ignore").dropna(axis=1, how="all")
             parts += [f"<h3>{text(FILES[path.name])} ({path.name})</h3>"]
             parts.append(table(values, most=_MOST_ROWS))
     return parts
 
 
 def _figures(folder: Path) -> list[str]:
-    """Embed the figures, those of all animals first."""
-    found = sorted((folder / "figures").glob("*.png"))
-    of_trials = [path for path in found if path.name.startswith(("gait_diagram", "paths_3d"))]
-    ordered = [path for path in found if path not in of_trials] + of_trials
-    return [picture(embedded(path), figure_words(path.stem)) for path in ordered]
+    """Embed the figures."""
+    found = sorted((folder / "figures").glob("*.png"), key=lambda path: figure_order(path.stem))
+    return [picture(embedded(path), figure_words(path.stem), file=path) for path in found]
 
 
 def _provenance(folder: Path) -> str:

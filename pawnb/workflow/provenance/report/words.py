@@ -30,24 +30,32 @@ FILES = {
 }
 
 FIGURES = {
-    "gait_diagram": "Gait diagram: stance of each leg in time",
-    "stepping_pattern": "Stepping pattern",
+    "estimation_": "Groups: each animal, means, differences with intervals",
     "phase_rose": "Phases of pairs of legs, with mean and interval",
     "phase_histogram": "Histograms of phases",
     "phase_speed": "Phases against speed",
     "hildebrand_diagram": "Hildebrand's diagram: duty factor and lag of fore behind hind",
+    "stepping_pattern": "Stepping pattern",
     "support_shares": "Share of time with so many feet on the ground",
     "pattern_distances": "Distances to ideal gaits",
+    "against_": "Measures against speed or size",
     "stride_average": "Averages over the stride",
     "phase_plane": "Phase plane",
     "aligned_acceleration": "Acceleration, aligned at the events",
-    "against_": "Measures against speed or size",
-    "summary_": "One page an animal",
-    "estimation_": "Groups: each animal, means, differences with intervals",
-    "paths_3d": "Paths of the feet in space",
     "joint_ranges": "Ranges of the joints",
     "template_fit": "The stride template fitted to a paw",
+    "summary_": "One page an animal",
+    "gait_diagram": "Gait diagram: stance of each leg in time",
+    "paths_3d": "Paths of the feet in space",
 }
+"""What a figure shows, by the beginning of its name; in the order of a page."""
+
+
+def figure_order(name: str) -> tuple[int, str]:
+    """Return where a figure stands on a page: those of all animals first, then trial by trial."""
+    last = name.rpartition("/")[2]
+    places = [k for k, start in enumerate(FIGURES) if last.startswith(start)]
+    return (places[0] if places else len(FIGURES), last)
 
 
 def figure_words(name: str) -> str:
