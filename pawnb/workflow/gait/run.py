@@ -223,41 +223,52 @@ def carry_out(
         }
         seen = tracks_of(sources, request.legs)
         angles = joint_angles_of([(one.tracks, one.animal, one.trial) for one in seen])
-        fields = {
-            k: v for s, p in zip(sources, parts, strict=True)
-            for k, v in covariates_of([basis.who for basis in p.bases], s.fields).items()
-        }  # fmt: skip
+        fields = covariates_of(parts, [source.fields for source in sources])
         further, remarks = _further_tables(tables, sources, groups=named, angles=angles)
         further["trials"] = trials_table(tables, groups=named, fields=fields)
-        further |= size_tables(tables.strides, fields)
+        try:
+            further |= size_tables(tables.strides, fields)
+        except InputError as error:
+            remarks.append(f"gait is not compared with size: {error}")
+            fields = {}
         remarks = [*who_is_who(sources, request.animals), *tables.notes, *remarks]
         tables = dataclasses.replace(tables, notes=tuple(remarks))
         every = {name: _grouped(getattr(tables, name), named) for name in TABLES} | further
+        drawings = itertools.chain(
+            gait_drawings(tables, groups=named, notes=[*_notes_of(sources, tables), *warned]),
+            source_drawings(seen, angles=angles),
+            size_drawings(tables.strides, fields, unit=length_unit(tables)),
+        )
         with writing_results(folder, run="gait", steps=[step]) as staging:
             files = [write_table(table, staging / f"{name}.csv") for name, table in every.items()]
-            notes = [*_notes_of(sources, tables), *warned]
-            drawings = itertools.chain(
-                gait_drawings(tables, groups=named, notes=notes),
-                source_drawings(seen, angles=angles),
-                size_drawings(tables.strides, fields, unit=length_unit(tables)),
-            )
             files += save_gait_figures(
-                drawings,
-                staging / "figures",
-                record=step,
-                which=request.figures,
+                drawings, staging / "figures", record=step, which=request.figures,
                 only=None if again is None else again.only,
-            )
+            )  # fmt: skip
             notes = [*_notes_of(sources, tables), *warned]  # drawing may have warned, too
-            in_rows = {f"{name}.csv": table for name, table in every.items()}
-            told = notes_table(notes, in_rows)
-            files.append(write_table(told, staging / "notes.csv"))
-            said = methods_paragraphs(tables, every, step=step)
-            files.append(write_text("\n\n".join(said) + "\n", staging / "methods.txt"))
-            index = index_page(files, staging, notes=told, paragraphs=said)
-            files.append(write_text(index, staging / INDEX_FILE))
+            files += _write_words(tables, every, files, notes=notes, step=step, folder=staging)
         written = [folder / file.relative_to(staging) for file in files]
     return GaitRun(tables, folder, (*written, folder / MANIFEST))
+
+
+def _write_words(
+    tables: GaitTables,
+    every: Mapping[str, pd.DataFrame],
+    files: Sequence[Path],
+    *,
+    notes: Sequence[str],
+    step: Mapping[str, Any],
+    folder: Path,
+) -> list[Path]:
+    """Write notes, the methods paragraph, and the index of what there is."""
+    told = notes_table(notes, {f"{name}.csv": table for name, table in every.items()})
+    said = methods_paragraphs(tables, every, step=step)
+    own = [
+        write_table(told, folder / "notes.csv"),
+        write_text("\n\n".join(said) + "\n", folder / "methods.txt"),
+    ]
+    index = index_page([*files, *own], folder, notes=told, paragraphs=said)
+    return [*own, write_text(index, folder / INDEX_FILE)]
 
 
 def _default_out(sources: Sequence[GaitSource], study: Study | None) -> Path:

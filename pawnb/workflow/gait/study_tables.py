@@ -167,9 +167,26 @@ def with_sizes(strides: pd.DataFrame, fields: Fields) -> tuple[pd.DataFrame, lis
     return strides, sizes
 
 
-def covariates_of(who: Sequence[Mapping[str, str]], fields: Mapping[str, Any]) -> Fields:
-    """Return the covariates of each animal and trial that came of one input."""
-    return {(str(one["animal"]), str(one["trial"])): fields for one in who}
+def covariates_of(parts: Sequence[GaitTables], fields: Sequence[Mapping[str, Any]]) -> Fields:
+    """Return the covariates of each animal and trial.
+
+    Parameters
+    ----------
+    parts : sequence of GaitTables
+        An analysis of each input.
+    fields : sequence of mapping
+        What is known of each input's animal.
+
+    Returns
+    -------
+    mapping
+        (animal, trial) to its covariates.
+    """
+    return {
+        (str(basis.who["animal"]), str(basis.who["trial"])): own
+        for part, own in zip(parts, fields, strict=True)
+        for basis in part.bases
+    }
 
 
 def _said(size: str, unit: str | None) -> str:
