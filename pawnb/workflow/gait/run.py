@@ -12,6 +12,7 @@ from typing import Any
 import pandas as pd
 
 from pawnb import gait
+from pawnb.errors import InputError
 from pawnb.gait import EventSettings, GaitTables
 from pawnb.gait.analysis.tables import say_no_strides
 from pawnb.gait.coordination import coordination_tables
