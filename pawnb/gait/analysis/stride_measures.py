@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pandas as pd
 
-from pawnb.gait.cycles import LATERAL, LEG_ANGLE, LegSignals
+from pawnb.gait.cycles import HEIGHT, LATERAL, LEG_ANGLE, LegSignals
 from pawnb.gait.legs import find_leg_place
 from pawnb.gait.strides import Motion
 from pawnb.signals import differentiate
@@ -20,6 +20,7 @@ MEASURE_COLUMNS = (
     "stance_velocity_deg_s", "swing_peak_velocity_deg_s", "stance_peak_velocity_deg_s",
     "swing_peak_acceleration_deg_s2", "stance_peak_acceleration_deg_s2", "aep_lateral",
     "pep_lateral", "step_length", "step_width", "heading_deg", "heading_change_deg",
+    "swing_height", "toe_clearance",
 )  # fmt: skip
 """``speed_bl``: body lengths per second. ``excursion``: AEP minus PEP along forward in the
 body's frame. ``excursion_deg``: leg angle at the next AEP minus at the PEP, the swing's (Pullar
@@ -29,7 +30,9 @@ moves too). ``swing_velocity_deg_s``, ``stance_velocity_deg_s``: mean angular ve
 to the animal's right in the body's frame. ``step_length``, ``step_width``: from where the partner
 on the other side last landed to where this foot lands, along and across the heading.
 ``heading_deg``: mean direction of the body, from the first axis of the positions towards the
-second; ``heading_change_deg``: its turn over the stride."""
+second; ``heading_change_deg``: its turn over the stride. ``swing_height``: how high the foot is
+lifted in swing, above its median height in the stance before; ``toe_clearance``: its least height
+above that in the middle half of the swing, where a foot that drags is low."""
 
 
 def measure_strides(
@@ -78,6 +81,9 @@ def measure_strides(
             if name in signal.legs and signal.signal == LEG_ANGLE:
                 found = _angular(signal, name, start, turn, end)
                 out.loc[rows, list(found)] = pd.DataFrame(found, index=rows)
+            if name in signal.legs and signal.signal == HEIGHT:
+                found = _heights(signal, name, start, turn, end)
+                out.loc[rows, list(found)] = pd.DataFrame(found, index=rows)
             if name in signal.legs and signal.signal == LATERAL:
                 column = signal.samples[:, signal.legs.index(name)]
                 out.loc[rows, "aep_lateral"] = np.interp(start, signal.time_s, column)
@@ -102,6 +108,23 @@ def _angular(
         "swing_peak_acceleration_deg_s2": _greatest(signal.time_s, change, turn, end),
         "stance_peak_acceleration_deg_s2": _greatest(signal.time_s, change, start, turn),
     }
+
+
+def _heights(
+    signal: LegSignals, leg: str, start: np.ndarray, turn: np.ndarray, end: np.ndarray
+) -> dict[str, np.ndarray]:
+    """Return how high a foot is lifted, and how low it is in the middle half of the swing."""
+    height = signal.samples[:, signal.legs.index(leg)]
+    lifted, clear = np.full(len(start), np.nan), np.full(len(start), np.nan)
+    quarter = (end - turn) / 4.0
+    times = (start, turn, end, turn + quarter, end - quarter)
+    rows = np.searchsorted(signal.time_s, np.array(times)).T
+    for i, (a, b, c, first, last) in enumerate(rows.tolist()):
+        stance, swing, middle = height[a:b], height[b:c], height[first:last]
+        if len(middle) and len(stance) and np.isfinite(swing).all() and np.isfinite(stance).all():
+            ground = np.median(stance)
+            lifted[i], clear[i] = swing.max() - ground, middle.min() - ground
+    return {"swing_height": lifted, "toe_clearance": clear}
 
 
 def _greatest(

@@ -6,7 +6,7 @@ from walking import Walk
 
 from pawnb.gait import analyse
 from pawnb.gait.analysis.stride_measures import MEASURE_COLUMNS, measure_strides
-from pawnb.gait.cycles import LEG_ANGLE, LegSignals
+from pawnb.gait.cycles import HEIGHT, LEG_ANGLE, LegSignals
 from pawnb.gait.strides import Motion
 from pawnb.trial import Animal, Calibration, Trial
 
@@ -56,6 +56,29 @@ def test_angular_measures_of_a_triangle_wave():
     assert found["stance_velocity_deg_s"] == pytest.approx(-200.0, rel=0.01)
     assert found["swing_peak_velocity_deg_s"] == pytest.approx(300.0, rel=0.01)
     assert found["stance_peak_velocity_deg_s"] == pytest.approx(-200.0, rel=0.01)
+
+
+def test_a_foot_is_lifted_and_drags_as_it_was_made_to():
+    """On the ground at 2 mm; in swing a half sine of 8 mm, or flat at 0.5 mm with a late hop."""
+    t = np.arange(0, 1.0, 0.001)
+    x = t % 0.5
+    swing = np.clip((x - 0.3) / 0.2, 0, 1)
+    clean = 2.0 + 8.0 * np.sin(np.pi * swing)
+    drags = 2.0 + np.where((swing > 0) & (swing < 0.8), 0.5, 0.0) + 4.0 * (swing > 0.8)
+    strides = analyse(WALK.tracks(), trial=TRIAL).strides.drop(columns=list(MEASURE_COLUMNS))
+    one = strides[strides["leg"] == "FR"].head(1).assign(start_s=0.0, stance_s=0.3, period_s=0.5)
+    found = []
+    for height in (clean, drags):
+        signal = LegSignals(
+            animal="a", trial="t", legs=("FR",), time_s=t, samples=height[:, None], signal=HEIGHT,
+            unit="mm",
+        )  # fmt: skip
+        found.append(measure_strides(one, signals=[signal]).iloc[0])
+    # a quarter of the way through a half sine it has sin(45 degrees) of its height
+    assert found[0]["swing_height"] == pytest.approx(8.0, abs=0.01)
+    assert found[0]["toe_clearance"] == pytest.approx(8.0 * np.sin(np.pi / 4), abs=0.1)
+    assert found[1]["swing_height"] == pytest.approx(4.0, abs=0.01)
+    assert found[1]["toe_clearance"] == pytest.approx(0.5, abs=0.01)
 
 
 def test_an_animal_that_turns_tells_its_heading():
