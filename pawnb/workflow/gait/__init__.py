@@ -29,6 +29,7 @@ __all__ = [
     "save_figures",
     "source_drawings",
     "sources",
+    "speed_residuals",
     "statistics",
     "study",
     "study_tables",

@@ -31,6 +31,7 @@ from pawnb.workflow.gait.request import Again, GaitRequest, Legs
 from pawnb.workflow.gait.save_figures import Which, save_gait_figures
 from pawnb.workflow.gait.source_drawings import source_drawings
 from pawnb.workflow.gait.sources import GaitSource
+from pawnb.workflow.gait.speed_residuals import speed_residuals
 from pawnb.workflow.gait.statistics import (
     Groups,
     body_angles_of,
@@ -226,6 +227,8 @@ def carry_out(
         angles = joint_angles_of([(one.tracks, one.animal, one.trial) for one in seen])
         fields = covariates_of(parts, [source.fields for source in sources])
         further, remarks = _further_tables(tables, sources, groups=named, angles=angles)
+        left = speed_residuals(tables.strides)
+        further |= {"speed_residuals": left} if len(left) else {}
         further["trials"] = trials_table(tables, groups=named, fields=fields)
         try:
             further |= size_tables(tables.strides, fields)

@@ -15,6 +15,7 @@ FILES = {
     "steadiness.csv": "how steady each trial was",
     "stride_durations.csv": "whether legs keep one rhythm, trial by trial",
     "against_speed.csv": "measures against speed (Pullar 2009, Table 4.5)",
+    "speed_residuals.csv": "what is left of measures once a line on speed is taken away",
     "phase_speed.csv": "what speed does to phases, within animals",
     "scaling.csv": "measures against size over animals (Pullar 2009, Table 4.3)",
     "expected_exponents.csv": "exponents of size beside expected ones (Pullar 2009, Table 4.4)",
