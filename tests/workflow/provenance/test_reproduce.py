@@ -16,6 +16,9 @@ import pytest
 import pawnb
 from pawnb import synthetic
 from pawnb.cli import main
+from pawnb.core.edits.log import EditLog
+from pawnb.core.edits.records import Move
+from pawnb.core.video import open_views
 from pawnb.errors import InputError
 from pawnb.gait.event_detection.event_edits import EventEdits, ExcludeStride
 from pawnb.io.native import write_tracks
@@ -29,7 +32,8 @@ from pawnb.workflow.provenance.labels import label_inputs
 from pawnb.workflow.provenance.recipes import read_recipe
 from pawnb.workflow.provenance.record import file_checksum
 from pawnb.workflow.provenance.reproduce import reproduce_all
-from pawnb.workflow.provenance.results import describe_trial
+from pawnb.workflow.provenance.results import describe_trial, write_track_results
+from pawnb.workflow.tracking.trial_views import trial_rig
 
 FPS = 200.0
 
@@ -207,6 +211,27 @@ def test_tracks_and_their_tables_are_made_again(rendered_spider, tmp_path):
     toml.write_text(toml.read_text().replace("name = ", 'name = "other" # ', 1))
     with pytest.raises(InputError, match=r"trial\.toml has changed since tracks\.csv was made"):
         pawnb.reproduce(trial / "results" / "tracks.csv")
+
+
+@pytest.mark.slow
+def test_corrections_of_tracks_are_made_again(small_trial):
+    out = small_trial / "results"
+    tracks = pawnb.track(small_trial, out=out)
+    view, point = str(tracks["view"].to_numpy()[0]), str(tracks["keypoint"].to_numpy()[0])
+    frame = int(tracks["frame"][5])
+    trial = pawnb.load_trial(small_trial)
+    with open_views(trial) as views:
+        rig = trial_rig(trial, views)
+    log = EditLog(tracks, out / "edits.jsonl", rig=rig)
+    log.apply(Move(frame=frame, view=view, point=point, u=40.0, v=30.0))
+    write_track_results(log.stamped(), out, rig=rig)
+    moved = pd.read_csv(out / "tracks.csv").query("frame == @frame and view == @view")
+    assert moved.set_index("point").loc[point, "u"] == 40.0
+    files = [out / name for name in ("tracks.nc", "tracks.csv", "points3d.csv")]
+    assert [one.text() for one in reproduce_all(files)] == [f"{f}: identical" for f in files]
+    (out / "edits.jsonl").unlink()
+    with pytest.raises(InputError, match=r"edits\.jsonl: no such file"):
+        pawnb.reproduce(files[0])
 
 
 @pytest.mark.slow
