@@ -216,7 +216,9 @@ def test_what_is_chosen_is_a_view_and_a_point():
     canvas.observe(lambda change: heard.append(change["new"]), "selected")
     canvas.selected = ["cam1", "FR"]
     for wrong in (["nowhere", "FR"], ["cam1"]):
-        with pytest.raises(InputError, match="selected is .*; expected a view of cam1, cam2, cam3"):
+        with pytest.raises(
+            InputError, match=r"selected is .*; expected a view of cam1, cam2, cam3"
+        ):
             canvas.selected = wrong
     canvas.selected = []
     assert heard == [["cam1", "FR"], []]
