@@ -44,7 +44,13 @@ MOUSE_AND_KEYS = (
     ("0", "show every view whole again"),
     ("Left, Right", "one frame back or on; ten with Shift"),
     ("Home, End", "first and last frame"),
-    ("Space", "play or stop"),
+    (
+        "Space",
+        "play or stop; B plays backwards, Shift+Space in a loop (the chosen stretch, or all)",
+    ),
+    ("+, -", "play faster, slower"),
+    ("Alt and an arrow", "the chosen point by 1 px; with Shift by 0.1 px"),
+    ("?", "this list"),
     ("Esc", "let go of a point: it stays where it was"),
 )
 
@@ -90,6 +96,13 @@ class FrameCanvas(anywidget.AnyWidget):
         front ends that lose binary messages; the browser changes to it by itself when a
         picture arrives empty), ``max_height`` (of all views together, CSS px).
 
+    Attributes
+    ----------
+    frame : int
+        The frame that is shown; can be set and observed.
+    selected : list of str
+        View and point that are chosen, or empty; can be set and observed.
+
     Raises
     ------
     InputError
@@ -111,6 +124,7 @@ class FrameCanvas(anywidget.AnyWidget):
     sliders: traitlets.List = traitlets.List().tag(sync=True)
     keys_help: traitlets.List = traitlets.List().tag(sync=True)
     label = traitlets.Unicode("Video frames").tag(sync=True)
+    selected: traitlets.List = traitlets.List().tag(sync=True)
     transport = traitlets.Unicode("binary").tag(sync=True)
     max_height = traitlets.Int(720).tag(sync=True)
     tell_selected = traitlets.Bool(default_value=False).tag(sync=True)
@@ -197,6 +211,17 @@ class FrameCanvas(anywidget.AnyWidget):
         if self.span:  # empty while the widget is being made, which looks at its frame itself
             _check_frame(proposal["value"], self.span)
         return int(proposal["value"])
+
+    @traitlets.validate("selected")
+    def _selected_in_a_view(self, proposal: Any) -> list[str]:
+        """Refuse what is no view and point."""
+        given = list(proposal["value"])
+        views = [stage["name"] for stage in self.stages]
+        if given and (len(given) != 2 or given[0] not in views):
+            raise InputError(
+                f"selected is {given}; expected a view of {', '.join(views)} and a point, or []."
+            )
+        return [str(word) for word in given]
 
     # --- messages -----------------------------------------------------------------------
 

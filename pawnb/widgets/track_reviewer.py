@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,7 @@ from pawnb.core.suspects.chances import worth_a_look
 from pawnb.core.suspects.frames import find_suspects
 from pawnb.core.video import open_views
 from pawnb.errors import InputError
+from pawnb.files import GuardedFile
 from pawnb.schema import Tracks
 from pawnb.trial import Trial, load_trial
 from pawnb.widgets.click_initialiser import view_rig
@@ -23,6 +24,7 @@ from pawnb.widgets.retracking import Retracking, RetrackTrial
 from pawnb.widgets.review_session import ReviewSession
 from pawnb.widgets.timeline import STRETCH_KEYS, TIMELINE_KEYS
 from pawnb.workflow.provenance.results import results_folder
+from pawnb.workflow.reviewing.foreign import Videos, open_foreign
 
 _KEYS = (
     ("D", "the next doubtful frame, the most doubtful first"),
@@ -40,6 +42,8 @@ _MARKS = (
     "Hollow diamond: where the other views put it."
 )
 
+
+_AGAIN = ("retrack", "learn")
 
 _WHAT_TO_DO = {
     True: "look at the doubtful frames (D: the next), and drag a point that is wrong",
@@ -70,7 +74,8 @@ class TrackReviewer(Retracking):
         those of :func:`pawnb.core.suspects.frames.find_suspects`, found again after tracking again,
         an exchange, and undo. What is corrected or accepted is left out.
     **options
-        ``out`` (folder for *Save*; default the folder of ``edits``), ``views`` and ``rig``
+        ``out`` (folder for *Save*; default the folder of ``edits``), ``write`` (a function that
+        writes the tracks instead; nothing is tracked again then), ``views`` and ``rig``
         (when they are open already), and the options of :class:`FrameCanvas`.
 
     Attributes
@@ -93,6 +98,7 @@ class TrackReviewer(Retracking):
         retrack: RetrackTrial | None = None,
         suspects: pd.DataFrame | None = None,
         out: str | Path | None = None,
+        write: Callable[[Tracks], object] | None = None,
         views: Views | None = None,
         rig: Rig | None = None,
         **options: Any,
@@ -105,14 +111,14 @@ class TrackReviewer(Retracking):
         folder = Path(out) if out is not None else edits.parent
         rig = view_rig(trial, shown) if rig is None else rig
         self._given_doubtful = suspects
-        self._said = ""
+        self._tracks_again = write is None
         self.session = ReviewSession(
             trial,
             tracks,
             rig=rig,
             edits=edits,
             retrack=self._track_again,
-            save=self._saver(folder, rig=rig),
+            save=self._saver(folder, rig=rig) if write is None else write,
         )
         self.corrected = self.session
         self._offer_doubtful(self._find_doubtful())
@@ -128,9 +134,52 @@ class TrackReviewer(Retracking):
             self.session.present,
             self.session.colours,
             partners={point: self.session.partners(point) for point in self.session.points},
-            does=("swap", "interpolate", "hide", "delete", "retrack"),
+            does=("swap", "interpolate", "hide", "delete", *_AGAIN[:1] * self._tracks_again),
         )
         self._show_state(self._opening_notes(folder))
+
+    @classmethod
+    def of_file(
+        cls, path: str | Path, videos: Videos, *, fps: float | None = None, **options: Any
+    ) -> TrackReviewer:
+        """Review another program's tracks over their videos, and write them back as they were made.
+
+        *Save* writes ``corrected_<name>`` beside the file, in its format; what nobody touched
+        stays as it was, bit by bit. Corrections are in ``<name>.edits.jsonl``.
+
+        Parameters
+        ----------
+        path : str or Path
+            The file: DeepLabCut, SLEAP, DLTdv, movement and others with points in pictures.
+        videos : str, Path, sequence or mapping
+            The video of the view, or those of the views, in the order of the file or by name.
+        fps : float, optional
+            Frames per second, where the file does not say.
+        **options
+            ``program`` and ``animal`` (see :func:`~pawnb.workflow.reviewing.foreign.open_foreign`)
+            and those of :class:`TrackReviewer`.
+
+        Returns
+        -------
+        TrackReviewer
+            The review; nothing is tracked again in it.
+
+        Raises
+        ------
+        InputError
+            If the file or the videos cannot be used.
+        """
+        told = {name: options.pop(name) for name in ("program", "animal") if name in options}
+        foreign = open_foreign(path, videos, fps=fps, **told)
+        file = foreign.path
+        target = GuardedFile(file.with_name(f"corrected_{file.name}"))
+        options = {"edits": file.with_name(f"{file.name}.edits.jsonl"), **options}
+        return cls(
+            foreign.trial,
+            foreign.tracks,
+            write=lambda tracks: foreign.write(tracks, target),
+            **options,
+        )
 
     @property
     def tracks(self) -> Tracks:
@@ -198,7 +247,7 @@ class TrackReviewer(Retracking):
             said = self.session.swap(frame, *self.session.pairs()[int(value)])
             self._tracked_again()  # what it has mended is doubtful no more
             self._show_state(said)
-        elif action in ("retrack", "learn"):
+        elif action in _AGAIN and self._tracks_again:
             self.retrack(frame, learn=action == "learn")
         elif action == "stop":
             self._stop.set()
@@ -214,7 +263,7 @@ class TrackReviewer(Retracking):
     ) -> int | None:
         """Do what was asked for to a point over a stretch; see :class:`TimelineCanvas`."""
         session, (first, stop), view = self.session, stretch, message.get("view")
-        if action == "retrack":
+        if action == "retrack" and self._tracks_again:
             self.retrack(session.frame_to_track_from(first, stop), stretch=stretch)
             return None
         settled = {point}
@@ -282,7 +331,8 @@ class TrackReviewer(Retracking):
         for action in actions:
             free = not busy or action["id"] in ("suspect", "next", "stop")
             action["enabled"] = action.get("enabled", True) and free
-        self.actions = [action for action in actions if pairs or action["id"] != "swap"]
+        left_out = [*(() if pairs else ("swap",)), *(() if self._tracks_again else _AGAIN)]
+        self.actions = [action for action in actions if action["id"] not in left_out]
 
 
 def _taken(action: str, edit: Edit | None) -> str:

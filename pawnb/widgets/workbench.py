@@ -82,6 +82,8 @@ class Workbench(widgets.VBox):  # type: ignore[misc]
         self.children = (
             self._around, self._head, self._list, self._busy, self._told, self._desk
         )  # fmt: skip
+        # words on what is wrong have another colour on a dark page
+        self._around.observe(lambda _: self._show_list(), names="dark")
         self.look_again()
         if videos:
             base = self.session.folder

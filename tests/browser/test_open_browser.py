@@ -3,6 +3,7 @@
 import os
 import re
 import shutil
+import signal
 import socket
 import subprocess
 import sys
@@ -36,15 +37,24 @@ def page(browser, rendered, tmp_path):
     # settings and workspaces of whoever runs the tests stay as they are
     env |= {f"JUPYTERLAB_{n}_DIR": str(tmp_path / n) for n in ("SETTINGS", "WORKSPACES")}
     with (tmp_path / "log").open("w") as log:
-        server = subprocess.Popen(words, env=env, stdout=log, stderr=log)
+        # in a session of its own: JupyterLab, which the command runs, ends with it
+        server = subprocess.Popen(words, env=env, stdout=log, stderr=log, start_new_session=True)
         try:
             shown = browser.new_page(viewport={"width": 1366, "height": 768})
             shown.goto(address(tmp_path / "log", server))
             yield shown, folder
             shown.close()
         finally:
-            server.terminate()
-            server.wait(30)
+            end(server)
+
+
+def end(server):
+    """End the command and JupyterLab below it."""
+    if os.name == "nt":
+        server.terminate()
+    else:
+        os.killpg(server.pid, signal.SIGTERM)
+    server.wait(30)
 
 
 def address(log, server):

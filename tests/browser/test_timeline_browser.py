@@ -208,3 +208,22 @@ def test_hostile_names_run_nothing_and_nothing_overflows(
     finally:
         set_theme(notebook, "Light")
         notebook.page.set_viewport_size({"width": 1500, "height": 1000})
+
+
+def test_the_lanes_are_drawn_anew_in_another_theme_without_moving(notebook, trial_file):
+    """The page has no width for a moment while it changes its theme."""
+    open_review(notebook, trial_file)
+    notebook.js("c.timeline.canvas.style.setProperty('display', 'none')")
+    set_theme(notebook, "Dark")
+    try:
+        notebook.wait("c.timeline.theme === c.timeline.colours().ink + c.timeline.colours().paper")
+        notebook.js("c.timeline.canvas.style.removeProperty('display')")
+        # the lane of FR is filled to its right end: confidence 0.8 of its height
+        pixel = notebook.js(
+            "[...c.timeline.lanesPicture.getContext('2d').getImageData("
+            "c.timeline.canvas.width - 3, 20 + c.timeline.laneHeight - 4, 1, 1).data]"
+        )
+        assert pixel[2] > pixel[0] + 40  # FR is blue
+        assert notebook.js("c.timeline.x(39)") > 0.9 * notebook.js("c.timeline.canvas.width")
+    finally:
+        set_theme(notebook, "Light")

@@ -208,3 +208,18 @@ def test_points_have_the_colours_that_their_legs_have_in_the_figures():
 def test_what_a_person_chose_for_a_leg_holds_over_the_video_as_well():
     with style(leg_colours={"HR": "black"}):
         assert point_colours(["FR", "HR"])["HR"] == "#000000"
+
+
+def test_what_is_chosen_is_a_view_and_a_point():
+    canvas = Recorded()
+    heard = []
+    canvas.observe(lambda change: heard.append(change["new"]), "selected")
+    canvas.selected = ["cam1", "FR"]
+    for wrong in (["nowhere", "FR"], ["cam1"]):
+        with pytest.raises(
+            InputError, match=r"selected is .*; expected a view of cam1, cam2, cam3"
+        ):
+            canvas.selected = wrong
+    canvas.selected = []
+    assert heard == [["cam1", "FR"], []]
+    canvas.close()

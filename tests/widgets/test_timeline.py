@@ -10,7 +10,7 @@ import traitlets
 
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE
-from pawnb.widgets import TrackReviewer
+from pawnb.widgets import TrackReviewer, timeline
 
 
 @pytest.fixture(scope="module")
@@ -127,3 +127,16 @@ def test_next_crossing_is_where_the_points_are_nearest_again(review):
     tracks["image_position"].values[8:18, :, :, 0, 0] = np.nan
     tracks["image_origin"].values[8:18, :, 0, 0] = ORIGIN_CODE["missing"]
     assert widget.session.next_crossing(2, "FR", "HR") in (12, 13)
+
+
+@pytest.mark.parametrize(("most", "times"), [(scene.N_FRAMES - 1, 0), (scene.N_FRAMES, 1)])
+def test_stances_of_long_recordings_are_not_looked_for(
+    trial_file, tmp_path, monkeypatch, most, times
+):
+    asked = []
+    monkeypatch.setattr(timeline, "_MOST_FRAMES", most)
+    monkeypatch.setattr(timeline, "find_stances", lambda *_: asked.append(1) or {})
+    widget = TrackReviewer(trial_file, scene.true_tracks(), edits=tmp_path / "edits.jsonl")
+    widget._analysts.shutdown(wait=True)
+    assert len(asked) == times
+    widget.close()

@@ -184,3 +184,15 @@ def test_a_long_list_is_shown_page_by_page(described, opened):
     assert len(bench._list.children[0].children) / 8 - 1 == 5
     bench._turn(20)
     assert len(bench._list.children[0].children) / 8 - 1 == 5
+
+
+def test_words_on_what_is_wrong_can_be_read_on_a_dark_page(bare, opened):
+    (bare / "trial.toml").write_text("[trial]\nfsp = 250\n")
+    bench = opened(bare)
+
+    def colour():
+        return bench._list.children[1].style.text_color
+
+    light = colour()
+    bench._around.dark = True
+    assert int(colour()[1:3], 16) > 200 > int(light[1:3], 16)

@@ -1,6 +1,8 @@
 // The buttons, menus, sliders and the help below the pictures.
 // Joined with the other files here into one module by frame_canvas.py.
 
+const SPEEDS = [1, 2, 5, 10, 25, 50, 100]; // frames a second
+
 function element(tag, className, properties = {}) {
   const made = Object.assign(document.createElement(tag), properties);
   made.className = className;
@@ -26,6 +28,7 @@ class Controls {
     this.playButton = this.button(this.bar, "", "Play or stop (Space)", toggle);
     this.playButton.classList.add("pawnb-play");
     this.playing(false);
+    this.buildSpeed();
     this.button(this.bar, "+1", "One frame on (Right)", by(1));
     this.button(this.bar, "+10", "Ten frames on (Shift+Right)", by(10));
     if (!this.timeline) this.buildSlider(first, last);
@@ -49,6 +52,72 @@ class Controls {
     this.button(this.bar, "Whole picture", "Show every view whole again (0)", () => this.fitAll());
   }
 
+  buildSpeed() {
+    const title = "Frames a second while playing (+ and -); B plays backwards, Shift+Space in a loop";
+    this.speed = element("select", "pawnb-button", { title });
+    this.speed.setAttribute("aria-label", "frames a second");
+    for (const speed of SPEEDS) this.speed.append(element("option", "", { value: speed, textContent: `${speed} fps` }));
+    this.speed.value = this.frames.speed;
+    this.speed.onchange = () => { this.frames.speed = +this.speed.value; this.focus(); };
+    this.bar.append(this.speed);
+  }
+
+  // One speed up or down the list.
+  faster(by) {
+    const at = Math.max(0, Math.min(SPEEDS.length - 1, SPEEDS.indexOf(this.frames.speed) + by));
+    this.speed.value = this.frames.speed = SPEEDS[at];
+  }
+
+  // Brightness, contrast and gamma of what is shown; what is tracked and measured stays as it is.
+  buildLight() {
+    const light = element("details", "pawnb-light");
+    light.append(element("summary", "", { textContent: "Brightness, contrast, gamma" }));
+    const lines = element("div", "pawnb-sliders");
+    const values = { brightness: 0, contrast: 1, gamma: 1 };
+    const usual = { ...values };
+    const inputs = {};
+    const show = () => {
+      const changed = Object.keys(values).some((name) => values[name] !== usual[name]);
+      const { brightness, contrast, gamma } = values;
+      const intercept = 0.5 - 0.5 * contrast + brightness;
+      for (const tag of ["R", "G", "B"]) {
+        const [power, linear] = this.filter.querySelectorAll(`feFunc${tag}`);
+        power.setAttribute("exponent", 1 / gamma);
+        linear.setAttribute("slope", contrast);
+        linear.setAttribute("intercept", intercept);
+      }
+      for (const { image } of this.stages) image.style.filter = changed ? `url(#${this.filterId})` : "";
+    };
+    for (const [name, min, max] of [["brightness", -0.5, 0.5], ["contrast", 0.2, 4], ["gamma", 0.3, 3]]) {
+      const line = element("label", "pawnb-line");
+      const input = element("input", "", { type: "range", min, max, step: 0.05, value: values[name] });
+      inputs[name] = input;
+      input.setAttribute("aria-label", name);
+      input.oninput = () => { values[name] = +input.value; show(); };
+      input.onchange = () => this.focus();
+      line.append(element("span", "", { textContent: name }), input);
+      lines.append(line);
+    }
+    light.append(lines);
+    this.button(light, "As it is", "The picture as it was filmed", () => {
+      Object.assign(values, usual);
+      for (const [name, input] of Object.entries(inputs)) input.value = usual[name];
+      show();
+    });
+    this.root.append(light, this.makeFilter());
+  }
+
+  makeFilter() {
+    this.filterId = `pawnb-light-${this.frames.who}`;
+    const holder = element("div", "pawnb-filter");
+    const part = (type) => ["R", "G", "B"].map((tag) => `<feFunc${tag} type="${type}"/>`).join("");
+    holder.innerHTML = `<svg width="0" height="0" aria-hidden="true"><filter id="${this.filterId}"
+      color-interpolation-filters="sRGB"><feComponentTransfer>${part("gamma")}</feComponentTransfer>
+      <feComponentTransfer>${part("linear")}</feComponentTransfer></filter></svg>`;
+    this.filter = holder;
+    return holder;
+  }
+
   // Where there is a timeline, that is the slider.
   buildSlider(first, last) {
     const range = { type: "range", min: first, max: last, value: this.frames.want };
@@ -59,7 +128,7 @@ class Controls {
   }
 
   buildHelp() {
-    const help = element("details", "pawnb-help");
+    const help = (this.help = element("details", "pawnb-help"));
     help.append(element("summary", "", { textContent: "Mouse and keys" }));
     for (const [key, text] of this.model.get("keys_help")) {
       const line = element("div", "");
@@ -86,6 +155,21 @@ class Controls {
       made.disabled = !enabled || this.connection.down;
       made.dataset.action = id;
     }
+  }
+
+  // Python learns which point is chosen, and may choose one.
+  tellSelected() {
+    if (this.connection.down) return;
+    this.model.set("selected", this.selected || []);
+    this.model.save_changes();
+  }
+
+  followSelected() {
+    const [view, id] = this.model.get("selected") || [];
+    this.selected = view === undefined ? null : [view, id];
+    this.markSelected();
+    this.moved();
+    this.redraw();
   }
 
   // The sliders that Python asks for; one in the hand is left alone.

@@ -17,7 +17,8 @@ class Canvas extends Keys {
     this.waiting = new Map(); // edits that are not yet on disk, and what takes each back here
     this.unanswered = 0; // edits that were on their way when the connection was lost
     this.n = 0;
-    this.selected = null; // [view, point]
+    const chosen = model.get("selected") || [];
+    this.selected = chosen.length ? chosen : null; // [view, point]
     this.rectangle = false; // whether the next drag zooms
     this.stages = model.get("stages").map((spec) => new Stage(spec, this));
     this.frames = new Frames(model, this);
@@ -53,6 +54,7 @@ class Canvas extends Keys {
     if (this.timeline) root.append(this.timeline.el);
     root.append(this.bar, this.actions, this.sliders);
     this.buildBar();
+    this.buildLight();
     this.buildHelp();
     this.showActions();
     this.showSliders();
@@ -159,7 +161,7 @@ class Canvas extends Keys {
 
   // No other frame may show while an edit is being written or a point is in the hand.
   get held() {
-    return this.pending > 0 || this.stages.some((s) => s.drag && s.drag.kind === "point");
+    return this.pending > 0 || this.nudged || this.stages.some((s) => s.drag && s.drag.kind === "point");
   }
 
   get pending() {
@@ -278,6 +280,7 @@ class Canvas extends Keys {
     this.moved();
     this.redraw();
     if (this.model.get("tell_selected")) this.edit({ what: "select", view: stage.name, point });
+    this.tellSelected();
   }
 
   // A point was chosen on the timeline: in the view it was chosen in before, or the first that has it.
@@ -347,6 +350,7 @@ class Canvas extends Keys {
       "change:frame": () => frames.follow(),
       "change:actions": () => { this.showActions(); if (this.timeline) this.timeline.bar.show(); },
       "change:stretch": () => this.timeline && this.timeline.chosen(),
+      "change:selected": () => this.followSelected(),
       "change:sliders": () => this.showSliders(),
       "change:status": () => this.showStatus(),
       "change:alarm": () => this.showStatus(),

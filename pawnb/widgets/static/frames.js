@@ -7,7 +7,6 @@
 
 const BITMAP_BYTES = 256e6; // decoded pictures kept in the browser
 const AHEAD = 6; // frames fetched beforehand, in the direction of travel
-const PLAY_FPS = 25;
 
 // The pictures of recent frames, oldest out first.
 class Pictures {
@@ -64,6 +63,9 @@ class Frames {
     this.decoding = new Set();
     this.failed = new Set(); // frames that cannot be read are not asked for again and again
     this.playing = false;
+    this.speed = 25; // frames a second; no frame is skipped, so what is too fast is as fast as it goes
+    this.by = 1; // -1: backwards
+    this.loop = false;
     this.plain = model.get("transport") === "base64";
   }
 
@@ -215,22 +217,41 @@ class Frames {
     this.overlays.clear();
   }
 
-  play(on) {
+  // What is played: the stretch that is chosen on the timeline while that is looped, else all.
+  get range() {
+    const stretch = this.loop && this.host.timeline ? this.host.timeline.stretch : null;
+    return stretch ? [stretch.first, stretch.last] : this.span;
+  }
+
+  play(on, { backwards = false, loop = false } = {}) {
     if (on === this.playing) return;
     this.playing = on;
     this.host.playing(on);
     if (!on) return;
-    let last = -Infinity;
+    Object.assign(this, { by: backwards ? -1 : 1, loop });
+    const [first, last] = this.range;
+    if (loop && (this.want < first || this.want > last)) this.go(first);
+    let before = -Infinity;
     const tick = (now) => {
       if (!this.playing || this.closed) return;
-      if (this.shown === this.want && now - last >= 1000 / PLAY_FPS - 4) {
-        last = now;
-        this.go(this.want + 1); // no frame is skipped: playing waits for each
+      // playing waits for each frame
+      if (this.shown === this.want && now - before >= 1000 / this.speed - 4) {
+        before = now;
+        if (!this.next()) return this.play(false);
       }
-      if (this.shown === this.span[1]) return this.play(false);
       requestAnimationFrame(tick); // not called in a hidden tab, so playing waits there
     };
     requestAnimationFrame(tick);
+  }
+
+  // Go on by one frame; false where there is none.
+  next() {
+    const [first, last] = this.range;
+    let to = this.want + this.by;
+    if (this.loop && (to > last || to < first)) to = this.by > 0 ? first : last;
+    if (to > last || to < first) return false;
+    this.go(to);
+    return true;
   }
 
   close() {

@@ -1,5 +1,8 @@
 // What keys do. Joined with the other files here into one module by frame_canvas.py.
 
+const STILL_MS = 300; // so long after the last key a point that is moved by keys is kept
+const WAYS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+
 // A Canvas (frame_canvas.js) as far as keys are concerned.
 class Keys extends Controls {
   // Keys of every canvas; those that Python asks for come first.
@@ -13,6 +16,13 @@ class Keys extends Controls {
       Home: () => this.go(frames.span[0]),
       End: () => this.go(frames.span[1]),
       " ": () => frames.play(!frames.playing),
+      b: () => this.playOtherwise({ backwards: true }),
+      "Shift+ ": () => this.playOtherwise({ loop: true }),
+      "+": () => this.faster(1),
+      "Shift++": () => this.faster(1),
+      "-": () => this.faster(-1),
+      "?": () => this.showHelp(),
+      "Shift+?": () => this.showHelp(),
       0: () => this.fitAll(),
       z: () => this.setRectangle(!this.rectangle),
       g: () => this.number.select(),
@@ -22,6 +32,46 @@ class Keys extends Controls {
       Backspace: () => this.hideSelected(),
     };
     return timeline ? { ...own, ...this.timelineKeys(own) } : own;
+  }
+
+  playOtherwise(how) {
+    const was = this.frames.playing;
+    this.frames.play(false);
+    if (!was) this.frames.play(true, how);
+  }
+
+  showHelp() {
+    this.help.open = !this.help.open;
+    if (this.help.open) this.help.scrollIntoView({ block: "nearest" });
+  }
+
+  // Alt and an arrow: the chosen point by 1 px, with Shift by 0.1 px; kept once the keys rest.
+  nudge(e) {
+    const way = WAYS[e.key];
+    if (!e.altKey || !way || this.connection.down || this.pending) return false;
+    const [view, id] = this.selected || [];
+    const stage = this.stages.find((one) => one.name === view);
+    const point = stage && (stage.overlay.points || []).find((one) => one.id === id);
+    if (!point || stage.drag) return false;
+    this.frames.play(false);
+    const by = e.shiftKey ? 0.1 : 1;
+    this.nudged ||= { stage, point, was: [point.u, point.v] };
+    point.u = Math.min(Math.max(point.u + by * way[0], -0.49), stage.W - 0.51);
+    point.v = Math.min(Math.max(point.v + by * way[1], -0.49), stage.H - 0.51);
+    clearTimeout(this.nudging);
+    this.nudging = setTimeout(() => this.keepNudge(), STILL_MS);
+    this.redraw();
+    return true;
+  }
+
+  keepNudge() {
+    clearTimeout(this.nudging);
+    const { nudged } = this;
+    this.nudged = null;
+    if (!nudged || this.closed) return;
+    const { stage, point, was } = nudged;
+    const moved = { what: "moved", view: stage.name, point: point.id, u: point.u, v: point.v, whole: true };
+    this.edit(moved, () => { [point.u, point.v] = was; });
   }
 
   timelineKeys(own) {
@@ -44,6 +94,11 @@ class Keys extends Controls {
     const control = { SELECT: /./, INPUT: /Arrow|Home|End|Page/, BUTTON: /^( |Enter)$/, SUMMARY: /^( |Enter)$/ };
     const used = e.target.type === "number" ? /./ : control[e.target.tagName];
     if (used && used.test(e.key)) return; // the control that has the focus needs it
+    if (this.nudge(e)) {
+      e.preventDefault(); // no going back in the browser
+      return;
+    }
+    if (e.key !== "Alt" && e.key !== "Shift") this.keepNudge();
     const command = e.ctrlKey || e.metaKey ? "Ctrl+" : "";
     const typed = command + (e.shiftKey ? "Shift+" : "") + e.key;
     const own = this.ownKeys();

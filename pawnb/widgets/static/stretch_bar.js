@@ -55,7 +55,7 @@ class StretchBar {
 
   offerSwaps(point) {
     const others = this.partners(point);
-    const shown = this.timeline.canvas.clientWidth < WIDE ? 1 : 2; // the rest is a menu
+    const shown = this.timeline.width < WIDE ? 1 : 2; // the rest is a menu
     others.slice(0, shown).forEach((other, i) => {
       const key = i ? "" : " (X)";
       this.press(`Swap with ${other || "(no name)"}`, `${point} and ${other} are exchanged${key}`, "swap", { other });

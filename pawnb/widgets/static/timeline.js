@@ -18,6 +18,7 @@ class Timeline extends Lanes {
     this.n = 0;
     this.view = null; // first frame and number of frames that are shown
     this.drag = null;
+    this.width = 0; // of the canvas, CSS px
     this.el = element("div", "pawnb-timeline");
     this.bar = new StretchBar(this);
     this.canvas = element("canvas", "pawnb-lanes", { tabIndex: -1 });
@@ -120,12 +121,14 @@ class Timeline extends Lanes {
     if (this.canvas.width === w && this.canvas.height === h) return;
     for (const canvas of [this.canvas, this.lanesPicture]) [canvas.width, canvas.height] = [w, h];
     Object.assign(this.canvas.style, { width: `${w / dpr}px`, height: `${h / dpr}px` });
+    this.width = w / dpr;
     this.stale = true;
     this.redraw();
   }
 
   get plotWidth() {
-    return this.canvas.clientWidth - NAMES;
+    // not asked of the page, where it is 0 while that is hidden or changes its theme
+    return this.width - NAMES;
   }
 
   // Left edge of a frame, CSS px.

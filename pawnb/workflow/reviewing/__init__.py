@@ -1,11 +1,12 @@
 """How good tracks are, and where to look or click next.
 
-``quality`` gives the verdict, ``suggest`` the frames in which a click helps most, ``reproject``
+``quality`` gives the verdict, ``suggest`` the frames in which a click helps most, ``foreign`` opens
+other programs' tracks for a review and writes them back, ``reproject``
 shows tracks in every view.
 """
 
 from pawnb import _lazy
 
-__all__ = ["quality", "reproject", "suggest"]
+__all__ = ["foreign", "quality", "reproject", "suggest"]
 
 __getattr__, __dir__ = _lazy(__name__, __all__)

@@ -1,0 +1,124 @@
+"""Playing at any speed, backwards and in a loop; light; keys that move a point; what is chosen."""
+
+import json
+
+import numpy as np
+import pytest
+import small_trial as scene
+
+pytestmark = pytest.mark.browser
+
+
+@pytest.fixture
+def reviewing(notebook, trial_file):
+    notebook.show(f"""import small_trial as scene
+from pawnb.widgets import TrackReviewer
+w = TrackReviewer({str(trial_file)!r}, scene.true_tracks())
+w""")
+    notebook.wait("c.timeline.bytes !== null")
+    notebook.focus()
+    return notebook, trial_file.parent / "results" / "edits.jsonl"
+
+
+def watch(notebook):
+    """Keep which frames are painted from now on."""
+    notebook.page.evaluate(
+        """() => { const c = document.querySelector('.pawnb-root')._pawnb;
+        window.seen = [];
+        (function look() { if (window.seen.at(-1) !== c.painted) window.seen.push(c.painted);
+            requestAnimationFrame(look); })(); }"""
+    )
+
+
+def test_it_plays_backwards_and_a_stretch_in_a_loop_and_skips_no_frame(reviewing):
+    notebook, _ = reviewing
+    for frame in (6, 7, 8, 9):  # there before they are played
+        notebook.js(f"f.go({frame})")
+        notebook.wait(f"c.painted === {frame}")
+    notebook.settle()
+    watch(notebook)
+    notebook.press("b")
+    notebook.wait("f.playing && c.painted < 7")
+    notebook.press("b")
+    notebook.wait("!f.playing")
+    notebook.settle()
+    seen = notebook.page.evaluate("window.seen")
+    assert seen == list(range(9, 9 - len(seen), -1))
+    notebook.kernel_runs("w.stretch = ['FR', 3, 5]")
+    notebook.wait("c.timeline.stretch && c.timeline.stretch.first === 3")
+    watch(notebook)
+    notebook.press("Shift+ ")
+    notebook.wait("window.seen.filter((frame) => frame === 5).length >= 2")
+    notebook.press(" ")
+    notebook.wait("!f.playing")
+    notebook.settle()
+    played = notebook.page.evaluate("window.seen.slice(window.seen.indexOf(3))")
+    assert played[:4] == [3, 4, 5, 3]
+    assert set(played) == {3, 4, 5}
+    # faster and slower, by key and list
+    assert notebook.js("f.speed") == 25
+    notebook.press("+")
+    assert notebook.js("f.speed") == 50
+    notebook.press("-")
+    notebook.press("-")
+    assert notebook.page.get_by_label("frames a second").input_value() == "10"
+    notebook.assert_no_errors()
+
+
+def test_a_point_is_moved_by_keys_and_kept_once(reviewing):
+    notebook, file = reviewing
+    notebook.page.locator("[data-view=cam1] [data-point=FR]").click()
+    for _ in range(3):
+        notebook.press("Alt+ArrowRight")
+    for _ in range(5):
+        notebook.press("Alt+Shift+ArrowUp")
+    notebook.until("len(w.session.corrections)", 1)
+    u, v = scene.seen(0)[0, 0]
+    (line,) = map(json.loads, file.read_text().splitlines())
+    assert (line["edit"], line["frame"], line["view"], line["point"]) == ("move", 0, "cam1", "FR")
+    np.testing.assert_allclose((line["u"], line["v"]), (u + 3, v - 0.5), atol=1e-3)
+    # another key keeps it before anything else is done
+    notebook.press("Alt+ArrowLeft")
+    notebook.press("ArrowRight")
+    notebook.wait("c.painted === 1")
+    notebook.settle()
+    assert [e["frame"] for e in map(json.loads, file.read_text().splitlines())] == [0, 0]
+    np.testing.assert_allclose(
+        notebook.py("w.session.position(0, 'cam1', 'FR')"), (u + 2, v - 0.5), atol=1e-3
+    )
+    notebook.assert_no_errors()
+
+
+def test_the_light_changes_what_is_shown_only(reviewing):
+    notebook, _ = reviewing
+    notebook.page.get_by_text("Brightness, contrast, gamma").click()
+    image = notebook.page.locator(".pawnb-image").first
+    before = image.screenshot()
+    notebook.page.get_by_label("gamma").fill("3")
+    assert "url(" in image.evaluate("(one) => one.style.filter")
+    brighter = image.screenshot()
+    assert brighter != before
+    assert notebook.bar_code("cam1", scene.BITS, scene.SQUARE) == 0  # the pixels are as filmed
+    notebook.page.get_by_role("button", name="As it is").click()
+    assert image.evaluate("(one) => one.style.filter") == ""
+    notebook.assert_no_errors()
+
+
+def test_what_is_chosen_can_be_seen_and_set_from_python(reviewing):
+    notebook, _ = reviewing
+    notebook.page.locator("[data-view=cam2] [data-point=HR]").click()
+    notebook.until("w.selected", ["cam2", "HR"])
+    notebook.kernel_runs("w.selected = ['cam1', 'FR']")
+    notebook.wait("c.selected && c.selected[0] === 'cam1' && c.selected[1] === 'FR'")
+    pressed = notebook.page.locator("[data-view=cam1] [data-point=FR]").get_attribute(
+        "aria-pressed"
+    )
+    assert pressed == "true"
+    notebook.press("?")
+    assert notebook.page.locator(".pawnb-help").get_attribute("open") is not None
+    listed = notebook.page.locator(".pawnb-help").inner_text()
+    for key in ("I, O", "X", "Alt and an arrow", "Ctrl+Z, Ctrl+Y", "+, -", "G"):
+        assert key in listed
+    notebook.press("?")
+    assert notebook.page.locator(".pawnb-help").get_attribute("open") is None
+    notebook.assert_no_errors()
