@@ -24,8 +24,8 @@ With ``--films`` the same scenes are filmed in several ways, by default in colou
 compressed (H.264, crf 23 and 28; made of the colour film where that is kept), and the last table
 has, side by side, how many of 1000 visible labels are wrong, and the verdicts; a film that
 tracking refuses has none right. Time is of the whole call, decoding and the checksums of the
-record included, and of one correction. ``--out FILE.csv`` keeps a row a film (docs/accuracy/films.csv);
-rows of other films that are there already stay.
+record included, and of one correction. ``--out FILE.csv`` keeps a row a film
+(docs/accuracy/films.csv); rows of other films that are there already stay.
 """
 
 from __future__ import annotations
@@ -324,8 +324,8 @@ def keep_films(table: pd.DataFrame, path: Path) -> None:
         "film": table["film"].str.replace(",", " and "),
         "visible labels": table["n_labels"].astype(str),
         "wrong per 1000": rate.where(~refused, "refused"),
-        "verdict": table["verdict"] if "verdict" in table else "",
-        "found by": table["by"] if "by" in table else "",
+        "verdict": table.get("verdict", ""),
+        "found by": table.get("by", ""),
     })  # fmt: skip
     if path.exists():
         rows = pd.concat([pd.read_csv(path, dtype=str), rows])
