@@ -130,8 +130,9 @@ def test_what_is_predicted_is_a_candidate_where_none_was_seen(scene):
     ("colour", "strides_", "taken"),
     [
         (("good", 0.95), ("good", 0.99), "colour"),
-        (("look", 0.85), ("good", 0.99), "colour"),
-        (("look", 0.8), ("good", 0.9), "strides"),
+        (("look", 0.85), ("good", 0.99), "strides"),
+        (("look", 0.88), ("good", 0.9), "colour"),
+        (("look", 0.8), ("look", 0.89), "strides"),
         (("look", 0.8), ("look", 0.7), "colour"),
         (("failed", 0.3), ("failed", 0.4), "learnt"),
     ],
