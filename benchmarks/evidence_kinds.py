@@ -31,7 +31,7 @@ from pawnb.core.paws.offline import tracker
 from pawnb.core.paws.offline.parameters import OfflineParameters
 
 _NOTHING = 1e-9
-"""Gain of a kind that is left out."""
+"""What a kind that is left out can add to a ratio of likelihoods."""
 KINDS = {
     "motion": {"motion"},
     "appearance": {"appearance"},
@@ -49,7 +49,7 @@ def parameters_of(kinds: set[str]) -> OfflineParameters:
     if "motion" not in kinds:
         motion = dataclasses.replace(motion, gain=_NOTHING)
     if "correlation" not in kinds:
-        correlation = dataclasses.replace(correlation, gain=_NOTHING)
+        correlation = dataclasses.replace(correlation, gain=1.0 + _NOTHING)
     if "appearance" not in kinds:
         appearance = dataclasses.replace(appearance, trust=0.0, trusts=(0.0,))
     return dataclasses.replace(
