@@ -63,7 +63,7 @@ def right(clip: real.Clip, n: int, kinds: set[str]) -> float:
     clicks, parameters = clip.clicks(n), parameters_of(kinds)
     with (
         tempfile.TemporaryDirectory() as made,
-        mock.patch.object(tracker, "OfflineParameters", return_value=parameters),
+        mock.patch.object(tracker, "parameters_in_force", return_value=parameters),
     ):
         folder = write_trial(clip, clicks, Path(made))
         with contextlib.redirect_stdout(sys.stderr):
