@@ -49,9 +49,9 @@ which hold too little of a stride to tell one way from the other, where fewer la
 are expected to be right."""
 _SURER = 0.05
 """They give way where so many more labels are expected to be right. Of rendered films in H.264 (100
-frames, seeds 31 to 33, crf 23 and 28; all looked at) strides had 0.06 to 0.10 more in four, and 0,
-0, 0 and 11 of 1000 visible labels wrong, for 61, 4, 26 and 8 by colour; where they had 0.02 more,
-28 for 3. Scenes in colour without H.264 (the same seeds, three variants) are good by colour."""
+frames, seeds 31 to 33, crf 23 and 28; all looked at) strides had that in five, and 0, 0, 0, 3 and
+11 of 1000 visible labels wrong, for 61, 4, 26, 0 and 8 by colour; where they had 0.02 more, 28 for
+3. Scenes in colour without H.264 (the same seeds, three variants) are good by colour."""
 
 
 def track_offline(
