@@ -321,7 +321,7 @@ def keep_films(table: pd.DataFrame, path: Path) -> None:
     refused = table["refused"].astype(bool)
     rows = pd.DataFrame({
         "scenes": table["scenes"], "seed": table["seed"], "px wide": table["width"].astype(str),
-        "film": table["film"].str.replace(",", " and "),
+        "film": table["film"].str.replace("grey-", "grey and "),
         "visible labels": table["n_labels"].astype(str),
         "wrong per 1000": rate.where(~refused, "refused"),
         "verdict": table.get("verdict", ""),

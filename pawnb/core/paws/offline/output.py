@@ -28,8 +28,8 @@ from pawnb.schema import ORIGIN_CODE, Tracks, make_tracks
 SEEN = 0.5
 """Probability from which a point counts as measured in a view."""
 LOST = 0.03
-"""Probability below which a point is missing: in 20 runs on five real clips 1 of 924 right marks has
-less, and 5 of 225 wrong ones."""
+"""Probability below which a point is missing: in 20 runs on five real clips 1 of 924 right marks
+has less, and 5 of 225 wrong ones."""
 
 
 def write_tracks(
