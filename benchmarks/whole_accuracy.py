@@ -24,7 +24,8 @@ With ``--films`` the same scenes are filmed in several ways, by default in colou
 compressed (H.264, crf 23 and 28; made of the colour film where that is kept), and the last table
 has, side by side, how many of 1000 visible labels are wrong, and the verdicts; a film that
 tracking refuses has none right. Time is of the whole call, decoding and the checksums of the
-record included, and of one correction.
+record included, and of one correction. ``--out FILE.csv`` keeps a row a film
+(docs/accuracy/films.csv); rows of other films that are there already stay.
 """
 
 from __future__ import annotations
@@ -70,6 +71,7 @@ def main() -> None:
     parser.add_argument("--alone", action="store_true", help="leave out the corrections")
     parser.add_argument("--clicked", type=float, metavar="SHARE",
                         help="clicks so far into a recording (0 to 1), by the truth")  # fmt: skip
+    parser.add_argument("--out", type=Path, metavar="FILE.csv", help="a row a film")
     arguments = parser.parse_args()
     rows = []
     with tempfile.TemporaryDirectory() as folder:
@@ -84,6 +86,8 @@ def main() -> None:
                 print(f"{trial.name}: refused: {error}", flush=True)
             else:
                 print(line(rows[-1]), flush=True)
+            if arguments.out:
+                keep_films(pd.DataFrame(rows), arguments.out)
     table = pd.DataFrame(rows)
     if not table["refused"].all():
         print(summary(table[~table["refused"]]))
@@ -299,14 +303,39 @@ def summary(table: pd.DataFrame) -> str:
     return "\n".join(lines)
 
 
-def side_by_side(table: pd.DataFrame) -> str:
-    """Return in Markdown how many of 1000 visible labels are wrong, a column a film."""
-    parts = table["trial"].str.extract(r"^synthetic-(\w+)-\d+-?(.*)$").fillna("other")
-    table = table.assign(
+def film_names(table: pd.DataFrame) -> pd.DataFrame:
+    """Add what the names of rendered scenes tell: difficulty, seed, film; and the even width."""
+    parts = table["trial"].str.extract(r"^synthetic-(\w+)-(\d+)-?(.*)$").fillna("other")
+    return table.assign(
         scenes=parts[0],
-        film=parts[1].replace("", GOOD_FILM),
+        seed=parts[1],
+        film=parts[2].replace("", GOOD_FILM),
         width=(table["width"] + 1) // 2 * 2,  # H.264 has even widths only
     )
+
+
+def keep_films(table: pd.DataFrame, path: Path) -> None:
+    """Write a row a film; a row of the same film that is there is replaced, others stay."""
+    table = film_names(table)
+    rate = (1000 * table["n_wrong"] / table["n_labels"]).map("{:.1f}".format)
+    refused = table["refused"].astype(bool)
+    rows = pd.DataFrame({
+        "scenes": table["scenes"], "seed": table["seed"], "px wide": table["width"].astype(str),
+        "film": table["film"].str.replace("grey-", "grey and "),
+        "visible labels": table["n_labels"].astype(str),
+        "wrong per 1000": rate.where(~refused, "refused"),
+        "verdict": table.get("verdict", ""),
+        "found by": table.get("by", ""),
+    })  # fmt: skip
+    if path.exists():
+        rows = pd.concat([pd.read_csv(path, dtype=str), rows])
+    key = ["scenes", "px wide", "seed", "film"]
+    rows.drop_duplicates(key, keep="last").to_csv(path, index=False)
+
+
+def side_by_side(table: pd.DataFrame) -> str:
+    """Return in Markdown how many of 1000 visible labels are wrong, a column a film."""
+    table = film_names(table)
     shown = list(dict.fromkeys(table["film"]))
     lines = ["| scenes | px wide | " + " | ".join(shown) + " |", "|---" * (2 + len(shown)) + "|"]
     for (scenes, width), here in table.groupby(["scenes", "width"], sort=False):

@@ -9,17 +9,27 @@ import xarray as xr
 
 from pawnb.core import dlt
 from pawnb.core.paws.layout import Layout, Placement
+from pawnb.core.paws.offline.association.in_space import (
+    beyond_body,
+    shared_places,
+    surest_two,
+)
 from pawnb.core.paws.offline.pipeline import ViewTrack
 from pawnb.core.paws.offline.projection import Projection
-from pawnb.core.paws.offline.quality.measures import CALIBRATED
+from pawnb.core.paws.offline.quality.measures import (
+    CALIBRATED,
+    QualityLimits,
+    largest_distance,
+)
 from pawnb.core.paws.offline.treadmill.output import keep_rows
 from pawnb.core.paws.request import TrackingRequest
 from pawnb.schema import ORIGIN_CODE, Tracks, make_tracks
 
 SEEN = 0.5
 """Probability from which a point counts as measured in a view."""
-LOST = 0.05
-"""Probability below which a point is missing."""
+LOST = 0.03
+"""Probability below which a point is missing: in 20 runs on five real clips 1 of 924 right marks
+has less, and 5 of 225 wrong ones."""
 
 
 def write_tracks(
@@ -60,17 +70,19 @@ def write_tracks(
                 uv[row, place.point, place.view] = place.uv
                 by_hand[row, place.point, place.view] = True
     chance = np.where(by_hand, 1.0, np.where(np.isfinite(uv[..., 0]), chance, 0.0))
-    image_origin = np.where(chance >= SEEN, ORIGIN_CODE["measured"], ORIGIN_CODE["predicted"])
     if layout.rig is None:
         x, sd, residual = _first_view(uv, sd_px, chance)
     else:
         x, sd, residual = _in_space(uv, sd_px, chance, layout.rig.coefs)
+        chance = np.where(by_hand, chance, chance * _one_place_each(x, chance)[..., None])
+    image_origin = np.where(chance >= SEEN, ORIGIN_CODE["measured"], ORIGIN_CODE["predicted"])
+    if layout.rig is not None:
         shown = dlt.project(layout.rig.coefs, x)
         others = (chance >= SEEN).sum(axis=2, keepdims=True) >= 2
         fill = (chance < SEEN) & others & np.isfinite(shown[..., 0])
         uv = np.where(fill[..., None], shown, uv)
         # no surer than the views that it is projected from
-        second = np.sort(chance, axis=2)[..., -2:-1] if chance.shape[2] > 1 else chance
+        second = surest_two(chance)[..., None]
         chance = np.where(fill, np.maximum(chance, second * 0.9), chance)
         image_origin = np.where(fill, ORIGIN_CODE["reprojected"], image_origin)
     lost = ~by_hand & ((chance < LOST) | ~np.isfinite(uv[..., 0]))
@@ -96,7 +108,10 @@ def _first_view(
 def _in_space(
     uv: np.ndarray, sd_px: np.ndarray, chance: np.ndarray, coefs: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return positions in space from the views that saw each point, else from the best two."""
+    """Return positions in space from the views that saw each point, else from the best two.
+
+    There are none far beyond the body: there lines of sight cross of views that disagree.
+    """
     rank = np.argsort(np.argsort(-chance, axis=2), axis=2)
     used = ((chance >= SEEN) | (rank < 2)) & (chance >= LOST)
     result = dlt.triangulate(coefs, np.where(used[..., None], uv, np.nan), refine=True)
@@ -104,8 +119,19 @@ def _in_space(
     weight = np.where(used, 1 / np.maximum(np.nan_to_num(sd_px, nan=1e3), 0.3) ** 2, 0.0)
     information = np.einsum("npvki,npv,npvkj->npij", J, weight, J)
     variance = np.linalg.inv(information + 1e-12 * np.eye(3)).diagonal(axis1=-2, axis2=-1)
-    known = np.isfinite(result.xyz)
-    return result.xyz, np.where(known, np.sqrt(np.abs(variance)), np.nan), result.residual_px
+    sure = surest_two(chance)
+    astray = beyond_body(result.xyz, sure, sure=SEEN, gate=QualityLimits().beyond)
+    astray &= sure < 1  # who has placed a point has seen to it
+    x = np.where(astray[..., None], np.nan, result.xyz)
+    sd = np.where(np.isfinite(x), np.sqrt(np.abs(variance)), np.nan)
+    return x, sd, np.where(astray, np.nan, result.residual_px)
+
+
+def _one_place_each(x: np.ndarray, chance: np.ndarray) -> np.ndarray:
+    """Return what is left of the chance of points (n, P) that share their place in space."""
+    spans = np.array([largest_distance(here) for here in x])
+    size = float(np.nanmedian(spans)) if np.isfinite(spans).any() else np.nan
+    return shared_places(x, surest_two(chance), QualityLimits().beside * size)
 
 
 def _as_tracks(

@@ -244,14 +244,14 @@ IDENTITY = in_force("identity", IdentityParameters())
 
 @dataclass(frozen=True)
 class OfflineParameters:
-    """Parameters of all stages."""
+    """Parameters of all stages; without ``identity`` names are not decided jointly."""
 
     scene: SceneParameters = field(default_factory=SceneParameters)
     motion: MotionParameters = field(default_factory=MotionParameters)
     correlation: CorrelationParameters = field(default_factory=CorrelationParameters)
     appearance: AppearanceParameters = field(default_factory=AppearanceParameters)
     association: AssociationParameters = field(default_factory=AssociationParameters)
-    identity: IdentityParameters = field(default_factory=IdentityParameters)
+    identity: IdentityParameters | None = field(default_factory=IdentityParameters)
 
 
 def parameters_in_force() -> OfflineParameters:

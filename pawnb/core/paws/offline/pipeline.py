@@ -26,7 +26,7 @@ from pawnb.core.paws.offline.detection.motion import detect_by_motion
 from pawnb.core.paws.offline.learning import agreed_lessons
 from pawnb.core.paws.offline.parameters import OfflineParameters
 from pawnb.core.paws.offline.quality.calibration import probability_right, standard_deviation
-from pawnb.core.paws.offline.quality.signs import Signs, found_again, read_signs
+from pawnb.core.paws.offline.quality.signs import Signs, read_signs, usual_look
 from pawnb.core.paws.offline.scene.stack import BodyStack
 from pawnb.core.paws.offline.view_input import ViewInput
 from pawnb.core.paws.offline.weighing import Weighing, weigh
@@ -208,7 +208,7 @@ def run_pipeline(
                 prior_from_tracks({p: q.mass for p, q in own.items()}, prior, radius)
                 for own, prior in zip(posteriors, priors, strict=True)
             ]
-    left_out = found_again(weighing.found)
+    usual = [usual_look(found, look) for found, look in zip(estimates, looks, strict=True)]
     return [
         {
             p: PointTrack(
@@ -219,13 +219,15 @@ def run_pipeline(
                     look=look[p],
                     agreement=own[p].agreement,
                     clicked=v.annotations.rows_of(p),
-                    left_out=left_out,
+                    usual_look=mean,
                 ),
                 own[p].named,
             )
             for p in found
         }
-        for v, found, m, look, own in zip(views, estimates, motion, looks, posteriors, strict=True)
+        for v, found, m, look, own, mean in zip(
+            views, estimates, motion, looks, posteriors, usual, strict=True
+        )
     ]
 
 

@@ -37,22 +37,31 @@ CAMERAS = {
     }.items()
 }  # fmt: skip
 RIG = Rig(tuple(CAMERAS), np.stack([(P / P[2, 3]).ravel()[:11] for P in CAMERAS.values()], axis=1))
-TRUTH = np.stack(
-    [[(h := P @ np.append(xyz, 1))[:2] / h[2] for P in CAMERAS.values()] for xyz in XYZ]
-)
+
+
+def shown(xyz, P):
+    """Picture of a place by the projection matrix itself."""
+    u, v, w = P @ np.append(xyz, 1)
+    return np.array([u, v]) / w
+
+
+TRUTH = np.stack([[shown(xyz, P) for P in CAMERAS.values()] for xyz in XYZ])
 """(frames, views, 2) by the projection matrices themselves."""
 
 
 @pytest.fixture
 def layout(array_views):
     films = {name: np.zeros((3, SIZE[1], SIZE[0]), np.uint8) for name in CAMERAS}
-    start = pd.DataFrame(
-        [(0, name, "FR", *TRUTH[0, v]) for v, name in enumerate(CAMERAS)],
-        columns=["frame", "view", "point", "u", "v"],
-    )
-    return lambda rig: make_layout(
+
+    def start(points):
+        rows = [
+            (0, name, point, *TRUTH[0, v]) for v, name in enumerate(CAMERAS) for point in points
+        ]
+        return pd.DataFrame(rows, columns=["frame", "view", "point", "u", "v"])
+
+    return lambda rig, points=("FR",): make_layout(
         array_views(films),
-        start,
+        start(points),
         TrackingRequest(frames=(0, 3), fps=100.0, rig=rig),
         settings=Maghsoudi2019Settings(),
     )
@@ -112,3 +121,43 @@ def test_what_is_hardly_likely_is_missing_and_what_was_placed_is_not(layout):
     np.testing.assert_allclose(uv[2, 0], TRUTH[2, 0] + 1)
     assert np.isnan(uv[2, 1:]).all()
     assert tracks["image_confidence"].isel(individual=0, keypoint=0)[2, 0] == 1
+
+
+def seen_at(layout, xyz, chance, placed=None):
+    """Write points seen by all views at places (frames, points, 3), as likely as chance (P,)."""
+    points = ("FL", "FR", "HL", "HR")
+    uv = np.array([[[shown(x, P) for x in here] for here in xyz] for P in CAMERAS.values()])
+    tracks = [
+        ViewTrack(own.copy(), np.broadcast_to(chance, own.shape[:2]).copy(), np.ones(own.shape[:2]))
+        for own in uv
+    ]
+    task = TrackingRequest(frames=(0, 3), fps=100.0, rig=RIG)
+    return write_tracks(tracks, layout(RIG, points), task, placed=placed or {})
+
+
+PAWS = np.repeat([[[4.0, 2, 0], [4.0, -2, 0], [-4.0, 2, 0], [-4.0, -2, 0]]], 3, axis=0)
+"""FL, FR, HL, HR, mm."""
+
+
+def test_a_place_in_space_belongs_to_one_name(layout):
+    shared = PAWS.copy()
+    shared[1, 0] = shared[1, 1]
+    tracks = seen_at(layout, shared, [0.2, 0.9, 0.9, 0.9])
+    sure = tracks["image_confidence"].isel(individual=0)
+    # 0.1 * 0.2 / 0.82: missing; 0.9 * 0.8 / 0.82
+    assert (sure.sel(keypoint="FL").to_numpy()[1] == 0).all()
+    assert np.isnan(tracks["image_position"].sel(keypoint="FL").to_numpy()[1]).all()
+    np.testing.assert_allclose(sure.sel(keypoint="FR").to_numpy()[1], 0.72 / 0.82, atol=1e-6)
+    np.testing.assert_allclose(sure.sel(keypoint="FL").to_numpy()[[0, 2]], 0.2)
+
+
+def test_no_place_in_space_lies_beyond_the_body_but_one_that_was_placed(layout):
+    astray = PAWS.copy()
+    astray[1, 0] = (4, 30, 0)  # the body is 9 mm long
+    tracks = seen_at(layout, astray, 0.9)
+    known = np.isfinite(tracks["position"].sel(keypoint="FL").isel(individual=0).to_numpy())
+    assert known.all(axis=1).tolist() == [True, False, True]
+    placed = {1: [Placement(v, 0, shown(astray[1, 0], P)) for v, P in enumerate(CAMERAS.values())]}
+    tracks = seen_at(layout, astray, 0.9, placed)
+    found = tracks["position"].sel(keypoint="FL").isel(individual=0).to_numpy()
+    np.testing.assert_allclose(found[1], (4, 30, 0), atol=1e-3)

@@ -3,19 +3,19 @@
 Points that look alike are wrong together and smoothly: places were exchanged where they met, and
 from there on every frame agrees with the next. What tells is the way from the nearest click:
 whether flow comes from it as far as this, and whether what came before and what comes after
-fell apart on it; and how well clicks were found when they were left out.
+fell apart on it; and how well the points of the view are recognised at all.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from pawnb.core.paws.offline.association.estimates import Estimates
 
-SIGNS = {"probability": 1, "motion": 1, "look": 1, "broken": -1, "left_out": 1}
+SIGNS = {"probability": 1, "motion": 1, "look": 1, "broken": -1, "usual_look": 1}
 """The columns of :meth:`Signs.columns`, and whether each speaks for a label or against it."""
 
 _SUREST = 2.5e-3
@@ -43,22 +43,23 @@ class Signs:
         How far the way from a click is broken: the sum over its frames of minus the logarithm of
         how far what came before and what comes after agree, by the way that is broken least;
         infinite where there is no click.
-    left_out : float
-        Log-odds of finding a click of the recording that was left out; 0 where none could be.
+    usual_look : float
+        Mean of ``look`` over all points and frames of the view (:func:`usual_look`): where no
+        place looks like any point, labels are wrong more often than each by itself tells.
     """
 
     probability: np.ndarray
     motion: np.ndarray
     look: np.ndarray
     broken: np.ndarray
-    left_out: float
+    usual_look: float
 
     def columns(self) -> np.ndarray:
         """Return the signs (n, 5) as they enter the calibration."""
         p = np.clip(self.probability, _SUREST, 1 - _SUREST)
         broken = np.log1p(np.minimum(self.broken, _MOST))
-        left_out = np.full(len(broken), self.left_out)
-        return np.stack([np.log(p / (1 - p)), self.motion, self.look, broken, left_out], axis=-1)
+        usual = np.full(len(broken), self.usual_look)
+        return np.stack([np.log(p / (1 - p)), self.motion, self.look, broken, usual], axis=-1)
 
 
 def read_signs(
@@ -68,7 +69,7 @@ def read_signs(
     look: np.ndarray,
     agreement: np.ndarray,
     clicked: Sequence[int],
-    left_out: float,
+    usual_look: float,
 ) -> Signs:
     """Read the signs of one point in one view.
 
@@ -82,40 +83,40 @@ def read_signs(
         See :class:`.association.forward_backward.Posterior`.
     clicked : sequence of int
         Rows in which the point was clicked.
-    left_out : float
-        See :func:`found_again`.
+    usual_look : float
+        See :func:`usual_look`.
 
     Returns
     -------
     Signs
         Of the n frames.
     """
-    x, y = np.rint(found.place).astype(int).T
-    rows = np.arange(len(x))
     return Signs(
         found.probability,
-        np.log(motion[rows, y, x]),
-        np.log(look[rows, y, x]),
+        _at_estimates(motion, found),
+        _at_estimates(look, found),
         sum_from_clicks(-np.log(np.clip(agreement, _LEAST, 1.0)), clicked),
-        left_out,
+        usual_look,
     )
 
 
-def found_again(found: np.ndarray) -> float:
-    """Return the log-odds of finding a click that was left out.
+def usual_look(found: Mapping[int, Estimates], looks: Mapping[int, np.ndarray]) -> float:
+    """Return the mean logarithm of the ratios by appearance at all estimates of a view.
 
     Parameters
     ----------
-    found : ndarray, shape (m,)
-        Probability that the model gave to within half a paw of each (:mod:`.weighing`).
-
-    Returns
-    -------
-    float
-        With one click more of either kind, so that few say little; 0 of none.
+    found : mapping
+        Point to where it is.
+    looks : mapping
+        Point to ratios of likelihoods (n, h, w) by appearance.
     """
-    hits = float(found.sum())
-    return float(np.log((hits + 1.0) / (len(found) - hits + 1.0)))
+    return float(np.mean([_at_estimates(looks[point], own).mean() for point, own in found.items()]))
+
+
+def _at_estimates(ratios: np.ndarray, found: Estimates) -> np.ndarray:
+    """Return logarithms (n,) of ratios (n, h, w) at the places nearest to estimates."""
+    x, y = np.rint(found.place).astype(int).T
+    return np.asarray(np.log(ratios[np.arange(len(x)), y, x]))
 
 
 def sum_from_clicks(values: np.ndarray, clicked: Sequence[int]) -> np.ndarray:

@@ -9,9 +9,9 @@ from pawnb.core.paws.offline.association.estimates import Estimates
 from pawnb.core.paws.offline.quality.signs import (
     SIGNS,
     Signs,
-    found_again,
     read_signs,
     sum_from_clicks,
+    usual_look,
 )
 
 
@@ -46,14 +46,14 @@ def test_signs_are_read_at_the_estimate():
         look=look,
         agreement=np.array([0.5, np.exp(-1), np.exp(-1)]),
         clicked=[0],
-        left_out=0.7,
+        usual_look=-0.7,
     )
     np.testing.assert_allclose(signs.motion, [0, 2, 0])
     np.testing.assert_allclose(signs.broken, [0, 1, 2])
     np.testing.assert_allclose(signs.look, [0, -1, 0])
     columns = dict(zip(SIGNS, signs.columns().T, strict=True))
     np.testing.assert_allclose(columns["broken"], np.log([1, 2, 3]))
-    np.testing.assert_allclose(columns["left_out"], 0.7)
+    np.testing.assert_allclose(columns["usual_look"], -0.7)
     np.testing.assert_allclose(columns["probability"], 0.0)  # even odds
 
 
@@ -61,13 +61,16 @@ def test_agreement_of_nothing_is_a_break_and_not_the_end():
     found = Estimates(np.zeros((2, 2)), np.ones(2), np.ones(2))
     even = np.ones((2, 1, 1))
     signs = read_signs(
-        found, motion=even, look=even, agreement=np.zeros(2), clicked=[0], left_out=0.0
+        found, motion=even, look=even, agreement=np.zeros(2), clicked=[0], usual_look=0.0
     )
     assert signs.broken[1] == pytest.approx(np.log(100))
 
 
-def test_clicks_that_were_found_again_speak_for_a_recording_the_more_the_more_there_are():
-    """Two of three: odds of 3 to 2 with one more of either kind; 20 of 30: 21 to 11."""
-    assert found_again(np.array([1.0, 0.0, 1.0])) == pytest.approx(np.log(1.5))
-    assert found_again(np.repeat([1.0, 0.0, 1.0], 10)) == pytest.approx(np.log(21 / 11))
-    assert found_again(np.empty(0)) == 0
+def test_the_usual_look_is_that_at_all_estimates_of_a_view():
+    """Logarithms 2 and 0 of one point, -1 and -3 of another: mean -0.5."""
+    looks = np.full((2, 2, 3, 3), np.exp(9.0))
+    looks[0, [0, 1], [0, 1], [0, 1]] = np.exp([2.0, 0.0])
+    looks[1, [0, 1], [2, 2], [1, 0]] = np.exp([-1.0, -3.0])
+    places = np.array([[[0, 0], [1, 1]], [[1.2, 1.9], [0, 2]]])
+    found = {i: Estimates(place, np.ones(2), np.ones(2)) for i, place in enumerate(places)}
+    assert usual_look(found, dict(enumerate(looks))) == pytest.approx(-0.5)

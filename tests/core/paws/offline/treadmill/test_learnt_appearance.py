@@ -127,26 +127,28 @@ def test_what_is_predicted_is_a_candidate_where_none_was_seen(scene):
 
 
 @pytest.mark.parametrize(
-    ("colour", "strides_", "taken"),
+    ("frames", "colour", "strides_", "taken"),
     [
-        (("good", 0.95), ("good", 0.99), "colour"),
-        (("look", 0.85), ("good", 0.99), "colour"),
-        (("look", 0.8), ("good", 0.9), "strides"),
-        (("look", 0.8), ("look", 0.7), "colour"),
-        (("failed", 0.3), ("failed", 0.4), "learnt"),
+        (100, ("good", 0.95), ("good", 0.99), "colour"),
+        (100, ("look", 0.85), ("good", 0.99), "strides"),
+        (100, ("look", 0.88), ("good", 0.9), "colour"),
+        (30, ("look", 0.85), ("good", 0.99), "colour"),
+        (30, ("look", 0.8), ("look", 0.89), "strides"),
+        (100, ("look", 0.8), ("look", 0.7), "colour"),
+        (100, ("failed", 0.3), ("failed", 0.4), "learnt"),
     ],
 )
-def test_the_better_tracks_are_kept(monkeypatch, colour, strides_, taken):
+def test_the_better_tracks_are_kept(monkeypatch, frames, colour, strides_, taken):
     """Verdicts are given here; how they are told has its own tests."""
     said = {"colour": colour, "strides": strides_}
     monkeypatch.setattr(tracker, "_ways", lambda *a, **k: ["colour", "strides"])
-    monkeypatch.setattr(tracker, "track_treadmill", lambda *a, **k: SimpleTracks())
-    monkeypatch.setattr(tracker, "track_by_strides", lambda *a, **k: SimpleTracks())
-    monkeypatch.setattr(tracker, "track_learnt", lambda *a, **k: SimpleTracks())
+    monkeypatch.setattr(tracker, "track_treadmill", lambda *a, **k: SimpleTracks(frames))
+    monkeypatch.setattr(tracker, "track_by_strides", lambda *a, **k: SimpleTracks(frames))
+    monkeypatch.setattr(tracker, "track_learnt", lambda *a, **k: SimpleTracks(frames))
     monkeypatch.setattr(tracker, "add_likeness", lambda views, tracks, start: tracks)
     monkeypatch.setattr(tracker, "assess", lambda t, **k: Verdict(*said[t.attrs["evidence"]]))
     tracks = track_offline(
-        None, None, TrackingRequest(frames=(0, N), fps=1.0), settings=OfflineSettings()
+        None, None, TrackingRequest(frames=(0, frames), fps=1.0), settings=OfflineSettings()
     )
     assert tracks.attrs["evidence"] == taken
 
@@ -160,5 +162,5 @@ class Verdict:
 class SimpleTracks:
     """As much of tracks as choosing looks at."""
 
-    def __init__(self):
-        self.attrs, self.sizes = {}, {"time": N}
+    def __init__(self, frames):
+        self.attrs, self.sizes = {}, {"time": frames}
