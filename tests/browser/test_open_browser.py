@@ -41,7 +41,7 @@ def page(browser, rendered, tmp_path):
         server = subprocess.Popen(words, env=env, stdout=log, stderr=log, start_new_session=True)
         try:
             shown = browser.new_page(viewport={"width": 1366, "height": 768})
-            shown.goto(address(tmp_path / "log", server))
+            go(shown, address(tmp_path / "log", server))
             yield shown, folder
             shown.close()
         finally:
@@ -64,6 +64,19 @@ def address(log, server):
         assert time.monotonic() < end, log.read_text()
         time.sleep(0.2)
     return found.group(0)
+
+
+def go(page, url):
+    """Open the page; a busy machine says its address before it answers there."""
+    tried = time.monotonic() + 60
+    while True:
+        try:
+            page.goto(url)
+            return
+        except Exception as error:
+            if "ERR_CONNECTION_REFUSED" not in str(error) or time.monotonic() > tried:
+                raise
+            time.sleep(0.5)
 
 
 def asked(page):
