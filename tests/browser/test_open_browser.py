@@ -1,5 +1,6 @@
 """`pawnb open VIDEO VIDEO`: from bare videos to tracks by clicks alone, counted, no file edited."""
 
+import contextlib
 import os
 import re
 import shutil
@@ -68,15 +69,14 @@ def address(log, server):
 
 def go(page, url):
     """Open the page; a busy machine says its address before it answers there."""
-    tried = time.monotonic() + 60
-    while True:
-        try:
+    from playwright.sync_api import Error
+
+    for _ in range(100):
+        with contextlib.suppress(Error):
             page.goto(url)
             return
-        except Exception as error:
-            if "ERR_CONNECTION_REFUSED" not in str(error) or time.monotonic() > tried:
-                raise
-            time.sleep(0.5)
+        time.sleep(0.5)
+    page.goto(url)
 
 
 def asked(page):
