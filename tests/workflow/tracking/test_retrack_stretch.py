@@ -23,7 +23,9 @@ class Corrected:
     def __init__(self, folder, start=None):
         self.trial = load_trial(folder)
         self.rig = load_rig(self.trial)
-        self.tracks = track(self.trial, start=start, progress=quiet)
+        # a small scene is not good by colour, and stretches are what colour is tracked again in
+        by_colour = {"evidence": "colour"}
+        self.tracks = track(self.trial, start=start, settings=by_colour, progress=quiet)
 
     def log(self, path):
         return EditLog(
