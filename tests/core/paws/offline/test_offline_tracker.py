@@ -156,5 +156,6 @@ def test_a_kind_of_evidence_of_another_package_is_taken(
     alone = track_learnt(views, start, task(), parameters=QUICK)
     monkeypatch.setattr(tracker, "installed_evidence", lambda: [Known()])
     helped = track_learnt(views, start, task(), parameters=QUICK)
-    assert np.median(off(alone, truth)) > 4
+    # where nothing looks like the points some are missing
+    assert np.nanmedian(off(alone, truth)) > 4
     assert np.median(off(helped, truth)) < 3
