@@ -239,7 +239,8 @@ def find_nearest(uv: np.ndarray, paw_px: float | None) -> tuple[np.ndarray, np.n
         away[:, np.arange(n_points), np.arange(n_points)] = np.nan
         if not np.isfinite(away).any():
             continue
-        size[v] = paw_px or PAW_SHARE * float(np.nanmedian(away))
+        # points that lie on each other in most frames tell no size: then 1 px
+        size[v] = paw_px or PAW_SHARE * float(np.nanmedian(away)) or 1.0
         filled = np.where(np.isnan(away), np.inf, away)
         near[:, v], who[:, v] = filled.min(axis=-1), filled.argmin(axis=-1)
     return near, who, size

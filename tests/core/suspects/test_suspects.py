@@ -132,3 +132,13 @@ def test_bad_input_is_named():
         find_suspects(make_tracks(range(5), ["FR"], fps=250.0))
     with pytest.raises(InputError, match="'apart_frames' is 0"):
         SuspectSettings(apart_frames=0)
+
+
+def test_points_on_one_place_in_every_frame_are_doubted_without_a_warning():
+    tracks = make_tracks(range(60), ["FR", "FL"], fps=200.0, views=["cam1"], space=("x", "y"))
+    along = np.stack([np.linspace(0, 300, 60), np.full(60, 100.0)], axis=-1)
+    for point in range(2):
+        tracks["image_position"].values[:, 0, :, point, 0] = along
+    tracks["image_origin"].values[:] = ORIGIN_CODE["measured"]
+    table = find_suspects(tracks)
+    assert table["reason"].str.contains("0 px from").any()

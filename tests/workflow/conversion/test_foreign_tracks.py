@@ -91,7 +91,8 @@ def test_every_file_that_was_read_is_in_the_record(rendered_trial, tmp_path):
     run_gait([tmp_path], figures="none")
     record = json.loads((tmp_path / "results" / "provenance.json").read_text())
     names = {name.rpartition("/")[2] for name in record["steps"][0]["inputs"]}
-    assert names == {"tracks.csv", "DLTcoefs.csv", "belt.csv"}
+    # trial.toml holds settings of the analysis
+    assert names == {"trial.toml", "tracks.csv", "DLTcoefs.csv", "belt.csv"}
 
 
 def test_files_of_the_2019_authors_are_all_in_the_record(real_data):
