@@ -18,7 +18,7 @@ from pawnb.schema import ORIGIN_CODE
 
 N = 24
 POINTS = ("FR", "HR")
-SCENE = SceneParameters(extent=90.0, spacing=3)
+SCENE = SceneParameters(extent=90.0, spacing=4)
 QUICK = OfflineParameters(
     scene=SCENE,
     appearance=dataclasses.replace(
