@@ -21,7 +21,7 @@ from pawnb.core.paws.offline.detection.appearance import (
     learn_appearance,
 )
 from pawnb.core.paws.offline.detection.correlation import detect_by_correlation
-from pawnb.core.paws.offline.detection.evidence import paint
+from pawnb.core.paws.offline.detection.evidence import Detections, paint
 from pawnb.core.paws.offline.detection.motion import detect_by_motion
 from pawnb.core.paws.offline.learning import agreed_lessons
 from pawnb.core.paws.offline.parameters import OfflineParameters
@@ -155,9 +155,10 @@ def run_pipeline(
     ]
     begin, end = rows or (0, views[0].stack.shape[0])
     views = [view.part(begin, end) for view in views]
+    followed = [detect_by_motion(v.stack, v.annotations, parameters.motion) for v in views]
     motion = [
-        _motion(view, whole.annotations.points, parameters)
-        for view, whole in zip(views, wholes, strict=True)
+        _motion(view, own, whole.annotations.points)
+        for view, own, whole in zip(views, followed, wholes, strict=True)
     ]
     lessons = clicked
     others = motion
@@ -177,13 +178,13 @@ def run_pipeline(
         ]  # fmt: skip
         posteriors = associate(
             evidence, radius=radius, parameters=parameters.association, rig=rig,
-            identity=parameters.identity,
+            identity=parameters.identity, compared=round_ + 1 == parameters.appearance.rounds,
         )  # fmt: skip
         estimates = [{p: estimate(q.mass, radius) for p, q in own.items()} for own in posteriors]
         if round_ + 1 < parameters.appearance.rounds:
             others = [
-                _with_correlation(view, m, e, parameters)
-                for view, m, e in zip(views, motion, estimates, strict=True)
+                _with_correlation(view, own, m, e, parameters=parameters)
+                for view, own, m, e in zip(views, followed, motion, estimates, strict=True)
             ]
             lessons = [
                 own
@@ -231,30 +232,29 @@ def run_pipeline(
     ]
 
 
-def _motion(
-    view: ViewInput, points: Sequence[int], parameters: OfflineParameters
-) -> dict[int, np.ndarray]:
+def _motion(view: ViewInput, followed: Detections, points: Sequence[int]) -> dict[int, np.ndarray]:
     """Return ratios of likelihoods by motion and by further detections, for each point."""
-    found = [detect_by_motion(view.stack, view.annotations, parameters.motion), *view.detections]
     ratios = {}
     for point in points:
-        ratios[point] = paint(found[0], view.stack, point)
-        for more in found[1:]:
+        ratios[point] = paint(followed, view.stack, point)
+        for more in view.detections:
             ratios[point] *= paint(more, view.stack, point)
     return ratios
 
 
 def _with_correlation(
     view: ViewInput,
+    followed: Detections,
     ratios: Mapping[int, np.ndarray],
     estimates: Mapping[int, Estimates],
+    *,
     parameters: OfflineParameters,
 ) -> dict[int, np.ndarray]:
     """Return ratios with those by correlation, as far as it agrees with what others have found."""
     radius_px = parameters.appearance.radius
     found = detect_by_correlation(
         view.stack, view.annotations, parameters.correlation, radius_px=radius_px,
-        followed=detect_by_motion(view.stack, view.annotations, parameters.motion),
+        followed=followed,
     )  # fmt: skip
     radius = radius_px / view.stack.spacing
     found = trust_by_agreement(found, view.stack, estimates, radius=radius)

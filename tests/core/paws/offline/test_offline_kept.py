@@ -18,7 +18,7 @@ from pawnb.schema import ORIGIN_CODE
 
 N = 24
 POINTS = ("FR", "HR")
-SCENE = SceneParameters(extent=90.0, spacing=3)
+SCENE = SceneParameters(extent=90.0, spacing=4)
 QUICK = OfflineParameters(
     scene=SCENE,
     appearance=dataclasses.replace(
@@ -147,7 +147,9 @@ def test_no_more_is_kept_than_there_is_room_for(make_stack):
         ([[5, 30], [63, 30]], ((False, False), (False, False)), False),  # 0.35 of 60 px are 21
         ([[5, 30], [63, 30]], ((True, False), (False, False)), True),
         ([[25, 30], [83, 30]], ((True, False), (False, False)), False),
-        ([[30, 30], [38, 30]], ((True, True), (True, True)), False),  # another size
+        ([[14, 30], [86, 30]], ((True, True), (True, True)), True),  # 72 of 60 px, stretched
+        ([[10, 30], [90, 30]], ((True, True), (True, True)), False),  # another size
+        ([[30, 30], [38, 30]], ((True, True), (True, True)), False),
     ],
 )
 def test_clicks_fit_well_within_pictures_of_their_scale(make_stack, at, ends, expected):

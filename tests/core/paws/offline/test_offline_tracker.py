@@ -20,7 +20,7 @@ from pawnb.schema import ORIGIN_CODE
 N = 24
 POINTS = ("FR", "HR")
 QUICK = OfflineParameters(
-    scene=SceneParameters(extent=90.0, spacing=3),
+    scene=SceneParameters(extent=90.0, spacing=4),
     appearance=dataclasses.replace(
         OfflineParameters().appearance, networks=1, copies=2, epochs=8, folds=1
     ),

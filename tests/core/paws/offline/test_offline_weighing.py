@@ -15,7 +15,7 @@ from pawnb.core.paws.offline.weighing import weigh
 
 N = 15
 PARAMETERS = OfflineParameters(
-    scene=SceneParameters(spacing=3),
+    scene=SceneParameters(spacing=4),
     appearance=dataclasses.replace(
         OfflineParameters().appearance, networks=1, copies=3, epochs=15, radius=6.0
     ),
@@ -33,7 +33,7 @@ def view(make_texture, make_stack):
 
     def clicked(rows):
         marks = Annotations({t: {0: np.array(places[t], float)} for t in rows})
-        return ViewInput("side", (120, 60), make_stack(pictures), marks)
+        return ViewInput("side", (120, 60), make_stack(pictures, spacing=4), marks)
 
     return clicked
 

@@ -69,6 +69,7 @@ def associate(
     parameters: AssociationParameters,
     rig: Rig | None = None,
     identity: IdentityParameters | None = None,
+    compared: bool = True,
 ) -> list[dict[int, Posterior]]:
     """Return the probability of every place for every point and frame, view by view.
 
@@ -84,6 +85,8 @@ def associate(
         Without it every view is by itself.
     identity : IdentityParameters, optional
         With it the last iteration has names decided jointly over whole tracklets.
+    compared : bool
+        Whether the agreement of posteriors is worked out; it is 1 throughout otherwise.
 
     Returns
     -------
@@ -94,7 +97,12 @@ def associate(
     decided: dict[str, dict[int, np.ndarray]] = {}
     for iteration in range(parameters.iterations):
         posteriors = [
-            _solve(view, factor, parameters, compared=iteration == parameters.iterations - 1)
+            _solve(
+                view,
+                factor,
+                parameters,
+                compared=compared and iteration == parameters.iterations - 1,
+            )
             for view, factor in zip(views, factors, strict=True)
         ]
         if iteration == parameters.iterations - 1:

@@ -14,6 +14,7 @@ _VELOCITY_ROWS = 5
 """Rows from which the velocity at either end is found."""
 
 _NEIGHBOURS: np.ndarray = np.ones((3, 3), np.uint8)
+_ABOUT = np.stack(np.meshgrid([-1, 0, 1], [-1, 0, 1]), axis=-1).reshape(9, 2)
 
 
 @dataclass(frozen=True)
@@ -193,29 +194,35 @@ def _match(
     if not len(active) or not len(new):
         return {}, set()
     here = np.array([one.places[-1] for one in active])
-    steps = np.array([_at(forward, place) for place in here])
-    back = new + np.array([_at(backward, place) for place in new])
+    steps = _at(forward, here)
+    back = new + _at(backward, new)
     away = np.linalg.norm((here + steps)[:, None] - new, axis=-1)
     away = (away + np.linalg.norm(here[:, None] - back, axis=-1)) / 2
-    for i, one in enumerate(active):
-        step = one.velocity()
-        if step is not None:
-            away[i] = np.minimum(away[i], np.linalg.norm(here[i] + step - new, axis=-1))
-    pairs, fated = {}, set()
-    for i in range(len(active)):
-        j = int(away[i].argmin())
-        if away[i, j] > radius:
-            continue
-        rivals = np.concatenate([np.delete(away[i], j), np.delete(away[:, j], i)])
-        if len(rivals) and rivals.min() < away[i, j] + 0.75 * radius:
-            fated.add(i)
-        else:
-            pairs[i] = j
-    return pairs, fated
+    velocities = [one.velocity() for one in active]
+    known = np.array([step is not None for step in velocities])
+    if known.any():
+        ahead = here[known] + np.array([step for step in velocities if step is not None])
+        away[known] = np.minimum(away[known], np.linalg.norm(ahead[:, None] - new, axis=-1))
+    nearest = away.argmin(axis=1)
+    row = np.arange(len(active))
+    best = away[row, nearest]
+    others = away.copy()
+    others[row, nearest] = np.inf
+    # of each new place: how near the nearest comes, and the nearest but one
+    lowest, second = np.sort(np.vstack([away, np.full(len(new), np.inf)]), axis=0)[:2, nearest]
+    rival = np.minimum(others.min(axis=1), np.where(best <= lowest, second, lowest))
+    goes = best <= radius
+    met = goes & (rival < best + 0.75 * radius)
+    pairs = {int(i): int(nearest[i]) for i in np.flatnonzero(goes & ~met)}
+    return pairs, set(np.flatnonzero(met).tolist())
 
 
-def _at(flow: np.ndarray, place: np.ndarray) -> np.ndarray:
-    """Return the mean flow of 3 x 3 places about one."""
-    h, w = flow.shape[:2]
-    x, y = int(np.clip(round(place[0]), 0, w - 1)), int(np.clip(round(place[1]), 0, h - 1))
-    return np.asarray(flow[max(0, y - 1) : y + 2, max(0, x - 1) : x + 2].mean(axis=(0, 1)), float)
+def _at(flow: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Return the mean flow (..., 2) of 3 x 3 places about each of some (..., 2)."""
+    last = np.array(flow.shape[1::-1]) - 1
+    middle = np.clip(np.rint(places), 0, last).astype(int)[..., None, :]
+    near = middle + _ABOUT
+    within = ((near >= 0) & (near <= last)).all(axis=-1, keepdims=True)
+    near = np.where(within, near, middle)
+    sums = (flow[near[..., 1], near[..., 0]] * within).sum(axis=-2, dtype=float)
+    return np.asarray(sums / within.sum(axis=-2))

@@ -180,7 +180,8 @@ def vary_picture(
         [turned[:, :2], turned[:, 2:] + random.uniform(-_SHIFT_PX, _SHIFT_PX, (2, 1))]
     )
     moved = cv2.warpAffine(grey, turned, (width, height), borderMode=cv2.BORDER_REPLICATE)
-    lit = moved * random.uniform(*_LIGHT) + random.normal(0, _NOISE, moved.shape)
+    lit = moved * np.float32(random.uniform(*_LIGHT))
+    lit += np.float32(_NOISE) * random.standard_normal(moved.shape, dtype=np.float32)
     if colour is not None:
         colour = cv2.warpAffine(colour, turned, (width, height), borderMode=cv2.BORDER_REPLICATE)
     return np.clip(lit, 0, 255).astype(np.uint8), colour, turned

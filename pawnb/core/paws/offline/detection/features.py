@@ -8,6 +8,9 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+_FINE, _TEXTURE = 0.56, 1.4
+"""Standard deviations of the finest scale (of 1.5 px at full size, 1 px of them by halving) and of
+what texture is gathered over, px at half size."""
 _RINGS_PX = (10.0, 20.0, 35.0)
 _DIRECTIONS = 8
 _TURNS = np.arange(_DIRECTIONS) * (2 * np.pi / _DIRECTIONS)
@@ -48,7 +51,8 @@ class PictureFeatures:
 
     Gaussian derivatives at four scales, their differences, the structure tensor (Bigün &
     Granlund 1987), brightness (and colour) on three rings about the place, direction by
-    direction, so that what lies ahead and what lies behind are distinguished.
+    direction, so that what lies ahead and what lies behind are distinguished. No scale is finer
+    than a pixel of the picture at half its size, where all of them are computed.
 
     Parameters
     ----------
@@ -57,24 +61,36 @@ class PictureFeatures:
     colour : ndarray of uint8, shape (H, W, 2), or None
         Its colour channels.
     spacing : int
-        Px between places.
+        Px between places, even.
+
+    Raises
+    ------
+    ValueError
+        If the spacing is odd.
     """
 
     def __init__(self, grey: np.ndarray, colour: np.ndarray | None, spacing: int) -> None:
+        if spacing % 2:
+            raise ValueError(f"places {spacing} px apart; the spacing must be even.")
         h, w = grey.shape[0] // spacing, grey.shape[1] // spacing
-        offset = spacing // 2
         self.shape = (h, w)
+        # pyrDown keeps every other pixel: from here on places are among them
+        odd = spacing // 2 % 2
+        offset, step = spacing // 4, spacing // 2
+
+        def halved(x: np.ndarray) -> np.ndarray:
+            return cv2.pyrDown(x[odd:, odd:])
 
         def on_grid(x: np.ndarray) -> np.ndarray:
-            return np.ascontiguousarray(x[offset::spacing, offset::spacing][:h, :w])
+            return np.ascontiguousarray(x[offset::step, offset::step][:h, :w])
 
-        fine = cv2.GaussianBlur(grey.astype(np.float32) / 255, (0, 0), 1.5)
-        gx, gy = cv2.Sobel(fine, cv2.CV_32F, 1, 0), cv2.Sobel(fine, cv2.CV_32F, 0, 1)
+        fine = cv2.GaussianBlur(halved(grey).astype(np.float32) / 255, (0, 0), _FINE)
+        gx, gy = (cv2.Sobel(fine, cv2.CV_32F, *d, ksize=1, scale=2) for d in ((1, 0), (0, 1)))
         brightness = on_grid(fine)
         gx_grid, gy_grid = on_grid(gx), on_grid(gy)
         maps = _structure(gx, gy, on_grid)
         maps += [brightness, gx_grid * 1.5, gy_grid * 1.5, _length(gx_grid, gy_grid) * 1.5]
-        near = on_grid(cv2.GaussianBlur(fine, (0, 0), 2.6))
+        near = on_grid(cv2.GaussianBlur(fine, (0, 0), 1.3))
         middle = cv2.GaussianBlur(near, (0, 0), 5.2 / spacing)
         far = cv2.GaussianBlur(middle, (0, 0), 10.4 / spacing)
         for x, gain in ((near, 1.0), (middle, 2.0), (far, 4.0)):
@@ -88,8 +104,8 @@ class PictureFeatures:
             for i, radius in enumerate(_RINGS_PX)
         ]
         for channel in range(0 if colour is None else 2):
-            shade = colour[..., channel].astype(np.float32) / 32 - 4  # type: ignore[index]
-            shade = on_grid(cv2.blur(shade, (3, 3)))
+            shade = halved(np.ascontiguousarray(colour[..., channel]))  # type: ignore[index]
+            shade = on_grid(shade).astype(np.float32) / 32 - 4
             smooth = cv2.GaussianBlur(shade, (0, 0), 5.1 / spacing)
             self._parts.append(np.stack([shade, smooth]).reshape(2, -1))
             if channel == 0:
@@ -155,7 +171,7 @@ def _structure(
 ) -> list[np.ndarray]:
     """Return strength, coherence and direction (doubled) of the texture."""
     xx, yy, xy = (
-        on_grid(cv2.blur(cv2.blur(p, (7, 7)), (7, 7))) for p in (gx * gx, gy * gy, gx * gy)
+        on_grid(cv2.GaussianBlur(p, (0, 0), _TEXTURE)) for p in (gx * gx, gy * gy, gx * gy)
     )
     apart = np.sqrt((xx - yy) ** 2 + 4 * xy**2)
     total = np.maximum(xx + yy, 0) + 1e-4

@@ -25,6 +25,11 @@ _SHRUNK = 0.75
 _KEPT_BYTES = 2e9
 """Pictures are kept until the body's frame is known, up to so much: those of 1000 frames of four
 colour views of 2048 x 700 px in which the animal is 700 px long."""
+_STRIDE = 5
+"""Patches of flow lie so far apart, px at half the working size, and are not refined between them.
+Where pictures move they differ from those that flow carries by 5.6, 9.3 and 6.3 grey values
+(rendered mouse, horse, camel) in 5.6 ms; with a stride of 3 and refinement by 5.6, 9.5 and 6.1 in
+22 ms, and at a quarter of the size, in 5.6 ms, by 7.2, 10.9 and 7.1."""
 _NOTHING = np.empty((0, 0), np.uint8)
 
 
@@ -192,9 +197,11 @@ class _Crops:
 
     def look(self, picture: np.ndarray) -> None:
         """Take a small picture of the whole view."""
-        k = self.small_scale
         grey = _grey(picture)
-        self.small.append(cv2.resize(grey, None, fx=k, fy=k, interpolation=cv2.INTER_AREA))
+        size = [round(side * self.small_scale) for side in self.view_size]
+        while min(grey.shape) >= 4 and grey.shape[1] >= 2 * size[0]:  # by two is fast
+            grey = cv2.resize(grey, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)
+        self.small.append(cv2.resize(grey, size, interpolation=cv2.INTER_AREA))
 
     def look_and_keep(self, picture: np.ndarray) -> None:
         """Take a small picture of the whole view, and keep what is needed at the working scale."""
@@ -291,15 +298,18 @@ def _coloured(picture: np.ndarray) -> bool:
 def _flows(grey: np.ndarray, spacing: int) -> tuple[np.ndarray, np.ndarray]:
     """Return dense flow between neighbouring frames (Kroeger et al. 2016), in places."""
     size = (grey.shape[2] // spacing, grey.shape[1] // spacing)
+    halves = [cv2.resize(g, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA) for g in grey]
 
     def between(pair: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
         flow = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_MEDIUM)
-        flow.setFinestScale(1)
+        flow.setFinestScale(0)
+        flow.setPatchStride(_STRIDE)
+        flow.setVariationalRefinementIterations(0)
         found = flow.calc(*pair, None)  # type: ignore[call-overload]
-        return cv2.resize(found, size, interpolation=cv2.INTER_AREA) / spacing
+        return cv2.resize(found, size, interpolation=cv2.INTER_AREA) * (2 / spacing)
 
     with ThreadPoolExecutor() as pool:
-        forward = list(pool.map(between, itertools.pairwise(grey)))
-        backward = list(pool.map(between, itertools.pairwise(grey[::-1])))[::-1]
+        forward = list(pool.map(between, itertools.pairwise(halves)))
+        backward = list(pool.map(between, itertools.pairwise(halves[::-1])))[::-1]
     empty = np.zeros((0, size[1], size[0], 2), np.float32)
     return (np.stack(forward), np.stack(backward)) if forward else (empty, empty)

@@ -40,7 +40,8 @@ def stack(make_stack, make_texture):
                 picture(make_texture(96, 160, seed=t, low=90, high=170), striped, checked)
                 for t, (striped, checked) in enumerate(pairs)
             ]
-        )
+        ),
+        spacing=4,
     )
 
 
@@ -93,8 +94,8 @@ def test_a_doubtful_place_is_no_background(stack, monkeypatch):
     for doubtful in ((), (np.array(CHECKED[0], float),)):
         lesson = Lesson({0: np.array(STRIPED[0], float)}, doubtful)
         learn_appearance(stack, {0: lesson}, n_points=1, parameters=every)
-    # places are 3 px apart, the radius is 10 px: the point's are those within 0.55 radii, and
+    # places are 4 px apart, the radius is 10 px: the point's are those within 0.55 radii, and
     # up to 1 radius nothing is said; of the doubtful place up to 1.2 radii
-    assert (taken[0] == 1).sum() == pytest.approx(np.pi * 5.5**2 / 9, abs=3)
-    assert len(taken[0]) == pytest.approx(53 * 32 - np.pi * (10**2 - 5.5**2) / 9, abs=5)
-    assert len(taken[0]) - len(taken[1]) == pytest.approx(np.pi * 12**2 / 9, abs=5)
+    assert (taken[0] == 1).sum() == pytest.approx(np.pi * 5.5**2 / 16, abs=3)
+    assert len(taken[0]) == pytest.approx(40 * 24 - np.pi * (10**2 - 5.5**2) / 16, abs=5)
+    assert len(taken[0]) - len(taken[1]) == pytest.approx(np.pi * 12**2 / 16, abs=5)

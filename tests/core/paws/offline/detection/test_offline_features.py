@@ -15,20 +15,26 @@ def test_features_of_some_places_are_those_among_all(make_texture):
     grey = make_texture(62, 91)
     colour = np.stack([grey, grey[::-1]], axis=-1)
     places = np.array([0, 17, 31, 599, 200])
-    some = PictureFeatures(grey, colour, 3).at(places)
-    np.testing.assert_array_equal(some, feature_maps(grey, colour, 3).reshape(600, -1)[places])
+    some = PictureFeatures(grey, colour, 2).at(places)
+    np.testing.assert_array_equal(some, feature_maps(grey, colour, 2).reshape(31 * 45, -1)[places])
 
 
 def test_shape_is_that_of_the_whole_places(make_texture):
     grey = make_texture(62, 91)
     colour = np.stack([grey, grey[::-1]], axis=-1)
-    assert feature_maps(grey, None, 3).shape == (20, 30, 47)
-    assert feature_maps(grey, colour, 3).shape == (20, 30, 59)
+    assert feature_maps(grey, None, 2).shape == (31, 45, 47)
+    assert feature_maps(grey, colour, 2).shape == (31, 45, 59)
     assert feature_maps(grey, None, 4).shape == (15, 22, 47)
-    assert feature_maps(grey, None, 3).dtype == np.float32
+    assert feature_maps(grey, None, 4).dtype == np.float32
 
 
-@pytest.mark.parametrize("spacing", [3, 4])
+def test_odd_spacings_are_refused():
+    """Places would lie between the pixels of the halved picture."""
+    with pytest.raises(ValueError, match="even"):
+        feature_maps(np.zeros((60, 60), np.uint8), None, 3)
+
+
+@pytest.mark.parametrize("spacing", [2, 4])
 def test_features_go_with_the_picture(make_texture, spacing):
     """Moved by 2 and 3 places; nearer to the edge than 30 places smoothing may look beyond it."""
     whole = make_texture(88 * spacing, 90 * spacing)
@@ -44,7 +50,7 @@ def test_features_go_with_the_picture(make_texture, spacing):
 
 
 def test_an_even_picture_has_brightness_only():
-    found = feature_maps(np.full((90, 90), 51, np.uint8), None, 3)
+    found = feature_maps(np.full((90, 90), 51, np.uint8), None, 4)
     expected = np.zeros(47)
     expected[4] = expected[[8, 12, 16]] = 51 / 255
     expected[RING:] = 0.3 * 51 / 255  # brightness less 0.7 of that at the place
@@ -55,13 +61,13 @@ def test_an_even_picture_has_brightness_only():
 def test_rings_tell_what_lies_in_each_direction():
     """Bright on the right (u) and dark on the left; below (v) and above are alike."""
     grey = np.zeros((120, 120), np.uint8)
-    grey[:, 61:] = 200
-    ring = feature_maps(grey, None, 3)[20, 20, RING : RING + 8]  # at the edge, 10 px about it
+    grey[:, 62:] = 200
+    ring = feature_maps(grey, None, 4)[20, 15, RING : RING + 8]  # at the edge, 10 px about it
     assert ring[0] - ring[4] == pytest.approx(200 / 255, abs=0.02)
     assert ring[2] == pytest.approx(ring[6], abs=1e-6)
 
 
-@pytest.mark.parametrize("spacing", [3, 5])
+@pytest.mark.parametrize("spacing", [2, 4, 6])
 def test_a_place_is_the_middle_of_its_square(spacing):
     """A dot there is as bright to the left as to the right, and above as below."""
     grey = np.zeros((20 * spacing, 20 * spacing), np.uint8)
@@ -75,7 +81,7 @@ def test_a_place_is_the_middle_of_its_square(spacing):
 def test_texture_has_its_direction():
     """Stripes along v: change along u only, coherence 1; a quarter turn is the opposite."""
     stripes = np.tile(128 + 100 * np.sin(np.arange(120) / 2), (120, 1)).astype(np.uint8)
-    across, along = (feature_maps(p, None, 3)[20, 20, 1:4] for p in (stripes, stripes.T))
+    across, along = (feature_maps(p, None, 4)[15, 15, 1:4] for p in (stripes, stripes.T))
     np.testing.assert_allclose(across, [1, 1, 0], atol=0.02)
     np.testing.assert_allclose(along, [1, -1, 0], atol=0.02)
 

@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
+from pawnb.core.paws.offline.scene import camera_motion
 from pawnb.core.paws.offline.scene.camera_motion import find_camera_motion
 
 SIZE = (160, 120)
@@ -56,3 +57,21 @@ def test_pictures_without_features_do_not_pan(n):
     found = find_camera_motion(np.full((n, 60, 80), 90, np.uint8))
     assert not found.pans
     assert found.to_first.shape == (n, 3, 3)
+
+
+def test_long_recordings_of_a_still_camera_are_looked_at_in_part(make_texture, monkeypatch):
+    asked = []
+
+    def counted(before, after, step=camera_motion._step):
+        asked.append(1)
+        return step(before, after)
+
+    monkeypatch.setattr(camera_motion, "_step", counted)
+    texture = make_texture(130, 200)
+    still = np.stack([texture[:100, :120]] * 90)
+    assert not find_camera_motion(still).pans
+    assert len(asked) == camera_motion._TRIED
+    moving = np.stack([texture[:100, t // 2 : 120 + t // 2] for t in range(0, 160, 2)])
+    found = find_camera_motion(moving)
+    assert found.pans
+    np.testing.assert_allclose(found.to_first[79, :2, 2], (79, 0), atol=2)
