@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import shutil
+import signal
 import subprocess
 import sys
-from collections.abc import Sequence
+import threading
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from pawnb.errors import InputError
@@ -129,8 +132,20 @@ def run_lab(words: Sequence[str]) -> None:
     InputError
         If JupyterLab could not start.
     """
-    done = subprocess.run(words, env=lab_environment(), check=False)
-    if done.returncode not in (0, -2):
-        raise InputError(
-            f"JupyterLab ended with status {done.returncode}; its message above says why."
-        )
+    with subprocess.Popen(words, env=lab_environment()) as server, _ended_with_us(server):
+        status = server.wait()
+    if status not in (0, -signal.SIGINT, -signal.SIGTERM):
+        raise InputError(f"JupyterLab ended with status {status}; its message above says why.")
+
+
+@contextlib.contextmanager
+def _ended_with_us(server: subprocess.Popen[bytes]) -> Iterator[None]:
+    """End a server when this process is asked to end: else it would go on without a terminal."""
+    if threading.current_thread() is not threading.main_thread():
+        yield  # only the main thread hears signals
+        return
+    before = signal.signal(signal.SIGTERM, lambda *_: server.terminate())
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
