@@ -254,4 +254,5 @@ class NotebookPage:
         return sum((value > 128) << place for place, value in enumerate(bits))
 
     def assert_no_errors(self):
-        assert [error for error in self.errors if KNOWN_ERROR not in error] == []
+        unknown = [error for error in self.errors if KNOWN_ERROR not in error]
+        assert not unknown, unknown

@@ -29,6 +29,8 @@ def set_theme(notebook, name):
     notebook.page.evaluate(f"async (theme) => await {command}", f"JupyterLab {name}")
     light = "true" if name == "Light" else "false"
     notebook.page.wait_for_function(f"document.body.dataset.jpThemeLight === '{light}'")
+    # Jupyter takes its splash away 200 ms later, and stumbles where another theme came meanwhile
+    notebook.page.wait_for_function("!document.getElementById('jupyterlab-splash')")
 
 
 def truth(view, point, frame=0):

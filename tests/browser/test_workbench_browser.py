@@ -32,17 +32,22 @@ def test_hostile_names_run_nothing_and_nothing_overflows(notebook, folder, width
         notebook.run(f"import pawnb\nw = pawnb.Workbench({str(folder)!r})\nw")
         button = page.get_by_role("button", name="Click the start")
         button.first.wait_for(timeout=60_000)
+        mend = page.get_by_role("button", name="What to mend")
+        mend.wait_for(timeout=60_000)
         assert button.count() == 3
         assert page.get_by_text(HOSTILE[0], exact=True).is_visible()
         assert page.evaluate("window.hurt") is None
         area = page.locator(".jp-OutputArea-output").last.bounding_box()
-        shown = page.locator(".jp-OutputArea button, .jp-OutputArea select").all()
+        controls = ".jp-OutputArea button, .jp-OutputArea select"
+        visible = "[...document.querySelectorAll(s)].filter((e) => e.offsetParent).length > 6"
+        page.wait_for_function(f"(s) => {visible}", arg=controls)
+        shown = page.locator(controls).all()
         boxes = [box for one in shown if (box := one.bounding_box()) is not None]
         assert len(boxes) > 6
         for box in boxes:
             assert box["x"] + box["width"] <= area["x"] + area["width"] + 1
         # what is wrong is said in words, and the one step there is says what to mend
-        page.get_by_role("button", name="What to mend").click()
+        mend.click()
         page.get_by_text("has an unknown field").first.wait_for(timeout=20_000)
         assert page.evaluate("window.hurt") is None
         notebook.assert_no_errors()
