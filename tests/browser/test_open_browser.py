@@ -1,6 +1,7 @@
 """`pawnb open VIDEO VIDEO`: from bare videos to tracks by clicks alone, counted, no file edited."""
 
 import contextlib
+import json
 import os
 import re
 import shutil
@@ -135,3 +136,17 @@ def test_two_bare_videos_are_tracked_in_25_actions_and_no_file_is_edited(page):
     print(f"own two-view clip to tracks: {actions} actions")
     assert actions <= MOST_ACTIONS
     assert errors == []
+
+
+def test_another_notebook_with_the_mark_of_the_page_is_not_run(page):
+    """Somebody else's notebook may carry the mark: it runs only when a person runs it."""
+    shown, folder = page
+    sentinel = folder / "ran"
+    document = json.loads((folder / "workbench.ipynb").read_text())
+    document["cells"][0]["source"] = f"open({str(sentinel)!r}, 'w').close()"
+    (folder / "sub").mkdir()
+    (folder / "sub" / "workbench.ipynb").write_text(json.dumps(document))
+    go(shown, shown.url.partition("/doc/")[0] + "/doc/tree/sub/workbench.ipynb")
+    shown.locator(".jp-Notebook .jp-Cell").first.wait_for(timeout=60_000, state="attached")
+    shown.wait_for_timeout(8000)  # a kernel starts, and would have run the cell
+    assert not sentinel.exists()
