@@ -250,23 +250,24 @@ def carry_out(
                 only=None if again is None else again.only,
             )  # fmt: skip
             notes = [*_notes_of(sources, tables), *warned]  # drawing may have warned, too
-            files += _write_words(tables, every, files, notes=notes, step=step, folder=staging)
+            said = methods_paragraphs(
+                tables, every, step=step, tracked=[one.tracks for one in seen]
+            )
+            files += _write_words(every, files, notes=notes, said=said, folder=staging)
         written = [folder / file.relative_to(staging) for file in files]
     return GaitRun(tables, folder, (*written, folder / MANIFEST))
 
 
 def _write_words(
-    tables: GaitTables,
     every: Mapping[str, pd.DataFrame],
     files: Sequence[Path],
     *,
     notes: Sequence[str],
-    step: Mapping[str, Any],
+    said: Sequence[str],
     folder: Path,
 ) -> list[Path]:
     """Write notes, the methods paragraph, and the index of what there is."""
     told = notes_table(notes, {f"{name}.csv": table for name, table in every.items()})
-    said = methods_paragraphs(tables, every, step=step)
     own = [
         write_table(told, folder / "notes.csv"),
         write_text("\n\n".join(said) + "\n", folder / "methods.txt"),

@@ -14,10 +14,12 @@ from PIL import Image
 
 from pawnb.cli import main
 from pawnb.gait import analyse_events
+from pawnb.schema import ORIGIN_CODE, make_tracks
 from pawnb.workflow.gait.run import run_gait
 from pawnb.workflow.provenance.report.html import page, table
 from pawnb.workflow.provenance.report.index_page import index_page, note_lines
 from pawnb.workflow.provenance.report.methods_text import count_dropped, methods_paragraphs
+from pawnb.workflow.provenance.report.tracking_text import tracking_sentences
 from pawnb.workflow.provenance.report.words import figure_order
 
 HOSTILE = "<img src=x onerror=alert(1)>&'\""
@@ -99,6 +101,33 @@ def test_the_methods_count_what_the_tables_hold():
     assert "2 trials of 2 animals: 20 strides (FR 10, FL 10)" in text
     assert "m1, t1: min_stance_s 0.02" in text
     assert "Butterworth" not in text  # nothing was smoothed
+
+
+def test_one_animal_has_no_statistics_over_animals():
+    step = {
+        "settings": {"cutoff_hz": None}, "versions": {"pawnb": "1", "python": "3"}, "sources": {},
+    }  # fmt: skip
+    tables = analyse_events(events(animals=("m1",)))
+    every = {"phase_summary": tables.phase_summary}
+    text = "\n".join(methods_paragraphs(tables, every, step=step))
+    assert "one animal only" in text
+    assert "Rayleigh" not in text
+    both = analyse_events(events())
+    text = "\n".join(methods_paragraphs(both, {"phase_summary": both.phase_summary}, step=step))
+    assert text.count("Rayleigh") == 2  # the test, and its source
+
+
+def test_the_methods_say_how_points_were_tracked():
+    own = make_tracks(range(10), ["FR", "FL"], fps=200.0)
+    own["origin"][:] = ORIGIN_CODE["measured"]
+    own["origin"][3, 0, 0] = ORIGIN_CODE["edited"]
+    own["origin"][5:, 1, 0] = ORIGIN_CODE["missing"]
+    other = own.copy()
+    other.attrs = own.attrs | {"source_software": "DeepLabCut", "fps": 500.0}
+    text = tracking_sentences([own, other])
+    assert "20 frames at 200 to 500 frames a second by pawnb, DeepLabCut" in text
+    assert "1 of 15 labels were placed by hand" in text  # those of DeepLabCut do not say
+    assert tracking_sentences([]) == ""
 
 
 def test_what_was_left_out_is_counted_whichever_stride_it_was():

@@ -8,6 +8,6 @@ from pawnb import _lazy
 
 _HOME = {"write_report": "pawnb.workflow.provenance.report.report"}
 
-__all__ = ["html", "index_page", "methods_text", "report", "words", "write_report"]
+__all__ = ["html", "index_page", "methods_text", "report", "tracking_text", "words", "write_report"]
 
 __getattr__, __dir__ = _lazy(__name__, __all__, _HOME)

@@ -8,6 +8,8 @@ from typing import Any
 import pandas as pd
 
 from pawnb.gait import GaitTables
+from pawnb.schema import Tracks
+from pawnb.workflow.provenance.report.tracking_text import tracking_sentences
 
 _FILTER = (
     "a zero-phase Butterworth low-pass of fourth order (both passes together; half power at the "
@@ -26,7 +28,11 @@ SOURCES = {
 
 
 def methods_paragraphs(
-    tables: GaitTables, further: Mapping[str, pd.DataFrame], *, step: Mapping[str, Any]
+    tables: GaitTables,
+    further: Mapping[str, pd.DataFrame],
+    *,
+    step: Mapping[str, Any],
+    tracked: Sequence[Tracks] = (),
 ) -> list[str]:
     """Say in prose what an analysis did.
 
@@ -38,34 +44,34 @@ def methods_paragraphs(
         Its tables of statistics by name.
     step : mapping
         The record of the run.
+    tracked : sequence of xarray.Dataset, optional
+        The tracks that events were found in.
 
     Returns
     -------
     list of str
         Paragraphs: data, events and filter, statistics, what was dropped, programs and sources.
     """
-    said = [_data(tables, step), _events(tables, step), _statistics(tables, further)]
-    return [*said, _dropped(tables), _programs(step), _sources(further, step)]
+    tracking = tracking_sentences(tracked)
+    said = [_data(tables), *([tracking] if tracking else []), _events(tables, step)]
+    return [
+        *said,
+        _statistics(tables, further),
+        _dropped(tables),
+        _programs(step),
+        _sources(tables, further, step),
+    ]
 
 
-def _data(tables: GaitTables, step: Mapping[str, Any]) -> str:
-    """Say of whom, and by which tracks."""
+def _data(tables: GaitTables) -> str:
+    """Say of whom, and how many strides."""
     who = tables.events[["animal", "trial"]].drop_duplicates()
     strides = tables.strides
     by_leg = ", ".join(f"{leg} {n}" for leg, n in strides.groupby("leg", sort=False).size().items())
-    methods = sorted(
-        {
-            str(made.get("method"))
-            for steps in step.get("sources", {}).values()
-            for made in steps
-            if made.get("step") == "track"
-        }
-    )
-    tracked = f" Points were tracked by pawnb (method {', '.join(methods)})." if methods else ""
     counted = _number(who["animal"].nunique(), "animal")
     return (
         f"Gait was analysed in {_number(len(who), 'trial')} of {counted}: "
-        f"{_number(len(strides), 'stride')}{f' ({by_leg})' if by_leg else ''}.{tracked}"
+        f"{_number(len(strides), 'stride')}{f' ({by_leg})' if by_leg else ''}."
     )
 
 
@@ -97,7 +103,8 @@ def _events(tables: GaitTables, step: Mapping[str, Any]) -> str:
 def _statistics(tables: GaitTables, further: Mapping[str, pd.DataFrame]) -> str:
     """Name the tests that were made, as the tables name them."""
     said = []
-    if len(tables.phase_summary):
+    animals = tables.events["animal"].nunique()
+    if len(tables.phase_summary) and animals > 1:
         said.append(
             "Mean phases are circular means over animals, each counted once, with 95 % intervals "
             "and Rayleigh's test"
@@ -118,7 +125,10 @@ def _statistics(tables: GaitTables, further: Mapping[str, pd.DataFrame]) -> str:
             "Exponents of size are least squares on logarithms, one point an animal, with 95 % "
             "intervals"
         )
-    return ". ".join(said) + "." if said else "No statistics over animals were made."
+    if said:
+        return ". ".join(said) + "."
+    alone = ", as there is one animal only: strides are described, and nothing is tested"
+    return f"No statistics over animals were made{alone if animals == 1 else ''}."
 
 
 def _dropped(tables: GaitTables) -> str:
@@ -159,9 +169,13 @@ def _programs(step: Mapping[str, Any]) -> str:
     return f"pawnb {versions['pawnb']} on Python {versions['python']} ({others})."
 
 
-def _sources(further: Mapping[str, pd.DataFrame], step: Mapping[str, Any]) -> str:
+def _sources(
+    tables: GaitTables, further: Mapping[str, pd.DataFrame], step: Mapping[str, Any]
+) -> str:
     """Name what is to be cited."""
-    wanted = ["zar"] if "phase_summary" in further else []
+    n_animals = tables.events["animal"].nunique()
+    tested = "phase_summary" in further and n_animals > 1
+    wanted = ["zar"] if tested else []
     wanted += ["holm"] if "groups" in further else []
     wanted += ["pullar"] if {"scaling", "against_speed", "joint_ranges"} & set(further) else []
     used = [made.get("method") for steps in step.get("sources", {}).values() for made in steps]
