@@ -16,7 +16,8 @@ The work in its order, one name a step:
 :mod:`pawnb.figures`                              figures that are fit to print
 ================================================  =================================================
 
-:func:`reproduce` makes a figure or a table again from the recipe that it carries.
+:func:`reproduce` makes a figure or a table again from the recipe that it carries;
+:func:`selfcheck` checks the installation.
 
 Tracks of other programs enter at :func:`run_gait`, or through the readers of :mod:`pawnb.io`.
 
@@ -58,6 +59,7 @@ _HOME = {
     "propose_start": "pawnb.workflow.start.propose",
     "read_tracks": "pawnb.io.native",
     "reproduce": "pawnb.workflow.provenance.reproduce",
+    "selfcheck": "pawnb.workflow.checking.selfcheck",
     "retrack": "pawnb.workflow.tracking.track",
     "run_gait": "pawnb.workflow.gait.run",
     "sample_trial": "pawnb.workflow.sample",

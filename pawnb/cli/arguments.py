@@ -55,6 +55,7 @@ def build_parser() -> argparse.ArgumentParser:
     _add_convert(parsers)
     _add_reproduce(parsers)
     _add_report(parsers)
+    _add_selfcheck(parsers)
     _add_lab(parsers)
     _add_completion(parsers)
     add_shared_options(parsers.choices)
@@ -389,6 +390,14 @@ def _add_report(parsers: Any) -> None:
         "--set", action="append", default=[], metavar="NAME=VALUE", help="as for pawnb gait"
     )
     command.set_defaults(run=commands.run_report)
+
+
+def _add_selfcheck(parsers: Any) -> None:
+    text = "check this installation: published values, and a rendered trial of each kind"
+    more = "Exit status: 0 where all came out as expected, else 3."
+    command = parsers.add_parser("selfcheck", help=text, description=text, epilog=more)
+    command.add_argument("--values-only", action="store_true", help="no trials; takes a second")
+    command.set_defaults(run=commands.run_selfcheck)
 
 
 def _add_completion(parsers: Any) -> None:

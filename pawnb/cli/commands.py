@@ -301,6 +301,22 @@ def run_report(options: argparse.Namespace, argv: list[str]) -> None:
     print(f"wrote {path}")
 
 
+def run_selfcheck(options: argparse.Namespace, _argv: list[str]) -> int:
+    """Check this installation."""
+    from pawnb.workflow.checking.selfcheck import selfcheck
+    from pawnb.workflow.reviewing.quality import EXIT_FAILED
+
+    found = selfcheck(
+        trials=not options.values_only,
+        progress=lambda what: print(f"checking {what} ...", file=sys.stderr),
+    )
+    if options.json:
+        print_json(findings=[vars(one) for one in found.findings], right=found.right)
+    else:
+        print(found.text())
+    return 0 if found.right else EXIT_FAILED
+
+
 def run_lab(options: argparse.Namespace, _argv: list[str]) -> None:
     """Open JupyterLab."""
     from pawnb.workflow.lab import open_lab
