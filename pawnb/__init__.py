@@ -56,7 +56,7 @@ _HOME = {
     "evaluate": "pawnb.workflow.evaluation.evaluate",
     "load_tracks": "pawnb.io.formats",
     "load_trial": "pawnb.trial",
-    "propose_start": "pawnb.workflow.start.propose",
+    "propose_start": "pawnb.workflow.start.propose_start",
     "read_tracks": "pawnb.io.native",
     "reproduce": "pawnb.workflow.provenance.reproduce",
     "selfcheck": "pawnb.workflow.checking.selfcheck",

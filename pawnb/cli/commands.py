@@ -208,8 +208,7 @@ def _print_evaluation(found: Any, options: argparse.Namespace) -> None:
 def run_compare(options: argparse.Namespace, _argv: list[str]) -> None:
     """Compare methods on trials with truth."""
     from pawnb.trial import load_trial
-    from pawnb.workflow.evaluation.compare import Comparison, compare_methods
-    from pawnb.workflow.evaluation.compare_pose import PoseComparison, compare_pose_methods
+    from pawnb.workflow.kinds import kind_of
 
     trials = [load_trial(path) for path in options.trials]
     asked: dict[str, Any] = {
@@ -221,11 +220,8 @@ def run_compare(options: argparse.Namespace, _argv: list[str]) -> None:
     }
     if options.methods:
         asked["methods"] = [name.strip() for name in options.methods.split(",")]
-    comparison: Comparison | PoseComparison
-    if trials[0].kind == "pose":
-        comparison = compare_pose_methods(trials, **asked)
-    else:
-        comparison = compare_methods(trials, corrections=not options.no_corrections, **asked)
+    corrections = not options.no_corrections
+    comparison = kind_of(trials[0]).compare(trials, corrections=corrections, **asked)
     if options.json:
         print_json(**vars(comparison))
         return

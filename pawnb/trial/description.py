@@ -290,6 +290,29 @@ class Trial:
         )
 
     @property
+    def is_tracked_elsewhere(self) -> bool:
+        """Whether another program has tracked it: it names files of tracks, not a recording."""
+        return self.kind == "tracks"
+
+    def must_be(self, *kinds: str, or_else: str) -> None:
+        """Refuse what only trials of other kinds are for.
+
+        Parameters
+        ----------
+        *kinds : str
+            The kinds that are fit for it.
+        or_else : str
+            What the sentence says after the kind of this trial.
+
+        Raises
+        ------
+        InputError
+            If this trial is of none of these kinds.
+        """
+        if self.kind not in kinds:
+            raise InputError(f"trial {self.name!r} is of kind {self.kind!r}{or_else}")
+
+    @property
     def track_files(self) -> tuple[str, ...]:
         """Every file of tracks that was made elsewhere."""
         return tuple(name for name in (self.tracks_file, *self.tracks_of_views.values()) if name)

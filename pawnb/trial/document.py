@@ -124,9 +124,9 @@ def trial_from_document(document: dict[str, Any], *, where: str, folder: Path) -
         )
     except InputError as error:
         raise InputError(f"{where}: {error}") from None
-    if trial.kind == "tracks" and not trial.track_files:
+    if trial.is_tracked_elsewhere and not trial.track_files:
         raise InputError(f"{where}: kind is 'tracks' but [tracks] file is missing; name the file.")
-    if trial.kind != "tracks" and not trial.views:
+    if not trial.is_tracked_elsewhere and not trial.views:
         raise InputError(
             f"{where}: no [[views]]; a trial of kind {trial.kind!r} needs at least one."
         )

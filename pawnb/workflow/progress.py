@@ -41,6 +41,29 @@ def progress_bar(label: str, *, unit: str = "frame", then: str = "") -> Iterator
 
 
 @contextmanager
+def given_or_bar(progress: Progress | None, label: str) -> Iterator[Progress | None]:
+    """Tell a caller how far something is or, where none asks, show a bar.
+
+    Parameters
+    ----------
+    progress : callable, optional
+        The caller's ``progress(done, total)``.
+    label : str
+        Words before the bar.
+
+    Yields
+    ------
+    callable or None
+        ``progress(done, total)``; None where nobody would see a bar.
+    """
+    if progress is not None:
+        yield progress
+        return
+    with progress_bar(label) as bar:
+        yield bar
+
+
+@contextmanager
 def tracking_progress(
     progress: Progress | None, label: str, *, kind: str | None, then: str = ""
 ) -> Iterator[Progress | None]:

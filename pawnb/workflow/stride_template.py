@@ -88,7 +88,7 @@ def build_template(
 
 def _read(trial: Trial, name: str | Path) -> Tracks:
     """Read tracks: netCDF, csv, or those that a trial of kind ``tracks`` names."""
-    if trial.kind == "tracks" and str(name) == TRACKS:
+    if trial.is_tracked_elsewhere and str(name) == TRACKS:
         return read_foreign_tracks(trial)
     path = trial.folder / name
     if path.suffix == ".csv":

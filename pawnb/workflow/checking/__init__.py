@@ -1,12 +1,12 @@
 """What a trial has, what is missing, and what looks wrong.
 
-``check`` is the call for a trial; ``check_pose`` adds what a jointed animal needs, ``check_report``
-puts into words what was found. ``selfcheck`` checks the installation itself, by
-``reference_values`` and rendered trials.
+``check`` is the call for a trial; ``check_points`` adds what points need, ``check_pose`` what a
+jointed animal does, ``check_report`` puts into words what was found. ``selfcheck`` checks the
+installation itself, by ``reference_values`` and rendered trials.
 """
 
 from pawnb import _lazy
 
-__all__ = ["check", "check_pose", "check_report", "reference_values", "selfcheck"]
+__all__ = ["check", "check_points", "check_pose", "check_report", "reference_values", "selfcheck"]
 
 __getattr__, __dir__ = _lazy(__name__, __all__)

@@ -131,7 +131,7 @@ def _trial(path: Path, fps: float | None, program: str | None, unit: str | None)
 
 def _tracks_of(trial: Trial, path: Path) -> Tracks:
     """Return the tracks of a trial: those made elsewhere, or those that pawnb made of it."""
-    if trial.kind == "tracks":
+    if trial.is_tracked_elsewhere:
         return read_foreign_tracks(trial)
     results = results_folder(trial) / "tracks.nc"
     if not results.exists():

@@ -1,8 +1,9 @@
 """Tracks against truth, tracks made by hand, or another run.
 
-``evaluate`` is the call. ``errors`` and ``pose_errors`` measure, ``event_errors`` times events,
-``evaluate_pose`` needs no truth; ``compare``, ``compare_cameras`` and ``compare_pose`` tabulate
-methods over trials, with ``corrected_run`` as a person would correct.
+``evaluate`` is the call; ``against_truth`` knows points and poses, which ``errors`` and
+``pose_errors`` measure; ``event_errors`` times events, ``evaluate_pose`` needs no truth;
+``compare``, ``compare_cameras`` and ``compare_pose`` tabulate methods over trials, which
+``compared`` opens, with ``corrected_run`` as a person would correct.
 """
 
 from pawnb import _lazy
@@ -30,9 +31,11 @@ __all__ = [
     "THRESHOLD_PX",
     "TRUTH_COLUMNS",
     "ErrorReport",
+    "against_truth",
     "compare",
     "compare_cameras",
     "compare_pose",
+    "compared",
     "corrected_run",
     "count_errors",
     "errors",

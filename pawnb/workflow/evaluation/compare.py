@@ -9,7 +9,6 @@ those of the trials' values.
 from __future__ import annotations
 
 import json
-import os
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -21,29 +20,28 @@ import pandas as pd
 
 from pawnb import figures
 from pawnb.core.compiled import time_compiling
-from pawnb.core.paws.tracker import AnyTracker, find_tracker
 from pawnb.core.video import open_views
-from pawnb.errors import InputError, did_you_mean
 from pawnb.io.tables import write_table
-from pawnb.schema import Tracks, each_of
-from pawnb.trial import Trial, load_trial
+from pawnb.schema import Tracks
+from pawnb.trial import Trial
+from pawnb.workflow.evaluation.against_truth import PointTruth
 from pawnb.workflow.evaluation.compare_cameras import (
     compare_cameras,
     describe_reprojection,
     describe_tests,
     measure_reprojection,
 )
+from pawnb.workflow.evaluation.compared import open_compared
 from pawnb.workflow.evaluation.corrected_run import track_with_corrections
 from pawnb.workflow.evaluation.errors import count_errors, limits_for_width, poisson_limit
 from pawnb.workflow.gait.save_figures import save_figure
 from pawnb.workflow.provenance.labels import label_inputs
 from pawnb.workflow.provenance.record import build_step, file_checksum
 from pawnb.workflow.provenance.results import make_folder
-from pawnb.workflow.tracking.methods import METHODS, setting_names
-from pawnb.workflow.tracking.published_names import refuse_published_names
+from pawnb.workflow.tracking.methods import METHODS
 from pawnb.workflow.tracking.track import retrack, track
 
-TRUTH = Path("truth") / "tracks.csv"
+TRUTH = Path("truth") / PointTruth.file
 
 COMPARISON_COLUMNS = (
     "trial", "method", "n_frames", "time_s_per_1000", "major_per_1000", "minor_per_1000",
@@ -154,16 +152,10 @@ def compare_methods(
     InputError
         If a trial has no truth or two have the same name, or a method is unknown.
     """
-    given = each_of(trials, what="trials", kinds=(str, os.PathLike, Trial))
-    opened = [t if isinstance(t, Trial) else load_trial(t) for t in given]
-    for trial in opened:
-        if trial.kind != "paws":
-            raise InputError(
-                f"trial {trial.name!r} is of kind {trial.kind!r}; expected kind 'paws', or every "
-                "trial of kind 'pose'."
-            )
-    check_methods(opened, methods)
-    own_settings = settings_by_method(settings or {}, methods)
+    opened, own_settings = open_compared(
+        trials, "paws", methods=methods, settings=settings, truth=TRUTH,
+        or_else="; expected kind 'paws', or every trial of kind 'pose'.",
+    )  # fmt: skip
     rows, errors = [], []
     samples: dict[tuple[str, str, str, str, str], np.ndarray] = {}
     for trial in opened:
@@ -191,101 +183,6 @@ def compare_methods(
     if out is not None:
         _write(comparison, make_folder(out), settings or {})
     return comparison
-
-
-def settings_by_method(
-    settings: Mapping[str, Any], methods: Sequence[str], *, kind: str = "paws"
-) -> dict[str, dict[str, Any]]:
-    """Sort settings by the methods that they are for.
-
-    Parameters
-    ----------
-    settings : mapping
-        Names, or ``method.name``, to values.
-    methods : sequence of str
-        The methods that are compared.
-    kind : str
-        The kind of trial that they are for.
-
-    Returns
-    -------
-    dict
-        Each method to its settings; those addressed to it go first.
-
-    Raises
-    ------
-    InputError
-        If a setting is for a method that is not compared, or none of them has it.
-    """
-    found: dict[str, dict[str, Any]] = {method: {} for method in methods}
-    for word, value in settings.items():
-        method, dot, name = word.partition(".")
-        if not dot or any(method in find_tracker(kind, m).stages for m in methods):
-            method, dot, name = "", "", word  # of any method; a stage is not a method
-        if dot and method not in methods:
-            raise InputError(
-                f"setting {word!r} is for method {method!r}{did_you_mean(method, methods)}, which "
-                f"is not compared; the methods are {', '.join(methods)}."
-            )
-        refuse_published_names([name], kind=kind)
-        asked = [method] if dot else methods
-        owners = [m for m in asked if _has_setting(find_tracker(kind, m), name)]
-        if not owners:
-            every = {n for m in asked for n in setting_names(m, kind=kind)}
-            who = f"method {method}" if dot else "none of the methods compared"
-            has = "has no setting" if dot else "has a setting"
-            raise InputError(f"{who} {has} {name!r}{did_you_mean(name, sorted(every))}.")
-        for owner in owners:
-            if dot or f"{owner}.{name}" not in settings:
-                found[owner][name] = value
-    return found
-
-
-def _has_setting(tracker: AnyTracker, name: str) -> bool:
-    """Tell whether a tracker has a setting, or a stage whose parameter this is."""
-    return name in setting_names(tracker.name, kind=tracker.kind) or (
-        "." in name and name.partition(".")[0] in tracker.stages
-    )
-
-
-def check_methods(
-    trials: Sequence[Trial],
-    methods: Sequence[str],
-    *,
-    known: Sequence[str] = METHODS,
-    truth: Path = TRUTH,
-) -> None:
-    """Check that methods and truths are there, before the first trial is tracked.
-
-    Parameters
-    ----------
-    trials : sequence of Trial
-        The trials.
-    methods, known : sequence of str
-        The methods asked for, and those there are.
-    truth : Path
-        File of the truth in the folder of each trial.
-
-    Raises
-    ------
-    InputError
-        If a method is unknown, a trial has no truth, or two have the same name.
-    """
-    for method in each_of(methods, what="methods", kinds=(str,), one=False):
-        if method not in known:
-            raise InputError(
-                f"unknown method {method!r}{did_you_mean(method, known)}; "
-                f"expected {', '.join(known)}."
-            )
-    names = [trial.name for trial in trials]
-    for trial in trials:
-        if not (trial.folder / truth).is_file():
-            raise InputError(
-                f"trial {trial.name!r} has no {truth.as_posix()}; a comparison needs the truth: "
-                "positions made by hand or those of pawnb demo."
-            )
-        if names.count(trial.name) > 1:
-            raise InputError(f"two trials are named {trial.name!r}; give each its own name.")
 
 
 def _limits(trial: Trial) -> dict[str, Any]:

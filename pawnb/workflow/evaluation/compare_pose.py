@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -12,17 +11,15 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from pawnb.errors import InputError
 from pawnb.io.tables import write_table
-from pawnb.schema import each_of
-from pawnb.trial import Trial, load_trial
-from pawnb.workflow.evaluation.compare import check_methods, settings_by_method
-from pawnb.workflow.evaluation.evaluate import evaluate_poses
+from pawnb.trial import Trial
+from pawnb.workflow.evaluation.against_truth import PoseTruth
+from pawnb.workflow.evaluation.compared import open_compared
 from pawnb.workflow.provenance.results import make_folder
 from pawnb.workflow.tracking.methods import POSE_METHODS
 from pawnb.workflow.tracking.track import track
 
-TRUTH = Path("truth") / "pose.csv"
+TRUTH = Path("truth") / PoseTruth.file
 POSE_COMPARISON_COLUMNS = ("trial", "method", "measure", "value", "unit")
 POSE_SUMMARY_COLUMNS = ("method", "measure", "unit", "n_trials", "mean", "sd")
 _TIME = "time"
@@ -96,16 +93,11 @@ def compare_pose_methods(
         If a trial has no truth, is of another kind, or two have the same name, or a method is
         unknown.
     """
-    given = each_of(trials, what="trials", kinds=(str, os.PathLike, Trial))
-    opened = [t if isinstance(t, Trial) else load_trial(t) for t in given]
-    for trial in opened:
-        if trial.kind != "pose":
-            raise InputError(
-                f"trial {trial.name!r} is of kind {trial.kind!r}, others are of kind 'pose'; "
-                "compare trials of one kind."
-            )
-    check_methods(opened, methods, known=POSE_METHODS, truth=TRUTH)
-    own_settings = settings_by_method(settings or {}, methods, kind="pose")
+    opened, own_settings = open_compared(
+        trials, "pose", methods=methods, settings=settings, truth=TRUTH,
+        or_else=", others are of kind 'pose'; compare trials of one kind.",
+    )  # fmt: skip
+    truth = PoseTruth()
     rows: list[tuple[str, str, str, float, str]] = []
     for trial in opened:
         for method in methods:
@@ -115,7 +107,7 @@ def compare_pose_methods(
                 progress=progress,
             )  # fmt: skip
             took = (time.perf_counter() - begun) / tracks.sizes["time"]
-            found = evaluate_poses(tracks, trial.folder / TRUTH).tables["summary"]
+            found = truth.measure(tracks, trial.folder / TRUTH).tables["summary"]
             own = [tuple(row) for row in found[["measure", "value", "unit"]].to_numpy().tolist()]
             own.append((_TIME, took, "s a frame"))
             rows += [(trial.name, method, *row) for row in own]

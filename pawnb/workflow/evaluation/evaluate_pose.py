@@ -26,7 +26,7 @@ from pawnb.errors import InputError
 from pawnb.io.tables import write_table
 from pawnb.schema import Tracks
 from pawnb.trial import Trial, load_trial
-from pawnb.workflow.evaluation.evaluate import Evaluation
+from pawnb.workflow.evaluation.against_truth import Evaluation
 from pawnb.workflow.evaluation.pose_errors import build_jitter_table, compare_directions
 from pawnb.workflow.progress import Progress
 from pawnb.workflow.provenance.results import (
@@ -129,11 +129,8 @@ def evaluate_directions(
         fewer than two frames.
     """
     trial = trial if isinstance(trial, Trial) else load_trial(trial)
-    if trial.kind != "pose":
-        raise InputError(
-            f"trial {trial.name!r} is of kind {trial.kind!r}; tracking both ways is compared for "
-            "jointed animals, kind 'pose'."
-        )
+    both_ways = "; tracking both ways is compared for jointed animals, kind 'pose'."
+    trial.must_be("pose", or_else=both_ways)
     if not (0 <= disturb_px < math.inf and 0 <= disturb_deg < math.inf):
         raise InputError(
             f"disturb is {disturb_px:g} px, {disturb_deg:g} degrees; expected numbers, 0 or more."

@@ -179,7 +179,7 @@ def _read_trial(trial: Trial, file: Path) -> GaitSource:
     own: dict[str, Any] = {
         "trial": trial, "of_trial": file, "settings": trial.gait, "fields": trial.animal.extra,
     }  # fmt: skip
-    if trial.kind == "tracks" and trial.track_files:
+    if trial.is_tracked_elsewhere and trial.track_files:
         events = read_trial_events(trial)
         if events is not None:
             return GaitSource(trial.path(trial.track_files[0]), out, events=events, **own)

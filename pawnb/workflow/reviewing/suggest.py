@@ -89,11 +89,7 @@ def suggest_frames(trial: Trial | str | Path, tracks: Tracks, *, n: int = 3) -> 
     if n < 1:
         raise InputError(f"n is {n}; expected at least one frame to suggest.")
     trial = trial if isinstance(trial, Trial) else load_trial(trial)
-    if trial.kind != "paws":
-        raise InputError(
-            f"trial {trial.name!r} is of kind {trial.kind!r}; frames to click are suggested for "
-            "kind 'paws'."
-        )
+    trial.must_be("paws", or_else="; frames to click are suggested for kind 'paws'.")
     clicks = clicks_of_tracks(tracks)
     chance = label_chances(tracks, clicks=clicks)
     known, since = _clicked_frames(trial, tracks, clicks)

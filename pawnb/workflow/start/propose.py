@@ -1,10 +1,11 @@
-"""A start without clicks, and in words how sure of it one may be."""
+"""Paws found without clicks, and in words how sure of them one may be."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
 import pandas as pd
 
@@ -13,9 +14,8 @@ from pawnb.core.rig import load_rig
 from pawnb.core.video import ViewSet, open_views
 from pawnb.errors import InputError
 from pawnb.trial import Trial, load_trial
-from pawnb.workflow.progress import Progress, progress_bar
-from pawnb.workflow.start.propose_pose import PoseStart, propose_pose_start
-from pawnb.workflow.start.sureness import sureness_in_words
+from pawnb.workflow.progress import Progress, given_or_bar
+from pawnb.workflow.start.proposed import Proposed, frames_to_look_through, sure_table
 
 EVERY = 5
 """Frames are looked through in steps of so many."""
@@ -32,7 +32,7 @@ SIDES_UNKNOWN = (
 
 
 @dataclass(frozen=True)
-class StartProposal:
+class StartProposal(Proposed):
     """A start for the tracker that a person accepts or corrects.
 
     Parameters
@@ -52,60 +52,12 @@ class StartProposal:
     points: pd.DataFrame
     notes: tuple[str, ...] = ()
 
-    @property
-    def sure(self) -> float:
-        """How sure all of it is, 0 to 1: as sure as its least sure point."""
-        return float(self.points["sure"].min())
+    what: ClassVar[str] = "start"
 
     @property
-    def words(self) -> str:
-        """How sure all of it is, in words."""
-        return sureness_in_words(self.sure)
-
-    def text(self) -> str:
-        """Return frame, points and how sure they are, one a line."""
-        lines = [f"proposed start in frame {self.frame}: {self.words} ({self.sure:.2f})"]
-        lines += [f"  {row.point}  {row.sure:.2f}  {row.words}" for row in self.points.itertuples()]
-        return "\n".join([*lines, *self.notes])
-
-
-def propose_start(
-    trial: Trial | str | Path,
-    *,
-    frames: Sequence[int] | None = None,
-    progress: Progress | None = None,
-) -> StartProposal | PoseStart:
-    """Find where tracking may start without clicks: paws, or the pose of a jointed animal.
-
-    Parameters
-    ----------
-    trial : Trial, str or Path
-        The trial, its ``trial.toml``, or the folder that holds it.
-    frames : sequence of int, optional
-        Frames to look through; default some spread over the trial.
-    progress : callable, optional
-        ``progress(done, total)``; default a bar on a terminal or in a notebook.
-
-    Returns
-    -------
-    StartProposal or PoseStart
-        As :func:`propose_paws` or, for a trial of kind ``pose``, :func:`propose_pose_start`.
-
-    Raises
-    ------
-    InputError
-        As these.
-
-    Examples
-    --------
-    >>> proposal = pawnb.propose_start(trial)
-    >>> {"frame", "view", "point", "u", "v"} <= set(proposal.start)
-    True
-    """
-    if not isinstance(trial, Trial):
-        trial = load_trial(trial)
-    propose = _PROPOSE.get(trial.kind, propose_paws)
-    return propose(trial, frames=frames, progress=progress)
+    def parts(self) -> pd.DataFrame:
+        """How sure each point is."""
+        return self.points
 
 
 def propose_paws(
@@ -181,32 +133,16 @@ def propose_in_views(
             f"trial {trial.name!r} is not calibrated; paws can be proposed only where two "
             "calibrated views see the same side: click the points instead."
         )
-    first, last = trial.frames or (views.first_frame, views.n_frames)
-    if frames is None:
-        step = max(EVERY, -(-(last - first) // MOST_FRAMES))
-        frames = range(first, last, step)
-    wrong = [frame for frame in frames if not views.first_frame <= frame < views.n_frames]
-    if wrong or not len(frames):
-        raise InputError(
-            f"frames to look through: found {wrong[0] if wrong else 'none'}; expected some of "
-            f"{views.first_frame} to {views.n_frames - 1}."
-        )
+    frames = frames_to_look_through(trial, views, frames, every=EVERY, at_most=MOST_FRAMES)
     named = {view.name: view.points or PAWS for view in trial.views}
     wanted = {name: tuple(point for point in points if point in PAWS)
               for name, points in named.items()}  # fmt: skip
     # landmarks are left to be clicked; where there is nothing else the error names one
     wanted = {name: points for name, points in wanted.items() if points} or named
     asked = sorted({int(frame) for frame in frames})
-    if progress is not None:
-        found = find_paws(views, rig, points_by_view=wanted, frames=asked, progress=progress)
-    else:
-        with progress_bar("looking for paws") as bar:
-            found = find_paws(views, rig, points_by_view=wanted, frames=asked, progress=bar)
-    order = [point for point in PAWS if point in found.sure]
-    points = pd.DataFrame(
-        [(p, round(found.sure[p], 3), sureness_in_words(found.sure[p])) for p in order],
-        columns=["point", "sure", "words"],
-    )
+    with given_or_bar(progress, "looking for paws") as report:
+        found = find_paws(views, rig, points_by_view=wanted, frames=asked, progress=report)
+    points = sure_table("point", {p: round(found.sure[p], 3) for p in PAWS if p in found.sure})
     views_in_order = list(wanted)
     start = found.start.sort_values(
         ["view", "point"],
@@ -217,9 +153,3 @@ def propose_in_views(
     )
     notes = () if found.sides_known else (SIDES_UNKNOWN,)
     return StartProposal(found.frame, start, points, notes)
-
-
-_PROPOSE: dict[str, Callable[..., StartProposal | PoseStart]] = {
-    "paws": propose_paws,
-    "pose": propose_pose_start,
-}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import pandas as pd
 
@@ -18,12 +18,12 @@ from pawnb.core.pose.start_proposal.proposal import propose_pose
 from pawnb.core.video import ViewSet, open_views
 from pawnb.errors import InputError
 from pawnb.trial import Trial, load_trial
-from pawnb.workflow.progress import Progress, progress_bar
-from pawnb.workflow.start.sureness import sureness_in_words
+from pawnb.workflow.progress import Progress, given_or_bar
+from pawnb.workflow.start.proposed import Proposed, frames_to_look_through, sure_table
 
 
 @dataclass(frozen=True)
-class PoseStart:
+class PoseStart(Proposed):
     """A start pose that a person accepts or corrects.
 
     Parameters
@@ -43,26 +43,17 @@ class PoseStart:
     legs: pd.DataFrame
     notes: tuple[str, ...]
 
+    what: ClassVar[str] = "start pose"
+
     @property
     def frame(self) -> int:
         """The frame in which the animal is best seen."""
         return int(self.pose.frames[0])
 
     @property
-    def sure(self) -> float:
-        """How sure all of it is, 0 to 1: as sure as its least sure leg."""
-        return float(self.legs["sure"].min())
-
-    @property
-    def words(self) -> str:
-        """How sure all of it is, in words."""
-        return sureness_in_words(self.sure)
-
-    def text(self) -> str:
-        """Return frame, legs and how sure they are, one a line, then the notes."""
-        lines = [f"proposed start pose in frame {self.frame}: {self.words} ({self.sure:.2f})"]
-        lines += [f"  {row.leg}  {row.sure:.2f}  {row.words}" for row in self.legs.itertuples()]
-        return "\n".join([*lines, *self.notes])
+    def parts(self) -> pd.DataFrame:
+        """How sure each leg is."""
+        return self.legs
 
     def save(self, path: str | Path) -> Path:
         """Write it as ``start_pose.csv``; returns the path."""
@@ -179,28 +170,14 @@ def propose_pose_in_views(
         As for :func:`propose_pose_start`.
     """
     animal = trial_animal(trial)
-    first, stop = trial.frames or (views.first_frame, views.n_frames)
-    if frames is None:
-        frames = range(first, stop)
-    wrong = [frame for frame in frames if not views.first_frame <= frame < views.n_frames]
-    if wrong or not len(frames):
-        raise InputError(
-            f"frames to look through: found {wrong[0] if wrong else 'none'}; expected some of "
-            f"{views.first_frame} to {views.n_frames - 1}."
-        )
+    frames = frames_to_look_through(trial, views, frames)
     known = trial.calibration
     about: dict[str, Any] = {
         "frames": frames,
         "px_per_unit": known.px_per_unit if known and known.unit == animal.unit else None,
     }
     one = OneView(views, pose_view(trial))
-    if progress is not None:
-        found = propose_pose(one, animal, background, progress=progress, **about)
-    else:
-        with progress_bar("looking for the animal") as bar:
-            found = propose_pose(one, animal, background, progress=bar, **about)
-    legs = pd.DataFrame(
-        [(name, sure, sureness_in_words(sure)) for name, sure in found.sure.items()],
-        columns=["leg", "sure", "words"],
-    )
+    with given_or_bar(progress, "looking for the animal") as report:
+        found = propose_pose(one, animal, background, progress=report, **about)
+    legs = sure_table("leg", found.sure)
     return PoseStart(animal, found.pose, legs, found.notes)

@@ -1,7 +1,8 @@
 """Trial to Tracks, and Tracks again from a corrected frame.
 
-``track`` is the call for both kinds of animal; ``methods`` names the trackers and their settings;
-``track_pose``, ``pose_in_space`` and ``retrack_pose`` serve jointed animals; ``placed``,
+``track`` is the call for both kinds of animal; ``track_points`` and ``retrack_points`` serve
+points, ``track_pose``, ``pose_in_space`` and ``retrack_pose`` jointed animals, with the ``options``
+that are asked for and an ``opened_run``; ``methods`` names trackers and their settings; ``placed``,
 ``predicted`` and ``kept_candidates`` bring what is known already, ``unfinished`` goes on with a run
 that was interrupted.
 """
@@ -11,12 +12,16 @@ from pawnb import _lazy
 __all__ = [
     "kept_candidates",
     "methods",
+    "opened_run",
+    "options",
     "placed",
     "pose_in_space",
     "predicted",
     "published_names",
+    "retrack_points",
     "retrack_pose",
     "track",
+    "track_points",
     "track_pose",
     "trial_views",
     "unfinished",

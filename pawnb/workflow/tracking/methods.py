@@ -32,6 +32,9 @@ _SPACE = "space"
 
 _OF_TRACKS = "settings of these tracks"
 
+NO_RECORDING = "; tracking needs kind 'paws' or 'pose'."
+"""What is said of a trial that another program has tracked."""
+
 
 def trial_tracker(trial: Trial, method: str = DEFAULT) -> AnyTracker:
     """Return the tracker for a trial, by the name of its method.
@@ -53,10 +56,7 @@ def trial_tracker(trial: Trial, method: str = DEFAULT) -> AnyTracker:
     InputError
         If nothing tracks trials of this kind, or no method has this name.
     """
-    if not trackers(trial.kind):
-        raise InputError(
-            f"trial {trial.name!r} is of kind {trial.kind!r}; tracking needs kind 'paws' or 'pose'."
-        )
+    trial.must_be("paws", "pose", or_else=NO_RECORDING)
     return find_tracker(trial.kind, method)
 
 

@@ -19,6 +19,7 @@ from pawnb.errors import InputError, did_you_mean
 from pawnb.io.formats import read_any_tracks, recognise_format
 from pawnb.schema import Tracks
 from pawnb.trial import Trial
+from pawnb.workflow.tracking.trial_views import points_by_view
 
 _OWN = ("pawnb", "csv")
 """Formats of pawnb itself: in the pixels and frames of the trial, not of a view's file."""
@@ -26,6 +27,37 @@ _FAR = 0.2
 """Predictions farther than this from clicks, in extents of the animal, are on something else."""
 _FEWEST = 2
 """One click may be a slip of the hand, or of the program."""
+
+
+def predictions_for(
+    trial: Trial, views: ViewSet, clicks: pd.DataFrame, *, frames: tuple[int, int]
+) -> dict[str, Predictions]:
+    """Read the predictions of the points that a trial tracks, see :func:`read_predictions`.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    views : ViewSet
+        Its open views.
+    clicks : DataFrame
+        Start clicks: they say which points each view tracks.
+    frames : tuple of int
+        First frame that is tracked, and one past the last.
+
+    Returns
+    -------
+    dict
+        View to its predictions.
+
+    Raises
+    ------
+    InputError
+        As for :func:`read_predictions`.
+    """
+    own = points_by_view(trial, clicks).values()
+    points = list(dict.fromkeys(point for names in own for point in names))
+    return read_predictions(trial, views, points=points, frames=frames)
 
 
 def read_predictions(

@@ -2,26 +2,23 @@
 
 from __future__ import annotations
 
-import contextlib
 import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 
-from pawnb.core.parameters import parameters_set
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.as_tracks import animal_of, poses_of
 from pawnb.core.pose.corrected import posed_frames
 from pawnb.core.pose.poses import joint_positions
 from pawnb.core.pose.track_result import PoseTrack, join_tracks
 from pawnb.core.pose.tracker import PoseRequest
-from pawnb.core.video import ViewSet, open_views
+from pawnb.core.video import ViewSet
 from pawnb.errors import InputError
 from pawnb.schema import Tracks, add_provenance
 from pawnb.trial import Trial
-from pawnb.workflow.progress import Progress, tracking_progress
+from pawnb.workflow.progress import Progress
 from pawnb.workflow.provenance.record import build_step, trial_checksums
 from pawnb.workflow.provenance.results import describe_trial, provenance_steps
 from pawnb.workflow.start.propose_pose import trial_background
@@ -31,6 +28,8 @@ from pawnb.workflow.tracking.methods import (
     space_settings_of_tracks,
     stage_parameters_of_tracks,
 )
+from pawnb.workflow.tracking.opened_run import opened_run
+from pawnb.workflow.tracking.options import RetrackOptions
 from pawnb.workflow.tracking.pose_in_space import find_in_space, load_second
 from pawnb.workflow.tracking.track_pose import pose_tracks, pose_views
 
@@ -45,16 +44,7 @@ _FIRST_REACH = 100
 """Frames on either side that are tracked again at first; twice as many while they do not meet."""
 
 
-def retrack_pose(
-    trial: Trial,
-    tracks: Tracks,
-    frame: int,
-    *,
-    learn: bool = False,  # noqa: ARG001
-    out: str | Path | None = None,  # noqa: ARG001
-    progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
-) -> Tracks:
+def retrack_pose(trial: Trial, tracks: Tracks, frame: int, *, asked: RetrackOptions) -> Tracks:
     """Track poses again both ways from a frame, with its pose as certain.
 
     The stretch that is tracked again reaches, on either side, to where the new track has met the
@@ -71,10 +61,9 @@ def retrack_pose(
         Tracks with the corrections already applied.
     frame : int
         The corrected frame.
-    learn, out
-        As for :func:`pawnb.retrack`; the look is learnt anew, and nothing is kept, in any case.
-    progress, stop : callable, optional
-        As for :func:`pawnb.track`. Stopped, the tracks are returned as they were.
+    asked : RetrackOptions
+        What :func:`pawnb.retrack` was asked for. The look is learnt anew, and nothing is kept, in
+        any case. Stopped, the tracks are returned as they were.
 
     Returns
     -------
@@ -98,20 +87,19 @@ def retrack_pose(
     tracker, settings = method_of_tracks(trial, tracks)
     own = stage_parameters_of_tracks(trial, tracks)
     limits, certain = _certain(tracks, old, here)
-    with contextlib.ExitStack() as stack:
-        stack.enter_context(parameters_set(own))
-        kind = tracker.kind if tracker.is_offline else None
-        report = stack.enter_context(tracking_progress(progress, "tracking again", kind=kind))
-        views = stack.enter_context(open_views(trial))
+    stop = asked.stop
+    with opened_run(
+        trial, tracker, parameters=own, progress=asked.progress, label="tracking again"
+    ) as run:
         view, _ = pose_views(trial)
-        background = trial_background(trial, views)
+        background = trial_background(trial, run.views)
 
         def track_part(part: range) -> PoseTrack:
             rows = [row for row in certain if row in part]
             span = int(frames[part[0]]), int(frames[part[-1]]) + 1
-            request = PoseRequest(str(view.name), span, animal, background, report, stop)
+            request = PoseRequest(str(view.name), span, animal, background, run.report, stop)
             found: PoseTrack = tracker.retrack(
-                views, old.poses.take(sorted(rows)), request, settings=settings,
+                run.views, old.poses.take(sorted(rows)), request, settings=settings,
                 corrected=old.poses.take([certain[0]]),
             )  # fmt: skip
             return found
@@ -124,8 +112,8 @@ def retrack_pose(
             [old.take(slice(0, touched.start)), new, old.take(slice(touched.stop, None))]
         )
         made = _whole(
-            trial, tracks, views, animal=animal, track=joined, rows=touched,
-            progress=progress, stop=stop,
+            trial, tracks, run.views, animal=animal, track=joined, rows=touched,
+            progress=asked.progress, stop=stop,
         )  # fmt: skip
         if stop is not None and stop():
             return tracks

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import contextlib
 import warnings
-from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from pawnb.core.parameters import parameters_set
-from pawnb.core.paws.tracker import DEFAULT
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.as_tracks import tracks_from_poses
 from pawnb.core.pose.background import Background
@@ -25,13 +22,12 @@ from pawnb.core.pose.start_proposal.silhouette import find_silhouette
 from pawnb.core.pose.track_result import PoseTrack
 from pawnb.core.pose.tracker import PoseRequest
 from pawnb.core.rig import Rig
-from pawnb.core.video import ViewReader, ViewSet, open_views
+from pawnb.core.video import ViewReader, ViewSet
 from pawnb.errors import InputError, InputWarning
 from pawnb.io.pose import check_pose, read_pose
 from pawnb.schema import Tracks, add_provenance
 from pawnb.trial import Trial, View
 from pawnb.workflow.interrupt import interruptible
-from pawnb.workflow.progress import Progress, tracking_progress
 from pawnb.workflow.provenance.manifest import run_alone
 from pawnb.workflow.provenance.notes import noted_warnings
 from pawnb.workflow.provenance.record import build_step, trial_checksums, trial_fingerprint
@@ -47,22 +43,13 @@ from pawnb.workflow.tracking.methods import (
     tracker_settings,
     trial_tracker,
 )
+from pawnb.workflow.tracking.opened_run import opened_run
+from pawnb.workflow.tracking.options import TrackOptions
 from pawnb.workflow.tracking.pose_in_space import find_in_space, load_second
 from pawnb.workflow.tracking.unfinished import open_kept_frames
 
 
-def track_pose_trial(
-    trial: Trial,
-    *,
-    method: str = DEFAULT,
-    settings: Mapping[str, Any] | None = None,
-    start: pd.DataFrame | None = None,
-    frames: tuple[int, int] | None = None,
-    out: str | Path | None = None,
-    progress: Progress | None = None,
-    stop: Callable[[], bool] | None = None,
-    command: Sequence[str] | None = None,
-) -> Tracks:
+def track_pose_trial(trial: Trial, asked: TrackOptions) -> Tracks:
     """Track the pose of a jointed animal through its recording, both ways from the start.
 
     Parameters
@@ -70,17 +57,9 @@ def track_pose_trial(
     trial : Trial
         A trial of kind ``pose`` with one view, or with two and a DLT calibration: the pose is
         tracked in the first, and the second tells where the joints are in space.
-    method : {"pawnb", "paper"}
-        ``"paper"``: segmentation by min-cut and a stick animal, after Pullar 2009.
-    settings : mapping, optional
-        Settings of the tracker; they go before those of ``[tracking]`` in the trial.
-    start : pandas.DataFrame, optional
-        Start pose with the columns of ``start_pose.csv``; default the trial's.
-    frames : tuple of int, optional
-        Half-open range of frames; default the trial's, else all.
-    out, progress, stop, command
-        As for :func:`pawnb.track`. Interrupted, a run leaves ``unfinished.bin`` in ``out``, with
-        which the same run goes on; its results are those of one run.
+    asked : TrackOptions
+        What :func:`pawnb.track` was asked for. Interrupted, a run leaves ``unfinished.bin`` in
+        ``out``, with which the same run goes on; its results are those of one run.
 
     Returns
     -------
@@ -94,63 +73,61 @@ def track_pose_trial(
     KeyboardInterrupt
         If a person stopped it before any pose was found.
     """
-    tracker = trial_tracker(trial, method)
-    chosen = tracker_settings(trial, method=method, settings=settings)
-    in_space = space_settings(trial, settings=settings)
+    tracker, out = trial_tracker(trial, asked.method), asked.out
+    mine: dict[str, Any] = {"method": asked.method, "settings": asked.settings}
+    chosen = tracker_settings(trial, **mine)
+    in_space = space_settings(trial, settings=asked.settings)
     view, _ = pose_views(trial)
-    animal, poses, table = start_pose(trial, start)
+    animal, poses, table = start_pose(trial, asked.start)
     with contextlib.ExitStack() as stack:
         notes = stack.enter_context(noted_warnings())
-        own = stage_parameters(trial, method=method, settings=settings)
-        stack.enter_context(parameters_set(own))
-        asked = stack.enter_context(interruptible()) if stop is None else stop
-        shown = stack.enter_context(contextlib.ExitStack())
-        report = shown.enter_context(
-            tracking_progress(progress, "tracking", kind="pose" if tracker.is_offline else None)
+        own = stage_parameters(trial, **mine)
+        stop = stack.enter_context(interruptible()) if asked.stop is None else asked.stop
+        run = stack.enter_context(
+            opened_run(trial, tracker, parameters=own, progress=asked.progress, label="tracking")
         )
-        views = stack.enter_context(open_views(trial))
-        for note in views.notes:
-            warnings.warn(note, InputWarning, stacklevel=3)
+        run.tell_notes()
+        views = run.views
         reader, rig = views.readers[view.name], load_second(trial, views)
-        span = _frame_range(trial, views, poses, frames)
+        span = _frame_range(trial, views, poses, asked.frames)
         check_in_picture(poses, reader)
         background = trial_background(trial, views)
         _tell_doubts(animal, poses, reader, background)
-        if not tracker.is_offline and not (frames or trial.frames) and background.n_frames > 1:
+        is_free = not (asked.frames or trial.frames)
+        if not tracker.is_offline and is_free and background.n_frames > 1:
             span = _with_animal(reader, view, span, poses)
         step = build_step(
-            "track", command=command, method=method, frames=list(span),
+            "track", command=asked.command, method=asked.method, frames=list(span),
             # a pose that was handed over stands in the record itself
-            inputs=trial_checksums(trial, start=start is None),
-            settings=settings_in_force(trial, method=method, settings=settings),
+            inputs=trial_checksums(trial, start=asked.start is None),
+            settings=settings_in_force(trial, **mine),
             trial=trial_fingerprint(trial), start=_without_blanks(table),
             background=background.source, **recorded_parameters(tracker),
         )  # fmt: skip
         if out is not None:
             stack.enter_context(run_alone(make_folder(out)))
         kept = stack.enter_context(open_kept_frames(None if out is None else Path(out), step))
-        request = PoseRequest(str(view.name), span, animal, background, report, asked)
+        request = PoseRequest(str(view.name), span, animal, background, run.report, stop)
         go = tracker.resume if kept.frames else tracker.track
         track = go(views, poses, request, settings=chosen, kept=kept)
-        shown.close()
-        complete = not asked()
+        run.end_progress()
+        complete = not stop()
         if not complete and not np.isfinite(track.poses.xy).any():
             raise KeyboardInterrupt
         track = _known_part(track, trial)
-        if stop is None and not complete:
+        if asked.stop is None and not complete:
             _tell_interrupted(track, span)
         space = None
         if rig is not None:
             space, track = find_in_space(
                 trial, views, track, animal=animal, rig=rig, settings=in_space,
-                progress=progress, stop=asked, kept=kept,
+                progress=asked.progress, stop=stop, kept=kept,
             )  # fmt: skip
-            complete = complete and not asked()
+            complete = complete and not stop()
         # where the rate varies these are the file's own time stamps
         times = views.time_s[track.poses.frames]
-        sizes = {name: (r.width, r.height) for name, r in views.readers.items()}
         tracks = pose_tracks(trial, animal, track, space=space, rig=rig)
-        tracks = describe_trial(tracks.assign_coords(time=times), trial, sizes=sizes)
+        tracks = describe_trial(tracks.assign_coords(time=times), trial, sizes=run.sizes)
         second = {} if space is None else {"second_view": str(trial.views[1].name)}
         estimated = dict(track.estimated)
         made = {"complete": complete, "estimated": estimated, "notes": notes}

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import contextlib
+from collections.abc import Mapping
 from typing import Any
 
 import pandas as pd
 
 from pawnb.core.paws.request import TrackingRequest
 from pawnb.core.paws.tracker import DEFAULT, find_tracker
+from pawnb.core.reproject import fill_reprojected
 from pawnb.core.rig import Rig, load_rig
 from pawnb.core.video import ViewSet
 from pawnb.errors import CalibrationError, InputError
+from pawnb.schema import Tracks
 from pawnb.trial import Trial
 
 
@@ -146,3 +149,25 @@ def paw_task(trial: Trial, rig: Rig | None, clicks: pd.DataFrame, **asked: Any) 
         unit=rig.unit if rig is not None else "px",
         **asked,
     )
+
+
+def shown_in_every_view(
+    tracks: Tracks, rig: Rig | None, sizes: Mapping[str, tuple[int, int]]
+) -> Tracks:
+    """Show points also in the views that do not track them (2019 paper, Fig. 8).
+
+    Parameters
+    ----------
+    tracks : xarray.Dataset
+        Tracks.
+    rig : Rig or None
+        The calibrated views; without, the tracks stay as they are.
+    sizes : mapping
+        View to width and height of its picture, px.
+
+    Returns
+    -------
+    xarray.Dataset
+        Tracks of every view.
+    """
+    return tracks if rig is None else fill_reprojected(tracks, rig, sizes=sizes)[0]

@@ -14,6 +14,7 @@ from pawnb.errors import InputError, PawnbError
 from pawnb.io.journal import read_journal
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.checking.check import check_trial
+from pawnb.workflow.kinds import kind_of
 from pawnb.workflow.provenance.manifest import find_fault, known_files
 from pawnb.workflow.provenance.results import results_folder
 
@@ -62,7 +63,7 @@ class TrialState:
         """What comes next."""
         if self.trial is None:
             return "mend"
-        if self.trial.kind == "tracks":
+        if self.trial.is_tracked_elsewhere:
             return "look" if "analysed" in self.done else "gait"
         steps: tuple[tuple[str, Step], ...] = (
             ("started", "start"), ("tracked", "track"), ("reviewed", "review"),
@@ -76,7 +77,7 @@ class TrialState:
         if self.trial is None:
             return ("mend",)
         can: list[Step] = [self.next_step]
-        if self.trial.kind != "tracks":
+        if not self.trial.is_tracked_elsewhere:
             can.append("start")
             if "started" in self.done:
                 can.append("track")
@@ -117,13 +118,12 @@ def state_of(folder: str | Path) -> TrialState:
     for view in trial.views:
         if not any(mark in view.video for mark in "*?[") and not trial.path(view.video).exists():
             wrong = f"{trial.path(view.video)}: no such video."
-    start = trial.start_pose_file() if trial.kind == "pose" else trial.start_file()
-    if trial.kind == "tracks" or (start is not None and trial.path(start).exists()):
+    if _has_start(trial):
         done.add("started")
     results = results_folder(trial)
-    if trial.kind == "tracks" or (results / "tracks.nc").exists():
+    if trial.is_tracked_elsewhere or (results / "tracks.nc").exists():
         done.add("tracked")
-    if _has_edits(results / "edits.jsonl") or trial.kind == "tracks":
+    if _has_edits(results / "edits.jsonl") or trial.is_tracked_elsewhere:
         done.add("reviewed")
     if known_files(results).files_of("gait") and find_fault(results, run="gait") is None:
         done.add("analysed")
@@ -201,6 +201,14 @@ def what_is_wrong(state: TrialState) -> list[str]:
         return [state.wrong]
     report = check_trial(state.trial)
     return [*report.faults, *report.doubts]
+
+
+def _has_start(trial: Trial) -> bool:
+    """Whether there is a start, or none is needed."""
+    if trial.is_tracked_elsewhere:
+        return True
+    start = kind_of(trial).start_file(trial)
+    return start is not None and trial.path(start).exists()
 
 
 def _has_edits(path: Path) -> bool:

@@ -21,9 +21,9 @@ from pawnb.workflow.evaluation.compare import (
     REPROJECTION_COLUMNS,
     SUMMARY_COLUMNS,
     compare_methods,
-    settings_by_method,
 )
 from pawnb.workflow.evaluation.compare_cameras import TESTS_COLUMNS
+from pawnb.workflow.evaluation.compared import settings_by_method
 from pawnb.workflow.evaluation.errors import count_errors
 from pawnb.workflow.tracking.track import track
 

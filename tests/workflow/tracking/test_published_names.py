@@ -12,7 +12,7 @@ from pawnb.core.pose.pullar2009.settings import Pullar2009Settings
 from pawnb.errors import InputError
 from pawnb.schema import add_provenance, make_tracks
 from pawnb.trial import Animal, Trial, View
-from pawnb.workflow.evaluation.compare import settings_by_method
+from pawnb.workflow.evaluation.compared import settings_by_method
 from pawnb.workflow.tracking.methods import method_of_tracks, tracker_settings
 from pawnb.workflow.tracking.published_names import refuse_published_names
 

@@ -19,7 +19,8 @@ from pawnb.schema import ORIGIN_CODE, POINTS3D_COLUMNS, SUSPECTS_COLUMNS, TRACKS
 from pawnb.trial import load_trial
 from pawnb.workflow.evaluation.errors import count_errors
 from pawnb.workflow.provenance.results import described_trial
-from pawnb.workflow.tracking.track import _frames_learnt_in, retrack, track
+from pawnb.workflow.tracking.retrack_points import _frames_learnt_in
+from pawnb.workflow.tracking.track import retrack, track
 from pawnb.workflow.tracking.trial_views import frame_range, view_facing
 
 FRAMES = (0, 12)

@@ -1,0 +1,121 @@
+"""What ``pawnb check`` says of points: calibration, start clicks, predictions, colours."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+
+from pawnb.core.paws.offline.settings import OfflineSettings
+from pawnb.core.paws.offline.treadmill.tracker import warn_of_ambiguous_colour
+from pawnb.core.rig import Rig
+from pawnb.core.video import ViewSet
+from pawnb.errors import PawnbError
+from pawnb.io.start import check_start, read_start
+from pawnb.trial import Trial
+from pawnb.workflow.checking.check_report import CheckReport
+from pawnb.workflow.tracking.methods import tracker_settings
+from pawnb.workflow.tracking.predicted import doubt_predictions, predictions_for
+from pawnb.workflow.tracking.trial_views import frame_range, paw_task, trial_rig
+
+MAX_CLICK_RESIDUAL_PX = 10.0
+"""Clicks of one point in several views may disagree by so much."""
+
+
+def check_points_trial(trial: Trial, views: ViewSet, report: CheckReport) -> None:
+    """Add to a report what concerns points: the calibration, and the start clicks against it.
+
+    Parameters
+    ----------
+    trial : Trial
+        A trial of kind ``paws``.
+    views : ViewSet
+        Its open views.
+    report : CheckReport
+        The report.
+    """
+    try:
+        rig = trial_rig(trial, views)
+    except PawnbError as error:
+        report.faults.append(str(error))
+        rig = None
+    else:
+        if rig is not None:
+            report.found.append(f"DLT of {len(rig.names)} views, unit {rig.unit}")
+        else:
+            alone = "each view is tracked by itself, and " if len(views.names) > 1 else ""
+            report.doubts.append(f"no calibration: {alone}positions will be in px")
+    file = trial.start_file()
+    if file is None:
+        report.faults.append(
+            "no start points: click them with pawnb.widgets.ClickInitialiser, or name a csv "
+            "under [start] points."
+        )
+        return
+    sizes = {name: (r.width, r.height) for name, r in views.readers.items()}
+    try:
+        clicks = read_start(trial.path(file), trial)
+        check_start(clicks, trial, sizes)
+        frames = frame_range(trial, views, clicks)
+    except PawnbError as error:
+        report.faults.append(str(error))
+        return
+    clicked = sorted(set(clicks["frame"]))
+    report.found.append(
+        f"start: {len(clicks)} clicks on {', '.join(dict.fromkeys(clicks['point']))} in "
+        f"frame{'s' if len(clicked) > 1 else ''} {', '.join(map(str, clicked))}"
+    )
+    _check_predictions(trial, views, clicks, frames, report)
+    if not report.faults and (rig is not None or len(views.names) == 1):
+        _doubt_colours(trial, views, rig, clicks, report)
+    if rig is None:
+        return
+    for (frame, point), group in clicks.groupby(["frame", "point"], sort=True):
+        uv = np.full((len(rig.names), 2), np.nan)
+        for row in group.itertuples():
+            uv[rig.names.index(str(row.view))] = row.u, row.v
+        residual = float(rig.triangulate(uv).residual_px)
+        if residual > MAX_CLICK_RESIDUAL_PX:
+            report.doubts.append(
+                f"start clicks of {point} in frame {frame} disagree between the views by "
+                f"{residual:.0f} px: one of them is on another point, or the calibration is off"
+            )
+
+
+def _check_predictions(
+    trial: Trial,
+    views: ViewSet,
+    clicks: pd.DataFrame,
+    frames: tuple[int, int],
+    report: CheckReport,
+) -> None:
+    """Read other programs' predictions as tracking will, and doubt those far from the clicks."""
+    try:
+        predictions = predictions_for(trial, views, clicks, frames=frames)
+    except PawnbError as error:
+        report.faults.append(str(error))
+        return
+    for view, own in predictions.items():
+        share = np.isfinite(own.uv[..., 0]).mean()
+        report.found.append(
+            f"predictions of view {view} in {own.file}: {', '.join(own.points)}, there in "
+            f"{100 * share:.0f} % of frames"
+        )
+    said = doubt_predictions(predictions, clicks, views=views, first=frames[0])
+    report.doubts += [words.rstrip(".") for words in said]
+
+
+def _doubt_colours(
+    trial: Trial, views: ViewSet, rig: Rig | None, clicks: pd.DataFrame, report: CheckReport
+) -> None:
+    """Doubt clicked paws that look like what is around them."""
+    frames = int(clicks["frame"].min()), int(clicks["frame"].max()) + 1
+    task = paw_task(trial, rig, clicks, frames=frames)
+    settings = tracker_settings(trial)
+    assert isinstance(settings, OfflineSettings)  # noqa: S101  those of the default method
+    try:
+        words = warn_of_ambiguous_colour(views, clicks, task, settings=settings)
+    except PawnbError as error:
+        report.faults.append(str(error))
+        return
+    if words is not None:
+        report.doubts.append(words.rstrip("."))

@@ -1,0 +1,166 @@
+"""Points tracked again about a frame in which a person corrected them."""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from pawnb.core.paws.maghsoudi2019.settings import REFERENCE_WIDTH_PX
+from pawnb.core.paws.offline.again import Again, frames_again, weighing_of
+from pawnb.core.paws.offline.quality.likeness import keep_likeness
+from pawnb.core.paws.offline.settings import OfflineSettings
+from pawnb.core.paws.offline.tracker import LEARNT
+from pawnb.core.paws.retracked_span import TOLERANCE_PX, keep_untouched
+from pawnb.core.paws.tracker import Correction, KeptEvidence
+from pawnb.errors import InputError
+from pawnb.schema import ORIGIN_CODE, Tracks, add_provenance
+from pawnb.trial import Trial
+from pawnb.workflow.calibration.real_units import in_real_units
+from pawnb.workflow.provenance.manifest import run_alone
+from pawnb.workflow.provenance.record import build_step, trial_checksums
+from pawnb.workflow.provenance.results import describe_trial, provenance_steps, results_folder
+from pawnb.workflow.tracking.kept_candidates import (
+    describe_source,
+    keep_store,
+    reopen_store,
+    session_stacks,
+)
+from pawnb.workflow.tracking.methods import (
+    by_dotted_name,
+    method_of_tracks,
+    stage_parameters_of_tracks,
+)
+from pawnb.workflow.tracking.opened_run import opened_run
+from pawnb.workflow.tracking.options import RetrackOptions
+from pawnb.workflow.tracking.placed import clicks_by_hand, clicks_learnt_from, clicks_of_frame
+from pawnb.workflow.tracking.predicted import predictions_for
+from pawnb.workflow.tracking.trial_views import paw_task, shown_in_every_view, trial_rig
+
+
+def retrack_points(trial: Trial, tracks: Tracks, frame: int, *, asked: RetrackOptions) -> Tracks:
+    """Track the points of a trial of kind ``paws`` again, from a corrected frame on.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial of these tracks.
+    tracks : xarray.Dataset
+        Tracks with the corrections already applied.
+    frame : int
+        The corrected frame.
+    asked : RetrackOptions
+        What :func:`pawnb.retrack` was asked for.
+
+    Returns
+    -------
+    xarray.Dataset
+        Tracks of the same frames.
+
+    Raises
+    ------
+    InputError
+        If the frame is not among those of the tracks.
+    """
+    known = tracks["frame"].to_numpy()
+    if frame not in known:
+        raise InputError(
+            f"frame {frame} is not among the tracked frames {known[0]} to {known[-1]}."
+        )
+    tracker, settings = method_of_tracks(trial, tracks)
+    if isinstance(settings, OfflineSettings) and "evidence" in tracks.attrs:
+        # what found these tracks finds them again
+        settings = dataclasses.replace(settings, evidence=tracks.attrs["evidence"])
+    placed = corrected_points(tracks, frame)
+    learnt = _frames_learnt_in(tracks) | (dict.fromkeys(placed, frame) if asked.learn else {})
+    own = stage_parameters_of_tracks(trial, tracks)
+    clicks = clicks_of_frame(trial, tracks, frame)
+    begin = int(frame)
+    old: Tracks | None = tracks
+    given: dict[str, Any] = {}
+    with contextlib.ExitStack() as stack:
+        run = stack.enter_context(
+            opened_run(
+                trial, tracker, parameters=own, progress=asked.progress, label="tracking again",
+                then="deciding" if tracker.is_offline else "",
+            )
+        )  # fmt: skip
+        views = run.views
+        rig = trial_rig(trial, views, method=tracker.name)
+        looked = clicks_learnt_from(tracks)
+        if tracker.is_offline and looked is not None:
+            clicks = clicks_by_hand(trial, tracks)
+            begin, old = int(known[0]), None
+            if tracks.attrs.get("evidence") == LEARNT:
+                given = _learnt_again(trial, tracks, frame, placed) | {"annotations": looked}
+            elif not asked.learn:
+                folder = results_folder(trial, asked.out)
+                if folder.is_dir():  # a run there would write the same candidates
+                    stack.enter_context(run_alone(folder))
+                store = reopen_store(trial, folder)
+                stack.callback(keep_store, store)
+                given = {"annotations": looked, "kept": KeptEvidence(store)}
+        span = (begin, int(known[-1]) + 1)
+        predictions = {}
+        if tracker.is_offline:
+            predictions = predictions_for(trial, views, clicks, frames=span)
+        task = paw_task(
+            trial, rig, clicks, frames=span, tracks=old, predictions=predictions,
+            progress=run.report, stop=asked.stop,
+        )  # fmt: skip
+        corrected = Correction(learnt, **given)
+        new = tracker.retrack(views, clicks, task, settings=settings, corrected=corrected)
+        sizes = run.sizes
+        tolerance = {
+            name: TOLERANCE_PX * reader.width / REFERENCE_WIDTH_PX
+            for name, reader in views.readers.items()
+        }
+    new = in_real_units(new, trial, units="px")
+    joint = old is None
+    if joint and new.sizes["time"] < known[-1] + 1 - known[0]:
+        return tracks  # stopped: a part of the recording does not decide over the whole
+    new = new.isel(time=np.isin(new["frame"], known))
+    new = keep_untouched(tracks, new, frame, tolerance_px=tolerance, joint=joint)
+    if not tracker.is_offline:
+        new = shown_in_every_view(new, rig, sizes)
+    new = keep_likeness(tracks, new.assign_attrs(tracks.attrs))
+    new = describe_trial(new.assign_coords(time=tracks["time"]), trial)
+    step = build_step(
+        "retrack",
+        command=None,
+        inputs=trial_checksums(trial, start=False),
+        settings=dataclasses.asdict(settings) | by_dotted_name(own),
+        frame=int(frame),
+        points=placed,
+        learn=asked.learn,
+        start=clicks.to_dict(orient="records"),
+    )
+    return add_provenance(new, **step)
+
+
+def _learnt_again(
+    trial: Trial, tracks: Tracks, frame: int, placed: Sequence[str]
+) -> dict[str, Any]:
+    """Return what is kept for tracks by learnt evidence, and in which frames they are made anew."""
+    stacks = session_stacks(describe_source(trial))
+    given: dict[str, Any] = {"kept": KeptEvidence(stacks=stacks)}
+    if placed:
+        frames = frames_again(tracks, int(frame), placed)
+        given["again"] = Again(tracks, frames, weighing_of(tracks))
+    return given
+
+
+def corrected_points(tracks: Tracks, frame: int) -> list[str]:
+    """Return the points that were put in place by hand in a frame, in any view."""
+    here = tracks.isel(time=tracks["frame"].to_numpy() == frame)
+    placed = (here["image_origin"] == ORIGIN_CODE["edited"]).any(("time", "view", "individual"))
+    return [str(point) for point in here["keypoint"].to_numpy()[placed.to_numpy()]]
+
+
+def _frames_learnt_in(tracks: Tracks) -> dict[str, int]:
+    """Return the frame in which colours of points were last learnt anew."""
+    steps = [step for step in provenance_steps(tracks) if step["step"] == "retrack"]
+    return {point: step["frame"] for step in steps if step.get("learn") for point in step["points"]}

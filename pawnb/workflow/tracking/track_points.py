@@ -1,0 +1,180 @@
+"""Points of a trial of kind ``paws`` tracked through its recording."""
+
+from __future__ import annotations
+
+import contextlib
+import warnings
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
+from pawnb.core.paws.offline.quality.likeness import add_likeness
+from pawnb.core.paws.tracker import DEFAULT, AnyTracker, KeptEvidence
+from pawnb.errors import InputError, InputWarning
+from pawnb.schema import Tracks, add_provenance
+from pawnb.trial import Trial
+from pawnb.workflow.calibration.real_units import in_real_units
+from pawnb.workflow.interrupt import interruptible
+from pawnb.workflow.provenance.manifest import run_alone
+from pawnb.workflow.provenance.notes import noted_warnings
+from pawnb.workflow.provenance.record import build_step, trial_checksums, trial_fingerprint
+from pawnb.workflow.provenance.results import describe_trial, make_folder, write_track_results
+from pawnb.workflow.reviewing.quality import tell_failed
+from pawnb.workflow.tracking.kept_candidates import keep_store, open_store, session_stacks
+from pawnb.workflow.tracking.methods import (
+    recorded_parameters,
+    settings_in_force,
+    stage_parameters,
+    tracker_settings,
+    trial_tracker,
+)
+from pawnb.workflow.tracking.opened_run import opened_run
+from pawnb.workflow.tracking.options import TrackOptions
+from pawnb.workflow.tracking.placed import start_clicks
+from pawnb.workflow.tracking.predicted import predictions_for
+from pawnb.workflow.tracking.trial_views import (
+    frame_range,
+    paw_task,
+    shown_in_every_view,
+    trial_rig,
+)
+from pawnb.workflow.tracking.unfinished import join_earlier, unfinished_tracks
+
+_PUBLISHED_FRAMES = 2
+"""Start clicks in two frames give a published method its first velocities."""
+
+
+def track_points(trial: Trial, asked: TrackOptions) -> Tracks:
+    """Track the points of a trial of kind ``paws``.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    asked : TrackOptions
+        What :func:`pawnb.track` was asked for.
+
+    Returns
+    -------
+    xarray.Dataset
+        Tracks.
+
+    Raises
+    ------
+    InputError
+        If anything the trial names is missing or does not fit.
+    """
+    tracker, out = trial_tracker(trial, asked.method), asked.out
+    mine: dict[str, Any] = {"method": asked.method, "settings": asked.settings}
+    chosen = tracker_settings(trial, **mine)
+    with contextlib.ExitStack() as stack:
+        notes = stack.enter_context(noted_warnings())
+        own = stage_parameters(trial, **mine)
+        stop = stack.enter_context(interruptible()) if asked.stop is None else asked.stop
+        run = stack.enter_context(
+            opened_run(
+                trial, tracker, parameters=own, progress=asked.progress, label="tracking",
+                then="deciding" if tracker.is_offline else "",
+            )
+        )  # fmt: skip
+        run.tell_notes()
+        views = run.views
+        clicks = start_clicks(trial, views, asked.start)
+        rig = trial_rig(trial, views, method=asked.method)
+        first, last = frame_range(trial, views, clicks, method=asked.method, frames=asked.frames)
+        if not tracker.is_offline:
+            _refuse_more_frames(clicks, asked.method)
+            _tell_left_out((asked.frames or trial.frames or (0, last))[0], first)
+        if out is not None:
+            stack.enter_context(run_alone(make_folder(out)))
+        store = _store(trial, tracker, out, stack)
+        step = build_step(
+            "track",
+            command=asked.command,
+            # clicks that were handed over stand in the record themselves
+            inputs=trial_checksums(trial, start=asked.start is None),
+            settings=settings_in_force(trial, **mine),
+            method=asked.method,
+            **recorded_parameters(tracker),
+            frames=[first, last],
+            trial=trial_fingerprint(trial),
+            start=clicks.to_dict(orient="records"),
+        )
+        # an offline tracker keeps its evidence instead
+        earlier = unfinished_tracks(Path(out), step) if out and not tracker.is_offline else None
+        begin = first if earlier is None else int(earlier["frame"][-1])
+        span: dict[str, Any] = {"frames": (begin, last), "tracks": earlier}
+        if tracker.is_offline:
+            span["predictions"] = predictions_for(trial, views, clicks, frames=(begin, last))
+        task = paw_task(trial, rig, clicks, progress=run.report, stop=stop, **span)
+        kept = KeptEvidence(store, None if store is None else session_stacks(store.source))
+        go = tracker.track if earlier is None else tracker.resume
+        tracks = go(views, clicks, task, settings=chosen, kept=kept)
+        run.end_progress()
+        if asked.stop is None and tracks.sizes["time"] < last - first:
+            _tell_interrupted(tracks, first, last, kept=store is not None or out is not None)
+        if not tracker.is_offline:
+            tracks = shown_in_every_view(tracks, rig, run.sizes)
+        # where the rate varies these are the file's own time stamps
+        times = views.time_s[tracks["frame"].to_numpy()]
+        tracks = in_real_units(tracks, trial, units="px")
+        if earlier is not None:
+            step["gone_on_from"] = begin
+            tracks = join_earlier(earlier, tracks)
+        tracks = describe_trial(tracks.assign_coords(time=times), trial, sizes=run.sizes)
+        whole = tracks.sizes["time"] == last - first
+        tracks = add_likeness(views, tracks, clicks)
+        tracks = add_provenance(tracks, **step, complete=whole, notes=notes)
+        if out is not None:
+            write_track_results(tracks, out, rig=rig)
+    tell_failed(tracks, complete=whole)
+    return tracks
+
+
+def _store(
+    trial: Trial, tracker: AnyTracker, out: str | Path | None, stack: contextlib.ExitStack
+) -> DetectionCache | None:
+    """Return where candidates are kept, for the tracker that keeps them."""
+    if not tracker.is_offline:
+        return None
+    store = open_store(trial, None if out is None else Path(out))
+    stack.callback(keep_store, store)
+    return store
+
+
+def _refuse_more_frames(clicks: pd.DataFrame, method: str) -> None:
+    """Refuse start clicks that a published method has no use for."""
+    frames = sorted(clicks["frame"].unique().tolist())
+    if len(frames) > _PUBLISHED_FRAMES:
+        raise InputError(
+            f"the start has clicks in {len(frames)} frames ({frames[0]} to {frames[-1]}); method "
+            f"{method!r} takes one frame, or two that give the first velocities: leave others out, "
+            f"or use method {DEFAULT!r}, which takes any number."
+        )
+
+
+def _tell_left_out(asked: int, first: int) -> None:
+    """Warn that frames before the first click are not tracked."""
+    if asked < first:
+        warnings.warn(
+            f"frames {asked} to {first - 1} lie before the first click, in frame {first}, and are "
+            f"not tracked; click the points in frame {asked} too to have them.",
+            InputWarning,
+            stacklevel=4,
+        )
+
+
+def _tell_interrupted(tracks: Tracks, first: int, last: int, *, kept: bool) -> None:
+    """Warn that a person stopped the run, or stop where nothing was done."""
+    frames = tracks["frame"].to_numpy()
+    again = "; run it again to go on from there" if kept else ""
+    if not len(frames):
+        raise KeyboardInterrupt(f"interrupted before every point was placed{again}")
+    warnings.warn(
+        f"interrupted: frames {frames[0]} to {frames[-1]} of {first} to {last - 1} are "
+        f"tracked{again}.",
+        InputWarning,
+        stacklevel=4,
+    )
