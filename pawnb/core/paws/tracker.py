@@ -68,6 +68,10 @@ class Tracker(Protocol[ViewsT, StartT, RequestT, KeptT, CorrectedT, FoundT]):
         """Whether several views are tracked together only."""
 
     @property
+    def is_of_first_view(self) -> bool:
+        """Whether it tracks in the first view, and a second one gives places in space."""
+
+    @property
     def stages(self) -> tuple[str, ...]:
         """The stages whose parameters can be set, see :mod:`pawnb.core.parameters`."""
 
@@ -106,21 +110,13 @@ class Tracker(Protocol[ViewsT, StartT, RequestT, KeptT, CorrectedT, FoundT]):
 
         Parameters
         ----------
-        views : Views or ViewSet
-            The opened views.
-        start : DataFrame or Poses
-            Clicks of points, or poses.
-        request : TrackingRequest or PoseRequest
-            What is to be tracked.
-        settings : object
-            An instance of :attr:`settings`.
-        kept : KeptEvidence or KeptFrames
-            What earlier runs on the same recording have left.
+        views, start, request, settings, kept
+            As for :meth:`track`.
 
         Returns
         -------
         xarray.Dataset or PoseTrack
-            Tracks of points, or poses.
+            As :meth:`track`.
         """
 
     def retrack(
@@ -131,21 +127,15 @@ class Tracker(Protocol[ViewsT, StartT, RequestT, KeptT, CorrectedT, FoundT]):
 
         Parameters
         ----------
-        views : Views or ViewSet
-            The opened views.
-        start : DataFrame or Poses
-            Clicks of points, or poses.
-        request : TrackingRequest or PoseRequest
-            What is to be tracked.
-        settings : object
-            An instance of :attr:`settings`.
+        views, start, request, settings
+            As for :meth:`track`.
         corrected : Correction or Poses
             What a person put right.
 
         Returns
         -------
         xarray.Dataset or PoseTrack
-            Tracks of points, or poses.
+            As :meth:`track`.
         """
 
 
@@ -196,6 +186,7 @@ class OfflineTracker:
     settings: type[OfflineSettings] = OfflineSettings
     is_offline: bool = True
     needs_calibration: bool = False
+    is_of_first_view: bool = False
     stages: tuple[str, ...] = (
         "colour", "movement", "network_flow", "stride", "gap_closing", "smoothing", "landmarks",
         "treadmill", "scene", "motion", "correlation", "appearance", "association", "identity",
@@ -203,98 +194,26 @@ class OfflineTracker:
     packages: tuple[str, ...] = ("pawnb.core.paws.offline",)
 
     def track(
-        self,
-        views: Views,
-        start: pd.DataFrame,
-        request: TrackingRequest,
-        *,
-        settings: Any,
+        self, views: Views, start: pd.DataFrame, request: TrackingRequest, *, settings: Any,
         kept: KeptEvidence = KeptEvidence(),
-    ) -> Tracks:
-        """Track from clicks in any number of frames.
-
-        Parameters
-        ----------
-        views : Views
-            The opened views.
-        start : DataFrame
-            Clicks with columns frame, view, point, u, v (px).
-        request : TrackingRequest
-            What is to be tracked.
-        settings : OfflineSettings
-            Settings of the tracker.
-        kept : KeptEvidence
-            What earlier runs have left.
-
-        Returns
-        -------
-        xarray.Dataset
-            Tracks of the frames asked for.
-        """
+    ) -> Tracks:  # fmt: skip
+        """Track from clicks in any number of frames."""
         return track_offline(
             views, start, request, settings=settings, store=kept.detections, stacks=kept.stacks
         )
 
     def resume(
-        self,
-        views: Views,
-        start: pd.DataFrame,
-        request: TrackingRequest,
-        *,
-        settings: Any,
+        self, views: Views, start: pd.DataFrame, request: TrackingRequest, *, settings: Any,
         kept: KeptEvidence,
-    ) -> Tracks:
-        """Decide anew; frames whose detections were kept are not decoded again.
-
-        Parameters
-        ----------
-        views : Views
-            The opened views.
-        start : DataFrame
-            Clicks with columns frame, view, point, u, v (px).
-        request : TrackingRequest
-            What is to be tracked.
-        settings : OfflineSettings
-            Settings of the tracker.
-        kept : KeptEvidence
-            What earlier runs have left.
-
-        Returns
-        -------
-        xarray.Dataset
-            Tracks of the frames asked for.
-        """
+    ) -> Tracks:  # fmt: skip
+        """Decide anew; frames whose detections were kept are not decoded again."""
         return self.track(views, start, request, settings=settings, kept=kept)
 
     def retrack(
-        self,
-        views: Views,
-        start: pd.DataFrame,
-        request: TrackingRequest,
-        *,
-        settings: Any,
+        self, views: Views, start: pd.DataFrame, request: TrackingRequest, *, settings: Any,
         corrected: Correction,
-    ) -> Tracks:
-        """Decide anew, with everything in ``start`` as certain.
-
-        Parameters
-        ----------
-        views : Views
-            The opened views.
-        start : DataFrame
-            Clicks with columns frame, view, point, u, v (px).
-        request : TrackingRequest
-            What is to be tracked.
-        settings : OfflineSettings
-            Settings of the tracker.
-        corrected : Correction
-            What a person put right.
-
-        Returns
-        -------
-        xarray.Dataset
-            Tracks of the frames asked for.
-        """
+    ) -> Tracks:  # fmt: skip
+        """Decide anew, with everything in ``start`` as certain."""
         return track_offline(
             views, start, request, settings=settings, looked=corrected.annotations,
             store=corrected.kept.detections, stacks=corrected.kept.stacks, again=corrected.again,
@@ -314,100 +233,29 @@ class Maghsoudi2019Tracker:
     kind: str = "paws"
     settings: type[Maghsoudi2019Settings] = Maghsoudi2019Settings
     is_offline: bool = False
+    is_of_first_view: bool = False
     stages: tuple[str, ...] = ()
     packages: tuple[str, ...] = ("pawnb.core.paws.maghsoudi2019",)
 
     def track(
-        self,
-        views: Views,
-        start: pd.DataFrame,
-        request: TrackingRequest,
-        *,
-        settings: Any,
+        self, views: Views, start: pd.DataFrame, request: TrackingRequest, *, settings: Any,
         kept: KeptEvidence = KeptEvidence(),  # noqa: ARG002  (there is none)
-    ) -> Tracks:
-        """Track frame by frame from the first clicked one.
-
-        Parameters
-        ----------
-        views : Views
-            The opened views.
-        start : DataFrame
-            Clicks with columns frame, view, point, u, v (px).
-        request : TrackingRequest
-            What is to be tracked.
-        settings : Maghsoudi2019Settings
-            Settings of the tracker.
-        kept : KeptEvidence
-            What earlier runs have left.
-
-        Returns
-        -------
-        xarray.Dataset
-            Tracks of the frames asked for.
-        """
+    ) -> Tracks:  # fmt: skip
+        """Track frame by frame from the first clicked one."""
         return track_maghsoudi2019(views, start, request, settings=settings, method=self.name)
 
     def resume(
-        self,
-        views: Views,
-        start: pd.DataFrame,
-        request: TrackingRequest,
-        *,
-        settings: Any,
+        self, views: Views, start: pd.DataFrame, request: TrackingRequest, *, settings: Any,
         kept: KeptEvidence,
-    ) -> Tracks:
-        """Go on from the last frame of ``request.tracks``.
-
-        Parameters
-        ----------
-        views : Views
-            The opened views.
-        start : DataFrame
-            Clicks with columns frame, view, point, u, v (px).
-        request : TrackingRequest
-            What is to be tracked.
-        settings : Maghsoudi2019Settings
-            Settings of the tracker.
-        kept : KeptEvidence
-            What earlier runs have left.
-
-        Returns
-        -------
-        xarray.Dataset
-            Tracks of the frames asked for.
-        """
+    ) -> Tracks:  # fmt: skip
+        """Go on from the last frame of ``request.tracks``."""
         return self.track(views, start, request, settings=settings, kept=kept)
 
     def retrack(
-        self,
-        views: Views,
-        start: pd.DataFrame,
-        request: TrackingRequest,
-        *,
-        settings: Any,
+        self, views: Views, start: pd.DataFrame, request: TrackingRequest, *, settings: Any,
         corrected: Correction,
-    ) -> Tracks:
-        """Go on from the first frame of the request, with every state made anew.
-
-        Parameters
-        ----------
-        views : Views
-            The opened views.
-        start : DataFrame
-            Clicks with columns frame, view, point, u, v (px).
-        request : TrackingRequest
-            What is to be tracked.
-        settings : Maghsoudi2019Settings
-            Settings of the tracker.
-        corrected : Correction
-            What a person put right.
-
-        Returns
-        -------
-        xarray.Dataset
-            Tracks of the frames asked for.
-        """
+    ) -> Tracks:  # fmt: skip
+        """Go on from the first frame of the request, with every state made anew."""
         return track_maghsoudi2019(
             views, start, request, settings=settings, method=self.name,
             learn_at=corrected.learn_at,

@@ -72,6 +72,7 @@ class PoseTracker:
     packages: tuple[str, ...]
     kind: str = "pose"
     needs_calibration: bool = False
+    is_of_first_view: bool = True
 
     def track(
         self,
@@ -82,26 +83,7 @@ class PoseTracker:
         settings: Any,
         kept: KeptFrames | None = None,
     ) -> PoseTrack:
-        """Track from one pose or more, both ways.
-
-        Parameters
-        ----------
-        views : ViewSet
-            The opened views.
-        start : Poses
-            Poses to start from.
-        request : PoseRequest
-            What is to be tracked.
-        settings : PoseSettings or Pullar2009Settings
-            Settings of the tracker.
-        kept : KeptFrames, optional
-            What an interrupted run has found, and what this one finds.
-
-        Returns
-        -------
-        PoseTrack
-            The poses, a row for every frame asked for.
-        """
+        """Track from one pose or more, both ways."""
         return self._run(views, start, request, settings=settings, kept=kept)
 
     def resume(
@@ -113,26 +95,7 @@ class PoseTracker:
         settings: Any,
         kept: KeptFrames,
     ) -> PoseTrack:
-        """Go on with a run that was interrupted: frames that it kept are not tracked again.
-
-        Parameters
-        ----------
-        views : ViewSet
-            The opened views.
-        start : Poses
-            Poses to start from.
-        request : PoseRequest
-            What is to be tracked.
-        settings : PoseSettings or Pullar2009Settings
-            Settings of the tracker.
-        kept : KeptFrames
-            What an interrupted run has found, and what this one finds.
-
-        Returns
-        -------
-        PoseTrack
-            The poses, a row for every frame asked for.
-        """
+        """Go on with a run that was interrupted: frames that it kept are not tracked again."""
         return self._run(views, start, request, settings=settings, kept=kept)
 
     def retrack(
@@ -144,26 +107,7 @@ class PoseTracker:
         settings: Any,
         corrected: Poses,
     ) -> PoseTrack:
-        """Track a part again.
-
-        Parameters
-        ----------
-        views : ViewSet
-            The opened views.
-        start : Poses
-            Poses to start from.
-        request : PoseRequest
-            What is to be tracked.
-        settings : PoseSettings or Pullar2009Settings
-            Settings of the tracker.
-        corrected : Poses
-            One frame from which the look of the animal is learnt.
-
-        Returns
-        -------
-        PoseTrack
-            The poses, a row for every frame asked for.
-        """
+        """Track a part again."""
         return self._run(views, start, request, settings=settings, look=corrected)
 
     def _run(self, views: ViewSet, start: Poses, request: PoseRequest, **given: Any) -> PoseTrack:

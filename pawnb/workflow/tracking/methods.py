@@ -178,7 +178,7 @@ def stage_parameters(
 
 def _grouped(tracker: AnyTracker, settings: Mapping[str, Any]) -> dict[str, Any]:
     """Return the settings that are of a stage, as ``stage.name``, without those of space."""
-    rest = _apart(settings)[0] if tracker.kind == "pose" else settings
+    rest = _apart(settings)[0] if tracker.is_of_first_view else settings
     found = {name: value for name, value in rest.items() if "." in name}
     for stage, own in rest.items():
         if isinstance(own, Mapping):
@@ -188,7 +188,7 @@ def _grouped(tracker: AnyTracker, settings: Mapping[str, Any]) -> dict[str, Any]
 
 def _of_tracker(tracker: AnyTracker, settings: Mapping[str, Any]) -> dict[str, Any]:
     """Return the settings that are of a tracker itself, of no stage and not of space."""
-    rest = _apart(settings)[0] if tracker.kind == "pose" else settings
+    rest = _apart(settings)[0] if tracker.is_of_first_view else settings
     return {n: v for n, v in rest.items() if "." not in n and not isinstance(v, Mapping)}
 
 
@@ -230,7 +230,7 @@ def settings_in_force(
     """
     chosen = dataclasses.asdict(tracker_settings(trial, method=method, settings=settings))
     chosen |= by_dotted_name(stage_parameters(trial, method=method, settings=settings))
-    if trial.kind != "pose" or len(trial.views) < 2:
+    if not trial_tracker(trial, method).is_of_first_view or len(trial.views) < 2:
         return chosen
     return chosen | {_SPACE: dataclasses.asdict(space_settings(trial, settings=settings))}
 
