@@ -9,13 +9,13 @@ import importlib.resources
 import struct
 import zlib
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from io import FileIO
 from pathlib import Path
 
 from pawnb.core.closing import Closing
 from pawnb.errors import InputError
-from pawnb.files import check_file, write_all
+from pawnb.files import check_file, open_growing, write_at
 
 _HEAD = struct.Struct("<II")
 
@@ -73,13 +73,7 @@ class RecordFile(Closing):
             self._file = self._opened()
         data = _HEAD.pack(len(record), zlib.crc32(record)) + record
         with self._refused():
-            try:
-                write_all(self._file, data)
-            except OSError:
-                with suppress(OSError):  # what follows the last whole record is dropped anyway
-                    self._file.truncate(self._end)
-                    self._file.seek(self._end)
-                raise
+            write_at(self._file, self._end, data)
         self._end += len(data)
 
     def close(self) -> None:
@@ -109,13 +103,10 @@ class RecordFile(Closing):
     def _opened(self) -> FileIO:
         """Return the file, open where the next record belongs, without what is not of these."""
         with self._refused():
-            # unbuffered: what could not be written is not tried again when the file is closed
-            file = self.path.open("r+b" if self._end else "wb", buffering=0)
+            file = open_growing(self.path)
             try:
-                file.truncate(self._end)
-                file.seek(self._end)
                 if not self._end:
-                    write_all(file, self._line)
+                    write_at(file, 0, self._line)
                     self._end = len(self._line)
             except OSError:
                 file.close()

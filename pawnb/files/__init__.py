@@ -3,9 +3,13 @@
 What a person names is read by :func:`read_text`, :func:`read_bytes` or :func:`read_toml`, which
 refuse pipes, devices, folders and what is too large. Everything is written by :func:`write_whole`
 or :func:`whole_file`: beside its place, forced to disk and renamed, so that a reader never meets
-half of it. What several windows may have open at once goes through a :class:`GuardedFile`.
+half of it. What grows record by record is added to by :func:`write_at`; files that belong together
+are :func:`staged` and replaced by their :class:`Listing`. What several windows may have open at
+once goes through a :class:`GuardedFile`. Nothing else in pawnb writes to the disk.
 """
 
+from pawnb.files.folder import Listing, staged, staged_files
+from pawnb.files.growing import open_growing, write_at
 from pawnb.files.guard import GuardedFile
 from pawnb.files.lock import locked
 from pawnb.files.names import child_folder, distinct_name, safe_name
@@ -24,7 +28,7 @@ from pawnb.files.whole import (
     remove_leftovers,
     sync_folder,
     whole_file,
-    write_all,
+    write_new,
     write_whole,
 )
 
@@ -32,21 +36,26 @@ __all__ = [
     "MOST_TABLE_BYTES",
     "MOST_TEXT_BYTES",
     "GuardedFile",
+    "Listing",
     "check_file",
     "child_folder",
     "distinct_name",
     "is_leftover",
     "keep_copy",
     "locked",
+    "open_growing",
     "parse_toml",
     "read_bytes",
     "read_text",
     "read_toml",
     "remove_leftovers",
     "safe_name",
+    "staged",
+    "staged_files",
     "sync_folder",
     "whole_file",
-    "write_all",
+    "write_at",
+    "write_new",
     "write_whole",
 ]
 

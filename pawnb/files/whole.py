@@ -7,7 +7,6 @@ import secrets
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from io import FileIO
 from pathlib import Path
 
 from pawnb.errors import InputError
@@ -51,8 +50,7 @@ def whole_file(path: str | Path) -> Iterator[Path]:
             # what is written into something unfinished is forced to disk when that is finished
             lasts = not any(map(is_leftover, path.parents))
             if lasts:
-                with part.open("r+b") as file:
-                    os.fsync(file.fileno())
+                force_to_disk(part)
             part.replace(path)
             if lasts:
                 sync_folder(path.parent)
@@ -112,10 +110,38 @@ def keep_copy(path: Path, word: str) -> Path:
     return copy if copy.exists() else write_whole(copy, data)
 
 
-def write_all(file: FileIO, data: bytes) -> None:
-    """Write to the end of the data; a disk that fills up may take a part without a word."""
-    while data:
-        data = data[file.write(data) :]
+def write_new(path: str | Path, data: bytes) -> Path:
+    """Write a file that must not be there yet.
+
+    Parameters
+    ----------
+    path : str or Path
+        The file; its folder must exist.
+    data : bytes
+        What it shall hold.
+
+    Returns
+    -------
+    Path
+        The file, forced to disk.
+
+    Raises
+    ------
+    FileExistsError
+        If there is one already, which stays as it is.
+    """
+    path = Path(path)
+    with path.open("xb") as file:
+        file.write(data)
+        file.flush()
+        os.fsync(file.fileno())
+    return path
+
+
+def force_to_disk(path: Path) -> None:
+    """Force what a file holds to disk."""
+    with path.open("r+b") as file:
+        os.fsync(file.fileno())
 
 
 def sync_folder(folder: Path) -> None:

@@ -9,16 +9,14 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
-import os
 import reprlib
 from collections.abc import Mapping
-from contextlib import suppress
 from pathlib import Path
 from types import NoneType
 from typing import Any, Generic, Literal, TypeAlias, TypeVar, get_args, get_type_hints
 
 from pawnb.errors import InputError, did_you_mean
-from pawnb.files import locked, read_bytes, sync_folder, write_all
+from pawnb.files import locked, open_growing, read_bytes, sync_folder, write_at
 
 RecordT = TypeVar("RecordT")
 Step: TypeAlias = Literal["undo", "redo"]
@@ -227,8 +225,7 @@ class Journal(Generic[RecordT]):
         is_new = not self.path.exists()
         if is_new and self._size:
             raise self._changed()  # it was taken away
-        # unbuffered: what could not be written is not tried again when the file is closed
-        with self.path.open("a+b", buffering=0) as file:
+        with open_growing(self.path) as file:
             file.seek(self._size - len(self._tail))
             found = file.read()
             fragment = found[len(self._tail) :]
@@ -237,18 +234,10 @@ class Journal(Generic[RecordT]):
                 raise self._changed()
             end = b"" if self._tail.endswith(b"\n") or not self._tail else b"\n"
             kept = _kept_fragment(fragment) if fragment else b""
-            try:
-                file.truncate(self._size)
-                write_all(file, end + kept + line)
-                os.fsync(file.fileno())
-                file.seek(self._size)
-                if file.read() != end + kept + line:
-                    raise self._changed()
-            except OSError:
-                with suppress(OSError):
-                    file.truncate(self._size)
-                    write_all(file, fragment)
-                raise
+            write_at(file, self._size, end + kept + line, forced=True, put_back=fragment)
+            file.seek(self._size)
+            if file.read() != end + kept + line:
+                raise self._changed()
         if is_new:
             sync_folder(self.path.parent)
         self._size += len(end + kept + line)

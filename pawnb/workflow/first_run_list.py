@@ -19,6 +19,7 @@ from numba.core import event
 
 from pawnb.core.compiled import Compiled
 from pawnb.core.first_run import HELPERS, LATER, LIST, spell
+from pawnb.io.tables import write_text
 from pawnb.trial import load_trial
 from pawnb.workflow.tracking.track import track
 
@@ -125,7 +126,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         + "\n}"
         for kind, own in kinds.items()
     ]
-    options.out.write_text("{" + ",\n".join(lists) + "}\n", encoding="utf-8")
+    write_text("{" + ",\n".join(lists) + "}\n", options.out)
     return 0
 
 

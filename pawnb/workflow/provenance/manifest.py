@@ -14,9 +14,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
-import secrets
-import shutil
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -24,15 +21,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from pawnb.errors import InputError
-from pawnb.files import (
-    check_file,
-    child_folder,
-    locked,
-    read_text,
-    remove_leftovers,
-    sync_folder,
-    write_whole,
-)
+from pawnb.files import Listing, check_file, child_folder, locked, read_text, staged, staged_files
 from pawnb.workflow.provenance.labels import is_labelled
 from pawnb.workflow.provenance.record import provenance_text
 
@@ -99,24 +88,10 @@ def writing_results(
         If another run writes there, or a file cannot be written.
     """
     folder = Path(folder)
-    with run_alone(folder):
-        remove_leftovers(folder)
-        staging = folder / f".pawnb-{secrets.token_hex(6)}.part"
-        try:
-            staging.mkdir()
-            yield staging
-            _move_in(folder, staging, run, steps)
-        except OSError as error:
-            raise InputError(
-                f"{folder}: cannot be written ({error.strerror or error}); free some space or "
-                "choose another folder with --out."
-            ) from None
-        except InputError as error:
-            if str(staging) not in str(error):
-                raise
-            raise type(error)(str(error).replace(str(staging), str(folder))) from None
-        finally:
-            shutil.rmtree(staging, ignore_errors=True)
+    remedy = "free some space or choose another folder with --out"
+    with run_alone(folder), staged(folder, remedy=remedy) as staging:
+        yield staging
+        _move_in(folder, staging, run, steps)
 
 
 @contextmanager
@@ -214,9 +189,8 @@ def _made_before(folder: Path, known: Manifest, run: RunKind) -> str | None:
 def _move_in(folder: Path, staging: Path, run: RunKind, steps: Sequence[Mapping[str, Any]]) -> None:
     """Move what a run made to its place, and say last what is there."""
     before = known_files(folder)
-    sums = {}
-    for path in sorted(path for path in staging.rglob("*") if path.is_file()):
-        sums[path.relative_to(staging).as_posix()] = _forced_sha256(path)
+    made = {name: _sha256(staging / name) for name in staged_files(staging)}
+    sums = {name: sha256 for name, sha256 in made.items() if sha256 is not None}
     for name in sums:
         if len(parts := Path(name).parts) > 1:
             child_folder(folder, parts[0], what="the folder of figures").mkdir(exist_ok=True)
@@ -227,23 +201,15 @@ def _move_in(folder: Path, staging: Path, run: RunKind, steps: Sequence[Mapping[
     other: RunKind = "gait" if run == "track" else "track"
     own, others = [dict(step) for step in steps], before.steps_of(other)
     manifest = Manifest([*own, *others] if run == "track" else [*others, *own], files)
-    # nothing that follows needs room on the disk
-    write_whole(staging / MANIFEST, _text(manifest).encode())
-    if (folder / MANIFEST).exists():
-        (folder / MANIFEST).replace(folder / PUT_ASIDE)
-    elif not (folder / PUT_ASIDE).exists():
-        write_whole(folder / PUT_ASIDE, _text(Manifest([], {})).encode())
-    sync_folder(folder)
-    for name in sums:
-        (staging / name).replace(folder / name)
-    for name, sha256 in before.files_of(run).items():
-        if name not in sums and _sha256(folder / name) == sha256:
-            (folder / name).unlink()
-    for part in {(folder / name).parent for name in sums} | {folder}:
-        sync_folder(part)
-    (staging / MANIFEST).replace(folder / MANIFEST)
-    sync_folder(folder)
-    (folder / PUT_ASIDE).unlink(missing_ok=True)
+    gone = [
+        name
+        for name, sha256 in before.files_of(run).items()
+        if name not in sums and _sha256(folder / name) == sha256
+    ]
+    Listing(folder, MANIFEST, PUT_ASIDE).replace(
+        staging, sums, gone=gone, listing=_text(manifest).encode(),
+        empty=_text(Manifest([], {})).encode(),
+    )  # fmt: skip
 
 
 def _text(manifest: Manifest) -> str:
@@ -258,10 +224,3 @@ def _sha256(path: Path) -> str | None:
             return hashlib.file_digest(file, "sha256").hexdigest()
     except (OSError, InputError):
         return None
-
-
-def _forced_sha256(path: Path) -> str:
-    """Return the SHA-256 of a file that is forced to disk."""
-    with path.open("r+b") as file:
-        os.fsync(file.fileno())
-        return hashlib.file_digest(file, "sha256").hexdigest()

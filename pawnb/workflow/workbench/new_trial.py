@@ -12,7 +12,7 @@ from typing import Any
 
 from pawnb.core.video import ViewSet, open_views
 from pawnb.errors import InputError
-from pawnb.files import parse_toml
+from pawnb.files import parse_toml, write_new
 from pawnb.trial import (
     Animal,
     Calibration,
@@ -174,8 +174,7 @@ class NewTrial:
             raise InputError(f"{self.path}: would not be read as it was meant; report this.")
         self.folder.mkdir(parents=True, exist_ok=True)
         try:
-            with self.path.open("x", encoding="utf-8") as file:
-                file.write(text)
+            write_new(self.path, text.encode())
         except FileExistsError:
             self.check_free()
         return self.path
