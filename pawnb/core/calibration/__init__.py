@@ -1,0 +1,7 @@
+"""Cameras from a board, a wand or known points: corners, lenses, arrangement, bundle adjustment."""
+
+from pawnb import _lazy
+
+__all__ = ["arrangement", "bundle", "corners", "intrinsics", "optics", "rig_from_boards"]
+
+__getattr__, __dir__ = _lazy(__name__, __all__)
