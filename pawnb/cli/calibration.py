@@ -14,6 +14,7 @@ _HELP = "cameras from a board, a wand or clicked points, or from another program
 _MORE = (
     f"{_HELP}. --board BOARD.toml VIEW=PICTURES ...: a checkerboard or ChArUco board shown to all "
     "views; PICTURES is a video, a folder or a glob; pictures of one number are of one instant. "
+    "--wand LENGTH ENDS.csv: a wand that was tracked in all views (frame, view, point, u, v). "
     "POINTS3D CLICKS: a csv with point, x, y, z and a csv with view, point, u, v. FILE: cameras of "
     "Anipose or Pose2Sim (.toml), OpenCV (.yaml), XMALab (MayaCam 2.0, one a camera), or DLT "
     "coefficients (--from). Written are DLTcoefs.csv and, where a lens bends, lenses.toml. Exit "
@@ -25,7 +26,10 @@ def add_calibrate(parsers: Any) -> None:
     """Add the command to those of ``pawnb``."""
     command = parsers.add_parser("calibrate", help=_HELP, description=_MORE)
     command.add_argument(
-        "files", nargs="+", metavar="VIEW=PICTURES | POINTS3D CLICKS | FILE", help="see above"
+        "files",
+        nargs="+",
+        metavar="VIEW=PICTURES | ENDS | POINTS3D CLICKS | FILE",
+        help="see above",
     )
     command.add_argument(
         "-o", "--out", default="DLTcoefs.csv", metavar="FILE", help="default: %(default)s"
@@ -51,6 +55,20 @@ def add_calibrate(parsers: Any) -> None:
         "--judge", metavar="FILE",
         help="write nothing: tell how well the cameras of FILE show the board, and which do not",
     )  # fmt: skip
+    wand = command.add_argument_group("from a wand")
+    wand.add_argument(
+        "--wand", type=float, metavar="LENGTH",
+        help="distance of its two ends, in the unit that the calibration will have",
+    )  # fmt: skip
+    wand.add_argument(
+        "--size", nargs="+", metavar="WIDTHxHEIGHT", default=[],
+        help="of the pictures, px: one for all views, or one a view, as 1280x1024",
+    )  # fmt: skip
+    wand.add_argument(
+        "--lenses", metavar="LENSES.toml",
+        help="lenses that are known, for instance from a board; without it focal lengths are found "
+        "and nothing is taken to bend",
+    )  # fmt: skip
     file = command.add_argument_group("from another program")
     file.add_argument(
         "--from", dest="program", metavar="PROGRAM",
@@ -72,6 +90,8 @@ def run_calibrate(options: argparse.Namespace, _argv: list[str]) -> int:
     for name in ("judge", "floor"):
         if getattr(options, name) is not None:
             raise InputError(f"--{name} needs the board that was filmed: --board BOARD.toml.")
+    if options.wand is not None:
+        return _by_wand(options)
     if is_points(options.files[0]):
         return _by_points(options)
     return _by_file(options)
@@ -102,6 +122,38 @@ def _by_board(options: argparse.Namespace) -> int:
     else:
         print(found.text())
     return 0 if found.is_sound else EXIT_DISAGREES
+
+
+def _by_wand(options: argparse.Namespace) -> int:
+    """Calibrate by a wand that was tracked."""
+    from pawnb.workflow.calibration.wand import calibrate_from_wand
+
+    if len(options.files) != 1 or not options.size:
+        raise InputError(
+            "--wand needs one csv of its two ends (frame, view, point, u, v) and the size of the "
+            "pictures, for instance --size 1280x1024."
+        )
+    found = calibrate_from_wand(
+        options.files[0],
+        options.wand,
+        sizes=[_size(word) for word in options.size],
+        out=options.out,
+        views=options.views,
+        lenses=options.lenses,
+    )
+    if options.json:
+        print_json(**found.table())
+    else:
+        print(found.text())
+    return 0
+
+
+def _size(word: str) -> tuple[int, int]:
+    """Return width and height from WIDTHxHEIGHT."""
+    width, x, height = word.lower().partition("x")
+    if not (x and width.isdigit() and height.isdigit() and int(width) and int(height)):
+        raise InputError(f"--size {word}: expected WIDTHxHEIGHT, for instance 1280x1024.")
+    return int(width), int(height)
 
 
 def _by_points(options: argparse.Namespace) -> int:

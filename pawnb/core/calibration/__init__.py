@@ -2,6 +2,14 @@
 
 from pawnb import _lazy
 
-__all__ = ["arrangement", "bundle", "corners", "intrinsics", "optics", "rig_from_boards"]
+__all__ = [
+    "arrangement",
+    "bundle",
+    "corners",
+    "intrinsics",
+    "optics",
+    "rig_from_boards",
+    "rig_from_wand",
+]
 
 __getattr__, __dir__ = _lazy(__name__, __all__)
