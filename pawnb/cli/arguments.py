@@ -7,6 +7,7 @@ from typing import Any, NoReturn
 
 import pawnb
 from pawnb.cli import commands
+from pawnb.cli.calibration import add_calibrate
 from pawnb.cli.completion import SHELLS, completion_script
 from pawnb.cli.shared import add_shared_options, name_meant
 from pawnb.synthetic.variants import VARIANTS
@@ -51,7 +52,7 @@ def build_parser() -> argparse.ArgumentParser:
     _add_gait(parsers)
     _add_evaluate(parsers)
     _add_compare(parsers)
-    _add_calibrate(parsers)
+    add_calibrate(parsers)
     _add_convert(parsers)
     _add_reproduce(parsers)
     _add_report(parsers)
@@ -289,38 +290,6 @@ def _add_compare(parsers: Any) -> None:
         help="a setting of every method that has it, or of one, as paper.n_superpixels=150",
     )
     command.set_defaults(run=commands.run_compare)
-
-
-def _add_calibrate(parsers: Any) -> None:
-    text = "DLT coefficients from clicked points, or from another program's calibration"
-    more = (
-        f"{text}: POINTS3D CLICKS (csv with point, x, y, z; csv with view, point, u, v) are "
-        "fitted, with the error of each; FILE is taken over: cameras of Anipose or Pose2Sim "
-        "(.toml), OpenCV (.yaml), XMALab (MayaCam 2.0, one a camera), or DLT coefficients (--from)"
-    )
-    command = parsers.add_parser("calibrate", help=text, description=more)
-    command.add_argument("files", nargs="+", metavar="POINTS3D CLICKS | FILE", help="see above")
-    command.add_argument(
-        "-o", "--out", default="DLTcoefs.csv", metavar="FILE", help="default: %(default)s"
-    )
-    command.add_argument(
-        "--views", nargs="+", metavar="VIEW",
-        help="order of the views, which is that of the trial (default: that of the clicks or file)",
-    )  # fmt: skip
-    command.add_argument(
-        "--from",
-        dest="program",
-        metavar="PROGRAM",
-        help="whose DLT coefficients FILE holds: dltdv (8), dltdv7, easywand or argus",
-    )
-    command.add_argument(
-        "--heights",
-        type=int,
-        nargs="+",
-        metavar="PX",
-        help="heights of the pictures, for coefficients of DLTdv 7, easyWand and Argus",
-    )
-    command.set_defaults(run=commands.run_calibrate)
 
 
 def _add_convert(parsers: Any) -> None:

@@ -229,30 +229,6 @@ def run_compare(options: argparse.Namespace, _argv: list[str]) -> None:
     print(f"wrote {options.out}")
 
 
-def run_calibrate(options: argparse.Namespace, _argv: list[str]) -> None:
-    """Fit DLT coefficients and say how well, or take over another program's calibration."""
-    from pawnb.workflow.calibration.calibrate import calibrate, is_points
-    from pawnb.workflow.calibration.calibrate_file import calibrate_from_file
-
-    first, *others = options.files
-    if not is_points(first):
-        taken = calibrate_from_file(
-            first,
-            *others,
-            out=options.out,
-            program=options.program,
-            views=options.views,
-            heights_px=options.heights,
-        )
-        print(taken.text())
-        return
-    if len(others) != 1:
-        raise InputError(f"{first} holds known points; name the csv of their clicks after it.")
-    fit = calibrate(first, others[0], out=options.out, views=options.views)
-    print(fit.text())
-    print(f"wrote {options.out}; name it in trial.toml: [calibration] dlt = ...")
-
-
 def run_convert(options: argparse.Namespace, _argv: list[str]) -> None:
     """Convert tracks."""
     from pawnb.workflow.conversion.convert import convert_tracks

@@ -14,7 +14,7 @@ import pandas as pd
 
 from pawnb.errors import did_you_mean
 
-WITH_JSON = ("check", "gait", "evaluate", "compare", "batch", "selfcheck")
+WITH_JSON = ("check", "gait", "evaluate", "compare", "batch", "calibrate", "selfcheck")
 _SHOWN_ONLY = {"-q", "--quiet", "-v", "--verbose", "--json"}
 _CHOICE = re.compile(r"invalid choice: '(.*?)' \(choose from (.*)\)", re.DOTALL)
 _UNKNOWN = re.compile(r"unrecognized arguments: (--[\w-]+)")

@@ -27,6 +27,7 @@ and two points in space, and two cameras:
 from pawnb import _lazy
 
 _HOME = {
+    "Board": "pawnb.io.boards",
     "Camera": "pawnb.io.cameras",
     "coefs_of_cameras": "pawnb.io.cameras",
     "from_movement": "pawnb.io.movement",
@@ -36,6 +37,7 @@ _HOME = {
     "read_argus_points": "pawnb.io.argus",
     "read_argus_points3d": "pawnb.io.argus",
     "read_belt_speed": "pawnb.io.belt",
+    "read_board": "pawnb.io.boards",
     "read_c3d": "pawnb.io.c3d_file",
     "read_cameras": "pawnb.io.cameras",
     "read_coefs": "pawnb.io.coefs",

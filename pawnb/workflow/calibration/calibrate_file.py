@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -11,53 +10,13 @@ import numpy as np
 from pawnb.core.dlt import transform_image
 from pawnb.errors import CalibrationError, InputError, did_you_mean
 from pawnb.files import read_text
-from pawnb.io.cameras import Camera, coefs_of_cameras, read_cameras, write_lenses
+from pawnb.io.cameras import Camera, read_cameras
 from pawnb.io.coefs import read_coefs, write_coefs
+from pawnb.workflow.calibration.written import Written, write_calibration
 
 COEFFICIENTS = ("dltdv", "dltdv7", "easywand", "argus")
 """Programs that write DLT coefficients: DLTdv 8 counts pixels down from 1, DLTdv 7 and older and
 easyWand up from 1, Argus up from 0."""
-
-
-@dataclass(frozen=True)
-class CalibrationOfFile:
-    """A calibration that was taken over.
-
-    Parameters
-    ----------
-    views : tuple of str
-        Names of the cameras, in the order of the columns.
-    coefs : ndarray, shape (11, n_views)
-        DLT coefficients in pawnb's pixels of the straightened pictures.
-    origin : ndarray, shape (3,)
-        Where their origin lies in the space of the file.
-    out : Path
-        The file of coefficients.
-    lenses : Path or None
-        The file of lenses, where one bends.
-    """
-
-    views: tuple[str, ...]
-    coefs: np.ndarray
-    origin: np.ndarray
-    out: Path
-    lenses: Path | None
-
-    def text(self) -> str:
-        """Return what was written, and the lines that name it in ``trial.toml``."""
-        lines = [f"{len(self.views)} cameras: {', '.join(self.views)}", f"wrote {self.out}"]
-        if self.origin.any():
-            x, y, z = self.origin
-            lines.insert(1, f"positions are counted from ({x:g}, {y:g}, {z:g}) of the file: a "
-                         "camera that stands at its origin has no DLT coefficients")  # fmt: skip
-        said = [f'dlt = "{self.out.name}"', 'pixels = "file"']
-        if self.lenses is not None:
-            lines.append(f"wrote {self.lenses}")
-            said.append(f'lens = "{self.lenses.name}"')
-        lines.append(
-            f"name them in trial.toml, its views in this order: [calibration] {'; '.join(said)}"
-        )
-        return "\n".join(lines)
 
 
 def calibrate_from_file(
@@ -67,7 +26,7 @@ def calibrate_from_file(
     program: str | None = None,
     views: Sequence[str] | None = None,
     heights_px: Sequence[int] | None = None,
-) -> CalibrationOfFile:
+) -> Written:
     """Take over the calibration of another program.
 
     Parameters
@@ -90,7 +49,7 @@ def calibrate_from_file(
 
     Returns
     -------
-    CalibrationOfFile
+    Written
         What was taken over. Coefficients belong to the whole picture, not cropped or mirrored,
         in pixels from the centre of the top-left one.
 
@@ -105,19 +64,13 @@ def calibrate_from_file(
     if _is_coefs(Path(path)):
         coefs, names = _moved_coefs(Path(path), program, views, heights_px)
         write_coefs(coefs, out)
-        return CalibrationOfFile(tuple(names), coefs, np.zeros(3), out, None)
+        return Written(tuple(names), coefs, np.zeros(3), out, None)
     if program is not None:
         raise InputError(
             f"{Path(path).name} holds cameras, which say themselves whose they are; --from is for "
             "DLT coefficients."
         )
-    cameras = _chosen(read_cameras(path, *more), views)
-    coefs, origin = coefs_of_cameras(cameras)
-    write_coefs(coefs, out)
-    lenses = None
-    if not all(camera.is_straight for camera in cameras):
-        lenses = write_lenses(cameras, out.with_name("lenses.toml"))
-    return CalibrationOfFile(tuple(c.name for c in cameras), coefs, origin, out, lenses)
+    return write_calibration(_chosen(read_cameras(path, *more), views), out)
 
 
 def _is_coefs(path: Path) -> bool:

@@ -1,0 +1,78 @@
+"""Where the inner corners of a calibration board are in a picture."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+from pawnb.io.boards import Board
+
+FEWEST_CORNERS = 6
+"""Corners of a shot below which it says too little about a view."""
+
+
+class CornerFinder:
+    """Finds the corners of one board.
+
+    Parameters
+    ----------
+    board : Board
+        The board.
+    """
+
+    def __init__(self, board: Board) -> None:
+        self.board = board
+        self.n_corners = len(board.corners())
+        self._detectors = () if board.marker is None else _detectors(board, board.marker)
+
+    @property
+    def may_be_turned(self) -> bool:
+        """Whether the corners may be counted from the other end: a checkerboard has no marks."""
+        return self.board.marker is None
+
+    def find(self, grey: np.ndarray) -> np.ndarray:
+        """Find the corners in one picture.
+
+        Parameters
+        ----------
+        grey : ndarray of uint8, shape (H, W)
+            The picture as filmed.
+
+        Returns
+        -------
+        ndarray, shape (n_corners, 2)
+            u and v in px, in the order of :meth:`pawnb.io.boards.Board.corners`; NaN where a
+            corner, or the board, is not found.
+        """
+        uv = np.full((self.n_corners, 2), np.nan)
+        if self.board.marker is None:
+            found = _checkerboard(grey, self.board.shape)
+            return uv if found is None else found
+        for detector in self._detectors:
+            corners, ids, _, _ = detector.detectBoard(grey)
+            if ids is not None and len(ids) >= max(FEWEST_CORNERS, np.isfinite(uv[:, 0]).sum() + 1):
+                uv[:] = np.nan
+                uv[np.ravel(ids)] = np.reshape(corners, (-1, 2))
+        return uv
+
+
+def _detectors(board: Board, marker: float) -> tuple[cv2.aruco.CharucoDetector, ...]:
+    """Return detectors of the board as OpenCV draws it, and as it did before release 4.6."""
+    name = f"DICT_{board.marker_bits}X{board.marker_bits}_{board.dictionary_size}"
+    dictionary = cv2.aruco.getPredefinedDictionary(getattr(cv2.aruco, name))
+    detectors = []
+    # both kinds differ only where the number of rows is even
+    for is_old in (False, True) if board.rows % 2 == 0 else (False,):
+        drawn = cv2.aruco.CharucoBoard(
+            (board.columns, board.rows), float(board.square), float(marker), dictionary
+        )
+        drawn.setLegacyPattern(is_old)
+        detectors.append(cv2.aruco.CharucoDetector(drawn))
+    return tuple(detectors)
+
+
+def _checkerboard(grey: np.ndarray, shape: tuple[int, int]) -> np.ndarray | None:
+    """Find the inner corners of a checkerboard, or None."""
+    flags = cv2.CALIB_CB_ACCURACY | cv2.CALIB_CB_NORMALIZE_IMAGE
+    found, corners = cv2.findChessboardCornersSB(grey, shape, flags=flags)
+    return np.reshape(corners, (-1, 2)).astype(float) if found else None
