@@ -28,7 +28,10 @@ from pawnb.workflow.reviewing.foreign import Videos, open_foreign
 
 _KEYS = (
     ("D", "the next doubtful frame, the most doubtful first"),
-    ("Drag a point", "correct it; it is written to edits.jsonl before the next frame shows"),
+    (
+        "Drag a point",
+        "correct it; the other views show where it lies in them, and how far they are from it",
+    ),
     ("Click", "place a missing point, after choosing it above the picture"),
     ("Right click, Delete", "the point is not visible here"),
     ("A", "the chosen point is right as it is"),
@@ -127,6 +130,7 @@ class TrackReviewer(Retracking):
         span = (first, min(last, shown.n_frames - 1))
         super().__init__(shown, **{"frame": first, "span": span, **options})
         self.label = "Review tracks"
+        self.link_views(rig)
         own = (*_KEYS, *TIMELINE_KEYS, *STRETCH_KEYS, *MOUSE_AND_KEYS)
         self.keys_help = [list(line) for line in (("Marks", _MARKS), *own)]
         self._prepare_lanes(
