@@ -12,7 +12,6 @@ without any build step.
 
 from __future__ import annotations
 
-import base64
 import os
 import threading
 from collections.abc import Callable, Mapping, Sequence
@@ -27,6 +26,7 @@ import traitlets
 from pawnb.core.rig import Rig
 from pawnb.core.video.views import Frame
 from pawnb.errors import InputError, PawnbError
+from pawnb.widgets.page import Paged, as_text
 from pawnb.widgets.surroundings import read_static
 
 Overlay = dict[str, Any]
@@ -84,7 +84,7 @@ class Views(Protocol):
         """Return one frame of every view."""
 
 
-class FrameCanvas(anywidget.AnyWidget):
+class FrameCanvas(Paged, anywidget.AnyWidget):
     """All views of a trial at one frame, with zoom, play and what is drawn over them.
 
     Parameters
@@ -262,7 +262,7 @@ class FrameCanvas(anywidget.AnyWidget):
             pictures = []
         answer |= {"sent": bool(pictures), "shrink": message["shrink"]}
         if pictures and message.get("plain"):
-            answer["pictures"] = [base64.b64encode(data).decode("ascii") for data in pictures]
+            answer["pictures"] = [as_text(data) for data in pictures]
             self.send(answer)
         else:
             self.send(answer, buffers=pictures)
@@ -282,13 +282,16 @@ class FrameCanvas(anywidget.AnyWidget):
                 answer |= {"version": self._version, "frame": frame}
                 self.send(answer | {"overlay": self.overlay(frame)})
 
-    def _encode(self, frame: int, shrink: Sequence[int]) -> list[bytes]:
+    def _encode(
+        self, frame: int, shrink: Sequence[int], *, quality: int | None = None
+    ) -> list[bytes]:
         """Return one JPEG a view, each made ``shrink`` times smaller, in the order of views."""
         with self._video_lock:
             frames = self._views.frame(frame)
         names = self._views.names
+        quality = self._quality if quality is None else quality
         jobs = [
-            self._pool.submit(encode_jpeg, frames[name], shrink=int(k), quality=self._quality)
+            self._pool.submit(encode_jpeg, frames[name], shrink=int(k), quality=quality)
             for name, k in zip(names, shrink, strict=True)
         ]
         return [job.result() for job in jobs]
@@ -335,10 +338,8 @@ def encode_jpeg(picture: Picture, *, shrink: int = 1, quality: int = 85) -> byte
 
 def _smaller(picture: Picture, shrink: int) -> np.ndarray:
     """Return a picture ``shrink`` times smaller, of a frame before it is made RGB."""
-    if isinstance(picture, Frame) and not (picture.width % shrink or picture.height % shrink):
-        return picture.reduced(0, 0, picture.width, picture.height, factor=shrink)
+    if isinstance(picture, Frame):
+        return picture.shrunk(shrink)
     image = picture.image()
-    if shrink == 1:
-        return image
     size = [max(1, round(side / shrink)) for side in image.shape[1::-1]]
     return np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA))

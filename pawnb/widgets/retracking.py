@@ -9,6 +9,7 @@ from typing import Any
 
 import pandas as pd
 
+from pawnb.core.edits.log import describe_edit
 from pawnb.core.rig import Rig
 from pawnb.errors import InputError, PawnbError
 from pawnb.files import GuardedFile
@@ -16,6 +17,8 @@ from pawnb.schema import Tracks
 from pawnb.trial import Trial
 from pawnb.widgets.review_session import suspect_options
 from pawnb.widgets.timeline import TimelineCanvas
+from pawnb.workflow.export.film import export_film
+from pawnb.workflow.export.sheet import export_sheet
 from pawnb.workflow.provenance.manifest import MANIFEST, PUT_ASIDE, find_fault
 from pawnb.workflow.provenance.results import write_track_results
 from pawnb.workflow.tracking.track import retrack as workflow_retrack
@@ -155,6 +158,23 @@ class Retracking(TimelineCanvas):
         arguments = (frame, learn, stretch)
         self._worker = threading.Thread(target=self._retrack_now, args=arguments, daemon=True)
         self._worker.start()
+
+    def export_film(self, path: str | Path, **options: Any) -> Path:
+        """Write the tracks as corrected so far as a film; see :func:`pawnb.export_film`."""
+        return export_film(self._trial, self.corrected.tracks, path, **options)
+
+    def export_sheet(self, path: str | Path, **options: Any) -> Path:
+        """Write frames of the tracks as one picture; see :func:`pawnb.export_sheet`."""
+        return export_sheet(self._trial, self.corrected.tracks, path, **options)
+
+    def page_notes(self) -> list[str]:
+        """Return what was corrected, in words, for a page that only shows."""
+        return [describe_edit(edit) for edit in self.corrected.corrections]
+
+    def page_traits(self) -> dict[str, Any]:
+        """Return what the browser is told on a page that only shows."""
+        said = f"Tracks of {self._trial.name}. Step with the arrow keys, zoom with the wheel."
+        return super().page_traits() | {"status": said}
 
     def close(self) -> None:
         """Take the widget away and stop the tracker."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
@@ -16,6 +15,7 @@ from pawnb.schema import Tracks
 from pawnb.trial import Trial
 from pawnb.widgets.frame_canvas import FrameCanvas
 from pawnb.widgets.lanes import Stances, build_lanes, find_stances, sd_scale
+from pawnb.widgets.page import as_text
 
 TIMELINE_KEYS = (
     ("Drag the frame numbers", "go through the recording (wheel: zoom in time; double click: all)"),
@@ -90,6 +90,21 @@ class TimelineCanvas(FrameCanvas):
         """Let the browser ask again for what is drawn, and go to a frame."""
         self._renew_lanes()
         super().refresh(go)
+
+    def page_traits(self) -> dict[str, Any]:
+        """Return what the browser is told on a page that only shows, its lanes too."""
+        return super().page_traits() | {"lanes": self.lanes}
+
+    def page_lanes(self, frames: Sequence[int], first: int) -> dict[str, Any]:
+        """Return the timeline of a page: that of some frames, counted from ``first`` there."""
+        if self._analysts is None or self._lane_bytes is None:
+            return {}
+        self._analysts.submit(int).result()  # stances that are being looked for
+        with self._edit_lock:
+            at = np.asarray(frames) - self.span[0]
+            data = as_text(self._lane_bytes[:, at].tobytes())
+        n = len(frames)
+        return {"first": first, "n": n, "begin": 0, "data": data, "sd_full": self._sd_full}
 
     @traitlets.validate("stretch")
     def _stretch_of_a_lane(self, proposal: Any) -> list[Any]:
@@ -183,7 +198,7 @@ class TimelineCanvas(FrameCanvas):
         """Send some frames of all lanes; as text, since some front ends lose binary messages."""
         assert self._lane_bytes is not None  # noqa: S101
         part = np.ascontiguousarray(self._lane_bytes[:, begin:stop])
-        data = base64.b64encode(part.tobytes()).decode("ascii")
+        data = as_text(part.tobytes())
         n, first = self._lane_bytes.shape[1], self.span[0]
         self.send({"type": "lanes", "first": first, "n": n, "begin": begin, "data": data,
                    "sd_full": self._sd_full})  # fmt: skip

@@ -14,8 +14,8 @@ from pawnb.core.pixels.colour import YuvPicture
 from pawnb.core.video.views import Frame
 from pawnb.errors import InputError, VideoError
 from pawnb.figures.style import colour_legs, style
-from pawnb.widgets.colours import point_colours
 from pawnb.widgets.frame_canvas import FrameCanvas, encode_jpeg
+from pawnb.workflow.export.colours import point_colours
 
 
 class FakeViews:

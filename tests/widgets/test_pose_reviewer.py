@@ -140,3 +140,11 @@ def test_a_pose_that_was_corrected_is_doubtful_no_more(reviewer):
     # undone, they are looked for anew
     reviewer.edit("action", {"frame": 17, "action": "undo"})
     assert len(reviewer._suspects) == len(reviewer.session.suspects())
+
+
+def test_a_page_without_python_has_the_animal_of_each_frame(reviewer, tmp_path):
+    text = reviewer.export_page(tmp_path / "page.html", frames=[12, 13]).read_text()
+    data = json.loads(text.split('id="pawnb-data">', 1)[1].split("</", 1)[0])
+    sticks = [one["overlay"]["views"]["top"]["stick"] for one in data["frames"]]
+    assert [len(stick["legs"]) for stick in sticks] == [8, 8]
+    assert sticks[0] != sticks[1]
