@@ -27,6 +27,7 @@ from pawnb.core.rig import Rig
 from pawnb.core.video.views import Frame
 from pawnb.errors import InputError, PawnbError
 from pawnb.widgets.page import Paged, as_text
+from pawnb.widgets.plain import Plain, picture_of_canvas
 from pawnb.widgets.surroundings import read_static
 
 Overlay = dict[str, Any]
@@ -84,7 +85,7 @@ class Views(Protocol):
         """Return one frame of every view."""
 
 
-class FrameCanvas(Paged, anywidget.AnyWidget):
+class FrameCanvas(Paged, Plain, anywidget.AnyWidget):
     """All views of a trial at one frame, with zoom, play and what is drawn over them.
 
     Parameters
@@ -210,6 +211,14 @@ class FrameCanvas(Paged, anywidget.AnyWidget):
         with self._edit_lock:
             self._version += 1
             self.send({"type": "refresh", "version": self._version, "go": go})
+
+    def plain_picture(self) -> bytes:
+        """Return the views at the frame that is shown, with what is drawn over them, as PNG."""
+        return picture_of_canvas(self)
+
+    def plain_legs(self, frame: int) -> dict[str, list[tuple[np.ndarray, str]]]:  # noqa: ARG002
+        """Return legs of a stick animal for the plain picture: places (m, 2) px and colour."""
+        return {}
 
     def close(self) -> None:
         """Take the widget away and end its threads; the views stay open."""

@@ -11,6 +11,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from pawnb.figures.style import OKABE_ITO, style
+from pawnb.widgets.plain import Plain, picture_of_figure
 from pawnb.widgets.plot_canvas import make_canvas
 from pawnb.widgets.plot_theme import fit_figure, set_theme
 from pawnb.widgets.residual_session import ResidualSession
@@ -31,7 +32,7 @@ _ROOM = 1.6
 """Height of a panel in ranges of its filtered signal: noise of derivatives would fill it else."""
 
 
-class ResidualExplorer(widgets.VBox):  # type: ignore[misc]
+class ResidualExplorer(Plain, widgets.VBox):  # type: ignore[misc]
     """Choose the cut-off of the filter by eye, with the methods' choices beside it.
 
     Drag the slider, or press and drag the upright line in the residual curve: the filtered
@@ -99,6 +100,10 @@ class ResidualExplorer(widgets.VBox):  # type: ignore[misc]
         self._around.observe(lambda _: self._draw_all(), names="dark")
         controls = widgets.HBox([self._choice, self._slider], layout={"flex_flow": "row wrap"})
         self.children = (self._around, controls, self._takers, self._told, self._canvas)
+
+    def plain_picture(self) -> bytes:
+        """Return the plots as PNG."""
+        return picture_of_figure(self._figure)
 
     @property
     def fs_step(self) -> float:

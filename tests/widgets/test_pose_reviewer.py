@@ -148,3 +148,11 @@ def test_a_page_without_python_has_the_animal_of_each_frame(reviewer, tmp_path):
     sticks = [one["overlay"]["views"]["top"]["stick"] for one in data["frames"]]
     assert [len(stick["legs"]) for stick in sticks] == [8, 8]
     assert sticks[0] != sticks[1]
+
+
+def test_the_plain_picture_has_the_legs_of_the_animal(reviewer, monkeypatch):
+    with_legs = reviewer.plain_picture()
+    (legs,) = reviewer.plain_legs(15).values()
+    np.testing.assert_allclose(legs[0][0], reviewer.session.pose_at(15).places("L1"))
+    monkeypatch.setattr(reviewer, "plain_legs", lambda _frame: {})
+    assert reviewer.plain_picture() != with_legs

@@ -12,11 +12,14 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 from pawnb.errors import InputError
-from pawnb.schema import ORIGIN_CODE, Tracks
+from pawnb.schema import ORIGINS, Tracks
 from pawnb.workflow.export.colours import point_colours
 
 TRAIL = 20
 """Frames of the past that a trail shows, as in the reviewers."""
+
+Colour = tuple[int, int, int]
+"""Red, green and blue, 0 to 255."""
 
 _BITS = 4  # of a pixel, for cv2: what it draws falls between pixels
 _RADIUS_PX = 7
@@ -50,7 +53,7 @@ class Marks:
     points: tuple[str, ...]
     uv: np.ndarray
     origin: np.ndarray
-    colours: tuple[tuple[int, int, int], ...]
+    colours: tuple[Colour, ...]
     chains: tuple[tuple[int, ...], ...]
 
     @classmethod
@@ -75,7 +78,7 @@ class Marks:
             origin=tracks["image_origin"].transpose(
                 "time", "view", "keypoint", "individual"
             ).to_numpy()[..., 0],
-            colours=tuple(tuple(bytes.fromhex(colour[1:])) for colour in colours),  # type: ignore[misc]
+            colours=tuple(rgb(colour) for colour in colours),
             chains=chains,
         )  # fmt: skip
 
@@ -106,19 +109,25 @@ class Marks:
         inner = {p for chain in self.chains for p in chain[:-1]}
         for p, colour in enumerate(self.colours):
             if p not in inner:
-                _line(image, places[:, :, p], colour, width=1)
+                line(image, places[:, :, p], colour, width=1)
         for chain in self.chains:
-            _line(image, places[-1][:, chain].T, self.colours[chain[-1]], width=2)
+            line(image, places[-1][:, chain].T, self.colours[chain[-1]], width=2)
         tips = [p for p in range(len(self.points)) if p not in inner]
         shown = [p for p in tips if np.isfinite(places[-1, :, p]).all()]
         for p in shown:
-            _ring(image, places[-1, :, p], self.colours[p], origin=int(self.origin[row, k, p]))
+            ring(image, places[-1, :, p], self.colours[p], origin=ORIGINS[self.origin[row, k, p]])
         if shown:
             named = [(self.points[p], places[-1, :, p], self.colours[p]) for p in shown]
             write(image, [(name, at + np.array([9.0, -20.0]), ink) for name, at, ink in named])
 
 
-def write(image: np.ndarray, words: Sequence[tuple[str, np.ndarray, tuple[int, int, int]]]) -> None:
+def rgb(colour: str) -> Colour:
+    """Return ``#rrggbb`` as red, green and blue."""
+    red, green, blue = bytes.fromhex(colour[1:])
+    return red, green, blue
+
+
+def write(image: np.ndarray, words: Sequence[tuple[str, np.ndarray, Colour]]) -> None:
     """Write words over a picture, with a rim.
 
     Parameters
@@ -149,8 +158,20 @@ def _legs(points: tuple[str, ...]) -> tuple[tuple[int, ...], ...]:
     )
 
 
-def _line(image: np.ndarray, at: np.ndarray, colour: tuple[int, int, int], *, width: int) -> None:
-    """Draw a line through places (m, 2), with gaps where one is not known."""
+def line(image: np.ndarray, at: np.ndarray, colour: Colour, *, width: int) -> None:
+    """Draw a line, with a rim and with gaps where a place is not known.
+
+    Parameters
+    ----------
+    image : ndarray, shape (H, W, 3), uint8
+        The picture; drawn upon.
+    at : ndarray, shape (m, 2)
+        Its places, px.
+    colour : tuple of int
+        Red, green and blue.
+    width : int
+        In px.
+    """
     known = np.isfinite(at).all(axis=1)
     ends = [(at[i], at[i + 1]) for i in range(len(at) - 1) if known[i] and known[i + 1]]
     for thick, ink in ((width + 2, _rim(colour)), (width, colour)):
@@ -158,11 +179,22 @@ def _line(image: np.ndarray, at: np.ndarray, colour: tuple[int, int, int], *, wi
             cv2.line(image, _fixed(a), _fixed(b), ink, thick, cv2.LINE_AA, _BITS)
 
 
-def _ring(image: np.ndarray, at: np.ndarray, colour: tuple[int, int, int], *, origin: int) -> None:
-    """Draw a ring: thin where only predicted or reprojected, doubled where placed by hand."""
-    unseen = origin in (ORIGIN_CODE["predicted"], ORIGIN_CODE["reprojected"])
-    radii = [_RADIUS_PX, _RADIUS_PX + 4] if origin == ORIGIN_CODE["edited"] else [_RADIUS_PX]
-    width = 1 if unseen else 2
+def ring(image: np.ndarray, at: np.ndarray, colour: Colour, *, origin: str) -> None:
+    """Draw a ring: thin where only predicted or reprojected, doubled where placed by hand.
+
+    Parameters
+    ----------
+    image : ndarray, shape (H, W, 3), uint8
+        The picture; drawn upon.
+    at : ndarray, shape (2,)
+        Its middle, px.
+    colour : tuple of int
+        Red, green and blue.
+    origin : str
+        One of :data:`pawnb.schema.ORIGINS`.
+    """
+    radii = [_RADIUS_PX, _RADIUS_PX + 4] if origin == "edited" else [_RADIUS_PX]
+    width = 1 if origin in ("predicted", "reprojected") else 2
     for radius in radii:
         for thick, ink in ((width + 2, _rim(colour)), (width, colour)):
             cv2.circle(image, _fixed(at), radius << _BITS, ink, thick, cv2.LINE_AA, _BITS)
@@ -174,7 +206,7 @@ def _fixed(at: np.ndarray) -> tuple[int, int]:
     return int(u), int(v)
 
 
-def _rim(colour: tuple[int, int, int]) -> tuple[int, int, int]:
+def _rim(colour: Colour) -> Colour:
     """Return white around dark colours and black around light ones."""
     red, green, blue = ((part / 255) ** 2.2 for part in colour)
     dark = 0.2126 * red + 0.7152 * green + 0.0722 * blue < _DARK

@@ -19,6 +19,64 @@ _ASPECT = 1.6
 _PAPER = (255, 255, 255)
 
 
+class Layout:
+    """Where the pictures of some views stand in one picture.
+
+    Parameters
+    ----------
+    sizes : mapping of str to tuple of int
+        Width and height of each view, px, in their order.
+    width : int
+        Width of the whole picture, px.
+
+    Attributes
+    ----------
+    part : int
+        Width of each view in it, px.
+    at : dict of str to tuple of int
+        Top, left and height of each view in it, px.
+    size : tuple of int
+        Width and height of the whole picture, px, both even.
+    """
+
+    def __init__(self, sizes: Mapping[str, tuple[int, int]], *, width: int) -> None:
+        columns = best_columns(list(sizes.values()))
+        self.part = (width - _GAP_PX * (columns - 1)) // columns
+        heights = [max(1, round(self.part * h / w)) for w, h in sizes.values()]
+        rows = [heights[i : i + columns] for i in range(0, len(heights), columns)]
+        tops = np.cumsum([0, *(max(row) + _GAP_PX for row in rows)])
+        self.at = {
+            name: (int(tops[i // columns]), (i % columns) * (self.part + _GAP_PX), heights[i])
+            for i, name in enumerate(sizes)
+        }
+        high = max(2, int(tops[-1]) - _GAP_PX)
+        self.size = (width + width % 2, high + high % 2)
+
+    def whole(self, parts: Mapping[str, np.ndarray], said: str) -> np.ndarray:
+        """Put the pictures of all views into one, with their names and what is said of them.
+
+        Parameters
+        ----------
+        parts : mapping of str to ndarray
+            Picture of each view, (height, part, 3) RGB uint8.
+        said : str
+            Written at the lower left.
+
+        Returns
+        -------
+        ndarray of uint8, shape (height, width, 3)
+            The whole picture.
+        """
+        whole = np.full((self.size[1], self.size[0], 3), _PAPER, np.uint8)
+        words = []
+        for name, (top, left, height) in self.at.items():
+            whole[top : top + height, left : left + self.part] = parts[name]
+            words.append((name, np.array([left + 4.0, top + 2.0]), _PAPER))
+        last = (said, np.array([4.0, self.size[1] - 22.0]), _PAPER)
+        write(whole, [*(words if len(words) > 1 else []), last])
+        return whole
+
+
 class Tiles:
     """Pictures of a trial, all of one size, with tracks over them.
 
@@ -66,17 +124,8 @@ class Tiles:
         sizes = {
             name: (views.readers[name].width, views.readers[name].height) for name in self.shown
         }
-        columns = best_columns(list(sizes.values()))
-        self._part = (width - _GAP_PX * (columns - 1)) // columns
-        heights = [round(self._part * h / w) for w, h in sizes.values()]
-        rows = [heights[i : i + columns] for i in range(0, len(heights), columns)]
-        tops = np.cumsum([0, *(max(row) + _GAP_PX for row in rows)])
-        self._at = {
-            name: (int(tops[i // columns]), (i % columns) * (self._part + _GAP_PX), heights[i])
-            for i, name in enumerate(self.shown)
-        }
-        high = max(2, int(tops[-1]) - _GAP_PX)
-        self.size = (width + width % 2, high + high % 2)
+        self._layout = Layout(sizes, width=width)
+        self.size = self._layout.size
         self._times = np.asarray(views.time_s)
 
     def picture(self, frame: int, frames: Mapping[str, Frame] | None = None) -> np.ndarray:
@@ -95,21 +144,12 @@ class Tiles:
             The picture.
         """
         read = self._views.frame(frame) if frames is None else frames
-        whole = np.full((self.size[1], self.size[0], 3), _PAPER, np.uint8)
-        for name, (top, left, height) in self._at.items():
-            part = resized(read[name], (self._part, height))
-            self._marks.draw(
-                part, name, frame, scale=self._part / read[name].width, trail=self._trail
-            )
-            whole[top : top + height, left : left + self._part] = part
-        said = f"frame {frame}, {self._times[frame]:.3f} s"
-        names = [
-            (name, np.array([left + 4.0, top + 2.0]), _PAPER)
-            for name, (top, left, _) in self._at.items()
-        ]
-        low = np.array([4.0, self.size[1] - 22.0])
-        write(whole, [*(names if len(names) > 1 else []), (said, low, _PAPER)])
-        return whole
+        part, parts = self._layout.part, {}
+        for name, (_, _, height) in self._layout.at.items():
+            parts[name] = resized(read[name], (part, height))
+            scale = part / read[name].width
+            self._marks.draw(parts[name], name, frame, scale=scale, trail=self._trail)
+        return self._layout.whole(parts, f"frame {frame}, {self._times[frame]:.3f} s")
 
 
 def resized(frame: Frame, size: tuple[int, int]) -> np.ndarray:
@@ -127,10 +167,28 @@ def resized(frame: Frame, size: tuple[int, int]) -> np.ndarray:
     ndarray of uint8, shape (height, width, 3)
         A fresh array.
     """
-    image = frame.shrunk(max(1, min(frame.width // size[0], frame.height // max(1, size[1]))))
+    most = min(frame.width // size[0], frame.height // size[1])
+    return resized_array(frame.shrunk(max(1, most)), size)
+
+
+def resized_array(image: np.ndarray, size: tuple[int, int]) -> np.ndarray:
+    """Return a picture at another size, RGB, also where it is grey.
+
+    Parameters
+    ----------
+    image : ndarray of uint8, shape (H, W) or (H, W, 3)
+        The picture.
+    size : tuple of int
+        Width and height, px.
+
+    Returns
+    -------
+    ndarray of uint8, shape (height, width, 3)
+        A fresh array.
+    """
     smaller = image.shape[1] > size[0]
     image = cv2.resize(image, size, interpolation=cv2.INTER_AREA if smaller else cv2.INTER_LINEAR)
-    return image if image.ndim == 3 else cv2.cvtColor(image, cv2.COLOR_GRAY2RGB)
+    return image if image.ndim == 3 else np.asarray(cv2.cvtColor(image, cv2.COLOR_GRAY2RGB))
 
 
 def best_columns(sizes: Sequence[tuple[int, int]]) -> int:
