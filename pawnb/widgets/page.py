@@ -95,21 +95,21 @@ class Paged:
         # frames that follow one another keep their numbers, others are counted from 0
         follow = chosen == list(range(chosen[0], chosen[-1] + 1))
         begin = chosen[0] if follow else 0
-        shown = [self.page_frame(frame, width=width, quality=quality) for frame in chosen]
+        shown = [self._page_frame(frame, width=width, quality=quality) for frame in chosen]
         for frame, one in zip(chosen, shown, strict=True) if not follow else ():
             said = one["overlay"].get("caption")
             one["overlay"]["caption"] = f"frame {frame} of the recording{f', {said}' * bool(said)}"
         data = {
-            "traits": self.page_traits()
+            "traits": self._page_traits()
             | {"span": [begin, begin + len(chosen) - 1], "frame": begin},
             "frames": shown,
-            "lanes": self.page_lanes(chosen, begin),
+            "lanes": self._page_lanes(chosen, begin),
         }
         script = (str(self._esm), str(self._css))
-        page = _html(title or self.label, data, notes=self.page_notes(), script=script)
+        page = _html(title or self.label, data, notes=self._page_notes(), script=script)
         return write_whole(path, page.encode("utf-8"))
 
-    def page_traits(self) -> dict[str, Any]:
+    def _page_traits(self) -> dict[str, Any]:
         """Return what the browser is told on a page that only shows."""
         same = ("stages", "status", "label", "max_height", "selected", "cameras", "keys_help")
         told = {name: getattr(self, name) for name in same}
@@ -118,7 +118,7 @@ class Paged:
             "tell_selected": False, "lanes": [], "lanes_do": [], "stretch": [],
         }  # fmt: skip
 
-    def page_frame(self, frame: int, *, width: int, quality: int) -> dict[str, Any]:
+    def _page_frame(self, frame: int, *, width: int, quality: int) -> dict[str, Any]:
         """Return pictures (as text) and overlay of a frame for a page."""
         shrink = [-(-stage["width"] // width) for stage in self.stages]
         pictures = self._encode(frame, shrink, quality=quality)
@@ -126,11 +126,11 @@ class Paged:
             overlay = self.overlay(frame)
         return {"pictures": [as_text(data) for data in pictures], "overlay": overlay}
 
-    def page_lanes(self, frames: Sequence[int], first: int) -> dict[str, Any]:  # noqa: ARG002
+    def _page_lanes(self, frames: Sequence[int], first: int) -> dict[str, Any]:  # noqa: ARG002
         """Return the timeline of a page: a canvas has none."""
         return {}
 
-    def page_notes(self) -> list[str]:
+    def _page_notes(self) -> list[str]:
         """Return what was corrected, in words: a canvas only shows."""
         return []
 

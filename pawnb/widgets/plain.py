@@ -106,7 +106,8 @@ def picture_of_figure(figure: Figure) -> bytes:
     """Return a figure as PNG; the canvas that shows it stays its canvas."""
     shown, file = figure.canvas, io.BytesIO()
     try:
-        FigureCanvasAgg(figure).print_png(file)
+        FigureCanvasAgg(figure)
+        figure.savefig(file, format="png", dpi="figure")
     finally:
         figure.set_canvas(shown)
     return file.getvalue()
@@ -135,8 +136,9 @@ def picture_of_table(head: Sequence[str], rows: Sequence[Sequence[str]], title: 
     short = [[_short(cell) for cell in row] for row in [head, *rows]]
     axes.set_title(_short(title), loc="left", fontsize=10)
     cells = short[1:] or [[""] * len(head)]
-    look = {"loc": "upper left", "cellLoc": "left", "edges": "horizontal"}
-    table = axes.table(cellText=cells, colLabels=short[0], **look)
+    table = axes.table(
+        cellText=cells, colLabels=short[0], loc="upper left", cellLoc="left", edges="horizontal"
+    )
     table.auto_set_font_size(value=False)
     table.set_fontsize(8)
     table.auto_set_column_width(list(range(len(head))))

@@ -91,11 +91,11 @@ class TimelineCanvas(FrameCanvas):
         self._renew_lanes()
         super().refresh(go)
 
-    def page_traits(self) -> dict[str, Any]:
+    def _page_traits(self) -> dict[str, Any]:
         """Return what the browser is told on a page that only shows, its lanes too."""
-        return super().page_traits() | {"lanes": self.lanes}
+        return super()._page_traits() | {"lanes": self.lanes}
 
-    def page_lanes(self, frames: Sequence[int], first: int) -> dict[str, Any]:
+    def _page_lanes(self, frames: Sequence[int], first: int) -> dict[str, Any]:
         """Return the timeline of a page: that of some frames, counted from ``first`` there."""
         if self._analysts is None or self._lane_bytes is None:
             return {}
@@ -131,6 +131,9 @@ class TimelineCanvas(FrameCanvas):
     def _lane_tracks(self) -> Tracks:
         """Return the tracks as they are now."""
         raise NotImplementedError
+
+    def _tell_of_tracks(self) -> None:
+        """Take notice of other tracks than those of before."""
 
     def _lane_suspects(self) -> pd.DataFrame | None:
         """Return the labels that are doubtful now."""
@@ -191,8 +194,10 @@ class TimelineCanvas(FrameCanvas):
             else:
                 self._send_lanes(0, new.shape[1])
             if tracks is not self._analysed:
-                self._analysed = tracks
+                first, self._analysed = self._analysed is None, tracks
                 self._look_for_stances(tracks)
+                if not first:
+                    self._tell_of_tracks()
 
     def _send_lanes(self, begin: int, stop: int) -> None:
         """Send some frames of all lanes; as text, since some front ends lose binary messages."""

@@ -156,3 +156,19 @@ def test_the_plain_picture_has_the_legs_of_the_animal(reviewer, monkeypatch):
     np.testing.assert_allclose(legs[0][0], reviewer.session.pose_at(15).places("L1"))
     monkeypatch.setattr(reviewer, "plain_legs", lambda _frame: {})
     assert reviewer.plain_picture() != with_legs
+
+
+def test_tracks_of_poses_are_observed_and_set(reviewer, tracks):
+    heard = []
+    reviewer.observe(lambda change: heard.append(change["new"]), "tracks")
+    message = {"frame": 12, "point": "L2", "u": 40.0, "v": 40.0, "whole": True}
+    reviewer._answer_edit({"what": "moved", "who": "a", "n": 1} | message)
+    assert len(heard) == 1
+    other = tracks.copy(deep=True)
+    other["heading"].to_numpy()[:] += 3.0
+    reviewer.tracks = other
+    assert len(heard) == 2
+    at = int(other["frame"][0])
+    assert reviewer.session.pose_at(at).heading_deg == pytest.approx(
+        float(tracks["heading"][0, 0]) + 3.0
+    )
