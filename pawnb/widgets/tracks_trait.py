@@ -9,7 +9,7 @@ import traitlets
 from pawnb.schema import Tracks, check_tracks
 
 
-class TracksTrait(traitlets.TraitType):  # type: ignore[misc]
+class TracksTrait(traitlets.TraitType):
     """The tracks that a reviewer holds.
 
     The reviewer has ``corrected``, takes other tracks in ``_take_tracks``, and calls
