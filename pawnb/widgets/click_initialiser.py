@@ -95,6 +95,7 @@ class ClickInitialiser(FrameCanvas):
             self._propose(trial, propose)
         super().__init__(shown, frame=self.session.frame, span=self.session.span, **options)
         self.label = "Click the start points"
+        self.link_views(self.session.rig)
         self.keys_help = [list(line) for line in (*_KEYS, *MOUSE_AND_KEYS)]
         self.tell_selected = True
         self._show_state()

@@ -3,15 +3,15 @@
 All views of a trial are shown at the same frame. Pictures travel as JPEG in binary
 messages, as small as the screen can show; points, trails and lines are drawn in the
 browser. Of ``static``, ``connection.js`` knows whether Python hears the browser, ``stage.js`` is
-one view, ``marks.js`` what is drawn over it, ``stick.js`` a stick animal, ``frames.js`` the traffic
-of frames, ``controls.js`` buttons and sliders, ``keys.js`` the keys, ``timeline.js``, ``lanes.js``
-and ``stretch_bar.js`` the timeline where there is one (see ``timeline.py``), ``frame_canvas.js``
-the page; they are joined here, without any build step.
+one view, ``marks.js`` what is drawn over it, ``linked.js`` how other views see a point in the hand,
+``stick.js`` a stick animal, ``frames.js`` the traffic of frames, ``controls.js`` buttons and
+sliders, ``keys.js`` the keys, ``timeline.js``, ``lanes.js`` and ``stretch_bar.js`` the timeline
+where there is one (see ``timeline.py``), ``frame_canvas.js`` the page; they are joined here,
+without any build step.
 """
 
 from __future__ import annotations
 
-import base64
 import os
 import threading
 from collections.abc import Callable, Mapping, Sequence
@@ -23,7 +23,11 @@ import cv2
 import numpy as np
 import traitlets
 
+from pawnb.core.rig import Rig
+from pawnb.core.video.views import Frame
 from pawnb.errors import InputError, PawnbError
+from pawnb.widgets.page import Paged, as_text
+from pawnb.widgets.plain import Plain, picture_of_canvas
 from pawnb.widgets.surroundings import read_static
 
 Overlay = dict[str, Any]
@@ -81,7 +85,7 @@ class Views(Protocol):
         """Return one frame of every view."""
 
 
-class FrameCanvas(anywidget.AnyWidget):
+class FrameCanvas(Paged, Plain, anywidget.AnyWidget):
     """All views of a trial at one frame, with zoom, play and what is drawn over them.
 
     Parameters
@@ -102,6 +106,9 @@ class FrameCanvas(anywidget.AnyWidget):
         The frame that is shown; can be set and observed.
     selected : list of str
         View and point that are chosen, or empty; can be set and observed.
+    cameras : dict of str to list of float
+        DLT coefficients of calibrated views: while a point is dragged in one, the others show at
+        once where it lies in them.
 
     Raises
     ------
@@ -110,8 +117,8 @@ class FrameCanvas(anywidget.AnyWidget):
     """
 
     _esm = read_static(
-        "connection.js", "stick.js", "marks.js", "stage.js", "frames.js", "controls.js",
-        "keys.js", "stretch_bar.js", "lanes.js", "timeline.js", "frame_canvas.js",
+        "connection.js", "stick.js", "linked.js", "marks.js", "stage.js", "frames.js",
+        "controls.js", "keys.js", "stretch_bar.js", "lanes.js", "timeline.js", "frame_canvas.js",
     )  # fmt: skip
     _css = read_static("frame_canvas.css")
 
@@ -127,6 +134,7 @@ class FrameCanvas(anywidget.AnyWidget):
     selected: traitlets.List = traitlets.List().tag(sync=True)
     transport = traitlets.Unicode("binary").tag(sync=True)
     max_height = traitlets.Int(720).tag(sync=True)
+    cameras: traitlets.Dict = traitlets.Dict().tag(sync=True)
     tell_selected = traitlets.Bool(default_value=False).tag(sync=True)
 
     def __init__(
@@ -193,11 +201,24 @@ class FrameCanvas(anywidget.AnyWidget):
             A frame that the browser should show next.
         """
 
+    def link_views(self, rig: Rig | None) -> None:
+        """Show in the other views of a rig where a point lies that is dragged in one of them."""
+        columns = () if rig is None else zip(rig.names, rig.coefs.T.tolist(), strict=True)
+        self.cameras = dict(columns)
+
     def refresh(self, go: int | None = None) -> None:
         """Let the browser ask again for what is drawn, and go to a frame."""
         with self._edit_lock:
             self._version += 1
             self.send({"type": "refresh", "version": self._version, "go": go})
+
+    def plain_picture(self) -> bytes:
+        """Return the views at the frame that is shown, with what is drawn over them, as PNG."""
+        return picture_of_canvas(self)
+
+    def plain_legs(self, frame: int) -> dict[str, list[tuple[np.ndarray, str]]]:  # noqa: ARG002
+        """Return legs of a stick animal for the plain picture: places (m, 2) px and colour."""
+        return {}
 
     def close(self) -> None:
         """Take the widget away and end its threads; the views stay open."""
@@ -250,7 +271,7 @@ class FrameCanvas(anywidget.AnyWidget):
             pictures = []
         answer |= {"sent": bool(pictures), "shrink": message["shrink"]}
         if pictures and message.get("plain"):
-            answer["pictures"] = [base64.b64encode(data).decode("ascii") for data in pictures]
+            answer["pictures"] = [as_text(data) for data in pictures]
             self.send(answer)
         else:
             self.send(answer, buffers=pictures)
@@ -270,13 +291,16 @@ class FrameCanvas(anywidget.AnyWidget):
                 answer |= {"version": self._version, "frame": frame}
                 self.send(answer | {"overlay": self.overlay(frame)})
 
-    def _encode(self, frame: int, shrink: Sequence[int]) -> list[bytes]:
+    def _encode(
+        self, frame: int, shrink: Sequence[int], *, quality: int | None = None
+    ) -> list[bytes]:
         """Return one JPEG a view, each made ``shrink`` times smaller, in the order of views."""
         with self._video_lock:
             frames = self._views.frame(frame)
         names = self._views.names
+        quality = self._quality if quality is None else quality
         jobs = [
-            self._pool.submit(encode_jpeg, frames[name], shrink=int(k), quality=self._quality)
+            self._pool.submit(encode_jpeg, frames[name], shrink=int(k), quality=quality)
             for name, k in zip(names, shrink, strict=True)
         ]
         return [job.result() for job in jobs]
@@ -311,14 +335,20 @@ def encode_jpeg(picture: Picture, *, shrink: int = 1, quality: int = 85) -> byte
     InputError
         If the picture cannot be encoded.
     """
-    image = picture.image()
-    height, width = image.shape[:2]
-    if shrink > 1:
-        size = (max(1, round(width / shrink)), max(1, round(height / shrink)))
-        image = cv2.resize(image, size, interpolation=cv2.INTER_AREA)
+    image = _smaller(picture, shrink)
     if image.ndim == 3:
         image = cv2.cvtColor(image, cv2.COLOR_RGB2BGR)
     done, data = cv2.imencode(".jpg", image, [cv2.IMWRITE_JPEG_QUALITY, quality])
     if not done:
+        height, width = image.shape[:2]
         raise InputError(f"a picture of {width} x {height} px cannot be encoded as JPEG.")
     return data.tobytes()
+
+
+def _smaller(picture: Picture, shrink: int) -> np.ndarray:
+    """Return a picture ``shrink`` times smaller, of a frame before it is made RGB."""
+    if isinstance(picture, Frame):
+        return picture.shrunk(shrink)
+    image = picture.image()
+    size = [max(1, round(side / shrink)) for side in image.shape[1::-1]]
+    return np.asarray(cv2.resize(image, size, interpolation=cv2.INTER_AREA))

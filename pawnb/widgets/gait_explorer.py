@@ -13,6 +13,7 @@ from pawnb.errors import InputError
 from pawnb.gait import GaitTables
 from pawnb.widgets.gait_panels import GaitPanels
 from pawnb.widgets.gait_session import GaitSession
+from pawnb.widgets.plain import Plain, picture_of_figure
 from pawnb.widgets.plot_canvas import make_canvas
 from pawnb.widgets.plot_theme import fit_figure, set_theme
 from pawnb.widgets.surroundings import Surroundings
@@ -32,7 +33,7 @@ _HELP = (
 )
 
 
-class GaitExplorer(widgets.VBox):  # type: ignore[misc]
+class GaitExplorer(Plain, widgets.VBox):  # type: ignore[misc]
     """Look through the strides of an analysis and correct its events.
 
     Click a stride in the gait diagram: it is marked there, in the signal of its leg, in the
@@ -81,6 +82,10 @@ class GaitExplorer(widgets.VBox):  # type: ignore[misc]
             self._canvas.mpl_connect(name, handler)
         self._around.observe(self._on_room, names=["width", "height"])
         self._around.observe(lambda _: self._draw(), names="dark")
+
+    def plain_picture(self) -> bytes:
+        """Return the plots as PNG."""
+        return picture_of_figure(self._figure)
 
     @property
     def tables(self) -> GaitTables:

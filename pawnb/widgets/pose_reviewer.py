@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -62,6 +63,8 @@ class PoseReviewer(StickPoser, Retracking):
     ----------
     session : PoseReviewSession
         The poses under review; works without a browser.
+    tracks : xarray.Dataset
+        The tracks as corrected so far; can be observed, and set to others of the same trial.
 
     Raises
     ------
@@ -88,31 +91,22 @@ class PoseReviewer(StickPoser, Retracking):
         self._prepare(trial, retrack)
         edits = Path(edits) if edits is not None else results_folder(trial) / "edits.jsonl"
         folder = Path(out) if out is not None else edits.parent
-        self.corrected = CorrectedTracks(
-            trial,
-            tracks,
-            edits=edits,
-            retrack=self._track_again,
-            save=self._saver(folder),
+        self._open_corrected = partial(
+            CorrectedTracks, trial, edits=edits, retrack=self._track_again, save=self._saver(folder)
         )
         shown = open_views(trial) if views is None else views
         reader = shown.readers[pose_view(trial)]
-        size = (reader.width, reader.height)
-        session = PoseReviewSession(trial, self.corrected, size=size, frame=frame)
-        self._offer_doubtful(session.suspects())
-        super().__init__(trial, session=session, views=shown, **options)
+        self._size = (reader.width, reader.height)
+        self._open_tracks(tracks, frame=frame)
+        self._offer_doubtful(self.session.suspects())
+        super().__init__(trial, session=self.session, views=shown, **options)
         self._own_views = shown if views is None else None
         self.label = "Review poses"
         self.keys_help = [list(line) for line in (*_KEYS, *TIMELINE_KEYS, *MOUSE_AND_KEYS)]
         self._prepare_lanes(
-            trial, self.corrected.present, session.colours, partners={}, does=("retrack",)
+            trial, self.corrected.present, self.session.colours, partners={}, does=("retrack",)
         )
         self._show_state(self._opening_notes(folder))
-
-    @property
-    def tracks(self) -> Tracks:
-        """The tracks as corrected so far."""
-        return self.corrected.tracks
 
     def edit(self, what: str, message: Mapping[str, Any]) -> int | None:
         """Do what a person did; see :meth:`FrameCanvas.edit`."""
@@ -133,6 +127,11 @@ class PoseReviewer(StickPoser, Retracking):
         else:
             return self._correct(what, message)
         return None
+
+    def _open_tracks(self, tracks: Tracks, *, frame: int | None = None) -> None:
+        """Begin the review of some tracks."""
+        self.corrected = self._open_corrected(tracks)
+        self.session = PoseReviewSession(self._trial, self.corrected, size=self._size, frame=frame)
 
     def _do_to_stretch(
         self, action: str, _point: str, stretch: tuple[int, int], _message: Mapping[str, Any]

@@ -7,13 +7,15 @@ from typing import Any
 
 import ipywidgets as widgets
 import numpy as np
-import pandas as pd
+import traitlets
 from matplotlib.figure import Figure
 
+from pawnb.errors import InputError
 from pawnb.figures.style import OKABE_ITO, style
+from pawnb.widgets.plain import Plain, picture_of_figure
 from pawnb.widgets.plot_canvas import make_canvas
 from pawnb.widgets.plot_theme import fit_figure, set_theme
-from pawnb.widgets.residual_session import ResidualSession
+from pawnb.widgets.residual_session import ResidualSession, Signals
 from pawnb.widgets.surroundings import Surroundings
 
 _RAW, _SMOOTH, _HAND = "0.7", OKABE_ITO["blue"], OKABE_ITO["vermillion"]
@@ -31,7 +33,7 @@ _ROOM = 1.6
 """Height of a panel in ranges of its filtered signal: noise of derivatives would fill it else."""
 
 
-class ResidualExplorer(widgets.VBox):  # type: ignore[misc]
+class ResidualExplorer(Plain, widgets.VBox):  # type: ignore[misc]
     """Choose the cut-off of the filter by eye, with the methods' choices beside it.
 
     Drag the slider, or press and drag the upright line in the residual curve: the filtered
@@ -41,8 +43,9 @@ class ResidualExplorer(widgets.VBox):  # type: ignore[misc]
 
     Parameters
     ----------
-    signals : pandas.DataFrame
-        One column a signal, all in one unit; NaN where missing.
+    signals : pandas.DataFrame, pandas.Series, ndarray or list
+        One column a signal, all in one unit; NaN where missing. A series, an array (n,) or (n, k)
+        and a list of numbers will do.
     fs_hz : float
         Sampling rate, in Hz.
     unit : str
@@ -55,7 +58,7 @@ class ResidualExplorer(widgets.VBox):  # type: ignore[misc]
     session : ResidualSession
         The state; ``session.cutoff_hz`` is the cut-off in the hand.
     cutoff_hz : float
-        The same.
+        The same, in Hz; can be set, observed, and linked to another widget.
 
     Raises
     ------
@@ -63,11 +66,11 @@ class ResidualExplorer(widgets.VBox):  # type: ignore[misc]
         If there is no signal, or the rate or order cannot be.
     """
 
-    def __init__(
-        self, signals: pd.DataFrame, *, fs_hz: float, unit: str = "", order: int = 4
-    ) -> None:
-        super().__init__()
+    cutoff_hz = traitlets.Float().tag(sync=True)
+
+    def __init__(self, signals: Signals, *, fs_hz: float, unit: str = "", order: int = 4) -> None:
         self.session = ResidualSession(signals, fs_hz=fs_hz, order=order)
+        super().__init__(cutoff_hz=self.session.cutoff_hz)
         self._unit, self._dragging = unit, False
         self._figure = Figure(figsize=(_MOST_PX[0] / 100, _MOST_PX[1] / 100), dpi=100)
         self._around = Surroundings()
@@ -89,6 +92,7 @@ class ResidualExplorer(widgets.VBox):  # type: ignore[misc]
         self._draw_all()
         self._choice.observe(self._on_signal, names="value")
         self._slider.observe(self._on_slider, names="value")
+        self.observe(self._on_cutoff, names="cutoff_hz")
         for name, handler in (
             ("button_press_event", self._on_press),
             ("motion_notify_event", self._on_move),
@@ -100,15 +104,22 @@ class ResidualExplorer(widgets.VBox):  # type: ignore[misc]
         controls = widgets.HBox([self._choice, self._slider], layout={"flex_flow": "row wrap"})
         self.children = (self._around, controls, self._takers, self._told, self._canvas)
 
+    def plain_picture(self) -> bytes:
+        """Return the plots as PNG."""
+        return picture_of_figure(self._figure)
+
     @property
     def fs_step(self) -> float:
         """Smallest cut-off and step of the slider, Hz."""
         return self.session.fs_hz / 1000.0
 
-    @property
-    def cutoff_hz(self) -> float:
-        """The cut-off in the hand, Hz."""
-        return self.session.cutoff_hz
+    @traitlets.validate("cutoff_hz")
+    def _cutoff_of_the_filter(self, proposal: Any) -> float:
+        """Refuse a cut-off that the filter cannot have."""
+        given, highest = float(proposal["value"]), self.session.highest_hz
+        if not 0.0 < given <= highest * (1 + 1e-9):
+            raise InputError(f"cutoff_hz is {given:g}; expected above 0, at most {highest:.4g} Hz.")
+        return given
 
     def _draw_all(self) -> None:
         """Draw the residual curve and the three panels anew, for the signal that is shown."""
@@ -217,7 +228,13 @@ class ResidualExplorer(widgets.VBox):  # type: ignore[misc]
 
     def _on_slider(self, change: dict[str, Any]) -> None:
         """Take the slider's cut-off."""
-        self.session.set_cutoff(change["new"])
+        self.cutoff_hz = self.session.set_cutoff(change["new"])
+
+    def _on_cutoff(self, change: dict[str, Any]) -> None:
+        """Show the cut-off that was taken, by whomever."""
+        taken = self.session.set_cutoff(change["new"])
+        if not math.isclose(self._slider.value, taken):
+            self._slider.value = taken
         self._show_cutoff()
 
     def _on_press(self, event: Any) -> None:

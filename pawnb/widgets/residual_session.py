@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -17,14 +19,18 @@ from pawnb.gait.residuals import (
 )
 from pawnb.signals import SmoothedMotion, differentiate, smooth_motion
 
+Signals = pd.DataFrame | pd.Series | np.ndarray | Sequence[Any]
+"""Signals as they come."""
+
 
 class ResidualSession:
     """Signals, and the cut-off that a person tries on them; works without a browser.
 
     Parameters
     ----------
-    signals : pandas.DataFrame
-        One column a signal, all in one unit; NaN where missing.
+    signals : pandas.DataFrame, pandas.Series, ndarray or list
+        One column a signal, all in one unit; NaN where missing. A series, an array (n,) or (n, k)
+        and a list of numbers will do.
     fs_hz : float
         Sampling rate, in Hz.
     order : int
@@ -50,7 +56,8 @@ class ResidualSession:
         If there is no signal, or the rate or order cannot be.
     """
 
-    def __init__(self, signals: pd.DataFrame, *, fs_hz: float, order: int = 4) -> None:
+    def __init__(self, signals: Signals, *, fs_hz: float, order: int = 4) -> None:
+        signals = _as_table(signals)
         self._signals, self.fs_hz, self.order = signals, fs_hz, order
         self.names = tuple(str(name) for name in signals)
         self.choices = compare_cutoffs(signals, fs_hz=fs_hz, order=order)
@@ -140,3 +147,23 @@ class ResidualSession:
             if not math.isfinite(cutoff_hz)
         ]
         return " ".join(told)
+
+
+def _as_table(signals: Signals) -> pd.DataFrame:
+    """Return signals as a table, a column each, named where they have no names."""
+    if isinstance(signals, pd.DataFrame):
+        # a column is found by its name, whatever type that has
+        return signals.set_axis([str(name) for name in signals], axis=1)
+    if isinstance(signals, pd.Series):
+        return signals.to_frame("signal 1" if signals.name is None else str(signals.name))
+    try:
+        values = np.asarray(signals, dtype=float)
+    except (TypeError, ValueError):
+        raise InputError(
+            "these signals are no table of numbers; give an array (n,) or (n, k), a list of "
+            "numbers, a Series or a DataFrame."
+        ) from None
+    if values.ndim not in (1, 2):
+        raise InputError(f"signals have {values.ndim} dimensions; expected time and signal.")
+    flat = values.reshape(len(values), -1)
+    return pd.DataFrame(flat, columns=[f"signal {k + 1}" for k in range(flat.shape[1])])

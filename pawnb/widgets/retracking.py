@@ -9,6 +9,7 @@ from typing import Any
 
 import pandas as pd
 
+from pawnb.core.edits.log import describe_edit
 from pawnb.core.rig import Rig
 from pawnb.errors import InputError, PawnbError
 from pawnb.files import GuardedFile
@@ -16,6 +17,9 @@ from pawnb.schema import Tracks
 from pawnb.trial import Trial
 from pawnb.widgets.review_session import suspect_options
 from pawnb.widgets.timeline import TimelineCanvas
+from pawnb.widgets.tracks_trait import TracksTrait
+from pawnb.workflow.export.film import export_film
+from pawnb.workflow.export.sheet import export_sheet
 from pawnb.workflow.provenance.manifest import MANIFEST, PUT_ASIDE, find_fault
 from pawnb.workflow.provenance.results import write_track_results
 from pawnb.workflow.tracking.track import retrack as workflow_retrack
@@ -40,6 +44,8 @@ class Retracking(TimelineCanvas):
     """
 
     corrected: Any  # CorrectedTracks; traitlets wants no stricter word here
+
+    tracks = TracksTrait()
 
     def _prepare(self, trial: Trial, retrack: RetrackTrial | None) -> None:
         """Remember the trial and how it is tracked again."""
@@ -114,6 +120,32 @@ class Retracking(TimelineCanvas):
         row = self._doubtful.iloc[place]
         return int(row["frame"]), str(row["view"]), str(row["point"]), str(row["reason"])
 
+    def _take_tracks(self, tracks: Tracks) -> None:
+        """Review other tracks of the same trial, as if the review were opened on them."""
+        before = self.corrected.present
+        for what in ("view", "keypoint"):
+            names, had = ([str(n) for n in some[what].to_numpy()] for some in (tracks, before))
+            if names != had:
+                raise InputError(
+                    f"these tracks have other {what}s ({', '.join(names)}) than those under review "
+                    f"({', '.join(had)}); open a review of their own on them."
+                )
+        with self._edit_lock:
+            if self.corrected.busy:
+                raise InputError("the trial is being tracked again; wait, or stop it.")
+            self._open_tracks(tracks)
+            self._tracked_again()
+            self._show_state("other tracks are shown")
+        self.refresh()
+
+    def _open_tracks(self, tracks: Tracks) -> None:
+        """Begin the review of some tracks: make ``corrected``, and the session of it."""
+        raise NotImplementedError
+
+    def _tell_of_tracks(self) -> None:
+        """Tell who observes ``tracks``."""
+        type(self).tracks.changed(self)
+
     def _lane_tracks(self) -> Tracks:
         """Return the tracks as they are now."""
         tracks: Tracks = self.corrected.present
@@ -155,6 +187,23 @@ class Retracking(TimelineCanvas):
         arguments = (frame, learn, stretch)
         self._worker = threading.Thread(target=self._retrack_now, args=arguments, daemon=True)
         self._worker.start()
+
+    def export_film(self, path: str | Path, **options: Any) -> Path:
+        """Write the tracks as corrected so far as a film; see :func:`pawnb.export_film`."""
+        return export_film(self._trial, self.corrected.tracks, path, **options)
+
+    def export_sheet(self, path: str | Path, **options: Any) -> Path:
+        """Write frames of the tracks as one picture; see :func:`pawnb.export_sheet`."""
+        return export_sheet(self._trial, self.corrected.tracks, path, **options)
+
+    def _page_notes(self) -> list[str]:
+        """Return what was corrected, in words, for a page that only shows."""
+        return [describe_edit(edit) for edit in self.corrected.corrections]
+
+    def _page_traits(self) -> dict[str, Any]:
+        """Return what the browser is told on a page that only shows."""
+        said = f"Tracks of {self._trial.name}. Step with the arrow keys, zoom with the wheel."
+        return super()._page_traits() | {"status": said}
 
     def close(self) -> None:
         """Take the widget away and stop the tracker."""

@@ -20,9 +20,9 @@ from pawnb.gait.analysis.leg_names import guess_legs
 from pawnb.gait.legs import find_leg_place
 from pawnb.schema import ORIGIN_CODE, ORIGINS, Tracks
 from pawnb.trial import Trial
-from pawnb.widgets.colours import point_colours
 from pawnb.widgets.start_marks import FAR_PX
 from pawnb.widgets.stretch_edits import StretchEdits, order_partners
+from pawnb.workflow.export.colours import point_colours
 
 TRAIL = 20
 """Frames of the past that a trail shows."""

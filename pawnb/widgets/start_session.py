@@ -18,11 +18,11 @@ from pawnb.errors import InputError
 from pawnb.io.start import write_start
 from pawnb.schema import START_COLUMNS, check_columns
 from pawnb.trial import Trial
-from pawnb.widgets.colours import point_colours
 from pawnb.widgets.draft import Draft
 from pawnb.widgets.start_marks import Slot, draw_view
 from pawnb.widgets.start_points import points_by_view, read_unfinished
 from pawnb.widgets.start_words import next_step, what_is_clicked, what_is_missing
+from pawnb.workflow.export.colours import point_colours
 
 
 @dataclass(frozen=True)

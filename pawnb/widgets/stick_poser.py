@@ -6,6 +6,8 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.background import Background
 from pawnb.core.pose.fit.explanation import fit_to_picture
@@ -148,6 +150,13 @@ class StickPoser(FrameCanvas):
             shown, view = seen
             here["tint"], told["caption"] = shown.tint(view), shown.caption(view)
         return told
+
+    def plain_legs(self, frame: int) -> dict[str, list[tuple[np.ndarray, str]]]:
+        """Return the legs of the stick animal for the plain picture."""
+        pose, _ = self._pose_shown(frame)
+        colours = self.session.colours
+        there = [name for name in colours if not pose.legs[name].missing]
+        return {self.view: [(pose.places(name), colours[name]) for name in there]}
 
     def _pose_shown(self, frame: int) -> tuple[StickPose, bool]:
         """Return the pose drawn over a frame, and whether it is only proposed there."""

@@ -18,9 +18,9 @@ from pawnb.core.pose.pose_table import read_start_pose, write_start
 from pawnb.core.pose.poses import Poses, join_poses, natural_pose
 from pawnb.errors import InputError
 from pawnb.trial import Trial
-from pawnb.widgets.colours import point_colours
 from pawnb.widgets.draft import Draft
 from pawnb.widgets.stick_pose import StickPose, stick_pose
+from pawnb.workflow.export.colours import point_colours
 
 _SIDES = {"left": LEFT, "right": RIGHT}
 _USUAL_SHARE = 0.5

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
@@ -16,6 +15,7 @@ from pawnb.schema import Tracks
 from pawnb.trial import Trial
 from pawnb.widgets.frame_canvas import FrameCanvas
 from pawnb.widgets.lanes import Stances, build_lanes, find_stances, sd_scale
+from pawnb.widgets.page import as_text
 
 TIMELINE_KEYS = (
     ("Drag the frame numbers", "go through the recording (wheel: zoom in time; double click: all)"),
@@ -91,6 +91,21 @@ class TimelineCanvas(FrameCanvas):
         self._renew_lanes()
         super().refresh(go)
 
+    def _page_traits(self) -> dict[str, Any]:
+        """Return what the browser is told on a page that only shows, its lanes too."""
+        return super()._page_traits() | {"lanes": self.lanes}
+
+    def _page_lanes(self, frames: Sequence[int], first: int) -> dict[str, Any]:
+        """Return the timeline of a page: that of some frames, counted from ``first`` there."""
+        if self._analysts is None or self._lane_bytes is None:
+            return {}
+        self._analysts.submit(int).result()  # stances that are being looked for
+        with self._edit_lock:
+            at = np.asarray(frames) - self.span[0]
+            data = as_text(self._lane_bytes[:, at].tobytes())
+        n = len(frames)
+        return {"first": first, "n": n, "begin": 0, "data": data, "sd_full": self._sd_full}
+
     @traitlets.validate("stretch")
     def _stretch_of_a_lane(self, proposal: Any) -> list[Any]:
         """Refuse a stretch that is none; put its ends in order."""
@@ -116,6 +131,9 @@ class TimelineCanvas(FrameCanvas):
     def _lane_tracks(self) -> Tracks:
         """Return the tracks as they are now."""
         raise NotImplementedError
+
+    def _tell_of_tracks(self) -> None:
+        """Take notice of other tracks than those of before."""
 
     def _lane_suspects(self) -> pd.DataFrame | None:
         """Return the labels that are doubtful now."""
@@ -176,14 +194,16 @@ class TimelineCanvas(FrameCanvas):
             else:
                 self._send_lanes(0, new.shape[1])
             if tracks is not self._analysed:
-                self._analysed = tracks
+                first, self._analysed = self._analysed is None, tracks
                 self._look_for_stances(tracks)
+                if not first:
+                    self._tell_of_tracks()
 
     def _send_lanes(self, begin: int, stop: int) -> None:
         """Send some frames of all lanes; as text, since some front ends lose binary messages."""
         assert self._lane_bytes is not None  # noqa: S101
         part = np.ascontiguousarray(self._lane_bytes[:, begin:stop])
-        data = base64.b64encode(part.tobytes()).decode("ascii")
+        data = as_text(part.tobytes())
         n, first = self._lane_bytes.shape[1], self.span[0]
         self.send({"type": "lanes", "first": first, "n": n, "begin": begin, "data": data,
                    "sd_full": self._sd_full})  # fmt: skip

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +29,10 @@ from pawnb.workflow.reviewing.foreign import Videos, open_foreign
 
 _KEYS = (
     ("D", "the next doubtful frame, the most doubtful first"),
-    ("Drag a point", "correct it; it is written to edits.jsonl before the next frame shows"),
+    (
+        "Drag a point",
+        "correct it; the other views show where it lies in them, and how far they are from it",
+    ),
     ("Click", "place a missing point, after choosing it above the picture"),
     ("Right click, Delete", "the point is not visible here"),
     ("A", "the chosen point is right as it is"),
@@ -82,6 +86,8 @@ class TrackReviewer(Retracking):
     ----------
     session : ReviewSession
         The tracks under review; works without a browser.
+    tracks : xarray.Dataset
+        The tracks as corrected so far; can be observed, and set to others of the same trial.
 
     Raises
     ------
@@ -112,21 +118,18 @@ class TrackReviewer(Retracking):
         rig = view_rig(trial, shown) if rig is None else rig
         self._given_doubtful = suspects
         self._tracks_again = write is None
-        self.session = ReviewSession(
-            trial,
-            tracks,
-            rig=rig,
-            edits=edits,
-            retrack=self._track_again,
-            save=self._saver(folder, rig=rig) if write is None else write,
+        save = self._saver(folder, rig=rig) if write is None else write
+        self._open_session = partial(
+            ReviewSession, trial, rig=rig, edits=edits, retrack=self._track_again, save=save
         )
-        self.corrected = self.session
+        self._open_tracks(tracks)
         self._offer_doubtful(self._find_doubtful())
         first, last = self.session.span
         self._times = np.asarray(getattr(shown, "time_s", np.arange(shown.n_frames) / trial.fps))
         span = (first, min(last, shown.n_frames - 1))
         super().__init__(shown, **{"frame": first, "span": span, **options})
         self.label = "Review tracks"
+        self.link_views(rig)
         own = (*_KEYS, *TIMELINE_KEYS, *STRETCH_KEYS, *MOUSE_AND_KEYS)
         self.keys_help = [list(line) for line in (("Marks", _MARKS), *own)]
         self._prepare_lanes(
@@ -181,11 +184,6 @@ class TrackReviewer(Retracking):
             **options,
         )
 
-    @property
-    def tracks(self) -> Tracks:
-        """The tracks as corrected so far."""
-        return self.session.tracks
-
     def overlay(self, frame: int) -> Overlay:
         """Return what is drawn over a frame."""
         drawn = self.session.overlay(frame) | {"caption": f"{self._times[frame]:.3f} s"}
@@ -218,6 +216,10 @@ class TrackReviewer(Retracking):
             own.close()
 
     # --- inside -------------------------------------------------------------------------
+
+    def _open_tracks(self, tracks: Tracks) -> None:
+        """Begin the review of some tracks."""
+        self.session = self.corrected = self._open_session(tracks)
 
     def _place_missing(self, frame: int, view: str, message: Mapping[str, Any]) -> None:
         """Place the chosen point if it is missing; otherwise a click means nothing."""

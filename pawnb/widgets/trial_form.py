@@ -10,6 +10,7 @@ import ipywidgets as widgets
 
 from pawnb.errors import InputError, PawnbError
 from pawnb.widgets.crop_canvas import CropCanvas
+from pawnb.widgets.plain import Plain
 from pawnb.workflow.workbench.animals import ANIMALS, OTHER, choose_animal
 from pawnb.workflow.workbench.new_trial import NewTrial, NewView, new_trial, second_view
 
@@ -18,7 +19,7 @@ _WIDE = {"width": "22em"}
 _NONE = "none"
 
 
-class TrialForm(widgets.VBox):  # type: ignore[misc]
+class TrialForm(Plain, widgets.VBox):  # type: ignore[misc]
     """Make a trial of some videos: nothing is written before *Make the trial* is pressed.
 
     Parameters
@@ -74,6 +75,12 @@ class TrialForm(widgets.VBox):  # type: ignore[misc]
         if self._done is not None:
             self._done(path)
         return path
+
+    def plain_picture(self) -> bytes:
+        """Return the videos with the part of each that is kept, as PNG."""
+        if self._canvas is None:
+            raise InputError("the form shows no video.")
+        return self._canvas.plain_picture()
 
     def close(self) -> None:
         """Take the form away and close the videos."""

@@ -13,6 +13,7 @@ import ipywidgets as widgets
 from pawnb.errors import InputError, PawnbError
 from pawnb.widgets.click_initialiser import ClickInitialiser
 from pawnb.widgets.gait_explorer import GaitExplorer
+from pawnb.widgets.plain import Plain, picture_of_table
 from pawnb.widgets.pose_reviewer import PoseReviewer
 from pawnb.widgets.stick_poser import StickPoser
 from pawnb.widgets.surroundings import Surroundings
@@ -31,7 +32,7 @@ _COLUMNS = f"minmax(8em, 2fr) repeat({len(DONE)}, 6em) minmax(20em, 3fr)"
 _WRONG = {False: "#B3261E", True: "#FFB4AB"}
 
 
-class Workbench(widgets.VBox):  # type: ignore[misc]
+class Workbench(Plain, widgets.VBox):  # type: ignore[misc]
     """All trials of a folder: how far each is, what is wrong, and the next step.
 
     The steps are those of the work: click the start, track, review, analyse the gait, look at
@@ -125,6 +126,16 @@ class Workbench(widgets.VBox):  # type: ignore[misc]
         if step not in make:
             raise InputError(f"step is {step!r}; expected one of {', '.join(STEPS)}.")
         self._open(make[step])
+
+    def plain_picture(self) -> bytes:
+        """Return the list of trials as PNG."""
+        rows = [
+            [state.name, *("x" if word in state.done else "-" for word in DONE),
+             STEPS[self.session.next_step(state)]]
+            for state in self.session.states[self._first : self._first + _PAGE]
+        ]  # fmt: skip
+        title = f"{self.session.folder.resolve().name}: {len(self.session.states)} trials"
+        return picture_of_table(["trial", *DONE, "next"], rows, title)
 
     def close(self) -> None:
         """Take the workbench away, and end what is being done."""

@@ -49,7 +49,7 @@ def begin(notebook, code):
 
 
 def wait_lost(notebook):
-    notebook.wait("c.connection.down && f.inFlight === null", seconds=60)
+    notebook.wait("c.connection.down && f.asked === null && f.ahead === null", seconds=60)
     text = notebook.page.locator(LOST).inner_text()
     assert text.startswith("Not connected: nothing is saved.")
     assert "(loading" not in notebook.page.locator(".pawnb-caption").inner_text()

@@ -114,6 +114,17 @@ def test_what_is_chosen_can_be_seen_and_set_from_python(reviewing):
         "aria-pressed"
     )
     assert pressed == "true"
+    # a slider that the browser itself links to it, without Python
+    notebook.kernel_runs(
+        "import ipywidgets\nslider = ipywidgets.IntSlider(max=39)\n"
+        "link = ipywidgets.jslink((slider, 'value'), (w, 'frame'))"
+    )
+    notebook.kernel_runs("slider.value = 6")
+    notebook.wait("c.painted === 6")
+    notebook.focus()
+    notebook.press("ArrowRight")
+    notebook.until("[slider.value, w.frame]", [7, 7])
+    notebook.kernel_runs("link.close()")
     notebook.press("?")
     assert notebook.page.locator(".pawnb-help").get_attribute("open") is not None
     listed = notebook.page.locator(".pawnb-help").inner_text()

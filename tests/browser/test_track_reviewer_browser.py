@@ -147,6 +147,59 @@ def test_a_drag_is_on_disk_before_another_frame_shows(reviewing):
     assert notebook.py("w.session.position(0, 'cam1', 'FR')") == [line["u"], line["v"]]
 
 
+def test_a_point_in_the_hand_is_followed_in_the_other_views(reviewing):
+    """Expected places are those of the three formulas of small_trial.py, solved by numpy."""
+    notebook, _ = reviewing
+    was, to = truth(0), (truth(0)[0] + 40, truth(0)[1] - 30)
+    notebook.drag("cam1", was, to, release=False)
+    u, v = notebook.js("[c.stages[0].drag.point.u, c.stages[0].drag.point.v]")
+    np.testing.assert_allclose((u, v), to, atol=1.1)
+    notebook.wait("!c.dirty && c.stages[1].live && c.stages[2].live")
+    # cam1 knows x and z: v is level in cam2, u upright in cam3
+    x, z = u - 60, 300 - v
+    ends = notebook.js("[c.stages[1].live.line, c.stages[2].live.line]")
+    np.testing.assert_allclose([v for _, v in ends[0]], 280 - z, atol=1e-6)
+    np.testing.assert_allclose(sorted(u for u, _ in ends[0]), (-0.5, 639.5), atol=1e-6)
+    np.testing.assert_allclose([u for u, _ in ends[1]], x + 40, atol=1e-6)
+    # all three views tracked it, so all three say where it is
+    A = np.array([[1, 0, 0], [0, 0, -1], [1, 0.5, 0], [0, 0, -1], [1, 0, 0], [0, 1, 0]])
+    seen = [x + 60, v, *truth(0, 1), *truth(0, 2)]
+    xyz = np.linalg.lstsq(A, np.array(seen) - [60, 300, 0, 280, 40, 80], rcond=None)[0]
+    at = (xyz[0] + 40, 80 + xyz[1])
+    np.testing.assert_allclose(notebook.js("c.stages[2].live.at"), at, atol=1e-6)
+    off = np.hypot(*np.subtract(at, truth(0, 2)))
+    assert f"cam3 {off:.{1 if off < 10 else 0}f} px" in notebook.js("c.detail.textContent")
+    notebook.page.mouse.up()
+    notebook.settle()
+    assert notebook.js("c.stages.map((s) => s.live)") == [None] * 3
+    assert not notebook.js("c.detail.textContent").startswith("Off by")
+    # what two hands have placed overrules the tracker in the third view
+    notebook.drag("cam2", truth(0, 1), (110, 280 - z), release=False)
+    u2, v2 = notebook.js("[c.stages[1].drag.point.u, c.stages[1].drag.point.v]")
+    placed = notebook.py("w.session.position(0, 'cam1', 'FR')")
+    y = 2 * (u2 - (placed[0] - 60))
+    notebook.wait("!c.dirty && c.stages[2].live && c.stages[2].live.at")
+    np.testing.assert_allclose(
+        notebook.js("c.stages[2].live.at"), (placed[0] - 20, 80 + y), atol=1e-6
+    )
+    assert abs(notebook.js("c.stages[0].live.off") - abs(v2 + 20 - placed[1]) / 2) < 1e-6
+    notebook.press("Escape")
+    notebook.page.mouse.up()
+    notebook.settle()
+    # a click where one other view contradicts it says so while it is made
+    notebook.click("cam2", *truth(0, 1, 1), button="right")
+    notebook.settle()
+    notebook.page.locator("[data-view=cam2] [data-point=HR]").click()
+    notebook.page.mouse.move(*notebook.at("cam2", truth(0, 1, 1)[0], truth(0, 1, 1)[1] + 30))
+    notebook.wait("c.stages[1].aim !== null")
+    aim = notebook.js("c.stages[1].aim")
+    said = notebook.js(
+        f"c.stages[1].offWords('HR', {aim['u']}, {aim['v']}, true, c.stages[1].aim.guide)"
+    )
+    assert said == f"⚠ {aim['v'] - truth(0, 1, 1)[1]:.0f} px"
+    notebook.assert_no_errors()
+
+
 def test_undo_redo_go_to_the_frame_they_change(reviewing):
     notebook, file = reviewing
     notebook.drag("cam1", truth(0), (200, 100))

@@ -10,10 +10,12 @@ import numpy as np
 import pytest
 import small_trial as scene
 
+from pawnb.core.pixels.colour import YuvPicture
+from pawnb.core.video.views import Frame
 from pawnb.errors import InputError, VideoError
 from pawnb.figures.style import colour_legs, style
-from pawnb.widgets.colours import point_colours
 from pawnb.widgets.frame_canvas import FrameCanvas, encode_jpeg
+from pawnb.workflow.export.colours import point_colours
 
 
 class FakeViews:
@@ -174,6 +176,21 @@ def test_grey_pictures_stay_grey():
     back = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
     assert back.shape == (40, 60)
     np.testing.assert_allclose(back.astype(int), grey.astype(int), atol=6)
+
+
+@pytest.mark.parametrize("size", [(64, 48), (63, 47)])
+def test_a_frame_is_made_smaller_before_it_is_made_rgb_with_the_same_result(size):
+    """Expected is the mean of squares of the whole picture."""
+    width, height = size
+    v, u = np.mgrid[:height, :width]
+    luma = (60 + 2 * u + v).astype(np.uint8)
+    chroma = [np.full((-(-height // 2), -(-width // 2)), value, np.uint8) for value in (100, 150)]
+    picture = YuvPicture(luma, *chroma, steps=(2, 2), full_range=True)
+    frame = Frame(0, picture, (0, 0, width, height))
+    small = decoded(encode_jpeg(frame, shrink=2, quality=100))
+    assert small.shape == (round(height / 2), round(width / 2), 3)
+    expected = cv2.resize(frame.image(), small.shape[1::-1], interpolation=cv2.INTER_AREA)
+    np.testing.assert_allclose(small.astype(int), expected.astype(int), atol=3)
 
 
 def test_a_frame_outside_the_recording_is_refused_whenever_it_is_set(canvas):

@@ -140,3 +140,35 @@ def test_a_pose_that_was_corrected_is_doubtful_no_more(reviewer):
     # undone, they are looked for anew
     reviewer.edit("action", {"frame": 17, "action": "undo"})
     assert len(reviewer._suspects) == len(reviewer.session.suspects())
+
+
+def test_a_page_without_python_has_the_animal_of_each_frame(reviewer, tmp_path):
+    text = reviewer.export_page(tmp_path / "page.html", frames=[12, 13]).read_text()
+    data = json.loads(text.split('id="pawnb-data">', 1)[1].split("</", 1)[0])
+    sticks = [one["overlay"]["views"]["top"]["stick"] for one in data["frames"]]
+    assert [len(stick["legs"]) for stick in sticks] == [8, 8]
+    assert sticks[0] != sticks[1]
+
+
+def test_the_plain_picture_has_the_legs_of_the_animal(reviewer, monkeypatch):
+    with_legs = reviewer.plain_picture()
+    (legs,) = reviewer.plain_legs(15).values()
+    np.testing.assert_allclose(legs[0][0], reviewer.session.pose_at(15).places("L1"))
+    monkeypatch.setattr(reviewer, "plain_legs", lambda _frame: {})
+    assert reviewer.plain_picture() != with_legs
+
+
+def test_tracks_of_poses_are_observed_and_set(reviewer, tracks):
+    heard = []
+    reviewer.observe(lambda change: heard.append(change["new"]), "tracks")
+    message = {"frame": 12, "point": "L2", "u": 40.0, "v": 40.0, "whole": True}
+    reviewer._answer_edit({"what": "moved", "who": "a", "n": 1} | message)
+    assert len(heard) == 1
+    other = tracks.copy(deep=True)
+    other["heading"].to_numpy()[:] += 3.0
+    reviewer.tracks = other
+    assert len(heard) == 2
+    at = int(other["frame"][0])
+    assert reviewer.session.pose_at(at).heading_deg == pytest.approx(
+        float(tracks["heading"][0, 0]) + 3.0
+    )

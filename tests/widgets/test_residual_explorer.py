@@ -7,6 +7,7 @@ import pytest
 from pawnb.errors import InputError
 from pawnb.gait.residuals import analyse_residuals
 from pawnb.signals import smooth_motion
+from pawnb.widgets.residual_explorer import ResidualExplorer
 from pawnb.widgets.residual_session import ResidualSession
 
 FS = 100.0
@@ -108,3 +109,48 @@ def test_slider_line_and_curves_go_together():
     explorer._choice.value = "b"
     assert explorer.session.name == "b"
     assert "b: cut-off" in explorer._told.value
+
+
+@pytest.mark.parametrize(
+    ("given", "names"),
+    [
+        (SIGNALS["a"], ("a",)),
+        (SIGNALS["a"].rename(None), ("signal 1",)),
+        (SIGNALS["a"].to_numpy(), ("signal 1",)),
+        (SIGNALS["a"].tolist(), ("signal 1",)),
+        (SIGNALS.to_numpy(), ("signal 1", "signal 2")),
+        (SIGNALS.set_axis([0, 1], axis=1), ("0", "1")),
+    ],
+)
+def test_signals_may_be_arrays_series_and_lists(given, names):
+    session = ResidualSession(given, fs_hz=FS)
+    assert session.names == names
+    expected = ResidualSession(SIGNALS[["a", "b"][: len(names)]], fs_hz=FS)
+    assert session.cutoff_hz == pytest.approx(expected.cutoff_hz)
+    np.testing.assert_array_equal(session.signal, SIGNALS["a"])
+
+
+def test_signals_that_are_none_are_refused_in_a_sentence():
+    with pytest.raises(InputError, match=r"^these signals are no table of numbers; give an array"):
+        ResidualSession(["a", "b"], fs_hz=FS)
+    with pytest.raises(InputError, match=r"^signals have 3 dimensions; expected time and signal"):
+        ResidualSession(np.zeros((4, 2, 2)), fs_hz=FS)
+
+
+@pytest.mark.filterwarnings("ignore:Passing unrecognized arguments:DeprecationWarning")
+def test_the_cutoff_is_a_trait_that_is_checked_observed_and_followed():
+    explorer = ResidualExplorer(SIGNALS["a"].tolist(), fs_hz=FS)
+    heard = []
+    explorer.observe(lambda change: heard.append(change["new"]), "cutoff_hz")
+    explorer.cutoff_hz = 7.25
+    assert explorer.session.cutoff_hz == explorer._slider.value == 7.25
+    assert explorer._line.get_xdata()[0] == 7.25
+    explorer._slider.value = 9.5
+    assert explorer.cutoff_hz == explorer.session.cutoff_hz == 9.5
+    assert heard == [7.25, 9.5]
+    for wrong in (0.0, -3.0, 99.0, float("nan")):
+        with pytest.raises(InputError, match=r"^cutoff_hz is .*; expected above 0, at most "):
+            explorer.cutoff_hz = wrong
+    assert explorer.cutoff_hz == 9.5
+    assert "cutoff_hz" in explorer.get_state()  # so that jslink finds it
+    explorer.close()

@@ -7,6 +7,7 @@ import small_trial as scene
 from pawnb import load_trial
 from pawnb.core.edits.log import Swap, apply_edit
 from pawnb.core.rig import load_rig
+from pawnb.errors import InputError
 from pawnb.widgets import TrackReviewer
 from pawnb.workflow.provenance.results import write_track_results
 
@@ -194,3 +195,40 @@ def test_results_that_were_changed_or_cut_off_are_told_when_a_review_opens(trial
     widget.edit("action", {"action": "save", "frame": 0})
     widget.close()
     assert "pawnb track" not in said()
+
+
+def test_tracks_are_a_trait_that_is_observed_set_and_checked(trial_file, tmp_path):
+    widget = TrackReviewer(trial_file, scene.true_tracks(), edits=tmp_path / "edits.jsonl")
+    heard = []
+    widget.observe(lambda change: heard.append(change["new"]), "tracks")
+    put(widget, 3)
+
+    def u_of(tracks):
+        rows = tracks["frame"].to_numpy() == 3
+        return float(tracks["image_position"].to_numpy()[rows, 0, 0, 1, 0][0])
+
+    assert [u_of(tracks) for tracks in heard] == [9.0]
+    assert u_of(widget.tracks) == 9.0
+    put(widget, 3, what="action", action="undo")
+    assert len(heard) == 2
+    put(widget, 3, what="select")
+    assert len(heard) == 2  # nothing has changed
+    # other tracks of the trial; what is corrected in the file is corrected in them, too
+    put(widget, 3)
+    other = scene.true_tracks()
+    other["image_position"][:, 1] += 2.0
+    widget.tracks = other
+    assert u_of(widget.tracks) == 9.0
+    shown = widget.overlay(5)["views"]["cam2"]["points"][0]
+    assert shown["u"] == pytest.approx(scene.seen(5)[1, 0, 0] + 2.0)
+    assert widget.status.startswith("Other tracks are shown.")
+    assert len(heard) == 4
+    put(widget, 4)
+    assert u_of(heard[-1]) == 9.0
+    # what does not fit is refused, and what was there stays
+    with pytest.raises(InputError, match=r"^these tracks have other keypoints \(FR\) than those"):
+        widget.tracks = other.isel(keypoint=[0])
+    with pytest.raises(InputError):
+        widget.tracks = None
+    assert widget.overlay(5)["views"]["cam2"]["points"][0] == shown
+    widget.close()

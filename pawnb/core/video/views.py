@@ -8,6 +8,7 @@ from __future__ import annotations
 import operator
 from typing import Protocol
 
+import cv2
 import numpy as np
 
 from pawnb.core.closing import Closing
@@ -134,6 +135,25 @@ class Frame:
         box = (left + u0, top + v0, left + u1, top + v1)
         pixels = reduce_region(self._picture, box, factor)
         return np.ascontiguousarray(pixels[:, ::-1]) if self._mirror else pixels
+
+    def shrunk(self, factor: int) -> np.ndarray:
+        """Return the whole view reduced by a whole factor, whatever its size.
+
+        Parameters
+        ----------
+        factor : int
+            Pixels of the view along each side of a pixel of the result.
+
+        Returns
+        -------
+        ndarray, shape (H / factor, W / factor, 3) RGB or (H / factor, W / factor) grey, uint8
+            A fresh array, its size rounded; see :meth:`reduced`, which is quicker and is used
+            where the size is a multiple of ``factor``.
+        """
+        if self.width % factor == 0 and self.height % factor == 0:
+            return self.reduced(0, 0, self.width, self.height, factor=factor)
+        size = [max(1, round(side / factor)) for side in (self.width, self.height)]
+        return np.asarray(cv2.resize(self.image(), size, interpolation=cv2.INTER_AREA))
 
 
 class ViewReader(Closing):

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import operator
+import os
+import threading
 from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -61,6 +63,8 @@ class ViewSet(Closing):
         self.readers = dict(readers)
         self.names = tuple(self.readers)
         self._fps = fps
+        self._pool: ThreadPoolExecutor | None = None  # made when it is first of use
+        self._pool_lock, self._is_closed = threading.Lock(), False
         self._offsets = {name: (offsets or {}).get(name, 0) for name in self.names}
         ends = {name: r.n_frames - self._offsets[name] for name, r in self.readers.items()}
         self.first_frame = max(0, *(-offset for offset in self._offsets.values()))
@@ -107,9 +111,21 @@ class ViewSet(Closing):
         index = operator.index(index)
         self._check(index)
         found: dict[str, Frame] = {}
-        for group in self._groups():
-            found.update(self._read(group, index))
+        for part in self._side_by_side(index):
+            found.update(part)
         return {name: found[name] for name in self.names}
+
+    def _side_by_side(self, index: int) -> list[dict[str, Frame]]:
+        """Read one frame of all files, each in a thread: decoding is most of the time."""
+        groups = self._groups()
+        with self._pool_lock:
+            if self._pool is None and len(groups) > 1 and not self._is_closed:
+                workers = min(len(groups), os.cpu_count() or 1)
+                self._pool = ThreadPoolExecutor(workers, thread_name_prefix="pawnb-frame")
+            jobs = [self._pool.submit(self._read, g, index) for g in groups] if self._pool else []
+        if jobs:
+            return [job.result() for job in jobs]
+        return [self._read(group, index) for group in groups]
 
     def frames(
         self, start: int, stop: int, *, step: int = 1, partly: bool = False
@@ -224,5 +240,9 @@ class ViewSet(Closing):
 
     def close(self) -> None:
         """Close every file."""
+        with self._pool_lock:
+            pool, self._pool, self._is_closed = self._pool, None, True
+        if pool is not None:
+            pool.shutdown(wait=True, cancel_futures=True)
         for reader in self.readers.values():
             reader.close()

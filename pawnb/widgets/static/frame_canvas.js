@@ -21,6 +21,7 @@ class Canvas extends Keys {
     this.selected = chosen.length ? chosen : null; // [view, point]
     this.rectangle = false; // whether the next drag zooms
     this.stages = model.get("stages").map((spec) => new Stage(spec, this));
+    this.linked = new Linked(model.get("cameras"));
     this.frames = new Frames(model, this);
     this.connection = new Connection(model, this.frames.who, () => this.reconnected());
     this.timeline = (model.get("lanes") || []).length ? new Timeline(this) : null;
@@ -246,12 +247,28 @@ class Canvas extends Keys {
       this.dirty = false;
       if (this.closed) return;
       const [view, id] = this.selected || [];
+      this.linkViews();
       for (const stage of this.stages) {
         stage.drawImage();
         stage.drawMarks(view === stage.name ? id : null);
       }
       this.painted = this.frames.shown;
     });
+  }
+
+  // What the other views say of the point in the hand, drawn in the same animation frame.
+  linkViews() {
+    const dragging = this.stages.find(({ drag }) => drag && drag.kind === "point" && drag.moved);
+    const held = dragging ? { stage: dragging, point: dragging.drag.point } : this.nudged || null;
+    this.linked.follow(this.stages, held);
+    if (held) this.detail.textContent = this.linked.words(this.stages) || this.detail.textContent;
+    else if (this.linking) this.moved(); // the usual words again
+    this.linking = held !== null;
+  }
+
+  // Where the points shown in the other views put one that is about to be placed.
+  guideOf(stage, id) {
+    return this.linked.guide(this.linked.seenBy(this.stages, stage, id), stage);
   }
 
   // --- what a person does (called by Stage) ----------------------------------------------
@@ -351,6 +368,7 @@ class Canvas extends Keys {
       "change:actions": () => { this.showActions(); if (this.timeline) this.timeline.bar.show(); },
       "change:stretch": () => this.timeline && this.timeline.chosen(),
       "change:selected": () => this.followSelected(),
+      "change:cameras": () => { this.linked = new Linked(model.get("cameras")); },
       "change:sliders": () => this.showSliders(),
       "change:status": () => this.showStatus(),
       "change:alarm": () => this.showStatus(),

@@ -2,8 +2,9 @@
 //
 // kernel -> browser: {type: "frame", who, frame, sent, shrink, overlay, version, error?} + a JPEG a view
 // browser -> kernel: {type: "want", who, frame, shrink, pixels, plain}
-// One request is in flight at a time and the newest wins, so no queue builds up while
-// somebody holds a key down; frames are fetched beforehand only when nothing else is asked.
+// One request of a frame that is wanted is in flight at a time and the newest wins, so no queue
+// builds up while somebody holds a key down. Frames are fetched beforehand, one at a time, when
+// nothing else is asked, and while playing: Python then reads a frame while the one before is drawn.
 
 const BITMAP_BYTES = 256e6; // decoded pictures kept in the browser
 const AHEAD = 6; // frames fetched beforehand, in the direction of travel
@@ -59,7 +60,8 @@ class Frames {
     this.overlay = null;
     this.bitmaps = null;
     this.direction = 1;
-    this.inFlight = null;
+    this.asked = null; // the wanted frame that is on its way
+    this.ahead = null; // the frame on its way that is fetched beforehand
     this.decoding = new Set();
     this.failed = new Set(); // frames that cannot be read are not asked for again and again
     this.playing = false;
@@ -97,7 +99,7 @@ class Frames {
   // Python hears nothing any more: what was asked for will not come.
   lost() {
     this.play(false);
-    this.inFlight = null;
+    this.asked = this.ahead = null;
     if (this.shown !== null) this.want = this.shown;
   }
 
@@ -123,15 +125,20 @@ class Frames {
       const there = this.there(frame);
       if (there) this.display(frame);
       if ((there && this.fine(frame)) || this.decoding.has(frame)) this.prefetch();
-      else if (!this.failed.has(frame)) this.request(frame);
+      else if (!this.failed.has(frame)) {
+        this.request(frame);
+        if (this.playing) this.prefetch();
+      }
     }
     this.host.moved();
   }
 
-  request(frame) {
-    // step() runs again when the answer comes, or Python is back
-    if (this.inFlight !== null || this.host.connection.down) return;
-    this.inFlight = frame;
+  // step() runs again when the answer comes, or Python is back. What is fetched beforehand does not
+  // keep a frame that is wanted waiting, but for what Python has begun.
+  request(frame, kind = "asked") {
+    if (this[kind] !== null || this.host.connection.down) return;
+    if (frame === this.asked || frame === this.ahead) return;
+    this[kind] = frame;
     const shrink = this.host.stages.map((stage) => stage.shrink);
     const { who, plain } = this;
     const pixels = !this.fine(frame);
@@ -146,14 +153,15 @@ class Frames {
       const frame = this.want + i * this.direction;
       if (frame < first || frame > last || this.failed.has(frame)) return;
       if (this.decoding.has(frame) || (this.fine(frame) && this.overlays.has(frame))) continue;
-      this.request(frame);
+      this.request(frame, "ahead");
       return;
     }
   }
 
   async received(message, buffers) {
     const { frame, error, sent, shrink, overlay, version } = message;
-    this.inFlight = null;
+    if (frame === this.asked) this.asked = null;
+    if (frame === this.ahead) this.ahead = null;
     if (error) {
       this.failed.add(frame);
       if (frame === this.want) this.play(false);

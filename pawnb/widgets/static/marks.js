@@ -12,18 +12,19 @@ function rim(colour, opacity) {
 }
 
 // A Stage (stage.js) as far as it is drawn: it has bitmap, overlay, stick, tint, drag, over, aim,
-// zoom, the canvases image and marks, and toCanvas(u, v).
+// live (what linked.js says of a point in the hand), zoom, the canvases image and marks, and toCanvas(u, v).
 class Marks {
   // --- what other views say --------------------------------------------------------------
 
   // Where the other views put each point: one place, or the two ends of a line.
   get guides() {
-    return this.overlay.guides || {};
+    const { live, overlay } = this;
+    const own = live && live.guide ? { [live.id]: live.guide } : {};
+    return { ...own, ...overlay.guides };
   }
 
   // How far (u, v) is from where the other views put a point, px; null where they do not say.
-  off(id, u, v) {
-    const guide = this.guides[id];
+  off(id, u, v, guide = this.guides[id]) {
     if (!guide) return null;
     const [[u0, v0], end] = guide;
     if (!end) return Math.hypot(u - u0, v - v0);
@@ -31,13 +32,20 @@ class Marks {
     return Math.abs((u - u0) * dv - (v - v0) * du) / Math.hypot(du, dv);
   }
 
+  // How far off a point is, beside its name; while it is in the hand in another view, at once.
+  nameWords({ id, u, v }) {
+    const { live, overlay } = this;
+    if (!live || live.id !== id || live.off == null) return this.offWords(id, u, v, overlay.residuals);
+    return `${live.off > (overlay.limit_px ?? Infinity) ? "⚠ " : ""}${pixels(live.off)}`;
+  }
+
   // The same in words, beside a point: for clicks always, for tracks where it is too much.
-  offWords(id, u, v, always) {
-    const off = this.off(id, u, v);
+  offWords(id, u, v, always, guide) {
+    const off = this.off(id, u, v, guide);
     if (off === null) return "";
     const much = off > (this.overlay.limit_px ?? Infinity);
     if (!much && !always) return "";
-    return `${much ? "⚠ " : ""}${off < 10 ? off.toFixed(1) : off.toFixed(0)} px`;
+    return `${much ? "⚠ " : ""}${pixels(off)}`;
   }
 
   // --- drawing ---------------------------------------------------------------------
@@ -65,7 +73,11 @@ class Marks {
     const { lines = [], hollow = [], points = [] } = this.overlay;
     this.drawTint(g);
     for (const line of lines) this.drawLine(g, k, line);
-    for (const mark of hollow) this.drawHollow(g, k, mark);
+    const { live } = this;
+    if (live && live.line) this.drawLine(g, k, { at: live.line, colour: live.colour, dash: true });
+    // what follows the hand stands for where the views put its point before
+    for (const mark of hollow) if (!live || !live.at || mark.id !== live.id) this.drawHollow(g, k, mark);
+    if (live && live.at) this.drawHollow(g, k, { u: live.at[0], v: live.at[1], colour: live.colour });
     for (const point of points) this.drawPoint(g, k, point, point.id === selected);
     const named = new Set(points.map((point) => point.id));
     const drag = this.drag;
@@ -100,7 +112,7 @@ class Marks {
     const { drag } = this;
     const held = drag && drag.kind === "point" && drag.moved && !drag.point.kind ? drag.point : null;
     const mark = held || (drag || this.over ? null : this.aim);
-    const words = mark && this.offWords(mark.id, mark.u, mark.v, true);
+    const words = mark && this.offWords(mark.id, mark.u, mark.v, true, mark.guide);
     if (!words) return;
     const [x, y] = this.toCanvas(mark.u, mark.v);
     const text = `${mark.id} ${words}`;
@@ -190,9 +202,7 @@ class Marks {
     for (const mark of marks) {
       if (dragged && this.drag.point.id === mark.id) continue; // must not hide what is aimed at
       const [x, y] = this.toCanvas(mark.u, mark.v);
-      const off = points.includes(mark)
-        ? this.offWords(mark.id, mark.u, mark.v, this.overlay.residuals)
-        : "";
+      const off = points.includes(mark) ? this.nameWords(mark) : "";
       const text = off ? `${mark.id} ${off}` : mark.id;
       const w = g.measureText(text).width;
       const boxes = [[10, -20], [10, 6], [-10, -20], [-10, 6], [14, -36], [-14, 22]].map(([dx, dy]) => {

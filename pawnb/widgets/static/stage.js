@@ -11,7 +11,7 @@ const MAX_ZOOM = 40; // device pixels per image pixel
 
 class Stage extends Marks {
   // `host` is told what the mouse does: edit, select, released, rezoomed, redraw, focus; it knows
-  // what a click would place (asked), and whether Python hears it (connection).
+  // what a click would place (asked), where the other views put that (guideOf), and whether Python hears it (connection).
   constructor(spec, host) {
     super();
     Object.assign(this, { name: spec.name, W: spec.width, H: spec.height, host });
@@ -20,6 +20,7 @@ class Stage extends Marks {
     this.stick = null; // a stick animal that can be bent, see stick.js
     this.tint = null; // a translucent picture over the view
     this.drag = null;
+    this.live = null; // what other views say of the point in the hand, or this one of another's
     this.over = null; // the point under the mouse
     this.aim = null; // where the mouse is, while a click there would place a point
     this.zoom = { scale: 1, tx: 0, ty: 0 };
@@ -209,7 +210,8 @@ class Stage extends Marks {
     if (!drag) {
       const over = this.nearest(at);
       const asked = this.host.asked(this);
-      this.aim = asked && this.guides[asked] ? { id: asked, u: at.u, v: at.v } : null;
+      const guide = asked && (this.guides[asked] || this.host.guideOf(this, asked));
+      this.aim = guide ? { id: asked, u: at.u, v: at.v, guide } : null;
       if (this.aim || (over && over.id) !== (this.over && this.over.id)) this.host.redraw();
       this.over = over;
       this.marks.style.cursor = over ? "grab" : "crosshair";
