@@ -28,7 +28,7 @@ from pawnb.core.pose.fit.tracker import track_pose
 from pawnb.core.pose.poses import Poses, joint_positions, leg_angles, tip_positions
 from pawnb.core.pose.track_result import PoseTrack
 from pawnb.core.video.views import Frame, ViewReader
-from pawnb.workflow.evaluation.pose_errors import build_jitter_table
+from pawnb.workflow.evaluation.pose_spread import build_jitter_table
 
 STILL = (0, 1900)
 """Frames in which the spider holds still under an even light."""

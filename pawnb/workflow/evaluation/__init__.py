@@ -1,8 +1,8 @@
 """Tracks against truth, tracks made by hand, or another run.
 
 ``evaluate`` is the call; ``against_truth`` knows points and poses, which ``errors`` and
-``pose_errors`` measure; ``event_errors`` times events, ``evaluate_pose`` needs no truth;
-``compare``, ``compare_cameras`` and ``compare_pose`` tabulate methods over trials, which
+``pose_errors`` measure; ``event_errors`` times events, ``evaluate_pose`` and ``pose_spread`` need
+no truth; ``compare``, ``compare_cameras`` and ``compare_pose`` tabulate methods over trials, which
 ``compared`` opens, with ``corrected_run`` as a person would correct.
 """
 
@@ -45,6 +45,7 @@ __all__ = [
     "limits_for_width",
     "poisson_limit",
     "pose_errors",
+    "pose_spread",
 ]
 
 __getattr__, __dir__ = _lazy(__name__, __all__, _HOME)

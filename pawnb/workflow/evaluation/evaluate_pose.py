@@ -27,7 +27,7 @@ from pawnb.io.tables import write_table
 from pawnb.schema import Tracks
 from pawnb.trial import Trial, load_trial
 from pawnb.workflow.evaluation.against_truth import Evaluation
-from pawnb.workflow.evaluation.pose_errors import build_jitter_table, compare_directions
+from pawnb.workflow.evaluation.pose_spread import build_jitter_table, compare_directions
 from pawnb.workflow.progress import Progress
 from pawnb.workflow.provenance.results import (
     make_folder,

@@ -9,12 +9,12 @@ from pawnb.core.pose.poses import Poses, join_poses, natural_pose, tip_positions
 from pawnb.core.pose.species_file import load_species
 from pawnb.core.pose.track_result import plain_track
 from pawnb.errors import InputError
-from pawnb.workflow.evaluation.pose_errors import (
+from pawnb.workflow.evaluation.pose_errors import measure_pose_errors
+from pawnb.workflow.evaluation.pose_spread import (
     build_direction_table,
     build_jitter_table,
     compare_directions,
     disturbed,
-    measure_pose_errors,
 )
 
 ANIMAL = load_species("dolomedes")
