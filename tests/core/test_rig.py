@@ -9,8 +9,9 @@ import pandas as pd
 import pytest
 
 from pawnb.core import dlt
+from pawnb.core.fit_rig import fit_rig
 from pawnb.core.reconstruct import triangulate_tracks
-from pawnb.core.rig import Rig, fit_rig, load_rig, require_rig
+from pawnb.core.rig import Rig, load_rig, require_rig
 from pawnb.errors import CalibrationError, InputError
 from pawnb.io.coefs import write_coefs
 from pawnb.schema import ORIGIN_CODE, make_tracks

@@ -5,6 +5,6 @@ Comes in: planes of a decoded frame. Goes out: arrays in red, green, blue, or gr
 
 from pawnb import _lazy
 
-__all__ = ["bayer", "colour", "grey", "planes"]
+__all__ = ["bayer", "colour", "grey", "planes", "yuv"]
 
 __getattr__, __dir__ = _lazy(__name__, __all__)

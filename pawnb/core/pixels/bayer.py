@@ -5,7 +5,8 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from pawnb.core.pixels.colour import PartPicture, Picture, YuvPicture
+from pawnb.core.pixels.colour import PartPicture, Picture
+from pawnb.core.pixels.yuv import YuvPicture
 from pawnb.errors import VideoError
 
 # cv2 names a pattern after its second row, from the second column on, so its letters

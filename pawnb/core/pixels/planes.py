@@ -14,9 +14,9 @@ from pawnb.core.pixels.colour import (
     PalettePicture,
     Picture,
     PlanarPicture,
-    YuvPicture,
     is_grey,
 )
+from pawnb.core.pixels.yuv import YuvPicture
 
 _CHROMA_STEPS = {"444p": (1, 1), "422p": (2, 1), "420p": (2, 2), "440p": (1, 2), "411p": (4, 1),
                  "410p": (4, 4)}  # fmt: skip

@@ -14,7 +14,8 @@ import numpy as np
 from pawnb.core.closing import Closing
 from pawnb.core.lens import Lens, StraightPicture
 from pawnb.core.pixels.bayer import debayered
-from pawnb.core.pixels.colour import Picture, reduce_region
+from pawnb.core.pixels.colour import Picture
+from pawnb.core.pixels.yuv import reduce_region
 from pawnb.errors import VideoError
 from pawnb.trial import View
 

@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from pawnb.core.rig import Rig, fit_rig
+from pawnb.core.fit_rig import fit_rig
+from pawnb.core.rig import Rig
 from pawnb.errors import InputError
 from pawnb.io.coefs import write_coefs
 from pawnb.io.tables import read_cells, read_column_names, read_numbers

@@ -222,7 +222,7 @@ def pose_views(trial: Trial) -> tuple[View, View | None]:
         raise InputError(
             f"trial {trial.name!r} has a second view, {trial.views[1].name!r}, but no calibration "
             'that says how it lies to the first; add [calibration] dlt = "DLTcoefs.csv" '
-            "(`pawnb.core.rig.fit_rig` makes its columns from known points), or keep one view."
+            "(`pawnb.core.fit_rig.fit_rig` makes its columns from known points), or keep one view."
         )
     view = trial.views[0]
     if view.offset:

@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pawnb.core.pixels.bayer import debayered
-from pawnb.core.pixels.colour import GreyPicture, PackedPicture, YuvPicture
+from pawnb.core.pixels.colour import GreyPicture, PackedPicture
+from pawnb.core.pixels.yuv import YuvPicture
 from pawnb.errors import VideoError
 
 PATTERNS = ("rggb", "bggr", "grbg", "gbrg")

@@ -10,14 +10,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pawnb.core.pixels.colour import (
-    GreyPicture,
-    LazyPicture,
-    PackedPicture,
-    YuvPicture,
-    reduce_region,
-)
+from pawnb.core.pixels.colour import GreyPicture, LazyPicture, PackedPicture
 from pawnb.core.pixels.planes import picture_of_frame, picture_of_planes
+from pawnb.core.pixels.yuv import YuvPicture, reduce_region
 
 STEPS = {"yuv444p": (1, 1), "yuv422p": (2, 1), "yuv420p": (2, 2), "yuv440p": (1, 2),
          "yuv411p": (4, 1), "yuv410p": (4, 4)}  # fmt: skip

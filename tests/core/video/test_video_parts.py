@@ -9,7 +9,8 @@ import pytest
 from video_clips import damage, packet_bytes, picture, write_clip, write_h264, write_mjpeg
 
 from pawnb.core.pixels.bayer import debayered
-from pawnb.core.pixels.colour import PartPicture, YuvPicture
+from pawnb.core.pixels.colour import PartPicture
+from pawnb.core.pixels.yuv import YuvPicture
 from pawnb.core.video import open_view
 from pawnb.errors import VideoError
 from pawnb.trial import View

@@ -22,7 +22,7 @@ import numpy as np
 from pawnb.core.frame_checkpoint import KeptFrames
 from pawnb.core.parallel import Threads
 from pawnb.core.pose.animal import StickAnimal
-from pawnb.core.pose.fit.candidates.leg_candidates import LegCandidates
+from pawnb.core.pose.fit.candidates.candidate_sets import LegCandidates
 from pawnb.core.pose.fit.candidates.viterbi_path import chosen_poses
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.layout import pose_vectors, poses_of_vectors

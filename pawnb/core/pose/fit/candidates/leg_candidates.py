@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
@@ -13,6 +11,7 @@ from pawnb.core.pose.fit.candidates.candidate_kernels import (
     leg_footprint,
     shared_cost,
 )
+from pawnb.core.pose.fit.candidates.candidate_sets import SAME_PX, LegCandidates
 from pawnb.core.pose.fit.candidates.limb_kernels import chains_apart, chains_cross, find_limbs
 from pawnb.core.pose.fit.candidates.parameters import CANDIDATES
 from pawnb.core.pose.fit.fitter import FrameFitter
@@ -24,136 +23,6 @@ from pawnb.core.pose.fit.rendering.gauss_newton_kernels import (
     prior_cost,
 )
 from pawnb.core.pose.fit.rendering.paint_kernels import leg_chain
-
-SAME_PX = 2.5
-"""Poses of a leg nowhere further apart are the same minimum, working px. Set by hand."""
-
-
-@dataclass
-class LegCandidates:
-    """What a frame leaves open.
-
-    Attributes
-    ----------
-    frame : int
-        Frame number.
-    pose : ndarray, shape (n_parameters,)
-        The pose followed so far.
-    image, box
-        Grey working pixels of the crop (uint8) and where they lie, for a second look.
-    legs : list of ndarray, shape (candidates, 2 links)
-        Of each leg, its possible parts of the pose vector; the first is that of ``pose``.
-    joints : list of ndarray, shape (candidates, segments + 1, 2)
-        Where they put its joints.
-    worth : list of ndarray, shape (candidates,)
-        Cost of the picture with that leg alone added to the body, less that of the body.
-    unlikely : list of ndarray, shape (candidates,)
-        What anatomy makes each candidate cost.
-    shared : dict
-        Of pairs of legs, the cost of both together less that of each, (candidates, candidates).
-    crossed : dict
-        Of neighbouring legs, whether they cross, (candidates, candidates).
-    alternatives : list of ndarray
-        Of each leg, the candidates that may still be right by what was known when the frame was
-        first seen, other than the one chosen then.
-    """
-
-    frame: int
-    pose: np.ndarray
-    image: np.ndarray
-    box: tuple[int, int, int, int]
-    legs: list[np.ndarray]
-    joints: list[np.ndarray]
-    worth: list[np.ndarray]
-    unlikely: list[np.ndarray]
-    shared: dict[tuple[int, int], np.ndarray] = field(default_factory=dict)
-    crossed: dict[tuple[int, int], np.ndarray] = field(default_factory=dict)
-    alternatives: list[np.ndarray] = field(default_factory=list)
-
-    @property
-    def is_open(self) -> bool:
-        """Whether any leg has more than one candidate."""
-        return any(len(c) > 1 for c in self.legs)
-
-    @property
-    def is_doubtful(self) -> bool:
-        """Whether any leg had a rival."""
-        return any(len(c) for c in self.alternatives)
-
-    def record(self) -> dict[str, Any]:
-        """Return all but the picture, as plain values and arrays."""
-        out = {name: getattr(self, name) for name in ("pose", "box", *_OF_LEGS)}
-        return out | {name: [[*k, v] for k, v in getattr(self, name).items()] for name in _OF_PAIRS}
-
-
-_OF_LEGS = ("legs", "joints", "worth", "unlikely", "alternatives")
-_OF_PAIRS = ("shared", "crossed")
-
-
-def recalled(
-    fitter: FrameFitter, frame: int, record: Mapping[str, Any], *, image: np.ndarray
-) -> LegCandidates:
-    """Return what :meth:`LegCandidates.record` was made of, given the grey pixels of its box.
-
-    Parameters
-    ----------
-    fitter : FrameFitter
-        What poses are fitted with.
-    frame : int
-        The frame.
-    record : mapping
-        What was kept of it.
-    image : ndarray, shape (H, W)
-        Grey pixels of its box.
-
-    Returns
-    -------
-    LegCandidates
-        The frame as it was.
-    """
-    box = tuple(record["box"])
-    choices = only_choice(fitter, frame, record["pose"], image=image, box=box)
-    for name in _OF_LEGS:
-        setattr(choices, name, record[name])
-    for name in _OF_PAIRS:
-        setattr(choices, name, {(a, b): costs for a, b, costs in record[name]})
-    return choices
-
-
-def only_choice(
-    fitter: FrameFitter, frame: int, pose: np.ndarray, *, image: np.ndarray, box: tuple
-) -> LegCandidates:
-    """Return the frame with one pose of each leg.
-
-    Parameters
-    ----------
-    fitter : FrameFitter
-        What poses are fitted with.
-    frame : int
-        The frame.
-    pose : ndarray
-        The pose vector.
-    image : ndarray, shape (H, W)
-        Grey pixels of the box.
-    box : tuple of int
-        Region of the picture, px.
-
-    Returns
-    -------
-    LegCandidates
-        The frame.
-    """
-    joints = fitter.joints(pose)
-    return LegCandidates(
-        frame=frame,
-        pose=pose,
-        image=np.clip(np.round(image), 0, 255).astype(np.uint8),
-        box=box,
-        legs=[pose[numbers][None] for numbers in fitter.numbers],
-        joints=[j[None] for j in joints],
-        worth=[np.zeros(1) for _ in fitter.numbers],
-        unlikely=[np.zeros(1) for _ in fitter.numbers],
-    )
 
 
 def limb_candidates(

@@ -7,12 +7,8 @@ from collections.abc import Callable
 import numpy as np
 
 from pawnb.core.parallel import Threads
-from pawnb.core.pose.fit.candidates.leg_candidates import (
-    LegCandidates,
-    add_candidates,
-    fit_leg,
-    side_energy,
-)
+from pawnb.core.pose.fit.candidates.candidate_sets import LegCandidates
+from pawnb.core.pose.fit.candidates.leg_candidates import add_candidates, fit_leg, side_energy
 from pawnb.core.pose.fit.candidates.parameters import CANDIDATES
 from pawnb.core.pose.fit.candidates.viterbi import ViterbiTrellis
 from pawnb.core.pose.fit.fitter import FrameFitter

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import cv2
 import numpy as np
 
-from pawnb.core.pose.fit.candidates.leg_candidates import LegCandidates
+from pawnb.core.pose.fit.candidates.candidate_sets import LegCandidates
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.learning.attached_clutter_kernels import in_body_frame
 from pawnb.core.pose.fit.learning.parameters import LEARNING

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pawnb.core.pose.fit.candidates.leg_candidates import LegCandidates
+from pawnb.core.pose.fit.candidates.candidate_sets import LegCandidates
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.learning.attached_clutter import find_attached_clutter
 from pawnb.core.pose.fit.learning.parameters import LEARNING

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pawnb.core.pose.fit.candidates.leg_candidates import LegCandidates
+from pawnb.core.pose.fit.candidates.candidate_sets import LegCandidates
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.learning.appearance import learn_appearance
 from pawnb.core.pose.fit.learning.body_clutter import find_body_clutter

@@ -12,7 +12,8 @@ from collections.abc import Callable, Iterable
 import numpy as np
 
 from pawnb.core.frame_checkpoint import KeptFrames
-from pawnb.core.pose.fit.candidates.leg_candidates import LegCandidates, add_candidates, only_choice
+from pawnb.core.pose.fit.candidates.candidate_sets import LegCandidates, only_choice
+from pawnb.core.pose.fit.candidates.leg_candidates import add_candidates
 from pawnb.core.pose.fit.candidates.viterbi_path import improve_viterbi_path
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.parallel import side_by_side

@@ -13,8 +13,8 @@ from functools import partial
 
 import numpy as np
 
+from pawnb.core.pose.fit.candidates.candidate_sets import LegCandidates
 from pawnb.core.pose.fit.candidates.crossed_legs import uncrossed
-from pawnb.core.pose.fit.candidates.leg_candidates import LegCandidates
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.learning.relearn import usual_lengths
 from pawnb.core.pose.fit.parallel import on_threads, threaded

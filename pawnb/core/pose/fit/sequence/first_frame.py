@@ -6,12 +6,11 @@ import numpy as np
 
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.fit.candidates.candidate_kernels import paint_base
+from pawnb.core.pose.fit.candidates.candidate_sets import LegCandidates, only_choice
 from pawnb.core.pose.fit.candidates.leg_candidates import (
-    LegCandidates,
     add_candidates,
     fit_leg,
     limb_candidates,
-    only_choice,
     part_about,
     side_energy,
     sides_of,

@@ -10,15 +10,17 @@ import numpy as np
 
 from pawnb.core.frame_checkpoint import KeptFrames, Record
 from pawnb.core.parallel import Threads
-from pawnb.core.pose.fit.candidates.leg_candidates import (
+from pawnb.core.pose.fit.candidates.candidate_sets import (
     SAME_PX,
     LegCandidates,
+    only_choice,
+    recalled,
+)
+from pawnb.core.pose.fit.candidates.leg_candidates import (
     add_candidates,
     fit_leg,
     legs_cross,
     limb_candidates,
-    only_choice,
-    recalled,
     side_energy,
     sides_of,
 )

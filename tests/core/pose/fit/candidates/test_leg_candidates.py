@@ -9,7 +9,8 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from painted_walk import painted_walk
 
-from pawnb.core.pose.fit.candidates.leg_candidates import add_candidates, only_choice, side_energy
+from pawnb.core.pose.fit.candidates.candidate_sets import only_choice
+from pawnb.core.pose.fit.candidates.leg_candidates import add_candidates, side_energy
 from pawnb.core.pose.fit.layout import leg_numbers
 from pawnb.core.pose.fit.prepare import prepare_fitter
 from pawnb.core.pose.fit.sequence.first_frame import first_darkness

@@ -10,7 +10,7 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from painted_walk import PaintedReader, painted_walk, walking_poses
 
 from pawnb.core.frame_checkpoint import KeptFrames
-from pawnb.core.pose.fit.candidates.leg_candidates import only_choice
+from pawnb.core.pose.fit.candidates.candidate_sets import only_choice
 from pawnb.core.pose.fit.layout import pose_vectors
 from pawnb.core.pose.fit.learning.attached_clutter import find_attached_clutter
 from pawnb.core.pose.fit.learning.pose_prior import learn_from_all, learn_pose_prior

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from painted_walk import PX_PER_MM, painted_walk
 
-from pawnb.core.pose.fit.candidates.leg_candidates import only_choice
+from pawnb.core.pose.fit.candidates.candidate_sets import only_choice
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.layout import make_layout, pose_vectors
 from pawnb.core.pose.fit.learning.anatomy import anatomy
