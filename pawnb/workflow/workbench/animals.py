@@ -32,6 +32,11 @@ class AnimalChoice:
     points: tuple[str, ...] = ()
     species: str | None = None
 
+    @property
+    def has_points(self) -> bool:
+        """Whether points are tracked, which a person may name."""
+        return self.kind == "paws"
+
 
 def _sides(n: int) -> tuple[str, ...]:
     """Return the names of the feet of n pairs, front to hind."""

@@ -131,7 +131,7 @@ class NewTrial:
         """
         if self.fps is None:
             raise InputError("how many frames were filmed in a second is not said yet.")
-        if self.animal.kind == "paws" and not self.points_in_force:
+        if self.animal.has_points and not self.points_in_force:
             raise InputError("no point to track is named; name them, with commas between.")
         if self.dlt is not None and self.px_per_unit is not None:
             raise InputError("a trial has DLT coefficients or a scale, not both; leave one out.")
@@ -199,9 +199,9 @@ class NewTrial:
 
     def _view(self, view: NewView) -> View:
         """Return a view as a trial says it."""
-        points = view.points or (self.points_in_force if self.animal.kind == "paws" else ())
+        points = view.points or (self.points_in_force if self.animal.has_points else ())
         odd = [point for point in points if point not in self.points_in_force]
-        if odd and self.animal.kind == "paws":
+        if odd and self.animal.has_points:
             raise InputError(
                 f"view {view.name!r} sees {odd[0]!r}, which is none of the points "
                 f"{', '.join(self.points_in_force)}."

@@ -76,7 +76,7 @@ def ask_new_trial(
     for i, animal in enumerate(ANIMALS, start=1):
         say(f"  {i}  {animal.name}: {animal.words}")
     made.animal = put("Which animal", choose_animal, default="1")
-    if made.animal.kind == "paws" and not made.animal.points:
+    if made.animal.has_points and not made.animal.points:
         made.points = put("Points to track, with commas between", _some_names)
     made.fps = put("Frames filmed in a second (of the recording, not of its play-back)", _positive)
     _ask_calibration(made, put)
@@ -126,7 +126,7 @@ def _ask_view(made: NewTrial, view: NewView, put: _Questions) -> None:
         "  Part of the picture: left, top, right, bottom in px (Enter: all of it)", crop
     )
     view.mirror = put("  Is it seen in a mirror (y or n)", _yes, default="n")
-    if made.animal.kind == "paws" and len(made.views) > 1:
+    if made.animal.has_points and len(made.views) > 1:
         view.points = put("  Points seen in it", known_points, default=", ".join(points))
 
 
