@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.signals import butterworth_lowpass, dominant_frequency, fill_gaps
 
@@ -36,12 +37,12 @@ class BodyFrame:
         ``"body points"``, ``"laboratory"``, ``"other points"`` or ``"mean of the feet"``.
     """
 
-    origin: np.ndarray
-    forward: np.ndarray
-    path: np.ndarray
+    origin: FloatArray
+    forward: FloatArray
+    path: FloatArray
     method: str
 
-    def fore_aft(self, positions: np.ndarray) -> np.ndarray:
+    def fore_aft(self, positions: FloatArray) -> FloatArray:
         """Return how far in front of the origin each foot is.
 
         Parameters
@@ -56,7 +57,7 @@ class BodyFrame:
         """
         return along(positions - self.origin[:, :, None], self.forward)
 
-    def lateral(self, positions: np.ndarray, *, up: np.ndarray | None = None) -> np.ndarray:
+    def lateral(self, positions: FloatArray, *, up: FloatArray | None = None) -> FloatArray:
         """Return how far to the right of the origin each foot is.
 
         Parameters
@@ -79,7 +80,7 @@ class BodyFrame:
         return along(positions - self.origin[:, :, None], right)
 
 
-def along(positions: np.ndarray, forward: np.ndarray) -> np.ndarray:
+def along(positions: FloatArray, forward: FloatArray) -> FloatArray:
     """Project positions on a direction.
 
     Parameters
@@ -97,7 +98,7 @@ def along(positions: np.ndarray, forward: np.ndarray) -> np.ndarray:
     return np.einsum("ndk,nd->nk", positions, forward)
 
 
-def mean_path(positions: np.ndarray) -> np.ndarray:
+def mean_path(positions: FloatArray) -> FloatArray:
     """Average feet that come and go, without jumps where one comes or goes.
 
     Each foot is the common path plus an offset of its own; both are fitted by
@@ -130,7 +131,7 @@ def mean_path(positions: np.ndarray) -> np.ndarray:
     return path + offset.mean(axis=1)
 
 
-def stride_frequency(positions: np.ndarray, *, fs_hz: float) -> float:
+def stride_frequency(positions: FloatArray, *, fs_hz: float) -> float:
     """Estimate how often the feet step, roughly: it only sets scales of time.
 
     Parameters
@@ -150,7 +151,7 @@ def stride_frequency(positions: np.ndarray, *, fs_hz: float) -> float:
     return dominant_frequency(np.einsum("ndk,d->nk", positions, axis), fs_hz=fs_hz)
 
 
-def smooth_path(positions: np.ndarray, *, cutoff_hz: float, fs_hz: float) -> np.ndarray:
+def smooth_path(positions: FloatArray, *, cutoff_hz: float, fs_hz: float) -> FloatArray:
     """Low-pass the common path of several points, for a body that moves with them.
 
     Parameters
@@ -179,7 +180,7 @@ def smooth_path(positions: np.ndarray, *, cutoff_hz: float, fs_hz: float) -> np.
     return path
 
 
-def is_travelling(positions: np.ndarray, path: np.ndarray) -> bool:
+def is_travelling(positions: FloatArray, path: FloatArray) -> bool:
     """Say whether the animal gets anywhere, or steps in one place as on a treadmill.
 
     Parameters
@@ -207,7 +208,7 @@ def is_travelling(positions: np.ndarray, path: np.ndarray) -> bool:
     return bool(np.linalg.norm(gone) > TRAVEL_FACTOR * excursion)
 
 
-def is_wandering(body: np.ndarray) -> bool:
+def is_wandering(body: FloatArray) -> bool:
     """Say whether an animal roams, so that only its body tells where its front is.
 
     Parameters
@@ -235,7 +236,7 @@ def is_wandering(body: np.ndarray) -> bool:
     return bool(covered > 2.0 * np.median(length) and turned > 0.1)
 
 
-def travel_direction(path: np.ndarray, *, up: np.ndarray | None = None) -> tuple[np.ndarray, float]:
+def travel_direction(path: FloatArray, *, up: FloatArray | None = None) -> tuple[FloatArray, float]:
     """Find the mean direction of travel.
 
     Parameters
@@ -262,7 +263,7 @@ def travel_direction(path: np.ndarray, *, up: np.ndarray | None = None) -> tuple
     return gone / length, length / float(np.linalg.norm(steps, axis=1).sum())
 
 
-def swing_direction(positions: np.ndarray, *, fs_hz: float) -> np.ndarray:
+def swing_direction(positions: FloatArray, *, fs_hz: float) -> FloatArray:
     """Find the front of an animal that steps in one place, from its feet alone.
 
     The axis is the main axis of the feet's motion. Its front is where feet move to
@@ -292,7 +293,7 @@ def swing_direction(positions: np.ndarray, *, fs_hz: float) -> np.ndarray:
     return axis if fastest[0] >= fastest[1] else -axis
 
 
-def main_axis(deviations: np.ndarray) -> np.ndarray:
+def main_axis(deviations: FloatArray) -> FloatArray:
     """Find the first principal axis of deviations, pooled over the feet.
 
     Parameters
@@ -314,7 +315,7 @@ def main_axis(deviations: np.ndarray) -> np.ndarray:
 
 
 def body_frame_from_points(
-    body: np.ndarray, *, cutoff_hz: float | None, fs_hz: float, up: np.ndarray | None = None
+    body: FloatArray, *, cutoff_hz: float | None, fs_hz: float, up: FloatArray | None = None
 ) -> BodyFrame:
     """Make the body frame from two or more points along the body.
 
@@ -364,7 +365,7 @@ def body_frame_from_points(
 
 
 def body_frame_of_path(
-    path: np.ndarray, forward: Sequence[float] | np.ndarray, *, at_rest: bool, method: str
+    path: FloatArray, forward: Sequence[float] | np.ndarray, *, at_rest: bool, method: str
 ) -> BodyFrame:
     """Make the body frame where no point of the body is named.
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import BoolArray, FloatArray
 from pawnb.errors import InputError
 
 
@@ -34,11 +35,11 @@ class ConstantVelocity:
         Covariance of a state that has just been started.
     """
 
-    transition: np.ndarray
-    observation: np.ndarray
-    process_noise: np.ndarray
-    measurement_noise: np.ndarray
-    initial_covariance: np.ndarray
+    transition: FloatArray
+    observation: FloatArray
+    process_noise: FloatArray
+    measurement_noise: FloatArray
+    initial_covariance: FloatArray
 
     @property
     def n_coordinates(self) -> int:
@@ -58,16 +59,16 @@ class State:
         Covariance of the mean.
     """
 
-    mean: np.ndarray
-    covariance: np.ndarray
+    mean: FloatArray
+    covariance: FloatArray
 
     @property
-    def position(self) -> np.ndarray:
+    def position(self) -> FloatArray:
         """The coordinates, shape (..., d)."""
         return self.mean[..., : self.mean.shape[-1] // 2]
 
     @property
-    def velocity(self) -> np.ndarray:
+    def velocity(self) -> FloatArray:
         """The velocities per frame, shape (..., d)."""
         return self.mean[..., self.mean.shape[-1] // 2 :]
 
@@ -124,7 +125,7 @@ def make_model(
 
 
 def start(
-    model: ConstantVelocity, position: np.ndarray, velocity: np.ndarray | None = None
+    model: ConstantVelocity, position: FloatArray, velocity: FloatArray | None = None
 ) -> State:
     """Start states at known positions.
 
@@ -199,7 +200,7 @@ def update(model: ConstantVelocity, state: State, measured: np.ndarray) -> State
     )
 
 
-def smooth(model: ConstantVelocity, measured: np.ndarray) -> State:
+def smooth(model: ConstantVelocity, measured: FloatArray) -> State:
     """Smooth whole tracks forwards and backwards (Rauch, Tung & Striebel 1965).
 
     Parameters
@@ -236,7 +237,7 @@ def smooth(model: ConstantVelocity, measured: np.ndarray) -> State:
     return State(np.stack([s.mean for s in states]), np.stack([s.covariance for s in states]))
 
 
-def _choose(where: np.ndarray, yes: State, no: State) -> State:
+def _choose(where: BoolArray, yes: State, no: State) -> State:
     """Take the states of ``yes`` where ``where`` holds and those of ``no`` elsewhere."""
     return State(
         np.where(where[..., None], yes.mean, no.mean),

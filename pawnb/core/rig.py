@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import FloatArray, Points2D, Points3D
 from pawnb.core import dlt
 from pawnb.core.lens import cameras_of_views
 from pawnb.core.sightlines import find_epipolar_line, find_look_point
@@ -49,7 +50,7 @@ class Rig:
     """
 
     names: tuple[str, ...]
-    coefs: np.ndarray
+    coefs: FloatArray
     unit: str = "mm"
     forward: tuple[float, ...] = (1.0, 0.0, 0.0)
     up: tuple[float, ...] = (0.0, 0.0, 1.0)
@@ -81,12 +82,12 @@ class Rig:
 
     __hash__ = None  # type: ignore[assignment]
 
-    def project(self, xyz: np.ndarray) -> np.ndarray:
+    def project(self, xyz: Points3D) -> FloatArray:
         """Return where points (..., 3) appear in every view: (..., n_views, 2) in px."""
         return dlt.project(self.coefs, xyz)
 
     def triangulate(
-        self, uv: np.ndarray, *, refine: bool = False, even: bool = False
+        self, uv: Points2D, *, refine: bool = False, even: bool = False
     ) -> dlt.Triangulation:
         """Find points in space from image positions.
 
@@ -168,7 +169,7 @@ class Rig:
     def epipolar_line(
         self, view_from: str, uv: Sequence[float] | np.ndarray, view_to: str, *,
         size: tuple[int, int],
-    ) -> np.ndarray:  # fmt: skip
+    ) -> FloatArray:  # fmt: skip
         """Return where a point seen in one view can be in another.
 
         Parameters
@@ -304,7 +305,7 @@ def require_rig(
 
 def _to_view(
     view: View, calibration: Calibration, size: tuple[int, int] | None, first_pixel: int
-) -> np.ndarray:
+) -> FloatArray:
     """Return the homography from the pixels of the coefficients to those of the view."""
     if calibration.pixels == "view" and view.crop is not None:
         size = (view.crop[2] - view.crop[0], view.crop[3] - view.crop[1])

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from pawnb.arrays import FloatArray, Points2D
 from pawnb.core import dlt
 
 
-def find_look_point(coefs: np.ndarray) -> np.ndarray:
+def find_look_point(coefs: FloatArray) -> np.ndarray:
     """Return the point nearest in least squares to the optical axes of all views.
 
     The optical axis of a view is the line through its principal point: along
@@ -40,8 +41,8 @@ def find_look_point(coefs: np.ndarray) -> np.ndarray:
 
 
 def find_epipolar_line(
-    L_from: np.ndarray, uv: np.ndarray, L_to: np.ndarray, *, size: tuple[int, int]
-) -> np.ndarray:
+    L_from: FloatArray, uv: Points2D, L_to: FloatArray, *, size: tuple[int, int]
+) -> FloatArray:
     """Return the ends of the line in one view on which a point seen in another must lie.
 
     Parameters
@@ -91,7 +92,7 @@ def find_fundamental_matrix(P_from: np.ndarray, P_to: np.ndarray) -> np.ndarray:
     return np.asarray(F / np.linalg.norm(F))
 
 
-def _clip_line(line: np.ndarray, size: tuple[int, int]) -> np.ndarray:
+def _clip_line(line: FloatArray, size: tuple[int, int]) -> FloatArray:
     """Return the ends within a picture of the line a u + b v + c = 0, or NaN."""
     a, b, c = line
     nothing = np.full((2, 2), np.nan)

@@ -8,6 +8,7 @@ from functools import lru_cache
 import numpy as np
 from scipy.signal import butter, sosfiltfilt
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.signals.runs import each_run, fill_gaps
 
@@ -129,8 +130,8 @@ def filter_reach(cutoff_hz: float, *, fs_hz: float) -> int:
 
 
 def butterworth_lowpass(
-    x: np.ndarray, *, cutoff_hz: float, fs_hz: float, order: int = 4, max_gap: int = 0
-) -> np.ndarray:
+    x: FloatArray, *, cutoff_hz: float, fs_hz: float, order: int = 4, max_gap: int = 0
+) -> FloatArray:
     """Low-pass with a zero-lag Butterworth filter, of fourth order (paper 2009, Eq. 3.18).
 
     ``order`` is the total order: a filter of half of it (4: of second order) runs forwards and
@@ -176,7 +177,7 @@ def butterworth_lowpass(
     )
 
 
-def filter_run(run: np.ndarray, *, cutoff_hz: float, fs_hz: float, order: int = 4) -> np.ndarray:
+def filter_run(run: FloatArray, *, cutoff_hz: float, fs_hz: float, order: int = 4) -> FloatArray:
     """Filter one run, or several of the same length, as :func:`butterworth_lowpass` does.
 
     Parameters
@@ -199,7 +200,7 @@ def filter_run(run: np.ndarray, *, cutoff_hz: float, fs_hz: float, order: int = 
     return np.asarray(out[reach : reach + len(run)])
 
 
-def extend_run(run: np.ndarray, *, cutoff_hz: float, fs_hz: float) -> tuple[np.ndarray, int]:
+def extend_run(run: FloatArray, *, cutoff_hz: float, fs_hz: float) -> tuple[FloatArray, int]:
     """Continue a run beyond both ends, so that a smoother has something to lean on there.
 
     The run is reflected at the point at its end (odd extension) over three periods of the
@@ -230,7 +231,7 @@ def extend_run(run: np.ndarray, *, cutoff_hz: float, fs_hz: float) -> tuple[np.n
     return np.concatenate((before, run, after)), reach
 
 
-def end_bends(run: np.ndarray, *, cutoff_hz: float, fs_hz: float) -> tuple[np.ndarray, np.ndarray]:
+def end_bends(run: FloatArray, *, cutoff_hz: float, fs_hz: float) -> tuple[FloatArray, FloatArray]:
     """Return how a run bends at its ends.
 
     Parameters
@@ -257,7 +258,7 @@ def end_bends(run: np.ndarray, *, cutoff_hz: float, fs_hz: float) -> tuple[np.nd
     )
 
 
-def _continuation(run: np.ndarray, reach: int, bend: np.ndarray) -> np.ndarray:
+def _continuation(run: FloatArray, reach: int, bend: FloatArray) -> FloatArray:
     """Continue a run that bends at its first sample beyond it; outwards."""
     one_axis = [1] * (run.ndim - 1)
     since = np.arange(float(len(run))).reshape(-1, *one_axis)
@@ -268,12 +269,12 @@ def _continuation(run: np.ndarray, reach: int, bend: np.ndarray) -> np.ndarray:
 
 
 @lru_cache(maxsize=256)
-def _bend_weights(m: int) -> np.ndarray:
+def _bend_weights(m: int) -> FloatArray:
     """Return the weights of m samples in the quadratic term of their parabola."""
     return np.asarray(np.linalg.pinv(np.vander(np.arange(m) / m, 3))[0] / m**2)
 
 
 @lru_cache(maxsize=1024)
-def _sections(share: float, order: int) -> np.ndarray:
+def _sections(share: float, order: int) -> FloatArray:
     """Return one pass of the filter; the cut-off is a share of the sampling rate."""
     return butter(order // 2, one_pass_cutoff(share, fs_hz=1.0, order=order), fs=1.0, output="sos")

@@ -6,11 +6,12 @@ from typing import Literal
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.signals.runs import each_column, each_run
 
 
-def differentiate(x: np.ndarray, *, dt: float, order: Literal[1, 2] = 1) -> np.ndarray:
+def differentiate(x: FloatArray, *, dt: float, order: Literal[1, 2] = 1) -> FloatArray:
     """Differentiate by finite differences (paper 2009, Eq. 3.19 and 3.20).
 
     Inside a run the differences are central. The first and last sample of a run have
@@ -42,12 +43,12 @@ def differentiate(x: np.ndarray, *, dt: float, order: Literal[1, 2] = 1) -> np.n
     if order not in (1, 2):
         raise InputError(f"order is {order}; expected 1 or 2.")
 
-    def first(run: np.ndarray) -> np.ndarray:
+    def first(run: FloatArray) -> FloatArray:
         if len(run) < 2:
             return np.full(len(run), np.nan)
         return np.gradient(run, dt, edge_order=2 if len(run) > 2 else 1)
 
-    def second(run: np.ndarray) -> np.ndarray:
+    def second(run: FloatArray) -> FloatArray:
         if len(run) < 3:
             return np.full(len(run), np.nan)
         inner = (run[2:] - 2.0 * run[1:-1] + run[:-2]) / dt**2
@@ -56,7 +57,7 @@ def differentiate(x: np.ndarray, *, dt: float, order: Literal[1, 2] = 1) -> np.n
     return each_run(np.asarray(x, dtype=float), first if order == 1 else second)
 
 
-def unwrap_angles(x: np.ndarray, *, turn: float = 360.0, max_gap: int | None = None) -> np.ndarray:
+def unwrap_angles(x: FloatArray, *, turn: float = 360.0, max_gap: int | None = None) -> FloatArray:
     """Take the jumps of a whole turn out of angles, so that they can be filtered.
 
     Every sample is moved by whole turns to within half a turn of the sample before it. After
@@ -88,7 +89,7 @@ def unwrap_angles(x: np.ndarray, *, turn: float = 360.0, max_gap: int | None = N
             f"turn is {turn}, max_gap {max_gap}; expected a turn above 0 and a gap of 0 or more."
         )
 
-    def unwrap(column: np.ndarray) -> np.ndarray:
+    def unwrap(column: FloatArray) -> FloatArray:
         out = column.copy()
         known = np.flatnonzero(np.isfinite(column))
         longest = len(column) if max_gap is None else max_gap

@@ -6,8 +6,10 @@ import math
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 
-def dominant_frequency(x: np.ndarray, *, fs_hz: float) -> float:
+
+def dominant_frequency(x: FloatArray, *, fs_hz: float) -> float:
     """Estimate the frequency of a repeated movement from its velocity.
 
     The spectrum is that of the first differences: it is flat where positions drift,

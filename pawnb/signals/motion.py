@@ -6,6 +6,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.signals.butterworth import butterworth_lowpass
 from pawnb.signals.derivatives import differentiate
@@ -31,7 +32,7 @@ class SmoothedMotion(NamedTuple):
 
 
 def smooth_motion(
-    x: np.ndarray,
+    x: FloatArray,
     *,
     fs_hz: float,
     cutoff_hz: float | None,

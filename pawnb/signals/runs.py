@@ -7,10 +7,11 @@ from collections.abc import Callable
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
+from pawnb.arrays import BoolArray, FloatArray, IntArray
 from pawnb.errors import InputError
 
 
-def find_runs(valid: np.ndarray) -> np.ndarray:
+def find_runs(valid: BoolArray) -> IntArray:
     """Find the unbroken runs of True.
 
     Parameters
@@ -27,7 +28,7 @@ def find_runs(valid: np.ndarray) -> np.ndarray:
     return np.column_stack((np.flatnonzero(edges == 1), np.flatnonzero(edges == -1)))
 
 
-def fill_gaps(x: np.ndarray, *, max_gap: int) -> np.ndarray:
+def fill_gaps(x: FloatArray, *, max_gap: int) -> FloatArray:
     """Interpolate short gaps; longer ones, and missing ends, stay NaN.
 
     Parameters
@@ -52,7 +53,7 @@ def fill_gaps(x: np.ndarray, *, max_gap: int) -> np.ndarray:
     if max_gap < 0:
         raise InputError(f"max_gap is {max_gap}; expected 0 or more samples.")
 
-    def fill(column: np.ndarray) -> np.ndarray:
+    def fill(column: FloatArray) -> FloatArray:
         there = np.isfinite(column)
         out = column.copy()
         if there.sum() < 2:
@@ -70,7 +71,7 @@ def fill_gaps(x: np.ndarray, *, max_gap: int) -> np.ndarray:
     return each_column(x, fill)
 
 
-def each_column(x: np.ndarray, apply: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+def each_column(x: FloatArray, apply: Callable[[np.ndarray], np.ndarray]) -> FloatArray:
     """Apply a function to every signal of an array whose first axis is time.
 
     Parameters
@@ -93,7 +94,7 @@ def each_column(x: np.ndarray, apply: Callable[[np.ndarray], np.ndarray]) -> np.
     return out.reshape(x.shape)
 
 
-def each_run(x: np.ndarray, apply: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+def each_run(x: FloatArray, apply: Callable[[np.ndarray], np.ndarray]) -> FloatArray:
     """Apply a function to every run of every signal.
 
     Parameters
@@ -109,7 +110,7 @@ def each_run(x: np.ndarray, apply: Callable[[np.ndarray], np.ndarray]) -> np.nda
         What the function returned for each run; NaN in the gaps.
     """
 
-    def runs(column: np.ndarray) -> np.ndarray:
+    def runs(column: FloatArray) -> FloatArray:
         out = np.full(len(column), np.nan)
         for start, stop in find_runs(np.isfinite(column)):
             out[start:stop] = apply(column[start:stop])

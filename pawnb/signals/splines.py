@@ -10,6 +10,7 @@ from numpy.polynomial import Polynomial
 from scipy.interpolate import make_smoothing_spline
 from scipy.linalg import solveh_banded
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.signals.butterworth import check_cutoff, check_rate, end_bends, filter_reach
 from pawnb.signals.gcv import effective_parameters, find_lowest, gcv_score
@@ -20,13 +21,13 @@ LEAST_SAMPLES = 5
 
 
 def smooth_spline(
-    x: np.ndarray,
+    x: FloatArray,
     *,
     fs_hz: float,
     cutoff_hz: float | None = None,
     derivative: int = 0,
     max_gap: int = 0,
-) -> np.ndarray:
+) -> FloatArray:
     """Smooth with a cubic smoothing spline, or take its first or second derivative.
 
     The spline f minimises ``sum (x_i - f(i))^2 + lambda * integral of f''^2``. Far from the
@@ -71,13 +72,13 @@ def smooth_spline(
     if cutoff_hz is not None:
         check_cutoff(cutoff_hz, fs_hz=fs_hz)
 
-    def smooth(column: np.ndarray) -> np.ndarray:
+    def smooth(column: FloatArray) -> FloatArray:
         if not np.isfinite(column).any():
             return column
         cutoff = spline_cutoff(column, fs_hz=fs_hz) if cutoff_hz is None else cutoff_hz
         weight = _weight(cutoff / fs_hz)
 
-        def fit(run: np.ndarray) -> np.ndarray:
+        def fit(run: FloatArray) -> FloatArray:
             if len(run) < LEAST_SAMPLES:
                 return np.full(len(run), np.nan)
             at = np.arange(len(run), dtype=float)
@@ -93,7 +94,7 @@ def smooth_spline(
     return each_column(fill_gaps(x, max_gap=max_gap), smooth)
 
 
-def spline_cutoff(x: np.ndarray, *, fs_hz: float) -> float:
+def spline_cutoff(x: FloatArray, *, fs_hz: float) -> float:
     """Choose the cut-off of a smoothing spline by generalised cross-validation.
 
     The score is that of :func:`gcv_score` (Craven & Wahba 1979; Woltring 1986), searched
@@ -142,7 +143,7 @@ def _weight(share: float) -> float:
     return (math.sqrt(2.0) - 1.0) / (2.0 * math.pi * share) ** 4
 
 
-def _fit(run: np.ndarray, share: float) -> np.ndarray:
+def _fit(run: FloatArray, share: float) -> FloatArray:
     """Return the spline of one run, or of several side by side, at the samples.
 
     It is that of ``make_smoothing_spline``, in the form of Reinsch 1967 (Numer. Math. 10:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from pawnb.arrays import BoolArray, FloatArray, IntArray
 from pawnb.errors import InputError
 from pawnb.signals.runs import find_runs
 
 
-def refine_extremum(x: np.ndarray, index: int) -> tuple[float, float]:
+def refine_extremum(x: FloatArray, index: int) -> tuple[float, float]:
     """Place a sampled extreme between samples by a parabola through three of them.
 
     Parameters
@@ -34,7 +35,7 @@ def refine_extremum(x: np.ndarray, index: int) -> tuple[float, float]:
     return index + shift, here + 0.5 * shift * (after - before) + 0.5 * shift**2 * bend
 
 
-def find_turns(x: np.ndarray, *, min_excursion: float) -> np.ndarray:
+def find_turns(x: FloatArray, *, min_excursion: float) -> IntArray:
     """Find the maxima and minima between which a signal moves far enough.
 
     A turn counts when the signal has come at least ``min_excursion`` to it and goes
@@ -67,7 +68,7 @@ def find_turns(x: np.ndarray, *, min_excursion: float) -> np.ndarray:
     return np.array(turns, dtype=int).reshape(-1, 2)
 
 
-def _turns_of_run(x: np.ndarray, least: float) -> list[tuple[int, int]]:
+def _turns_of_run(x: FloatArray, least: float) -> list[tuple[int, int]]:
     """Zigzag through one run; the first pivot is dropped unless it was reached by ``least``."""
     high = low = 0
     direction = 0
@@ -90,7 +91,7 @@ def _turns_of_run(x: np.ndarray, least: float) -> list[tuple[int, int]]:
     return pivots
 
 
-def find_jumps(x: np.ndarray, *, factor: float, longest: int = 3) -> np.ndarray:
+def find_jumps(x: FloatArray, *, factor: float, longest: int = 3) -> BoolArray:
     """Find samples that jump away and back, as where a tracker took a wrong thing for a moment.
 
     A stretch of up to ``longest`` samples is a jump if the steps into and out of it go

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
+from pawnb.arrays import FloatArray
 from pawnb.synthetic.surfaces import unit
 
 # forward, height of the middle, half height, half width of the trunk and head
@@ -38,7 +39,7 @@ _TRUNK_TABLE = np.array(
 TRUNK_RINGS, TRUNK_SEGMENTS = 64, 40
 
 
-def trunk_profile() -> np.ndarray:
+def trunk_profile() -> FloatArray:
     """Return the trunk's rings (TRUNK_RINGS, 4): forward, height, half height, half width."""
     table = _TRUNK_TABLE
     # rings stand closer where the radius changes fast, at the two ends
@@ -145,8 +146,8 @@ def posture(nodes: tuple[tuple[float, float], ...]) -> PchipInterpolator:
 
 
 def two_links(
-    top: np.ndarray, end: np.ndarray, *, lengths: tuple[float, float], bend: np.ndarray
-) -> np.ndarray:
+    top: FloatArray, end: FloatArray, *, lengths: tuple[float, float], bend: FloatArray
+) -> FloatArray:
     """Return the middle joint of two links that bend.
 
     Where the end is out of reach the links stretch, so the limb never comes apart.

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from pawnb.arrays import Float32Array, FloatArray
 from pawnb.synthetic.camera import Camera
 from pawnb.synthetic.scene import SceneSettings
 
@@ -51,16 +52,16 @@ class Backdrop:
         What the near wall adds.
     """
 
-    picture: np.ndarray
+    picture: Float32Array
     rows: slice
-    ground_x: np.ndarray
-    ground_y: np.ndarray
-    belt: np.ndarray
-    glass: np.ndarray
-    reflection: np.ndarray
+    ground_x: Float32Array
+    ground_y: Float32Array
+    belt: Float32Array
+    glass: Float32Array
+    reflection: Float32Array
 
 
-def make_belt(settings: SceneSettings) -> np.ndarray:
+def make_belt(settings: SceneSettings) -> Float32Array:
     """Paint the marks of the belt: relative brightness about 0, periodic along the belt.
 
     Returns
@@ -84,7 +85,7 @@ def make_belt(settings: SceneSettings) -> np.ndarray:
     return settings.belt_marks * marks
 
 
-def _periodic_blur(image: np.ndarray, across: float, along: float) -> np.ndarray:
+def _periodic_blur(image: np.ndarray, across: float, along: float) -> FloatArray:
     """Blur with Gaussians (standard deviations in texels), periodic in both directions."""
     fy = np.fft.fftfreq(image.shape[0])[:, None]
     fx = np.fft.rfftfreq(image.shape[1])[None]
@@ -144,7 +145,7 @@ def make_backdrop(camera: Camera, settings: SceneSettings) -> Backdrop:
     )
 
 
-def _lamp(ground: np.ndarray, settings: SceneSettings) -> np.ndarray:
+def _lamp(ground: np.ndarray, settings: SceneSettings) -> FloatArray:
     """Return the brightness of the ground: the lamps are brightest over the middle."""
     x = np.clip(np.nan_to_num(ground[..., 0]) / 200.0, -1.5, 1.5)
     y = np.clip(np.nan_to_num(ground[..., 1]) / 200.0, -1.5, 1.5)
@@ -153,7 +154,7 @@ def _lamp(ground: np.ndarray, settings: SceneSettings) -> np.ndarray:
     return settings.light * (1.0 + settings.light_gradient * (slope - 0.5 * x**2 - 0.3 * y**2))
 
 
-def _ground_masks(ground: np.ndarray, *, footprint: float) -> tuple[np.ndarray, np.ndarray]:
+def _ground_masks(ground: np.ndarray, *, footprint: float) -> tuple[Float32Array, Float32Array]:
     """Return the shares of deck and of belt in each pixel, softened over a footprint in mm."""
     x, y = np.abs(np.nan_to_num(ground, nan=1e9, posinf=1e9, neginf=1e9)).transpose(2, 0, 1)
     deck = np.clip((_DECK_HALF_LENGTH_MM - x) / footprint, 0.0, 1.0)
@@ -165,7 +166,7 @@ def _ground_masks(ground: np.ndarray, *, footprint: float) -> tuple[np.ndarray, 
 
 def _deck_colour(
     ground: np.ndarray, side: int, settings: SceneSettings, rng: np.random.Generator
-) -> np.ndarray:
+) -> FloatArray:
     """Colour the painted deck: paler towards the cameras, with a bluish strip by the wall."""
     away = -side * np.nan_to_num(ground[..., 1])  # distance from the middle, away from the camera
     colour = np.array(settings.belt_rgb) * np.array([0.94, 0.97, 0.95])
@@ -183,8 +184,8 @@ def _deck_colour(
 
 
 def _curtain(
-    camera: Camera, rays: np.ndarray, settings: SceneSettings, rng: np.random.Generator
-) -> np.ndarray:
+    camera: Camera, rays: Float32Array, settings: SceneSettings, rng: np.random.Generator
+) -> FloatArray:
     """Paint the curtains: soft vertical folds, a few dark gaps, darker towards the floor."""
     plane = -camera.side * _CURTAIN_MM
     depth = (plane - camera.centre[1]) / rays[..., 1]
@@ -237,7 +238,7 @@ def _upright(x: float, y: float, thickness: float, top: float) -> Quad:
     return np.array([[a, y, 0.0], [b, y, 0.0], [b, y, top], [a, y, top]])
 
 
-def fill_quad(camera: Camera, quad: Quad, shape: tuple[int, int]) -> np.ndarray:
+def fill_quad(camera: Camera, quad: Quad, shape: tuple[int, int]) -> Float32Array:
     """Return the share of each pixel of a picture (h, w) that a quadrilateral in 3D covers.
 
     Parameters

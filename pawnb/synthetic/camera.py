@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.synthetic.scene import FULL_HEIGHT, FULL_WIDTH, SceneSettings
 
 # name, side of the treadmill (-1: the animal's right when it runs towards +X), degrees that
@@ -44,21 +45,21 @@ class Camera:
     """
 
     name: str
-    centre: np.ndarray
-    matrix: np.ndarray
+    centre: FloatArray
+    matrix: FloatArray
     side: int
 
     @property
-    def coefs(self) -> np.ndarray:
+    def coefs(self) -> FloatArray:
         """The DLT coefficients L1..L11 (11,)."""
         return (self.matrix / self.matrix[2, 3]).ravel()[:11]
 
-    def project(self, xyz: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def project(self, xyz: np.ndarray) -> tuple[FloatArray, FloatArray]:
         """Return image positions (..., 2) in px and depths (...) in mm of points (..., 3)."""
         h = xyz @ self.matrix[:, :3].T + self.matrix[:, 3]
         return h[..., :2] / h[..., 2:], h[..., 2]
 
-    def rays(self, u: np.ndarray, v: np.ndarray) -> np.ndarray:
+    def rays(self, u: np.ndarray, v: np.ndarray) -> FloatArray:
         """Return the directions (..., 3) of the rays through image positions, depth 1."""
         inverse = np.linalg.inv(self.matrix[:, :3])
         pixels = np.stack(np.broadcast_arrays(u, v, 1.0), axis=-1)
@@ -100,7 +101,7 @@ def make_cameras(settings: SceneSettings) -> list[Camera]:
     return cameras[: settings.n_views]
 
 
-def _projection(centre: np.ndarray, look: np.ndarray, roll: float, focal: float) -> np.ndarray:
+def _projection(centre: FloatArray, look: FloatArray, roll: float, focal: float) -> FloatArray:
     """Return the projection matrix (3, 4) of the full-scale picture."""
     right = np.cross(look, [0.0, 0.0, 1.0])
     right /= np.linalg.norm(right)

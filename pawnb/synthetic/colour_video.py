@@ -9,6 +9,7 @@ from typing import cast
 import av
 import numpy as np
 
+from pawnb.arrays import ByteArray
 from pawnb.errors import InputError
 
 _QUALITY = 2
@@ -42,7 +43,7 @@ class _RgbVideoWriter:
         self._container.mux(self._stream.encode())
         self._container.close()
 
-    def write(self, picture: np.ndarray) -> None:
+    def write(self, picture: ByteArray) -> None:
         """Append one picture (h, w, 3) uint8."""
         frame = av.VideoFrame.from_ndarray(picture, format="rgb24")
         frame = frame.reformat(
@@ -111,6 +112,6 @@ class H264VideoWriter(_RgbVideoWriter):
         options = {"crf": str(crf), "threads": "1", "flags": "+bitexact"}
         super().__init__(path, size=even, fps=fps, options=options)
 
-    def write(self, picture: np.ndarray) -> None:
+    def write(self, picture: ByteArray) -> None:
         """Append one picture (h, w, 3) uint8."""
         super().write(np.pad(picture, self._odd, mode="edge"))

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.io.tables import write_text
 
@@ -101,8 +102,8 @@ def _walk(
 
 
 def _fore_aft(
-    rng: np.random.Generator, t: np.ndarray, period: float, duty: float, lag: float
-) -> np.ndarray:
+    rng: np.random.Generator, t: FloatArray, period: float, duty: float, lag: float
+) -> FloatArray:
     """Return where a foot is along the body: back with the belt, forward on a smooth swing."""
     n = int(t[-1] / period) + 4
     down = (np.arange(-2, n) + lag + 0.01 * rng.standard_normal(n + 2)) * period

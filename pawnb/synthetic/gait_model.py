@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from pawnb.arrays import FloatArray, IntArray
 from pawnb.synthetic.scene import LEGS, SceneSettings
 
 PAW_HEIGHT_MM = 1.2
@@ -58,16 +59,16 @@ class LegMotion:
         Exponents of the height in swing.
     """
 
-    touch_down_s: np.ndarray
-    lift_off_s: np.ndarray
-    placed: np.ndarray
-    lift_mm: np.ndarray
-    draw_in_mm: np.ndarray
-    swing_poly: np.ndarray
+    touch_down_s: FloatArray
+    lift_off_s: FloatArray
+    placed: FloatArray
+    lift_mm: FloatArray
+    draw_in_mm: FloatArray
+    swing_poly: FloatArray
     belt_speed: float
     shape: tuple[float, float]
 
-    def phase(self, time_s: np.ndarray) -> np.ndarray:
+    def phase(self, time_s: FloatArray) -> FloatArray:
         """Return 0-1 through stance, from touch-down, and 1-2 through swing; shape (t,)."""
         time_s = np.asarray(time_s, dtype=float)
         k = self._stride(time_s)
@@ -75,7 +76,7 @@ class LegMotion:
         swing = (time_s - self.lift_off_s[k]) / (self.touch_down_s[k + 1] - self.lift_off_s[k])
         return np.where(time_s < self.lift_off_s[k], stance, 1.0 + swing)
 
-    def position(self, time_s: np.ndarray) -> np.ndarray:
+    def position(self, time_s: FloatArray) -> FloatArray:
         """Return the tracked point (t, 3): forward, left, up in mm, laboratory frame."""
         time_s = np.asarray(time_s, dtype=float)
         k = self._stride(time_s)
@@ -95,7 +96,7 @@ class LegMotion:
         up = PAW_HEIGHT_MM + self.lift_mm[k] * arc
         return np.stack([np.where(standing, forward, swinging), left, up], axis=-1)
 
-    def extremes(self) -> tuple[np.ndarray, np.ndarray]:
+    def extremes(self) -> tuple[FloatArray, FloatArray]:
         """Return the times (n - 1,) of PEP and of AEP: the turning points of each swing."""
         pep, aep = [], []
         for k, poly in enumerate(self.swing_poly):
@@ -107,7 +108,7 @@ class LegMotion:
             aep.append(self.lift_off_s[k] + inside[-1])
         return np.array(pep), np.array(aep)
 
-    def _stride(self, time_s: np.ndarray) -> np.ndarray:
+    def _stride(self, time_s: FloatArray) -> IntArray:
         """Return the number of the stride that holds each time."""
         k = np.searchsorted(self.touch_down_s, time_s, side="right") - 1
         return np.clip(k, 0, len(self.touch_down_s) - 2)
@@ -121,7 +122,7 @@ class BodyMotion:
     slow: dict[str, tuple[np.ndarray, np.ndarray, np.ndarray]]
     locked: dict[str, tuple[int, float, float]]
 
-    def value(self, name: str, time_s: np.ndarray) -> np.ndarray:
+    def value(self, name: str, time_s: FloatArray) -> np.ndarray:
         """Return one coordinate at some times: forward, left, up (mm), pitch, roll, yaw (rad)."""
         time_s = np.asarray(time_s, dtype=float)
         amplitude, frequency, phase = self.slow[name]
@@ -217,7 +218,7 @@ def _plan_body(
 def _plan_leg(
     leg: str,
     settings: SceneSettings,
-    schedule: tuple[np.ndarray, np.ndarray, float],
+    schedule: tuple[FloatArray, FloatArray, float],
     body: BodyMotion,
     rng: np.random.Generator,
 ) -> LegMotion:
@@ -260,7 +261,7 @@ def _plan_leg(
     )
 
 
-def _quintic(begin: tuple[float, float], end: tuple[float, float], duration: float) -> np.ndarray:
+def _quintic(begin: tuple[float, float], end: tuple[float, float], duration: float) -> FloatArray:
     """Return the minimum-jerk polynomial between two (position, speed), without acceleration."""
     (x0, v0), (x1, v1) = begin, end
     t = duration

@@ -5,6 +5,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.synthetic.backdrop import (
     BELT_HALF_WIDTH_MM,
     BOX_HALF_LENGTH_MM,
@@ -67,7 +68,7 @@ def make_glass_backdrop(camera: Camera, settings: SceneSettings) -> Backdrop:
     )
 
 
-def _lamp_images(rng: np.random.Generator) -> np.ndarray:
+def _lamp_images(rng: np.random.Generator) -> FloatArray:
     """Return where on the belt the lamps are mirrored, mm: beside the middle, along the sides."""
     x = np.linspace(-120.0, 120.0, _LAMP_IMAGES) + rng.uniform(-15.0, 15.0, _LAMP_IMAGES)
     y = rng.choice([-1.0, 1.0], _LAMP_IMAGES) * rng.uniform(26.0, 44.0, _LAMP_IMAGES)

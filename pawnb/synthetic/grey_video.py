@@ -7,7 +7,8 @@ from pathlib import Path
 
 import av
 import cv2
-import numpy as np
+
+from pawnb.arrays import ByteArray
 
 _QUALITY = 95
 
@@ -44,7 +45,7 @@ class GreyVideoWriter:
     def __exit__(self, *_: object) -> None:
         self._container.close()
 
-    def write(self, picture: np.ndarray) -> None:
+    def write(self, picture: ByteArray) -> None:
         """Append one picture (h, w) uint8."""
         _, data = cv2.imencode(".jpg", picture, [cv2.IMWRITE_JPEG_QUALITY, _QUALITY])
         packet = av.Packet(data.tobytes())

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.synthetic.surfaces import unit
 
 
@@ -25,12 +26,12 @@ class Hairs:
         Brightness relative to the fur.
     """
 
-    ring: np.ndarray
-    segment: np.ndarray
-    length: np.ndarray
-    lift: np.ndarray
-    stray: np.ndarray
-    shade: np.ndarray
+    ring: FloatArray
+    segment: FloatArray
+    length: FloatArray
+    lift: FloatArray
+    stray: FloatArray
+    shade: FloatArray
 
 
 def draw_hairs(
@@ -67,8 +68,8 @@ def draw_hairs(
 
 
 def hair_triangles(
-    grid: np.ndarray, normals: np.ndarray, hairs: Hairs, *, way: float, width: float
-) -> tuple[np.ndarray, np.ndarray]:
+    grid: FloatArray, normals: FloatArray, hairs: Hairs, *, way: float, width: float
+) -> tuple[FloatArray, FloatArray]:
     """Place hairs on a part as it is now.
 
     Parameters
@@ -95,7 +96,7 @@ def hair_triangles(
     k = (j + 1) % segments
     part, rest = part[:, None], rest[:, None]
 
-    def between(a: np.ndarray) -> np.ndarray:
+    def between(a: FloatArray) -> FloatArray:
         near = a[i, j] + part * (a[i + 1, j] - a[i, j])
         far = a[i, k] + part * (a[i + 1, k] - a[i, k])
         return near + rest * (far - near)

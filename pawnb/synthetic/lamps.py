@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from pawnb.arrays import Float32Array, FloatArray
 from pawnb.synthetic.scene import SceneSettings
 from pawnb.synthetic.surfaces import Mesh
 
@@ -22,8 +23,8 @@ _SAG = 0.25
 class Shadow:
     """Shadow of the animal on the belt: share of the light that is missing, on a grid."""
 
-    grid: np.ndarray
-    corner: np.ndarray
+    grid: Float32Array
+    corner: FloatArray
 
     @property
     def cell_mm(self) -> float:
@@ -31,7 +32,7 @@ class Shadow:
         return _SHADOW_CELL_MM
 
 
-def lamp_direction(settings: SceneSettings) -> np.ndarray:
+def lamp_direction(settings: SceneSettings) -> FloatArray:
     """Return the unit vector towards the stronger lamp, 60 degrees above the belt, or below."""
     azimuth, elevation = np.radians(settings.light_azimuth_deg), np.radians(60.0)
     flat, high = np.cos(elevation), np.sin(elevation)

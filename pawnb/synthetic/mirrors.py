@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import Float32Array
 from pawnb.synthetic.backdrop import (
     BELT_HALF_WIDTH_MM,
     BOX_HALF_LENGTH_MM,
@@ -36,7 +37,7 @@ class Mirror:
 
     axis: int
     place: float
-    share: np.ndarray
+    share: Float32Array
 
     def image(self, mesh: Mesh) -> Mesh:
         """Return an animal as it seems to be behind the mirror."""

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.synthetic import anatomy
 from pawnb.synthetic.anatomy import Limb, two_links
 from pawnb.synthetic.covered_paws import cover_paws
@@ -45,11 +46,11 @@ _EAR = np.array([29.5, 7.6, 33.0])
 class _Pose:
     """The body frame at one moment: ``place`` takes body coordinates to the laboratory."""
 
-    turn: np.ndarray
-    origin: np.ndarray
+    turn: FloatArray
+    origin: FloatArray
     beat: float
 
-    def place(self, points: np.ndarray) -> np.ndarray:
+    def place(self, points: FloatArray) -> FloatArray:
         """Return laboratory (forward, left, up) of points in the body frame."""
         return points @ self.turn.T + self.origin
 
@@ -112,7 +113,7 @@ class Mouse:
         mesh.normals = mesh.normals * facing
         return mesh
 
-    def landmarks(self, time_s: float) -> np.ndarray:
+    def landmarks(self, time_s: float) -> FloatArray:
         """Return the landmarks at a time, shape (5, 3), mm, in the order of LANDMARKS.
 
         The tip of the nose, the middle of each ear, and the base and the tip of the tail.
@@ -139,7 +140,7 @@ class Mouse:
         beat = 2 * np.pi * float(body.cycles(now))
         return _Pose(turn=turn * size, origin=origin, beat=beat)
 
-    def _flex(self, points: np.ndarray, pose: _Pose) -> np.ndarray:
+    def _flex(self, points: FloatArray, pose: _Pose) -> FloatArray:
         """Bend the spine sideways with the stride and nod the head (body frame)."""
         out = points.copy()
         out[:, 1] += 0.9 * np.sin(pose.beat) * (points[:, 0] / 35.0) ** 2
@@ -147,7 +148,7 @@ class Mouse:
         out[:, 2] += weight * (0.5 * np.sin(2 * pose.beat + 0.8))
         return out
 
-    def _add_trunk(self, pose: _Pose) -> tuple[np.ndarray, np.ndarray]:
+    def _add_trunk(self, pose: _Pose) -> tuple[FloatArray, FloatArray]:
         """Add trunk and head; return vertex and normal grids (rings, segments, 3)."""
         rings, segments = anatomy.TRUNK_RINGS, anatomy.TRUNK_SEGMENTS
         forward, height, tall, wide = self._profile.T
@@ -182,7 +183,7 @@ class Mouse:
         self._builder.add(BODY, vertices, normals.reshape(-1, 3), fixed=fixed)
         return grid, normals
 
-    def _add_hairs(self, grid: np.ndarray, normals: np.ndarray, hairs: Hairs, way: float) -> None:
+    def _add_hairs(self, grid: FloatArray, normals: FloatArray, hairs: Hairs, way: float) -> None:
         """Add the hairs of a part with rings of corners ``grid`` (rings, segments, 3)."""
         vertices, lit = hair_triangles(
             grid, normals.reshape(grid.shape), hairs, way=way, width=0.34 * self._settings.size
@@ -260,7 +261,7 @@ class Mouse:
         placed[:, 2] = np.maximum(placed[:, 2], 1.0)  # it may lie on the belt, not below it
         self._add_tube(TAIL, placed, normals @ pose.turn.T, colour, _TAIL_SEGMENTS)
 
-    def _tail_line(self, pose: _Pose, time_s: float) -> np.ndarray:
+    def _tail_line(self, pose: _Pose, time_s: float) -> FloatArray:
         """Return the middle of the tail, base to tip (body frame).
 
         It rises behind and sways with a lag along its length.
@@ -313,8 +314,8 @@ class Mouse:
         self,
         leg: str,
         limb: Limb,
-        joints: tuple[np.ndarray, np.ndarray, np.ndarray],
-        left: np.ndarray,
+        joints: tuple[FloatArray, FloatArray, FloatArray],
+        left: FloatArray,
         pose: _Pose,
     ) -> None:
         """Add the limb above the foot as one bent tube, furred down to its bare part."""
@@ -348,9 +349,9 @@ class Mouse:
         self,
         leg: str,
         limb: Limb,
-        places: tuple[np.ndarray, np.ndarray, np.ndarray],
-        digit: np.ndarray,
-        left: np.ndarray,
+        places: tuple[FloatArray, FloatArray, FloatArray],
+        digit: FloatArray,
+        left: FloatArray,
     ) -> None:
         """Add the foot: back part, pad and digits."""
         ankle, pad, point = places
@@ -387,13 +388,13 @@ class Mouse:
     def _add_tube(
         self,
         part: int,
-        vertices: np.ndarray,
-        normals: np.ndarray,
-        colour: np.ndarray,
+        vertices: FloatArray,
+        normals: FloatArray,
+        colour: FloatArray,
         segments: int,
         *,
-        fur: np.ndarray | None = None,
-        lengths: np.ndarray | None = None,
+        fur: FloatArray | None = None,
+        lengths: FloatArray | None = None,
     ) -> None:
         """Add one swept tube with its colours."""
         rings = len(vertices) // segments

@@ -11,6 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import FloatArray, IntArray
+
 
 @dataclass(frozen=True)
 class Fragments:
@@ -26,13 +28,13 @@ class Fragments:
         where there is none.
     """
 
-    triangle: np.ndarray
-    pixel: np.ndarray
-    winner: np.ndarray
+    triangle: IntArray
+    pixel: IntArray
+    winner: IntArray
 
 
 def rasterise(
-    corners: np.ndarray, inverse_depth: np.ndarray, *, width: int, height: int
+    corners: FloatArray, inverse_depth: FloatArray, *, width: int, height: int
 ) -> Fragments:
     """Find the fragments of some triangles and which of them are in front.
 
@@ -69,7 +71,7 @@ def rasterise(
     return Fragments(triangle=triangle, pixel=pixel, winner=winner)
 
 
-def barycentric(corners: np.ndarray, triangle: np.ndarray, xy: np.ndarray) -> np.ndarray:
+def barycentric(corners: FloatArray, triangle: IntArray, xy: np.ndarray) -> np.ndarray:
     """Return the weights (f, 3) of the corners at image positions xy (f, 2).
 
     Parameters
@@ -98,8 +100,8 @@ def barycentric(corners: np.ndarray, triangle: np.ndarray, xy: np.ndarray) -> np
 
 
 def _edges_and_planes(
-    corners: np.ndarray, inverse_depth: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+    corners: FloatArray, inverse_depth: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """Return edge functions (m, 3, 3), positive inside, and depth planes (m, 3)."""
     x, y = corners[..., 0], corners[..., 1]
     x1, y1 = x[:, [1, 2, 0]], y[:, [1, 2, 0]]
@@ -116,8 +118,8 @@ def _edges_and_planes(
 
 
 def _rows(
-    corners: np.ndarray, edges: np.ndarray, *, width: int, height: int
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    corners: FloatArray, edges: FloatArray, *, width: int, height: int
+) -> tuple[IntArray, IntArray, IntArray, IntArray]:
     """Cut triangles into rows: triangle, row, first and last column of each."""
     y = corners[..., 1]
     top = np.clip(np.ceil(y.min(axis=1)), 0, height).astype(int)

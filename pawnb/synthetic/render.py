@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from pawnb.arrays import FloatArray, IntArray
 from pawnb.synthetic.backdrop import (
     BELT_HALF_WIDTH_MM,
     BELT_TEXEL_MM,
@@ -39,9 +40,9 @@ class _Coverage:
     """The animal on the sample grid of one picture: its box (px) and its fragments."""
 
     box: tuple[int, int, int, int]
-    corners: np.ndarray
+    corners: FloatArray
     fragments: Fragments
-    faces: np.ndarray
+    faces: IntArray
 
 
 class ViewRenderer:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from pawnb.arrays import ByteArray, Float32Array, FloatArray
 from pawnb.core.pose.animal import Leg
 from pawnb.synthetic.spider_scene import Individual, SpiderScene
 
@@ -93,9 +94,9 @@ class BodyTexture:
 
     def paint(
         self,
-        density: np.ndarray,
-        grey: np.ndarray,
-        body: tuple[np.ndarray, float],
+        density: ByteArray,
+        grey: Float32Array,
+        body: tuple[FloatArray, float],
         *,
         fine_px_per_mm: float,
     ) -> None:
@@ -137,7 +138,7 @@ class BodyTexture:
         np.copyto(grey, pattern, where=cover > 0.3 * BODY_DENSITY)
         np.maximum(density, (cover * DENSITY_STEP).astype(np.uint8), out=density)
 
-    def _fill(self, outline: np.ndarray, value: float, *, what: np.ndarray) -> None:
+    def _fill(self, outline: FloatArray, value: float, *, what: Float32Array) -> None:
         """Fill a polygon given in the body's frame (forward, right)."""
         texel = (outline + np.array([_HALF_LENGTH, _HALF_WIDTH])) * _TEXELS - 0.5
         cv2.fillPoly(what, [np.round(texel * 16).astype(np.int32)], value, cv2.LINE_8, 4)
@@ -194,7 +195,7 @@ class BodyTexture:
         self._grey += 14.0 * cv2.GaussianBlur(grain, (0, 0), 4.0)
 
 
-def _egg(shape: tuple[float, float, float], skew: float, *, right: float = 0.0) -> np.ndarray:
+def _egg(shape: tuple[float, float, float], skew: float, *, right: float = 0.0) -> FloatArray:
     """Return an egg (64, 2): centre along the body, length, width; broader behind by ``skew``."""
     centre, length, width = shape
     a = np.linspace(0.0, 2 * np.pi, 64, endpoint=False)

@@ -8,6 +8,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from pawnb.arrays import ByteArray, Float32Array
 from pawnb.synthetic.grey_video import GreyVideoWriter
 from pawnb.synthetic.spider_paint import Shade, SpiderPainter
 from pawnb.synthetic.spider_panel import Shadow, paint_panel, wall_rows
@@ -64,7 +65,7 @@ def render_video(
                 progress(frame + 1, recording.n_frames)
 
 
-def _put(picture: np.ndarray, shade: Shade) -> None:
+def _put(picture: Float32Array, shade: Shade) -> None:
     """Put the animal in the picture, in place."""
     height, width = picture.shape
     rows = slice(max(shade.v0, 0), min(shade.v0 + shade.through.shape[0], height))
@@ -78,7 +79,7 @@ def _put(picture: np.ndarray, shade: Shade) -> None:
     picture[rows, columns] = picture[rows, columns] * shade.through[part] + shade.own[part]
 
 
-def _reflect(picture: np.ndarray, shade: Shade, scene: SpiderScene) -> None:
+def _reflect(picture: Float32Array, shade: Shade, scene: SpiderScene) -> None:
     """Add the animal's mirror images in the glass walls, in place: fainter further from them."""
     width = shade.through.shape[1]
     for wall, beyond in zip(wall_rows(scene), (-1, 1), strict=True):
@@ -106,7 +107,7 @@ class _Sensor:
         # each pixel's own offset, which does not change
         self._offset = (0.3 * scene.read_noise * self._rng.standard_normal(size)).astype(np.float32)
 
-    def expose(self, picture: np.ndarray) -> np.ndarray:
+    def expose(self, picture: Float32Array) -> ByteArray:
         """Return one frame (h, w) uint8."""
         scene = self._scene
         lamp = 1.0 + scene.flicker * self._rng.standard_normal()

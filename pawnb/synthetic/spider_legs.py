@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.core.pose.animal import Leg
 from pawnb.core.pose.poses import Poses
 from pawnb.errors import InputError
@@ -63,7 +64,7 @@ class Posture:
     """
 
     poses: Poses
-    joints_mm: np.ndarray
+    joints_mm: FloatArray
 
 
 class LegBuilder:
@@ -89,7 +90,7 @@ class LegBuilder:
             for leg in individual.animal.legs
         }
 
-    def posture(self, motion: SpiderMotion, t: np.ndarray) -> Posture:
+    def posture(self, motion: SpiderMotion, t: FloatArray) -> Posture:
         """Return the posture at times ``t`` in s, shape (n,).
 
         Raises
@@ -116,8 +117,8 @@ class LegBuilder:
         return Posture(poses, np.stack(joints, axis=1))
 
     def _leg(
-        self, leg: Leg, motion: SpiderMotion, t: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        self, leg: Leg, motion: SpiderMotion, t: FloatArray
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Return turns (n, joints) in degrees, projected lengths and joints of one leg in mm."""
         lengths = self._individual.size * np.array(leg.lengths)
         foot = motion.feet[leg.name].place(t)
@@ -143,7 +144,7 @@ class LegBuilder:
         first = np.concatenate([root, height[:, None]], axis=1)[:, None]
         return turns, flat, np.concatenate([first, first + np.cumsum(steps, axis=1)], axis=1)
 
-    def _bends(self, leg: Leg, motion: SpiderMotion, t: np.ndarray) -> np.ndarray:
+    def _bends(self, leg: Leg, motion: SpiderMotion, t: FloatArray) -> FloatArray:
         """Return the turns of the joints beyond the first, (n, joints), degrees."""
         foot = motion.feet[leg.name]
         lifted = foot.place(t)[:, 2] / foot.lift_mm
@@ -161,8 +162,8 @@ class LegBuilder:
 
 
 def _solve_arch(
-    lengths: np.ndarray, bent: np.ndarray, reach: np.ndarray, drop: np.ndarray
-) -> np.ndarray | None:
+    lengths: FloatArray, bent: FloatArray, reach: FloatArray, drop: FloatArray
+) -> FloatArray | None:
     """Return the tilt of each segment (n, segments) in rad that takes the tip to the foot.
 
     Newton's method for the rise and the knee's bend; ``reach`` is the horizontal distance of

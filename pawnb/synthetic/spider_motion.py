@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.core.pose.animal import Leg
 from pawnb.synthetic.spider_scene import (
     ARENA_WIDTH_MM,
@@ -60,12 +61,12 @@ class BodyMotion:
         (mm, along the mean heading and to its right), ``turn`` (degrees) and ``up`` (mm).
     """
 
-    start_mm: np.ndarray
-    velocity_mm_s: np.ndarray
+    start_mm: FloatArray
+    velocity_mm_s: FloatArray
     heading_deg: float
     waves: dict[str, np.ndarray]
 
-    def _wave(self, name: str, t: np.ndarray) -> np.ndarray:
+    def _wave(self, name: str, t: FloatArray) -> FloatArray:
         amplitude, frequency, phase = self.waves[name].T[..., None]
         return (
             (amplitude * np.sin(2 * np.pi * (frequency * np.ravel(t) + phase)))
@@ -73,7 +74,7 @@ class BodyMotion:
             .reshape(np.shape(t))
         )
 
-    def place(self, t: np.ndarray) -> np.ndarray:
+    def place(self, t: FloatArray) -> FloatArray:
         """Return X, Y of the cephalothorax-abdomen joint in mm, shape (..., 2)."""
         turn = np.radians(self.heading_deg)
         forward = np.array([np.cos(turn), np.sin(turn)])
@@ -86,22 +87,22 @@ class BodyMotion:
             + self._wave("across", t)[..., None] * right
         )
 
-    def heading(self, t: np.ndarray) -> np.ndarray:
+    def heading(self, t: FloatArray) -> FloatArray:
         """Return the heading in degrees from +X towards +Y."""
         return self.heading_deg + self._wave("turn", np.asarray(t, dtype=float))
 
-    def height(self, t: np.ndarray) -> np.ndarray:
+    def height(self, t: FloatArray) -> FloatArray:
         """Return how far the body is above its mean height, mm."""
         return self._wave("up", np.asarray(t, dtype=float))
 
-    def to_arena(self, t: np.ndarray, point: np.ndarray) -> np.ndarray:
+    def to_arena(self, t: FloatArray, point: FloatArray) -> FloatArray:
         """Return points of the body's frame (forward, right; mm) in the arena, (..., 2)."""
         turn = np.radians(self.heading(t))
         cos, sin = np.cos(turn), np.sin(turn)
         x, y = point[..., 0], point[..., 1]
         return self.place(t) + np.stack([x * cos - y * sin, x * sin + y * cos], axis=-1)
 
-    def from_arena(self, t: np.ndarray, point: np.ndarray) -> np.ndarray:
+    def from_arena(self, t: FloatArray, point: FloatArray) -> FloatArray:
         """Return points of the arena in the body's frame: the inverse of :meth:`to_arena`."""
         turn = np.radians(self.heading(t))
         cos, sin = np.cos(turn), np.sin(turn)
@@ -125,13 +126,13 @@ class FootMotion:
         How far the middle of the swing bulges sideways.
     """
 
-    touch_down_s: np.ndarray
-    lift_off_s: np.ndarray
-    places_mm: np.ndarray
+    touch_down_s: FloatArray
+    lift_off_s: FloatArray
+    places_mm: FloatArray
     lift_mm: float
-    arc_mm: np.ndarray
+    arc_mm: FloatArray
 
-    def place(self, t: np.ndarray) -> np.ndarray:
+    def place(self, t: FloatArray) -> FloatArray:
         """Return X, Y, Z of the tip in mm, shape (..., 3).
 
         A swing is a minimum-jerk movement; height and sideways bulge start and end without
@@ -174,7 +175,7 @@ class SpiderMotion:
     frequency_hz: float
     duty_factor: float
 
-    def leg_angle(self, leg: str, t: np.ndarray) -> np.ndarray:
+    def leg_angle(self, leg: str, t: FloatArray) -> FloatArray:
         """Return the total angle of a leg in degrees (Pullar 2009, §3.6).
 
         That of the tip about the body-coxa joint, 0 where the leg is perpendicular to the
@@ -184,7 +185,7 @@ class SpiderMotion:
         reach = self.body.from_arena(t, tip) - self.coxae_mm[leg]
         return np.degrees(np.arctan2(reach[..., 0], self.side[leg] * reach[..., 1]))
 
-    def shifted(self, by_mm: np.ndarray) -> SpiderMotion:
+    def shifted(self, by_mm: FloatArray) -> SpiderMotion:
         """Return the same motion elsewhere in the arena."""
         body = BodyMotion(
             self.body.start_mm + by_mm,
@@ -303,7 +304,7 @@ def _plan_foot(
     )
 
 
-def _within_reach(places: np.ndarray, coxa: np.ndarray, limits: np.ndarray) -> np.ndarray:
+def _within_reach(places: FloatArray, coxa: FloatArray, limits: FloatArray) -> FloatArray:
     """Move feet in reach of their body-coxa joint, and off the walls."""
     away = places - coxa
     distance = np.hypot(*away.T)

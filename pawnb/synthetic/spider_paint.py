@@ -14,6 +14,7 @@ from typing import Protocol
 import cv2
 import numpy as np
 
+from pawnb.arrays import ByteArray, Float32Array, FloatArray
 from pawnb.synthetic.spider_cuticle import DENSITY_STEP, BodyTexture, Hair, leg_hairs
 from pawnb.synthetic.spider_scene import Individual, SpiderScene
 
@@ -40,8 +41,8 @@ class Shade:
 
     u0: int
     v0: int
-    through: np.ndarray
-    own: np.ndarray
+    through: Float32Array
+    own: Float32Array
 
 
 class Body(Protocol):
@@ -97,7 +98,7 @@ class SpiderPainter:
         levels = np.arange(256) / DENSITY_STEP
         self._through = np.exp(-levels).astype(np.float32)
 
-    def paint(self, joints_px: np.ndarray, body: np.ndarray) -> Shade:
+    def paint(self, joints_px: FloatArray, body: FloatArray) -> Shade:
         """Paint the animal at several moments and average them.
 
         Parameters
@@ -145,8 +146,8 @@ class SpiderPainter:
         )
 
     def _fine_picture(
-        self, places: np.ndarray, body: tuple[np.ndarray, float], size: tuple[int, int]
-    ) -> tuple[np.ndarray, np.ndarray]:
+        self, places: FloatArray, body: tuple[FloatArray, float], size: tuple[int, int]
+    ) -> tuple[ByteArray, Float32Array]:
         """Return density (units of 1/DENSITY_STEP) and grey of the animal in the fine picture."""
         density = np.zeros(size[::-1], dtype=np.uint8)
         for number in range(len(places)):
@@ -160,7 +161,7 @@ class SpiderPainter:
         self._body.paint(density, grey, body, fine_px_per_mm=self._fine * self._scene.px_per_mm)
         return density, grey
 
-    def _paint_leg(self, out: np.ndarray, number: int, places: np.ndarray) -> None:
+    def _paint_leg(self, out: ByteArray, number: int, places: FloatArray) -> None:
         """Paint one leg from its tip to its root, so that the darker part lies on top."""
         leg, individual = self._individual.animal.legs[number], self._individual
         unit = individual.size * self._scene.px_per_mm * self._fine
@@ -184,7 +185,7 @@ class SpiderPainter:
 
 
 def _paint_segment(
-    out: np.ndarray, ends: np.ndarray, radius: np.ndarray, dark: np.ndarray, *, round_end: bool
+    out: ByteArray, ends: FloatArray, radius: FloatArray, dark: FloatArray, *, round_end: bool
 ) -> None:
     """Paint one tapered segment in pieces, outermost first."""
     step = ends[1] - ends[0]
@@ -206,13 +207,13 @@ def _paint_segment(
     _circle(out, ends[0], radius[0], dark[0])
 
 
-def _circle(out: np.ndarray, centre: np.ndarray, radius: float, dark: float) -> None:
+def _circle(out: ByteArray, centre: FloatArray, radius: float, dark: float) -> None:
     at = np.round(centre * 2**_SHIFT).astype(int)
     size = max(1, round((radius - 0.5) * 2**_SHIFT))
     cv2.circle(out, (int(at[0]), int(at[1])), size, _level(dark), -1, cv2.LINE_8, _SHIFT)
 
 
-def _paint_hair(out: np.ndarray, hair: Hair, places: np.ndarray, unit: float) -> None:
+def _paint_hair(out: ByteArray, hair: Hair, places: FloatArray, unit: float) -> None:
     """Paint one hair of a segment; ``unit`` is px per unit of the species file."""
     start, end = places[hair.segment], places[hair.segment + 1]
     step = end - start

@@ -9,6 +9,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
+from pawnb.arrays import Float32Array
 from pawnb.synthetic.spider_scene import ARENA_WIDTH_MM, SpiderScene
 
 _GLASS_MM = 2.6
@@ -31,7 +32,7 @@ def wall_rows(scene: SpiderScene) -> tuple[float, float]:
     return middle - half, middle + half
 
 
-def paint_panel(scene: SpiderScene) -> np.ndarray:
+def paint_panel(scene: SpiderScene) -> Float32Array:
     """Paint the arena without the animal.
 
     Parameters
@@ -69,8 +70,8 @@ def paint_panel(scene: SpiderScene) -> np.ndarray:
 
 
 def _lamps(
-    scene: SpiderScene, place: tuple[np.ndarray, np.ndarray], rng: np.random.Generator
-) -> np.ndarray:
+    scene: SpiderScene, place: tuple[Float32Array, Float32Array], rng: np.random.Generator
+) -> Float32Array:
     """Return the light of the three arrays behind the paper."""
     x, y = place
     offset = rng.uniform(0, _LED_SPACING_MM, 2)
@@ -93,8 +94,8 @@ def _lamps(
 
 
 def _grid(
-    scene: SpiderScene, place: tuple[np.ndarray, np.ndarray], rng: np.random.Generator
-) -> np.ndarray:
+    scene: SpiderScene, place: tuple[Float32Array, Float32Array], rng: np.random.Generator
+) -> Float32Array:
     """Return the share of light that the printed 1 cm grid lets through."""
     turn = np.radians(rng.uniform(-0.6, 0.6))
     x = np.cos(turn) * place[0] + np.sin(turn) * place[1] + rng.uniform(0, 10)
@@ -110,7 +111,7 @@ def _grid(
     return np.asarray(1.0 - scene.grid * line * inside, dtype=np.float32)
 
 
-def _debris(scene: SpiderScene, rng: np.random.Generator) -> np.ndarray:
+def _debris(scene: SpiderScene, rng: np.random.Generator) -> Float32Array:
     """Return the share of light that specks, fibres and droplets on the panel let through."""
     fine = 4
     size = (scene.width * fine, scene.height * fine)
@@ -138,7 +139,7 @@ def _debris(scene: SpiderScene, rng: np.random.Generator) -> np.ndarray:
     return 1.0 - share.astype(np.float32) / 255.0
 
 
-def _walls(beyond: np.ndarray) -> np.ndarray:
+def _walls(beyond: Float32Array) -> Float32Array:
     """Return the share of light past the glass walls; ``beyond`` is mm past the inner face."""
     dark = 0.55 * np.exp(-(((beyond - 0.3) / 0.4) ** 2))
     dark += 0.4 * np.exp(-(((beyond - _GLASS_MM) / 0.45) ** 2))

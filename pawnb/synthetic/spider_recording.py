@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import BoolArray, FloatArray
 from pawnb.core.pose.poses import Poses
 from pawnb.errors import InputError
 from pawnb.synthetic.spider_legs import LegBuilder
@@ -55,13 +56,13 @@ class Recording:
     motion: SpiderMotion
     n_frames: int
     poses: Poses
-    joints_px: np.ndarray
-    bodies: np.ndarray
-    heights_mm: np.ndarray
-    body_heights_mm: np.ndarray
-    whole: np.ndarray
+    joints_px: FloatArray
+    bodies: FloatArray
+    heights_mm: FloatArray
+    body_heights_mm: FloatArray
+    whole: BoolArray
 
-    def middle(self, values: np.ndarray) -> np.ndarray:
+    def middle(self, values: FloatArray) -> FloatArray:
         """Return values (n, moments, ...) at the middle of the exposure."""
         return np.asarray(values[:, values.shape[1] // 2])
 
@@ -141,7 +142,7 @@ def _moments(scene: SpiderScene) -> int:
 
 def _enter(
     scene: SpiderScene, builder: LegBuilder, motion: SpiderMotion, frames: int
-) -> tuple[SpiderMotion, np.ndarray]:
+) -> tuple[SpiderMotion, FloatArray]:
     """Move the run so that its first foot comes into view just after the empty frames."""
     moments = _moments(scene)
     open_s = SHUTTER_S * ((np.arange(moments) + 0.5) / moments - 0.5)
@@ -156,7 +157,7 @@ def _enter(
 
 def _hold(
     scene: SpiderScene, builder: LegBuilder, motion: SpiderMotion, frames: int
-) -> tuple[SpiderMotion, np.ndarray]:
+) -> tuple[SpiderMotion, FloatArray]:
     """Hold one posture of the run in the middle of the picture."""
     at = float(scene.rng(8).uniform(0.0, 0.5 * frames / FPS))
     width = FULL_WIDTH / PX_PER_MM
@@ -166,8 +167,8 @@ def _hold(
 
 
 def _in_view(
-    scene: SpiderScene, individual: Individual, joints: np.ndarray, poses: Poses
-) -> tuple[np.ndarray, np.ndarray]:
+    scene: SpiderScene, individual: Individual, joints: FloatArray, poses: Poses
+) -> tuple[BoolArray, BoolArray]:
     """Return in which frames any part of the animal, and all of it, is in the picture."""
     turn = np.radians(poses.heading_deg)
     axis = np.stack([np.cos(turn), np.sin(turn)], axis=-1)

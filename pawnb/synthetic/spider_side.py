@@ -11,6 +11,7 @@ import cv2
 import numpy as np
 import pandas as pd
 
+from pawnb.arrays import ByteArray, Float32Array, FloatArray
 from pawnb.schema import POINTS3D_COLUMNS
 from pawnb.synthetic.spider_cuticle import BODY_DENSITY, DENSITY_STEP
 from pawnb.synthetic.spider_paint import Shade, SpiderPainter
@@ -37,7 +38,7 @@ def _ground_row(scene: SpiderScene) -> float:
     return (FULL_HEIGHT / PX_PER_MM / 2.0 + _GROUND_MM) * scene.px_per_mm - 0.5
 
 
-def to_side(scene: SpiderScene, u: np.ndarray, height_mm: np.ndarray) -> np.ndarray:
+def to_side(scene: SpiderScene, u: FloatArray, height_mm: FloatArray) -> FloatArray:
     """Return places (..., 2) in the whole picture of points seen from the side.
 
     Parameters
@@ -58,7 +59,7 @@ def to_side(scene: SpiderScene, u: np.ndarray, height_mm: np.ndarray) -> np.ndar
     return np.stack([u, np.broadcast_to(v, np.shape(u))], axis=-1)
 
 
-def dlt_coefs(scene: SpiderScene) -> np.ndarray:
+def dlt_coefs(scene: SpiderScene) -> FloatArray:
     """Return the DLT coefficients (11, 2) of the two cropped views, top and side.
 
     Space is in mm: x along u, y against v of the top view from its lower edge, z up.
@@ -70,7 +71,7 @@ def dlt_coefs(scene: SpiderScene) -> np.ndarray:
 
 
 def points3d_truth(
-    recording: Recording, names: tuple[str, ...], *, points: np.ndarray, heights: np.ndarray
+    recording: Recording, names: tuple[str, ...], *, points: FloatArray, heights: FloatArray
 ) -> pd.DataFrame:
     """Return the columns of points3d.csv in the space of :func:`dlt_coefs`.
 
@@ -123,7 +124,7 @@ class SideView:
         body = SideBody(scene, recording.individual)
         self._painter = SpiderPainter(scene, recording.individual, body=body)
 
-    def paint_backdrop(self, panel: np.ndarray) -> None:
+    def paint_backdrop(self, panel: Float32Array) -> None:
         """Paint the mirror's image of the lit far wall into the panel, in place."""
         scene = self._scene
         middle = FULL_HEIGHT / PX_PER_MM / 2.0
@@ -163,9 +164,9 @@ class SideBody:
 
     def paint(
         self,
-        density: np.ndarray,
-        grey: np.ndarray,  # noqa: ARG002  the flank is as dark as the legs
-        body: tuple[np.ndarray, float],
+        density: ByteArray,
+        grey: Float32Array,  # noqa: ARG002  the flank is as dark as the legs
+        body: tuple[FloatArray, float],
         *,
         fine_px_per_mm: float,
     ) -> None:

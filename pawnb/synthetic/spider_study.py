@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
+from pawnb.arrays import FloatArray
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.as_tracks import tracks_from_poses
 from pawnb.core.pose.poses import Poses
@@ -324,8 +325,8 @@ def strides_truth(motion: SpiderMotion, events: pd.DataFrame) -> pd.DataFrame:
 
 
 def _along(
-    motion: SpiderMotion, times: tuple[np.ndarray, np.ndarray], way: np.ndarray
-) -> np.ndarray:
+    motion: SpiderMotion, times: tuple[FloatArray, FloatArray], way: FloatArray
+) -> FloatArray:
     """Return the part of ways (n, 2) that lies along the heading between pairs of times, mm."""
     turn = np.radians(motion.body.heading((times[0] + times[1]) / 2.0))
     return np.asarray(way[..., 0] * np.cos(turn) + way[..., 1] * np.sin(turn))

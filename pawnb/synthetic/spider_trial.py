@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from pawnb.arrays import BoolArray, FloatArray
 from pawnb.errors import InputError
 from pawnb.files import whole_file
 from pawnb.io.tables import write_text
@@ -151,7 +152,7 @@ def _tables(recording: Recording, trial: Trial) -> dict[str, pd.DataFrame]:
     }
 
 
-def _within(points: np.ndarray, size: tuple[int, int]) -> np.ndarray:
+def _within(points: FloatArray, size: tuple[int, int]) -> BoolArray:
     """Return which points (..., 2) lie in a picture of that width and height."""
     inside = (points > -0.5).all(axis=-1) & (points < np.array(size) - 0.5).all(axis=-1)
     return np.asarray(inside)

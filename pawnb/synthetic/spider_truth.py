@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import minimize_scalar
 
+from pawnb.arrays import BoolArray, FloatArray, IntArray
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.poses import Poses
 from pawnb.schema import EVENTS_COLUMNS, PHASES_COLUMNS, TRACKS_COLUMNS
@@ -67,7 +68,7 @@ def point_names(animal: StickAnimal) -> tuple[str, ...]:
     return ("body", *animal.leg_names, *joints)
 
 
-def points_px(body: np.ndarray, joints: np.ndarray) -> np.ndarray:
+def points_px(body: FloatArray, joints: FloatArray) -> FloatArray:
     """Return the points of :func:`point_names`, shape (n, points, k).
 
     Parameters
@@ -83,7 +84,7 @@ def points_px(body: np.ndarray, joints: np.ndarray) -> np.ndarray:
 
 
 def tracks_truth(
-    names: Sequence[str], frames: np.ndarray, points: np.ndarray, *, view: str, visible: np.ndarray
+    names: Sequence[str], frames: IntArray, points: FloatArray, *, view: str, visible: BoolArray
 ) -> pd.DataFrame:
     """Return the columns of tracks.csv, then ``visible``.
 
@@ -120,7 +121,7 @@ def tracks_truth(
     return table[list(TRACKS_COLUMNS)].assign(visible=visible.ravel().astype(int))
 
 
-def under_body(animal: StickAnimal, poses: Poses, points: np.ndarray) -> np.ndarray:
+def under_body(animal: StickAnimal, poses: Poses, points: FloatArray) -> BoolArray:
     """Return which points (n, points, 2) lie within one of the body's ellipses.
 
     Parameters
@@ -148,7 +149,7 @@ def under_body(animal: StickAnimal, poses: Poses, points: np.ndarray) -> np.ndar
     return inside
 
 
-def leg_extremes(motion: SpiderMotion, leg: str) -> tuple[np.ndarray, np.ndarray]:
+def leg_extremes(motion: SpiderMotion, leg: str) -> tuple[FloatArray, FloatArray]:
     """Return the times, s, of the AEPs and PEPs of a leg.
 
     The extremes of its total angle (Pullar 2009, §3.6): the maximum between the middle of a

@@ -7,6 +7,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from pawnb.arrays import FloatArray, IntArray
+
 
 @dataclass
 class Mesh:
@@ -52,8 +54,8 @@ class MeshBuilder:
     def add(
         self,
         part: int,
-        vertices: np.ndarray,
-        normals: np.ndarray,
+        vertices: FloatArray,
+        normals: FloatArray,
         *,
         fixed: Callable[[], tuple[np.ndarray, ...]],
     ) -> None:
@@ -100,20 +102,20 @@ class MeshBuilder:
         return mesh
 
 
-def unit(vector: np.ndarray) -> np.ndarray:
+def unit(vector: FloatArray) -> FloatArray:
     """Scale vectors (..., 3) to length 1."""
     length = np.sqrt(np.einsum("...i,...i->...", vector, vector))
     return vector / np.maximum(length, 1e-12)[..., None]
 
 
 def swept_tube(
-    line: np.ndarray,
-    side: np.ndarray,
-    radii: tuple[np.ndarray, np.ndarray],
+    line: FloatArray,
+    side: FloatArray,
+    radii: tuple[FloatArray, FloatArray],
     *,
     segments: int,
-    axis: np.ndarray | None = None,
-) -> tuple[np.ndarray, np.ndarray]:
+    axis: FloatArray | None = None,
+) -> tuple[FloatArray, FloatArray]:
     """Sweep an ellipse along a line.
 
     Parameters
@@ -151,7 +153,7 @@ def swept_tube(
     return grid.reshape(-1, 3), normal.reshape(-1, 3)
 
 
-def tube_faces(rings: int, segments: int) -> np.ndarray:
+def tube_faces(rings: int, segments: int) -> IntArray:
     """Return the triangles (m, 3) of a swept tube."""
     r, s = np.meshgrid(np.arange(rings - 1), np.arange(segments), indexing="ij")
     here, beside = r * segments + s, r * segments + (s + 1) % segments
@@ -159,7 +161,7 @@ def tube_faces(rings: int, segments: int) -> np.ndarray:
     return np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
 
 
-def tube_surface(lengths: np.ndarray, girth: float, segments: int) -> np.ndarray:
+def tube_surface(lengths: FloatArray, girth: float, segments: int) -> FloatArray:
     """Return skin coordinates (r * segments, 2) in mm for rings at some lengths.
 
     Parameters
@@ -183,7 +185,7 @@ def tube_surface(lengths: np.ndarray, girth: float, segments: int) -> np.ndarray
     return np.stack([along, beside], axis=-1).reshape(-1, 2)
 
 
-def rounded(radii: np.ndarray) -> np.ndarray:
+def rounded(radii: FloatArray) -> FloatArray:
     """Return radii with the ends closed by a rounded cap (first and last two rings)."""
     out = np.array(radii, dtype=float)
     out[[0, -1]] *= 0.05
@@ -191,7 +193,7 @@ def rounded(radii: np.ndarray) -> np.ndarray:
     return out
 
 
-def rotation(roll: float, pitch: float, yaw: float) -> np.ndarray:
+def rotation(roll: float, pitch: float, yaw: float) -> FloatArray:
     """Return the matrix that turns (forward, left, up) by roll, then pitch, then yaw, in rad.
 
     Positive pitch lifts the head, positive yaw turns it to the left.

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
+from pawnb.arrays import FloatArray
 from pawnb.schema import EVENTS_COLUMNS, POINTS3D_COLUMNS, START_COLUMNS, TRACKS_COLUMNS
 from pawnb.synthetic.camera import Camera
 from pawnb.synthetic.gait_model import Gait
@@ -17,7 +18,7 @@ VISIBLE_FROM = 0.3
 """A paw counts as visible where more than this share of it is seen."""
 
 
-def paw_positions(gait: Gait, settings: SceneSettings, time_s: np.ndarray) -> np.ndarray:
+def paw_positions(gait: Gait, settings: SceneSettings, time_s: FloatArray) -> FloatArray:
     """Return the tracked points (t, legs, 3) in calibrated X, Y, Z (mm), in the order of LEGS.
 
     Parameters

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pawnb.arrays import FloatArray, Points2D, Points3D
 from pawnb.core.dlt.projection import reprojection_error
 from pawnb.errors import CalibrationError
 
@@ -27,7 +28,7 @@ class DltFit(NamedTuple):
     residual_px: np.ndarray
 
 
-def fit_dlt(xyz: np.ndarray, uv: np.ndarray, *, refine: bool = True) -> DltFit:
+def fit_dlt(xyz: np.ndarray, uv: Points2D, *, refine: bool = True) -> DltFit:
     """Fit the coefficients of one view to points of known position.
 
     World and image coordinates are centred and scaled first (Hartley & Zisserman 2004,
@@ -81,7 +82,7 @@ def fit_dlt(xyz: np.ndarray, uv: np.ndarray, *, refine: bool = True) -> DltFit:
     return DltFit(coefs, reprojection_error(coefs, xyz, uv[:, None, :])[:, 0])
 
 
-def _check_points(xyz: np.ndarray, uv: np.ndarray) -> None:
+def _check_points(xyz: Points3D, uv: Points2D) -> None:
     """Refuse point sets that cannot determine a view, saying why."""
     if xyz.ndim != 2 or xyz.shape[1:] != (3,) or uv.shape != (len(xyz), 2):
         raise CalibrationError(
@@ -126,13 +127,13 @@ def _check_points(xyz: np.ndarray, uv: np.ndarray) -> None:
         )
 
 
-def _is_flat(xyz: np.ndarray) -> bool:
+def _is_flat(xyz: Points3D) -> bool:
     """Say whether points lie in one plane."""
     depth = np.linalg.svd(xyz - xyz.mean(axis=0), compute_uv=False)
     return bool(depth[2] <= FLAT * depth[0])
 
 
-def _normalise(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _normalise(points: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the similarity that centres points and scales them to unit RMS, and its result."""
     n, d = points.shape
     centre = points.mean(axis=0)
@@ -143,7 +144,7 @@ def _normalise(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return T, (points - centre) * scale
 
 
-def _solve_linear(world: np.ndarray, image: np.ndarray) -> np.ndarray:
+def _solve_linear(world: FloatArray, image: FloatArray) -> np.ndarray:
     """Solve the homogeneous DLT equations of normalised points for the 3 × 4 matrix."""
     n = len(world)
     X = np.c_[world, np.ones(n)]

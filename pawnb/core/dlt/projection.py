@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pawnb.arrays import BoolArray, FloatArray, IntArray, Points2D, Points3D
 from pawnb.errors import CalibrationError
 
 MOST_COEF = 1e12
@@ -37,7 +38,7 @@ class Triangulation(NamedTuple):
     n_views: np.ndarray
 
 
-def project(coefs: np.ndarray, xyz: np.ndarray) -> np.ndarray:
+def project(coefs: FloatArray, xyz: np.ndarray) -> FloatArray:
     """Project points into every view.
 
     Parameters
@@ -63,7 +64,7 @@ def project(coefs: np.ndarray, xyz: np.ndarray) -> np.ndarray:
     return np.where(np.isfinite(uv).all(axis=-1, keepdims=True), uv, np.nan)
 
 
-def reprojection_error(coefs: np.ndarray, xyz: np.ndarray, uv: np.ndarray) -> np.ndarray:
+def reprojection_error(coefs: FloatArray, xyz: Points3D, uv: Points2D) -> FloatArray:
     """Return the distance in px between image positions and reprojected points.
 
     Parameters
@@ -84,7 +85,7 @@ def reprojection_error(coefs: np.ndarray, xyz: np.ndarray, uv: np.ndarray) -> np
 
 
 def triangulate(
-    coefs: np.ndarray, uv: np.ndarray, *, refine: bool = False, even: bool = False
+    coefs: FloatArray, uv: np.ndarray, *, refine: bool = False, even: bool = False
 ) -> Triangulation:
     """Find points in space from where two or more views see them.
 
@@ -155,26 +156,26 @@ def triangulate(
     )
 
 
-def _depth_scale(coefs: np.ndarray) -> np.ndarray:
+def _depth_scale(coefs: FloatArray) -> FloatArray:
     """Return what makes (L9, L10, L11) of each view a unit vector; 1 where one is none."""
     length = np.linalg.norm(coefs[8:11], axis=0)
     flat = length * _LONGEST_FOCAL_PX < np.linalg.norm(coefs[0:3], axis=0)
     return np.ones(len(length)) if flat.any() else length.mean() / length
 
 
-def _rows(coefs: np.ndarray) -> np.ndarray:
+def _rows(coefs: FloatArray) -> FloatArray:
     """Return L1..L3 and L5..L7 of every view as (n_views, 2, 3)."""
     return np.stack([coefs[0:3].T, coefs[4:7].T], axis=1)
 
 
-def _blank(A: np.ndarray, b: np.ndarray, seen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _blank(A: FloatArray, b: FloatArray, seen: BoolArray) -> tuple[FloatArray, FloatArray]:
     """Zero the equations of views that do not see a point; return (p, 2n, 3) and (p, 2n)."""
     p, n = seen.shape
     A = np.where(seen[..., None, None], A, 0.0).reshape(p, 2 * n, 3)
     return A, np.where(seen[..., None], b, 0.0).reshape(p, 2 * n)
 
 
-def _solve(A: np.ndarray, b: np.ndarray) -> np.ndarray:
+def _solve(A: FloatArray, b: FloatArray) -> FloatArray:
     """Solve A x = b for many points by least squares; NaN where rays do not cross."""
     U, s, Vt = np.linalg.svd(A, full_matrices=False)
     good = s[:, 2] > _PARALLEL * s[:, 0]
@@ -182,17 +183,15 @@ def _solve(A: np.ndarray, b: np.ndarray) -> np.ndarray:
     return np.einsum("pji,pj->pi", Vt, inverse * np.einsum("pri,pr->pi", U, b))
 
 
-def _square_error(
-    coefs: np.ndarray, uv: np.ndarray, seen: np.ndarray, xyz: np.ndarray
-) -> np.ndarray:
+def _square_error(coefs: FloatArray, uv: Points2D, seen: BoolArray, xyz: Points3D) -> FloatArray:
     """Return the summed square distance in px² of each point; NaN where it is unknown."""
     squares = np.where(seen, reprojection_error(coefs, xyz, uv) ** 2, 0.0).sum(axis=-1)
     return np.where(np.isfinite(xyz).all(axis=-1), squares, np.nan)
 
 
 def _refine_points(
-    coefs: np.ndarray, uv: np.ndarray, seen: np.ndarray, xyz: np.ndarray, steps: int = 10
-) -> np.ndarray:
+    coefs: FloatArray, uv: Points2D, seen: BoolArray, xyz: Points3D, steps: int = 10
+) -> FloatArray:
     """Lower the reprojection error of triangulated points; a step that raises it is undone."""
     cost = _square_error(coefs, uv, seen, xyz)
     for _ in range(steps):
@@ -210,7 +209,7 @@ def _refine_points(
     return xyz
 
 
-def transform_image(coefs: np.ndarray, homography: np.ndarray) -> np.ndarray:
+def transform_image(coefs: FloatArray, homography: FloatArray) -> FloatArray:
     """Return coefficients for image positions that went through a homography.
 
     Parameters
@@ -239,7 +238,7 @@ def transform_image(coefs: np.ndarray, homography: np.ndarray) -> np.ndarray:
     return (P / P[2, 3]).ravel()[:11]
 
 
-def check_coefs(coefs: np.ndarray, *, where: str) -> None:
+def check_coefs(coefs: FloatArray, *, where: str) -> None:
     """Refuse coefficients that are those of no camera.
 
     Parameters
@@ -271,7 +270,7 @@ def check_coefs(coefs: np.ndarray, *, where: str) -> None:
         )
 
 
-def handedness(coefs: np.ndarray, xyz: np.ndarray) -> np.ndarray:
+def handedness(coefs: FloatArray, xyz: Points3D) -> IntArray:
     """Tell whether views show space as it is or mirrored.
 
     A camera that is not mirrored has ``det(R) = 1`` (Hartley & Zisserman 2004, section 6.2), so
@@ -300,12 +299,12 @@ def handedness(coefs: np.ndarray, xyz: np.ndarray) -> np.ndarray:
     return np.where(converge < _LEAST_CONVERGENCE, 0, sign).astype(int)
 
 
-def to_matrix(coefs: np.ndarray) -> np.ndarray:
+def to_matrix(coefs: FloatArray) -> FloatArray:
     """Return the 3 × 4 projection matrix of one view's 11 coefficients (L12 = 1)."""
     return np.append(np.asarray(coefs, dtype=float), 1.0).reshape(3, 4)
 
 
-def _as_coefs(coefs: np.ndarray) -> np.ndarray:
+def _as_coefs(coefs: FloatArray) -> FloatArray:
     """Return coefficients as (11, n_views)."""
     coefs = np.asarray(coefs, dtype=float)
     coefs = coefs[:, None] if coefs.ndim == 1 else coefs

@@ -8,6 +8,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from pawnb.arrays import BoolArray, FloatArray, IntArray, Points2D
 from pawnb.core.edits.records import (
     Accept,
     Delete,
@@ -232,9 +233,7 @@ def _retracked(
     return new
 
 
-def _are_same(
-    tracks: Tracks, rows: np.ndarray, others: Tracks, other_rows: np.ndarray
-) -> np.ndarray:
+def _are_same(tracks: Tracks, rows: IntArray, others: Tracks, other_rows: IntArray) -> BoolArray:
     """Tell where points (n, P) of some rows are placed alike in two tracks."""
     same = np.ones((len(rows), tracks.sizes["keypoint"]), dtype=bool)
     for name in ("position", "image_position", "image_origin"):
@@ -258,7 +257,7 @@ class _Solver:
             )
         self.tracks, self.rig, self.px_per_unit = tracks, None if flat else rig, px_per_unit
 
-    def __call__(self, rows: np.ndarray, points: list[int]) -> None:
+    def __call__(self, rows: IntArray, points: list[int]) -> None:
         """Solve these rows (n,) and points (p,) again from their image positions."""
         t = self.tracks
         at = np.ix_(rows, np.asarray(points))
@@ -292,8 +291,8 @@ class _Solver:
         self._refresh_reprojected(rows, points, xyz, origin)
 
     def _first_view(
-        self, uv: np.ndarray, used: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        self, uv: Points2D, used: BoolArray
+    ) -> tuple[FloatArray, FloatArray, BoolArray]:
         """Without a calibration, the image position in the first view that has the point."""
         first = used.argmax(axis=-1)[..., None]
         only = used & (np.arange(used.shape[-1]) == first)
@@ -302,7 +301,7 @@ class _Solver:
         return xy, np.full(xy.shape[:-1], np.nan), only
 
     def _refresh_reprojected(
-        self, rows: np.ndarray, points: list[int], xyz: np.ndarray, origin: np.ndarray
+        self, rows: IntArray, points: list[int], xyz: FloatArray, origin: IntArray
     ) -> None:
         """Move the image positions that only show the 3D point in views not tracking it."""
         follow = origin == REPROJECTED
@@ -318,7 +317,7 @@ class _Solver:
         target[rows[n], view, :, np.asarray(points)[p], 0] = projected[n, p, view]
 
 
-def usable_views(uv: np.ndarray, origin: np.ndarray) -> np.ndarray:
+def usable_views(uv: Points2D, origin: IntArray) -> BoolArray:
     """Tell which views count for a 3D point.
 
     Parameters
@@ -379,7 +378,7 @@ def triangulate_views(
     return xyz, np.where(enough, np.asarray(found.residual_px), np.nan), used
 
 
-def _best(origin: np.ndarray, used: np.ndarray) -> np.ndarray:
+def _best(origin: IntArray, used: BoolArray) -> IntArray:
     """Return the origin of a 3D point: the strongest among the views it was made from."""
     result = np.full(origin.shape[:-1], PREDICTED, dtype=origin.dtype)
     for code in (RESOLVED, MEASURED, EDITED):

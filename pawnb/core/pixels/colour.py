@@ -17,6 +17,8 @@ from typing import Protocol
 import cv2
 import numpy as np
 
+from pawnb.arrays import ByteArray
+
 
 class Picture(Protocol):
     """What every decoded picture offers: its size, and any region of it."""
@@ -69,7 +71,7 @@ class GreyPicture(ArrayBased):
 
     is_colour = False
 
-    def region(self, u0: int, v0: int, u1: int, v1: int) -> np.ndarray:
+    def region(self, u0: int, v0: int, u1: int, v1: int) -> ByteArray:
         """Return that half-open region as a fresh array.
 
         Parameters

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import InputError, did_you_mean
 
 RIGHT, LEFT = 1, -1
@@ -131,17 +132,17 @@ class StickAnimal:
         return 3 + len(self.joints)
 
     @property
-    def natural_deg(self) -> np.ndarray:
+    def natural_deg(self) -> FloatArray:
         """Natural orientation of the free joints, degrees, shape (n_joints,)."""
         return self._of_free("natural_deg")
 
     @property
-    def range_deg(self) -> np.ndarray:
+    def range_deg(self) -> FloatArray:
         """Whole mechanical range of the free joints, degrees, shape (n_joints,)."""
         return self._of_free("range_deg")
 
     @property
-    def lengths(self) -> np.ndarray:
+    def lengths(self) -> FloatArray:
         """Lengths of all segments, shape (n_segments,)."""
         return np.array([length for leg in self.legs for length in leg.lengths])
 
@@ -226,7 +227,7 @@ class StickAnimal:
                     partners[leg.name] = other.name
         return partners
 
-    def _of_free(self, name: str) -> np.ndarray:
+    def _of_free(self, name: str) -> FloatArray:
         """Return one property of the free joints, leg by leg."""
         return np.array(
             [

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from pawnb.arrays import FloatArray, IntArray
 from pawnb.core.pose.animal import Ellipse, Leg, StickAnimal
 from pawnb.core.pose.poses import Poses, joint_positions
 from pawnb.core.pose.track_result import PoseTrack
@@ -192,7 +193,7 @@ def poses_of(tracks: Tracks) -> PoseTrack:
     )
 
 
-def by_point(animal: StickAnimal, body: np.ndarray, places: np.ndarray) -> np.ndarray:
+def by_point(animal: StickAnimal, body: FloatArray, places: FloatArray) -> np.ndarray:
     """Return values of body and joints in the order of :func:`point_names`.
 
     Parameters
@@ -216,7 +217,7 @@ def by_point(animal: StickAnimal, body: np.ndarray, places: np.ndarray) -> np.nd
     return np.stack([body, *tips, *joints], axis=-1)
 
 
-def _best_origin(origin: np.ndarray) -> np.ndarray:
+def _best_origin(origin: IntArray) -> IntArray:
     """Return the origin of the body: measured where any leg is, else that of the legs."""
     measured = (origin == ORIGIN_CODE["measured"]).any(axis=1)
     known = origin.max(axis=1, initial=ORIGIN_CODE["missing"])

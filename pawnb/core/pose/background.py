@@ -15,6 +15,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from pawnb.arrays import ByteArray, Float32Array, IntArray
 from pawnb.core.pixels.grey import grey
 from pawnb.core.pose.contrast import squared_gradient
 from pawnb.core.pose.presence import KNOWN_FRAMES, Presence, find_animal_frames
@@ -239,7 +240,7 @@ def _shows_animal(known: Background, median: Background) -> bool:
     return False
 
 
-def _blobs(step: np.ndarray, background: Background) -> list[np.ndarray]:
+def _blobs(step: Float32Array, background: Background) -> list[np.ndarray]:
     """Return masks of what stands out of the background and is as large as an animal."""
     out = (_outstanding(step, background) != 0).astype(np.uint8)
     _, names, stats, _ = cv2.connectedComponentsWithStats(out, connectivity=8)
@@ -247,7 +248,7 @@ def _blobs(step: np.ndarray, background: Background) -> list[np.ndarray]:
     return [(names == i).astype(np.uint8) for i in large if i > 0]
 
 
-def _outstanding(step: np.ndarray, median: Background) -> np.ndarray:
+def _outstanding(step: Float32Array, median: Background) -> Float32Array:
     """Return differences to the background, less the light's change, 0 where they are small."""
     step = step - np.median(step[::4, ::4])
     return np.where(np.abs(step) > np.maximum(_BLOB_GREY, _BLOB_SDS * median.sd), step, 0.0)
@@ -270,7 +271,7 @@ def _from_picture(
     return Background(mean=mean, sd=sd, n_frames=1, source=f"picture {name}")
 
 
-def _read_picture(reader: ViewReader, view: View, folder: Path) -> np.ndarray:
+def _read_picture(reader: ViewReader, view: View, folder: Path) -> Float32Array:
     """Return the grey picture, cropped and mirrored as the view unless it has its size already."""
     name = str(view.background)
     whole = dataclasses.replace(view, video=name, crop=None, mirror=False)
@@ -281,14 +282,14 @@ def _read_picture(reader: ViewReader, view: View, folder: Path) -> np.ndarray:
         return grey(picture.read(0))
 
 
-def _stack(reader: ViewReader, numbers: np.ndarray) -> np.ndarray:
+def _stack(reader: ViewReader, numbers: IntArray) -> ByteArray:
     """Return frames as grey values, uint8, shape (n, H, W)."""
     return np.stack(
         [np.round(grey(reader.frame(int(i)).image())).astype(np.uint8) for i in numbers]
     )
 
 
-def _median_and_sd(stack: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _median_and_sd(stack: ByteArray) -> tuple[Float32Array, Float32Array]:
     """Return median and robust standard deviation of each pixel, a band of rows at a time."""
     median = np.empty(stack.shape[1:], np.float32)
     sd = np.empty_like(median)
@@ -305,7 +306,7 @@ def _median_and_sd(stack: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def _uncovered(
     stack: np.ndarray, median: np.ndarray, sd: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+) -> tuple[Float32Array, Float32Array]:
     """Return median and sd with the rarer values where the median shows the animal.
 
     A pixel that an animal comes over has two usual values. All over the picture either the
@@ -334,19 +335,19 @@ def _uncovered(
     return median, _floored(sd)
 
 
-def _floored(sd: np.ndarray) -> np.ndarray:
+def _floored(sd: np.ndarray) -> Float32Array:
     """Return standard deviations not below that of rounding."""
     return np.maximum(sd, QUANTISATION_SD).astype(np.float32)
 
 
-def _spread(numbers: np.ndarray, most: int) -> np.ndarray:
+def _spread(numbers: IntArray, most: int) -> IntArray:
     """Return at most so many of the numbers, evenly spread."""
     if len(numbers) <= most:
         return numbers
     return numbers[np.linspace(0, len(numbers) - 1, most).round().astype(int)]
 
 
-def _in_words(numbers: np.ndarray) -> str:
+def _in_words(numbers: IntArray) -> str:
     """Return frame numbers as runs: ``frames 0 to 8, 95 to 120``."""
     runs = np.split(numbers, np.flatnonzero(np.diff(numbers) > 1) + 1)
     text = [f"{r[0]} to {r[-1]}" if len(r) > 1 else str(r[0]) for r in runs]

@@ -8,8 +8,10 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
+from pawnb.arrays import Float32Array
 
-def squared_gradient(picture: np.ndarray) -> np.ndarray:
+
+def squared_gradient(picture: np.ndarray) -> Float32Array:
     """Return the squared gradient of every pixel by Sobel's operator (Eq. 3.13).
 
     Parameters
@@ -31,7 +33,7 @@ def squared_gradient(picture: np.ndarray) -> np.ndarray:
 
 def neighbour_costs(
     picture: np.ndarray, *, ising: float, contrast: float, edge_grey: float
-) -> tuple[np.ndarray, np.ndarray]:
+) -> tuple[Float32Array, Float32Array]:
     """Return what it costs that two neighbours have different labels.
 
     Parameters
@@ -56,14 +58,14 @@ def neighbour_costs(
     """
     g2 = squared_gradient(picture)
 
-    def cost(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    def cost(one: Float32Array, other: Float32Array) -> Float32Array:
         fall = edge_fall(np.float32(0.5) * (one + other), edge_grey)
         return np.float32(ising) + np.float32(contrast) * fall
 
     return cost(g2[:, :-1], g2[:, 1:]), cost(g2[:-1], g2[1:])
 
 
-def edge_fall(g2: np.ndarray, edge_grey: float) -> np.ndarray:
+def edge_fall(g2: Float32Array, edge_grey: float) -> Float32Array:
     """Return exp(-g² / (2 sigma²)) of Eq. 3.11: 1 where the picture is flat, to 0 at edges.
 
     Parameters

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 import pandas as pd
 
+from pawnb.arrays import IntArray
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.as_tracks import animal_of, poses_of, tracks_from_poses
 from pawnb.core.pose.pose_table import pose_names, pose_table, poses_from_table
@@ -114,7 +115,7 @@ def _blank(name: str) -> float | int:
     return 0.0 if name.endswith("confidence") else np.nan
 
 
-def posed_frames(tracks: Tracks) -> np.ndarray:
+def posed_frames(tracks: Tracks) -> IntArray:
     """Return the frames whose pose a person corrected."""
     edited = poses_of(tracks).origin == ORIGIN_CODE["edited"]
     return tracks["frame"].to_numpy()[edited.all(axis=1)]

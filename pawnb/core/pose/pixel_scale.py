@@ -12,6 +12,7 @@ import cv2
 import numpy as np
 from scipy import fft
 
+from pawnb.arrays import ByteArray, Float32Array, FloatArray, IntArray
 from pawnb.core.pixels.grey import grey
 from pawnb.errors import InputError
 from pawnb.signals.robust import MAD_TO_SD
@@ -109,7 +110,7 @@ def scale_from_clicks(
     )
 
 
-def scale_from_grid(picture: np.ndarray, *, spacing: float) -> PxPerUnit:
+def scale_from_grid(picture: ByteArray, *, spacing: float) -> PxPerUnit:
     """Return px per unit from a square grid that is seen in the picture.
 
     The lines' directions and spacing are the peaks of the spectrum that repeat at their
@@ -168,7 +169,7 @@ def scale_from_grid(picture: np.ndarray, *, spacing: float) -> PxPerUnit:
     return PxPerUnit(mean / spacing, error / spacing, mean, float(lie), (across[2], down[2]))
 
 
-def _flattened(picture: np.ndarray) -> np.ndarray:
+def _flattened(picture: Float32Array) -> Float32Array:
     """Return the picture without slow changes of light, as even in contrast as it can be.
 
     Contrast is measured about each place: the edge of the arena is far stronger than the grid.
@@ -179,7 +180,7 @@ def _flattened(picture: np.ndarray) -> np.ndarray:
     return np.asarray(np.clip(flat / spread, -3, 3), dtype=np.float32)
 
 
-def _find_pitch(flat: np.ndarray) -> tuple[float, float] | None:
+def _find_pitch(flat: Float32Array) -> tuple[float, float] | None:
     """Return distance (px) and direction (degrees) from line to line, or None without a grid."""
     height, width = flat.shape
     window = np.outer(np.hanning(height), np.hanning(width)).astype(np.float32)
@@ -211,7 +212,7 @@ def _find_pitch(flat: np.ndarray) -> tuple[float, float] | None:
     return None if best is None else (best[1] / _repeats(log, best[1], best[2]), best[2])
 
 
-def _repeats(log: np.ndarray, pitch: float, angle_deg: float) -> int:
+def _repeats(log: Float32Array, pitch: float, angle_deg: float) -> int:
     """Return how many lines there really are in what was taken for one period.
 
     If only every second (third) multiple of the frequency stands out, there are two (three).
@@ -231,7 +232,7 @@ def _repeats(log: np.ndarray, pitch: float, angle_deg: float) -> int:
     return 1
 
 
-def _evidence(log: np.ndarray, frequency: np.ndarray) -> tuple[float, np.ndarray]:
+def _evidence(log: Float32Array, frequency: FloatArray) -> tuple[float, FloatArray]:
     """Return how strongly multiples of a frequency (v, u; per px) stand out, and it, refined."""
     cycles = np.array(log.shape)
     middle = cycles // 2
@@ -250,19 +251,19 @@ def _evidence(log: np.ndarray, frequency: np.ndarray) -> tuple[float, np.ndarray
     return total, best
 
 
-def _between(log: np.ndarray, at: np.ndarray, step: np.ndarray) -> float:
+def _between(log: Float32Array, at: FloatArray, step: FloatArray) -> float:
     """Return the mean height of the spectrum half a step before and after a frequency."""
     return (_height(log, at - 0.5 * step) + _height(log, at + 0.5 * step)) / 2
 
 
-def _height(log: np.ndarray, frequency: np.ndarray) -> float:
+def _height(log: Float32Array, frequency: FloatArray) -> float:
     """Return the height of the spectrum at a frequency (v, u; per px) or beside it."""
     cycles = np.array(log.shape)
     v, u = np.clip(np.round(cycles // 2 + frequency * cycles).astype(int), 1, cycles - 2)
     return float(log[v - 1 : v + 2, u - 1 : u + 2].max())
 
 
-def _summit(log: np.ndarray, place: np.ndarray) -> np.ndarray:
+def _summit(log: Float32Array, place: IntArray) -> FloatArray:
     """Return the place of a peak between pixels: the top of a parabola along each axis."""
     out = place.astype(float)
     for axis in (0, 1):
@@ -276,7 +277,7 @@ def _summit(log: np.ndarray, place: np.ndarray) -> np.ndarray:
     return out
 
 
-def _profile(flat: np.ndarray, angle_deg: float) -> tuple[np.ndarray, np.ndarray]:
+def _profile(flat: Float32Array, angle_deg: float) -> tuple[np.ndarray, np.ndarray]:
     """Return places along a direction (px) and the mean of the picture across it."""
     height, width = flat.shape
     turn = np.radians(angle_deg)
@@ -290,7 +291,7 @@ def _profile(flat: np.ndarray, angle_deg: float) -> tuple[np.ndarray, np.ndarray
     return places[used], total[used] / count[used]
 
 
-def _refined_angle(flat: np.ndarray, angle_deg: float) -> float:
+def _refined_angle(flat: Float32Array, angle_deg: float) -> float:
     """Return the direction in which the profile is sharpest, near the one given."""
     for step in (0.2, 0.05, 0.0125):
         tries = angle_deg + step * np.arange(-3, 4)
@@ -302,7 +303,7 @@ def _refined_angle(flat: np.ndarray, angle_deg: float) -> float:
     return angle_deg
 
 
-def _measure(flat: np.ndarray, pitch: float, angle_deg: float) -> tuple[float, float, int] | None:
+def _measure(flat: Float32Array, pitch: float, angle_deg: float) -> tuple[float, float, int] | None:
     """Return spacing, its standard error (px) and the number of lines along a direction."""
     places, values = _profile(flat, angle_deg)
     values = values - np.median(values)
@@ -327,7 +328,7 @@ def _measure(flat: np.ndarray, pitch: float, angle_deg: float) -> tuple[float, f
     return _slope(np.array(numbers), np.array(lines), pitch)
 
 
-def _folded(places: np.ndarray, values: np.ndarray, pitch: float) -> np.ndarray:
+def _folded(places: FloatArray, values: FloatArray, pitch: float) -> FloatArray:
     """Return the shape of one period: the median of all, so that walls and dirt do not count."""
     n = max(8, int(pitch / (2 * _BIN_PX)))
     bins = ((places % pitch) / pitch * n).astype(int) % n
@@ -337,7 +338,7 @@ def _folded(places: np.ndarray, values: np.ndarray, pitch: float) -> np.ndarray:
     return np.asarray(fold - np.median(fold))
 
 
-def _slope(numbers: np.ndarray, lines: np.ndarray, pitch: float) -> tuple[float, float, int] | None:
+def _slope(numbers: FloatArray, lines: FloatArray, pitch: float) -> tuple[float, float, int] | None:
     """Return slope of place against number, its standard error, and how many lines it used."""
     for _ in range(4):
         if len(numbers) < _FEWEST_LINES:

@@ -22,6 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
+from pawnb.arrays import BoolArray, FloatArray
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.as_tracks import animal_of, poses_of
 from pawnb.core.pose.poses import joint_positions
@@ -52,8 +53,8 @@ class _Doubt:
     """One kind of evidence: its weight (n, legs), and words with ``{}`` for a number."""
 
     words: str
-    score: np.ndarray
-    value: np.ndarray
+    score: FloatArray
+    value: FloatArray
 
 
 def find_pose_suspects(tracks: Tracks) -> pd.DataFrame:
@@ -146,13 +147,13 @@ def _beyond_range(animal: StickAnimal, track: PoseTrack) -> _Doubt:
     )
 
 
-def _degrees_beyond(animal: StickAnimal, angles_deg: np.ndarray) -> np.ndarray:
+def _degrees_beyond(animal: StickAnimal, angles_deg: FloatArray) -> FloatArray:
     """Return how far each free joint is beyond its range, degrees; shape (n, n_joints)."""
     off = np.abs((angles_deg - animal.natural_deg + 180.0) % 360.0 - 180.0)
     return np.nan_to_num(np.maximum(off - animal.range_deg / 2.0, 0.0))
 
 
-def joints_beyond_range(animal: StickAnimal, angles_deg: np.ndarray) -> dict[str, float]:
+def joints_beyond_range(animal: StickAnimal, angles_deg: FloatArray) -> dict[str, float]:
     """Return the joints of one pose that are beyond their range.
 
     Parameters
@@ -183,12 +184,12 @@ def _crosses(animal: StickAnimal, track: PoseTrack) -> _Doubt:
     return _Doubt("it crosses another leg", crossed, crossed)
 
 
-def _chains_cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+def _chains_cross(a: FloatArray, b: FloatArray) -> BoolArray:
     """Say in which frames two chains of segments (n, most + 1, 2) cross; NaN never does."""
     p, q = a[:, :-1, None], a[:, 1:, None]
     r, s = b[:, None, :-1], b[:, None, 1:]
 
-    def side(o: np.ndarray, d: np.ndarray, x: np.ndarray) -> np.ndarray:
+    def side(o: FloatArray, d: FloatArray, x: FloatArray) -> FloatArray:
         u, v = d - o, x - o
         return np.asarray(u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0])
 
@@ -206,7 +207,7 @@ def _vague(animal: StickAnimal, track: PoseTrack) -> _Doubt:
     return _Doubt("its tip is only known to {:.1f} px", score, np.nan_to_num(sd))
 
 
-def _worst_of_leg(animal: StickAnimal, of_joints: np.ndarray) -> np.ndarray:
+def _worst_of_leg(animal: StickAnimal, of_joints: FloatArray) -> FloatArray:
     """Return the greatest value over the free joints of each leg, shape (n, n_legs)."""
     ends = np.cumsum([sum(leg.free) for leg in animal.legs])[:-1]
     return np.stack([part.max(axis=1) for part in np.split(of_joints, ends, axis=1)], axis=1)

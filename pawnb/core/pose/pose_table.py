@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from pawnb.arrays import FloatArray
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.poses import Poses
 from pawnb.core.pose.track_result import PoseTrack
@@ -67,7 +68,7 @@ def write_start(
     """
     factors = {} if species is None else animal_factors(animal, species)
     flat = poses.scale[:, None] * animal.lengths
-    raised = (np.abs(poses.lengths_px - flat) > 1e-3 * flat).any(axis=0)
+    raised = np.any(np.abs(poses.lengths_px - flat) > 1e-3 * flat, axis=0)
     table = _columns(animal, poses).assign(
         **{
             f"{name}_px": poses.lengths_px[:, k]
@@ -190,8 +191,8 @@ def _columns(animal: StickAnimal, poses: Poses) -> pd.DataFrame:
 
 
 def _filled(
-    table: pd.DataFrame, columns: list[str] | tuple[str, ...], usual: np.ndarray
-) -> np.ndarray:
+    table: pd.DataFrame, columns: list[str] | tuple[str, ...], usual: FloatArray
+) -> FloatArray:
     """Return columns as (n, k), with ``usual`` where they are absent or empty."""
     given = table.reindex(columns=list(columns)).to_numpy(dtype=float)
     return np.where(np.isfinite(given), given, usual)

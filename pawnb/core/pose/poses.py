@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import FloatArray, IntArray
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.errors import InputError
 
@@ -34,12 +35,12 @@ class Poses:
         segment that is raised is shorter than ``scale`` times its length.
     """
 
-    frames: np.ndarray
-    xy: np.ndarray
-    heading_deg: np.ndarray
-    scale: np.ndarray
-    angles_deg: np.ndarray
-    lengths_px: np.ndarray
+    frames: IntArray
+    xy: FloatArray
+    heading_deg: FloatArray
+    scale: FloatArray
+    angles_deg: FloatArray
+    lengths_px: FloatArray
 
     def __len__(self) -> int:
         return len(self.frames)
@@ -126,7 +127,7 @@ def natural_pose(
     )
 
 
-def segment_directions(animal: StickAnimal, poses: Poses) -> np.ndarray:
+def segment_directions(animal: StickAnimal, poses: Poses) -> FloatArray:
     """Return the direction of every segment, degrees from +u towards +v.
 
     Parameters
@@ -154,7 +155,7 @@ def segment_directions(animal: StickAnimal, poses: Poses) -> np.ndarray:
     return np.concatenate(directions, axis=1)
 
 
-def joint_positions(animal: StickAnimal, poses: Poses) -> np.ndarray:
+def joint_positions(animal: StickAnimal, poses: Poses) -> FloatArray:
     """Return where the joints and tips are in the picture.
 
     Parameters
@@ -187,7 +188,7 @@ def joint_positions(animal: StickAnimal, poses: Poses) -> np.ndarray:
     return out
 
 
-def tip_positions(animal: StickAnimal, poses: Poses) -> np.ndarray:
+def tip_positions(animal: StickAnimal, poses: Poses) -> FloatArray:
     """Return the tips of the legs, shape (n, n_legs, 2), px."""
     places = joint_positions(animal, poses)
     last = [len(leg.segments) for leg in animal.legs]
@@ -196,12 +197,12 @@ def tip_positions(animal: StickAnimal, poses: Poses) -> np.ndarray:
 
 def poses_from_joints(
     animal: StickAnimal,
-    places: np.ndarray,
+    places: FloatArray,
     *,
-    frames: np.ndarray,
-    xy: np.ndarray,
-    heading_deg: np.ndarray,
-    scale: np.ndarray,
+    frames: IntArray,
+    xy: FloatArray,
+    heading_deg: FloatArray,
+    scale: FloatArray,
 ) -> Poses:
     """Return the poses whose joints lie at ``places``: the inverse of :func:`joint_positions`.
 
@@ -246,7 +247,7 @@ def poses_from_joints(
     )
 
 
-def leg_angles(animal: StickAnimal, poses: Poses) -> np.ndarray:
+def leg_angles(animal: StickAnimal, poses: Poses) -> FloatArray:
     """Return the total angle of each leg (Pullar 2009, §3.6).
 
     Parameters

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import t as student_t
 
+from pawnb.arrays import BoolArray, Float32Array, FloatArray, IntArray
 from pawnb.core.pixels.grey import grey
 from pawnb.core.video.views import ViewReader
 from pawnb.errors import InputError
@@ -42,15 +43,15 @@ class Presence:
         than ``gap`` frames apart count as one); None where there is none.
     """
 
-    frames: np.ndarray
-    difference: np.ndarray
+    frames: IntArray
+    difference: FloatArray
     threshold: float
     known_mean: float
-    has_animal: np.ndarray
+    has_animal: BoolArray
     first: int | None
     last: int | None
 
-    def empty_frames(self, *, guard: int = 2) -> np.ndarray:
+    def empty_frames(self, *, guard: int = 2) -> IntArray:
         """Return the frames without the animal.
 
         Parameters
@@ -147,7 +148,7 @@ def find_animal_frames(
     )
 
 
-def prediction_limit(values: np.ndarray, *, confidence: float) -> float:
+def prediction_limit(values: FloatArray, *, confidence: float) -> float:
     """Return the upper limit below which one more value of the same kind lies.
 
     Parameters
@@ -167,12 +168,12 @@ def prediction_limit(values: np.ndarray, *, confidence: float) -> float:
     return float(values.mean() + t * values.std(ddof=1) * math.sqrt(1 + 1 / n))
 
 
-def _difference(reader: ViewReader, index: int, reference: np.ndarray) -> float:
+def _difference(reader: ViewReader, index: int, reference: Float32Array) -> float:
     """Return the sum of absolute differences of a frame to the reference."""
     return float(np.abs(grey(reader.frame(index).image()) - reference).sum(dtype=float))
 
 
-def _longest_run(has: np.ndarray, gap: int) -> tuple[int, int] | None:
+def _longest_run(has: BoolArray, gap: int) -> tuple[int, int] | None:
     """Return first and last index of the longest run, short gaps bridged."""
     at = np.flatnonzero(has)
     if not len(at):

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from pawnb.arrays import FloatArray, IntArray
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.poses import Poses, join_poses
 from pawnb.errors import InputError
@@ -49,12 +50,12 @@ class PoseTrack:
     """
 
     poses: Poses
-    xy_sd_px: np.ndarray
-    heading_sd_deg: np.ndarray
-    angles_sd_deg: np.ndarray
-    places_sd_px: np.ndarray
-    confidence: np.ndarray
-    origin: np.ndarray
+    xy_sd_px: FloatArray
+    heading_sd_deg: FloatArray
+    angles_sd_deg: FloatArray
+    places_sd_px: FloatArray
+    confidence: FloatArray
+    origin: IntArray
     estimated: Mapping[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:

@@ -12,6 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
+from pawnb.arrays import FloatArray, IntArray
+
 AROUND_FRAMES = 3
 """A look at a point shows whether it is right so many frames before and after."""
 
@@ -38,7 +40,7 @@ class DoubtedLabel:
 
 
 def doubted_labels(
-    wrong: np.ndarray, frames: np.ndarray, *, around: float, least: float
+    wrong: FloatArray, frames: IntArray, *, around: float, least: float
 ) -> list[DoubtedLabel]:
     """List labels that may be wrong so that the first ones show most of what is.
 
@@ -71,13 +73,13 @@ def doubted_labels(
     return sorted(first, key=lambda one: -one.score) + rest
 
 
-def _heads(doubted: np.ndarray, frames: np.ndarray, around: float) -> list[tuple[int, float]]:
+def _heads(doubted: FloatArray, frames: IntArray, around: float) -> list[tuple[int, float]]:
     """Return rows of one point from which all its doubted labels are seen, and what each shows."""
     left = doubted.copy()
     first = np.searchsorted(frames, frames - around)
     stop = np.searchsorted(frames, frames + around, side="right")
 
-    def shown(rows: slice) -> np.ndarray:
+    def shown(rows: slice) -> FloatArray:
         begin = int(first[rows.start])
         total = np.concatenate([[0.0], np.cumsum(left[begin : int(stop[rows.stop - 1])])])
         seen = total[stop[rows] - begin] - total[first[rows] - begin]

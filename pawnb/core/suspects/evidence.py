@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import median_filter, minimum_filter1d, uniform_filter1d
 
+from pawnb.arrays import FloatArray, IntArray, Points2D
 from pawnb.core.rig import Rig
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE, Tracks
@@ -46,7 +47,7 @@ class Evidence:
         ``words(key)`` says it for the label ``(row, view, point)``.
     """
 
-    score: np.ndarray
+    score: FloatArray
     words: Callable[[tuple[int, int, int]], str]
 
 
@@ -96,19 +97,19 @@ def collect_evidence(
     return found
 
 
-def image_positions(tracks: Tracks) -> np.ndarray:
+def image_positions(tracks: Tracks) -> FloatArray:
     """Return image positions (n, V, P, 2) in px of the first individual."""
     return np.moveaxis(tracks["image_position"].isel(individual=0).to_numpy(), 2, -1)
 
 
-def _doubt(values: np.ndarray, usual: float, spread: float) -> np.ndarray:
+def _doubt(values: FloatArray, usual: float, spread: float) -> FloatArray:
     """Return by how many spreads values are above the usual, levelling off; 0 where unknown."""
     if not (np.isfinite(usual) and np.isfinite(spread) and spread > 0):
         return np.zeros(values.shape)
     return level_off(np.nan_to_num((values - usual) / spread, nan=0.0))
 
 
-def level_off(score: np.ndarray) -> np.ndarray:
+def level_off(score: FloatArray) -> FloatArray:
     """Return scores of 0 or more that approach :data:`CAP` and keep their order.
 
     Parameters
@@ -119,7 +120,7 @@ def level_off(score: np.ndarray) -> np.ndarray:
     return CAP * -np.expm1(-np.clip(score, 0.0, None) / CAP)
 
 
-def _robust_level(values: np.ndarray) -> tuple[float, float]:
+def _robust_level(values: FloatArray) -> tuple[float, float]:
     """Return median and robust standard deviation of the finite values."""
     known = values[np.isfinite(values)]
     if len(known) == 0:
@@ -129,7 +130,7 @@ def _robust_level(values: np.ndarray) -> tuple[float, float]:
 
 
 def _views_disagree(
-    tracks: Tracks, uv: np.ndarray, xyz: np.ndarray, *, rig: Rig | None, span: int
+    tracks: Tracks, uv: Points2D, xyz: FloatArray, *, rig: Rig | None, span: int
 ) -> Evidence:
     """Doubt labels that are far from where the 3D point appears."""
     views = tracks["view"].to_numpy().tolist()
@@ -153,7 +154,7 @@ def _views_disagree(
     return Evidence(score, words)
 
 
-def _running_mean(values: np.ndarray, span: int) -> np.ndarray:
+def _running_mean(values: FloatArray, span: int) -> FloatArray:
     """Return the mean over a span of frames about each, of what is known there."""
     known = np.isfinite(values)
     total = uniform_filter1d(np.where(known, values, 0.0), span, axis=0, mode="constant")
@@ -161,7 +162,7 @@ def _running_mean(values: np.ndarray, span: int) -> np.ndarray:
     return np.divide(total, count, out=np.full(values.shape, np.nan), where=known)
 
 
-def _motion(uv: np.ndarray) -> list[Evidence]:
+def _motion(uv: Points2D) -> list[Evidence]:
     """Doubt steps, and turns, that are large for the point and view they happen in."""
     step = np.full(uv.shape[:3], np.nan)
     turn = step.copy()
@@ -187,7 +188,7 @@ def _motion(uv: np.ndarray) -> list[Evidence]:
     return [Evidence(fast, words_fast), Evidence(sharp, words_sharp)]
 
 
-def _against_own(values: np.ndarray) -> np.ndarray:
+def _against_own(values: FloatArray) -> FloatArray:
     """Compare with the fast tenth of the same point in the same view: 1 is twice as much."""
     score = np.zeros(values.shape)
     for v, p in np.ndindex(values.shape[1:]):
@@ -198,7 +199,7 @@ def _against_own(values: np.ndarray) -> np.ndarray:
     return score
 
 
-def _confidence(confidence: np.ndarray, uv: np.ndarray, span: int) -> Evidence:
+def _confidence(confidence: FloatArray, uv: Points2D, span: int) -> Evidence:
     """Doubt labels whose confidence has dropped below that of the frames around them."""
     steady = median_filter(confidence, size=(2 * span + 1, 1, 1), mode="nearest")
     drop = np.where(np.isfinite(uv[..., 0]), steady - confidence, np.nan)
@@ -211,7 +212,7 @@ def _confidence(confidence: np.ndarray, uv: np.ndarray, span: int) -> Evidence:
     return Evidence(score, words)
 
 
-def find_nearest(uv: np.ndarray, paw_px: float | None) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def find_nearest(uv: Points2D, paw_px: float | None) -> tuple[FloatArray, IntArray, FloatArray]:
     """Find the nearest other point of the same view.
 
     Parameters
@@ -246,7 +247,7 @@ def find_nearest(uv: np.ndarray, paw_px: float | None) -> tuple[np.ndarray, np.n
     return near, who, size
 
 
-def _crossing(uv: np.ndarray, points: list[str], paw_px: float | None) -> Evidence:
+def _crossing(uv: Points2D, points: list[str], paw_px: float | None) -> Evidence:
     """Doubt points that are nearer to another point of their view than a paw is large."""
     near, who, size = find_nearest(uv, paw_px)
     share = near / size[:, None]
@@ -258,7 +259,7 @@ def _crossing(uv: np.ndarray, points: list[str], paw_px: float | None) -> Eviden
     return Evidence(score, words)
 
 
-def _not_measured(origin: np.ndarray) -> Evidence:
+def _not_measured(origin: IntArray) -> Evidence:
     """Doubt stretches in which a point was only predicted, most at their ends."""
     predicted = origin == ORIGIN_CODE["predicted"]
     length = np.zeros(origin.shape)
@@ -272,7 +273,7 @@ def _not_measured(origin: np.ndarray) -> Evidence:
     return Evidence(score, words)
 
 
-def _out_of_place(coordinate: np.ndarray, uv: np.ndarray, *, span: int, unit: str) -> Evidence:
+def _out_of_place(coordinate: FloatArray, uv: Points2D, *, span: int, unit: str) -> Evidence:
     """Doubt points (n, P) far from the usual value of a coordinate of their own."""
     score = np.zeros(coordinate.shape)
     off = np.full(coordinate.shape, np.nan)
@@ -289,7 +290,7 @@ def _out_of_place(coordinate: np.ndarray, uv: np.ndarray, *, span: int, unit: st
     return Evidence(in_views(score, uv), words)
 
 
-def _off_the_ground(height: np.ndarray, uv: np.ndarray, span: int) -> Evidence:
+def _off_the_ground(height: FloatArray, uv: Points2D, span: int) -> Evidence:
     """Doubt points (n, P) that stay high for longer than a swing, or lie below the ground."""
     known = height[np.isfinite(height)]
     ground = float(np.percentile(known, 15.0)) if len(known) else np.nan
@@ -310,7 +311,7 @@ def _off_the_ground(height: np.ndarray, uv: np.ndarray, span: int) -> Evidence:
     return Evidence(in_views(score, uv), words)
 
 
-def in_views(score: np.ndarray, uv: np.ndarray) -> np.ndarray:
+def in_views(score: FloatArray, uv: Points2D) -> FloatArray:
     """Give the score of a point in space to each view that has a label of it.
 
     Parameters
@@ -346,7 +347,7 @@ def passes_disagree(tracks: Tracks, other: Tracks) -> Evidence:
     return Evidence(score, words)
 
 
-def distance_between(tracks: Tracks, other: Tracks) -> np.ndarray:
+def distance_between(tracks: Tracks, other: Tracks) -> FloatArray:
     """Return how far apart (n, V, P), px, two passes through a recording put each label.
 
     Parameters

@@ -26,6 +26,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
+from pawnb.arrays import BoolArray, FloatArray, IntArray
 from pawnb.core.paws.offline.quality.measures import CALIBRATED
 from pawnb.core.rig import Rig
 from pawnb.core.suspects.chances import AROUND_FRAMES as LABEL_AROUND_FRAMES
@@ -207,7 +208,7 @@ def _by_chance(tracks: Tracks, settings: SuspectSettings) -> list[Row]:
     return rows
 
 
-def _heaviest(doubts: list[Doubt], weights: np.ndarray, row: int, point: int) -> str:
+def _heaviest(doubts: list[Doubt], weights: FloatArray, row: int, point: int) -> str:
     """Return the heaviest reason to doubt a point, and the next if it weighs enough."""
     # circumstances come first only where nothing else speaks against the point
     reasons = np.where([doubt.is_circumstance for doubt in doubts], 0.0, weights)
@@ -252,14 +253,14 @@ def _by_evidence(
     return rows
 
 
-def _placed_by_hand(tracks: Tracks) -> np.ndarray:
+def _placed_by_hand(tracks: Tracks) -> BoolArray:
     """Return which labels (n, V, P) a person has placed."""
     origin = tracks["image_origin"].isel(individual=0).to_numpy()
     return np.asarray(origin == ORIGIN_CODE["edited"])
 
 
 def choose_frames(
-    doubts: np.ndarray, frames: np.ndarray, *, apart: float, least_score: float
+    doubts: FloatArray, frames: IntArray, *, apart: float, least_score: float
 ) -> list[tuple[int, float, np.ndarray]]:
     """Take the frame with most doubt, calm the frames around it, and go on with the next.
 

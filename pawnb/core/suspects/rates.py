@@ -13,6 +13,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from pawnb.arrays import BoolArray, FloatArray, IntArray
 from pawnb.core.suspects.uncertainty import Doubt
 
 AROUND_FRAMES = 5
@@ -94,7 +95,7 @@ through the recording, which may be the one that errs: not learnt. Beyond the se
 of an error are about even, though all else speaks for the point."""
 
 
-def weigh(doubt: Doubt) -> np.ndarray:
+def weigh(doubt: Doubt) -> FloatArray:
     """Return how a reason changes the log-odds (n, P) of an error."""
     parts = []
     for name, values in doubt.measures.items():
@@ -103,14 +104,14 @@ def weigh(doubt: Doubt) -> np.ndarray:
     return np.asarray(np.sum(parts, axis=0))
 
 
-def error_rates(doubts: Iterable[Doubt]) -> np.ndarray:
+def error_rates(doubts: Iterable[Doubt]) -> FloatArray:
     """Return how many errors of each point are expected in each frame (n, P)."""
     odds = INTERCEPT + np.sum([weigh(doubt) for doubt in doubts], axis=0)
     return np.asarray(1.0 / (1.0 + np.exp(-odds)))
 
 
 def choose_looks(
-    rates: np.ndarray, frames: np.ndarray, *, around: float, least: float, at_least: int = 0
+    rates: FloatArray, frames: IntArray, *, around: float, least: float, at_least: int = 0
 ) -> list[Look]:
     """Take the frame where a look finds most errors, and go on with what it did not show.
 
@@ -161,7 +162,7 @@ def choose_looks(
     return sorted(chosen, key=lambda look: -look[1])
 
 
-def _without_a_break(rates: np.ndarray, shown: slice, follows: np.ndarray) -> slice:
+def _without_a_break(rates: FloatArray, shown: slice, follows: BoolArray) -> slice:
     """Return the rows shown, and those beside them in which the doubt goes on."""
     first, stop = shown.start, shown.stop
     while first > 0 and follows[first] and rates[first - 1] >= _GOES_ON:
@@ -171,7 +172,7 @@ def _without_a_break(rates: np.ndarray, shown: slice, follows: np.ndarray) -> sl
     return slice(first, stop)
 
 
-def _sums(values: np.ndarray, first: np.ndarray, stop: np.ndarray) -> np.ndarray:
+def _sums(values: FloatArray, first: IntArray, stop: IntArray) -> FloatArray:
     """Return the sums of rows first to stop."""
     begin = int(first.min()) if len(first) else 0
     part = values[begin : int(stop.max(initial=0))]

@@ -20,6 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
+from pawnb.arrays import BoolArray, FloatArray, IntArray
 from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
 from pawnb.core.paws.offline.association.network_flow.positional_prior import follow_body
 from pawnb.core.paws.offline.landmarks.tracks import choose_landmarks
@@ -137,19 +138,19 @@ def paw_size(tracks: Tracks) -> float:
     return _SIZE_SD * _usual(_uncertainty(tracks))
 
 
-def _usual(values: np.ndarray) -> float:
+def _usual(values: FloatArray) -> float:
     """Return the median of what is known."""
     known = values[np.isfinite(values)]
     return float(np.median(known)) if len(known) else np.nan
 
 
-def recognised(tracks: Tracks) -> np.ndarray:
+def recognised(tracks: Tracks) -> BoolArray:
     """Return which labels (n, V, P) were found in the picture, or placed by hand."""
     origin = tracks["image_origin"].isel(individual=0).to_numpy()
     return np.asarray((origin == ORIGIN_CODE["measured"]) | (origin == ORIGIN_CODE["edited"]))
 
 
-def positions(tracks: Tracks) -> np.ndarray:
+def positions(tracks: Tracks) -> FloatArray:
     """Return positions (n, P, d) of the first individual.
 
     Parameters
@@ -165,7 +166,7 @@ def positions(tracks: Tracks) -> np.ndarray:
     return np.moveaxis(tracks["position"].isel(individual=0).to_numpy(), 1, -1)
 
 
-def _uncertainty(tracks: Tracks) -> np.ndarray:
+def _uncertainty(tracks: Tracks) -> FloatArray:
     """Return the standard deviations (n, P) of positions, over all directions together."""
     sd = tracks["sd"].isel(individual=0).to_numpy()
     return np.asarray(np.sqrt(np.square(sd).sum(axis=1)))
@@ -251,7 +252,7 @@ def _passes_apart(tracks: Tracks) -> Doubt:
     return Doubt({"apart": apart}, words)
 
 
-def _passes_disagree(tracks: Tracks, other: Tracks, size_px: np.ndarray) -> Doubt:
+def _passes_disagree(tracks: Tracks, other: Tracks, size_px: FloatArray) -> Doubt:
     """Doubt points that another pass put elsewhere: as a revision, and as one of two is wrong."""
     away = distance_between(tracks, other)
     share = away / size_px[:, None]
@@ -276,7 +277,7 @@ def _off_cycle(tracks: Tracks, rig: Rig | None) -> Doubt:
     return Doubt({"off_cycle": away}, words)
 
 
-def off_cycle(tracks: Tracks, rig: Rig | None) -> tuple[np.ndarray, np.ndarray]:
+def off_cycle(tracks: Tracks, rig: Rig | None) -> tuple[FloatArray, FloatArray]:
     """Measure how far points are from where they are at the same moment of other strides.
 
     Parameters
@@ -324,7 +325,7 @@ def off_cycle(tracks: Tracks, rig: Rig | None) -> tuple[np.ndarray, np.ndarray]:
     return away, off
 
 
-def _crossing(share: np.ndarray, near: np.ndarray, who: np.ndarray, points: list[str]) -> Doubt:
+def _crossing(share: FloatArray, near: FloatArray, who: IntArray, points: list[str]) -> Doubt:
     """Doubt points that are close to another point in some view."""
     filled = np.where(np.isfinite(share), share, np.inf)
     closest = filled.argmin(axis=1)
@@ -337,7 +338,7 @@ def _crossing(share: np.ndarray, near: np.ndarray, who: np.ndarray, points: list
     return Doubt({"near": np.where(np.isfinite(least), least, np.nan)}, words)
 
 
-def _starting_and_stopping(tracks: Tracks, marks: np.ndarray) -> Doubt:
+def _starting_and_stopping(tracks: Tracks, marks: BoolArray) -> Doubt:
     """Doubt paws that are about to lift off, or have just landed; ``marks`` (P,) are none."""
     pace = np.where(marks, np.nan, _pace(tracks, marks))
     rows = np.arange(len(pace), dtype=float)
@@ -354,7 +355,7 @@ def _starting_and_stopping(tracks: Tracks, marks: np.ndarray) -> Doubt:
     return Doubt(measures, words, is_circumstance=True)
 
 
-def _pace(tracks: Tracks, marks: np.ndarray) -> np.ndarray:
+def _pace(tracks: Tracks, marks: BoolArray) -> FloatArray:
     """Return how fast points (n, P) move from the ground, 1 where a tenth of paws are faster."""
     x = positions(tracks)
     frames = tracks["frame"].to_numpy().astype(float)

@@ -11,6 +11,7 @@ from typing import Protocol
 import cv2
 import numpy as np
 
+from pawnb.arrays import ByteArray
 from pawnb.core.closing import Closing
 from pawnb.core.lens import Lens, StraightPicture
 from pawnb.core.pixels.bayer import debayered
@@ -69,7 +70,7 @@ class Frame:
         self.is_colour = picture.is_colour
         self._mirror = mirror
 
-    def image(self) -> np.ndarray:
+    def image(self) -> ByteArray:
         """Return the whole view.
 
         Returns
@@ -79,7 +80,7 @@ class Frame:
         """
         return self.crop(0, 0, self.width, self.height)
 
-    def crop(self, u0: int, v0: int, u1: int, v1: int) -> np.ndarray:
+    def crop(self, u0: int, v0: int, u1: int, v1: int) -> ByteArray:
         """Return the half-open region, bit-identical to that part of :meth:`image`.
 
         Parameters
@@ -100,7 +101,7 @@ class Frame:
         """
         return self.reduced(u0, v0, u1, v1, factor=1)
 
-    def reduced(self, u0: int, v0: int, u1: int, v1: int, *, factor: int) -> np.ndarray:
+    def reduced(self, u0: int, v0: int, u1: int, v1: int, *, factor: int) -> ByteArray:
         """Return the half-open region reduced by a whole factor, quicker than :meth:`crop`.
 
         Parameters
@@ -275,7 +276,7 @@ class ViewReader(Closing):
             shown = np.array([self.width - 1.0, 0.0]) + np.array([-1.0, 1.0]) * shown
         return shown
 
-    def read(self, index: int) -> np.ndarray:
+    def read(self, index: int) -> ByteArray:
         """Return the whole view at that frame: (H, W, 3) RGB or (H, W) grey, uint8."""
         return self.frame(index).image()
 

@@ -169,7 +169,7 @@ def write_track_results(tracks: Tracks, out: str | Path, *, rig: Rig | None = No
             write_table(native.points3d_table(tracks), staging / "points3d.csv")
         if is_pose(tracks):
             animal, poses = animal_of(tracks), poses_of(tracks)
-            table = pose_table(animal, poses.take(np.isfinite(poses.poses.xy).all(axis=1)))
+            table = pose_table(animal, poses.take(np.all(np.isfinite(poses.poses.xy), axis=1)))
             write_pose(table, staging / "pose.csv", names=pose_names(animal))
             write_table(find_pose_suspects(tracks), staging / "suspects.csv")
         elif "image_position" in tracks:

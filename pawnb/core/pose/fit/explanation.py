@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.fit.layout import poses_of_vectors
 from pawnb.core.pose.fit.learning.appearance import learn_appearance
@@ -46,9 +47,9 @@ class FitView:
     """
 
     box: tuple[int, int, int, int]
-    darkness: np.ndarray
-    painted: np.ndarray
-    unexplained: np.ndarray
+    darkness: FloatArray
+    painted: FloatArray
+    unexplained: FloatArray
     support: dict[str, float]
     cost: float
 

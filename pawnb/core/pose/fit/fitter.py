@@ -7,6 +7,7 @@ import copy
 import cv2
 import numpy as np
 
+from pawnb.arrays import BoolArray, FloatArray, IntArray
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.fit.candidates.candidate_kernels import (
     cover_painted,
@@ -125,13 +126,13 @@ class FrameFitter:
             joints,
         )
 
-    def box(self, expected: np.ndarray) -> tuple[int, int, int, int]:
+    def box(self, expected: FloatArray) -> tuple[int, int, int, int]:
         """Return the crop that holds the expected animal."""
         return self.evidence.crop_box(expected[:2], self.reach)
 
     def look(
-        self, frame: Frame, expected: np.ndarray, *, margin: float = FITTING.body_margin_px
-    ) -> tuple[ImageEvidence, np.ndarray, tuple]:
+        self, frame: Frame, expected: FloatArray, *, margin: float = FITTING.body_margin_px
+    ) -> tuple[ImageEvidence, FloatArray, tuple]:
         """Return what a frame shows about the expected pose, its grey pixels and their box.
 
         Parameters
@@ -154,9 +155,9 @@ class FrameFitter:
 
     def image_evidence(
         self,
-        image: np.ndarray,
+        image: FloatArray,
         box: tuple[int, int, int, int],
-        expected: np.ndarray,
+        expected: FloatArray,
         *,
         margin: float = FITTING.body_margin_px,
     ) -> ImageEvidence:
@@ -185,7 +186,7 @@ class FrameFitter:
         seen = self.evidence.image_evidence(image, box, self._cover(expected, empty))
         return seen if np.isinf(margin) else self.narrowed(seen, expected, margin=margin)
 
-    def _cover(self, pose: np.ndarray, image_evidence: ImageEvidence) -> np.ndarray:
+    def _cover(self, pose: FloatArray, image_evidence: ImageEvidence) -> IntArray:
         """Return where the animal and what is beside it may be: not -1; it does not last."""
         value, owner, along, joints = self.canvas(image_evidence)
         paint_some(
@@ -209,7 +210,7 @@ class FrameFitter:
     def narrowed(
         self,
         image_evidence: ImageEvidence,
-        expected: np.ndarray,
+        expected: FloatArray,
         *,
         margin: float = FITTING.body_margin_px,
     ) -> ImageEvidence:
@@ -246,11 +247,11 @@ class FrameFitter:
 
     def near_body(
         self,
-        pose: np.ndarray,
+        pose: FloatArray,
         image_evidence: ImageEvidence,
         *,
         margin: float = FITTING.body_margin_px,
-    ) -> np.ndarray:
+    ) -> BoolArray:
         """Return where the body is, and what is nearer to it than ``margin``: bool, (H, W).
 
         Parameters
@@ -295,16 +296,16 @@ class FrameFitter:
 
     def fit(
         self,
-        pose: np.ndarray,
+        pose: FloatArray,
         image_evidence: ImageEvidence,
         prior: Prior,
         *,
-        active: np.ndarray | None = None,
-        shown: np.ndarray | None = None,
+        active: IntArray | None = None,
+        shown: BoolArray | None = None,
         blur: float | None = None,
         rounds: int = 6,
         enough: float = FITTING.fitter_enough,
-    ) -> tuple[np.ndarray, float]:
+    ) -> tuple[FloatArray, float]:
         """Return the pose nearby that fits best, and its cost; see :func:`fit_pose`.
 
         Parameters
@@ -339,7 +340,7 @@ class FrameFitter:
             self.settings.soft_error, rounds, enough, *self.canvas(image_evidence),
         )  # fmt: skip
 
-    def body_found(self, expected: np.ndarray, image_evidence: ImageEvidence) -> np.ndarray:
+    def body_found(self, expected: FloatArray, image_evidence: ImageEvidence) -> FloatArray:
         """Return the expected pose, moved as a whole onto the body where that is elsewhere.
 
         Where it is in its place, as it is in most frames, that is the array given.
@@ -364,8 +365,8 @@ class FrameFitter:
         return pose
 
     def equations(
-        self, pose: np.ndarray, image_evidence: ImageEvidence, prior: Prior
-    ) -> tuple[np.ndarray, np.ndarray]:
+        self, pose: FloatArray, image_evidence: ImageEvidence, prior: Prior
+    ) -> tuple[FloatArray, FloatArray]:
         """Return the Gauss-Newton matrix and the gradient of picture and prior.
 
         The pose is painted on the canvas.
@@ -415,14 +416,14 @@ class FrameFitter:
         )
         return matrix + np.tril(matrix, -1).T, slope  # the loops fill the lower triangle
 
-    def joints(self, pose: np.ndarray) -> np.ndarray:
+    def joints(self, pose: FloatArray) -> FloatArray:
         """Return the joints and tips of all legs, shape (legs, segments + 1, 2)."""
         out = np.full((*self.layout.radius.shape, 2), np.nan)
         for leg in range(len(out)):
             leg_chain(self.layout, pose, leg, out[leg])
         return out
 
-    def support(self, pose: np.ndarray, image_evidence: ImageEvidence) -> np.ndarray:
+    def support(self, pose: FloatArray, image_evidence: ImageEvidence) -> FloatArray:
         """Return how much of each leg, and of its outer third, is dark, shape (legs, 2).
 
         What lies on the body does not count; NaN where nothing is left.
@@ -435,7 +436,7 @@ class FrameFitter:
             ]
         )
 
-    def body_support(self, pose: np.ndarray, image_evidence: ImageEvidence) -> float:
+    def body_support(self, pose: FloatArray, image_evidence: ImageEvidence) -> float:
         """Return how dark the body's place is relative to what is expected; 0 if out of sight."""
         value, owner, along, joints = self.canvas(image_evidence)
         paint_some(
@@ -455,7 +456,7 @@ class FrameFitter:
             return 0.0
         return float(np.minimum(image_evidence.seen[inside], value[inside]).sum()) / total
 
-    def body_zone(self, pose: np.ndarray, image_evidence: ImageEvidence) -> np.ndarray:
+    def body_zone(self, pose: FloatArray, image_evidence: ImageEvidence) -> FloatArray:
         """Return the painted body, and more than black where its edge may be; it does not last.
 
         A body is no perfect egg: what is dark beside it is as well more of it as a leg that
@@ -468,7 +469,7 @@ class FrameFitter:
         cover_painted(value, owner, FITTING.no_leg)
         return value
 
-    def unexplained(self, pose: np.ndarray, image_evidence: ImageEvidence) -> np.ndarray:
+    def unexplained(self, pose: FloatArray, image_evidence: ImageEvidence) -> FloatArray:
         """Return the dark working pixels near the animal that it does not cover.
 
         Those on the animal's left and on its right are counted apart, shape (2,).

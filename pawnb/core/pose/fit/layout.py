@@ -15,6 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pawnb.arrays import FloatArray, IntArray
 from pawnb.core.pose.animal import Leg, StickAnimal
 from pawnb.core.pose.fit.parameters import FITTING
 from pawnb.core.pose.poses import Poses
@@ -123,7 +124,7 @@ def make_layout(
     )
 
 
-def meeting(ellipse: np.ndarray) -> np.ndarray:
+def meeting(ellipse: FloatArray) -> FloatArray:
     """Return which parts of the body meet at the origin: 1 in front of it, -1 behind, 0 if not.
 
     Parameters
@@ -144,7 +145,7 @@ def meeting(ellipse: np.ndarray) -> np.ndarray:
     return side if {-1.0, 1.0} <= set(side) else np.zeros(len(side))
 
 
-def links_of(leg: Leg) -> tuple[np.ndarray, np.ndarray]:
+def links_of(leg: Leg) -> tuple[IntArray, FloatArray]:
     """Return the link of each segment, and its turn from the link's direction in radians.
 
     A leg whose first joint is fixed has its first free joint counted from the natural
@@ -161,7 +162,7 @@ def links_of(leg: Leg) -> tuple[np.ndarray, np.ndarray]:
     return link, turn
 
 
-def pose_vectors(animal: StickAnimal, poses: Poses, *, factor: int = 1) -> np.ndarray:
+def pose_vectors(animal: StickAnimal, poses: Poses, *, factor: int = 1) -> FloatArray:
     """Return poses as vectors in working pixels, shape (n, n_parameters).
 
     Parameters
@@ -195,7 +196,7 @@ def pose_vectors(animal: StickAnimal, poses: Poses, *, factor: int = 1) -> np.nd
     return np.concatenate(parts, axis=1)
 
 
-def leg_numbers(layout: Layout, leg: int, joints: np.ndarray, *, heading: float) -> np.ndarray:
+def leg_numbers(layout: Layout, leg: int, joints: FloatArray, *, heading: float) -> FloatArray:
     """Return a leg's part of the pose vector that puts the ends of its links at places.
 
     Parameters
@@ -227,9 +228,9 @@ def leg_numbers(layout: Layout, leg: int, joints: np.ndarray, *, heading: float)
 
 def poses_of_vectors(
     animal: StickAnimal,
-    vectors: np.ndarray,
+    vectors: FloatArray,
     *,
-    frames: np.ndarray,
+    frames: IntArray,
     scale: float,
     factor: int = 1,
 ) -> Poses:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.core.pixels.grey import grey
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.fit.fitter import FrameFitter
@@ -24,7 +25,7 @@ def prepare_fitter(
     animal: StickAnimal,
     background: BackgroundPicture,
     settings: PoseSettings,
-) -> tuple[FrameFitter, np.ndarray]:
+) -> tuple[FrameFitter, FloatArray]:
     """Return a fitter for an animal, and its pose as a vector.
 
     Parameters

@@ -19,6 +19,7 @@ from functools import partial
 
 import numpy as np
 
+from pawnb.arrays import FloatArray, IntArray
 from pawnb.core.frame_checkpoint import KeptFrames
 from pawnb.core.parallel import Threads
 from pawnb.core.pose.animal import StickAnimal
@@ -150,7 +151,7 @@ def _begin(
     return fitter, {number: known[number] for number in start.frames.tolist()}
 
 
-def _checked(pose: np.ndarray, support: float, *, frame: int) -> np.ndarray:
+def _checked(pose: FloatArray, support: float, *, frame: int) -> FloatArray:
     """Return a fitted start pose, if it is on the animal."""
     check_on_animal(support, frame=frame)
     return pose
@@ -199,7 +200,7 @@ def _read_ahead(reader: ViewReader, numbers: range, steps: Steps) -> Iterator[Fr
 
 
 def _finish(
-    fitter: FrameFitter, found: list[LegCandidates], poses: np.ndarray, steps: Steps
+    fitter: FrameFitter, found: list[LegCandidates], poses: FloatArray, steps: Steps
 ) -> list[Settled]:
     """Return the last fit of every frame."""
     settled = settle_all(fitter, found, poses)
@@ -212,7 +213,7 @@ def _result(
     animal: StickAnimal,
     look: Poses,
     fitter: FrameFitter,
-    numbers: np.ndarray,
+    numbers: IntArray,
     found: list[LegCandidates],
     settled: list[Settled],
 ) -> PoseTrack:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import BoolArray, ByteArray, Float32Array, FloatArray
 from pawnb.core.compiled import compiled
 from pawnb.core.pixels.grey import grey
 from pawnb.core.pose.animal import StickAnimal
@@ -59,9 +60,9 @@ class FrameCosts:
     """
 
     box: Box
-    own: np.ndarray
-    right: np.ndarray
-    down: np.ndarray
+    own: Float32Array
+    right: Float32Array
+    down: Float32Array
     background_sum: float
     pairs: float
 
@@ -78,7 +79,7 @@ class Cut:
         Energy of the crop: all four terms, and joints beyond their ranges.
     """
 
-    labels: np.ndarray
+    labels: BoolArray
     energy: float
 
 
@@ -115,7 +116,7 @@ class Pullar2009Energy:
         animal: StickAnimal,
         start: Poses,
         *,
-        picture: np.ndarray,
+        picture: ByteArray,
         background: EmptyScene,
         settings: Pullar2009Settings,
     ) -> None:
@@ -136,7 +137,7 @@ class Pullar2009Energy:
         self.span_px = animal.span * float(start.scale[0])
         self.stiffness = settings.limit_stiffness * self.parameters.sigma
 
-    def frame(self, picture: np.ndarray, pose: np.ndarray, *, slack_px: float) -> FrameCosts:
+    def frame(self, picture: ByteArray, pose: FloatArray, *, slack_px: float) -> FrameCosts:
         """Return a frame's costs on the crop that holds the animal.
 
         Parameters
@@ -189,7 +190,7 @@ class Pullar2009Energy:
             pairs=pairs,
         )
 
-    def cut(self, frame: FrameCosts, pose: np.ndarray) -> Cut:
+    def cut(self, frame: FrameCosts, pose: FloatArray) -> Cut:
         """Return the labelling of least energy for a pose (Eq. 3.16), and that energy."""
         p, sticks = self.parameters, self.sticks
         u0, v0, u1, v1 = frame.box
@@ -208,11 +209,11 @@ class Pullar2009Energy:
         total = frame.background_sum + near + pixels + pairs + self.limits(pose)
         return Cut(labels, total)
 
-    def limits(self, pose: np.ndarray) -> float:
+    def limits(self, pose: FloatArray) -> float:
         """Return the cost of joints beyond their ranges."""
         return float(limit_cost(pose[3:], self.middle_deg, self.half_deg, self.stiffness))
 
-    def extent(self, pose: np.ndarray) -> Box:
+    def extent(self, pose: FloatArray) -> Box:
         """Return the box of the stick animal: u0, v0, u1, v1, half open, not cut at the picture."""
         points, parts = self.sticks.points(pose), self.sticks.parts(pose)
         half = parts[:, 2:].max(axis=1, keepdims=True)
@@ -221,7 +222,7 @@ class Pullar2009Energy:
         (a, b), (c, d) = np.floor(low).astype(int), np.ceil(high).astype(int) + 1
         return int(a), int(b), int(c), int(d)
 
-    def _box(self, pose: np.ndarray, margin: float, size: tuple[int, int]) -> Box:
+    def _box(self, pose: FloatArray, margin: float, size: tuple[int, int]) -> Box:
         """Return the crop: the animal's box and a margin, cut at the picture's edges."""
         u0, v0, u1, v1 = self.extent(pose)
         m = math.ceil(min(margin, sum(size)))

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import BoolArray, ByteArray, Float32Array, FloatArray
 from pawnb.core.pixels.grey import grey
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.contrast import edge_fall, squared_gradient
@@ -49,18 +50,18 @@ class EnergyView:
     """
 
     box: Box
-    background_cost: np.ndarray
-    subject_cost: np.ndarray
-    contrast: np.ndarray
-    shape_prior: np.ndarray
-    segmentation: np.ndarray
+    background_cost: Float32Array
+    subject_cost: Float32Array
+    contrast: Float32Array
+    shape_prior: FloatArray
+    segmentation: BoolArray
     terms: dict[str, float]
     energy: float
     parameters: EnergyParameters
 
 
 def explain_energy(
-    picture: np.ndarray,
+    picture: ByteArray,
     pose: Poses,
     *,
     animal: StickAnimal,

@@ -10,6 +10,7 @@ from typing import Protocol
 
 import numpy as np
 
+from pawnb.arrays import Float32Array, IntArray
 from pawnb.core.compiled import compiled
 from pawnb.errors import InputError
 
@@ -28,7 +29,7 @@ class EmptyScene(Protocol):
 
 def background_cost(
     picture: np.ndarray, background: EmptyScene, *, sd_floor_grey: float
-) -> np.ndarray:
+) -> Float32Array:
     """Return the cost of calling each pixel background.
 
     Parameters
@@ -53,7 +54,7 @@ def background_cost(
     return _gaussian_cost(grey, mean, sd, sd_floor_grey)
 
 
-def subject_cost(picture: np.ndarray, *, mean: float, sd: float) -> np.ndarray:
+def subject_cost(picture: IntArray, *, mean: float, sd: float) -> Float32Array:
     """Return the cost of calling each pixel subject under one Gaussian for the whole subject.
 
     Parameters

@@ -18,13 +18,14 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import breadth_first_order, maximum_flow
 
+from pawnb.arrays import BoolArray, Float32Array, IntArray
 from pawnb.core.compiled import compiled
 
 _MOST_FLOW = 2**30
 """scipy's flows are 32-bit whole numbers: costs are scaled so that all flow together is no more."""
 
 
-def cut_grid(own: np.ndarray, right: np.ndarray, down: np.ndarray) -> np.ndarray:
+def cut_grid(own: np.ndarray, right: np.ndarray, down: np.ndarray) -> BoolArray:
     """Return the labels of least energy.
 
     Parameters
@@ -51,7 +52,7 @@ def cut_grid(own: np.ndarray, right: np.ndarray, down: np.ndarray) -> np.ndarray
 
 
 def grid_energy(
-    labels: np.ndarray, own: np.ndarray, *, right: np.ndarray, down: np.ndarray
+    labels: BoolArray, own: np.ndarray, *, right: np.ndarray, down: np.ndarray
 ) -> tuple[float, float]:
     """Return the energy of labels: the sum of pixels' own costs, and that of pairs.
 
@@ -73,8 +74,8 @@ def grid_energy(
 
 
 def _cut_rest(
-    label: np.ndarray, rest: np.ndarray, right: np.ndarray, down: np.ndarray, at: np.ndarray
-) -> np.ndarray:
+    label: IntArray, rest: Float32Array, right: Float32Array, down: Float32Array, at: IntArray
+) -> IntArray:
     """Return the labels of the undecided pixels, by maximum flow."""
     n = len(at)
     number = np.full(label.shape, -1, np.int32)
@@ -106,7 +107,9 @@ def _cut_rest(
     return labels[:n]
 
 
-def decide(own: np.ndarray, right: np.ndarray, down: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def decide(
+    own: Float32Array, right: Float32Array, down: Float32Array
+) -> tuple[IntArray, Float32Array]:
     """Return the labels that are certain without a cut, and the costs of the rest.
 
     Parameters

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import FloatArray, IntArray
 from pawnb.core.compiled import compiled
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.poses import Poses
@@ -43,16 +44,16 @@ class Sticks:
         Centre in the body's frame and half axes along and across it, px.
     """
 
-    length: np.ndarray
-    joint: np.ndarray
-    fixed_deg: np.ndarray
-    n_links: np.ndarray
-    attach: np.ndarray
-    side: np.ndarray
-    first: np.ndarray
-    ellipses: np.ndarray
+    length: FloatArray
+    joint: IntArray
+    fixed_deg: FloatArray
+    n_links: IntArray
+    attach: FloatArray
+    side: FloatArray
+    first: IntArray
+    ellipses: FloatArray
 
-    def points(self, pose: np.ndarray) -> np.ndarray:
+    def points(self, pose: FloatArray) -> FloatArray:
         """Return where the links of all legs end.
 
         Parameters
@@ -70,7 +71,7 @@ class Sticks:
             self.first,
         )  # fmt: skip
 
-    def parts(self, pose: np.ndarray) -> np.ndarray:
+    def parts(self, pose: FloatArray) -> FloatArray:
         """Return the body's ellipses in the picture: (n_parts, 4) u, v, half axes."""
         turn = math.radians(pose[2])
         out = self.ellipses.copy()
@@ -126,7 +127,7 @@ def make_sticks(animal: StickAnimal, pose: Poses) -> Sticks:
     )
 
 
-def pose_vector(pose: Poses) -> np.ndarray:
+def pose_vector(pose: Poses) -> FloatArray:
     """Return one pose as u, v, heading and angles, shape (3 + n_joints,)."""
     return np.concatenate([pose.xy[0], pose.heading_deg[:1], pose.angles_deg[0]]).astype(float)
 

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
+
 _STEPS = 40
 _FLATTEST = 0.02
 """Least half angle of an arc, radians: a leg that is stretched beyond its length lies nearly
@@ -26,7 +28,7 @@ def arch_angle(chord_share: float) -> float:
     return 0.5 * (low + high)
 
 
-def arch(lengths: np.ndarray, reach: float, rise: float) -> tuple[np.ndarray, np.ndarray]:
+def arch(lengths: FloatArray, reach: float, rise: float) -> tuple[FloatArray, FloatArray]:
     """Return the joints of a leg that lies in an even arch over its ends.
 
     Parameters
@@ -54,7 +56,7 @@ def arch(lengths: np.ndarray, reach: float, rise: float) -> tuple[np.ndarray, np
     return out, up + (rise - up[-1]) * along / along[-1]
 
 
-def slide(places: np.ndarray, share: np.ndarray) -> np.ndarray:
+def slide(places: FloatArray, share: FloatArray) -> FloatArray:
     """Return points along a polyline.
 
     Parameters

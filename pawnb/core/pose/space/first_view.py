@@ -12,6 +12,7 @@ import dataclasses
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.core import dlt
 from pawnb.core.pose.animal import Leg, StickAnimal
 from pawnb.core.pose.poses import joint_positions
@@ -31,7 +32,7 @@ def corrected_first_view(
     track: PoseTrack,
     space: SpaceTrack,
     *,
-    coefs: np.ndarray,
+    coefs: FloatArray,
     settings: SpaceSettings,
 ) -> PoseTrack:
     """Return poses of the first view that agree with the joints in space.
@@ -85,9 +86,9 @@ class _LegFit:
     def __init__(
         self,
         leg: Leg,
-        heading_deg: np.ndarray,
-        root: np.ndarray,
-        target: np.ndarray,
+        heading_deg: FloatArray,
+        root: FloatArray,
+        target: FloatArray,
         span_px: float,
         settings: SpaceSettings,
     ) -> None:
@@ -98,7 +99,7 @@ class _LegFit:
         self.length_sd = _LENGTH_SHARE * span_px
         self.angle_sd = np.radians(settings.angle_sd_deg)
 
-    def run(self, angles_deg: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def run(self, angles_deg: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the free angles (n, free), degrees, and the lengths (n, segments), px."""
         before = np.radians(angles_deg)
         steps = np.diff(self.target, axis=1)
@@ -117,7 +118,7 @@ class _LegFit:
             angles, lengths = angles + step[:, :n_free], lengths + step[:, n_free:]
         return np.degrees(angles), np.maximum(lengths, 0.0)
 
-    def _places(self, angles: np.ndarray, lengths: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _places(self, angles: FloatArray, lengths: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return joints 1 to the tip (n, segments, 2), and their derivative by the unknowns."""
         side, n = self.leg.side, lengths.shape[1]
         every = np.tile(np.radians(self.leg.natural_deg), (len(angles), 1))

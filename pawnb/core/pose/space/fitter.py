@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import binary_dilation, label
 
+from pawnb.arrays import FloatArray
 from pawnb.core import dlt
 from pawnb.core.pose.fit.rendering.evidence import BackgroundPicture, Evidence
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence
@@ -55,11 +56,11 @@ class SpaceFrame:
         Where it lies.
     """
 
-    xy: np.ndarray
+    xy: FloatArray
     heading_deg: float
-    places: np.ndarray
-    precision: np.ndarray
-    image: np.ndarray
+    places: FloatArray
+    precision: FloatArray
+    image: FloatArray
     box: tuple[int, int, int, int]
 
 
@@ -232,7 +233,7 @@ class SpaceFitter:
         joints = np.nan_to_num(model.lines.at(places, heights))
         return np.concatenate([[body], joints.ravel()])
 
-    def arches(self, one: SpaceFrame, body: float) -> tuple[np.ndarray, np.ndarray]:
+    def arches(self, one: SpaceFrame, body: float) -> tuple[FloatArray, FloatArray]:
         """Return the joints of legs in even arches from body to ground.
 
         Returns
@@ -419,7 +420,7 @@ class SpaceFitter:
         return cost, matrix, vector
 
     def painted(
-        self, one: SpaceFrame, image_evidence: ImageEvidence, x: np.ndarray
+        self, one: SpaceFrame, image_evidence: ImageEvidence, x: FloatArray
     ) -> tuple[np.ndarray, ...]:
         """Return the second picture as ``x`` has it: value, owner, along and joints.
 

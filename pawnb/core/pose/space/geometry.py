@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from pawnb.arrays import FloatArray, Points2D, Points3D
 from pawnb.core import dlt
 from pawnb.errors import CalibrationError
 
@@ -11,7 +12,7 @@ _LEAST_CHANGE = 0.2
 """Least change in the second picture, as a share of the greatest of any direction."""
 
 
-def view_slope(coefs: np.ndarray, xyz: np.ndarray) -> np.ndarray:
+def view_slope(coefs: FloatArray, xyz: Points3D) -> FloatArray:
     """Return how a view's u and v change with a point.
 
     Parameters
@@ -32,7 +33,7 @@ def view_slope(coefs: np.ndarray, xyz: np.ndarray) -> np.ndarray:
     return np.asarray((rows - uv[..., None] * coefs[8:11]) / weight[..., None, None])
 
 
-def px_per_unit(coefs: np.ndarray, xyz: np.ndarray) -> float:
+def px_per_unit(coefs: FloatArray, xyz: Points3D) -> float:
     """Return how many px of a view one unit at a point has, across the line of sight."""
     return float(np.linalg.norm(view_slope(coefs, xyz)) / np.sqrt(2.0))
 
@@ -57,14 +58,14 @@ class SightLines:
         Unit vector along which heights are counted.
     """
 
-    def __init__(self, coefs: np.ndarray, about: np.ndarray, up: np.ndarray) -> None:
+    def __init__(self, coefs: FloatArray, about: FloatArray, up: FloatArray) -> None:
         self.coefs, self.about = np.asarray(coefs, dtype=float), np.asarray(about, dtype=float)
         slope = view_slope(self.coefs, self.about)
         axis = np.cross(slope[0], slope[1])
         axis /= np.linalg.norm(axis)
         self.axis = axis if axis @ np.asarray(up) >= 0 else -axis
 
-    def lines(self, uv: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def lines(self, uv: np.ndarray) -> tuple[FloatArray, FloatArray]:
         """Return the point at height 0 and the change with height of each sight line.
 
         Parameters
@@ -91,17 +92,17 @@ class SightLines:
         both = np.where(known[..., None, None], both, np.nan)
         return both[..., 0], both[..., 1]
 
-    def at(self, uv: np.ndarray, height: np.ndarray | float) -> np.ndarray:
+    def at(self, uv: Points2D, height: np.ndarray | float) -> FloatArray:
         """Return the points (..., 3) on the sight lines of ``uv`` (..., 2) at heights (...)."""
         start, direction = self.lines(uv)
         return np.asarray(start + np.asarray(height)[..., None] * direction)
 
-    def height(self, xyz: np.ndarray) -> np.ndarray:
+    def height(self, xyz: Points3D) -> FloatArray:
         """Return the heights (...) of points (..., 3)."""
         return np.asarray((xyz - self.about) @ self.axis)
 
 
-def check_second_view(lines: SightLines, coefs: np.ndarray, names: tuple[str, str]) -> None:
+def check_second_view(lines: SightLines, coefs: FloatArray, names: tuple[str, str]) -> None:
     """Refuse a second view that does not show heights.
 
     Parameters

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.core import dlt
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.fit.layout import Layout, make_layout
@@ -59,14 +60,14 @@ class SpaceModel:
 
     animal: StickAnimal
     lines: SightLines
-    coefs: np.ndarray
+    coefs: FloatArray
     factor: int
     layout: Layout
     size: float
-    lengths: np.ndarray
+    lengths: FloatArray
     heights: tuple[float, float]
-    thickness: np.ndarray
-    lift: np.ndarray
+    thickness: FloatArray
+    lift: FloatArray
     ground: float
     settings: SpaceSettings
 
@@ -79,7 +80,7 @@ class SpaceModel:
         """Return the model with some of its values replaced."""
         return dataclasses.replace(self, **values)  # type: ignore[arg-type]
 
-    def body_parts(self, xy: np.ndarray, heading_deg: float, height: float) -> np.ndarray:
+    def body_parts(self, xy: FloatArray, heading_deg: float, height: float) -> FloatArray:
         """Return the body in the second picture, for :func:`picture_loops.paint_parts`.
 
         Parameters
@@ -204,8 +205,8 @@ def make_model(
 
 def _heights_in_view(
     lines: SightLines,
-    coefs: np.ndarray,
-    xy: np.ndarray,
+    coefs: FloatArray,
+    xy: FloatArray,
     views: tuple[str, str],
     sizes: tuple[tuple[int, int], tuple[int, int]],
 ) -> tuple[float, float]:
@@ -225,7 +226,7 @@ def _heights_in_view(
     return float(heights[shown[0]]), float(heights[shown[-1]])
 
 
-def first_view_places(model: SpaceModel, track: PoseTrack) -> tuple[np.ndarray, np.ndarray]:
+def first_view_places(model: SpaceModel, track: PoseTrack) -> tuple[FloatArray, FloatArray]:
     """Return places of the joints in the first view and how sure they are.
 
     Parameters

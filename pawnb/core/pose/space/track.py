@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
+from pawnb.arrays import FloatArray
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,11 +29,11 @@ class SpaceTrack:
         Share of the leg's middle line on which the second view is dark as the animal is.
     """
 
-    body: np.ndarray
-    joints: np.ndarray
-    body_sd: np.ndarray
-    joints_sd: np.ndarray
-    seen_uv: np.ndarray
-    body_uv: np.ndarray
-    residual_px: np.ndarray
-    support: np.ndarray
+    body: FloatArray
+    joints: FloatArray
+    body_sd: FloatArray
+    joints_sd: FloatArray
+    seen_uv: FloatArray
+    body_uv: FloatArray
+    residual_px: FloatArray
+    support: FloatArray

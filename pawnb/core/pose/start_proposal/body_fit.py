@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 from scipy.optimize import least_squares
 
+from pawnb.arrays import FloatArray
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.start_proposal.silhouette import Silhouette, sample_grid
 
@@ -31,20 +32,20 @@ class BodyFit:
         Median distance between the outlines, as a share of the body's length.
     """
 
-    xy: np.ndarray
+    xy: FloatArray
     heading_deg: float
     scale: float
     misfit: float
 
-    def place(self, points: np.ndarray) -> np.ndarray:
+    def place(self, points: FloatArray) -> FloatArray:
         """Return (..., 2) points of the body's frame in grid px."""
         return _placed(np.asarray(points, dtype=float), self._parameters())
 
-    def _parameters(self) -> np.ndarray:
+    def _parameters(self) -> FloatArray:
         return np.array([*self.xy, np.radians(self.heading_deg), np.log(self.scale)])
 
 
-def body_outline(animal: StickAnimal) -> np.ndarray:
+def body_outline(animal: StickAnimal) -> FloatArray:
     """Return points round the body, shape (n, 2): forward, right; unit of the species file.
 
     Points inside another part of the body are left out.
@@ -100,7 +101,7 @@ def fit_body(
         back = guess * np.array([np.cos(heading), np.sin(heading)]) * centre[0]
         start = np.array([*(middle - back), heading, np.log(guess)])
 
-        def residuals(p: np.ndarray) -> np.ndarray:
+        def residuals(p: FloatArray) -> FloatArray:
             """How far the outlines are apart both ways, and the scale from what is known."""
             to_core = sample_grid(signed, _placed(model, p))
             to_model = _to_ellipses(animal, rim, p)
@@ -116,14 +117,14 @@ def fit_body(
     return fits
 
 
-def _placed(points: np.ndarray, p: np.ndarray) -> np.ndarray:
+def _placed(points: FloatArray, p: FloatArray) -> FloatArray:
     """Return points of the body's frame in grid px; p is x, y, heading (rad), log scale."""
     cos, sin = np.cos(p[2]) * np.exp(p[3]), np.sin(p[2]) * np.exp(p[3])
     x, y = points[..., 0], points[..., 1]
     return np.stack([p[0] + cos * x - sin * y, p[1] + sin * x + cos * y], axis=-1)
 
 
-def _to_ellipses(animal: StickAnimal, pixels: np.ndarray, p: np.ndarray) -> np.ndarray:
+def _to_ellipses(animal: StickAnimal, pixels: FloatArray, p: FloatArray) -> FloatArray:
     """Return about how far pixels lie outside the nearest ellipse (inside: negative), grid px."""
     size = np.exp(p[3])
     cos, sin = np.cos(p[2]), np.sin(p[2])

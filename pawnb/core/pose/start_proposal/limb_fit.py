@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares, linear_sum_assignment
 
+from pawnb.arrays import BoolArray, FloatArray, IntArray
 from pawnb.core.pose.animal import Leg, StickAnimal
 from pawnb.core.pose.start_proposal.body_fit import BodyFit
 from pawnb.core.pose.start_proposal.silhouette import Limb, Silhouette, sample_grid
@@ -39,7 +40,7 @@ class LegFit:
         0 (not found) to 1.
     """
 
-    angles_deg: np.ndarray
+    angles_deg: FloatArray
     factor: float
     sure: float
 
@@ -170,7 +171,7 @@ def fit_leg(leg: Leg, body: BodyFit, limb: Limb, *, outline: Silhouette, margin:
     inner = share[:-1, None] + np.diff(share)[:, None] * _SAMPLES
     wanted = _along(path, along, inner.ravel())
 
-    def chain(p: np.ndarray) -> np.ndarray:
+    def chain(p: FloatArray) -> FloatArray:
         """Joints and tip of the leg, (n + 1, 2) grid px."""
         angles = np.array(leg.natural_deg)
         angles[free] = p[:-1]
@@ -178,7 +179,7 @@ def fit_leg(leg: Leg, body: BodyFit, limb: Limb, *, outline: Silhouette, margin:
         steps = (np.exp(p[-1]) * lengths)[:, None] * np.stack([np.cos(turn), np.sin(turn)], 1)
         return np.concatenate([attach[None], attach + np.cumsum(steps, axis=0)])
 
-    def residuals(p: np.ndarray) -> np.ndarray:
+    def residuals(p: FloatArray) -> FloatArray:
         places = chain(p)
         samples = places[:-1, None] + np.diff(places, axis=0)[:, None] * _SAMPLES[:, None]
         samples = samples.reshape(-1, 2)
@@ -219,7 +220,7 @@ def count_crossings(chains: Sequence[np.ndarray]) -> int:
 
 def _cheapest(
     animal: StickAnimal, body: BodyFit, limbs: Sequence[Limb], *, longer: float, slack: float
-) -> tuple[np.ndarray, np.ndarray]:
+) -> tuple[IntArray, FloatArray]:
     """Return the cheapest limb of each leg, and the cost of each pair.
 
     Columns from ``len(limbs)`` on stand for having no limb.
@@ -274,13 +275,13 @@ def _natural_tip_deg(leg: Leg) -> float:
     return float(np.degrees(np.arctan2(lengths @ np.sin(turn), lengths @ np.cos(turn))))
 
 
-def _forward_deg(leg: Leg, step: np.ndarray, heading_deg: float) -> float:
+def _forward_deg(leg: Leg, step: FloatArray, heading_deg: float) -> float:
     """Return a direction in the picture as degrees forwards from the perpendicular to the body."""
     direction = np.degrees(np.arctan2(step[1], step[0]))
     return float(_wrapped(90.0 - leg.side * (direction - heading_deg)))
 
 
-def _angles_of(leg: Leg, joints: np.ndarray, heading_deg: float) -> np.ndarray:
+def _angles_of(leg: Leg, joints: FloatArray, heading_deg: float) -> FloatArray:
     """Return the free joints of a leg whose joints lie at these places, degrees."""
     n = len(leg.segments)
     angles, total = [], 0.0
@@ -296,16 +297,16 @@ def _angles_of(leg: Leg, joints: np.ndarray, heading_deg: float) -> np.ndarray:
     return np.array(angles)
 
 
-def _along(path: np.ndarray, along: np.ndarray, share: np.ndarray) -> np.ndarray:
+def _along(path: FloatArray, along: FloatArray, share: FloatArray) -> FloatArray:
     """Return points at shares of a path's length, shape (n, 2)."""
     at = share * along[-1]
     return np.stack([np.interp(at, along, path[:, 0]), np.interp(at, along, path[:, 1])], axis=1)
 
 
-def _cross(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray) -> np.ndarray:
+def _cross(a: FloatArray, b: FloatArray, c: FloatArray, d: FloatArray) -> BoolArray:
     """Say whether the lines a-b and c-d cross."""
 
-    def side(p: np.ndarray, q: np.ndarray, r: np.ndarray) -> np.ndarray:
+    def side(p: FloatArray, q: FloatArray, r: FloatArray) -> FloatArray:
         return np.sign(
             (q[..., 0] - p[..., 0]) * (r[..., 1] - p[..., 1])
             - (q[..., 1] - p[..., 1]) * (r[..., 0] - p[..., 0])

@@ -14,6 +14,7 @@ import numpy as np
 from skimage.graph import MCP_Geometric
 from skimage.morphology import skeletonize
 
+from pawnb.arrays import BoolArray, ByteArray, Float32Array, FloatArray, IntArray
 from pawnb.core.pixels.grey import grey
 
 _NOISE_SDS = 4.0
@@ -75,7 +76,7 @@ class Silhouette:
     at_edge: bool
     others: float
 
-    def to_view(self, points: np.ndarray) -> np.ndarray:
+    def to_view(self, points: FloatArray) -> FloatArray:
         """Return (..., 2) points u, v of the grid in px of the view."""
         offset = (self.shrink - 1) / 2
         return np.asarray(points, dtype=float) * self.shrink + offset + np.array(self.origin)
@@ -100,22 +101,22 @@ class Limb:
         Length of the part that no longer limb shares, grid px.
     """
 
-    path: np.ndarray
+    path: FloatArray
     length: float
     own: float
 
     @property
-    def tip(self) -> np.ndarray:
+    def tip(self) -> FloatArray:
         """u, v of the tip, grid px."""
         return self.path[-1]
 
     @property
-    def root(self) -> np.ndarray:
+    def root(self) -> FloatArray:
         """u, v where the limb leaves the body, grid px."""
         return self.path[0]
 
 
-def sample_grid(grid: np.ndarray, points: np.ndarray) -> np.ndarray:
+def sample_grid(grid: Float32Array, points: FloatArray) -> FloatArray:
     """Return a grid's values at (n, 2) points u, v, between its pixels; beyond it, its edge."""
     u = points[:, 0].astype(np.float32)[None]
     v = points[:, 1].astype(np.float32)[None]
@@ -123,7 +124,7 @@ def sample_grid(grid: np.ndarray, points: np.ndarray) -> np.ndarray:
     return np.asarray(found[0], dtype=float)
 
 
-def find_silhouette(image: np.ndarray, background: BackgroundModel) -> Silhouette | None:
+def find_silhouette(image: ByteArray, background: BackgroundModel) -> Silhouette | None:
     """Find the animal's outline in one picture.
 
     Parameters
@@ -213,7 +214,7 @@ def trace_limbs(outline: Silhouette, *, shortest: float, most: int) -> list[Limb
     return limbs
 
 
-def _sharp_depth(part: np.ndarray, depth: np.ndarray, signal: np.ndarray) -> np.ndarray:
+def _sharp_depth(part: np.ndarray, depth: np.ndarray, signal: np.ndarray) -> Float32Array:
     """Return the distance to the outline where it is sharp: half as far from the background.
 
     The mask reaches further, to where the picture begins to differ, so as to hold pale tips.
@@ -225,7 +226,7 @@ def _sharp_depth(part: np.ndarray, depth: np.ndarray, signal: np.ndarray) -> np.
     return np.asarray(cv2.distanceTransform(closed, cv2.DIST_L2, 5))
 
 
-def _thresholded(away: np.ndarray, background: BackgroundModel) -> tuple[np.ndarray, np.ndarray]:
+def _thresholded(away: Float32Array, background: BackgroundModel) -> tuple[BoolArray, BoolArray]:
     """Return where the picture may be animal, and where it surely is."""
     noise = max(float(np.median(background.sd)), 0.5)
     floor = _NOISE_SDS * np.sqrt(background.sd**2 + noise**2) * 0.6  # blurring halves the noise
@@ -238,7 +239,7 @@ def _thresholded(away: np.ndarray, background: BackgroundModel) -> tuple[np.ndar
     return low, low & (away > 0.6 * contrast)
 
 
-def _light_change(picture: np.ndarray, mean: np.ndarray) -> np.ndarray:
+def _light_change(picture: Float32Array, mean: Float32Array) -> np.ndarray:
     """Return how much lighter each part of the scene is than it was, (H, W) about 1.
 
     The median ratio of blocks larger than the animal's parts, and of their neighbours: a
@@ -261,7 +262,7 @@ def _light_change(picture: np.ndarray, mean: np.ndarray) -> np.ndarray:
     return cv2.resize(blocks, (width, height), interpolation=cv2.INTER_LINEAR)
 
 
-def _animal_of(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray | None, float]:
+def _animal_of(low: BoolArray, high: BoolArray) -> tuple[np.ndarray | None, float]:
     """Return the largest thing, with pieces beside it, and the size of the next as a share."""
     joined = cv2.morphologyEx(low.astype(np.uint8), cv2.MORPH_CLOSE, np.ones((5, 5), np.uint8))
     n, labels = cv2.connectedComponents(joined)
@@ -275,7 +276,7 @@ def _animal_of(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray | None, fl
 
 
 def _box_of(
-    u: np.ndarray, v: np.ndarray, shape: tuple[int, int]
+    u: IntArray, v: IntArray, shape: tuple[int, int]
 ) -> tuple[tuple[int, int, int, int], int]:
     """Return a box round the pixels with a margin, a multiple of the factor to reduce it by."""
     longest = max(np.ptp(u), np.ptp(v)) + 1
@@ -289,7 +290,7 @@ def _box_of(
     return (u0, v0, u1 - (u1 - u0) % shrink, v1 - (v1 - v0) % shrink), shrink
 
 
-def _core_of(depth: np.ndarray) -> np.ndarray:
+def _core_of(depth: Float32Array) -> BoolArray:
     """Return the mask without its thin parts: opened by a disc, the largest piece."""
     radius = _CORE * float(depth.max())
     seeds = (depth <= radius).astype(np.uint8)

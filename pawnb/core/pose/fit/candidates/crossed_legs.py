@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.core.pose.fit.candidates.leg_candidates import legs_cross, part_near
 from pawnb.core.pose.fit.candidates.parameters import CANDIDATES
 from pawnb.core.pose.fit.fitter import FrameFitter
@@ -17,8 +18,8 @@ from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence, Pr
 
 
 def uncrossed(
-    fitter: FrameFitter, pose: np.ndarray, image_evidence: ImageEvidence, *, prior: Prior
-) -> np.ndarray:
+    fitter: FrameFitter, pose: FloatArray, image_evidence: ImageEvidence, *, prior: Prior
+) -> FloatArray:
     """Return the pose in which neighbouring legs have given each other their ends back.
 
     Parameters
@@ -46,11 +47,11 @@ def uncrossed(
 
 def _pair(
     fitter: FrameFitter,
-    pose: np.ndarray,
+    pose: FloatArray,
     legs: tuple[int, int],
     image_evidence: ImageEvidence,
     prior: Prior,
-) -> np.ndarray:
+) -> FloatArray:
     """Return the pose with two legs as they fit better: crossed, if they are, or not."""
     layout, places = fitter.layout, fitter.joints(pose)
     if not legs_cross(fitter, (legs[0], places[legs[0]]), (legs[1], places[legs[1]])):
@@ -70,7 +71,7 @@ def _pair(
     return found if after < before - CANDIDATES.crossed_legs_better else pose
 
 
-def with_ends_swapped(one: np.ndarray, other: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def with_ends_swapped(one: FloatArray, other: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return two chains that cross with what lies beyond their first crossing exchanged.
 
     Parameters
@@ -94,7 +95,7 @@ def with_ends_swapped(one: np.ndarray, other: np.ndarray) -> tuple[np.ndarray, n
     )
 
 
-def _first_crossing(one: np.ndarray, other: np.ndarray) -> tuple[int, int, np.ndarray] | None:
+def _first_crossing(one: FloatArray, other: FloatArray) -> tuple[int, int, np.ndarray] | None:
     """Return which segments of two chains cross, the first of ``one`` that does, and where."""
     for i, (a, b) in enumerate(zip(one[:-1], np.diff(one, axis=0), strict=True)):
         for j, (c, d) in enumerate(zip(other[:-1], np.diff(other, axis=0), strict=True)):
@@ -108,13 +109,13 @@ def _first_crossing(one: np.ndarray, other: np.ndarray) -> tuple[int, int, np.nd
     return None
 
 
-def _laid_along(path: np.ndarray, joints: np.ndarray) -> np.ndarray:
+def _laid_along(path: FloatArray, joints: FloatArray) -> FloatArray:
     """Return places at the same shares of a path as joints have of their own chain."""
     own, at = _far(joints), _far(path)
     share = own * at[-1] / max(own[-1], 1e-9)
     return np.column_stack([np.interp(share, at, path[:, i]) for i in (0, 1)])
 
 
-def _far(chain: np.ndarray) -> np.ndarray:
+def _far(chain: FloatArray) -> FloatArray:
     """Return how far along a chain each of its places lies."""
     return np.append(0.0, np.cumsum(np.hypot(*np.diff(chain, axis=0).T)))

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from pawnb.arrays import FloatArray, IntArray
 from pawnb.core.pose.fit.candidates.candidate_kernels import (
     free_of_others,
     leg_footprint,
@@ -26,7 +27,7 @@ from pawnb.core.pose.fit.rendering.paint_kernels import leg_chain
 
 
 def limb_candidates(
-    fitter: FrameFitter, pose: np.ndarray, leg: int, *, image_evidence: ImageEvidence, prior: Prior
+    fitter: FrameFitter, pose: FloatArray, leg: int, *, image_evidence: ImageEvidence, prior: Prior
 ) -> list[np.ndarray]:
     """Return poses of a leg that the silhouette offers, each fitted.
 
@@ -84,14 +85,14 @@ def limb_candidates(
 
 def fit_leg(
     fitter: FrameFitter,
-    pose: np.ndarray,
+    pose: FloatArray,
     leg: int,
     *,
-    guess: np.ndarray,
+    guess: FloatArray,
     image_evidence: ImageEvidence,
     prior: Prior,
     rounds: int = 4,
-) -> np.ndarray:
+) -> FloatArray:
     """Return one leg's part of the pose vector, fitted with the body as it is.
 
     Parameters
@@ -128,7 +129,7 @@ def fit_leg(
 def part_about(
     fitter: FrameFitter,
     image_evidence: ImageEvidence,
-    pose: np.ndarray,
+    pose: FloatArray,
     *,
     leg: int,
     guesses: Sequence[np.ndarray],
@@ -267,7 +268,7 @@ def _weigh(
             )
 
 
-def _may_meet(one: np.ndarray, other: np.ndarray) -> bool:
+def _may_meet(one: FloatArray, other: FloatArray) -> bool:
     """Return whether the boxes about all candidates of two legs, joints as in Choices, overlap."""
     low = np.fmax(np.nanmin(one, axis=(0, 1)), np.nanmin(other, axis=(0, 1)))
     high = np.fmin(np.nanmax(one, axis=(0, 1)), np.nanmax(other, axis=(0, 1)))
@@ -275,7 +276,7 @@ def _may_meet(one: np.ndarray, other: np.ndarray) -> bool:
 
 
 def legs_cross(
-    fitter: FrameFitter, one: tuple[int, np.ndarray], other: tuple[int, np.ndarray]
+    fitter: FrameFitter, one: tuple[int, FloatArray], other: tuple[int, FloatArray]
 ) -> bool:
     """Return whether two legs, each given by its number and its joints, cross.
 
@@ -295,7 +296,7 @@ def legs_cross(
     return bool(chains_cross(one[1], n[one[0]], other[1], n[other[0]]))
 
 
-def _distinct(joints: np.ndarray, cost: np.ndarray, n: int) -> list[int]:
+def _distinct(joints: FloatArray, cost: FloatArray, n: int) -> list[int]:
     """Return the first candidate of a leg and the cheapest of those on each other limb."""
     kept = [0]
     for i in np.argsort(cost[1:], kind="stable") + 1:
@@ -304,14 +305,14 @@ def _distinct(joints: np.ndarray, cost: np.ndarray, n: int) -> list[int]:
     return kept
 
 
-def _worth_keeping(alone: np.ndarray, distinct: list[int], most: int) -> np.ndarray:
+def _worth_keeping(alone: FloatArray, distinct: list[int], most: int) -> IntArray:
     """Return the candidates to keep: always the first, the other distinct ones by worth."""
     others = sorted(distinct[1:], key=lambda i: float(alone[i]))
     good = [i for i in others if alone[i] < CANDIDATES.leg_candidates_worthless * alone.min()]
     return np.array([0, *good[: most - 1]])
 
 
-def _joints(fitter: FrameFitter, pose: np.ndarray, leg: int, numbers: np.ndarray) -> np.ndarray:
+def _joints(fitter: FrameFitter, pose: FloatArray, leg: int, numbers: FloatArray) -> FloatArray:
     """Return where one leg's part of the pose vector puts its joints."""
     trial = pose.copy()
     trial[fitter.numbers[leg]] = numbers
@@ -320,14 +321,14 @@ def _joints(fitter: FrameFitter, pose: np.ndarray, leg: int, numbers: np.ndarray
     return joints
 
 
-def sides_of(side: np.ndarray) -> list[list[int]]:
+def sides_of(side: FloatArray) -> list[list[int]]:
     """Return the legs of each side."""
     return [[i for i, s in enumerate(side) if s == which] for which in np.unique(side)]
 
 
 def side_energy(
     choices: LegCandidates, legs: Sequence[int], share: float, *, others: Mapping[int, int]
-) -> np.ndarray:
+) -> FloatArray:
     """Return the cost of every combination of one side's candidates, one axis a leg.
 
     That of the picture, times ``share`` (neighbouring pixels do not err independently), and that

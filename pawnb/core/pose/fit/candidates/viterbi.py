@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.core.pose.fit.candidates.parameters import CANDIDATES
 from pawnb.core.pose.fit.candidates.viterbi_kernels import step_costs
 
@@ -19,7 +20,7 @@ from pawnb.core.pose.fit.candidates.viterbi_kernels import step_costs
 class _Moment:
     """One frame of a trellis: cost of the best path to each state, and its predecessors."""
 
-    cost: np.ndarray
+    cost: FloatArray
     back: list[np.ndarray]
     joints: list[np.ndarray]
     velocity: list[np.ndarray]

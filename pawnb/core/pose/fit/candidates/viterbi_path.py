@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.core.parallel import Threads
 from pawnb.core.pose.fit.candidates.candidate_sets import LegCandidates
 from pawnb.core.pose.fit.candidates.leg_candidates import add_candidates, fit_leg, side_energy
@@ -119,7 +120,7 @@ def _follow_back(follower: Follower, paths: list[dict[int, int]]) -> bool:
     return bool(leaps)
 
 
-def _trace(follower: Follower, leg: int, t: int, numbers: np.ndarray) -> None:
+def _trace(follower: Follower, leg: int, t: int, numbers: FloatArray) -> None:
     """Follow one leg backwards from frame t until it meets a known candidate or is lost."""
     fitter, kept = follower.fitter, follower.kept
     velocity = np.zeros_like(numbers)
@@ -147,6 +148,6 @@ def _trace(follower: Follower, leg: int, t: int, numbers: np.ndarray) -> None:
         numbers = found
 
 
-def chosen_poses(fitter: FrameFitter, found: list[LegCandidates]) -> np.ndarray:
+def chosen_poses(fitter: FrameFitter, found: list[LegCandidates]) -> FloatArray:
     """Return the poses of a path, shape (n, n_parameters)."""
     return np.array([c.pose for c in found]).reshape(len(found), fitter.n)

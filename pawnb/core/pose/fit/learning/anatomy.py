@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from pawnb.arrays import FloatArray, IntArray
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.fit.layout import N_BODY, links_of
 from pawnb.core.pose.fit.learning.parameters import LEARNING
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import Prior
 
 
-def parameter_kinds(animal: StickAnimal) -> tuple[np.ndarray, np.ndarray]:
+def parameter_kinds(animal: StickAnimal) -> tuple[IntArray, IntArray]:
     """Return where the angles and the foreshortenings are in the pose vector."""
     angles: list[int] = []
     lengths: list[int] = []
@@ -23,7 +24,7 @@ def parameter_kinds(animal: StickAnimal) -> tuple[np.ndarray, np.ndarray]:
     return np.array(angles), np.array(lengths)
 
 
-def anatomy(animal: StickAnimal, start: np.ndarray, *, foreshortening_sd: float) -> Prior:
+def anatomy(animal: StickAnimal, start: FloatArray, *, foreshortening_sd: float) -> Prior:
     """Return the prior of anatomy.
 
     Parameters
@@ -66,7 +67,7 @@ def anatomy(animal: StickAnimal, start: np.ndarray, *, foreshortening_sd: float)
     )  # fmt: skip
 
 
-def about(prior: Prior, pose: np.ndarray, sd: np.ndarray) -> Prior:
+def about(prior: Prior, pose: FloatArray, sd: FloatArray) -> Prior:
     """Return the prior with a second source of knowledge: ``pose`` with standard deviations.
 
     Parameters

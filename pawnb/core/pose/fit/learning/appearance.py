@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import FloatArray, IntArray
 from pawnb.core.pose.fit.layout import Layout
 from pawnb.core.pose.fit.learning.appearance_kernels import body_equations, look_equations
 from pawnb.core.pose.fit.learning.body_equations import LEAST_DARK, MOST_DARK, BodyEquations
@@ -27,7 +28,7 @@ def learn_appearance(
     frames: Sequence[tuple[np.ndarray, ImageEvidence]],
     *,
     first: Layout,
-    partner: np.ndarray,
+    partner: IntArray,
     prior: Prior,
     blur: float,
     soft: float,
@@ -74,7 +75,7 @@ class _Known:
     """What stays the same while a look is learnt; see :func:`learn_appearance`."""
 
     first: Layout
-    partner: np.ndarray
+    partner: IntArray
     prior: Prior
     blur: float
     soft: float
@@ -107,9 +108,9 @@ class _OfFrame:
     """What one frame says: its cost, and the equations of legs, body and pose."""
 
     cost: float
-    legs: tuple[np.ndarray, np.ndarray]
-    body: tuple[np.ndarray, np.ndarray]
-    pose: tuple[np.ndarray, np.ndarray]
+    legs: tuple[FloatArray, FloatArray]
+    body: tuple[FloatArray, FloatArray]
+    pose: tuple[FloatArray, FloatArray]
 
 
 def _step(layout: Layout, frames: list[tuple[np.ndarray, ImageEvidence]], known: _Known) -> _Step:
@@ -128,7 +129,7 @@ def _step(layout: Layout, frames: list[tuple[np.ndarray, ImageEvidence]], known:
 
 
 def _of_frame(
-    layout: Layout, frame: tuple[np.ndarray, ImageEvidence], known: _Known, meets: np.ndarray
+    layout: Layout, frame: tuple[FloatArray, ImageEvidence], known: _Known, meets: FloatArray
 ) -> _OfFrame:
     """Return what one frame says near its pose; ``meets`` as in :class:`.BodyEquations`."""
     pose, image_evidence = frame
@@ -188,7 +189,7 @@ def _of_frame(
 
 
 def _painted(
-    layout: Layout, pose: np.ndarray, image_evidence: ImageEvidence, known: _Known
+    layout: Layout, pose: FloatArray, image_evidence: ImageEvidence, known: _Known
 ) -> tuple[tuple[np.ndarray, ...], float]:
     """Return the painted canvas of a frame, and what picture and pose cost."""
     canvas = make_canvas(len(image_evidence.seen), image_evidence.seen.shape[1], layout)
@@ -209,7 +210,7 @@ def _taken(
 ) -> tuple[Layout, list[tuple[np.ndarray, ImageEvidence]]]:
     """Return look and frames after a share of a step."""
 
-    def between(now: np.ndarray, then: np.ndarray) -> np.ndarray:
+    def between(now: FloatArray, then: FloatArray) -> FloatArray:
         return now + share * (then - now)
 
     radius = layout.radius.copy()
@@ -244,9 +245,9 @@ def _helpful_share(
 def learn_legs(
     layout: Layout,
     first: Layout,
-    partner: np.ndarray,
+    partner: IntArray,
     *,
-    equations: tuple[np.ndarray, np.ndarray],
+    equations: tuple[FloatArray, FloatArray],
     n_frames: int,
 ) -> Layout:
     """Return the layout with legs as thick and dark as one step of the equations has them.
@@ -300,7 +301,7 @@ def _prior_cost(layout: Layout, first: Layout, n_frames: int) -> float:
 
 
 @functools.cache
-def _look_prior(n: int) -> np.ndarray:
+def _look_prior(n: int) -> FloatArray:
     """Return the precision of a leg's logarithmic radii and darknesses, shape (2n, 2n)."""
     out = np.zeros((2 * n, 2 * n))
     change = np.diff(np.eye(n), axis=0)

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 import cv2
 import numpy as np
 
+from pawnb.arrays import BoolArray, ByteArray, Float32Array, FloatArray
 from pawnb.core.pose.fit.candidates.candidate_sets import LegCandidates
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.learning.attached_clutter_kernels import in_body_frame
@@ -20,8 +21,8 @@ from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence
 
 
 def find_attached_clutter(
-    fitter: FrameFitter, found: Sequence[LegCandidates], poses: np.ndarray
-) -> np.ndarray | None:
+    fitter: FrameFitter, found: Sequence[LegCandidates], poses: FloatArray
+) -> BoolArray | None:
     """Return where something that is no leg is fixed to the body.
 
     Parameters
@@ -49,7 +50,7 @@ def find_attached_clutter(
     chosen = np.unique(np.linspace(0, len(found) - 1, LEARNING.attached_clutter_frames).astype(int))
     side = 2 * int(np.ceil(fitter.reach)) + 1
 
-    def turned(own: FrameFitter, t: int) -> np.ndarray:
+    def turned(own: FrameFitter, t: int) -> Float32Array:
         image = found[t].image.astype(float)
         image_evidence = own.image_evidence(image, found[t].box, poses[t], margin=np.inf)
         out = np.empty((side, side), np.float32)
@@ -73,7 +74,7 @@ def find_attached_clutter(
     return fixed if is_more else None
 
 
-def _body(fitter: FrameFitter, side: int) -> np.ndarray:
+def _body(fitter: FrameFitter, side: int) -> BoolArray:
     """Return where the body itself may be, in its own frame."""
     pose, empty = np.zeros(fitter.n), np.zeros((side, side))
     image_evidence = ImageEvidence(
@@ -82,7 +83,7 @@ def _body(fitter: FrameFitter, side: int) -> np.ndarray:
     return fitter.near_body(pose, image_evidence)
 
 
-def _hanging_on(wide: np.ndarray, body: np.ndarray) -> np.ndarray:
+def _hanging_on(wide: ByteArray, body: BoolArray) -> ByteArray:
     """Return the parts of a mask (uint8) that touch the body."""
     _, names = cv2.connectedComponents(wide)
     kept = np.unique(names[body])

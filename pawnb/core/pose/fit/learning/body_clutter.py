@@ -11,6 +11,7 @@ from collections.abc import Sequence
 import cv2
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.learning.attached_clutter_kernels import disregard, in_body_frame
 from pawnb.core.pose.fit.learning.parameters import LEARNING
@@ -20,7 +21,7 @@ from pawnb.core.pose.fit.rendering.paint_kernels import make_canvas, paint
 
 def find_body_clutter(
     fitter: FrameFitter, frames: Sequence[tuple[np.ndarray, ImageEvidence]]
-) -> np.ndarray | None:
+) -> FloatArray | None:
     """Return how much each place of the body's frame counts.
 
     Parameters
@@ -56,8 +57,8 @@ def find_body_clutter(
 
 
 def _difference(
-    fitter: FrameFitter, pose: np.ndarray, image_evidence: ImageEvidence, side: int
-) -> np.ndarray:
+    fitter: FrameFitter, pose: FloatArray, image_evidence: ImageEvidence, side: int
+) -> FloatArray:
     """Return what is seen less what is painted, in the body's frame; NaN where a leg is."""
     canvas = make_canvas(len(image_evidence.seen), image_evidence.seen.shape[1], fitter.layout)
     paint(fitter.layout, pose, fitter.blur, image_evidence.box, *canvas)
@@ -69,7 +70,7 @@ def _difference(
 
 
 def without_body_clutter(
-    fitter: FrameFitter, pose: np.ndarray, image_evidence: ImageEvidence
+    fitter: FrameFitter, pose: FloatArray, image_evidence: ImageEvidence
 ) -> ImageEvidence:
     """Return a sight in which the fitter's odd places have no weight; the body is at ``pose``.
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.core.pose.fit.layout import N_BODY, meeting
 from pawnb.core.pose.fit.learning.parameters import LEARNING
 
@@ -28,7 +29,7 @@ class BodyEquations:
         How many frames will be added.
     """
 
-    def __init__(self, ellipse: np.ndarray, known: np.ndarray, n_frames: int) -> None:
+    def __init__(self, ellipse: FloatArray, known: FloatArray, n_frames: int) -> None:
         self.known, self.ellipse = known, ellipse
         self.meets = meeting(known)
         parts = len(ellipse)
@@ -43,7 +44,7 @@ class BodyEquations:
         self.matrix, self.vector = np.diag(stiff), stiff * self.now
         self.follow: list[tuple[np.ndarray, np.ndarray]] = []
 
-    def _numbers(self, ellipse: np.ndarray) -> np.ndarray:
+    def _numbers(self, ellipse: FloatArray) -> FloatArray:
         """Return what is learnt of every part, see ``LEARNING.body_sd``, then the overlap."""
         longer, wider = np.log(ellipse[:, 2:4] / self.known[:, 2:4]).T
         darker = ellipse[:, 4] - self.known[:, 4]
@@ -53,12 +54,12 @@ class BodyEquations:
         shape = np.column_stack([longer, wider, darker, ellipse[:, 5], middle])
         return np.append(shape.ravel(), overlap)
 
-    def prior_cost(self, ellipse: np.ndarray) -> float:
+    def prior_cost(self, ellipse: FloatArray) -> float:
         """Return what a shape (like ``ellipse``) costs by itself."""
         return 0.5 * float(self.stiff @ self._numbers(ellipse) ** 2)
 
     def add(
-        self, matrix: np.ndarray, vector: np.ndarray, *, of_pose: np.ndarray, slope: np.ndarray
+        self, matrix: FloatArray, vector: FloatArray, *, of_pose: FloatArray, slope: FloatArray
     ) -> None:
         """Add a frame.
 
@@ -85,7 +86,7 @@ class BodyEquations:
         self.vector -= across @ own
         self.follow.append((follow, own))
 
-    def solve(self) -> tuple[np.ndarray, list[np.ndarray]]:
+    def solve(self) -> tuple[FloatArray, list[np.ndarray]]:
         """Return the body after the step, and how each frame's pose moves with it."""
         step = -np.linalg.solve(self.matrix, self.vector)
         step = np.clip(step, -LEARNING.most_step, LEARNING.most_step)

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from pawnb.arrays import BoolArray, FloatArray
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.learning.leg_clutter_kernels import add_differences, disregard_cells
 from pawnb.core.pose.fit.learning.parameters import LEARNING
@@ -19,7 +20,7 @@ from pawnb.core.pose.fit.rendering.paint_kernels import make_canvas, paint
 
 def find_leg_clutter(
     fitter: FrameFitter, frames: Sequence[tuple[np.ndarray, ImageEvidence]]
-) -> np.ndarray | None:
+) -> BoolArray | None:
     """Return where hairs stand out from legs.
 
     Parameters
@@ -50,8 +51,8 @@ def find_leg_clutter(
 
 
 def _differences(
-    fitter: FrameFitter, pose: np.ndarray, image_evidence: ImageEvidence
-) -> np.ndarray:
+    fitter: FrameFitter, pose: FloatArray, image_evidence: ImageEvidence
+) -> FloatArray:
     """Return what is seen less what is painted in the cells of the legs; NaN where nothing is."""
     layout = fitter.layout
     canvas = make_canvas(len(image_evidence.seen), image_evidence.seen.shape[1], layout)
@@ -63,7 +64,7 @@ def _differences(
 
 
 def without_leg_clutter(
-    fitter: FrameFitter, pose: np.ndarray, image_evidence: ImageEvidence
+    fitter: FrameFitter, pose: FloatArray, image_evidence: ImageEvidence
 ) -> ImageEvidence:
     """Return a sight in which the hairs of legs have no weight; the animal is at ``pose``.
 

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.core.pose.fit.candidates.candidate_sets import LegCandidates
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.learning.attached_clutter import find_attached_clutter
@@ -19,7 +20,7 @@ from pawnb.core.pose.fit.sequence.first_frame import partners
 from pawnb.signals.robust import MAD_TO_SD
 
 
-def learn_from_all(fitter: FrameFitter, found: Sequence[LegCandidates], poses: np.ndarray) -> bool:
+def learn_from_all(fitter: FrameFitter, found: Sequence[LegCandidates], poses: FloatArray) -> bool:
     """Learn what hides legs, and how they are held; return whether it is worth a second look.
 
     Parameters
@@ -44,7 +45,7 @@ def learn_from_all(fitter: FrameFitter, found: Sequence[LegCandidates], poses: n
 
 
 def learn_pose_prior(
-    fitter: FrameFitter, found: Sequence[LegCandidates], poses: np.ndarray
+    fitter: FrameFitter, found: Sequence[LegCandidates], poses: FloatArray
 ) -> None:
     """Make anatomy that of this animal's own legs, and keep poses that they usually have.
 
@@ -59,7 +60,7 @@ def learn_pose_prior(
         Their poses.
     """
 
-    def support(own: FrameFitter, t: int) -> np.ndarray:
+    def support(own: FrameFitter, t: int) -> FloatArray:
         image_evidence = own.image_evidence(found[t].image.astype(float), found[t].box, poses[t])
         return own.support(poses[t], image_evidence)
 
@@ -78,7 +79,7 @@ def learn_pose_prior(
     fitter.anatomy = fitter.anatomy._replace(middle=middle, precision=precision)
 
 
-def _spread(own: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _spread(own: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return middles and standard deviations of a leg's numbers, robustly."""
     centre = np.median(own, axis=0)
     sd = LEARNING.pose_prior_wider * MAD_TO_SD * np.median(np.abs(own - centre), axis=0)
@@ -86,7 +87,7 @@ def _spread(own: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return centre, np.maximum(sd, least)
 
 
-def _far_apart(away: np.ndarray) -> np.ndarray:
+def _far_apart(away: FloatArray) -> FloatArray:
     """Return the most usual of standardised poses, and others as far from those before as may be.
 
     Poses with an odd number are left out.

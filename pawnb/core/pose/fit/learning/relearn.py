@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.core.pose.fit.candidates.candidate_sets import LegCandidates
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.learning.appearance import learn_appearance
@@ -16,7 +17,7 @@ from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence, Pr
 from pawnb.core.pose.fit.sequence.first_frame import partners
 
 
-def learn_again(fitter: FrameFitter, found: list[LegCandidates], poses: np.ndarray) -> np.ndarray:
+def learn_again(fitter: FrameFitter, found: list[LegCandidates], poses: FloatArray) -> FloatArray:
     """Learn the animal's look from sure frames; return all poses, those of these frames refitted.
 
     Parameters
@@ -47,7 +48,7 @@ def learn_again(fitter: FrameFitter, found: list[LegCandidates], poses: np.ndarr
 
         def fitted(
             own: FrameFitter, i: int, known: Prior = known
-        ) -> tuple[np.ndarray, ImageEvidence]:
+        ) -> tuple[FloatArray, ImageEvidence]:
             image_evidence = own.image_evidence(
                 found[i].image.astype(float), found[i].box, poses[i]
             )
@@ -67,7 +68,7 @@ def learn_again(fitter: FrameFitter, found: list[LegCandidates], poses: np.ndarr
     return poses
 
 
-def usual_lengths(fitter: FrameFitter, poses: np.ndarray) -> Prior:
+def usual_lengths(fitter: FrameFitter, poses: FloatArray) -> Prior:
     """Return anatomy with each link's usual foreshortening in these poses."""
     middle = fitter.anatomy.middle.copy()
     middle[fitter.lengths] = np.median(poses[:, fitter.lengths], axis=0)

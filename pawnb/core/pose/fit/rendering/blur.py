@@ -5,6 +5,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence
 
 
@@ -14,7 +15,7 @@ def blurred(image_evidence: ImageEvidence, half_width: float) -> ImageEvidence:
     return image_evidence._replace(seen=cv2.GaussianBlur(image_evidence.seen, (0, 0), sd))
 
 
-def part_of(image_evidence: ImageEvidence, low: np.ndarray, high: np.ndarray) -> ImageEvidence:
+def part_of(image_evidence: ImageEvidence, low: FloatArray, high: FloatArray) -> ImageEvidence:
     """Return the part of a sight between two places, working px, as far as it has it.
 
     Parameters

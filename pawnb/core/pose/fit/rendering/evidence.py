@@ -12,6 +12,7 @@ from typing import Protocol
 import cv2
 import numpy as np
 
+from pawnb.arrays import BoolArray, FloatArray, IntArray
 from pawnb.core.pixels.grey import grey
 from pawnb.core.pose.fit.rendering.evidence_kernels import (
     behind_filter,
@@ -67,7 +68,7 @@ class Evidence:
         self.sd = np.sqrt(reduced(sd**2, factor)) / factor
         self.height, self.width = self.mean.shape
 
-    def crop_box(self, centre: np.ndarray, reach: float) -> tuple[int, int, int, int]:
+    def crop_box(self, centre: FloatArray, reach: float) -> tuple[int, int, int, int]:
         """Return the crop about a place, cut at the picture's edges, working pixels."""
         u0, v0 = (int(max(0, np.floor(c - reach))) for c in centre)
         u1 = int(min(self.width, np.ceil(centre[0] + reach) + 1))
@@ -75,14 +76,14 @@ class Evidence:
         u0, v0 = min(u0, self.width - 2), min(v0, self.height - 2)
         return u0, v0, max(u1, u0 + 2), max(v1, v0 + 2)
 
-    def pixels(self, frame: Frame, box: tuple[int, int, int, int]) -> np.ndarray:
+    def pixels(self, frame: Frame, box: tuple[int, int, int, int]) -> FloatArray:
         """Return the crop of a frame as grey working pixels."""
         f = self.factor
         u0, v0, u1, v1 = (f * edge for edge in box)
         return grey(frame.reduced(u0, v0, u1, v1, factor=f), np.float64)
 
     def image_evidence(
-        self, image: np.ndarray, box: tuple[int, int, int, int], covered: np.ndarray
+        self, image: FloatArray, box: tuple[int, int, int, int], covered: IntArray
     ) -> ImageEvidence:
         """Return what a crop shows.
 
@@ -110,7 +111,7 @@ class Evidence:
         return ImageEvidence(seen, weight, np.array([float(u0), float(v0)]))
 
 
-def without_wide(image_evidence: ImageEvidence, body: np.ndarray, *, size: int) -> ImageEvidence:
+def without_wide(image_evidence: ImageEvidence, body: BoolArray, *, size: int) -> ImageEvidence:
     """Return a sight in which only the body and what is as thin as a leg is dark.
 
     Wings, the shadow of someone who passes, a lump of debris that a leg touches: whatever holds a
@@ -147,7 +148,7 @@ def without_wide(image_evidence: ImageEvidence, body: np.ndarray, *, size: int) 
     return ImageEvidence(seen, weight, image_evidence.box)
 
 
-def reduced(picture: np.ndarray, factor: int) -> np.ndarray:
+def reduced(picture: np.ndarray, factor: int) -> FloatArray:
     """Return the mean of squares of ``factor`` pixels; a rest at right and bottom is left out."""
     height, width = (n // factor for n in picture.shape)
     whole = np.asarray(picture, dtype=float)[: height * factor, : width * factor]

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import numpy as np
-
+from pawnb.arrays import FloatArray
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.learning.body_clutter import without_body_clutter
 from pawnb.core.pose.fit.learning.leg_clutter import without_leg_clutter
@@ -11,7 +10,7 @@ from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence
 from pawnb.core.pose.fit.rendering.leg_attachments import without_leg_attachments
 
 
-def counted(fitter: FrameFitter, pose: np.ndarray, image_evidence: ImageEvidence) -> ImageEvidence:
+def counted(fitter: FrameFitter, pose: FloatArray, image_evidence: ImageEvidence) -> ImageEvidence:
     """Return a sight without the weight of odd places, hairs and corners; see their modules.
 
     Parameters

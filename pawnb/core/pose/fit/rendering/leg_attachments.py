@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from pawnb.arrays import BoolArray, FloatArray
 from pawnb.core.pose.fit.fitter import FrameFitter
 from pawnb.core.pose.fit.rendering.blur import part_of
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence, paint_some
@@ -17,7 +18,7 @@ from pawnb.core.pose.fit.rendering.parameters import RENDERING
 
 
 def without_leg_attachments(
-    fitter: FrameFitter, pose: np.ndarray, image_evidence: ImageEvidence
+    fitter: FrameFitter, pose: FloatArray, image_evidence: ImageEvidence
 ) -> ImageEvidence:
     """Return a sight in which corners have no weight; the animal is at ``pose``.
 
@@ -52,8 +53,8 @@ def without_leg_attachments(
 
 
 def _painted(
-    fitter: FrameFitter, pose: np.ndarray, image_evidence: ImageEvidence, shown: np.ndarray
-) -> np.ndarray:
+    fitter: FrameFitter, pose: FloatArray, image_evidence: ImageEvidence, shown: BoolArray
+) -> FloatArray:
     """Return how dark some parts of the animal are painted."""
     canvas = fitter.canvas(image_evidence)
     paint_some(fitter.layout, pose, fitter.blur, image_evidence.box, shown, *canvas)

@@ -13,6 +13,7 @@ from functools import partial
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.core.pose.fit.candidates.candidate_sets import LegCandidates
 from pawnb.core.pose.fit.candidates.crossed_legs import uncrossed
 from pawnb.core.pose.fit.fitter import FrameFitter
@@ -40,10 +41,10 @@ class Settled:
         How dark each leg and its outer third are relative to what is expected.
     """
 
-    pose: np.ndarray
-    sd: np.ndarray
-    places_sd: np.ndarray
-    support: np.ndarray
+    pose: FloatArray
+    sd: FloatArray
+    places_sd: FloatArray
+    support: FloatArray
 
 
 @dataclass(frozen=True)
@@ -65,9 +66,9 @@ class _Own:
         What the frame shows, in half precision: that of all frames is kept until the end.
     """
 
-    pose: np.ndarray
-    precision: np.ndarray
-    slope: np.ndarray
+    pose: FloatArray
+    precision: FloatArray
+    slope: FloatArray
     many: float
     image_evidence: ImageEvidence
 
@@ -86,11 +87,11 @@ class _Others:
         How much the cost of a leg would fall at most by heeding it.
     """
 
-    around: np.ndarray
+    around: FloatArray
     pulls: list[np.ndarray]
-    gain: np.ndarray
+    gain: FloatArray
 
-    def pull(self, fitter: FrameFitter, t: int) -> np.ndarray:
+    def pull(self, fitter: FrameFitter, t: int) -> FloatArray:
         """Return how surely they say it of frame t, a precision of the whole pose."""
         out = np.zeros((fitter.n, fitter.n))
         for numbers, pull in zip(fitter.numbers, self.pulls, strict=True):
@@ -99,7 +100,7 @@ class _Others:
 
 
 def settle_all(
-    fitter: FrameFitter, found: Sequence[LegCandidates], poses: np.ndarray
+    fitter: FrameFitter, found: Sequence[LegCandidates], poses: FloatArray
 ) -> list[Settled]:
     """Fit every frame of a path for good.
 
@@ -152,7 +153,7 @@ def _from_others(
 ) -> _Others:
     """Return what the other frames of its stretch say of each frame; the legs are independent."""
 
-    def of_leg(leg: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def of_leg(leg: int) -> tuple[FloatArray, FloatArray, FloatArray]:
         numbers = fitter.numbers[leg]
         poses = np.array([one.pose[numbers] for one in own])
         precision = np.array([one.precision[np.ix_(numbers, numbers)] for one in own])
@@ -186,7 +187,7 @@ def _learnt(
 
 
 def _own_near(
-    fitter: FrameFitter, pose: np.ndarray, image_evidence: ImageEvidence, anatomy: Prior
+    fitter: FrameFitter, pose: FloatArray, image_evidence: ImageEvidence, anatomy: Prior
 ) -> _Own:
     """Return what a frame's picture says near a pose."""
     precision, slope = fitter.equations(pose, image_evidence, anatomy)
@@ -225,7 +226,7 @@ def _fit_again(
     own[t] = _own_near(fitter, pose, image_evidence, anatomy)
 
 
-def _settled(fitter: FrameFitter, own: _Own, pull: np.ndarray) -> Settled:
+def _settled(fitter: FrameFitter, own: _Own, pull: FloatArray) -> Settled:
     """Return a frame's last fit with its uncertainty, by its picture and all others."""
     covariance = np.linalg.inv(own.precision + pull)
     places = np.full((*fitter.layout.radius.shape, 2), np.nan)

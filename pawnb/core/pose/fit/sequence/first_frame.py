@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from pawnb.arrays import FloatArray, IntArray
 from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.fit.candidates.candidate_kernels import paint_base
 from pawnb.core.pose.fit.candidates.candidate_sets import LegCandidates, only_choice
@@ -30,7 +31,7 @@ _XY = 2
 """Parameters of a pose that say where it is; the heading comes next."""
 
 
-def partners(animal: StickAnimal) -> np.ndarray:
+def partners(animal: StickAnimal) -> IntArray:
     """Return, for each leg, the leg of the other side that looks alike, or itself."""
     mirrored = animal.mirrored_names()
     names = animal.leg_names
@@ -42,7 +43,7 @@ def partners(animal: StickAnimal) -> np.ndarray:
     return np.array(out)
 
 
-def start_prior(fitter: FrameFitter, pose: np.ndarray) -> Prior:
+def start_prior(fitter: FrameFitter, pose: FloatArray) -> Prior:
     """Return anatomy and what the person's pose says."""
     sd = np.full(fitter.n, np.inf)
     sd[:2] = SEQUENCE.start_sd_px
@@ -56,8 +57,8 @@ def start_prior(fitter: FrameFitter, pose: np.ndarray) -> Prior:
 
 
 def fit_start(
-    fitter: FrameFitter, frame: Frame, pose: np.ndarray, *, rounds: int = 3
-) -> tuple[np.ndarray, float]:
+    fitter: FrameFitter, frame: Frame, pose: FloatArray, *, rounds: int = 3
+) -> tuple[FloatArray, float]:
     """Fit the start frame; the fitter's layout learns the animal's look.
 
     Parameters
@@ -118,12 +119,12 @@ def fit_start(
 
 def _learn_blur(
     fitter: FrameFitter,
-    pose: np.ndarray,
+    pose: FloatArray,
     image_evidence: ImageEvidence,
     prior: Prior,
     *,
-    partner: np.ndarray,
-) -> np.ndarray:
+    partner: IntArray,
+) -> FloatArray:
     """Make the fitter's blur, and with it its layout, those that explain the start frame best.
 
     Too wide a blur paints a halo about a thin leg that costs nearly as much as the leg explains:
@@ -131,7 +132,7 @@ def _learn_blur(
     pose of its own, and all narrower ones are tried. Returned is the best one's.
     """
 
-    def tried(blur: float, pose: np.ndarray, layout: Layout) -> tuple[float, np.ndarray, Layout]:
+    def tried(blur: float, pose: FloatArray, layout: Layout) -> tuple[float, FloatArray, Layout]:
         for _ in range(SEQUENCE.blur_turns):
             layout = learn_appearance(
                 layout, [(pose, image_evidence)], first=fitter.first, partner=partner, prior=prior,
@@ -157,7 +158,7 @@ def _learn_blur(
     return best[1]
 
 
-def first_darkness(fitter: FrameFitter, frame: Frame, pose: np.ndarray) -> Layout:
+def first_darkness(fitter: FrameFitter, frame: Frame, pose: FloatArray) -> Layout:
     """Return the layout as dark as the place that the person gave the body.
 
     Parameters
@@ -188,7 +189,7 @@ def first_darkness(fitter: FrameFitter, frame: Frame, pose: np.ndarray) -> Layou
     return layout._replace(dark=layout.dark * factor, ellipse=ellipse)
 
 
-def _fit_body(fitter: FrameFitter, frame: Frame, pose: np.ndarray, prior: Prior) -> np.ndarray:
+def _fit_body(fitter: FrameFitter, frame: Frame, pose: FloatArray, prior: Prior) -> FloatArray:
     """Return the pose with its body moved onto the picture, coarse to fine.
 
     Never coarser than it is large, and without turning it: a small body that is shown without
@@ -212,8 +213,8 @@ def _fit_body(fitter: FrameFitter, frame: Frame, pose: np.ndarray, prior: Prior)
 
 
 def _slid_along(
-    fitter: FrameFitter, pose: np.ndarray, image_evidence: ImageEvidence, prior: Prior
-) -> np.ndarray:
+    fitter: FrameFitter, pose: FloatArray, image_evidence: ImageEvidence, prior: Prior
+) -> FloatArray:
     """Return the pose fitted, after each leg was slid out- and inwards along its own limb.
 
     The end of a leg that stops short, on a limb that goes on in a bend, feels nothing of what lies
@@ -221,7 +222,7 @@ def _slid_along(
     """
     pose, _ = fitter.fit(pose, image_evidence, prior, rounds=20)
 
-    def best_of_side(own: FrameFitter, side: int) -> np.ndarray:
+    def best_of_side(own: FrameFitter, side: int) -> FloatArray:
         best = pose.copy()
         for leg in sides[side]:
             best[own.numbers[leg]] = _best_slide(own, best, leg, image_evidence, prior)
@@ -237,8 +238,8 @@ def _slid_along(
 
 
 def _best_slide(
-    fitter: FrameFitter, pose: np.ndarray, leg: int, image_evidence: ImageEvidence, prior: Prior
-) -> np.ndarray:
+    fitter: FrameFitter, pose: FloatArray, leg: int, image_evidence: ImageEvidence, prior: Prior
+) -> FloatArray:
     """Return a leg's part of the pose vector, slid to where it explains most, if that is more."""
     numbers = fitter.numbers[leg]
     tried = [pose[numbers]]
@@ -256,7 +257,7 @@ def _best_slide(
     return best
 
 
-def slid_leg(layout: Layout, pose: np.ndarray, leg: int, *, factor: float) -> np.ndarray:
+def slid_leg(layout: Layout, pose: FloatArray, leg: int, *, factor: float) -> FloatArray:
     """Return a leg's part of the pose vector where it is longer, along the way that it takes now.
 
     Parameters
@@ -288,11 +289,11 @@ def slid_leg(layout: Layout, pose: np.ndarray, leg: int, *, factor: float) -> np
 def _choose(
     fitter: FrameFitter,
     frame: int,
-    pose: np.ndarray,
+    pose: FloatArray,
     image_evidence: ImageEvidence,
     crop: tuple,
     prior: Prior,
-) -> np.ndarray:
+) -> FloatArray:
     """Return the pose with each leg at the best of the places that the silhouette offers."""
     choices: LegCandidates = only_choice(fitter, frame, pose, image=crop[0], box=crop[1])
 

@@ -11,10 +11,12 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg.lapack import dgesv
 
+from pawnb.arrays import FloatArray
+
 
 def _without(
-    matrix: np.ndarray, vector: np.ndarray, gone: slice, left: slice
-) -> tuple[np.ndarray, np.ndarray]:
+    matrix: FloatArray, vector: FloatArray, gone: slice, left: slice
+) -> tuple[FloatArray, FloatArray]:
     """Return precision and vector of the numbers ``left`` where those ``gone`` are not known."""
     *_, solved, fault = dgesv(matrix[gone, gone], matrix[gone, left])
     if fault:
@@ -25,8 +27,8 @@ def _without(
 
 
 def from_neighbours(
-    precision: np.ndarray, vector: np.ndarray, steady: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+    precision: FloatArray, vector: FloatArray, steady: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """Return what all other frames say about each frame.
 
     Parameters

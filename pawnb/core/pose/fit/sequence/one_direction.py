@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable
 
 import numpy as np
 
+from pawnb.arrays import BoolArray, FloatArray
 from pawnb.core.frame_checkpoint import KeptFrames, Record
 from pawnb.core.parallel import Threads
 from pawnb.core.pose.fit.candidates.candidate_sets import (
@@ -47,7 +48,7 @@ class Follower:
         The pose in the frame before the first.
     """
 
-    def __init__(self, fitter: FrameFitter, pose: np.ndarray) -> None:
+    def __init__(self, fitter: FrameFitter, pose: FloatArray) -> None:
         self.fitter = fitter
         self.pose = pose
         self.velocity = np.zeros_like(pose)
@@ -158,8 +159,8 @@ class Follower:
         self.kept.append(choices)
 
     def fit_from(
-        self, expected: np.ndarray, image_evidence: ImageEvidence, fitter: FrameFitter | None = None
-    ) -> np.ndarray:
+        self, expected: FloatArray, image_evidence: ImageEvidence, fitter: FrameFitter | None = None
+    ) -> FloatArray:
         """Return the pose near the expected one that fits best: first blurred, then sharp.
 
         Another thread brings its own ``fitter``.
@@ -187,7 +188,7 @@ class Follower:
         pose, _ = fitter.fit(pose, image_evidence, prior, rounds=5)
         return pose
 
-    def priors(self, expected: np.ndarray) -> tuple[Prior, Prior]:
+    def priors(self, expected: FloatArray) -> tuple[Prior, Prior]:
         """Return the prior of anatomy alone, and with the expected pose."""
         fitter = self.fitter
         middle = fitter.anatomy.middle.copy()
@@ -225,7 +226,7 @@ class Follower:
         self,
         fitter: FrameFitter,
         leg: int,
-        pose: np.ndarray,
+        pose: FloatArray,
         image_evidence: ImageEvidence,
         anatomy: Prior,
     ) -> list[np.ndarray]:
@@ -247,7 +248,7 @@ class Follower:
 
     def _doubted(
         self, choices: LegCandidates, image_evidence: ImageEvidence, anatomy: Prior
-    ) -> np.ndarray:
+    ) -> BoolArray:
         """Return which legs may be elsewhere."""
         fitter = self.fitter
         support = fitter.support(choices.pose, image_evidence)
@@ -272,7 +273,7 @@ class Follower:
 
     def _decide(
         self, choices: LegCandidates, image_evidence: ImageEvidence, prior: Prior
-    ) -> np.ndarray:
+    ) -> FloatArray:
         """Return the pose that is best by what is known so far."""
         fitter, pose = self.fitter, choices.pose.copy()
         changed = False
@@ -303,7 +304,7 @@ class Follower:
             which.update(zip(legs, states[-1], strict=True))
         return states
 
-    def _learn_jump(self, expected: np.ndarray, pose: np.ndarray) -> None:
+    def _learn_jump(self, expected: FloatArray, pose: FloatArray) -> None:
         """Let legs jump as far as they are seen to stray from their expected places."""
         fitter = self.fitter
         square = ((fitter.joints(pose) - fitter.joints(expected)) ** 2).sum(axis=-1)
@@ -314,7 +315,7 @@ class Follower:
         for viterbi_trellis in self.trellises:
             viterbi_trellis.jump_px = self.jump_px
 
-    def _move_on(self, pose: np.ndarray) -> None:
+    def _move_on(self, pose: FloatArray) -> None:
         """Remember the pose, and how it moves."""
         fitter = self.fitter
         moved = pose - self.pose
