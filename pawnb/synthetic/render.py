@@ -177,7 +177,7 @@ class ViewRenderer:
         weights = barycentric(covered.corners, triangle, xy).astype(np.float32)
         values = np.concatenate([colour, mesh.surface, mesh.fur[:, None]], axis=1, dtype=np.float32)
         corner = covered.faces[triangle]
-        mixed = sum(weights[:, [k]] * values[corner[:, k]] for k in range(3))
+        mixed = np.asarray(sum(weights[:, [k]] * values[corner[:, k]] for k in range(3)))
         texel = (mixed[:, 3:5] * np.float32(_FUR_TEXELS_PER_MM)).astype(np.int32) % _FUR_TEXELS
         hair = 1.0 + mixed[:, 5] * self._fur[texel[:, 1], texel[:, 0]]
         layer = np.zeros((high * wide, 4), dtype=np.float32)
