@@ -42,6 +42,7 @@ __all__ = [
     "coordination",
     "coupling",
     "covariates",
+    "cycle_tests",
     "cycles",
     "differences",
     "durations",
