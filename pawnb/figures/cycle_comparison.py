@@ -154,16 +154,17 @@ def _draw_clusters(
     step = 0.06 * (high - low) or 0.1
     for panel, leg in zip(panels, legs, strict=True):
         own = clusters[(clusters["leg"] == leg) & (clusters["p"] <= _SHOWN_P)]
-        for row in own.itertuples():
-            place = pairs.index((row.group_a, row.group_b))
-            y = low - (1.0 + place) * step
-            ends = [(row.start_percent, row.stop_percent)]
-            if row.stop_percent < row.start_percent:  # it goes on over the end of the stride
-                ends = [(row.start_percent, 100.0), (0.0, row.stop_percent)]
+        for row in own.to_dict("records"):
+            between = (row["group_a"], row["group_b"])
+            y = low - (1.0 + pairs.index(between)) * step
+            first, last = float(row["start_percent"]), float(row["stop_percent"])
+            ends = [(first, last)]
+            if last < first:  # it goes on over the end of the stride
+                ends = [(first, 100.0), (0.0, last)]
             for start, stop in ends:
                 panel.plot([start, stop], [y, y], color="black", linewidth=2.2,
                            solid_capstyle="butt")  # fmt: skip
             if len(pairs) > 1:
-                panel.annotate(f"{row.group_a}-{row.group_b}", (ends[0][0], y), ha="left",
-                               va="top", fontsize=small_pt())  # fmt: skip
+                panel.annotate("-".join(between), (first, y), ha="left", va="top",
+                               fontsize=small_pt())  # fmt: skip
     panels[0].set_ylim(low - (len(pairs) + 1.2) * step, high + step)

@@ -7,10 +7,10 @@ import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
 
 from pawnb.errors import InputError
 from pawnb.figures.measure_heat_map import say_measure
@@ -141,7 +141,7 @@ def _draw_scores(ax: Any, scores: pd.DataFrame, names: list[str], said: Mapping[
     ax.set_ylabel(said[names[1]] if len(names) > 1 else "")
     ax.margins(0.12)
     if len(groups) > 1:
-        handles = [plt.Line2D([], [], color=colours[g], linewidth=3.0) for g in groups]
+        handles = [Line2D([], [], color=colours[g], linewidth=3.0) for g in groups]
         ax.legend(handles, groups, fontsize=small_pt(), handlelength=1.0)
     add_animal_legend(ax, marks)
 

@@ -64,10 +64,11 @@ def drag_fractions(
             speed = np.abs(differentiate(moved.feet[leg], dt=_step(moved.time_s)))
             at = np.interp(signal.time_s, moved.time_s, speed)
             rows = _samples(own, signal.time_s)
-            found.loc[own.index] = [
+            shares = [
                 _share(signal.samples[:, k], at, row, limit, settings.contact_speed_fraction)
                 for row in rows
             ]
+            found = found.fillna(pd.Series(shares, index=own.index, dtype=float))
     return found
 
 
