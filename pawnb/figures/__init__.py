@@ -22,14 +22,24 @@ from pawnb.figures.animal_presence import (
 )
 from pawnb.figures.bland_altman import build_bland_altman_table, plot_bland_altman
 from pawnb.figures.compare_methods import build_compare_methods_table, plot_compare_methods
+from pawnb.figures.cycle_comparison import (
+    build_cycle_comparison_table,
+    plot_cycle_comparison,
+)
 from pawnb.figures.estimation import build_estimation_table, plot_estimation
 from pawnb.figures.filter_effect import build_filter_effect_table, plot_filter_effect
 from pawnb.figures.gait_diagram import build_gait_diagram_table, plot_gait_diagram
 from pawnb.figures.hildebrand import build_hildebrand_diagram_table, plot_hildebrand_diagram
 from pawnb.figures.joint_ranges import build_joint_ranges_table, plot_joint_ranges
 from pawnb.figures.leg_angles import plot_leg_angles
+from pawnb.figures.measure_components import (
+    build_measure_components_table,
+    plot_measure_components,
+)
+from pawnb.figures.measure_heat_map import build_measure_heat_map_table, plot_measure_heat_map
 from pawnb.figures.paths_3d import build_paths_3d_table, plot_paths_3d
 from pawnb.figures.pattern_distances import plot_pattern_distances
+from pawnb.figures.phase_density import plot_phase_density
 from pawnb.figures.phase_histogram import build_phase_histogram_table, plot_phase_histogram
 from pawnb.figures.phase_plane import build_phase_plane_table, plot_phase_plane
 from pawnb.figures.phase_rose import build_phase_rose_table, plot_phase_rose
@@ -51,11 +61,14 @@ __all__ = [
     "build_animal_presence_table",
     "build_bland_altman_table",
     "build_compare_methods_table",
+    "build_cycle_comparison_table",
     "build_estimation_table",
     "build_filter_effect_table",
     "build_gait_diagram_table",
     "build_hildebrand_diagram_table",
     "build_joint_ranges_table",
+    "build_measure_components_table",
+    "build_measure_heat_map_table",
     "build_paths_3d_table",
     "build_phase_histogram_table",
     "build_phase_plane_table",
@@ -73,14 +86,18 @@ __all__ = [
     "plot_animal_presence",
     "plot_bland_altman",
     "plot_compare_methods",
+    "plot_cycle_comparison",
     "plot_estimation",
     "plot_filter_effect",
     "plot_gait_diagram",
     "plot_hildebrand_diagram",
     "plot_joint_ranges",
     "plot_leg_angles",
+    "plot_measure_components",
+    "plot_measure_heat_map",
     "plot_paths_3d",
     "plot_pattern_distances",
+    "plot_phase_density",
     "plot_phase_histogram",
     "plot_phase_plane",
     "plot_phase_rose",

@@ -171,6 +171,7 @@ def plot_regression(
     *,
     ax: Axes | None = None,
     names: Mapping[str, str] | None = None,
+    references: Mapping[str, tuple[float, str]] | None = None,
     log: bool = False,
 ) -> Axes:
     """Draw scatter plots with regression lines, a panel for each pair.
@@ -189,6 +190,10 @@ def plot_regression(
         Where to draw a single pair; default a new figure.
     names : mapping, optional
         What columns are called on the axes, with units: ``{"speed": "Speed (cm/s)"}``.
+    references : mapping, optional
+        Columns to a value that theory or other animals give, and its words, with the source:
+        ``{"duty_factor": (0.75, "unstable below (McGhee & Frank 1968)")}``. Each is a dotted
+        line, left out where it lies further from the points than three times their range.
     log : bool
         Logarithmic axes.
 
@@ -225,6 +230,9 @@ def plot_regression(
             panel.set_xlabel(called.get(first["predictor"], first["predictor"]))
             panel.set_ylabel(called.get(first["outcome"], first["outcome"]))
             panel.set_title(_words(first), fontsize=small_pt(), loc="right", linespacing=1.15)
+            for name, along in ((first["outcome"], "x"), (first["predictor"], "y")):
+                if name in (references or {}):
+                    _draw_reference(panel, own, (references or {})[name], along=along)
             if log:
                 use_log_axes(panel)
         add_animal_legend(panels[0], marks)
@@ -250,6 +258,28 @@ def _draw(ax: Any, own: pd.DataFrame, marks: Mapping[str, Any]) -> None:
             ax.errorbar(points["x"], points["y"], xerr=points["x_sd"], yerr=points["y_sd"],
                         linestyle="none", color="0.6", linewidth=0.5, zorder=1.5)  # fmt: skip
         draw_points(ax, points["x"], points["y"], mark=marks[str(animal)], zorder=3)
+
+
+def _draw_reference(
+    ax: Any, own: pd.DataFrame, reference: tuple[float, str], *, along: str
+) -> None:
+    """Draw a line along one axis, with its words."""
+    value, words = reference
+    points = own.loc[own["row"] == "point", "y" if along == "x" else "x"]
+    reach = 3.0 * float(np.ptp(points)) if len(points) > 1 else math.inf
+    if not float(points.min()) - reach <= value <= float(points.max()) + reach:
+        return
+    flat = along == "x"
+    (ax.axhline if flat else ax.axvline)(
+        value, color="0.35", linewidth=0.8, linestyle=(0, (1, 1.5)), zorder=0.5
+    )
+    ends = (1.0, value) if flat else (value, 0.0)
+    coordinates = ("axes fraction", "data") if flat else ("data", "axes fraction")
+    ax.annotate(
+        words, ends, xycoords=coordinates, xytext=(-1, 1 if flat else 2), ha="right", va="bottom",
+        textcoords="offset points", rotation=0 if flat else 90, fontsize=small_pt(), color="0.35",
+        zorder=0.6,
+    )  # fmt: skip
 
 
 def _words(first: pd.Series) -> str:

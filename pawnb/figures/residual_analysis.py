@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from pawnb.errors import InputError
 from pawnb.figures.panels import add_note, make_panels, with_unit
 from pawnb.figures.style import OKABE_ITO, style
-from pawnb.gait.residuals import CURVE_COLUMNS, POOLED, analyse_residuals
+from pawnb.gait.residuals import CURVE_COLUMNS, POOLED, analyse_residuals, named_signals
 from pawnb.schema import check_columns
 
 _NOTE_LETTERS = 20
@@ -22,7 +22,7 @@ COLUMNS = ("signal", *CURVE_COLUMNS, "chosen_hz", "noise_rms", "reason")
 
 
 def build_residual_analysis_table(
-    signals: pd.DataFrame,
+    signals: pd.DataFrame | np.ndarray,
     *,
     fs_hz: float,
     order: int = 4,
@@ -32,7 +32,7 @@ def build_residual_analysis_table(
 
     Parameters
     ----------
-    signals : pandas.DataFrame
+    signals : pandas.DataFrame or ndarray, shape (n,) or (n, k)
         One column a signal, all in one unit; NaN where missing.
     fs_hz : float
         Sampling rate, in Hz.
@@ -59,6 +59,8 @@ def build_residual_analysis_table(
     >>> x = 10.0 * np.sin(2 * np.pi * 2.0 * time_s) + np.random.default_rng(0).normal(size=400)
     >>> table = figures.build_residual_analysis_table(pd.DataFrame({"foot": x}), fs_hz=100.0)
     """
+    if not isinstance(signals, pd.DataFrame):
+        signals = named_signals(np.asarray(signals))
     if signals.shape[1] == 0:
         raise InputError("residual analysis: no signal; expected at least one column.")
     parts = {str(name): signals[[name]].to_numpy(dtype=float) for name in signals}

@@ -283,7 +283,7 @@ def compare_cutoffs(
         If the rate, order or band cannot be, there is no signal, or two have one name.
     """
     residual_cutoffs(fs_hz, order=order)  # refuses rates and orders that cannot be
-    table = signals if isinstance(signals, pd.DataFrame) else _named(np.asarray(signals))
+    table = signals if isinstance(signals, pd.DataFrame) else named_signals(np.asarray(signals))
     if table.shape[1] == 0 or not table.columns.is_unique:
         raise InputError("signals: expected at least one column, each with its own name.")
     parts = {str(name): table[[name]].to_numpy(dtype=float) for name in table}
@@ -301,9 +301,25 @@ def compare_cutoffs(
     return pd.DataFrame(rows, columns=list(CUTOFF_COLUMNS))
 
 
-def _named(values: np.ndarray) -> pd.DataFrame:
-    """Return signals without names as a table."""
-    if values.ndim > 2:
+def named_signals(values: np.ndarray) -> pd.DataFrame:
+    """Return signals without names as a table.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,) or (n, k)
+        The signals.
+
+    Returns
+    -------
+    pandas.DataFrame
+        ``signal 1`` and so on.
+
+    Raises
+    ------
+    InputError
+        If there are more than two dimensions, or none.
+    """
+    if values.ndim not in (1, 2):
         raise InputError(f"signals have {values.ndim} dimensions; expected time and signal.")
     flat = values.reshape(len(values), -1)
     return pd.DataFrame(flat, columns=[f"signal {k + 1}" for k in range(flat.shape[1])])

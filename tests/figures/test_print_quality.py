@@ -14,6 +14,7 @@ from pawnb.errors import InputError
 from pawnb.gait import analyse, pool
 from pawnb.trial import Animal, Trial
 from pawnb.workflow.gait.drawings import gait_drawings
+from pawnb.workflow.gait.overview_drawings import overview_drawings
 
 mpl.use("Agg")
 
@@ -36,6 +37,18 @@ def tables():
     return pool(parts)
 
 
+def every_drawing(tables):
+    """Return the figures of an analysis, with reference lines, and those of two groups."""
+    groups = {(f"mouse{k}", f"t{t}"): "ab"[k % 2] for k in range(5) for t in range(2)}
+    references = {
+        "duty_factor": (0.75, "unstable below (McGhee & Frank 1968)"),
+        "frequency_hz": (7.3, "trot-gallop\n(Heglund 1974)"),
+        "speed": (500.0, "trot-gallop\n(Heglund 1974)"),
+    }
+    own = gait_drawings(tables, references=references)
+    return [*own, *overview_drawings(tables, groups=groups)]
+
+
 def letters(figure):
     """Return every text that is seen."""
     return [t for t in figure.findobj(mpl.text.Text) if t.get_visible() and t.get_text().strip()]
@@ -44,14 +57,15 @@ def letters(figure):
 KINDS = (
     "gait_diagram", "stepping_pattern", "phase_rose", "phase_histogram", "phase_speed",
     "hildebrand_diagram", "support_shares", "pattern_distances", "stride_average", "phase_plane",
-    "aligned_acceleration", "regression", "summary_page",
+    "aligned_acceleration", "regression", "summary_page", "phase_density", "measure_heat_map",
+    "measure_components", "cycle_comparison",
 )  # fmt: skip
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_figures_can_be_read_in_print(tables, kind):
-    drawing = next(one for one in gait_drawings(tables) if one.kind == kind)
+    drawing = next(one for one in every_drawing(tables) if one.kind == kind)
     try:
         with figures.style():
             _, ax = drawing.draw()
@@ -108,7 +122,7 @@ def check_width(figure, kind):
 
 
 def test_every_kind_of_figure_was_looked_at(tables):
-    assert {one.kind for one in gait_drawings(tables)} == set(KINDS)
+    assert {one.kind for one in every_drawing(tables)} == set(KINDS)
 
 
 def test_a_figure_that_cannot_be_drawn_says_so(tables):

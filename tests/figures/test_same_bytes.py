@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import matplotlib as mpl
 import matplotlib.pyplot as plt
 import numpy as np
@@ -18,6 +20,7 @@ from pawnb.schema import make_tracks
 from pawnb.trial import Animal, Trial
 from pawnb.workflow.gait import save_figures
 from pawnb.workflow.gait.drawings import gait_drawings
+from pawnb.workflow.gait.overview_drawings import overview_drawings
 from pawnb.workflow.gait.save_figures import save_figure
 from pawnb.workflow.gait.statistics import statistics_tables
 
@@ -130,7 +133,8 @@ def check_same(make, tmp_path, monkeypatch):
 @pytest.mark.parametrize("kind", OF_ANALYSIS)
 def test_figures_of_an_analysis_are_the_same_each_time(tables, kind, tmp_path, monkeypatch):
     analysis, groups = tables
-    drawings = gait_drawings(analysis, groups=groups)
+    of_study = overview_drawings(analysis, groups=groups)
+    drawings = itertools.chain(gait_drawings(analysis, groups=groups), of_study)
     drawing = next(one for one in drawings if one.kind == kind)
     check_same(drawing.draw, tmp_path, monkeypatch)
 

@@ -46,6 +46,17 @@ def test_residual_table_is_that_of_each_signal_and_of_all():
     np.testing.assert_array_equal(rows["cutoff_hz"], chosen)
 
 
+def test_residual_table_takes_one_signal_without_a_name():
+    plain = signals().iloc[:, 0].to_numpy()
+    table = build_residual_analysis_table(plain, fs_hz=FS)
+    assert table["signal"].unique().tolist() == ["signal 1"]
+    np.testing.assert_array_equal(
+        table["residual"], build_residual_analysis_table(plain[:, None], fs_hz=FS)["residual"]
+    )
+    with pytest.raises(InputError, match="signals have 3 dimensions"):
+        build_residual_analysis_table(np.zeros((40, 2, 2)), fs_hz=FS)
+
+
 def test_residual_figure_shows_curve_line_and_cutoff():
     table = build_residual_analysis_table(signals(), fs_hz=FS)
     figure = plot_residual_analysis(table, unit="deg").figure

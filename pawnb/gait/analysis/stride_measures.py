@@ -10,7 +10,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pandas as pd
 
+from pawnb.gait.analysis.stride_drag import drag_fractions
 from pawnb.gait.cycles import HEIGHT, LATERAL, LEG_ANGLE, LegSignals
+from pawnb.gait.event_detection.event_settings import EventSettings
 from pawnb.gait.legs import find_leg_place
 from pawnb.gait.strides import Motion
 from pawnb.signals import differentiate
@@ -20,7 +22,7 @@ MEASURE_COLUMNS = (
     "stance_velocity_deg_s", "swing_peak_velocity_deg_s", "stance_peak_velocity_deg_s",
     "swing_peak_acceleration_deg_s2", "stance_peak_acceleration_deg_s2", "aep_lateral",
     "pep_lateral", "step_length", "step_width", "heading_deg", "heading_change_deg",
-    "swing_height", "toe_clearance",
+    "swing_height", "toe_clearance", "drag_fraction",
 )  # fmt: skip
 """``speed_bl``: body lengths per second. ``excursion``: AEP minus PEP along forward in the
 body's frame. ``excursion_deg``: leg angle at the next AEP minus at the PEP, the swing's (Pullar
@@ -32,7 +34,8 @@ on the other side last landed to where this foot lands, along and across the hea
 ``heading_deg``: mean direction of the body, from the first axis of the positions towards the
 second; ``heading_change_deg``: its turn over the stride. ``swing_height``: how high the foot is
 lifted in swing, above its median height in the stance before; ``toe_clearance``: its least height
-above that in the middle half of the swing, where a foot that drags is low."""
+above that in the middle half of the swing, where a foot that drags is low. ``drag_fraction``: share
+of the swing in which the foot moves on near the floor (:mod:`pawnb.gait.analysis.stride_drag`)."""
 
 
 def measure_strides(
@@ -41,6 +44,7 @@ def measure_strides(
     motion: Mapping[str, Motion] | None = None,
     signals: Sequence[LegSignals] = (),
     body_length: float | None = None,
+    settings: EventSettings | None = None,
 ) -> pd.DataFrame:
     """Add measures to the strides of one animal in one trial.
 
@@ -54,6 +58,8 @@ def measure_strides(
         Leg angles and lateral positions of the legs, where known.
     body_length : float, optional
         Length of the body in the unit of the positions.
+    settings : EventSettings, optional
+        Settings of the analysis, which say when a foot is near the floor and moves.
 
     Returns
     -------
@@ -88,6 +94,9 @@ def measure_strides(
                 column = signal.samples[:, signal.legs.index(name)]
                 out.loc[rows, "aep_lateral"] = np.interp(start, signal.time_s, column)
                 out.loc[rows, "pep_lateral"] = np.interp(turn, signal.time_s, column)
+    out["drag_fraction"] = drag_fractions(
+        out, motion=motion, signals=signals, settings=settings or EventSettings()
+    )
     return _with_steps(out, motion)
 
 

@@ -289,7 +289,9 @@ def build_tables(
         events, start_event=start, motion=motion, gaps=gaps, max_stride_s=settings.max_stride_s,
         excluded=excluded,
     )  # fmt: skip
-    strides = measure_strides(strides, motion=motion, signals=signals, body_length=body_length)
+    strides = measure_strides(
+        strides, motion=motion, signals=signals, body_length=body_length, settings=settings
+    )
     strides = measure_support(strides, events, signals=signals)
     phases, no_phases = build_phases(events, strides, chosen, start_event=start)
     all_dropped = [t for t in (dropped, no_strides, no_phases) if t is not None]

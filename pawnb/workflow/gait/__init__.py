@@ -2,7 +2,8 @@
 
 ``run`` is the call, ``request`` what it is asked for, ``study`` who was filmed; ``inputs``,
 ``sources`` and ``event_sources`` read what it is given, ``statistics`` makes the tables beside
-those of the trials, ``drawings``, ``source_drawings`` and ``save_figures`` the figures.
+those of the trials, ``drawings``, ``overview_drawings``, ``source_drawings`` and ``save_figures``
+the figures.
 """
 
 from pawnb import _lazy
@@ -23,6 +24,7 @@ __all__ = [
     "drawings",
     "event_sources",
     "inputs",
+    "overview_drawings",
     "request",
     "run",
     "run_gait",

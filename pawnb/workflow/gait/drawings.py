@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -51,7 +51,11 @@ class Drawing:
 
 
 def gait_drawings(
-    tables: GaitTables, *, groups: Groups | None = None, notes: Sequence[str] | None = None
+    tables: GaitTables,
+    *,
+    groups: Groups | None = None,
+    notes: Sequence[str] | None = None,
+    references: Mapping[str, tuple[float, str]] | None = None,
 ) -> Iterator[Drawing]:
     """List the figures of an analysis.
 
@@ -63,6 +67,8 @@ def gait_drawings(
         (animal, trial) to its group: measures of the groups are drawn side by side.
     notes : sequence of str, optional
         What the pages of animals tell of the run; default the notes of the tables.
+    references : mapping, optional
+        Lines beside measures against speed; see :func:`pawnb.figures.plot_regression`.
 
     Yields
     ------
@@ -74,7 +80,9 @@ def gait_drawings(
     yield from _of_phases(tables, unit)
     yield from _of_coordination(tables)
     yield from _of_signals(tables)
-    yield from _of_strides(tables, unit, tables.notes if notes is None else notes)
+    yield from _of_strides(
+        tables, unit, tables.notes if notes is None else notes, references=references
+    )
     if groups:
         yield from _of_groups(tables, groups, unit)
 
@@ -205,13 +213,21 @@ def _aligned(signals: list[LegSignals], strides: pd.DataFrame, *, phase: str) ->
     return figures.build_aligned_acceleration_table(aligned)
 
 
-def _of_strides(tables: GaitTables, unit: str | None, notes: Sequence[str]) -> Iterator[Drawing]:
+def _of_strides(
+    tables: GaitTables,
+    unit: str | None,
+    notes: Sequence[str],
+    *,
+    references: Mapping[str, tuple[float, str]] | None,
+) -> Iterator[Drawing]:
     """Stride measures against speed, and a page for every animal."""
     strides = tables.strides
     names = _axis_names(unit)
     pairs = [(name, "speed") for name in names if name != "speed"]
     lines = partial(figures.build_regression_table, strides, pairs, points="trial")
-    yield make_drawing("against_speed", "regression", lines, names=names)
+    yield make_drawing(
+        "against_speed", "regression", lines, names=names, references=dict(references or {})
+    )
     for animal in sorted(strides["animal"].astype(str).unique()):
         yield make_drawing(
             f"summary_{safe_name(animal)}",

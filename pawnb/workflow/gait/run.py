@@ -27,6 +27,7 @@ from pawnb.workflow.gait.inputs import (
     tracks_of,
     who_is_who,
 )
+from pawnb.workflow.gait.overview_drawings import overview_drawings
 from pawnb.workflow.gait.request import Again, GaitRequest, Legs
 from pawnb.workflow.gait.save_figures import Which, save_gait_figures
 from pawnb.workflow.gait.source_drawings import source_drawings
@@ -42,6 +43,7 @@ from pawnb.workflow.gait.statistics import (
 from pawnb.workflow.gait.study import Study
 from pawnb.workflow.gait.study_tables import (
     covariates_of,
+    reference_lines,
     size_drawings,
     size_tables,
     trials_table,
@@ -239,10 +241,14 @@ def carry_out(
         tables = dataclasses.replace(tables, notes=tuple(remarks))
         every = {name: _grouped(getattr(tables, name), named) for name in TABLES} | further
         drawings = itertools.chain(
-            gait_drawings(tables, groups=named, notes=[*_notes_of(sources, tables), *warned]),
+            gait_drawings(
+                tables, groups=named, notes=[*_notes_of(sources, tables), *warned],
+                references=reference_lines(tables.strides, fields, unit=length_unit(tables)),
+            ),
+            overview_drawings(tables, groups=named),
             source_drawings(seen, angles=angles),
             size_drawings(tables.strides, fields, unit=length_unit(tables)),
-        )
+        )  # fmt: skip
         with writing_results(folder, run="gait", steps=[step]) as staging:
             files = [write_table(table, staging / f"{name}.csv") for name, table in every.items()]
             files += save_gait_figures(

@@ -12,6 +12,8 @@ from pawnb import figures
 from pawnb.errors import InputError
 from pawnb.figures.panels import speed_unit, with_unit
 from pawnb.gait import GaitTables
+from pawnb.gait.legs import find_leg_place
+from pawnb.gait.reference_lines import least_stable_duty_factor, trot_gallop_transition
 from pawnb.gait.scaling import EXPECTED_EXPONENTS, expected_slopes_table, scaling_table
 from pawnb.workflow.gait.drawings import Drawing, make_drawing
 
@@ -21,7 +23,9 @@ Fields = Mapping[tuple[str, str], Mapping[str, Any]]
 MASS = ("mass_g", "mass_kg", "mass_mg", "mass")
 LENGTH = ("body_length", "body_length_mm", "body_length_cm", "carapace_mm", "carapace_cm")
 PARAMETERS = ("speed", "frequency_hz", "stride_length")
+PER_METRE = {"mm": 1000.0, "cm": 100.0, "m": 1.0}
 _FEWEST_ANIMALS = 3
+_FEWEST_LEGS = 4
 
 
 def trials_table(tables: GaitTables, *, groups: Mapping[Any, str], fields: Fields) -> pd.DataFrame:
@@ -165,6 +169,66 @@ def with_sizes(strides: pd.DataFrame, fields: Fields) -> tuple[pd.DataFrame, lis
         if len(of_animals) >= _FEWEST_ANIMALS and of_animals.max() > of_animals.min():
             sizes.append(name)
     return strides, sizes
+
+
+def reference_lines(
+    strides: pd.DataFrame, fields: Fields, *, unit: str | None
+) -> dict[str, tuple[float, str]]:
+    """Return lines to draw beside measures against speed (Pullar 2009, Fig. 4.6).
+
+    Parameters
+    ----------
+    strides : pandas.DataFrame
+        Strides.
+    fields : mapping
+        (animal, trial) to its covariates.
+    unit : str or None
+        Unit of lengths.
+
+    Returns
+    -------
+    dict
+        Column to a value and its words: where every animal has a mass, the transition from trot
+        to gallop at the mean mass; the least stable duty factor, where the legs are there in
+        pairs, four or more.
+    """
+    lines: dict[str, tuple[float, str]] = {}
+    masses = [mass_kg(fields.get(key, {})) for key in fields]
+    known = [mass for mass in masses if mass is not None]
+    if known and len(known) == len(masses):
+        found = trot_gallop_transition(sum(known) / len(known))
+        words = "trot-gallop\n(Heglund 1974)"
+        lines["frequency_hz"] = (found.frequency_hz, words)
+        if unit in PER_METRE:
+            lines["speed"] = (found.speed_m_s * PER_METRE[unit], words)
+            lines["stride_length"] = (found.stride_length_m * PER_METRE[unit], words)
+    places = {find_leg_place(str(leg)) for leg in strides["leg"].unique()}
+    sides = [{place.rank for place in places if place and place.side == side} for side in "LR"]
+    if None not in places and sides[0] == sides[1] and len(places) >= _FEWEST_LEGS:
+        duty = least_stable_duty_factor(len(places))
+        source = {4: "McGhee & Frank 1968"}.get(len(places), "Ting 1994")
+        lines["duty_factor"] = (duty, f"unstable below ({source})")
+    return lines
+
+
+def mass_kg(fields: Mapping[str, Any]) -> float | None:
+    """Return the mass of an animal, kg; None where it is not known or has no unit.
+
+    Parameters
+    ----------
+    fields : mapping
+        Covariates of the animal.
+
+    Returns
+    -------
+    float or None
+        The mass.
+    """
+    for name, share in (("mass_kg", 1.0), ("mass_g", 1e-3), ("mass_mg", 1e-6)):
+        value = fields.get(name)
+        if isinstance(value, int | float) and not isinstance(value, bool) and value > 0:
+            return float(value) * share
+    return None
 
 
 def covariates_of(parts: Sequence[GaitTables], fields: Sequence[Mapping[str, Any]]) -> Fields:

@@ -7,6 +7,7 @@ from walking import Walk
 from pawnb.gait import analyse
 from pawnb.gait.analysis.stride_measures import MEASURE_COLUMNS, measure_strides
 from pawnb.gait.cycles import HEIGHT, LEG_ANGLE, LegSignals
+from pawnb.gait.event_detection.event_settings import EventSettings
 from pawnb.gait.strides import Motion
 from pawnb.trial import Animal, Calibration, Trial
 
@@ -79,6 +80,42 @@ def test_a_foot_is_lifted_and_drags_as_it_was_made_to():
     assert found[0]["toe_clearance"] == pytest.approx(8.0 * np.sin(np.pi / 4), abs=0.1)
     assert found[1]["swing_height"] == pytest.approx(4.0, abs=0.01)
     assert found[1]["toe_clearance"] == pytest.approx(0.5, abs=0.01)
+
+
+def test_a_foot_drags_for_as_long_as_it_was_made_to():
+    """One foot is lifted as a half sine of 8 mm; another slides at 0.5 mm for 0.7 of its swing.
+
+    A half sine is below a quarter of its height for 2 asin(1/4) / pi of its time. The foot that
+    slides rests for the first tenth of its swing: near the floor, but it is not dragged.
+    """
+    t = np.arange(0, 1.0, 0.001)
+    swing = np.clip((t % 0.5 - 0.3) / 0.2, 0, 1)
+    clean = 2.0 + 8.0 * np.sin(np.pi * swing)
+    drags = 2.0 + np.where((swing > 0) & (swing < 0.8), 0.5, 0.0) + 8.0 * (swing > 0.8)
+    before = np.floor(t / 0.5)  # whole strides made
+    feet = {
+        "FR": 100.0 * (before + swing), "HR": 100.0 * (before + np.clip((swing - 0.1) / 0.9, 0, 1))
+    }  # fmt: skip
+    motion = Motion(time_s=t, body=np.zeros_like(t), feet=feet)
+    signal = LegSignals(
+        animal="a", trial="t", legs=("FR", "HR"), time_s=t, samples=np.column_stack((clean, drags)),
+        signal=HEIGHT, unit="mm",
+    )  # fmt: skip
+    strides = analyse(WALK.tracks(), trial=TRIAL).strides.drop(columns=list(MEASURE_COLUMNS))
+    both = strides.groupby("leg").head(1).query("leg in ('FR', 'HR')").reset_index(drop=True)
+    both = both.assign(leg=["FR", "HR"], start_s=0.0, stance_s=0.3, period_s=0.5)
+    found = measure_strides(both, motion={"FR": motion, "HR": motion}, signals=[signal]).set_index(
+        "leg"
+    )["drag_fraction"]
+    assert found["FR"] == pytest.approx(2 * np.arcsin(0.25) / np.pi, abs=0.02)
+    assert found["HR"] == pytest.approx(0.7, abs=0.02)
+    assert measure_strides(both, signals=[signal])["drag_fraction"].isna().all()
+    settings = EventSettings(contact_height_fraction=0.05)
+    low = measure_strides(
+        both, motion={"FR": motion, "HR": motion}, signals=[signal], settings=settings
+    ).set_index("leg")["drag_fraction"]
+    # 0.4 mm: only what is lower than the foot that slides
+    assert low["HR"] == pytest.approx(0.0, abs=0.02)
 
 
 def test_an_animal_that_turns_tells_its_heading():

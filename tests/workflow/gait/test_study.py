@@ -189,6 +189,25 @@ def test_powers_of_size_are_found():
     }  # fmt: skip
 
 
+def test_reference_lines_follow_mass_unit_and_legs():
+    """A mouse of 30 g: 0.66 m/s and 7.32 Hz by the laws of Heglund et al. (1974)."""
+    strides = pd.DataFrame({"leg": ["FL", "FR", "HL", "HR"]})
+    fields = {("a", "t"): {"mass_g": 20.0}, ("b", "t"): {"mass_g": 40.0}}
+    found = study_tables.reference_lines(strides, fields, unit="mm")
+    assert found["frequency_hz"][0] == pytest.approx(269 / 60 * 0.03**-0.14)
+    assert found["speed"][0] == pytest.approx(1527.8 * 0.03**0.24, rel=1e-3)
+    assert found["stride_length"][0] == pytest.approx(350.0 * 0.03**0.38)
+    assert found["duty_factor"][0] == 0.75
+    assert set(study_tables.reference_lines(strides, fields, unit="px")) == {
+        "frequency_hz", "duty_factor",
+    }  # fmt: skip
+    without = {**fields, ("b", "t"): {"mass": 40.0}}  # no unit
+    assert set(study_tables.reference_lines(strides, without, unit="mm")) == {"duty_factor"}
+    assert study_tables.reference_lines(strides.iloc[:3], {}, unit="mm") == {}
+    spider = pd.DataFrame({"leg": [f"{side}{k}" for side in "LR" for k in range(1, 5)]})
+    assert study_tables.reference_lines(spider, {}, unit="mm")["duty_factor"][0] == 0.375
+
+
 @pytest.mark.slow
 def test_groups_of_hand_scored_events_are_compared(tmp_path):
     """Lesioned animals take 0.25 s a stride, controls 0.2 s: a difference of exactly 0.05 s."""

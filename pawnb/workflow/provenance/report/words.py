@@ -32,9 +32,13 @@ FILES = {
 
 FIGURES = {
     "estimation_": "Groups: each animal, means, differences with intervals",
+    "curves_": "Groups: curves over the stride, and where they differ",
+    "measure_heat_map": "All measures of all animals, from their mean",
+    "measure_components": "Principal components of all measures",
     "phase_rose": "Phases of pairs of legs, with mean and interval",
     "phase_histogram": "Histograms of phases",
     "phase_speed": "Phases against speed",
+    "phase_density": "Phases of two pairs of legs at every instant",
     "hildebrand_diagram": "Hildebrand's diagram: duty factor and lag of fore behind hind",
     "stepping_pattern": "Stepping pattern",
     "support_shares": "Share of time with so many feet on the ground",
