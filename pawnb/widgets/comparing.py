@@ -41,7 +41,8 @@ class Comparing(Retracking):
             if against != "before":
                 raise InputError(f'against is {against!r}; expected tracks, or "before".')
             against, name = tracks, name or "before the corrections"
-        self._comparison = Comparison(tracks, against, name=name or "the other tracks", rig=rig)
+        called = "the other tracks" + (f" ({name})" if name else "")
+        self._comparison = Comparison(tracks, against, name=called, rig=rig)
 
     def _show_comparison(self) -> None:
         """Say what the thin line of the lanes is, and how much of it fills one."""

@@ -183,11 +183,13 @@ def test_a_point_in_the_hand_is_followed_in_the_other_views(reviewing):
     at = (xyz[0] + 40, 80 + xyz[1])
     np.testing.assert_allclose(notebook.js("c.stages[2].live.at"), at, atol=1e-6)
     off = np.hypot(*np.subtract(at, truth(0, 2)))
-    assert f"cam3 {off:.{1 if off < 10 else 0}f} px" in notebook.js("c.detail.textContent")
+    said = notebook.js("c.detail.textContent")
+    assert said.startswith("FR is off by ")
+    assert said.endswith(f"{off:.{1 if off < 10 else 0}f} px in cam3")
     notebook.page.mouse.up()
     notebook.settle()
     assert notebook.js("c.stages.map((s) => s.live)") == [None] * 3
-    assert not notebook.js("c.detail.textContent").startswith("Off by")
+    assert "is off by" not in notebook.js("c.detail.textContent")
     # what two hands have placed overrules the tracker in the third view
     notebook.drag("cam2", truth(0, 1), (110, 280 - z), release=False)
     u2, v2 = notebook.js("[c.stages[1].drag.point.u, c.stages[1].drag.point.v]")

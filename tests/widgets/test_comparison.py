@@ -67,12 +67,14 @@ def test_a_review_draws_the_others_and_jumps_to_the_largest_difference(trial_fil
     u, v = scene.seen(6)[0, 0]
     assert (marks[0]["id"], marks[0]["u"], marks[0]["v"]) == ("FR", u, v + 30)
     assert widget.edit("action", {"action": "apart", "frame": 0}) == 6
-    assert widget.status.startswith("Difference 1 of 2, frame 6: FR in cam1, 30.0 px from <b>Anna")
+    assert widget.status.startswith(
+        "Difference 1 of 2, frame 6: FR in cam1, 30.0 px from the other"
+    )
     assert widget.overlay(6)["current"] == ["cam1", "FR"]
     assert widget.edit("action", {"action": "apart", "frame": 6}) == 25
     assert widget.edit("action", {"action": "apart", "frame": 25}) is None
     assert widget.edit("action", {"action": "difference", "value": "1", "frame": 0}) == 25
-    assert widget.thin_line == ["distance", " px from <b>Anna</b>"]
+    assert widget.thin_line == ["distance", " px from the other tracks (<b>Anna</b>)"]
     # 30 px fill the lane: the scale is the 99.5th percentile of the largest distances
     assert widget._lane_bytes[0, 6, 1] == 250
     # corrected onto the other track, the difference is gone from list and lane
@@ -91,7 +93,7 @@ def test_corrected_tracks_are_compared_with_those_of_before(trial_file, tmp_path
     first.close()
     widget = TrackReviewer(trial_file, scene.true_tracks(), edits=edits, against="before")
     assert widget.edit("action", {"action": "apart", "frame": 0}) == 9
-    assert "px from before the corrections" in widget.status
+    assert "px from the other tracks (before the corrections)" in widget.status
     widget.close()
 
 
