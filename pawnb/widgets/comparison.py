@@ -105,7 +105,22 @@ class Comparison:
         return table.sort_values("score", ascending=False, kind="stable").head(_MOST)
 
     def marks(self, frame: int, view: str, colours: Mapping[str, str]) -> list[dict[str, Any]]:
-        """Return where the other tracks have the points of a view, as the browser draws them."""
+        """Return where the other tracks have the points of a view.
+
+        Parameters
+        ----------
+        frame : int
+            The frame.
+        view : str
+            The view.
+        colours : mapping of str to str
+            Colour of each point.
+
+        Returns
+        -------
+        list of dict
+            id, colour, u and v (px) of each point, as the browser draws them.
+        """
         rows = np.flatnonzero(self.frames == frame)
         if not len(rows):
             return []
