@@ -34,12 +34,12 @@ Overlay = dict[str, Any]
 """``{"views": {name: {"points", "hollow", "lines", "chips"}}, "caption", "current"}``, plain
 JSON. Points and hollow marks have id, u, v, colour (and origin); lines have at (a list of
 [u, v], None for a gap), colour, and dash or fade; chips have id, state, title, colour.
-A view may also have ``stick``, a stick animal whose handles can be dragged
-(:func:`pawnb.widgets.stick_session.describe`), and ``tint``, a picture over part of it: url
-(``data:image/png;base64,...``) and box (u0, v0, u1, v1, half open); ``asks``, the point that a
-click there places, or None; ``guides``, where the other views put points (name to [[u, v]], or to
-the two ends of a line), with ``limit_px``, how far from there is too far, and ``residuals``,
-whether the distance is always shown."""
+A view may also have ``others``, points of a second track (id, u, v, colour); ``stick``, a stick
+animal whose handles can be dragged (:func:`pawnb.widgets.stick_session.describe`); ``tint``, a
+picture over part of it: url (``data:image/png;base64,...``) and box (u0, v0, u1, v1, half open);
+``asks``, the point that a click there places, or None; ``guides``, where the other views put points
+(name to [[u, v]], or to the two ends of a line), with ``limit_px``, how far from there is too far,
+and ``residuals``, whether the distance is always shown."""
 
 MOUSE_AND_KEYS = (
     ("Wheel", "zoom in and out about the mouse"),

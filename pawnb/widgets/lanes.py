@@ -51,6 +51,7 @@ def build_lanes(
     suspects: pd.DataFrame | None = None,
     stances: Stances | None = None,
     sd_full: float = 0.0,
+    spread: np.ndarray | None = None,
 ) -> np.ndarray:
     """Return what the lanes of a timeline show.
 
@@ -66,6 +67,9 @@ def build_lanes(
         Begin and end of each point's stances, s.
     sd_full : float
         Standard deviation that fills a lane, in the unit of ``position``; see :func:`sd_scale`.
+    spread : ndarray, shape (n, P), optional
+        Shown in place of the standard deviation of each keypoint of the tracks, in the unit of
+        ``sd_full``.
 
     Returns
     -------
@@ -81,7 +85,8 @@ def build_lanes(
     lanes = np.zeros((len(chosen), n, 3), dtype=np.uint8)
     lanes[..., :2] = UNKNOWN
     at = frames - first
-    confidence, sd = _confidence(tracks)[:, chosen], _spread(tracks)[:, chosen]
+    spread = _spread(tracks) if spread is None else spread
+    confidence, sd = _confidence(tracks)[:, chosen], spread[:, chosen]
     lanes[:, at, 0] = _bytes(confidence, 1.0).T
     lanes[:, at, 1] = _bytes(sd, sd_full).T
     lanes[:, at, 2] = _origin_bits(tracks)[:, chosen].T

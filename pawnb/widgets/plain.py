@@ -70,6 +70,9 @@ def draw_overlay(image: np.ndarray, overlay: dict[str, Any], *, scale: float) ->
         (middle,) = at([(mark["u"], mark["v"])])
         corners = middle + 9.0 * np.array([(0, -1), (1, 0), (0, 1), (-1, 0), (0, -1)])
         line(image, corners, rgb(mark["colour"]), width=1)
+    for mark in overlay.get("others", ()):
+        (middle,) = at([(mark["u"], mark["v"])])
+        ring(image, middle, rgb(mark["colour"]), origin="predicted")
     names = []
     for mark in overlay.get("points", ()):
         (middle,) = at([(mark["u"], mark["v"])])

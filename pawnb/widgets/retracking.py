@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from pawnb.core.edits.log import describe_edit
@@ -130,6 +131,11 @@ class Retracking(TimelineCanvas):
                     f"these tracks have other {what}s ({', '.join(names)}) than those under review "
                     f"({', '.join(had)}); open a review of their own on them."
                 )
+        if not np.array_equal(tracks["frame"].to_numpy(), before["frame"].to_numpy()):
+            raise InputError(
+                "these tracks are of other frames than those under review; open a review of their "
+                "own on them."
+            )
         with self._edit_lock:
             if self.corrected.busy:
                 raise InputError("the trial is being tracked again; wait, or stop it.")

@@ -50,11 +50,14 @@ class TimelineCanvas(FrameCanvas):
         id, colour and partners of each lane's point.
     stretch : list
         The stretch that is chosen: point, first and last frame; empty where none is.
+    thin_line : list of str
+        What the thin line of the lanes is, in words: before its number, and after it.
     """
 
     lanes: traitlets.List = traitlets.List().tag(sync=True)
     lanes_do: traitlets.List = traitlets.List().tag(sync=True)
     stretch: traitlets.List = traitlets.List().tag(sync=True)
+    thin_line: traitlets.List = traitlets.List(["sd", ""]).tag(sync=True)
 
     _lane_bytes: np.ndarray | None = None
     _stances: Stances | None = None
@@ -93,7 +96,7 @@ class TimelineCanvas(FrameCanvas):
 
     def _page_traits(self) -> dict[str, Any]:
         """Return what the browser is told on a page that only shows, its lanes too."""
-        return super()._page_traits() | {"lanes": self.lanes}
+        return super()._page_traits() | {"lanes": self.lanes, "thin_line": self.thin_line}
 
     def _page_lanes(self, frames: Sequence[int], first: int) -> dict[str, Any]:
         """Return the timeline of a page: that of some frames, counted from ``first`` there."""
@@ -131,6 +134,10 @@ class TimelineCanvas(FrameCanvas):
     def _lane_tracks(self) -> Tracks:
         """Return the tracks as they are now."""
         raise NotImplementedError
+
+    def _lane_spread(self, tracks: Tracks) -> np.ndarray | None:  # noqa: ARG002
+        """Return what the thin line shows in place of the standard deviation, (n, P)."""
+        return None
 
     def _tell_of_tracks(self) -> None:
         """Take notice of other tracks than those of before."""
@@ -185,6 +192,7 @@ class TimelineCanvas(FrameCanvas):
                 suspects=self._lane_suspects(),
                 stances=self._stances,
                 sd_full=self._sd_full,
+                spread=self._lane_spread(tracks),
             )
             old, self._lane_bytes = self._lane_bytes, new
             if old is not None and old.shape == new.shape:

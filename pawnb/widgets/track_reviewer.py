@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
@@ -20,6 +20,7 @@ from pawnb.files import GuardedFile
 from pawnb.schema import Tracks
 from pawnb.trial import Trial, load_trial
 from pawnb.widgets.click_initialiser import view_rig
+from pawnb.widgets.comparing import DIFFERENCE_KEYS, Comparing
 from pawnb.widgets.frame_canvas import MOUSE_AND_KEYS, Overlay, Views
 from pawnb.widgets.retracking import Retracking, RetrackTrial
 from pawnb.widgets.review_session import ReviewSession
@@ -48,6 +49,7 @@ _MARKS = (
 
 
 _AGAIN = ("retrack", "learn")
+_LOOKING = ("suspect", "next", "difference", "apart", "stop")
 
 _WHAT_TO_DO = {
     True: "look at the doubtful frames (D: the next), and drag a point that is wrong",
@@ -55,7 +57,7 @@ _WHAT_TO_DO = {
 }
 
 
-class TrackReviewer(Retracking):
+class TrackReviewer(Comparing, Retracking):
     """Review tracks over the video: all views at once, correct, track again, undo.
 
     Rings are the tracked points, with a trail of the last 20 frames; hollow diamonds show
@@ -77,10 +79,15 @@ class TrackReviewer(Retracking):
         Frames to look at (frame, view, point, reason, score), offered as a menu; default
         those of :func:`pawnb.core.suspects.frames.find_suspects`, found again after tracking again,
         an exchange, and undo. What is corrected or accepted is left out.
+    against : xarray.Dataset or "before", optional
+        Other tracks of the trial to compare with, for instance those made by hand, drawn as dashed
+        rings; ``"before"``: ``tracks`` as they were before any correction. The thin line of each
+        lane is then the distance, and a menu and C lead to the largest ones.
     **options
-        ``out`` (folder for *Save*; default the folder of ``edits``), ``write`` (a function that
-        writes the tracks instead; nothing is tracked again then), ``views`` and ``rig``
-        (when they are open already), and the options of :class:`FrameCanvas`.
+        ``against_name`` (what the others are called), ``out`` (folder for *Save*; default the
+        folder of ``edits``), ``write`` (a function that writes the tracks instead; nothing is
+        tracked again then), ``views`` and ``rig`` (when they are open already), and the options
+        of :class:`FrameCanvas`.
 
     Attributes
     ----------
@@ -103,6 +110,8 @@ class TrackReviewer(Retracking):
         edits: str | Path | None = None,
         retrack: RetrackTrial | None = None,
         suspects: pd.DataFrame | None = None,
+        against: Tracks | Literal["before"] | None = None,
+        against_name: str | None = None,
         out: str | Path | None = None,
         write: Callable[[Tracks], object] | None = None,
         views: Views | None = None,
@@ -123,6 +132,7 @@ class TrackReviewer(Retracking):
             ReviewSession, trial, rig=rig, edits=edits, retrack=self._track_again, save=save
         )
         self._open_tracks(tracks)
+        self._compare(tracks, against, against_name, rig=rig)
         self._offer_doubtful(self._find_doubtful())
         first, last = self.session.span
         self._times = np.asarray(getattr(shown, "time_s", np.arange(shown.n_frames) / trial.fps))
@@ -130,7 +140,8 @@ class TrackReviewer(Retracking):
         super().__init__(shown, **{"frame": first, "span": span, **options})
         self.label = "Review tracks"
         self.link_views(rig)
-        own = (*_KEYS, *TIMELINE_KEYS, *STRETCH_KEYS, *MOUSE_AND_KEYS)
+        compared = DIFFERENCE_KEYS if against is not None else ()
+        own = (*_KEYS, *compared, *TIMELINE_KEYS, *STRETCH_KEYS, *MOUSE_AND_KEYS)
         self.keys_help = [list(line) for line in (("Marks", _MARKS), *own)]
         self._prepare_lanes(
             trial,
@@ -139,6 +150,7 @@ class TrackReviewer(Retracking):
             partners={point: self.session.partners(point) for point in self.session.points},
             does=("swap", "interpolate", "hide", "delete", *_AGAIN[:1] * self._tracks_again),
         )
+        self._show_comparison()
         self._show_state(self._opening_notes(folder))
 
     @classmethod
@@ -187,6 +199,7 @@ class TrackReviewer(Retracking):
     def overlay(self, frame: int) -> Overlay:
         """Return what is drawn over a frame."""
         drawn = self.session.overlay(frame) | {"caption": f"{self._times[frame]:.3f} s"}
+        self._draw_others(frame, drawn["views"], self.session.colours)
         if self._pointed is not None and self._pointed[0] == frame:
             drawn["current"] = list(self._pointed[1:])
         return drawn
@@ -258,6 +271,8 @@ class TrackReviewer(Retracking):
             self._show_state("tracks saved")
         elif action in ("suspect", "next"):
             return self._look_at_doubtful(value)
+        elif action in ("difference", "apart"):
+            return self._look_at_difference(value)
         return None
 
     def _do_to_stretch(
@@ -329,9 +344,10 @@ class TrackReviewer(Retracking):
             {"id": "redo", "text": "Redo", "keys": ["Ctrl+y", "Ctrl+Shift+Z"],
              "title": "Make it again (Ctrl+Y)", "enabled": session.can_redo},
             *self._review_actions(busy=busy),
+            *self._difference_actions(),
         ]  # fmt: skip
         for action in actions:
-            free = not busy or action["id"] in ("suspect", "next", "stop")
+            free = not busy or action["id"] in _LOOKING
             action["enabled"] = action.get("enabled", True) and free
         left_out = [*(() if pairs else ("swap",)), *(() if self._tracks_again else _AGAIN)]
         self.actions = [action for action in actions if action["id"] not in left_out]

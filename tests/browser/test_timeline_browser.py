@@ -9,16 +9,19 @@ from test_small_screen_browser import set_theme
 
 pytestmark = pytest.mark.browser
 
-HOSTILE = ["<img src=x onerror=window.hurt=1>", "a" * 300]
+EVIL, LONG, HEBREW = "<img src=x onerror=window.hurt=1>", "a" * 300, "\u05e9\u05dc\u05d5\u05dd" * 30
+HOSTILE = {"Light": [EVIL, LONG], "Dark": [EVIL, ""]}
 """Instead of FR and HR."""
+VIEWS = [EVIL, LONG, HEBREW]
+"""Instead of cam1, cam2 and cam3."""
 
 
-def open_review(notebook, trial_file, change=""):
+def open_review(notebook, trial_file, change="", more=""):
     notebook.show(f"""import small_trial as scene
 from pawnb.widgets import TrackReviewer
 tracks = scene.true_tracks()
 {change}
-w = TrackReviewer({str(trial_file)!r}, tracks)
+w = TrackReviewer({str(trial_file)!r}, tracks{more})
 w""")
     notebook.wait("c.timeline.bytes !== null")
     return trial_file.parent / "results" / "edits.jsonl"
@@ -182,14 +185,44 @@ def test_x_swaps_up_to_where_the_points_meet_next(notebook, trial_file):
 def test_hostile_names_run_nothing_and_nothing_overflows(
     notebook, trial_file, width, height, theme
 ):
-    names = f"tracks = tracks.assign_coords(keypoint={HOSTILE!r})"
+    points = HOSTILE[theme]
+    text = trial_file.read_text()
+    for was, name in zip(scene.POINTS, VIEWS, strict=True):
+        text = text.replace(f'name = "{was}"', f"name = {json.dumps(name)}")
+    text = text.replace('name = "small"', f"name = {json.dumps(EVIL)}")
+    text = text.replace('"FR"', json.dumps(points[0])).replace(', "HR"', "")
+    trial_file.write_text(text)
+    row = [7, EVIL, points[0], f"{EVIL} {HEBREW} {LONG}", 1.0]
+    change = f"""import pandas as pd
+tracks = tracks.assign_coords(keypoint={points!r}, view={VIEWS!r})
+other = tracks.copy(deep=True)
+other["image_position"][9] += 30.0
+table = pd.DataFrame([{row!r}], columns=["frame", "view", "point", "reason", "score"])
+"""
+    more = f", suspects=table, against=other, against_name={EVIL + LONG!r}"
     notebook.page.set_viewport_size({"width": width, "height": height})
     set_theme(notebook, theme)
     try:
-        open_review(notebook, trial_file, names)
+        open_review(notebook, trial_file, change, more)
+        # what is said of a doubtful label, and of a difference, holds every name there is
+        for key, words in (("d", "Doubtful 1 of 1"), ("c", "Difference 1 of")):
+            notebook.focus()
+            notebook.press(key)
+            notebook.wait(f"c.status.innerText.startsWith({words!r}) && c.pending === 0")
+            notebook.settle()
+            assert EVIL in notebook.page.locator(".pawnb-status").inner_text()
+        notebook.kernel_runs(f"w.alarm = {EVIL + LONG + HEBREW!r}")
+        notebook.wait("!c.alarm.hidden")
+        over = """(() => { const right = c.root.getBoundingClientRect().right + 2;
+            return [...c.root.querySelectorAll('div, button, select, canvas, input, span')]
+                .filter((e) => e.offsetParent && e.getBoundingClientRect().right > right)
+                .map((e) => e.className); })()"""
+        assert notebook.js(over) == []
+        for part in ("root", "grid", "status", "alarm", "detail"):
+            assert notebook.js(f"c.{part}.scrollWidth - c.{part}.clientWidth") <= 2, part
         drag(notebook, (5, 0), (30, 0))
         stretch = notebook.page.locator(".pawnb-stretch")
-        assert HOSTILE[0] in stretch.inner_text()
+        assert EVIL in stretch.inner_text()
         room = notebook.page.locator(".pawnb-root").bounding_box()
         for part in (".pawnb-stretch", ".pawnb-lanes", ".pawnb-timeline"):
             box = notebook.page.locator(part).bounding_box()

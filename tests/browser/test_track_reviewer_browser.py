@@ -85,8 +85,23 @@ import small_trial as scene
 from pawnb.widgets import TrackReviewer
 table = pd.DataFrame([[7, "cam1", "HR", "it leaps", 1.0], [31, "cam2", "FR", "it is lost", 0.5]],
                      columns=["frame", "view", "point", "reason", "score"])
-w = TrackReviewer({str(trial_file)!r}, scene.true_tracks(), suspects=table)
+other = scene.true_tracks()
+other["image_position"][22, 0, 1, 1, 0] += 40.0
+w = TrackReviewer({str(trial_file)!r}, scene.true_tracks(), suspects=table, against=other)
 w""")
+    # the largest difference from other tracks, drawn as a dashed ring
+    notebook.focus()
+    notebook.press("c")
+    notebook.wait("c.painted === 22")
+    notebook.settle()
+    assert notebook.js("c.selected") == ["cam1", "HR"]
+    (mark,) = notebook.js("c.stages[0].overlay.others.filter((p) => p.id === 'HR')")
+    np.testing.assert_allclose(
+        (mark["u"], mark["v"]), np.add(truth(22, point=1), (0, 40)), atol=0.01
+    )
+    lane = notebook.js("c.timeline.words({lane: c.timeline.lanes[1], frame: 22, named: false})")
+    # one of 80 labels is above the scale, their 99.5th percentile: between 0 and 40 px
+    assert "distance ≥ 24 px from the other tracks" in lane
     menu = notebook.page.locator("select[data-action=suspect]")
     menu.select_option(label="frame 31: FR in cam2, it is lost")
     notebook.wait("c.painted === 31")
@@ -168,11 +183,13 @@ def test_a_point_in_the_hand_is_followed_in_the_other_views(reviewing):
     at = (xyz[0] + 40, 80 + xyz[1])
     np.testing.assert_allclose(notebook.js("c.stages[2].live.at"), at, atol=1e-6)
     off = np.hypot(*np.subtract(at, truth(0, 2)))
-    assert f"cam3 {off:.{1 if off < 10 else 0}f} px" in notebook.js("c.detail.textContent")
+    said = notebook.js("c.detail.textContent")
+    assert said.startswith("FR is off by ")
+    assert said.endswith(f"{off:.{1 if off < 10 else 0}f} px in cam3")
     notebook.page.mouse.up()
     notebook.settle()
     assert notebook.js("c.stages.map((s) => s.live)") == [None] * 3
-    assert not notebook.js("c.detail.textContent").startswith("Off by")
+    assert "is off by" not in notebook.js("c.detail.textContent")
     # what two hands have placed overrules the tracker in the third view
     notebook.drag("cam2", truth(0, 1), (110, 280 - z), release=False)
     u2, v2 = notebook.js("[c.stages[1].drag.point.u, c.stages[1].drag.point.v]")

@@ -209,7 +209,7 @@ class Canvas extends Keys {
   // Above each view: its name, and every point it tracks as a button.
   showHead(stage) {
     const { head, el } = stage;
-    head.replaceChildren(element("span", "pawnb-name", { textContent: stage.name }));
+    head.replaceChildren(element("span", "pawnb-name", { textContent: stage.name, title: stage.name }));
     for (const { id, state, title, colour } of stage.overlay.chips || []) {
       const chip = this.button(head, id, title, () => this.select(stage, id));
       chip.className = `pawnb-chip pawnb-${state}`;

@@ -103,10 +103,9 @@ class Linked {
 
   // How far the point in the hand is from what each other view says, in words; "" where none does.
   words(stages) {
-    const parts = stages
-      .filter(({ live }) => live && live.off != null)
-      .map(({ name, live }) => `${name} ${pixels(live.off)}`);
-    return parts.length ? `Off by ${parts.join(", ")}` : "";
+    const told = stages.filter(({ live }) => live && live.off != null);
+    const parts = told.map(({ name, live }) => `${pixels(live.off)} in ${name}`);
+    return parts.length ? `${told[0].live.id} is off by ${parts.join(", ")}` : "";
   }
 }
 

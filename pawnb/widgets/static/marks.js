@@ -70,7 +70,7 @@ class Marks {
     g.setTransform(1, 0, 0, 1, 0, 0);
     g.clearRect(0, 0, this.marks.width, this.marks.height);
     g.lineJoin = g.lineCap = "round";
-    const { lines = [], hollow = [], points = [] } = this.overlay;
+    const { lines = [], hollow = [], points = [], others = [] } = this.overlay;
     this.drawTint(g);
     for (const line of lines) this.drawLine(g, k, line);
     const { live } = this;
@@ -78,6 +78,7 @@ class Marks {
     // what follows the hand stands for where the views put its point before
     for (const mark of hollow) if (!live || !live.at || mark.id !== live.id) this.drawHollow(g, k, mark);
     if (live && live.at) this.drawHollow(g, k, { u: live.at[0], v: live.at[1], colour: live.colour });
+    for (const other of others) this.drawOther(g, k, other, points.find(({ id }) => id === other.id));
     for (const point of points) this.drawPoint(g, k, point, point.id === selected);
     const named = new Set(points.map((point) => point.id));
     const drag = this.drag;
@@ -169,6 +170,21 @@ class Marks {
       g.closePath();
       g.stroke();
     });
+  }
+
+  // Where the tracks that are compared have a point: a dashed ring, joined to this track's point.
+  drawOther(g, k, { u, v, colour }, point) {
+    const [x, y] = this.toCanvas(u, v);
+    g.setLineDash([4 * k, 3 * k]);
+    this.outlined(g, k, 1.4, colour, () => { g.beginPath(); g.arc(x, y, 10 * k, 0, 2 * Math.PI); g.stroke(); });
+    g.setLineDash([]);
+    if (!point) return;
+    this.outlined(g, k, 1, colour, () => {
+      g.beginPath();
+      g.moveTo(x, y);
+      g.lineTo(...this.toCanvas(point.u, point.v));
+      g.stroke();
+    }, 1.5);
   }
 
   // A ring that leaves its middle free, so that the pixel under it can be seen:

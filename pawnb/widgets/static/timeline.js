@@ -237,7 +237,9 @@ class Timeline extends Lanes {
     const k = 3 * (this.lanes.indexOf(lane) * this.n + i);
     const [confidence, sd, bits] = this.bytes.subarray(k, k + 3);
     const parts = [confidence === UNKNOWN ? "missing" : `confidence ${(confidence / FULL).toFixed(2)}`];
-    if (sd !== UNKNOWN) parts.push(`sd ${sd >= FULL ? "≥ " : ""}${((sd * this.sdFull) / FULL).toPrecision(2)}`);
+    const [before, after] = this.model.get("thin_line");
+    const size = `${sd >= FULL ? "≥ " : ""}${((sd * this.sdFull) / FULL).toPrecision(2)}`;
+    if (sd !== UNKNOWN) parts.push(`${before} ${size}${after}`);
     for (const [bit, word] of [[PREDICTED, "predicted"], [EDITED, "placed by hand"], [SUSPECT, "doubtful"], [STANCE, "stance"]])
       if (bits & bit) parts.push(word);
     return `${lane.id}, frame ${frame}: ${parts.join(", ")}`;
