@@ -20,6 +20,7 @@ from pawnb.core.pose.fit.sequence.first_frame import (
     start_prior,
 )
 from pawnb.core.pose.fit.settings import PoseSettings
+from pawnb.core.pose.fit.support import leg_supports
 from pawnb.core.pose.poses import Poses
 from pawnb.core.video.views import Frame
 
@@ -103,7 +104,7 @@ def explain_fit(
     cost = picture_cost(
         canvas[0], canvas[1], image_evidence.seen, image_evidence.weight, settings.soft_error
     )
-    support = np.fmin(*fitter.support(vector, image_evidence).T)
+    support = np.fmin(*leg_supports(fitter, vector, image_evidence).T)
     factor = fitter.evidence.factor
     u0, v0, u1, v1 = (factor * edge for edge in box)
     return FitView(

@@ -9,12 +9,6 @@ import numpy as np
 
 from pawnb.arrays import BoolArray, FloatArray, IntArray
 from pawnb.core.pose.animal import StickAnimal
-from pawnb.core.pose.fit.candidates.candidate_kernels import (
-    cover_painted,
-    leg_support,
-    paint_base,
-    unexplained,
-)
 from pawnb.core.pose.fit.layout import N_BODY, Layout
 from pawnb.core.pose.fit.learning.anatomy import parameter_kinds
 from pawnb.core.pose.fit.learning.attached_clutter_kernels import hide
@@ -422,62 +416,3 @@ class FrameFitter:
         for leg in range(len(out)):
             leg_chain(self.layout, pose, leg, out[leg])
         return out
-
-    def support(self, pose: FloatArray, image_evidence: ImageEvidence) -> FloatArray:
-        """Return how much of each leg, and of its outer third, is dark, shape (legs, 2).
-
-        What lies on the body does not count; NaN where nothing is left.
-        """
-        joints, body = self.joints(pose), self.body_zone(pose, image_evidence)
-        return np.array(
-            [
-                leg_support(self.layout, joints[leg], leg, image_evidence, self.blur, 0.33, body)
-                for leg in range(len(joints))
-            ]
-        )
-
-    def body_support(self, pose: FloatArray, image_evidence: ImageEvidence) -> float:
-        """Return how dark the body's place is relative to what is expected; 0 if out of sight."""
-        value, owner, along, joints = self.canvas(image_evidence)
-        paint_some(
-            self.layout,
-            pose,
-            self.blur,
-            image_evidence.box,
-            self.body_shown,
-            value,
-            owner,
-            along,
-            joints,
-        )
-        inside = owner != -1
-        total = float(value[inside].sum())
-        if total == 0.0:
-            return 0.0
-        return float(np.minimum(image_evidence.seen[inside], value[inside]).sum()) / total
-
-    def body_zone(self, pose: FloatArray, image_evidence: ImageEvidence) -> FloatArray:
-        """Return the painted body, and more than black where its edge may be; it does not last.
-
-        A body is no perfect egg: what is dark beside it is as well more of it as a leg that
-        lies along its edge.
-        """
-        value, owner, _, _ = self.canvas(image_evidence)
-        layout, ellipse = self.layout, self.layout.ellipse.copy()
-        ellipse[:, 2:4] += FITTING.body_margin_px
-        paint_base(layout._replace(ellipse=ellipse), pose, self.blur, image_evidence, value, owner)
-        cover_painted(value, owner, FITTING.no_leg)
-        return value
-
-    def unexplained(self, pose: FloatArray, image_evidence: ImageEvidence) -> FloatArray:
-        """Return the dark working pixels near the animal that it does not cover.
-
-        Those on the animal's left and on its right are counted apart, shape (2,).
-        """
-        value, owner, along, joints = self.canvas(image_evidence)
-        paint_some(
-            self.layout, pose, self.blur + 2.0, image_evidence.box, self.all_shown,
-            value, owner, along, joints,
-        )  # fmt: skip
-        dark = 0.5 * float(np.median(self.layout.dark))
-        return unexplained(owner, image_evidence, dark, self.reach, pose)

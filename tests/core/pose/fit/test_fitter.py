@@ -12,6 +12,7 @@ from painted_walk import painted_walk
 from pawnb.core.pose.fit.prepare import prepare_fitter
 from pawnb.core.pose.fit.sequence.first_frame import fit_start
 from pawnb.core.pose.fit.settings import PoseSettings
+from pawnb.core.pose.fit.support import leg_supports
 
 
 @pytest.fixture(scope="module")
@@ -47,9 +48,9 @@ def test_a_body_that_leapt_is_found(started):
 def test_a_leg_on_the_body_has_no_support(started):
     fitter, pose, reader, _ = started
     image_evidence, _, _ = fitter.look(reader.frame(0), pose)
-    assert (fitter.support(pose, image_evidence) > 0.8).all()
+    assert (leg_supports(fitter, pose, image_evidence) > 0.8).all()
     folded = pose.copy()
     angles, lengths = np.split(fitter.numbers[1], 2)
     folded[angles] = [np.pi, 0.0, 0.0, 0.0, 0.0][: len(angles)]  # across the body
     folded[lengths] = -2.0
-    assert np.isnan(fitter.support(folded, image_evidence)[1, 0])
+    assert np.isnan(leg_supports(fitter, folded, image_evidence)[1, 0])

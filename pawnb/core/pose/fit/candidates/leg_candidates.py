@@ -24,6 +24,7 @@ from pawnb.core.pose.fit.rendering.gauss_newton_kernels import (
     prior_cost,
 )
 from pawnb.core.pose.fit.rendering.paint_kernels import leg_chain
+from pawnb.core.pose.fit.support import body_zone
 
 
 def limb_candidates(
@@ -56,7 +57,7 @@ def limb_candidates(
     neutral = CANDIDATES.leg_candidates_neutral * float(np.median(fitter.layout.dark[leg]))
     found: list[np.ndarray] = []
     canvas = fitter.canvas(image_evidence)
-    near_body = fitter.body_zone(pose, image_evidence) > 0.0
+    near_body = body_zone(fitter, pose, image_evidence) > 0.0
     open_to = np.empty_like(image_evidence.seen)
     for absent in (leg, *fitter.neighbours[leg]):
         shown = fitter.all_shown.copy()
@@ -210,7 +211,7 @@ def _weigh(
 ) -> None:
     """Fill in what candidates are worth alone and in pairs, and drop the worthless."""
     value, owner, along, joints = fitter.canvas(image_evidence)
-    base = fitter.body_zone(choices.pose, image_evidence).copy()
+    base = body_zone(fitter, choices.pose, image_evidence).copy()
     soft = fitter.settings.soft_error
     prints: list[list[tuple[np.ndarray, np.ndarray]]] = []
     for leg, numbers in enumerate(fitter.numbers):

@@ -17,6 +17,7 @@ from pawnb.core.pose.fit.learning.attached_clutter import find_attached_clutter
 from pawnb.core.pose.fit.learning.parameters import LEARNING
 from pawnb.core.pose.fit.parallel import on_threads
 from pawnb.core.pose.fit.sequence.first_frame import partners
+from pawnb.core.pose.fit.support import leg_supports
 from pawnb.signals.robust import MAD_TO_SD
 
 
@@ -62,7 +63,7 @@ def learn_pose_prior(
 
     def support(own: FrameFitter, t: int) -> FloatArray:
         image_evidence = own.image_evidence(found[t].image.astype(float), found[t].box, poses[t])
-        return own.support(poses[t], image_evidence)
+        return leg_supports(own, poses[t], image_evidence)
 
     supports = np.array(on_threads(fitter, range(len(found)), support))
     seen: np.ndarray = np.all(supports >= LEARNING.pose_prior_seen, axis=2)

@@ -22,6 +22,7 @@ from pawnb.core.pose.fit.sequence.first_frame import start_prior
 from pawnb.core.pose.fit.sequence.one_direction import Follower
 from pawnb.core.pose.fit.sequence.parameters import SEQUENCE
 from pawnb.core.pose.fit.steps import Steps
+from pawnb.core.pose.fit.support import body_support
 from pawnb.core.video.views import Frame
 
 HEADING = 2
@@ -58,7 +59,7 @@ def fit_known(fitter: FrameFitter, frame: Frame, pose: np.ndarray) -> tuple[np.n
         pose, _ = fitter.fit(pose, soft, prior, blur=fitter.blur + blur, rounds=8)
     image_evidence, _, _ = fitter.look(frame, pose)
     pose, _ = fitter.fit(pose, image_evidence, prior, rounds=20)
-    return pose, fitter.body_support(pose, image_evidence)
+    return pose, body_support(fitter, pose, image_evidence)
 
 
 def follow_all(

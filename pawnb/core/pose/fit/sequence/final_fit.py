@@ -25,6 +25,7 @@ from pawnb.core.pose.fit.rendering.uncertainty_kernels import error_ratio, place
 from pawnb.core.pose.fit.sequence.first_frame import partners
 from pawnb.core.pose.fit.sequence.leg_motion import first_motion, learn_motion, motion_messages
 from pawnb.core.pose.fit.sequence.parameters import SEQUENCE
+from pawnb.core.pose.fit.support import leg_supports
 
 
 @dataclass(frozen=True)
@@ -235,5 +236,5 @@ def _settled(fitter: FrameFitter, own: _Own, pull: FloatArray) -> Settled:
         pose=own.pose,
         sd=np.sqrt(np.maximum(np.diag(covariance), 0.0)),
         places_sd=np.hypot(places, SEQUENCE.model_sd * fitter.blur),
-        support=fitter.support(own.pose, _whole(own.image_evidence)),
+        support=leg_supports(fitter, own.pose, _whole(own.image_evidence)),
     )

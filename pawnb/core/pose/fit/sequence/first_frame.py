@@ -25,6 +25,7 @@ from pawnb.core.pose.fit.rendering.blur import blurred
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence, Prior
 from pawnb.core.pose.fit.rendering.paint_kernels import NOTHING, leg_chain
 from pawnb.core.pose.fit.sequence.parameters import SEQUENCE
+from pawnb.core.pose.fit.support import body_support
 from pawnb.core.video.views import Frame
 
 _XY = 2
@@ -114,7 +115,7 @@ def fit_start(
     longest = pose[fitter.lengths] + np.log(SEQUENCE.later_longer)
     high[fitter.lengths] = np.maximum(high[fitter.lengths], longest)
     fitter.anatomy = fitter.anatomy._replace(high=high)
-    return pose, fitter.body_support(pose, image_evidence)
+    return pose, body_support(fitter, pose, image_evidence)
 
 
 def _learn_blur(

@@ -31,6 +31,7 @@ from pawnb.core.pose.fit.learning.anatomy import about
 from pawnb.core.pose.fit.rendering.blur import blurred
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence, Prior, prior_cost
 from pawnb.core.pose.fit.sequence.parameters import SEQUENCE
+from pawnb.core.pose.fit.support import body_support, count_unexplained, leg_supports
 from pawnb.core.video.views import Frame
 
 _STATE = ("pose", "velocity", "middle", "jump_px", "_usual", "_lost", "_astray")
@@ -125,7 +126,7 @@ class Follower:
             image_evidence = fitter.image_evidence(image, box, expected)
         anatomy, prior = self.priors(expected)
         pose = self.fit_from(expected, image_evidence)
-        if fitter.body_support(pose, image_evidence) < SEQUENCE.body_lost:
+        if body_support(fitter, pose, image_evidence) < SEQUENCE.body_lost:
             self._lost += 1
             if self._lost > SEQUENCE.lost_frames:
                 return False
@@ -251,10 +252,10 @@ class Follower:
     ) -> BoolArray:
         """Return which legs may be elsewhere."""
         fitter = self.fitter
-        support = fitter.support(choices.pose, image_evidence)
+        support = leg_supports(fitter, choices.pose, image_evidence)
         doubted = ~((support[:, 0] >= SEQUENCE.leg_lost) & (support[:, 1] >= SEQUENCE.tip_lost))
         doubted |= len(self.kept) < SEQUENCE.first_frames
-        left_over = fitter.unexplained(choices.pose, image_evidence)
+        left_over = count_unexplained(fitter, choices.pose, image_evidence)
         usual = np.minimum(self._usual * SEQUENCE.usual_grows + 1.0, left_over)
         on_right = (fitter.layout.side > 0).astype(int)
         doubted |= (left_over > usual + SEQUENCE.unexplained_share * fitter.leg_area)[on_right]
