@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.figures.panels import make_panels
 from pawnb.figures.style import OKABE_ITO, style
@@ -20,7 +21,7 @@ _EXPONENTS = {"position": "", "velocity": "/s", "acceleration": "/s²"}
 
 
 def build_filter_effect_table(
-    x: np.ndarray,
+    x: FloatArray,
     *,
     fs_hz: float,
     cutoff_hz: float | None,

@@ -10,6 +10,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.transforms import blended_transform_factory
 
+from pawnb.arrays import BoolArray, FloatArray
 from pawnb.errors import InputError
 from pawnb.figures.style import colour_legs, figure_size, small_pt, style
 from pawnb.gait.legs import sort_legs
@@ -87,7 +88,7 @@ def build_gait_diagram_table(
 
 
 def _bars(
-    times: np.ndarray, begins: np.ndarray, first: float, last: float
+    times: FloatArray, begins: BoolArray, first: float, last: float
 ) -> list[tuple[float, float, str, str]]:
     """Pair the events of one leg; what has no partner is cut by the edge or unknown."""
     bars: list[tuple[float, float, str, str]] = []
@@ -106,7 +107,7 @@ def _bars(
     return bars
 
 
-def _unseen(dropped: pd.DataFrame | None, leg: str) -> np.ndarray:
+def _unseen(dropped: pd.DataFrame | None, leg: str) -> FloatArray:
     """Return start and end of each stretch in which a leg was not tracked."""
     if dropped is None:
         return np.empty((0, 2))

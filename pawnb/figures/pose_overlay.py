@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
+from pawnb.arrays import ByteArray
 from pawnb.errors import InputError
 from pawnb.figures.style import colour_legs, figure_size, style
 from pawnb.gait.legs import sort_legs
@@ -75,7 +76,7 @@ def build_pose_overlay_table(tracks: Tracks, *, frame: int) -> pd.DataFrame:
 
 
 def plot_pose_overlay(
-    table: pd.DataFrame, *, picture: np.ndarray | None = None, ax: Axes | None = None
+    table: pd.DataFrame, *, picture: ByteArray | None = None, ax: Axes | None = None
 ) -> Axes:
     """Draw a pose over its picture.
 

@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
+from pawnb.arrays import FloatArray, Points2D
 from pawnb.errors import InputError
 from pawnb.figures.panels import add_letter, open_grid
 from pawnb.figures.style import OKABE_ITO, figure_size, small_pt, style
@@ -17,8 +18,8 @@ USED, FORETOLD, OTHER = "used for the fit", "foretold", "other"
 
 def build_template_fit_table(
     frame: np.ndarray,
-    uv: np.ndarray,
-    uv_fit: np.ndarray,
+    uv: Points2D,
+    uv_fit: FloatArray,
     *,
     used: tuple[int, int],
     foretold: tuple[int, int] | None = None,

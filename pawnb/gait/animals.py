@@ -18,6 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.stats import t as student
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.gait.circular import mean_vector
 from pawnb.gait.circular_describe import difference
@@ -111,7 +112,7 @@ def mean_of_animals(
 
 
 def estimate_of(
-    units: np.ndarray, *, n: int, expected: float | None = None, level: float = 0.95, note: str = ""
+    units: FloatArray, *, n: int, expected: float | None = None, level: float = 0.95, note: str = ""
 ) -> AnimalEstimate:
     """Estimate the mean of one number an animal, by Student's t.
 
@@ -204,7 +205,7 @@ def slope_of_animals(
 
 def slopes_by_animal(
     x: np.ndarray, y: np.ndarray, animals: Sequence[object], *, circular: bool = False
-) -> tuple[np.ndarray, str]:
+) -> tuple[FloatArray, str]:
     """Fit a line to each animal's own values; see :func:`slope_of_animals`.
 
     Parameters

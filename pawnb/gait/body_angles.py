@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import InputError, did_you_mean
 from pawnb.schema import Tracks, check_tracks
 from pawnb.signals import butterworth_lowpass
@@ -92,7 +93,7 @@ def body_angles(
         across = left, right
     axes = _laboratory(trial, forward, up)
 
-    def path(name: str) -> np.ndarray:
+    def path(name: str) -> FloatArray:
         """Return where a point is in the laboratory's axes, (n, 3): forward, left, up."""
         known = [str(n) for n in tracks["keypoint"].to_numpy()]
         if name not in known:
@@ -126,7 +127,7 @@ def body_angles(
 
 def _laboratory(
     trial: Trial | None, forward: Sequence[float] | None, up: Sequence[float] | None
-) -> np.ndarray:
+) -> FloatArray:
     """Return the laboratory's forward, left and up, level, as the rows of a matrix."""
     calibration = trial.calibration if trial is not None else None
     if forward is None:
@@ -144,7 +145,7 @@ def _laboratory(
     return np.stack([np.cross(left, u), left, u])
 
 
-def _roll(axis: np.ndarray, across: np.ndarray) -> np.ndarray:
+def _roll(axis: FloatArray, across: FloatArray) -> FloatArray:
     """Return the roll, rad, of lines from right to left about body axes, both (n, 3)."""
     level_left = np.stack([-axis[:, 1], axis[:, 0], np.zeros(len(axis))], axis=-1)
     length = np.linalg.norm(level_left, axis=-1, keepdims=True)

@@ -24,6 +24,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import norm
 
+from pawnb.arrays import FloatArray, IntArray
 from pawnb.errors import InputError
 from pawnb.gait.circular import mean_vector, widest_interval, wrap
 from pawnb.gait.circular_describe import difference
@@ -237,7 +238,7 @@ def _check_resamples(n_resamples: int) -> None:
 
 def _draws(
     k: int, n_resamples: int, rng: np.random.Generator, *, whole: bool
-) -> tuple[np.ndarray, np.ndarray, str]:
+) -> tuple[IntArray, FloatArray, str]:
     """Return draws of k animals (rows of their numbers), their probabilities, and what they are."""
     if whole and k <= _MOST_ENUMERATED:
         return *_all_draws(k), "all draws"
@@ -246,7 +247,7 @@ def _draws(
 
 
 @functools.cache
-def _all_draws(k: int) -> tuple[np.ndarray, np.ndarray]:
+def _all_draws(k: int) -> tuple[IntArray, FloatArray]:
     """Return every draw of k animals (rows of their numbers) and the probability of each."""
     draws = np.array(list(itertools.combinations_with_replacement(range(k), k)))
     counts = np.array([np.bincount(row, minlength=k) for row in draws])
@@ -265,8 +266,8 @@ def _drawn(
 
 
 def _interval(
-    values: np.ndarray,
-    weights: np.ndarray,
+    values: FloatArray,
+    weights: FloatArray,
     estimate: float,
     *,
     k: int,
@@ -293,7 +294,7 @@ def _interval(
     return wrap(estimate + low), wrap(estimate + high), ""
 
 
-def _ends(away: np.ndarray, weights: np.ndarray, level: float) -> tuple[float, float]:
+def _ends(away: FloatArray, weights: FloatArray, level: float) -> tuple[float, float]:
     """Return the percentiles of weighted values that hold the level between them."""
     order = np.argsort(away)
     reached = np.cumsum(weights[order])

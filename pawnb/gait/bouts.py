@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import FloatArray, IntArray
 from pawnb.signals import find_runs
 
 _FAST_PERCENTILE = 95.0
@@ -23,14 +24,14 @@ class Bouts:
         A bout begins above the one and ends below the other, unit of the positions / s.
     """
 
-    bouts: np.ndarray
-    pauses: np.ndarray
+    bouts: IntArray
+    pauses: IntArray
     start_speed: float
     stop_speed: float
 
 
 def find_bouts(
-    speed: np.ndarray,
+    speed: FloatArray,
     *,
     fs_hz: float,
     start_fraction: float,

@@ -16,6 +16,7 @@ from scipy.optimize import brentq
 from scipy.special import hankel1e, ive
 from scipy.stats import chi2
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.gait.inference.checks import as_numbers, check_level
 
@@ -174,7 +175,7 @@ def _rayleigh_exact(n: int, total: float) -> float:
     return resultant_p(np.ones(n), total)
 
 
-def resultant_p(lengths: np.ndarray, total: float) -> float:
+def resultant_p(lengths: FloatArray, total: float) -> float:
     """Compute the exact p of a resultant: vectors of given lengths in random directions.
 
     Kluyver (1906) gave P(resultant > R) for n vectors of lengths a as ``1 - R * integral of
@@ -223,7 +224,7 @@ def resultant_p(lengths: np.ndarray, total: float) -> float:
     return _resultant_integral(lengths, total)
 
 
-def _resultant_integral(lengths: np.ndarray, total: float) -> float:
+def _resultant_integral(lengths: FloatArray, total: float) -> float:
     """Evaluate the shifted integral of :func:`resultant_p` by the trapezoid rule."""
     n = len(lengths)
     unit = total / float(lengths.sum())
@@ -258,7 +259,7 @@ def _resultant_integral(lengths: np.ndarray, total: float) -> float:
     return float(np.clip(-total / 2.0 * step * both_sides, _TINY, 1.0))
 
 
-def length_of_kappa(kappa: np.ndarray | float) -> np.ndarray:
+def length_of_kappa(kappa: np.ndarray | float) -> FloatArray:
     """Return the length of the mean vector of von Mises distributions, ``I1 / I0``.
 
     Parameters
@@ -350,7 +351,7 @@ def widest_interval(mean: float, level: float) -> tuple[float, float]:
     return wrap(mean - level / 2.0), wrap(mean + level / 2.0)
 
 
-def check_phases(phases: np.ndarray) -> np.ndarray:
+def check_phases(phases: np.ndarray) -> FloatArray:
     """Return a sample of phases as a flat array of floats.
 
     Parameters

@@ -11,6 +11,7 @@ import numpy as np
 from scipy.stats import chi2, norm
 from scipy.stats import f as fisher
 
+from pawnb.arrays import FloatArray, IntArray
 from pawnb.errors import InputError
 from pawnb.gait.circular import check_phases
 from pawnb.gait.inference.checks import as_numbers
@@ -116,7 +117,7 @@ def angular_linear(
         raise InputError("the phases take only one or two values; expected three or more.")
     x = x / np.linalg.norm(x)
 
-    def squared(order: np.ndarray) -> np.ndarray:
+    def squared(order: IntArray) -> np.ndarray:
         return ((x[order] @ q) ** 2).sum(axis=-1)
 
     r2 = min(1.0, float(squared(np.arange(n))))
@@ -133,7 +134,7 @@ def angular_linear(
 
 def angular_angular(
     phases: np.ndarray,
-    others: np.ndarray,
+    others: FloatArray,
     *,
     animals: Sequence[object] | None = None,
     method: str = "jammalamadaka",
@@ -196,7 +197,7 @@ def angular_angular(
     return CircularCorrelation(r, statistic, p, by_permutation, *counts)
 
 
-def _jammalamadaka(a: np.ndarray, b: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+def _jammalamadaka(a: FloatArray, b: FloatArray) -> Callable[[np.ndarray], np.ndarray]:
     """Return the coefficient for orders of the second phases; the first one is astropy's."""
     from astropy.stats import circcorrcoef  # slow to import, needed here only
 
@@ -205,10 +206,10 @@ def _jammalamadaka(a: np.ndarray, b: np.ndarray) -> Callable[[np.ndarray], np.nd
     return lambda order: (v[order] @ u) * scale
 
 
-def _fisher_lee(a: np.ndarray, b: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+def _fisher_lee(a: FloatArray, b: FloatArray) -> Callable[[np.ndarray], np.ndarray]:
     """Return the coefficient for orders of the second phases, without the n² differences."""
 
-    def product(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    def product(x: FloatArray, y: FloatArray) -> np.ndarray:
         """Sum sin(x_i - x_j) sin(y_i - y_j) over all i < j."""
         n = x.shape[-1]
         minus, plus = np.exp(1j * (x - y)).sum(-1), np.exp(1j * (x + y)).sum(-1)
@@ -218,14 +219,14 @@ def _fisher_lee(a: np.ndarray, b: np.ndarray) -> Callable[[np.ndarray], np.ndarr
     return lambda order: product(a, b[order]) / scale
 
 
-def _about_mean(angles: np.ndarray) -> np.ndarray:
+def _about_mean(angles: FloatArray) -> FloatArray:
     """Return the sines of angles about their mean."""
     return np.sin(angles - np.angle(np.exp(1j * angles).sum()))
 
 
 def _pairs(
-    phases: np.ndarray, values: np.ndarray | None, animals: Sequence[object] | None
-) -> tuple[np.ndarray, np.ndarray, int | None]:
+    phases: FloatArray, values: FloatArray | None, animals: Sequence[object] | None
+) -> tuple[FloatArray, FloatArray, int | None]:
     """Return angles in radians and values, one of each an animal where animals are given."""
     if values is None:
         values = np.zeros(len(phases))
@@ -255,7 +256,7 @@ def _permuted_p(
     return (1.0 + high) / (1.0 + n_permutations)
 
 
-def _checked_values(values: np.ndarray, n: int) -> np.ndarray:
+def _checked_values(values: np.ndarray, n: int) -> FloatArray:
     """Return the numbers as floats; refuse missing ones."""
     values = as_numbers(values, "values")
     # squares must be finite too

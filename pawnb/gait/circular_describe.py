@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.gait.circular import (
     MeanVector,
@@ -291,7 +292,7 @@ def grouped_mean(
     return MeanVector(found.mean, r, round(float(np.sum(counts))))
 
 
-def difference(phases: np.ndarray, other: np.ndarray | float) -> np.ndarray:
+def difference(phases: FloatArray, other: np.ndarray | float) -> FloatArray:
     """Compute signed differences of phases, the short way round.
 
     Parameters

@@ -15,6 +15,7 @@ import numpy as np
 from scipy.stats import chi2, rankdata
 from scipy.stats import f as fisher
 
+from pawnb.arrays import BoolArray, FloatArray, IntArray
 from pawnb.errors import InputError
 from pawnb.gait.circular import check_phases, mean_vector
 from pawnb.gait.circular_describe import concentration
@@ -124,7 +125,7 @@ def watson_u2_test(
     _, place, ties = np.unique(values, return_inverse=True, return_counts=True)
     n1, n = len(samples[0]), len(values)
 
-    def statistic(members: np.ndarray) -> np.ndarray:
+    def statistic(members: BoolArray) -> FloatArray:
         """Compute U² for rows of truth values: which phases are in the first group."""
         each = np.zeros((len(members), len(ties)))
         rows, columns = np.nonzero(members)
@@ -195,12 +196,12 @@ def wheeler_watson_test(
         counts = (len(phases), n_animals, f"chi², {2 * (len(sizes) - 1)} df")
         return make_result("Wheeler-Watson W", float(w), p, counts=counts)
 
-    def two(members: np.ndarray) -> np.ndarray:
+    def two(members: BoolArray) -> FloatArray:
         first = members @ vectors
         rest = vectors.sum() - first
         return scale * (np.abs(first) ** 2 / sizes[0] + np.abs(rest) ** 2 / sizes[1])
 
-    def many(codes: np.ndarray) -> np.ndarray:
+    def many(codes: IntArray) -> FloatArray:
         parts = [np.abs((codes == i) @ vectors) ** 2 / m for i, m in enumerate(sizes)]
         return scale * np.sum(parts, axis=0)
 

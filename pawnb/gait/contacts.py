@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from pawnb.arrays import BoolArray, FloatArray
 from pawnb.errors import InputError
 from pawnb.gait.event_detection.debounce import CONTACT_BY_HAND
 from pawnb.gait.legs import sort_legs
@@ -108,7 +109,7 @@ def unscored_gaps(events: pd.DataFrame) -> pd.DataFrame:
     return gaps.dropna().assign(what="not scored")[columns].reset_index(drop=True)
 
 
-def _unscored(frame: np.ndarray, state: np.ndarray) -> list[tuple[float, float]]:
+def _unscored(frame: FloatArray, state: FloatArray) -> list[tuple[float, float]]:
     """Return the frames around each stretch in which a leg is not scored, in order."""
     there = np.isfinite(state)
     known, states = frame[there], state[there]
@@ -190,7 +191,7 @@ def contact_agreement(
 
 
 def _agreement_of_frames(
-    frame: np.ndarray, state: np.ndarray, found: np.ndarray, inside: np.ndarray
+    frame: FloatArray, state: FloatArray, found: BoolArray, inside: BoolArray
 ) -> dict[str, float]:
     """Compare the state in every frame that both know."""
     a, b = state[inside] == 1, found[inside]
@@ -208,7 +209,7 @@ def _agreement_of_frames(
     }
 
 
-def _match(by_hand: np.ndarray, found: np.ndarray) -> dict[str, float]:
+def _match(by_hand: FloatArray, found: FloatArray) -> dict[str, float]:
     """Pair events that are nearest to each other, within half a usual stride."""
     if len(by_hand) < 2 or not len(found):
         return {"n": 0, "shift_s": np.nan, "missed": np.nan, "extra": np.nan}

@@ -10,6 +10,7 @@ import functools
 import numpy as np
 import pandas as pd
 
+from pawnb.arrays import BoolArray, FloatArray
 from pawnb.gait.circular import circular_sd, mean_vector
 from pawnb.gait.legs import find_leg_place, sort_legs
 
@@ -116,7 +117,7 @@ def _is_behind(behind: str, leg: str) -> bool:
     return a is not None and b is not None and a.rank > b.rank
 
 
-def _spans(strides: pd.DataFrame, animal: object, trial: object, leg: str) -> np.ndarray:
+def _spans(strides: pd.DataFrame, animal: object, trial: object, leg: str) -> FloatArray:
     """Return start and end of the strides of one leg in one trial, shape (n, 2), in order."""
     own = strides[
         (strides["leg"] == leg) & (strides["animal"] == animal) & (strides["trial"] == trial)
@@ -131,8 +132,8 @@ def _state_at_protraction(
     *,
     begin: str,
     end: str,
-    known: np.ndarray | None,
-) -> np.ndarray:
+    known: FloatArray | None,
+) -> BoolArray:
     """Say of each protraction of a leg whether the one behind is in stance, where known."""
     leg, behind = pair
     lifts = events.loc[(events["leg"] == leg) & (events["event"] == end), "time_s"]

@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import t as student
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.gait.inference.checks import check_level
 from pawnb.schema import check_columns
@@ -55,8 +56,8 @@ class LegSignals:
     animal: str
     trial: str
     legs: tuple[str, ...]
-    time_s: np.ndarray
-    samples: np.ndarray
+    time_s: FloatArray
+    samples: FloatArray
     signal: str = LEG_ANGLE
     unit: str = "deg"
 
@@ -288,7 +289,7 @@ def _legs_with_strides(
                 yield one, own, one.samples[:, k]
 
 
-def _spans(strides: pd.DataFrame, phase: str) -> np.ndarray:
+def _spans(strides: pd.DataFrame, phase: str) -> FloatArray:
     """Return start and end of swing or stance, shape (n, 2)."""
     start, period, stance = (
         strides[name].to_numpy(dtype=float) for name in ("start_s", "period_s", "stance_s")
@@ -299,8 +300,8 @@ def _spans(strides: pd.DataFrame, phase: str) -> np.ndarray:
 
 
 def _sample(
-    time_s: np.ndarray, column: np.ndarray, at: np.ndarray, *, dt: float, order: int
-) -> np.ndarray:
+    time_s: FloatArray, column: FloatArray, at: FloatArray, *, dt: float, order: int
+) -> FloatArray:
     """Return a signal or a derivative at times, in one row; NaN outside and where missing."""
     if order == 1:
         column = differentiate(column, dt=dt)

@@ -15,6 +15,7 @@ from scipy.special import gammaln, ndtr
 from scipy.stats import chi2
 from scipy.stats import t as student
 
+from pawnb.arrays import FloatArray
 from pawnb.gait.circular import mean_vector
 from pawnb.gait.circular_describe import difference
 from pawnb.gait.inference.animal_phases import WHOLE_CYCLE
@@ -60,7 +61,7 @@ class Difference(NamedTuple):
     note: str = ""
 
 
-def compare_two(a: np.ndarray, b: np.ndarray, *, level: float = 0.95) -> Difference:
+def compare_two(a: FloatArray, b: FloatArray, *, level: float = 0.95) -> Difference:
     """Compare two samples of one number an animal: Welch's t and Hedges' g.
 
     Parameters
@@ -90,7 +91,7 @@ def compare_two(a: np.ndarray, b: np.ndarray, *, level: float = 0.95) -> Differe
     return Difference(*means, away, away - half, away + half, *effect, p, *counts, method)
 
 
-def compare_two_phases(a: np.ndarray, b: np.ndarray, *, level: float = 0.95) -> Difference:
+def compare_two_phases(a: FloatArray, b: FloatArray, *, level: float = 0.95) -> Difference:
     """Compare two samples of one phase an animal; see :func:`compare_groups`.
 
     Parameters
@@ -118,7 +119,7 @@ def compare_two_phases(a: np.ndarray, b: np.ndarray, *, level: float = 0.95) -> 
 
 
 def compare_paired(
-    a: np.ndarray, b: np.ndarray, *, circular: bool = False, level: float = 0.95
+    a: FloatArray, b: FloatArray, *, circular: bool = False, level: float = 0.95
 ) -> Difference:
     """Compare two conditions of the same animals by each animal's difference.
 
@@ -200,7 +201,7 @@ def _noncentral_t(t: float, df: int, centre: float) -> float:
 
 
 @functools.cache
-def _chi_quantiles(df: int) -> np.ndarray:
+def _chi_quantiles(df: int) -> FloatArray:
     """Return evenly spaced quantiles of a standard deviation of ``df`` degrees of freedom."""
     middles = (np.arange(4000) + 0.5) / 4000
     return np.asarray(np.sqrt(chi2.ppf(middles, df) / df))

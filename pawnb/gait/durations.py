@@ -15,6 +15,7 @@ import pandas as pd
 from scipy.stats import f as fisher
 from scipy.stats import f_oneway
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.gait.inference.leg_permutation import Block, mean_squares, permute_legs
 from pawnb.gait.inference.permutations import bound_note
@@ -155,7 +156,7 @@ def compare_legs(
     return LegDifference(f, p, *dfs, epsilon, legs, own, k, said, how, least_p)
 
 
-def _epsilon(table: np.ndarray) -> float:
+def _epsilon(table: FloatArray) -> float:
     """Return Greenhouse and Geisser's correction; 1 where nothing is left to vary."""
     rest = table - table.mean(axis=0) - table.mean(axis=1, keepdims=True) + table.mean()
     covariance = rest.T @ rest  # centred in rows and columns, as the formula wants it

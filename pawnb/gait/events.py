@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.signals import find_turns, refine_extremum
 
 
@@ -52,7 +53,7 @@ class Rejected(NamedTuple):
 
 
 def find_extremes(
-    position: np.ndarray, *, min_excursion: float, min_stance: float, min_swing: float
+    position: FloatArray, *, min_excursion: float, min_stance: float, min_swing: float
 ) -> tuple[list[Extreme], list[Rejected]]:
     """Find AEP and PEP in the fore-aft position of a foot.
 
@@ -121,7 +122,7 @@ def _remove_short(
         del kept[i : i + 2]
 
 
-def stance_velocity(velocity: np.ndarray, extremes: Sequence[Extreme]) -> float:
+def stance_velocity(velocity: FloatArray, extremes: Sequence[Extreme]) -> float:
     """Measure how fast a foot moves in the middle of its stances.
 
     Parameters
@@ -140,7 +141,7 @@ def stance_velocity(velocity: np.ndarray, extremes: Sequence[Extreme]) -> float:
     return float(np.median(np.concatenate(parts))) if parts else math.nan
 
 
-def stance_velocity_over_time(velocity: np.ndarray, extremes: Sequence[Extreme]) -> np.ndarray:
+def stance_velocity_over_time(velocity: FloatArray, extremes: Sequence[Extreme]) -> FloatArray:
     """Measure how fast a foot moves in stance, from stance to stance.
 
     Parameters
@@ -164,7 +165,7 @@ def stance_velocity_over_time(velocity: np.ndarray, extremes: Sequence[Extreme])
 
 
 def _mid_stances(
-    velocity: np.ndarray, extremes: Sequence[Extreme]
+    velocity: FloatArray, extremes: Sequence[Extreme]
 ) -> Iterator[tuple[float, np.ndarray]]:
     """Yield the middle of each stance and the known velocities in its middle half."""
     for a, b in pairwise(extremes):

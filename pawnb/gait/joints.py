@@ -8,6 +8,7 @@ from collections.abc import Iterable
 import numpy as np
 import pandas as pd
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.gait.legs import find_leg_place, sort_legs
 from pawnb.schema import Tracks, check_columns
@@ -96,7 +97,7 @@ def get_joint_angles(
     return pd.concat(parts, ignore_index=True)[list(ANGLE_COLUMNS)]
 
 
-def _angles_of(table: pd.DataFrame, column: str, *, smooth: bool) -> np.ndarray:
+def _angles_of(table: pd.DataFrame, column: str, *, smooth: bool) -> FloatArray:
     """Return the angles of one joint in the frames that have one."""
     angles = pd.to_numeric(table[column])
     if smooth:

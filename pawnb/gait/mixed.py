@@ -20,6 +20,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import t as student
 
+from pawnb.arrays import FloatArray, IntArray
 from pawnb.errors import InputError
 from pawnb.gait.inference.checks import as_numbers, check_level
 from pawnb.gait.inference.circular_sample import animal_codes
@@ -186,7 +187,7 @@ def fit_mixed(
 
 
 def _blind_notes(
-    design: np.ndarray, names: list[str], codes: np.ndarray, random: set[str]
+    design: FloatArray, names: list[str], codes: IntArray, random: set[str]
 ) -> list[str]:
     """Say which animals tell nothing of their own slope of a term."""
     k = int(codes.max()) + 1
@@ -203,7 +204,7 @@ def _blind_notes(
     ]
 
 
-def _check_fit(y: np.ndarray, design: np.ndarray, k: int, n_between: int) -> None:
+def _check_fit(y: FloatArray, design: FloatArray, k: int, n_between: int) -> None:
     """Refuse data that do not determine the model."""
     n, n_terms = design.shape
     if k < 2 or k <= n_between or n < k + n_terms:
@@ -218,7 +219,7 @@ def _check_fit(y: np.ndarray, design: np.ndarray, k: int, n_between: int) -> Non
         raise InputError("mixed model: the outcome is the same in all strides; nothing to explain.")
 
 
-def _design(known: pd.DataFrame, terms: Sequence[str]) -> tuple[np.ndarray, list[str]]:
+def _design(known: pd.DataFrame, terms: Sequence[str]) -> tuple[FloatArray, list[str]]:
     """Return the fixed effects as columns, and their names."""
     parts: dict[str, np.ndarray] = {"intercept": np.ones(len(known))}
     for term in terms:
@@ -232,12 +233,12 @@ def _design(known: pd.DataFrame, terms: Sequence[str]) -> tuple[np.ndarray, list
     return np.column_stack(list(parts.values())), list(parts)
 
 
-def _varies_within(column: np.ndarray, codes: np.ndarray) -> bool:
+def _varies_within(column: FloatArray, codes: np.ndarray) -> bool:
     """Return whether a term takes several values in one animal."""
     return bool(pd.Series(column).groupby(codes).nunique().gt(1).any())
 
 
-def _trials(known: pd.DataFrame, codes: np.ndarray) -> np.ndarray | None:
+def _trials(known: pd.DataFrame, codes: IntArray) -> IntArray | None:
     """Give trials numbers; None where trials cannot be told from animals or from strides."""
     if "trial" not in known:
         return None
@@ -250,7 +251,7 @@ def _trials(known: pd.DataFrame, codes: np.ndarray) -> np.ndarray | None:
 
 
 def _term_table(
-    names: list[str], estimates: np.ndarray, errors: np.ndarray, dfs: np.ndarray, level: float
+    names: list[str], estimates: FloatArray, errors: FloatArray, dfs: FloatArray, level: float
 ) -> pd.DataFrame:
     """Return the table of terms without the counts."""
     t = estimates / errors
@@ -264,7 +265,7 @@ def _term_table(
     )  # fmt: skip
 
 
-def _naive_p(y: np.ndarray, design: np.ndarray) -> np.ndarray:
+def _naive_p(y: FloatArray, design: FloatArray) -> FloatArray:
     """Return p of least squares, as if strides were independent."""
     from statsmodels.regression.linear_model import OLS  # slow to import
 

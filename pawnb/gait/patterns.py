@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pandas as pd
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.gait.circular import mean_vector
 from pawnb.gait.legs import LegPlace, find_leg_place
@@ -114,14 +115,14 @@ def _expected(ideal: Mapping[str, float], leg: LegPlace, reference: LegPlace, na
     return ideal[codes[0]] - ideal[codes[1]]
 
 
-def _distance(difference: np.ndarray) -> float:
+def _distance(difference: FloatArray) -> float:
     """Return the root mean square of differences between phases, cycles."""
     wrapped = (difference + 0.5) % 1.0 - 0.5
     return float(np.sqrt(np.mean(wrapped**2)))
 
 
 def _fit_wave(
-    observed: np.ndarray, pairs: Sequence[tuple[LegPlace, LegPlace]]
+    observed: FloatArray, pairs: Sequence[tuple[LegPlace, LegPlace]]
 ) -> tuple[float, float]:
     """Fit the lag of the metachronal wave: distance and lag of a leg after the one behind it."""
     steps = np.array([b.rank - a.rank for a, b in pairs], dtype=float)

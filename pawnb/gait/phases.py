@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from pawnb.arrays import FloatArray, IntArray
 from pawnb.errors import InputError
 from pawnb.gait.analysis.phase_patterns import name_pattern, say_pattern
 from pawnb.gait.circular import circular_sd, mean_interval, mean_vector, rayleigh_p
@@ -18,7 +19,7 @@ from pawnb.gait.inference.circular_length import length_interval
 from pawnb.schema import DROPPED_COLUMNS, PHASE_SUMMARY_COLUMNS, PHASES_COLUMNS
 
 
-def phase_lags(times: np.ndarray, reference: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def phase_lags(times: FloatArray, reference: FloatArray) -> tuple[IntArray, FloatArray]:
     """Compute phase lags of events relative to the strides of a reference (Eq. 3.21).
 
     ``phase = (t - t') / P'`` for every event at t within the reference's stride from t'

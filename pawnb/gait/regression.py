@@ -16,6 +16,7 @@ import pandas as pd
 from scipy.stats import t as student
 from statsmodels.regression.linear_model import OLS
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.gait.inference.checks import check_level
 from pawnb.gait.inference.linear_fit import (
@@ -328,8 +329,8 @@ def slope_over_animals(
 
 
 def _least_squares(
-    x: np.ndarray,
-    y: np.ndarray,
+    x: FloatArray,
+    y: FloatArray,
     names: np.ndarray | None,
     *,
     level: float,
@@ -360,7 +361,7 @@ def _least_squares(
 
 def _points(
     x: np.ndarray, y: np.ndarray, animals: Sequence[str] | None, level: float
-) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
+) -> tuple[FloatArray, FloatArray, np.ndarray | None]:
     """Return the points where both are known; refuse what cannot be fitted."""
     x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
     names = None if animals is None else np.asarray(animals, dtype=object)
@@ -381,7 +382,7 @@ def _points(
     return x, y, None if names is None else names[known]
 
 
-def _check_positive(x: np.ndarray, y: np.ndarray) -> None:
+def _check_positive(x: FloatArray, y: FloatArray) -> None:
     """Refuse values that have no logarithm."""
     bad = int(np.sum((x <= 0.0) | (y <= 0.0)))
     if bad:

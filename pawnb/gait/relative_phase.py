@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import hilbert
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.gait.circular import mean_vector
 from pawnb.gait.inference.checks import as_numbers
@@ -34,13 +35,13 @@ class RelativePhase:
         Length of the mean vector.
     """
 
-    phase: np.ndarray
+    phase: FloatArray
     mean: float
     deviation_phase: float
     r: float
 
 
-def phase_angle(x: np.ndarray) -> np.ndarray:
+def phase_angle(x: FloatArray) -> FloatArray:
     """Return the phase of an oscillation at every sample, by the Hilbert transform.
 
     The signal is centred about the middle of its upper and lower envelope, stretch by
@@ -72,7 +73,7 @@ def phase_angle(x: np.ndarray) -> np.ndarray:
     return out
 
 
-def continuous_relative_phase(x: np.ndarray, reference: np.ndarray) -> RelativePhase:
+def continuous_relative_phase(x: FloatArray, reference: FloatArray) -> RelativePhase:
     """Compute how far one leg is ahead of another at every sample.
 
     Parameters

@@ -11,6 +11,7 @@ import pandas as pd
 from scipy.stats import f as fisher
 from scipy.stats import t as student
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.gait.inference.linear_fit import t_quantile
 from pawnb.schema import check_columns
@@ -133,7 +134,7 @@ def bland_altman(
     )  # fmt: skip
 
 
-def _trend_p(total: np.ndarray, difference: np.ndarray) -> float:
+def _trend_p(total: FloatArray, difference: FloatArray) -> float:
     """Return p of the correlation of two samples; 1 where either does not vary."""
     if np.ptp(total) == 0.0 or np.ptp(difference) == 0.0:
         return 1.0
@@ -207,7 +208,7 @@ def intraclass_correlation(
     )
 
 
-def _mean_squares(values: np.ndarray) -> tuple[float, float, float, float]:
+def _mean_squares(values: FloatArray) -> tuple[float, float, float, float]:
     """Return the mean squares of targets, of measurers, of the rest, and within targets."""
     n, k = values.shape
     of_rows, of_columns, mean = values.mean(axis=1), values.mean(axis=0), values.mean()
@@ -297,7 +298,7 @@ def match_strides(
     return pd.concat(matched, ignore_index=True)
 
 
-def _nearest_first(away: np.ndarray, allowed: np.ndarray) -> list[tuple[int, int]]:
+def _nearest_first(away: FloatArray, allowed: FloatArray) -> list[tuple[int, int]]:
     """Pair rows with columns, nearest first, each once."""
     i, j = np.nonzero(away <= allowed)
     order = np.argsort(away[i, j], kind="stable")

@@ -16,6 +16,7 @@ import numpy as np
 from scipy.stats import f as fisher
 from scipy.stats import rankdata
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.gait.circular import MeanVector, check_phases, resultant_p, wrap
 from pawnb.gait.inference.checks import as_numbers
@@ -73,7 +74,7 @@ def animal_vectors(phases: np.ndarray, animals: Sequence[object]) -> AnimalVecto
     return AnimalVectors(tuple(sorted({str(a) for a in animals})), means, lengths, n)
 
 
-def mean_of_means(means: np.ndarray, lengths: np.ndarray) -> MeanVector:
+def mean_of_means(means: np.ndarray, lengths: FloatArray) -> MeanVector:
     """Compute the mean of mean vectors (Zar 2010, section 26.9, Example 26.8).
 
     Parameters
@@ -103,7 +104,7 @@ def mean_of_means(means: np.ndarray, lengths: np.ndarray) -> MeanVector:
 
 def hotelling_test(
     means: np.ndarray,
-    lengths: np.ndarray,
+    lengths: FloatArray,
     *,
     method: str = "rotation",
     n_rotations: int = 9_999,
@@ -158,7 +159,7 @@ def hotelling_test(
     return CircularTest("Hotelling F", f, p, k, k, how)
 
 
-def _hotelling_f(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+def _hotelling_f(x: FloatArray, y: FloatArray) -> FloatArray:
     """Compute Hotelling's F of ends in rows; NaN where they lie on a line."""
     k = x.shape[1]
     xb, yb = x.mean(axis=1), y.mean(axis=1)
@@ -209,7 +210,7 @@ def moore_test(means: np.ndarray, lengths: np.ndarray) -> CircularTest:
     return CircularTest("Moore R'", total / k**1.5, p, k, k, "exact")
 
 
-def _components(means: np.ndarray, lengths: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _components(means: np.ndarray, lengths: np.ndarray) -> tuple[FloatArray, FloatArray]:
     """Return the ends of the vectors; refuse lengths that no mean vector can have."""
     means, lengths = check_phases(means), as_numbers(lengths, "lengths")
     if len(means) != len(lengths) or not ((lengths >= 0.0) & (lengths <= 1.0)).all():

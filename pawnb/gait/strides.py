@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from pawnb.arrays import BoolArray, FloatArray
 from pawnb.gait.legs import sort_legs
 from pawnb.schema import DROPPED_COLUMNS, STRIDES_COLUMNS
 
@@ -49,16 +50,16 @@ class Motion:
         second.
     """
 
-    time_s: np.ndarray
-    body: np.ndarray
+    time_s: FloatArray
+    body: FloatArray
     feet: Mapping[str, np.ndarray] = field(default_factory=dict)
-    heading_deg: np.ndarray | None = None
+    heading_deg: FloatArray | None = None
 
-    def body_between(self, start_s: np.ndarray, end_s: np.ndarray) -> np.ndarray:
+    def body_between(self, start_s: FloatArray, end_s: FloatArray) -> FloatArray:
         """Return the distances run by the body between pairs of times; NaN where not known."""
         return self._between(self.body, start_s, end_s)
 
-    def foot_between(self, leg: str, start_s: np.ndarray, end_s: np.ndarray) -> np.ndarray:
+    def foot_between(self, leg: str, start_s: FloatArray, end_s: FloatArray) -> FloatArray:
         """Return the distances a foot moved between pairs of times; NaN where not known.
 
         Parameters
@@ -77,13 +78,13 @@ class Motion:
             return np.full(len(start_s), np.nan)
         return self._between(self.feet[leg], start_s, end_s)
 
-    def place_of(self, leg: str, time_s: np.ndarray) -> np.ndarray:
+    def place_of(self, leg: str, time_s: FloatArray) -> FloatArray:
         """Return how far along forward a foot is at some times, from the common zero."""
         return np.interp(time_s, self.time_s, self.feet[leg])
 
     def heading_between(
-        self, start_s: np.ndarray, end_s: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray]:
+        self, start_s: FloatArray, end_s: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
         """Return mean heading in [-180, 180) and its change between pairs of times, degrees."""
         if self.heading_deg is None:
             unknown = np.full(len(start_s), np.nan)
@@ -92,7 +93,7 @@ class Motion:
         middle = (ends[0] + ends[1]) / 2.0
         return (middle + 180.0) % 360.0 - 180.0, ends[1] - ends[0]
 
-    def _between(self, distance: np.ndarray, start_s: np.ndarray, end_s: np.ndarray) -> np.ndarray:
+    def _between(self, distance: FloatArray, start_s: FloatArray, end_s: FloatArray) -> FloatArray:
         ends = np.interp(end_s, self.time_s, distance)
         return ends - np.interp(start_s, self.time_s, distance)
 
@@ -203,7 +204,7 @@ class _Spans:
     first_position: np.ndarray
     turn_position: np.ndarray
 
-    def take(self, which: np.ndarray) -> _Spans:
+    def take(self, which: BoolArray) -> _Spans:
         """Return some of the stretches."""
         return _Spans(**{name: values[which] for name, values in vars(self).items()})
 
@@ -228,7 +229,7 @@ def _spans(own: pd.DataFrame, start_event: str) -> _Spans:
     known = turns > 0
     at = np.minimum(first, max(len(middle) - 1, 0))
 
-    def of_turn(values: np.ndarray) -> np.ndarray:
+    def of_turn(values: FloatArray) -> FloatArray:
         return np.where(known, values[at], np.nan) if len(middle) else np.full(len(at), np.nan)
 
     return _Spans(

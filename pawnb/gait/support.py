@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 from scipy.spatial import ConvexHull, QhullError
 
+from pawnb.arrays import BoolArray, FloatArray
 from pawnb.errors import InputError
 from pawnb.gait.legs import find_leg_place, sort_legs
 from pawnb.signals import find_runs
@@ -85,7 +86,7 @@ class Stability(NamedTuple):
 
 
 def static_stability(
-    feet: np.ndarray, down: np.ndarray, centre: np.ndarray, *, forward: np.ndarray
+    feet: FloatArray, down: BoolArray, centre: FloatArray, *, forward: FloatArray
 ) -> Stability:
     """Measure the support polygon and how far inside it the centre of the body lies.
 
@@ -132,7 +133,7 @@ def static_stability(
     return Stability(used.sum(axis=1), area, margin, along)
 
 
-def _way_to_edge(depth: np.ndarray, slope: np.ndarray) -> float:
+def _way_to_edge(depth: FloatArray, slope: FloatArray) -> float:
     """Return the shorter way along the heading to the edge, from depths below each edge."""
     ahead, behind = slope > 1e-12, slope < -1e-12
     level = ~ahead & ~behind

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from pawnb.arrays import FloatArray, IntArray
 from pawnb.errors import InputError
 from pawnb.io.outgoing import take_space, word
 from pawnb.io.points import build_tracks, plain_name
@@ -91,11 +92,11 @@ def read_anipose(path: str | Path, *, fps: float, unit: str = "mm") -> Tracks:
 
 
 def _with_extras(
-    tracks: Tracks, cells: pd.DataFrame, frames: np.ndarray, points: list[str], *, where: str
+    tracks: Tracks, cells: pd.DataFrame, frames: IntArray, points: list[str], *, where: str
 ) -> Tracks:
     """Add errors, numbers of cameras and the axes."""
 
-    def filled(part: str) -> np.ndarray:
+    def filled(part: str) -> FloatArray:
         values = np.full((tracks.sizes["time"], len(points), 1), np.nan)
         rows = np.searchsorted(tracks["frame"].to_numpy(), frames)
         for k, point in enumerate(points):

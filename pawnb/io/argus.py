@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.io.outgoing import take_space, take_view, views_of, word
 from pawnb.io.points import build_tracks
@@ -210,7 +211,7 @@ def _read(path: str | Path) -> tuple[list[str], dict[str, np.ndarray]]:
     return names, {name: read_numbers(cells, name, where=where, empty=True) for name in names}
 
 
-def _columns(table: dict[str, np.ndarray], wanted: Sequence[str], where: str) -> np.ndarray:
+def _columns(table: dict[str, np.ndarray], wanted: Sequence[str], where: str) -> FloatArray:
     """Return the wanted columns side by side."""
     missing = [name for name in wanted if name not in table]
     if missing or not wanted:
@@ -219,7 +220,7 @@ def _columns(table: dict[str, np.ndarray], wanted: Sequence[str], where: str) ->
     return np.column_stack([table[name] for name in wanted])
 
 
-def _write(path: str | Path, names: Sequence[str], values: np.ndarray) -> Path:
+def _write(path: str | Path, names: Sequence[str], values: FloatArray) -> Path:
     """Write a table without frame numbers; NaN is an empty cell."""
     rows = [",".join(names), *(",".join(map(word, row)) for row in values)]
     return write_text("\n".join(rows) + "\n", path)

@@ -29,6 +29,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from pawnb.arrays import BoolArray, FloatArray, IntArray
 from pawnb.errors import InputError
 from pawnb.io.coefs import read_coefs
 from pawnb.io.tables import read_cells, read_numbers
@@ -134,7 +135,7 @@ def read_authors_trial(
     )
 
 
-def read_authors_dlt(path: str | Path, *, size: tuple[int, int] = SIZE) -> np.ndarray:
+def read_authors_dlt(path: str | Path, *, size: tuple[int, int] = SIZE) -> FloatArray:
     """Read ``DLT.<trial>.csv`` into the pixels of :func:`read_authors_trial`.
 
     Parameters
@@ -243,7 +244,7 @@ def _find_files(folder: Path, stamp: str | None) -> dict[tuple[int, str], Path]:
     return files
 
 
-def _read_file(path: Path, markers: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray]:
+def _read_file(path: Path, markers: tuple[str, ...]) -> tuple[IntArray, FloatArray]:
     """Return frames (n,) and X, Y (n, 2 cameras, 2, markers) of one file; NaN where empty."""
     names = ["Frames"]
     for letter in "MNOPQ"[: len(markers)]:
@@ -264,7 +265,7 @@ def _point_names(cam: int, part: str) -> list[str]:
     return [f"{leg}_{marker}" if marker else leg for marker in _MARKERS[part]]
 
 
-def _find_bad_rows(uv: np.ndarray, row_px: float | None) -> np.ndarray:
+def _find_bad_rows(uv: FloatArray, row_px: float | None) -> BoolArray:
     """Find rows where a camera's markers as a whole jump away from their neighbours.
 
     The authors' program sometimes writes a row of other positions into one frame, often
@@ -290,9 +291,7 @@ def _find_bad_rows(uv: np.ndarray, row_px: float | None) -> np.ndarray:
     return (distance > limit).mean(axis=2) >= 0.5
 
 
-def _enter(
-    tracks: Tracks, at: np.ndarray, views: slice, columns: list[int], uv: np.ndarray
-) -> None:
+def _enter(tracks: Tracks, at: IntArray, views: slice, columns: list[int], uv: np.ndarray) -> None:
     """Write one file's image positions into the Tracks."""
     seen = np.isfinite(uv).all(axis=2)  # frames, cameras, markers
     for k, column in enumerate(columns):

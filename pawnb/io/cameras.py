@@ -17,6 +17,7 @@ import numpy as np
 import tomli_w
 from scipy.spatial.transform import Rotation
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import CalibrationError
 from pawnb.files import parse_toml, read_text, write_whole
 
@@ -69,10 +70,10 @@ class Camera:
     """
 
     name: str
-    matrix: np.ndarray
+    matrix: FloatArray
     distortion: tuple[float, ...]
-    rotation: np.ndarray
-    translation: np.ndarray
+    rotation: FloatArray
+    translation: FloatArray
     size: tuple[int, int] | None = None
 
     @property
@@ -204,7 +205,7 @@ def _read_opencv(path: Path, text: str) -> list[Camera]:
     return cameras
 
 
-def _none(values: np.ndarray | None) -> Any:
+def _none(values: FloatArray | None) -> Any:
     """Return no coefficients where a camera has no distortion."""
     return () if values is None else values
 
@@ -227,7 +228,7 @@ def _matrices(text: str, where: str) -> dict[str, np.ndarray]:
     return found
 
 
-def _kind_of(item: tuple[str, np.ndarray]) -> tuple[tuple[str, str], np.ndarray]:
+def _kind_of(item: tuple[str, FloatArray]) -> tuple[tuple[str, str], FloatArray]:
     """Tell what a matrix is and of which camera, by its name."""
     name, values = item
     section, _, word = name.rpartition(".")
@@ -308,7 +309,7 @@ def _camera(
     )
 
 
-def _array(values: Any, what: str, where: str) -> np.ndarray:
+def _array(values: Any, what: str, where: str) -> FloatArray:
     """Return finite numbers as an array."""
     try:
         array = np.array(values, dtype=float)
@@ -386,7 +387,7 @@ def write_lenses(cameras: Sequence[Camera], path: str | Path) -> Path:
     return write_whole(path, tomli_w.dumps(document).encode())
 
 
-def coefs_of_cameras(cameras: Sequence[Camera]) -> tuple[np.ndarray, np.ndarray]:
+def coefs_of_cameras(cameras: Sequence[Camera]) -> tuple[FloatArray, FloatArray]:
     """Return DLT coefficients of cameras, for their straightened pictures.
 
     Parameters

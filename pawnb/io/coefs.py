@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import CalibrationError
 from pawnb.io.tables import read_table_text, write_text
 
@@ -16,7 +17,7 @@ _LARGEST = 1e12
 """Above it, image positions cannot be told to a fraction of a pixel in double precision."""
 
 
-def read_coefs(path: Path, names: Sequence[str]) -> np.ndarray:
+def read_coefs(path: Path, names: Sequence[str]) -> FloatArray:
     """Read ``DLTcoefs.csv``: 11 rows, one column a view, no header.
 
     Parameters
@@ -75,7 +76,7 @@ def read_coefs(path: Path, names: Sequence[str]) -> np.ndarray:
     return coefs
 
 
-def write_coefs(coefs: np.ndarray, path: str | Path) -> Path:
+def write_coefs(coefs: FloatArray, path: str | Path) -> Path:
     """Write DLT coefficients, whole or not at all.
 
     Parameters

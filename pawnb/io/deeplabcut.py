@@ -14,6 +14,7 @@ import h5py
 import numpy as np
 import pandas as pd
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.io.hdf5 import is_hdf5, open_hdf5
 from pawnb.io.pandas_hdf5 import Column, read_pandas_frame
@@ -140,7 +141,7 @@ def _build(
     where: str,
     frames: np.ndarray,
     columns: Sequence[Column],
-    values: np.ndarray,
+    values: FloatArray,
     *,
     fps: float,
     unit: str,
@@ -158,7 +159,7 @@ def _build(
     place = {c: i for i, c in enumerate(named)}
     padded = np.column_stack([values, np.full(len(values), np.nan)])
 
-    def picked(axis: str) -> np.ndarray:
+    def picked(axis: str) -> FloatArray:
         # a point that one animal does not have is missing in it: the last column
         at = [[place.get((who, p, axis), -1) for who in individuals] for p in points]
         return padded[:, np.array(at)]
@@ -176,7 +177,7 @@ def _build(
     )
 
 
-def _read_h5(path: Path, *, labels: bool = False) -> tuple[Any, list[Column], np.ndarray]:
+def _read_h5(path: Path, *, labels: bool = False) -> tuple[Any, list[Column], FloatArray]:
     """Return frames (of labels: names of rows), columns and numbers of an h5."""
     with open_hdf5(path, expected=_EXPECTED) as file:
         group = next((file[name] for name in (GROUP, LABELS_GROUP) if name in file), None)
@@ -191,7 +192,7 @@ def _read_h5(path: Path, *, labels: bool = False) -> tuple[Any, list[Column], np
     return index, columns, values
 
 
-def _read_csv(path: Path, *, labels: bool = False) -> tuple[Any, list[Column], np.ndarray]:
+def _read_csv(path: Path, *, labels: bool = False) -> tuple[Any, list[Column], FloatArray]:
     """Return frames (of labels: names of rows), columns and numbers of a csv."""
     text = read_table_text(path, expected=_EXPECTED)
     head = list(itertools.islice(csv.reader(io.StringIO(text)), 4))
@@ -224,7 +225,7 @@ def _read_csv(path: Path, *, labels: bool = False) -> tuple[Any, list[Column], n
 
 def _numbers(
     text: str, n_header: int, width: int, names: Sequence[Sequence[str]], where: str
-) -> np.ndarray:
+) -> FloatArray:
     """Return the rows below the header as numbers, or say which cell is none."""
     lines = [(i, line) for i, line in enumerate(text.split("\n"), start=1) if line.strip()]
     lines = lines[n_header:]

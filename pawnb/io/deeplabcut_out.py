@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.files import write_whole
 from pawnb.io.deeplabcut import GROUP, ONE, PICTURES, SCORER
 from pawnb.io.outgoing import Outgoing, take_space, take_view, views_of, word
@@ -134,7 +135,7 @@ def _write_predictions(own: Outgoing, path: str | Path, scorer: str) -> Path:
 
 def _table(
     own: Outgoing, scorer: str, coords: Sequence[str]
-) -> tuple[np.ndarray, list[tuple[str, ...]], list[str]]:
+) -> tuple[FloatArray, list[tuple[str, ...]], list[str]]:
     """Return the numbers, the names of the columns and those of their levels."""
     parts = [own.place[..., "xyz".index(c)] if c in "xyz" else own.confidence for c in coords]
     values = np.stack(parts, axis=-1).transpose(0, 2, 1, 3).reshape(len(own.frames), -1)
@@ -152,7 +153,7 @@ def _table(
 
 def _write(
     path: Path,
-    values: np.ndarray,
+    values: FloatArray,
     columns: list[tuple[str, ...]],
     levels: list[str],
     index: np.ndarray | list[tuple[str, ...]],

@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from pawnb.arrays import IntArray
 from pawnb.errors import InputError
 from pawnb.files import check_file, read_text
 from pawnb.io.points import build_tracks
@@ -193,7 +194,7 @@ def _aligned(path: Path, names: Sequence[str], tracks: Tracks) -> np.ndarray:
     return values
 
 
-def _read(path: str | Path) -> tuple[np.ndarray, pd.DataFrame]:
+def _read(path: str | Path) -> tuple[IntArray, pd.DataFrame]:
     """Return frame numbers and the table of numbers; NaN where nothing was digitised."""
     where = Path(path).name
     if is_sparse(path):

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.io.dltdv import DLTRES, OFFSETS
 from pawnb.io.outgoing import take_space, take_view, views_of, word
@@ -149,7 +150,7 @@ def beside(path: Path, kind: str) -> Path:
     return path.with_name(f"{path.stem}_{kind}{path.suffix}")
 
 
-def _write(path: Path, names: Sequence[str], values: np.ndarray) -> Path:
+def _write(path: Path, names: Sequence[str], values: FloatArray) -> Path:
     """Write a table of numbers, full (NaN as DLTdv says it) or sparse."""
     rows = [",".join(names)]
     if path.suffix == ".tsv":

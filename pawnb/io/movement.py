@@ -17,6 +17,7 @@ import numpy as np
 import xarray as xr
 from xarray.backends import H5NetCDFStore
 
+from pawnb.arrays import FloatArray, IntArray
 from pawnb.errors import InputError
 from pawnb.files import write_whole
 from pawnb.io.outgoing import take_space, take_view, views_of
@@ -259,7 +260,7 @@ def from_movement(
     return check_tracks(note_absent(tracks, frames, file=where), where=where)
 
 
-def _enter(tracks: Tracks, dataset: xr.Dataset, rows: np.ndarray, where: str) -> None:
+def _enter(tracks: Tracks, dataset: xr.Dataset, rows: IntArray, where: str) -> None:
     """Copy positions and confidences, into the views where there are several."""
     prefix = "image_" if "view" in tracks.dims else ""
     place = tracks[f"{prefix}position"]
@@ -301,7 +302,7 @@ def _frame_rate(dataset: xr.Dataset, fps: float | None, where: str) -> float:
     return rate
 
 
-def _frames(dataset: xr.Dataset, fps: float, where: str) -> np.ndarray:
+def _frames(dataset: xr.Dataset, fps: float, where: str) -> FloatArray:
     """Return frame numbers from the time coordinate, in frames or in seconds."""
     if "time" not in dataset.coords or dataset["time"].dtype.kind not in "iuf":
         raise InputError(f"{where}: times are no numbers; expected seconds, or frames.")

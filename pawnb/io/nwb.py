@@ -11,6 +11,7 @@ from typing import Any
 import h5py
 import numpy as np
 
+from pawnb.arrays import IntArray
 from pawnb.errors import InputError
 from pawnb.files import whole_file
 from pawnb.io.extras import need
@@ -142,7 +143,7 @@ def _in_order(names: list[str], nodes: list[str]) -> list[str]:
     return [plain[name] for name in order] if sorted(order) == sorted(plain) else names
 
 
-def _times(series: h5py.Group, n: int, fps: float | None, where: str) -> tuple[float, np.ndarray]:
+def _times(series: h5py.Group, n: int, fps: float | None, where: str) -> tuple[float, IntArray]:
     """Return the frame rate and the number of each frame."""
     if "timestamps" in series:
         times = read_array(series, "timestamps", where=where, ndim=1).astype(float)

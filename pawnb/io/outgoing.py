@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import FloatArray, IntArray
 from pawnb.errors import InputError, did_you_mean
 from pawnb.schema import ORIGIN_CODE, Tracks, absent_frames, check_tracks
 
@@ -32,11 +33,11 @@ class Outgoing:
         The tracks, of these frames only.
     """
 
-    frames: np.ndarray
+    frames: IntArray
     points: list[str]
     individuals: list[str]
     place: np.ndarray
-    confidence: np.ndarray
+    confidence: FloatArray
     fps: float
     attrs: dict
     tracks: Tracks
@@ -49,7 +50,7 @@ class Outgoing:
                 f"{', '.join(self.individuals)}; choose one with --animal."
             )
 
-    def whole(self, values: np.ndarray) -> np.ndarray:
+    def whole(self, values: FloatArray) -> FloatArray:
         """Return values (n_frames, ...) with a row for every frame from 0 on; NaN between."""
         if not len(self.frames):
             return values

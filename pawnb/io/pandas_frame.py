@@ -14,6 +14,8 @@ from typing import Any
 import h5py
 import numpy as np
 
+from pawnb.arrays import FloatArray
+
 _NONE = np.bytes_(b"N.")
 """How PyTables writes that there is no name."""
 _MOST_NAMES = 127
@@ -21,7 +23,7 @@ _MOST_NAMES = 127
 
 
 def pandas_frame_bytes(
-    values: np.ndarray,
+    values: FloatArray,
     *,
     key: str,
     columns: Sequence[tuple[str, ...]],

@@ -12,6 +12,7 @@ from typing import Any
 import h5py
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.io.hdf5 import read_array, read_attribute, read_texts
 from pawnb.io.pickled_values import read_pickled_values
@@ -21,7 +22,7 @@ Index = np.ndarray | list[Column]
 """Numbers of rows, or their names of one or several words."""
 
 
-def read_pandas_frame(group: h5py.Group, *, where: str) -> tuple[Index, list[Column], np.ndarray]:
+def read_pandas_frame(group: h5py.Group, *, where: str) -> tuple[Index, list[Column], FloatArray]:
     """Read a DataFrame whose columns have names of several levels.
 
     Parameters
@@ -55,7 +56,7 @@ def read_pandas_frame(group: h5py.Group, *, where: str) -> tuple[Index, list[Col
     )
 
 
-def _read_table(group: h5py.Group, where: str) -> tuple[Index, list[Column], np.ndarray]:
+def _read_table(group: h5py.Group, where: str) -> tuple[Index, list[Column], FloatArray]:
     """Read the format "table": one compound type with the index and a field a block."""
     table = group.get("table")
     if not isinstance(table, h5py.Dataset) or not table.dtype.names:
@@ -80,7 +81,7 @@ def _read_table(group: h5py.Group, where: str) -> tuple[Index, list[Column], np.
     return index, order, _in_order(parts, order, where)
 
 
-def _read_fixed(group: h5py.Group, where: str) -> tuple[Index, list[Column], np.ndarray]:
+def _read_fixed(group: h5py.Group, where: str) -> tuple[Index, list[Column], FloatArray]:
     """Read the format "fixed": arrays of index, levels and codes of the columns, and blocks."""
     index = _row_names(group, where)
     order = _levels(group, "axis0", where)
@@ -152,7 +153,7 @@ def _enter(
     parts.update(zip(names, values.T, strict=True))
 
 
-def _in_order(parts: dict[Column, np.ndarray], order: list[Column], where: str) -> np.ndarray:
+def _in_order(parts: dict[Column, np.ndarray], order: list[Column], where: str) -> FloatArray:
     """Return the columns in the order of the DataFrame."""
     lost = [name for name in order if name not in parts]
     if lost or not order:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from pawnb.arrays import FloatArray, IntArray
 from pawnb.errors import InputError
 from pawnb.schema import (
     ORIGIN_CODE,
@@ -23,7 +24,7 @@ _NODE = re.compile(r"Node\(name=['\"](.+)['\"]\)")
 def build_tracks(
     frames: Sequence[int] | np.ndarray,
     position: np.ndarray,
-    confidence: np.ndarray | None = None,
+    confidence: FloatArray | None = None,
     *,
     points: Sequence[str],
     fps: float,
@@ -148,7 +149,7 @@ def check_names(names: Sequence[str], *, what: str, where: str) -> None:
 
 
 def check_finite(
-    position: np.ndarray, *, frames: np.ndarray, points: Sequence[str], where: str
+    position: FloatArray, *, frames: IntArray, points: Sequence[str], where: str
 ) -> None:
     """Refuse infinite positions: they are no places, and no missing ones either.
 

@@ -10,6 +10,7 @@ from typing import Any
 import h5py
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import InputError, InputWarning
 from pawnb.io.hdf5 import open_hdf5, read_array, read_attribute, read_texts
 from pawnb.io.points import build_tracks
@@ -125,7 +126,7 @@ def _read_table(path: Path) -> _Read:
             "tell the animals apart by tracks in SLEAP."
         )
 
-    def column(name: str) -> np.ndarray:
+    def column(name: str) -> FloatArray:
         if name not in names:
             return np.full(len(cells), np.nan)
         return read_numbers(cells, name, where=where, empty=True)
@@ -168,12 +169,12 @@ def _read_analysis(file: h5py.File, where: str) -> _Read:
 
 
 def _ordered(
-    data: np.ndarray,
+    data: FloatArray,
     item: h5py.Dataset,
     order: tuple[str, ...],
     wanted: tuple[str, ...],
     where: str,
-) -> np.ndarray:
+) -> FloatArray:
     """Bring dimensions into the wanted order: newer files say theirs in an attribute."""
     if "dims" in item.attrs:
         said = _from_json(read_attribute(item, "dims", where=where), where)
@@ -247,7 +248,7 @@ def _chosen(
     return chosen
 
 
-def _positions(own: np.ndarray, version: float) -> np.ndarray:
+def _positions(own: np.ndarray, version: float) -> FloatArray:
     """Return the places of the points of an instance, NaN where they are not visible."""
     uv = np.stack([own["x"], own["y"]], axis=-1).astype(float)
     uv[~own["visible"].astype(bool)] = np.nan

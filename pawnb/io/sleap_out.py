@@ -10,6 +10,7 @@ from typing import Any
 import h5py
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.files import whole_file, write_whole
 from pawnb.io.extras import need
@@ -57,7 +58,7 @@ def write_sleap(tracks: Tracks, path: str | Path, *, view: str = "") -> Path:
     return write_whole(path, _analysis_bytes(own))
 
 
-def _instance_scores(own: Outgoing) -> np.ndarray:
+def _instance_scores(own: Outgoing) -> FloatArray:
     """Return scores (n_frames, n_individuals) of instances; NaN where they are not known."""
     if INSTANCE_SCORE in own.tracks:
         scores = own.tracks[INSTANCE_SCORE].transpose("time", "individual").to_numpy()
@@ -91,7 +92,7 @@ def _analysis_bytes(own: Outgoing) -> bytes:
     place = own.whole(own.place).transpose(2, 3, 1, 0)
     confidence = own.whole(own.confidence).transpose(2, 1, 0)
     scores = own.whole(_instance_scores(own)).T
-    occupied = np.isfinite(place).all(axis=1).any(axis=1).T.astype(np.uint8)
+    occupied = np.any(np.isfinite(place).all(axis=1), axis=1).T.astype(np.uint8)
     data: dict[str, tuple[np.ndarray, list[str]]] = {
         "tracks": (place, ["track", "xy", "node", "frame"]),
         "track_occupancy": (occupied, ["frame", "track"]),

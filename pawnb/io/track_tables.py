@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from pawnb.arrays import IntArray
 from pawnb.errors import InputError, did_you_mean
 from pawnb.io.tables import read_cells, read_numbers
 from pawnb.schema import (
@@ -157,7 +158,7 @@ def read_points3d_table(
     return note_absent(tracks, frames, file=where)
 
 
-def _enter_space(tracks: Tracks, table: pd.DataFrame, at: np.ndarray, point: pd.Series) -> None:
+def _enter_space(tracks: Tracks, table: pd.DataFrame, at: IntArray, point: pd.Series) -> None:
     """Enter positions, residuals and origins at rows ``at`` of the points ``point``."""
     for axis, name in enumerate("xyz"):
         tracks["position"].to_numpy()[at, axis, point, 0] = table[name]

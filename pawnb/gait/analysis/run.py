@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.gait.analysis.leg_names import choose_legs, guess_body
 from pawnb.gait.analysis.tables import GaitTables, Pairs, build_tables, pool
@@ -227,7 +228,7 @@ def _settings(settings: EventSettings | Mapping[str, Any] | None) -> EventSettin
 
 def _belt_on_grid(
     belt_speed: float | pd.DataFrame | None, trial: Trial | None, grid: Grid
-) -> np.ndarray | None:
+) -> FloatArray | None:
     """Return the belt speed at every sample, or None where none is stated."""
     where = "belt_speed"
     stated: float | str | pd.DataFrame | None = belt_speed
@@ -267,8 +268,8 @@ def _analyse_one(
     trial: Trial | None,
     individual: str,
     pairs: Pairs | None,
-    belt: np.ndarray | None,
-    forward: np.ndarray | None,
+    belt: FloatArray | None,
+    forward: FloatArray | None,
     settings: EventSettings,
     lost: Sequence[Mapping[str, Any]],
     who: Mapping[str, str],

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
+from pawnb.arrays import BoolArray, FloatArray
 from pawnb.gait.cycles import LATERAL, POSITION, LegSignals
 from pawnb.gait.legs import find_leg_place, sort_legs
 from pawnb.gait.support import static_stability, wave_gait_margin, whole_stretches
@@ -73,7 +74,7 @@ def measure_support(
     return out
 
 
-def _within(start: np.ndarray, end: np.ndarray, stretches: pd.DataFrame) -> np.ndarray:
+def _within(start: FloatArray, end: FloatArray, stretches: pd.DataFrame) -> BoolArray:
     """Say of each stride whether it lies in one of the stretches."""
     first, last = (stretches[name].to_numpy(dtype=float) for name in ("start_s", "end_s"))
     at = np.searchsorted(first, start + 1e-6, side="right") - 1
@@ -82,7 +83,7 @@ def _within(start: np.ndarray, end: np.ndarray, stretches: pd.DataFrame) -> np.n
     return inside
 
 
-def _states(events: pd.DataFrame, legs: Sequence[str], times: np.ndarray) -> np.ndarray:
+def _states(events: pd.DataFrame, legs: Sequence[str], times: FloatArray) -> BoolArray:
     """Return which feet are down, shape (n, m, k)."""
     contact = events["event"].isin(("TD", "LO")).any()
     begin, end = ("TD", "LO") if contact else ("AEP", "PEP")
@@ -98,8 +99,8 @@ def _states(events: pd.DataFrame, legs: Sequence[str], times: np.ndarray) -> np.
 
 
 def _places(
-    legs: Sequence[str], signals: Sequence[LegSignals], times: np.ndarray
-) -> np.ndarray | None:
+    legs: Sequence[str], signals: Sequence[LegSignals], times: FloatArray
+) -> FloatArray | None:
     """Return places of the feet along and across the heading, shape (n, m, k, 2)."""
     feet = np.full((*times.shape, len(legs), 2), np.nan)
     for axis, kind in enumerate((POSITION, LATERAL)):
@@ -112,7 +113,7 @@ def _places(
     return feet if known.all() and len(legs) >= 4 else None
 
 
-def _stability(feet: np.ndarray, down: np.ndarray, legs: Sequence[str]) -> dict[str, np.ndarray]:
+def _stability(feet: FloatArray, down: BoolArray, legs: Sequence[str]) -> dict[str, np.ndarray]:
     """Return the measures of the support polygon, stride by stride."""
     n, m, k, _ = feet.shape
     ranks = np.array([place.rank if (place := find_leg_place(leg)) else 0 for leg in legs])

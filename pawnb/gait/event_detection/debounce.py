@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from pawnb.arrays import BoolArray, FloatArray
 from pawnb.gait.event_detection.event_settings import EventSettings
 from pawnb.gait.strides import PARTNER
 
@@ -69,7 +70,7 @@ def drop_short_states(
 
 def _without_short(
     own: pd.DataFrame, asked: Mapping[str, float | None], share: float
-) -> tuple[np.ndarray, list[dict[str, Any]]]:
+) -> tuple[BoolArray, list[dict[str, Any]]]:
     """Return which events of a leg, in order, are kept, and the stances and swings that go."""
     time_s = own["time_s"].to_numpy(dtype=float)
     state = own["event"].map(_STATES).to_numpy(dtype=str)
@@ -94,8 +95,8 @@ def _without_short(
 
 
 def _limits(
-    lasts: np.ndarray, state: np.ndarray, asked: Mapping[str, float | None], share: float
-) -> np.ndarray:
+    lasts: FloatArray, state: np.ndarray, asked: Mapping[str, float | None], share: float
+) -> FloatArray:
     """Return how long each stance and swing must last at least, s."""
     limit = np.zeros(len(lasts))
     for name, least in asked.items():

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from pawnb.arrays import BoolArray, FloatArray
 from pawnb.gait.cycles import HEIGHT, LATERAL, LEG_ANGLE, POSITION, LegSignals
 from pawnb.gait.event_detection.event_settings import EventSettings
 from pawnb.gait.event_detection.ground_contact import Contact, find_contacts, measure_height
@@ -67,10 +68,10 @@ def analyse_space(
     grid: Grid,
     *,
     trial: Trial | None,
-    belt: np.ndarray | None,
+    belt: FloatArray | None,
     body: BodyPoints | None,
     others: FootPaths | None,
-    forward: np.ndarray | None,
+    forward: FloatArray | None,
     settings: EventSettings,
     who: Mapping[str, str],
 ) -> SpaceResult:
@@ -161,7 +162,7 @@ def analyse_space(
     return result
 
 
-def _without_jumps(feet: FootPaths, factor: float | None) -> tuple[FootPaths, np.ndarray]:
+def _without_jumps(feet: FootPaths, factor: float | None) -> tuple[FootPaths, BoolArray]:
     """Make positions missing that jump away and back; return also where they did."""
     jumps = np.zeros((len(feet.positions), len(feet.legs)), dtype=bool)
     if factor is None:
@@ -173,7 +174,7 @@ def _without_jumps(feet: FootPaths, factor: float | None) -> tuple[FootPaths, np
     return replace(feet, positions=kept, angle_deg=angle), jumps
 
 
-def _smooth(x: np.ndarray, cutoff_hz: float | None, fs: float, max_gap: int) -> np.ndarray:
+def _smooth(x: FloatArray, cutoff_hz: float | None, fs: float, max_gap: int) -> FloatArray:
     """Bridge short gaps and, where there is a cut-off, low-pass."""
     if cutoff_hz is None:
         return fill_gaps(x, max_gap=max_gap)
@@ -181,7 +182,7 @@ def _smooth(x: np.ndarray, cutoff_hz: float | None, fs: float, max_gap: int) -> 
 
 
 def _extremes_of_feet(
-    position: np.ndarray, fs: float, settings: EventSettings, scales: Scales, standing: np.ndarray
+    position: FloatArray, fs: float, settings: EventSettings, scales: Scales, standing: BoolArray
 ) -> tuple[list[list[Extreme]], list[list[Rejected]]]:
     """Find the extremes of every foot where the animal goes, each with its own least excursion."""
     extremes, rejected = [], []
@@ -201,7 +202,7 @@ def _extremes_of_feet(
     return extremes, rejected
 
 
-def _with_positions(extremes: list[Extreme], position: np.ndarray) -> list[Extreme]:
+def _with_positions(extremes: list[Extreme], position: FloatArray) -> list[Extreme]:
     """Return extremes with the foot's position along forward at their moments."""
     samples = np.arange(len(position))
     return [
@@ -214,7 +215,7 @@ def _add_extremes(
     result: SpaceResult,
     leg: str,
     extremes: list[Extreme],
-    bridged: np.ndarray,
+    bridged: BoolArray,
     grid: Grid,
     how: str,
 ) -> None:
@@ -240,7 +241,7 @@ def _add_rejected(result: SpaceResult, leg: str, rejected: list[Rejected], grid:
         result.dropped.append({"leg": leg, **span, "what": "AEP and PEP", "why": why})
 
 
-def _add_jumps(result: SpaceResult, leg: str, jumps: np.ndarray, grid: Grid) -> None:
+def _add_jumps(result: SpaceResult, leg: str, jumps: BoolArray, grid: Grid) -> None:
     """Write down positions that were left out because they jump."""
     for start, stop in find_runs(jumps):
         span = {"start_s": grid.time_at(start), "end_s": grid.time_at(stop - 1)}
@@ -249,7 +250,7 @@ def _add_jumps(result: SpaceResult, leg: str, jumps: np.ndarray, grid: Grid) -> 
 
 
 def _add_gaps(
-    result: SpaceResult, leg: str, position: np.ndarray, grid: Grid, max_gap_s: float
+    result: SpaceResult, leg: str, position: FloatArray, grid: Grid, max_gap_s: float
 ) -> None:
     """Write down the stretches in which a foot was not tracked."""
     for start, stop in find_runs(~np.isfinite(position)):
@@ -264,7 +265,7 @@ def _add_gaps(
         result.dropped.append({"leg": leg, **span, "what": "track", "why": why})
 
 
-def _add_pauses(result: SpaceResult, leg: str, standing: np.ndarray, grid: Grid) -> None:
+def _add_pauses(result: SpaceResult, leg: str, standing: BoolArray, grid: Grid) -> None:
     """Write down where the animal stands: no stride may reach into it."""
     for start, stop in find_runs(standing):
         span = {"start_s": grid.time_at(start), "end_s": grid.time_at(stop - 1)}
@@ -283,8 +284,8 @@ def _rise(scales: Scales, fs: float) -> float:
 
 
 def _find_contacts(
-    speed: np.ndarray,
-    height: np.ndarray | None,
+    speed: FloatArray,
+    height: FloatArray | None,
     extremes: list[Extreme],
     settings: EventSettings,
     rise: float,

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.gait.events import Extreme
 from pawnb.signals.robust import MAD_TO_SD
 
@@ -50,7 +51,7 @@ class Height(NamedTuple):
 
 
 def measure_height(
-    up: np.ndarray, extremes: Sequence[Extreme], *, fraction: float
+    up: FloatArray, extremes: Sequence[Extreme], *, fraction: float
 ) -> Height | None:
     """Find the height below which a foot can touch the ground.
 
@@ -90,7 +91,7 @@ def measure_height(
 
 
 def find_contacts(
-    speed: np.ndarray,
+    speed: FloatArray,
     extremes: Sequence[Extreme],
     *,
     fraction: float,
@@ -152,7 +153,7 @@ def find_contacts(
     return contacts
 
 
-def _swing_peaks(speed: np.ndarray, extremes: Sequence[Extreme]) -> dict[int, int]:
+def _swing_peaks(speed: FloatArray, extremes: Sequence[Extreme]) -> dict[int, int]:
     """Return the fastest sample of each swing without a gap, by the place of its PEP."""
     peaks = {}
     for i, (a, b) in enumerate(pairwise(extremes)):
@@ -163,7 +164,7 @@ def _swing_peaks(speed: np.ndarray, extremes: Sequence[Extreme]) -> dict[int, in
 
 
 def _excess(
-    speed: np.ndarray, threshold: float, height: Height | None, share: float
+    speed: FloatArray, threshold: float, height: Height | None, share: float
 ) -> list[np.ndarray]:
     """Return how far speed and height are above their thresholds."""
     over = [speed - threshold]

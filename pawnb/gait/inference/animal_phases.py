@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.gait.circular import circular_sd, mean_vector, rayleigh_p, widest_interval, wrap
 from pawnb.gait.inference.checks import check_level
 from pawnb.gait.inference.circular_length import length_interval
@@ -165,7 +166,7 @@ def interval_of_phases(means: np.ndarray, *, level: float = 0.95) -> tuple[float
     return wrap(mean - below), wrap(mean + above)
 
 
-def _possible_directions(away: np.ndarray, level: float) -> tuple[float, float]:
+def _possible_directions(away: FloatArray, level: float) -> tuple[float, float]:
     """Return how far Fieller's interval reaches below and above the mean, cycles."""
     k = len(away)
     ends = np.exp(2j * np.pi * away)

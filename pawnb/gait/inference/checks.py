@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 
 
-def as_numbers(values: np.ndarray, name: str) -> np.ndarray:
+def as_numbers(values: np.ndarray, name: str) -> FloatArray:
     """Return values as a flat array of floats; they may be missing.
 
     Parameters
@@ -35,7 +36,7 @@ def as_numbers(values: np.ndarray, name: str) -> np.ndarray:
         raise InputError(f"{name}: expected numbers ({error}).") from error
 
 
-def check_values(values: np.ndarray) -> np.ndarray:
+def check_values(values: np.ndarray) -> FloatArray:
     """Return numbers as a flat array of floats.
 
     Parameters

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pawnb.arrays import FloatArray, IntArray
 from pawnb.errors import InputError
 from pawnb.gait.circular import check_phases, mean_vector
 from pawnb.gait.inference.permutations import bound_note
@@ -63,7 +64,7 @@ class CircularTest(NamedTuple):
 
 def animal_sample(
     phases: np.ndarray, animals: Sequence[object] | None
-) -> tuple[np.ndarray, int | None]:
+) -> tuple[FloatArray, int | None]:
     """Return what a test counts: the phases, or one mean phase an animal.
 
     Parameters
@@ -99,7 +100,7 @@ def animal_sample(
     return np.mod(np.angle(vectors) / (2.0 * np.pi), 1.0), len(vectors)
 
 
-def animal_codes(animals: Sequence[object], n: int) -> tuple[np.ndarray, int]:
+def animal_codes(animals: Sequence[object], n: int) -> tuple[IntArray, int]:
     """Give the animals numbers from 0 in the order of their names.
 
     Parameters
@@ -132,7 +133,7 @@ def animal_codes(animals: Sequence[object], n: int) -> tuple[np.ndarray, int]:
     return codes, len(found)
 
 
-def phase_standard_error(phases: np.ndarray) -> float:
+def phase_standard_error(phases: FloatArray) -> float:
     """Compute the standard error of a mean phase from the sines about it, in cycles.
 
     ``sd(sin) / (sqrt(n) rho)``: the standard deviation of the parts of the unit vectors that

@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.signals import find_runs
 from pawnb.signals.butterworth import filter_reach, filter_run
 from pawnb.signals.gcv import effective_parameters, find_lowest, gcv_score
@@ -38,7 +39,7 @@ class Choice(NamedTuple):
     reason: str
 
 
-def find_long_runs(x: np.ndarray) -> list[np.ndarray]:
+def find_long_runs(x: FloatArray) -> list[np.ndarray]:
     """Find the runs of all signals that are long enough to choose a cut-off from.
 
     Parameters

@@ -20,6 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.gait.inference.mixed_likelihood import Blocks
 
 KENWARD_ROGER = "Kenward-Roger"
@@ -53,7 +54,7 @@ class FixedEffects(NamedTuple):
 
 
 def estimate_fixed_effects(
-    blocks: Blocks, variances: np.ndarray, *, rests_on: Sequence[str | None]
+    blocks: Blocks, variances: FloatArray, *, rests_on: Sequence[str | None]
 ) -> FixedEffects:
     """Estimate the fixed effects of a fitted model, with their errors and degrees of freedom.
 
@@ -89,8 +90,8 @@ def estimate_fixed_effects(
 
 
 def _kenward_roger(
-    blocks: Blocks, variances: np.ndarray, phi: np.ndarray, residual: float
-) -> tuple[np.ndarray, np.ndarray, bool]:
+    blocks: Blocks, variances: FloatArray, phi: FloatArray, residual: float
+) -> tuple[FloatArray, FloatArray, bool]:
     """Return adjusted errors, degrees of freedom, and whether the variances are told apart."""
     firsts, seconds, information = _derivatives(blocks, variances, phi, residual)
     scale = 1.0 / np.sqrt(np.maximum(np.diag(information), 1e-300))
@@ -111,8 +112,8 @@ def _kenward_roger(
 
 
 def _derivatives(
-    blocks: Blocks, variances: np.ndarray, phi: np.ndarray, residual: float
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    blocks: Blocks, variances: FloatArray, phi: FloatArray, residual: float
+) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return P_i and Q_ij of Kenward and Roger, and the expected information.
 
     With the covariance V = sum of theta_i G_i (the residual first):

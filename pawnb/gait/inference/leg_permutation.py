@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pawnb.arrays import FloatArray, IntArray
 from pawnb.gait.inference.permutations import shuffle_in_blocks
 
 _MOST_ARRANGEMENTS = 20_000
@@ -34,7 +35,7 @@ class Block(NamedTuple):
     values: np.ndarray
 
 
-def mean_squares(means: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def mean_squares(means: FloatArray) -> tuple[np.ndarray, np.ndarray]:
     """Compute the mean squares of legs that are repeated over animals.
 
     Parameters
@@ -90,7 +91,7 @@ def permute_legs(
 
     squares = sum(float(b.values @ b.values) for b in blocks)
 
-    def f(sums: np.ndarray) -> np.ndarray:
+    def f(sums: FloatArray) -> FloatArray:
         """Compute F for sums of each block, shape (arrangements, blocks, legs)."""
         whole = np.zeros((len(sums), n_animals, n_legs))
         for i, block in enumerate(blocks):
@@ -121,7 +122,7 @@ def permute_legs(
     return p, 1.0 / (1.0 + n_permutations), f"{n_permutations} permutations"
 
 
-def _leg_sums(legs: np.ndarray, values: np.ndarray, n_legs: int) -> np.ndarray:
+def _leg_sums(legs: IntArray, values: FloatArray, n_legs: int) -> FloatArray:
     """Return the sum of the values of each leg for rows of legs."""
     cells = legs + n_legs * np.arange(len(legs))[:, None]
     weights = np.broadcast_to(values, legs.shape).ravel()
@@ -129,7 +130,7 @@ def _leg_sums(legs: np.ndarray, values: np.ndarray, n_legs: int) -> np.ndarray:
     return np.asarray(sums.reshape(len(legs), n_legs))
 
 
-def _multinomial(legs: np.ndarray) -> int:
+def _multinomial(legs: IntArray) -> int:
     """Return how many arrangements of these legs there are."""
     counts = np.bincount(legs)
     return math.factorial(len(legs)) // math.prod(math.factorial(int(c)) for c in counts)

@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import t as student
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 
 
@@ -81,7 +82,7 @@ class Line:
             return self.p < 1.0 - self.level
         return self.b_low > 0.0 or self.b_high < 0.0
 
-    def predict(self, x: np.ndarray) -> pd.DataFrame:
+    def predict(self, x: FloatArray) -> pd.DataFrame:
         """Return the line and the confidence band of its height.
 
         Parameters

@@ -14,6 +14,8 @@ import math
 import numpy as np
 from scipy.optimize import minimize
 
+from pawnb.arrays import FloatArray, IntArray
+
 # logarithms of variances over that of the residual
 _GRID = (-5.0, -1.5, 1.5)
 _NOTHING = -14.0
@@ -50,11 +52,11 @@ class Blocks:
 
     def __init__(
         self,
-        y: np.ndarray,
-        design: np.ndarray,
-        codes: np.ndarray,
+        y: FloatArray,
+        design: FloatArray,
+        codes: IntArray,
         parts: dict[str, np.ndarray],
-        trial_codes: np.ndarray | None,
+        trial_codes: IntArray | None,
     ) -> None:
         self.n, self.p = design.shape
         self.names = [*parts] if trial_codes is None else [*parts, "trial"]
@@ -82,7 +84,7 @@ class Blocks:
         self.beyond = self.n - rows.shape[0] * height
         """Strides less rows: those left out, or less than 0 where rows of zeros were added."""
 
-    def covariances(self, variances: np.ndarray) -> np.ndarray:
+    def covariances(self, variances: FloatArray) -> FloatArray:
         """Return W of every animal's rows.
 
         Parameters
@@ -98,7 +100,7 @@ class Blocks:
         scaled = self.u * variances[self.part_of]
         return np.asarray(np.eye(self.u.shape[1]) + scaled @ self.u.transpose(0, 2, 1))
 
-    def products(self, variances: np.ndarray) -> tuple[np.ndarray, float]:
+    def products(self, variances: FloatArray) -> tuple[np.ndarray, float]:
         """Return ``[X y]' W^-1 [X y]`` over all animals, and log |W|.
 
         Parameters
@@ -117,7 +119,7 @@ class Blocks:
         inner = np.linalg.solve(w, self.xy)
         return np.einsum("kqi,kqj->ij", self.xy, inner), float(np.linalg.slogdet(w)[1].sum())
 
-    def deviance(self, variances: np.ndarray) -> float:
+    def deviance(self, variances: FloatArray) -> float:
         """Return minus twice the restricted log likelihood, but for a constant.
 
         Parameters
@@ -135,7 +137,7 @@ class Blocks:
         rest = max(products[self.p, self.p] - xy @ np.linalg.solve(xx, xy), 1e-300)
         return log_w + float(np.linalg.slogdet(xx)[1]) + (self.n - self.p) * math.log(rest)
 
-    def fit(self) -> tuple[np.ndarray, bool]:
+    def fit(self) -> tuple[FloatArray, bool]:
         """Maximise the likelihood.
 
         From the best of a coarse grid: there are local maxima where one variance is 0.

@@ -6,12 +6,14 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from pawnb.arrays import IntArray
+
 _BLOCK = 4_000_000
 """Numbers in one block of permutations: 32 MB."""
 
 
 def shuffle_in_blocks(
-    items: np.ndarray, count: int, *, seed: int | Sequence[int]
+    items: IntArray, count: int, *, seed: int | Sequence[int]
 ) -> Iterator[np.ndarray]:
     """Shuffle items many times, without holding more than a block of the results at once.
 

@@ -14,6 +14,7 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.stats import f as fisher
 
+from pawnb.arrays import FloatArray
 from pawnb.gait.inference.checks import check_level, check_values
 from pawnb.gait.inference.circular_sample import animal_codes
 
@@ -66,10 +67,10 @@ def variance_shares(values: np.ndarray, animals: Sequence[object]) -> tuple[floa
 
 
 def icc_interval(
-    values: np.ndarray,
+    values: FloatArray,
     animals: Sequence[object],
     *,
-    design: np.ndarray | None = None,
+    design: FloatArray | None = None,
     level: float = 0.95,
 ) -> tuple[float, float]:
     """Compute the interval of the intraclass correlation of animals.

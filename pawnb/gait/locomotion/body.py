@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from pawnb.arrays import BoolArray, FloatArray
 from pawnb.gait.bouts import Bouts, find_bouts
 from pawnb.gait.event_detection.event_settings import EventSettings
 from pawnb.gait.locomotion.body_path import (
@@ -61,7 +62,7 @@ class BodyPoints:
         animal wanders, so that its heading turns.
     """
 
-    points: np.ndarray
+    points: FloatArray
     names: tuple[str, ...]
     guessed: bool
 
@@ -89,7 +90,7 @@ class FoundBody:
     treadmill: bool
     frame: BodyFrame
     scales: Scales
-    standing: np.ndarray
+    standing: BoolArray
     from_points: bool
     notes: list[str]
 
@@ -99,10 +100,10 @@ def find_body(
     fs: float,
     *,
     trial: Trial | None,
-    belt: np.ndarray | None,
+    belt: FloatArray | None,
     body: BodyPoints | None,
     others: FootPaths | None,
-    forward: np.ndarray | None,
+    forward: FloatArray | None,
     settings: EventSettings,
 ) -> FoundBody:
     """Find what the animal runs on, its body frame, its bouts, and the scales of time.
@@ -190,8 +191,8 @@ def find_body(
 
 def _usable(
     body: BodyPoints | None,
-    belt: np.ndarray | None,
-    forward: np.ndarray | None,
+    belt: FloatArray | None,
+    forward: FloatArray | None,
     feet: FootPaths,
     notes: list[str],
 ) -> BodyPoints | None:
@@ -224,7 +225,7 @@ class _Given:
     trial: Trial | None
     body: BodyPoints | None
     others: FootPaths | None
-    direction: np.ndarray | None
+    direction: FloatArray | None
     path: BodyPath
     fs: float
 
@@ -255,7 +256,7 @@ def _runs_on_a_belt(
     feet: FootPaths,
     body: BodyPoints | None,
     others: FootPaths | None,
-    path: np.ndarray,
+    path: FloatArray,
     settings: EventSettings,
     stride_hz: float,
     fs: float,
@@ -299,13 +300,13 @@ def _say_path(feet: FootPaths, chosen: BodyPath, others: FootPaths | None) -> li
     ]
 
 
-def _body_speed(frame: BodyFrame, frequency: float, fs: float) -> np.ndarray:
+def _body_speed(frame: BodyFrame, frequency: float, fs: float) -> FloatArray:
     """Return the speed of the body over the ground, smoothed over about a stride."""
     path = smooth_path(frame.path[:, :, None], cutoff_hz=0.5 * _stride_hz(frequency), fs_hz=fs)
     return np.asarray(np.linalg.norm(np.gradient(path, axis=0), axis=1) * fs)
 
 
-def _stepping_speed(feet: FootPaths, frequency: float, fs: float) -> np.ndarray:
+def _stepping_speed(feet: FootPaths, frequency: float, fs: float) -> FloatArray:
     """Return how fast the feet move on the whole, smoothed over about a stride.
 
     A belt that runs carries every foot that stands, so that all of them are never slow. Where
@@ -326,7 +327,7 @@ def _stride_hz(frequency: float) -> float:
     return frequency if np.isfinite(frequency) else 1.0
 
 
-def _bouts(speed: np.ndarray, settings: EventSettings, frequency: float, fs: float) -> Bouts:
+def _bouts(speed: FloatArray, settings: EventSettings, frequency: float, fs: float) -> Bouts:
     """Find the bouts in a smoothed speed."""
     stride_s = 1.0 / _stride_hz(frequency)
     return find_bouts(
@@ -339,7 +340,7 @@ def _bouts(speed: np.ndarray, settings: EventSettings, frequency: float, fs: flo
     )
 
 
-def _say_bouts(feet: FootPaths, bouts: Bouts, standing: np.ndarray, fs: float) -> str:
+def _say_bouts(feet: FootPaths, bouts: Bouts, standing: BoolArray, fs: float) -> str:
     """Put the bouts in one sentence."""
     going = float((~standing).sum()) / fs
     n = len(find_runs(~standing))

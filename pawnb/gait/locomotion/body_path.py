@@ -15,6 +15,7 @@ from typing import Literal
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.gait.event_detection.event_settings import EventSettings
 from pawnb.gait.locomotion.foot_trajectories import FootPaths
 from pawnb.gait.locomotion.time_scales import least_excursion
@@ -72,7 +73,7 @@ def follow_body(
     *,
     frequency_hz: float,
     fs_hz: float,
-) -> np.ndarray:
+) -> FloatArray:
     """Compute a path of the body.
 
     Parameters
@@ -104,7 +105,7 @@ def choose_body_path(
     others: FootPaths | None,
     settings: EventSettings,
     *,
-    forward: np.ndarray,
+    forward: FloatArray,
     frequency_hz: float,
     fs_hz: float,
 ) -> BodyPath:
@@ -196,7 +197,7 @@ def points_of_body(
     )
 
 
-def is_carried(feet: FootPaths, path: np.ndarray, settings: EventSettings) -> bool | None:
+def is_carried(feet: FootPaths, path: FloatArray, settings: EventSettings) -> bool | None:
     """Say whether feet in stance are carried along by what they stand on, as by a belt.
 
     Parameters
@@ -235,7 +236,7 @@ def is_carried(feet: FootPaths, path: np.ndarray, settings: EventSettings) -> bo
     return min(abs(float(np.median(one))) for one in ratios.values()) > _CARRIED
 
 
-def _regular_share(positions: np.ndarray, forward: np.ndarray, settings: EventSettings) -> float:
+def _regular_share(positions: FloatArray, forward: FloatArray, settings: EventSettings) -> float:
     """Return which share of the time of all feet is strides of about the usual time."""
     fore_aft = np.einsum("ndk,d->nk", positions, forward)
     times: list[float] = []
@@ -252,13 +253,13 @@ def _regular_share(positions: np.ndarray, forward: np.ndarray, settings: EventSe
     return float(lasted[regular].sum() / fore_aft.size)
 
 
-def _slow(positions: np.ndarray, frequency_hz: float, fs_hz: float) -> np.ndarray:
+def _slow(positions: FloatArray, frequency_hz: float, fs_hz: float) -> FloatArray:
     """Return each point without what it does in a stride, shape (n, d, k)."""
     filled = fill_gaps(positions, max_gap=len(positions))
     return butterworth_lowpass(filled, cutoff_hz=min(SLOW * frequency_hz, 0.4 * fs_hz), fs_hz=fs_hz)
 
 
-def _spread(positions: np.ndarray) -> np.ndarray:
+def _spread(positions: FloatArray) -> FloatArray:
     """Return the standard deviation, over all directions, of each point; shape (k,)."""
     out = np.full(positions.shape[2], np.inf)
     seen = np.isfinite(positions).any(axis=0).all(axis=0)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.gait.locomotion.foot_trajectories import FootPaths
 from pawnb.kinematics import swing_direction, travel_direction
 from pawnb.trial import Trial
 
 
-def find_up(trial: Trial | None, feet: FootPaths) -> np.ndarray | None:
+def find_up(trial: Trial | None, feet: FootPaths) -> FloatArray | None:
     """Find the direction upwards.
 
     Parameters
@@ -34,13 +35,13 @@ def find_up(trial: Trial | None, feet: FootPaths) -> np.ndarray | None:
 
 def choose_direction(
     feet: FootPaths,
-    path: np.ndarray,
+    path: FloatArray,
     *,
     trial: Trial | None,
-    forward: np.ndarray | None,
+    forward: FloatArray | None,
     treadmill: bool,
     fs_hz: float,
-) -> tuple[np.ndarray, list[str]]:
+) -> tuple[FloatArray, list[str]]:
     """Choose the direction towards the front.
 
     Parameters
@@ -107,7 +108,7 @@ def choose_direction(
     return stated, []
 
 
-def _say_direction(direction: np.ndarray) -> str:
+def _say_direction(direction: FloatArray) -> str:
     """Name a direction in a picture."""
     if abs(direction[0]) >= abs(direction[1]):
         return "right" if direction[0] > 0 else "left"

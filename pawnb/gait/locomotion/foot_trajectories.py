@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import BoolArray, FloatArray
 from pawnb.errors import InputError, did_you_mean
 from pawnb.schema import Tracks
 
@@ -35,8 +36,8 @@ class FootPaths:
     source: str
     unit: str
     legs: tuple[str, ...]
-    positions: np.ndarray
-    angle_deg: np.ndarray | None = None
+    positions: FloatArray
+    angle_deg: FloatArray | None = None
 
     @property
     def label(self) -> str:
@@ -130,6 +131,6 @@ def _best_space(point: Tracks, least: float) -> tuple[str, str, np.ndarray] | No
     return next(((view, "px", path) for n, view, path in seen if n and n >= 0.9 * most), None)
 
 
-def _sure(confidence: np.ndarray, least: float) -> np.ndarray:
+def _sure(confidence: FloatArray, least: float) -> BoolArray:
     """Say where a confidence suffices; one that was not recorded (NaN) is no reason to doubt."""
     return ~(confidence < least)

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.schema import Tracks
 
@@ -22,8 +23,8 @@ class Grid:
         Samples per second.
     """
 
-    time_s: np.ndarray
-    frame: np.ndarray
+    time_s: FloatArray
+    frame: FloatArray
     fs_hz: float
 
     def time_at(self, sample: float) -> float:

@@ -7,6 +7,7 @@ import dataclasses
 import numpy as np
 import pandas as pd
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.gait.legs import sort_legs
 from pawnb.gait.locomotion.body import BodyPoints
@@ -155,7 +156,7 @@ def _forward_in_space(seen: np.ndarray, places: np.ndarray, front: np.ndarray) -
 
 def _in_space(
     dense: Tracks, points: dict[str, str], source: str, individual: str
-) -> np.ndarray | None:
+) -> FloatArray | None:
     """Return points (n, d, k) in one space, in the order given, or None."""
     for space in get_foot_paths(dense, points, individual=individual):
         if space.source == source and set(space.legs) == set(points):

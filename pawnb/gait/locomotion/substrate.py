@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.gait.events import (
     Extreme,
     stance_velocity,
@@ -21,10 +22,10 @@ _SLIP_ALLOWED = 0.15
 
 def find_belt_speed(
     feet: FootPaths,
-    velocity: np.ndarray,
+    velocity: FloatArray,
     extremes: list[list[Extreme]],
     *,
-    stated: np.ndarray | None,
+    stated: FloatArray | None,
     treadmill: bool,
 ) -> tuple[np.ndarray | None, list[str]]:
     """Find how fast the substrate runs backwards.
@@ -79,8 +80,8 @@ def find_belt_speed(
 
 
 def speed_over_substrate(
-    velocity: np.ndarray, belt: np.ndarray, extremes: list[Extreme], *, follow: bool
-) -> np.ndarray:
+    velocity: FloatArray, belt: FloatArray, extremes: list[Extreme], *, follow: bool
+) -> FloatArray:
     """Compute the speed of a foot relative to what it stands on.
 
     Parameters
@@ -109,7 +110,7 @@ def speed_over_substrate(
 
 
 def measure_motion(
-    feet: FootPaths, frame: BodyFrame, *, lab: np.ndarray, belt: np.ndarray | None, grid: Grid
+    feet: FootPaths, frame: BodyFrame, *, lab: FloatArray, belt: FloatArray | None, grid: Grid
 ) -> Motion:
     """Sum up how far body and feet have come relative to the ground or belt.
 
@@ -146,7 +147,7 @@ def measure_motion(
     )
 
 
-def _heading_deg(forward: np.ndarray) -> np.ndarray:
+def _heading_deg(forward: FloatArray) -> FloatArray:
     """Return the direction of unit vectors, not wrapped, bridged where it is not known."""
     heading = np.arctan2(forward[:, 1], forward[:, 0])
     known = np.flatnonzero(np.isfinite(heading))

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.gait.event_detection.event_settings import EventSettings
 from pawnb.gait.locomotion.foot_trajectories import FootPaths
 from pawnb.signals import fill_gaps, find_turns
@@ -102,7 +103,7 @@ def say_scales(feet: FootPaths, scales: Scales, frequency: float) -> str:
     )
 
 
-def least_excursion(position: np.ndarray, settings: EventSettings) -> float:
+def least_excursion(position: FloatArray, settings: EventSettings) -> float:
     """Choose the least excursion between AEP and PEP of one foot.
 
     Parameters
@@ -124,7 +125,7 @@ def least_excursion(position: np.ndarray, settings: EventSettings) -> float:
 
 
 def stepping_frequency(
-    position: np.ndarray, settings: EventSettings, *, fs_hz: float, guess: float
+    position: FloatArray, settings: EventSettings, *, fs_hz: float, guess: float
 ) -> float:
     """Count steps: the inverse of the median time between the AEP of a foot.
 
