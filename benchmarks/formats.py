@@ -29,7 +29,8 @@ import pandas as pd
 import xarray as xr
 
 from pawnb.core.dlt import project
-from pawnb.io.cameras import Camera, coefs_of_cameras, read_cameras, write_cameras
+from pawnb.io.cameras import Camera, coefs_of_cameras, read_cameras
+from pawnb.io.cameras_out import write_cameras
 from pawnb.io.formats import read_any_tracks, write_any_tracks
 from pawnb.io.points import build_tracks
 from pawnb.schema import Tracks

@@ -26,6 +26,7 @@ from pawnb.gait.inference.cutoff_scores import (
     find_whitest,
     residual_rms,
 )
+from pawnb.gait.inference.noise_band import find_noise_band, given_band
 from pawnb.signals import two_pass_correction
 from pawnb.signals.butterworth import check_rate
 
@@ -43,11 +44,9 @@ CUTOFF_COLUMNS = (
 )  # fmt: skip
 POOLED = "pooled"
 _STEPS = 101
-_LIFETIMES = 3.0
 _ALL_NOISE = 0.95
 _DOUBT = 2.0
 """How many times the noise of cross-validation, or of the band's other half, is too much."""
-_FLOOR = 1000.0 * float(np.finfo(float).eps)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -164,10 +163,10 @@ def _analyse(
     if max(float(np.abs(detrend(run, axis=0)).max()) for run in runs) <= 1e-12 * scale:
         return _nothing(cutoffs, residual, f"{NO_CUTOFF}the signal is a straight line")
     if band_hz is not None:
-        ends = _given_band(cutoffs, band_hz)
+        ends = given_band(cutoffs, band_hz)
         said = "in the band given"
     else:
-        found = _noise_band(cutoffs, residual / scale)
+        found = find_noise_band(cutoffs, residual / scale)
         if isinstance(found, str):
             return _nothing(cutoffs, residual, found)
         ends = found
@@ -363,35 +362,6 @@ def _kept(
     if choice.reason.startswith(NO_CUTOFF):
         return Choice(math.nan, math.nan, choice.reason), math.nan
     return choice, residual_rms(runs, choice.cutoff_hz, fs_hz=fs_hz, order=order)
-
-
-def _noise_band(cutoffs: np.ndarray, residual: np.ndarray) -> tuple[int, int] | str:
-    """Find the straight part of a residual curve (in shares of the range), or say why not."""
-    last = int(0.95 * (len(cutoffs) - 1))
-    height = np.log(np.abs(residual[: last + 1] - residual[last]) + _FLOOR)
-    rate = float(np.polyfit(cutoffs[: last + 1], height, 1)[0])
-    if rate >= 0.0:
-        return f"{NO_CUTOFF}the residual does not fall with the cut-off"
-    first = int(np.searchsorted(cutoffs, -_LIFETIMES / rate))
-    if last - first < 3:
-        return (
-            f"{NO_CUTOFF}the residual still falls at {cutoffs[last]:.3g} Hz, so no band is "
-            "noise alone; film faster, or give the band (band_hz)"
-        )
-    return first, last
-
-
-def _given_band(cutoffs: np.ndarray, band_hz: tuple[float, float]) -> tuple[int, int]:
-    """Return first and one past the last point within a band given in Hz."""
-    low, high = band_hz
-    first, last = (int(k) for k in np.searchsorted(cutoffs, [low, high]))
-    if not 0.0 <= low < high or last - first < 3:
-        raise InputError(
-            f"band_hz is {low:g} to {high:g}; expected two frequencies, the lower one first, "
-            f"with at least three cut-offs between them (steps of "
-            f"{cutoffs[1] - cutoffs[0]:.2g} Hz up to {cutoffs[-1]:.3g} Hz)."
-        )
-    return first, last
 
 
 def _read_off(

@@ -10,7 +10,8 @@ from pawnb import cli
 from pawnb.core.dlt import project
 from pawnb.core.lens import load_lenses
 from pawnb.errors import CalibrationError, InputError
-from pawnb.io.cameras import coefs_of_cameras, read_cameras, write_cameras
+from pawnb.io.cameras import coefs_of_cameras, read_cameras
+from pawnb.io.cameras_out import write_cameras
 from pawnb.io.coefs import read_coefs, write_coefs
 
 K = np.array([[900.0, 0.0, 310.5], [0.0, 905.0, 239.0], [0.0, 0.0, 1.0]])

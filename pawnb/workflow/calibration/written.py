@@ -8,7 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
-from pawnb.io.cameras import Camera, coefs_of_cameras, write_lenses
+from pawnb.io.cameras import Camera, coefs_of_cameras
+from pawnb.io.cameras_out import write_lenses
 from pawnb.io.coefs import write_coefs
 
 

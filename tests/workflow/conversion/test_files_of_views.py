@@ -13,7 +13,8 @@ from pawnb.core.dlt import project
 from pawnb.core.rig import require_rig
 from pawnb.core.video import open_views
 from pawnb.errors import CalibrationError, InputError
-from pawnb.io.cameras import coefs_of_cameras, read_cameras, write_lenses
+from pawnb.io.cameras import coefs_of_cameras, read_cameras
+from pawnb.io.cameras_out import write_lenses
 from pawnb.io.coefs import read_coefs, write_coefs
 from pawnb.io.formats import read_any_tracks
 from pawnb.io.native import write_tracks
