@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.figures.panels import (
     add_animal_legend,
@@ -142,7 +143,7 @@ def _average(measures: pd.DataFrame, names: list[str], points: str) -> pd.DataFr
 
 
 def _fit(
-    x: np.ndarray, y: np.ndarray, animals: np.ndarray, *, kind: str, method: str, level: float
+    x: FloatArray, y: FloatArray, animals: np.ndarray, *, kind: str, method: str, level: float
 ) -> Line:
     """Fit the line that was asked for."""
     if method == "RMA":

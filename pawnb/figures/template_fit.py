@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from pawnb.arrays import FloatArray, Points2D
+from pawnb.arrays import FloatArray, IntArray, Points2D
 from pawnb.errors import InputError
 from pawnb.figures.panels import add_letter, open_grid
 from pawnb.figures.style import OKABE_ITO, figure_size, small_pt, style
@@ -17,7 +17,7 @@ USED, FORETOLD, OTHER = "used for the fit", "foretold", "other"
 
 
 def build_template_fit_table(
-    frame: np.ndarray,
+    frame: IntArray,
     uv: Points2D,
     uv_fit: FloatArray,
     *,

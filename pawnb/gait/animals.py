@@ -73,7 +73,7 @@ class AnimalEstimate(NamedTuple):
 
 
 def mean_of_animals(
-    values: np.ndarray,
+    values: FloatArray,
     animals: Sequence[object],
     *,
     expected: float | None = None,
@@ -159,8 +159,8 @@ def estimate_of(
 
 
 def slope_of_animals(
-    x: np.ndarray,
-    y: np.ndarray,
+    x: FloatArray,
+    y: FloatArray,
     animals: Sequence[object],
     *,
     circular: bool = False,
@@ -204,7 +204,7 @@ def slope_of_animals(
 
 
 def slopes_by_animal(
-    x: np.ndarray, y: np.ndarray, animals: Sequence[object], *, circular: bool = False
+    x: FloatArray, y: FloatArray, animals: Sequence[object], *, circular: bool = False
 ) -> tuple[FloatArray, str]:
     """Fit a line to each animal's own values; see :func:`slope_of_animals`.
 

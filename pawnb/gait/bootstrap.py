@@ -143,7 +143,7 @@ def bootstrap_animals(
 
 
 def bootstrap_units(
-    units: np.ndarray,
+    units: FloatArray,
     *,
     circular: bool = False,
     corrected: bool = True,

@@ -47,7 +47,7 @@ class MeanVector(NamedTuple):
     n: int
 
 
-def mean_vector(phases: np.ndarray, *, weights: np.ndarray | None = None) -> MeanVector:
+def mean_vector(phases: FloatArray, *, weights: np.ndarray | None = None) -> MeanVector:
     """Compute mean phase and length of the mean vector.
 
     ``mean = atan2(Y, X) / 2 pi`` with X and Y the means of cosine and sine: Zar (2010),
@@ -351,7 +351,7 @@ def widest_interval(mean: float, level: float) -> tuple[float, float]:
     return wrap(mean - level / 2.0), wrap(mean + level / 2.0)
 
 
-def check_phases(phases: np.ndarray) -> FloatArray:
+def check_phases(phases: FloatArray) -> FloatArray:
     """Return a sample of phases as a flat array of floats.
 
     Parameters

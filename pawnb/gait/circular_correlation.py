@@ -55,7 +55,7 @@ class CircularCorrelation(NamedTuple):
 
 
 def angular_linear(
-    phases: np.ndarray,
+    phases: FloatArray,
     values: np.ndarray,
     *,
     animals: Sequence[object] | None = None,
@@ -133,7 +133,7 @@ def angular_linear(
 
 
 def angular_angular(
-    phases: np.ndarray,
+    phases: FloatArray,
     others: FloatArray,
     *,
     animals: Sequence[object] | None = None,

@@ -57,7 +57,7 @@ class CircularDescription(NamedTuple):
     kappa: float
 
 
-def describe_circular(phases: np.ndarray, *, level: float = 0.95) -> CircularDescription:
+def describe_circular(phases: FloatArray, *, level: float = 0.95) -> CircularDescription:
     """Describe a sample of phases by all the usual numbers.
 
     Parameters
@@ -121,7 +121,7 @@ def angular_deviation(r: float) -> float:
     return math.sqrt(2.0 * (1.0 - r)) / (2.0 * math.pi)
 
 
-def circular_median(phases: np.ndarray) -> float:
+def circular_median(phases: FloatArray) -> float:
     """Compute the median phase: nearest on average to all phases along the circle.
 
     One of the phases where n is odd, the middle of the two innermost where n is even: Zar
@@ -208,7 +208,7 @@ def _fisher_kappa(r: float) -> float:
     return 1.0 / (r**3 - 4.0 * r**2 + 3.0 * r)
 
 
-def circular_moment(phases: np.ndarray, order: int) -> MeanVector:
+def circular_moment(phases: FloatArray, order: int) -> MeanVector:
     """Compute a trigonometric moment about zero: the mean vector of ``order`` times the phase.
 
     Parameters
@@ -234,7 +234,7 @@ def circular_moment(phases: np.ndarray, order: int) -> MeanVector:
     return mean_vector(np.mod(check_phases(phases) * order, 1.0))
 
 
-def axial_mean(phases: np.ndarray) -> MeanVector:
+def axial_mean(phases: FloatArray) -> MeanVector:
     """Compute the mean of axial data, whose two ends mean the same (Zar 2010, section 26.7).
 
     Phases are doubled, averaged, and the mean is halved.
@@ -259,7 +259,7 @@ def axial_mean(phases: np.ndarray) -> MeanVector:
 
 
 def grouped_mean(
-    centres: np.ndarray, counts: np.ndarray, *, class_width: float | None = None
+    centres: FloatArray, counts: np.ndarray, *, class_width: float | None = None
 ) -> MeanVector:
     """Compute the mean vector of phases that were counted in classes (Zar 2010, section 26.5).
 

@@ -32,7 +32,7 @@ _MOST_ARRANGEMENTS = 20_000
 
 
 def watson_williams_test(
-    phases: np.ndarray, groups: Sequence[object], *, animals: Sequence[object] | None = None
+    phases: FloatArray, groups: Sequence[object], *, animals: Sequence[object] | None = None
 ) -> CircularTest:
     """Test whether two or more groups have the same mean phase (Zar 2010, section 27.4).
 
@@ -84,7 +84,7 @@ def watson_williams_test(
 
 
 def watson_u2_test(
-    phases: np.ndarray,
+    phases: FloatArray,
     groups: Sequence[object],
     *,
     animals: Sequence[object] | None = None,
@@ -141,7 +141,7 @@ def watson_u2_test(
 
 
 def wheeler_watson_test(
-    phases: np.ndarray,
+    phases: FloatArray,
     groups: Sequence[object],
     *,
     animals: Sequence[object] | None = None,
@@ -214,7 +214,7 @@ def wheeler_watson_test(
 
 
 def group_samples(
-    phases: np.ndarray, groups: Sequence[object], *, animals: Sequence[object] | None = None
+    phases: FloatArray, groups: Sequence[object], *, animals: Sequence[object] | None = None
 ) -> tuple[list[np.ndarray], int | None]:
     """Divide phases into the samples of their groups, one phase an animal where asked.
 

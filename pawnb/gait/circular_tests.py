@@ -15,6 +15,7 @@ from scipy.special import gammaln, ive
 from scipy.stats import binomtest, chi2, chisquare, norm, wilcoxon
 from scipy.stats import t as student
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.gait.circular import mean_vector, rayleigh_p, wrap
 from pawnb.gait.circular_describe import circular_median, difference
@@ -35,7 +36,7 @@ _MOST_EXACT = 50
 
 
 def rayleigh_test(
-    phases: np.ndarray, *, animals: Sequence[object] | None = None, method: str = "exact"
+    phases: FloatArray, *, animals: Sequence[object] | None = None, method: str = "exact"
 ) -> CircularTest:
     """Test whether phases are spread evenly round the cycle, against one preferred phase.
 
@@ -70,7 +71,7 @@ def rayleigh_test(
 
 
 def v_test(
-    phases: np.ndarray,
+    phases: FloatArray,
     *,
     expected: float,
     animals: Sequence[object] | None = None,
@@ -118,7 +119,7 @@ def v_test(
 
 
 def mean_test(
-    phases: np.ndarray, *, expected: float, animals: Sequence[object] | None = None
+    phases: FloatArray, *, expected: float, animals: Sequence[object] | None = None
 ) -> CircularTest:
     """Test whether the mean phase differs from an expected one, for instance 0.5.
 
@@ -173,7 +174,7 @@ def mean_test(
 
 
 def hodges_ajne_test(
-    phases: np.ndarray, *, animals: Sequence[object] | None = None
+    phases: FloatArray, *, animals: Sequence[object] | None = None
 ) -> CircularTest:
     """Test for randomness against any concentration on one half of the circle.
 
@@ -228,7 +229,7 @@ def _hodges_ajne_p(m: int, n: int) -> float:
 
 
 def batschelet_test(
-    phases: np.ndarray, *, expected: float, animals: Sequence[object] | None = None
+    phases: FloatArray, *, expected: float, animals: Sequence[object] | None = None
 ) -> CircularTest:
     """Test for randomness against an expected phase by counting (Zar 2010, section 27.2b).
 
@@ -263,7 +264,7 @@ def batschelet_test(
     return make_result("Batschelet C", float(count), p, counts=counts, smallest_p=least)
 
 
-def symmetry_test(phases: np.ndarray, *, animals: Sequence[object] | None = None) -> CircularTest:
+def symmetry_test(phases: FloatArray, *, animals: Sequence[object] | None = None) -> CircularTest:
     """Test whether phases are spread symmetrically about their median (Zar 2010, section 27.3).
 
     Wilcoxon's signed ranks of the distances from the median.

@@ -166,7 +166,7 @@ def summarise_phases(phases: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=list(PHASE_SUMMARY_COLUMNS))
 
 
-def describe_phases(phases: np.ndarray) -> dict[str, Any]:
+def describe_phases(phases: FloatArray) -> dict[str, Any]:
     """Describe one sample of phases, taken to be independent.
 
     Parameters

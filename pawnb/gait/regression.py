@@ -49,8 +49,8 @@ _ROUNDING = 1e-9
 
 
 def fit_line(
-    x: np.ndarray,
-    y: np.ndarray,
+    x: FloatArray,
+    y: FloatArray,
     *,
     animals: Sequence[str] | None = None,
     level: float = 0.95,
@@ -82,8 +82,8 @@ def fit_line(
 
 
 def fit_power(
-    x: np.ndarray,
-    y: np.ndarray,
+    x: FloatArray,
+    y: FloatArray,
     *,
     animals: Sequence[str] | None = None,
     level: float = 0.95,
@@ -125,8 +125,8 @@ def fit_power(
 
 
 def fit_rma(
-    x: np.ndarray,
-    y: np.ndarray,
+    x: FloatArray,
+    y: FloatArray,
     *,
     kind: Literal["linear", "power"] = "linear",
     animals: Sequence[str] | None = None,
@@ -192,8 +192,8 @@ def fit_rma(
 
 
 def fit_within_animals(
-    x: np.ndarray,
-    y: np.ndarray,
+    x: FloatArray,
+    y: FloatArray,
     *,
     animals: Sequence[str],
     kind: Literal["linear", "power"] = "linear",
@@ -262,8 +262,8 @@ def fit_within_animals(
 
 
 def slope_over_animals(
-    x: np.ndarray,
-    y: np.ndarray,
+    x: FloatArray,
+    y: FloatArray,
     *,
     animals: Sequence[str],
     kind: Literal["linear", "power"] = "linear",
@@ -360,7 +360,7 @@ def _least_squares(
 
 
 def _points(
-    x: np.ndarray, y: np.ndarray, animals: Sequence[str] | None, level: float
+    x: FloatArray, y: FloatArray, animals: Sequence[str] | None, level: float
 ) -> tuple[FloatArray, FloatArray, np.ndarray | None]:
     """Return the points where both are known; refuse what cannot be fitted."""
     x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)

@@ -82,7 +82,7 @@ class IntraclassCorrelation(NamedTuple):
 
 
 def bland_altman(
-    first: np.ndarray, second: np.ndarray, *, level: float = 0.95, factor: float = 1.96
+    first: FloatArray, second: FloatArray, *, level: float = 0.95, factor: float = 1.96
 ) -> Agreement:
     """Compute bias and limits of agreement (Bland & Altman 1986, 1999).
 
@@ -145,7 +145,7 @@ def _trend_p(total: FloatArray, difference: FloatArray) -> float:
 
 
 def intraclass_correlation(
-    values: np.ndarray,
+    values: FloatArray,
     *,
     form: Literal["ICC1", "ICC2", "ICC3"] = "ICC2",
     level: float = 0.95,

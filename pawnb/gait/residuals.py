@@ -16,6 +16,7 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 from scipy.signal import detrend
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.gait.inference.cutoff_scores import (
     LEAST_SAMPLES,
@@ -80,7 +81,7 @@ class ResidualAnalysis:
 
 
 def analyse_residuals(
-    x: np.ndarray,
+    x: FloatArray,
     *,
     fs_hz: float,
     order: int = 4,
@@ -216,7 +217,7 @@ def _instead(validated: Choice) -> str:
     return f"take that of cross-validation, {validated.cutoff_hz:.3g} Hz, or film faster"
 
 
-def residual_cutoffs(fs_hz: float, *, order: int = 4) -> np.ndarray:
+def residual_cutoffs(fs_hz: float, *, order: int = 4) -> FloatArray:
     """Return the cut-offs at which residuals are computed.
 
     Parameters
@@ -243,7 +244,7 @@ def residual_cutoffs(fs_hz: float, *, order: int = 4) -> np.ndarray:
 
 
 def compare_cutoffs(
-    signals: pd.DataFrame | np.ndarray,
+    signals: pd.DataFrame | FloatArray,
     *,
     fs_hz: float,
     order: int = 4,
@@ -365,7 +366,7 @@ def _kept(
 
 
 def _read_off(
-    cutoffs: np.ndarray, residual: np.ndarray, ends: tuple[int, int], said: str
+    cutoffs: FloatArray, residual: FloatArray, ends: tuple[int, int], said: str
 ) -> ResidualAnalysis:
     """Fit the noise line and find where the curve first comes down to its height at 0 Hz."""
     first, last = ends
@@ -402,7 +403,7 @@ def _read_off(
     )
 
 
-def _nothing(cutoffs: np.ndarray, residual: np.ndarray, reason: str) -> ResidualAnalysis:
+def _nothing(cutoffs: FloatArray, residual: FloatArray, reason: str) -> ResidualAnalysis:
     """Return an analysis without a choice."""
     nan = math.nan
     curve = pd.DataFrame(

@@ -44,7 +44,7 @@ class AnimalVectors(NamedTuple):
     n: np.ndarray
 
 
-def animal_vectors(phases: np.ndarray, animals: Sequence[object]) -> AnimalVectors:
+def animal_vectors(phases: FloatArray, animals: Sequence[object]) -> AnimalVectors:
     """Compute the mean vector of each animal.
 
     Parameters
@@ -74,7 +74,7 @@ def animal_vectors(phases: np.ndarray, animals: Sequence[object]) -> AnimalVecto
     return AnimalVectors(tuple(sorted({str(a) for a in animals})), means, lengths, n)
 
 
-def mean_of_means(means: np.ndarray, lengths: FloatArray) -> MeanVector:
+def mean_of_means(means: FloatArray, lengths: FloatArray) -> MeanVector:
     """Compute the mean of mean vectors (Zar 2010, section 26.9, Example 26.8).
 
     Parameters
@@ -103,7 +103,7 @@ def mean_of_means(means: np.ndarray, lengths: FloatArray) -> MeanVector:
 
 
 def hotelling_test(
-    means: np.ndarray,
+    means: FloatArray,
     lengths: FloatArray,
     *,
     method: str = "rotation",
@@ -171,7 +171,7 @@ def _hotelling_f(x: FloatArray, y: FloatArray) -> FloatArray:
     return np.where(flat, np.nan, k * (k - 2) / 2.0 * above / np.where(flat, 1.0, spread))
 
 
-def moore_test(means: np.ndarray, lengths: np.ndarray) -> CircularTest:
+def moore_test(means: FloatArray, lengths: FloatArray) -> CircularTest:
     """Test whether mean vectors have a common direction, by ranks (Moore 1980; Zar 2010, 27.8).
 
     Lengths are replaced by their ranks, ``R' = |sum of rank times unit vector| / k^1.5``. p is
@@ -210,7 +210,7 @@ def moore_test(means: np.ndarray, lengths: np.ndarray) -> CircularTest:
     return CircularTest("Moore R'", total / k**1.5, p, k, k, "exact")
 
 
-def _components(means: np.ndarray, lengths: np.ndarray) -> tuple[FloatArray, FloatArray]:
+def _components(means: FloatArray, lengths: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the ends of the vectors; refuse lengths that no mean vector can have."""
     means, lengths = check_phases(means), as_numbers(lengths, "lengths")
     if len(means) != len(lengths) or not ((lengths >= 0.0) & (lengths <= 1.0)).all():

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from pawnb.arrays import IntArray
 from pawnb.errors import InputError
 from pawnb.schema.tracks import Tracks, add_provenance
 
@@ -17,7 +18,7 @@ _FEW_ROWS, _LONG_SPAN = 1000, 1_000_000
 """A span of more frames than this is filled up only where one row in so many is there."""
 
 
-def check_frames(frames: Sequence[int] | np.ndarray, *, where: str) -> np.ndarray:
+def check_frames(frames: Sequence[int] | np.ndarray, *, where: str) -> IntArray:
     """Return frame numbers if they rise from row to row.
 
     Parameters
@@ -73,7 +74,7 @@ def check_frames(frames: Sequence[int] | np.ndarray, *, where: str) -> np.ndarra
     return whole
 
 
-def every_frame(frames: np.ndarray) -> np.ndarray:
+def every_frame(frames: IntArray) -> IntArray:
     """Return all frames of a recording of which a file has some.
 
     Parameters
@@ -92,7 +93,7 @@ def every_frame(frames: np.ndarray) -> np.ndarray:
     return np.arange(frames[0], frames[-1] + 1, step)
 
 
-def note_absent(tracks: Tracks, frames: np.ndarray, *, file: str) -> Tracks:
+def note_absent(tracks: Tracks, frames: IntArray, *, file: str) -> Tracks:
     """Return Tracks that say in their provenance which of their frames a file did not have.
 
     Parameters
@@ -139,7 +140,7 @@ def absent_frames(tracks: Tracks) -> list[tuple[int, int, str]]:
     return sorted(found)
 
 
-def _absent_runs(every: np.ndarray, frames: np.ndarray) -> list[tuple[int, int]]:
+def _absent_runs(every: IntArray, frames: IntArray) -> list[tuple[int, int]]:
     """Return first and last of each run of frames that are not among ``frames``."""
     absent = ~np.isin(every, frames)
     edges = np.flatnonzero(np.diff(np.concatenate([[False], absent, [False]]).astype(np.int8)))

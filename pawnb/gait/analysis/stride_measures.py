@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pandas as pd
 
+from pawnb.arrays import FloatArray
 from pawnb.gait.analysis.stride_drag import drag_fractions
 from pawnb.gait.cycles import HEIGHT, LATERAL, LEG_ANGLE, LegSignals
 from pawnb.gait.event_detection.event_settings import EventSettings
@@ -101,7 +102,7 @@ def measure_strides(
 
 
 def _angular(
-    signal: LegSignals, leg: str, start: np.ndarray, turn: np.ndarray, end: np.ndarray
+    signal: LegSignals, leg: str, start: FloatArray, turn: FloatArray, end: FloatArray
 ) -> dict[str, np.ndarray]:
     """Return excursion, velocities and accelerations of one leg in swing and stance."""
     angle = signal.samples[:, signal.legs.index(leg)]
@@ -120,7 +121,7 @@ def _angular(
 
 
 def _heights(
-    signal: LegSignals, leg: str, start: np.ndarray, turn: np.ndarray, end: np.ndarray
+    signal: LegSignals, leg: str, start: FloatArray, turn: FloatArray, end: FloatArray
 ) -> dict[str, np.ndarray]:
     """Return how high a foot is lifted, and how low it is in the middle half of the swing."""
     height = signal.samples[:, signal.legs.index(leg)]
@@ -137,8 +138,8 @@ def _heights(
 
 
 def _greatest(
-    time_s: np.ndarray, values: np.ndarray, start: np.ndarray, end: np.ndarray
-) -> np.ndarray:
+    time_s: FloatArray, values: FloatArray, start: FloatArray, end: FloatArray
+) -> FloatArray:
     """Return the value of greatest magnitude within each stretch; NaN where one is missing."""
     first = np.searchsorted(time_s, start, side="left")
     last = np.searchsorted(time_s, end, side="right")

@@ -66,7 +66,7 @@ class AnimalPhase(NamedTuple):
 
 
 def phase_of_animals(
-    phases: np.ndarray, animals: Sequence[object], *, level: float = 0.95
+    phases: FloatArray, animals: Sequence[object], *, level: float = 0.95
 ) -> AnimalPhase:
     """Compute the mean phase over animals, with an interval made for few animals.
 
@@ -117,7 +117,7 @@ def phase_of_animals(
     )  # fmt: skip
 
 
-def interval_of_phases(means: np.ndarray, *, level: float = 0.95) -> tuple[float, float]:
+def interval_of_phases(means: FloatArray, *, level: float = 0.95) -> tuple[float, float]:
     """Compute the interval of a mean phase from one phase an animal.
 
     It reaches to the outermost of what two t tests leave possible. (1) Half its width is

@@ -36,7 +36,7 @@ def as_numbers(values: np.ndarray, name: str) -> FloatArray:
         raise InputError(f"{name}: expected numbers ({error}).") from error
 
 
-def check_values(values: np.ndarray) -> FloatArray:
+def check_values(values: FloatArray) -> FloatArray:
     """Return numbers as a flat array of floats.
 
     Parameters

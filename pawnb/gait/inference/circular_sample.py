@@ -63,7 +63,7 @@ class CircularTest(NamedTuple):
 
 
 def animal_sample(
-    phases: np.ndarray, animals: Sequence[object] | None
+    phases: FloatArray, animals: Sequence[object] | None
 ) -> tuple[FloatArray, int | None]:
     """Return what a test counts: the phases, or one mean phase an animal.
 

@@ -21,7 +21,7 @@ from pawnb.gait.inference.circular_sample import animal_codes
 _LARGEST_RATIO = 1e12
 
 
-def variance_shares(values: np.ndarray, animals: Sequence[object]) -> tuple[float, float]:
+def variance_shares(values: FloatArray, animals: Sequence[object]) -> tuple[float, float]:
     """Divide the variance of strides into that within and that between animals.
 
     One-way analysis of variance with unequal numbers (Donner 1986): the intraclass
