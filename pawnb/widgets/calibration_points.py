@@ -17,7 +17,6 @@ import pandas as pd
 from pawnb.core.calibration.scene_lines import scene_lines
 from pawnb.errors import InputError
 from pawnb.io.tables import read_cells, read_numbers, write_table
-from pawnb.widgets.colours import point_colours
 from pawnb.widgets.draft import Draft
 from pawnb.workflow.calibration.known_points import (
     KnownPointFit,
@@ -26,6 +25,7 @@ from pawnb.workflow.calibration.known_points import (
     write_known_points,
 )
 from pawnb.workflow.calibration.written import Written
+from pawnb.workflow.export.colours import point_colours
 
 CLICK_FILE = "calibration_clicks.csv"
 COLUMNS = ("view", "point", "u", "v", "frame", "set_aside")
@@ -146,7 +146,20 @@ class PointCalibration(Draft[_State]):
         self.frame = self._checked_frame(frame)
 
     def click(self, view: str, u: float, v: float) -> None:
-        """Place the point that is asked for in a view."""
+        """Place the point that is asked for in a view.
+
+        Parameters
+        ----------
+        view : str
+            The view.
+        u, v : float
+            Where, px.
+
+        Raises
+        ------
+        InputError
+            If every point is clicked there.
+        """
         point = self.asked_in(view)
         if point is None:
             raise InputError(f"every point is clicked in {view}; drag one to move it.")
@@ -160,7 +173,20 @@ class PointCalibration(Draft[_State]):
         return free[0] if free else None
 
     def place(self, view: str, point: str, u: float, v: float) -> None:
-        """Put a point at (u, v) in px of a view: a click, or the end of a drag."""
+        """Put a point somewhere in a view: a click, or the end of a drag.
+
+        Parameters
+        ----------
+        view, point : str
+            Which point in which view.
+        u, v : float
+            Where, px.
+
+        Raises
+        ------
+        InputError
+            If that is outside the picture.
+        """
         self._check(view, point)
         width, height = self.sizes[view]
         if not (-0.5 <= u < width - 0.5 and -0.5 <= v < height - 0.5):
