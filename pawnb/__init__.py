@@ -43,6 +43,7 @@ __version__ = "0.1.0"
 _HOME = {
     "Animal": "pawnb.trial",
     "Calibration": "pawnb.trial",
+    "CalibrationDigitiser": "pawnb.widgets.calibration_digitiser",
     "InputError": "pawnb.errors",
     "PawnbError": "pawnb.errors",
     "Trial": "pawnb.trial",

@@ -6,11 +6,12 @@ Names are imported when they are first used: they need Jupyter, which the rest o
 from pawnb import _lazy
 
 __all__ = [
-    "ClickInitialiser", "FrameCanvas", "GaitExplorer", "PoseReviewer", "ResidualExplorer",
-    "StickPoser", "TrackReviewer", "TrialForm", "Workbench",
+    "CalibrationDigitiser", "ClickInitialiser", "FrameCanvas", "GaitExplorer", "PoseReviewer",
+    "ResidualExplorer", "StickPoser", "TrackReviewer", "TrialForm", "Workbench",
 ]  # fmt: skip
 
 _HOME = {
+    "CalibrationDigitiser": "pawnb.widgets.calibration_digitiser",
     "ClickInitialiser": "pawnb.widgets.click_initialiser",
     "FrameCanvas": "pawnb.widgets.frame_canvas",
     "GaitExplorer": "pawnb.widgets.gait_explorer",

@@ -47,6 +47,33 @@ def project_distorted(cameras: np.ndarray, xyz: np.ndarray) -> np.ndarray:
     return np.stack([f * bent_x + cx, f * aspect * bent_y + cy], axis=1)
 
 
+def show_points(camera: Camera, xyz: np.ndarray) -> np.ndarray:
+    """Return where a camera, as filmed, shows points, and only those that it can show.
+
+    Parameters
+    ----------
+    camera : Camera
+        A camera whose lens has at most k1, k2, p1, p2, k3.
+    xyz : ndarray, shape (n, 3)
+        Points in space.
+
+    Returns
+    -------
+    ndarray, shape (n, 2)
+        u and v, px; NaN behind the camera, and so far aside that the lens would turn back: there
+        its coefficients, found within the picture, say nothing.
+    """
+    row = row_of_camera(camera)
+    X = xyz @ camera.rotation.T + camera.translation
+    before = X[:, 2] > 0
+    r2 = (X[:, :2] ** 2).sum(axis=1) / np.where(before, X[:, 2], 1.0) ** 2
+    k1, k2, _, _, k3 = row[4:9]
+    turns = np.roots([7.0 * k3, 5.0 * k2, 3.0 * k1, 1.0])  # of r (1 + k1 r^2 + ...), over r^2
+    real = turns.real[(np.abs(turns.imag) < 1e-9) & (turns.real > 0)]
+    shown = project_distorted(np.tile(row, (len(xyz), 1)), xyz)
+    return np.where((before & (r2 < real.min(initial=np.inf)))[:, None], shown, np.nan)
+
+
 def rotate(rotvec: np.ndarray, xyz: np.ndarray) -> np.ndarray:
     """Turn points (n, 3), each by its own rotation vector (n, 3)."""
     angle = np.linalg.norm(rotvec, axis=1, keepdims=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -82,7 +82,12 @@ class BoardFit:
         }
 
 
-def calibrate_by_boards(sightings: Sightings, *, floor: int | None = None) -> BoardFit:
+def calibrate_by_boards(
+    sightings: Sightings,
+    *,
+    floor: int | None = None,
+    aside: Collection[tuple[str, int]] = (),
+) -> BoardFit:
     """Calibrate views by a board that was shown to them in several poses.
 
     Lens by lens first (Zhang 2000, as in OpenCV), then the cameras to each other by shots that two
@@ -96,6 +101,8 @@ def calibrate_by_boards(sightings: Sightings, *, floor: int | None = None) -> Bo
     floor : int, optional
         The shot whose board gives the axes: x and y along it, z towards who looks at it. Default
         the first that most views see.
+    aside : collection of (str, int)
+        Views and shots that are set aside from the first.
 
     Returns
     -------
@@ -130,7 +137,7 @@ def calibrate_by_boards(sightings: Sightings, *, floor: int | None = None) -> Bo
     for v, one in enumerate(lenses):
         is_free[v, [COLUMNS.index(name) for name in one.free]] = True
         is_free[v, POSE] = v != start.first
-    found, shots = _without_outliers(sightings, start, rows, is_free)
+    found, shots = _without_outliers(sightings, start, rows, is_free, aside)
     at = _floor(shots, floor, n_shots=uv.shape[1])
     place = np.unique(shots["shot"]).tolist().index(at)
     pose = found.free.reshape(-1, 6)[place]
@@ -185,13 +192,17 @@ def find_outlying_views(shots: pd.DataFrame) -> list[str]:
 
 
 def _without_outliers(
-    sightings: Sightings, start: Arrangement, rows: np.ndarray, is_free: np.ndarray
+    sightings: Sightings,
+    start: Arrangement,
+    rows: np.ndarray,
+    is_free: np.ndarray,
+    given: Collection[tuple[str, int]],
 ) -> tuple[Adjusted, pd.DataFrame]:
     """Adjust, set aside what does not agree, and adjust the others again.
 
     Of one instant the worst view is set aside at a time: it draws the board away from the others.
     """
-    aside: set[tuple[str, int]] = set()
+    aside = set(given)
     while True:
         found, shots = _adjusted(sightings, start, rows, is_free, aside)
         limit = max(OUTLYING * float(shots["rms_px"].median()), LEAST_OUTLYING_PX)
@@ -200,7 +211,7 @@ def _without_outliers(
             return found, shots
         worst = outlying.loc[outlying.groupby("shot")["rms_px"].idxmax()]
         aside |= set(zip(worst["view"], worst["shot"], strict=True))
-        _refuse_views(shots, aside)
+        _refuse_views(shots, aside - set(given))
 
 
 def _refuse_views(shots: pd.DataFrame, outlying: set[tuple[str, int]]) -> None:

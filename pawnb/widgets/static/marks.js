@@ -140,18 +140,24 @@ class Marks {
     stroke();
   }
 
-  // Trails (fading towards the past), sticks, and dashed epipolar lines.
+  // Trails (fading towards the past), sticks, axes, and dashed epipolar lines.
   drawLine(g, k, { at, colour, dash, fade }) {
     g.setLineDash(dash ? [8 * k, 6 * k] : []);
-    for (let i = 1; i < at.length; i++) {
-      if (!at[i] || !at[i - 1]) continue; // a gap in the track
-      g.globalAlpha = fade ? 0.25 + (0.75 * i) / at.length : 1;
-      this.outlined(g, k, 1.8, colour, () => {
-        g.beginPath();
-        g.moveTo(...this.toCanvas(...at[i - 1]));
-        g.lineTo(...this.toCanvas(...at[i]));
-        g.stroke();
-      }, fade ? 0.7 : 2);
+    const stroke = (first, last) => () => {
+      g.beginPath();
+      for (let i = first; i <= last; i++) {
+        if (!at[i]) continue; // a gap in the track
+        const place = this.toCanvas(...at[i]);
+        if (i > first && at[i - 1]) g.lineTo(...place);
+        else g.moveTo(...place);
+      }
+      g.stroke();
+    };
+    if (!fade) this.outlined(g, k, 1.8, colour, stroke(0, at.length - 1));
+    else for (let i = 1; i < at.length; i++) {
+      if (!at[i] || !at[i - 1]) continue;
+      g.globalAlpha = 0.25 + (0.75 * i) / at.length;
+      this.outlined(g, k, 1.8, colour, stroke(i - 1, i), 0.7);
     }
     g.globalAlpha = 1;
     g.setLineDash([]);

@@ -151,7 +151,7 @@ def calibrate_from_board(
     """
     sightings, shots, notes = find_boards(board, pictures, most_shots=most_shots, progress=progress)
     fit = calibrate_by_boards(sightings, floor=floor if floor is None else _place(shots, floor))
-    fit = _numbered(fit, shots)
+    fit = numbered(fit, shots)
     written = None if out is None else write_calibration(fit.cameras, out)
     remarks = (*notes, *_set_aside(fit.shots))
     return _result(fit, sightings, remarks, written)
@@ -192,7 +192,7 @@ def judge_cameras(
                 f"{', '.join(found)}: give the pictures of each as {next(iter(found))}=PATH."
             )
     sightings, shots, notes = find_boards(board, pictures, most_shots=most_shots, progress=progress)
-    fit = _numbered(judge_by_boards([found[name] for name in pictures], sightings), shots)
+    fit = numbered(judge_by_boards([found[name] for name in pictures], sightings), shots)
     remarks = [*notes]
     copies = find_copies(list(found.values()))
     for view in find_outlying_views(fit.shots):
@@ -314,8 +314,21 @@ def _place(shots: np.ndarray, picture: int) -> int:
     return int(at[0])
 
 
-def _numbered(fit: BoardFit, shots: np.ndarray) -> BoardFit:
-    """Return a fit whose shots are called by the numbers of their pictures."""
+def numbered(fit: BoardFit, shots: np.ndarray) -> BoardFit:
+    """Call the shots of a fit by the numbers of their pictures.
+
+    Parameters
+    ----------
+    fit : BoardFit
+        The fit.
+    shots : ndarray of int
+        The picture that each shot is.
+
+    Returns
+    -------
+    BoardFit
+        The same fit with those numbers.
+    """
     floor = None if fit.floor is None else int(shots[fit.floor])
     table = fit.shots.assign(shot=shots[fit.shots["shot"].to_numpy(int)])
     return BoardFit(cameras=fit.cameras, shots=table, lenses=fit.lenses, floor=floor)

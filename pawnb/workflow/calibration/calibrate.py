@@ -69,7 +69,7 @@ def calibrate(
         each view, not all in one plane.
     clicks : str or Path
         A csv with ``view, point, u, v``, px: where each view sees them. Points that a view
-        does not see are left out.
+        does not see are left out, and so are rows with 1 in a column ``set_aside``.
     out : str or Path, optional
         The file to write, usually ``DLTcoefs.csv``: 11 rows, one column a view.
     views : sequence of str, optional
@@ -91,6 +91,8 @@ def calibrate(
     """
     known = _read(points3d, POINTS_COLUMNS, ("x", "y", "z"))
     clicked = _read(clicks, CLICKS_COLUMNS, ("u", "v"))
+    if "set_aside" in clicked:  # by the CalibrationDigitiser
+        clicked = clicked[clicked["set_aside"] != "1"]
     rig, residuals = fit_rig(known, clicked, unit=unit)
     if views is not None:
         if sorted(views) != sorted(rig.names):

@@ -1,0 +1,264 @@
+"""CalibrationDigitiser without a browser: clicks, undo, what is written, and what is refused."""
+
+from __future__ import annotations
+
+import ball_scene as scene
+import numpy as np
+import pandas as pd
+import pytest
+
+from pawnb import cli
+from pawnb.core.calibration.rig_from_boards import Sightings
+from pawnb.errors import InputError
+from pawnb.io.boards import Board
+from pawnb.io.coefs import read_coefs
+from pawnb.trial import Trial, load_trial
+from pawnb.widgets import CalibrationDigitiser
+
+
+@pytest.fixture
+def opened(tmp_path):
+    pictures = scene.write(tmp_path / "in")
+    made = []
+
+    def open_it(**options):
+        options = {"points": tmp_path / "in" / "points.csv", "folder": tmp_path} | options
+        made.append(CalibrationDigitiser(pictures, **options))
+        return made[-1]
+
+    yield open_it, tmp_path
+    for widget in made:
+        widget.close()
+
+
+def click(widget, view, u, v):
+    widget.edit("click", {"frame": 0, "view": view, "u": float(u), "v": float(v)})
+
+
+def act(widget, action, value=None):
+    widget.edit("action", {"frame": 0, "action": action, "value": value})
+
+
+def click_all(widget, off_px=0.0, views=tuple(scene.VIEWS)):
+    rng = np.random.default_rng(0)
+    for view in views:
+        for u, v in scene.seen(view, list(scene.PLACES.values())):
+            du, dv = rng.uniform(-off_px, off_px, 2)
+            click(widget, view, u + du, v + dv)
+
+
+def test_clicks_on_known_points_give_the_cameras(opened, tmp_path):
+    open_it, folder = opened
+    widget = open_it()
+    assert widget.status.startswith("Click b000 in left.")
+    click_all(widget)
+    assert "Every point is clicked in each view." in widget.status
+    assert "left: 0.00 px RMS of 12 points" in widget.status
+    act(widget, "save")
+    assert "Wrote DLTcoefs.csv" in widget.status
+    coefs = read_coefs(folder / "DLTcoefs.csv", tuple(scene.VIEWS))
+    xyz = np.random.default_rng(1).uniform(-50.0, 50.0, (50, 3))
+    for column, view in zip(coefs.T, scene.VIEWS, strict=True):
+        below = xyz @ column[8:11] + 1.0
+        uv = np.stack([xyz @ column[0:3] + column[3], xyz @ column[4:7] + column[7]], axis=1)
+        np.testing.assert_allclose(uv / below[:, None], scene.seen(view, xyz), atol=0.01)
+    # the same clicks, read by the command
+    other = tmp_path / "other.csv"
+    words = [str(folder / "in" / "points.csv"), str(folder / "calibration_clicks.csv")]
+    assert cli.main(["calibrate", *words, "-o", str(other)]) == 0
+    np.testing.assert_array_equal(read_coefs(other, tuple(scene.VIEWS)), coefs)
+
+
+def test_clicks_snap_to_the_centre_of_the_ball(opened):
+    open_it, _ = opened
+    widget = open_it()
+    act(widget, "snap")
+    click_all(widget, off_px=4.0)
+    for (view, point), uv in widget.session.clicks.items():
+        expected = scene.seen(view, [scene.PLACES[point]])[0]
+        np.testing.assert_allclose(uv, expected, atol=0.1)
+    act(widget, "snap")
+    widget.edit("moved", {"frame": 0, "view": "left", "point": "b000", "u": 300.0, "v": 5.0})
+    assert widget.session.clicks["left", "b000"] == (300.0, 5.0)
+    act(widget, "snap")
+    widget.edit("moved", {"frame": 0, "view": "left", "point": "b000", "u": 310.0, "v": 5.0})
+    assert "No ball or round mark is there" in widget.alarm
+
+
+def test_a_wrong_click_is_named_set_aside_and_taken_back(opened):
+    open_it, folder = opened
+    widget = open_it()
+    click_all(widget)
+    wrong = scene.seen("left", [scene.PLACES["b010"]])[0] + [25.0, 0.0]
+    widget.edit(
+        "moved", {"frame": 0, "view": "left", "point": "b010", "u": wrong[0], "v": wrong[1]}
+    )
+    assert "⚠ b010 in left is " in widget.status
+    widget.edit("select", {"frame": 0, "view": "left", "point": "b010"})
+    act(widget, "aside")
+    assert "⚠" not in widget.status
+    assert "left: 0.00 px RMS of 11 points" in widget.status
+    # how far the wrong click is from where the others say: as it was moved
+    assert widget.session.residuals()["left", "b010"] == pytest.approx(25.0, abs=0.01)
+    chips = {c["id"]: c for c in widget.overlay(0)["views"]["left"]["chips"]}
+    assert chips["b010"]["state"] == "hidden"
+    assert "set aside, 25.0" in chips["b010"]["title"]
+    saved = pd.read_csv(folder / "calibration_clicks.csv").set_index(["view", "point"])
+    assert saved["set_aside"].sum() == saved.loc[("left", "b010"), "set_aside"] == 1
+    act(widget, "undo")
+    assert "⚠ b010 in left" in widget.status
+    act(widget, "undo")  # of the drag
+    assert "left: 0.00 px RMS of 12 points" in widget.status
+    act(widget, "redo")
+    act(widget, "redo")
+    assert "left: 0.00 px RMS of 11 points" in widget.status
+    # opened again: the same clicks, and the same one set aside
+    again = open_it()
+    assert again.session.clicks == widget.session.clicks
+    assert again.session.aside == {("left", "b010")}
+    hide = {"frame": 0, "view": "left", "point": "b000"}
+    again.edit("hide", hide)
+    with pytest.raises(InputError, match="changed by another window"):
+        widget.edit("hide", hide)
+
+
+def test_axes_and_grid_lie_where_they_are_in_space(opened):
+    open_it, _ = opened
+    widget = open_it()
+    click_all(widget, views=("left",))
+    views = widget.overlay(0)["views"]
+    assert views["right"]["lines"] == []  # not determined yet
+    ends = {mark["id"]: (mark["u"], mark["v"]) for mark in views["left"]["hollow"]}
+    # the points reach over 100 mm: squares of 20 mm, axes of 40
+    for name, xyz in {"x": (40, 0, 0), "y": (0, 40, 0), "z": (0, 0, 40)}.items():
+        np.testing.assert_allclose(ends[name], scene.seen("left", [xyz])[0], atol=0.1)
+    grid = [line["at"] for line in views["left"]["lines"] if line["colour"] == "#f0e442"]
+    corner = scene.seen("left", [(-20.0, -60.0, 0.0)])[0]
+    assert min(np.hypot(*(np.array(at[0]) - corner)) for at in grid) < 0.1
+
+
+def test_a_lens_that_bends_is_found(opened):
+    """Clicks bent by k1 = -2 about the middle of the picture (OpenCV's model)."""
+    open_it, folder = opened
+    widget = open_it()
+    middle = np.array([319.5, 199.5])
+    for view in scene.VIEWS:
+        for uv in scene.seen(view, list(scene.PLACES.values())):
+            ray = (uv - middle) / scene.FOCAL
+            click(widget, view, *(middle + scene.FOCAL * ray * (1.0 - 2.0 * (ray @ ray))))
+    straight = max(fit.residual_px.max() for fit in widget.session.fit().views.values())
+    act(widget, "bends")
+    bent = max(fit.residual_px.max() for fit in widget.session.fit().views.values())
+    assert bent < 0.01 < straight
+    act(widget, "save")
+    assert (folder / "lenses.toml").exists()
+    for fit in widget.session.fit().views.values():
+        assert fit.camera.distortion[0] == pytest.approx(-2.0, abs=0.02)
+        assert fit.camera.matrix[0, 0] == pytest.approx(scene.FOCAL, rel=0.01)
+
+
+def test_a_scale_is_measured_and_written_into_its_trial(opened):
+    open_it, folder = opened
+    (folder / "trial.toml").write_text(
+        '[trial]\nkind = "pose"\nfps = 25.0\n[[views]]\nname = "left"\nvideo = "in/left"\n'
+    )
+    widget = open_it(points=None, trial=load_trial(folder))
+    assert isinstance(widget.trial, Trial)
+    click(widget, "left", 100.0, 50.0)
+    click(widget, "left", 130.0, 90.0)  # 50 px
+    act(widget, "known_length", 20.0)
+    assert "2.5" in widget.status
+    act(widget, "use_scale")
+    assert load_trial(folder).calibration.px_per_unit == 2.5
+
+
+def test_what_cannot_be_used_is_one_sentence(opened, tmp_path):
+    open_it, folder = opened
+    with pytest.raises(InputError, match="neither points nor board is given"):
+        open_it(points=None)
+    with pytest.raises(InputError, match="points and board are both given"):
+        open_it(board="board.toml")
+    with pytest.raises(InputError, match="no pictures are given"):
+        CalibrationDigitiser({}, points=folder / "in" / "points.csv")
+    table = pd.read_csv(folder / "in" / "points.csv")
+    with pytest.raises(InputError, match="points: point 'b000' is there twice"):
+        open_it(points=pd.concat([table, table.head(1)]))
+    with pytest.raises(InputError, match="points: no column 'z'"):
+        open_it(points=table.drop(columns="z"))
+    with pytest.raises(InputError, match="points: point 'b000' has no position"):
+        open_it(points=table.assign(x=np.nan))
+    (folder / "calibration_clicks.csv").write_text("view,point,u,v\nleft,nose,1,2\n")
+    with pytest.raises(InputError, match="there is no point 'nose' in view 'left'"):
+        open_it()
+
+
+@pytest.fixture
+def boards(opened, monkeypatch):
+    """The widget on two views of eight boards, whose corners are projected, not painted."""
+    open_it, folder = opened
+    for view in scene.VIEWS:
+        for k in range(1, 8):
+            (folder / "in" / view / f"{k}.png").write_bytes(
+                (folder / "in" / view / "0.png").read_bytes()
+            )
+    board = Board(columns=7, rows=5, square=10.0)
+    corners, rng = board.corners(), np.random.default_rng(2)
+    uv = np.zeros((2, 8, len(corners), 2))
+    for s in range(8):
+        turned = turn(*rng.uniform(-0.5, 0.5, 3)) @ np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]])
+        xyz = (corners - corners.mean(axis=0)) @ turned.T
+        for v, view in enumerate(scene.VIEWS):
+            uv[v, s] = scene.seen(view, xyz)
+    uv += rng.normal(0.0, 0.05, uv.shape)
+    uv[1, 6] += 9.0  # one picture of other instants
+    found = Sightings(names=tuple(scene.VIEWS), sizes=(scene.SIZE,) * 2, corners=corners, uv=uv)
+    monkeypatch.setattr(
+        "pawnb.widgets.calibration_pictures.find_boards",
+        lambda *_args, **_more: (found, np.arange(8), []),
+    )
+    return lambda: open_it(points=None, board=board), folder
+
+
+def turn(a, b, c):
+    """A rotation by three angles, one axis after the other."""
+    out = np.eye(3)
+    for k, angle in enumerate((a, b, c)):
+        one = np.eye(3)
+        i, j = [n for n in range(3) if n != k]
+        one[i, i] = one[j, j] = np.cos(angle)
+        one[i, j], one[j, i] = -np.sin(angle), np.sin(angle)
+        out = one @ out
+    return out
+
+
+@pytest.mark.slow
+def test_pictures_of_a_board_are_found_set_aside_and_taken_back(boards):
+    open_it, folder = boards
+    widget = open_it()
+    assert widget.status == "Press Enter to find the board in every picture."
+    act(widget, "find")
+    widget.wait()
+    # of two views that do not agree either may be the wrong one
+    assert "Set aside: left 6 (" in widget.status or "Set aside: right 6 (" in widget.status
+    assert widget.session.fitted.of_view("left")["rms_px"] < 0.1  # 0.05 px of noise in u and v
+    widget.edit("action", {"frame": 3, "action": "floor", "value": None})
+    widget.wait()
+    assert "axes are those of the board of frame 3" in widget.status
+    widget.edit("select", {"frame": 2, "view": "left", "point": "board"})
+    widget.edit("action", {"frame": 2, "action": "aside", "value": None})
+    widget.wait()
+    widget.overlay(7)  # the browser reads ahead: that is not where a person is
+    assert widget.session.frame == 2
+    (chip,) = widget.overlay(2)["views"]["left"]["chips"]
+    assert chip["state"] == "hidden"
+    assert "left 2 (" in widget.status
+    widget.edit("action", {"frame": 2, "action": "save", "value": None})
+    assert (folder / "DLTcoefs.csv").exists()
+    act(widget, "undo")
+    widget.wait()
+    assert "left 2 (" not in widget.status
+    act(widget, "redo")
+    widget.wait()
+    again = open_it()
+    assert again.session.aside == {("left", 2)}
+    assert again.session.floor == 3
