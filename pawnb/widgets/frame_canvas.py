@@ -39,7 +39,8 @@ animal whose handles can be dragged (:func:`pawnb.widgets.stick_session.describe
 picture over part of it: url (``data:image/png;base64,...``) and box (u0, v0, u1, v1, half open);
 ``asks``, the point that a click there places, or None; ``guides``, where the other views put points
 (name to [[u, v]], or to the two ends of a line), with ``limit_px``, how far from there is too far,
-and ``residuals``, whether the distance is always shown."""
+and ``residuals``, whether the distance is always shown. Beside the views ``look`` may stand: the
+part of each view that is shown from now on, id and views (name to [u, v, width])."""
 
 MOUSE_AND_KEYS = (
     ("Wheel", "zoom in and out about the mouse"),

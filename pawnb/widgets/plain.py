@@ -14,7 +14,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from pawnb.errors import PawnbError
-from pawnb.workflow.export.marks import line, rgb, ring, write
+from pawnb.workflow.export.marks import line, rgb, ring, write_beside
 from pawnb.workflow.export.tiles import Layout, resized_array
 
 _WIDTH_PX = 720
@@ -77,8 +77,8 @@ def draw_overlay(image: np.ndarray, overlay: dict[str, Any], *, scale: float) ->
     for mark in overlay.get("points", ()):
         (middle,) = at([(mark["u"], mark["v"])])
         ring(image, middle, rgb(mark["colour"]), origin=mark.get("origin", "measured"))
-        names.append((str(mark["id"]), middle + np.array([9.0, -20.0]), rgb(mark["colour"])))
-    write(image, names)
+        names.append((str(mark["id"]), middle, rgb(mark["colour"])))
+    write_beside(image, names)
 
 
 def picture_of_canvas(canvas: Any) -> bytes:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from pawnb.core.edits.crossings import find_crossings
 from pawnb.core.edits.log import Delete, Hide, Interpolate, Swap
 from pawnb.core.edits.stretches import place_of, row_of
@@ -124,14 +126,41 @@ class StretchEdits(CorrectedTracks):
         int
             The frame of least distance; one past the last frame where they meet no more.
         """
+        row, frames, crossings = self._crossings(frame, first, second)
+        later = [near for begin, near, _ in crossings if begin > row]
+        return int(frames[later[0]]) if later else int(frames[-1]) + 1
+
+    def stretch_between_crossings(self, frame: int, first: str, second: str) -> tuple[int, int]:
+        """Return the stretch about a frame in which two points do not pass each other.
+
+        Parameters
+        ----------
+        frame : int
+            The frame.
+        first, second : str
+            The points.
+
+        Returns
+        -------
+        tuple of int
+            Its first frame, that of least distance where they have met before, and one past its
+            last; the ends of the tracks where they meet no more.
+        """
+        row, frames, crossings = self._crossings(frame, first, second)
+        before = [near for _, near, _ in crossings if near <= row]
+        after = [near for _, near, _ in crossings if near > row]
+        begin = int(frames[before[-1]]) if before else int(frames[0])
+        return begin, int(frames[after[0]]) if after else int(frames[-1]) + 1
+
+    def _crossings(
+        self, frame: int, first: str, second: str
+    ) -> tuple[int, np.ndarray, list[tuple[int, int, int]]]:
+        """Return the row of a frame, all frames, and the encounters of two points."""
         with self.lock:
             tracks = self.present
-        row = row_of(tracks, frame)
         uv = tracks["image_position"].to_numpy()[..., 0]
         pair = [uv[..., place_of(tracks, "keypoint", name)] for name in (first, second)]
-        frames = tracks["frame"].to_numpy()
-        later = [near for begin, near, _ in find_crossings(*pair) if begin > row]
-        return int(frames[later[0]]) if later else int(frames[-1]) + 1
+        return row_of(tracks, frame), tracks["frame"].to_numpy(), find_crossings(*pair)
 
     def frame_to_track_from(self, frame: int, stop: int) -> int:
         """Return where tracking a stretch again begins: at what was placed by hand in it.

@@ -22,7 +22,8 @@ from pawnb.trial import Trial, load_trial
 from pawnb.widgets.click_initialiser import view_rig
 from pawnb.widgets.comparing import DIFFERENCE_KEYS, Comparing
 from pawnb.widgets.frame_canvas import MOUSE_AND_KEYS, Overlay, Views
-from pawnb.widgets.retracking import Retracking, RetrackTrial
+from pawnb.widgets.questions import Questions
+from pawnb.widgets.retracking import RetrackTrial
 from pawnb.widgets.review_session import ReviewSession
 from pawnb.widgets.timeline import STRETCH_KEYS, TIMELINE_KEYS
 from pawnb.workflow.provenance.results import results_folder
@@ -39,6 +40,7 @@ _KEYS = (
     ("A", "the chosen point is right as it is"),
     ("R", "track the corrected points again from this frame on"),
     ("L", "the same, with their colours learnt in this frame"),
+    ("Q", "questions about the most doubtful labels, answered by one key each; Q ends them"),
     ("Ctrl+Z, Ctrl+Y", "undo, redo"),
     ("Ctrl+S", "save the tracks"),
 )
@@ -57,7 +59,7 @@ _WHAT_TO_DO = {
 }
 
 
-class TrackReviewer(Comparing, Retracking):
+class TrackReviewer(Comparing, Questions):
     """Review tracks over the video: all views at once, correct, track again, undo.
 
     Rings are the tracked points, with a trail of the last 20 frames; hollow diamonds show
@@ -126,6 +128,9 @@ class TrackReviewer(Comparing, Retracking):
         folder = Path(out) if out is not None else edits.parent
         rig = view_rig(trial, shown) if rig is None else rig
         self._given_doubtful = suspects
+        self._answers_file = edits.with_name(edits.name.replace("edits", "answers", 1))
+        if self._answers_file == edits:
+            self._answers_file = edits.with_name(f"{edits.name}.answers")
         self._tracks_again = write is None
         save = self._saver(folder, rig=rig) if write is None else write
         self._open_session = partial(
@@ -199,6 +204,7 @@ class TrackReviewer(Comparing, Retracking):
     def overlay(self, frame: int) -> Overlay:
         """Return what is drawn over a frame."""
         drawn = self.session.overlay(frame) | {"caption": f"{self._times[frame]:.3f} s"}
+        drawn |= self._look(frame)
         self._draw_others(frame, drawn["views"], self.session.colours)
         if self._pointed is not None and self._pointed[0] == frame:
             drawn["current"] = list(self._pointed[1:])
@@ -253,6 +259,8 @@ class TrackReviewer(Comparing, Retracking):
             edit = self.session.undo() if action == "undo" else self.session.redo()
             self._tracked_again()
             self._show_state(_taken(action, edit))
+            if self._question is not None:
+                return self._ask_again(edit)
             return edit.frame if edit is not None else None
         if action == "accept":
             if not chosen:
@@ -271,6 +279,8 @@ class TrackReviewer(Comparing, Retracking):
             self._show_state("tracks saved")
         elif action in ("suspect", "next"):
             return self._look_at_doubtful(value)
+        elif action.partition(" ")[0] in ("ask", "answer"):
+            return self._act_on_question(action)
         elif action in ("difference", "apart"):
             return self._look_at_difference(value)
         return None
@@ -344,8 +354,11 @@ class TrackReviewer(Comparing, Retracking):
             {"id": "redo", "text": "Redo", "keys": ["Ctrl+y", "Ctrl+Shift+Z"],
              "title": "Make it again (Ctrl+Y)", "enabled": session.can_redo},
             *self._review_actions(busy=busy),
+            *self._question_actions(),
             *self._difference_actions(),
         ]  # fmt: skip
+        if self._question is not None:
+            actions = self._question_actions()
         for action in actions:
             free = not busy or action["id"] in _LOOKING
             action["enabled"] = action.get("enabled", True) and free

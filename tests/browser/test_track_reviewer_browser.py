@@ -123,6 +123,39 @@ w""")
     notebook.assert_no_errors()
 
 
+def test_questions_are_answered_by_one_key_each(notebook, trial_file):
+    notebook.show(f"""import pandas as pd
+import small_trial as scene
+from pawnb.widgets import TrackReviewer
+table = pd.DataFrame([[7, "cam1", "HR", "it leaps", 1.0], [31, "cam2", "FR", "it is lost", 0.5]],
+                     columns=["frame", "view", "point", "reason", "score"])
+w = TrackReviewer({str(trial_file)!r}, scene.true_tracks(), suspects=table)
+w""")
+    notebook.focus()
+    notebook.press("q")
+    notebook.wait("c.painted === 7 && !c.stages[0].fitted")
+    notebook.settle()
+    # the asked point is in the middle of its view, whose other part is outside
+    middle = notebook.js(
+        "((s) => [(s.image.width / 2 - s.zoom.tx) / s.zoom.scale - 0.5,"
+        " (s.image.height / 2 - s.zoom.ty) / s.zoom.scale - 0.5,"
+        " s.image.width / s.zoom.scale])(c.stages[0])"
+    )
+    np.testing.assert_allclose(middle, (*truth(7, point=1), 96), atol=1e-6)
+    assert notebook.page.locator("[data-action=retrack]").count() == 0
+    notebook.press("Enter")
+    notebook.wait("c.painted === 31 && !c.stages[1].fitted")
+    notebook.settle()
+    notebook.press("0")
+    notebook.wait("c.stages.every((s) => s.fitted)")
+    notebook.settle()
+    results = trial_file.parent / "results"
+    assert [line["edit"] for line in lines(results / "edits.jsonl")] == ["accept", "delete"]
+    assert [line["answer"] for line in lines(results / "answers.jsonl")] == ["right", "none"]
+    assert "2 answers in" in notebook.page.locator(".pawnb-status").inner_text()
+    notebook.assert_no_errors()
+
+
 def test_a_drag_is_on_disk_before_another_frame_shows(reviewing):
     notebook, file = reviewing
     notebook.focus()

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import small_trial as scene
 
-from pawnb.core.pixels.colour import YuvPicture
+from pawnb.core.pixels.yuv import YuvPicture
 from pawnb.core.video.views import Frame
 from pawnb.errors import InputError, VideoError
 from pawnb.figures.style import colour_legs, style

@@ -19,6 +19,7 @@ class Canvas extends Keys {
     this.n = 0;
     const chosen = model.get("selected") || [];
     this.selected = chosen.length ? chosen : null; // [view, point]
+    this.looked = 0; // which look of Python's was shown last
     this.rectangle = false; // whether the next drag zooms
     this.stages = model.get("stages").map((spec) => new Stage(spec, this));
     this.linked = new Linked(model.get("cameras"));
@@ -175,6 +176,7 @@ class Canvas extends Keys {
 
   show(bitmaps, overlay, isNew) {
     if (isNew && overlay.current !== undefined) this.selected = overlay.current;
+    if (isNew && overlay.look) this.lookAt(overlay.look);
     this.stages.forEach((stage, k) => {
       stage.bitmap = bitmaps[k];
       if (!isNew) return;
@@ -182,6 +184,16 @@ class Canvas extends Keys {
       if (!this.dragging) this.showHead(stage);
     });
     this.redraw();
+  }
+
+  // Python shows a part of each view, once: [u, v, width]; no part at all is the whole.
+  lookAt({ id, views }) {
+    if (id === this.looked) return;
+    this.looked = id;
+    for (const stage of this.stages) {
+      if (views[stage.name]) stage.lookAt(...views[stage.name]);
+      else stage.fit();
+    }
   }
 
   playing(on) {

@@ -103,6 +103,12 @@ class Stage extends Marks {
     this.setZoom(to, this.image.width / 2 - u * to, this.image.height / 2 - v * to);
   }
 
+  // Show `width` px of the view about (u, v).
+  lookAt(u, v, width) {
+    const to = Math.min(this.image.width / width, MAX_ZOOM);
+    this.setZoom(to, this.image.width / 2 - (u + 0.5) * to, this.image.height / 2 - (v + 0.5) * to);
+  }
+
   // How many image pixels may be merged into one before it can be seen: 1, 2 or 4.
   get shrink() {
     const merged = 1 / this.zoom.scale;

@@ -22,8 +22,12 @@ Colour = tuple[int, int, int]
 """Red, green and blue, 0 to 255."""
 
 _BITS = 4  # of a pixel, for cv2: what it draws falls between pixels
-_RADIUS_PX = 7
-_TEXT_PX = 14
+_RADIUS_PX, _TEXT_PX = (3, 7), (10, 14)
+"""Of rings and of names, in a small picture and in a large one."""
+_LARGE_PX = 700
+"""Width of a picture that is large."""
+_BESIDE = ((9, -20), (9, 6), (-9, -20), (-9, 6), (14, -36), (-14, 22))
+"""Where a name stands beside its point in a large picture, px: the first place that is free."""
 _DARK = 0.2
 """Relative luminance below which a mark has a white rim."""
 
@@ -117,8 +121,9 @@ class Marks:
         for p in shown:
             ring(image, places[-1, :, p], self.colours[p], origin=ORIGINS[self.origin[row, k, p]])
         if shown:
-            named = [(self.points[p], places[-1, :, p], self.colours[p]) for p in shown]
-            write(image, [(name, at + np.array([9.0, -20.0]), ink) for name, at, ink in named])
+            write_beside(
+                image, [(self.points[p], places[-1, :, p], self.colours[p]) for p in shown]
+            )
 
 
 def rgb(colour: str) -> Colour:
@@ -138,15 +143,50 @@ def write(image: np.ndarray, words: Sequence[tuple[str, np.ndarray, Colour]]) ->
         What, its left upper corner in px, and red, green, blue. It is moved into the picture.
     """
     canvas = Image.fromarray(image)
-    pen, font = ImageDraw.Draw(canvas), _font()
+    pen, font = ImageDraw.Draw(canvas), _font(_sized(image, _TEXT_PX))
     for text, at, colour in words:
         left, top, right, bottom = pen.textbbox((0, 0), text, font=font, stroke_width=2)
         room = np.array([canvas.width - right, canvas.height - bottom], float)
-        place = np.maximum(np.minimum(at, room), (-left, -top))
-        pen.text(
-            tuple(place), text, font=font, fill=colour, stroke_width=2, stroke_fill=_rim(colour)
-        )
+        u, v = np.maximum(np.minimum(at, room), (-left, -top))
+        pen.text((u, v), text, font=font, fill=colour, stroke_width=2, stroke_fill=_rim(colour))
     image[:] = np.asarray(canvas)
+
+
+def write_beside(image: np.ndarray, names: Sequence[tuple[str, np.ndarray, Colour]]) -> None:
+    """Write names beside points, where they cover neither a point nor another name.
+
+    Parameters
+    ----------
+    image : ndarray, shape (H, W, 3), uint8
+        The picture; written upon.
+    names : sequence of (text, ndarray, colour)
+        What, the point in px, and red, green, blue.
+    """
+    font, radius = _font(_sized(image, _TEXT_PX)), _sized(image, _RADIUS_PX)
+    taken = [np.concatenate([at - radius, at + radius]) for _, at, _ in names]
+    words = []
+    for text, at, colour in names:
+        left, top, right, bottom = font.getbbox(text, stroke_width=1)
+        places = []
+        for du, dv in np.array(_BESIDE) * (radius / _RADIUS_PX[1]):
+            u = at[0] + du if du > 0 else at[0] + du - right
+            places.append(np.array([u + left, at[1] + dv + top, u + right, at[1] + dv + bottom]))
+        free = [place for place in places if not any(_overlap(place, other) for other in taken)]
+        chosen = (free or places)[0]
+        taken.append(chosen)
+        words.append((text, chosen[:2] - (left, top), colour))
+    write(image, words)
+
+
+def _overlap(box: np.ndarray, other: np.ndarray) -> bool:
+    """Say whether two boxes (left, top, right, bottom) overlap."""
+    return bool((box[:2] < other[2:]).all() and (other[:2] < box[2:]).all())
+
+
+def _sized(image: np.ndarray, sizes: tuple[int, int]) -> int:
+    """Return the size of what is drawn over a picture, between that of small and large ones."""
+    small, large = sizes
+    return round(min(large, max(small, large * image.shape[1] / _LARGE_PX)))
 
 
 def _legs(points: tuple[str, ...]) -> tuple[tuple[int, ...], ...]:
@@ -193,7 +233,8 @@ def ring(image: np.ndarray, at: np.ndarray, colour: Colour, *, origin: str) -> N
     origin : str
         One of :data:`pawnb.schema.ORIGINS`.
     """
-    radii = [_RADIUS_PX, _RADIUS_PX + 4] if origin == "edited" else [_RADIUS_PX]
+    size = _sized(image, _RADIUS_PX)
+    radii = [size, size + 4] if origin == "edited" else [size]
     width = 1 if origin in ("predicted", "reprojected") else 2
     for radius in radii:
         for thick, ink in ((width + 2, _rim(colour)), (width, colour)):
@@ -214,6 +255,6 @@ def _rim(colour: Colour) -> Colour:
 
 
 @functools.cache
-def _font() -> ImageFont.FreeTypeFont:
+def _font(size_px: int) -> ImageFont.FreeTypeFont:
     """Return a font that knows more than Latin letters: matplotlib brings it."""
-    return ImageFont.truetype(f"{mpl.get_data_path()}/fonts/ttf/DejaVuSans.ttf", _TEXT_PX)
+    return ImageFont.truetype(f"{mpl.get_data_path()}/fonts/ttf/DejaVuSans.ttf", size_px)
