@@ -32,6 +32,7 @@ from pawnb.workflow.gait.request import Again, GaitRequest, Legs
 from pawnb.workflow.gait.save_figures import Which, save_gait_figures
 from pawnb.workflow.gait.source_drawings import source_drawings
 from pawnb.workflow.gait.sources import GaitSource
+from pawnb.workflow.gait.species import species_drawings
 from pawnb.workflow.gait.speed_residuals import speed_residuals
 from pawnb.workflow.gait.statistics import (
     Groups,
@@ -248,6 +249,10 @@ def carry_out(
             overview_drawings(tables, groups=named),
             source_drawings(seen, angles=angles),
             size_drawings(tables.strides, fields, unit=length_unit(tables)),
+            species_drawings(
+                tables.strides, fields, () if study is None else study.species,
+                unit=length_unit(tables),
+            ),
         )  # fmt: skip
         with writing_results(folder, run="gait", steps=[step]) as staging:
             files = [write_table(table, staging / f"{name}.csv") for name, table in every.items()]
@@ -309,6 +314,7 @@ def _record(
     """Return the record of this run: all that is needed to make its files again."""
     given = [source.given for source in sources] if study is None else [study.path]
     inputs = [*given, *(f for s in sources for f in (s.given, s.path, *s.further)), *edits]
+    inputs += [one.path for one in study.species] if study is not None else []
     labels = label_inputs(inputs)
     if again is not None:
         known = {path.absolute(): label for path, label in again.labels.items()}
