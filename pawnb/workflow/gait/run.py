@@ -38,6 +38,7 @@ from pawnb.workflow.gait.statistics import (
     Groups,
     body_angles_of,
     joint_angles_of,
+    joint_signals_of,
     length_unit,
     statistics_tables,
 )
@@ -227,7 +228,8 @@ def carry_out(
             k: v for s, part in zip(sources, parts, strict=True) for k, v in s.groups(part).items()
         }
         seen = tracks_of(sources, request.legs)
-        angles = joint_angles_of([(one.tracks, one.animal, one.trial) for one in seen])
+        named_tracks = [(one.tracks, one.animal, one.trial) for one in seen]
+        angles = joint_angles_of(named_tracks)
         fields = covariates_of(parts, [source.fields for source in sources])
         further, remarks = _further_tables(tables, sources, groups=named, angles=angles)
         left = speed_residuals(tables.strides)
@@ -246,7 +248,7 @@ def carry_out(
                 tables, groups=named, notes=[*_notes_of(sources, tables), *warned],
                 references=reference_lines(tables.strides, fields, unit=length_unit(tables)),
             ),
-            overview_drawings(tables, groups=named),
+            overview_drawings(tables, groups=named, joints=joint_signals_of(named_tracks)),
             source_drawings(seen, angles=angles),
             size_drawings(tables.strides, fields, unit=length_unit(tables)),
             species_drawings(
