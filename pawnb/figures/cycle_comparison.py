@@ -102,8 +102,8 @@ def plot_cycle_comparison(table: pd.DataFrame, *, ax: Axes | None = None) -> Axe
     groups = list(dict.fromkeys(curves["group"].astype(str)))
     with style():
         panels = make_panels(
-            len(legs), where="comparison of curves", ax=ax, height_mm=_height_mm(len(legs)), sharex=True,
-            sharey=True, columns=None if len(legs) <= 6 else 4,
+            len(legs), where="comparison of curves", ax=ax, sharex=True, sharey=True,
+            height_mm=_height_mm(len(legs)), columns=None if len(legs) <= 6 else 4,
         )  # fmt: skip
         drawn: list[Any] = []
         for panel, leg in zip(panels, legs, strict=True):
