@@ -5,11 +5,10 @@
 One recording of two animals, four points and 60 frames is drawn from formulas, with a gap. Each row
 says how far, at most, a coordinate is off: *read* is what pawnb reads of a file that the other
 library wrote, *write* what the other library reads of a file that pawnb wrote. Where no library of
-the program is at hand, pawnb reads what it wrote itself, which is marked. In px, or mm in space;
-0 is exact, 1e-5 is single precision.
-
-Found, with pandas 3.1, PyTables 3.11, sleap-io 0.9.5, movement 0.15, pynwb 4.2, ezc3d 1.7 and
-aniposelib 0.8: see docs/guide/formats.md.
+the program is at hand, pawnb reads what it wrote itself (own), or a file made after the program's
+description (described), which is marked. In px, or mm in space; 0 is exact, 1e-5 is single
+precision; - is not written. ``--out docs/accuracy/formats.csv`` writes the table that
+docs/guide/formats.md shows.
 """
 
 from __future__ import annotations
@@ -23,14 +22,12 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import cv2
 import numpy as np
 import pandas as pd
+import scipy.io
 import xarray as xr
+from format_cameras import aniposelib, coefficients, described, opencv
 
-from pawnb.core.dlt import project
-from pawnb.io.cameras import Camera, coefs_of_cameras, read_cameras
-from pawnb.io.cameras_out import write_cameras
 from pawnb.io.formats import read_any_tracks, write_any_tracks
 from pawnb.io.points import build_tracks
 from pawnb.schema import Tracks
@@ -66,8 +63,9 @@ def places(tracks: Tracks) -> np.ndarray:
     """Return positions in the order of :func:`recording`; of several views, those of the first."""
     own = tracks.sel(keypoint=POINTS)
     if "view" in own.dims:
-        return own["image_position"][:, 0].transposeX
-    return own["position"].transposeX
+        first = own["image_position"].isel(view=0)
+        return first.transpose("time", "keypoint", "individual", "image_space").to_numpy()
+    return own["position"].transpose("time", "keypoint", "individual", "space").to_numpy()
 
 
 def off(found: np.ndarray, true: np.ndarray) -> str:
@@ -276,57 +274,50 @@ def own(folder: Path, program: str, name: str, **more: Any) -> tuple[str, str]:
     return f"{said} (own)", f"{said} (own)"
 
 
-# --- cameras --------------------------------------------------------------------------------------
+# --- formats that are read only -------------------------------------------------------------------
 
 
-def aniposelib(folder: Path) -> tuple[str, str]:
-    """By aniposelib: where its cameras show points, with the distortion of their lenses."""
-    (lib,) = need("aniposelib.cameras")
-    xyz = np.random.default_rng(0).uniform(-40, 40, (50, 3))
-    group = lib.CameraGroup(
-        [
-            lib.Camera(
-                name=name, size=[640, 480], rvec=[0.0, angle, 0.0], tvec=[0.0, 0.0, 400.0],
-                matrix=[[900.0, 0.0, 320.0], [0.0, 900.0, 240.0], [0.0, 0.0, 1.0]],
-                dist=[-0.2, 0.05, 0.0, 0.0, 0.0],
-            )
-            for name, angle in (("a", 0.4), ("b", -0.4))
-        ]
-    )  # fmt: skip
-    group.dump(str(folder / "theirs.toml"))
-    cameras = read_cameras(folder / "theirs.toml")
-    read = max(float(np.abs(shown(c, xyz) - g.project(xyz)[:, 0]).max())
-               for c, g in zip(cameras, group.cameras, strict=True))  # fmt: skip
-    again = lib.CameraGroup.load(str(write_cameras(cameras, folder / "ours.toml")))
-    write = max(float(np.abs(c.project(xyz) - g.project(xyz)).max())
-                for c, g in zip(again.cameras, group.cameras, strict=True))  # fmt: skip
-    return f"{read:.1g}", f"{write:.1g}"
+def locomouse(folder: Path) -> tuple[str, str]:
+    """By scipy, as MATLAB writes them: pixels from 1, bottom and side view share x."""
+    true = recording(1)[:, :, 0]  # HR is lost for a while
+    points = true[:, [POINTS.index(name) for name in ("FR", "HR", "FL", "HL")]]
+    side = points[..., 1] - 150.0
+    xyz = np.stack([points[..., 0], points[..., 1], side]) + 1.0
+    snout = np.full((3, N, 1), 50.0)
+    scipy.io.savemat(
+        folder / "clip.mat",
+        {"final_tracks": np.concatenate([xyz, snout], axis=2).transpose(0, 2, 1)},
+    )
+    tracks = read_any_tracks(folder / "clip.mat", fps=FPS)
+    bottom = tracks["image_position"].sel(view="bottom", keypoint=POINTS).isel(individual=0)
+    return off(bottom.transpose("time", "keypoint", "image_space").to_numpy(), true), "-"
 
 
-def shown(camera: Camera, xyz: np.ndarray) -> np.ndarray:
-    """Return where pawnb shows points: by DLT coefficients, then bent as the lens does."""
-    coefs, origin = coefs_of_cameras([camera])
-    uv = project(coefs[:, 0], xyz - origin)[:, 0]
-    rays = np.linalg.solve(camera.matrix, np.column_stack([uv, np.ones(len(uv))]).T).T
-    return cv2.projectPoints(
-        rays, np.zeros(3), np.zeros(3), camera.matrix, np.array(camera.distortion)
-    )[0][:, 0]
-
-
-def opencv(folder: Path) -> tuple[str, str]:
-    """By OpenCV's FileStorage and projection."""
-    path, angle = folder / "cameras.yaml", np.array([0.1, 0.4, 0.0])
-    K, t = np.array([[900.0, 0, 320], [0, 900, 240], [0, 0, 1]]), np.array([3.0, 2.0, 400.0])
-    D = np.array([[-0.2, 0.05, 0.001, 0.0, 0.0]])
-    storage = cv2.FileStorage(str(path), cv2.FILE_STORAGE_WRITE)
-    for name, value in (("K_a", K), ("dist_a", D), ("R_a", angle.reshape(3, 1)),
-                        ("T_a", t.reshape(3, 1))):  # fmt: skip
-        storage.write(name, value)
-    storage.release()
-    xyz = np.random.default_rng(0).uniform(-40, 40, (50, 3))
-    (camera,) = read_cameras(path)
-    expected = cv2.projectPoints(xyz, angle, t, K, D)[0][:, 0]
-    return f"{np.abs(shown(camera, xyz) - expected).max():.1g}", "-"
+def authors2019(folder: Path) -> tuple[str, str]:
+    """Four files in the layout of the 2019 authors: Y before X, cameras 3 and 4 mirrored."""
+    true = recording(1)[:, :, 0]
+    stamp, worst = "2020-01-02_03_04_05", []
+    for cam, side in ((1, "L"), (3, "R")):
+        for part, n in (("f", 3), ("h", 5)):
+            foot = true[:, POINTS.index(f"{part.upper()}{side}")]
+            u = foot[:, 0] if cam == 1 else 2047.0 - foot[:, 0]
+            names = [f"cam{cam}/frame{i:05d}.png" for i in range(N)]
+            columns = {"Frames": np.arange(N), "First Camera Frames Name": names,
+                       "Second Camera Frames Name": names}  # fmt: skip
+            for k, letter in enumerate("MNOPQ"[:n]):  # the foot is the last marker of a leg
+                for second in ("", "2"):
+                    still = np.full(N, 100.0)
+                    columns[f"Y Coordinate {letter}{second}"] = foot[:, 1] if k == n - 1 else still
+                    columns[f"X Coordinate {letter}{second}"] = u if k == n - 1 else still
+            text = "setting\n" * 5 + pd.DataFrame(columns).to_csv(index=False)
+            (folder / f"cam{cam}.{part}.rat.walk.{stamp}.csv").write_text(text)
+    tracks = read_any_tracks(folder / f"cam1.f.rat.walk.{stamp}.csv", fps=FPS)
+    views = {"L": ("cam1", "cam2"), "R": ("cam3", "cam4")}
+    for k, name in enumerate(POINTS):
+        for view in views[name[-1]]:
+            own = tracks["image_position"].sel(view=view, keypoint=name).isel(individual=0)
+            worst.append(off(own.transpose("time", "image_space").to_numpy(), true[:, k]))
+    return ("0" if set(worst) == {"0"} else max(worst)) + " (described)", "-"
 
 
 ROWS: list[tuple[str, str, Callable[[Path], tuple[str, str]]]] = [
@@ -351,17 +342,27 @@ ROWS: list[tuple[str, str, Callable[[Path], tuple[str, str]]]] = [
     ("DLTdv xyzpts sparse", "none", lambda f: own(f, "dltdv-3d", "a_xyzpts.tsv")),
     ("Argus xypts", "none", lambda f: own(f, "argus", "a-xypts.csv", heights_px=[480])),
     ("Argus xyzpts", "none", lambda f: own(f, "argus-3d", "a-xyzpts.csv")),
+    ("LocoMouse mat", "scipy", locomouse),
+    ("2019 authors' csv", "none", authors2019),
     ("Anipose calibration.toml", "aniposelib", aniposelib),
     ("OpenCV yaml", "OpenCV", opencv),
+    ("Pose2Sim toml", "OpenCV", lambda f: described(f, "pose2sim")),
+    ("XMALab MayaCam txt", "OpenCV", lambda f: described(f, "xmalab")),
+    ("DLTdv 8 DLTcoefs", "OpenCV", lambda f: coefficients(f, "dltdv")),
+    ("easyWand, DLTdv 7 DLTcoefs", "OpenCV", lambda f: coefficients(f, "easywand")),
+    ("Argus DLTcoefs", "OpenCV", lambda f: coefficients(f, "argus")),
 ]
 
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--only", help="rows whose name has this word")
-    only = (parser.parse_args().only or "").lower()
+    parser.add_argument("--out", type=Path, help="csv to write the table to, too")
+    asked = parser.parse_args()
+    only = (asked.only or "").lower()
     warnings.simplefilter("ignore")
-    print(f"{'format':28}{'library':20}{'read':>12}{'write':>12}   largest error, px or mm")
+    rows = []
+    print(f"{'format':28}{'library':20}{'read':>18}{'write':>12}   largest error, px or mm")
     for name, library, check in ROWS:
         if only not in name.lower():
             continue
@@ -370,7 +371,11 @@ def main() -> int:
                 read, write = check(Path(folder))
             except ModuleNotFoundError as error:
                 read = write = f"no {error.name}"
-        print(f"{name:28}{library:20}{read:>12}{write:>12}", flush=True)
+        print(f"{name:28}{library:20}{read:>18}{write:>12}", flush=True)
+        rows.append((name, library, read, write))
+    if asked.out is not None:
+        table = pd.DataFrame(rows, columns=["format", "library", "read", "written"])
+        table.to_csv(asked.out, index=False, lineterminator="\n")
     return 0
 
 

@@ -102,8 +102,8 @@ def plot_cycle_comparison(table: pd.DataFrame, *, ax: Axes | None = None) -> Axe
     groups = list(dict.fromkeys(curves["group"].astype(str)))
     with style():
         panels = make_panels(
-            len(legs), where="comparison of curves", ax=ax, height_mm=46.0, sharex=True,
-            sharey=True, columns=None if len(legs) <= 6 else 4,
+            len(legs), where="comparison of curves", ax=ax, sharex=True, sharey=True,
+            height_mm=_height_mm(len(legs)), columns=None if len(legs) <= 6 else 4,
         )  # fmt: skip
         drawn: list[Any] = []
         for panel, leg in zip(panels, legs, strict=True):
@@ -126,6 +126,11 @@ def plot_cycle_comparison(table: pd.DataFrame, *, ax: Axes | None = None) -> Axe
             figure.legend(drawn, groups, loc="outside lower center", ncols=len(groups),
                           title=said)  # fmt: skip
     return panels[0]
+
+
+def _height_mm(n_legs: int) -> float:
+    """Return the height of a row of panels; of one row, with the legend below it."""
+    return 62.0 if n_legs <= 2 else 46.0
 
 
 def _draw_curve(ax: Any, own: pd.DataFrame, k: int) -> Any:

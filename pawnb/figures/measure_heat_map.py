@@ -124,7 +124,7 @@ def plot_measure_heat_map(table: pd.DataFrame, *, ax: Axes | None = None) -> Axe
     with style():
         if ax is None:
             wide = 1 if len(animals) <= 8 else 2
-            _, ax = plt.subplots(figsize=figure_size(wide, 30.0 + 4.0 * len(measures)))
+            _, ax = plt.subplots(figsize=figure_size(wide, max(62.0, 30.0 + 4.0 * len(measures))))
         drawn = ax.imshow(
             grid.loc[measures, animals].to_numpy(), cmap=mpl.colormaps["PuOr_r"], aspect="auto",
             vmin=-_LIMIT_SD, vmax=_LIMIT_SD, interpolation="nearest",
@@ -135,7 +135,7 @@ def plot_measure_heat_map(table: pd.DataFrame, *, ax: Axes | None = None) -> Axe
         _part_groups(ax, table, animals)
         figure: Any = ax.figure
         bar = figure.colorbar(drawn, ax=ax, extend="both", aspect=30)
-        bar.set_label("From the mean of animals (SD)")
+        bar.set_label("From the mean (SD)")
         bar.outline.set_visible(False)
     return ax
 

@@ -46,8 +46,9 @@ def plot_phase_density(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
     most = float(table["density"].max()) if len(table) else 1.0
     with style():
         panels = make_panels(
-            len(planes), where="phase density", ax=ax, height_mm=64.0 if len(planes) == 1 else 58.0
-        )
+            len(planes), where="phase density", ax=ax, columns=min(3, max(len(planes), 1)),
+            height_mm=64.0 if len(planes) == 1 else 58.0,
+        )  # fmt: skip
         drawn: Any = None
         for panel, ((leg_x, of_x, leg_y, of_y), own) in zip(panels, planes, strict=True):
             grid = own.pivot_table(index="phase_y", columns="phase_x", values="density")

@@ -48,6 +48,7 @@ __all__ = [
     "durations",
     "events",
     "groups",
+    "joint_signals",
     "joints",
     "leg_angles",
     "legs",

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import cv2
 import numpy as np
 import pytest
@@ -13,6 +15,7 @@ from pawnb.errors import CalibrationError, InputError
 from pawnb.io.cameras import coefs_of_cameras, read_cameras
 from pawnb.io.cameras_out import write_cameras
 from pawnb.io.coefs import read_coefs, write_coefs
+from pawnb.io.opencv_out import write_opencv_cameras
 
 K = np.array([[900.0, 0.0, 310.5], [0.0, 905.0, 239.0], [0.0, 0.0, 1.0]])
 D = np.array([-0.21, 0.05, 0.001, -0.002, 0.0])
@@ -121,6 +124,23 @@ def test_aniposelib_cameras_come_back_from_our_toml(tmp_path):
     group = lib.cameras.CameraGroup.load(str(tmp_path / "b.toml"))
     for camera, own in zip(group.cameras, cameras, strict=True):
         np.testing.assert_allclose(camera.project(XYZ)[:, 0], seen(own.name, D), atol=1e-6)
+
+
+def test_opencv_reads_what_we_write_for_it(tmp_path):
+    cameras = read_cameras(*anipose(tmp_path / "calibration.toml"))
+    path = write_opencv_cameras(cameras, tmp_path / "cameras.yaml")
+    storage = cv2.FileStorage(str(path), cv2.FILE_STORAGE_READ)
+    for camera, again in zip(cameras, read_cameras(path), strict=True):
+        R, t, matrix, bent = (
+            storage.getNode(f"{word}_{camera.name}").mat() for word in ("Rot", "T", "K", "dist")
+        )
+        shown = cv2.projectPoints(XYZ, cv2.Rodrigues(R)[0], t, matrix, bent)[0][:, 0]
+        np.testing.assert_allclose(shown, seen(camera.name, D), atol=1e-9)
+        for word in ("matrix", "rotation", "translation", "distortion"):
+            np.testing.assert_array_equal(getattr(again, word), getattr(camera, word))
+    odd = dataclasses.replace(cameras[0], name="cam 1")
+    with pytest.raises(CalibrationError, match="camera 'cam 1': OpenCV's files take names"):
+        write_opencv_cameras([odd], tmp_path / "odd.yaml")
 
 
 def test_a_pair_whose_first_camera_is_the_origin_is_moved_and_says_so(tmp_path, capsys):

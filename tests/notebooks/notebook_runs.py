@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import os
+import re
 from pathlib import Path
 
+from traitlets.config import Config
+
 FOLDER = Path(__file__).resolve().parents[2] / "notebooks"
+WIDGET = "application/vnd.jupyter.widget-view+json"
 NOTEBOOKS = sorted(FOLDER.glob("*.ipynb"))
 
 
@@ -32,6 +36,18 @@ def printed(notebook):
 
 
 def shown(notebook, mime):
-    """Count the outputs of a kind."""
-    outputs = [o for cell in notebook.cells for o in cell.get("outputs", [])]
-    return sum(mime in o.get("data", {}) for o in outputs)
+    """Count the outputs of a kind; the plain picture of a widget is no picture of its own."""
+    outputs = [o.get("data", {}) for cell in notebook.cells for o in cell.get("outputs", [])]
+    return sum(mime in data and (mime == WIDGET or WIDGET not in data) for data in outputs)
+
+
+def plain_pictures(notebook):
+    """Convert a notebook that was run, as a viewer without a kernel shows it; return its pictures.
+
+    By nbconvert, with JavaScript's outputs left out: each output that is left is text or a picture.
+    """
+    from nbconvert import HTMLExporter  # takes seconds to import
+
+    plain = {"NbConvertBase": {"display_data_priority": ["image/png", "text/html", "text/plain"]}}
+    page, _ = HTMLExporter(config=Config(plain)).from_notebook_node(notebook)
+    return re.findall(r'<img[^>]* src="data:image/png;base64,([^"]+)"', page.replace("\n", ""))

@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from notebook_runs import FOLDER, execute, printed, shown
+from notebook_runs import FOLDER, WIDGET, execute, plain_pictures, printed, shown
 
 import pawnb
 from pawnb.gait.event_detection.event_edits import EventEdits, ExcludeStride
@@ -27,6 +27,9 @@ def test_residual_notebook_draws_and_warns(tmp_path):
     text = printed(notebook)
     assert "An estimate, not a measurement" in text
     assert re.search(r"residual: [0-9.]+ Hz", text)
+    assert shown(notebook, WIDGET) == 1
+    # three figures, and the widget as a picture
+    assert len(plain_pictures(notebook)) == 4
     assert shown(notebook, "image/png") == 3
 
 

@@ -12,7 +12,7 @@ import pandas as pd
 
 from pawnb.core.calibration.view_from_points import ViewFit, fit_view
 from pawnb.errors import CalibrationError, InputError
-from pawnb.io.cameras import write_lenses
+from pawnb.io.cameras_out import write_lenses
 from pawnb.io.coefs import write_coefs
 from pawnb.io.tables import read_cells, read_numbers
 from pawnb.workflow.calibration.calibrate import POINTS_COLUMNS

@@ -1,9 +1,9 @@
 """Tracks or events to gait tables and figures.
 
-``run`` is the call, ``request`` what it is asked for, ``study`` who was filmed; ``inputs``,
-``sources`` and ``event_sources`` read what it is given, ``statistics`` makes the tables beside
-those of the trials, ``drawings``, ``overview_drawings``, ``source_drawings`` and ``save_figures``
-the figures.
+``run`` is the call, ``request`` what it is asked for, ``study`` who was filmed, ``species`` who
+else is drawn; ``inputs``, ``sources`` and ``event_sources`` read what it is given, ``statistics``
+makes the tables beside those of the trials, ``drawings``, ``overview_drawings``,
+``source_drawings`` and ``save_figures`` the figures.
 """
 
 from pawnb import _lazy
@@ -31,6 +31,7 @@ __all__ = [
     "save_figures",
     "source_drawings",
     "sources",
+    "species",
     "speed_residuals",
     "statistics",
     "study",

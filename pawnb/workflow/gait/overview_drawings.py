@@ -16,7 +16,9 @@ from pawnb.workflow.gait.drawings import Drawing, make_drawing
 from pawnb.workflow.gait.statistics import Groups, is_paired, known_measures, with_group
 
 
-def overview_drawings(tables: GaitTables, *, groups: Groups | None = None) -> Iterator[Drawing]:
+def overview_drawings(
+    tables: GaitTables, *, groups: Groups | None = None, joints: Sequence[LegSignals] = ()
+) -> Iterator[Drawing]:
     """List the figures that show all animals of a study together.
 
     Parameters
@@ -25,6 +27,8 @@ def overview_drawings(tables: GaitTables, *, groups: Groups | None = None) -> It
         The result of an analysis.
     groups : mapping, optional
         (animal, trial) to its group.
+    joints : sequence of LegSignals
+        Joint angles of jointed animals.
 
     Yields
     ------
@@ -42,6 +46,8 @@ def overview_drawings(tables: GaitTables, *, groups: Groups | None = None) -> It
         yield make_drawing(kind, kind, partial(build, tables.strides, measures, groups=of))
     if not groups or len(set(groups.values())) < 2:
         return
+    for one in joints:
+        signals.setdefault(one.signal, []).append(one)
     for signal, own in signals.items():
         name = "curves_" + signal.replace(" ", "_").replace("-", "_")
         yield make_drawing(name, "cycle_comparison", partial(_curves, own, tables.strides, groups))

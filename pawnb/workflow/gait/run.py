@@ -32,11 +32,13 @@ from pawnb.workflow.gait.request import Again, GaitRequest, Legs
 from pawnb.workflow.gait.save_figures import Which, save_gait_figures
 from pawnb.workflow.gait.source_drawings import source_drawings
 from pawnb.workflow.gait.sources import GaitSource
+from pawnb.workflow.gait.species import species_drawings
 from pawnb.workflow.gait.speed_residuals import speed_residuals
 from pawnb.workflow.gait.statistics import (
     Groups,
     body_angles_of,
     joint_angles_of,
+    joint_signals_of,
     length_unit,
     statistics_tables,
 )
@@ -226,7 +228,8 @@ def carry_out(
             k: v for s, part in zip(sources, parts, strict=True) for k, v in s.groups(part).items()
         }
         seen = tracks_of(sources, request.legs)
-        angles = joint_angles_of([(one.tracks, one.animal, one.trial) for one in seen])
+        named_tracks = [(one.tracks, one.animal, one.trial) for one in seen]
+        angles = joint_angles_of(named_tracks)
         fields = covariates_of(parts, [source.fields for source in sources])
         further, remarks = _further_tables(tables, sources, groups=named, angles=angles)
         left = speed_residuals(tables.strides)
@@ -245,9 +248,13 @@ def carry_out(
                 tables, groups=named, notes=[*_notes_of(sources, tables), *warned],
                 references=reference_lines(tables.strides, fields, unit=length_unit(tables)),
             ),
-            overview_drawings(tables, groups=named),
+            overview_drawings(tables, groups=named, joints=joint_signals_of(named_tracks)),
             source_drawings(seen, angles=angles),
             size_drawings(tables.strides, fields, unit=length_unit(tables)),
+            species_drawings(
+                tables.strides, fields, () if study is None else study.species,
+                unit=length_unit(tables),
+            ),
         )  # fmt: skip
         with writing_results(folder, run="gait", steps=[step]) as staging:
             files = [write_table(table, staging / f"{name}.csv") for name, table in every.items()]
@@ -309,6 +316,7 @@ def _record(
     """Return the record of this run: all that is needed to make its files again."""
     given = [source.given for source in sources] if study is None else [study.path]
     inputs = [*given, *(f for s in sources for f in (s.given, s.path, *s.further)), *edits]
+    inputs += [one.path for one in study.species] if study is not None else []
     labels = label_inputs(inputs)
     if again is not None:
         known = {path.absolute(): label for path, label in again.labels.items()}

@@ -13,9 +13,10 @@ from pawnb.gait import GaitTables, body_angles
 from pawnb.gait.analysis.stride_measures import MEASURE_COLUMNS
 from pawnb.gait.analysis.stride_support import SUPPORT_MEASURES
 from pawnb.gait.animal_summary import summarise_animals
-from pawnb.gait.cycles import POSITION
+from pawnb.gait.cycles import POSITION, LegSignals
 from pawnb.gait.durations import compare_legs, stride_duration_by_leg
 from pawnb.gait.groups import adjust_p, compare_groups
+from pawnb.gait.joint_signals import joint_signals
 from pawnb.gait.joints import get_joint_angles, joint_range_table
 from pawnb.gait.phase_slopes import phase_speed_table
 from pawnb.gait.scaling import speed_table
@@ -125,6 +126,26 @@ def joint_angles_of(
         own = get_joint_angles(tracks, trial=trial)
         parts.append(own if animal is None else own.assign(animal=animal))
     return pd.concat(parts, ignore_index=True) if parts else None
+
+
+def joint_signals_of(sources: Sequence[tuple[Tracks, str | None, str]]) -> list[LegSignals]:
+    """Collect the joint angles of jointed animals as signals over time.
+
+    Parameters
+    ----------
+    sources : sequence of (tracks, animal, trial)
+        As for :func:`joint_angles_of`.
+
+    Returns
+    -------
+    list of LegSignals
+        Empty where no Tracks hold any angle.
+    """
+    found: list[LegSignals] = []
+    for tracks, animal, trial in sources:
+        if "joint_angle" in tracks:
+            found += joint_signals(tracks, animal=animal, trial=trial)
+    return found
 
 
 def body_angles_of(sources: Sequence[tuple[Tracks, Trial | None]]) -> pd.DataFrame:

@@ -11,8 +11,9 @@ from pawnb.errors import InputError, did_you_mean
 from pawnb.files import read_toml
 from pawnb.io.tables import read_cells, read_column_names
 from pawnb.schema import shown
+from pawnb.workflow.gait.species import Species, species_of
 
-SECTIONS = ("study", "gait", "legs", "animals", "trials")
+SECTIONS = ("study", "gait", "legs", "animals", "trials", "species")
 COMPARED = ("group", "condition")
 _OF_TRIAL = ("file", "animal", "name", "group", "condition", "fps", "gait")
 _WORDS = ("file", "animal", "name", "group", "condition")
@@ -68,6 +69,8 @@ class Study:
         Settings of the gait analysis of all trials.
     legs : mapping
         Names of legs to names of points, of all trials.
+    species : tuple of Species
+        Tables of other species beside which the animals are drawn.
     """
 
     path: Path
@@ -75,6 +78,7 @@ class Study:
     compare: str = "group"
     settings: Mapping[str, Any] = field(default_factory=dict)
     legs: Mapping[str, str] = field(default_factory=dict)
+    species: tuple[Species, ...] = ()
 
 
 def is_study(path: str | Path) -> bool:
@@ -111,7 +115,8 @@ def read_study(path: str | Path) -> Study:
     path : str or Path
         ``study.toml``: ``[study] compare``, ``[gait]`` settings, ``[legs]``, ``[[animals]]`` with
         ``id`` and any fields, ``[[trials]]`` with ``file``, ``animal`` and, where they apply,
-        ``name``, ``group``, ``condition``, ``fps``, ``gait = {...}`` and any fields. Or a csv with
+        ``name``, ``group``, ``condition``, ``fps``, ``gait = {...}`` and any fields, and
+        ``[[species]]`` with ``file``, ``name``, ``group``, ``without``. Or a csv with
         a row a trial and these as columns, settings as ``gait.cutoff_hz``. Paths are relative to
         the study's folder.
 
@@ -166,6 +171,7 @@ def _from_toml(path: Path) -> Study:
     return Study(
         path=path, trials=tuple(trials), settings=_section(document, "gait", path), legs=legs,
         compare=_compared(compare, trials, path),
+        species=tuple(species_of(row, path) for row in _rows(document, "species", path)),
     )  # fmt: skip
 
 

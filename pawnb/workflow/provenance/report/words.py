@@ -44,6 +44,7 @@ FIGURES = {
     "support_shares": "Share of time with so many feet on the ground",
     "pattern_distances": "Distances to ideal gaits",
     "against_": "Measures against speed or size",
+    "species_": "Own animals among other species (Pullar 2009, Figs. 4.3 and 4.4)",
     "stride_average": "Averages over the stride",
     "phase_plane": "Phase plane",
     "aligned_acceleration": "Acceleration, aligned at the events",

@@ -1,0 +1,119 @@
+"""Calibrations of other programs, both ways: where cameras show points. See ``formats.py``."""
+
+from __future__ import annotations
+
+import importlib
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from pawnb.core.dlt import fit_dlt, project
+from pawnb.io.cameras import Camera, coefs_of_cameras, read_cameras
+from pawnb.io.cameras_out import write_cameras
+from pawnb.io.coefs import read_coefs, write_coefs
+from pawnb.io.opencv_out import write_opencv_cameras
+from pawnb.workflow.calibration.calibrate_file import calibrate_from_file
+
+
+def aniposelib(folder: Path) -> tuple[str, str]:
+    """By aniposelib: where its cameras show points, with the distortion of their lenses."""
+    lib = importlib.import_module("aniposelib.cameras")
+    xyz = np.random.default_rng(0).uniform(-40, 40, (50, 3))
+    group = lib.CameraGroup(
+        [
+            lib.Camera(
+                name=name, size=[640, 480], rvec=[0.0, angle, 0.0], tvec=[0.0, 0.0, 400.0],
+                matrix=[[900.0, 0.0, 320.0], [0.0, 900.0, 240.0], [0.0, 0.0, 1.0]],
+                dist=[-0.2, 0.05, 0.0, 0.0, 0.0],
+            )
+            for name, angle in (("a", 0.4), ("b", -0.4))
+        ]
+    )  # fmt: skip
+    group.dump(str(folder / "theirs.toml"))
+    cameras = read_cameras(folder / "theirs.toml")
+    read = max(float(np.abs(shown(c, xyz) - g.project(xyz)[:, 0]).max())
+               for c, g in zip(cameras, group.cameras, strict=True))  # fmt: skip
+    again = lib.CameraGroup.load(str(write_cameras(cameras, folder / "ours.toml")))
+    write = max(float(np.abs(c.project(xyz) - g.project(xyz)).max())
+                for c, g in zip(again.cameras, group.cameras, strict=True))  # fmt: skip
+    return f"{read:.1g}", f"{write:.1g}"
+
+
+def shown(camera: Camera, xyz: np.ndarray) -> np.ndarray:
+    """Return where pawnb shows points: by DLT coefficients, then bent as the lens does."""
+    coefs, origin = coefs_of_cameras([camera])
+    uv = project(coefs[:, 0], xyz - origin)[:, 0]
+    rays = np.linalg.solve(camera.matrix, np.column_stack([uv, np.ones(len(uv))]).T).T
+    return cv2.projectPoints(
+        rays, np.zeros(3), np.zeros(3), camera.matrix, np.array(camera.distortion)
+    )[0][:, 0]
+
+
+def opencv(folder: Path) -> tuple[str, str]:
+    """By OpenCV's FileStorage and projection."""
+    path, angle = folder / "cameras.yaml", np.array([0.1, 0.4, 0.0])
+    K, t = np.array([[900.0, 0, 320], [0, 900, 240], [0, 0, 1]]), np.array([3.0, 2.0, 400.0])
+    D = np.array([[-0.2, 0.05, 0.001, 0.0, 0.0]])
+    storage = cv2.FileStorage(str(path), cv2.FILE_STORAGE_WRITE)
+    for name, value in (("K_a", K), ("dist_a", D), ("R_a", angle.reshape(3, 1)),
+                        ("T_a", t.reshape(3, 1))):  # fmt: skip
+        storage.write(name, value)
+    storage.release()
+    xyz = np.random.default_rng(0).uniform(-40, 40, (50, 3))
+    (camera,) = read_cameras(path)
+    expected = cv2.projectPoints(xyz, angle, t, K, D)[0][:, 0]
+    read = np.abs(shown(camera, xyz) - expected).max()
+    ours = write_opencv_cameras([camera], folder / "ours.yaml")
+    storage = cv2.FileStorage(str(ours), cv2.FILE_STORAGE_READ)
+    R, T, matrix, bent = (storage.getNode(f"{k}_a").mat() for k in ("Rot", "T", "K", "dist"))
+    again = cv2.projectPoints(xyz, cv2.Rodrigues(R)[0], T, matrix, bent)[0][:, 0]
+    return f"{read:.1g}", f"{np.abs(again - expected).max():.1g}"
+
+
+def described(folder: Path, program: str) -> tuple[str, str]:
+    """Cameras in files made after the program's own description, shown by OpenCV's projection."""
+    angle, t = np.array([0.1, 0.4, 0.0]), np.array([3.0, 2.0, 400.0])
+    K = np.array([[900.0, 0, 320], [0, 900, 240], [0, 0, 1]])
+    D = np.array([-0.2, 0.05, 0.001, 0.0]) if program == "pose2sim" else np.zeros(4)
+    if program == "pose2sim":
+        path = folder / "Calib.toml"
+        path.write_text(
+            f'[a]\nname = "a"\nsize = [ 640.0, 480.0]\nmatrix = {K.tolist()}\n'
+            f"distortions = {D.tolist()}\nrotation = {angle.tolist()}\n"
+            f"translation = {t.tolist()}\nfisheye = false\n\n[metadata]\nadjusted = false\n"
+        )
+    else:
+        path = folder / "a.txt"
+        parts = {
+            "image size": [[640, 480]], "camera matrix": K.tolist(),
+            "rotation": cv2.Rodrigues(angle)[0].tolist(), "translation": t.reshape(3, 1).tolist(),
+        }  # fmt: skip
+        path.write_text("".join(
+            f"{head}\n" + "\n".join(",".join(map(str, row)) for row in rows) + "\n\n"
+            for head, rows in parts.items()
+        ))  # fmt: skip
+    xyz = np.random.default_rng(0).uniform(-40, 40, (50, 3))
+    (camera,) = read_cameras(path)
+    expected = cv2.projectPoints(xyz, angle, t, K, D)[0][:, 0]
+    return f"{np.abs(shown(camera, xyz) - expected).max():.1g} (described)", "-"
+
+
+def coefficients(folder: Path, program: str) -> tuple[str, str]:
+    """DLT coefficients of points as a program counts its pixels; the other way there is none."""
+    K = np.array([[900.0, 0, 320], [0, 900, 240], [0, 0, 1]])
+    angle, t = np.array([0.1, 0.4, 0.0]), np.array([3.0, 2.0, 400.0])
+    xyz = np.random.default_rng(0).uniform(-40, 40, (50, 3))
+    uv = cv2.projectPoints(xyz, angle, t, K, np.zeros(4))[0][:, 0]
+    moved = {
+        "dltdv": uv + 1.0,
+        "easywand": np.column_stack([uv[:, 0] + 1.0, 480.0 - uv[:, 1]]),
+        "argus": np.column_stack([uv[:, 0], 480.0 - uv[:, 1]]),
+    }[program]
+    write_coefs(fit_dlt(xyz, moved).coefs[:, None], folder / "theirs.csv")
+    heights = None if program == "dltdv" else [480]
+    calibrate_from_file(
+        folder / "theirs.csv", out=folder / "ours.csv", program=program, heights_px=heights
+    )
+    ours = read_coefs(folder / "ours.csv", ["cam1"])
+    return f"{np.abs(project(ours[:, 0], xyz)[:, 0] - uv).max():.1g} (described)", "-"
