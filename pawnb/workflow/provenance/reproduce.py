@@ -15,6 +15,7 @@ import pandas as pd
 
 from pawnb import figures
 from pawnb.core.edits.log import replay
+from pawnb.core.paws.offline.kept import GONE_ON_FROM
 from pawnb.core.video import open_views
 from pawnb.errors import InputError, InputWarning
 from pawnb.trial import Trial, load_trial
@@ -27,6 +28,7 @@ from pawnb.workflow.provenance.record import package_versions, trial_fingerprint
 from pawnb.workflow.provenance.report.index_page import INDEX_FILE
 from pawnb.workflow.provenance.results import write_track_results
 from pawnb.workflow.provenance.same_content import tell_difference, tell_versions
+from pawnb.workflow.tracking.kept_candidates import new_session
 from pawnb.workflow.tracking.track import retrack, track
 from pawnb.workflow.tracking.trial_views import trial_rig
 
@@ -202,14 +204,18 @@ def _make_tracks(task: _Task) -> None:
     find_inputs(step["inputs"], [trial.folder.absolute()], of=task.path)
     started = {trial.start_file(), trial.start_pose_file()} & set(step["inputs"])
     command = step.get("command")
-    tracks = track(
-        trial,
-        method=step["method"],
-        settings=step["settings"],
-        start=None if started else pd.DataFrame(step["start"]),
-        frames=(step["frames"][0], step["frames"][1]),
-        command=None if command is None else shlex.split(command),
-    )
+    last = None if started else pd.DataFrame(step["start"])
+    with new_session():
+        # clicks that were added go on from what earlier ones gave
+        for start in [*map(pd.DataFrame, step.get(GONE_ON_FROM, [])), last]:
+            tracks = track(
+                trial,
+                method=step["method"],
+                settings=step["settings"],
+                start=start,
+                frames=(step["frames"][0], step["frames"][1]),
+                command=None if command is None else shlex.split(command),
+            )
     with open_views(trial) as views:
         rig = trial_rig(trial, views, method=step["method"])
     if step.get("later"):

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 from collections import OrderedDict
+from collections.abc import Iterator
 from pathlib import Path
 
 from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
@@ -86,6 +88,21 @@ def session_stacks(source: str) -> KeptStacks:
     while len(_stacks) > _MOST_IN_MEMORY:
         _stacks.popitem(last=False)
     return kept
+
+
+@contextlib.contextmanager
+def new_session() -> Iterator[None]:
+    """Keep nothing of what this session has kept, until the end of the context."""
+    stores, stacks = _in_memory.copy(), _stacks.copy()
+    _in_memory.clear()
+    _stacks.clear()
+    try:
+        yield
+    finally:
+        _in_memory.clear()
+        _in_memory.update(stores)
+        _stacks.clear()
+        _stacks.update(stacks)
 
 
 def describe_source(trial: Trial) -> str:

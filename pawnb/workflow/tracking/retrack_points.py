@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from pawnb.core.paws.maghsoudi2019.settings import REFERENCE_WIDTH_PX
-from pawnb.core.paws.offline.again import Again, frames_again, weighing_of
+from pawnb.core.paws.offline.again import after_correction
 from pawnb.core.paws.offline.quality.likeness import keep_likeness
 from pawnb.core.paws.offline.settings import OfflineSettings
 from pawnb.core.paws.offline.tracker import LEARNT
@@ -148,8 +148,7 @@ def _learnt_again(
     stacks = session_stacks(describe_source(trial))
     given: dict[str, Any] = {"kept": KeptEvidence(stacks=stacks)}
     if placed:
-        frames = frames_again(tracks, int(frame), placed)
-        given["again"] = Again(tracks, frames, weighing_of(tracks))
+        given["again"] = after_correction(tracks, int(frame), placed)
     return given
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import warnings
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,7 @@ from typing import Any
 import pandas as pd
 
 from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
+from pawnb.core.paws.offline.kept import GONE_ON_FROM
 from pawnb.core.paws.offline.quality.likeness import add_likeness
 from pawnb.core.paws.tracker import DEFAULT, AnyTracker, KeptEvidence
 from pawnb.errors import InputError, InputWarning
@@ -112,6 +114,8 @@ def track_points(trial: Trial, asked: TrackOptions) -> Tracks:
         kept = KeptEvidence(store, None if store is None else session_stacks(store.source))
         go = tracker.track if earlier is None else tracker.resume
         tracks = go(views, clicks, task, settings=chosen, kept=kept)
+        if gone_on_from := json.loads(tracks.attrs.pop(GONE_ON_FROM, "[]")):
+            step[GONE_ON_FROM] = gone_on_from
         run.end_progress()
         if asked.stop is None and tracks.sizes["time"] < last - first:
             _tell_interrupted(tracks, first, last, kept=store is not None or out is not None)

@@ -11,6 +11,8 @@ from pawnb.core.edits.log import EditLog, Move, Retrack
 from pawnb.core.paws.offline.scene import stack
 from pawnb.synthetic.grey_video import GreyVideoWriter
 from pawnb.trial import load_trial
+from pawnb.workflow.provenance.reproduce import reproduce
+from pawnb.workflow.provenance.results import provenance_steps
 from pawnb.workflow.tracking import kept_candidates
 from pawnb.workflow.tracking.track import retrack, track
 
@@ -100,7 +102,7 @@ def test_a_correction_is_honoured_and_the_rest_is_unchanged(trial, tracks, monke
         raise AssertionError("it was kept")
 
     with monkeypatch.context() as patched:
-        patched.setattr("pawnb.core.paws.offline.tracker.read_stacks", refuse)
+        patched.setattr("pawnb.core.paws.offline.learnt_run.read_stacks", refuse)
         new = correct(trial, tracks, 12, place)
     uv, old = positions(new, "FR"), positions(tracks, "FR")
     np.testing.assert_array_equal(uv[12], place)
@@ -128,8 +130,23 @@ def test_of_another_recording_nothing_is_kept(trial, tracks, tmp_path, monkeypat
         read.append(1)
         return plain(*args, **kept)
 
-    monkeypatch.setattr("pawnb.core.paws.offline.tracker.read_stacks", counted)
+    monkeypatch.setattr("pawnb.core.paws.offline.learnt_run.read_stacks", counted)
     track(trial, progress=quiet)
     assert not read
     track(load_trial(tmp_path), progress=quiet)
     assert read
+
+
+@pytest.mark.slow
+def test_a_run_that_went_on_from_another_is_made_again_from_both(trial, tmp_path):
+    """The frames before the first click and after the last of the run before are of that run."""
+    with kept_candidates.new_session():
+        start = pd.read_csv(trial.path("start.csv"))
+        middle = [(16, "side", p, *way()[16, i]) for i, p in enumerate(POINTS)]
+        more = pd.concat([start, pd.DataFrame(middle, columns=start.columns)])
+        first = track(trial, progress=quiet)
+        new = track(trial, start=more, out=tmp_path / "results", progress=quiet)
+        np.testing.assert_array_equal(positions(new, "HR")[31:], positions(first, "HR")[31:])
+        assert provenance_steps(new)[0]["gone_on_from_clicks"] == [start.to_dict("records")]
+    found = reproduce(tmp_path / "results" / "tracks.csv", inputs=trial.folder)
+    assert found.identical, found.difference

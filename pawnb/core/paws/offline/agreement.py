@@ -15,14 +15,10 @@ _PSEUDO = 4.0
 """Rows in which nothing agreed, before any is looked at."""
 
 
-def trust_by_agreement(
+def agreeing_share(
     found: Detections, stack: BodyStack, estimates: Mapping[int, Estimates], *, radius: float
-) -> Detections:
-    """Scale detections of a kind by how often its best place is that of all other kinds.
-
-    A kind that finds a point where clicks, flow and appearance find it, forwards and backwards in
-    time, is believed elsewhere; one that is mostly alone is not. The other kinds must not have
-    heard of it.
+) -> dict[int, float]:
+    """Return in which share of rows the best place of a kind is that of all other kinds.
 
     Parameters
     ----------
@@ -31,16 +27,16 @@ def trust_by_agreement(
     stack : BodyStack
         The view.
     estimates : mapping
-        Point to where the other kinds put it.
+        Point to where the other kinds put it; they must not have heard of this one.
     radius : float
         About half a paw, in places.
 
     Returns
     -------
-    Detections
-        The ratios of likelihoods of each point, beyond 1, times the share of rows that agree.
+    dict
+        Point to the share, 0 to below 1; points of which nothing was found are left out.
     """
-    log_odds = found.log_odds.copy()
+    shares = {}
     for point, estimate in estimates.items():
         own = np.flatnonzero(found.point == point)
         if not len(own):
@@ -51,6 +47,29 @@ def trust_by_agreement(
             np.linalg.norm(stack.grid_of(found.uv[i], found.row[i]) - estimate.place[found.row[i]])
             for i in best
         ]
-        share = float(np.sum(np.array(off) < radius)) / (len(best) + _PSEUDO)
-        log_odds[own] += np.log(max(share, 1e-6))
+        shares[point] = float(np.sum(np.array(off) < radius)) / (len(best) + _PSEUDO)
+    return shares
+
+
+def trust_by_agreement(found: Detections, shares: Mapping[int, float]) -> Detections:
+    """Scale detections of a kind by how often its best place is that of all other kinds.
+
+    A kind that finds a point where clicks, flow and appearance find it, forwards and backwards in
+    time, is believed elsewhere; one that is mostly alone is not.
+
+    Parameters
+    ----------
+    found : Detections
+        Of the kind.
+    shares : mapping
+        Point to the share of rows that agree (:func:`agreeing_share`).
+
+    Returns
+    -------
+    Detections
+        The ratios of likelihoods of each point, beyond 1, times its share.
+    """
+    log_odds = found.log_odds.copy()
+    for point, share in shares.items():
+        log_odds[found.point == point] += np.log(max(share, 1e-6))
     return dataclasses.replace(found, log_odds=log_odds)

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pawnb.core.paws.offline.agreement import trust_by_agreement
+from pawnb.core.paws.offline.agreement import agreeing_share, trust_by_agreement
 from pawnb.core.paws.offline.association.associate import ViewEvidence, associate
 from pawnb.core.paws.offline.association.estimates import Estimates, estimate
+from pawnb.core.paws.offline.association.forward_backward import Posterior
 from pawnb.core.paws.offline.association.positional_prior import (
     prior_from_clicks,
     prior_from_tracks,
@@ -24,6 +25,7 @@ from pawnb.core.paws.offline.detection.correlation import detect_by_correlation
 from pawnb.core.paws.offline.detection.evidence import Detections, paint
 from pawnb.core.paws.offline.detection.motion import detect_by_motion
 from pawnb.core.paws.offline.learning import agreed_lessons
+from pawnb.core.paws.offline.learnt import Learnt
 from pawnb.core.paws.offline.parameters import OfflineParameters
 from pawnb.core.paws.offline.quality.calibration import probability_right, standard_deviation
 from pawnb.core.paws.offline.quality.signs import Signs, read_signs, usual_look
@@ -51,6 +53,22 @@ class PointTrack:
     found: Estimates
     signs: Signs
     named: np.ndarray | None = None
+
+
+@dataclass(frozen=True)
+class ViewResult:
+    """What the pipeline found in one view.
+
+    Parameters
+    ----------
+    points : mapping
+        Point to its track.
+    learnt : Learnt
+        What was learnt beside the clicks, by rows of the whole view.
+    """
+
+    points: Mapping[int, PointTrack]
+    learnt: Learnt
 
 
 @dataclass(frozen=True)
@@ -123,8 +141,12 @@ def run_pipeline(
     rig: Rig | None = None,
     rows: tuple[int, int] | None = None,
     weighing: Weighing | None = None,
-) -> list[dict[int, PointTrack]]:
+) -> list[ViewResult]:
     """Return where every clicked point is in every view.
+
+    A first run learns twice: from the clicks, then from frames as well in which appearance and
+    the whole model agree. Where an earlier run on every view is known, its frames are taken, and
+    points are learnt and associated once.
 
     Parameters
     ----------
@@ -143,93 +165,133 @@ def run_pipeline(
 
     Returns
     -------
-    list of dict
-        For each view: point to its track.
+    list of ViewResult
+        For each view the tracks of its points, and what was learnt of it.
     """
     radius = parameters.appearance.radius / parameters.scene.spacing
     weighing = weighing or weigh(views, n_points, parameters)
-    wholes, clicked = views, [clicked_lessons(v.stack, v.annotations) for v in views]
-    priors = [
-        prior_from_clicks(v.stack, v.annotations, radius=radius, parameters=parameters)
-        for v in views
-    ]
     begin, end = rows or (0, views[0].stack.shape[0])
-    views = [view.part(begin, end) for view in views]
-    followed = [detect_by_motion(v.stack, v.annotations, parameters.motion) for v in views]
-    motion = [
-        _motion(view, own, whole.annotations.points)
-        for view, own, whole in zip(views, followed, wholes, strict=True)
-    ]
-    lessons = clicked
-    others = motion
-    estimates: list[dict[int, Estimates]] = []
-    for round_ in range(parameters.appearance.rounds):
-        looks = [
-            _appearance(view, own, n_points, parameters, rows=range(begin, end))
-            for view, own in zip(wholes, lessons, strict=True)
-        ]
-        evidence = [
-            ViewEvidence(
-                v.stack, v.name, v.size, v.annotations,
-                {p: m[p] * look[p] ** weighing.trust for p in m}, prior, look, m,
-                weighing.trust,
-            )
-            for v, m, look, prior in zip(views, others, looks, priors, strict=True)
-        ]  # fmt: skip
+    works = [_Work(view, begin, end, parameters) for view in views]
+    again = all(view.earlier is not None for view in views)
+    rounds = 1 if again else parameters.appearance.rounds
+    if again:
+        for work in works:
+            work.take_earlier()
+    for round_ in range(rounds):
+        for work in works:
+            work.look(n_points)
+        last = round_ + 1 == rounds
         posteriors = associate(
-            evidence, radius=radius, parameters=parameters.association, rig=rig,
-            identity=parameters.identity, compared=round_ + 1 == parameters.appearance.rounds,
+            [work.evidence(weighing.trust) for work in works], radius=radius,
+            parameters=parameters.association, rig=rig, identity=parameters.identity,
+            compared=last,
         )  # fmt: skip
-        estimates = [{p: estimate(q.mass, radius) for p, q in own.items()} for own in posteriors]
-        if round_ + 1 < parameters.appearance.rounds:
-            others = [
-                _with_correlation(view, own, m, e, parameters=parameters)
-                for view, own, m, e in zip(views, followed, motion, estimates, strict=True)
-            ]
-            lessons = [
-                own
-                | _moved_on(
-                    begin,
-                    agreed_lessons(
-                        v.stack,
-                        v.annotations,
-                        estimates=e,
-                        looks=look,
-                        priors=prior,
-                        named={p: q.named for p, q in told.items()},
-                        radius=radius,
-                        parameters=parameters.appearance,
-                    ),
-                )
-                for v, own, e, look, prior, told in zip(
-                    views, clicked, estimates, looks, priors, posteriors, strict=True
-                )
-            ]
-            priors = [
-                prior_from_tracks({p: q.mass for p, q in own.items()}, prior, radius)
-                for own, prior in zip(posteriors, priors, strict=True)
-            ]
-    usual = [usual_look(found, look) for found, look in zip(estimates, looks, strict=True)]
-    return [
-        {
-            p: PointTrack(
-                found[p],
-                read_signs(
-                    found[p],
-                    motion=m[p],
-                    look=look[p],
-                    agreement=own[p].agreement,
-                    clicked=v.annotations.rows_of(p),
-                    usual_look=mean,
-                ),
-                own[p].named,
-            )
-            for p in found
-        }
-        for v, found, m, look, own, mean in zip(
-            views, estimates, motion, looks, posteriors, usual, strict=True
+        for work, own in zip(works, posteriors, strict=True):
+            work.take_in(own, learn=not last)
+    return [work.result() for work in works]
+
+
+class _Work:
+    """One view while it is tracked, round by round.
+
+    Attributes
+    ----------
+    lessons : mapping
+        Row of the whole view to what is learnt from it.
+    priors, others, looks : mapping
+        Point to the probability of places, and to ratios of likelihoods by all kinds but
+        appearance, and by appearance.
+    """
+
+    def __init__(
+        self, whole: ViewInput, begin: int, end: int, parameters: OfflineParameters
+    ) -> None:
+        self.whole, self.begin, self.end, self.parameters = whole, begin, end, parameters
+        self.radius = parameters.appearance.radius / parameters.scene.spacing
+        self.clicked = clicked_lessons(whole.stack, whole.annotations)
+        self.priors = prior_from_clicks(
+            whole.stack, whole.annotations, radius=self.radius, parameters=parameters
         )
-    ]
+        self.view = view = whole.part(begin, end)
+        self.followed = detect_by_motion(view.stack, view.annotations, parameters.motion)
+        self.motion = _motion(view, self.followed, whole.annotations.points)
+        self.lessons, self.others = dict(self.clicked), self.motion
+        self.learnt = Learnt()
+        self.looks: dict[int, np.ndarray] = {}
+        self.posteriors: dict[int, Posterior] = {}
+        self.estimates: dict[int, Estimates] = {}
+
+    def take_earlier(self) -> None:
+        """Take what an earlier run has learnt."""
+        earlier, stack = self.whole.earlier, self.whole.stack
+        assert earlier is not None  # noqa: S101 (asked before)
+        self.learnt = earlier.learnt
+        self.lessons = {**earlier.learnt.working(stack), **self.clicked}
+        masses = {p: earlier.mean_mass(stack, p, prior) for p, prior in self.priors.items()}
+        self.priors = prior_from_tracks(masses, self.priors, self.radius)
+        self._hear_correlation(self._correlated(), earlier.learnt.agreement)
+
+    def look(self, n_points: int) -> None:
+        """Learn what points look like, and look for them."""
+        self.looks = _appearance(
+            self.whole, self.lessons, n_points, self.parameters, rows=range(self.begin, self.end)
+        )
+
+    def evidence(self, trust: float) -> ViewEvidence:
+        """Return what is known before points and views are compared."""
+        v, looks, others = self.view, self.looks, self.others
+        likelihood = {p: m * looks[p] ** trust for p, m in others.items()}
+        return ViewEvidence(
+            v.stack, v.name, v.size, v.annotations, likelihood, self.priors, looks, others, trust
+        )
+
+    def take_in(self, posteriors: dict[int, Posterior], *, learn: bool) -> None:
+        """Take in what was associated; learn from it for a further round."""
+        self.posteriors = posteriors
+        self.estimates = {p: estimate(q.mass, self.radius) for p, q in posteriors.items()}
+        if not learn:
+            return
+        stack = self.view.stack
+        found = self._correlated()
+        shares = agreeing_share(found, stack, self.estimates, radius=self.radius)
+        self._hear_correlation(found, shares)
+        agreed = agreed_lessons(
+            stack, self.view.annotations, estimates=self.estimates, looks=self.looks,
+            priors=self.priors, named={p: q.named for p, q in posteriors.items()},
+            radius=self.radius, parameters=self.parameters.appearance,
+        )  # fmt: skip
+        moved_on = {self.begin + row: lesson for row, lesson in agreed.items()}
+        self.lessons = {**self.clicked, **moved_on}
+        self.learnt = Learnt.of_working(moved_on, shares, self.whole.stack)
+        masses = {p: q.mass.mean(axis=0) for p, q in posteriors.items()}
+        self.priors = prior_from_tracks(masses, self.priors, self.radius)
+
+    def result(self) -> ViewResult:
+        """Return the tracks of the points, and what was learnt."""
+        usual = usual_look(self.estimates, self.looks)
+        points = {}
+        for p, found in self.estimates.items():
+            signs = read_signs(
+                found, motion=self.others[p], look=self.looks[p],
+                agreement=self.posteriors[p].agreement,
+                clicked=self.view.annotations.rows_of(p), usual_look=usual,
+            )  # fmt: skip
+            points[p] = PointTrack(found, signs, self.posteriors[p].named)
+        return ViewResult(points, self.learnt)
+
+    def _correlated(self) -> Detections:
+        """Return where patches about clicks were found again."""
+        return detect_by_correlation(
+            self.view.stack, self.view.annotations, self.parameters.correlation,
+            radius_px=self.parameters.appearance.radius, followed=self.followed,
+        )  # fmt: skip
+
+    def _hear_correlation(self, found: Detections, shares: Mapping[int, float]) -> None:
+        """Add ratios by correlation, as far as it agrees with what others have found."""
+        trusted = trust_by_agreement(found, shares)
+        self.others = {
+            p: own * paint(trusted, self.view.stack, p) for p, own in self.motion.items()
+        }
 
 
 def _motion(view: ViewInput, followed: Detections, points: Sequence[int]) -> dict[int, np.ndarray]:
@@ -240,30 +302,6 @@ def _motion(view: ViewInput, followed: Detections, points: Sequence[int]) -> dic
         for more in view.detections:
             ratios[point] *= paint(more, view.stack, point)
     return ratios
-
-
-def _with_correlation(
-    view: ViewInput,
-    followed: Detections,
-    ratios: Mapping[int, np.ndarray],
-    estimates: Mapping[int, Estimates],
-    *,
-    parameters: OfflineParameters,
-) -> dict[int, np.ndarray]:
-    """Return ratios with those by correlation, as far as it agrees with what others have found."""
-    radius_px = parameters.appearance.radius
-    found = detect_by_correlation(
-        view.stack, view.annotations, parameters.correlation, radius_px=radius_px,
-        followed=followed,
-    )  # fmt: skip
-    radius = radius_px / view.stack.spacing
-    found = trust_by_agreement(found, view.stack, estimates, radius=radius)
-    return {point: own * paint(found, view.stack, point) for point, own in ratios.items()}
-
-
-def _moved_on(begin: int, lessons: Mapping[int, Lesson]) -> dict[int, Lesson]:
-    """Return lessons of a part by the rows of the whole."""
-    return {begin + row: lesson for row, lesson in lessons.items()}
 
 
 def _appearance(

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 from pawnb.core.paws.offline.annotations import Annotations
 from pawnb.core.paws.offline.detection.evidence import Detections
+from pawnb.core.paws.offline.learnt import Earlier
 from pawnb.core.paws.offline.scene.stack import BodyStack
 
 
@@ -30,6 +31,8 @@ class ViewInput:
     known : Annotations
         What is known of earlier tracks: certain where only a part is tracked again, and
         taught to nobody.
+    earlier : Earlier, optional
+        An earlier run on the same rows, from which what it has learnt is taken.
     """
 
     name: str
@@ -38,6 +41,7 @@ class ViewInput:
     annotations: Annotations
     detections: Sequence[Detections] = ()
     known: Annotations = field(default_factory=lambda: Annotations({}))
+    earlier: Earlier | None = None
 
     def part(self, begin: int, end: int) -> ViewInput:
         """Return the rows from ``begin`` up to ``end``, with all that is certain in them."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pawnb.core.paws.offline.agreement import trust_by_agreement
+from pawnb.core.paws.offline.agreement import agreeing_share, trust_by_agreement
 from pawnb.core.paws.offline.association.estimates import Estimates
 from pawnb.core.paws.offline.detection.evidence import Detections
 
@@ -33,7 +33,8 @@ def detections(stack, places, point=0, log_odds=1.5):
 def test_ratios_are_scaled_by_the_share_of_rows_that_agree(stack, right):
     """Four rows that do not agree are reckoned with beforehand."""
     found = detections(stack, [(10, 8)] * right + [(20, 8)] * (N - right))
-    scaled = trust_by_agreement(found, stack, {0: estimates((11, 9))}, radius=RADIUS)
+    shares = agreeing_share(found, stack, {0: estimates((11, 9))}, radius=RADIUS)
+    scaled = trust_by_agreement(found, shares)
     expected = np.exp(1.5) * right / (N + 4)
     np.testing.assert_allclose(np.exp(scaled.log_odds), expected, atol=1e-4)
     np.testing.assert_array_equal(scaled.uv, found.uv)
@@ -48,9 +49,10 @@ def test_only_the_best_place_of_a_row_counts_and_points_are_told_apart(stack):
             for name in ("row", "point", "uv", "log_odds", "sd_px")
         )
     )
-    scaled = trust_by_agreement(
+    shares = agreeing_share(
         both, stack, {0: estimates((10, 8)), 1: estimates((0, 0))}, radius=RADIUS
     )
+    scaled = trust_by_agreement(both, shares)
     share = N / (N + 4)
     np.testing.assert_allclose(scaled.log_odds[:N], 0.5 + np.log(share))
     np.testing.assert_allclose(scaled.log_odds[N : 2 * N], 1.5 + np.log(share))

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from pawnb.core.paws.offline.again import TRUST, Again, frames_again, weighing_of
+from pawnb.core.paws.offline.again import TRUST, after_correction
 from pawnb.core.paws.offline.annotations import Annotations
-from pawnb.core.paws.offline.kept import KeptStacks, fits
+from pawnb.core.paws.offline.kept import GONE_ON_FROM, KeptStacks, fits
+from pawnb.core.paws.offline.learnt_run import track_learnt
 from pawnb.core.paws.offline.parameters import OfflineParameters, SceneParameters
-from pawnb.core.paws.offline.tracker import track_learnt
 from pawnb.core.paws.request import TrackingRequest
 from pawnb.schema import ORIGIN_CODE
 
@@ -105,7 +106,7 @@ def test_with_kept_evidence_nothing_is_read_and_tracks_are_as_from_scratch(views
     [
         {"parameters": dataclasses.replace(QUICK, scene=dataclasses.replace(SCENE, margin=0.6))},
         {"frames": (0, N - 1)},
-        {"start": clicks([2]).assign(u=[117.0, 60.0])},  # a smaller animal
+        {"start": clicks([2]).assign(u=[105.0, 70.0])},  # a smaller animal
     ],
 )
 def test_evidence_of_other_settings_frames_or_clicks_is_not_used(views, other):
@@ -148,7 +149,7 @@ def test_no_more_is_kept_than_there_is_room_for(make_stack):
         ([[5, 30], [63, 30]], ((True, False), (False, False)), True),
         ([[25, 30], [83, 30]], ((True, False), (False, False)), False),
         ([[14, 30], [86, 30]], ((True, True), (True, True)), True),  # 72 of 60 px, stretched
-        ([[10, 30], [90, 30]], ((True, True), (True, True)), False),  # another size
+        ([[10, 30], [90, 30]], ((True, True), (True, True)), True),  # 80 of 60 px
         ([[30, 30], [38, 30]], ((True, True), (True, True)), False),
     ],
 )
@@ -170,9 +171,9 @@ def corrected(tracks, frame, point, uv):
 def test_frames_up_to_the_next_click_of_the_point_are_tracked_again(views):
     tracks = run(views, clicks([2, 20]))
     placed = corrected(tracks, 8, "FR", (100.0, 60.0))
-    assert frames_again(placed, 8, ["FR"]) == (8, 21)
-    assert frames_again(placed, 2, ["FR", "HR"]) == (2, 21)
-    assert frames_again(placed, 20, ["FR"]) == (20, N)
+    assert after_correction(placed, 8, ["FR"]).frames == (8, 21)
+    assert after_correction(placed, 2, ["FR", "HR"]).frames == (2, 21)
+    assert after_correction(placed, 20, ["FR"]).frames == (20, N)
 
 
 @pytest.mark.slow
@@ -182,7 +183,7 @@ def test_what_is_tracked_again_passes_through_the_correction(views, kept):
     tracks = run(views, start, stacks=stacks)
     assert tracks.attrs[TRUST] == QUICK.appearance.trust
     placed = corrected(tracks, 8, "FR", way()[8, 0] + [0.0, 6.0])
-    again = Again(placed, (8, 21), weighing_of(tracks))
+    again = after_correction(placed, 8, ["FR"])
     more = pd.concat([start, pd.DataFrame([(8, "side", "FR", *(way()[8, 0] + [0.0, 6.0]))],
                                           columns=start.columns)])  # fmt: skip
     read = views.read
@@ -197,3 +198,23 @@ def test_what_is_tracked_again_passes_through_the_correction(views, kept):
     assert not rows[list(range(2)) + list(range(3, 8)) + list(range(21, N))].any()
     off = np.linalg.norm(uv[9:21, 1] - way()[9:21, 1], axis=-1)
     assert np.nanmax(off) < 4  # the other point is followed on
+
+
+@pytest.mark.slow
+def test_added_clicks_go_on_from_the_last_run(views):
+    """Frames beyond the clicks on either side stay as they were, to the last digit."""
+    stacks = KeptStacks()
+    first = run(views, clicks([2, 12]), stacks=stacks)
+    read = views.read
+    more = run(views, clicks([2, 7, 12]), stacks=stacks)
+    assert views.read == read
+    uv, old = positions(more), positions(first)
+    outside = [*range(2), *range(13, N)]
+    np.testing.assert_array_equal(uv[outside], old[outside])
+    np.testing.assert_allclose(uv[7], way()[7], atol=1e-9)
+    assert np.abs(uv[3:12] - old[3:12]).max() > 1e-6
+    assert np.linalg.norm(uv - way(), axis=-1).max() < 4
+    (before,) = json.loads(more.attrs[GONE_ON_FROM])
+    assert pd.DataFrame(before).equals(clicks([2, 12]))
+    moved = clicks([2, 7, 12]).assign(v=lambda c: c["v"] + 1.0)
+    assert json.loads(run(views, moved, stacks=stacks).attrs[GONE_ON_FROM]) == []

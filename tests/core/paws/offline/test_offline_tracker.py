@@ -8,11 +8,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pawnb.core.paws.offline import tracker, windows
+from pawnb.core.paws.offline import learnt_run, windows
 from pawnb.core.paws.offline.detection.evidence import Detections
+from pawnb.core.paws.offline.learnt_run import track_learnt
 from pawnb.core.paws.offline.parameters import OfflineParameters, SceneParameters
 from pawnb.core.paws.offline.quality.measures import CALIBRATED
-from pawnb.core.paws.offline.tracker import track_learnt
 from pawnb.core.paws.request import TrackingRequest
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE
@@ -154,7 +154,7 @@ def test_a_kind_of_evidence_of_another_package_is_taken(
 
     start = clicks(truth, [2, 10, 20])
     alone = track_learnt(views, start, task(), parameters=QUICK)
-    monkeypatch.setattr(tracker, "installed_evidence", lambda: [Known()])
+    monkeypatch.setattr(learnt_run, "installed_evidence", lambda: [Known()])
     helped = track_learnt(views, start, task(), parameters=QUICK)
     # where nothing looks like the points some are missing
     assert np.nanmedian(off(alone, truth)) > 4

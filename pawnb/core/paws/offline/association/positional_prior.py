@@ -54,14 +54,14 @@ def prior_from_clicks(
 
 
 def prior_from_tracks(
-    posteriors: Mapping[int, np.ndarray], priors: Mapping[int, np.ndarray], radius: float
+    masses: Mapping[int, np.ndarray], priors: Mapping[int, np.ndarray], radius: float
 ) -> dict[int, np.ndarray]:
     """Return priors that have learnt where points were found, half old and half new.
 
     Parameters
     ----------
-    posteriors : mapping
-        Point to where it was found, shape (n, h, w).
+    masses : mapping
+        Point to where it was found, the mean over frames, shape (h, w).
     priors : mapping
         Point to its prior, shape (h, w).
     radius : float
@@ -73,8 +73,8 @@ def prior_from_tracks(
         Point to its new prior.
     """
     learnt = {}
-    for point, posterior in posteriors.items():
-        mass = cv2.GaussianBlur(posterior.mean(axis=0), (0, 0), 1.2 * radius)
-        found = 0.85 * mass / mass.sum() + 0.15 / mass.size
-        learnt[point] = (0.5 * priors[point] + 0.5 * found).astype(np.float32)
+    for point, found in masses.items():
+        mass = cv2.GaussianBlur(found, (0, 0), 1.2 * radius)
+        mass = 0.85 * mass / mass.sum() + 0.15 / mass.size
+        learnt[point] = (0.5 * priors[point] + 0.5 * mass).astype(np.float32)
     return learnt

@@ -32,6 +32,8 @@ _KNOWN_MEAN, _KNOWN_SD, _KNOWN_WORTH = 4.0, 1.5, 10.0
 """Scores of the point itself before any is seen, and how many seen ones that is worth."""
 _LEAST_SHARE = 0.05
 """Peaks that are the point with less probability carry nothing."""
+_TINY, _FLAT = 1e-6, 1e-2
+"""Least norm of a patch and variance of grey values: what is flat correlates with nothing."""
 _HIGHEST = 0.98
 """Correlations are not taken to be higher: a patch matches itself exactly."""
 
@@ -194,10 +196,8 @@ def _score(
     part = picture[y0:y1, x0:x1]
     if min(part.shape) < 4 * half:
         return None
-    best = np.max(
-        [cv2.matchTemplate(part, patch, cv2.TM_CCOEFF_NORMED) for patch in patches], axis=0
-    )
-    z = np.arctanh(np.clip(np.nan_to_num(best), -_HIGHEST, _HIGHEST))
+    best = _best_correlation(part, patches)
+    z = np.arctanh(np.clip(best, -_HIGHEST, _HIGHEST))
     y, x = np.unravel_index(z.argmax(), z.shape)
     elsewhere = np.ones(z.shape, bool)
     elsewhere[max(0, y - half) : y + half + 1, max(0, x - half) : x + half + 1] = False
@@ -206,6 +206,27 @@ def _score(
         return None
     z = (z - others.mean()) / max(float(others.std()), 1e-3)
     return _Scores(z, np.array([x0 + half, y0 + half], float), len(patches) * z.size / half**2)
+
+
+def _best_correlation(part: np.ndarray, patches: Sequence[np.ndarray]) -> np.ndarray:
+    """Return the highest correlation coefficient of patches of one size at every place.
+
+    That of ``cv2.TM_CCOEFF_NORMED``; what does not depend on the patch is worked out once.
+    """
+    side, inside = patches[0].shape[0], part.shape[0] - patches[0].shape[0] + 1
+    grey = part.astype(np.float32)
+    grey -= grey.mean()
+    middle = (slice(side // 2, side // 2 + inside), slice(side // 2, part.shape[1] - side // 2))
+    mean = cv2.boxFilter(grey, -1, (side, side))[middle]
+    variance = cv2.sqrBoxFilter(grey, -1, (side, side))[middle] - mean * mean
+    best = None
+    for patch in patches:
+        own = patch.astype(np.float32)
+        own -= own.mean()
+        # the patch has no mean, and what is alike has no variance
+        product = cv2.matchTemplate(grey, own, cv2.TM_CCORR) / (np.linalg.norm(own) + _TINY)
+        best = product if best is None else np.maximum(best, product, out=best)
+    return best / np.sqrt(np.maximum(variance, _FLAT) * side**2)
 
 
 def _peaks(scores: _Scores, half: int, count: int) -> list[tuple[float, float, float]]:
