@@ -22,6 +22,7 @@ from pawnb.core.paws.offline.gap_closing.mht_parameters import MHTParameters
 from pawnb.core.paws.offline.gap_closing.parameters import GAP_CLOSING
 from pawnb.core.paws.offline.gap_closing.rejection import frames_to_reassociate, runs
 from pawnb.core.paws.offline.gap_closing.update_kernels import Cameras
+from pawnb.core.paws.offline.gap_closing.usual_region import usual_region
 from pawnb.core.paws.offline.gap_closing.wrist_decoys import follow_wrist_decoys
 from pawnb.core.paws.offline.projection import Projection
 from pawnb.core.paws.offline.scene.motion_model import MotionModel
@@ -84,6 +85,8 @@ class TrackingState:
         When points lift off.
     swings : Swings, optional
         Where they swing.
+    body : ndarray, shape (n, d), optional
+        The slowly moving middle of the animal.
     """
 
     chosen: np.ndarray
@@ -94,6 +97,7 @@ class TrackingState:
     liftoff_velocity: np.ndarray | None = None
     duty_factor: DutyFactor | None = None
     swings: Swings | None = None
+    body: np.ndarray | None = None
 
 
 def close_gaps(
@@ -146,6 +150,7 @@ def close_gaps(
     parameters = _mht_parameters(motion_model)
     closer = _GapCloser(
         state,
+        sure,
         *wrist_decoys.observed(observations, cost),
         substrate,
         stances,
@@ -197,6 +202,7 @@ class _GapCloser:
     """Tells what points did where they are not certain; see :func:`close_gaps`."""
 
     state: TrackingState
+    sure: np.ndarray  # (n, P, d), certain places
     observations: Observations
     cost: np.ndarray  # (n, P, V, C)
     substrate: Substrate
@@ -232,6 +238,10 @@ class _GapCloser:
         choice, stood = run_mht(
             state, covariance, edge, self._shown(point, gap, tracked_in_view, standing, due),
             self._expected(point, gap),
+            usual_region(
+                self.sure, self.state.body, point, frames=np.concatenate([gap.frames, gap.after]),
+                motion_model=motion_model,
+            ),
             self._how(point, gap, tracked_in_view),
         )  # fmt: skip
         return choice, stood, standing[stood]

@@ -20,6 +20,7 @@ from pawnb.core.paws.offline.gap_closing.hypothesis_kernels import (
 )
 from pawnb.core.paws.offline.gap_closing.mht_parameters import MHTParameters
 from pawnb.core.paws.offline.gap_closing.update_kernels import Cameras, allocate_pairs, associate
+from pawnb.core.paws.offline.gap_closing.usual_region import UsualRegion, add_region_cost
 from pawnb.core.paws.offline.stride.plausibility_kernels import KinematicPrior, add_kinematic_cost
 
 _PRUNING_COST = 25.0
@@ -120,6 +121,7 @@ def run_mht(
     place: np.ndarray,
     evidence: GapEvidence,
     expected: ExpectedPositions,
+    region: UsualRegion,
     target: TargetModel,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Find what a point did in a gap.
@@ -135,6 +137,8 @@ def run_mht(
         What the frames show.
     expected : ExpectedPositions
         Where the point is expected.
+    region : UsualRegion
+        Where it may be at all.
     target : TargetModel
         The model of the target.
 
@@ -182,6 +186,7 @@ def run_mht(
             if not np.isnan(at[0]):
                 update_with_expectation(now, n, at, expected.axes[k], variance, expected.most[k])
         add_motion_cost(now, n, state[0], target, t >= frames, t < frames and evidence.covered[t])
+        add_region_cost(now.mean[: len(place), :n], region, t, now.cost[:n])
         n = prune_and_merge(now, n, then, parameters)
         now, then = then, now
         for b in range(n):

@@ -270,7 +270,8 @@ def _iterate_until_converged(
             lift_offs=gap_closing.lift_offs, frames=max(1, round(TREADMILL.rising_s * fps)),
         )  # fmt: skip
 
-    result, gap_closing = close_and_smooth(TrackingState(tracked(first), by_hand))
+    places = tracked(first)
+    result, gap_closing = close_and_smooth(TrackingState(places, by_hand, body=paths.body(places)))
     unaided = before = result.x
     for iteration in range(settings.n_iterations + TREADMILL.one_more):
         if iteration >= settings.n_iterations and not _changed(result.x, before, scene.paw_width):
@@ -292,7 +293,15 @@ def _iterate_until_converged(
         trust = 1.0 / (1.0 + (sd / TREADMILL.pipeline_believed) ** 2)
         places = tracked(first if cycle is None else paths.again(cycle))
         state = TrackingState(
-            places, by_hand, result.x, trust, cycle, liftoff_velocity(), duty_factor, swings
+            places,
+            by_hand,
+            result.x,
+            trust,
+            cycle,
+            liftoff_velocity(),
+            duty_factor,
+            swings,
+            paths.body(places),
         )
         result, gap_closing = close_and_smooth(state)
         result.displacement_from_first_pass = np.linalg.norm(result.x - unaided, axis=-1)

@@ -8,6 +8,7 @@ import pytest
 from pawnb.core.paws.offline.gap_closing import hypothesis_kernels, mht_kernels, update_kernels
 from pawnb.core.paws.offline.gap_closing.mht import process_noise_of, state_after
 from pawnb.core.paws.offline.gap_closing.mht_parameters import MHTParameters
+from pawnb.core.paws.offline.gap_closing.usual_region import UsualRegion
 from pawnb.core.paws.offline.projection import Projection
 from pawnb.core.paws.offline.stride.plausibility_kernels import KinematicPrior
 
@@ -143,6 +144,13 @@ class Steps:
         return full
 
 
+def anywhere(frames):
+    """No limits, and no other point."""
+    beyond = np.full((frames, 1), np.inf)
+    nobody = np.empty((frames, 0, 2))
+    return UsualRegion(np.array([[1.0, 0.0]]), -beyond, beyond, 1.0, nobody, 0.0, 0.0)
+
+
 def close(at, cost, *, state, covariance, place=None, expected=(), lifting=None, **setting):
     """Tell what detections (frames, c, 2) of one picture, NaN where there is none, say of a point.
 
@@ -166,6 +174,7 @@ def close(at, cost, *, state, covariance, place=None, expected=(), lifting=None,
             np.zeros(len(at)) if lifting is None else lifting,
         ),
         mht_kernels.ExpectedPositions(nowhere, nowhere, np.empty((0, 2, 2)), np.empty(0)),
+        anywhere(len(at)),
         target(Projection(None), parameters, **setting),
     )
     return taken[:, 0], stood
