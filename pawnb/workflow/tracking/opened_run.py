@@ -1,10 +1,10 @@
-"""What every run of a tracker has about it: parameters set, progress shown, views open."""
+"""What every run of a tracker has about it: parameters, progress, open views, and its record."""
 
 from __future__ import annotations
 
 import contextlib
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from pawnb.core.parameters import parameters_set
@@ -12,7 +12,16 @@ from pawnb.core.paws.tracker import AnyTracker
 from pawnb.core.video import ViewSet, open_views
 from pawnb.errors import InputWarning
 from pawnb.trial import Trial
+from pawnb.workflow.interrupt import interruptible
 from pawnb.workflow.progress import Progress, tracking_progress
+from pawnb.workflow.provenance.notes import noted_warnings
+from pawnb.workflow.provenance.record import build_step, trial_checksums, trial_fingerprint
+from pawnb.workflow.tracking.methods import (
+    recorded_parameters,
+    settings_in_force,
+    stage_parameters,
+)
+from pawnb.workflow.tracking.options import TrackOptions
 
 
 class OpenedRun:
@@ -83,3 +92,85 @@ def opened_run(
         kind = tracker.kind if tracker.is_offline else None
         report = bar.enter_context(tracking_progress(progress, label, kind=kind, then=then))
         yield OpenedRun(stack.enter_context(open_views(trial)), report, bar)
+
+
+@contextlib.contextmanager
+def first_run(
+    trial: Trial, tracker: AnyTracker, asked: TrackOptions, *, then: str = ""
+) -> Iterator[tuple[OpenedRun, Callable[[], bool], list[str]]]:
+    """Open what :func:`pawnb.track` works on, for a run that can be interrupted.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    tracker : Tracker
+        What tracks it.
+    asked : TrackOptions
+        What is asked for.
+    then : str
+        What is done after all frames are counted.
+
+    Yields
+    ------
+    run : OpenedRun
+        The open views, and where to tell how far the run is.
+    stop : callable
+        Says whether a person wants it to end.
+    notes : list of str
+        What is warned of meanwhile; it grows.
+    """
+    with contextlib.ExitStack() as stack:
+        notes = stack.enter_context(noted_warnings())
+        own = stage_parameters(trial, method=asked.method, settings=asked.settings)
+        stop = stack.enter_context(interruptible()) if asked.stop is None else asked.stop
+        run = opened_run(
+            trial, tracker, parameters=own, progress=asked.progress, label="tracking", then=then
+        )
+        yield stack.enter_context(run), stop, notes
+
+
+def record_of_run(
+    trial: Trial,
+    tracker: AnyTracker,
+    asked: TrackOptions,
+    *,
+    frames: tuple[int, int],
+    start: list[dict[Any, Any]],
+    **more: Any,
+) -> dict[str, Any]:
+    """Return the record of a run: all that its tracks depend on.
+
+    Parameters
+    ----------
+    trial : Trial
+        The trial.
+    tracker : Tracker
+        What tracks it.
+    asked : TrackOptions
+        What is asked for.
+    frames : tuple of int
+        Half-open range of frames.
+    start : list of dict
+        Rows of the start, which stand in the record themselves.
+    **more
+        What else there is.
+
+    Returns
+    -------
+    dict
+        See :func:`pawnb.workflow.provenance.record.build_step`.
+    """
+    return build_step(
+        "track",
+        command=asked.command,
+        # a start that was handed over is no file
+        inputs=trial_checksums(trial, start=asked.start is None),
+        settings=settings_in_force(trial, method=asked.method, settings=asked.settings),
+        method=asked.method,
+        **recorded_parameters(tracker),
+        frames=list(frames),
+        trial=trial_fingerprint(trial),
+        start=start,
+        **more,
+    )

@@ -18,21 +18,12 @@ from pawnb.errors import InputError, InputWarning
 from pawnb.schema import Tracks, add_provenance
 from pawnb.trial import Trial
 from pawnb.workflow.calibration.real_units import in_real_units
-from pawnb.workflow.interrupt import interruptible
 from pawnb.workflow.provenance.manifest import run_alone
-from pawnb.workflow.provenance.notes import noted_warnings
-from pawnb.workflow.provenance.record import build_step, trial_checksums, trial_fingerprint
 from pawnb.workflow.provenance.results import describe_trial, make_folder, write_track_results
 from pawnb.workflow.reviewing.quality import tell_failed
 from pawnb.workflow.tracking.kept_candidates import keep_store, open_store, session_stacks
-from pawnb.workflow.tracking.methods import (
-    recorded_parameters,
-    settings_in_force,
-    stage_parameters,
-    tracker_settings,
-    trial_tracker,
-)
-from pawnb.workflow.tracking.opened_run import opened_run
+from pawnb.workflow.tracking.methods import tracker_settings, trial_tracker
+from pawnb.workflow.tracking.opened_run import first_run, record_of_run
 from pawnb.workflow.tracking.options import TrackOptions
 from pawnb.workflow.tracking.placed import start_clicks
 from pawnb.workflow.tracking.predicted import predictions_for
@@ -69,18 +60,10 @@ def track_points(trial: Trial, asked: TrackOptions) -> Tracks:
         If anything the trial names is missing or does not fit.
     """
     tracker, out = trial_tracker(trial, asked.method), asked.out
-    mine: dict[str, Any] = {"method": asked.method, "settings": asked.settings}
-    chosen = tracker_settings(trial, **mine)
+    chosen = tracker_settings(trial, method=asked.method, settings=asked.settings)
+    then = "deciding" if tracker.is_offline else ""
     with contextlib.ExitStack() as stack:
-        notes = stack.enter_context(noted_warnings())
-        own = stage_parameters(trial, **mine)
-        stop = stack.enter_context(interruptible()) if asked.stop is None else asked.stop
-        run = stack.enter_context(
-            opened_run(
-                trial, tracker, parameters=own, progress=asked.progress, label="tracking",
-                then="deciding" if tracker.is_offline else "",
-            )
-        )  # fmt: skip
+        run, stop, notes = stack.enter_context(first_run(trial, tracker, asked, then=then))
         run.tell_notes()
         views = run.views
         clicks = start_clicks(trial, views, asked.start)
@@ -92,18 +75,8 @@ def track_points(trial: Trial, asked: TrackOptions) -> Tracks:
         if out is not None:
             stack.enter_context(run_alone(make_folder(out)))
         store = _store(trial, tracker, out, stack)
-        step = build_step(
-            "track",
-            command=asked.command,
-            # clicks that were handed over stand in the record themselves
-            inputs=trial_checksums(trial, start=asked.start is None),
-            settings=settings_in_force(trial, **mine),
-            method=asked.method,
-            **recorded_parameters(tracker),
-            frames=[first, last],
-            trial=trial_fingerprint(trial),
-            start=clicks.to_dict(orient="records"),
-        )
+        rows = clicks.to_dict(orient="records")
+        step = record_of_run(trial, tracker, asked, frames=(first, last), start=rows)
         # an offline tracker keeps its evidence instead
         earlier = unfinished_tracks(Path(out), step) if out and not tracker.is_offline else None
         begin = first if earlier is None else int(earlier["frame"][-1])

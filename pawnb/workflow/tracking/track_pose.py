@@ -27,23 +27,17 @@ from pawnb.errors import InputError, InputWarning
 from pawnb.io.pose import check_pose, read_pose
 from pawnb.schema import Tracks, add_provenance
 from pawnb.trial import Trial, View
-from pawnb.workflow.interrupt import interruptible
 from pawnb.workflow.provenance.manifest import run_alone
-from pawnb.workflow.provenance.notes import noted_warnings
-from pawnb.workflow.provenance.record import build_step, trial_checksums, trial_fingerprint
 from pawnb.workflow.provenance.results import describe_trial, make_folder, write_track_results
 from pawnb.workflow.reviewing.quality import tell_failed
 from pawnb.workflow.start.propose_pose import trial_animal, trial_background
 from pawnb.workflow.start.start_doubts import legs_outside, say_outside, start_doubts
 from pawnb.workflow.tracking.methods import (
-    recorded_parameters,
-    settings_in_force,
     space_settings,
-    stage_parameters,
     tracker_settings,
     trial_tracker,
 )
-from pawnb.workflow.tracking.opened_run import opened_run
+from pawnb.workflow.tracking.opened_run import first_run, record_of_run
 from pawnb.workflow.tracking.options import TrackOptions
 from pawnb.workflow.tracking.pose_in_space import find_in_space, load_second
 from pawnb.workflow.tracking.unfinished import open_kept_frames
@@ -74,18 +68,12 @@ def track_pose_trial(trial: Trial, asked: TrackOptions) -> Tracks:
         If a person stopped it before any pose was found.
     """
     tracker, out = trial_tracker(trial, asked.method), asked.out
-    mine: dict[str, Any] = {"method": asked.method, "settings": asked.settings}
-    chosen = tracker_settings(trial, **mine)
+    chosen = tracker_settings(trial, method=asked.method, settings=asked.settings)
     in_space = space_settings(trial, settings=asked.settings)
     view, _ = pose_views(trial)
     animal, poses, table = start_pose(trial, asked.start)
     with contextlib.ExitStack() as stack:
-        notes = stack.enter_context(noted_warnings())
-        own = stage_parameters(trial, **mine)
-        stop = stack.enter_context(interruptible()) if asked.stop is None else asked.stop
-        run = stack.enter_context(
-            opened_run(trial, tracker, parameters=own, progress=asked.progress, label="tracking")
-        )
+        run, stop, notes = stack.enter_context(first_run(trial, tracker, asked))
         run.tell_notes()
         views = run.views
         reader, rig = views.readers[view.name], load_second(trial, views)
@@ -96,13 +84,9 @@ def track_pose_trial(trial: Trial, asked: TrackOptions) -> Tracks:
         is_free = not (asked.frames or trial.frames)
         if not tracker.is_offline and is_free and background.n_frames > 1:
             span = _with_animal(reader, view, span, poses)
-        step = build_step(
-            "track", command=asked.command, method=asked.method, frames=list(span),
-            # a pose that was handed over stands in the record itself
-            inputs=trial_checksums(trial, start=asked.start is None),
-            settings=settings_in_force(trial, **mine),
-            trial=trial_fingerprint(trial), start=_without_blanks(table),
-            background=background.source, **recorded_parameters(tracker),
+        step = record_of_run(
+            trial, tracker, asked, frames=span, start=_without_blanks(table),
+            background=background.source,
         )  # fmt: skip
         if out is not None:
             stack.enter_context(run_alone(make_folder(out)))
