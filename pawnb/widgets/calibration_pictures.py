@@ -70,8 +70,6 @@ class BoardPictures(Draft[_State]):
         Why there are no cameras, in a sentence.
     """
 
-    kind = BOARD
-
     def __init__(
         self,
         board: Board,
