@@ -243,8 +243,8 @@ class WandClicks(Draft[_State]):
         lines = [first + (" Press Enter to calibrate." if ready and not self.can_save else "")]
         if self.fitted is None:
             lines.append(
-                f"{n} frames with both ends in two views; {FEWEST_FRAMES} are needed, the wand all "
-                "over the space and turned in all directions."
+                f"{n} frame{'' if n == 1 else 's'} with both ends in two views; {FEWEST_FRAMES} "
+                "are needed, the wand all over the space and turned in all directions."
             )
         else:
             table = self.fitted.errors

@@ -248,7 +248,7 @@ def test_pictures_of_a_board_are_found_set_aside_and_taken_back(boards):
     assert widget.session.fitted.of_view("left")["rms_px"] < 0.1  # 0.05 px of noise in u and v
     widget.edit("action", {"frame": 3, "action": "floor", "value": None})
     widget.wait()
-    assert "axes are those of the board of frame 3" in widget.status
+    assert "The yellow grid lies on the board of frame 3 in every view" in widget.status
     widget.edit("select", {"frame": 2, "view": "left", "point": "board"})
     widget.edit("action", {"frame": 2, "action": "aside", "value": None})
     widget.wait()
