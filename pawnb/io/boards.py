@@ -121,9 +121,8 @@ def read_board(path: str | Path) -> Board:
 
     Examples
     --------
-    >>> path = Path("board.toml")
     >>> lines = ["board_x = 8", "board_y = 11", "square_length = 24.0"]
-    >>> print(*lines, sep=chr(10), file=path.open("w"), flush=True)
+    >>> _ = Path("board.toml").write_text(chr(10).join(lines))
     >>> pawnb.io.read_board("board.toml").shape
     (7, 10)
     """

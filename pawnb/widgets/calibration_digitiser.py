@@ -1,4 +1,4 @@
-"""*CalibrationDigitiser*: cameras from clicks on known points, from a board, or a scale."""
+"""*CalibrationDigitiser*: cameras from known points, a board or a wand, or the scale of a view."""
 
 from __future__ import annotations
 
@@ -17,10 +17,12 @@ from pawnb.io.boards import Board, read_board
 from pawnb.trial import Trial, View
 from pawnb.widgets.calibration_pictures import BoardPictures
 from pawnb.widgets.calibration_points import PointCalibration
+from pawnb.widgets.calibration_wand import WandClicks
 from pawnb.widgets.frame_canvas import MOUSE_AND_KEYS, FrameCanvas, Overlay
 from pawnb.widgets.scale_clicks import ScaleClicks
 from pawnb.workflow.calibration.known_points import read_known_points
 from pawnb.workflow.calibration.scale import write_scale
+from pawnb.workflow.calibration.wand import read_lenses
 
 _KEYS = (
     ("Click", "place the point that is asked for; a hollow diamond is where the view shows it"),
@@ -37,7 +39,7 @@ _FPS = 25.0
 
 
 class CalibrationDigitiser(FrameCanvas):
-    """Calibrate cameras by clicks on points of known position, or by pictures of a board.
+    """Calibrate cameras by known points, by pictures of a board, or by a wand.
 
     Residuals are shown while points are clicked. As soon as a view is determined, a grid on the
     plane z = 0 and the three axes are drawn over it, so that a wrong geometry is seen even where
@@ -54,6 +56,10 @@ class CalibrationDigitiser(FrameCanvas):
     board : Board, str or Path, optional
         A checkerboard or ChArUco board instead of points, or its ``board.toml``; pictures of one
         number are of one instant.
+    wand : float, optional
+        The length of a wand instead, whose two ends are clicked in every view, frame by frame.
+    lenses : str or Path, optional
+        ``lenses.toml`` of the views, for a wand; without it focal lengths are found.
     folder : str or Path
         Where clicks and calibration go; default the current folder.
     trial : Trial, optional
@@ -63,7 +69,7 @@ class CalibrationDigitiser(FrameCanvas):
 
     Attributes
     ----------
-    session : PointCalibration, BoardPictures or None
+    session : PointCalibration, BoardPictures, WandClicks or None
         The clicks or pictures; works without a browser.
     measuring : ScaleClicks or None
         The two clicks of a scale, while they are made.
@@ -71,7 +77,8 @@ class CalibrationDigitiser(FrameCanvas):
     Raises
     ------
     InputError
-        If both or neither of points and board are given (without a trial), or a file is wrong.
+        If several or none of points, board and wand are given (without a trial), or a file is
+        wrong.
 
     Examples
     --------
@@ -91,16 +98,21 @@ class CalibrationDigitiser(FrameCanvas):
         *,
         points: pd.DataFrame | str | Path | None = None,
         board: Board | str | Path | None = None,
+        wand: float | None = None,
+        lenses: str | Path | None = None,
         folder: str | Path = ".",
         trial: Trial | None = None,
         **options: Any,
     ) -> None:
-        if points is not None and board is not None:
-            raise InputError("points and board are both given; calibrate by one of them.")
-        if points is None and board is None and trial is None:
+        ways = {"points": points, "board": board, "wand": wand}
+        given = [name for name, value in ways.items() if value is not None]
+        if len(given) > 1:
+            raise InputError(f"{' and '.join(given)} are given; calibrate by one of them.")
+        if not given and trial is None:
             raise InputError(
-                "neither points nor board is given; give a table of known points (point, x, y, z), "
-                "a board.toml, or a trial whose scale is to be measured."
+                "neither points, board nor wand is given; give a table of known points (point, x, "
+                "y, z), a board.toml, the length of a wand, or a trial whose scale is to be "
+                "measured."
             )
         known = None if points is None else read_known_points(points)
         found = board if board is None or isinstance(board, Board) else read_board(board)
@@ -114,11 +126,15 @@ class CalibrationDigitiser(FrameCanvas):
         sizes = {name: (r.width, r.height) for name, r in self._own_views.readers.items()}
         span = (0, self._own_views.n_frames - 1)
         folder = Path(folder)
-        self.session: PointCalibration | BoardPictures | None = None
+        self.session: PointCalibration | BoardPictures | WandClicks | None = None
         if known is not None:
             self.session = PointCalibration(known, sizes=sizes, folder=folder, span=span)
         elif found is not None:
             self.session = BoardPictures(found, pictures, sizes=sizes, folder=folder, span=span)
+        elif wand is not None:
+            self.session = WandClicks(
+                wand, sizes=sizes, folder=folder, span=span, lenses=read_lenses(lenses, list(sizes))
+            )
         else:
             self.measuring = ScaleClicks()
         super().__init__(self._own_views, span=span, **options)
@@ -180,7 +196,7 @@ class CalibrationDigitiser(FrameCanvas):
         view, point = str(message.get("view")), str(message.get("point"))
         if what == "select" and session is not None:
             session.select(view, point)
-        if not isinstance(session, PointCalibration):
+        if session is None or isinstance(session, BoardPictures):
             return
         if what in ("click", "moved"):
             u, v = self._snapped(view, float(message["u"]), float(message["v"]), session.frame)
@@ -224,6 +240,8 @@ class CalibrationDigitiser(FrameCanvas):
             session.save_calibration()
         elif action == "find" and isinstance(session, BoardPictures):
             self._begin("Looking for the board", lambda: session.find(self._progress))
+        elif action == "fit" and isinstance(session, WandClicks):
+            self._begin("Calibrating", session.refit)
         else:
             session.act(action)
 
@@ -302,12 +320,14 @@ class CalibrationDigitiser(FrameCanvas):
             self.status = f"{session.prompt()}\n{kept}".rstrip()
             self.actions = [*session.actions(), *self._common(session)]
 
-    def _common(self, session: PointCalibration | BoardPictures) -> list[dict[str, Any]]:
+    def _common(
+        self, session: PointCalibration | BoardPictures | WandClicks
+    ) -> list[dict[str, Any]]:
         """Return the buttons that both kinds of calibration have."""
         snap = {"id": "snap", "text": "Snap: on" if self._snaps else "Snap: off", "keys": ["s"],
                 "title": "Let clicks snap to the centre of the ball they are on (S)"}  # fmt: skip
         return [
-            *([snap] if session.kind == "points" else []),
+            *([] if isinstance(session, BoardPictures) else [snap]),
             {"id": "scale", "text": "Scale", "keys": ["c"],
              "title": "Measure the scale of one view by two clicks (C)"},
             {"id": "undo", "text": "Undo", "keys": ["Ctrl+z"], "enabled": session.can_undo,

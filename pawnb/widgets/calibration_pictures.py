@@ -70,8 +70,6 @@ class BoardPictures(Draft[_State]):
         Why there are no cameras, in a sentence.
     """
 
-    kind = BOARD
-
     def __init__(
         self,
         board: Board,
@@ -215,8 +213,8 @@ class BoardPictures(Draft[_State]):
         if each:
             said += f" Set aside: {', '.join(each)}."
         return (
-            f"{said}\nThe yellow grid should lie on the floor and blue point up in every view; "
-            f"axes are those of the board of frame {self.fitted.floor}."
+            f"{said}\nThe yellow grid lies on the board of frame {self.fitted.floor} in every "
+            "view, z points up from it. F takes the board of the frame on the screen instead."
         )
 
     def actions(self) -> list[dict[str, Any]]:

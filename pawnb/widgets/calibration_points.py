@@ -76,8 +76,6 @@ class PointCalibration(Draft[_State]):
         If the clicks that are there do not fit the views and points.
     """
 
-    kind = "points"
-
     def __init__(
         self,
         known: Mapping[str, np.ndarray],

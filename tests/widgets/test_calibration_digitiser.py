@@ -6,6 +6,7 @@ import ball_scene as scene
 import numpy as np
 import pandas as pd
 import pytest
+import tomli_w
 
 from pawnb import cli
 from pawnb.core.calibration.rig_from_boards import Sightings
@@ -174,9 +175,9 @@ def test_a_scale_is_measured_and_written_into_its_trial(opened):
 
 def test_what_cannot_be_used_is_one_sentence(opened, tmp_path):
     open_it, folder = opened
-    with pytest.raises(InputError, match="neither points nor board is given"):
+    with pytest.raises(InputError, match="neither points, board nor wand is given"):
         open_it(points=None)
-    with pytest.raises(InputError, match="points and board are both given"):
+    with pytest.raises(InputError, match="points and board are given"):
         open_it(board="board.toml")
     with pytest.raises(InputError, match="no pictures are given"):
         CalibrationDigitiser({}, points=folder / "in" / "points.csv")
@@ -192,15 +193,19 @@ def test_what_cannot_be_used_is_one_sentence(opened, tmp_path):
         open_it()
 
 
+def more_pictures(folder, n):
+    """Let each view have n pictures, all the same."""
+    for view in scene.VIEWS:
+        first = folder / "in" / view / "0.png"
+        for k in range(1, n):
+            first.with_name(f"{k}.png").write_bytes(first.read_bytes())
+
+
 @pytest.fixture
 def boards(opened, monkeypatch):
     """The widget on two views of eight boards, whose corners are projected, not painted."""
     open_it, folder = opened
-    for view in scene.VIEWS:
-        for k in range(1, 8):
-            (folder / "in" / view / f"{k}.png").write_bytes(
-                (folder / "in" / view / "0.png").read_bytes()
-            )
+    more_pictures(folder, 8)
     board = Board(columns=7, rows=5, square=10.0)
     corners, rng = board.corners(), np.random.default_rng(2)
     uv = np.zeros((2, 8, len(corners), 2))
@@ -243,7 +248,7 @@ def test_pictures_of_a_board_are_found_set_aside_and_taken_back(boards):
     assert widget.session.fitted.of_view("left")["rms_px"] < 0.1  # 0.05 px of noise in u and v
     widget.edit("action", {"frame": 3, "action": "floor", "value": None})
     widget.wait()
-    assert "axes are those of the board of frame 3" in widget.status
+    assert "The yellow grid lies on the board of frame 3 in every view" in widget.status
     widget.edit("select", {"frame": 2, "view": "left", "point": "board"})
     widget.edit("action", {"frame": 2, "action": "aside", "value": None})
     widget.wait()
@@ -262,3 +267,46 @@ def test_pictures_of_a_board_are_found_set_aside_and_taken_back(boards):
     again = open_it()
     assert again.session.aside == {("left", 2)}
     assert again.session.floor == 3
+
+
+@pytest.mark.slow
+def test_a_wand_is_clicked_frame_by_frame(opened):
+    open_it, folder = opened
+    n, length = 14, 40.0
+    more_pictures(folder, n)
+    K = [[scene.FOCAL, 0.0, 319.5], [0.0, scene.FOCAL, 199.5], [0.0, 0.0, 1.0]]
+    lens = {"matrix": K, "distortion": [0.0] * 5}
+    (folder / "known.toml").write_text(tomli_w.dumps(dict.fromkeys(scene.VIEWS, lens)))
+    widget = open_it(points=None, wand=length, lenses=folder / "known.toml")
+    assert widget.status.startswith("Click end 1 of the wand in left.")
+    rng = np.random.default_rng(4)
+    for frame in range(n):
+        middle, along = rng.uniform((-25, -25, -5), (25, 25, 45)), rng.normal(size=3)
+        along *= length / 2 / np.linalg.norm(along)
+        for view in scene.VIEWS:
+            for u, v in scene.seen(view, [middle - along, middle + along]):
+                off = 12.0 if (view, frame) == ("right", 5) else 0.0
+                message = {"frame": frame, "view": view, "u": float(u), "v": float(v) + off}
+                widget.edit("click", message)
+    assert "Press Enter to calibrate." in widget.status
+    act(widget, "fit")
+    widget.wait()
+    assert "left: 0.0" in widget.status
+    # of two views that do not agree either may be the wrong one
+    assert "Set aside: left 5 (" in widget.status or "Set aside: right 5 (" in widget.status
+    eyes = [-c.rotation.T @ c.translation for c in widget.session.fitted.cameras]
+    expected = 600.0 * np.cos(scene.DOWN) * 2 * np.sin((0.5 + 0.5) / 2)  # as the scene is written
+    assert np.linalg.norm(eyes[0] - eyes[1]) == pytest.approx(expected, rel=0.01)
+    widget.edit("action", {"frame": 0, "action": "save", "value": None})
+    assert (folder / "DLTcoefs.csv").exists()
+    ends = str(folder / "calibration_wand.csv")
+    words = ["calibrate", ends, "--wand", "40", "--size", "640x400", "-o", str(folder / "c.csv")]
+    assert cli.main([*words, "--lenses", str(folder / "known.toml")]) == 0
+    np.testing.assert_allclose(
+        read_coefs(folder / "c.csv", tuple(scene.VIEWS)),
+        read_coefs(folder / "DLTcoefs.csv", tuple(scene.VIEWS)),
+    )
+    again = open_it(points=None, wand=length)
+    assert again.session.clicks == widget.session.clicks
+    act(widget, "undo")
+    assert len(widget.session.clicks) == 4 * n - 1

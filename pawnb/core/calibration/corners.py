@@ -23,7 +23,11 @@ class CornerFinder:
     def __init__(self, board: Board) -> None:
         self.board = board
         self.n_corners = len(board.corners())
-        self._detectors = () if board.marker is None else _detectors(board, board.marker)
+        self._detectors: tuple[cv2.aruco.CharucoDetector, ...] = ()
+        self._shift = np.zeros(2)
+        if board.marker is not None:
+            self._detectors = _detectors(board, board.marker)
+            self._shift = _pixel_origin(board, self._detectors[0])
 
     @property
     def may_be_turned(self) -> bool:
@@ -52,7 +56,7 @@ class CornerFinder:
             corners, ids, _, _ = detector.detectBoard(grey)
             if ids is not None and len(ids) >= max(FEWEST_CORNERS, np.isfinite(uv[:, 0]).sum() + 1):
                 uv[:] = np.nan
-                uv[np.ravel(ids)] = np.reshape(corners, (-1, 2))
+                uv[np.ravel(ids)] = np.reshape(corners, (-1, 2)) - self._shift
         return uv
 
 
@@ -69,6 +73,21 @@ def _detectors(board: Board, marker: float) -> tuple[cv2.aruco.CharucoDetector, 
         drawn.setLegacyPattern(is_old)
         detectors.append(cv2.aruco.CharucoDetector(drawn))
     return tuple(detectors)
+
+
+def _pixel_origin(board: Board, detector: cv2.aruco.CharucoDetector) -> np.ndarray:
+    """Return where the detector counts pixels from: (0, 0), or (0.5, 0.5) in OpenCV before 5.
+
+    Told by the board as it is drawn, whose corners lie on the edges of pixels.
+    """
+    side = 40
+    size = (board.columns * side, board.rows * side)
+    corners, ids, _, _ = detector.detectBoard(detector.getBoard().generateImage(size))
+    if not (ids is not None and len(ids)):
+        return np.zeros(2)
+    row, column = np.divmod(np.ravel(ids), board.columns - 1)
+    drawn = np.stack([column + 1, row + 1], axis=1) * side - 0.5
+    return np.round(2.0 * np.median(np.reshape(corners, (-1, 2)) - drawn, axis=0)) / 2.0
 
 
 def _checkerboard(grey: np.ndarray, shape: tuple[int, int]) -> np.ndarray | None:

@@ -8,7 +8,7 @@ the two ends are the wand's length apart.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -146,16 +146,27 @@ def calibrate_by_wand(wand: WandSightings) -> WandFit:
         )
     frames = _some(frames, _MOST_FRAMES)
     rows = _begin(wand, _some(frames, _GUESS_FRAMES))
-    aside: set[tuple[str, int]] = set()
+    aside: dict[tuple[str, int], float] = {}  # view and frame to their error, px
     for _ in range(len(names) + 1):
-        found, errors = _adjusted(wand, rows, frames, aside)
+        found, errors = _adjusted(wand, rows, frames, set(aside))
         limit = max(OUTLYING * float(errors["error_px"].median()), LEAST_OUTLYING_PX)
         outlying = errors[(errors["error_px"] > limit) & ~errors["set_aside"]]
         if outlying.empty:
             break
         worst = outlying.loc[outlying.groupby("frame")["error_px"].idxmax()]
-        aside |= set(zip(worst["view"], worst["frame"], strict=True))
-    return WandFit(cameras=_upright(wand, found), errors=errors)
+        aside |= dict(
+            zip(zip(worst["view"], worst["frame"], strict=True), worst["error_px"], strict=True)
+        )
+    return WandFit(cameras=_upright(wand, found), errors=_with_dropped(errors, aside))
+
+
+def _with_dropped(errors: pd.DataFrame, aside: Mapping[tuple[str, int], float]) -> pd.DataFrame:
+    """Add what was set aside in frames that no two views are left of, as it was found."""
+    there = set(zip(errors["view"], errors["frame"], strict=True))
+    dropped = [(*pair, error, True) for pair, error in aside.items() if pair not in there]
+    if not dropped:
+        return errors
+    return pd.concat([errors, pd.DataFrame(dropped, columns=errors.columns)], ignore_index=True)
 
 
 def _begin(wand: WandSightings, frames: np.ndarray) -> np.ndarray:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -136,25 +136,18 @@ def calibrate_from_wand(
     """
     if not (np.isfinite(length) and length > 0):
         raise InputError(f"the wand is {length:g} long; expected a length above 0.")
-    names, frames, uv = _read_ends(ends, views)
+    table = read_ends(ends)
+    table = table[~table["set_aside"].to_numpy(bool)]
+    names = _views(table, views, Path(ends).name)
     if len(sizes) not in (1, len(names)):
         raise InputError(
             f"{len(sizes)} sizes of pictures for {len(names)} views ({', '.join(names)}); give one "
             "for all, or one a view."
         )
-    known = _lenses(lenses, names)
-    wand = WandSightings(
-        names=names,
-        sizes=tuple(sizes) * (len(names) if len(sizes) == 1 else 1),
-        length=length,
-        uv=uv,
-        lenses=known,
-    )
-    fit = calibrate_by_wand(wand)
-    fit = WandFit(
-        cameras=fit.cameras,
-        errors=fit.errors.assign(frame=frames[fit.errors["frame"].to_numpy(int)]),
-    )
+    known = read_lenses(lenses, names)
+    each = tuple(sizes) * (len(names) if len(sizes) == 1 else 1)
+    fit = calibrate_ends(table, length, sizes=dict(zip(names, each, strict=True)), lenses=known)
+    _, uv = _as_array(table, names)
     coefs, _ = coefs_of_cameras(fit.cameras)
     straight = [lens.straighten(uv[v]) for v, lens in enumerate(known)] if known else list(uv)
     xyz = triangulate(coefs, np.stack(straight, axis=-2), even=True).xyz
@@ -165,27 +158,37 @@ def calibrate_from_wand(
     )
 
 
-def _read_ends(
-    path: str | Path, views: Sequence[str] | None
-) -> tuple[tuple[str, ...], np.ndarray, np.ndarray]:
-    """Return the views, the frames, and both ends (n_views, n_frames, 2, 2)."""
+def read_ends(path: str | Path) -> pd.DataFrame:
+    """Read a table of the two ends of a wand.
+
+    Parameters
+    ----------
+    path : str or Path
+        A csv with ``frame, view, point, u, v``; rows with 1 in a column ``set_aside`` are those
+        that a person has set aside.
+
+    Returns
+    -------
+    DataFrame
+        ``frame, view, point, u, v, set_aside``, without places that are empty.
+
+    Raises
+    ------
+    InputError
+        If a column is missing, a cell is no number, there are not two points, or a row is there
+        twice.
+    """
     where = Path(path).name
     table = read_cells(path, WAND_COLUMNS)
     numbers = {name: read_numbers(table, name, where=where) for name in ("frame", "u", "v")}
-    table = table.assign(**numbers).dropna(subset=["u", "v"])
+    aside = table["set_aside"] == "1" if "set_aside" in table else False
+    table = table.assign(**numbers, set_aside=aside).dropna(subset=["u", "v"])
     points = list(dict.fromkeys(table["point"]))
-    if len(points) != 2:
+    if len(points) > 2:
         raise InputError(
             f"{where}: {len(points)} points ({', '.join(points[:5])}); expected two, the ends of "
             "the wand."
         )
-    found = tuple(dict.fromkeys(str(view) for view in table["view"]))
-    if views is not None and sorted(views) != sorted(found):
-        raise InputError(
-            f"views {', '.join(views)} are named, but {where} has {', '.join(found)}; name each of "
-            "these once."
-        )
-    names = tuple(views or found)
     twice = table[table.duplicated(["frame", "view", "point"])]
     if len(twice):
         row = twice.iloc[0]
@@ -193,16 +196,68 @@ def _read_ends(
             f"{where}: frame {row['frame']:g}, view {row['view']}, point {row['point']} is there "
             "twice; keep one of them."
         )
-    frames = np.unique(table["frame"].to_numpy())
+    return table[[*WAND_COLUMNS, "set_aside"]]
+
+
+def calibrate_ends(
+    table: pd.DataFrame,
+    length: float,
+    *,
+    sizes: Mapping[str, tuple[int, int]],
+    lenses: tuple[Lens, ...] = (),
+) -> WandFit:
+    """Calibrate views by the ends of a wand.
+
+    Parameters
+    ----------
+    table : DataFrame
+        ``frame, view, point, u, v``.
+    length : float
+        Distance of the two ends.
+    sizes : mapping of str to tuple of int
+        Width and height of the picture of each view, px; their order is that of the cameras.
+    lenses : tuple of Lens
+        Lenses that are known, one a view.
+
+    Returns
+    -------
+    WandFit
+        The cameras, and the error of each place of the wand by frame.
+    """
+    frames, uv = _as_array(table, tuple(sizes))
+    wand = WandSightings(
+        names=tuple(sizes), sizes=tuple(sizes.values()), length=length, uv=uv, lenses=lenses
+    )
+    fit = calibrate_by_wand(wand)
+    errors = fit.errors.assign(frame=frames[fit.errors["frame"].to_numpy(int)])
+    return WandFit(cameras=fit.cameras, errors=errors)
+
+
+def _as_array(table: pd.DataFrame, names: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray]:
+    """Return the frames, and both ends (n_views, n_frames, 2, 2)."""
+    frames = np.unique(table["frame"].to_numpy(int))
+    points = list(dict.fromkeys(table["point"]))
     uv = np.full((len(names), len(frames), 2, 2), np.nan)
     view = np.array([names.index(str(name)) for name in table["view"]], int)
     end = np.array([points.index(name) for name in table["point"]], int)
-    uv[view, np.searchsorted(frames, table["frame"]), end] = table[["u", "v"]].to_numpy(float)
-    return names, frames.astype(int), uv
+    at = np.searchsorted(frames, table["frame"].to_numpy(int))
+    uv[view, at, end] = table[["u", "v"]].to_numpy(float)
+    return frames, uv
 
 
-def _lenses(path: str | Path | None, names: Sequence[str]) -> tuple[Lens, ...]:
-    """Read the lens of each view."""
+def _views(table: pd.DataFrame, views: Sequence[str] | None, where: str) -> tuple[str, ...]:
+    """Return the views in the order wanted."""
+    found = tuple(dict.fromkeys(str(view) for view in table["view"]))
+    if views is not None and sorted(views) != sorted(found):
+        raise InputError(
+            f"views {', '.join(views)} are named, but {where} has {', '.join(found)}; name each of "
+            "these once."
+        )
+    return tuple(views or found)
+
+
+def read_lenses(path: str | Path | None, names: Sequence[str]) -> tuple[Lens, ...]:
+    """Read the lens of each view; none without a path."""
     if path is None:
         return ()
     found = load_lenses(path)

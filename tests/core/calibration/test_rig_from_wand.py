@@ -9,7 +9,7 @@ from pawnb.core.lens import Lens
 from pawnb.errors import CalibrationError
 
 LENGTH = 100.0
-N = 40
+N = 30
 
 
 def wand(*, bent=False, noise_px=0.2, n=N, change=None):
@@ -54,6 +54,7 @@ def test_focal_lengths_and_places_come_back():
         assert step[1] < -0.7
 
 
+@pytest.mark.slow
 def test_known_lenses_are_kept_and_frames_that_do_not_agree_are_named():
     def spoil(uv):
         uv[1, 7] += 9.0
@@ -67,7 +68,7 @@ def test_known_lenses_are_kept_and_frames_that_do_not_agree_are_named():
     assert [camera.matrix[0, 0] for camera in fit.cameras] == [520.0, 560.0, 600.0]
     expected = spans([(R, t) for _, _, R, t in true])
     np.testing.assert_allclose(
-        spans([(c.rotation, c.translation) for c in fit.cameras]), expected, rtol=0.005
+        spans([(c.rotation, c.translation) for c in fit.cameras]), expected, rtol=0.01
     )
 
 
