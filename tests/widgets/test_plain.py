@@ -108,3 +108,15 @@ def test_a_frame_that_cannot_be_read_leaves_the_widget(trial_file, tmp_path):
     assert WIDGET in data
     assert "image/png" not in data
     widget.close()
+
+
+def test_marks_that_cannot_be_drawn_leave_the_widget(trial_file):
+    views = open_views(pawnb.load_trial(trial_file))
+    marks = {"cam1": {"points": [{"id": "x", "u": 5.0, "v": 5.0, "colour": "rgb(1, 2, 3)"}]}}
+    widget = widgets.FrameCanvas(views, overlay=lambda _frame: {"views": marks})
+    bundle = widget._repr_mimebundle_()
+    data = bundle[0] if isinstance(bundle, tuple) else bundle
+    assert WIDGET in data
+    assert "image/png" not in data
+    widget.close()
+    views.close()
