@@ -104,8 +104,8 @@ class H264VideoWriter(_RgbVideoWriter):
     def __init__(self, path: Path, *, size: tuple[int, int], fps: float, crf: int) -> None:
         if self._codec not in av.codecs_available:
             raise InputError(
-                f"this installation of PyAV cannot write H.264 (it has no {self._codec}); leave "
-                "out h264-crf, or install PyAV from PyPI."
+                f"this installation of PyAV cannot write H.264 (it has no {self._codec}); "
+                "install PyAV from PyPI, or leave out h264-crf where a scene is rendered."
             )
         self._odd = [(0, size[1] % 2), (0, size[0] % 2), (0, 0)]
         even = (size[0] + size[0] % 2, size[1] + size[1] % 2)

@@ -19,8 +19,9 @@ from matplotlib.patches import Rectangle
 from matplotlib.patheffects import withStroke
 
 from pawnb import figures
-from pawnb.figures.style import OKABE_ITO, style
+from pawnb.figures.style import OKABE_ITO
 from pawnb.widgets.gait_session import KINDS, GaitSession
+from pawnb.widgets.plot_theme import SCREEN_PT, on_screen
 
 _PICKED = OKABE_ITO["yellow"]
 """The stride that is picked is yellow with a black edge: no leg has that colour."""
@@ -28,7 +29,6 @@ _EVENT = OKABE_ITO["vermillion"]
 """The event that is picked, on the yellow of its stride."""
 _LINE = OKABE_ITO["blue"]
 _DASHES: dict[str, Any] = {"AEP": "-", "PEP": "--", "TD": "-.", "LO": ":"}
-_SCREEN_PT = 9.0
 """The figures' own 7 pt are for paper; on a screen at 100 dots per inch that is too small."""
 _EDGED = [withStroke(linewidth=5.0, foreground="black")]
 
@@ -59,7 +59,7 @@ class GaitPanels:
         self.rows: list[str] = []
         self._marks: list[Artist] = []
         self.event_line: Line2D | None = None
-        with style(font_size_pt=_SCREEN_PT):
+        with on_screen():
             grid = figure.add_gridspec(
                 1, 2, width_ratios=[2.9, 1.0], left=0.065, right=0.965, bottom=0.11, top=0.885,
                 wspace=0.2,
@@ -75,14 +75,14 @@ class GaitPanels:
 
     def draw(self) -> None:
         """Draw everything anew: another trial, pair or set of legs, or a correction."""
-        with style(font_size_pt=_SCREEN_PT):
+        with on_screen():
             self._draw_diagram()
             self._draw_rose()
         self.draw_leg()
 
     def draw_leg(self) -> None:
         """Draw what belongs to the leg that is shown, and the marks."""
-        with style(font_size_pt=_SCREEN_PT):
+        with on_screen():
             self._draw_signal()
             self._draw_strides()
         self.show_span(self.span_s)
@@ -153,7 +153,7 @@ class GaitPanels:
                 )
             )  # fmt: skip
         if len(own):
-            ax.set_title("crossed: stride does not count", loc="left", fontsize=_SCREEN_PT - 1.0)
+            ax.set_title("crossed: stride does not count", loc="left", fontsize=SCREEN_PT - 1.0)
         ax.set_xlabel("")
 
     def _draw_signal(self) -> None:

@@ -41,7 +41,8 @@ class Plain:
         bundle = super()._repr_mimebundle_(**options)  # type: ignore[misc]
         data = bundle[0] if isinstance(bundle, tuple) else bundle
         if data is not None:
-            with suppress(PawnbError, OSError):  # a damaged frame: the widget itself says so
+            # a damaged frame, or marks that only a browser can draw: the widget itself is shown
+            with suppress(PawnbError, OSError, ValueError, LookupError):
                 data["image/png"] = base64.b64encode(self.plain_picture()).decode("ascii")
         return bundle
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
@@ -18,6 +20,8 @@ from matplotlib.patheffects import withStroke
 from matplotlib.spines import Spine
 from matplotlib.text import Text
 
+from pawnb.figures.style import style
+
 PAPER, INK = "#1b1b1b", "#e4e4e4"
 """Background and text on a dark page."""
 _WHITE, _BLACK = np.array(to_rgb(PAPER)), np.array(to_rgb(INK))
@@ -27,11 +31,26 @@ _DARK = 0.1
 """Colours of a lower relative luminance need a light edge on a dark page."""
 _DONE = "_pawnb_dark"
 
+SCREEN_PT = 9.0
+"""Size of letters on the screen."""
 _MARGIN_PX = 12
 """Room that the canvas leaves about itself."""
 
 LEAST_PX = (420, 300)
 """No plots are smaller; the page scrolls instead."""
+
+
+@contextmanager
+def on_screen() -> Iterator[None]:
+    """Draw as a widget shows it: in its size of letters, and names as they are, not as mathematics.
+
+    Yields
+    ------
+    None
+        What is made within it keeps to this.
+    """
+    with style(font_size_pt=SCREEN_PT), mpl.rc_context({"text.parse_math": False}):
+        yield
 
 
 def fit_figure(

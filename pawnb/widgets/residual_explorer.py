@@ -11,10 +11,10 @@ import traitlets
 from matplotlib.figure import Figure
 
 from pawnb.errors import InputError
-from pawnb.figures.style import OKABE_ITO, style
+from pawnb.figures.style import OKABE_ITO
 from pawnb.widgets.plain import Plain, picture_of_figure
 from pawnb.widgets.plot_canvas import make_canvas
-from pawnb.widgets.plot_theme import fit_figure, set_theme
+from pawnb.widgets.plot_theme import fit_figure, on_screen, set_theme
 from pawnb.widgets.residual_session import ResidualSession, Signals
 from pawnb.widgets.surroundings import Surroundings
 
@@ -26,7 +26,6 @@ _METHODS = {
     "autocorrelation": ("whiteness", "^"),
 }
 """Names of the methods in words, and their marks on the curve."""
-_SCREEN_PT = 9.0
 _MOST_PX, _BESIDE_PX = (1000, 540), 310
 """Size of the plots where there is room, and height of the window that buttons and menus take."""
 _ROOM = 1.6
@@ -124,7 +123,7 @@ class ResidualExplorer(Plain, widgets.VBox):  # type: ignore[misc]
     def _draw_all(self) -> None:
         """Draw the residual curve and the three panels anew, for the signal that is shown."""
         self._figure.clear()
-        with style(font_size_pt=_SCREEN_PT):
+        with on_screen():
             grid = self._figure.add_gridspec(
                 3, 2, width_ratios=[1.0, 1.6], left=0.07, right=0.985, bottom=0.1, top=0.94,
                 wspace=0.24, hspace=0.16,

@@ -174,8 +174,8 @@ def test_a_drag_is_on_disk_before_another_frame_shows(reviewing):
     )
     notebook.page.evaluate(
         """() => { const c = document.querySelector('.pawnb-root')._pawnb;
-        window.seen = [];
-        (function look() { seen.push([c.painted, c.pending]); requestAnimationFrame(look); })();
+        window.stood = [];
+        (function look() { stood.push([c.painted, c.pending]); requestAnimationFrame(look); })();
         }"""
     )
     notebook.drag("cam1", truth(0), (truth(0)[0] + 40, truth(0)[1] - 30))
@@ -189,7 +189,7 @@ def test_a_drag_is_on_disk_before_another_frame_shows(reviewing):
         (line["u"], line["v"]), (truth(0)[0] + 40, truth(0)[1] - 30), atol=1.1
     )
     notebook.kernel_runs("r.os.fsync = sync")
-    history = notebook.page.evaluate("window.seen")
+    history = notebook.page.evaluate("window.stood")
     assert [0, 1] in history  # frame 0 stood while the line was being written
     assert [1, 1] not in history  # and frame 1 was never on the screen meanwhile
     assert notebook.py("w.session.position(0, 'cam1', 'FR')") == [line["u"], line["v"]]

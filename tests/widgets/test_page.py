@@ -69,10 +69,11 @@ def test_frames_with_gaps_are_counted_and_keep_their_number_in_words(trial_file,
 def test_names_end_no_script_and_are_no_html(trial_file, tmp_path):
     evil = "</script><img src=x onerror=alert(1)>"
     widget = TrackReviewer(trial_file, scene.true_tracks(), edits=tmp_path / "edits.jsonl")
-    widget.status = evil
+    widget.label = evil
     path = widget.export_page(tmp_path / "page.html", frames=[0], title=evil)
     widget.close()
-    title, _, text = data_of(path)
+    title, data, text = data_of(path)
+    assert data["traits"]["label"] == evil
     assert title == "&lt;/script&gt;&lt;img src=x onerror=alert(1)&gt;"
     assert evil not in text
     assert "<img" not in text

@@ -88,14 +88,33 @@ def test_clicks_and_plots_and_lists_have_pictures(trial_file, tmp_path):
     canvas = explorer._figure.canvas
     assert picture_of(explorer).std() > 5
     assert explorer._figure.canvas is canvas  # still the one that the browser shows
+    assert picture_of(widgets.GaitExplorer(steps("m", "L1"))).std() > 5
+
+
+def steps(name, leg):
+    """Return the gait of two legs, six strides each, of an animal and trial of that name."""
     events = [
-        {"animal": "m", "trial": "t", "leg": leg, "event": event, "time_s": 0.2 * (lag + k + after)}
-        for leg, lag in (("L1", 0.5), ("R1", 0.0))
+        {
+            "animal": name,
+            "trial": name,
+            "leg": own,
+            "event": event,
+            "time_s": 0.2 * (lag + k + late),
+        }
+        for own, lag in ((leg, 0.5), ("R1", 0.0))
         for k in range(7)
-        for event, after in (("AEP", 0.0), ("PEP", 0.6))
+        for event, late in (("AEP", 0.0), ("PEP", 0.6))
     ]
-    tables = gait.analyse_events(pd.DataFrame(events))
-    assert picture_of(widgets.GaitExplorer(tables)).std() > 5
+    return gait.analyse_events(pd.DataFrame(events))
+
+
+@pytest.mark.parametrize("name", ["$\\bad{x$", "<img src=x>" * 40])
+def test_names_in_plots_are_no_mathematics(name):
+    assert picture_of(widgets.GaitExplorer(steps(name, name))).std() > 5
+    t = np.arange(200) / 100.0
+    signals = pd.DataFrame({name: np.sin(12 * t)})
+    explorer = widgets.ResidualExplorer(signals, fs_hz=100.0, unit=name)
+    assert picture_of(explorer).std() > 5
 
 
 def test_a_frame_that_cannot_be_read_leaves_the_widget(trial_file, tmp_path):
@@ -108,3 +127,15 @@ def test_a_frame_that_cannot_be_read_leaves_the_widget(trial_file, tmp_path):
     assert WIDGET in data
     assert "image/png" not in data
     widget.close()
+
+
+def test_marks_that_cannot_be_drawn_leave_the_widget(trial_file):
+    views = open_views(pawnb.load_trial(trial_file))
+    marks = {"cam1": {"points": [{"id": "x", "u": 5.0, "v": 5.0, "colour": "rgb(1, 2, 3)"}]}}
+    widget = widgets.FrameCanvas(views, overlay=lambda _frame: {"views": marks})
+    bundle = widget._repr_mimebundle_()
+    data = bundle[0] if isinstance(bundle, tuple) else bundle
+    assert WIDGET in data
+    assert "image/png" not in data
+    widget.close()
+    views.close()
