@@ -194,7 +194,8 @@ def plot_regression(
     references : mapping, optional
         Columns to a value that theory or other animals give, and its words, with the source:
         ``{"duty_factor": (0.75, "unstable below (McGhee & Frank 1968)")}``. Each is a dotted
-        line, left out where it lies further from the points than three times their range.
+        line, left out where it lies further from the points than three times their range and a
+        quarter of their median.
     log : bool
         Logarithmic axes.
 
@@ -266,21 +267,27 @@ def _draw_reference(
 ) -> None:
     """Draw a line along one axis, with its words."""
     value, words = reference
-    points = own.loc[own["row"] == "point", "y" if along == "x" else "x"]
-    reach = 3.0 * float(np.ptp(points)) if len(points) > 1 else math.inf
+    flat = along == "x"
+    points = own.loc[own["row"] == "point", "y" if flat else "x"]
+    middle = float(points.median())
+    reach = max(3.0 * float(np.ptp(points)), 0.25 * abs(middle))
     if not float(points.min()) - reach <= value <= float(points.max()) + reach:
         return
-    flat = along == "x"
     (ax.axhline if flat else ax.axvline)(
         value, color="0.35", linewidth=0.8, linestyle=(0, (1, 1.5)), zorder=0.5
     )
-    ends = (1.0, value) if flat else (value, 0.0)
-    coordinates = ("axes fraction", "data") if flat else ("data", "axes fraction")
-    ax.annotate(
-        words, ends, xycoords=coordinates, xytext=(-1, 1 if flat else 2), ha="right", va="bottom",
-        textcoords="offset points", rotation=0 if flat else 90, fontsize=small_pt(), color="0.35",
-        zorder=0.6,
-    )  # fmt: skip
+    # on the side of the points, so that the words stay within the panel
+    low = value <= middle
+    look: dict[str, Any] = {"textcoords": "offset points", "fontsize": small_pt(), "color": "0.35",
+                            "zorder": 0.6}  # fmt: skip
+    if flat:  # at the left below a high line, at the right above a low one
+        ax.annotate(words, (0.98 if low else 0.02, value), xycoords=("axes fraction", "data"),
+                    xytext=(0, 1 if low else -1), ha="right" if low else "left",
+                    va="bottom" if low else "top", **look)  # fmt: skip
+    else:  # at the foot of a line beyond the points, at the head of one before them
+        ax.annotate(words, (value, 0.98 if low else 0.02), xycoords=("data", "axes fraction"),
+                    xytext=(1 if low else -1, 0), ha="left" if low else "right",
+                    va="top" if low else "bottom", rotation=90, **look)  # fmt: skip
 
 
 def _words(first: pd.Series) -> str:

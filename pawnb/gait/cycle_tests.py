@@ -95,8 +95,8 @@ def compare_cycles(
     --------
     >>> angles = [one for one in gait.signals if one.signal == "leg angle"]
     >>> cycles = pawnb.gait.cycles.cut_cycles(angles, gait.strides)
-    >>> cycles["group"] = cycles["animal"].map({"spider-01": "a", ...})
-    >>> pawnb.gait.cycle_tests.compare_cycles(cycles)[["leg", "start_percent", "p"]]
+    >>> cycles["group"] = np.where(cycles["animal"] < "spider-03", "young", "old")
+    >>> table = pawnb.gait.cycle_tests.compare_cycles(cycles)
     """
     needed = ("animal", "trial", "leg", "stride", "percent", value, group, "signal", "unit")
     check_columns(cycles, needed, where="cycles")

@@ -41,7 +41,7 @@ def every_drawing(tables):
     """Return the figures of an analysis, with reference lines, and those of two groups."""
     groups = {(f"mouse{k}", f"t{t}"): "ab"[k % 2] for k in range(5) for t in range(2)}
     references = {
-        "duty_factor": (0.75, "unstable below (McGhee & Frank 1968)"),
+        "duty_factor": (0.75, "unstable below (McGhee 1968)"),
         "frequency_hz": (7.3, "trot-gallop\n(Heglund 1974)"),
         "speed": (500.0, "trot-gallop\n(Heglund 1974)"),
     }

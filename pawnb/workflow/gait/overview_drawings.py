@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from functools import partial
 
 import pandas as pd
@@ -10,6 +11,7 @@ import pandas as pd
 from pawnb import figures
 from pawnb.errors import InputError
 from pawnb.gait import GaitTables
+from pawnb.gait.cycle_tests import compare_cycles
 from pawnb.gait.cycles import HEIGHT, LEG_ANGLE, POSITION, LegSignals, centre_signals, cut_cycles
 from pawnb.gait.phase_density import phase_density
 from pawnb.workflow.gait.drawings import Drawing, make_drawing
@@ -46,11 +48,55 @@ def overview_drawings(
         yield make_drawing(kind, kind, partial(build, tables.strides, measures, groups=of))
     if not groups or len(set(groups.values())) < 2:
         return
-    for one in joints:
-        signals.setdefault(one.signal, []).append(one)
-    for signal, own in signals.items():
+    for signal, own in with_joints(signals, joints).items():
         name = "curves_" + signal.replace(" ", "_").replace("-", "_")
         yield make_drawing(name, "cycle_comparison", partial(_curves, own, tables.strides, groups))
+
+
+def curve_clusters(
+    tables: GaitTables, *, groups: Groups | None, joints: Sequence[LegSignals] = ()
+) -> pd.DataFrame:
+    """Compare curves over the stride between groups, signal by signal.
+
+    Parameters
+    ----------
+    tables, groups, joints
+        As for :func:`overview_drawings`.
+
+    Returns
+    -------
+    pandas.DataFrame
+        :data:`pawnb.gait.cycle_tests.CLUSTER_COLUMNS`; empty where nothing can be compared.
+    """
+    parts = []
+    for own in with_joints(signals_by_kind(tables), joints).values() if groups else ():
+        cycles = with_group(cut_cycles(own, tables.strides), groups or {})
+        with suppress(InputError):  # fewer than two animals in a group, or no whole stride
+            parts.append(compare_cycles(cycles, paired=is_paired(cycles)))
+    return pd.concat(parts, ignore_index=True) if parts else pd.DataFrame()
+
+
+def with_joints(
+    signals: dict[str, list[LegSignals]], joints: Sequence[LegSignals]
+) -> dict[str, list[LegSignals]]:
+    """Return signals by kind, with those of joints behind them.
+
+    Parameters
+    ----------
+    signals : dict
+        From :func:`signals_by_kind`.
+    joints : sequence of LegSignals
+        Joint angles.
+
+    Returns
+    -------
+    dict
+        Kind to signals.
+    """
+    every = {kind: list(own) for kind, own in signals.items()}
+    for one in joints:
+        every.setdefault(one.signal, []).append(one)
+    return every
 
 
 def signals_by_kind(tables: GaitTables) -> dict[str, list[LegSignals]]:

@@ -27,7 +27,7 @@ from pawnb.workflow.gait.inputs import (
     tracks_of,
     who_is_who,
 )
-from pawnb.workflow.gait.overview_drawings import overview_drawings
+from pawnb.workflow.gait.overview_drawings import curve_clusters, overview_drawings
 from pawnb.workflow.gait.request import Again, GaitRequest, Legs
 from pawnb.workflow.gait.save_figures import Which, save_gait_figures
 from pawnb.workflow.gait.source_drawings import source_drawings
@@ -232,8 +232,12 @@ def carry_out(
         angles = joint_angles_of(named_tracks)
         fields = covariates_of(parts, [source.fields for source in sources])
         further, remarks = _further_tables(tables, sources, groups=named, angles=angles)
-        left = speed_residuals(tables.strides)
-        further |= {"speed_residuals": left} if len(left) else {}
+        joints = joint_signals_of(named_tracks)
+        for name, made in (
+            ("speed_residuals", speed_residuals(tables.strides)),
+            ("curve_clusters", curve_clusters(tables, groups=named, joints=joints)),
+        ):
+            further |= {name: made} if len(made) else {}
         further["trials"] = trials_table(tables, groups=named, fields=fields)
         try:
             further |= size_tables(tables.strides, fields)
@@ -248,7 +252,7 @@ def carry_out(
                 tables, groups=named, notes=[*_notes_of(sources, tables), *warned],
                 references=reference_lines(tables.strides, fields, unit=length_unit(tables)),
             ),
-            overview_drawings(tables, groups=named, joints=joint_signals_of(named_tracks)),
+            overview_drawings(tables, groups=named, joints=joints),
             source_drawings(seen, angles=angles),
             size_drawings(tables.strides, fields, unit=length_unit(tables)),
             species_drawings(

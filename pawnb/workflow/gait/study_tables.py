@@ -206,7 +206,7 @@ def reference_lines(
     sides = [{place.rank for place in places if place and place.side == side} for side in "LR"]
     if None not in places and sides[0] == sides[1] and len(places) >= _FEWEST_LEGS:
         duty = least_stable_duty_factor(len(places))
-        source = {4: "McGhee & Frank 1968"}.get(len(places), "Ting 1994")
+        source = {4: "McGhee 1968"}.get(len(places), "Ting 1994")
         lines["duty_factor"] = (duty, f"unstable below ({source})")
     return lines
 

@@ -23,6 +23,8 @@ SOURCES = {
     "tracking of rodent paws in 3D. EURASIP Journal on Image and Video Processing.",
     "holm": "Holm S (1979) A simple sequentially rejective multiple test procedure. Scand. J. "
     "Statist. 6: 65-70.",
+    "maris": "Maris E, Oostenveld R (2007) Nonparametric statistical testing of EEG- and MEG-data. "
+    "J. Neurosci. Methods 164: 177-190.",
     "zar": "Zar JH (2010) Biostatistical Analysis. 5th ed. Pearson. (Rayleigh's test)",
 }
 
@@ -120,6 +122,12 @@ def _statistics(tables: GaitTables, further: Mapping[str, pd.DataFrame]) -> str:
             f"The design is {design}; within a measure p was adjusted by Holm's method, and p over "
             "all measures is given beside it"
         )
+    if "curve_clusters" in further:
+        counted = " or ".join(dict.fromkeys(further["curve_clusters"]["method"].astype(str)))
+        said.append(
+            "Curves over the stride were compared by cluster permutation tests over animals "
+            f"({counted}; clusters of points whose t has p below 0.05)"
+        )
     if "scaling" in further:
         said.append(
             "Exponents of size are least squares on logarithms, one point an animal, with 95 % "
@@ -176,6 +184,7 @@ def _sources(
     n_animals = tables.events["animal"].nunique()
     tested = "phase_summary" in further and n_animals > 1
     wanted = ["zar"] if tested else []
+    wanted += ["maris"] if "curve_clusters" in further else []
     wanted += ["holm"] if "groups" in further else []
     wanted += ["pullar"] if {"scaling", "against_speed", "joint_ranges"} & set(further) else []
     used = [made.get("method") for steps in step.get("sources", {}).values() for made in steps]

@@ -11,6 +11,7 @@ FILES = {
     "trials.csv": "who was analysed: groups, covariates, strides",
     "animals.csv": "every measure, leg by leg, counting animals",
     "groups.csv": "differences between groups or conditions, with intervals",
+    "curve_clusters.csv": "stretches of the stride in which curves differ between groups",
     "legs.csv": "whether measures differ between legs",
     "steadiness.csv": "how steady each trial was",
     "stride_durations.csv": "whether legs keep one rhythm, trial by trial",
