@@ -14,7 +14,8 @@ from pawnb.core import dlt
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence
 from pawnb.core.pose.poses import joint_positions, natural_pose
 from pawnb.core.pose.space.arch import arch, arch_angle, slide
-from pawnb.core.pose.space.fitter import SpaceFitter, SpaceFrame
+from pawnb.core.pose.space.fitter import SpaceFitter
+from pawnb.core.pose.space.frame import SpaceFrame, even_arches, known_without_picture
 from pawnb.core.pose.space.geometry import SightLines, check_second_view
 from pawnb.core.pose.space.model import first_view_places, make_model
 from pawnb.core.pose.space.picture_kernels import add_known, ground_cost
@@ -108,7 +109,7 @@ def _scene(*, near=False, seed=0):
     body = float(model.lines.height(np.array([0.0, 0.0, 6.0])))
     box = (0, 0, 400, 130)
     one = SpaceFrame(poses.xy[0], 20.0, places[0], precision[0], np.zeros((130, 400)), box)
-    slid, heights = fitter.arches(one, body)
+    slid, heights = even_arches(fitter.model, one, body)
     # knees a little higher or lower than an even arch has them
     heights[:, 2:6] += rng.uniform(-1.5, 1.5, (len(heights), 1))
     joints = model.lines.at(slid, heights)
@@ -126,7 +127,7 @@ def _scene(*, near=False, seed=0):
 def test_exact_places_lengths_and_picture_give_the_joints_back(near):
     """From even arches; of a leg span of 75 mm the median within 0.2 mm, all within 2 mm."""
     fitter, one, image_evidence, truth = _scene(near=near)
-    known = fitter.known(one, None, 1.0)
+    known = known_without_picture(fitter.model, one, expected=None, expected_sd=1.0)
     found, cost = fitter.refine(
         one, image_evidence, fitter.guess(one, image_evidence, truth[0]), known=known, coarse=True
     )
@@ -151,7 +152,7 @@ def test_the_gradient_is_that_of_the_cost():
     fitter, one, _, truth = _scene()
     rng = np.random.default_rng(1)
     expected = np.concatenate([[1.0], np.zeros(truth[1::3].size)])
-    known = fitter.known(one, expected, 2.0)
+    known = known_without_picture(fitter.model, one, expected=expected, expected_sd=2.0)
     x = truth + rng.normal(0, 0.5, len(truth))
     layout, n = fitter.model.layout, len(x)
 
@@ -170,7 +171,7 @@ def test_the_gradient_is_that_of_the_cost():
 @pytest.mark.slow
 def test_equations_are_solved_leg_by_leg_as_in_one():
     fitter, one, image_evidence, truth = _scene()
-    known = fitter.known(one, None, 1.0)
+    known = known_without_picture(fitter.model, one, expected=None, expected_sd=1.0)
     _, matrix, vector = fitter.equations(
         one, image_evidence, truth + 0.2, known=known, blur=fitter.blur
     )

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from scipy.ndimage import binary_dilation, label
 
@@ -12,7 +10,7 @@ from pawnb.core import dlt
 from pawnb.core.pose.fit.rendering.evidence import BackgroundPicture, Evidence
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence
 from pawnb.core.pose.fit.rendering.paint_kernels import make_canvas, picture_cost
-from pawnb.core.pose.space.arch import arch, slide
+from pawnb.core.pose.space.frame import SpaceFrame, even_arches
 from pawnb.core.pose.space.geometry import view_slope
 from pawnb.core.pose.space.model import SpaceModel
 from pawnb.core.pose.space.picture_kernels import (
@@ -37,31 +35,6 @@ _BODY_STEP = 0.007
 """Step with which the body is looked for, leg spans."""
 _COARSE = 2.5
 """How much broader the blur of the first fit is, which draws from further away."""
-"""How far places in the first view let a segment's length stray when heights are chosen."""
-
-
-@dataclass
-class SpaceFrame:
-    """What both views show of one frame.
-
-    Parameters
-    ----------
-    xy, heading_deg : ndarray, float
-        The body in the first view, px and degrees.
-    places, precision : ndarray
-        Joints in the first view and how sure they are; see ``first_view_places``.
-    image : ndarray, shape (H, W)
-        The second view's crop, grey working pixels.
-    box : tuple of int
-        Where it lies.
-    """
-
-    xy: FloatArray
-    heading_deg: float
-    places: FloatArray
-    precision: FloatArray
-    image: FloatArray
-    box: tuple[int, int, int, int]
 
 
 class SpaceFitter:
@@ -137,42 +110,6 @@ class SpaceFitter:
         height, width = image_evidence.seen.shape
         return make_canvas(height, width, self.model.layout)
 
-    def known(self, one: SpaceFrame, expected: np.ndarray | None, expected_sd: float) -> Known:
-        """Return what is known of a frame without its second picture.
-
-        Parameters
-        ----------
-        one : SpaceFrame
-            The frame.
-        expected : ndarray or None
-            Unknowns that are expected.
-        expected_sd : float
-            Their standard deviation.
-
-        Returns
-        -------
-        Known
-            What is known.
-        """
-        model, settings = self.model, self.model.settings
-        legs, joints = one.places.shape[:2]
-        nothing = np.full(1 + legs * joints, np.nan)
-        return Known(
-            axis=model.lines.axis,
-            about=model.lines.about,
-            top=model.lines.coefs,
-            seen=np.nan_to_num(one.places),
-            weight=np.nan_to_num(one.precision),
-            length=model.lengths,
-            length_sd=settings.length_sd * model.lengths + 1e-3 * model.span,
-            bend_sd=settings.bend_sd,
-            root_sd=settings.root_share * model.span,
-            expected=nothing if expected is None else expected,
-            expected_sd=expected_sd,
-            ground=model.ground,
-            ground_sd=settings.ground_share * model.span,
-        )
-
     def body_height(
         self, one: SpaceFrame, image_evidence: ImageEvidence, heights: np.ndarray
     ) -> float:
@@ -229,31 +166,9 @@ class SpaceFitter:
             step = _BODY_STEP * model.span
             lowest = np.fmax(model.heights[0], model.ground)
             body = self.body_height(one, image_evidence, np.arange(lowest, model.heights[1], step))
-        places, heights = self.arches(one, body)
+        places, heights = even_arches(model, one, body)
         joints = np.nan_to_num(model.lines.at(places, heights))
         return np.concatenate([[body], joints.ravel()])
-
-    def arches(self, one: SpaceFrame, body: float) -> tuple[FloatArray, FloatArray]:
-        """Return the joints of legs in even arches from body to ground.
-
-        Returns
-        -------
-        places : ndarray, shape (legs, joints, 2)
-            Where the first view would see them, on the legs' lines there.
-        heights : ndarray, shape (legs, joints)
-            Their heights.
-        """
-        model = self.model
-        places, heights = one.places.copy(), np.full(one.places.shape[:2], np.nan)
-        ground = model.ground if np.isfinite(model.ground) else body
-        for i in range(len(places)):
-            n = int(model.layout.n_segments[i])
-            at = model.lines.at(one.places[i, : n + 1], body)
-            reach = float(np.linalg.norm(np.diff(at, axis=0), axis=1).sum())
-            out, up = arch(model.lengths[i, :n], reach, ground - body)
-            places[i, : n + 1] = slide(one.places[i, : n + 1], out)
-            heights[i, : n + 1] = body + up
-        return places, heights
 
     def refine(
         self,

@@ -12,7 +12,8 @@ from pawnb.core.pose.fit.learning.appearance_kernels import look_equations
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence
 from pawnb.core.pose.fit.rendering.paint_kernels import picture_cost
 from pawnb.core.pose.fit.sequence.first_frame import partners
-from pawnb.core.pose.space.fitter import SpaceFitter, SpaceFrame
+from pawnb.core.pose.space.fitter import SpaceFitter
+from pawnb.core.pose.space.frame import SpaceFrame
 from pawnb.core.pose.space.model import SpaceModel
 from pawnb.core.pose.space.picture_kernels import paint_parts, paint_space
 

@@ -23,7 +23,8 @@ from pawnb.core.pose.animal import StickAnimal
 from pawnb.core.pose.fit.parallel import THREADS
 from pawnb.core.pose.fit.rendering.evidence import BackgroundPicture
 from pawnb.core.pose.fit.rendering.gauss_newton_kernels import ImageEvidence
-from pawnb.core.pose.space.fitter import SpaceFitter, SpaceFrame
+from pawnb.core.pose.space.fitter import SpaceFitter
+from pawnb.core.pose.space.frame import SpaceFrame, known_without_picture
 from pawnb.core.pose.space.learn import learn_model
 from pawnb.core.pose.space.model import first_view_places, make_model
 from pawnb.core.pose.space.settings import SpaceSettings
@@ -271,7 +272,7 @@ class _Solver:
     def _alone(self, k: int) -> None:
         """Fit one frame from even arches."""
         one, image_evidence = self.frames[k], self.image_evidence(k)
-        known = self.fitter.known(one, None, 1.0)
+        known = known_without_picture(self.fitter.model, one, expected=None, expected_sd=1.0)
         start = self.fitter.guess(one, image_evidence)
         self.x[k], self.cost[k] = self.fitter.refine(
             one, image_evidence, start, known=known, coarse=True
@@ -283,7 +284,7 @@ class _Solver:
         if not 0 <= other < len(self.x) or self.numbers[other] - self.numbers[k] != step:
             return
         one, image_evidence = self.frames[k], self.image_evidence(k)
-        known = self.fitter.known(one, None, 1.0)
+        known = known_without_picture(self.fitter.model, one, expected=None, expected_sd=1.0)
         x, cost = self.fitter.refine(one, image_evidence, self._moved(other, k), known=known)
         if cost < self.cost[k]:
             self.x[k], self.cost[k] = x, cost
@@ -300,9 +301,9 @@ class _Solver:
         """Fit one frame with the heights of the frames beside, as they were before."""
         model = self.fitter.model
         one, image_evidence = self.frames[k], self.image_evidence(k)
-        known = self.fitter.known(
-            one, self._expected(k, before), model.settings.height_step_share * model.span
-        )
+        step = model.settings.height_step_share * model.span
+        expected = self._expected(k, before)
+        known = known_without_picture(model, one, expected=expected, expected_sd=step)
         self.x[k], self.cost[k] = self.fitter.refine(one, image_evidence, self.x[k], known=known)
 
     def _expected(self, k: int, x: np.ndarray) -> np.ndarray | None:
@@ -349,9 +350,9 @@ class _Solver:
         """Return standard deviations of a frame's unknowns, and the support of its legs."""
         fitter, model = self.fitter, self.fitter.model
         one, image_evidence = self.frames[k], self.image_evidence(k)
-        known = fitter.known(
-            one, self._expected(k, self.x), model.settings.height_step_share * model.span
-        )
+        step = model.settings.height_step_share * model.span
+        expected = self._expected(k, self.x)
+        known = known_without_picture(model, one, expected=expected, expected_sd=step)
         _, matrix, _ = fitter.equations(
             one, image_evidence, self.x[k], known=known, blur=fitter.blur
         )
