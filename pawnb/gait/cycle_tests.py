@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.gait.inference.linear_fit import t_quantile
 from pawnb.gait.inference.permutations import bound_note
@@ -212,7 +213,7 @@ def _smallest_p(n_a: int, n_b: int, *, paired: bool, n: int) -> float:
     return (1.0 + mirrored) / n
 
 
-def _paired_t(differences: np.ndarray, signs: np.ndarray) -> np.ndarray:
+def _paired_t(differences: FloatArray, signs: FloatArray) -> FloatArray:
     """Return t of the mean difference for rows of signs, shape (rows, legs, points)."""
     n = len(differences)
     mean = np.tensordot(signs, differences, axes=1) / n
@@ -221,7 +222,7 @@ def _paired_t(differences: np.ndarray, signs: np.ndarray) -> np.ndarray:
     return _ratio(mean, variance / n)
 
 
-def _two_sample_t(values: np.ndarray, second: np.ndarray) -> np.ndarray:
+def _two_sample_t(values: FloatArray, second: FloatArray) -> FloatArray:
     """Return t of two samples with one variance for rows that say who is in the second."""
     values = values - values.mean(axis=0)  # no digits are lost in the squares
     n_b = second.sum(axis=1)[:, None, None]
@@ -233,13 +234,13 @@ def _two_sample_t(values: np.ndarray, second: np.ndarray) -> np.ndarray:
     return _ratio(mean_b - mean_a, within / (len(values) - 2) * (1.0 / n_a + 1.0 / n_b))
 
 
-def _ratio(difference: np.ndarray, variance: np.ndarray) -> np.ndarray:
+def _ratio(difference: FloatArray, variance: FloatArray) -> FloatArray:
     """Return a difference over its standard error; 0 where all curves are the same."""
     error = np.sqrt(variance)
     return np.divide(difference, error, out=np.zeros_like(difference), where=error > 0.0)
 
 
-def _heaviest(t: np.ndarray, limit: float) -> np.ndarray:
+def _heaviest(t: FloatArray, limit: float) -> FloatArray:
     """Return the mass of the heaviest cluster of each row, shape (rows, legs, points) to (rows,).
 
     One goes twice around the ring, so that a cluster that begins near 100 percent is whole.
@@ -258,7 +259,7 @@ def _heaviest(t: np.ndarray, limit: float) -> np.ndarray:
     return heaviest
 
 
-def _clusters(t: np.ndarray, limit: float) -> Iterator[np.ndarray]:
+def _clusters(t: FloatArray, limit: float) -> Iterator[np.ndarray]:
     """Yield the points of each cluster on the ring, in the order in which they are passed."""
     for side in (t, -t):
         inside = side > limit
@@ -274,7 +275,7 @@ def _clusters(t: np.ndarray, limit: float) -> Iterator[np.ndarray]:
 
 def _arrangements(
     n_a: int, n_b: int, *, paired: bool, count: int, seed: int
-) -> tuple[np.ndarray, str]:
+) -> tuple[FloatArray, str]:
     """Return the arrangements, a row each and that of the data among them; and their number.
 
     Signs of the animals' differences where they are paired, else 1 for who is in the second group.

@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import rankdata
 
+from pawnb.arrays import BoolArray, FloatArray
 from pawnb.errors import InputError
 from pawnb.gait.cycles import LegSignals
 from pawnb.gait.legs import find_leg_place, sort_legs
@@ -170,7 +171,7 @@ def _of_plane(
     return pd.DataFrame(found)[list(DENSITY_COLUMNS)]
 
 
-def _lags(one: LegSignals, strides: pd.DataFrame, plane: Plane) -> np.ndarray:
+def _lags(one: LegSignals, strides: pd.DataFrame, plane: Plane) -> FloatArray:
     """Return the two lags at every sample at which all legs are within strides, shape (n, 2)."""
     names = list(dict.fromkeys(leg for pair in plane for leg in pair))
     phases = {
@@ -185,7 +186,7 @@ def _lags(one: LegSignals, strides: pd.DataFrame, plane: Plane) -> np.ndarray:
     return lags
 
 
-def even_phase(phase: np.ndarray, counts: np.ndarray) -> np.ndarray:
+def even_phase(phase: FloatArray, counts: BoolArray) -> FloatArray:
     """Make a phase grow evenly over the stride, on average over a trial.
 
     A leg that swings fast and stands long runs through half of its phase in the swing, so that the
@@ -212,7 +213,7 @@ def even_phase(phase: np.ndarray, counts: np.ndarray) -> np.ndarray:
     return even
 
 
-def _within(one: LegSignals, strides: pd.DataFrame, leg: str) -> np.ndarray:
+def _within(one: LegSignals, strides: pd.DataFrame, leg: str) -> BoolArray:
     """Say which samples are within a stride of a leg that counts."""
     whose = strides["animal"].astype(str) == one.animal
     own = strides[whose & (strides["trial"].astype(str) == one.trial) & (strides["leg"] == leg)]
@@ -223,7 +224,7 @@ def _within(one: LegSignals, strides: pd.DataFrame, leg: str) -> np.ndarray:
     return inside
 
 
-def _smooth(density: np.ndarray, width: float) -> np.ndarray:
+def _smooth(density: FloatArray, width: float) -> FloatArray:
     """Smooth on the torus by a wrapped Gaussian: its Fourier series is known."""
     bins = len(density)
     wave = np.exp(-2.0 * (np.pi * width * np.fft.fftfreq(bins, 1.0 / bins)) ** 2)

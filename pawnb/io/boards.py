@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.errors import InputError, did_you_mean
 from pawnb.files import read_toml
 
@@ -85,7 +86,7 @@ class Board:
         """Inner corners along both sides."""
         return self.columns - 1, self.rows - 1
 
-    def corners(self) -> np.ndarray:
+    def corners(self) -> FloatArray:
         """Return where the inner corners are on the board.
 
         Returns

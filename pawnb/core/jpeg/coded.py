@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import IntArray
 from pawnb.core.jpeg.block_kernels import STRIP_PX, decode_units
 from pawnb.core.jpeg.header import Plan, header_length, read_plan
 from pawnb.core.jpeg.huffman_kernels import MOST_BITS, scan_units, take_words
@@ -34,9 +35,9 @@ class CodedPicture:
     """
 
     plan: Plan
-    words: np.ndarray
-    begins: np.ndarray
-    levels: np.ndarray
+    words: IntArray
+    begins: IntArray
+    levels: IntArray
 
     def planes(
         self, u0: int, v0: int, u1: int, v1: int

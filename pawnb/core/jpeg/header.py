@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import IntArray
 from pawnb.core.jpeg.standard_codes import STANDARD_CODES
 from pawnb.core.jpeg.table_kernels import LOOKED_AT, Tables, fill_heads, fill_tables
 
@@ -58,9 +59,9 @@ class Plan:
     columns: int
     rows: int
     interval: int
-    blocks: np.ndarray
+    blocks: IntArray
     tables: Tables
-    scales: np.ndarray
+    scales: IntArray
     kind: bytes
 
     @property
@@ -203,7 +204,7 @@ def _scales(body: bytes) -> dict[int, np.ndarray]:
 
 
 @functools.cache
-def _places() -> np.ndarray:
+def _places() -> IntArray:
     """Return where each coefficient of the zigzag (T.81, fig. 5) lies, row by row."""
     v, u = np.divmod(np.arange(64), 8)
     # along each diagonal, upwards on even ones and downwards on odd ones

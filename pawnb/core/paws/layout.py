@@ -9,6 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 import pandas as pd
 
+from pawnb.arrays import BoolArray, Points2D
 from pawnb.core import kalman
 from pawnb.core.paws.maghsoudi2019.settings import Lengths, Maghsoudi2019Settings, lengths_in_view
 from pawnb.core.paws.request import TrackingRequest
@@ -109,7 +110,7 @@ class Layout:
 
     views: tuple[str, ...]
     points: tuple[str, ...]
-    tracked: np.ndarray
+    tracked: BoolArray
     sizes: tuple[tuple[int, int], ...]
     lengths: tuple[Lengths, ...]
     facing: tuple[int, ...]
@@ -121,7 +122,7 @@ class Layout:
     in_space: kalman.ConstantVelocity
     in_image: kalman.ConstantVelocity
 
-    def contains(self, view: int, uv: np.ndarray) -> bool:
+    def contains(self, view: int, uv: Points2D) -> bool:
         """Tell whether a position lies inside the picture of a view."""
         width, height = self.sizes[view]
         return bool(-0.5 <= uv[0] < width - 0.5 and -0.5 <= uv[1] < height - 0.5)
@@ -284,7 +285,7 @@ class Placement:
 
     view: int
     point: int
-    uv: np.ndarray
+    uv: Points2D
     origin: str = "edited"
     confidence: float = 1.0
 

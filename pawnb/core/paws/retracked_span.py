@@ -12,6 +12,7 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.ndimage import binary_dilation
 
+from pawnb.arrays import BoolArray, FloatArray, Points2D
 from pawnb.schema import ORIGIN_CODE, Tracks
 
 TOLERANCE_PX = 2.0
@@ -48,7 +49,7 @@ class Stretch:
     """
 
     def __init__(
-        self, uv: np.ndarray, by_hand: np.ndarray, here: int, *, tolerance_px: np.ndarray
+        self, uv: Points2D, by_hand: BoolArray, here: int, *, tolerance_px: FloatArray
     ) -> None:
         self._uv, self._tolerance = uv, tolerance_px
         self._placed: np.ndarray = np.asarray(by_hand.any(axis=1))
@@ -72,7 +73,7 @@ class Stretch:
             self.idle |= placed & ~self._opening
             self._opening &= placed
 
-    def leave(self, row: int, uv: np.ndarray) -> None:
+    def leave(self, row: int, uv: Points2D) -> None:
         """Take in where the points are now, (V, P, 2): those back on the old track rest."""
         self.until[~self.idle] = row + 1
         if not self._ends:
@@ -87,7 +88,7 @@ class Stretch:
         self.idle |= self._met >= MET_FRAMES
 
 
-def keep_rows(old: Tracks, new: Tracks, keep: np.ndarray) -> Tracks:
+def keep_rows(old: Tracks, new: Tracks, keep: BoolArray) -> Tracks:
     """Copy rows of single points from old tracks, and all their times and attributes.
 
     Parameters
@@ -196,14 +197,14 @@ def keep_untouched(
 
 
 def _made_way(
-    uv: np.ndarray,
-    now: np.ndarray,
-    placed: np.ndarray,
+    uv: Points2D,
+    now: FloatArray,
+    placed: BoolArray,
     here: int,
     *,
-    anew: np.ndarray,
-    limit: np.ndarray,
-) -> np.ndarray:
+    anew: BoolArray,
+    limit: FloatArray,
+) -> BoolArray:
     """Tell about which rows (n, P) points have left a place that a corrected point has taken.
 
     ``limit`` (V,) is the distance within which two places are the same. A corrected point takes

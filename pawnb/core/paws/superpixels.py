@@ -16,6 +16,7 @@ import cv2
 import numpy as np
 from skimage.segmentation import slic
 
+from pawnb.arrays import ByteArray, FloatArray, IntArray, Points2D
 from pawnb.core.paws.maghsoudi2019.settings import Lengths, Maghsoudi2019Settings
 from pawnb.core.pixels.grey import has_colour
 
@@ -58,7 +59,7 @@ class Window:
         u0, v0, u1, v1, half open, inside the picture.
     """
 
-    centre: np.ndarray
+    centre: FloatArray
     half_u: float
     half_v: float
     box: tuple[int, int, int, int]
@@ -69,7 +70,7 @@ class Window:
         u0, v0, u1, v1 = self.box
         return v1 - v0, u1 - u0
 
-    def corner(self, facing: int) -> np.ndarray:
+    def corner(self, facing: int) -> FloatArray:
         """Return the bottom corner towards the direction of travel (+1 right, -1 left)."""
         return self.centre + np.array([facing * self.half_u, self.half_v])
 
@@ -109,18 +110,18 @@ class Superpixels:
         The sub-image.
     """
 
-    green: np.ndarray
-    hue: np.ndarray
-    red: np.ndarray
-    uv: np.ndarray
-    labels: np.ndarray
+    green: FloatArray
+    hue: FloatArray
+    red: FloatArray
+    uv: Points2D
+    labels: IntArray
     window: Window
 
     def look(self, number: int) -> Look:
         """Return the colour of one superpixel."""
         return Look(float(self.green[number]), float(self.hue[number]), float(self.red[number]))
 
-    def at(self, uv: np.ndarray) -> int:
+    def at(self, uv: Points2D) -> int:
         """Return the number of the superpixel at a position inside the sub-image."""
         u0, v0, u1, v1 = self.window.box
         column = int(np.clip(round(float(uv[0])), u0, u1 - 1)) - u0
@@ -128,7 +129,7 @@ class Superpixels:
         return int(self.labels[row, column])
 
 
-def place_window(centre: np.ndarray, lengths: Lengths, *, width: int, height: int) -> Window | None:
+def place_window(centre: FloatArray, lengths: Lengths, *, width: int, height: int) -> Window | None:
     """Place a sub-image and clip it to the picture.
 
     Parameters
@@ -228,12 +229,12 @@ def measure_superpixels(
     return _means(crop, labels, window)
 
 
-def _means(crop: np.ndarray, labels: np.ndarray, window: Window) -> Superpixels:
+def _means(crop: ByteArray, labels: IntArray, window: Window) -> Superpixels:
     """Take the mean of every channel and of u and v over each label."""
     flat = labels.ravel()
     count = np.bincount(flat)
 
-    def mean(values: np.ndarray) -> np.ndarray:
+    def mean(values: np.ndarray) -> FloatArray:
         return np.bincount(flat, weights=values.ravel()) / count
 
     rows, columns = labels.shape
@@ -265,7 +266,7 @@ def hue_difference(a: np.ndarray | float, b: np.ndarray | float) -> np.ndarray:
     return np.abs((np.asarray(a) - np.asarray(b) + 180.0) % 360.0 - 180.0)
 
 
-def colour_difference(superpixels: Superpixels, look: Look) -> np.ndarray:
+def colour_difference(superpixels: Superpixels, look: Look) -> FloatArray:
     """Return how much each superpixel differs in colour from a look.
 
     Parameters

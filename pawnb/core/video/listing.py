@@ -8,6 +8,7 @@ from pathlib import Path
 import av
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.core.video.endings import Ending, find_ending
 from pawnb.core.video.packets import MOST_REORDERED, Packet, PacketIndex
 from pawnb.core.video.units import read_entry
@@ -117,7 +118,7 @@ def _lacks_packets(
     return missing * 2 > stream.duration / stream.frames
 
 
-def _times(packets: list[Packet]) -> tuple[np.ndarray, np.ndarray, float]:
+def _times(packets: list[Packet]) -> tuple[FloatArray, FloatArray, float]:
     """Return display and decoding times, NaN where unknown, and the usual step from frame to frame.
 
     Decoding times are even where display times, in the order of the file, are not.

@@ -11,6 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pawnb.arrays import BoolArray, IntArray
+
 _UNKNOWN = np.iinfo(np.int64).min
 MOST_REORDERED = 16
 """Pictures that H.264 and HEVC allow to be decoded before one that is shown first."""
@@ -121,7 +123,7 @@ class PacketIndex:
         self._sure = [k for k in self._in_order if k == 0 or packets[k].is_sure]
         self.stamps_s, self.is_variable_rate = _stamps(ticks[: self.n_frames], tick_s, rate_hz)
 
-    def _begins(self, packets: Sequence[Packet], places: np.ndarray) -> list[tuple[int, int]]:
+    def _begins(self, packets: Sequence[Packet], places: IntArray) -> list[tuple[int, int]]:
         """Return the packets where decoding can begin, and before them the first exact frame."""
         references = np.flatnonzero([p.is_reference for p in packets])
         begins = []
@@ -227,12 +229,12 @@ def _column(packets: Sequence[Packet], field: int) -> np.ndarray:
     return np.array([_UNKNOWN if p[field] is None else p[field] for p in packets], np.int64)
 
 
-def _repeats(ticks: np.ndarray) -> bool:
+def _repeats(ticks: IntArray) -> bool:
     """Tell whether a time stamp is there twice."""
     return len(np.unique(ticks)) < len(ticks)
 
 
-def _uncertain_at_end(pts: np.ndarray, hidden: np.ndarray, reorders: int) -> np.ndarray:
+def _uncertain_at_end(pts: IntArray, hidden: BoolArray, reorders: int) -> np.ndarray:
     """Return which pictures may be shown after one that is missing at the end.
 
     A missing picture comes after all that are there in the order of decoding. In the order of
@@ -245,7 +247,7 @@ def _uncertain_at_end(pts: np.ndarray, hidden: np.ndarray, reorders: int) -> np.
     return uncertain
 
 
-def _stamps(ticks: np.ndarray, tick_s: float, rate_hz: float | None) -> tuple[np.ndarray, bool]:
+def _stamps(ticks: IntArray, tick_s: float, rate_hz: float | None) -> tuple[np.ndarray, bool]:
     """Return time stamps in seconds, and whether they are unevenly spaced."""
     n = len(ticks)
     if n < 2 or ticks[0] == _UNKNOWN or ticks[-1] == ticks[0]:

@@ -11,7 +11,7 @@ from typing import Protocol
 import cv2
 import numpy as np
 
-from pawnb.arrays import ByteArray
+from pawnb.arrays import ByteArray, FloatArray
 from pawnb.core.closing import Closing
 from pawnb.core.lens import Lens, StraightPicture
 from pawnb.core.pixels.bayer import debayered
@@ -216,7 +216,7 @@ class ViewReader(Closing):
         self.is_colour = self.frame(0).is_colour
 
     @property
-    def time_s(self) -> np.ndarray:
+    def time_s(self) -> FloatArray:
         """Time of each frame since the first, s, shape (n_frames,).
 
         The file's time stamps where the rate varies or no fps was given, else

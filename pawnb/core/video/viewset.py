@@ -11,6 +11,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.core.closing import Closing
 from pawnb.core.video.views import Frame, ViewReader, no_such_frame
 from pawnb.errors import VideoError
@@ -78,7 +79,7 @@ class ViewSet(Closing):
         self.notes = [*self._file_notes(), *self._length_notes(ends)]
 
     @property
-    def time_s(self) -> np.ndarray:
+    def time_s(self) -> FloatArray:
         """Time of each trial frame, s, shape (n_frames,), 0 at frame 0.
 
         Frame / fps; where the rate of a file varies, the time stamps of the first such view.

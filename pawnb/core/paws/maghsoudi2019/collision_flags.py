@@ -7,6 +7,7 @@ from typing import Protocol
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.core.paws.layout import Layout
 from pawnb.core.paws.maghsoudi2019.template_fit import TemplateFit
 
@@ -52,7 +53,7 @@ class Resolved:
 
     key: tuple[int, int]
     rank: int | None
-    place: np.ndarray
+    place: FloatArray
 
 
 @dataclass

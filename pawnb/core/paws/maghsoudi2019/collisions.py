@@ -36,6 +36,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from pawnb.arrays import BoolArray, FloatArray, Points2D
 from pawnb.core.paws.layout import Layout
 from pawnb.core.paws.maghsoudi2019.collision_flags import (
     Candidates,
@@ -110,7 +111,7 @@ class Collisions:
         self._watch: dict[tuple[int, int], int] = {}
         self._undone: dict[tuple[int, int], int] = {}
 
-    def predict(self, centres: np.ndarray) -> None:
+    def predict(self, centres: FloatArray) -> None:
         """Put the template's predictions in place of the filters' where a paw is lost.
 
         Parameters
@@ -130,9 +131,9 @@ class Collisions:
     def resolve(
         self,
         detections: Mapping[tuple[int, int], Candidates],
-        uv: np.ndarray,
+        uv: Points2D,
         *,
-        centres: np.ndarray,
+        centres: FloatArray,
     ) -> list[Resolved]:
         """Tell which paws in collision are lost, and which take another superpixel.
 
@@ -171,8 +172,8 @@ class Collisions:
         return resolved
 
     def _is_own(
-        self, flag: Flag, key: tuple[int, int], places: np.ndarray, centres: np.ndarray
-    ) -> np.ndarray:
+        self, flag: Flag, key: tuple[int, int], places: FloatArray, centres: FloatArray
+    ) -> BoolArray:
         """Tell which places are near enough to where a paw is to be: bool, shape (k,)."""
         view, point = key
         lost = point in flag.lost
@@ -188,13 +189,13 @@ class Collisions:
 
     def _is_of(
         self,
-        places: np.ndarray,
+        places: FloatArray,
         other: tuple[int, int],
-        uv: np.ndarray,
+        uv: Points2D,
         *,
-        centres: np.ndarray,
-        own: np.ndarray,
-    ) -> np.ndarray:
+        centres: FloatArray,
+        own: FloatArray,
+    ) -> BoolArray:
         """Tell which places another paw was found at, nearer to where it was to be."""
         limit = self.layout.lengths[other[0]].collision * _SAME
         same = np.linalg.norm(places - uv[other], axis=-1) <= limit
@@ -240,9 +241,9 @@ class Collisions:
     def undo_jumps(
         self,
         detections: Mapping[tuple[int, int], Candidates],
-        uv: np.ndarray,
+        uv: Points2D,
         *,
-        last_uv: np.ndarray,
+        last_uv: FloatArray,
     ) -> list[Undone]:
         """Find front paws that jumped (type III), and which superpixel to take instead.
 
@@ -293,7 +294,7 @@ class Collisions:
         return undone
 
     def _ranks_to_try(
-        self, key: tuple[int, int], places: np.ndarray, last: np.ndarray
+        self, key: tuple[int, int], places: FloatArray, last: FloatArray
     ) -> list[int]:
         """Return the places among the best three that go with the direction of motion."""
         forwards = self.layout.facing[key[0]] * (places[:, 0] - last[0])
@@ -301,7 +302,7 @@ class Collisions:
             return [k for k in range(1, len(places)) if forwards[k] > 0]
         return [k for k in range(1, len(places)) if 0 < forwards[k] < forwards[0]]
 
-    def record(self, uv: np.ndarray) -> None:
+    def record(self, uv: Points2D) -> None:
         """Take in the positions of a frame, then set and clear flags for the next one.
 
         Parameters
@@ -330,7 +331,7 @@ class Collisions:
             if not self.is_colliding(key):
                 del self._watch[key]
 
-    def _go_on(self, pair: tuple[int, int, int], flag: Flag, uv: np.ndarray, *, near: bool) -> None:
+    def _go_on(self, pair: tuple[int, int, int], flag: Flag, uv: Points2D, *, near: bool) -> None:
         """Clear a flag where the paws have parted, or where a fit is shown to be wrong."""
         if self._to_the_letter:
             if not near:
@@ -351,7 +352,7 @@ class Collisions:
         if wrong or not flag.fits or flag.parted > _HELD * self._stride_frames:
             del self.flags[pair]
 
-    def reset(self, key: tuple[int, int], place: np.ndarray) -> None:
+    def reset(self, key: tuple[int, int], place: FloatArray) -> None:
         """Make everything anew of a point in a view that a person has corrected.
 
         Where the correction is farther from the last position than a paw moves between two
@@ -379,7 +380,7 @@ class Collisions:
                 self.flags[pair] = Flag(fits, self._now, parted=flag.parted)
         self._watch.pop(key, None)
 
-    def remember(self, uv: np.ndarray) -> None:
+    def remember(self, uv: Points2D) -> None:
         """Take in the positions of a frame that has been tracked already; set no flag."""
         self._history.append(uv.copy())
         del self._history[: -self._kept]

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import FloatArray, IntArray, Points2D
 from pawnb.core.paws.superpixels import Superpixels
 
 
@@ -24,8 +25,8 @@ class Detection:
     """
 
     superpixels: Superpixels
-    best: np.ndarray
-    scores: np.ndarray
+    best: IntArray
+    scores: FloatArray
 
     @property
     def places(self) -> np.ndarray:
@@ -55,10 +56,10 @@ class FrameResult:
         RMS reprojection error over the views used, px.
     """
 
-    uv: np.ndarray
-    image_origin: np.ndarray
-    image_confidence: np.ndarray
-    position: np.ndarray
-    origin: np.ndarray
-    confidence: np.ndarray
-    residual: np.ndarray
+    uv: Points2D
+    image_origin: IntArray
+    image_confidence: FloatArray
+    position: FloatArray
+    origin: IntArray
+    confidence: FloatArray
+    residual: FloatArray

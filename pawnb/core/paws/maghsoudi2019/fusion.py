@@ -13,12 +13,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from pawnb.arrays import FloatArray, IntArray
 from pawnb.core.paws.superpixels import Look, Superpixels, hue_difference
 
 
 def compute_features(
     superpixels: Superpixels, initial: Look, previous: Look, *, facing: int
-) -> np.ndarray:
+) -> FloatArray:
     """Compute the eight features of Eq. 3; each is a difference, 0 is best.
 
     Parameters
@@ -57,7 +58,7 @@ def compute_features(
     )
 
 
-def normalise(features: np.ndarray) -> np.ndarray:
+def normalise(features: FloatArray) -> FloatArray:
     """Turn differences into likenesses between 0 (worst here) and 1 (best here), Eq. 4.
 
     Parameters
@@ -76,7 +77,7 @@ def normalise(features: np.ndarray) -> np.ndarray:
     return 1.0 - (features - low) / np.where(spread > 0, spread, 1.0)
 
 
-def fuse(likenesses: np.ndarray, weights: Sequence[float]) -> np.ndarray:
+def fuse(likenesses: FloatArray, weights: Sequence[float]) -> FloatArray:
     """Return the weighted mean of the likenesses of each superpixel, Eq. 6.
 
     Parameters
@@ -95,7 +96,7 @@ def fuse(likenesses: np.ndarray, weights: Sequence[float]) -> np.ndarray:
     return likenesses @ w / w.sum()
 
 
-def best_superpixels(scores: np.ndarray, *, count: int) -> np.ndarray:
+def best_superpixels(scores: FloatArray, *, count: int) -> IntArray:
     """Return the numbers of the best superpixels, best first.
 
     Parameters

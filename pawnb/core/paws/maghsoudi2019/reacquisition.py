@@ -15,6 +15,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from pawnb.arrays import FloatArray, Points2D
 from pawnb.core.paws.layout import Layout
 from pawnb.core.paws.superpixels import (
     Look,
@@ -37,7 +38,7 @@ def find_hidden(
     key: tuple[int, int],
     *,
     looks: Sequence[Look],
-    uv: np.ndarray,
+    uv: Points2D,
 ) -> tuple[Superpixels, int, float] | None:
     """Look for one point in a view where it has not been seen.
 
@@ -86,7 +87,7 @@ def find_hidden(
     return superpixels, number, float(1.0 - difference[number])
 
 
-def _expected_path(rig: Rig, key: tuple[int, int], uv: np.ndarray) -> np.ndarray:
+def _expected_path(rig: Rig, key: tuple[int, int], uv: Points2D) -> FloatArray:
     """Return where the point may be in the view: one position, or several along a line."""
     view, point = key
     seen = np.flatnonzero(np.isfinite(uv[:, point, 0]))
@@ -105,7 +106,7 @@ def _expected_path(rig: Rig, key: tuple[int, int], uv: np.ndarray) -> np.ndarray
     return rig.project(ends[0] + share * (ends[1] - ends[0]))[:, view]
 
 
-def _line_of_sight(coefs: np.ndarray, uv: np.ndarray, others: np.ndarray) -> np.ndarray:
+def _line_of_sight(coefs: FloatArray, uv: Points2D, others: FloatArray) -> FloatArray:
     """Return the two ends, shape (2, 3), of a line of sight within reach of other points.
 
     Eq. 1 of the paper with u and v known is two planes; the line is where they meet. It
@@ -127,7 +128,7 @@ def _line_of_sight(coefs: np.ndarray, uv: np.ndarray, others: np.ndarray) -> np.
     return np.stack([nearest - size / 2 * direction, nearest + size / 2 * direction])
 
 
-def _window_around(layout: Layout, view: int, path: np.ndarray) -> Window | None:
+def _window_around(layout: Layout, view: int, path: FloatArray) -> Window | None:
     """Return the sub-image that holds the positions tried, clipped to the picture."""
     inside = np.array([uv for uv in path if layout.contains(view, uv)])
     if len(inside) == 0:

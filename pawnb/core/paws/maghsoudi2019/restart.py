@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import pandas as pd
 
+from pawnb.arrays import BoolArray, FloatArray, IntArray, Points2D
 from pawnb.core.paws.layout import Layout, Placement, Views, read_start
 from pawnb.core.paws.maghsoudi2019.run import Run
 from pawnb.core.paws.maghsoudi2019.settings import REFERENCE_WIDTH_PX
@@ -29,14 +30,14 @@ _FOLLOWED_FRAMES = 50
 class _Rows:
     """Tracks as arrays in the order of the layout: n rows, V views, P points."""
 
-    frames: np.ndarray  # (n,)
-    uv: np.ndarray  # (n, V, P, 2), px
-    origin: np.ndarray  # (n, V, P)
-    confidence: np.ndarray  # (n, V, P)
-    found: np.ndarray  # (n, V, P): not merely predicted
-    by_hand: np.ndarray  # (n, V, P)
+    frames: IntArray  # (n,)
+    uv: Points2D  # (n, V, P, 2), px
+    origin: IntArray  # (n, V, P)
+    confidence: FloatArray  # (n, V, P)
+    found: BoolArray  # (n, V, P): not merely predicted
+    by_hand: BoolArray  # (n, V, P)
 
-    def placements(self, row: int, which: np.ndarray) -> list[Placement]:
+    def placements(self, row: int, which: BoolArray) -> list[Placement]:
         """Return the points that ``which`` (V, P) picks out of one row."""
         return [
             Placement(
@@ -82,7 +83,7 @@ class Plan:
         resting = self._rows.placements(row, self._rows.found[row] & run.idle)
         return known + [p for p in resting if (p.view, p.point) not in have]
 
-    def leave(self, frame: int, uv: np.ndarray) -> None:
+    def leave(self, frame: int, uv: Points2D) -> None:
         """Take in where the points are in a frame, (V, P, 2)."""
         if self.stretch is not None and frame in self._of_frame:
             self.stretch.leave(self._of_frame[frame], uv)

@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from pawnb.arrays import BoolArray, FloatArray, Points2D
 from pawnb.core import kalman
 from pawnb.core.paws.layout import Layout, Placement
 from pawnb.core.paws.maghsoudi2019.collisions import Collisions
@@ -135,7 +136,7 @@ class Run:
             self._take_from_picture(result)
         return result
 
-    def follow(self, uv: np.ndarray, by_hand: np.ndarray) -> None:
+    def follow(self, uv: Points2D, by_hand: BoolArray) -> None:
         """Take the filters over a frame that has been tracked already.
 
         Parameters
@@ -155,7 +156,7 @@ class Run:
             self.collisions.remember(result.uv)
 
     def _measure(
-        self, pictures: Mapping[str, Picture], view: int, centre: np.ndarray
+        self, pictures: Mapping[str, Picture], view: int, centre: FloatArray
     ) -> Superpixels | None:
         """Measure the superpixels around a position; None where it is outside the picture."""
         layout = self.layout
@@ -172,7 +173,7 @@ class Run:
         self.space = kalman.predict(self.layout.in_space, self.space)
         self.image = kalman.predict(self.layout.in_image, self.image)
 
-    def _predicted_uv(self) -> np.ndarray:
+    def _predicted_uv(self) -> FloatArray:
         """Project the 3D prediction; where a point has none, take that in the picture."""
         flat = self.image.position.copy()
         if self.layout.rig is None or not self.layout.uses_space:
@@ -197,7 +198,7 @@ class Run:
         self,
         pictures: Mapping[str, Picture],
         key: tuple[int, int],
-        centre: np.ndarray,
+        centre: FloatArray,
         result: FrameResult,
     ) -> None:
         """Find a point in the sub-image around its predicted position."""
@@ -226,7 +227,7 @@ class Run:
         collisions: Collisions,
         result: FrameResult,
         *,
-        centres: np.ndarray,
+        centres: FloatArray,
         before: Mapping[tuple[int, int], Look],
     ) -> None:
         """Put lost paws where the template has them; let others take another superpixel."""
@@ -318,7 +319,7 @@ class Run:
             result.origin[point] = result.image_origin[view, point]
             result.confidence[point] = result.image_confidence[view, point]
 
-    def _update(self, result: FrameResult, by_hand: np.ndarray) -> None:
+    def _update(self, result: FrameResult, by_hand: BoolArray) -> None:
         """Update the filters; those of points put in place by hand start anew there."""
         layout = self.layout
         slow, moved = self._is_slow(result.uv)
@@ -329,13 +330,13 @@ class Run:
         xyz = result.position.copy()
         for point in np.flatnonzero(np.isnan(xyz[:, 0])).tolist():
             xyz[point] = self._nearest_on_ray(point, result.uv[:, point])
-        calm = (slow | ~moved).all(axis=0) & moved.any(axis=0)
+        calm = np.all(slow | ~moved, axis=0) & np.any(moved, axis=0)
         self.space = _advance(
             layout.in_space, self.space, xyz, np.asarray(by_hand.any(axis=0)), self.last_xyz, calm
         )
         self.last_xyz = xyz
 
-    def _is_slow(self, uv: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _is_slow(self, uv: Points2D) -> tuple[BoolArray, BoolArray]:
         """Tell which points moved no more than half the sub-image's half size, and which moved.
 
         That is about what the paper gives as the most between two frames (30 px and 15 px
@@ -345,7 +346,7 @@ class Run:
         step = np.abs(uv - self.last_uv)
         return (step <= limit[:, None, :]).all(axis=-1), np.isfinite(step).all(axis=-1)
 
-    def _nearest_on_ray(self, point: int, uv: np.ndarray) -> np.ndarray:
+    def _nearest_on_ray(self, point: int, uv: Points2D) -> FloatArray:
         """Move a 3D prediction the least so that it projects to the one view that saw it."""
         predicted = self.space.position[point]
         seen = np.flatnonzero(np.isfinite(uv[:, 0]))
@@ -358,7 +359,7 @@ class Run:
         jacobian = (around[1:] - around[0]).T / step
         return np.asarray(predicted + np.linalg.pinv(jacobian) @ (uv[view] - around[0]))
 
-    def _fill_predicted(self, result: FrameResult, centres: np.ndarray) -> None:
+    def _fill_predicted(self, result: FrameResult, centres: FloatArray) -> None:
         """Give the prediction where nothing was found, if it is inside the picture."""
         layout = self.layout
         for key in self.initial:

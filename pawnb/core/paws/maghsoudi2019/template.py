@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from pawnb.arrays import BoolArray, FloatArray, Points2D
 from pawnb.errors import InputError
 from pawnb.files import read_text
 from pawnb.io.tables import write_text
@@ -57,8 +58,8 @@ class Strides:
         Duration of each.
     """
 
-    uv: np.ndarray
-    period_s: np.ndarray
+    uv: Points2D
+    period_s: FloatArray
 
 
 @dataclass(frozen=True)
@@ -76,7 +77,7 @@ class KindTemplate:
         Number of strides.
     """
 
-    uv: np.ndarray
+    uv: Points2D
     period_s: float
     n_strides: int
 
@@ -177,7 +178,7 @@ def cut_strides(
     }
 
 
-def _is_known(own: Tracks) -> np.ndarray:
+def _is_known(own: Tracks) -> BoolArray:
     """Tell in which rows (n,) the place of one paw in one view is known, seen there or not."""
     origin = own["image_origin"].to_numpy()
     seen = np.isin(origin, [ORIGIN_CODE[name] for name in ("measured", "resolved", "edited")])
@@ -188,7 +189,7 @@ def _is_known(own: Tracks) -> np.ndarray:
     return np.asarray(seen | shown & (own["origin"].to_numpy() != ORIGIN_CODE["predicted"]))
 
 
-def _is_sure(own: Tracks) -> np.ndarray:
+def _is_sure(own: Tracks) -> BoolArray:
     """Tell in which rows (n,) the stated uncertainty of one paw is small beside its range."""
     xyz, sd = (own[name].transpose("time", "space").to_numpy() for name in ("position", "sd"))
     there = np.isfinite(xyz).all(axis=1)
@@ -198,7 +199,7 @@ def _is_sure(own: Tracks) -> np.ndarray:
     return np.asarray(np.linalg.norm(sd, axis=1) <= _SUREST * extent)
 
 
-def lowpass_path(uv: np.ndarray, *, cutoff_hz: float, fps: float) -> np.ndarray:
+def lowpass_path(uv: Points2D, *, cutoff_hz: float, fps: float) -> FloatArray:
     """Low-pass a path, bridging gaps of 5 frames; a slow recording limits the cut-off.
 
     Parameters
@@ -220,7 +221,7 @@ def lowpass_path(uv: np.ndarray, *, cutoff_hz: float, fps: float) -> np.ndarray:
     )
 
 
-def _closed_strides(uv: np.ndarray, n_points: int, fps: float) -> list[tuple[np.ndarray, float]]:
+def _closed_strides(uv: Points2D, n_points: int, fps: float) -> list[tuple[np.ndarray, float]]:
     """Cut one paw's path in one view; return each stride as a closed path, and its period."""
     strides: list[tuple[np.ndarray, float]] = []
     known = uv[np.isfinite(uv[:, 0]), 0]
@@ -327,6 +328,6 @@ def load_template(path: str | Path = DEFAULT_TEMPLATE) -> StrideTemplate:
     return StrideTemplate(kinds)
 
 
-def midpoint(x: np.ndarray) -> np.ndarray:
+def midpoint(x: FloatArray) -> FloatArray:
     """Return half the sum of the highest and the lowest value along the first axis (Eq. 9)."""
     return np.asarray((x.max(axis=0) + x.min(axis=0)) / 2.0)

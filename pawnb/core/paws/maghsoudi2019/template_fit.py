@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import minimize
 
+from pawnb.arrays import FloatArray, Points2D
 from pawnb.core.paws.maghsoudi2019.template import KindTemplate, lowpass_path, midpoint
 from pawnb.signals import find_runs
 
@@ -48,7 +49,7 @@ class TemplateFit:
     shift: float
     frequency: float
     amplitude: float
-    offset: np.ndarray
+    offset: FloatArray
     facing: int
     rms_px: float
 
@@ -56,7 +57,7 @@ class TemplateFit:
         """Return the same fit for frames counted from ``frames`` earlier."""
         return replace(self, shift=self.shift + frames)
 
-    def predict(self, frame: float | np.ndarray) -> np.ndarray:
+    def predict(self, frame: float | np.ndarray) -> FloatArray:
         """Return the position at a frame, px, shape (..., 2)."""
         path = self.template.spline((np.asarray(frame) - self.shift) * self.frequency % 1.0)
         return np.asarray(self.offset + self.amplitude * path * [self.facing, 1.0])
@@ -64,7 +65,7 @@ class TemplateFit:
 
 def fit_template(
     template: KindTemplate,
-    uv: np.ndarray,
+    uv: Points2D,
     *,
     facing: int,
     fps: float,
@@ -121,13 +122,13 @@ def fit_template(
     if np.ptp(target) <= 1e-6 * max(1.0, float(np.abs(target).max())):
         return None
 
-    def path(frequency: float, shift: float | np.ndarray) -> np.ndarray:
+    def path(frequency: float, shift: float | np.ndarray) -> FloatArray:
         """Eq. 7: u of the spline at the frames, shifted; midpoint taken off."""
         phase = (t - np.asarray(shift)[..., None]) * frequency % 1.0
         u = template.spline(phase)[..., 0]
         return u - midpoint(u.T)[..., None]
 
-    def cost(values: np.ndarray) -> float:
+    def cost(values: FloatArray) -> float:
         """Eq. 8, as a sum of squares."""
         frequency, amplitude, shift = values
         return float(((centred - amplitude * path(frequency, shift)) ** 2).sum())
@@ -166,7 +167,7 @@ def fit_template(
     )
 
 
-def _best_correlation(path: Any, centred: np.ndarray, usual: float) -> tuple[float, ...] | None:
+def _best_correlation(path: Any, centred: FloatArray, usual: float) -> tuple[float, ...] | None:
     """Find frequency, amplitude and shift with the largest circular correlation (Eq. 9)."""
     best, found = 0.0, None
     for frequency in usual * _TRIED_FREQUENCIES:

@@ -15,6 +15,7 @@ from typing import Literal
 import cv2
 import numpy as np
 
+from pawnb.arrays import FloatArray, Points2D
 from pawnb.core.pixels.grey import has_colour
 
 PAW_SHARE = 0.02
@@ -50,8 +51,8 @@ class Blobs:
         How far each stands out, 1 for what stands out most in an ordinary picture.
     """
 
-    uv: np.ndarray
-    strength: np.ndarray
+    uv: Points2D
+    strength: FloatArray
 
 
 def paw_likeness(image: np.ndarray, paw_px: float, *, look: Look = "skin") -> np.ndarray:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.arrays import FloatArray
 from pawnb.core.paws.start_proposal.places import Places, Stage
 from pawnb.core.rig import Rig
 
@@ -69,7 +70,7 @@ class ViewGeometry:
     groups: Sequence[Sequence[str]]
     paw_px: Mapping[str, float]
 
-    def apart(self, group: int, here: np.ndarray, there: np.ndarray) -> float:
+    def apart(self, group: int, here: FloatArray, there: FloatArray) -> float:
         """Return how near two places come to each other in any view, in paw lengths.
 
         Parameters
@@ -170,7 +171,7 @@ def _each_its_own(
     return kept
 
 
-def _rate(places: Places, stage: Stage, side: int, is_front: bool) -> np.ndarray:
+def _rate(places: Places, stage: Stage, side: int, is_front: bool) -> FloatArray:
     """Return how well each place fits a paw, 0 to 1."""
     along, aside, height = (places.xyz @ stage.axes.T).T
     span = stage.span

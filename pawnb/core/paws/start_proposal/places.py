@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
+from pawnb.arrays import BoolArray, FloatArray, Points3D
 from pawnb.core.paws.start_proposal.blobs import Blobs
 from pawnb.core.rig import Rig
 from pawnb.signals.robust import MAD_TO_SD
@@ -53,12 +54,12 @@ class Places:
         How far its views disagree, in paw lengths; NaN where there is one view only.
     """
 
-    xyz: np.ndarray
-    strength: np.ndarray
-    residual: np.ndarray
+    xyz: Points3D
+    strength: FloatArray
+    residual: FloatArray
 
     @property
-    def weight(self) -> np.ndarray:
+    def weight(self) -> FloatArray:
         """Strength, less where the views disagree."""
         off = np.nan_to_num(self.residual, nan=0.0) / _RESIDUAL_SD
         return self.strength * np.exp(-0.5 * off**2)
@@ -80,7 +81,7 @@ class Stage:
         Position along forward of the middle of where hind and front paws stand.
     """
 
-    axes: np.ndarray
+    axes: FloatArray
     ground: float
     middle: float
     hind: float
@@ -202,13 +203,13 @@ def find_stage(places: Places, rig: Rig) -> Stage | None:
     return Stage(axes, ground, 0.5 * (left + right), hind, front)
 
 
-def _in_the_crowd(values: np.ndarray) -> np.ndarray:
+def _in_the_crowd(values: FloatArray) -> BoolArray:
     """Tell which numbers lie within three robust standard deviations of the median."""
     away = np.abs(values - np.median(values))
     return np.asarray(away <= 3.0 * MAD_TO_SD * np.median(away))
 
 
-def _two_middles(values: np.ndarray, weight: np.ndarray) -> tuple[float, float]:
+def _two_middles(values: FloatArray, weight: FloatArray) -> tuple[float, float]:
     """Split numbers in two where it explains most of their variance; return both means."""
     order = np.argsort(values, kind="stable")
     x, w = values[order], weight[order] + 1e-12

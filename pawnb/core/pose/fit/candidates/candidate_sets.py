@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from pawnb.arrays import ByteArray, FloatArray
 from pawnb.core.pose.fit.fitter import FrameFitter
 
 SAME_PX = 2.5
@@ -44,8 +45,8 @@ class LegCandidates:
     """
 
     frame: int
-    pose: np.ndarray
-    image: np.ndarray
+    pose: FloatArray
+    image: ByteArray
     box: tuple[int, int, int, int]
     legs: list[np.ndarray]
     joints: list[np.ndarray]
@@ -106,7 +107,7 @@ def recalled(
 
 
 def only_choice(
-    fitter: FrameFitter, frame: int, pose: np.ndarray, *, image: np.ndarray, box: tuple
+    fitter: FrameFitter, frame: int, pose: FloatArray, *, image: FloatArray, box: tuple
 ) -> LegCandidates:
     """Return the frame with one pose of each leg.
 
