@@ -298,7 +298,7 @@ def require_rig(
     if rig is None:
         raise CalibrationError(
             f"trial {trial.name!r} has no DLT calibration; add [calibration] dlt = "
-            '"DLTcoefs.csv" to trial.toml; pawnb calibrate makes it from clicked points.'
+            '"DLTcoefs.csv" to trial.toml; pawnb calibrate makes it from a board, a wand or points.'
         )
     return rig
 

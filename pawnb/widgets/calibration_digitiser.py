@@ -13,6 +13,7 @@ import pandas as pd
 from pawnb.core.calibration.balls import snap_to_ball
 from pawnb.core.video import ViewSet, open_view
 from pawnb.errors import InputError, PawnbError
+from pawnb.files import keep_copy
 from pawnb.io.boards import Board, read_board
 from pawnb.trial import Trial, View
 from pawnb.widgets.calibration_pictures import BoardPictures
@@ -237,13 +238,20 @@ class CalibrationDigitiser(FrameCanvas):
         elif action == "redo":
             session.redo()
         elif action == "save":
-            session.save_calibration()
+            self._save(session)
         elif action == "find" and isinstance(session, BoardPictures):
             self._begin("Looking for the board", lambda: session.find(self._progress))
         elif action == "fit" and isinstance(session, WandClicks):
             self._begin("Calibrating", session.refit)
         else:
             session.act(action)
+
+    def _save(self, session: PointCalibration | BoardPictures | WandClicks) -> None:
+        """Write the calibration; one that was there before this widget is kept beside it."""
+        for name in ("DLTcoefs.csv", "lenses.toml"):
+            if session.written is None and (session.folder / name).exists():
+                keep_copy(session.folder / name, "before")
+        session.save_calibration()
 
     def _measure(self, what: str, message: Mapping[str, Any]) -> None:
         """Place an end of the known length; in another view it begins anew."""

@@ -55,7 +55,11 @@ def test_clicks_on_known_points_give_the_cameras(opened, tmp_path):
     click_all(widget)
     assert "Every point is clicked in each view." in widget.status
     assert "left: 0.00 px RMS of 12 points" in widget.status
+    (folder / "DLTcoefs.csv").write_text("an older one")
     act(widget, "save")
+    act(widget, "save")
+    assert (folder / "DLTcoefs.before.csv").read_text() == "an older one"
+    assert not (folder / "DLTcoefs.before-2.csv").exists()
     assert "Wrote DLTcoefs.csv" in widget.status
     coefs = read_coefs(folder / "DLTcoefs.csv", tuple(scene.VIEWS))
     xyz = np.random.default_rng(1).uniform(-50.0, 50.0, (50, 3))
