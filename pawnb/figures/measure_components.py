@@ -167,4 +167,6 @@ def _draw_loadings(ax: Any, loadings: pd.DataFrame, names: list[str]) -> None:
     ax.set_xlim(-widest, widest)
     ax.tick_params(axis="y", length=0)
     ax.set_xlabel("Loading (−1 to 1)")
-    ax.legend(loc="best", fontsize=small_pt(), handletextpad=0.2)
+    # beside the letter, where no mark of it is taken for a loading
+    ax.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, borderaxespad=0.2,
+              fontsize=small_pt(), handletextpad=0.2)  # fmt: skip

@@ -127,6 +127,7 @@ _FIXED: dict[str, Any] = {
     "legend.frameon": False,
     "figure.constrained_layout.use": True,
     "figure.dpi": 150.0,
+    "text.parse_math": False,  # names of animals and legs may have dollar signs
     "pdf.fonttype": 42,  # TrueType: text stays text and can be edited
     "ps.fonttype": 42,
     "svg.fonttype": "none",  # likewise

@@ -247,7 +247,7 @@ def _write_notes(part: Any, lines: list[str]) -> None:
     ax = part.subplots()
     ax.set_axis_off()
     # names may hold signs that would begin a formula
-    ax.text(0.0, 1.0, "\n".join(lines), va="top", fontsize=small_pt(), parse_math=False)
+    ax.text(0.0, 1.0, "\n".join(lines), va="top", fontsize=small_pt())
 
 
 def _draw_lines(part: Any, strides: pd.DataFrame, unit: str | None) -> None:

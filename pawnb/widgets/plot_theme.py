@@ -6,7 +6,6 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
@@ -42,14 +41,14 @@ LEAST_PX = (420, 300)
 
 @contextmanager
 def on_screen() -> Iterator[None]:
-    """Draw as a widget shows it: in its size of letters, and names as they are, not as mathematics.
+    """Draw as a widget shows it: in its size of letters.
 
     Yields
     ------
     None
         What is made within it keeps to this.
     """
-    with style(font_size_pt=SCREEN_PT), mpl.rc_context({"text.parse_math": False}):
+    with style(font_size_pt=SCREEN_PT):
         yield
 
 

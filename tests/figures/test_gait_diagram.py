@@ -128,3 +128,12 @@ def test_given_axes_are_used():
 def test_bad_input_is_refused(call, message):
     with pytest.raises(InputError, match=message):
         call()
+
+
+def test_names_with_dollar_signs_are_drawn_as_they_are(tmp_path):
+    # to matplotlib two of them enclose mathematics, which this is not
+    name = r"$\frac$ leg"
+    table = build_gait_diagram_table(events(**{name: [("TD", 0.0), ("LO", 0.12), ("TD", 0.2)]}))
+    ax = plot_gait_diagram(table)
+    ax.figure.savefig(tmp_path / "diagram.svg")
+    assert name in (tmp_path / "diagram.svg").read_text()

@@ -12,7 +12,6 @@ from pawnb.gait.analysis.leg_names import choose_legs
 from pawnb.gait.legs import sort_legs
 from pawnb.io.native import read_tracks
 from pawnb.trial import Trial, View, load_trial
-from pawnb.workflow.checking.check_points import MAX_CLICK_RESIDUAL_PX as MAX_CLICK_RESIDUAL_PX
 from pawnb.workflow.checking.check_report import CheckReport
 from pawnb.workflow.conversion.foreign_tracks import read_belt, read_foreign_tracks
 from pawnb.workflow.gait.event_sources import read_trial_events
