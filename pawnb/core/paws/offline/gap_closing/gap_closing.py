@@ -86,7 +86,7 @@ class TrackingState:
     swings : Swings, optional
         Where they swing.
     body : ndarray, shape (n, d), optional
-        The slowly moving middle of the animal.
+        The slowly moving middle of the animal, about which points stay.
     """
 
     chosen: np.ndarray

@@ -79,14 +79,14 @@ class GapClosingParameters:
         Share of them that may be farther ahead or behind, left or right. Set by hand.
     region_ahead, region_aside : float
         So much farther, in body sizes, it may be where it is not seen: paws are seen worst where
-        they lift off, at the end of their range. Of eight rendered scenes in colour whose
-        detections were left out at random (30 %), 25 of 1000 visible labels were wrong without
-        limits, and 17 with these; with 0.15 in place of 0.25 paws that lift off unseen lost more.
+        they lift off, at the end of their range. With 30 % of all detections left out 17.7 of 1000
+        visible labels were wrong without limits and 4.1 with these (``benchmarks/unseen_paws.py``,
+        two rendered scenes in colour).
     region_sd : float
         Standard deviation of how far beyond that it is, in body sizes. Set by hand.
     region_nearest : float
-        Points are not nearer to each other in space than so many paw widths: 0.95 in the eight
-        scenes.
+        Points are not nearer to each other in space than so many paw widths: 0.95 in eight
+        rendered scenes.
     region_shared : float
         Cost of a frame on the very place of another point. Set by hand.
     """

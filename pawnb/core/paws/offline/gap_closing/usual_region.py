@@ -60,7 +60,7 @@ def usual_region(
     sure : ndarray, shape (n, P, d)
         Certain places, NaN elsewhere.
     body : ndarray, shape (n, d), optional
-        The slowly moving middle of the animal.
+        The slowly moving middle of the animal; without it nothing is known.
     point : int
         The point.
     frames : ndarray of int
@@ -86,7 +86,7 @@ def usual_region(
         middle = body[frames] @ axes.T
         low, high = middle + few - beyond, middle + most + beyond
     others = np.delete(sure[frames], point, axis=1)
-    if len(axes) < 2:
+    if body is None or len(axes) < 2:
         others = others[:, :0]  # in one picture points meet that do not meet in space
     return UsualRegion(
         axes,

@@ -270,8 +270,12 @@ def _iterate_until_converged(
             lift_offs=gap_closing.lift_offs, frames=max(1, round(TREADMILL.rising_s * fps)),
         )  # fmt: skip
 
+    def body(places: np.ndarray) -> np.ndarray | None:
+        # a learnt look shows too little of swings to say how far points go
+        return None if scene.is_learnt else paths.body(places)
+
     places = tracked(first)
-    result, gap_closing = close_and_smooth(TrackingState(places, by_hand, body=paths.body(places)))
+    result, gap_closing = close_and_smooth(TrackingState(places, by_hand, body=body(places)))
     unaided = before = result.x
     for iteration in range(settings.n_iterations + TREADMILL.one_more):
         if iteration >= settings.n_iterations and not _changed(result.x, before, scene.paw_width):
@@ -301,7 +305,7 @@ def _iterate_until_converged(
             liftoff_velocity(),
             duty_factor,
             swings,
-            paths.body(places),
+            body(places),
         )
         result, gap_closing = close_and_smooth(state)
         result.displacement_from_first_pass = np.linalg.norm(result.x - unaided, axis=-1)

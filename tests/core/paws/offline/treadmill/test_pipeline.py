@@ -19,7 +19,7 @@ LINEAR = np.zeros((11, 2))
 # one camera looks along y, the other along x, 4 px a unit
 LINEAR[:8] = np.array([[4, 0, 0, 0, 0, 0, -4, 0], [0, 4, 0, 0, 0, 0, -4, 0]]).T
 RIG = Projection(LINEAR)
-SCENE = SimpleNamespace(geometry=RIG, paw_width=2.0, paw_width_px=THICKNESS_PX)
+SCENE = SimpleNamespace(geometry=RIG, paw_width=2.0, paw_width_px=THICKNESS_PX, is_learnt=False)
 TOES, HEEL, OTHER = np.array([3.5, 3.0, 1.0]), np.array([-3.5, -3.0, 1.0]), np.array([1.0, 9.0, 1])
 MIDDLE = np.array([0.0, 0.0, 1.0])
 
@@ -86,7 +86,7 @@ def test_seen_paws_are_stated_surer_than_told_ones_unless_all_cameras_are_on_one
     np.testing.assert_array_equal(pipeline._stated(sd, is_open, is_one_sided=True), sd)
 
 
-def close_and_smooth(monkeypatch, *, cycle, swings, forward=lambda _: 0.0):
+def close_and_smooth(monkeypatch, *, cycle, swings, forward=lambda _: 0.0, scene=SCENE):
     """Settle one paw that each time is found ``forward`` (n,) of where it began.
 
     Returns what was known each time, the trust that cycles were learnt with, and what is lost.
@@ -130,9 +130,19 @@ def close_and_smooth(monkeypatch, *, cycle, swings, forward=lambda _: 0.0):
     monkeypatch.setattr(pipeline, "_swings", lambda *_, **__: swings)
     first = np.zeros((n, 1, 3))
     pipeline._iterate_until_converged(
-        first, {}, paths, prepared, scene=SCENE, fps=100.0, settings=settings
+        first, {}, paths, prepared, scene=scene, fps=100.0, settings=settings
     )
     return reference, trusts, lost
+
+
+@pytest.mark.parametrize("is_learnt", [False, True])
+def test_points_stay_about_the_body_where_colour_tells_them(monkeypatch, is_learnt):
+    """A learnt look shows too little of swings to say how far points go."""
+    scene = SimpleNamespace(**{**vars(SCENE), "is_learnt": is_learnt})
+    states, _, _ = close_and_smooth(monkeypatch, cycle="cycle", swings=None, scene=scene)
+    assert len(states) == 3
+    for state in states:
+        assert (state.body is None) == is_learnt
 
 
 @pytest.mark.parametrize(
