@@ -148,7 +148,8 @@ def measure(trial: Trial, n_frames: int, n_again: int) -> Measured:
     gone_on = GONE_ON_FROM in provenance_steps(tracks)[-1]
     print(f"  a click added in frame {more['frame'].iloc[-1]}, until shown, {n} frames: {added}"
           f"{'' if gone_on else ', read anew'}")  # fmt: skip
-    at = clicks_of_frame(trial, tracks, corrected).iloc[0]
+    found = clicks_of_frame(trial, tracks, corrected)
+    at = found[found["point"].isin(more["point"].iloc[len(start) :])].iloc[0]
     log = EditLog(
         tracks, rig=load_rig(trial),
         retrack=lambda t, f, **given: retrack(trial, t, f, progress=quiet, **given),

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 TABLE = Path(__file__).parents[2] / "docs" / "accuracy" / "speed.csv"
 
 
+@pytest.mark.slow  # importing the renderer
 def test_a_row_takes_the_place_of_that_of_its_command(tmp_path):
     import points_speed
 
