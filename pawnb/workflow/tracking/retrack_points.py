@@ -8,16 +8,18 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from pawnb.core.paws.maghsoudi2019.settings import REFERENCE_WIDTH_PX
 from pawnb.core.paws.offline.again import after_correction
+from pawnb.core.paws.offline.kept import GONE_ON_FROM
 from pawnb.core.paws.offline.quality.likeness import keep_likeness
 from pawnb.core.paws.offline.settings import OfflineSettings
 from pawnb.core.paws.offline.tracker import LEARNT
 from pawnb.core.paws.retracked_span import TOLERANCE_PX, keep_untouched
 from pawnb.core.paws.tracker import Correction, KeptEvidence
 from pawnb.errors import InputError
-from pawnb.schema import ORIGIN_CODE, Tracks, add_provenance
+from pawnb.schema import ORIGIN_CODE, START_COLUMNS, Tracks, add_provenance
 from pawnb.trial import Trial
 from pawnb.workflow.calibration.real_units import in_real_units
 from pawnb.workflow.provenance.manifest import run_alone
@@ -95,7 +97,8 @@ def retrack_points(trial: Trial, tracks: Tracks, frame: int, *, asked: RetrackOp
             clicks = clicks_by_hand(trial, tracks)
             begin, old = int(known[0]), None
             if tracks.attrs.get("evidence") == LEARNT:
-                given = _learnt_again(trial, tracks, frame, placed) | {"annotations": looked}
+                framed_by = _first_clicks(tracks, looked)
+                given = _learnt_again(trial, tracks, frame, placed) | {"annotations": framed_by}
             elif not asked.learn:
                 folder = results_folder(trial, asked.out)
                 if folder.is_dir():  # a run there would write the same candidates
@@ -139,6 +142,13 @@ def retrack_points(trial: Trial, tracks: Tracks, frame: int, *, asked: RetrackOp
         start=clicks.to_dict(orient="records"),
     )
     return add_provenance(new, **step)
+
+
+def _first_clicks(tracks: Tracks, looked: pd.DataFrame) -> pd.DataFrame:
+    """Return the clicks by which the body's frame was found: of the run first gone on from."""
+    made = [step for step in provenance_steps(tracks) if step["step"] == "track"]
+    earlier = made[-1].get(GONE_ON_FROM)
+    return pd.DataFrame(earlier[0], columns=list(START_COLUMNS)) if earlier else looked
 
 
 def _learnt_again(

@@ -115,7 +115,8 @@ def track_learnt(
         tracks = keep_rows(before.tracks, tracks, keep)
     if alone:
         starts = () if before is None else before.starts
-        stacks.keep_run(RunBefore(_asked(layout, task, parameters), (*starts, start), tracks))
+        own = tracks.copy(deep=True)  # the others may be corrected in place
+        stacks.keep_run(RunBefore(_asked(layout, task, parameters), (*starts, start), own))
         earlier = [one.to_dict(orient="records") for one in starts]
         tracks = tracks.assign_attrs({GONE_ON_FROM: json.dumps(earlier)})
     return tracks

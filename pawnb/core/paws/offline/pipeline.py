@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -171,16 +172,18 @@ def run_pipeline(
     radius = parameters.appearance.radius / parameters.scene.spacing
     weighing = weighing or weigh(views, n_points, parameters)
     begin, end = rows or (0, views[0].stack.shape[0])
-    works = [_Work(view, begin, end, parameters) for view in views]
     again = all(view.earlier is not None for view in views)
-    rounds = 1 if again else parameters.appearance.rounds
+    learning = parameters.appearance
     if again:
-        for work in works:
-            work.take_earlier()
-    for round_ in range(rounds):
+        learning = dataclasses.replace(learning, rounds=1, epochs=learning.epochs_again)
+    parameters = dataclasses.replace(parameters, appearance=learning)
+    works = [_Work(view, begin, end, parameters) for view in views]
+    for work in works if again else []:
+        work.take_earlier()
+    for round_ in range(learning.rounds):
         for work in works:
             work.look(n_points)
-        last = round_ + 1 == rounds
+        last = round_ + 1 == learning.rounds
         posteriors = associate(
             [work.evidence(weighing.trust) for work in works], radius=radius,
             parameters=parameters.association, rig=rig, identity=parameters.identity,

@@ -35,18 +35,12 @@ def detect_by_motion(
     Detections
         At most two for each point and row.
     """
-    n = len(stack.grey)
     found: list[tuple[int, int, float, float, float]] = []
-    for point in annotations.points:
-        rows = annotations.rows_of(point)
-        for i, row in enumerate(rows):
-            uv = annotations.places[row][point]
-            xy = stack.to_body[row, :, :2] @ uv + stack.to_body[row, :, 2]
-            after = rows[i + 1] if i + 1 < len(rows) else n - 1
-            before = rows[i - 1] if i else 0
-            for end in (after, before):
-                for t, x, y, trust in _follow(stack.grey, row, end, xy, parameters):
-                    found.append((t, point, x, y, trust))
+    for (row, end), points in _ways(annotations, len(stack.grey)).items():
+        uv = np.array([annotations.places[row][point] for point in points])
+        xy = uv @ stack.to_body[row, :, :2].T + stack.to_body[row, :, 2]
+        for t, i, x, y, trust in _follow(stack.grey, row, end, xy, parameters):
+            found.append((t, points[i], x, y, trust))
     table = np.array(found, float).reshape(-1, 5)
     rows_found = table[:, 0].astype(int)
     place = stack.to_grid(table[:, 2:4])
@@ -59,28 +53,40 @@ def detect_by_motion(
     )
 
 
+def _ways(annotations: Annotations, n: int) -> dict[tuple[int, int], list[int]]:
+    """Return the points that are followed from a row to another one, both ways."""
+    ways: dict[tuple[int, int], list[int]] = {}
+    for point in annotations.points:
+        rows = annotations.rows_of(point)
+        for before, row, after in zip([0, *rows], rows, [*rows[1:], n - 1], strict=False):
+            for end in (after, before):
+                ways.setdefault((row, end), []).append(point)
+    return ways
+
+
 def _follow(
     grey: np.ndarray, row: int, end: int, xy: np.ndarray, parameters: MotionParameters
-) -> Iterator[tuple[int, float, float, float]]:
-    """Yield row, x, y and trust while a place is followed to another row."""
+) -> Iterator[tuple[int, int, float, float, float]]:
+    """Yield row, number, x, y and trust while places (k, 2) are followed to another row."""
 
-    def flow(source: np.ndarray, target: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, bool]:
+    def flow(source: np.ndarray, target: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, ...]:
         to, status, _ = cv2.calcOpticalFlowPyrLK(
             source, target, at, None,  # type: ignore[call-overload]
             winSize=(parameters.window,) * 2, maxLevel=parameters.levels,
         )  # fmt: skip
-        return to, bool(status[0, 0])
+        return to, status[:, 0] > 0
 
     step = 1 if end > row else -1
-    here, trust = np.array([[xy]], np.float32), 1.0
+    here, trust = np.asarray(xy, np.float32)[:, None], np.ones(len(xy))
+    number = np.arange(len(xy))
     for t in range(row, end, step):
         there, found = flow(grey[t], grey[t + step], here)
         back, returned = flow(grey[t + step], grey[t], there)
-        if not (found and returned):
+        missed = np.linalg.norm(back - here, axis=-1)[:, 0].astype(float)
+        trust = trust * parameters.kept * np.exp(-((missed / parameters.check_px) ** 2))
+        on = found & returned & (trust >= parameters.lowest)
+        here, trust, number = there[on], trust[on], number[on]
+        if not len(number):
             return
-        missed = float(np.linalg.norm(back - here))
-        trust *= parameters.kept * np.exp(-((missed / parameters.check_px) ** 2))
-        if trust < parameters.lowest:
-            return
-        here = there
-        yield t + step, float(here[0, 0, 0]), float(here[0, 0, 1]), trust
+        for i, (x, y), own in zip(number, here[:, 0].astype(float), trust, strict=True):
+            yield t + step, int(i), float(x), float(y), float(own)

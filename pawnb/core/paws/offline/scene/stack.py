@@ -147,8 +147,12 @@ def read_stacks(
         for n, a in zip(views.names, annotations, strict=True)
         if a.rows
     ]
-    n = frames[1] - frames[0]
-    once = n * sum(crop.picture_bytes for crop in crops) <= _KEPT_BYTES
+    n, begun = frames[1] - frames[0], views.frame(frames[0])
+    each = [
+        crop.picture_bytes(begun[name].image().ndim)  # type: ignore[attr-defined]
+        for name, crop in zip(names, crops, strict=True)
+    ]
+    once = n * sum(each) <= _KEPT_BYTES
 
     def read(take: Callable[[_Crops, np.ndarray], None], before: int, each: int) -> bool:
         with ThreadPoolExecutor() as pool:
@@ -190,10 +194,10 @@ class _Crops:
         self.is_colour: bool | None = None
         self.ends = ((False, False), (False, False))
 
-    @property
-    def picture_bytes(self) -> float:
-        """Size of a picture that is kept until the body's frame is known."""
-        return 3 * np.prod(self.view_size) * (self.scale**2 if self.shrinks else 1.0)
+    def picture_bytes(self, ndim: int) -> float:
+        """Size of a picture of 2 (grey) or 3 dimensions, kept until the body's frame is known."""
+        shrunk = self.scale**2 if self.shrinks else 1.0
+        return float((3 if ndim == 3 else 1) * np.prod(self.view_size) * shrunk)
 
     def look(self, picture: np.ndarray) -> None:
         """Take a small picture of the whole view."""
