@@ -11,6 +11,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from pawnb.errors import InputError
+from pawnb.figures.panels import speed_unit, with_unit
 from pawnb.figures.style import figure_size, style
 from pawnb.gait.overview import measures_by_animal, standardise
 from pawnb.schema import check_columns
@@ -24,23 +25,34 @@ _UNITS = {
 }  # fmt: skip
 
 
-def say_measure(name: str) -> str:
+_LENGTHS = (
+    "stride_length", "step_displacement", "excursion", "swing_distance", "aep_lateral",
+    "pep_lateral", "step_length", "step_width", "swing_height", "toe_clearance",
+)  # fmt: skip
+
+
+def say_measure(name: str, *, unit: str | None = None) -> str:
     """Return the name of a column as words, with its unit: ``swing_s`` is ``swing (s)``.
 
     Parameters
     ----------
     name : str
         Column of the strides.
+    unit : str, optional
+        Unit of lengths; without it lengths and speeds are named without any.
 
     Returns
     -------
     str
         Words.
     """
-    for ending, unit in _UNITS.items():
+    for ending, told in _UNITS.items():
         if name.endswith(ending):
-            return name.removesuffix(ending).replace("_", " ") + unit
-    return name.replace("_", " ")
+            return name.removesuffix(ending).replace("_", " ") + told
+    words = name.replace("_", " ")
+    if unit and name in _LENGTHS:
+        return with_unit(words, unit)
+    return with_unit(words, speed_unit(unit)) if unit and name == "speed" else words
 
 
 def build_measure_heat_map_table(

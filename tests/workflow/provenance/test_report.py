@@ -8,17 +8,20 @@ import re
 from pathlib import Path
 from urllib.parse import unquote
 
+import numpy as np
 import pandas as pd
 import pytest
 from PIL import Image
 
 from pawnb.cli import main
+from pawnb.figures.measure_heat_map import say_measure
 from pawnb.gait import analyse_events
 from pawnb.schema import ORIGIN_CODE, make_tracks
 from pawnb.workflow.gait.run import run_gait
 from pawnb.workflow.provenance.report.html import page, table
 from pawnb.workflow.provenance.report.index_page import index_page, note_lines
 from pawnb.workflow.provenance.report.methods_text import count_dropped, methods_paragraphs
+from pawnb.workflow.provenance.report.report import _by_leg
 from pawnb.workflow.provenance.report.tracking_text import tracking_sentences
 from pawnb.workflow.provenance.report.words import figure_order
 
@@ -128,6 +131,23 @@ def test_the_methods_say_how_points_were_tracked():
     assert "20 frames at 200 to 500 frames a second by pawnb, DeepLabCut" in text
     assert "1 of 15 labels were placed by hand" in text  # those of DeepLabCut do not say
     assert tracking_sentences([]) == ""
+
+
+def test_measures_stand_by_leg_with_their_units():
+    values = pd.DataFrame(
+        [["FR", say_measure("stride_length", unit="mm"), 60.04, 55.0, 65.0],
+         ["FL", say_measure("stride_length", unit="mm"), 61.0, np.nan, np.nan],
+         ["FR", say_measure("speed", unit="mm"), 300.0, np.nan, np.nan],
+         ["FL", say_measure("swing_s", unit="mm"), np.nan, np.nan, np.nan]],
+        columns=["leg", "measure", "mean", "ci_low", "ci_high"],
+    )  # fmt: skip
+    found = _by_leg(values)
+    assert found.columns.tolist() == ["measure", "FR", "FL"]
+    assert found.to_numpy().tolist() == [
+        ["stride length (mm)", "60.04 (55 to 65)", "61"], ["speed (mm/s)", "300", ""],
+    ]  # fmt: skip
+    assert say_measure("swing_s", unit="mm") == "swing (s)"
+    assert say_measure("stride_length") == "stride length"
 
 
 def test_what_was_left_out_is_counted_whichever_stride_it_was():

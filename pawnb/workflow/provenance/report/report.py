@@ -9,6 +9,7 @@ from typing import Any
 
 import pandas as pd
 
+from pawnb.figures.measure_heat_map import say_measure
 from pawnb.figures.panels import speed_unit, with_unit
 from pawnb.files import write_whole
 from pawnb.workflow.gait.request import GaitRequest, Legs
@@ -30,6 +31,8 @@ _OF_GROUPS = (
     "measure", "leg", "reference", "group_a", "group_b", "n_animals_a", "n_animals_b", "mean_a",
     "mean_b", "difference", "ci_low", "ci_high", "p", "p_adjusted",
 )  # fmt: skip
+_OF_LEGS = ("leg", "measure", "mean", "ci_low", "ci_high")
+_BY_LEG = "Means over animals, each counted once, with 95 % intervals where there are several."
 _MOST_ROWS = 60
 _BLANK_OF_ONE = (
     "One animal only: numbers of strides are no numbers of animals, and no interval or test over "
@@ -102,7 +105,7 @@ def report_page(run: GaitRun) -> str:
     body += ["<h2>What was left out</h2>", _left_out(run.tables.dropped)]
     body.append("<h2>Notes</h2>")
     body.append(listed(notes, kind="notes") if notes else "<p>None.</p>")
-    body += ["<h2>Tables</h2>", *_tables(run.out), "<h2>Figures</h2>", *_figures(run.out)]
+    body += ["<h2>Tables</h2>", *_tables(run), "<h2>Figures</h2>", *_figures(run.out)]
     body += ["<h2>Provenance</h2>", _provenance(run.out)]
     return page(title, body)
 
@@ -134,19 +137,38 @@ def _left_out(dropped: pd.DataFrame) -> str:
     return table(count_dropped(dropped, ["animal", "what", "why"]), most=_MOST_ROWS)
 
 
-def _tables(folder: Path) -> list[str]:
-    """Lay out the tables that there are."""
-    parts = []
+def _tables(run: GaitRun) -> list[str]:
+    """Lay out the tables that there are, measures with their units."""
+    parts, unit = [], length_unit(run.tables)
     for name in _TABLES:
-        path = folder / f"{name}.csv"
-        if path.exists():
-            values = pd.read_csv(path)
-            if name == "groups":  # those of single legs are follow-ups
-                values = values.loc[values["role"] != "follow-up", list(_OF_GROUPS)]
-            values = values.drop(columns="note", errors="ignore").dropna(axis=1, how="all")
-            parts += [f"<h3>{text(FILES[path.name])} ({path.name})</h3>"]
-            parts.append(table(values, most=_MOST_ROWS))
+        path = run.out / f"{name}.csv"
+        if not path.exists():
+            continue
+        values = pd.read_csv(path)
+        if name == "groups":  # those of single legs are follow-ups
+            values = values.loc[values["role"] != "follow-up", list(_OF_GROUPS)]
+        values = values.drop(columns="note", errors="ignore").dropna(axis=1, how="all")
+        if "measure" in values:
+            values["measure"] = [say_measure(str(own), unit=unit) for own in values["measure"]]
+        parts.append(f"<h3>{text(FILES[path.name])} ({path.name})</h3>")
+        if name == "animals":
+            values = _by_leg(values)
+            parts.append(f'<p class="small">{_BY_LEG}</p>')
+        parts.append(table(values, most=_MOST_ROWS))
     return parts
+
+
+def _by_leg(values: pd.DataFrame) -> pd.DataFrame:
+    """Put the means of measures side by side, a column a leg, with their intervals."""
+    values = values.dropna(subset=["mean"]).reindex(columns=[*_OF_LEGS])
+    cells = [
+        f"{mean:.4g}" + (f" ({low:.4g} to {high:.4g})" if pd.notna(low) and pd.notna(high) else "")
+        for mean, low, high in values[["mean", "ci_low", "ci_high"]].itertuples(index=False)
+    ]
+    by_leg = values.assign(cell=cells).pivot_table(
+        index="measure", columns="leg", values="cell", aggfunc="first", sort=False
+    )
+    return by_leg.fillna("").reset_index()
 
 
 def _figures(folder: Path) -> list[str]:
