@@ -10,10 +10,11 @@ Run it from the project's root:
 *all kinds* is the whole of a first run with motion, appearance and correlation, against decoding
 the same frames (as in tracking_speed.py). *again after a correction* is :func:`pawnb.retrack` of a
 point that was put in place by hand, ``--again`` frames before its next click. *a click added* is
-:func:`pawnb.track` with clicks in one frame more: they are the marks of ``marks.csv`` beside the
-trial in the marked frame that is nearest, else where the first run put the points, which is enough
-to take time. Both find pictures and flow kept in the session, and go on from what the run before
-has learnt, where these pictures serve for the new clicks; *read anew* is said where they do not.
+:func:`pawnb.track` (``quick=True``) with clicks in one frame more: they are the marks of
+``marks.csv`` beside the trial in the marked frame that is nearest, else where the first run put the
+points, which is enough to take time. Both find pictures and flow kept in the session, and go on
+from what the run before has learnt, where these pictures serve for the new clicks; *read anew* is
+said where they do not.
 
 The clock tells what a person waits for; where other programs run, processor time tells more.
 """
@@ -131,8 +132,10 @@ def measure(trial: Trial, n_frames: int, n_again: int) -> Measured:
     frames = (begin, min(last, begin + n_frames))
     n = frames[1] - frames[0]
 
-    def run(clicks: pd.DataFrame) -> Tracks:
-        return track(trial, start=clicks, frames=frames, settings=LEARNT, progress=quiet)
+    def run(clicks: pd.DataFrame, *, quick: bool = False) -> Tracks:
+        return track(
+            trial, start=clicks, frames=frames, settings=LEARNT, quick=quick, progress=quiet
+        )
 
     _, decoding = timed(lambda: decode(trial, frames[1]))
     tracks, took = timed(lambda: run(start))
@@ -144,7 +147,7 @@ def measure(trial: Trial, n_frames: int, n_again: int) -> Measured:
     corrected = min(clicked + 1, frames[1] - 2)
     after = min(corrected + n_again - 1, frames[1] - 1)
     more = pd.concat([start, further_clicks(trial, tracks, start, after)])
-    tracks, added = timed(lambda: run(more))
+    tracks, added = timed(lambda: run(more, quick=True))
     assert tracks is not None  # noqa: S101
     gone_on = GONE_ON_FROM in provenance_steps(tracks)[-1]
     print(f"  a click added in frame {more['frame'].iloc[-1]}, until shown, {n} frames: {added}"

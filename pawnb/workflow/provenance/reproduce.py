@@ -214,6 +214,7 @@ def _make_tracks(task: _Task) -> None:
                 settings=step["settings"],
                 start=start,
                 frames=(step["frames"][0], step["frames"][1]),
+                quick=True,
                 command=None if command is None else shlex.split(command),
             )
     with open_views(trial) as views:

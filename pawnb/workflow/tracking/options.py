@@ -19,7 +19,7 @@ class TrackOptions:
 
     Parameters
     ----------
-    method, settings, start, frames, out, progress, stop, command
+    method, settings, start, frames, out, quick, progress, stop, command
         As for :func:`pawnb.track`.
     """
 
@@ -28,6 +28,7 @@ class TrackOptions:
     start: pd.DataFrame | None = None
     frames: tuple[int, int] | None = None
     out: str | Path | None = None
+    quick: bool = False
     progress: Progress | None = None
     stop: Callable[[], bool] | None = None
     command: Sequence[str] | None = None

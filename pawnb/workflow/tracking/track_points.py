@@ -84,7 +84,10 @@ def track_points(trial: Trial, asked: TrackOptions) -> Tracks:
         if tracker.is_offline:
             span["predictions"] = predictions_for(trial, views, clicks, frames=(begin, last))
         task = paw_task(trial, rig, clicks, progress=run.report, stop=stop, **span)
-        kept = KeptEvidence(store, None if store is None else session_stacks(store.source))
+        stacks = None if store is None else session_stacks(store.source)
+        if stacks is not None and not asked.quick:
+            stacks.forget()
+        kept = KeptEvidence(store, stacks)
         go = tracker.track if earlier is None else tracker.resume
         tracks = go(views, clicks, task, settings=chosen, kept=kept)
         if gone_on_from := json.loads(tracks.attrs.pop(GONE_ON_FROM, "[]")):

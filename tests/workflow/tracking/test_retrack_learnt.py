@@ -79,6 +79,12 @@ def tracks(trial):
     return track(trial, progress=quiet)
 
 
+def added(start):
+    """The start with clicks in a frame more."""
+    middle = [(16, "side", p, *way()[16, i]) for i, p in enumerate(POINTS)]
+    return pd.concat([start, pd.DataFrame(middle, columns=start.columns)])
+
+
 def positions(tracks, point):
     uv = tracks["image_position"].sel(view="side", keypoint=point).isel(individual=0)
     return uv.transpose("time", "image_space").to_numpy()
@@ -131,10 +137,29 @@ def test_of_another_recording_nothing_is_kept(trial, tracks, tmp_path, monkeypat
         return plain(*args, **kept)
 
     monkeypatch.setattr("pawnb.core.paws.offline.learnt_run.read_stacks", counted)
-    track(trial, progress=quiet)
-    assert not read
-    track(load_trial(tmp_path), progress=quiet)
-    assert read
+    start = pd.read_csv(trial.path("start.csv"))
+    with kept_candidates.new_session():
+        track(trial, start=start, progress=quiet)
+        read.clear()
+        track(trial, start=added(start), quick=True, progress=quiet)
+        assert not read
+        track(load_trial(tmp_path), start=added(start), quick=True, progress=quiet)
+        assert read
+
+
+@pytest.mark.slow
+def test_a_run_from_all_clicks_does_not_depend_on_those_before_it(trial):
+    """As is said of every result: equal inputs, equal bytes."""
+    start = pd.read_csv(trial.path("start.csv"))
+    with kept_candidates.new_session():
+        alone = track(trial, start=added(start), progress=quiet)
+    with kept_candidates.new_session():
+        track(trial, start=start, progress=quiet)
+        after = track(trial, start=added(start), progress=quiet)
+        again = track(trial, start=added(start), quick=True, progress=quiet)  # nothing was added
+    assert after.identical(alone)
+    assert again.identical(alone)
+    assert "gone_on_from_clicks" not in provenance_steps(after)[0]
 
 
 @pytest.mark.slow
@@ -142,11 +167,10 @@ def test_a_run_that_went_on_from_another_is_made_again_from_both(trial, tmp_path
     """The frames before the first click and after the last of the run before are of that run."""
     with kept_candidates.new_session():
         start = pd.read_csv(trial.path("start.csv"))
-        middle = [(16, "side", p, *way()[16, i]) for i, p in enumerate(POINTS)]
-        more = pd.concat([start, pd.DataFrame(middle, columns=start.columns)])
         first = track(trial, progress=quiet)
-        new = track(trial, start=more, out=tmp_path / "results", progress=quiet)
+        out = tmp_path / "results"
+        new = track(trial, start=added(start), out=out, quick=True, progress=quiet)
         np.testing.assert_array_equal(positions(new, "HR")[31:], positions(first, "HR")[31:])
         assert provenance_steps(new)[0]["gone_on_from_clicks"] == [start.to_dict("records")]
-    found = reproduce(tmp_path / "results" / "tracks.csv", inputs=trial.folder)
+    found = reproduce(out / "tracks.csv", inputs=trial.folder)
     assert found.identical, found.difference

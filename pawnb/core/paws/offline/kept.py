@@ -75,6 +75,12 @@ class KeptStacks:
         if self._most_bytes > 0:
             self._run = run
 
+    def forget(self) -> None:
+        """Keep nothing: a run from all clicks does not depend on what was done before it."""
+        with self._lock:
+            self._stacks.clear()
+            self._run = None
+
     def find(
         self,
         names: Sequence[str],

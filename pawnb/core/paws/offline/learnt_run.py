@@ -66,10 +66,11 @@ def track_learnt(
         Earlier clicks, columns as ``start``, by which the body's frame was found; it is the same
         again where ``start`` lies well within.
     stacks : KeptStacks, optional
-        Pictures and flow of earlier runs on the same recording. What is there and fits is not
-        decoded again, and what is decoded goes there. If clicks were only added since the last
-        of these runs, the frames up to the clicks on either side are tracked anew, and all others
-        are as they were.
+        Pictures and flow of the last run on the same recording; those of this one go there. If
+        clicks were only added since that run, nothing is decoded, the frames up to the clicks on
+        either side are tracked anew, and all others are as they were. If not, this run is one as
+        if there had been none before; but what is tracked again or framed by earlier clicks takes
+        what is there and fits.
     again : Again, optional
         Frames that are to be tracked again; all others are missing in what is returned.
 
@@ -95,6 +96,8 @@ def track_learnt(
     stacks = stacks or KeptStacks(most_bytes=0)
     alone = again is None and looked is None and task.tracks is None
     before = _run_before(stacks, start, layout, task=task, parameters=parameters) if alone else None
+    if alone and before is None:
+        stacks.forget()
     if before is not None:
         again = after_clicks(before.tracks, before.starts[-1], start)
     run = _Run(
