@@ -187,7 +187,7 @@ def _work(
                 job = running.pop(number)
                 job.status, job.said, job.verdict = answer
                 tell(_line(job, len(jobs)))
-            time.sleep(_WAIT_S if running else 0.0)
+            time.sleep(_WAIT_S if running or waiting else 0.0)
 
 
 def find_trials(trials: str | Path | Sequence[str | Path]) -> list[Path]:

@@ -18,8 +18,12 @@ from pawnb.errors import InputError
 from pawnb.workflow.batch.places import Answer, WorkerProcess
 
 _CONNECT_S = 10.0
+"""So long a scheduler may be silent, at the beginning and in between, before it is gone."""
 _LOOK_S = 0.5
 """How often a worker looks whether its process has ended or is to stop."""
+
+
+_GONE = "the scheduler no longer answers; run this again to go on"
 
 
 class Scheduler:
@@ -54,14 +58,30 @@ class Scheduler:
         self._stop_name = f"pawnb-stop-{uuid.uuid4().hex}"
         self._stop = distributed.Event(self._stop_name, client=self._client)
         self._running: dict[int, Any] = {}
+        self._refused: dict[int, Answer] = {}
         self._stopping = False
 
+    def _is_gone(self) -> bool:
+        """Say whether the scheduler no longer answers, and is no longer waited for."""
+        return self._client.status in ("closing", "closed")
+
     def has_room(self) -> bool:
-        """Say whether another trial may begin: one waits even where no worker is there yet."""
-        return len(self._running) < max(1, sum(self._client.nthreads().values()))
+        """Say whether another trial may begin: one waits even where no worker is there yet.
+
+        Where the scheduler is gone trials "begin", and are answered for at once.
+        """
+        if self._is_gone():
+            return True
+        try:
+            return len(self._running) < max(1, sum(self._client.nthreads().values()))
+        except OSError:  # it does not answer now; the client tries again, or gives up
+            return False
 
     def begin(self, number: int, order: Mapping[str, Any]) -> None:
         """Hand a trial to a worker; its paths become absolute."""
+        if self._is_gone():
+            self._refused[number] = Answer("failed", f"not begun: {_GONE}")
+            return
         places = {name: str(Path(order[name]).resolve()) for name in ("trial", "out")}
         self._running[number] = self._client.submit(
             track_on_worker, {**order, **places}, self._stop_name, pure=False, retries=0
@@ -69,7 +89,7 @@ class Scheduler:
 
     def ended(self) -> dict[int, Answer]:
         """Return the answers of trials that have ended since this was last asked."""
-        ended = {}
+        ended, self._refused = self._refused, {}
         for number, future in list(self._running.items()):
             if future.status in ("pending", "processing"):
                 continue
@@ -77,6 +97,8 @@ class Scheduler:
                 ended[number] = Answer(*future.result())
             elif future.status == "cancelled" and self._stopping:
                 ended[number] = Answer("stopped", "not begun")
+            elif self._client.status != "running":  # then the client takes all back
+                ended[number] = Answer("failed", f"{_GONE}, and what its worker has kept is there")
             else:
                 error = future.exception() if future.status == "error" else "its worker is gone"
                 ended[number] = Answer("failed", f"the scheduler's worker failed: {error}")
@@ -88,8 +110,11 @@ class Scheduler:
         if self._stopping:
             return
         self._stopping = True
-        self._stop.set()
-        taken = {key for keys in self._client.processing().values() for key in keys}
+        try:
+            self._stop.set()
+            taken = {key for keys in self._client.processing().values() for key in keys}
+        except (OSError, AttributeError):  # the scheduler is gone, and with it its connection
+            return
         for future in self._running.values():
             if future.key not in taken and future.status == "pending":
                 future.cancel()

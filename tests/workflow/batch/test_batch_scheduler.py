@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
+import json
+import os
+import signal
+import subprocess
 import sys
 import threading
+import time
 
 import pytest
 
@@ -86,6 +92,90 @@ def test_trials_wait_for_a_worker_and_are_taken_back(trials, monkeypatch):
         done = batch([trials / "a"], scheduler=empty.scheduler_address)
     assert done.table["status"].tolist() == ["stopped"]
     assert done.table["said"][0] == "not begun"
+
+
+@contextlib.contextmanager
+def processes(folder, workers):
+    """A scheduler and workers of one thread each, every one a process that can be killed."""
+    file = folder / "scheduler.json"
+    common = ["--scheduler-file", str(file), "--no-dashboard"]
+    started = []
+
+    def start(module, *options):
+        command = [sys.executable, "-m", f"distributed.cli.{module}", *common, *options]
+        started.append(subprocess.Popen(command, stderr=subprocess.DEVNULL))
+        return started[-1]
+
+    try:
+        scheduler = start("dask_scheduler", "--host", "127.0.0.1", "--port", "0")
+        while not file.exists():
+            time.sleep(0.1)
+        own = [start("dask_worker", "--nthreads", "1", "--no-nanny") for _ in range(workers)]
+        yield json.loads(file.read_text())["address"], scheduler, own
+    finally:
+        for process in started:
+            process.kill()
+            process.wait()
+
+
+def kill_once_begun(process, folder, results):
+    """Kill a process as soon as one of the trials is being tracked."""
+
+    def wait():
+        while not any((folder / name / results).exists() for name in ("a", "b")):
+            time.sleep(0.05)
+        os.kill(process.pid, signal.SIGKILL)
+
+    thread = threading.Thread(target=wait, daemon=True)
+    thread.start()
+    return thread
+
+
+def whole_or_absent(folder):
+    trial = load_trial(folder)
+    results = folder / "results"
+    return (
+        is_tracked(trial, results, method="pawnb", settings=QUICK)
+        or not (results / "provenance.json").exists()
+    )
+
+
+@pytest.mark.slow
+def test_where_the_scheduler_is_killed_every_trial_has_a_line(trials, tmp_path, monkeypatch):
+    pytest.importorskip("distributed")
+    monkeypatch.setattr("pawnb.workflow.batch.scheduler._CONNECT_S", 3.0)
+    named = [trials / name for name in ("a", "b", "broken")]
+    with processes(tmp_path, workers=1) as (address, scheduler, _):
+        kill_once_begun(scheduler, trials, "results")
+        done = batch(named, settings=QUICK, scheduler=address)
+    assert len(done.table) == 3
+    assert done.table["status"].tolist() == ["failed"] * 3
+    assert done.table["said"].str.contains("no longer answers").tolist() == [True, True, True]
+    assert all(whole_or_absent(trials / name) for name in ("a", "b"))
+    again = batch(named[:2], settings=QUICK)
+    assert set(again.table["status"]) <= {"tracked", "skipped"}
+
+
+@pytest.mark.slow
+def test_where_a_worker_is_killed_another_takes_its_trial(trials, tmp_path):
+    pytest.importorskip("distributed")
+    with processes(tmp_path, workers=1) as (address, _, workers):
+        killed = kill_once_begun(workers[0], trials, "results")
+
+        def replace():
+            killed.join()
+            command = [sys.executable, "-m", "distributed.cli.dask_worker", address,
+                       "--nthreads", "1", "--no-nanny", "--no-dashboard"]  # fmt: skip
+            workers.append(subprocess.Popen(command, stderr=subprocess.DEVNULL))
+
+        threading.Thread(target=replace, daemon=True).start()
+        try:
+            done = batch([trials / "a", trials / "b"], settings=QUICK, scheduler=address)
+        finally:
+            workers[-1].kill()
+            workers[-1].wait()
+    assert done.table["status"].tolist() == ["tracked", "tracked"]
+    assert all(whole_or_absent(trials / name) for name in ("a", "b"))
 
 
 def test_one_sentence_where_there_is_no_scheduler(trials, monkeypatch):
