@@ -101,8 +101,8 @@ class Measured(NamedTuple):
             f"{self.ratio:.3g} times what decoding alone takes, by processor time "
             f"({self.run_ms:.0f} ms a frame of all views, decoding {self.decoding_ms:.1f}). "
             f"With a click added (`quick=True`), until points are shown: {self.added.cpu:.1f} s "
-            f"of processor time{anew}. Tracked again after a correction, {self.frames_again} frames: "
-            f"{self.again.cpu:.1f} s"
+            f"of processor time{anew}. Tracked again after a correction, {self.frames_again} "
+            f"frames: {self.again.cpu:.1f} s"
         )
         return {"what": what, "result": result, "command": f"`{command}`"}
 
