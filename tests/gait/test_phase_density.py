@@ -129,10 +129,20 @@ def test_scattered_lags_are_told_as_scattered():
     """Lags of trials drawn from a von Mises distribution keep its mean vector length."""
     lags = vonmises(2.0).rvs(200, random_state=1) / (2 * np.pi)
     parts = [
-        trial((0, lag % 1.0, 0.5, 0.5), animal=f"m{i}", seconds=2.0) for i, lag in enumerate(lags)
+        trial((0, lag % 1.0, 0.5, 0.5), animal=f"m{i}", seconds=8.0) for i, lag in enumerate(lags)
     ]
     found = phase_density([s for s, _ in parts], pd.concat([t for _, t in parts]))
     across = found.groupby("phase_x")["density"].sum()
     r = np.abs((across * np.exp(2j * np.pi * across.index)).sum() / across.sum())
     expected = np.abs(np.exp(2j * np.pi * lags).mean()) * np.exp(-2 * np.pi**2 * 0.03**2)
     assert r == pytest.approx(expected, abs=0.02)
+
+
+@pytest.mark.parametrize("lag", [0.05, 0.3, 0.5, 0.7])
+def test_a_lag_is_not_rounded_to_samples(lag):
+    """50 samples a stride are 0.02 cycle apart; 0.006 are left of how the ends are mirrored."""
+    signal, strides = trial((0, lag, 0.5, 0.5), seconds=8.0)
+    found = phase_density([signal], strides)
+    across = found.groupby("phase_x")["density"].sum()
+    mean = np.angle((across * np.exp(2j * np.pi * across.index)).sum()) / (2 * np.pi)
+    assert mean % 1.0 == pytest.approx(lag, abs=0.008)
