@@ -16,6 +16,8 @@ from pawnb.trial import Animal, Trial
 from pawnb.workflow.gait.drawings import gait_drawings
 from pawnb.workflow.gait.overview_drawings import overview_drawings
 
+pytestmark = pytest.mark.slow
+
 mpl.use("Agg")
 
 NO_UNIT = {"", "Frame", "Strides", "Animal", "Foot in stance"}

@@ -66,6 +66,7 @@ def test_a_canvas_shows_its_frame_and_its_points(trial_file, tmp_path):
     assert not changed[-40:-30, : part // 4].any()
 
 
+@pytest.mark.slow
 def test_clicks_and_plots_and_lists_have_pictures(trial_file, tmp_path):
     start = pd.DataFrame(
         [[0, "cam1", "FR", 110.0, 270.0]], columns=["frame", "view", "point", "u", "v"]

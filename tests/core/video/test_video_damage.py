@@ -18,6 +18,8 @@ from pawnb.core.video import open_view
 from pawnb.errors import VideoError
 from pawnb.trial import View
 
+pytestmark = pytest.mark.slow
+
 
 def opened(path, **view):
     return open_view(View(name="cam1", video=path.name, **view), path.parent)

@@ -13,6 +13,8 @@ import pytest
 from pawnb.errors import PawnbError
 from pawnb.workflow.checking.check import check_trial
 
+pytestmark = pytest.mark.slow
+
 TRIAL = """[trial]
 kind = "paws"
 name = "t"

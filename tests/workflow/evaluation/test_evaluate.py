@@ -19,6 +19,8 @@ from pawnb.io.native import read_tracks, write_tracks
 from pawnb.io.track_tables import read_tracks_table
 from pawnb.workflow.evaluation.evaluate import compare_events, evaluate
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture
 def shifted(small_spider, tmp_path):

@@ -21,6 +21,8 @@ from pawnb.workflow.gait.run import run_gait
 from pawnb.workflow.gait.statistics import body_angles_of, joint_angles_of, statistics_tables
 from pawnb.workflow.provenance.results import describe_trial
 
+pytestmark = pytest.mark.slow
+
 OWN = (-0.006, -0.002, 0.001, 0.007)
 """How far the periods of four animals are from the mean of their group, s; they sum to 0."""
 

@@ -86,6 +86,7 @@ def views(array_views, pictures):
     return Counted(array_views({"side": pictures}))
 
 
+@pytest.mark.slow
 def test_with_kept_evidence_nothing_is_read_and_tracks_are_as_from_scratch(views):
     stacks = KeptStacks()
     first = run(views, clicks([2]), stacks=stacks)

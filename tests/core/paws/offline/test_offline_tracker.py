@@ -17,6 +17,8 @@ from pawnb.core.paws.request import TrackingRequest
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE
 
+pytestmark = pytest.mark.slow
+
 N = 24
 POINTS = ("FR", "HR")
 QUICK = OfflineParameters(

@@ -159,6 +159,7 @@ def test_crop_finds_the_same_labels_as_the_whole_picture(scene, subject):
     np.testing.assert_array_equal(labels[v0:v1, u0:u1], cut.labels)
 
 
+@pytest.mark.slow
 def test_energy_is_the_sum_of_its_terms(scene):
     view = explain_energy(scene.picture, scene.pose, animal=scene.animal,
                           background=scene.background)  # fmt: skip
