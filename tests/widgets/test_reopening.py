@@ -12,14 +12,14 @@ from pawnb.io.native import read_tracks
 from pawnb.widgets import PoseReviewer, TrackReviewer
 from pawnb.workflow.tracking.track import track
 
+pytestmark = pytest.mark.slow
+
 PAW_FRAMES = (0, 8)
 
 OPENED_AGAIN = """
 import json, sys
 from pawnb.io.native import read_tracks
 from pawnb.widgets import {name} as Reviewer
-
-pytestmark = pytest.mark.slow
 w = Reviewer(sys.argv[1], read_tracks(sys.argv[1] + "/results/tracks.nc"))
 print(json.dumps(w.tracks["image_position"].fillna(-1).values.tolist()))
 print(w.status)
