@@ -1,6 +1,6 @@
 """How well points are tracked in real clips from a few clicked frames, beside two peers.
 
-python benchmarks/real_clips.py [--clips NAME ...] [--clicks 1 2 3 5] [--peers lk csrt none]
+python benchmarks/real_clips.py [--clips NAME ...] [--clicks 1 2 3 5] [--peers [lk csrt]]
     [--csrt-python PYTHON] [--cache FOLDER] [--set NAME=VALUE ...] [--out MARKS.csv]
 
 Prints % of visible marks, in frames that were not clicked, that have the track of the same point
