@@ -278,10 +278,11 @@ def run_selfcheck(options: argparse.Namespace, _argv: list[str]) -> int:
     from pawnb.workflow.checking.selfcheck import selfcheck
     from pawnb.workflow.reviewing.quality import EXIT_FAILED
 
-    found = selfcheck(
-        trials=not options.values_only,
-        progress=lambda what: print(f"checking {what} ...", file=sys.stderr),
-    )
+    def tell(what: str) -> None:
+        if sys.stderr.isatty() and not options.quiet:
+            print(f"checking {what} ...", file=sys.stderr)
+
+    found = selfcheck(trials=not options.values_only, progress=tell)
     if options.json:
         print_json(findings=[vars(one) for one in found.findings], right=found.right)
     else:
