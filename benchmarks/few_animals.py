@@ -25,12 +25,12 @@ from collections.abc import Callable
 import numpy as np
 import pandas as pd
 
-from pawnb.gait.circular_groups import watson_u2_test, wheeler_watson_test
-from pawnb.gait.circular_tests import hodges_ajne_test, symmetry_test
-from pawnb.gait.durations import compare_legs
+from pawnb.gait.circular.groups import watson_u2_test, wheeler_watson_test
+from pawnb.gait.circular.tests import hodges_ajne_test, symmetry_test
 from pawnb.gait.groups import adjust_p, compare_groups
-from pawnb.gait.mixed import fit_mixed
 from pawnb.gait.regression import slope_over_animals
+from pawnb.gait.regression.mixed import fit_mixed
+from pawnb.gait.strides.durations import compare_legs
 
 ANIMALS = (3, 4, 5, 6, 8)
 UNEQUAL = (10, 20, 6, 14, 8, 30, 5, 12)

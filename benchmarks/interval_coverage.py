@@ -45,17 +45,17 @@ import numpy as np
 import pandas as pd
 
 from pawnb.gait.analysis.phase_patterns import ANTI_PHASE, NOT_DETERMINED, RANDOM, name_pattern
-from pawnb.gait.animals import mean_of_animals, slope_of_animals, slopes_by_animal
-from pawnb.gait.bootstrap import bootstrap_units
 from pawnb.gait.circular import mean_interval, mean_vector
-from pawnb.gait.circular_correlation import angular_linear
-from pawnb.gait.circular_groups import watson_u2_test, watson_williams_test, wheeler_watson_test
-from pawnb.gait.circular_tests import hodges_ajne_test, mean_test, rayleigh_test, v_test
+from pawnb.gait.circular.correlation import angular_linear
+from pawnb.gait.circular.groups import watson_u2_test, watson_williams_test, wheeler_watson_test
+from pawnb.gait.circular.second_order import animal_vectors, hotelling_test, moore_test
+from pawnb.gait.circular.tests import hodges_ajne_test, mean_test, rayleigh_test, v_test
 from pawnb.gait.groups import compare_groups
+from pawnb.gait.groups.animals import mean_of_animals, slope_of_animals, slopes_by_animal
+from pawnb.gait.groups.bootstrap import bootstrap_units
 from pawnb.gait.inference.animal_phases import interval_of_phases
 from pawnb.gait.inference.circular_length import kappa_of_length, length_interval
-from pawnb.gait.mixed import fit_mixed
-from pawnb.gait.second_order import animal_vectors, hotelling_test, moore_test
+from pawnb.gait.regression.mixed import fit_mixed
 
 CIRCLE = 2.0 * np.pi
 # concentration between animals; of strides within an animal it is 10 (r 0.95)

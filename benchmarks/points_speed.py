@@ -34,8 +34,8 @@ from real_clip_marks import clips_folder
 from tracking_speed import decode
 
 from pawnb.core.edits.log import EditLog, Move, Retrack
-from pawnb.core.paws.offline.again import after_correction
-from pawnb.core.paws.offline.kept import GONE_ON_FROM
+from pawnb.core.paws.offline.reuse.kept_evidence import GONE_ON_FROM
+from pawnb.core.paws.offline.reuse.retracking import after_correction
 from pawnb.core.rig import load_rig
 from pawnb.core.video import open_views
 from pawnb.io.start import read_start

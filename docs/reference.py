@@ -64,10 +64,10 @@ def pages() -> dict[str, str]:
             lines += ["", *heading(n, "-")]
             kind = "class" if inspect.isclass(item) else "function"
             lines += [f".. auto{kind}:: {n}", *(["   :members:"] if kind == "class" else [])]
-        for n, item in public:
-            if isinstance(item, ModuleType) and name != "pawnb":
-                lines += ["", *heading(f"{name}.{n}", "-"), f".. automodule:: {item.__name__}"]
-                lines += ["   :members:"]
+        modules = {item.__name__ for _, item in public if isinstance(item, ModuleType)}
+        for module in sorted(modules) if name != "pawnb" else ():
+            lines += ["", *heading(module, "-"), f".. automodule:: {module}"]
+            lines += ["   :members:"]
         found[name] = "\n".join(lines) + "\n"
     return found | {"parameters": parameters_page()}
 

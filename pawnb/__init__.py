@@ -81,7 +81,11 @@ __all__ = ["__version__", *_HOME, *_ROOMS]
 
 
 def _lazy(
-    package: str, public: Sequence[str], homes: Mapping[str, str] | None = None
+    package: str,
+    public: Sequence[str],
+    homes: Mapping[str, str] | None = None,
+    *,
+    modules: Mapping[str, str] | None = None,
 ) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
     """Return the ``__getattr__`` and the ``__dir__`` of a package that imports on first use.
 
@@ -94,6 +98,8 @@ def _lazy(
         there by their names, but not listed.
     homes : mapping of str to str, optional
         The module of each name that is not a module itself.
+    modules : mapping of str to str, optional
+        The full name of each module that lies elsewhere than in the package itself.
 
     Returns
     -------
@@ -102,12 +108,12 @@ def _lazy(
     listed : callable
         Lists the public names.
     """
-    homes = homes or {}
+    homes, modules = homes or {}, modules or {}
 
     def load(name: str) -> Any:
         if name in homes:
             return getattr(importlib.import_module(homes[name]), name)
-        full = f"{package}.{name}"
+        full = modules.get(name, f"{package}.{name}")
         try:
             return importlib.import_module(full)
         except ModuleNotFoundError as error:

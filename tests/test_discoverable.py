@@ -57,3 +57,13 @@ def test_listing_names_imports_nothing_heavy():
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+def test_a_module_of_gait_is_found_by_its_own_name_and_by_its_room():
+    from pawnb.gait import scaling
+
+    assert pawnb.gait.scaling is pawnb.gait.regression.scaling is scaling
+    with pytest.raises(ModuleNotFoundError, match=r"is now pawnb\.gait\.regression\.scaling;"):
+        importlib.import_module("pawnb.gait.scaling")
+    with pytest.raises(ModuleNotFoundError, match="No module named"):
+        importlib.import_module("pawnb.gait.scalings")

@@ -3,7 +3,7 @@
 A :class:`Rig` holds DLT coefficients in the pixels of the resulting views (after crop
 and mirror; u right, v down, (0, 0) the centre of the top-left pixel) together with the
 directions of the calibrated space. It is read with :func:`load_rig` or fitted with
-:func:`pawnb.core.fit_rig.fit_rig`, and never exists half made.
+:func:`pawnb.core.calibration.rig_from_points.fit_rig`, and never exists half made.
 """
 
 from __future__ import annotations

@@ -9,8 +9,8 @@ from matplotlib.axes import Axes
 
 from pawnb.figures.panels import add_heading, label_outer, make_panels, with_unit
 from pawnb.figures.style import OKABE_ITO, small_pt, style
-from pawnb.gait.cycle_tests import CLUSTER_COLUMNS, compare_cycles
 from pawnb.gait.cycles import AVERAGE_COLUMNS, average_cycles
+from pawnb.gait.cycles.tests import CLUSTER_COLUMNS, compare_cycles
 from pawnb.gait.legs import sort_legs
 from pawnb.schema import check_columns
 
@@ -44,12 +44,12 @@ def build_cycle_comparison_table(
     pandas.DataFrame
         ``COLUMNS``: ``row`` is ``curve`` (the columns of
         :func:`pawnb.gait.cycles.average_cycles`, for each ``group``) or ``cluster`` (those of
-        :func:`pawnb.gait.cycle_tests.compare_cycles`).
+        :func:`pawnb.gait.cycles.tests.compare_cycles`).
 
     Raises
     ------
     InputError
-        As :func:`pawnb.gait.cycle_tests.compare_cycles`.
+        As :func:`pawnb.gait.cycles.tests.compare_cycles`.
 
     Examples
     --------

@@ -11,7 +11,7 @@ from pawnb.errors import InputError
 from pawnb.figures.panels import add_animal_legend, draw_points
 from pawnb.figures.style import figure_size, mark_animals, small_pt, style
 from pawnb.gait.circular import mean_vector
-from pawnb.gait.patterns import hildebrand_table
+from pawnb.gait.phases.patterns import hildebrand_table
 from pawnb.schema import check_columns
 
 COLUMNS = ("animal", "trial", "side", "stride", "duty_percent", "lag_percent", "n", "level")
@@ -32,7 +32,7 @@ def build_hildebrand_diagram_table(strides: pd.DataFrame, phases: pd.DataFrame) 
     Parameters
     ----------
     strides, phases : pandas.DataFrame
-        As for :func:`pawnb.gait.patterns.hildebrand_table`, which says what the numbers are.
+        As for :func:`pawnb.gait.phases.patterns.hildebrand_table`, which says what the numbers are.
 
     Returns
     -------

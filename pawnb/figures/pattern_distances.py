@@ -23,7 +23,7 @@ def plot_pattern_distances(table: pd.DataFrame, *, ax: Axes | None = None) -> Ax
     Parameters
     ----------
     table : pandas.DataFrame
-        From :func:`pawnb.gait.patterns.pattern_distances`.
+        From :func:`pawnb.gait.phases.patterns.pattern_distances`.
     ax : matplotlib axes, optional
         Where to draw; default a new figure, one column wide.
 

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 
 from pawnb.figures.panels import add_heading, make_panels, say_counts
 from pawnb.figures.style import style
-from pawnb.gait.phase_density import DENSITY_COLUMNS
+from pawnb.gait.phases.density import DENSITY_COLUMNS
 from pawnb.schema import check_columns
 
 
@@ -20,7 +20,7 @@ def plot_phase_density(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
     Parameters
     ----------
     table : pandas.DataFrame
-        From :func:`pawnb.gait.phase_density.phase_density`.
+        From :func:`pawnb.gait.phases.density.phase_density`.
     ax : matplotlib axes, optional
         Where to draw a table of a single plane; default a new figure with a panel a plane.
 
@@ -37,7 +37,7 @@ def plot_phase_density(table: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
     Examples
     --------
     >>> angles = [one for one in gait.signals if one.signal == "leg angle"]
-    >>> table = pawnb.gait.phase_density.phase_density(angles, gait.strides)
+    >>> table = pawnb.gait.phases.density.phase_density(angles, gait.strides)
     >>> ax = figures.plot_phase_density(table)
     """
     check_columns(table, DENSITY_COLUMNS, where="phase density")

@@ -22,7 +22,7 @@ from pawnb.figures.panels import (
 from pawnb.figures.phases_shown import ANTI_PHASE_ZONE, choose_pairs
 from pawnb.figures.style import mark_animals, style
 from pawnb.gait.circular import mean_vector
-from pawnb.gait.phase_slopes import phases_at_speeds, slope_of_pair
+from pawnb.gait.regression.phase_slopes import phases_at_speeds, slope_of_pair
 from pawnb.schema import check_columns
 
 COLUMNS = (
@@ -60,8 +60,9 @@ def build_phase_speed_table(
     pandas.DataFrame
         ``COLUMNS``, one row a point (``stride`` 0 for whole trials). The same in all rows of a
         pair: mean ``slope`` of phase on speed within ``n_animals`` animals, its interval and p
-        (:func:`pawnb.gait.phase_slopes.phase_speed_table`), and its ``note``. The same in all rows
-        of an animal: its own slope, and the mean speed and phase through which its line runs.
+        (:func:`pawnb.gait.regression.phase_slopes.phase_speed_table`), and its ``note``. The same
+        in all rows of an animal: its own slope, and the mean speed and phase through which its line
+        runs.
 
     Raises
     ------

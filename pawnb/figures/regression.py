@@ -21,7 +21,7 @@ from pawnb.figures.panels import (
 )
 from pawnb.figures.style import OKABE_ITO, mark_animals, small_pt, style
 from pawnb.gait.regression import AnimalSlopes, Line, fit_line, fit_power, fit_rma
-from pawnb.gait.scaling import animal_slopes
+from pawnb.gait.regression.scaling import animal_slopes
 from pawnb.schema import check_columns
 
 COLUMNS = (

@@ -6,16 +6,16 @@ import pandas as pd
 
 from pawnb.errors import InputError
 from pawnb.gait.analysis.tables import GaitTables
-from pawnb.gait.coupling import alternation_rule, coupling_strength, support_rule
 from pawnb.gait.legs import find_leg_place
-from pawnb.gait.patterns import pattern_distances
+from pawnb.gait.phases.coupling import alternation_rule, coupling_strength, support_rule
+from pawnb.gait.phases.patterns import pattern_distances
+from pawnb.gait.strides.symmetry import MEASURES, symmetry_table
 from pawnb.gait.support import (
     regularity_index,
     support_shares,
     support_table,
     whole_stretches,
 )
-from pawnb.gait.symmetry import MEASURES, symmetry_table
 
 REGULARITY_COLUMNS = ("animal", "trial", "regularity_percent", "n_footfalls", "n_sequences")
 

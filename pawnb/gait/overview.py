@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from pawnb.errors import InputError
-from pawnb.gait.groups import mean_by_animal
+from pawnb.gait.groups.comparison import mean_by_animal
 from pawnb.schema import check_columns
 
 _FEWEST = 3

@@ -14,7 +14,7 @@ import pandas as pd
 
 from pawnb.errors import InputError
 from pawnb.gait.analysis.tables import GaitTables
-from pawnb.gait.phases import summarise_phases
+from pawnb.gait.phases.phase_table import summarise_phases
 from pawnb.schema import DROPPED_COLUMNS
 
 STEADINESS_COLUMNS = (

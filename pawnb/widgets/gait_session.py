@@ -12,7 +12,7 @@ import pandas as pd
 from pawnb.errors import InputError
 from pawnb.gait import GaitTables
 from pawnb.gait.cycles import HEIGHT, LEG_ANGLE, POSITION, LegSignals
-from pawnb.gait.event_detection.event_edits import DeleteEvent, EventEdits, ExcludeStride, MoveEvent
+from pawnb.gait.events.event_edits import DeleteEvent, EventEdits, ExcludeStride, MoveEvent
 from pawnb.gait.legs import sort_legs
 
 _CLOSE_S = 1e-6

@@ -21,10 +21,10 @@ from pawnb.workflow.start.propose import propose_paws
 from pawnb.workflow.start.propose_pose import propose_pose_start
 from pawnb.workflow.tracking.methods import NO_RECORDING
 from pawnb.workflow.tracking.options import RetrackOptions, TrackOptions
+from pawnb.workflow.tracking.pose.retrack_pose import retrack_pose
+from pawnb.workflow.tracking.pose.track_pose import track_pose_trial
 from pawnb.workflow.tracking.retrack_points import retrack_points
-from pawnb.workflow.tracking.retrack_pose import retrack_pose
 from pawnb.workflow.tracking.track_points import track_points
-from pawnb.workflow.tracking.track_pose import track_pose_trial
 
 
 class TrialKind(Protocol):

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 
 from pawnb.core import dlt
-from pawnb.core.fit_rig import fit_rig
+from pawnb.core.calibration.rig_from_points import fit_rig
 from pawnb.core.reconstruct import triangulate_tracks
 from pawnb.core.rig import Rig, load_rig, require_rig
 from pawnb.errors import CalibrationError, InputError

@@ -10,7 +10,7 @@ import pytest
 
 from pawnb.errors import InputError
 from pawnb.figures import build_phase_speed_table, plot_phase_speed
-from pawnb.gait.phase_slopes import phase_speed_table
+from pawnb.gait.regression.phase_slopes import phase_speed_table
 
 mpl.use("Agg")
 

@@ -14,7 +14,7 @@ from walking import Walk
 from pawnb import figures
 from pawnb.gait import analyse, pool
 from pawnb.gait.coordination import coordination_tables
-from pawnb.gait.durations import compare_legs
+from pawnb.gait.strides.durations import compare_legs
 from pawnb.io.tables import write_table
 from pawnb.schema import make_tracks
 from pawnb.trial import Animal, Trial

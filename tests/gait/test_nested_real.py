@@ -7,9 +7,9 @@ import pandas as pd
 import pytest
 
 from pawnb.gait import analyse
-from pawnb.gait.contacts import contact_agreement
+from pawnb.gait.events.contacts import contact_agreement
 from pawnb.gait.groups import compare_groups
-from pawnb.gait.mixed import fit_mixed
+from pawnb.gait.regression.mixed import fit_mixed
 from pawnb.io.formats import read_any_tracks
 from pawnb.schema import ORIGIN_CODE, make_tracks
 

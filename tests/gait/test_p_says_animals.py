@@ -24,7 +24,7 @@ def columns_with_p():
     """Return every tuple of columns, in gait, figures and the schema, that holds a p."""
     found = {"schema.PHASE_SUMMARY_COLUMNS": schema.PHASE_SUMMARY_COLUMNS}
     for package in (pawnb.gait, pawnb.figures):
-        for info in pkgutil.iter_modules(package.__path__, package.__name__ + "."):
+        for info in pkgutil.walk_packages(package.__path__, package.__name__ + "."):
             module = importlib.import_module(info.name)
             for name, value in vars(module).items():
                 if name.endswith("COLUMNS") and isinstance(value, tuple):
@@ -40,7 +40,7 @@ def test_tables_with_a_p_say_how_many_animals(name, columns):
 def results_with_p():
     """Return every result of pawnb.gait that is a named tuple with a p."""
     found = {}
-    for info in pkgutil.iter_modules(pawnb.gait.__path__, "pawnb.gait."):
+    for info in pkgutil.walk_packages(pawnb.gait.__path__, "pawnb.gait."):
         for name, value in vars(importlib.import_module(info.name)).items():
             fields = getattr(value, "_fields", ())
             if isinstance(value, type) and any(_P.fullmatch(f) for f in fields):

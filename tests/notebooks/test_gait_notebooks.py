@@ -6,7 +6,7 @@ import pytest
 from notebook_runs import FOLDER, WIDGET, execute, plain_pictures, printed, shown
 
 import pawnb
-from pawnb.gait.event_detection.event_edits import EventEdits, ExcludeStride
+from pawnb.gait.events.event_edits import EventEdits, ExcludeStride
 from pawnb.synthetic import simulate_spider_study
 
 

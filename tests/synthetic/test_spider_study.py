@@ -7,7 +7,7 @@ import pytest
 
 from pawnb import gait
 from pawnb.errors import InputError
-from pawnb.gait.scaling import EXPECTED_EXPONENTS
+from pawnb.gait.regression.scaling import EXPECTED_EXPONENTS
 from pawnb.synthetic.spider_study import simulate_spider_study, true_exponents
 
 pytestmark = pytest.mark.slow  # scenes are rendered and tracked

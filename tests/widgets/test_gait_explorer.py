@@ -8,7 +8,7 @@ import pytest
 
 from pawnb import gait
 from pawnb.errors import InputError
-from pawnb.gait.event_detection.event_edits import replay_event_edits
+from pawnb.gait.events.event_edits import replay_event_edits
 from pawnb.synthetic.spider_study import simulate_spider_study
 from pawnb.widgets.gait_session import GaitSession
 

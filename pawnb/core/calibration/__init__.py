@@ -9,6 +9,7 @@ __all__ = [
     "intrinsics",
     "optics",
     "rig_from_boards",
+    "rig_from_points",
     "rig_from_wand",
 ]
 

@@ -16,9 +16,9 @@ import pandas as pd
 from pawnb.core.paws.layout import Views
 from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
 from pawnb.core.paws.maghsoudi2019.tracker import track_maghsoudi2019
-from pawnb.core.paws.offline.again import Again
 from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
-from pawnb.core.paws.offline.kept import KeptStacks
+from pawnb.core.paws.offline.reuse.kept_evidence import KeptStacks
+from pawnb.core.paws.offline.reuse.retracking import Again
 from pawnb.core.paws.offline.settings import OfflineSettings
 from pawnb.core.paws.offline.tracker import track_offline
 from pawnb.core.paws.request import TrackingRequest

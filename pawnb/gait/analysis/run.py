@@ -13,22 +13,18 @@ from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.gait.analysis.leg_names import choose_legs, guess_body
 from pawnb.gait.analysis.tables import GaitTables, Pairs, build_tables, pool
-from pawnb.gait.contacts import unscored_gaps
-from pawnb.gait.cycles import LegSignals
-from pawnb.gait.event_detection.debounce import drop_short_states
-from pawnb.gait.event_detection.event_pipeline import (
-    EVENT_TABLE_COLUMNS,
-    analyse_space,
-    dropped_table,
-)
-from pawnb.gait.event_detection.event_settings import EventSettings
-from pawnb.gait.event_detection.manual_events import check_scored_events
+from pawnb.gait.cycles.leg_signals import LegSignals
+from pawnb.gait.events.contacts import unscored_gaps
+from pawnb.gait.events.debounce import drop_short_states
+from pawnb.gait.events.event_pipeline import EVENT_TABLE_COLUMNS, analyse_space, dropped_table
+from pawnb.gait.events.event_settings import EventSettings
+from pawnb.gait.events.manual_events import check_scored_events
 from pawnb.gait.legs import sort_legs
 from pawnb.gait.locomotion.body import BodyPoints
 from pawnb.gait.locomotion.foot_trajectories import FootPaths, get_foot_paths
 from pawnb.gait.locomotion.grid import Grid, put_on_grid
 from pawnb.gait.locomotion.pose_body import pose_body
-from pawnb.gait.strides import Motion
+from pawnb.gait.strides.stride_table import Motion
 from pawnb.io.belt import read_belt_speed
 from pawnb.schema import Tracks, absent_frames, build_settings, check_columns, check_tracks
 from pawnb.trial import Trial
@@ -161,7 +157,7 @@ def analyse_events(
         ``stride_events``, ``max_stride_s``, ``min_stance_s`` and ``min_swing_s`` are used.
         Where the last two are None, events of tables of ground contact are cleared of stances
         and swings much shorter than the leg's usual ones
-        (:func:`~pawnb.gait.event_detection.debounce.drop_short_states`), which ``dropped`` says.
+        (:func:`~pawnb.gait.events.debounce.drop_short_states`), which ``dropped`` says.
 
     Returns
     -------

@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pandas as pd
 
-from pawnb.gait.cycles import HEIGHT, LegSignals
-from pawnb.gait.event_detection.event_settings import EventSettings
-from pawnb.gait.strides import Motion
+from pawnb.gait.cycles.leg_signals import HEIGHT, LegSignals
+from pawnb.gait.events.event_settings import EventSettings
+from pawnb.gait.strides.stride_table import Motion
 from pawnb.signals import differentiate
 from pawnb.signals.robust import MAD_TO_SD
 

@@ -12,10 +12,10 @@ import pandas as pd
 
 from pawnb.arrays import FloatArray
 from pawnb.gait.analysis.stride_drag import drag_fractions
-from pawnb.gait.cycles import HEIGHT, LATERAL, LEG_ANGLE, LegSignals
-from pawnb.gait.event_detection.event_settings import EventSettings
+from pawnb.gait.cycles.leg_signals import HEIGHT, LATERAL, LEG_ANGLE, LegSignals
+from pawnb.gait.events.event_settings import EventSettings
 from pawnb.gait.legs import find_leg_place
-from pawnb.gait.strides import Motion
+from pawnb.gait.strides.stride_table import Motion
 from pawnb.signals import differentiate
 
 MEASURE_COLUMNS = (

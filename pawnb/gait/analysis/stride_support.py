@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from pawnb.arrays import BoolArray, FloatArray
-from pawnb.gait.cycles import LATERAL, POSITION, LegSignals
+from pawnb.gait.cycles.leg_signals import LATERAL, POSITION, LegSignals
 from pawnb.gait.legs import find_leg_place, sort_legs
 from pawnb.gait.support import static_stability, wave_gait_margin, whole_stretches
 

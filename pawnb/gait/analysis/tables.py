@@ -12,11 +12,11 @@ from pawnb.gait.analysis.notes import Note
 from pawnb.gait.analysis.plausibility import say_implausible
 from pawnb.gait.analysis.stride_measures import measure_strides
 from pawnb.gait.analysis.stride_support import measure_support
-from pawnb.gait.cycles import LegSignals
-from pawnb.gait.event_detection.event_settings import EventSettings
+from pawnb.gait.cycles.leg_signals import LegSignals
+from pawnb.gait.events.event_settings import EventSettings
 from pawnb.gait.legs import default_pairs, sort_legs
-from pawnb.gait.phases import build_phases, summarise_phases
-from pawnb.gait.strides import PARTNER, Motion, build_strides, choose_stride_event
+from pawnb.gait.phases.phase_table import build_phases, summarise_phases
+from pawnb.gait.strides.stride_table import PARTNER, Motion, build_strides, choose_stride_event
 
 Pairs = Sequence[tuple[str, str]]
 _KEYS = ["animal", "trial"]

@@ -2,7 +2,7 @@
 
 ``checks`` of input; ``linear_fit``; ``permutations``, ``leg_permutation``; ``fixed_effects`` and
 ``mixed_likelihood`` of mixed models; ``variance_shares``; ``animal_phases``, ``circular_length``,
-``circular_sample`` of phases; ``cutoff_scores`` and ``noise_band`` of filters.
+``circular_sample`` of phases.
 """
 
 from pawnb import _lazy
@@ -12,12 +12,10 @@ __all__ = [
     "checks",
     "circular_length",
     "circular_sample",
-    "cutoff_scores",
     "fixed_effects",
     "leg_permutation",
     "linear_fit",
     "mixed_likelihood",
-    "noise_band",
     "permutations",
     "variance_shares",
 ]

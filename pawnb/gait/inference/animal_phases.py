@@ -9,12 +9,12 @@ from typing import NamedTuple
 import numpy as np
 
 from pawnb.arrays import FloatArray
-from pawnb.gait.circular import circular_sd, mean_vector, rayleigh_p, widest_interval, wrap
+from pawnb.gait.circular.mean import circular_sd, mean_vector, rayleigh_p, widest_interval, wrap
+from pawnb.gait.circular.second_order import animal_vectors, moore_test
 from pawnb.gait.inference.checks import check_level
 from pawnb.gait.inference.circular_length import length_interval
 from pawnb.gait.inference.circular_sample import NO_MEAN, ONE_ANIMAL, phase_standard_error
 from pawnb.gait.inference.linear_fit import t_quantile
-from pawnb.gait.second_order import animal_vectors, moore_test
 
 WHOLE_CYCLE = (
     "the animals do not determine a mean phase: any is possible, and the interval is as long as "

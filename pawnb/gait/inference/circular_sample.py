@@ -10,7 +10,7 @@ import numpy as np
 
 from pawnb.arrays import FloatArray, IntArray
 from pawnb.errors import InputError
-from pawnb.gait.circular import check_phases, mean_vector
+from pawnb.gait.circular.mean import check_phases, mean_vector
 from pawnb.gait.inference.permutations import bound_note
 
 ONE_ANIMAL = "one animal: nothing can be said of animals"

@@ -7,8 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pawnb.arrays import BoolArray, FloatArray
-from pawnb.gait.bouts import Bouts, find_bouts
-from pawnb.gait.event_detection.event_settings import EventSettings
+from pawnb.gait.events.event_settings import EventSettings
 from pawnb.gait.locomotion.body_path import (
     SLOW,
     BodyPath,
@@ -20,6 +19,7 @@ from pawnb.gait.locomotion.body_path import (
 from pawnb.gait.locomotion.direction import choose_direction, find_up
 from pawnb.gait.locomotion.foot_trajectories import FootPaths
 from pawnb.gait.locomotion.time_scales import Scales, choose_scales, say_scales, stepping_frequency
+from pawnb.gait.strides.bouts import Bouts, find_bouts
 from pawnb.kinematics import (
     BodyFrame,
     body_frame_from_points,

@@ -16,7 +16,7 @@ from typing import Literal
 import numpy as np
 
 from pawnb.arrays import FloatArray
-from pawnb.gait.event_detection.event_settings import EventSettings
+from pawnb.gait.events.event_settings import EventSettings
 from pawnb.gait.locomotion.foot_trajectories import FootPaths
 from pawnb.gait.locomotion.time_scales import least_excursion
 from pawnb.kinematics import main_axis, smooth_path

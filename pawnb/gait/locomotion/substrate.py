@@ -7,14 +7,10 @@ import math
 import numpy as np
 
 from pawnb.arrays import FloatArray
-from pawnb.gait.events import (
-    Extreme,
-    stance_velocity,
-    stance_velocity_over_time,
-)
+from pawnb.gait.events.extremes import Extreme, stance_velocity, stance_velocity_over_time
 from pawnb.gait.locomotion.foot_trajectories import FootPaths
 from pawnb.gait.locomotion.grid import Grid
-from pawnb.gait.strides import Motion
+from pawnb.gait.strides.stride_table import Motion
 from pawnb.kinematics import BodyFrame
 
 _SLIP_ALLOWED = 0.15

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from pawnb.arrays import FloatArray
-from pawnb.gait.event_detection.event_settings import EventSettings
+from pawnb.gait.events.event_settings import EventSettings
 from pawnb.gait.locomotion.foot_trajectories import FootPaths
 from pawnb.signals import fill_gaps, find_turns
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from pawnb.core.fit_rig import fit_rig
+from pawnb.core.calibration.rig_from_points import fit_rig
 from pawnb.core.rig import Rig
 from pawnb.errors import InputError
 from pawnb.io.coefs import write_coefs

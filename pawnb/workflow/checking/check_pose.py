@@ -17,8 +17,8 @@ from pawnb.trial import Trial, View
 from pawnb.workflow.checking.check_report import CheckReport
 from pawnb.workflow.start.propose_pose import trial_animal, trial_background
 from pawnb.workflow.start.start_doubts import SECOND_ANIMAL, legs_outside, say_outside, start_doubts
-from pawnb.workflow.tracking.pose_in_space import load_second
-from pawnb.workflow.tracking.track_pose import check_in_picture, pose_views, start_pose
+from pawnb.workflow.tracking.pose.pose_in_space import load_second
+from pawnb.workflow.tracking.pose.track_pose import check_in_picture, pose_views, start_pose
 
 _ON_ANIMAL = 0.5
 """Least share of the body's middle line that must lie on the animal."""

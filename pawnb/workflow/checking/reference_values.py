@@ -9,7 +9,7 @@ import numpy as np
 
 from pawnb.core.dlt import project, triangulate
 from pawnb.gait.circular import circular_sd, mean_vector, rayleigh_p
-from pawnb.gait.circular_groups import watson_williams_test
+from pawnb.gait.circular.groups import watson_williams_test
 from pawnb.signals import butterworth_lowpass, differentiate
 
 

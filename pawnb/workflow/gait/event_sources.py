@@ -8,7 +8,7 @@ from pathlib import Path
 import pandas as pd
 
 from pawnb.errors import InputError, did_you_mean
-from pawnb.gait.contacts import events_from_contacts, is_contact_table
+from pawnb.gait.events.contacts import events_from_contacts, is_contact_table
 from pawnb.io.tables import read_cells, read_column_names, read_numbers
 from pawnb.schema import check_columns
 from pawnb.trial import Trial

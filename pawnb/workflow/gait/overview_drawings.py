@@ -11,9 +11,9 @@ import pandas as pd
 from pawnb import figures
 from pawnb.errors import InputError
 from pawnb.gait import GaitTables
-from pawnb.gait.cycle_tests import compare_cycles
 from pawnb.gait.cycles import HEIGHT, LEG_ANGLE, POSITION, LegSignals, centre_signals, cut_cycles
-from pawnb.gait.phase_density import phase_density
+from pawnb.gait.cycles.tests import compare_cycles
+from pawnb.gait.phases.density import phase_density
 from pawnb.workflow.gait.drawings import Drawing, make_drawing
 from pawnb.workflow.gait.statistics import Groups, is_paired, known_measures, with_group
 
@@ -66,7 +66,7 @@ def curve_clusters(
     Returns
     -------
     pandas.DataFrame
-        :data:`pawnb.gait.cycle_tests.CLUSTER_COLUMNS`; empty where nothing can be compared.
+        :data:`pawnb.gait.cycles.tests.CLUSTER_COLUMNS`; empty where nothing can be compared.
     """
     parts = []
     for own in with_joints(signals_by_kind(tables), joints).values() if groups else ():

@@ -16,7 +16,7 @@ from pawnb.errors import InputError
 from pawnb.gait import EventSettings, GaitTables
 from pawnb.gait.analysis.tables import say_no_strides
 from pawnb.gait.coordination import coordination_tables
-from pawnb.gait.event_detection.event_edits import FILE_NAME
+from pawnb.gait.events.event_edits import FILE_NAME
 from pawnb.io.tables import write_table, write_text
 from pawnb.schema import build_settings
 from pawnb.workflow.gait.drawings import gait_drawings

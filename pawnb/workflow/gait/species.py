@@ -15,7 +15,7 @@ from pawnb import figures
 from pawnb.errors import InputError
 from pawnb.figures.panels import with_unit
 from pawnb.files import safe_name
-from pawnb.gait.scaling import per_animal
+from pawnb.gait.regression.scaling import per_animal
 from pawnb.io.tables import read_cells, read_column_names, read_numbers
 from pawnb.schema import shown
 from pawnb.workflow.gait.drawings import Drawing, make_drawing

@@ -12,15 +12,15 @@ from pawnb.figures.panels import speed_unit
 from pawnb.gait import GaitTables, body_angles
 from pawnb.gait.analysis.stride_measures import MEASURE_COLUMNS
 from pawnb.gait.analysis.stride_support import SUPPORT_MEASURES
-from pawnb.gait.animal_summary import summarise_animals
 from pawnb.gait.cycles import POSITION, LegSignals
-from pawnb.gait.durations import compare_legs, stride_duration_by_leg
+from pawnb.gait.cycles.joint_signals import joint_signals
 from pawnb.gait.groups import adjust_p, compare_groups
-from pawnb.gait.joint_signals import joint_signals
+from pawnb.gait.groups.animal_summary import summarise_animals
 from pawnb.gait.joints import get_joint_angles, joint_range_table
-from pawnb.gait.phase_slopes import phase_speed_table
-from pawnb.gait.scaling import speed_table
+from pawnb.gait.regression.phase_slopes import phase_speed_table
+from pawnb.gait.regression.scaling import speed_table
 from pawnb.gait.selection import steadiness
+from pawnb.gait.strides.durations import compare_legs, stride_duration_by_leg
 from pawnb.schema import Tracks
 from pawnb.trial import Trial
 

@@ -13,8 +13,8 @@ from pawnb.errors import InputError
 from pawnb.figures.panels import speed_unit, with_unit
 from pawnb.gait import GaitTables
 from pawnb.gait.legs import find_leg_place
-from pawnb.gait.reference_lines import least_stable_duty_factor, trot_gallop_transition
-from pawnb.gait.scaling import EXPECTED_EXPONENTS, expected_slopes_table, scaling_table
+from pawnb.gait.regression.reference_lines import least_stable_duty_factor, trot_gallop_transition
+from pawnb.gait.regression.scaling import EXPECTED_EXPONENTS, expected_slopes_table, scaling_table
 from pawnb.workflow.gait.drawings import Drawing, make_drawing
 
 Fields = Mapping[tuple[str, str], Mapping[str, Any]]

@@ -15,7 +15,7 @@ import pandas as pd
 
 from pawnb import figures
 from pawnb.core.edits.log import replay
-from pawnb.core.paws.offline.kept import GONE_ON_FROM
+from pawnb.core.paws.offline.reuse.kept_evidence import GONE_ON_FROM
 from pawnb.core.video import open_views
 from pawnb.errors import InputError, InputWarning
 from pawnb.trial import Trial, load_trial

@@ -1,10 +1,10 @@
 """Trial to Tracks, and Tracks again from a corrected frame.
 
 ``track`` is the call for both kinds of animal; ``track_points`` and ``retrack_points`` serve
-points, ``track_pose``, ``pose_in_space`` and ``retrack_pose`` jointed animals, with the ``options``
-that are asked for and an ``opened_run``; ``methods`` names trackers and their settings; ``placed``,
-``predicted`` and ``kept_candidates`` bring what is known already, ``unfinished`` goes on with a run
-that was interrupted.
+points, those of ``pose`` jointed animals, with the ``options`` that are asked for and an
+``opened_run``; ``methods`` names trackers and their settings; ``placed``, ``predicted`` and
+``kept_candidates`` bring what is known already, ``unfinished`` goes on with a run that was
+interrupted.
 """
 
 from pawnb import _lazy
@@ -15,14 +15,12 @@ __all__ = [
     "opened_run",
     "options",
     "placed",
-    "pose_in_space",
+    "pose",
     "predicted",
     "published_names",
     "retrack_points",
-    "retrack_pose",
     "track",
     "track_points",
-    "track_pose",
     "trial_views",
     "unfinished",
 ]

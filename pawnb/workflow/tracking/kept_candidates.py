@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
-from pawnb.core.paws.offline.kept import KeptStacks
+from pawnb.core.paws.offline.reuse.kept_evidence import KeptStacks
 from pawnb.trial import Trial
 from pawnb.workflow.provenance.record import file_checksum
 

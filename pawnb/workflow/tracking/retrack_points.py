@@ -11,9 +11,9 @@ import numpy as np
 import pandas as pd
 
 from pawnb.core.paws.maghsoudi2019.settings import REFERENCE_WIDTH_PX
-from pawnb.core.paws.offline.again import after_correction
-from pawnb.core.paws.offline.kept import GONE_ON_FROM
 from pawnb.core.paws.offline.quality.likeness import keep_likeness
+from pawnb.core.paws.offline.reuse.kept_evidence import GONE_ON_FROM
+from pawnb.core.paws.offline.reuse.retracking import after_correction
 from pawnb.core.paws.offline.settings import OfflineSettings
 from pawnb.core.paws.offline.tracker import LEARNT
 from pawnb.core.paws.retracked_span import TOLERANCE_PX, keep_untouched

@@ -131,7 +131,7 @@ def retrack(
     points are looked at; what paws look like is learnt anew from the correction, too. Pictures and
     flow that this session has kept of the recording are not decoded again.
 
-    Of a jointed animal see :func:`pawnb.workflow.tracking.retrack_pose.retrack_pose`.
+    Of a jointed animal see :func:`pawnb.workflow.tracking.pose.retrack_pose.retrack_pose`.
 
     Parameters
     ----------

@@ -11,8 +11,8 @@ from typing import Any
 import pandas as pd
 
 from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
-from pawnb.core.paws.offline.kept import GONE_ON_FROM
 from pawnb.core.paws.offline.quality.likeness import add_likeness
+from pawnb.core.paws.offline.reuse.kept_evidence import GONE_ON_FROM
 from pawnb.core.paws.tracker import DEFAULT, AnyTracker, KeptEvidence
 from pawnb.errors import InputError, InputWarning
 from pawnb.schema import Tracks, add_provenance

@@ -7,7 +7,7 @@ from walking import Walk
 from pawnb.gait import analyse
 from pawnb.gait.analysis.stride_measures import MEASURE_COLUMNS, measure_strides
 from pawnb.gait.cycles import HEIGHT, LEG_ANGLE, LegSignals
-from pawnb.gait.event_detection.event_settings import EventSettings
+from pawnb.gait.events.event_settings import EventSettings
 from pawnb.gait.strides import Motion
 from pawnb.trial import Animal, Calibration, Trial
 

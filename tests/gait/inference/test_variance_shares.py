@@ -10,9 +10,9 @@ import pytest
 from scipy.stats import f as fisher
 
 from pawnb.errors import InputError
-from pawnb.gait.animal_summary import summarise_animals
+from pawnb.gait.groups.animal_summary import summarise_animals
 from pawnb.gait.inference.variance_shares import icc_interval, variance_shares
-from pawnb.gait.mixed import fit_mixed
+from pawnb.gait.regression.mixed import fit_mixed
 from pawnb.gait.repeatability import intraclass_correlation
 
 # Shrout & Fleiss (1979), Table 2: six targets, four judges

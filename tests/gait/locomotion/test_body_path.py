@@ -12,7 +12,7 @@ import pytest
 import xarray as xr
 
 from pawnb.gait import analyse
-from pawnb.gait.event_detection.event_settings import EventSettings
+from pawnb.gait.events.event_settings import EventSettings
 from pawnb.gait.locomotion.body_path import is_carried, points_of_body
 from pawnb.gait.locomotion.foot_trajectories import get_foot_paths
 from pawnb.io.formats import read_any_tracks

@@ -10,7 +10,7 @@ import pytest
 
 from pawnb import schema
 from pawnb.errors import InputError, InputWarning
-from pawnb.gait.event_detection.event_edits import EventEdits, ExcludeStride, MoveEvent
+from pawnb.gait.events.event_edits import EventEdits, ExcludeStride, MoveEvent
 from pawnb.io.native import points3d_table, write_tracks
 from pawnb.io.tables import write_table
 from pawnb.trial import Animal, Calibration, Trial

@@ -20,7 +20,7 @@ from pawnb.core.edits.log import EditLog
 from pawnb.core.edits.records import Move
 from pawnb.core.video import open_views
 from pawnb.errors import InputError
-from pawnb.gait.event_detection.event_edits import EventEdits, ExcludeStride
+from pawnb.gait.events.event_edits import EventEdits, ExcludeStride
 from pawnb.io.native import write_tracks
 from pawnb.schema import ORIGIN_CODE, make_tracks
 from pawnb.trial import Animal, Calibration, Trial

@@ -14,15 +14,15 @@ import pandas as pd
 
 from pawnb.core.paws.layout import Layout, Views, make_layout, read_start
 from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
-from pawnb.core.paws.offline.again import Again, after_clicks, weighing_as_attributes
 from pawnb.core.paws.offline.annotations import Annotations, annotations_of_view
 from pawnb.core.paws.offline.detection.evidence import Detections, installed_evidence
 from pawnb.core.paws.offline.detection.predictions import predictions_as_detections
-from pawnb.core.paws.offline.kept import GONE_ON_FROM, KeptStacks, RunBefore, fits
 from pawnb.core.paws.offline.learnt import LEARNT_IN, Learnt, learnt_as_text
 from pawnb.core.paws.offline.output import write_tracks
 from pawnb.core.paws.offline.parameters import OfflineParameters, parameters_in_force
 from pawnb.core.paws.offline.pipeline import ViewTrack, no_track, run_pipeline, view_track
+from pawnb.core.paws.offline.reuse.kept_evidence import GONE_ON_FROM, KeptStacks, RunBefore, fits
+from pawnb.core.paws.offline.reuse.retracking import Again, after_clicks, weighing_as_attributes
 from pawnb.core.paws.offline.scene.stack import BodyStack, read_stacks
 from pawnb.core.paws.offline.treadmill.annotations import read_placements
 from pawnb.core.paws.offline.view_input import ViewInput

@@ -9,14 +9,14 @@ import pandas as pd
 
 from pawnb.core.paws.layout import Views
 from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
-from pawnb.core.paws.offline.again import Again
 from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
-from pawnb.core.paws.offline.kept import KeptStacks
 from pawnb.core.paws.offline.landmarks.tracks import choose_landmarks
 from pawnb.core.paws.offline.learnt_run import goes_on, track_learnt
 from pawnb.core.paws.offline.quality.assessment import Quality, assess
 from pawnb.core.paws.offline.quality.likeness import add_likeness
 from pawnb.core.paws.offline.quality.measures import QualityLimits
+from pawnb.core.paws.offline.reuse.kept_evidence import KeptStacks
+from pawnb.core.paws.offline.reuse.retracking import Again
 from pawnb.core.paws.offline.settings import OfflineSettings
 from pawnb.core.paws.offline.treadmill.learnt_appearance import strides_may_tell, track_by_strides
 from pawnb.core.paws.offline.treadmill.tracker import track_treadmill, warn_of_ambiguous_colour

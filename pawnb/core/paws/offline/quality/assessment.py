@@ -28,7 +28,7 @@ from pawnb.core.paws.offline.quality.measures import (
     measure_places,
     read_labels,
 )
-from pawnb.core.time_gaps import TimeGap, find_time_gaps
+from pawnb.core.paws.offline.quality.time_gaps import TimeGap, find_time_gaps
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE, Tracks, check_tracks
 

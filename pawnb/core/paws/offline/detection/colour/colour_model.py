@@ -30,9 +30,9 @@ from pawnb.core.paws.offline.detection.colour.colour_quantisation import (
     smooth_fine_colours,
 )
 from pawnb.core.paws.offline.detection.colour.detector_kernels import look_up, score_colours
-from pawnb.core.paws.offline.detection.colour.masks import dilate, disk_mask, region_grow
 from pawnb.core.paws.offline.detection.colour.paw_width import paw_width_at
 from pawnb.core.paws.offline.detection.parameters import COLOUR
+from pawnb.core.pixels.masks import dilate, disk_mask, region_grow
 
 _BINS = 32
 """Steps of each channel in a table of colours."""

@@ -1,0 +1,43 @@
+"""Circular statistics of phases.
+
+What most work needs is here itself: mean, spread, Rayleigh's p, interval of the mean (from
+``mean``). ``describe`` has further measures of one sample, ``tests`` its tests, ``groups`` tests of
+several samples, ``correlation`` phases with numbers or other phases, ``second_order`` samples of
+mean vectors.
+"""
+
+from pawnb import _lazy
+from pawnb.gait.circular.mean import (
+    MeanVector,
+    check_phases,
+    check_r,
+    circular_sd,
+    length_of_kappa,
+    mean_interval,
+    mean_vector,
+    rayleigh_p,
+    resultant_p,
+    widest_interval,
+    wrap,
+)
+
+__all__ = [
+    "MeanVector",
+    "check_phases",
+    "check_r",
+    "circular_sd",
+    "correlation",
+    "describe",
+    "groups",
+    "length_of_kappa",
+    "mean_interval",
+    "mean_vector",
+    "rayleigh_p",
+    "resultant_p",
+    "second_order",
+    "tests",
+    "widest_interval",
+    "wrap",
+]
+
+__getattr__, __dir__ = _lazy(__name__, __all__)

@@ -1,0 +1,361 @@
+"""Corrections of events by hand, kept line by line, and an analysis made again with them.
+
+A person moves or deletes an event, or excludes a stride and says why. Each correction is a line
+of ``event_edits.jsonl``, on disk as soon as it is made; undo and redo are lines too. The events
+that were found are never changed: reading the file again gives the present state.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from pawnb.errors import InputError
+from pawnb.gait.analysis.tables import GaitTables, rebuild_tables
+from pawnb.gait.cycles.leg_signals import POSITION
+from pawnb.gait.events.event_edit_records import (
+    EVENT_EDIT_LINES,
+    FILE_NAME,
+    DeleteEvent,
+    Entry,
+    EventEdit,
+    ExcludeStride,
+    MoveEvent,
+)
+from pawnb.gait.strides.stride_table import choose_stride_event
+from pawnb.io.journal import Journal, enter_step, read_journal
+
+HAND = "hand"
+"""``method`` of events that a person moved."""
+
+_CLOSE_S = 1e-6
+
+__all__ = [
+    "FILE_NAME", "DeleteEvent", "EventEdit", "EventEdits", "ExcludeStride", "MoveEvent",
+    "apply_event_edits", "read_event_edits", "replay_event_edits",
+]  # fmt: skip
+
+
+class EventEdits:
+    """An analysis and the corrections a person makes in its events.
+
+    Parameters
+    ----------
+    tables : GaitTables
+        The analysis; it is not modified. Where it holds corrections already, they give way to
+        those of ``path``.
+    path : str or Path, optional
+        ``event_edits.jsonl``. What it holds already is applied; without a path nothing is kept.
+
+    Attributes
+    ----------
+    tables : GaitTables
+        The present state.
+    active : tuple of EventEdit
+        The corrections in force, in the order they were made.
+    notes : list of str
+        What a person should know of the file.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or a correction in it does not fit these events.
+    """
+
+    def __init__(self, tables: GaitTables, path: str | Path | None = None) -> None:
+        self._found = tables if tables.found is None else tables.found
+        self._file = None if path is None else Journal(path, EVENT_EDIT_LINES, made_in="analysis")
+        self.notes = [] if self._file is None else list(self._file.notes)
+        self._past: list[EventEdit] = []
+        self._future: list[EventEdit] = []
+        for entry in [] if self._file is None else self._file.entries:
+            enter_step(self._past, self._future, entry)
+        self.tables = apply_event_edits(self._found, self._past)
+
+    @property
+    def active(self) -> tuple[EventEdit, ...]:
+        """The corrections in force, in the order they were made."""
+        return tuple(self._past)
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is a correction to undo."""
+        return bool(self._past)
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether an undone correction can be made again."""
+        return bool(self._future)
+
+    def apply(self, edit: EventEdit) -> GaitTables:
+        """Make a correction: check it, write its line to disk, then let it be seen.
+
+        Parameters
+        ----------
+        edit : MoveEvent, DeleteEvent or ExcludeStride
+            The correction.
+
+        Returns
+        -------
+        GaitTables
+            The present state.
+
+        Raises
+        ------
+        InputError
+            If it does not fit the events or cannot be written; nothing has changed then.
+        """
+        return self._become([*self._past, edit], [], edit)
+
+    def undo(self) -> GaitTables:
+        """Take the last correction back; raises InputError where there is none."""
+        if not self._past:
+            raise InputError("there is no correction to undo.")
+        *rest, last = self._past
+        return self._become(rest, [*self._future, last], "undo")
+
+    def redo(self) -> GaitTables:
+        """Make the last undone correction again; raises InputError where there is none."""
+        if not self._future:
+            raise InputError("there is no correction to make again.")
+        *rest, last = self._future
+        return self._become([*self._past, last], rest, "redo")
+
+    def _become(self, past: list[EventEdit], future: list[EventEdit], entry: Entry) -> GaitTables:
+        """Compute the new state, write the line, then take both."""
+        tables = apply_event_edits(self._found, past)
+        if self._file is not None:
+            self._file.append(entry)
+        self.tables, self._past, self._future = tables, past, future
+        return tables
+
+
+def replay_event_edits(tables: GaitTables, paths: str | Path | Sequence[str | Path]) -> GaitTables:
+    """Return an analysis with the corrections of files; a file that is not there has none.
+
+    Parameters
+    ----------
+    tables : GaitTables
+        The analysis as it came from tracks or events, of one trial or pooled; corrections that
+        it holds already give way to those of the files.
+    paths : str, Path or a sequence of them
+        Files ``event_edits.jsonl``; they are only read.
+
+    Returns
+    -------
+    GaitTables
+        The tables with every correction in force. Their notes say how many there are, and how
+        many are of trials or legs that are not in this analysis and therefore left out.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be read, or a correction does not fit these events.
+
+    Examples
+    --------
+    >>> from pawnb.gait.events.event_edits import EventEdits
+    >>> from pawnb.gait.events.event_edit_records import DeleteEvent
+    >>> gait = pawnb.gait.analyse(tracks, trial=run.trial)
+    >>> first = gait.events.iloc[0]
+    >>> edits = EventEdits(gait, "event_edits.jsonl")
+    >>> key = first[["animal", "trial", "leg", "event", "time_s"]].to_dict()
+    >>> corrected = edits.apply(DeleteEvent(**key))
+    >>> again = pawnb.gait.replay_event_edits(gait, "event_edits.jsonl")
+    >>> len(gait.events) - len(again.events)
+    1
+    """
+    tables = tables if tables.found is None else tables.found
+    files = [Path(path) for path in ([paths] if isinstance(paths, str | Path) else paths)]
+    here = set(tables.events[["animal", "trial", "leg"]].itertuples(index=False, name=None))
+    fitting: list[EventEdit] = []
+    notes: list[str] = []
+    for file in files:
+        edits, remarks = read_event_edits(file)
+        own = [edit for edit in edits if (edit.animal, edit.trial, edit.leg) in here]
+        fitting += own
+        notes += remarks
+        if own:
+            notes.append(f"{file.name}: corrections by hand in force: {len(own)}.")
+        odd = [edit for edit in edits if edit not in own]
+        if odd:
+            notes.append(
+                f"{file.name}: corrections left out, as their trial or leg is not in this "
+                f"analysis: {len(odd)} (the first is of {odd[0].leg} of {odd[0].animal}, "
+                f"{odd[0].trial})."
+            )
+    try:
+        corrected = apply_event_edits(tables, fitting)
+    except InputError as error:
+        names = ", ".join(str(file) for file in files if file.exists())
+        raise InputError(
+            f"{names}: {error} To analyse without these corrections, give the file another name."
+        ) from None
+    return dataclasses.replace(corrected, notes=(*tables.notes, *notes))
+
+
+def read_event_edits(path: str | Path) -> tuple[list[EventEdit], list[str]]:
+    """Read the corrections that are in force, without changing the file.
+
+    Parameters
+    ----------
+    path : str or Path
+        ``event_edits.jsonl``; one that does not exist holds none.
+
+    Returns
+    -------
+    edits : list of MoveEvent, DeleteEvent or ExcludeStride
+        In the order they were made, without what was undone.
+    notes : list of str
+        What a person should know of the file.
+
+    Raises
+    ------
+    InputError
+        If a line other than the last cannot be read.
+    """
+    entries, notes = read_journal(path, EVENT_EDIT_LINES)
+    past: list[EventEdit] = []
+    future: list[EventEdit] = []
+    for entry in entries:
+        enter_step(past, future, entry)
+    return past, notes
+
+
+def apply_event_edits(tables: GaitTables, edits: Sequence[EventEdit]) -> GaitTables:
+    """Apply corrections to an analysis: events, then strides and phases again from them.
+
+    Parameters
+    ----------
+    tables : GaitTables
+        The analysis as it came from tracks or events; corrections that it holds already give way
+        to these.
+    edits : sequence of EventEdit
+        Corrections, in the order they were made.
+
+    Returns
+    -------
+    GaitTables
+        The tables. Moved events have the method ``"hand"``; excluded strides are among what was
+        dropped, with their reason. ``found`` is the analysis without corrections.
+
+    Raises
+    ------
+    InputError
+        If a correction does not fit the events.
+    """
+    tables = tables if tables.found is None else tables.found
+    if not edits:
+        return tables
+    events = tables.events.copy()
+    excluded: list[tuple[str, str, str, float, str]] = []
+    for edit in edits:
+        if isinstance(edit, ExcludeStride):
+            excluded.append(_excluded(events, edit, tables, excluded))
+        elif isinstance(edit, DeleteEvent):
+            events = events.drop(index=_find(events, edit))
+        else:
+            events = _moved(events, edit, tables)
+    columns = ["animal", "trial", "leg", "time_s", "why"]
+    corrected = rebuild_tables(
+        tables,
+        events.reset_index(drop=True),
+        excluded=pd.DataFrame(excluded, columns=columns),
+        trials={(edit.animal, edit.trial) for edit in edits},
+    )
+    return dataclasses.replace(corrected, found=tables)
+
+
+def _own(events: pd.DataFrame, edit: EventEdit) -> pd.DataFrame:
+    """Return the events of the leg that a correction names, in order of time."""
+    known = (events["animal"] == edit.animal) & (events["trial"] == edit.trial)
+    own = events[known & (events["leg"] == edit.leg)].sort_values("time_s", kind="stable")
+    if own.empty:
+        raise InputError(
+            f"there are no events of leg {edit.leg!r} of animal {edit.animal!r}, trial "
+            f"{edit.trial!r}; do these corrections belong to this analysis?"
+        )
+    return own
+
+
+def _find(events: pd.DataFrame, edit: MoveEvent | DeleteEvent) -> Any:
+    """Return the label of the row of an event."""
+    own = _own(events, edit)
+    near = (own["event"] == edit.event) & ((own["time_s"] - edit.time_s).abs() < _CLOSE_S)
+    if not near.any():
+        raise InputError(
+            f"trial {edit.trial!r}: {edit.leg} has no {edit.event} at {edit.time_s:.4f} s; the "
+            "events were found anew since it was corrected, or it is deleted."
+        )
+    return own.index[near.to_numpy()][0]
+
+
+def _moved(events: pd.DataFrame, edit: MoveEvent, tables: GaitTables) -> pd.DataFrame:
+    """Return the events with one of them moved between its neighbours."""
+    label, own = _find(events, edit), _own(events, edit)
+    kinds = ("AEP", "PEP") if edit.event in ("AEP", "PEP") else ("TD", "LO")
+    others = own.loc[own["event"].isin(kinds) & (own.index != label), "time_s"].to_numpy(float)
+    before = others[others <= edit.time_s].max(initial=-math.inf)
+    after = others[others > edit.time_s].min(initial=math.inf)
+    if not before < edit.to_s < after:
+        raise InputError(
+            f"trial {edit.trial!r}: {edit.event} of {edit.leg} cannot go to {edit.to_s:.4f} s; "
+            f"expected a time between its neighbours, {before:.4f} to {after:.4f} s."
+        )
+    events.loc[label, "frame"] = _frame_at(own, edit)
+    events.loc[label, "time_s"], events.loc[label, "method"] = edit.to_s, HAND
+    if "position" in events:
+        events.loc[label, "position"] = _position_at(tables, edit)
+    order = own.index.to_numpy()
+    events.loc[order] = events.loc[order].sort_values("time_s", kind="stable").to_numpy()
+    return events
+
+
+def _frame_at(own: pd.DataFrame, edit: MoveEvent) -> float:
+    """Return the frame of the new time, from the frames of the leg's other events."""
+    known = own.dropna(subset=["frame"])
+    if len(known) < 2:
+        return math.nan
+    rate, start = np.polyfit(known["time_s"].to_numpy(float), known["frame"].to_numpy(float), 1)
+    return float(start + rate * edit.to_s)
+
+
+def _position_at(tables: GaitTables, edit: MoveEvent) -> float:
+    """Return where the foot was at the new time, along forward; NaN where not known."""
+    for one in tables.signals:
+        same = (one.animal, one.trial, one.signal) == (edit.animal, edit.trial, POSITION)
+        if same and edit.leg in one.legs:
+            column = one.samples[:, one.legs.index(edit.leg)]
+            return float(np.interp(edit.to_s, one.time_s, column))
+    return math.nan
+
+
+def _excluded(
+    events: pd.DataFrame,
+    edit: ExcludeStride,
+    tables: GaitTables,
+    before: Sequence[tuple[str, str, str, float, str]],
+) -> tuple[str, str, str, float, str]:
+    """Return animal, trial, leg, the middle of the stride that shall not count, and why."""
+    if not edit.reason.strip():
+        raise InputError("a stride is excluded for a reason; say why.")
+    own = _own(events, edit)
+    trial = events[(events["animal"] == edit.animal) & (events["trial"] == edit.trial)]
+    start = choose_stride_event(trial, tables.settings.stride_events)
+    times = own.loc[own["event"] == start, "time_s"].to_numpy(float)
+    at = np.flatnonzero(np.abs(times - edit.start_s) < _CLOSE_S)
+    if not len(at) or at[0] + 1 == len(times):
+        raise InputError(
+            f"trial {edit.trial!r}: no stride of {edit.leg} begins at {edit.start_s:.4f} s."
+        )
+    middle = float(times[at[0]] + times[at[0] + 1]) / 2.0
+    row = (edit.animal, edit.trial, edit.leg, middle)
+    if any(row[:3] == other[:3] and abs(middle - other[3]) < _CLOSE_S for other in before):
+        raise InputError(f"the stride of {edit.leg} at {edit.start_s:.4f} s is excluded already.")
+    return (*row, f"excluded by hand: {edit.reason.strip()}")

@@ -1,0 +1,331 @@
+"""From the tracked feet of one animal to events: the steps of the analysis in order.
+
+A recording is put on a regular grid of samples; the feet of each space (calibrated
+space, or one view's picture) get their body frame; each foot gives extremes and contacts.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from pawnb.arrays import BoolArray, FloatArray
+from pawnb.gait.cycles.leg_signals import HEIGHT, LATERAL, LEG_ANGLE, POSITION, LegSignals
+from pawnb.gait.events.event_settings import EventSettings
+from pawnb.gait.events.extremes import Extreme, Rejected, find_extremes
+from pawnb.gait.events.ground_contact import Contact, find_contacts, measure_height
+from pawnb.gait.locomotion.body import BodyPoints, find_body
+from pawnb.gait.locomotion.direction import find_up
+from pawnb.gait.locomotion.foot_trajectories import FootPaths
+from pawnb.gait.locomotion.grid import Grid
+from pawnb.gait.locomotion.substrate import find_belt_speed, measure_motion, speed_over_substrate
+from pawnb.gait.locomotion.time_scales import Scales, least_excursion
+from pawnb.gait.strides.stride_table import Motion
+from pawnb.kinematics import along
+from pawnb.schema import DROPPED_COLUMNS, EVENTS_COLUMNS
+from pawnb.signals import butterworth_lowpass, differentiate, fill_gaps, find_jumps, find_runs
+from pawnb.trial import Trial
+
+EVENT_TABLE_COLUMNS = (*EVENTS_COLUMNS, "position")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SpaceResult:
+    """Events of the feet seen in one space.
+
+    Parameters
+    ----------
+    events, dropped, gaps : list of dict
+        Rows of the tables (gaps: leg, start_s, end_s, what).
+    motion : Motion
+        Distance run by the body and by every foot.
+    notes : list of str
+        What a reader should know.
+    signals : list of LegSignals
+        Leg angle (of jointed animals), position along forward in the body frame, and height
+        (in 3D), smoothed.
+    """
+
+    events: list[dict[str, Any]]
+    dropped: list[dict[str, Any]]
+    gaps: list[dict[str, Any]]
+    motion: Motion
+    notes: list[str]
+    signals: list[LegSignals]
+
+
+def analyse_space(
+    feet: FootPaths,
+    grid: Grid,
+    *,
+    trial: Trial | None,
+    belt: FloatArray | None,
+    body: BodyPoints | None,
+    others: FootPaths | None,
+    forward: FloatArray | None,
+    settings: EventSettings,
+    who: Mapping[str, str],
+) -> SpaceResult:
+    """Find the events of the feet that are seen in one space.
+
+    Parameters
+    ----------
+    feet : FootPaths
+        Positions on the grid.
+    grid : Grid
+        The samples.
+    trial : Trial or None
+        Description of the trial.
+    belt : ndarray, shape (n,), or None
+        Belt speed in the trial's unit per second; None where unknown.
+    body : BodyPoints or None
+        Points of the body, where they are named or can be guessed.
+    others : FootPaths or None
+        Tracked points that are no feet.
+    forward : ndarray, shape (d,), or None
+        Direction stated by the caller.
+    settings : EventSettings
+        Settings.
+    who : mapping
+        ``animal`` and ``trial``.
+
+    Returns
+    -------
+    SpaceResult
+        Everything found, leg by leg.
+    """
+    fs = grid.fs_hz
+    feet, jumps = _without_jumps(feet, settings.jump_factor)
+    up = find_up(trial, feet)
+    found_body = find_body(
+        feet, fs, trial=trial, belt=belt, body=body, others=others, forward=forward,
+        settings=settings,
+    )  # fmt: skip
+    frame, scales, notes = found_body.frame, found_body.scales, found_body.notes
+    max_gap = round(scales.max_gap_s * fs)
+    raw = frame.fore_aft(feet.positions)
+    position = _smooth(raw, scales.cutoff_hz, fs, max_gap)
+    lab = _smooth(along(feet.positions, frame.forward), scales.cutoff_hz, fs, max_gap)
+    standing = found_body.standing
+    turning, how = position, f"fore-aft position ({frame.method})"
+    if feet.angle_deg is not None:
+        turning, how = _smooth(feet.angle_deg, scales.cutoff_hz, fs, max_gap), "leg angle"
+    extremes, rejected = _extremes_of_feet(turning, fs, settings, scales, standing)
+    velocity = differentiate(lab, dt=1.0 / fs)
+    treadmill = found_body.treadmill
+    belt_here, said = find_belt_speed(feet, velocity, extremes, stated=belt, treadmill=treadmill)
+    notes += said
+    height = None
+    if up is not None and settings.use_height:
+        level = np.tile(up, (len(raw), 1))
+        height = _smooth(along(feet.positions, level), scales.cutoff_hz, fs, max_gap)
+    motion = measure_motion(feet, frame, lab=lab, belt=belt_here, grid=grid)
+    kinds = [(turning, LEG_ANGLE, "deg")] if feet.angle_deg is not None else []
+    kinds += [(position, POSITION, feet.unit)]
+    kinds += [(height, HEIGHT, feet.unit)] if height is not None else []
+    if up is not None or found_body.from_points:
+        across = frame.lateral(feet.positions, up=up)
+        kinds += [(_smooth(across, scales.cutoff_hz, fs, max_gap), LATERAL, feet.unit)]
+    signals = [
+        LegSignals(**who, legs=feet.legs, time_s=grid.time_s, samples=x, signal=name, unit=unit)
+        for x, name, unit in kinds
+    ]
+    result = SpaceResult(
+        events=[], dropped=[], gaps=[], motion=motion, notes=notes, signals=signals
+    )
+    for k, leg in enumerate(feet.legs):
+        bridged = ~np.isfinite(raw[:, k])
+        where = extremes[k]
+        if feet.angle_deg is not None:
+            where = _with_positions(where, position[:, k])
+        _add_extremes(result, leg, where, bridged, grid, how)
+        _add_rejected(result, leg, rejected[k], grid)
+        _add_jumps(result, leg, jumps[:, k], grid)
+        _add_gaps(result, leg, position[:, k], grid, scales.max_gap_s)
+        _add_pauses(result, leg, standing, grid)
+        if belt_here is not None:
+            foot_height = None if height is None else height[:, k]
+            speed = speed_over_substrate(
+                velocity[:, k], belt_here, where, follow=treadmill and belt_here is not belt
+            )
+            found = _find_contacts(speed, foot_height, where, settings, _rise(scales, fs))
+            _add_contacts(result, leg, *found, grid)
+    return result
+
+
+def _without_jumps(feet: FootPaths, factor: float | None) -> tuple[FootPaths, BoolArray]:
+    """Make positions missing that jump away and back; return also where they did."""
+    jumps = np.zeros((len(feet.positions), len(feet.legs)), dtype=bool)
+    if factor is None:
+        return feet, jumps
+    for k in range(len(feet.legs)):
+        jumps[:, k] = find_jumps(feet.positions[:, :, k], factor=factor)
+    kept = np.where(jumps[:, None, :], np.nan, feet.positions)
+    angle = None if feet.angle_deg is None else np.where(jumps, np.nan, feet.angle_deg)
+    return replace(feet, positions=kept, angle_deg=angle), jumps
+
+
+def _smooth(x: FloatArray, cutoff_hz: float | None, fs: float, max_gap: int) -> FloatArray:
+    """Bridge short gaps and, where there is a cut-off, low-pass."""
+    if cutoff_hz is None:
+        return fill_gaps(x, max_gap=max_gap)
+    return butterworth_lowpass(x, cutoff_hz=cutoff_hz, fs_hz=fs, max_gap=max_gap)
+
+
+def _extremes_of_feet(
+    position: FloatArray, fs: float, settings: EventSettings, scales: Scales, standing: BoolArray
+) -> tuple[list[list[Extreme]], list[list[Rejected]]]:
+    """Find the extremes of every foot where the animal goes, each with its own least excursion."""
+    extremes, rejected = [], []
+    for column in np.where(standing[:, None], np.nan, position).T:
+        least = least_excursion(column, settings)
+        if not least:
+            found: tuple[list[Extreme], list[Rejected]] = ([], [])  # never seen, or never moved
+        else:
+            found = find_extremes(
+                column,
+                min_excursion=least,
+                min_stance=scales.min_stance_s * fs,
+                min_swing=scales.min_swing_s * fs,
+            )
+        extremes.append(found[0])
+        rejected.append(found[1])
+    return extremes, rejected
+
+
+def _with_positions(extremes: list[Extreme], position: FloatArray) -> list[Extreme]:
+    """Return extremes with the foot's position along forward at their moments."""
+    samples = np.arange(len(position))
+    return [
+        extreme._replace(position=float(np.interp(extreme.sample, samples, position)))
+        for extreme in extremes
+    ]
+
+
+def _add_extremes(
+    result: SpaceResult,
+    leg: str,
+    extremes: list[Extreme],
+    bridged: BoolArray,
+    grid: Grid,
+    how: str,
+) -> None:
+    """Add the AEP and PEP of a leg to the events."""
+    for sample, kind, position in extremes:
+        near = bridged[math.floor(sample) : math.ceil(sample) + 1].any()
+        result.events.append(
+            {
+                "leg": leg,
+                "event": "AEP" if kind > 0 else "PEP",
+                "frame": grid.frame_at(sample),
+                "time_s": grid.time_at(sample),
+                "method": how + (", in a bridged gap" if near else ""),
+                "position": position,
+            }
+        )
+
+
+def _add_rejected(result: SpaceResult, leg: str, rejected: list[Rejected], grid: Grid) -> None:
+    """Write down the pairs of extremes that were too close."""
+    for start, end, why in rejected:
+        span = {"start_s": grid.time_at(start), "end_s": grid.time_at(end)}
+        result.dropped.append({"leg": leg, **span, "what": "AEP and PEP", "why": why})
+
+
+def _add_jumps(result: SpaceResult, leg: str, jumps: BoolArray, grid: Grid) -> None:
+    """Write down positions that were left out because they jump."""
+    for start, stop in find_runs(jumps):
+        span = {"start_s": grid.time_at(start), "end_s": grid.time_at(stop - 1)}
+        why = "jumps away and back (jump_factor)"
+        result.dropped.append({"leg": leg, **span, "what": "position", "why": why})
+
+
+def _add_gaps(
+    result: SpaceResult, leg: str, position: FloatArray, grid: Grid, max_gap_s: float
+) -> None:
+    """Write down the stretches in which a foot was not tracked."""
+    for start, stop in find_runs(~np.isfinite(position)):
+        span = {
+            "start_s": grid.time_at(max(start - 1, 0)),
+            "end_s": grid.time_at(min(stop, len(position) - 1)),
+        }
+        why = f"not tracked for {stop - start} frames; gaps are bridged up to {max_gap_s:.3g} s"
+        if start == 0 or stop == len(position):
+            why = f"not tracked for {stop - start} frames at the {'start' if start == 0 else 'end'}"
+        result.gaps.append({"leg": leg, **span, "what": "not tracked"})
+        result.dropped.append({"leg": leg, **span, "what": "track", "why": why})
+
+
+def _add_pauses(result: SpaceResult, leg: str, standing: BoolArray, grid: Grid) -> None:
+    """Write down where the animal stands: no stride may reach into it."""
+    for start, stop in find_runs(standing):
+        span = {"start_s": grid.time_at(start), "end_s": grid.time_at(stop - 1)}
+        result.gaps.append({"leg": leg, **span, "what": "the animal stands or turns slowly"})
+        why = "the animal stands or turns slowly (bouts)"
+        result.dropped.append({"leg": leg, **span, "what": "pause", "why": why})
+
+
+def _rise(scales: Scales, fs: float) -> float:
+    """Return how many samples filter and differences spread a step of the speed over.
+
+    The inverse of the steepest slope of the step response: that of the filter is
+    2.77 times its cut-off, that of central differences half a sample.
+    """
+    return max(2.0, 0.36 * fs / scales.cutoff_hz if scales.cutoff_hz is not None else 0.0)
+
+
+def _find_contacts(
+    speed: FloatArray,
+    height: FloatArray | None,
+    extremes: list[Extreme],
+    settings: EventSettings,
+    rise: float,
+) -> tuple[list[Contact], str]:
+    """Find TD and LO of a leg, and say by what."""
+    known = None
+    if height is not None:
+        known = measure_height(height, extremes, fraction=settings.contact_height_fraction)
+    contacts = find_contacts(
+        speed, extremes, fraction=settings.contact_speed_fraction, rise=rise, height=known
+    )
+    return contacts, "foot speed" if known is None else "foot speed and height"
+
+
+def _add_contacts(
+    result: SpaceResult, leg: str, contacts: list[Contact], method: str, grid: Grid
+) -> None:
+    """Add the TD and LO of a leg to the events."""
+    for sample, kind in contacts:
+        result.events.append(
+            {
+                "leg": leg,
+                "event": kind,
+                "frame": grid.frame_at(sample),
+                "time_s": grid.time_at(sample),
+                "method": method,
+                "position": math.nan,
+            }
+        )
+
+
+def dropped_table(rows: list[dict[str, Any]], who: Mapping[str, str]) -> pd.DataFrame:
+    """Make the table of what was dropped for one animal and trial.
+
+    Parameters
+    ----------
+    rows : list of dict
+        Leg, start_s, end_s, what, why.
+    who : mapping
+        Animal and trial.
+
+    Returns
+    -------
+    pandas.DataFrame
+        ``DROPPED_COLUMNS``.
+    """
+    return pd.DataFrame([{**who, **row} for row in rows], columns=list(DROPPED_COLUMNS))

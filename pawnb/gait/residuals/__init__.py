@@ -1,0 +1,36 @@
+"""The cut-off of a low-pass filter, chosen from the signal itself.
+
+All of it is here itself (from ``residual_analysis``); ``cutoff_scores`` and ``noise_band`` hold the
+arithmetic.
+"""
+
+from pawnb import _lazy
+from pawnb.gait.residuals.residual_analysis import (
+    CURVE_COLUMNS,
+    CUTOFF_COLUMNS,
+    ESTIMATE_WARNING,
+    METHODS,
+    POOLED,
+    ResidualAnalysis,
+    analyse_residuals,
+    compare_cutoffs,
+    named_signals,
+    residual_cutoffs,
+)
+
+__all__ = [
+    "CURVE_COLUMNS",
+    "CUTOFF_COLUMNS",
+    "ESTIMATE_WARNING",
+    "METHODS",
+    "POOLED",
+    "ResidualAnalysis",
+    "analyse_residuals",
+    "compare_cutoffs",
+    "cutoff_scores",
+    "named_signals",
+    "noise_band",
+    "residual_cutoffs",
+]
+
+__getattr__, __dir__ = _lazy(__name__, __all__)

@@ -1,0 +1,414 @@
+"""Choosing the cut-off of a low-pass filter from the signal itself (paper 2009, §3.5, Fig. 3.11).
+
+Three ways, side by side in :func:`compare_cutoffs`: residual analysis (Winter 2009),
+generalised cross-validation, and the whiteness of what the filter takes away (Challis 1999).
+All of them are estimates. Look at the filtered signal and its derivatives before you use one.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pandas as pd
+from scipy.interpolate import CubicSpline
+from scipy.optimize import brentq
+from scipy.signal import detrend
+
+from pawnb.arrays import FloatArray
+from pawnb.errors import InputError
+from pawnb.gait.residuals.cutoff_scores import (
+    LEAST_SAMPLES,
+    NO_CUTOFF,
+    Choice,
+    cross_validate,
+    find_long_runs,
+    find_whitest,
+    residual_rms,
+)
+from pawnb.gait.residuals.noise_band import find_noise_band, given_band
+from pawnb.signals import two_pass_correction
+from pawnb.signals.butterworth import check_rate
+
+ESTIMATE_WARNING = (
+    "An estimate, not a measurement: Yu et al. (1999) found that cut-offs from residual "
+    "analysis do not follow the best ones and are too low for accelerations, most at high "
+    "sampling rates. Look at the filtered signal and its derivatives."
+)
+"""What goes with every automatic choice."""
+
+METHODS = ("residual", "gcv", "autocorrelation")
+CURVE_COLUMNS = ("cutoff_hz", "residual", "noise_line", "in_band")
+CUTOFF_COLUMNS = (
+    "signal", "method", "cutoff_hz", "residual_rms", "noise_rms", "n_samples", "reason", "warning",
+)  # fmt: skip
+POOLED = "pooled"
+_STEPS = 101
+_ALL_NOISE = 0.95
+_DOUBT = 2.0
+"""How many times the noise of cross-validation, or of the band's other half, is too much."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ResidualAnalysis:
+    """Residual analysis of one signal, or of several pooled.
+
+    Parameters
+    ----------
+    cutoff_hz : float
+        The cut-off; NaN where none can be had this way, and ``reason`` says why.
+    noise_rms : float
+        Where the noise line meets 0 Hz: the estimated RMS of the noise, in the unit of the
+        signal. NaN without a line.
+    band_hz : tuple of float
+        Ends of the band in which the line was fitted; NaN without one.
+    curve : pandas.DataFrame
+        ``cutoff_hz``, ``residual`` (RMS of raw minus filtered), ``noise_line`` (NaN without
+        one), ``in_band`` (whether the line was fitted to this point).
+    reason : str
+        How the cut-off was found, or why not.
+    warning : str
+        :data:`ESTIMATE_WARNING`.
+    """
+
+    cutoff_hz: float
+    noise_rms: float
+    band_hz: tuple[float, float]
+    curve: pd.DataFrame
+    reason: str
+    warning: str = ESTIMATE_WARNING
+
+
+def analyse_residuals(
+    x: FloatArray,
+    *,
+    fs_hz: float,
+    order: int = 4,
+    band_hz: tuple[float, float] | None = None,
+) -> ResidualAnalysis:
+    """Choose a cut-off by residual analysis (Winter 2009; paper 2009, §3.5).
+
+    The signal is filtered with 101 cut-offs from a hundredth of half the sampling rate
+    up to the highest there is, and the RMS of what was taken away is drawn against the
+    cut-off. Where only noise is left the curve is a straight line; its height at 0 Hz
+    estimates the noise. The cut-off is where the curve comes down to that height: there,
+    as much signal is lost as noise is let through.
+
+    Which part is straight is the user's to say (``band_hz``). Left out, it is found by the
+    rule of Duarte's ``optcutfreq`` (version 0.0.9): an exponential decay is fitted to the
+    curve's height above its 96th point, by a straight line through the logarithms; the band
+    begins after three lifetimes of it and ends at that point. The logarithm of 0 at that
+    point itself is replaced by a floor, which takes part in the fit.
+
+    Three things differ from there on purpose. The cut-off is exact, see
+    :func:`~pawnb.signals.butterworth_lowpass`: without that the cut-offs near half the sampling
+    rate are not what they are called, and the residual of white noise is no straight line. The
+    floor is a share of the signal's range, not of its unit, so that degrees and radians give the
+    same cut-off. Ends are continued over three periods of the cut-off, not over nine samples.
+    On five harmonics with white noise of known size (2 % of the first and 40 to 500 frames a
+    period; 0.2 % and 125 to 500; 2 to 20 periods) the line gives 94 to 100 % of the noise, and
+    the cut-off is within 10 % of that at which the residual of an endless recording equals the
+    noise. ``optcutfreq`` chooses 4 to 40 % below that, the more the more frames make a period.
+
+    No cut-off can be had this way where the tail of the curve is not noise alone, as where few
+    frames make a period of the movement: the line then measures signal. It is seen by the
+    height of the line at 0 Hz, more than twice the noise that cross-validation finds, or
+    more than twice as high through the lower half of the band as through the upper. A cut-off
+    read in a band that was given is kept, and ``reason`` says so.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n,) or (n, k)
+        A signal, or several of one unit, which are pooled: the residual is the RMS over all
+        of their samples. NaN where missing; runs between gaps are filtered one by one, and
+        runs of fewer than 20 samples are left out.
+    fs_hz : float
+        Sampling rate, in Hz.
+    order : int
+        Order of the Butterworth filter, both passes together.
+    band_hz : tuple of float, optional
+        Ends of the straight part, in Hz.
+
+    Returns
+    -------
+    ResidualAnalysis
+        Cut-off, curve and line, with the reason in words.
+
+    Raises
+    ------
+    InputError
+        If the rate, order or band cannot be, or no run has 20 samples.
+    """
+    runs = find_long_runs(x)
+    if not runs:
+        raise InputError(
+            f"residual analysis: no run of {LEAST_SAMPLES} samples without a gap; expected at "
+            "least one: fill the gaps or leave this signal out."
+        )
+    return _analyse(runs, fs_hz=fs_hz, order=order, band_hz=band_hz, validated=None)
+
+
+def _analyse(
+    runs: list[np.ndarray],
+    *,
+    fs_hz: float,
+    order: int,
+    band_hz: tuple[float, float] | None,
+    validated: Choice | None,
+) -> ResidualAnalysis:
+    """Analyse runs; what cross-validation finds in them is computed where it is not given."""
+    cutoffs = residual_cutoffs(fs_hz, order=order)
+    residual = np.array([residual_rms(runs, c, fs_hz=fs_hz, order=order) for c in cutoffs])
+    scale = max(float(np.ptp(run, axis=0).max()) for run in runs)
+    if max(float(np.abs(detrend(run, axis=0)).max()) for run in runs) <= 1e-12 * scale:
+        return _nothing(cutoffs, residual, f"{NO_CUTOFF}the signal is a straight line")
+    if band_hz is not None:
+        ends = given_band(cutoffs, band_hz)
+        said = "in the band given"
+    else:
+        found = find_noise_band(cutoffs, residual / scale)
+        if isinstance(found, str):
+            return _nothing(cutoffs, residual, found)
+        ends = found
+        said = "after three lifetimes of the curve's decay"
+    read = _read_off(cutoffs, residual, ends, said)
+    if validated is None:
+        validated = cross_validate(runs, fs_hz=fs_hz, order=order)
+    doubt = _doubt(read, ends, validated)
+    if not doubt or not math.isfinite(read.cutoff_hz):
+        return read
+    if band_hz is not None:
+        return replace(read, reason=f"{read.reason}; but {doubt}")
+    return _nothing(cutoffs, residual, f"{NO_CUTOFF}{doubt}")
+
+
+def _doubt(read: ResidualAnalysis, ends: tuple[int, int], validated: Choice) -> str:
+    """Say why the line that was fitted is not that of noise alone; empty where it may be."""
+    what = ""
+    if read.noise_rms > _DOUBT * validated.noise_rms:
+        times = read.noise_rms / validated.noise_rms
+        what = (
+            f"the line's noise of {read.noise_rms:.3g} is {times:.2g} times the "
+            f"{validated.noise_rms:.3g} of cross-validation"
+        )
+    else:
+        first, last = ends
+        middle = (first + last) // 2
+        x, y = (read.curve[name].to_numpy() for name in ("cutoff_hz", "residual"))
+        lower, upper = (
+            float(np.polyfit(x[a:b], y[a:b], 1)[1])
+            for a, b in ((first, middle + 1), (middle, last))
+        )
+        if lower > _DOUBT * upper:
+            what = (
+                f"the curve has no straight tail: a line through its lower half starts at "
+                f"{lower:.3g}, one through its upper half at {upper:.3g}"
+            )
+    if not what:
+        return ""
+    return f"{what}, so that signal reaches to the end of the curve; {_instead(validated)}"
+
+
+def _instead(validated: Choice) -> str:
+    """Say what to do where residual analysis has no answer."""
+    if validated.reason.startswith(NO_CUTOFF):
+        return "filter only lightly, or film faster"
+    return f"take that of cross-validation, {validated.cutoff_hz:.3g} Hz, or film faster"
+
+
+def residual_cutoffs(fs_hz: float, *, order: int = 4) -> FloatArray:
+    """Return the cut-offs at which residuals are computed.
+
+    Parameters
+    ----------
+    fs_hz : float
+        Sampling rate, in Hz.
+    order : int
+        Order of the Butterworth filter.
+
+    Returns
+    -------
+    ndarray, shape (101,)
+        Cut-offs in Hz, evenly spaced up to, and without, half the sampling rate times
+        :func:`~pawnb.signals.two_pass_correction`, as in ``optcutfreq``.
+
+    Raises
+    ------
+    InputError
+        If the sampling rate is not above 0 or the order is odd or below 2.
+    """
+    check_rate(fs_hz)
+    highest = two_pass_correction(order) * fs_hz / 2.0
+    return np.linspace(fs_hz / 200.0, highest, _STEPS, endpoint=False)
+
+
+def compare_cutoffs(
+    signals: pd.DataFrame | FloatArray,
+    *,
+    fs_hz: float,
+    order: int = 4,
+    band_hz: tuple[float, float] | None = None,
+) -> pd.DataFrame:
+    """Choose cut-offs in three ways, for each signal and for all of them pooled.
+
+    ``residual``: :func:`analyse_residuals`. ``gcv``: the least generalised cross-validation
+    score (Craven & Wahba 1979), for noise without memory. ``autocorrelation``: where what
+    the filter takes away is most like white noise, by the sum of its squared
+    autocorrelations over all lags (Challis 1999). Where the three are far apart the noise
+    is not white, or the record is too short to tell.
+
+    Parameters
+    ----------
+    signals : pandas.DataFrame or ndarray, shape (n,) or (n, k)
+        One column a signal, all in one unit; NaN where missing. Angles must be unwrapped.
+    fs_hz : float
+        Sampling rate, in Hz.
+    order : int
+        Order of the Butterworth filter, both passes together.
+    band_hz : tuple of float, optional
+        Straight part of the residual curve, in Hz; default: found.
+
+    Returns
+    -------
+    pandas.DataFrame
+        ``CUTOFF_COLUMNS``: three rows a signal, then three named ``pooled`` where there are
+        several. ``cutoff_hz`` is NaN where no choice was possible, and ``reason`` says why;
+        ``residual_rms`` is what the filter takes away at that cut-off, ``noise_rms`` the
+        noise estimated by the method itself (NaN for autocorrelation).
+
+    Raises
+    ------
+    InputError
+        If the rate, order or band cannot be, there is no signal, or two have one name.
+    """
+    residual_cutoffs(fs_hz, order=order)  # refuses rates and orders that cannot be
+    table = signals if isinstance(signals, pd.DataFrame) else named_signals(np.asarray(signals))
+    if table.shape[1] == 0 or not table.columns.is_unique:
+        raise InputError("signals: expected at least one column, each with its own name.")
+    parts = {str(name): table[[name]].to_numpy(dtype=float) for name in table}
+    if len(parts) > 1:
+        parts[POOLED] = table.to_numpy(dtype=float)
+    rows = []
+    for name, values in parts.items():
+        runs = find_long_runs(values)
+        n = sum(run.size for run in runs)
+        found = _choose_all(runs, fs_hz=fs_hz, order=order, band_hz=band_hz)
+        for method in METHODS:
+            choice, left = _kept(found[method], runs, fs_hz=fs_hz, order=order)
+            given = (choice.cutoff_hz, left, choice.noise_rms, n, choice.reason)
+            rows.append((name, method, *given, ESTIMATE_WARNING))
+    return pd.DataFrame(rows, columns=list(CUTOFF_COLUMNS))
+
+
+def named_signals(values: np.ndarray) -> pd.DataFrame:
+    """Return signals without names as a table.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,) or (n, k)
+        The signals.
+
+    Returns
+    -------
+    pandas.DataFrame
+        ``signal 1`` and so on.
+
+    Raises
+    ------
+    InputError
+        If there are more than two dimensions, or none.
+    """
+    if values.ndim not in (1, 2):
+        raise InputError(f"signals have {values.ndim} dimensions; expected time and signal.")
+    flat = values.reshape(len(values), -1)
+    return pd.DataFrame(flat, columns=[f"signal {k + 1}" for k in range(flat.shape[1])])
+
+
+def _choose_all(
+    runs: list[np.ndarray], *, fs_hz: float, order: int, band_hz: tuple[float, float] | None
+) -> dict[str, Choice]:
+    """Return the choice of every method."""
+    if not runs:
+        none = f"{NO_CUTOFF}no run of {LEAST_SAMPLES} samples without a gap"
+        return dict.fromkeys(METHODS, Choice(math.nan, math.nan, none))
+    validated = cross_validate(runs, fs_hz=fs_hz, order=order)
+    found = _analyse(runs, fs_hz=fs_hz, order=order, band_hz=band_hz, validated=validated)
+    return {
+        "residual": Choice(found.cutoff_hz, found.noise_rms, found.reason),
+        "gcv": validated,
+        "autocorrelation": _checked_whitest(runs, validated, fs_hz=fs_hz, order=order),
+    }
+
+
+def _checked_whitest(
+    runs: list[np.ndarray], validated: Choice, *, fs_hz: float, order: int
+) -> Choice:
+    """Return the whitest cut-off, unless it takes away far more than the noise."""
+    choice = find_whitest(runs, fs_hz=fs_hz, order=order)
+    left = residual_rms(runs, choice.cutoff_hz, fs_hz=fs_hz, order=order)
+    if choice.reason.startswith(NO_CUTOFF) or left <= _DOUBT * validated.noise_rms:
+        return choice
+    return choice._replace(
+        reason=f"{NO_CUTOFF}{choice.reason} at {choice.cutoff_hz:.3g} Hz, where it takes away "
+        f"{left / validated.noise_rms:.2g} times the noise of cross-validation; "
+        f"{_instead(validated)}"
+    )
+
+
+def _kept(
+    choice: Choice, runs: list[np.ndarray], *, fs_hz: float, order: int
+) -> tuple[Choice, float]:
+    """Return a choice with the residual at it; NaN for both where it is none."""
+    if choice.reason.startswith(NO_CUTOFF):
+        return Choice(math.nan, math.nan, choice.reason), math.nan
+    return choice, residual_rms(runs, choice.cutoff_hz, fs_hz=fs_hz, order=order)
+
+
+def _read_off(
+    cutoffs: FloatArray, residual: FloatArray, ends: tuple[int, int], said: str
+) -> ResidualAnalysis:
+    """Fit the noise line and find where the curve first comes down to its height at 0 Hz."""
+    first, last = ends
+    slope, noise = (float(v) for v in np.polyfit(cutoffs[first:last], residual[first:last], 1))
+    band = float(cutoffs[first]), float(cutoffs[last - 1])
+    where = f"line fitted from {band[0]:.3g} to {band[1]:.3g} Hz, {said}"
+    above = residual - noise
+    down = np.flatnonzero((above[:-1] > 0.0) & (above[1:] <= 0.0))
+    curve = pd.DataFrame(
+        {
+            "cutoff_hz": cutoffs,
+            "residual": residual,
+            "noise_line": noise + slope * cutoffs,
+            "in_band": (np.arange(len(cutoffs)) >= first) & (np.arange(len(cutoffs)) < last),
+        }
+    )
+    if noise > _ALL_NOISE * residual[0]:
+        return _nothing(
+            cutoffs,
+            residual,
+            f"{NO_CUTOFF}the noise line starts at {noise:.3g}, where the curve itself does: "
+            "there is nothing but noise",
+        )
+    if noise <= 0.0 or len(down) == 0:
+        reason = f"{NO_CUTOFF}the curve does not cross the noise of {noise:.3g} ({where})"
+        return ResidualAnalysis(
+            cutoff_hz=math.nan, noise_rms=noise, band_hz=band, curve=curve, reason=reason
+        )
+    k = int(down[0])
+    cutoff = float(brentq(CubicSpline(cutoffs, above), cutoffs[k], cutoffs[k + 1]))
+    reason = f"the residual equals the noise of {noise:.3g} RMS at {cutoff:.3g} Hz ({where})"
+    return ResidualAnalysis(
+        cutoff_hz=cutoff, noise_rms=noise, band_hz=band, curve=curve, reason=reason
+    )
+
+
+def _nothing(cutoffs: FloatArray, residual: FloatArray, reason: str) -> ResidualAnalysis:
+    """Return an analysis without a choice."""
+    nan = math.nan
+    curve = pd.DataFrame(
+        {"cutoff_hz": cutoffs, "residual": residual, "noise_line": nan, "in_band": False}
+    )
+    return ResidualAnalysis(
+        cutoff_hz=nan, noise_rms=nan, band_hz=(nan, nan), curve=curve, reason=reason
+    )

@@ -1,0 +1,301 @@
+"""Corrections of events: what follows from them, and that nothing entered is lost."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+from pandas.testing import assert_frame_equal
+
+from pawnb import gait
+from pawnb.errors import InputError
+from pawnb.gait.analysis.stride_support import SUPPORT_MEASURES
+from pawnb.gait.events.event_edits import (
+    DeleteEvent,
+    EventEdits,
+    ExcludeStride,
+    MoveEvent,
+    apply_event_edits,
+    replay_event_edits,
+)
+from pawnb.synthetic.spider_study import simulate_spider_study
+
+WHO = {"animal": "m1", "trial": "t1"}
+TABLES = ("events", "strides", "phases", "phase_summary", "dropped")
+
+
+@pytest.fixture
+def tables():
+    """Two legs, six strides of 0.2 s, stance 0.12 s; L1 is half a stride after R1; 100 Hz."""
+    rows = [
+        {**WHO, "leg": leg, "event": event, "time_s": lag + 0.2 * k + after}
+        for leg, lag in (("L1", 0.1), ("R1", 0.0))
+        for k in range(7)
+        for event, after in (("AEP", 0.0), ("PEP", 0.12))
+    ]
+    events = pd.DataFrame(rows).assign(frame=lambda t: 100 * t["time_s"])
+    return gait.analyse_events(events)
+
+
+@pytest.fixture(scope="module")
+def tracked():
+    """An analysis of tracks, with motion and signals."""
+    run = simulate_spider_study(animals=1, trials=1, seed=3).runs[0]
+    return gait.analyse(run.tracks(noise_px=0.2), trial=run.trial)
+
+
+def move(to_s, *, time_s=0.4, leg="R1", event="AEP"):
+    return MoveEvent(**WHO, leg=leg, event=event, time_s=time_s, to_s=to_s)
+
+
+def strides_of(tables, leg):
+    return tables.strides[tables.strides["leg"] == leg].reset_index(drop=True)
+
+
+def same(a, b):
+    for name in TABLES:
+        assert_frame_equal(getattr(a, name), getattr(b, name))
+
+
+def test_a_moved_event_changes_its_strides_and_phases(tables):
+    out = apply_event_edits(tables, [move(0.42)])
+    np.testing.assert_allclose(strides_of(out, "R1")["period_s"], [0.2, 0.22, 0.18, 0.2, 0.2, 0.2])
+    np.testing.assert_allclose(strides_of(out, "R1")["stance_s"][2], 0.10)
+    np.testing.assert_allclose(strides_of(out, "L1")["period_s"], 0.2)
+    # L1 lands 0.1 s after 0.2 in a stride of 0.22 s, and 0.08 s after 0.42 in one of 0.18 s
+    phases = out.phases[out.phases["leg"] == "L1"]["phase"].to_numpy()
+    np.testing.assert_allclose(phases[1:3], [0.1 / 0.22, 0.08 / 0.18])
+    moved = out.events[out.events["method"] == "hand"]
+    assert len(moved) == 1
+    assert moved["frame"].iloc[0] == pytest.approx(42.0)
+    # what was found is as it was
+    assert "hand" not in set(tables.events["method"])
+
+
+def test_a_deleted_event_takes_its_strides_along(tables):
+    gone = DeleteEvent(**WHO, leg="R1", event="PEP", time_s=0.52)
+    out = apply_event_edits(tables, [gone])
+    assert len(strides_of(out, "R1")) == 5
+    assert "no PEP between two AEP; expected one" in set(out.dropped["why"])
+    assert len(out.events) == len(tables.events) - 1
+
+
+def test_an_excluded_stride_is_dropped_with_its_reason(tables):
+    edit = ExcludeStride(**WHO, leg="R1", start_s=0.6, reason="stumbled")
+    out = apply_event_edits(tables, [edit])
+    assert not np.isclose(strides_of(out, "R1")["start_s"], 0.6).any()
+    assert len(strides_of(out, "R1")) == 5
+    row = out.dropped[out.dropped["why"] == "excluded by hand: stumbled"].iloc[0]
+    assert (row["leg"], row["what"]) == ("R1", "stride")
+    assert row["start_s"] == pytest.approx(0.6)
+    # phases within it are gone, its events are not
+    assert len(out.phases) == len(tables.phases) - 1
+    assert len(out.events) == len(tables.events)
+
+
+def test_a_stride_stays_excluded_when_its_ends_move(tables):
+    edits = [ExcludeStride(**WHO, leg="R1", start_s=0.4, reason="x"), move(0.41)]
+    out = apply_event_edits(tables, edits)
+    assert not np.isclose(strides_of(out, "R1")["start_s"], 0.41).any()
+
+
+def test_lengths_speeds_and_angles_are_made_again(tracked):
+    """A stride whose end moves is as much longer as the body ran in that time."""
+    own = tracked.strides[tracked.strides["leg"] == "L3"].iloc[1]
+    who = {"animal": own["animal"], "trial": own["trial"], "leg": "L3"}
+    end = own["start_s"] + own["period_s"]
+    out = apply_event_edits(tracked, [MoveEvent(**who, event="AEP", time_s=end, to_s=end + 0.01)])
+    new = out.strides[out.strides["leg"] == "L3"].iloc[1]
+    more = new["stride_length"] - own["stride_length"]
+    assert more == pytest.approx(0.01 * own["speed"], rel=0.3)
+    assert new["excursion_deg"] != own["excursion_deg"]
+    others = out.strides[out.strides["leg"] == "R2"].reset_index(drop=True)
+    before = tracked.strides[tracked.strides["leg"] == "R2"].reset_index(drop=True)
+    # support is of all feet together; everything else is a leg's own
+    own_measures = [name for name in before if name not in SUPPORT_MEASURES]
+    assert_frame_equal(others[own_measures], before[own_measures])
+    event = out.events[out.events["method"] == "hand"].iloc[0]
+    assert np.isfinite(event["position"])
+    assert event["frame"] == pytest.approx(125.0 * (end + 0.01))
+    assert out.notes == tracked.notes
+
+
+def test_no_edits_rebuilt_are_the_same_tables(tracked):
+    """Moving an event to where it stands makes everything again, and changes its method only."""
+    own = tracked.events[tracked.events["event"] == "AEP"].iloc[3]
+    who = {name: own[name] for name in ("animal", "trial", "leg", "event")}
+    out = apply_event_edits(tracked, [MoveEvent(**who, time_s=own["time_s"], to_s=own["time_s"])])
+    for name in ("strides", "phases", "phase_summary", "dropped"):
+        assert_frame_equal(getattr(out, name), getattr(tracked, name))
+    assert len(out.signals) == len(tracked.signals)
+
+
+def test_other_trials_are_left_alone(tables):
+    other = gait.analyse_events(tables.events.assign(trial="t2"))
+    both = gait.pool([tables, other])
+    out = apply_event_edits(both, [move(0.42)])
+    second = out.strides[out.strides["trial"] == "t2"]["period_s"]
+    np.testing.assert_allclose(second, 0.2)
+    assert out.phase_summary["n"].sum() == both.phase_summary["n"].sum()
+
+
+@pytest.mark.slow
+def test_only_corrected_trials_are_made_again_and_the_rest_is_the_same(tracked):
+    """All trials made again by build_tables, and only the one corrected, give the same tables."""
+    run = simulate_spider_study(animals=1, trials=1, seed=4).runs[0]
+    other = gait.analyse(run.tracks(noise_px=0.2), trial=replace(run.trial, name="second"))
+    both = gait.pool([tracked, other])
+    own = other.strides.iloc[4]
+    edit = ExcludeStride(animal=own["animal"], trial="second", leg=own["leg"],
+                         start_s=own["start_s"], reason="x")  # fmt: skip
+    out = apply_event_edits(both, [edit])
+    same(out, gait.pool([tracked, apply_event_edits(other, [edit])]))
+    assert len(out.strides) == len(both.strides) - 1
+    assert len(out.signals) == len(both.signals)
+
+
+def test_corrections_are_made_in_what_was_found_not_twice(tables, tmp_path):
+    path = tmp_path / "event_edits.jsonl"
+    log = EventEdits(tables, path)
+    log.apply(move(0.42))
+    once = replay_event_edits(tables, path)
+    same(replay_event_edits(once, path), once)
+    assert replay_event_edits(once, path).notes == once.notes
+    # opened on corrected tables, pooled with others, they can still be undone
+    other = gait.analyse_events(tables.events.assign(trial="t2"))
+    again = EventEdits(gait.pool([once, other]), path)
+    assert len(again.active) == 1
+    same(again.undo(), gait.pool([tables, other]))
+
+
+def test_corrections_of_other_trials_and_legs_are_left_out_and_said(tables, tmp_path):
+    path = tmp_path / "event_edits.jsonl"
+    both = gait.pool([tables, gait.analyse_events(tables.events.assign(trial="t2"))])
+    log = EventEdits(both, path)
+    log.apply(move(0.42))
+    log.apply(replace(move(0.38), trial="t2"))
+    out = replay_event_edits(tables, path)
+    same(out, apply_event_edits(tables, [move(0.42)]))
+    assert out.notes[-2:] == (
+        "event_edits.jsonl: corrections by hand in force: 1.",
+        "event_edits.jsonl: corrections left out, as their trial or leg is not in this analysis: "
+        "1 (the first is of R1 of m1, t2).",
+    )
+    assert replay_event_edits(tables, tmp_path / "none.jsonl").notes == tables.notes
+    # one file for each trial: both count
+    second = tmp_path / "second.jsonl"
+    EventEdits(both, second).apply(ExcludeStride(**WHO, leg="L1", start_s=0.3, reason="x"))
+    twice = replay_event_edits(tables, [path, second])
+    assert len(twice.strides) == len(tables.strides) - 1
+    assert np.isclose(strides_of(twice, "R1")["start_s"], 0.42).any()
+
+
+def test_events_found_anew_are_told_with_the_file(tables, tmp_path):
+    path = tmp_path / "event_edits.jsonl"
+    EventEdits(tables, path).apply(move(0.42))
+    moved = tables.events.assign(time_s=tables.events["time_s"] + 0.003)
+    message = r"event_edits.jsonl: trial 't1': R1 has no AEP at 0.4000 s; .* give the file another"
+    with pytest.raises(InputError, match=message):
+        replay_event_edits(gait.analyse_events(moved), path)
+
+
+def test_undo_redo_and_replay(tables, tmp_path):
+    path = tmp_path / "event_edits.jsonl"
+    log = EventEdits(tables, path)
+    assert not path.exists()
+    log.apply(move(0.42))
+    one = log.tables
+    log.apply(ExcludeStride(**WHO, leg="L1", start_s=0.3, reason="edge"))
+    two = log.tables
+    assert len(path.read_text().splitlines()) == 2
+    same(log.undo(), one)
+    same(log.redo(), two)
+    log.undo()
+    log.undo()
+    same(log.tables, tables)
+    assert not log.can_undo
+    assert log.can_redo
+    same(replay_event_edits(tables, path), tables)
+    log.redo()
+    same(replay_event_edits(tables, path), one)
+    # a new correction ends what could be redone
+    log.apply(move(0.38, time_s=0.42))
+    assert not log.can_redo
+    again = EventEdits(tables, path)
+    same(again.tables, log.tables)
+    assert again.active == log.active
+    kinds = [json.loads(line)["edit"] for line in path.read_text().splitlines()]
+    assert kinds == ["move", "exclude", "undo", "redo", "undo", "undo", "redo", "move"]
+    with pytest.raises(InputError, match="no correction to make again"):
+        log.redo()
+
+
+def test_a_half_written_line_is_left_out_and_kept(tables, tmp_path):
+    path = tmp_path / "event_edits.jsonl"
+    EventEdits(tables, path).apply(move(0.42))
+    with path.open("a") as file:
+        file.write('{"edit": "mo')
+    log = EventEdits(tables, path)
+    assert len(log.active) == 1
+    assert "half written" in log.notes[0]
+    log.apply(move(0.41, time_s=0.42))
+    lines = [json.loads(line) for line in path.read_text().splitlines()]
+    assert lines[1] == {"edit": "unfinished", "text": '{"edit": "mo'}
+    assert len(EventEdits(tables, path).active) == 2
+
+
+def test_another_window_is_noticed(tables, tmp_path):
+    path = tmp_path / "event_edits.jsonl"
+    first, second = EventEdits(tables, path), EventEdits(tables, path)
+    first.apply(move(0.42))
+    with pytest.raises(InputError, match="changed by another window"):
+        second.apply(move(0.43))
+    same(second.tables, tables)
+    assert len(path.read_text().splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("edit", "message"),
+    [
+        (move(0.55), "cannot go to 0.5500 s; expected a time between its neighbours, 0.3200"),
+        (move(0.3), "cannot go to 0.3000"),
+        (move(0.42, time_s=0.41), "R1 has no AEP at 0.4100 s"),
+        (move(0.42, leg="L9"), "no events of leg 'L9'"),
+        (ExcludeStride(**WHO, leg="R1", start_s=1.2, reason="x"), "no stride of R1 begins at 1.2"),
+        (ExcludeStride(**WHO, leg="R1", start_s=0.4, reason=" "), "say why"),
+    ],
+)  # fmt: skip
+def test_what_does_not_fit_is_refused_and_not_written(tables, tmp_path, edit, message):
+    path = tmp_path / "event_edits.jsonl"
+    log = EventEdits(tables, path)
+    with pytest.raises(InputError, match=message):
+        log.apply(edit)
+    same(log.tables, tables)
+    assert not path.exists()
+
+
+def test_a_stride_is_excluded_once(tables):
+    edit = ExcludeStride(**WHO, leg="R1", start_s=0.4, reason="x")
+    with pytest.raises(InputError, match="excluded already"):
+        apply_event_edits(tables, [edit, edit])
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("move it", "line 1: not a JSON object"),
+        ('{"edit": "moved"}', "unknown kind of edit 'moved' .did you mean 'move'"),
+        ('{"edit": "delete", "leg": "R1"}', "a delete needs 'animal'"),
+        ('{"edit": "exclude", "animal": "a", "trial": "t", "leg": "R1", "start_s": "0", '
+         '"reason": "x"}',
+         "start_s is '0'; expected a number"),
+    ],
+)  # fmt: skip
+def test_a_line_that_cannot_be_read_is_told(tables, tmp_path, line, message):
+    path = tmp_path / "event_edits.jsonl"
+    path.write_text(line + "\n")
+    with pytest.raises(InputError, match=message):
+        EventEdits(tables, path)
