@@ -101,7 +101,7 @@ def sample(trial: Trial) -> Sample | None:
         uv[0, place.point, place.view] = place.uv
     likelihood = AppearanceLikelihood(scene.limb_direction, scene.paw_width_px)
     score = score_at_clicks(uv, {first: found[first]}, likelihood)
-    if score is None or scene.lead is not None:
+    if score is None or scene.geometry.from_below.any():
         return None
     truth = pd.read_csv(trial.folder / "truth" / "tracks.csv").groupby(["frame", "view"])
     limit = THRESHOLD_PX * max(width for width, _ in sizes.values()) / REFERENCE_WIDTH_PX

@@ -154,8 +154,8 @@ def judge(
 def count(recording: Recording, found: SmoothedTracks) -> dict[str, float]:
     """Compare tracks with the truth."""
     asked, n = recording.asked["asked"], len(recording.seen)
-    result = empty_result(n, asked.layout)
-    result.take(np.ones(len(recording.points), bool), found)
+    every = np.ones(len(recording.points), bool)
+    result = empty_result(n, asked.layout).with_points(every, found)
     tracks = as_tracks(result, asked.layout, recording.asked["task"], placed=asked.inside(n))
     width = max(size[0] for size in asked.layout.sizes)
     report = count_errors(

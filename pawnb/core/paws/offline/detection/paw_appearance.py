@@ -200,7 +200,7 @@ def clicked_lessons(
         for v in views:
             own = {place.point for place in here if place.view == v}
             others = [x for p, x in scene.anchors.get(frame, {}).items() if p not in own]
-            shown = scene.geometry.project(np.array(others))[:, v] if others else np.empty((0, 2))
+            shown = scene.projection.project(np.array(others))[:, v] if others else np.empty((0, 2))
             doubtful.append(shown)
         whole = len({place.point for place in here}) == most
         lessons[frame] = PawLesson(paws, doubtful, whole=whole)
@@ -228,7 +228,7 @@ def tracked_lessons(
     dict
         Frame to lesson.
     """
-    shown = scene.geometry.project(refined.x)  # (n, P, V, 2)
+    shown = scene.projection.project(refined.x)  # (n, P, V, 2)
     seen = np.isfinite(np.swapaxes(refined.measured[..., 0], 1, 2))  # (n, V, P)
     sure = refined.sd.mean(axis=-1) < _SURE * scene.paw_width
     lessons = {}

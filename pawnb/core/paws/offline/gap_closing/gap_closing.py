@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from pawnb.core.parallel import on_threads
+from pawnb.core.paws.offline.association.network_flow.assignment import Assignment
 from pawnb.core.paws.offline.detection.colour.observations import Observations
 from pawnb.core.paws.offline.gap_closing.gap import Gap
 from pawnb.core.paws.offline.gap_closing.hypothesis_kernels import ProcessNoise
@@ -26,10 +27,8 @@ from pawnb.core.paws.offline.gap_closing.usual_region import usual_region
 from pawnb.core.paws.offline.gap_closing.wrist_decoys import follow_wrist_decoys
 from pawnb.core.paws.offline.projection import Projection
 from pawnb.core.paws.offline.scene.motion_model import MotionModel
-from pawnb.core.paws.offline.stride.cycle import Cycle
-from pawnb.core.paws.offline.stride.duty_factor import DutyFactor
+from pawnb.core.paws.offline.stride.model import StrideModel
 from pawnb.core.paws.offline.stride.stance import Stance, Substrate, covered, learn_substrate
-from pawnb.core.paws.offline.stride.swing import Swings
 
 
 @dataclass(frozen=True)
@@ -69,35 +68,28 @@ class TrackingState:
 
     Parameters
     ----------
-    chosen : ndarray, shape (n, P, d)
+    assignment : Assignment
         Certain places, NaN elsewhere.
-    annotated : ndarray of bool, shape (n, P)
-        Placed by hand.
-    before : ndarray, shape (n, P, d), optional
-        Tracks of an earlier round, and
-    trust : ndarray, shape (n, P), optional
+    before : ndarray, shape (n, P, d)
+        Tracks of an earlier pass, NaN where there was none, and
+    trust : ndarray, shape (n, P)
         how much they are to be believed, 0 to 1.
-    cycle : Cycle, optional
-        Where points are expected.
-    liftoff_velocity : ndarray, shape (P, d), optional
-        How much speeds change at lift-off.
-    duty_factor : DutyFactor, optional
-        When points lift off.
-    swings : Swings, optional
-        Where they swing.
+    stride : StrideModel
+        What is known of strides.
     body : ndarray, shape (n, d), optional
         The slowly moving middle of the animal, about which points stay.
     """
 
-    chosen: np.ndarray
-    annotated: np.ndarray
-    before: np.ndarray | None = None
-    trust: np.ndarray | None = None
-    cycle: Cycle | None = None
-    liftoff_velocity: np.ndarray | None = None
-    duty_factor: DutyFactor | None = None
-    swings: Swings | None = None
+    assignment: Assignment
+    before: np.ndarray
+    trust: np.ndarray
+    stride: StrideModel
     body: np.ndarray | None = None
+
+    @property
+    def chosen(self) -> np.ndarray:
+        """Certain places (n, P, d), NaN elsewhere."""
+        return self.assignment.at
 
 
 def close_gaps(
@@ -134,19 +126,19 @@ def close_gaps(
     n, n_points, _ = state.chosen.shape
     is_open = frames_to_reassociate(
         state.chosen,
-        state.annotated,
+        state.assignment.by_hand,
         motion_model=motion_model,
-        duty_factor=state.duty_factor,
-        swings=state.swings,
+        duty_factor=state.stride.duty_factor,
+        swings=state.stride.swings,
     )
     sure = np.where(is_open[..., None], np.nan, state.chosen)
-    substrate = learn_substrate(sure, motion_model, liftoff_velocity=state.liftoff_velocity)
+    substrate = learn_substrate(sure, motion_model, liftoff_velocity=state.stride.liftoff_velocity)
     stances = substrate.stances(sure)
     cost = _candidate_costs(state, is_open, observations, geometry, paw_width_px)
     wrist_decoys = follow_wrist_decoys(
         stances, observations, substrate=substrate, geometry=geometry, paw_width_px=paw_width_px
     )
-    places = sure if state.before is None else np.where(np.isnan(sure), state.before, sure)
+    places = np.where(np.isnan(sure), state.before, sure)
     parameters = _mht_parameters(motion_model)
     closer = _GapCloser(
         state,
@@ -174,7 +166,7 @@ def close_gaps(
         for p in range(n_points)
         for first, stop in runs(is_open[:, p])
         # of an unlabelled target nobody has said that it was there
-        if first > 0 or state.annotated[:, p].any()
+        if first > 0 or state.assignment.by_hand[:, p].any()
     ]
     observed = on_threads(lambda one: closer.close(*one, tracked_in_view[one[0]]), gaps)
     for (p, gap), (taken, stood, standing) in zip(gaps, observed, strict=True):
@@ -253,18 +245,18 @@ class _GapCloser:
         """
         if gap.way < 0:
             return None
-        state, stances = self.state, self.stances[point]
+        stride, stances = self.state.stride, self.stances[point]
         frames = np.concatenate([gap.frames, gap.after])
-        if state.swings is not None:
-            due = state.swings.due(point, frames, self.substrate.motion_model.fps)
+        if stride.swings is not None:
+            due = stride.swings.due(point, frames, self.substrate.motion_model.fps)
             if due is not None:
                 return due
         now = gap.stance(stances)
         # where nothing follows that says when it lifted off, that is left open
-        if state.duty_factor is None or now is None or gap.is_last:
+        if stride.duty_factor is None or now is None or gap.is_last:
             return None
         later = [one for one in stances if one.first >= now.stop]
-        return state.duty_factor.due(point, now, later[0] if later else None, frames=frames)
+        return stride.duty_factor.due(point, now, later[0] if later else None, frames=frames)
 
     def _standing(self, point: int, gap: Gap, *, is_told: bool) -> tuple[np.ndarray, np.ndarray]:
         """Return where a point stands where a stretch begins, and in its frames (frames, d).
@@ -328,8 +320,8 @@ class _GapCloser:
     def _expected(self, point: int, gap: Gap) -> ExpectedPositions:
         """Return where a point is expected: by the cycle, and by the arc of its swing."""
         cycle, swings, motion_model = (
-            self.state.cycle,
-            self.state.swings,
+            self.state.stride.cycle,
+            self.state.stride.swings,
             self.substrate.motion_model,
         )
         t = np.concatenate([gap.frames, gap.after])
@@ -372,10 +364,8 @@ def _candidate_costs(
     """Return what speaks against each detection (n, P, V, C) being each point."""
     n, n_points, _ = state.chosen.shape
     x = np.where(is_open[..., None], np.nan, state.chosen)
-    trust = np.ones((n, n_points))
-    if state.before is not None and state.trust is not None:
-        x = np.where(np.isfinite(x), x, state.before)
-        trust = np.where(is_open, state.trust, 1.0)
+    x = np.where(np.isfinite(x), x, state.before)
+    trust = np.where(is_open, state.trust, 1.0)
     there = np.isfinite(x[..., 0])
     uv = geometry.project(np.nan_to_num(x))
     poor = _appearance_cost(observations.detection_probability)

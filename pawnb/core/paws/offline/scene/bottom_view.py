@@ -6,6 +6,8 @@ detections of the view from below, laid on one plane at the height of the ground
 views tell the heights afterwards, along the whole path at once.
 """
 
+# ruff: noqa: ARG002  (geometries are asked alike, and not each needs all that it is told)
+
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
@@ -15,45 +17,37 @@ import numpy as np
 
 from pawnb.core import dlt
 from pawnb.core.paws.layout import Placement
+from pawnb.core.paws.offline.association.network_flow.parameters import NETWORK_FLOW
 from pawnb.core.paws.offline.association.network_flow.triangulation import (
     PointHypotheses,
-    Volume,
     triangulate,
 )
 from pawnb.core.paws.offline.detection.colour.detector import endpoint_score
-from pawnb.core.paws.offline.detection.colour.observations import Observations
+from pawnb.core.paws.offline.detection.colour.likelihood import AppearanceLikelihood
+from pawnb.core.paws.offline.detection.colour.observations import Observations, tracked_points
+from pawnb.core.paws.offline.scene.geometry import InSpace
 from pawnb.core.paws.offline.scene.parameters import MOVEMENT
 
 
 @dataclass(frozen=True)
-class BottomView:
-    """The view that leads, and what places on its plane need.
+class BottomView(InSpace):
+    """Several views of which one leads: places lie on a plane, where that one sees them.
 
     Parameters
     ----------
     view : int
-        Its number.
-    coefs : ndarray, shape (11, V)
-        DLT coefficients.
-    volume : Volume
-        Where paws can be.
+        Number of the view that leads.
     substrate : float
         Height of the plane.
-    paw_width : float
-        Width of a paw in space.
-    paw_width_px : ndarray, shape (V,)
-        The same in each view.
-    limb_direction : sequence of (float, float)
-        For each view, see :class:`.detector.DetectorConfig`.
     """
 
     view: int
-    coefs: np.ndarray
-    volume: Volume
     substrate: float
-    paw_width: float
-    paw_width_px: np.ndarray
-    limb_direction: Sequence[tuple[float, float]]
+
+    @property
+    def from_below(self) -> np.ndarray:
+        """The view that leads."""
+        return np.arange(len(self.paw_width_px)) == self.view
 
     def flat(self, x: np.ndarray) -> np.ndarray:
         """Return where points (..., 3) seem to be on the plane."""
@@ -78,9 +72,44 @@ class BottomView:
         """Move points (n, 3) along the line of sight to other heights (n,)."""
         return self.on_plane(dlt.project(self.coefs[:, [self.view]], x)[..., 0, :], height)
 
-    def places(self, found: Sequence[Sequence[np.ndarray]], most: int) -> list[PointHypotheses]:
+    def hypotheses(
+        self,
+        found: Sequence[Sequence[np.ndarray]],
+        *,
+        most: int,
+        likelihood: AppearanceLikelihood,
+    ) -> list[PointHypotheses]:
         """Return the places of every frame on the plane, the best first."""
         return [self._places_of(rows, most) for rows in found]
+
+    def anchors_of_paths(
+        self,
+        here: Mapping[int, np.ndarray],
+        found: Sequence[np.ndarray],
+        observations: Observations,
+        *,
+        most: int,
+        likelihood: AppearanceLikelihood,
+    ) -> dict[int, np.ndarray]:
+        """Return where placed points seem to be on the plane: from below middles were clicked."""
+        return {p: self.flat(x) for p, x in here.items()}
+
+    def tracked_points(
+        self, places: np.ndarray, observations: Observations, *, acceleration: float
+    ) -> np.ndarray:
+        """Return where the tracked points are, with heights; the view that leads tells the rest."""
+        return tracked_points(
+            self.to_space(places, observations, acceleration), observations,
+            geometry=self.projection, paw_width_px=self.paw_width_px, view=self.view,
+        )  # fmt: skip
+
+    def appearance_cost(self, total: np.ndarray) -> np.ndarray:
+        """Return a share of the costs: no second view has confirmed the places."""
+        return np.asarray(NETWORK_FLOW.look_below * total)
+
+    def as_high(self, at: np.ndarray, expected: np.ndarray) -> np.ndarray:
+        """Raise places on the plane as high as expected ones (n, 3)."""
+        return self.at_height(at, expected @ self.volume.up)
 
     def _places_of(self, found: Sequence[np.ndarray], most: int) -> PointHypotheses:
         """Return the places of one frame."""

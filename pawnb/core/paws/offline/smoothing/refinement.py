@@ -7,7 +7,7 @@ view, and the track is smoothed again through them.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -24,7 +24,7 @@ from pawnb.core.paws.offline.stride.stance import expected_jerks
 from pawnb.core.paws.offline.stride.swing import Swings
 
 
-@dataclass
+@dataclass(frozen=True)
 class SmoothedTracks:
     """Smoothed tracks: n frames, P points, V views, d coordinates.
 
@@ -57,18 +57,54 @@ class SmoothedTracks:
     forward_backward_distance: np.ndarray
     equations: NormalEquations | None = None
 
-    def take(self, which: np.ndarray, tracks: SmoothedTracks) -> None:
-        """Take in the tracks of some points: those that ``which`` (P,) picks out, in order."""
-        self.x[:, which], self.sd[:, which] = tracks.x, tracks.sd
-        self.measured[:, which], self.detection_probability[:, which] = (
-            tracks.measured,
-            tracks.detection_probability,
-        )
-        self.displacement_from_first_pass[:, which] = tracks.displacement_from_first_pass
-        self.association_log_odds[:, which], self.forward_backward_distance[:, which] = (
-            tracks.association_log_odds,
-            tracks.forward_backward_distance,
-        )
+    @classmethod
+    def unknown(cls, n: int, n_points: int, n_views: int, d: int) -> SmoothedTracks:
+        """Return tracks of which nothing is known.
+
+        Parameters
+        ----------
+        n, n_points, n_views, d : int
+            Numbers of frames, points, views and coordinates.
+
+        Returns
+        -------
+        SmoothedTracks
+            NaN everywhere, and no probability.
+        """
+        x, each = np.full((n, n_points, d), np.nan), np.full((n, n_points), np.nan)
+        measured = np.full((n, n_points, n_views, 2), np.nan)
+        none = np.zeros((n, n_points, n_views))
+        return cls(x, x, measured, none, each, np.full(none.shape, np.nan), each)
+
+    def points(self, which: np.ndarray | slice) -> SmoothedTracks:
+        """Return the tracks of some points, without what they were smoothed from."""
+        return SmoothedTracks(*(getattr(self, name)[:, which] for name in _OF_POINTS))
+
+    def with_points(self, which: np.ndarray, tracks: SmoothedTracks) -> SmoothedTracks:
+        """Return these tracks with those of the points that ``which`` (P,) picks out, in order.
+
+        Parameters
+        ----------
+        which : ndarray of bool, shape (P,)
+            Which points.
+        tracks : SmoothedTracks
+            Their tracks.
+
+        Returns
+        -------
+        SmoothedTracks
+            The tracks of all, without what they were smoothed from.
+        """
+        parts = []
+        for name in _OF_POINTS:
+            part = getattr(self, name).copy()
+            part[:, which] = getattr(tracks, name)
+            parts.append(part)
+        return SmoothedTracks(*parts)
+
+
+_OF_POINTS = tuple(field.name for field in fields(SmoothedTracks) if field.name != "equations")
+"""What tracks have of every frame and point."""
 
 
 @dataclass(frozen=True)

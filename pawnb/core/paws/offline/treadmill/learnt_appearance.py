@@ -141,12 +141,10 @@ def track_by_strides(
             if t not in told
         }
     n = task.frames[1] - task.frames[0]
-    result = empty_result(n, layout)
-    result.take(~marks, refined)
+    result = empty_result(n, layout).with_points(~marks, refined)
     if follower is not None:
-        result.take(
-            marks, join_landmarks(follower, asked.of(marks), n, task=task, settings=settings)
-        )
+        followed = join_landmarks(follower, asked.of(marks), n, task=task, settings=settings)
+        result = result.with_points(marks, followed)
     return as_tracks(result, layout, task, placed=asked.inside(n))
 
 

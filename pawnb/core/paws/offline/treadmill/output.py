@@ -17,14 +17,7 @@ from pawnb.schema import ORIGIN_CODE, Tracks, make_tracks
 def empty_result(n: int, layout: Layout) -> SmoothedTracks:
     """Return tracks of all points in n frames of which nothing is known yet."""
     n_views, n_points = layout.tracked.shape
-    d = 2 if layout.rig is None else 3
-    x = np.full((n, n_points, d), np.nan)
-    measured = np.full((n, n_points, n_views, 2), np.nan)
-    not_known = np.full((n, n_points), np.nan)
-    return SmoothedTracks(
-        x, x.copy(), measured, np.zeros((n, n_points, n_views)), not_known,
-        np.full((n, n_points, n_views), np.nan), not_known.copy(),
-    )  # fmt: skip
+    return SmoothedTracks.unknown(n, n_points, n_views, 2 if layout.rig is None else 3)
 
 
 def as_tracks(

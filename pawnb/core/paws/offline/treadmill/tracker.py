@@ -35,7 +35,8 @@ from pawnb.core.paws.offline.treadmill.annotations import (
 )
 from pawnb.core.paws.offline.treadmill.output import as_tracks, empty_result
 from pawnb.core.paws.offline.treadmill.parameters import TREADMILL
-from pawnb.core.paws.offline.treadmill.pipeline import ReferenceAnnotations, run_pipeline
+from pawnb.core.paws.offline.treadmill.pipeline import run_pipeline
+from pawnb.core.paws.offline.treadmill.recording import Recording, ReferenceAnnotations
 from pawnb.core.paws.request import TrackingRequest
 from pawnb.errors import InputError, InputWarning
 from pawnb.schema import START_COLUMNS, Tracks, check_columns
@@ -126,11 +127,11 @@ def track_treadmill(
     n = max(asked.begin + len(seen) - task.frames[0], 0)
     result = empty_result(n, layout)
     if n and scene is not None:
-        result.take(~marks, solve(seen, scene, asked.of(~marks), task=task, settings=settings))
+        paws = solve(seen, scene, asked.of(~marks), task=task, settings=settings)
+        result = result.with_points(~marks, paws)
     if n and follower is not None:
-        result.take(
-            marks, join_landmarks(follower, asked.of(marks), n, task=task, settings=settings)
-        )
+        followed = join_landmarks(follower, asked.of(marks), n, task=task, settings=settings)
+        result = result.with_points(marks, followed)
     return as_tracks(result, layout, task, placed=asked.inside(n))
 
 
@@ -396,18 +397,27 @@ def solve(
     anchors = {t - asked.first: here for t, here in scene.anchors.items() if t - asked.first < n}
     certain = annotated_positions(asked.inside(n), n, asked.layout)
     return run_pipeline(
-        found, anchors, certain, scene=scene, layout=asked.layout, fps=task.fps, settings=settings,
-        reference=_reference_annotations(seen, asked) if asked.is_looked else None,
+        Recording(
+            found, anchors, certain, _reference_annotations(seen, certain, asked), scene,
+            asked.layout, task.fps, settings,
+        )
     )  # fmt: skip
 
 
-def _reference_annotations(seen: list[list[np.ndarray]], asked: Annotated) -> ReferenceAnnotations:
-    """Return the clicks of an earlier run with what was seen there.
+def _reference_annotations(
+    seen: list[list[np.ndarray]], certain: np.ndarray, asked: Annotated
+) -> ReferenceAnnotations:
+    """Return the clicks that say where on a paw its point is, with what was seen there.
 
-    They alone say where on a paw its point is, as they did then: a correction puts the paw in
-    place in its frame, and a hand that was a pixel off there moves the track nowhere else.
+    Those of an earlier run alone say it, as they did then: a correction puts the paw in place in
+    its frame, and a hand that was a pixel off there moves the track nowhere else.
     """
-    clicks, begin = asked.clicks, asked.begin
+    begin = asked.begin
+    if not asked.is_looked:
+        clicked = np.flatnonzero(np.isfinite(certain[..., 0]).any(axis=(1, 2))).tolist()
+        skip = asked.first - begin
+        return ReferenceAnnotations(certain[clicked], {t: seen[skip + t] for t in clicked})
+    clicks = asked.clicks
     here = {t - begin: clicks[t] for t in sorted(clicks) if t - begin < len(seen)}
     placed = annotated_positions(here, len(seen), asked.layout)
     return ReferenceAnnotations(placed[list(here)], {t: seen[t] for t in here})

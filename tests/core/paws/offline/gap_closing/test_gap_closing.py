@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from pawnb.core.paws.offline.association.network_flow.assignment import Assignment
 from pawnb.core.paws.offline.detection.colour.observations import Observations
 from pawnb.core.paws.offline.gap_closing import gap_closing
 from pawnb.core.paws.offline.gap_closing.gap_closing import TrackingState, close_gaps
@@ -12,6 +13,7 @@ from pawnb.core.paws.offline.projection import Projection
 from pawnb.core.paws.offline.scene.motion_model import MotionModel
 from pawnb.core.paws.offline.stride.cycle import Cycle
 from pawnb.core.paws.offline.stride.duty_factor import DutyFactor
+from pawnb.core.paws.offline.stride.model import StrideModel
 from pawnb.core.paws.offline.stride.swing import Swings
 
 FLAT = Projection(None)
@@ -20,6 +22,14 @@ MANNER = MotionModel(
     acceleration=1.0, jerk=0.6, speed=12.0, substrate_velocity=np.zeros(2),
     axes=np.array([[1.0, 0.0], [0.0, -1.0]]), substrate=-1000.0, body_scale=150.0, paw_width=8.0,
 )  # fmt: skip
+
+
+def known_state(chosen, annotated, body=None, **strides):
+    """What is known before any tracks are, but for what is told of strides."""
+    return TrackingState(
+        Assignment(chosen, annotated), np.full(chosen.shape, np.nan), np.zeros(chosen.shape[:2]),
+        StrideModel(**strides), body,
+    )  # fmt: skip
 
 
 def bridge(
@@ -45,7 +55,7 @@ def bridge(
     )
     annotated = np.zeros((n, n_points), bool) if annotated is None else annotated
     return close_gaps(
-        TrackingState(chosen, annotated, **state),
+        known_state(chosen, annotated, **state),
         observations,
         geometry=FLAT,
         paw_width_px=THICKNESS,
@@ -382,9 +392,7 @@ def test_aside_of_its_arc_a_paw_is_expected_less_surely(monkeypatch):
     )
     motion_model = replace(MANNER, substrate_velocity=np.zeros(3), axes=turn)
     close_gaps(
-        TrackingState(
-            chosen, np.zeros((30, 1), bool), swings=Swings(place, place + 0.4, place, ())
-        ),
+        known_state(chosen, np.zeros((30, 1), bool), swings=Swings(place, place + 0.4, place, ())),
         observations,
         geometry=Projection(lines),
         paw_width_px=np.array([8.0, 8.0]),

@@ -1,9 +1,10 @@
 """Limbs: detections that always lie at the same place from a paw are that paw's."""
 
 import numpy as np
+from test_gap_closing import known_state
 
 from pawnb.core.paws.offline.detection.colour.observations import Observations
-from pawnb.core.paws.offline.gap_closing.gap_closing import TrackingState, close_gaps
+from pawnb.core.paws.offline.gap_closing.gap_closing import close_gaps
 from pawnb.core.paws.offline.gap_closing.limb_clutter import learn_limb_clutter
 from pawnb.core.paws.offline.projection import Projection
 from pawnb.core.paws.offline.scene.motion_model import MotionModel
@@ -118,7 +119,7 @@ def test_a_paw_hidden_beside_another_does_not_take_its_wrist():
     )
 
     def taken(first, last):
-        state = TrackingState(chosen[first:last], np.zeros((last - first, 2), bool))
+        state = known_state(chosen[first:last], np.zeros((last - first, 2), bool))
         part = Observations(
             *(
                 getattr(observations, f)[first:last]

@@ -3,9 +3,10 @@
 from dataclasses import replace
 
 import numpy as np
+from test_gap_closing import known_state
 
 from pawnb.core.paws.offline.detection.colour.observations import Observations
-from pawnb.core.paws.offline.gap_closing.gap_closing import TrackingState, close_gaps
+from pawnb.core.paws.offline.gap_closing.gap_closing import close_gaps
 from pawnb.core.paws.offline.gap_closing.parameters import GAP_CLOSING
 from pawnb.core.paws.offline.gap_closing.usual_region import (
     UsualRegion,
@@ -91,7 +92,7 @@ def test_a_hind_paw_that_is_not_seen_does_not_go_to_where_front_paws_are():
     taken = {}
     for known, body in (("nothing", None), ("body", np.zeros((n, 2)))):
         closed = close_gaps(
-            TrackingState(chosen, np.zeros((n, 1), bool), body=body),
+            known_state(chosen, np.zeros((n, 1), bool), body=body),
             observations,
             geometry=Projection(None),
             paw_width_px=np.array([8.0]),

@@ -4,9 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from test_gap_closing import known_state
 
 from pawnb.core.paws.offline.detection.colour.observations import Observations
-from pawnb.core.paws.offline.gap_closing.gap_closing import TrackingState, close_gaps
+from pawnb.core.paws.offline.gap_closing.gap_closing import close_gaps
 from pawnb.core.paws.offline.gap_closing.wrist_decoys import follow_wrist_decoys
 from pawnb.core.paws.offline.projection import Projection
 from pawnb.core.paws.offline.scene.motion_model import MotionModel
@@ -173,7 +174,7 @@ def lifting_off():
 def test_a_paw_that_lifts_off_is_not_taken_for_its_wrist():
     paw, chosen, at, there, detection_probability = lifting_off()
     bridged = close_gaps(
-        TrackingState(chosen, np.zeros((60, 2), bool)),
+        known_state(chosen, np.zeros((60, 2), bool)),
         sights_of(at, there, detection_probability=detection_probability),
         geometry=Projection(None),
         paw_width_px=np.array([THICKNESS]),

@@ -21,7 +21,7 @@ RIG = Projection(COEFS)
 UP = np.array([0.0, 0.0, 1.0])
 THICKNESS = np.array([12.0, 12.0])
 VOLUME = Volume(UP, np.array([0.0, 1.0, 0.0]), (0.0, 120.0), (0.0, 240.0))
-LEAD = BottomView(1, COEFS, VOLUME, 50.0, 12.0, THICKNESS, [(0.7, 0.7), (1.0, 0.0)])
+LEAD = BottomView(RIG, 12.0, THICKNESS, [(0.7, 0.7), (1.0, 0.0)], VOLUME, 1, 50.0)
 NOWHERE = Offsets(np.zeros(1), np.zeros(1), np.zeros(1))
 
 
@@ -70,7 +70,7 @@ def test_heights_are_told_by_each_of_several_other_views():
     behind[[1, 6, 7], 0] = 1.0, -1.0, 168.0
     coefs = np.hstack([COEFS, behind])
     bottom_view = BottomView(
-        1, coefs, VOLUME, 50.0, 12.0, np.full(3, 12.0), [(0.7, 0.7), (1.0, 0), (0, 1.0)]
+        Projection(coefs), 12.0, np.full(3, 12.0), [(0.7, 0.7), (1.0, 0), (0, 1.0)], VOLUME, 1, 50.0
     )
     place = np.array([150.0, 90.0, 62.0])
     uv = Projection(coefs).project(place)
@@ -84,7 +84,7 @@ def test_places_lie_on_the_plane_and_are_cheaper_where_the_side_agrees():
     seen = np.array([150.0, 90.0, 50.0])
     below = RIG.project(seen)[1]
     found = [rows(RIG.project(seen)[0]), rows(below, (300.0, 60.0), below + 5.0)]
-    (places,) = LEAD.places([found], 16)
+    (places,) = LEAD.hypotheses([found], most=16, likelihood=None)
     # the third spot is nearer to the first than a paw is thick
     assert len(places.at) == 2
     np.testing.assert_allclose(places.at @ UP, 50.0)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from pawnb.core.paws.layout import Placement
-from pawnb.core.paws.offline.scene.treadmill import frame_with_most_annotations
+from pawnb.core.paws.offline.scene.clicks import frame_with_most_annotations
 
 
 def placed(*pairs):

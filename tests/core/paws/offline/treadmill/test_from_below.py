@@ -5,7 +5,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from pawnb.core.paws.offline.scene.treadmill import shows_two_rows
+from pawnb.core.paws.offline.scene.clicks import shows_two_rows
 from pawnb.core.paws.offline.settings import OfflineSettings
 from pawnb.core.paws.offline.treadmill.tracker import track_treadmill
 from pawnb.core.paws.request import TrackingRequest

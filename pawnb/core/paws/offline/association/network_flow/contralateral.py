@@ -7,17 +7,15 @@ depth, a paw stays at its side of the animal: that tells the two of a kind from 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
-from pawnb.core import dlt
 from pawnb.core.paws.offline.association.network_flow.parameters import NETWORK_FLOW
 from pawnb.core.paws.offline.association.network_flow.tracklets import Tracklet, joined
-from pawnb.core.paws.offline.scene.treadmill import Scene, unlabelled_kinds
-
-Anchors = Mapping[int, Mapping[int, np.ndarray]]
-"""Frame to point number to position, certain."""
+from pawnb.core.paws.offline.scene.clicks import unlabelled_kinds
+from pawnb.core.paws.offline.scene.geometry import Anchors, lateral_offset
+from pawnb.core.paws.offline.scene.treadmill import Scene
 
 
 def with_contralateral(
@@ -39,33 +37,6 @@ def with_contralateral(
     """
     alike = [tracked[:, [kind == own for kind in kinds]].any(axis=1) for own in extra]
     return np.stack([*tracked.T, *alike])
-
-
-def lateral_offset(
-    x: np.ndarray, anchors: Anchors, *, body: np.ndarray, point: int, across: np.ndarray
-) -> np.ndarray:
-    """Return how far to the side of where a point was clicked places are.
-
-    The side of an animal moves with it: both are taken relative to the body.
-
-    Parameters
-    ----------
-    x, body : ndarray, shape (n, d)
-        Places, NaN where occluded, and the body in their frames.
-    anchors : mapping
-        Of the frames with clicks, each point's distance from the body there, (d,).
-    point : int
-        Which point.
-    across : ndarray, shape (d,)
-        Unit vector to the side.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        The distance, positive along ``across``, in the unit of space.
-    """
-    clicked = np.mean([here[point] @ across for here in anchors.values() if point in here])
-    return np.asarray((x - body) @ across - clicked)
 
 
 def lateral_cost(away: np.ndarray, body_scale: float) -> np.ndarray:
@@ -118,9 +89,9 @@ def side_cost(
         The cost of each tracklet for each point; 0 where no depth tells the sides apart.
     """
     cost = near_side_cost(tracklets, anchors, scene, body=body, kinds=kinds)
-    across = lateral_axis(scene)
-    if not tracklets or across is None:
+    if not tracklets:
         return cost
+    across = scene.geometry.depth_axis
     clicked = sorted({p for here in anchors.values() for p in here})
     once = unlabelled_kinds([kinds[p] for p in clicked])
     frame, at, first = joined(tracklets)
@@ -164,8 +135,9 @@ def near_side_cost(
         The cost of each tracklet for each point; 0 where cameras stand on both sides of the animal.
     """
     cost = np.zeros((len(kinds), len(tracklets)))
-    across, way = lateral_axis(scene), _away_from_cameras(scene)
-    if not tracklets or across is None or way == 0.0:
+    middle = np.mean([x for here in scene.anchors.values() for x in here.values()], axis=0)
+    across, way = scene.geometry.depth_axis, scene.geometry.away_from_cameras(middle)
+    if not tracklets or way == 0.0:
         return cost
     clicked = 1 + max(p for here in anchors.values() for p in here)
     frame, at, first = joined(tracklets)
@@ -204,17 +176,15 @@ def share_observed(
     ndarray, shape (S,)
         From 0 to 1, in the order of the unlabelled targets.
     """
-    since, across = _from_body(anchors, body), lateral_axis(scene)
+    since, across = _from_body(anchors, body), scene.geometry.depth_axis
     clicked = 1 + max(p for here in anchors.values() for p in here)
     shares = []
     for p in range(clicked, len(kinds)):
         own = np.isfinite(x[:, p, 0])
-        if across is not None:
-            away = lateral_offset(
-                np.nan_to_num(x[:, p]), since, body=body, point=kinds.index(kinds[p]),
-                across=across,
-            )  # fmt: skip
-            own &= np.abs(away) > NETWORK_FLOW.same_side * scene.body_scale
+        away = lateral_offset(
+            np.nan_to_num(x[:, p]), since, body=body, point=kinds.index(kinds[p]), across=across
+        )
+        own &= scene.geometry.is_other_side(away, NETWORK_FLOW.same_side * scene.body_scale)
         shares.append(own.mean())
     return np.array(shares)
 
@@ -259,18 +229,10 @@ def assign_near_side(
         point = kinds.index(kinds[contralateral_point])
         if not np.isfinite(x[:, [point, contralateral_point], 0]).any(axis=0).all():
             continue
-        if scene.volume is None:
-            away = [np.nanmedian(x[:, p] @ scene.up) for p in (point, contralateral_point)]
-        else:
-            side = scene.volume.across
-            away = [
-                np.abs(
-                    np.nanmedian(
-                        lateral_offset(x[:, p], since, body=body, point=point, across=side)
-                    )
-                )
-                for p in (point, contralateral_point)
-            ]
+        away = [
+            scene.geometry.misplacement(x[:, p], since, body=body, point=point)
+            for p in (point, contralateral_point)
+        ]
         if away[1] < away[0]:
             x[:, [point, contralateral_point]] = x[:, [contralateral_point, point]]
     for t, here in anchors.items():
@@ -278,25 +240,6 @@ def assign_near_side(
         for p, at in here.items():
             x[t, p] = at
     return x
-
-
-def lateral_axis(scene: Scene) -> np.ndarray | None:
-    """Return the direction to the side where places have a depth: from the side, in space."""
-    return None if scene.volume is None or scene.bottom_view is not None else scene.volume.across
-
-
-def _away_from_cameras(scene: Scene) -> float:
-    """Return the sign of the direction to the side that leads away from all cameras, 0 if none."""
-    across = lateral_axis(scene)
-    if across is None:
-        return 0.0
-    middle = np.mean([x for here in scene.anchors.values() for x in here.values()], axis=0)
-    signs = set()
-    for coefs in scene.geometry.table.T:
-        # a projection maps its centre, in homogeneous coordinates, to nothing
-        *centre, far = np.linalg.svd(dlt.to_matrix(coefs))[2][-1]
-        signs.add(float(-np.sign((centre - far * middle) @ across * far)))
-    return signs.pop() if len(signs) == 1 else 0.0
 
 
 def _from_body(anchors: Anchors, body: np.ndarray) -> dict[int, dict[int, np.ndarray]]:

@@ -34,20 +34,14 @@ from pawnb.core.paws.offline.association.network_flow.tracklets import (
     joined,
     total_costs,
 )
-from pawnb.core.paws.offline.association.network_flow.triangulation import (
-    PointHypotheses,
-    StereoMatcher,
-)
-from pawnb.core.paws.offline.detection.colour.detector import endpoint_score
+from pawnb.core.paws.offline.association.network_flow.triangulation import PointHypotheses
 from pawnb.core.paws.offline.detection.colour.likelihood import AppearanceLikelihood
+from pawnb.core.paws.offline.scene.geometry import Anchors
 from pawnb.core.paws.offline.scene.motion_model import FASTEST, MotionModel
 from pawnb.core.paws.offline.scene.treadmill import Scene
 from pawnb.core.paws.offline.settings import OfflineSettings
 from pawnb.core.paws.offline.stride.cycle import Cycle
 from pawnb.core.paws.offline.treadmill.median import median
-
-Anchors = Mapping[int, Mapping[int, np.ndarray]]
-"""Frame to point number to position, certain."""
 
 
 class TrackletAssociator:
@@ -96,15 +90,11 @@ class TrackletAssociator:
         tracked_in_view: np.ndarray,
     ) -> None:
         self.scene, self.kinds = scene, kinds
-        bottom_view = scene.bottom_view
-        if bottom_view is not None:
-            anchors = {
-                t: {p: bottom_view.flat(x) for p, x in here.items()} for t, here in anchors.items()
-            }
         self.anchors = anchors
-        self.shape = (len(found), len(kinds), scene.geometry.n_coordinates)
+        self.shape = (len(found), len(kinds), scene.projection.n_coordinates)
         self.body_frames = max(3, round(settings.body_s * fps))
-        places = find_hypotheses(found, scene, settings, likelihood=likelihood)
+        geometry = scene.geometry
+        places = geometry.hypotheses(found, most=settings.max_hypotheses, likelihood=likelihood)
         dearest = NETWORK_FLOW.tracklet_association_dearest[0]
         for t, here in anchors.items():
             dearest = max(
@@ -150,14 +140,12 @@ class TrackletAssociator:
             settings.max_successors,
         )
         self._elsewhere = np.zeros((len(kinds), len(self.tracklets)))
-        if self.tracklets and bottom_view is None and scene.volume is not None:
+        if self.tracklets:
             frame, at, begins = joined(self.tracklets)
-            seen = pairing(scene, settings, likelihood=likelihood).seen(frame, at, found)
-            cost = (
-                NETWORK_FLOW.tracklet_association_elsewhere
-                * occlusion_frame_cost
-                * observed_elsewhere(seen, tracked_in_view)
+            elsewhere = geometry.observed_elsewhere(
+                frame, at, found, tracked_in_view=tracked_in_view, likelihood=likelihood
             )
+            cost = NETWORK_FLOW.tracklet_association_elsewhere * occlusion_frame_cost * elsewhere
             self._elsewhere = np.add.reduceat(cost, begins, axis=1)
         self._flow = MinCostFlow(
             self.tracklets, anchors, len(found), costs, contralateral=contralateral
@@ -166,11 +154,7 @@ class TrackletAssociator:
     def _cut(self, tracklets: list[Tracklet], fps: float) -> list[Tracklet]:
         """Return tracklets that lead through no meeting, without those that belong to the body."""
         paw_width, substrate_velocity = self.scene.paw_width, self.motion_model.substrate_velocity
-        if (
-            self.scene.bottom_view is not None
-            or self.shape[2] == 2
-            or self._clicked < len(self.kinds)
-        ):
+        if self.scene.geometry.points_meet or self._clicked < len(self.kinds):
             # in one picture points meet that do not meet in space
             tracklets = split_at_crossings(
                 tracklets, NETWORK_FLOW.tracklet_association_meeting * paw_width
@@ -238,8 +222,9 @@ class TrackletAssociator:
         if not self.tracklets:
             return self._choose(None)
         frame, at, first = joined(self.tracklets)
+        as_high = self.scene.geometry.as_high
         square = np.stack(
-            [cycle.square(frame, p, self._as_high(at, cycle.mean[frame, p]))
+            [cycle.square(frame, p, as_high(at, cycle.mean[frame, p]))
              for p in range(self.shape[1])]
         )  # fmt: skip
         cost = NETWORK_FLOW.tracklet_association_expected * np.minimum(
@@ -254,10 +239,8 @@ class TrackletAssociator:
     def _choose(self, prior: np.ndarray | None) -> np.ndarray:
         """Return where the cheapest chains of tracklets go."""
         x = np.full(self.shape, np.nan)
-        if self.scene.bottom_view is not None:
-            look = NETWORK_FLOW.look_below * total_costs(self.tracklets)
-            prior = look + (0.0 if prior is None else prior) + np.zeros((self.shape[1], 1))
-        total = (0.0 if prior is None else prior) + self._elsewhere
+        look = self.scene.geometry.appearance_cost(total_costs(self.tracklets))
+        total = look + (0.0 if prior is None else prior) + self._elsewhere
         for p, chain in enumerate(self._flow.assign(total)):
             for i in chain:
                 x[self.tracklets[i].first : self.tracklets[i].last + 1, p] = self.tracklets[i].at
@@ -265,12 +248,6 @@ class TrackletAssociator:
             for p, at in here.items():
                 x[t, p] = at
         return x
-
-    def _as_high(self, at: np.ndarray, expected: np.ndarray) -> np.ndarray:
-        """Raise places on the plane of a leading view as high as expected ones (n, d)."""
-        if self.scene.bottom_view is None:
-            return at
-        return self.scene.bottom_view.at_height(at, expected @ self.scene.up)
 
 
 def _dearest_click(
@@ -295,116 +272,16 @@ def _motion_model(
         longest=2.0 * speed,
         lag=max(1, round(NETWORK_FLOW.stood_s * fps)),
     )
-    axes = [scene.forward, scene.up]
-    if scene.geometry.n_coordinates == 3:
-        axes.insert(1, np.cross(scene.up, scene.forward))
     clicks = np.stack([x for here in scene.anchors.values() for x in here.values()])
-    substrate = -np.inf if scene.is_flat else float((clicks @ scene.up).min())
     return MotionModel(
         settings.acceleration * scene.body_scale / fps**2,
         settings.jerk * scene.body_scale / fps**3,
         speed,
         substrate_velocity,
-        np.stack(axes),
-        substrate,
+        scene.geometry.axes(scene.up, scene.forward),
+        scene.geometry.lowest(clicks @ scene.up),
         scene.body_scale,
         scene.paw_width,
-    )
-
-
-def find_hypotheses(
-    found: Sequence[Sequence[np.ndarray]],
-    scene: Scene,
-    settings: OfflineSettings,
-    *,
-    likelihood: AppearanceLikelihood,
-) -> list[PointHypotheses]:
-    """Return the places of every frame.
-
-    Parameters
-    ----------
-    found : sequence of sequence of ndarray
-        For each frame, the detections of each view.
-    scene : Scene
-        Views and animal.
-    settings : OfflineSettings
-        The settings.
-    likelihood : AppearanceLikelihood
-        How much a detection looks like a paw.
-
-    Returns
-    -------
-    list of PointHypotheses
-        Those of each frame.
-    """
-    if scene.bottom_view is not None:
-        return scene.bottom_view.places(found, settings.max_hypotheses)
-    if scene.volume is None:
-        return [_flat_places(rows[0], scene.limb_direction[0]) for rows in found]
-    return pairing(scene, settings, likelihood=likelihood).places(found)
-
-
-def pairing(
-    scene: Scene, settings: OfflineSettings, *, likelihood: AppearanceLikelihood
-) -> StereoMatcher:
-    """Return what makes places of the detections of several views.
-
-    Parameters
-    ----------
-    scene : Scene
-        Views and animal; several views.
-    settings : OfflineSettings
-        The settings.
-    likelihood : AppearanceLikelihood
-        How much a detection looks like a paw.
-
-    Returns
-    -------
-    StereoMatcher
-        Pairs detections of several views.
-    """
-    if scene.volume is None:
-        raise ValueError("places need several views")
-    return StereoMatcher(
-        scene.geometry.table,
-        scene.volume,
-        tolerance_px=0.8 * scene.paw_width_px,
-        likelihood=likelihood,
-        apart=scene.paw_width,
-        most=settings.max_hypotheses,
-    )
-
-
-def observed_elsewhere(seen: np.ndarray, tracked_in_view: np.ndarray) -> np.ndarray:
-    """Return to what share places are seen by other views than those that track a point.
-
-    Two views make a place, and any two do. But where a view that tracks the point shows
-    nothing, and one that tracks others does, it is likelier one of those: a paw that is occluded
-    leaves its point free to follow the paw of the other side.
-
-    Parameters
-    ----------
-    seen : ndarray, shape (k, V)
-        How much each view shows a paw there, 0 to 1.
-    tracked_in_view : ndarray of bool, shape (P, V)
-        Which view tracks which point.
-
-    Returns
-    -------
-    ndarray, shape (P, k)
-        From 0, seen as well by its own views as by all, to 1, by others alone. Two views are
-        enough; where one tracks the point, that one.
-    """
-    most = np.minimum(tracked_in_view.sum(axis=1), 2.0)[:, None]
-    missed = np.maximum(most - tracked_in_view @ seen.T, 0.0)
-    missed = missed - np.maximum(most - seen.sum(axis=1), 0.0)
-    return np.asarray(missed / np.maximum(most, 1.0))
-
-
-def _flat_places(rows: np.ndarray, limb_direction: tuple[float, float]) -> PointHypotheses:
-    """Return the detections of a single view as places."""
-    return PointHypotheses(
-        rows[:, :2].astype(float), 1.5 * (1.0 - endpoint_score(rows, limb_direction))
     )
 
 
@@ -422,7 +299,7 @@ def _start_prior(
         p: np.mean([h[p] for h in anchors.values() if p in h], axis=0)
         for p in sorted({p for here in anchors.values() for p in here})
     }
-    across = scene.across
+    across = scene.geometry.across
     wanders = NETWORK_FLOW.tracklet_association_wanders if len(clicked) < len(usual) else 1.0
     frame, at, first = joined(tracklets)
     along = at @ scene.forward
@@ -430,7 +307,7 @@ def _start_prior(
         if len(expected):
             far = np.maximum(np.abs(along - expected[frame]) / scene.body_scale - 0.33, 0.0) / 0.1
             cost[p] += 0.5 * np.add.reduceat(np.minimum(far**2, 6.0), first)
-        if across is not None and p in clicked:
+        if p in clicked:
             aside = lateral_cost((at - clicked[p]) @ across, wanders * scene.body_scale)
             cost[p] += np.add.reduceat(aside, first)
     return cost

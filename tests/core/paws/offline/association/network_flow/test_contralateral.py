@@ -9,7 +9,6 @@ import pytest
 
 from pawnb.core.paws.offline.association.network_flow.contralateral import (
     assign_near_side,
-    lateral_offset,
     near_side_cost,
     share_observed,
     side_cost,
@@ -21,7 +20,11 @@ from pawnb.core.paws.offline.association.network_flow.tracklets import Tracklet
 from pawnb.core.paws.offline.association.network_flow.triangulation import Volume
 from pawnb.core.paws.offline.detection.colour.likelihood import AppearanceLikelihood
 from pawnb.core.paws.offline.projection import Projection
-from pawnb.core.paws.offline.scene.treadmill import Scene, unlabelled_kinds
+from pawnb.core.paws.offline.scene.bottom_view import BottomView
+from pawnb.core.paws.offline.scene.clicks import unlabelled_kinds
+from pawnb.core.paws.offline.scene.geometry import SingleView, lateral_offset
+from pawnb.core.paws.offline.scene.side_views import SideViews
+from pawnb.core.paws.offline.scene.treadmill import Scene
 from pawnb.core.paws.offline.settings import OfflineSettings
 from pawnb.core.paws.offline.treadmill.tracker import track_treadmill
 from pawnb.core.paws.request import TrackingRequest
@@ -53,8 +56,8 @@ def walk():
 
 def scene(truth):
     return Scene(
-        Projection(None), 0, {0: {0: truth[0, 0], 1: truth[0, 1]}}, SPAN, 6.0, np.full(1, 6.0),
-        [], [], [(0.7, 0.7)], UP, FORWARD, None,
+        SingleView(Projection(None), 6.0, np.full(1, 6.0), [(0.7, 0.7)], UP),
+        0, {0: {0: truth[0, 0], 1: truth[0, 1]}}, SPAN, [], [], UP, FORWARD,
     )  # fmt: skip
 
 
@@ -136,11 +139,14 @@ KINDS = ["front", "hind", "front", "hind"]
 BEFORE, BEHIND = ([0.0, 300.0, 20.0], [40.0, 320.0, 30.0]), [0.0, -300.0, 20.0]
 
 
-def scene_in_space(bottom_view=None, cameras=(BEFORE[0], BEHIND)):
+def scene_in_space(*below, cameras=(BEFORE[0], BEHIND)):
+    """Views from the side; with the number and height of a view from below, that one leads."""
     volume = Volume(np.array([0.0, 0.0, 1.0]), ACROSS, (-9.0, 9.0), (-60.0, 60.0))
+    rig = Projection(np.stack([camera(at) for at in cameras], axis=1))
+    geometry = BottomView if below else SideViews
     return SimpleNamespace(
-        volume=volume, bottom_view=bottom_view, body_scale=LONG, up=volume.up, anchors=CLICKED,
-        geometry=Projection(np.stack([camera(at) for at in cameras], axis=1)),
+        geometry=geometry(rig, 1.0, np.ones(2), [(0.7, 0.7)] * 2, volume, *below),
+        body_scale=LONG, up=volume.up, anchors=CLICKED,
     )  # fmt: skip
 
 
@@ -189,7 +195,7 @@ def test_it_costs_a_stranger_to_be_on_the_side_of_the_clicks_and_of_all_cameras(
 def test_strangers_have_no_side_with_cameras_on_both_or_without_depth():
     tracklets = [tracklet(LEFT, 30, 39)]
     assert not near_side_cost(tracklets, CLICKED, scene_in_space(), body=BODY, kinds=KINDS).any()
-    from_below = scene_in_space(bottom_view=object(), cameras=BEFORE)
+    from_below = scene_in_space(1, 0.0, cameras=BEFORE)
     assert not near_side_cost(tracklets, CLICKED, from_below, body=BODY, kinds=KINDS).any()
     assert near_side_cost([], CLICKED, scene_in_space(), body=BODY, kinds=KINDS).shape == (4, 0)
 
@@ -198,7 +204,7 @@ def test_the_side_costs_nothing_where_both_paws_are_clicked_or_no_depth_tells():
     tracklets = [tracklet(RIGHT, 30, 39)]
     both = {0: {**CLICKED[0], 2: RIGHT[0], 3: RIGHT[0] - [LONG, 0, 0]}}
     assert not side_cost(tracklets, both, scene_in_space(), body=BODY, kinds=KINDS).any()
-    from_below = scene_in_space(bottom_view=object())
+    from_below = scene_in_space(1, 0.0)
     assert not side_cost(tracklets, CLICKED, from_below, body=BODY, kinds=KINDS).any()
     assert side_cost([], CLICKED, scene_in_space(), body=BODY, kinds=KINDS).shape == (4, 0)
 
@@ -211,7 +217,7 @@ def test_a_stranger_on_the_side_of_the_clicks_is_not_a_paw_of_its_own():
     share = share_observed(x, CLICKED, scene_in_space(), body=BODY, kinds=KINDS)
     np.testing.assert_allclose(share, [1.0, 0.25])
     # without depth all that is seen counts
-    flat = share_observed(x, CLICKED, scene_in_space(bottom_view=object()), body=BODY, kinds=KINDS)
+    flat = share_observed(x, CLICKED, scene_in_space(1, 0.0), body=BODY, kinds=KINDS)
     np.testing.assert_allclose(flat, [1.0, 0.75])
 
 

@@ -8,13 +8,13 @@ import pytest
 from pawnb.core.paws.offline.association.network_flow.tracklet_association import (
     TrackletAssociator,
     _start_prior,
-    observed_elsewhere,
     where_kinds_are,
 )
 from pawnb.core.paws.offline.association.network_flow.tracklets import Tracklet
 from pawnb.core.paws.offline.association.network_flow.triangulation import PointHypotheses, Volume
 from pawnb.core.paws.offline.detection.colour.likelihood import AppearanceLikelihood
 from pawnb.core.paws.offline.projection import Projection
+from pawnb.core.paws.offline.scene.side_views import SideViews, observed_elsewhere
 from pawnb.core.paws.offline.scene.treadmill import Scene
 from pawnb.core.paws.offline.settings import OfflineSettings
 from pawnb.core.paws.offline.stride.cycle import learn_cycle
@@ -28,6 +28,7 @@ SPAN, THICKNESS, N, STRIDE = 60.0, 4.0, 160, 32.0
 HOME = np.array([[20, 10, 0], [-20, 10, 0], [20, -10, 0], [-20, -10, 0.0]])
 LAG = np.array([0.0, 0.5, 0.5, 0.0])
 KINDS = ("front", "hind", "front", "hind")
+VOLUME = Volume(np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0]), (-10.0, 20.0), (-40.0, 40.0))
 FPS = 250.0
 
 
@@ -44,9 +45,8 @@ def walk():
 def scene(truth, clicked=0):
     anchors = {clicked: dict(enumerate(truth[clicked]))}
     return Scene(
-        RIG, min(anchors), anchors, SPAN, THICKNESS, np.full(3, 16.0), [], [], [(0.6, 0.8)] * 3,
-        np.array([0.0, 0.0, 1.0]), np.array([1.0, 0.0, 0.0]),
-        Volume(np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0]), (-10.0, 20.0), (-40.0, 40.0)),
+        SideViews(RIG, THICKNESS, np.full(3, 16.0), [(0.6, 0.8)] * 3, VOLUME), min(anchors),
+        anchors, SPAN, [], [], VOLUME.up, np.array([1.0, 0.0, 0.0]),
     )  # fmt: skip
 
 
@@ -230,7 +230,9 @@ def test_a_paw_may_have_wandered_farther_aside_where_only_its_side_was_clicked()
     """A place 6 = 0.1 spans aside of where a paw was clicked is one standard deviation off."""
     across, at = np.array([0.0, 1.0, 0.0]), np.tile([20.0, 16.0, 0.0], (10, 1))
     tracklets = [Tracklet(0, list(range(10)), at, np.zeros(10))]
-    stage = SimpleNamespace(forward=np.array([1.0, 0.0, 0.0]), across=across, body_scale=SPAN)
+    stage = SimpleNamespace(
+        forward=np.array([1.0, 0.0, 0.0]), geometry=SimpleNamespace(across=across), body_scale=SPAN
+    )
     anchors = {0: {0: HOME[0], 1: HOME[1]}}
     usual = [np.empty(0)] * 4
     assert _start_prior(tracklets, usual[:2], anchors, stage)[0, 0] == pytest.approx(10 * 0.5)
