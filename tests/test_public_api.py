@@ -43,7 +43,8 @@ PROTOCOLS = [item for item in EVERYTHING.values() if getattr(item, "_is_protocol
 
 
 def members(owner):
-    return {*dir(owner), *getattr(owner, "__annotations__", {})}
+    """Return its names, with the fields that it inherits."""
+    return {*dir(owner), *(n for c in owner.__mro__ for n in vars(c).get("__annotations__", {}))}
 
 
 def is_said_by_a_protocol(name):

@@ -25,8 +25,8 @@ from pawnb.core.paws.offline.association.network_flow.triangulation import (
 from pawnb.core.paws.offline.detection.colour.detector import endpoint_score
 from pawnb.core.paws.offline.detection.colour.likelihood import AppearanceLikelihood
 from pawnb.core.paws.offline.detection.colour.observations import Observations, tracked_points
-from pawnb.core.paws.offline.scene.geometry import InSpace
 from pawnb.core.paws.offline.scene.parameters import MOVEMENT
+from pawnb.core.paws.offline.scene.views import InSpace
 
 
 @dataclass(frozen=True)

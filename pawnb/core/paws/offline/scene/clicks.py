@@ -67,7 +67,23 @@ def directions(layout: Layout) -> tuple[np.ndarray, np.ndarray]:
 def clicked_positions(
     here: Sequence[Placement], layout: Layout, up: np.ndarray
 ) -> dict[int, np.ndarray]:
-    """Return the position of every point placed in one frame."""
+    """Return the position of every point placed in one frame.
+
+    Parameters
+    ----------
+    here : sequence of Placement
+        What was placed there.
+    layout : Layout
+        Points and views.
+    up : ndarray, shape (d,)
+        Unit vector.
+
+    Returns
+    -------
+    dict
+        Point number to position (d,). Of a point placed in one of several views it is where that
+        view sees it, as high as the others.
+    """
     uv = np.full((len(layout.points), len(layout.views), 2), np.nan)
     for place in here:
         uv[place.point, place.view] = place.uv

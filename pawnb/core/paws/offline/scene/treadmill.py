@@ -20,15 +20,11 @@ from pawnb.core.paws.offline.scene.clicks import (
     shows_two_rows,
     unlabelled_kinds,
 )
-from pawnb.core.paws.offline.scene.geometry import (
-    Geometry,
-    SingleView,
-    SingleViewFromBelow,
-)
+from pawnb.core.paws.offline.scene.geometry import Geometry
 from pawnb.core.paws.offline.scene.parameters import MOVEMENT
 from pawnb.core.paws.offline.scene.search_region import SearchRegion
-from pawnb.core.paws.offline.scene.side_views import SideViews
 from pawnb.core.paws.offline.scene.view_appearance import learn_appearance, with_illumination
+from pawnb.core.paws.offline.scene.views import SideViews, SingleView, SingleViewFromBelow
 from pawnb.core.paws.offline.settings import OfflineSettings
 
 
@@ -138,7 +134,8 @@ def read_scene(
     ]
     return Scene(
         geometry, placed.home, placed.positions, region.body_scale,
-        with_illumination(detectors, views, placed.home, rois), rois, placed.up, placed.forward,
+        with_illumination(detectors, views, placed.home, rois=rois), rois,
+        placed.up, placed.forward,
     )  # fmt: skip
 
 

@@ -26,6 +26,20 @@ def learn_appearance(
     Colours are the same in all views, so one look is learnt from all clicks. Grey levels are
     not: light comes from one side, and a mirror or a glass floor dims. There each view
     learns from its own clicks if it has some.
+
+    Parameters
+    ----------
+    views : Views
+        The opened views.
+    layout : Layout
+        Points and views.
+    clicks : mapping
+        Frame to positions placed by hand.
+
+    Returns
+    -------
+    list of Appearance
+        One a view.
     """
     like = frame_with_most_annotations(clicks)
     shown = _whole_pictures(views, layout, like, range(len(layout.views)))
@@ -69,9 +83,26 @@ def _whole_pictures(
 
 
 def with_illumination(
-    detectors: Sequence[DetectorConfig], views: Views, frame: int, rois: Sequence[ROI]
+    detectors: Sequence[DetectorConfig], views: Views, frame: int, *, rois: Sequence[ROI]
 ) -> list[DetectorConfig]:
-    """Note how bright what is searched is in a clicked frame."""
+    """Note how bright what is searched is in a clicked frame.
+
+    Parameters
+    ----------
+    detectors : sequence of DetectorConfig
+        How each view is searched.
+    views : Views
+        The opened views.
+    frame : int
+        The frame.
+    rois : sequence of ROI
+        Where each is searched.
+
+    Returns
+    -------
+    list of DetectorConfig
+        The same, with the brightness.
+    """
     opened = views.frame(frame)
     parts = [
         searched(opened[name], roi, detector.shrink)[0]

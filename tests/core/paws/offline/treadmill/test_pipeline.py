@@ -12,9 +12,8 @@ from pawnb.core.paws.offline.association.network_flow.triangulation import Point
 from pawnb.core.paws.offline.detection.colour.observations import Observations
 from pawnb.core.paws.offline.gap_closing.gap_closing import GapClosing
 from pawnb.core.paws.offline.projection import Projection
-from pawnb.core.paws.offline.scene.geometry import SingleView
 from pawnb.core.paws.offline.scene.motion_model import MotionModel
-from pawnb.core.paws.offline.scene.side_views import SideViews
+from pawnb.core.paws.offline.scene.views import SideViews, SingleView
 from pawnb.core.paws.offline.settings import OfflineSettings
 from pawnb.core.paws.offline.smoothing.diagnostics import stated_sd
 from pawnb.core.paws.offline.smoothing.refinement import SmoothedTracks

@@ -22,9 +22,9 @@ from pawnb.core.paws.offline.detection.colour.likelihood import AppearanceLikeli
 from pawnb.core.paws.offline.projection import Projection
 from pawnb.core.paws.offline.scene.bottom_view import BottomView
 from pawnb.core.paws.offline.scene.clicks import unlabelled_kinds
-from pawnb.core.paws.offline.scene.geometry import SingleView, lateral_offset
-from pawnb.core.paws.offline.scene.side_views import SideViews
+from pawnb.core.paws.offline.scene.geometry import lateral_offset
 from pawnb.core.paws.offline.scene.treadmill import Scene
+from pawnb.core.paws.offline.scene.views import SideViews, SingleView
 from pawnb.core.paws.offline.settings import OfflineSettings
 from pawnb.core.paws.offline.treadmill.tracker import track_treadmill
 from pawnb.core.paws.request import TrackingRequest

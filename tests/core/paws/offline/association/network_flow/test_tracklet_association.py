@@ -14,8 +14,8 @@ from pawnb.core.paws.offline.association.network_flow.tracklets import Tracklet
 from pawnb.core.paws.offline.association.network_flow.triangulation import PointHypotheses, Volume
 from pawnb.core.paws.offline.detection.colour.likelihood import AppearanceLikelihood
 from pawnb.core.paws.offline.projection import Projection
-from pawnb.core.paws.offline.scene.side_views import SideViews, observed_elsewhere
 from pawnb.core.paws.offline.scene.treadmill import Scene
+from pawnb.core.paws.offline.scene.views import SideViews, observed_elsewhere
 from pawnb.core.paws.offline.settings import OfflineSettings
 from pawnb.core.paws.offline.stride.cycle import learn_cycle
 
