@@ -111,13 +111,13 @@ def sample(trial: Trial) -> Sample | None:
             here, rows = truth.get_group((t, name)), found[t][v]
             if not len(rows):
                 continue
-            away = np.linalg.norm(rows[:, None, :2] - here[["u", "v"]].to_numpy(), axis=-1)
+            away = np.linalg.norm(rows.uv[:, None] - here[["u", "v"]].to_numpy(), axis=-1)
             seen = here["visible_fraction"].to_numpy() > VISIBLE_FROM
             paw = np.where(seen, away, np.inf).min(axis=1) < PAW * limit
             keep = paw | (away.min(axis=1) > NO_PAW * limit)
             is_paw.append(paw[keep])
-            plain.append(endpoint_score(rows[keep], scene.limb_direction[v]))
-            measured.append(measures(rows[keep], scene.limb_direction[v], score=score,
+            plain.append(endpoint_score(rows.take(keep), scene.limb_direction[v]))
+            measured.append(measures(rows.take(keep), scene.limb_direction[v], score=score,
                                      paw_width_px=scene.paw_width_px[v]))  # fmt: skip
     return Sample(
         trial.folder.name, np.concatenate(is_paw),

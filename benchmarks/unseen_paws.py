@@ -27,6 +27,7 @@ import pandas as pd
 from whole_accuracy import REFERENCE_WIDTH_PX, add_scene_arguments, silent, trials
 
 from pawnb.core.parameters import parameters_set, read_parameters
+from pawnb.core.paws.offline.detection.colour.detections import Detections
 from pawnb.core.paws.offline.smoothing.refinement import SmoothedTracks
 from pawnb.core.paws.offline.treadmill import tracker
 from pawnb.core.paws.offline.treadmill.output import as_tracks, empty_result
@@ -34,7 +35,7 @@ from pawnb.trial import Trial, load_trial
 from pawnb.workflow.evaluation.errors import THRESHOLD_PX, count_errors
 from pawnb.workflow.tracking.track import track
 
-Seen = list[list[np.ndarray]]
+Seen = list[list[Detections]]
 BEFORE = 1
 """Frames before it lifts off in which a paw is not seen any more."""
 OWN_WIDTHS, TAKEN_WIDTHS, AWAY_WIDTHS = 1.5, 1.0, 2.5
@@ -116,7 +117,7 @@ def thinned(recording: Recording, seed: int, *, share: float) -> Seen:
     rng = np.random.default_rng(seed)
     clicked = set(recording.asked["asked"].clicks)
     return [
-        [rows if t in clicked else rows[rng.random(len(rows)) >= share] for rows in here]
+        [one if t in clicked else one.take(rng.random(len(one)) >= share) for one in here]
         for t, here in enumerate(recording.seen)
     ]
 
@@ -130,10 +131,10 @@ def unseen_at_lift_off(recording: Recording, _seed: int, *, frames: int) -> Seen
     for leg, at in zip(lifts["leg"].tolist(), lifts["frame"].tolist(), strict=True):
         p, begin = recording.points.index(leg), round(at) - BEFORE
         for t in range(max(1, begin), min(len(seen), begin + frames)):
-            for v, rows in enumerate(seen[t]):
-                away = np.linalg.norm(rows[:, None, :2] - recording.uv[t, v], axis=-1)
+            for v, found in enumerate(seen[t]):
+                away = np.linalg.norm(found.uv[:, None] - recording.uv[t, v], axis=-1)
                 own = (away[:, p] < width[v]) & (away.argmin(axis=1) == p)
-                seen[t][v] = rows[~own]
+                seen[t][v] = found.take(~own)
     return seen
 
 

@@ -5,6 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from pawnb.core.paws.offline.detection.colour.detections import Detections
+
 
 @pytest.fixture
 def recording(tmp_path):
@@ -21,7 +23,7 @@ def recording(tmp_path):
     return Recording(
         trial=SimpleNamespace(folder=tmp_path),
         asked={"asked": asked, "scene": scene},
-        seen=[[np.column_stack([places, np.ones(2)])] for _ in range(10)],
+        seen=[[Detections(np.column_stack([places, np.zeros((2, 6))]))] for _ in range(10)],
         uv=np.tile(places, (10, 1, 1, 1)),
         x=np.zeros((10, 2, 3)),
     )
@@ -41,6 +43,6 @@ def test_a_paw_is_not_seen_from_before_it_lifts_off(recording):
     from unseen_paws import unseen_at_lift_off
 
     seen = unseen_at_lift_off(recording, 0, frames=3)
-    left = [here[0][:, 0].tolist() for here in seen]
+    left = [here[0].uv[:, 0].tolist() for here in seen]
     assert left[3:6] == [[200.0]] * 3
     assert left[:3] + left[6:] == [[100.0, 200.0]] * 7

@@ -22,6 +22,7 @@ from pawnb.core.paws.offline.association.network_flow.triangulation import (
     PointHypotheses,
     triangulate,
 )
+from pawnb.core.paws.offline.detection.colour.detections import InFrames, InViews
 from pawnb.core.paws.offline.detection.colour.detector import endpoint_score
 from pawnb.core.paws.offline.detection.colour.likelihood import AppearanceLikelihood
 from pawnb.core.paws.offline.detection.colour.observations import Observations, tracked_points
@@ -74,18 +75,18 @@ class BottomView(InSpace):
 
     def hypotheses(
         self,
-        found: Sequence[Sequence[np.ndarray]],
+        found: InFrames,
         *,
         most: int,
         likelihood: AppearanceLikelihood,
     ) -> list[PointHypotheses]:
         """Return the places of every frame on the plane, the best first."""
-        return [self._places_of(rows, most) for rows in found]
+        return [self._places_of(here, most) for here in found]
 
     def anchors_of_paths(
         self,
         here: Mapping[int, np.ndarray],
-        found: Sequence[np.ndarray],
+        found: InViews,
         observations: Observations,
         *,
         most: int,
@@ -111,14 +112,14 @@ class BottomView(InSpace):
         """Raise places on the plane as high as expected ones (n, 3)."""
         return self.at_height(at, expected @ self.volume.up)
 
-    def _places_of(self, found: Sequence[np.ndarray], most: int) -> PointHypotheses:
+    def _places_of(self, found: InViews, most: int) -> PointHypotheses:
         """Return the places of one frame."""
         own = found[self.view]
         if not len(own):
             return PointHypotheses(np.empty((0, 3)), np.empty(0))
-        uv = own[:, :2].astype(float)
-        good = [endpoint_score(rows, self.limb_direction[v]) for v, rows in enumerate(found)]
-        _, price = self.heights(uv, [rows[:, :2] for rows in found], good)
+        uv = own.uv.astype(float)
+        good = [endpoint_score(one, self.limb_direction[v]) for v, one in enumerate(found)]
+        _, price = self.heights(uv, [one.uv for one in found], good)
         confirmed = (price < MOVEMENT.bottom_view_reward).any(axis=1)
         cost = 1.5 * (1.0 - good[self.view]) + np.where(confirmed, 0.0, MOVEMENT.bottom_view_alone)
         at = self.on_plane(uv, np.full(len(uv), self.substrate))

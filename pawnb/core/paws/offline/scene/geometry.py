@@ -15,6 +15,7 @@ import numpy as np
 
 from pawnb.core.paws.offline.association.network_flow.lateral_prior import LateralPrior
 from pawnb.core.paws.offline.association.network_flow.triangulation import PointHypotheses
+from pawnb.core.paws.offline.detection.colour.detections import InFrames, InViews
 from pawnb.core.paws.offline.detection.colour.likelihood import AppearanceLikelihood
 from pawnb.core.paws.offline.detection.colour.observations import Observations
 from pawnb.core.paws.offline.projection import Projection
@@ -111,7 +112,7 @@ class Geometry(Protocol):
 
     def hypotheses(
         self,
-        found: Sequence[Sequence[np.ndarray]],
+        found: InFrames,
         *,
         most: int,
         likelihood: AppearanceLikelihood,
@@ -120,7 +121,7 @@ class Geometry(Protocol):
 
         Parameters
         ----------
-        found : sequence of sequence of ndarray
+        found : sequence of sequence of Detections
             For each frame, the detections of each view.
         most : int
             Hypotheses kept in a frame of several views.
@@ -138,7 +139,7 @@ class Geometry(Protocol):
         self,
         likelihood: AppearanceLikelihood,
         clicks: np.ndarray,
-        found: Mapping[int, Sequence[np.ndarray]],
+        found: Mapping[int, InViews],
     ) -> AppearanceLikelihood:
         """Learn what score detections of clicks have, where that is of use.
 
@@ -161,7 +162,7 @@ class Geometry(Protocol):
     def anchors_of_paths(
         self,
         here: Mapping[int, np.ndarray],
-        found: Sequence[np.ndarray],
+        found: InViews,
         observations: Observations,
         *,
         most: int,
@@ -173,7 +174,7 @@ class Geometry(Protocol):
         ----------
         here : mapping
             Point number to position, certain.
-        found : sequence of ndarray
+        found : sequence of Detections
             Detections of each view in that frame.
         observations : Observations
             What they say, of that frame alone.
@@ -214,7 +215,7 @@ class Geometry(Protocol):
         self,
         frame: np.ndarray,
         at: np.ndarray,
-        found: Sequence[Sequence[np.ndarray]],
+        found: InFrames,
         *,
         tracked_in_view: np.ndarray,
         likelihood: AppearanceLikelihood,
@@ -227,7 +228,7 @@ class Geometry(Protocol):
             Frame of each place.
         at : ndarray, shape (k, d)
             The places.
-        found : sequence of sequence of ndarray
+        found : sequence of sequence of Detections
             For each frame, the detections of each view.
         tracked_in_view : ndarray of bool, shape (P, V)
             Which view tracks which point.

@@ -21,6 +21,7 @@ from pawnb.core.paws.offline.association.network_flow.triangulation import (
     StereoMatcher,
     Volume,
 )
+from pawnb.core.paws.offline.detection.colour.detections import InFrames, InViews
 from pawnb.core.paws.offline.detection.colour.detector import endpoint_score
 from pawnb.core.paws.offline.detection.colour.likelihood import (
     AppearanceLikelihood,
@@ -86,7 +87,7 @@ class _Views(ABC):
     @abstractmethod
     def hypotheses(
         self,
-        found: Sequence[Sequence[np.ndarray]],
+        found: InFrames,
         *,
         most: int,
         likelihood: AppearanceLikelihood,
@@ -101,7 +102,7 @@ class _Views(ABC):
         self,
         likelihood: AppearanceLikelihood,
         clicks: np.ndarray,
-        found: Mapping[int, Sequence[np.ndarray]],
+        found: Mapping[int, InViews],
     ) -> AppearanceLikelihood:
         """Return it as it was: the curves were learnt from views that agree in space."""
         return likelihood
@@ -109,7 +110,7 @@ class _Views(ABC):
     def anchors_of_paths(
         self,
         here: Mapping[int, np.ndarray],
-        found: Sequence[np.ndarray],
+        found: InViews,
         observations: Observations,
         *,
         most: int,
@@ -149,7 +150,7 @@ class _Views(ABC):
         self,
         frame: np.ndarray,
         at: np.ndarray,
-        found: Sequence[Sequence[np.ndarray]],
+        found: InFrames,
         *,
         tracked_in_view: np.ndarray,
         likelihood: AppearanceLikelihood,
@@ -199,7 +200,7 @@ class SingleView(_Views):
 
     def hypotheses(
         self,
-        found: Sequence[Sequence[np.ndarray]],
+        found: InFrames,
         *,
         most: int,
         likelihood: AppearanceLikelihood,
@@ -207,10 +208,9 @@ class SingleView(_Views):
         """Return the detections of the view as places."""
         return [
             PointHypotheses(
-                rows[0][:, :2].astype(float),
-                1.5 * (1.0 - endpoint_score(rows[0], self.limb_direction[0])),
+                here.uv.astype(float), 1.5 * (1.0 - endpoint_score(here, self.limb_direction[0]))
             )
-            for rows in found
+            for (here,) in found
         ]
 
 
@@ -296,7 +296,7 @@ class SideViews(InSpace):
 
     def hypotheses(
         self,
-        found: Sequence[Sequence[np.ndarray]],
+        found: InFrames,
         *,
         most: int,
         likelihood: AppearanceLikelihood,
@@ -308,7 +308,7 @@ class SideViews(InSpace):
         self,
         likelihood: AppearanceLikelihood,
         clicks: np.ndarray,
-        found: Mapping[int, Sequence[np.ndarray]],
+        found: Mapping[int, InViews],
     ) -> AppearanceLikelihood:
         """Learn it: the curves were learnt from views from the side that agree in space."""
         return replace(likelihood, score=score_at_clicks(clicks, found, likelihood))
@@ -317,7 +317,7 @@ class SideViews(InSpace):
         self,
         frame: np.ndarray,
         at: np.ndarray,
-        found: Sequence[Sequence[np.ndarray]],
+        found: InFrames,
         *,
         tracked_in_view: np.ndarray,
         likelihood: AppearanceLikelihood,

@@ -9,7 +9,6 @@ where paws may be is found otherwise: by :mod:`.detection.paw_appearance`.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
 
 import numpy as np
 import pandas as pd
@@ -18,6 +17,7 @@ from pawnb.core.parameters import values_in_force
 from pawnb.core.paws.layout import Views
 from pawnb.core.paws.offline.annotations import annotations_of_view
 from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
+from pawnb.core.paws.offline.detection.colour.detections import Detections, InFrames
 from pawnb.core.paws.offline.detection.colour.detector import endpoint_score
 from pawnb.core.paws.offline.detection.paw_appearance import (
     LEAST_THICKNESS,
@@ -161,8 +161,8 @@ def _part(task: TrackingRequest, round_: int) -> TrackingRequest:
 
 
 def _with_predictions(
-    seen: Sequence[Sequence[np.ndarray]], scene: Scene, paws: Annotated, task: TrackingRequest
-) -> list[list[np.ndarray]]:
+    seen: InFrames, scene: Scene, paws: Annotated, task: TrackingRequest
+) -> list[list[Detections]]:
     """Return detections with places that another program predicts where none was seen."""
     found = [list(here) for here in seen]
     layout, first = paws.layout, task.frames[0]
@@ -175,28 +175,28 @@ def _with_predictions(
         for row in range(len(uv)):
             here = found[first - paws.begin + row]
             likely = TREADMILL.learnt_appearance_predicted * right[row]
-            new = _as_candidates(uv[row][likely > 0], likely[likely > 0], scene, v)
+            new = _as_detections(uv[row][likely > 0], likely[likely > 0], scene, v)
             here[v] = _joined(here[v], new, scene, v)
     return found
 
 
-def _as_candidates(uv: np.ndarray, likely: np.ndarray, scene: Scene, view: int) -> np.ndarray:
-    """Return places as detections (n, 8); see :func:`.colour.detector.detect`."""
+def _as_detections(uv: np.ndarray, likely: np.ndarray, scene: Scene, view: int) -> Detections:
+    """Return places as detections."""
     detector = scene.detectors[view]
     ahead = np.broadcast_to(
         np.asarray(detector.limb_direction) * detector.reach * detector.shrink, uv.shape
     )
-    score = 0.5 + 2.0 * likely
-    return np.column_stack([uv, ahead, np.zeros(len(uv)), score, uv]).astype(np.float32)
+    return Detections.of(
+        uv, direction=ahead, coverage=np.zeros(len(uv)), score=0.5 + 2.0 * likely, tip=uv
+    )
 
 
-def _joined(own: np.ndarray, new: np.ndarray, scene: Scene, view: int) -> np.ndarray:
+def _joined(own: Detections, new: Detections, scene: Scene, view: int) -> Detections:
     """Return detections with those of ``new`` that are not within a paw width of one."""
     if not len(new):
         return own
-    away = np.linalg.norm(new[:, None, :2] - own[None, :, :2], axis=-1)
-    free = new[(away > scene.paw_width_px[view]).all(axis=1)]
-    rows = np.concatenate([own, free])
-    return np.asarray(
-        rows[np.argsort(-endpoint_score(rows, scene.detectors[view].limb_direction), kind="stable")]
-    )
+    away = np.linalg.norm(new.uv[:, None] - own.uv, axis=-1)
+    free = new.take((away > scene.paw_width_px[view]).all(axis=1))
+    every = Detections.joined([own, free])
+    score = endpoint_score(every, scene.detectors[view].limb_direction)
+    return every.take(np.argsort(-score, kind="stable"))

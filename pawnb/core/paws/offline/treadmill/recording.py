@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from pawnb.core.paws.layout import Layout
+from pawnb.core.paws.offline.detection.colour.detections import InFrames, InViews
 from pawnb.core.paws.offline.scene.geometry import Anchors
 from pawnb.core.paws.offline.scene.treadmill import Scene
 from pawnb.core.paws.offline.settings import OfflineSettings
@@ -26,7 +27,7 @@ class ReferenceAnnotations:
     """
 
     clicks: np.ndarray
-    found: Mapping[int, Sequence[np.ndarray]]
+    found: Mapping[int, InViews]
 
 
 @dataclass(frozen=True)
@@ -53,7 +54,7 @@ class Recording:
         The settings.
     """
 
-    found: Sequence[Sequence[np.ndarray]]
+    found: InFrames
     anchors: Anchors
     certain: np.ndarray
     reference: ReferenceAnnotations

@@ -20,6 +20,7 @@ from pawnb.core.paws.layout import (
 )
 from pawnb.core.paws.maghsoudi2019.settings import Maghsoudi2019Settings
 from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
+from pawnb.core.paws.offline.detection.colour.detections import Detections
 from pawnb.core.paws.offline.detection.colour.scan import scan_video
 from pawnb.core.paws.offline.landmarks.backward_tracking import frames_back, track_backwards
 from pawnb.core.paws.offline.landmarks.template_tracking import TemplateTracker
@@ -295,7 +296,7 @@ def scan_and_follow(
     anchors: Mapping[int, Sequence[Placement]],
     store: DetectionCache | None,
     task: TrackingRequest,
-) -> list[list[np.ndarray]]:
+) -> list[list[Detections]]:
     """Go through the video for paws and landmarks; return the paws' detections.
 
     There are none if it was stopped before every point was reached: nothing can be decided.
@@ -319,7 +320,7 @@ def scan_and_follow(
 
     Returns
     -------
-    list of list of ndarray
+    list of list of Detections
         For each frame, the detections of each view.
     """
     found = _scan_forwards(views, frames, scene, follower, store, task)
@@ -340,7 +341,7 @@ def _scan_forwards(
     follower: TemplateTracker | None,
     store: DetectionCache | None,
     task: TrackingRequest,
-) -> list[list[np.ndarray]]:
+) -> list[list[Detections]]:
     """Go through the video once, forwards; return the paws' detections of every frame."""
     progress, total = task.progress, frames[1] - frames[0]
     if follower is not None:
@@ -352,7 +353,7 @@ def _scan_forwards(
             views, frames, detectors=scene.detectors, rois=scene.rois, home=scene.home,
             store=store, watch=watch, progress=report, stop=task.stop,
         )  # fmt: skip
-    found: list[list[np.ndarray]] = []
+    found: list[list[Detections]] = []
     for i, pictures in views.frames(*frames, partly=True):
         if task.stop is not None and task.stop():
             break
@@ -365,7 +366,7 @@ def _scan_forwards(
 
 
 def solve(
-    seen: list[list[np.ndarray]],
+    seen: list[list[Detections]],
     scene: Scene,
     asked: Annotated,
     *,
@@ -376,7 +377,7 @@ def solve(
 
     Parameters
     ----------
-    seen : list of list of ndarray
+    seen : list of list of Detections
         For each frame, the detections of each view.
     scene : Scene
         Views and animal.
@@ -405,7 +406,7 @@ def solve(
 
 
 def _reference_annotations(
-    seen: list[list[np.ndarray]], certain: np.ndarray, asked: Annotated
+    seen: list[list[Detections]], certain: np.ndarray, asked: Annotated
 ) -> ReferenceAnnotations:
     """Return the clicks that say where on a paw its point is, with what was seen there.
 

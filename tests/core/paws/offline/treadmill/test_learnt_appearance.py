@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 
 from pawnb.core.paws.offline import tracker
+from pawnb.core.paws.offline.detection.colour.detections import Detections
 from pawnb.core.paws.offline.detection.predictions import Predictions
 from pawnb.core.paws.offline.settings import OfflineSettings
 from pawnb.core.paws.offline.tracker import track_offline
@@ -115,14 +116,14 @@ def test_what_is_predicted_is_a_candidate_where_none_was_seen(scene):
         task = task_of(trial, predictions={view.name: predicted})
         asked = learnt_appearance.read_request_and_annotations(views, start, task)
         scene_ = learnt_appearance.scene_of_paws(views, asked, OfflineSettings())
-    one = np.array([[*uv[3, 0], 1, 1, 0, 1.5, *uv[3, 0]]], np.float32)
-    nothing = np.empty((0, 8), np.float32)
+    one = Detections(np.array([[*uv[3, 0], 1, 1, 0, 1.5, *uv[3, 0]]], np.float32))
+    nothing = Detections.none()
     seen = [[one if t == 3 and v == 0 else nothing for v in range(4)] for t in range(N)]
     found = learnt_appearance._with_predictions(seen, scene_, asked, task)
-    np.testing.assert_allclose(np.sort(found[5][0][:, 0]), np.sort(uv[5, :, 0]), atol=1e-3)
-    assert (found[5][0][:, 5] > 1.0).all()
+    np.testing.assert_allclose(np.sort(found[5][0].uv[:, 0]), np.sort(uv[5, :, 0]), atol=1e-3)
+    assert (found[5][0].score > 1.0).all()
     assert len(found[3][0]) == 2
-    assert one[0].tolist() in found[3][0].tolist()
+    assert one.table[0].tolist() in found[3][0].table.tolist()
     assert not len(found[5][1])
 
 

@@ -35,6 +35,7 @@ from pawnb.core.paws.offline.association.network_flow.tracklets import (
     total_costs,
 )
 from pawnb.core.paws.offline.association.network_flow.triangulation import PointHypotheses
+from pawnb.core.paws.offline.detection.colour.detections import InFrames
 from pawnb.core.paws.offline.detection.colour.likelihood import AppearanceLikelihood
 from pawnb.core.paws.offline.scene.geometry import Anchors
 from pawnb.core.paws.offline.scene.motion_model import FASTEST, MotionModel
@@ -79,7 +80,7 @@ class TrackletAssociator:
 
     def __init__(
         self,
-        found: Sequence[Sequence[np.ndarray]],
+        found: InFrames,
         anchors: Anchors,
         scene: Scene,
         *,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +10,7 @@ import numpy as np
 from pawnb.core import dlt
 from pawnb.core.paws.offline.association.network_flow import triangulation_kernels as loops
 from pawnb.core.paws.offline.association.network_flow.parameters import NETWORK_FLOW
+from pawnb.core.paws.offline.detection.colour.detections import Detections, InFrames
 from pawnb.core.paws.offline.detection.colour.likelihood import AppearanceLikelihood
 from pawnb.core.paws.offline.detection.colour.padding import pad_and_stack
 from pawnb.core.sightlines import find_fundamental_matrix
@@ -107,20 +107,20 @@ class StereoMatcher:
             for a, b in itertools.combinations(range(len(matrices)), 2)
         ]
 
-    def places(self, found: Sequence[Sequence[np.ndarray]]) -> list[PointHypotheses]:
+    def places(self, found: InFrames) -> list[PointHypotheses]:
         """Return the hypotheses of every frame from the detections of its views."""
         every: list[PointHypotheses] = []
         for first in range(0, len(found), NETWORK_FLOW.at_once):
             every += self._places_of(found[first : first + NETWORK_FLOW.at_once])
         return every
 
-    def _places_of(self, found: Sequence[Sequence[np.ndarray]]) -> list[PointHypotheses]:
+    def _places_of(self, found: InFrames) -> list[PointHypotheses]:
         """Return the hypotheses of some frames, all at once."""
-        rows, is_there = pad_and_stack(found)
-        frame, xyz = self._meeting(rows, is_there)
+        every, is_there = pad_and_stack(found)
+        frame, xyz = self._meeting(every.uv, is_there)
         inside = self.volume.holds(xyz)
         frame, xyz = frame[inside], xyz[inside]
-        support = self._seen(frame, xyz, rows, is_there).sum(axis=1)
+        support = self._seen(frame, xyz, every, is_there).sum(axis=1)
         # best first, frame by frame
         order = np.lexsort((-support, frame))
         frame, xyz, support = frame[order], xyz[order], support[order]
@@ -132,10 +132,10 @@ class StereoMatcher:
             for a, b in itertools.pairwise(first.tolist())
         ]
 
-    def _meeting(self, rows: np.ndarray, is_there: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _meeting(self, uv: np.ndarray, is_there: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return frames (k,) and positions (k, 3) where rays of two views meet."""
         frames, positions = [np.empty(0, int)], [np.empty((0, 3))]
-        point = np.concatenate([rows[..., :2], np.ones_like(rows[..., :1])], axis=-1).astype(float)
+        point = np.concatenate([uv, np.ones_like(uv[..., :1])], axis=-1).astype(float)
         for a, b, F in self.pairs:
             pa, pb = point[:, a], point[:, b]
             line_b, line_a = pa @ F.T, pb @ F
@@ -144,14 +144,12 @@ class StereoMatcher:
             away_a = value / np.hypot(line_a[..., 0], line_a[..., 1])[:, None]
             meet = (away_b < self.tolerance_px[b]) & (away_a < self.tolerance_px[a])
             t, i, j = np.nonzero(meet & is_there[:, a, :, None] & is_there[:, b, None])
-            uv = np.stack([pa[t, i, :2], pb[t, j, :2]], axis=1)
+            both = np.stack([pa[t, i, :2], pb[t, j, :2]], axis=1)
             frames.append(t)
-            positions.append(triangulate(self.coefs[:, [a, b]], uv))
+            positions.append(triangulate(self.coefs[:, [a, b]], both))
         return np.concatenate(frames), np.concatenate(positions)
 
-    def seen(
-        self, frame: np.ndarray, xyz: np.ndarray, found: Sequence[Sequence[np.ndarray]]
-    ) -> np.ndarray:
+    def seen(self, frame: np.ndarray, xyz: np.ndarray, found: InFrames) -> np.ndarray:
         """Return how much each view shows a paw at points, softly counted.
 
         Parameters
@@ -171,19 +169,17 @@ class StereoMatcher:
         return self._seen(frame, xyz, *pad_and_stack(found))
 
     def _seen(
-        self, frame: np.ndarray, xyz: np.ndarray, rows: np.ndarray, is_there: np.ndarray
+        self, frame: np.ndarray, xyz: np.ndarray, every: Detections, is_there: np.ndarray
     ) -> np.ndarray:
         """Return the same for detections side by side."""
         good = np.stack(
             [
-                self.likelihood.likeness(rows[:, v].reshape(-1, rows.shape[-1]), v).reshape(
-                    is_there[:, v].shape
-                )
-                for v in range(rows.shape[1])
+                self.likelihood.likeness(every.of_view(v), v).reshape(is_there[:, v].shape)
+                for v in range(is_there.shape[1])
             ],
             axis=1,
         )
-        at = np.ascontiguousarray(rows[..., :2])
+        at = np.ascontiguousarray(every.uv)
         uv = dlt.project(self.coefs, xyz)
         return loops.support(frame, uv, at, good, is_there, 0.6 * self.tolerance_px)
 

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import dataclasses
 import hashlib
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -22,16 +21,16 @@ import numpy as np
 from pawnb.core.checkpoint import RecordFile, code_checksum
 from pawnb.core.closing import Closing
 from pawnb.core.parameters import values_in_force
+from pawnb.core.paws.offline.detection.colour.detections import N_COLUMNS, Detections, InViews
 from pawnb.core.paws.offline.detection.parameters import COLOUR
 
 _FIRST_LINE = "pawnb candidates 1 {key}"
-_COLUMNS = 8
-"""Numbers of a detection."""
 _CODE = (
     "background.py",
     "blob_detection.py",
     "colour_model.py",
     "colour_quantisation.py",
+    "detections.py",
     "detector.py",
     "detector_kernels.py",
     "illumination.py",
@@ -53,10 +52,10 @@ class DetectionCache(Closing):
     def __init__(self, path: Path | None = None, *, source: str = "") -> None:
         self.path, self.source = path, source
         self._key = ""
-        self._found: list[list[np.ndarray]] = []
+        self._found: list[list[Detections]] = []
         self._file: RecordFile | None = None
 
-    def begin(self, n_views: int, *depends_on: Any) -> list[list[np.ndarray]]:
+    def begin(self, n_views: int, *depends_on: Any) -> list[list[Detections]]:
         """Return the detections that are there already, and get ready for more.
 
         Parameters
@@ -69,7 +68,7 @@ class DetectionCache(Closing):
 
         Returns
         -------
-        list of list of ndarray
+        list of list of Detections
             For each frame in turn, the detections of each view.
 
         Raises
@@ -88,17 +87,17 @@ class DetectionCache(Closing):
             self._key, self._found = key, []
             if self.path is not None:
                 self._file = RecordFile(self.path, _FIRST_LINE.format(key=key))
-                self._found = [_candidates(record, n_views) for record in self._file.take_records()]
+                self._found = [_detections(record, n_views) for record in self._file.take_records()]
         return list(self._found)
 
-    def add(self, candidates: Sequence[np.ndarray]) -> None:
+    def add(self, detections: InViews) -> None:
         """Keep the detections of the next frame."""
-        self._found.append(list(candidates))
+        self._found.append(list(detections))
         if self._file is not None:
-            numbers = np.array([len(rows) for rows in candidates], "<u2")
+            numbers = np.array([len(one) for one in detections], "<u2")
             self._file.append(
                 numbers.tobytes()
-                + b"".join(np.ascontiguousarray(rows, "<f4").tobytes() for rows in candidates)
+                + b"".join(np.ascontiguousarray(one.table, "<f4").tobytes() for one in detections)
             )
 
     def close(self) -> None:
@@ -107,11 +106,12 @@ class DetectionCache(Closing):
             self._file.close()
 
 
-def _candidates(record: bytes, n_views: int) -> list[np.ndarray]:
+def _detections(record: bytes, n_views: int) -> list[Detections]:
     """Return the detections of each view that a record holds."""
     numbers = np.frombuffer(record, "<u2", n_views)
-    rows = np.frombuffer(record, "<f4", offset=numbers.nbytes).reshape(-1, _COLUMNS)
-    return np.split(rows.astype(np.float32), np.cumsum(numbers)[:-1])
+    rows = np.frombuffer(record, "<f4", offset=numbers.nbytes).reshape(-1, N_COLUMNS)
+    parts = np.split(rows.astype(np.float32), np.cumsum(numbers)[:-1])
+    return [Detections(part) for part in parts]
 
 
 def _feed(digest: hashlib._Hash, item: Any) -> None:

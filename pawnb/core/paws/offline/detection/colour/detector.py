@@ -17,6 +17,7 @@ import numpy as np
 from pawnb.core.paws.offline.detection.colour import detector_kernels as loops
 from pawnb.core.paws.offline.detection.colour.blob_detection import detect_blobs
 from pawnb.core.paws.offline.detection.colour.colour_model import Appearance
+from pawnb.core.paws.offline.detection.colour.detections import Detections
 from pawnb.core.paws.offline.detection.colour.illumination import normalise_illumination
 from pawnb.core.paws.offline.detection.parameters import COLOUR
 
@@ -65,7 +66,7 @@ class DetectorConfig:
     most: int = MOST
 
 
-def detect(pixels: np.ndarray, origin: tuple[int, int], detector: DetectorConfig) -> np.ndarray:
+def detect(pixels: np.ndarray, origin: tuple[int, int], detector: DetectorConfig) -> Detections:
     """Find the ends of paw-coloured parts.
 
     Parameters
@@ -79,10 +80,8 @@ def detect(pixels: np.ndarray, origin: tuple[int, int], detector: DetectorConfig
 
     Returns
     -------
-    ndarray, shape (n, 8), float32
-        u, v of the end (centre of the mask near it), direction du, dv in px (from the
-        wider centre to the near one), share of mask, mean score, and u, v of the end
-        pixel itself.
+    Detections
+        The likeliest ends.
     """
     pixels = normalise_illumination(pixels, detector.illumination)
     score = detector.appearance.score(pixels, origin, shrink=detector.shrink)
@@ -103,16 +102,14 @@ def detect(pixels: np.ndarray, origin: tuple[int, int], detector: DetectorConfig
         best = np.sort(np.argsort(-promise, kind="stable")[: COLOUR.looked_at])
         pixels, share, near = np.ascontiguousarray(pixels[:, best]), share[best], near[best]
     limits = _NO_LIMITS if detector.limits is None else np.asarray(detector.limits, float)
-    table = loops.describe(
-        score, weight, pixels, share, near, r, limits, (*origin, detector.shrink)
+    found = Detections(
+        loops.describe(score, weight, pixels, share, near, r, limits, (*origin, detector.shrink))
     )
-    table = table[
-        np.argsort(-endpoint_score(table, detector.limb_direction), kind="stable")[: detector.most]
-    ]
-    return table.astype(np.float32)
+    best = np.argsort(-endpoint_score(found, detector.limb_direction), kind="stable")
+    return Detections(found.table[best[: detector.most]].astype(np.float32))
 
 
-def _blobs(score: np.ndarray, origin: tuple[int, int], detector: DetectorConfig) -> np.ndarray:
+def _blobs(score: np.ndarray, origin: tuple[int, int], detector: DetectorConfig) -> Detections:
     """Return the detections of a view from below: each points where limbs tend to end."""
     at, likeness = detect_blobs(score, detector.reach, detector.appearance.usual)
     at = (at + 0.5) * detector.shrink - 0.5 + origin
@@ -122,19 +119,20 @@ def _blobs(score: np.ndarray, origin: tuple[int, int], detector: DetectorConfig)
     direction = np.broadcast_to(
         np.asarray(detector.limb_direction) * detector.reach * detector.shrink, at.shape
     )
-    # worth() is their likeness
-    mean_score = 0.5 + 2.0 * likeness
-    table = np.column_stack([at, direction, np.zeros(len(at)), mean_score, at])
-    return table[np.argsort(-likeness, kind="stable")[: detector.most]].astype(np.float32)
+    # endpoint_score() is their likeness
+    found = Detections.of(
+        at, direction=direction, coverage=np.zeros(len(at)), score=0.5 + 2.0 * likeness, tip=at
+    )
+    return found.take(np.argsort(-likeness, kind="stable")[: detector.most])
 
 
-def endpoint_score(rows: np.ndarray, limb_direction: tuple[float, float]) -> np.ndarray:
+def endpoint_score(found: Detections, limb_direction: tuple[float, float]) -> np.ndarray:
     """Return how much each detection of one view looks like the end of a paw, 0 to 1."""
-    length = np.hypot(rows[:, 2], rows[:, 3])
-    cosine = (rows[:, 2:4] @ np.asarray(limb_direction)) / np.maximum(length, 1e-6)
+    length = np.hypot(found.direction[:, 0], found.direction[:, 1])
+    cosine = (found.direction @ np.asarray(limb_direction)) / np.maximum(length, 1e-6)
     # an end that points back or up is a heel, an elbow or the tail's
     ahead = np.clip(0.8 + 0.6 * cosine, 0.05, 1.0)
-    return np.asarray(_likeness(rows[:, 5], rows[:, 4]) * ahead)
+    return np.asarray(_likeness(found.score, found.coverage) * ahead)
 
 
 def _likeness(score: np.ndarray, share: np.ndarray) -> np.ndarray:

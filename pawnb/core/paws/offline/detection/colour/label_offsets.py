@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
+from pawnb.core.paws.offline.detection.colour.detections import Detections, InViews
 from pawnb.core.paws.offline.detection.colour.detector import endpoint_score
 from pawnb.core.paws.offline.detection.parameters import COLOUR
 
@@ -33,13 +34,13 @@ class Offsets:
     unsure: np.ndarray
 
     def apply(
-        self, rows: np.ndarray, point: int, *, paw_width_px: float, facing: int
+        self, found: Detections, point: int, *, paw_width_px: float, facing: int
     ) -> np.ndarray:
         """Return the tracked point's position (n, 2) for detections of one view.
 
         Parameters
         ----------
-        rows : ndarray, shape (n, 8)
+        found : Detections
             Detections of one view.
         point : int
             Number of the point.
@@ -53,16 +54,16 @@ class Offsets:
         ndarray, shape (n, 2)
             Positions, px.
         """
-        e = rows[:, 2:4].astype(float)
+        e = found.direction.astype(float)
         e /= np.maximum(np.hypot(e[:, 0], e[:, 1]), 1e-6)[:, None]
         side = np.column_stack([-e[:, 1], e[:, 0]]) * facing
         shift = self.along[point] * e + self.across[point] * side
-        return rows[:, :2] + paw_width_px * shift
+        return found.uv + paw_width_px * shift
 
 
 def learn_offsets(
     clicks: np.ndarray,
-    found: Mapping[int, Sequence[np.ndarray]],
+    found: Mapping[int, InViews],
     *,
     paw_width_px: np.ndarray,
     facing: Sequence[int],
@@ -97,16 +98,17 @@ def learn_offsets(
     """
     n_points = clicks.shape[1]
     seen: list[list[tuple[float, float, float]]] = [[] for _ in range(n_points)]
-    for click, rows_by_view in zip(clicks, found.values(), strict=True):
-        for v, rows in enumerate(rows_by_view):
+    for click, by_view in zip(clicks, found.values(), strict=True):
+        for v, here in enumerate(by_view):
             clicked = np.flatnonzero(np.isfinite(click[:, v, 0]))
-            if not len(rows) or not len(clicked):
+            if not len(here) or not len(clicked):
                 continue
-            step = (click[clicked, v, None] - rows[:, :2]) / paw_width_px[v]
-            e = rows[:, 2:4] / np.maximum(np.hypot(rows[:, 2], rows[:, 3]), 1e-6)[:, None]
+            step = (click[clicked, v, None] - here.uv) / paw_width_px[v]
+            e = here.direction
+            e = e / np.maximum(np.hypot(e[:, 0], e[:, 1]), 1e-6)[:, None]
             along = (step * e).sum(axis=-1)
             across = (step[..., 1] * e[:, 0] - step[..., 0] * e[:, 1]) * (facing[v] or 1)
-            good = endpoint_score(rows, limb_direction[v])
+            good = endpoint_score(here, limb_direction[v])
             away = np.hypot(step[..., 0], step[..., 1])
             score = good - COLOUR.label_offsets_far * (
                 away + COLOUR.label_offsets_beside * np.abs(across)

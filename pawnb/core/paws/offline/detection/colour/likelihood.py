@@ -17,6 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.core.paws.offline.detection.colour.detections import Detections, InViews
 from pawnb.core.paws.offline.detection.colour.detector import endpoint_score
 from pawnb.core.paws.offline.detection.parameters import COLOUR
 
@@ -63,28 +64,30 @@ class AppearanceLikelihood:
     paw_width_px: np.ndarray
     score: float | None = None
 
-    def likeness(self, rows: np.ndarray, view: int) -> np.ndarray:
-        """Return how much each detection (n, 8) of a view looks like a paw, 0 to 1."""
-        plain = endpoint_score(rows, self.limb_direction[view])
+    def likeness(self, found: Detections, view: int) -> np.ndarray:
+        """Return how much each detection of a view looks like a paw, 0 to 1."""
+        plain = endpoint_score(found, self.limb_direction[view])
         if self.score is None:
             return plain
         measured = measures(
-            rows, self.limb_direction[view], score=self.score, paw_width_px=self.paw_width_px[view]
+            found,
+            self.limb_direction[view],
+            score=self.score,
+            paw_width_px=self.paw_width_px[view],
         )
         odds = sum(np.interp(measured[name], *curve) for name, curve in CURVES.items())
         return np.asarray(np.sqrt(plain / (1.0 + np.exp(-odds))))
 
 
 def measures(
-    rows: np.ndarray, limb_direction: tuple[float, float], *, score: float, paw_width_px: float
+    found: Detections, limb_direction: tuple[float, float], *, score: float, paw_width_px: float
 ) -> dict[str, np.ndarray]:
     """Return what is measured of detections.
 
     Parameters
     ----------
-    rows : ndarray, shape (n, 8)
-        Detections of one view, see
-        :func:`~pawnb.core.paws.offline.detection.colour.detector.detect`.
+    found : Detections
+        Detections of one view.
     limb_direction : tuple of float
         Direction in which limbs tend to end.
     score : float
@@ -99,14 +102,14 @@ def measures(
         detection's direction with ``limb_direction``, and ``beside``, its sine, positive downwards
         from it; ``length`` from the wider centre to the near one, in paw widths.
     """
-    step = rows[:, 2:4].astype(float)
+    step = found.direction.astype(float)
     length = np.hypot(step[:, 0], step[:, 1])
     du, dv = limb_direction
     unit = step / np.maximum(length, 1e-6)[:, None]
     down = 1.0 if du >= 0 else -1.0
     return {
-        "score": rows[:, 5] / score,
-        "share": rows[:, 4].astype(float),
+        "score": found.score / score,
+        "share": found.coverage.astype(float),
         "ahead": unit @ np.array([du, dv]),
         "beside": down * (unit[:, 1] * du - unit[:, 0] * dv),
         "length": length / paw_width_px,
@@ -114,7 +117,7 @@ def measures(
 
 
 def score_at_clicks(
-    clicks: np.ndarray, found: Mapping[int, Sequence[np.ndarray]], likelihood: AppearanceLikelihood
+    clicks: np.ndarray, found: Mapping[int, InViews], likelihood: AppearanceLikelihood
 ) -> float | None:
     """Return the usual score of the detections of clicks.
 
@@ -133,13 +136,13 @@ def score_at_clicks(
         The median; None where no click has a detection.
     """
     scores = []
-    for click, rows_by_view in zip(clicks, found.values(), strict=True):
+    for click, by_view in zip(clicks, found.values(), strict=True):
         for p, v in np.argwhere(np.isfinite(click[..., 0])):
-            rows = rows_by_view[v]
-            away = np.linalg.norm(rows[:, :2] - click[p, v], axis=1) / likelihood.paw_width_px[v]
+            here = by_view[v]
+            away = np.linalg.norm(here.uv - click[p, v], axis=1) / likelihood.paw_width_px[v]
             near = away < COLOUR.likelihood_near
             if near.any():
-                poor = 1.0 - likelihood.likeness(rows[near], v)
+                poor = 1.0 - likelihood.likeness(here.take(near), v)
                 best = np.argmin(away[near] + 0.5 * poor)
-                scores.append(float(rows[near][best, 5]))
+                scores.append(float(here.score[near][best]))
     return max(float(np.median(scores)), COLOUR.least_score) if scores else None

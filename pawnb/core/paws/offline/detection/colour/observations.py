@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from pawnb.core.paws.offline.detection.colour.detections import InFrames
 from pawnb.core.paws.offline.detection.colour.label_offsets import Offsets
 from pawnb.core.paws.offline.detection.colour.likelihood import AppearanceLikelihood
 from pawnb.core.paws.offline.detection.colour.padding import pad_and_stack
@@ -43,7 +44,7 @@ class Observations:
 
 
 def read_observations(
-    found: Sequence[Sequence[np.ndarray]],
+    found: InFrames,
     offsets: Offsets | Sequence[Offsets],
     *,
     facing: Sequence[int],
@@ -67,21 +68,21 @@ def read_observations(
     Observations
         Positions and qualities.
     """
-    rows, is_there = pad_and_stack(found)
+    every, is_there = pad_and_stack(found)
     n, n_views, most = is_there.shape
     by_view = [offsets] * n_views if isinstance(offsets, Offsets) else offsets
     n_points = len(by_view[0].along)
     detection_probability = np.empty((n, n_views, most))
     at = np.empty((n, n_points, n_views, most, 2))
     for v in range(n_views):
-        flat = rows[:, v].reshape(-1, rows.shape[-1])
-        detection_probability[:, v] = likelihood.likeness(flat, v).reshape(n, -1)
+        here = every.of_view(v)
+        detection_probability[:, v] = likelihood.likeness(here, v).reshape(n, -1)
         for p in range(n_points):
             moved = by_view[v].apply(
-                flat, p, paw_width_px=likelihood.paw_width_px[v], facing=facing[v] or 1
+                here, p, paw_width_px=likelihood.paw_width_px[v], facing=facing[v] or 1
             )
             at[:, p, v] = moved.reshape(n, -1, 2)
-    return Observations(rows[..., :2].astype(float), at, detection_probability, is_there)
+    return Observations(every.uv.astype(float), at, detection_probability, is_there)
 
 
 def tracked_points(

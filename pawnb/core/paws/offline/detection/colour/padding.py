@@ -2,31 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
-_COLUMNS = 8
-"""Numbers of a detection."""
+from pawnb.core.paws.offline.detection.colour.detections import (
+    N_COLUMNS,
+    Detections,
+    InFrames,
+)
 
 
-def pad_and_stack(found: Sequence[Sequence[np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
+def pad_and_stack(found: InFrames) -> tuple[Detections, np.ndarray]:
     """Put detections side by side.
 
     Parameters
     ----------
     found : sequence
-        For each frame, the detections (m, 8) of each view.
+        For each frame, the detections of each view.
 
     Returns
     -------
-    table : ndarray, shape (n, V, most, 8)
-        The detections, and 0 where there is none.
+    detections : Detections
+        The detections, (n, V, most), and 0 where there is none.
     is_there : ndarray of bool, shape (n, V, most)
         Where there is one.
     """
     number = np.array([[len(rows) for rows in here] for here in found])
     is_there = np.arange(max(1, int(number.max()))) < number[..., None]
-    table = np.zeros((*is_there.shape, _COLUMNS), np.float32)
-    table[is_there] = np.concatenate([rows for here in found for rows in here])
-    return table, is_there
+    table = np.zeros((*is_there.shape, N_COLUMNS), np.float32)
+    table[is_there] = np.concatenate([own.table for here in found for own in here])
+    return Detections(table), is_there

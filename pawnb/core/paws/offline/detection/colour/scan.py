@@ -15,6 +15,7 @@ from pawnb.core.parallel import THREADS
 from pawnb.core.paws.layout import Views
 from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
 from pawnb.core.paws.offline.detection.colour.colour_model import Appearance, reduce
+from pawnb.core.paws.offline.detection.colour.detections import Detections, InViews
 from pawnb.core.paws.offline.detection.colour.detector import (
     MOST,
     DetectorConfig,
@@ -59,7 +60,7 @@ class ROI:
         (u0, u1), (v0, v1) = ends
         return u0, v0, u1, v1
 
-    def follow(self, found: np.ndarray, likeness: np.ndarray) -> None:
+    def follow(self, u: np.ndarray, likeness: np.ndarray) -> None:
         """Move with the mean of the detections, by how much each looks like a paw.
 
         What looks little like one may be a part of the belt or the box: it does not move
@@ -67,14 +68,14 @@ class ROI:
 
         Parameters
         ----------
-        found : ndarray, shape (n, ...)
-            The detections; their first column is u, px.
+        u : ndarray, shape (n,)
+            Where the detections are, px.
         likeness : ndarray, shape (n,)
             How much each looks like a paw, 0 to 1.
         """
-        if len(found) < 2:
+        if len(u) < 2:
             return
-        mean = float(np.average(found[:, 0], weights=likeness))
+        mean = float(np.average(u, weights=likeness))
         if self.offset is None:
             self.offset = mean - float(self.centre[0])
         step = mean - self.offset - self.centre[0]
@@ -129,7 +130,7 @@ def scan_video(
     watch: Watch | None = None,
     progress: Callable[[int], None] | None = None,
     stop: Callable[[], bool] | None = None,
-) -> list[list[np.ndarray]]:
+) -> list[list[Detections]]:
     """Find the detections of every view in consecutive frames.
 
     Parameters
@@ -154,9 +155,8 @@ def scan_video(
 
     Returns
     -------
-    list of list of ndarray
-        For each frame done, the detections of each view (see
-        :func:`~pawnb.core.paws.offline.detection.colour.detector.detect`).
+    list of list of Detections
+        For each frame done, the detections of each view.
     """
     store = store or DetectionCache()
     home = frames[0] if home is None else home
@@ -174,7 +174,7 @@ def scan_video(
     for t, here in enumerate(found, frames[0]):
         search.again(t, here)
 
-    waiting: deque[list[Future[np.ndarray]]] = deque()
+    waiting: deque[list[Future[Detections]]] = deque()
     with contextlib.ExitStack() as stack:
         stack.callback(store.close)
         # a view stays with its thread: its region follows what the frame before has shown
@@ -216,19 +216,19 @@ class _Search:
         self.at_home = rois
         self.rois = [replace(roi) for roi in rois]
 
-    def find(self, view: int, frame: int, picture: Picture) -> np.ndarray:
+    def find(self, view: int, frame: int, picture: Picture) -> Detections:
         """Return the detections of the next frame of a view, and follow them."""
         self._come_home(view, frame)
         detector = self.detectors[view]
-        rows = detect(*searched(picture, self.rois[view], detector.shrink), detector)
-        self._follow(view, rows)
-        return rows
+        found = detect(*searched(picture, self.rois[view], detector.shrink), detector)
+        self._follow(view, found)
+        return found
 
-    def again(self, frame: int, here: Sequence[np.ndarray]) -> None:
+    def again(self, frame: int, here: InViews) -> None:
         """Follow detections that were found before in the next frame."""
-        for view, rows in enumerate(here):
+        for view, found in enumerate(here):
             self._come_home(view, frame)
-            self._follow(view, rows)
+            self._follow(view, found)
 
     def go_back(self, views: Views, begin: int, stop: Callable[[], bool] | None) -> bool:
         """Move the regions to where the animal was in an earlier frame; False if stopped."""
@@ -238,14 +238,15 @@ class _Search:
             if stop is not None and stop():
                 return False
             for v, name in enumerate(views.names):
-                rows = self.find(v, t, pictures[name])
+                found = self.find(v, t, pictures[name])
                 for _ in range(min(COLOUR.scan_stride, t - begin) - 1):
-                    self._follow(v, rows)
+                    self._follow(v, found)
         return True
 
-    def _follow(self, view: int, rows: np.ndarray) -> None:
+    def _follow(self, view: int, found: Detections) -> None:
         """Move the region of a view with its detections."""
-        self.rois[view].follow(rows, endpoint_score(rows, self.detectors[view].limb_direction))
+        likeness = endpoint_score(found, self.detectors[view].limb_direction)
+        self.rois[view].follow(found.uv[:, 0], likeness)
 
     def _come_home(self, view: int, frame: int) -> None:
         """Return to where the animal is known to be in its frame."""

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
+from pawnb.core.paws.offline.detection.colour.detections import Detections
 
 
 @dataclass
@@ -20,7 +21,7 @@ LOOK = Look(np.arange(6.0), 2)
 def frames_of(n, seed=0):
     rng = np.random.default_rng(seed)
     return [
-        [rng.normal(size=(rng.integers(0, 5), 8)).astype(np.float32) for _ in range(3)]
+        [Detections(rng.normal(size=(rng.integers(0, 5), 8)).astype(np.float32)) for _ in range(3)]
         for _ in range(n)
     ]
 
@@ -29,8 +30,8 @@ def assert_same(found, expected):
     assert len(found) == len(expected)
     for here, wanted in zip(found, expected, strict=True):
         for rows, rows_wanted in zip(here, wanted, strict=True):
-            assert rows.dtype == np.float32
-            np.testing.assert_array_equal(rows, rows_wanted)
+            assert rows.table.dtype == np.float32
+            np.testing.assert_array_equal(rows.table, rows_wanted.table)
 
 
 def fill(path, frames, *depends_on, source="film"):

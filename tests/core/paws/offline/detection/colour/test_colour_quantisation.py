@@ -72,7 +72,7 @@ def test_paws_as_brown_as_the_belt_are_found_in_another_frame(seed):
     beside = ~cv2.dilate(paws.astype(np.uint8), np.ones((5, 5), np.uint8)).astype(bool)
     assert (score[beside] > 0).mean() < 0.002 < 0.02 < detector.mistaken
     rows = detect(image, (0, 0), DetectorConfig(detector, 1, 7, (0.0, 1.0)))
-    best = rows[np.argsort(-endpoint_score(rows, (0.0, 1.0)))[:4], :2]
+    best = rows.take(np.argsort(-endpoint_score(rows, (0.0, 1.0)))[:4]).uv
     for end in np.add(AT, (25, 0)):
         assert np.linalg.norm(best - end, axis=1).min() < 4.0
 

@@ -37,7 +37,7 @@ def test_ends_of_limbs_are_the_best_candidates(grey):
     detector = learn([image], [ENDS], around_px=15)
     assert 6.0 <= detector.paw_width_px <= 11.0
     rows = detect(image, (0, 0), DetectorConfig(detector, 1, 7, (0.0, 1.0)))
-    best = rows[np.argsort(-endpoint_score(rows, (0.0, 1.0)))[:2], :2]
+    best = rows.take(np.argsort(-endpoint_score(rows, (0.0, 1.0)))[:2]).uv
     for end in ENDS:
         assert np.linalg.norm(best - end, axis=1).min() < 6.0
 
@@ -47,11 +47,12 @@ def test_the_direction_points_to_the_end_and_origin_and_scale_are_undone():
     detector = learn([image], [ENDS], around_px=15)
     plain = detect(image, (0, 0), DetectorConfig(detector, 1, 7, (0.0, 1.0)))
     moved = detect(image, (1000, 500), DetectorConfig(detector, 1, 7, (0.0, 1.0)))
-    np.testing.assert_allclose(moved[:, :2] - plain[:, :2], [[1000, 500]] * len(plain), atol=1e-3)
-    nearest = plain[np.argmin(np.linalg.norm(plain[:, :2] - ENDS[1], axis=1))]
-    assert nearest[3] > 2.0 * abs(nearest[2])
+    np.testing.assert_allclose(moved.uv - plain.uv, [[1000, 500]] * len(plain), atol=1e-3)
+    nearest = np.argmin(np.linalg.norm(plain.uv - ENDS[1], axis=1))
+    across, down = plain.direction[nearest]
+    assert down > 2.0 * abs(across)
     halved = detect(image, (0, 0), DetectorConfig(detector, 2, 7, (0.0, 1.0)))
-    away = np.linalg.norm((halved[:, None, :2] + 0.5) / 2 - 0.5 - plain[None, :, :2], axis=-1)
+    away = np.linalg.norm((halved.uv[:, None] + 0.5) / 2 - 0.5 - plain.uv, axis=-1)
     assert np.median(away.min(axis=1)) < 1.0
 
 
@@ -63,7 +64,7 @@ def test_nothing_is_found_where_there_is_no_paw_or_beyond_the_limits():
     left_only = np.array([[-1.0, 0.0, 110.0]])
     rows = detect(image, (0, 0), DetectorConfig(detector, 1, 7, (0.0, 1.0), left_only))
     assert len(rows) > 0
-    assert rows[:, 0].max() <= 110.0
+    assert rows.uv[:, 0].max() <= 110.0
 
 
 def test_many_thin_ends_do_not_crowd_out_the_paws():
@@ -75,7 +76,7 @@ def test_many_thin_ends_do_not_crowd_out_the_paws():
         cv2.line(image, (u, v), (u, v + 20), PINK, 3)
     rows = detect(image, (0, 0), DetectorConfig(detector, 1, 7, (0.0, 1.0)))
     for end in ENDS:
-        assert np.linalg.norm(rows[:, :2] - end, axis=1).min() < 6.0
+        assert np.linalg.norm(rows.uv - end, axis=1).min() < 6.0
 
 
 def test_fine_marks_of_a_large_picture_do_not_change_how_thick_paws_are():

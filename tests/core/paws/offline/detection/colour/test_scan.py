@@ -5,6 +5,7 @@ import pytest
 
 from pawnb.core.paws.offline.detection.colour import scan
 from pawnb.core.paws.offline.detection.colour.cache import DetectionCache
+from pawnb.core.paws.offline.detection.colour.detections import Detections
 from pawnb.core.paws.offline.detection.colour.detector import DetectorConfig
 from pawnb.core.paws.offline.detection.colour.scan import ROI
 
@@ -14,8 +15,7 @@ def _follow(frames: int, paws: np.ndarray, clutter: np.ndarray) -> ROI:
     roi = ROI(np.array([600.0, 200.0]), np.array([200.0, 50.0]), (1200, 400))
     for t in range(frames):
         u = np.concatenate([paws[t], clutter[t]])
-        found = np.column_stack([u, np.full(len(u), 200.0)])
-        roi.follow(found, np.repeat([0.95, 0.03], [4, 12]))
+        roi.follow(u, np.repeat([0.95, 0.03], [4, 12]))
     return roi
 
 
@@ -65,11 +65,11 @@ def search(monkeypatch):
 
     def found(paws, box, _look):
         u = paws[(paws >= box[0]) & (paws < box[2])]
-        rows = np.zeros((len(u), 8), np.float32)
-        rows[:, 0] = u
-        rows[:, 2:6] = [2.0, 1.0, 0.22, 1.0]
-        rows[:, 6] = box[0]  # what was searched shows, too
-        return rows
+        n, left = len(u), np.full(len(u), box[0])  # what was searched shows, too
+        return Detections.of(
+            np.column_stack([u, np.zeros(n)]), direction=np.tile([2.0, 1.0], (n, 1)),
+            coverage=np.full(n, 0.22), score=np.ones(n), tip=np.column_stack([left, np.zeros(n)]),
+        )  # fmt: skip
 
     monkeypatch.setattr(scan, "searched", lambda paws, roi, _shrink: (paws, roi.box()))
     monkeypatch.setattr(scan, "detect", found)
@@ -90,7 +90,7 @@ def test_an_animal_that_was_elsewhere_before_the_clicks_is_found_there(search):
     assert [len(here[0]) for here in found] == [4] * 300
     # what follows the clicks is what would be found without the frames before
     for both, alone in zip(found[200:], search((200, 300), 200), strict=True):
-        np.testing.assert_array_equal(both[0], alone[0])
+        np.testing.assert_array_equal(both[0].table, alone[0].table)
 
 
 def test_an_interrupted_search_goes_on_before_the_clicks_and_after(search):
@@ -105,7 +105,9 @@ def test_an_interrupted_search_goes_on_before_the_clicks_and_after(search):
         assert done <= len(part) < 120
         views = Passing()
         again = search((0, 120), 80, store=store, views=views)
-        assert all(np.array_equal(a[0], b[0]) for a, b in zip(again, whole, strict=True))
+        assert all(
+            np.array_equal(a[0].table, b[0].table) for a, b in zip(again, whole, strict=True)
+        )
         assert len(views.asked) == 120 - len(part) + (11 if done < 80 else 0)
 
 

@@ -1,0 +1,108 @@
+"""What is found in a picture: places that may be paws, and what is measured of each."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+
+N_COLUMNS = 8
+"""Numbers of a detection, in tables for loops and files."""
+
+_UV, _DIRECTION, _COVERAGE, _SCORE, _TIP = slice(0, 2), slice(2, 4), 4, 5, slice(6, 8)
+
+
+@dataclass(frozen=True)
+class Detections:
+    """Detections of one view in one frame; side by side (``padding``) those of more.
+
+    Parameters
+    ----------
+    table : ndarray, shape (..., 8), float32
+        A row a detection, for loops and files; elsewhere it is read by the names below.
+    """
+
+    table: np.ndarray
+
+    @classmethod
+    def of(
+        cls,
+        uv: np.ndarray,
+        *,
+        direction: np.ndarray,
+        coverage: np.ndarray,
+        score: np.ndarray,
+        tip: np.ndarray,
+    ) -> Detections:
+        """Return detections.
+
+        Parameters
+        ----------
+        uv, direction : ndarray, shape (n, 2)
+            Where they are, and towards where they end, px.
+        coverage, score : ndarray, shape (n,)
+            Share of mask about them, and its mean score.
+        tip : ndarray, shape (n, 2)
+            The end pixels, px.
+
+        Returns
+        -------
+        Detections
+            These.
+        """
+        return cls(np.column_stack([uv, direction, coverage, score, tip]).astype(np.float32))
+
+    @classmethod
+    def none(cls) -> Detections:
+        """Return no detections."""
+        return cls(np.empty((0, N_COLUMNS), np.float32))
+
+    @classmethod
+    def joined(cls, parts: Sequence[Detections]) -> Detections:
+        """Return detections after each other."""
+        return cls(np.concatenate([part.table for part in parts]))
+
+    def __len__(self) -> int:
+        return len(self.table)
+
+    @property
+    def uv(self) -> np.ndarray:
+        """Where they are (..., 2), px: the centre of the mask near the end."""
+        return self.table[..., _UV]
+
+    @property
+    def direction(self) -> np.ndarray:
+        """Where the limb ends (..., 2), px: from the centre of a wider neighbourhood to ``uv``."""
+        return self.table[..., _DIRECTION]
+
+    @property
+    def coverage(self) -> np.ndarray:
+        """Share (...,) of mask in the square about the end."""
+        return np.asarray(self.table[..., _COVERAGE])
+
+    @property
+    def score(self) -> np.ndarray:
+        """Mean score (...,) of the mask near the end."""
+        return np.asarray(self.table[..., _SCORE])
+
+    @property
+    def tip(self) -> np.ndarray:
+        """The end pixel itself (..., 2), px."""
+        return self.table[..., _TIP]
+
+    def take(self, which: np.ndarray) -> Detections:
+        """Return some of them, by number or a mask."""
+        return Detections(self.table[which])
+
+    def of_view(self, view: int) -> Detections:
+        """Return those of a view, of side by side (n, V, most), as a list (n * most)."""
+        return Detections(self.table[:, view].reshape(-1, N_COLUMNS))
+
+
+InViews: TypeAlias = Sequence[Detections]
+"""The detections of each view in one frame."""
+
+InFrames: TypeAlias = Sequence[Sequence[Detections]]
+"""For each frame, the detections of each view."""
