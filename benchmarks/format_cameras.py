@@ -10,9 +10,8 @@ import numpy as np
 
 from pawnb.core.dlt import fit_dlt, project
 from pawnb.io.cameras import Camera, coefs_of_cameras, read_cameras
-from pawnb.io.cameras_out import write_cameras
+from pawnb.io.cameras_out import write_cameras, write_opencv_cameras
 from pawnb.io.coefs import read_coefs, write_coefs
-from pawnb.io.opencv_out import write_opencv_cameras
 from pawnb.workflow.calibration.calibrate_file import calibrate_from_file
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -92,21 +93,7 @@ def body_angles(
         left, right = trial.animal.across
         across = left, right
     axes = _laboratory(trial, forward, up)
-
-    def path(name: str) -> FloatArray:
-        """Return where a point is in the laboratory's axes, (n, 3): forward, left, up."""
-        known = [str(n) for n in tracks["keypoint"].to_numpy()]
-        if name not in known:
-            raise InputError(
-                f"the tracks have no point {name!r}{did_you_mean(name, known)}; they have "
-                f"{', '.join(known)}."
-            )
-        xyz = tracks["position"].sel(keypoint=name).isel(individual=0).to_numpy()
-        if cutoff_hz is not None:
-            fs_hz = float(tracks.attrs["fps"])
-            xyz = butterworth_lowpass(xyz, cutoff_hz=cutoff_hz, fs_hz=fs_hz)
-        return np.asarray(xyz @ axes.T)
-
+    path = partial(_path, tracks, axes=axes, cutoff_hz=cutoff_hz)
     x, y, z = (path(names[-1]) - path(names[0])).T
     level = np.hypot(x, y)
     roll = np.full(len(x), np.nan)
@@ -123,6 +110,21 @@ def body_angles(
         },
         columns=list(COLUMNS),
     )
+
+
+def _path(tracks: Tracks, name: str, *, axes: FloatArray, cutoff_hz: float | None) -> FloatArray:
+    """Return where a point is in the laboratory's axes, (n, 3): forward, left, up."""
+    known = [str(n) for n in tracks["keypoint"].to_numpy()]
+    if name not in known:
+        raise InputError(
+            f"the tracks have no point {name!r}{did_you_mean(name, known)}; they have "
+            f"{', '.join(known)}."
+        )
+    xyz = tracks["position"].sel(keypoint=name).isel(individual=0).to_numpy()
+    if cutoff_hz is not None:
+        fs_hz = float(tracks.attrs["fps"])
+        xyz = butterworth_lowpass(xyz, cutoff_hz=cutoff_hz, fs_hz=fs_hz)
+    return np.asarray(xyz @ axes.T)
 
 
 def _laboratory(

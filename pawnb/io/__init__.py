@@ -71,7 +71,7 @@ _HOME = {
     "write_lightning_pose": "pawnb.io.deeplabcut_out",
     "write_movement": "pawnb.io.movement",
     "write_nwb": "pawnb.io.nwb",
-    "write_opencv_cameras": "pawnb.io.opencv_out",
+    "write_opencv_cameras": "pawnb.io.cameras_out",
     "write_sleap": "pawnb.io.sleap_out",
     "write_start": "pawnb.io.start",
     "write_tracks": "pawnb.io.native",

@@ -14,6 +14,8 @@ from scipy.interpolate import PchipInterpolator
 from pawnb.arrays import FloatArray
 from pawnb.synthetic.surfaces import unit
 
+_TAIL_LENGTH = 82.0
+
 # forward, height of the middle, half height, half width of the trunk and head
 _TRUNK_TABLE = np.array(
     [
@@ -176,3 +178,35 @@ def two_links(
     height = np.sqrt(max(a**2 - reach**2, 0.0))
     across = bend - (bend @ along) * along
     return top + reach * along + height * unit(across)
+
+
+def tail_line(rings: int, *, lift_deg: float, beat: float, sway: float) -> FloatArray:
+    """Return the middle of the tail: it rises behind and sways with a lag along its length.
+
+    Parameters
+    ----------
+    rings : int
+        How many places, base to tip.
+    lift_deg : float
+        How steeply it is carried, degrees.
+    beat : float
+        Phase of the gait, radians.
+    sway : float
+        Yaw of the body, radians.
+
+    Returns
+    -------
+    ndarray, shape (rings, 3)
+        Places in the body frame, mm.
+    """
+    s = np.linspace(0.0, 1.0, rings)
+    lift = np.radians(lift_deg)
+    rise = -0.35 + (lift + 0.5) * np.clip(s * 2.4, 0.0, 1.0) ** 1.2
+    rise += 0.12 * s * np.sin(2 * beat - 4.0 * s)
+    turn = (0.35 * np.sin(beat - 3.5 * s) + 2.0 * sway) * s
+    step = np.column_stack(
+        [-np.cos(rise) * np.cos(turn), np.cos(rise) * np.sin(turn), np.sin(rise)]
+    )
+    length = _TAIL_LENGTH / (rings - 1)
+    start = np.array([-36.0, 0.0, 26.2])
+    return np.asarray(start + np.vstack([np.zeros(3), np.cumsum(step[1:] * length, axis=0)]))

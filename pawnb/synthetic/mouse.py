@@ -8,7 +8,7 @@ import numpy as np
 
 from pawnb.arrays import FloatArray
 from pawnb.synthetic import anatomy
-from pawnb.synthetic.anatomy import Limb, two_links
+from pawnb.synthetic.anatomy import Limb, tail_line, two_links
 from pawnb.synthetic.covered_paws import cover_paws
 from pawnb.synthetic.gait_model import Gait
 from pawnb.synthetic.hair import Hairs, draw_hairs, hair_triangles
@@ -31,7 +31,7 @@ the hind paw from the distal part of the metatarsus, each with its digits."""
 
 TWO_SIDED = (HAIR,)
 
-_TAIL_RINGS, _TAIL_SEGMENTS, _TAIL_LENGTH = 36, 10, 82.0
+_TAIL_RINGS, _TAIL_SEGMENTS = 36, 10
 _SHAFT_RINGS, _SHAFT_SEGMENTS = 27, 16
 _HAIRS, _LIMB_HAIRS, _WHISKERS = 3600, 350, 12
 
@@ -121,7 +121,7 @@ class Mouse:
         pose = self._pose(time_s)
         forward, height, *_ = self._profile[-1]
         head = np.array([[forward, 0.0, height], *(_EAR * [1.0, side, 1.0] for side in (1, -1))])
-        tail = self._tail_line(pose, time_s)[[0, -1]]
+        tail = self._tail(pose, time_s)[[0, -1]]
         placed = pose.place(np.vstack([self._flex(head, pose), tail]))
         placed[3:, 2] = np.maximum(placed[3:, 2], 1.0)  # as the tail is drawn
         return placed * [self._settings.direction, self._settings.direction, 1.0]
@@ -250,7 +250,7 @@ class Mouse:
     def _add_tail(self, pose: _Pose, time_s: float) -> None:
         """Add the tail."""
         s = np.linspace(0.0, 1.0, _TAIL_RINGS)
-        line = self._tail_line(pose, time_s)
+        line = self._tail(pose, time_s)
         radius = rounded(2.2 * (1.0 - s) ** 0.8 + 0.8)
         vertices, normals = swept_tube(
             line, np.array([0.0, 1.0, 0.0]), (radius, radius), segments=_TAIL_SEGMENTS
@@ -261,23 +261,12 @@ class Mouse:
         placed[:, 2] = np.maximum(placed[:, 2], 1.0)  # it may lie on the belt, not below it
         self._add_tube(TAIL, placed, normals @ pose.turn.T, colour, _TAIL_SEGMENTS)
 
-    def _tail_line(self, pose: _Pose, time_s: float) -> FloatArray:
-        """Return the middle of the tail, base to tip (body frame).
-
-        It rises behind and sways with a lag along its length.
-        """
-        s = np.linspace(0.0, 1.0, _TAIL_RINGS)
-        lift = np.radians(self._settings.tail_lift_deg)
+    def _tail(self, pose: _Pose, time_s: float) -> FloatArray:
+        """Return the middle of the tail, base to tip (body frame)."""
         sway = float(self._gait.body.value("yaw", np.array(time_s)))
-        rise = -0.35 + (lift + 0.5) * np.clip(s * 2.4, 0.0, 1.0) ** 1.2
-        rise += 0.12 * s * np.sin(2 * pose.beat - 4.0 * s)
-        turn = (0.35 * np.sin(pose.beat - 3.5 * s) + 2.0 * sway) * s
-        step = np.column_stack(
-            [-np.cos(rise) * np.cos(turn), np.cos(rise) * np.sin(turn), np.sin(rise)]
+        return tail_line(
+            _TAIL_RINGS, lift_deg=self._settings.tail_lift_deg, beat=pose.beat, sway=sway
         )
-        length = _TAIL_LENGTH / (_TAIL_RINGS - 1)
-        start = np.array([-36.0, 0.0, 26.2])
-        return np.asarray(start + np.vstack([np.zeros(3), np.cumsum(step[1:] * length, axis=0)]))
 
     def _add_limb(self, leg: str, pose: _Pose, time_s: float) -> float:
         """Add a limb from its girdle to the digits; return the phase of its step, 0-2.

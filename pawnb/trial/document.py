@@ -67,12 +67,7 @@ def trial_from_document(document: dict[str, Any], *, where: str, folder: Path) -
     InputError
         As for :func:`load_trial`.
     """
-    for name in document:
-        if name not in _SECTIONS:
-            raise InputError(
-                f"{where}: unknown section [{name}]{did_you_mean(name, _SECTIONS)}; "
-                f"expected {', '.join(_SECTIONS)}."
-            )
+    _check_sections(document, where)
     head = _build(_Head, _section(document, "trial", where), f"{where}: [trial]")
     if head.fps is None:
         raise InputError(
@@ -80,24 +75,13 @@ def trial_from_document(document: dict[str, Any], *, where: str, folder: Path) -
             "frames per second, for instance fps = 250.0."
         )
     tracks = _section(document, "tracks", where)
-    legs = tracks.pop("legs", {})
-    if not isinstance(legs, dict) or not all(isinstance(name, str) for name in legs.values()):
-        raise InputError(
-            f'{where}: [tracks] legs is {shown(legs)}; expected {{ leg = "name in the file" }}.'
-        )
+    legs = _legs(tracks, where)
     of_views = _files_of_views(tracks, where)
     sections = {name: _section(document, name, where) for name in ("treadmill", "start")}
     files = _build(_Files, {**sections["treadmill"], **sections["start"], **tracks}, where)
-    tracking = document.get("tracking", {})
-    if not isinstance(tracking, dict):
-        raise InputError(
-            f"{where}: [tracking] is {shown(tracking)}; expected a section with settings."
-        )
-    gait = document.get("gait", {})
-    if not isinstance(gait, dict):
-        raise InputError(f"{where}: [gait] is {shown(gait)}; expected a section with settings.")
+    tracking = _settings(document, "tracking", where)
     parts: dict[str, Any] = {
-        "gait": gait,
+        "gait": _settings(document, "gait", where),
         "animal": _animal(document.get("animal", {}), where),
         "views": _views(document.get("views", []), where),
         "calibration": _calibration(document, where),
@@ -124,13 +108,46 @@ def trial_from_document(document: dict[str, Any], *, where: str, folder: Path) -
         )
     except InputError as error:
         raise InputError(f"{where}: {error}") from None
+    _check_sources(trial, where)
+    return trial
+
+
+def _check_sections(document: dict[str, Any], where: str) -> None:
+    """Refuse a section that no trial has."""
+    for name in document:
+        if name not in _SECTIONS:
+            raise InputError(
+                f"{where}: unknown section [{name}]{did_you_mean(name, _SECTIONS)}; "
+                f"expected {', '.join(_SECTIONS)}."
+            )
+
+
+def _settings(document: dict[str, Any], name: str, where: str) -> dict[str, Any]:
+    """Return a section of free settings."""
+    found = document.get(name, {})
+    if not isinstance(found, dict):
+        raise InputError(f"{where}: [{name}] is {shown(found)}; expected a section with settings.")
+    return found
+
+
+def _legs(tracks: dict[str, Any], where: str) -> dict[str, str]:
+    """Take the names of legs out of ``[tracks]``."""
+    legs = tracks.pop("legs", {})
+    if not isinstance(legs, dict) or not all(isinstance(name, str) for name in legs.values()):
+        raise InputError(
+            f'{where}: [tracks] legs is {shown(legs)}; expected {{ leg = "name in the file" }}.'
+        )
+    return legs
+
+
+def _check_sources(trial: Trial, where: str) -> None:
+    """Refuse a trial that names nothing to be tracked, or no tracks."""
     if trial.is_tracked_elsewhere and not trial.track_files:
         raise InputError(f"{where}: kind is 'tracks' but [tracks] file is missing; name the file.")
     if not trial.is_tracked_elsewhere and not trial.views:
         raise InputError(
             f"{where}: no [[views]]; a trial of kind {trial.kind!r} needs at least one."
         )
-    return trial
 
 
 def _files_of_views(tracks: dict[str, Any], where: str) -> dict[str, str]:

@@ -20,7 +20,7 @@ from pawnb.core.calibration.scene_lines import scene_lines
 from pawnb.errors import InputError
 from pawnb.io.boards import Board
 from pawnb.io.tables import read_cells, read_numbers, write_table
-from pawnb.widgets.draft import Draft
+from pawnb.widgets.calibration_clicks import CalibrationDraft
 from pawnb.workflow.calibration.board import find_boards, numbered
 from pawnb.workflow.calibration.written import Written, write_calibration
 
@@ -44,7 +44,7 @@ class _State:
     floor: int | None = None
 
 
-class BoardPictures(Draft[_State]):
+class BoardPictures(CalibrationDraft[_State]):
     """Pictures of a board, and the cameras that they determine.
 
     Parameters
@@ -79,24 +79,16 @@ class BoardPictures(Draft[_State]):
         folder: Path,
         span: tuple[int, int],
     ) -> None:
-        super().__init__(folder / PICTURE_FILE, span)
-        self.board, self.pictures, self.sizes = board, dict(pictures), dict(sizes)
-        self.folder, self.frame = folder, span[0]
-        self.current: tuple[str, str] | None = None
+        super().__init__(folder / PICTURE_FILE, sizes=sizes, span=span)
+        self.board, self.pictures = board, dict(pictures)
         self.sightings: Sightings | None = None
         self.fitted: BoardFit | None = None
-        self.written: Written | None = None
         self.reason = ""
         self._shots = np.zeros(0, int)
         self._state = self._read() if self.path.exists() else _State()
         self._fitted_state: _State | None = None
 
     # --- what there is ------------------------------------------------------------------
-
-    @property
-    def aside(self) -> frozenset[Slot]:
-        """Views and frames that a person has set aside."""
-        return self._state.aside
 
     @property
     def floor(self) -> int | None:
@@ -130,10 +122,6 @@ class BoardPictures(Draft[_State]):
         return rows.iloc[0] if len(rows) else None
 
     # --- what a person does -------------------------------------------------------------
-
-    def go(self, frame: int) -> None:
-        """Look at another frame."""
-        self.frame = self._checked_frame(frame)
 
     def select(self, view: str, _point: str) -> None:
         """Choose a view."""

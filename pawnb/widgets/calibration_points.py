@@ -6,7 +6,7 @@ CLICKS`` reads, too. The views do not move, so a click counts whatever frame it 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -16,8 +16,8 @@ import pandas as pd
 
 from pawnb.core.calibration.scene_lines import scene_lines
 from pawnb.errors import InputError
-from pawnb.io.tables import read_cells, read_numbers, write_table
-from pawnb.widgets.draft import Draft
+from pawnb.io.tables import read_cells, read_numbers
+from pawnb.widgets.calibration_clicks import ClickDraft, ClickState
 from pawnb.workflow.calibration.known_points import (
     KnownPointFit,
     fit_known_points,
@@ -40,16 +40,14 @@ Slot = tuple[str, str]
 
 
 @dataclass(frozen=True)
-class _State:
-    """What undo goes back to."""
+class _State(ClickState):
+    """What undo goes back to; slots are views and points."""
 
-    clicks: Mapping[Slot, tuple[float, float]] = field(default_factory=dict)
     frames: Mapping[Slot, int] = field(default_factory=dict)
-    aside: frozenset[Slot] = frozenset()
     bends: bool = False
 
 
-class PointCalibration(Draft[_State]):
+class PointCalibration(ClickDraft[_State]):
     """The clicks on points of known position, and the views that they determine.
 
     Parameters
@@ -84,27 +82,14 @@ class PointCalibration(Draft[_State]):
         folder: Path,
         span: tuple[int, int],
     ) -> None:
-        super().__init__(folder / CLICK_FILE, span)
-        self.known, self.sizes, self.folder = dict(known), dict(sizes), folder
+        super().__init__(folder / CLICK_FILE, sizes=sizes, span=span)
+        self.known, self.names = dict(known), tuple(known)
         self.colours = point_colours(self.known)
-        self.frame = span[0]
-        self.written: Written | None = None
         self._state = self._read() if self.path.exists() else _State()
         self._fitted: tuple[_State, KnownPointFit] | None = None
-        self.current: Slot | None = None
         self._offer_next()
 
     # --- what there is ------------------------------------------------------------------
-
-    @property
-    def clicks(self) -> dict[Slot, tuple[float, float]]:
-        """Every click: view and point to u, v in px."""
-        return dict(self._state.clicks)
-
-    @property
-    def aside(self) -> frozenset[Slot]:
-        """Clicks that are set aside."""
-        return self._state.aside
 
     @property
     def bends(self) -> bool:
@@ -138,76 +123,6 @@ class PointCalibration(Draft[_State]):
         return pd.DataFrame(rows, columns=list(COLUMNS))
 
     # --- what a person does -------------------------------------------------------------
-
-    def go(self, frame: int) -> None:
-        """Look at another frame."""
-        self.frame = self._checked_frame(frame)
-
-    def click(self, view: str, u: float, v: float) -> None:
-        """Place the point that is asked for in a view.
-
-        Parameters
-        ----------
-        view : str
-            The view.
-        u, v : float
-            Where, px.
-
-        Raises
-        ------
-        InputError
-            If every point is clicked there.
-        """
-        point = self.asked_in(view)
-        if point is None:
-            raise InputError(f"every point is clicked in {view}; drag one to move it.")
-        self.place(view, point, u, v)
-
-    def asked_in(self, view: str) -> str | None:
-        """Return the point that a click in a view places."""
-        free = [point for point in self.known if (view, point) not in self._state.clicks]
-        if self.current is not None and self.current[1] in free:
-            return self.current[1]
-        return free[0] if free else None
-
-    def place(self, view: str, point: str, u: float, v: float) -> None:
-        """Put a point somewhere in a view: a click, or the end of a drag.
-
-        Parameters
-        ----------
-        view, point : str
-            Which point in which view.
-        u, v : float
-            Where, px.
-
-        Raises
-        ------
-        InputError
-            If that is outside the picture.
-        """
-        self._check(view, point)
-        width, height = self.sizes[view]
-        if not (-0.5 <= u < width - 0.5 and -0.5 <= v < height - 0.5):
-            raise InputError(f"{point} at ({u:.1f}, {v:.1f}) is outside the picture of {view}.")
-        slot = (view, point)
-        clicks = {**self._state.clicks, slot: (round(float(u), 3), round(float(v), 3))}
-        frames = {**self._state.frames, slot: self._state.frames.get(slot, self.frame)}
-        self._make(replace(self._state, clicks=clicks, frames=frames))
-        self.current = slot
-        self._offer_next()
-
-    def select(self, view: str, point: str) -> None:
-        """Ask for a point, or choose it."""
-        self._check(view, point)
-        self.current = (view, point)
-
-    def remove(self, view: str, point: str) -> None:
-        """Take a click away."""
-        self._check(view, point)
-        slot = (view, point)
-        clicks = {key: uv for key, uv in self._state.clicks.items() if key != slot}
-        self._make(replace(self._state, clicks=clicks, aside=self.aside - {slot}))
-        self.current = slot
 
     def set_aside(self, slot: Slot | None = None) -> None:
         """Set the chosen click aside, or take it back; without one, that which fits worst."""
@@ -329,31 +244,34 @@ class PointCalibration(Draft[_State]):
         return None
 
     def _offer_next(self) -> None:
-        """Ask for the next open point: of the view that was clicked, else of another."""
-        if self._open_slot() is not None:
-            return
-        views = list(self.sizes)
-        if self.current is not None:
-            at = views.index(self.current[0])
-            views = views[at:] + views[:at]
-        free = [(v, p) for v in views for p in self.known if (v, p) not in self._state.clicks]
-        self.current = free[0] if free else self.current
+        if self._open_slot() is None:
+            super()._offer_next()
 
-    def _write(self) -> None:
-        write_table(self.table(), self.path)
+    def _is_asked(self, current: tuple[str, str], view: str, free: Sequence[str]) -> bool:
+        del view  # one point is asked for in every view
+        return current[1] in free
+
+    def _all_clicked(self, view: str) -> str:
+        return f"every point is clicked in {view}; drag one to move it."
+
+    def _with_click(self, slot: Hashable, uv: tuple[float, float]) -> _State:
+        state = super()._with_click(slot, uv)
+        return replace(state, frames={slot: self.frame, **state.frames})
+
+    def _without_click(self, slot: Hashable) -> _State:
+        return replace(super()._without_click(slot), aside=self.aside - {slot})
 
     def _look_at_change(self, before: _State) -> None:
-        was, now = before.clicks, self._state.clicks
-        changed = {slot for slot in {*was, *now} if was.get(slot) != now.get(slot)}
-        for slot in changed | (before.aside ^ self.aside):
+        for slot in self._changed_slots(before) | (before.aside ^ self.aside):
             self.current = slot
 
-    def _check(self, view: str, point: str) -> None:
+    def _slot(self, view: str, point: str) -> Slot:
         if view not in self.sizes or point not in self.known:
             raise InputError(
                 f"there is no point {point!r} in view {view!r}; points are {', '.join(self.known)} "
                 f"in {', '.join(self.sizes)}."
             )
+        return view, point
 
     def _read(self) -> _State:
         """Read the clicks there are."""
@@ -370,7 +288,7 @@ class PointCalibration(Draft[_State]):
         columns = (table[name].tolist() for name in COLUMNS)
         for view, point, u, v, frame, is_aside in zip(*columns, strict=True):
             slot = (str(view), str(point))
-            self._check(*slot)
+            self._slot(*slot)
             clicks[slot], frames[slot] = (u, v), int(frame)
             if is_aside:
                 aside.add(slot)

@@ -6,8 +6,8 @@ too.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,8 +19,7 @@ from pawnb.core.calibration.rig_from_wand import FEWEST_FRAMES, WandFit
 from pawnb.core.calibration.scene_lines import scene_lines
 from pawnb.core.lens import Lens
 from pawnb.errors import InputError
-from pawnb.io.tables import write_table
-from pawnb.widgets.draft import Draft
+from pawnb.widgets.calibration_clicks import ClickDraft, ClickState
 from pawnb.workflow.calibration.wand import WAND_COLUMNS, calibrate_ends, read_ends
 from pawnb.workflow.calibration.written import Written, write_calibration
 
@@ -34,15 +33,7 @@ Slot = tuple[str, int, str]
 """View, frame and end."""
 
 
-@dataclass(frozen=True)
-class _State:
-    """What undo goes back to."""
-
-    clicks: Mapping[Slot, tuple[float, float]] = field(default_factory=dict)
-    aside: frozenset[tuple[str, int]] = frozenset()
-
-
-class WandClicks(Draft[_State]):
+class WandClicks(ClickDraft[ClickState]):
     """The clicks on both ends of a wand, and the cameras that they determine.
 
     Parameters
@@ -82,29 +73,16 @@ class WandClicks(Draft[_State]):
         span: tuple[int, int],
         lenses: tuple[Lens, ...] = (),
     ) -> None:
-        super().__init__(folder / WAND_FILE, span)
+        super().__init__(folder / WAND_FILE, sizes=sizes, span=span)
         if not (np.isfinite(length) and length > 0):
             raise InputError(f"the wand is {length:g} long; expected a length above 0.")
-        self.length, self.sizes, self.folder = float(length), dict(sizes), folder
-        self.lenses, self.frame = lenses, span[0]
+        self.length, self.lenses, self.names = float(length), lenses, tuple(ENDS)
         self.fitted: WandFit | None = None
-        self.written: Written | None = None
-        self._state = self._read() if self.path.exists() else _State()
-        self._fitted_state: _State | None = None
-        self.current: tuple[str, str] | None = None
+        self._state = self._read() if self.path.exists() else ClickState()
+        self._fitted_state: ClickState | None = None
         self._offer_next()
 
     # --- what there is ------------------------------------------------------------------
-
-    @property
-    def clicks(self) -> dict[Slot, tuple[float, float]]:
-        """Every click: view, frame and end to u, v in px."""
-        return dict(self._state.clicks)
-
-    @property
-    def aside(self) -> frozenset[tuple[str, int]]:
-        """Views and frames that are set aside."""
-        return self._state.aside
 
     @property
     def can_save(self) -> bool:
@@ -137,71 +115,8 @@ class WandClicks(Draft[_State]):
     def go(self, frame: int) -> None:
         """Look at another frame."""
         if frame != self.frame:
-            self.frame = self._checked_frame(frame)
+            super().go(frame)
             self._offer_next()
-
-    def click(self, view: str, u: float, v: float) -> None:
-        """Place the end that is asked for.
-
-        Parameters
-        ----------
-        view : str
-            The view.
-        u, v : float
-            Where, px.
-
-        Raises
-        ------
-        InputError
-            If both ends are placed there.
-        """
-        end = self.asked_in(view)
-        if end is None:
-            raise InputError(f"both ends are placed in {view} at frame {self.frame}; drag one.")
-        self.place(view, end, u, v)
-
-    def asked_in(self, view: str) -> str | None:
-        """Return the end that a click in a view places."""
-        free = [end for end in ENDS if (view, self.frame, end) not in self._state.clicks]
-        if self.current is not None and self.current[0] == view and self.current[1] in free:
-            return self.current[1]
-        return free[0] if free else None
-
-    def place(self, view: str, point: str, u: float, v: float) -> None:
-        """Put an end somewhere in a view: a click, or the end of a drag.
-
-        Parameters
-        ----------
-        view, point : str
-            Which end in which view.
-        u, v : float
-            Where, px.
-
-        Raises
-        ------
-        InputError
-            If that is outside the picture.
-        """
-        slot = self._slot(view, point)
-        width, height = self.sizes[view]
-        if not (-0.5 <= u < width - 0.5 and -0.5 <= v < height - 0.5):
-            raise InputError(f"{point} at ({u:.1f}, {v:.1f}) is outside the picture of {view}.")
-        clicks = {**self._state.clicks, slot: (round(float(u), 3), round(float(v), 3))}
-        self._make(replace(self._state, clicks=clicks))
-        self.current = (view, point)
-        self._offer_next()
-
-    def select(self, view: str, point: str) -> None:
-        """Ask for an end, or choose it."""
-        self._slot(view, point)
-        self.current = (view, point)
-
-    def remove(self, view: str, point: str) -> None:
-        """Take a click away."""
-        slot = self._slot(view, point)
-        clicks = {key: uv for key, uv in self._state.clicks.items() if key != slot}
-        self._make(replace(self._state, clicks=clicks))
-        self.current = (view, point)
 
     def refit(self) -> None:
         """Calibrate by the clicks that are not set aside."""
@@ -311,21 +226,14 @@ class WandClicks(Draft[_State]):
         rows = table[(table["view"] == view) & (table["frame"] == frame)]
         return f", {rows['error_px'].iloc[0]:.2f} px off" if len(rows) else ""
 
-    def _offer_next(self) -> None:
-        """Ask for the next open end of this frame."""
-        views = list(self.sizes)
-        if self.current is not None:
-            at = views.index(self.current[0])
-            views = views[at:] + views[:at]
-        free = [(v, e) for v in views for e in ENDS if (v, self.frame, e) not in self._state.clicks]
-        self.current = free[0] if free else self.current
+    def _is_asked(self, current: tuple[str, str], view: str, free: Sequence[str]) -> bool:
+        return current[0] == view and current[1] in free
 
-    def _write(self) -> None:
-        write_table(self.table(), self.path)
+    def _all_clicked(self, view: str) -> str:
+        return f"both ends are placed in {view} at frame {self.frame}; drag one."
 
-    def _look_at_change(self, before: _State) -> None:
-        was, now = before.clicks, self._state.clicks
-        for view, frame, end in {s for s in {*was, *now} if was.get(s) != now.get(s)}:
+    def _look_at_change(self, before: ClickState) -> None:
+        for view, frame, end in self._changed_slots(before):
             self.frame, self.current = frame, (view, end)
         for view, frame in before.aside ^ self.aside:
             self.frame, self.current = frame, (view, next(iter(ENDS)))
@@ -338,7 +246,7 @@ class WandClicks(Draft[_State]):
             )
         return view, self.frame, end
 
-    def _read(self) -> _State:
+    def _read(self) -> ClickState:
         """Read the clicks there are."""
         clicks, aside = {}, set()
         columns = read_ends(self.path)
@@ -347,4 +255,4 @@ class WandClicks(Draft[_State]):
             clicks[str(view), self._checked_frame(int(frame)), str(end)] = (float(u), float(v))
             if is_aside:
                 aside.add((str(view), int(frame)))
-        return _State(clicks=clicks, aside=frozenset(aside))
+        return ClickState(clicks=clicks, aside=frozenset(aside))

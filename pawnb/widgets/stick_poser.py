@@ -23,9 +23,10 @@ from pawnb.widgets.frame_canvas import MOUSE_AND_KEYS, FrameCanvas, Overlay
 from pawnb.widgets.picture_layers import PictureLayers
 from pawnb.widgets.scale_clicks import ScaleClicks
 from pawnb.widgets.stick_actions import KEYS, stick_actions
+from pawnb.widgets.stick_drawing import describe
 from pawnb.widgets.stick_layers import EnergyLayers
 from pawnb.widgets.stick_pose import LEAST_FACTOR, MOST_FACTOR, StickPose
-from pawnb.widgets.stick_session import StickSession, describe
+from pawnb.widgets.stick_session import StickSession
 from pawnb.workflow.calibration.scale import write_scale
 from pawnb.workflow.start.propose_pose import (
     PoseStart,

@@ -13,9 +13,8 @@ from pawnb.core.dlt import project
 from pawnb.core.lens import load_lenses
 from pawnb.errors import CalibrationError, InputError
 from pawnb.io.cameras import coefs_of_cameras, read_cameras
-from pawnb.io.cameras_out import write_cameras
+from pawnb.io.cameras_out import write_cameras, write_opencv_cameras
 from pawnb.io.coefs import read_coefs, write_coefs
-from pawnb.io.opencv_out import write_opencv_cameras
 
 K = np.array([[900.0, 0.0, 310.5], [0.0, 905.0, 239.0], [0.0, 0.0, 1.0]])
 D = np.array([-0.21, 0.05, 0.001, -0.002, 0.0])

@@ -13,7 +13,8 @@ from pawnb.core.pose.poses import joint_positions, natural_pose, tip_positions
 from pawnb.core.pose.species_file import load_species
 from pawnb.errors import InputError
 from pawnb.trial import Animal, Calibration, Trial
-from pawnb.widgets.stick_session import StickSession, describe
+from pawnb.widgets.stick_drawing import describe
+from pawnb.widgets.stick_session import StickSession
 
 SPECIES = load_species("dolomedes")
 XY, HEADING, SCALE = (300.0, 250.0), 25.0, 3.0

@@ -7,7 +7,8 @@ import math
 
 from scipy.optimize import brentq
 
-from pawnb.gait.circular.mean import check_r, rayleigh_p
+from pawnb.gait.circular.mean import check_r
+from pawnb.gait.circular.rayleigh import rayleigh_p
 from pawnb.gait.inference.circular_length import chance_of_length, kappa_of_length
 
 IN_PHASE, ANTI_PHASE, SHIFTED = "in-phase", "anti-phase", "shifted"

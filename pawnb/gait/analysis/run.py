@@ -281,16 +281,12 @@ def _analyse_one(
         )
     events: list[dict[str, Any]] = []
     gaps: list[dict[str, Any]] = []
-    dropped: list[dict[str, Any]] = [dict(row) for row in lost]
+    dropped = [*(dict(row) for row in lost), *_never_seen(legs, seen, grid)]
     motion: dict[str, Motion] = {}
     signals: list[LegSignals] = []
     notes: list[str] = []
     if least > 0.0:
         notes.append(f"positions with a confidence below {least:g} count as missing.")
-    for leg in legs:
-        if leg not in seen:
-            span = {"start_s": grid.time_s[0], "end_s": grid.time_s[-1]}
-            dropped.append({"leg": leg, **span, "what": "leg", "why": "never seen"})
     for space in spaces:
         posed = pose_body(dense, space, individual=individual)
         body, space = posed or (
@@ -316,6 +312,14 @@ def _analyse_one(
         dropped=dropped_table(dropped, who), notes=notes, signals=signals,
         body_length=_body_length(dense, trial, spaces[0].unit),
     )  # fmt: skip
+
+
+def _never_seen(legs: Mapping[str, str], seen: Sequence[str], grid: Grid) -> list[dict[str, Any]]:
+    """Return a row of what is dropped for each leg that has no position in any frame."""
+    span = {"start_s": grid.time_s[0], "end_s": grid.time_s[-1]}
+    return [
+        {"leg": leg, **span, "what": "leg", "why": "never seen"} for leg in legs if leg not in seen
+    ]
 
 
 def _lost_frames(tracks: Tracks, grid: Grid) -> list[dict[str, Any]]:

@@ -1,9 +1,9 @@
 """Circular statistics of phases.
 
 What most work needs is here itself: mean, spread, Rayleigh's p, interval of the mean (from
-``mean``). ``describe`` has further measures of one sample, ``tests`` its tests, ``groups`` tests of
-several samples, ``correlation`` phases with numbers or other phases, ``second_order`` samples of
-mean vectors.
+``mean`` and ``rayleigh``). ``describe`` has further measures of one sample, ``tests`` its tests,
+``groups`` tests of several samples, ``correlation`` phases with numbers or other phases,
+``second_order`` samples of mean vectors.
 """
 
 from pawnb import _lazy
@@ -12,14 +12,12 @@ from pawnb.gait.circular.mean import (
     check_phases,
     check_r,
     circular_sd,
-    length_of_kappa,
     mean_interval,
     mean_vector,
-    rayleigh_p,
-    resultant_p,
     widest_interval,
     wrap,
 )
+from pawnb.gait.circular.rayleigh import length_of_kappa, rayleigh_p, resultant_p
 
 __all__ = [
     "MeanVector",

@@ -18,7 +18,8 @@ from scipy.stats import rankdata
 
 from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
-from pawnb.gait.circular.mean import MeanVector, check_phases, resultant_p, wrap
+from pawnb.gait.circular.mean import MeanVector, check_phases, wrap
+from pawnb.gait.circular.rayleigh import resultant_p
 from pawnb.gait.inference.checks import as_numbers
 from pawnb.gait.inference.circular_sample import ONE_ANIMAL, TINY, CircularTest, animal_codes
 

@@ -18,7 +18,8 @@ from scipy.stats import t as student
 from pawnb.arrays import FloatArray
 from pawnb.errors import InputError
 from pawnb.gait.circular.describe import circular_median, difference
-from pawnb.gait.circular.mean import mean_vector, rayleigh_p, wrap
+from pawnb.gait.circular.mean import mean_vector, wrap
+from pawnb.gait.circular.rayleigh import rayleigh_p
 from pawnb.gait.inference.checks import as_numbers
 from pawnb.gait.inference.circular_sample import (
     NO_MEAN,

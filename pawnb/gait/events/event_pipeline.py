@@ -125,15 +125,17 @@ def analyse_space(
         level = np.tile(up, (len(raw), 1))
         height = _smooth(along(feet.positions, level), scales.cutoff_hz, fs, max_gap)
     motion = measure_motion(feet, frame, lab=lab, belt=belt_here, grid=grid)
-    kinds = [(turning, LEG_ANGLE, "deg")] if feet.angle_deg is not None else []
-    kinds += [(position, POSITION, feet.unit)]
-    kinds += [(height, HEIGHT, feet.unit)] if height is not None else []
+    across = None
     if up is not None or found_body.from_points:
-        across = frame.lateral(feet.positions, up=up)
-        kinds += [(_smooth(across, scales.cutoff_hz, fs, max_gap), LATERAL, feet.unit)]
+        across = _smooth(frame.lateral(feet.positions, up=up), scales.cutoff_hz, fs, max_gap)
+    kinds = (
+        (None if feet.angle_deg is None else turning, LEG_ANGLE, "deg"),
+        (position, POSITION, feet.unit), (height, HEIGHT, feet.unit), (across, LATERAL, feet.unit),
+    )  # fmt: skip
     signals = [
         LegSignals(**who, legs=feet.legs, time_s=grid.time_s, samples=x, signal=name, unit=unit)
         for x, name, unit in kinds
+        if x is not None
     ]
     result = SpaceResult(
         events=[], dropped=[], gaps=[], motion=motion, notes=notes, signals=signals

@@ -9,7 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from pawnb.arrays import FloatArray
-from pawnb.gait.circular.mean import circular_sd, mean_vector, rayleigh_p, widest_interval, wrap
+from pawnb.gait.circular.mean import circular_sd, mean_vector, widest_interval, wrap
+from pawnb.gait.circular.rayleigh import rayleigh_p
 from pawnb.gait.circular.second_order import animal_vectors, moore_test
 from pawnb.gait.inference.checks import check_level
 from pawnb.gait.inference.circular_length import length_interval

@@ -17,7 +17,8 @@ from scipy.special import hankel1e, ive
 from scipy.stats import chi2, norm
 
 from pawnb.errors import InputError
-from pawnb.gait.circular.mean import check_r, length_of_kappa, rayleigh_p
+from pawnb.gait.circular.mean import check_r
+from pawnb.gait.circular.rayleigh import length_of_kappa, rayleigh_p
 from pawnb.gait.inference.checks import check_level
 
 _NEARLY_ONE = 1.0 - 1e-4

@@ -169,9 +169,7 @@ def find_body(
         bouts = _bouts(_body_speed(frame, guess, fs), settings, guess, fs)
     elif settings.bouts and belt is None:
         bouts = _bouts(_stepping_speed(feet, guess, fs), settings, guess, fs)
-    standing = np.zeros(len(path), dtype=bool)
-    for start, stop in bouts.pauses if bouts is not None else ():
-        standing[start:stop] = True
+    standing = _standing(bouts, len(path))
     fore_aft = np.where(standing[:, None], np.nan, frame.fore_aft(feet.positions))
     frequency = stepping_frequency(fore_aft, settings, fs_hz=fs, guess=guess)
     scales = choose_scales(settings, frequency, fs)
@@ -187,6 +185,14 @@ def find_body(
         from_points=body is not None,
         notes=notes,
     )
+
+
+def _standing(bouts: Bouts | None, n: int) -> BoolArray:
+    """Say in which of n samples the animal pauses."""
+    standing = np.zeros(n, dtype=bool)
+    for start, stop in bouts.pauses if bouts is not None else ():
+        standing[start:stop] = True
+    return standing
 
 
 def _usable(

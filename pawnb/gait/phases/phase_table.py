@@ -12,7 +12,8 @@ import pandas as pd
 from pawnb.arrays import FloatArray, IntArray
 from pawnb.errors import InputError
 from pawnb.gait.analysis.phase_patterns import name_pattern, say_pattern
-from pawnb.gait.circular.mean import circular_sd, mean_interval, mean_vector, rayleigh_p
+from pawnb.gait.circular.mean import circular_sd, mean_interval, mean_vector
+from pawnb.gait.circular.rayleigh import rayleigh_p
 from pawnb.gait.inference.animal_phases import phase_of_animals
 from pawnb.gait.inference.checks import as_numbers
 from pawnb.gait.inference.circular_length import length_interval

@@ -34,6 +34,12 @@ MIXED_COLUMNS = (
     "method",
 )  # fmt: skip
 
+_NOT_IDENTIFIED = (
+    "these strides do not tell the variances of animals, slopes and trials apart: other "
+    "standard deviations fit as well, so there is no p; leave random parts out "
+    "(slopes=False, trials=False), or animals with single strides"
+)
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MixedFit:
@@ -134,10 +140,8 @@ def fit_mixed(
         raise InputError(f"mixed model: animal and {outcome} cannot be terms; leave them out.")
     known = table.dropna(subset=["animal", outcome, *terms])
     design, names = _design(known, terms)
-    y = as_numbers(known[outcome].to_numpy(), outcome)
+    y = _finite_outcome(known, outcome, design)
     codes, k = animal_codes(known["animal"].tolist(), len(y)) if len(y) else (np.array([]), 0)
-    if not (np.isfinite(y).all() and np.isfinite(design).all()):
-        raise InputError("mixed model: some values are infinite; leave those strides out.")
     within = [_varies_within(column, codes) for column in design.T]
     n_between = len(names) - sum(within)
     scale = np.maximum(np.abs(design).max(axis=0, initial=0.0), 1e-300)
@@ -168,11 +172,7 @@ def fit_mixed(
         notes.append("no variance between animals found; with few animals this is no proof")
     notes += _blind_notes(design, names, codes, random)
     if not found.identified:
-        notes.append(
-            "these strides do not tell the variances of animals, slopes and trials apart: other "
-            "standard deviations fit as well, so there is no p; leave random parts out "
-            "(slopes=False, trials=False), or animals with single strides"
-        )
+        notes.append(_NOT_IDENTIFIED)
         frame[["ci_low", "ci_high", "p"]] = math.nan
     icc_low = icc_high = math.nan
     if blocks.names == ["animal"]:
@@ -184,6 +184,14 @@ def fit_mixed(
         sd_slopes={name: spread[name] for name in parts if name != "animal"},
         n=len(y), n_animals=k, note="; ".join(notes),
     )  # fmt: skip
+
+
+def _finite_outcome(known: pd.DataFrame, outcome: str, design: FloatArray) -> FloatArray:
+    """Return the outcome as numbers; infinite ones, and infinite terms, are refused."""
+    y = as_numbers(known[outcome].to_numpy(), outcome)
+    if not (np.isfinite(y).all() and np.isfinite(design).all()):
+        raise InputError("mixed model: some values are infinite; leave those strides out.")
+    return y
 
 
 def _blind_notes(

@@ -1,20 +1,22 @@
 """The cut-off of a low-pass filter, chosen from the signal itself.
 
-All of it is here itself (from ``residual_analysis``); ``cutoff_scores`` and ``noise_band`` hold the
-arithmetic.
+All of it is here itself (from ``residual_analysis`` and ``cutoffs``); ``cutoff_scores`` and
+``noise_band`` hold the arithmetic.
 """
 
 from pawnb import _lazy
-from pawnb.gait.residuals.residual_analysis import (
-    CURVE_COLUMNS,
+from pawnb.gait.residuals.cutoffs import (
     CUTOFF_COLUMNS,
-    ESTIMATE_WARNING,
     METHODS,
     POOLED,
-    ResidualAnalysis,
-    analyse_residuals,
     compare_cutoffs,
     named_signals,
+)
+from pawnb.gait.residuals.residual_analysis import (
+    CURVE_COLUMNS,
+    ESTIMATE_WARNING,
+    ResidualAnalysis,
+    analyse_residuals,
     residual_cutoffs,
 )
 

@@ -1,8 +1,7 @@
 """Choosing the cut-off of a low-pass filter from the signal itself (paper 2009, §3.5, Fig. 3.11).
 
-Three ways, side by side in :func:`compare_cutoffs`: residual analysis (Winter 2009),
-generalised cross-validation, and the whiteness of what the filter takes away (Challis 1999).
-All of them are estimates. Look at the filtered signal and its derivatives before you use one.
+By residual analysis (Winter 2009); :mod:`pawnb.gait.residuals.cutoffs` has two further ways beside
+it. All of them are estimates. Look at the filtered signal and its derivatives before you use one.
 """
 
 from __future__ import annotations
@@ -24,7 +23,6 @@ from pawnb.gait.residuals.cutoff_scores import (
     Choice,
     cross_validate,
     find_long_runs,
-    find_whitest,
     residual_rms,
 )
 from pawnb.gait.residuals.noise_band import find_noise_band, given_band
@@ -38,15 +36,10 @@ ESTIMATE_WARNING = (
 )
 """What goes with every automatic choice."""
 
-METHODS = ("residual", "gcv", "autocorrelation")
 CURVE_COLUMNS = ("cutoff_hz", "residual", "noise_line", "in_band")
-CUTOFF_COLUMNS = (
-    "signal", "method", "cutoff_hz", "residual_rms", "noise_rms", "n_samples", "reason", "warning",
-)  # fmt: skip
-POOLED = "pooled"
 _STEPS = 101
 _ALL_NOISE = 0.95
-_DOUBT = 2.0
+DOUBT = 2.0
 """How many times the noise of cross-validation, or of the band's other half, is too much."""
 
 
@@ -146,10 +139,10 @@ def analyse_residuals(
             f"residual analysis: no run of {LEAST_SAMPLES} samples without a gap; expected at "
             "least one: fill the gaps or leave this signal out."
         )
-    return _analyse(runs, fs_hz=fs_hz, order=order, band_hz=band_hz, validated=None)
+    return analyse_runs(runs, fs_hz=fs_hz, order=order, band_hz=band_hz, validated=None)
 
 
-def _analyse(
+def analyse_runs(
     runs: list[np.ndarray],
     *,
     fs_hz: float,
@@ -157,7 +150,26 @@ def _analyse(
     band_hz: tuple[float, float] | None,
     validated: Choice | None,
 ) -> ResidualAnalysis:
-    """Analyse runs; what cross-validation finds in them is computed where it is not given."""
+    """Choose a cut-off for runs without gaps, as :func:`analyse_residuals` does.
+
+    Parameters
+    ----------
+    runs : list of ndarray, shape (n,) or (n, k)
+        The runs.
+    fs_hz : float
+        Sampling rate, in Hz.
+    order : int
+        Order of the filter, both passes together.
+    band_hz : tuple of float or None
+        Ends of the straight part, in Hz; None where it is to be found.
+    validated : Choice or None
+        What cross-validation finds in these runs; computed where it is not given.
+
+    Returns
+    -------
+    ResidualAnalysis
+        Cut-off, curve and line.
+    """
     cutoffs = residual_cutoffs(fs_hz, order=order)
     residual = np.array([residual_rms(runs, c, fs_hz=fs_hz, order=order) for c in cutoffs])
     scale = max(float(np.ptp(run, axis=0).max()) for run in runs)
@@ -186,7 +198,7 @@ def _analyse(
 def _doubt(read: ResidualAnalysis, ends: tuple[int, int], validated: Choice) -> str:
     """Say why the line that was fitted is not that of noise alone; empty where it may be."""
     what = ""
-    if read.noise_rms > _DOUBT * validated.noise_rms:
+    if read.noise_rms > DOUBT * validated.noise_rms:
         times = read.noise_rms / validated.noise_rms
         what = (
             f"the line's noise of {read.noise_rms:.3g} is {times:.2g} times the "
@@ -200,17 +212,17 @@ def _doubt(read: ResidualAnalysis, ends: tuple[int, int], validated: Choice) -> 
             float(np.polyfit(x[a:b], y[a:b], 1)[1])
             for a, b in ((first, middle + 1), (middle, last))
         )
-        if lower > _DOUBT * upper:
+        if lower > DOUBT * upper:
             what = (
                 f"the curve has no straight tail: a line through its lower half starts at "
                 f"{lower:.3g}, one through its upper half at {upper:.3g}"
             )
     if not what:
         return ""
-    return f"{what}, so that signal reaches to the end of the curve; {_instead(validated)}"
+    return f"{what}, so that signal reaches to the end of the curve; {say_instead(validated)}"
 
 
-def _instead(validated: Choice) -> str:
+def say_instead(validated: Choice) -> str:
     """Say what to do where residual analysis has no answer."""
     if validated.reason.startswith(NO_CUTOFF):
         return "filter only lightly, or film faster"
@@ -241,128 +253,6 @@ def residual_cutoffs(fs_hz: float, *, order: int = 4) -> FloatArray:
     check_rate(fs_hz)
     highest = two_pass_correction(order) * fs_hz / 2.0
     return np.linspace(fs_hz / 200.0, highest, _STEPS, endpoint=False)
-
-
-def compare_cutoffs(
-    signals: pd.DataFrame | FloatArray,
-    *,
-    fs_hz: float,
-    order: int = 4,
-    band_hz: tuple[float, float] | None = None,
-) -> pd.DataFrame:
-    """Choose cut-offs in three ways, for each signal and for all of them pooled.
-
-    ``residual``: :func:`analyse_residuals`. ``gcv``: the least generalised cross-validation
-    score (Craven & Wahba 1979), for noise without memory. ``autocorrelation``: where what
-    the filter takes away is most like white noise, by the sum of its squared
-    autocorrelations over all lags (Challis 1999). Where the three are far apart the noise
-    is not white, or the record is too short to tell.
-
-    Parameters
-    ----------
-    signals : pandas.DataFrame or ndarray, shape (n,) or (n, k)
-        One column a signal, all in one unit; NaN where missing. Angles must be unwrapped.
-    fs_hz : float
-        Sampling rate, in Hz.
-    order : int
-        Order of the Butterworth filter, both passes together.
-    band_hz : tuple of float, optional
-        Straight part of the residual curve, in Hz; default: found.
-
-    Returns
-    -------
-    pandas.DataFrame
-        ``CUTOFF_COLUMNS``: three rows a signal, then three named ``pooled`` where there are
-        several. ``cutoff_hz`` is NaN where no choice was possible, and ``reason`` says why;
-        ``residual_rms`` is what the filter takes away at that cut-off, ``noise_rms`` the
-        noise estimated by the method itself (NaN for autocorrelation).
-
-    Raises
-    ------
-    InputError
-        If the rate, order or band cannot be, there is no signal, or two have one name.
-    """
-    residual_cutoffs(fs_hz, order=order)  # refuses rates and orders that cannot be
-    table = signals if isinstance(signals, pd.DataFrame) else named_signals(np.asarray(signals))
-    if table.shape[1] == 0 or not table.columns.is_unique:
-        raise InputError("signals: expected at least one column, each with its own name.")
-    parts = {str(name): table[[name]].to_numpy(dtype=float) for name in table}
-    if len(parts) > 1:
-        parts[POOLED] = table.to_numpy(dtype=float)
-    rows = []
-    for name, values in parts.items():
-        runs = find_long_runs(values)
-        n = sum(run.size for run in runs)
-        found = _choose_all(runs, fs_hz=fs_hz, order=order, band_hz=band_hz)
-        for method in METHODS:
-            choice, left = _kept(found[method], runs, fs_hz=fs_hz, order=order)
-            given = (choice.cutoff_hz, left, choice.noise_rms, n, choice.reason)
-            rows.append((name, method, *given, ESTIMATE_WARNING))
-    return pd.DataFrame(rows, columns=list(CUTOFF_COLUMNS))
-
-
-def named_signals(values: np.ndarray) -> pd.DataFrame:
-    """Return signals without names as a table.
-
-    Parameters
-    ----------
-    values : ndarray, shape (n,) or (n, k)
-        The signals.
-
-    Returns
-    -------
-    pandas.DataFrame
-        ``signal 1`` and so on.
-
-    Raises
-    ------
-    InputError
-        If there are more than two dimensions, or none.
-    """
-    if values.ndim not in (1, 2):
-        raise InputError(f"signals have {values.ndim} dimensions; expected time and signal.")
-    flat = values.reshape(len(values), -1)
-    return pd.DataFrame(flat, columns=[f"signal {k + 1}" for k in range(flat.shape[1])])
-
-
-def _choose_all(
-    runs: list[np.ndarray], *, fs_hz: float, order: int, band_hz: tuple[float, float] | None
-) -> dict[str, Choice]:
-    """Return the choice of every method."""
-    if not runs:
-        none = f"{NO_CUTOFF}no run of {LEAST_SAMPLES} samples without a gap"
-        return dict.fromkeys(METHODS, Choice(math.nan, math.nan, none))
-    validated = cross_validate(runs, fs_hz=fs_hz, order=order)
-    found = _analyse(runs, fs_hz=fs_hz, order=order, band_hz=band_hz, validated=validated)
-    return {
-        "residual": Choice(found.cutoff_hz, found.noise_rms, found.reason),
-        "gcv": validated,
-        "autocorrelation": _checked_whitest(runs, validated, fs_hz=fs_hz, order=order),
-    }
-
-
-def _checked_whitest(
-    runs: list[np.ndarray], validated: Choice, *, fs_hz: float, order: int
-) -> Choice:
-    """Return the whitest cut-off, unless it takes away far more than the noise."""
-    choice = find_whitest(runs, fs_hz=fs_hz, order=order)
-    left = residual_rms(runs, choice.cutoff_hz, fs_hz=fs_hz, order=order)
-    if choice.reason.startswith(NO_CUTOFF) or left <= _DOUBT * validated.noise_rms:
-        return choice
-    return choice._replace(
-        reason=f"{NO_CUTOFF}{choice.reason} at {choice.cutoff_hz:.3g} Hz, where it takes away "
-        f"{left / validated.noise_rms:.2g} times the noise of cross-validation; "
-        f"{_instead(validated)}"
-    )
-
-
-def _kept(
-    choice: Choice, runs: list[np.ndarray], *, fs_hz: float, order: int
-) -> tuple[Choice, float]:
-    """Return a choice with the residual at it; NaN for both where it is none."""
-    if choice.reason.startswith(NO_CUTOFF):
-        return Choice(math.nan, math.nan, choice.reason), math.nan
-    return choice, residual_rms(runs, choice.cutoff_hz, fs_hz=fs_hz, order=order)
 
 
 def _read_off(

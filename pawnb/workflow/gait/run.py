@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -19,7 +19,7 @@ from pawnb.gait.coordination import coordination_tables
 from pawnb.gait.events.event_edits import FILE_NAME
 from pawnb.io.tables import write_table, write_text
 from pawnb.schema import build_settings
-from pawnb.workflow.gait.drawings import gait_drawings
+from pawnb.workflow.gait.drawings import Drawing, gait_drawings
 from pawnb.workflow.gait.inputs import (
     analyse_source,
     check_alike,
@@ -27,13 +27,12 @@ from pawnb.workflow.gait.inputs import (
     tracks_of,
     who_is_who,
 )
-from pawnb.workflow.gait.overview_drawings import curve_clusters, overview_drawings
+from pawnb.workflow.gait.overview_drawings import overview_drawings
 from pawnb.workflow.gait.request import Again, GaitRequest, Legs
 from pawnb.workflow.gait.save_figures import Which, save_gait_figures
 from pawnb.workflow.gait.source_drawings import source_drawings
 from pawnb.workflow.gait.sources import GaitSource
 from pawnb.workflow.gait.species import species_drawings
-from pawnb.workflow.gait.speed_residuals import speed_residuals
 from pawnb.workflow.gait.statistics import (
     Groups,
     body_angles_of,
@@ -44,11 +43,12 @@ from pawnb.workflow.gait.statistics import (
 )
 from pawnb.workflow.gait.study import Study
 from pawnb.workflow.gait.study_tables import (
+    Fields,
     covariates_of,
     reference_lines,
     size_drawings,
     size_tables,
-    trials_table,
+    tables_of_study,
 )
 from pawnb.workflow.provenance.labels import label_inputs
 from pawnb.workflow.provenance.manifest import MANIFEST, writing_results
@@ -207,17 +207,7 @@ def carry_out(
     """
     with noted_warnings() as warned:
         sources, study = read_sources(request)
-        parts = [
-            analyse_source(
-                source,
-                legs=request.legs,
-                event_names=request.event_names,
-                settings=request.settings,
-            )
-            for source in sources
-        ]
-        check_alike(parts)
-        tables = parts[0] if len(parts) == 1 else gait.pool(parts, settings=_common(request, study))
+        parts, tables = _analysed(request, sources, study)
         folder = make_folder(_default_out(sources, study) if out is None else out)
         edits = _event_edit_files(sources, folder) if again is None else list(again.edits)
         tables = gait.replay_event_edits(tables, edits)
@@ -233,12 +223,7 @@ def carry_out(
         fields = covariates_of(parts, [source.fields for source in sources])
         further, remarks = _further_tables(tables, sources, groups=named, angles=angles)
         joints = joint_signals_of(named_tracks)
-        for name, made in (
-            ("speed_residuals", speed_residuals(tables.strides)),
-            ("curve_clusters", curve_clusters(tables, groups=named, joints=joints)),
-        ):
-            further |= {name: made} if len(made) else {}
-        further["trials"] = trials_table(tables, groups=named, fields=fields)
+        further |= tables_of_study(tables, groups=named, joints=joints, fields=fields)
         try:
             further |= size_tables(tables.strides, fields)
         except InputError as error:
@@ -247,18 +232,15 @@ def carry_out(
         remarks = [*who_is_who(sources, request.animals), *tables.notes, *remarks]
         tables = dataclasses.replace(tables, notes=tuple(remarks))
         every = {name: _grouped(getattr(tables, name), named) for name in TABLES} | further
+        unit = length_unit(tables)
         drawings = itertools.chain(
             gait_drawings(
                 tables, groups=named, notes=[*_notes_of(sources, tables), *warned],
-                references=reference_lines(tables.strides, fields, unit=length_unit(tables)),
+                references=reference_lines(tables.strides, fields, unit=unit),
             ),
             overview_drawings(tables, groups=named, joints=joints),
             source_drawings(seen, angles=angles),
-            size_drawings(tables.strides, fields, unit=length_unit(tables)),
-            species_drawings(
-                tables.strides, fields, () if study is None else study.species,
-                unit=length_unit(tables),
-            ),
+            _drawings_of_study(tables, fields, study, unit=unit),
         )  # fmt: skip
         with writing_results(folder, run="gait", steps=[step]) as staging:
             files = [write_table(table, staging / f"{name}.csv") for name, table in every.items()]
@@ -369,6 +351,34 @@ def _further_tables(
     if len(bodies):
         further["body_angles"] = bodies
     return further, remarks
+
+
+def _analysed(
+    request: GaitRequest, sources: Sequence[GaitSource], study: Study | None
+) -> tuple[list[GaitTables], GaitTables]:
+    """Return the tables of each source, and those of all."""
+    parts = [
+        analyse_source(
+            source,
+            legs=request.legs,
+            event_names=request.event_names,
+            settings=request.settings,
+        )
+        for source in sources
+    ]
+    check_alike(parts)
+    if len(parts) == 1:
+        return parts, parts[0]
+    return parts, gait.pool(parts, settings=_common(request, study))
+
+
+def _drawings_of_study(
+    tables: GaitTables, fields: Fields, study: Study | None, *, unit: str | None
+) -> Iterator[Drawing]:
+    """Yield what compares animals with what is known of them, and with species."""
+    yield from size_drawings(tables.strides, fields, unit=unit)
+    species = () if study is None else study.species
+    yield from species_drawings(tables.strides, fields, species, unit=unit)
 
 
 def _notes_of(sources: Sequence[GaitSource], tables: GaitTables) -> list[str]:

@@ -12,10 +12,14 @@ from pawnb import figures
 from pawnb.errors import InputError
 from pawnb.figures.panels import speed_unit, with_unit
 from pawnb.gait import GaitTables
+from pawnb.gait.cycles import LegSignals
 from pawnb.gait.legs import find_leg_place
 from pawnb.gait.regression.reference_lines import least_stable_duty_factor, trot_gallop_transition
 from pawnb.gait.regression.scaling import EXPECTED_EXPONENTS, expected_slopes_table, scaling_table
 from pawnb.workflow.gait.drawings import Drawing, make_drawing
+from pawnb.workflow.gait.overview_drawings import curve_clusters
+from pawnb.workflow.gait.speed_residuals import speed_residuals
+from pawnb.workflow.gait.statistics import Groups
 
 Fields = Mapping[tuple[str, str], Mapping[str, Any]]
 """(animal, trial) to its covariates."""
@@ -62,6 +66,35 @@ def trials_table(tables: GaitTables, *, groups: Mapping[Any, str], fields: Field
     table = pd.DataFrame(rows)
     last = ["n_strides", "n_dropped"]
     return table[[*(name for name in table if name not in last), *last]]
+
+
+def tables_of_study(
+    tables: GaitTables, *, groups: Groups, joints: Sequence[LegSignals], fields: Fields
+) -> dict[str, pd.DataFrame]:
+    """Return what compares animals: strides at equal speed, curves of groups, the trials.
+
+    Parameters
+    ----------
+    tables : GaitTables
+        Of all trials.
+    groups : mapping
+        (animal, trial) to its group.
+    joints : sequence of LegSignals
+        Joint angles of jointed animals.
+    fields : mapping
+        (animal, trial) to what else is known of it.
+
+    Returns
+    -------
+    dict
+        Name to table, without empty ones.
+    """
+    made = {
+        "speed_residuals": speed_residuals(tables.strides),
+        "curve_clusters": curve_clusters(tables, groups=groups, joints=joints),
+    }
+    found = {name: table for name, table in made.items() if len(table)}
+    return found | {"trials": trials_table(tables, groups=groups, fields=fields)}
 
 
 def size_tables(strides: pd.DataFrame, fields: Fields) -> dict[str, pd.DataFrame]:

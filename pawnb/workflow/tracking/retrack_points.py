@@ -32,6 +32,7 @@ from pawnb.workflow.tracking.kept_candidates import (
     session_stacks,
 )
 from pawnb.workflow.tracking.methods import (
+    AnyTracker,
     by_dotted_name,
     method_of_tracks,
     stage_parameters_of_tracks,
@@ -67,15 +68,8 @@ def retrack_points(trial: Trial, tracks: Tracks, frame: int, *, asked: RetrackOp
     InputError
         If the frame is not among those of the tracks.
     """
-    known = tracks["frame"].to_numpy()
-    if frame not in known:
-        raise InputError(
-            f"frame {frame} is not among the tracked frames {known[0]} to {known[-1]}."
-        )
-    tracker, settings = method_of_tracks(trial, tracks)
-    if isinstance(settings, OfflineSettings) and "evidence" in tracks.attrs:
-        # what found these tracks finds them again
-        settings = dataclasses.replace(settings, evidence=tracks.attrs["evidence"])
+    known = _known_frames(tracks, frame)
+    tracker, settings = _method_that_found(trial, tracks)
     placed = corrected_points(tracks, frame)
     learnt = _frames_learnt_in(tracks) | (dict.fromkeys(placed, frame) if asked.learn else {})
     own = stage_parameters_of_tracks(trial, tracks)
@@ -117,10 +111,7 @@ def retrack_points(trial: Trial, tracks: Tracks, frame: int, *, asked: RetrackOp
         corrected = Correction(learnt, **given)
         new = tracker.retrack(views, clicks, task, settings=settings, corrected=corrected)
         sizes = run.sizes
-        tolerance = {
-            name: TOLERANCE_PX * reader.width / REFERENCE_WIDTH_PX
-            for name, reader in views.readers.items()
-        }
+        tolerance = {name: _tolerance_px(reader.width) for name, reader in views.readers.items()}
     new = in_real_units(new, trial, units="px")
     joint = old is None
     if joint and new.sizes["time"] < known[-1] + 1 - known[0]:
@@ -131,17 +122,39 @@ def retrack_points(trial: Trial, tracks: Tracks, frame: int, *, asked: RetrackOp
         new = shown_in_every_view(new, rig, sizes)
     new = keep_likeness(tracks, new.assign_attrs(tracks.attrs))
     new = describe_trial(new.assign_coords(time=tracks["time"]), trial)
-    step = build_step(
-        "retrack",
-        command=None,
-        inputs=trial_checksums(trial, start=False),
-        settings=dataclasses.asdict(settings) | by_dotted_name(own),
-        frame=int(frame),
-        points=placed,
-        learn=asked.learn,
-        start=clicks.to_dict(orient="records"),
-    )
-    return add_provenance(new, **step)
+    return _with_step(
+        new, trial, settings=dataclasses.asdict(settings) | by_dotted_name(own), frame=int(frame),
+        points=placed, learn=asked.learn, start=clicks.to_dict(orient="records"),
+    )  # fmt: skip
+
+
+def _with_step(new: Tracks, trial: Trial, **said: Any) -> Tracks:
+    """Return tracks that say how they were tracked again."""
+    inputs = trial_checksums(trial, start=False)
+    return add_provenance(new, **build_step("retrack", command=None, inputs=inputs, **said))
+
+
+def _known_frames(tracks: Tracks, frame: int) -> np.ndarray:
+    """Return the tracked frames, of which a corrected one must be."""
+    known = np.asarray(tracks["frame"].to_numpy())
+    if frame not in known:
+        raise InputError(
+            f"frame {frame} is not among the tracked frames {known[0]} to {known[-1]}."
+        )
+    return known
+
+
+def _method_that_found(trial: Trial, tracks: Tracks) -> tuple[AnyTracker, Any]:
+    """Return the tracker and the settings that found tracks: they find them again."""
+    tracker, settings = method_of_tracks(trial, tracks)
+    if isinstance(settings, OfflineSettings) and "evidence" in tracks.attrs:
+        settings = dataclasses.replace(settings, evidence=tracks.attrs["evidence"])
+    return tracker, settings
+
+
+def _tolerance_px(width: int) -> float:
+    """Return how far a place may differ from the old one in a picture so wide."""
+    return TOLERANCE_PX * width / REFERENCE_WIDTH_PX
 
 
 def _first_clicks(tracks: Tracks, looked: pd.DataFrame) -> pd.DataFrame:

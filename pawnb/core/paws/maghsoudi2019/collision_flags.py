@@ -102,3 +102,31 @@ def find_pairs(layout: Layout) -> tuple[tuple[int, int, int], ...]:
             alike = [(view, front[0], hind[0])]
         pairs += alike
     return tuple(pairs)
+
+
+def weights_in_collision(usual: tuple[float, ...], *, is_front: bool) -> tuple[float, ...]:
+    """Return the weights of the features of a paw in collision (Algorithm 4).
+
+    Parameters
+    ----------
+    usual : tuple of 8 float
+        Its weights at other times.
+    is_front : bool
+        Whether it is a front paw.
+
+    Returns
+    -------
+    tuple of 8 float
+        For a front paw that of F1 (initial green) is one higher, that of F4 (previous hue) one
+        lower, but not below 0, and that of F7 (corner) is 0; for a hind paw that of F3 (initial
+        hue) is two higher. The paper's section 4.5 calls F1 "previously tracked" and F3 the
+        first; Eq. 3 is followed.
+    """
+    w = list(usual)
+    if is_front:
+        w[0] += 1
+        w[3] = max(w[3] - 1, 0.0)
+        w[6] = 0.0
+    else:
+        w[2] += 2
+    return tuple(w)

@@ -44,6 +44,7 @@ from pawnb.core.paws.maghsoudi2019.collision_flags import (
     Resolved,
     Undone,
     find_pairs,
+    weights_in_collision,
 )
 from pawnb.core.paws.maghsoudi2019.template import StrideTemplate
 from pawnb.core.paws.maghsoudi2019.template_fit import TemplateFit, fit_template
@@ -221,22 +222,12 @@ class Collisions:
         Returns
         -------
         tuple of 8 float
-            For a front paw in collision that of F1 (initial green) is one higher, that of
-            F4 (previous hue) one lower, but not below 0, and that of F7 (corner) is 0; for
-            a hind paw that of F3 (initial hue) is two higher. The paper's section 4.5 calls
-            F1 "previously tracked" and F3 the first; Eq. 3 is followed.
+            See :func:`.collision_flags.weights_in_collision`.
         """
         usual = self.layout.weights[key[1]]
         if not (self.layout.settings.adjust_weights and self.is_colliding(key)):
             return usual
-        w = list(usual)
-        if self.layout.kinds[key[1]] == "front":
-            w[0] += 1
-            w[3] = max(w[3] - 1, 0.0)
-            w[6] = 0.0
-        else:
-            w[2] += 2
-        return tuple(w)
+        return weights_in_collision(usual, is_front=self.layout.kinds[key[1]] == "front")
 
     def undo_jumps(
         self,

@@ -108,14 +108,10 @@ def fit_template(
     """
     least_frames = max(least_frames, 4)
     smooth = lowpass_path(uv, cutoff_hz=cutoff_hz, fps=fps)
-    length = max(round(template.period_s * fps), least_frames)
-    runs = find_runs(np.isfinite(smooth[:, 0]))
-    if len(runs) == 0:
+    span = _last_run(smooth, max(round(template.period_s * fps), least_frames), least_frames)
+    if span is None:
         return None
-    first, last = runs[-1]
-    first = max(first, last - length)
-    if last - first < least_frames:
-        return None
+    first, last = span
     t = np.arange(first, last, dtype=float)
     target = facing * smooth[first:last, 0]
     centred = target - midpoint(target)
@@ -136,23 +132,7 @@ def fit_template(
     start = _best_correlation(path, centred, 1.0 / (template.period_s * fps))
     if start is None:
         return None
-    f, a, tau = start
-    solved = minimize(
-        cost,
-        np.array(start),
-        method="Nelder-Mead",
-        options={
-            "initial_simplex": np.array(
-                [[f, a, tau], [1.05 * f, a, tau], [f, 1.1 * a, tau], [f, a, tau + 1.0]]
-            ),
-            "xatol": 1e-3,
-            "fatol": 1e-3 * len(t),
-            "maxiter": 200,
-        },
-    )
-    f, a, tau = (float(x) for x in solved.x)
-    if a <= 0 or f <= 0:
-        f, a, tau = start
+    f, a, tau = _least_squares(cost, start, n_frames=len(t))
     left = centred - a * path(f, tau)
     model = a * template.spline((t - tau) * f % 1.0) * [facing, 1.0]
     offset = (smooth[first:last] - model)[-_JOINED_FRAMES:].mean(axis=0)
@@ -165,6 +145,36 @@ def fit_template(
         facing=facing,
         rms_px=float(np.sqrt((left**2).mean())),
     )
+
+
+def _last_run(smooth: FloatArray, length: int, least_frames: int) -> tuple[int, int] | None:
+    """Return first frame and end of the last run of positions; None where it is too short."""
+    runs = find_runs(np.isfinite(smooth[:, 0]))
+    if len(runs) == 0:
+        return None
+    first, last = runs[-1]
+    first = max(first, last - length)
+    return None if last - first < least_frames else (first, last)
+
+
+def _least_squares(cost: Any, start: tuple[float, ...], *, n_frames: int) -> tuple[float, ...]:
+    """Return frequency, amplitude and shift of the least cost; the start where they cannot be."""
+    f, a, tau = start
+    solved = minimize(
+        cost,
+        np.array(start),
+        method="Nelder-Mead",
+        options={
+            "initial_simplex": np.array(
+                [[f, a, tau], [1.05 * f, a, tau], [f, 1.1 * a, tau], [f, a, tau + 1.0]]
+            ),
+            "xatol": 1e-3,
+            "fatol": 1e-3 * n_frames,
+            "maxiter": 200,
+        },
+    )
+    found = tuple(float(x) for x in solved.x)
+    return start if found[1] <= 0 or found[0] <= 0 else found
 
 
 def _best_correlation(path: Any, centred: FloatArray, usual: float) -> tuple[float, ...] | None:
