@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
@@ -143,10 +143,10 @@ class ClickDraft(CalibrationDraft[ClicksT]):
         self._make(self._without_click(self._slot(view, point)))
         self.current = (view, point)
 
-    def _with_click(self, slot: Hashable, uv: tuple[float, float]) -> ClicksT:
+    def _with_click(self, slot: Any, uv: tuple[float, float]) -> ClicksT:
         return replace(self._state, clicks={**self._state.clicks, slot: uv})
 
-    def _without_click(self, slot: Hashable) -> ClicksT:
+    def _without_click(self, slot: Any) -> ClicksT:
         clicks = {key: uv for key, uv in self._state.clicks.items() if key != slot}
         return replace(self._state, clicks=clicks)
 

@@ -6,7 +6,7 @@ CLICKS`` reads, too. The views do not move, so a click counts whatever frame it 
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -254,11 +254,11 @@ class PointCalibration(ClickDraft[_State]):
     def _all_clicked(self, view: str) -> str:
         return f"every point is clicked in {view}; drag one to move it."
 
-    def _with_click(self, slot: Hashable, uv: tuple[float, float]) -> _State:
+    def _with_click(self, slot: Slot, uv: tuple[float, float]) -> _State:
         state = super()._with_click(slot, uv)
         return replace(state, frames={slot: self.frame, **state.frames})
 
-    def _without_click(self, slot: Hashable) -> _State:
+    def _without_click(self, slot: Slot) -> _State:
         return replace(super()._without_click(slot), aside=self.aside - {slot})
 
     def _look_at_change(self, before: _State) -> None:

@@ -17,7 +17,7 @@ from pawnb.core.paws.offline.reuse.retracking import after_correction
 from pawnb.core.paws.offline.settings import OfflineSettings
 from pawnb.core.paws.offline.tracker import LEARNT
 from pawnb.core.paws.retracked_span import TOLERANCE_PX, keep_untouched
-from pawnb.core.paws.tracker import Correction, KeptEvidence
+from pawnb.core.paws.tracker import AnyTracker, Correction, KeptEvidence
 from pawnb.errors import InputError
 from pawnb.schema import ORIGIN_CODE, START_COLUMNS, Tracks, add_provenance
 from pawnb.trial import Trial
@@ -32,7 +32,6 @@ from pawnb.workflow.tracking.kept_candidates import (
     session_stacks,
 )
 from pawnb.workflow.tracking.methods import (
-    AnyTracker,
     by_dotted_name,
     method_of_tracks,
     stage_parameters_of_tracks,
