@@ -10,9 +10,8 @@ import numpy as np
 from pawnb.core import dlt
 from pawnb.core.paws.offline.association.network_flow import triangulation_kernels as loops
 from pawnb.core.paws.offline.association.network_flow.parameters import NETWORK_FLOW
-from pawnb.core.paws.offline.detection.colour.detections import Detections, InFrames
+from pawnb.core.paws.offline.detection.colour.detections import Detections, InFrames, pad_and_stack
 from pawnb.core.paws.offline.detection.colour.likelihood import AppearanceLikelihood
-from pawnb.core.paws.offline.detection.colour.padding import pad_and_stack
 from pawnb.core.sightlines import find_fundamental_matrix
 
 

@@ -16,7 +16,7 @@ _UV, _DIRECTION, _COVERAGE, _SCORE, _TIP = slice(0, 2), slice(2, 4), 4, 5, slice
 
 @dataclass(frozen=True)
 class Detections:
-    """Detections of one view in one frame; side by side (``padding``) those of more.
+    """Detections of one view in one frame; side by side (:func:`pad_and_stack`) those of more.
 
     Parameters
     ----------
@@ -106,3 +106,25 @@ InViews: TypeAlias = Sequence[Detections]
 
 InFrames: TypeAlias = Sequence[Sequence[Detections]]
 """For each frame, the detections of each view."""
+
+
+def pad_and_stack(found: InFrames) -> tuple[Detections, np.ndarray]:
+    """Put detections side by side.
+
+    Parameters
+    ----------
+    found : sequence
+        For each frame, the detections of each view.
+
+    Returns
+    -------
+    detections : Detections
+        The detections, (n, V, most), and 0 where there is none.
+    is_there : ndarray of bool, shape (n, V, most)
+        Where there is one.
+    """
+    number = np.array([[len(rows) for rows in here] for here in found])
+    is_there = np.arange(max(1, int(number.max()))) < number[..., None]
+    table = np.zeros((*is_there.shape, N_COLUMNS), np.float32)
+    table[is_there] = np.concatenate([own.table for here in found for own in here])
+    return Detections(table), is_there

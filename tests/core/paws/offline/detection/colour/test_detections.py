@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from pawnb.core.paws.offline.detection.colour.detections import Detections
-from pawnb.core.paws.offline.detection.colour.padding import pad_and_stack
+from pawnb.core.paws.offline.detection.colour.detections import Detections, pad_and_stack
 
 
 def some(n, seed=0):
